@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+
+#include "models/exchange/messages.hpp"
+
+namespace vantage::bus {
+
+/// A channel name welded to the one message that may travel on it. A name that ends in '*' stands
+/// for every channel with that prefix, for subscribing only.
+///
+/// LCM cannot tell apart two structs whose fields have the same names and types, so the pairing is
+/// made here, once, and checked by the compiler at every publish() and subscribe().
+template <class Message>
+struct Channel {
+  std::string name;
+};
+
+inline const Channel<models::MocapFrame> kVicon{"VICON"};
+inline const Channel<models::TruthFrame> kTruth{"TRUTH"};
+inline const Channel<models::ContactReport> kCollision{"COLLISION"};
+inline const Channel<models::AttackNotice> kAttack{"ATTACK"};
+inline const Channel<models::OperatorCommand> kCommand{"COMMAND"};
+inline const Channel<models::ScenarioNotice> kScenario{"SCENARIO"};
+
+/// `robot` "*" subscribes to all of them.
+inline Channel<models::DetectionSet> measurement_channel(const std::string& robot) {
+  return {"MEASUREMENT_" + robot};
+}
+inline Channel<models::RobotBelief> belief_channel(const std::string& robot) {
+  return {"BELIEF_" + robot};
+}
+inline Channel<models::RobotPlan> plan_channel(const std::string& robot) {
+  return {"PLAN_" + robot};
+}
+inline Channel<models::VehicleStatus> quadrotor_channel(const std::string& robot) {
+  return {"QUADROTOR_" + robot};
+}
+inline Channel<models::ProcessHealth> health_channel(const std::string& process) {
+  return {"HEALTH_" + process};
+}
+
+}  // namespace vantage::bus

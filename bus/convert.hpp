@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "models/exchange/messages.hpp"
+#include "vantage_lcm/attack_t.hpp"
+#include "vantage_lcm/belief_t.hpp"
+#include "vantage_lcm/collision_t.hpp"
+#include "vantage_lcm/command_t.hpp"
+#include "vantage_lcm/health_t.hpp"
+#include "vantage_lcm/measurement_t.hpp"
+#include "vantage_lcm/plan_t.hpp"
+#include "vantage_lcm/quadrotor_t.hpp"
+#include "vantage_lcm/scenario_t.hpp"
+#include "vantage_lcm/truth_t.hpp"
+#include "vantage_lcm/vicon_frame_t.hpp"
+
+// The border. Wire structs exist only on the far side of these functions.
+//
+// from_wire() checks (finite numbers, ranges, sizes, symmetric positive definite matrices, unit
+// quaternions, known enumerators) and answers nullopt for a message that cannot be true; to_wire()
+// cannot fail. Every pair has a round-trip test and a refusal test.
+
+namespace vantage::bus {
+
+vantage_lcm::vicon_frame_t to_wire(const models::MocapFrame& frame);
+std::optional<models::MocapFrame> from_wire(const vantage_lcm::vicon_frame_t& wire);
+
+vantage_lcm::measurement_t to_wire(const models::DetectionSet& detections);
+std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& wire);
+
+vantage_lcm::belief_t to_wire(const models::RobotBelief& belief);
+std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire);
+
+vantage_lcm::plan_t to_wire(const models::RobotPlan& plan);
+std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire);
+
+vantage_lcm::quadrotor_t to_wire(const models::VehicleStatus& status);
+std::optional<models::VehicleStatus> from_wire(const vantage_lcm::quadrotor_t& wire);
+
+vantage_lcm::command_t to_wire(const models::OperatorCommand& command);
+std::optional<models::OperatorCommand> from_wire(const vantage_lcm::command_t& wire);
+
+vantage_lcm::truth_t to_wire(const models::TruthFrame& truth);
+std::optional<models::TruthFrame> from_wire(const vantage_lcm::truth_t& wire);
+
+vantage_lcm::collision_t to_wire(const models::ContactReport& contact);
+std::optional<models::ContactReport> from_wire(const vantage_lcm::collision_t& wire);
+
+vantage_lcm::attack_t to_wire(const models::AttackNotice& attack);
+std::optional<models::AttackNotice> from_wire(const vantage_lcm::attack_t& wire);
+
+vantage_lcm::health_t to_wire(const models::ProcessHealth& health);
+std::optional<models::ProcessHealth> from_wire(const vantage_lcm::health_t& wire);
+
+vantage_lcm::scenario_t to_wire(const models::ScenarioNotice& notice);
+std::optional<models::ScenarioNotice> from_wire(const vantage_lcm::scenario_t& wire);
+
+/// The wire type that carries `Message`.
+template <class Message>
+using WireOf = decltype(to_wire(std::declval<const Message&>()));
+
+}  // namespace vantage::bus

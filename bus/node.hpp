@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+
+namespace vantage::bus {
+
+/// One process's worth of behaviour: it subscribes in its constructor, wakes at times of its own
+/// choosing, publishes. In flight each node has a process (run_node); in a trial in virtual time
+/// many nodes share a thread and a VirtualClock. A node cannot tell the difference.
+class Node {
+ public:
+  Node() = default;
+  virtual ~Node() = default;
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+  Node(Node&&) = delete;
+  Node& operator=(Node&&) = delete;
+
+  /// Its name on HEALTH_<name>, for example "ESTIMATOR_Q1".
+  [[nodiscard]] virtual std::string name() const = 0;
+  /// When tick() wants to be called next; after a tick at t it must be later than t.
+  [[nodiscard]] virtual Time next_tick() const = 0;
+  /// `now` ≥ next_tick(), by how much depends on the machine.
+  virtual void tick(Time now) = 0;
+  /// Everything it dropped or missed, by name.
+  [[nodiscard]] virtual std::vector<models::NamedCount> counters() const { return {}; }
+  [[nodiscard]] virtual std::int64_t deadlines_missed() const { return 0; }
+};
+
+/// Publishes HEALTH_<name> each second and when a counter other than those of plain traffic
+/// changed. The caller says how long each loop took.
+class HealthReporter {
+ public:
+  HealthReporter(Bus& bus, const Node& node);
+  void on_loop(Time now, double loop_s);
+  void publish(Time now, models::ProcessState state);
+
+ private:
+  Bus& bus_;
+  const Node& node_;
+  Time next_{};
+  std::int64_t loops_ = 0;
+  double loop_worst_s_ = 0.0;
+};
+
+/// Runs `node` on `bus` in real time until stop(), then publishes a last HEALTH.
+void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop);
+
+}  // namespace vantage::bus

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::bus {
+
+/// Reads a scenario file. Keys are the field names of models/scenario, units included.
+/// @throws StartupError "file:line: key: what is wrong and what was expected" for an unknown or
+///         duplicate key, a wrong type or unit, a value out of range, a missing file.
+models::Scenario load_scenario(const std::string& path);
+
+/// The same from text; `name` stands for the file in messages.
+models::Scenario parse_scenario(const std::string& yaml, const std::string& name);
+
+}  // namespace vantage::bus

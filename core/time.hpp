@@ -1,0 +1,34 @@
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+
+namespace vantage {
+
+/// The one clock of the stack: microseconds since the Unix epoch, the same count as the `utime`
+/// field of every LCM message. It has no now(): library code is handed a Time, so a replayed log
+/// and a live robot run the same instructions.
+struct StackClock {
+  using rep = std::int64_t;
+  using period = std::micro;
+  using duration = std::chrono::duration<rep, period>;
+  using time_point = std::chrono::time_point<StackClock>;
+  static constexpr bool is_steady = false;  // NOLINT(readability-identifier-naming): std Clock
+};
+
+using Duration = StackClock::duration;
+using Time = StackClock::time_point;
+
+/// Length of `d` in seconds, as the number the equations want.
+constexpr double to_seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
+
+/// The nearest whole number of microseconds to `seconds_s`.
+inline Duration from_seconds(double seconds_s) {
+  return Duration{static_cast<std::int64_t>(std::llround(seconds_s * 1e6))};
+}
+
+constexpr Time from_utime(std::int64_t utime_us) { return Time{Duration{utime_us}}; }
+constexpr std::int64_t to_utime(Time t) { return t.time_since_epoch().count(); }
+
+}  // namespace vantage

@@ -1,0 +1,200 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/pose.hpp"
+#include "core/time.hpp"
+#include "models/belief/gaussian.hpp"
+#include "models/plan/plan.hpp"
+#include "models/sensor/sensor.hpp"
+#include "models/world/grid.hpp"
+
+// What processes tell each other, as values. bus/convert turns them into wire messages and back;
+// nothing else knows how they travel.
+
+namespace vantage::models {
+
+/// Names one message of one process run: together with the channel it is unique for ever.
+struct InputRef {
+  std::string channel;
+  std::int64_t run_id = 0;
+  std::int64_t sequence = 0;
+  friend bool operator==(const InputRef&, const InputRef&) = default;
+};
+
+/// Where a message comes from and when its content is valid.
+struct Stamp {
+  Time time{};  ///< the instant that the content is valid for, not the instant of sending
+  std::int64_t run_id = 0;
+  std::int64_t sequence = 0;
+};
+
+/// One rigid body as the mocap system sees it.
+struct MocapBody {
+  std::string name;
+  Pose3 world_from_body;
+  bool occluded = false;  ///< then the pose means nothing
+};
+
+/// All bodies at one instant (VICON).
+struct MocapFrame {
+  Stamp stamp;  ///< time: capture
+  Time arrival{};
+  std::int64_t frame_number = 0;
+  std::vector<MocapBody> bodies;
+
+  [[nodiscard]] const MocapBody* find(const std::string& name) const;
+};
+
+/// One target in view.
+struct Detection {
+  int target_id = 0;
+  Measurement measurement;
+};
+
+/// Everything that one robot's sensor saw at one instant (MEASUREMENT_R); empty when it looked
+/// and saw nothing.
+struct DetectionSet {
+  Stamp stamp;
+  std::string robot;
+  Viewpoint viewpoint;   ///< from where it looked
+  bool jammed = false;   ///< an attacked sensor did not look at all
+  std::vector<Detection> detections;
+  std::vector<InputRef> inputs;
+};
+
+/// One target as one robot knows it.
+struct TargetBelief {
+  int target_id = 0;
+  Information information;  ///< at the message's time
+  Time last_seen{};         ///< newest measurement of anyone that went into it
+};
+
+/// What one robot knows (BELIEF_R).
+struct RobotBelief {
+  Stamp stamp;
+  std::string robot;
+  std::int64_t step = 0;  ///< index of the estimator step that made it
+  Viewpoint viewpoint;
+  int degree = 0;  ///< neighbours in range at this step, for Metropolis weights
+  std::vector<TargetBelief> targets;  ///< the discovered ones, by ascending target_id
+  GridGeometry grid;
+  std::vector<std::int64_t> last_seen_utime;  ///< per cell, VisibilityGrid::kNeverSeen for never
+  std::vector<InputRef> inputs;               ///< what this step consumed, in that order
+};
+
+/// How a published plan came about; lower is better.
+enum class PlanSource {
+  kSearched = 0,  ///< the best complete plan of this slot's search
+  kShifted = 1,   ///< last plan, shifted and checked again
+  kBraking = 2,   ///< stop and hover
+};
+
+/// One robot's committed motion and how good it is (PLAN_R).
+struct RobotPlan {
+  Stamp stamp;  ///< time: when the trajectory starts, t_{k+1}
+  std::string robot;
+  std::int64_t round = 0;
+  PlanSource source = PlanSource::kBraking;
+  Trajectory trajectory;
+  int horizon_steps = 0;         ///< T
+  double step_s = 0.5;           ///< τ
+  double cost = 0.0;             ///< J_T of the search, nats; NaN without one
+  double lower_bound = 0.0;      ///< on J_T; −∞ when nothing is proven
+  double epsilon = 0.0;          ///< of the last finished pass; ∞ for the greedy one
+  double delta_m = 0.0;
+  std::int64_t passes = 0;       ///< finished
+  std::int64_t nodes = 0;        ///< work done; the node budget that replays it exactly
+  Time slot_start{};
+  Time deadline{};               ///< end of the slot
+  Time finish{};                 ///< when the search had ended
+  bool late = false;             ///< finish > deadline
+  std::vector<InputRef> inputs;
+};
+
+enum class FlightState { kIdle, kFollow, kHold, kLand, kKilled };
+
+/// What one vehicle does and why (QUADROTOR_R).
+struct VehicleStatus {
+  Stamp stamp;
+  std::string robot;
+  FlightState state = FlightState::kIdle;
+  double battery_share = 1.0;  ///< in [0, 1]
+  Pose2 setpoint;
+  double setpoint_height_m = 0.0;
+  std::int64_t plan_round = -1;  ///< of the plan being followed
+  std::vector<std::string> reasons;
+};
+
+enum class OperatorAction { kHeartbeat, kArm, kTakeOff, kFollow, kHold, kLand, kEmergencyStop };
+
+/// From the operator's console (COMMAND).
+struct OperatorCommand {
+  Stamp stamp;
+  OperatorAction action = OperatorAction::kHeartbeat;
+  std::string robot;  ///< empty: all
+};
+
+/// One body of the simulated world.
+struct TruthBody {
+  std::string name;
+  int target_id = -1;  ///< −1 for robots
+  Pose3 world_from_body;
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+};
+
+/// The simulated world at one instant (TRUTH).
+struct TruthFrame {
+  Stamp stamp;
+  std::vector<TruthBody> bodies;
+};
+
+enum class ContactKind { kCollision, kNearMiss };
+
+/// Two bodies, or a body and an obstacle, touched or came nearer than they may (COLLISION).
+struct ContactReport {
+  Stamp stamp;
+  ContactKind kind = ContactKind::kNearMiss;
+  std::string body_a;
+  std::string body_b;  ///< a body, or "obstacle:<index>", or "bounds"
+  double distance_m = 0.0;  ///< between surfaces; ≤ 0 for a collision
+};
+
+/// Which robots' sensors are jammed now (ATTACK).
+struct AttackNotice {
+  Stamp stamp;
+  std::vector<std::string> jammed;
+};
+
+enum class ProcessState { kStarting, kRunning, kDegraded, kStopping };
+
+struct NamedCount {
+  std::string name;
+  std::int64_t count = 0;
+};
+
+/// How one process is (HEALTH_<process>), 1 Hz and on change.
+struct ProcessHealth {
+  Stamp stamp;
+  std::string process;
+  ProcessState state = ProcessState::kStarting;
+  std::vector<NamedCount> counters;  ///< every drop has one
+  std::int64_t loops = 0;
+  double loop_worst_s = 0.0;  ///< worst handling time since the last report
+  std::int64_t deadlines_missed = 0;
+};
+
+/// The first event of every log (SCENARIO).
+struct ScenarioNotice {
+  Stamp stamp;
+  std::string yaml;
+  std::string version;
+  std::string process;  ///< who publishes it
+};
+
+}  // namespace vantage::models

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/motion/unicycle.hpp"
+#include "models/sensor/sensor.hpp"
+#include "models/target/target_model.hpp"
+#include "models/world/world.hpp"
+
+// A trial as values: what one scenario file says. Read from YAML by bus/scenario_yaml.
+
+namespace vantage::models {
+
+/// Where a device comes from. kDirect: the simulator publishes the device's channel itself;
+/// kWire: simulated device behind its real protocol and driver; kReal: the real one.
+enum class DeviceSource { kDirect, kWire, kReal };
+
+/// What a vehicle can do and must not do.
+struct VehicleLimits {
+  double speed_max_mps = 3.0;
+  double yaw_rate_max_radps = 3.0;
+  double brake_mps2 = 2.0;  ///< deceleration of the stop that ends every plan
+  double radius_m = 0.25;   ///< of the disc around its centre that must stay clear
+};
+
+struct RobotSpec {
+  std::string name;  ///< channel suffix, [A-Z0-9]+
+  Pose2 start;       ///< world from body
+  double height_m = 1.0;
+  std::vector<UnicycleControl> primitives;
+  VehicleLimits limits;
+  SensorModel sensor;
+  DeviceSource device = DeviceSource::kDirect;
+};
+
+enum class TargetMotion {
+  kRandomWaypoint,    ///< a rover driving to random way points around obstacles and others
+  kDoubleIntegrator,  ///< white acceleration, reflected at the border
+  kStill,
+};
+
+struct TargetSpec {
+  std::string name;
+  int id = 0;                    ///< index used on every channel, 0 … n−1
+  std::optional<Pose2> start;    ///< drawn from free space by the seed when absent
+  double radius_m = 0.2;
+};
+
+/// How the targets really move; the estimator knows none of it.
+struct TargetTruthSpec {
+  TargetMotion motion = TargetMotion::kRandomWaypoint;
+  double speed_min_mps = 0.2;
+  double speed_max_mps = 0.6;  ///< of a leg, drawn anew at each way point
+  double pause_max_s = 2.0;
+  double acceleration_q = 0.001;  ///< m²/s³, of a double integrator
+};
+
+struct EstimatorSpec {
+  TargetModel target_model;
+  double prior_position_sigma_m = 1.0;  ///< of a target at its first detection, where z is silent
+  double prior_velocity_sigma_mps = 0.5;
+  /// Stated prior of a target nobody has seen: entropy counted until its discovery.
+  double undiscovered_position_sigma_m = 4.0;
+  double grid_resolution_m = 0.25;
+  double grid_memory_s = 30.0;  ///< after it a cell counts as unexplored again; ≤ 0: never
+  double gate_sigma = 0.0;      ///< innovations beyond it are counted and not used; 0: no gate
+  /// Share of in-view looks that detect a target that is there; a look that finds nothing where
+  /// the belief expects a target moves the belief away. 0 switches that off.
+  double detection_probability = 0.9;
+};
+
+struct ExplorationSpec {
+  double landmark_sigma_m = 1.0;   ///< 1σ of the Gaussian prior (l, Σ_l) of each pseudo-target
+  double landmark_spacing_m = 1.0; ///< no two landmarks nearer than this
+  int landmarks_max = 12;          ///< the nearest to the robot are used
+};
+
+enum class PlanAlgorithm { kArvi, kRvi, kGreedy, kRandomWalk, kLawnMower };
+
+struct PlannerSpec {
+  PlanAlgorithm algorithm = PlanAlgorithm::kArvi;
+  int horizon_steps = 12;          ///< T
+  double step_s = 0.5;             ///< τ
+  int execute_steps = 6;           ///< n_exec: a round lasts execute_steps · step_s
+  double team_budget_s = 0.5;      ///< T_ARVI, shared evenly by the robots
+  double publish_margin_s = 0.05;  ///< m: between the last slot's end and the round's
+  std::int64_t node_budget = 0;    ///< > 0: nodes instead of time, in each slot
+  double epsilon_initial = 1.0;    ///< of the first finite pass; halved each pass
+  double delta_initial_m = 1.0;
+  double yaw_weight_m_per_rad = 0.3;  ///< metric on SE(2): hypot(distance, weight · |Δyaw|)
+  double separation_m = 0.6;        ///< least distance between two vehicles, always, in space
+  double obstacle_margin_m = 0.1;   ///< beyond the vehicle's radius
+  double tracking_tolerance_m = 0.2;  ///< allowed distance between a vehicle and its plan
+  ExplorationSpec exploration;
+};
+
+struct NetworkSpec {
+  double communication_range_m = 0.0;  ///< beliefs from farther robots are discarded; ≤ 0: none
+  std::string url = "udpm://239.255.76.67:7667?ttl=0";
+};
+
+/// The mocap system that localises everything.
+struct MocapSpec {
+  double rate_hz = 50.0;
+  double position_sigma_m = 0.0005;
+  double yaw_sigma_rad = 0.001;
+  double latency_s = 0.005;
+  DeviceSource device = DeviceSource::kDirect;
+};
+
+struct Scenario {
+  std::string name;
+  std::string source_text;  ///< the file as read; goes into every log
+  double duration_s = 300.0;
+  std::uint64_t seed = 1;
+  World world;
+  std::vector<RobotSpec> robots;
+  std::vector<TargetSpec> targets;
+  TargetTruthSpec target_truth;
+  EstimatorSpec estimator;
+  PlannerSpec planner;
+  NetworkSpec network;
+  MocapSpec mocap;
+
+  [[nodiscard]] const RobotSpec* find_robot(const std::string& robot) const;
+};
+
+}  // namespace vantage::models
