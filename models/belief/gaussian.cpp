@@ -1,0 +1,1 @@
+#include "models/belief/gaussian.hpp"

@@ -1,0 +1,1 @@
+#include "models/exchange/messages.hpp"

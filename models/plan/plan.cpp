@@ -1,0 +1,1 @@
+#include "models/plan/plan.hpp"

@@ -1,0 +1,1 @@
+#include "models/scenario/scenario.hpp"

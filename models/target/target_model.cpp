@@ -1,0 +1,1 @@
+#include "models/target/target_model.hpp"
