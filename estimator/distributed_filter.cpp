@@ -139,9 +139,8 @@ void DistributedFilter::hear(const models::RobotBelief& belief, Time now, double
       ++counters_.malformed_beliefs;
       continue;
     }
-    const auto now_known =
-        propagate(spec_.estimator.target_model, spec_.step_s, target.information,
-                  target.last_seen, belief.stamp.time, now);
+    const auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
+                                     target.last_seen, belief.stamp.time, now);
     if (!now_known) {
       ++counters_.singular;
       continue;
@@ -198,14 +197,13 @@ int DistributedFilter::file(const models::DetectionSet& look, Time now) {
   if (age > 0) {
     ++counters_.late_measurements;
   }
-  mark_seen(look);
+  grid_.see(spec_.sensor, look.viewpoint, spec_.world, at);
   Look& filed = record(age).insert(at);
   filed.from = look.viewpoint;
   const int rows = spec_.sensor.measurement_dim(spec_.estimator.target_model.position_dim);
   for (const models::Detection& detection : look.detections) {
-    const bool twice = std::any_of(filed.detections.begin(), filed.detections.end(), [&](auto& d) {
-      return d.target_id == detection.target_id;
-    });
+    const bool twice = std::any_of(filed.detections.begin(), filed.detections.end(),
+                                   [&](auto& d) { return d.target_id == detection.target_id; });
     const models::Measurement& z = detection.measurement;
     if (detection.target_id < 0 || detection.target_id >= spec_.target_count) {
       ++counters_.unknown_ids;
@@ -216,16 +214,6 @@ int DistributedFilter::file(const models::DetectionSet& look, Time now) {
     }
   }
   return age;
-}
-
-void DistributedFilter::mark_seen(const models::DetectionSet& look) {
-  if (time_ && look.stamp.time < *time_) {  // see() stamps what it sees, newer or not
-    models::VisibilityGrid before = grid_;
-    grid_.see(spec_.sensor, look.viewpoint, spec_.world, look.stamp.time);
-    grid_.merge(before);
-    return;
-  }
-  grid_.see(spec_.sensor, look.viewpoint, spec_.world, look.stamp.time);
 }
 
 void DistributedFilter::run(StepRecord& record) {
@@ -327,8 +315,8 @@ void DistributedFilter::apply(Look& look) {
     if (!belief) {
       continue;
     }
-    const models::Gaussian missed = missed_detection(*belief, spec_.sensor, look.from,
-                                                     spec_.world, spec.detection_probability);
+    const models::Gaussian missed =
+        missed_detection(*belief, spec_.sensor, look.from, spec_.world, spec.detection_probability);
     if (missed.mean == belief->mean && missed.covariance == belief->covariance) {
       continue;
     }
@@ -349,8 +337,7 @@ models::RobotBelief DistributedFilter::belief() const {
   belief.degree = degree_;
   for (std::size_t m = 0; m < tracks_.size(); ++m) {
     if (tracks_[m].known) {
-      belief.targets.push_back(
-          {static_cast<int>(m), tracks_[m].information, tracks_[m].last_seen});
+      belief.targets.push_back({static_cast<int>(m), tracks_[m].information, tracks_[m].last_seen});
     }
   }
   belief.grid = grid_.geometry();

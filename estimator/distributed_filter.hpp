@@ -35,30 +35,30 @@ FilterSpec filter_spec(const models::Scenario& scenario, const std::string& robo
 
 /// What one step works on. Pointers must be valid during the call only.
 struct StepInput {
-  Time time{};  ///< t; later than that of the step before
-  std::optional<models::Viewpoint> viewpoint;  ///< own, at t; absent: as in the step before
-  std::span<const models::DetectionSet* const> looks;   ///< own, of any instants ≤ t
+  Time time{};                                         ///< t; later than that of the step before
+  std::optional<models::Viewpoint> viewpoint;          ///< own, at t; absent: as in the step before
+  std::span<const models::DetectionSet* const> looks;  ///< own, of any instants ≤ t
   std::span<const models::RobotBelief* const> beliefs;  ///< newest of each teammate, one each
 };
 
 /// Everything that was dropped or could not be done, since construction.
 struct FilterCounters {
-  std::int64_t steps_out_of_order = 0;       ///< not later than the step before: ignored
-  std::int64_t stale_beliefs = 0;            ///< older than belief_age_max_s
-  std::int64_t future_beliefs = 0;           ///< of an instant after t
-  std::int64_t out_of_range_beliefs = 0;     ///< teammate beyond communication_range_m
-  std::int64_t malformed_beliefs = 0;        ///< a target's block has the wrong dimension
-  std::int64_t grid_mismatches = 0;          ///< a teammate's grid has another geometry
-  std::int64_t late_measurements = 0;        ///< older than the step before, put in their place
-  std::int64_t too_late_measurements = 0;    ///< older than the history: dropped
-  std::int64_t future_measurements = 0;      ///< of an instant after t: dropped
+  std::int64_t steps_out_of_order = 0;     ///< not later than the step before: ignored
+  std::int64_t stale_beliefs = 0;          ///< older than belief_age_max_s
+  std::int64_t future_beliefs = 0;         ///< of an instant after t
+  std::int64_t out_of_range_beliefs = 0;   ///< teammate beyond communication_range_m
+  std::int64_t malformed_beliefs = 0;      ///< a target's block has the wrong dimension
+  std::int64_t grid_mismatches = 0;        ///< a teammate's grid has another geometry
+  std::int64_t late_measurements = 0;      ///< older than the step before, put in their place
+  std::int64_t too_late_measurements = 0;  ///< older than the history: dropped
+  std::int64_t future_measurements = 0;    ///< of an instant after t: dropped
   std::int64_t jammed_looks = 0;
-  std::int64_t malformed_detections = 0;     ///< wrong dimension, or the second of one target
+  std::int64_t malformed_detections = 0;  ///< wrong dimension, or the second of one target
   std::int64_t gated = 0;
-  std::int64_t unknown_ids = 0;              ///< target ids nobody announced
-  std::int64_t undiscoverable = 0;           ///< seen first by a sensor that cannot tell where
-  std::int64_t singular = 0;                 ///< a matrix that could not be inverted
-  std::int64_t missed_detections = 0;        ///< looks that moved a belief by finding nothing
+  std::int64_t unknown_ids = 0;        ///< target ids nobody announced
+  std::int64_t undiscoverable = 0;     ///< seen first by a sensor that cannot tell where
+  std::int64_t singular = 0;           ///< a matrix that could not be inverted
+  std::int64_t missed_detections = 0;  ///< looks that moved a belief by finding nothing
 
   /// The non-zero ones by name.
   [[nodiscard]] std::vector<models::NamedCount> named() const;
@@ -88,7 +88,7 @@ class DistributedFilter {
   /// advance(), then belief().
   models::RobotBelief step(const StepInput& input);
   /// The arithmetic of one step. Allocates nothing, but for more than four looks or 64 teammates
-  /// in one step and for teammates' grids.
+  /// in one step, for teammates' grids, and for obstacles near a look.
   void advance(const StepInput& input);
   /// What is known now: content of BELIEF_R; run id, sequence, step and inputs are the caller's.
   [[nodiscard]] models::RobotBelief belief() const;
@@ -109,7 +109,6 @@ class DistributedFilter {
   void merge_grid(const models::RobotBelief& belief);
   /// Files a look under the step it belongs to; that step's age in records, −1 if dropped.
   int file(const models::DetectionSet& look, Time now);
-  void mark_seen(const models::DetectionSet& look);
   void run(StepRecord& record);
   void propagate_all(Time from, Time to);
   void apply(Look& look);

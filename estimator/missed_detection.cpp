@@ -55,8 +55,7 @@ struct Moments {
 
 }  // namespace
 
-models::Gaussian missed_detection(const models::Gaussian& belief,
-                                  const models::SensorModel& sensor,
+models::Gaussian missed_detection(const models::Gaussian& belief, const models::SensorModel& sensor,
                                   const models::Viewpoint& from, const models::World& world,
                                   double detection_probability) {
   static const Rule planar = make_rule(kPlanarPoints);
@@ -126,8 +125,7 @@ models::Gaussian missed_detection(const models::Gaussian& belief,
   posterior.mean += G * shift;
   const models::PositionMatrix change = S_floored - models::PositionMatrix::Identity(n, n);
   posterior.covariance += G * change * G.transpose();
-  posterior.covariance =
-      (0.5 * (posterior.covariance + posterior.covariance.transpose())).eval();
+  posterior.covariance = (0.5 * (posterior.covariance + posterior.covariance.transpose())).eval();
   return posterior;
 }
 

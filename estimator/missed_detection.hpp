@@ -23,8 +23,7 @@ namespace vantage::estimator {
 /// Cost: at most 343 line-of-sight queries, no allocation.
 /// Source: Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004), 11.3 (no-detection
 /// likelihood); moment matching as in any assumed-density filter.
-models::Gaussian missed_detection(const models::Gaussian& belief,
-                                  const models::SensorModel& sensor,
+models::Gaussian missed_detection(const models::Gaussian& belief, const models::SensorModel& sensor,
                                   const models::Viewpoint& from, const models::World& world,
                                   double detection_probability);
 

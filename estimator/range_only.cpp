@@ -86,8 +86,8 @@ double RangeOnlyFilter::update(BeaconHypothesis& hypothesis, const Eigen::Vector
   // narrow and by metres on a fresh ring.
   const Eigen::Vector2d across(-away_m.y() / distance_m, away_m.x() / distance_m);
   const double curve_m = 0.5 * scale * across.dot(P * across) / distance_m;
-  const double S = H * P * H.transpose() +
-                   spec_.range_sigma_m * spec_.range_sigma_m + 2.0 * curve_m * curve_m;
+  const double S =
+      H * P * H.transpose() + spec_.range_sigma_m * spec_.range_sigma_m + 2.0 * curve_m * curve_m;
   const double nu = range_m - (scale * distance_m + spec_.calibration.range_bias_m + curve_m);
   const double honest =
       (1.0 - spec_.outlier_share) * std::exp(-0.5 * nu * nu / S) / std::sqrt(2.0 * kPi * S);
@@ -100,8 +100,7 @@ double RangeOnlyFilter::update(BeaconHypothesis& hypothesis, const Eigen::Vector
   const double beta = honest / likelihood;
   const Eigen::Vector2d K = P * H.transpose() / S;
   hypothesis.mean_m += beta * nu * K;
-  hypothesis.covariance_m2 +=
-      (beta * (1.0 - beta) * nu * nu - beta * S) * K * K.transpose();
+  hypothesis.covariance_m2 += (beta * (1.0 - beta) * nu * nu - beta * S) * K * K.transpose();
   hypothesis.covariance_m2 =
       (0.5 * (hypothesis.covariance_m2 + hypothesis.covariance_m2.transpose())).eval();
   hypothesis.weight *= likelihood;
@@ -139,9 +138,9 @@ void RangeOnlyFilter::merge() {
       const BeaconHypothesis& b = hypotheses_[j];
       const Eigen::Vector2d apart_m = a.mean_m - b.mean_m;
       // Judged by the narrower of the two, or a wide one would swallow a narrow one.
-      const Eigen::Matrix2d& narrow =
-          a.covariance_m2.determinant() < b.covariance_m2.determinant() ? a.covariance_m2
-                                                                        : b.covariance_m2;
+      const Eigen::Matrix2d& narrow = a.covariance_m2.determinant() < b.covariance_m2.determinant()
+                                          ? a.covariance_m2
+                                          : b.covariance_m2;
       if (apart_m.dot(narrow.inverse() * apart_m) > limit) {
         continue;
       }
@@ -157,9 +156,9 @@ void RangeOnlyFilter::merge() {
 }
 
 BeaconHypothesis RangeOnlyFilter::best() const {
-  return hypotheses_.empty() ? BeaconHypothesis{0.0, Eigen::Vector2d::Zero(),
-                                                Eigen::Matrix2d::Identity()}
-                             : hypotheses_.front();
+  return hypotheses_.empty()
+             ? BeaconHypothesis{0.0, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}
+             : hypotheses_.front();
 }
 
 }  // namespace vantage::estimator

@@ -11,13 +11,14 @@ namespace vantage::estimator {
 
 struct RangeOnlySpec {
   models::RangeCalibration calibration;
-  double range_sigma_m = 0.5;       ///< 1σ of an honest range
-  double outlier_share = 0.05;      ///< of ranges that say nothing about the beacon
-  double outlier_span_m = 100.0;    ///< these are uniform over so much
-  int hypotheses = 48;              ///< Gaussians on the first ring; the most there ever are
-  double weight_min = 1e-4;         ///< lighter hypotheses are dropped
+  double range_sigma_m = 0.5;         ///< 1σ of an honest range
+  double outlier_share = 0.05;        ///< of ranges that say nothing about the beacon
+  double outlier_span_m = 100.0;      ///< these are uniform over so much
+  int hypotheses = 48;                ///< Gaussians on the first ring; the most there ever are
+  double weight_min = 1e-4;           ///< lighter hypotheses are dropped
   double merge_distance_sigma = 0.5;  ///< hypotheses nearer than this become one
-  int restart_window = 30;  ///< after so many ranges in a row mostly unlike any hypothesis, start over
+  int restart_window =
+      30;  ///< after so many ranges in a row mostly unlike any hypothesis, start over
 };
 
 /// Where a beacon may be: one hypothesis of a Gaussian sum.
@@ -62,8 +63,8 @@ class RangeOnlyFilter {
 
   RangeOnlySpec spec_;
   std::vector<BeaconHypothesis> hypotheses_;
-  int window_ = 0;          ///< ranges in the present window
-  double honest_ = 0.0;     ///< Σ β of the heaviest hypothesis over it
+  int window_ = 0;       ///< ranges in the present window
+  double honest_ = 0.0;  ///< Σ β of the heaviest hypothesis over it
   std::int64_t refused_ = 0;
   std::int64_t restarts_ = 0;
 };

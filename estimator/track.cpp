@@ -55,8 +55,8 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
   const models::PositionVector position_m = mean.head(position_dim);
   const MeasurementJacobian H =
       state_jacobian(models::observation_jacobian(sensor, from, position_m), dim);
-  const MeasurementVector nu = models::innovation(sensor, measurement.z,
-                                                  models::observe(sensor, from, position_m));
+  const MeasurementVector nu =
+      models::innovation(sensor, measurement.z, models::observe(sensor, from, position_m));
   if (!H.allFinite() || !nu.allFinite()) {
     return Use::kSingular;
   }

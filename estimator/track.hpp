@@ -26,11 +26,11 @@ struct Track {
 /// and k = (t − last_seen)/τ: at whole steps that is Σ q k, the sum of the steps' own noise.
 /// nullopt when Ω cannot be inverted.
 std::optional<models::Information> propagate(const models::TargetModel& model, double step_s,
-                                             const models::Information& information,
-                                             Time last_seen, Time from, Time to);
+                                             const models::Information& information, Time last_seen,
+                                             Time from, Time to);
 
 /// What became of one measurement.
-enum class [[nodiscard]] Use { kUsed, kGated, kSingular };
+enum class [[nodiscard]] Use{kUsed, kGated, kSingular};
 
 /// Adds one measurement to a belief, linearised about the belief's own mean ŷ:
 /// Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, ŷ) + H ŷ, bearings wrapped.
