@@ -132,6 +132,8 @@ void RangeOnlyFilter::normalise_and_drop() {
 
 void RangeOnlyFilter::merge() {
   const double limit = spec_.merge_distance_sigma * spec_.merge_distance_sigma;
+  // However narrow they are, two so near that no single range tells them apart are one.
+  const double same_m = spec_.merge_distance_sigma * spec_.range_sigma_m;
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
     for (std::size_t j = hypotheses_.size(); j-- > i + 1;) {
       BeaconHypothesis& a = hypotheses_[i];
@@ -141,7 +143,7 @@ void RangeOnlyFilter::merge() {
       const Eigen::Matrix2d& narrow = a.covariance_m2.determinant() < b.covariance_m2.determinant()
                                           ? a.covariance_m2
                                           : b.covariance_m2;
-      if (apart_m.dot(narrow.inverse() * apart_m) > limit) {
+      if (apart_m.norm() > same_m && apart_m.dot(narrow.inverse() * apart_m) > limit) {
         continue;
       }
       const double total = a.weight + b.weight;

@@ -16,7 +16,8 @@ struct RangeOnlySpec {
   double outlier_span_m = 100.0;      ///< these are uniform over so much
   int hypotheses = 48;                ///< Gaussians on the first ring; the most there ever are
   double weight_min = 1e-4;           ///< lighter hypotheses are dropped
-  double merge_distance_sigma = 0.5;  ///< hypotheses nearer than this become one
+  double merge_distance_sigma = 0.5;  ///< hypotheses nearer than this, of their own or of a
+                                      ///< range's σ, become one
   int restart_window =
       30;  ///< after so many ranges in a row mostly unlike any hypothesis, start over
 };

@@ -41,15 +41,18 @@ TEST(MissedDetection, ChangesNothingWhenAllOfTheBeliefWasCovered) {
   EXPECT_TRUE(is_near(after.covariance, belief.covariance, 1e-12));
 }
 
-TEST(MissedDetection, OfHalfThePlaneHasTheMomentsOfTheHalfNormal) {
-  // A wide field of view, far away, covers x < 2 of N((2, 0), I), and never misses what is there:
-  // what is left is the half-normal, mean √(2/π), variance 1 − 2/π.
+TEST(MissedDetection, OfAHalfPlaneHasTheMomentsOfTheTruncatedNormal) {
+  // A wide field of view, far away, covers x < 2 + a of N((2, 0), I) and never misses what is
+  // there: what is left is u > a, mean λ = φ(a)/(1 − Φ(a)), variance 1 + aλ − λ². The edge lies
+  // midway between two columns of the rule.
   const double far_m = 1000.0;
+  const double a = 0.217;
   const Gaussian after =
-      missed_detection(standard(), disc(far_m), at(2.0 - far_m, 0.0), kOpen, 1.0);
-  // The rule's own width is a step of 0.43σ: half of it is its error at a sharp edge.
-  EXPECT_NEAR(after.mean(0), 2.0 + std::sqrt(2.0 / kPi), 0.1);
-  EXPECT_NEAR(after.covariance(0, 0), 1.0 - 2.0 / kPi, 0.1);
+      missed_detection(standard(), disc(far_m), at(2.0 + a - far_m, 0.0), kOpen, 1.0);
+  const double lambda = std::exp(-0.5 * a * a) / std::sqrt(2.0 * kPi) /
+                        (0.5 * std::erfc(a / std::sqrt(2.0)));
+  EXPECT_NEAR(after.mean(0), 2.0 + lambda, 0.03);
+  EXPECT_NEAR(after.covariance(0, 0), 1.0 + a * lambda - lambda * lambda, 0.03);
   EXPECT_NEAR(after.mean(1), 0.0, 1e-6);
   EXPECT_NEAR(after.covariance(1, 1), 1.0, 0.02);
 }
