@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/angle.hpp"
 #include "core/check.hpp"
@@ -18,7 +19,8 @@ constexpr double kNeighbourhoodM = 1.5;  // rovers nearer than this are planned 
 constexpr double kLookAheadM = 0.6;      // how far along its path a rover steers
 constexpr double kArrivalM = 0.15;       // a way point counts as reached this near
 constexpr double kHeadwayM = 0.1;        // less than this in kPatienceS is being stuck
-constexpr double kPatienceS = 3.0;
+constexpr double kRerouteS = 1.0;        // stuck this long, it looks for a way around
+constexpr double kPatienceS = 4.0;       // stuck this long, it goes elsewhere
 constexpr double kTurnGainPerS = 3.0;
 constexpr int kDrawsMax = 40;
 // Variations on the desired command, gentlest first: share of speed, added yaw rate.
@@ -103,10 +105,33 @@ void RoverFleet::supervise(std::size_t i, double elapsed_s) {
   if ((here_m - rover.headway_m).norm() > kHeadwayM) {
     rover.headway_m = here_m;
     rover.stuck_s = 0.0;
+    rover.rerouted = false;
   } else if (rover.stuck_s > kPatienceS) {
     ++way_points_abandoned_;
     choose_way_point(i);
+  } else if (rover.stuck_s > kRerouteS && !rover.rerouted) {
+    rover.rerouted = true;
+    std::vector<Eigen::Vector2d> around =
+        map_.route(here_m, rover.path.back(), rover.radius_m, neighbours(i));
+    if (!around.empty()) {
+      rover.path = std::move(around);
+      rover.passed = 0;
+    }
   }
+}
+
+std::vector<Disc> RoverFleet::neighbours(std::size_t i) const {
+  const Rover& rover = rovers_[i];
+  const Eigen::Vector2d here_m = rover.state.world_from_body.position_m();
+  std::vector<Disc> blocked;
+  for (std::size_t j = 0; j < rovers_.size(); ++j) {
+    const Eigen::Vector2d there_m = rovers_[j].state.world_from_body.position_m();
+    if (j != i && (there_m - here_m).norm() < kNeighbourhoodM) {
+      const double wanted_m = rover.radius_m + rovers_[j].radius_m + kRouteMarginM;
+      blocked.push_back({there_m, std::min(wanted_m, (there_m - here_m).norm())});
+    }
+  }
+  return blocked;
 }
 
 void RoverFleet::choose_way_point(std::size_t i) {
@@ -115,15 +140,10 @@ void RoverFleet::choose_way_point(std::size_t i) {
   rover.path.clear();
   rover.passed = 0;
   rover.stuck_s = 0.0;
+  rover.rerouted = false;
   rover.headway_m = here_m;
   rover.leg_speed_mps = uniform(rover.rng, truth_.speed_min_mps, truth_.speed_max_mps);
-  std::vector<Disc> blocked;
-  for (std::size_t j = 0; j < rovers_.size(); ++j) {
-    const Eigen::Vector2d there_m = rovers_[j].state.world_from_body.position_m();
-    if (j != i && (there_m - here_m).norm() < kNeighbourhoodM) {
-      blocked.push_back({there_m, rover.radius_m + rovers_[j].radius_m + kRouteMarginM});
-    }
-  }
+  const std::vector<Disc> blocked = neighbours(i);
   const double needed_m = map_.clearance_needed_m(rover.radius_m);
   for (int draw = 0; draw < kDrawsMax && rover.path.empty(); ++draw) {
     const models::Rectangle& bounds = world_.bounds;

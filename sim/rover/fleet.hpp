@@ -56,9 +56,11 @@ class RoverFleet {
     double leg_speed_mps = 0.0;
     double pause_s = 0.0;
     double stuck_s = 0.0;  ///< since it last made headway
+    bool rerouted = false;
     Eigen::Vector2d headway_m = Eigen::Vector2d::Zero();
   };
 
+  [[nodiscard]] std::vector<Disc> neighbours(std::size_t i) const;
   void choose_way_point(std::size_t i);
   void supervise(std::size_t i, double elapsed_s);
   [[nodiscard]] RoverCommand desired(Rover& rover) const;

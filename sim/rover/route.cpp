@@ -13,6 +13,7 @@ namespace {
 constexpr double kResolutionMinM = 0.1;
 constexpr double kCellsPerSideMax = 128.0;
 constexpr double kMarginM = 0.05;
+constexpr double kDepartureM = 0.3;
 
 }  // namespace
 
@@ -41,16 +42,20 @@ std::vector<Eigen::Vector2d> RouteMap::route(const Eigen::Vector2d& from_m,
     return {};
   }
   const double needed_m = clearance_needed_m(radius_m);
+  // A disc may start nearer to things than a route leads: let it get away from there.
+  const double departure_m = std::max(kDepartureM, 1.5 * geometry_.resolution_m);
   const auto is_open = [&](int index) {
-    if (clearance_m_[static_cast<std::size_t>(index)] < needed_m) {
+    const Eigen::Vector2d centre_m = geometry_.centre_m(index);
+    const double clearance_m = clearance_m_[static_cast<std::size_t>(index)];
+    if (clearance_m < needed_m &&
+        (clearance_m < radius_m || (centre_m - from_m).norm() > departure_m)) {
       return false;
     }
-    const Eigen::Vector2d centre_m = geometry_.centre_m(index);
     return std::none_of(blocked.begin(), blocked.end(), [&](const Disc& disc) {
       return (centre_m - disc.centre_m).norm() < disc.radius_m;
     });
   };
-  if (!is_open(goal)) {
+  if (clearance_m_[static_cast<std::size_t>(goal)] < needed_m || !is_open(goal)) {
     return {};
   }
 

@@ -23,8 +23,8 @@ class RouteMap {
   explicit RouteMap(const models::World& world);
 
   /// Cell centres from near `from_m` to near `to_m` and then `to_m` itself, every centre at least
-  /// clearance_m(radius) from obstacles and walls and outside each disc of `blocked`; empty when
-  /// there is no way. O(cells log cells), allocates.
+  /// clearance_needed_m(radius_m) from obstacles and walls (near the start radius_m is enough) and
+  /// outside each disc of `blocked`; empty when there is no way. O(cells log cells), allocates.
   [[nodiscard]] std::vector<Eigen::Vector2d> route(const Eigen::Vector2d& from_m,
                                                    const Eigen::Vector2d& to_m, double radius_m,
                                                    const std::vector<Disc>& blocked) const;

@@ -10,9 +10,26 @@ namespace vantage::sim {
 namespace {
 
 constexpr double kPredictionStepS = 0.05;
+constexpr double kFarM = 2.0;  // beyond it nobody cares about the exact distance
 
 double ramp(double from, double to, double up, double down) {
   return to >= from ? std::min(to, from + up) : std::max(to, from - down);
+}
+
+double points_to_pieces_m(std::span<const Eigen::Vector2d> points_m,
+                          std::span<const Eigen::Vector2d> corners_m) {
+  double least_m2 = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector2d& p_m : points_m) {
+    least_m2 = std::min(least_m2, (p_m - corners_m[0]).squaredNorm());
+    for (std::size_t k = 0; k + 1 < corners_m.size(); ++k) {
+      const Eigen::Vector2d piece_m = corners_m[k + 1] - corners_m[k];
+      const Eigen::Vector2d to_p_m = p_m - corners_m[k];
+      const double length2 = piece_m.squaredNorm();
+      const double s = length2 > 0.0 ? std::clamp(to_p_m.dot(piece_m) / length2, 0.0, 1.0) : 0.0;
+      least_m2 = std::min(least_m2, (to_p_m - s * piece_m).squaredNorm());
+    }
+  }
+  return std::sqrt(least_m2);
 }
 
 }  // namespace
@@ -53,20 +70,18 @@ StoppingPath::StoppingPath(const RoverState& state, const RoverCommand& command,
 }
 
 void StoppingPath::append(const Eigen::Vector2d& point_m) {
-  if (n_ > 0) {
-    sampling_error_m_ = std::max(sampling_error_m_, 0.5 * (point_m - points_m_[n_ - 1]).norm());
-  }
   points_m_[n_++] = point_m;
+  reach_m_ = std::max(reach_m_, (point_m - points_m_[0]).norm());
 }
 
 double distance_m(const StoppingPath& a, const StoppingPath& b) {
-  double least_m2 = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector2d& p : a.points_m()) {
-    for (const Eigen::Vector2d& q : b.points_m()) {
-      least_m2 = std::min(least_m2, (p - q).squaredNorm());
-    }
+  const auto p = a.points_m();
+  const auto q = b.points_m();
+  const double bound_m = (p[0] - q[0]).norm() - a.reach_m() - b.reach_m();
+  if (bound_m > kFarM) {
+    return bound_m;
   }
-  return std::sqrt(least_m2) - a.sampling_error_m() - b.sampling_error_m();
+  return std::min(points_to_pieces_m(p, q), points_to_pieces_m(q, p));
 }
 
 }  // namespace vantage::sim

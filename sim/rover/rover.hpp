@@ -46,8 +46,8 @@ class StoppingPath {
                const RoverParameters& parameters, double period_s);
 
   [[nodiscard]] std::span<const Eigen::Vector2d> points_m() const { return {points_m_.data(), n_}; }
-  /// No point of the path is farther than this from one of points_m().
-  [[nodiscard]] double sampling_error_m() const { return sampling_error_m_; }
+  /// Every point of the path lies within this distance of its first.
+  [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
   static constexpr std::size_t kPointsMax = 48;
@@ -55,10 +55,12 @@ class StoppingPath {
 
   std::array<Eigen::Vector2d, kPointsMax> points_m_;
   std::size_t n_ = 0;
-  double sampling_error_m_ = 0.0;
+  double reach_m_ = 0.0;
 };
 
-/// A lower bound of the distance between two paths, whatever the times at which they are driven.
+/// The distance between two paths, whatever the times at which they are driven, points joined by
+/// straight pieces: from every point of each to every piece of the other, which is exact unless
+/// the paths cross (then it is at most half a piece). Far apart, a lower bound of it.
 double distance_m(const StoppingPath& a, const StoppingPath& b);
 
 }  // namespace vantage::sim
