@@ -16,8 +16,7 @@ namespace vantage::models {
 
 inline constexpr int kMaxMeasurementDim = 3;
 using PositionVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
-using PositionMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
+using PositionMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
 using MeasurementVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3, 1>;
 using MeasurementMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
@@ -44,7 +43,8 @@ struct RangeCalibration {
 struct SensorModel {
   SensorKind kind = SensorKind::kRangeBearing;
   double range_max_m = 10.0;    ///< a target at this range or beyond gives no measurement
-  double range_min_m = 0.0;     ///< nor one nearer than this; a bearing sensor needs it > 0
+  double range_min_m = 0.0;     ///< nor one nearer than this; a bearing sensor needs it > 0, and
+                                ///< of the horizontal distance, which is where it is singular
   double fov_rad = 2.0 * kPi;   ///< full angle φ; a target with |bearing| ≥ φ/2 is not seen
                                 ///< (a full turn sees everything)
   double range_sigma_m = 0.15;  ///< 1σ of a range
@@ -54,8 +54,8 @@ struct SensorModel {
   double focal_length_pixels = 500.0;       ///< K = diag(f, f) with the principal point at 0
   double camera_tilt_rad = kPi / 2;         ///< 0 looks along body x, π/2 straight down
   double depth_min_m = 0.05;  ///< a camera sees nothing nearer than this along its axis
-  /// Range and bearing variances grow linearly in range from `variance_floor` of their value at
-  /// no range to the full value at range_max (dissertation after eq. 3.8); false: constant.
+  /// Range and bearing variances grow linearly in range, V = V_max · max(floor, r / range_max),
+  /// up to the full σ² at range_max (dissertation after eq. 3.8); false: constant.
   bool variance_grows_with_range = false;
   double variance_floor = 0.1;
   RangeCalibration calibration;
@@ -73,7 +73,8 @@ struct Measurement {
 
 /// True when range, field of view and least distance allow a measurement. Line of sight is the
 /// world's business (models/world).
-bool in_view(const SensorModel& sensor, const Viewpoint& from, const PositionVector& target_world_m);
+bool in_view(const SensorModel& sensor, const Viewpoint& from,
+             const PositionVector& target_world_m);
 
 /// h(x, y), calibrated: what a noise-free sensor would report. Precondition: in_view, or at least
 /// a target that is not at the sensor itself.
@@ -99,7 +100,9 @@ PositionMatrix information(const SensorModel& sensor, const Viewpoint& from,
 
 /// An upper bound of information() over every viewpoint within `reach_m` (horizontally) of `from`
 /// at any heading: a multiple of the identity, returned as that multiple; 0 when no such viewpoint
-/// can see the target. Source: dissertation app. G with the corrections of 2.29 (r² for r).
+/// can see the target; +∞ for a bearing sensor without a least range that may stand over the
+/// target. Rounded outwards by a nanometre, so that sums of steps stay inside. Source: dissertation
+/// app. G with the corrections of 2.29 (r² for r).
 double information_bound(const SensorModel& sensor, const Viewpoint& from, double reach_m,
                          const PositionVector& target_world_m);
 
@@ -108,7 +111,8 @@ Measurement sample(const SensorModel& sensor, const Viewpoint& from,
                    const PositionVector& target_world_m, std::mt19937_64& rng);
 
 /// The target position that explains `z` exactly; nullopt for sensors that cannot tell (range or
-/// bearing alone). A camera's ray is met with the ground plane.
+/// bearing alone) and for a z that no target explains. A camera's ray is met with the ground
+/// plane, and so is the range of a target in space, whose elevation a bearing does not tell.
 std::optional<PositionVector> position_from(const SensorModel& sensor, const Viewpoint& from,
                                             const MeasurementVector& z, int position_dim);
 

@@ -1,1 +1,234 @@
 #include "models/world/grid.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/check.hpp"
+
+namespace vantage::models {
+namespace {
+
+constexpr double kSlack_m = 1e-9;  // rounding of sums of cell sizes
+
+std::size_t at_index(int index) { return static_cast<std::size_t>(index); }
+
+// Cells [first, last] of one axis that [low_m, high_m] overlaps; empty (first > last) for none.
+struct CellSpan {
+  int first = 0;
+  int last = -1;
+};
+CellSpan span_of(double low_m, double high_m, double origin_m, double resolution_m, int cells) {
+  const double count = cells;
+  const double first = std::floor((low_m + kSlack_m - origin_m) / resolution_m);
+  const double last = std::ceil((high_m - kSlack_m - origin_m) / resolution_m) - 1.0;
+  return {static_cast<int>(std::clamp(first, 0.0, count)),
+          static_cast<int>(std::clamp(last, -1.0, count - 1.0))};
+}
+
+float rounded_down(double value) {
+  const float nearest = static_cast<float>(value);
+  return static_cast<double>(nearest) <= value
+             ? nearest
+             : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
+}
+
+// Greedy thinning by a hash of squares with side `spacing_m`: only the 3 × 3 around a point can
+// hold a kept point that is too near.
+class Thinner {
+ public:
+  Thinner(const GridGeometry& geometry, double spacing_m)
+      : origin_m_(geometry.origin_m),
+        spacing_m_(spacing_m),
+        bucket_m_(std::max(spacing_m, geometry.resolution_m)),
+        columns_(static_cast<int>(geometry.columns * geometry.resolution_m / bucket_m_) + 1),
+        rows_(static_cast<int>(geometry.rows * geometry.resolution_m / bucket_m_) + 1),
+        newest_(at_index(columns_ * rows_), -1) {}
+
+  void offer(const Eigen::Vector2d& p_m) {
+    const int column = static_cast<int>((p_m.x() - origin_m_.x()) / bucket_m_);
+    const int row = static_cast<int>((p_m.y() - origin_m_.y()) / bucket_m_);
+    for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
+      for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c) {
+        for (int k = newest_[at_index(r * columns_ + c)]; k >= 0; k = older_[at_index(k)]) {
+          if ((kept_[at_index(k)] - p_m).norm() < spacing_m_) {
+            return;
+          }
+        }
+      }
+    }
+    int& newest = newest_[at_index(row * columns_ + column)];
+    older_.push_back(newest);
+    newest = static_cast<int>(kept_.size());
+    kept_.push_back(p_m);
+  }
+  std::vector<Eigen::Vector2d> take() && { return std::move(kept_); }
+
+ private:
+  Eigen::Vector2d origin_m_;
+  double spacing_m_;
+  double bucket_m_;
+  int columns_;
+  int rows_;
+  std::vector<int> newest_;  // per bucket, index into kept_
+  std::vector<int> older_;   // per kept point, the next one of its bucket
+  std::vector<Eigen::Vector2d> kept_;
+};
+
+}  // namespace
+
+GridGeometry GridGeometry::covering(const Rectangle& bounds, double resolution_m) {
+  require(resolution_m > 0.0, "grid resolution must be > 0 m");
+  const Eigen::Vector2d size_m = bounds.max_m - bounds.min_m;
+  require(size_m.x() > 0.0 && size_m.y() > 0.0, "grid bounds must have an area");
+  const Eigen::Vector2d cells = size_m / resolution_m;
+  require(cells.x() * cells.y() < 1e8, "grid must have fewer than 1e8 cells");
+  return {bounds.min_m, resolution_m,
+          std::max(1, static_cast<int>(std::ceil(cells.x() - kSlack_m))),
+          std::max(1, static_cast<int>(std::ceil(cells.y() - kSlack_m)))};
+}
+
+Eigen::Vector2d GridGeometry::centre_m(int index) const {
+  return origin_m + resolution_m * Eigen::Vector2d(index % columns + 0.5, index / columns + 0.5);
+}
+
+int GridGeometry::index_of(const Eigen::Vector2d& p_m) const {
+  const Eigen::Vector2d cell = (p_m - origin_m) / resolution_m;
+  if (!(cell.x() >= 0.0 && cell.y() >= 0.0 && cell.x() <= columns && cell.y() <= rows)) {
+    return -1;
+  }
+  const int column = std::min(static_cast<int>(cell.x()), columns - 1);
+  const int row = std::min(static_cast<int>(cell.y()), rows - 1);
+  return row * columns + column;
+}
+
+OccupancyGrid rasterise(const World& world, double resolution_m) {
+  OccupancyGrid grid{GridGeometry::covering(world.bounds, resolution_m), {}};
+  const GridGeometry& geometry = grid.geometry;
+  grid.occupied.assign(at_index(geometry.size()), 0);
+  for (const Obstacle& obstacle : world.obstacles) {
+    const Rectangle& box = obstacle.footprint;
+    const CellSpan x = span_of(box.min_m.x(), box.max_m.x(), geometry.origin_m.x(), resolution_m,
+                               geometry.columns);
+    const CellSpan y =
+        span_of(box.min_m.y(), box.max_m.y(), geometry.origin_m.y(), resolution_m, geometry.rows);
+    for (int row = y.first; row <= y.last; ++row) {
+      for (int column = x.first; column <= x.last; ++column) {
+        grid.occupied[at_index(row * geometry.columns + column)] = 1;
+      }
+    }
+  }
+  return grid;
+}
+
+DistanceField::DistanceField(const World& world, double resolution_m)
+    : geometry_(GridGeometry::covering(world.bounds, resolution_m)) {
+  const double half_diagonal_m = resolution_m * std::sqrt(0.5) + kSlack_m;
+  distance_m_.reserve(at_index(geometry_.size()));
+  for (int index = 0; index < geometry_.size(); ++index) {
+    // clearance_m is 1-Lipschitz, so nowhere in the cell is it less than this.
+    const double least_m = clearance_m(world, geometry_.centre_m(index)) - half_diagonal_m;
+    distance_m_.push_back(rounded_down(least_m));
+  }
+}
+
+double DistanceField::lower_bound_m(const Eigen::Vector2d& p_m) const {
+  const int index = geometry_.index_of(p_m);
+  return index < 0 ? -1.0 : static_cast<double>(distance_m_[at_index(index)]);
+}
+
+VisibilityGrid::VisibilityGrid(const World& world, double resolution_m, double memory_s)
+    : geometry_(GridGeometry::covering(world.bounds, resolution_m)),
+      memory_s_(memory_s),
+      free_(at_index(geometry_.size()), 0),
+      last_seen_(at_index(geometry_.size()), kNeverSeen) {
+  for (int index = 0; index < geometry_.size(); ++index) {
+    free_[at_index(index)] = clearance_m(world, geometry_.centre_m(index)) > 0.0 ? 1 : 0;
+  }
+}
+
+void VisibilityGrid::see(const SensorModel& sensor, const Viewpoint& from, const World& world,
+                         Time now) {
+  const Eigen::Vector2d p_m = from.world_from_body.position_m();
+  const Rectangle reach{p_m.array() - sensor.range_max_m, p_m.array() + sensor.range_max_m};
+  World near = {world.bounds, world.ceiling_m, {}, {}};
+  for (const Obstacle& obstacle : world.obstacles) {
+    if ((obstacle.footprint.min_m.array() <= reach.max_m.array()).all() &&
+        (obstacle.footprint.max_m.array() >= reach.min_m.array()).all()) {
+      near.obstacles.push_back(obstacle);
+    }
+  }
+  const std::int64_t stamp = std::max<std::int64_t>(to_utime(now), kNeverSeen + 1);
+  const CellSpan x = span_of(reach.min_m.x(), reach.max_m.x(), geometry_.origin_m.x(),
+                             geometry_.resolution_m, geometry_.columns);
+  const CellSpan y = span_of(reach.min_m.y(), reach.max_m.y(), geometry_.origin_m.y(),
+                             geometry_.resolution_m, geometry_.rows);
+  for (int row = y.first; row <= y.last; ++row) {
+    for (int column = x.first; column <= x.last; ++column) {
+      const int index = row * geometry_.columns + column;
+      std::int64_t& last_seen = last_seen_[at_index(index)];
+      if (!is_free(index) || last_seen >= stamp) {
+        continue;
+      }
+      const Eigen::Vector2d centre_m = geometry_.centre_m(index);
+      if (in_view(sensor, from, centre_m) && line_of_sight(near, p_m, centre_m)) {
+        last_seen = stamp;
+      }
+    }
+  }
+}
+
+void VisibilityGrid::merge(const VisibilityGrid& other) {
+  assert(geometry_ == other.geometry_);
+  std::transform(last_seen_.begin(), last_seen_.end(), other.last_seen_.begin(), last_seen_.begin(),
+                 [](std::int64_t a, std::int64_t b) { return std::max(a, b); });
+}
+
+bool VisibilityGrid::is_explored(int index, Time now) const {
+  const std::int64_t last_seen = last_seen_[at_index(index)];
+  return last_seen != kNeverSeen &&
+         (memory_s_ <= 0.0 || to_seconds(now - from_utime(last_seen)) <= memory_s_);
+}
+
+double VisibilityGrid::explored_share(Time now) const {
+  int free = 0;
+  int explored = 0;
+  for (int index = 0; index < geometry_.size(); ++index) {
+    free += is_free(index) ? 1 : 0;
+    explored += is_free(index) && is_explored(index, now) ? 1 : 0;
+  }
+  return free == 0 ? 1.0 : static_cast<double>(explored) / free;
+}
+
+std::vector<Eigen::Vector2d> VisibilityGrid::frontiers(Time now, double spacing_m) const {
+  const auto is_known = [&](int index) { return is_free(index) && is_explored(index, now); };
+  bool anything_known = false;
+  for (int index = 0; index < geometry_.size() && !anything_known; ++index) {
+    anything_known = is_known(index);
+  }
+  Thinner thinner(geometry_, spacing_m);
+  for (int index = 0; index < geometry_.size(); ++index) {
+    if (!is_free(index) || is_explored(index, now)) {
+      continue;
+    }
+    const int column = index % geometry_.columns;
+    const int row = index / geometry_.columns;
+    const bool beside_known = (column > 0 && is_known(index - 1)) ||
+                              (column + 1 < geometry_.columns && is_known(index + 1)) ||
+                              (row > 0 && is_known(index - geometry_.columns)) ||
+                              (row + 1 < geometry_.rows && is_known(index + geometry_.columns));
+    if (beside_known || !anything_known) {
+      thinner.offer(geometry_.centre_m(index));
+    }
+  }
+  return std::move(thinner).take();
+}
+
+void VisibilityGrid::set_last_seen(std::vector<std::int64_t> last_seen_utime) {
+  assert(last_seen_utime.size() == last_seen_.size());
+  last_seen_ = std::move(last_seen_utime);
+}
+
+}  // namespace vantage::models

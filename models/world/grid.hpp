@@ -27,7 +27,7 @@ struct GridGeometry {
   friend bool operator==(const GridGeometry&, const GridGeometry&) = default;
 };
 
-/// Which cells an obstacle touches (1) or not (0).
+/// Which cells an obstacle overlaps (1) or not (0); a shared edge is no overlap.
 struct OccupancyGrid {
   GridGeometry geometry;
   std::vector<std::uint8_t> occupied;

@@ -1,1 +1,114 @@
 #include "models/world/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vantage::models {
+namespace {
+
+// Signed distance to the border of `box`: negative inside.
+double signed_distance_m(const Rectangle& box, const Eigen::Vector2d& p_m) {
+  const double out_x = std::max(box.min_m.x() - p_m.x(), p_m.x() - box.max_m.x());
+  const double out_y = std::max(box.min_m.y() - p_m.y(), p_m.y() - box.max_m.y());
+  if (out_x <= 0.0 || out_y <= 0.0) {
+    return std::max(out_x, out_y);
+  }
+  return std::hypot(out_x, out_y);
+}
+
+double cross(const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
+  return u.x() * v.y() - u.y() * v.x();
+}
+
+// Separating axes of a closed segment and an open rectangle: x, y and the segment's normal. Needs
+// no division, so grazing along an edge or through a corner is decided exactly.
+bool crosses_interior(const Rectangle& box, const Eigen::Vector2d& a_m,
+                      const Eigen::Vector2d& b_m) {
+  if (std::max(a_m.x(), b_m.x()) <= box.min_m.x() || std::min(a_m.x(), b_m.x()) >= box.max_m.x() ||
+      std::max(a_m.y(), b_m.y()) <= box.min_m.y() || std::min(a_m.y(), b_m.y()) >= box.max_m.y()) {
+    return false;
+  }
+  const Eigen::Vector2d d = b_m - a_m;
+  if (d.x() == 0.0 || d.y() == 0.0) {
+    return true;  // a point or parallel to an axis: the axes above decide alone
+  }
+  const double s00 = cross(d, box.min_m - a_m);
+  const double s11 = cross(d, box.max_m - a_m);
+  const double s01 = cross(d, Eigen::Vector2d(box.min_m.x(), box.max_m.y()) - a_m);
+  const double s10 = cross(d, Eigen::Vector2d(box.max_m.x(), box.min_m.y()) - a_m);
+  return std::min({s00, s01, s10, s11}) < 0.0 && std::max({s00, s01, s10, s11}) > 0.0;
+}
+
+double point_segment_distance_m(const Eigen::Vector2d& p_m, const Eigen::Vector2d& a_m,
+                                const Eigen::Vector2d& b_m) {
+  const Eigen::Vector2d d = b_m - a_m;
+  const double length2 = d.squaredNorm();
+  const double s = length2 > 0.0 ? std::clamp((p_m - a_m).dot(d) / length2, 0.0, 1.0) : 0.0;
+  return (a_m + s * d - p_m).norm();
+}
+
+// Two disjoint convex sets are nearest at a corner of one of them.
+double segment_distance_m(const Rectangle& box, const Eigen::Vector2d& a_m,
+                          const Eigen::Vector2d& b_m) {
+  const double ends = std::min(signed_distance_m(box, a_m), signed_distance_m(box, b_m));
+  if (ends <= 0.0 || crosses_interior(box, a_m, b_m)) {
+    return std::min(ends, 0.0);
+  }
+  return std::min({ends, point_segment_distance_m(box.min_m, a_m, b_m),
+                   point_segment_distance_m(box.max_m, a_m, b_m),
+                   point_segment_distance_m({box.min_m.x(), box.max_m.y()}, a_m, b_m),
+                   point_segment_distance_m({box.max_m.x(), box.min_m.y()}, a_m, b_m)});
+}
+
+}  // namespace
+
+bool Rectangle::contains(const Eigen::Vector2d& p_m) const {
+  return p_m.x() >= min_m.x() && p_m.x() <= max_m.x() && p_m.y() >= min_m.y() &&
+         p_m.y() <= max_m.y();
+}
+
+double clearance_m(const World& world, const Eigen::Vector2d& p_m) {
+  double clearance = -signed_distance_m(world.bounds, p_m);
+  for (const Obstacle& obstacle : world.obstacles) {
+    clearance = std::min(clearance, signed_distance_m(obstacle.footprint, p_m));
+  }
+  return clearance;
+}
+
+bool line_of_sight(const World& world, const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) {
+  return std::none_of(
+      world.obstacles.begin(), world.obstacles.end(),
+      [&](const Obstacle& obstacle) { return crosses_interior(obstacle.footprint, a_m, b_m); });
+}
+
+double region_cost(const World& world, const Eigen::Vector2d& p_m) {
+  double cost = 0.0;
+  for (const Region& region : world.regions) {
+    if (region.footprint.contains(p_m)) {
+      cost += region.cost_per_step;
+    }
+  }
+  return cost;
+}
+
+double closest_approach_m(const Eigen::Vector3d& a0_m, const Eigen::Vector3d& a1_m,
+                          const Eigen::Vector3d& b0_m, const Eigen::Vector3d& b1_m) {
+  const Eigen::Vector3d offset = a0_m - b0_m;
+  const Eigen::Vector3d motion = (a1_m - a0_m) - (b1_m - b0_m);
+  const double motion2 = motion.squaredNorm();
+  const double s = motion2 > 0.0 ? std::clamp(-offset.dot(motion) / motion2, 0.0, 1.0) : 0.0;
+  return (offset + s * motion).norm();
+}
+
+double swept_clearance_m(const World& world, const Eigen::Vector2d& a_m,
+                         const Eigen::Vector2d& b_m) {
+  // The bounds are convex, so the segment comes nearest to the walls at one of its ends.
+  double clearance =
+      -std::max(signed_distance_m(world.bounds, a_m), signed_distance_m(world.bounds, b_m));
+  for (const Obstacle& obstacle : world.obstacles) {
+    clearance = std::min(clearance, segment_distance_m(obstacle.footprint, a_m, b_m));
+  }
+  return clearance;
+}
+
+}  // namespace vantage::models

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/deadline.hpp"
+#include "planner/search/crossing_index.hpp"
+#include "planner/search/expander.hpp"
+#include "planner/search/problem.hpp"
+#include "planner/search/tree.hpp"
+
+namespace vantage::planner {
+
+/// How large a problem a search object is built for.
+struct SearchCapacity {
+  std::size_t nodes_max = 400'000;
+  std::size_t block_doubles_max = 8'000'000;
+  int targets_max = 64;
+  int horizon_max = 32;
+  int teammates_max = 16;
+};
+
+enum class ReducedSearch {
+  kAnytime,     ///< ARVI: ε = δ = ∞ first, then the schedule, at last ε = δ = 0
+  kSinglePass,  ///< RVI with the given ε and δ
+  kGreedy,      ///< the first pass of ARVI alone: the best next step, T times
+  kExhaustive,  ///< FVI: nothing is pruned
+};
+
+struct ReducedOptions {
+  ReducedSearch search = ReducedSearch::kAnytime;
+  double epsilon = 1.0;  ///< of the first finite pass (kAnytime) or the only one
+  double delta_m = 1.0;
+  int halvings = 12;  ///< finite passes, each with half the last ε and δ, before (0, 0)
+  double yaw_weight_m_per_rad = 0.3;
+};
+
+/// Forward, reduced and anytime reduced value iteration over one persistent tree.
+///
+/// S, O and C of the dissertation persist between passes: no child is ever computed twice. Nodes
+/// of a depth are considered by ascending accumulated cost J; a node is left out of O when some
+/// opened node with J' ≤ J lies within δ and ε-dominates it (single-node test: sound). The leaves
+/// are never pruned: the best one that can stop safely is the plan.
+///
+/// Guarantees: a plan exists as soon as one depth-T node has been generated; its cost never rises;
+/// a finished pass at (ε, δ) obeys the bound (6.1); with ε = δ = 0 finished, it is optimal.
+/// Interruptible at each node; stops at the same node under Deadline::nodes(work_nodes).
+/// Allocates nothing in plan() while the problem fits the capacity.
+/// Source: dissertation Alg. 1 and 2, Thm 3; Vasquez et al. / Atanasov et al. for RVI.
+class ReducedValueIteration {
+ public:
+  explicit ReducedValueIteration(const SearchCapacity& capacity);
+
+  /// The best plan found by the deadline. The reference is good until the next call.
+  /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
+  const SearchResult& plan(const SearchProblem& problem, const ReducedOptions& options,
+                           const Deadline& deadline);
+
+  /// Everything the last search computed, for pictures and tests.
+  [[nodiscard]] const Tree& tree() const { return tree_; }
+
+ private:
+  struct Level {
+    std::vector<NodeId> pending;  ///< considered before and left out, by ascending cost
+    std::vector<NodeId> fresh;    ///< generated and not yet considered: a heap, least cost first
+    std::vector<NodeId> open;     ///< O_t; its first `expanded` members are C_t
+    std::size_t expanded = 0;
+  };
+  enum class Progress { kDone, kDeadline, kMemory };
+
+  Progress improve_path(double epsilon, double delta_m, bool prune);
+  Progress expand_level(int t);
+  Progress open_level(int t, double epsilon, double delta_m, bool prune);
+  /// True when an opened node makes `id` superfluous; kDeadline or kMemory end the search.
+  Progress is_pruned(NodeId id, double epsilon, double delta_m, const Level& level, bool& pruned);
+  void offer_leaf(NodeId id);
+  /// When no depth-T node can stop safely: stop as late as is safe, and hover.
+  void fall_back_to_hover();
+  void fill_result(NodeId last);
+  NodeId pop_least(Level& level, std::size_t& next_pending);
+  [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
+
+  SearchCapacity capacity_;
+  Tree tree_;
+  Expander expander_;
+  CrossingIndex index_;
+  std::vector<Level> levels_;
+  std::vector<NodeId> left_out_;
+  Children children_;
+  PoseMetric metric_;
+  const SearchProblem* problem_ = nullptr;
+  const Deadline* deadline_ = nullptr;
+  NodeId best_leaf_ = kNoNode;
+  SearchResult result_;
+};
+
+}  // namespace vantage::planner

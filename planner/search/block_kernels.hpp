@@ -1,0 +1,218 @@
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Core>
+
+#include "models/sensor/sensor.hpp"
+#include "models/target/target_model.hpp"
+
+// Covariance arithmetic on packed blocks, the inner loop of every search. Legend:
+//   P  position covariance, C = cov(position, velocity), V velocity covariance
+//   M  information of one look at the position, G = (I + M P)⁻¹ M
+// Three layouts, by the target's state:
+//   kPlanar  (x, y)            [Pxx Pxy Pyy]
+//   kSpatial (x, y, z)         [Pxx Pxy Pxz Pyy Pyz Pzz]
+//   kMoving  (x, y, ẋ, ẏ)      [Pxx Pxy Pyy  Cxx Cxy Cyx Cyy  Vxx Vxy Vyy]
+// All agree with models/belief to rounding (tested), without its generality.
+
+namespace vantage::planner {
+
+enum class BlockLayout { kPlanar, kSpatial, kMoving };
+
+inline constexpr int kMaxPacked = 10;
+
+constexpr int packed_size(BlockLayout layout) {
+  return layout == BlockLayout::kPlanar ? 3 : layout == BlockLayout::kSpatial ? 6 : 10;
+}
+
+/// Symmetric 2×2 or 3×3 information, packed as the position part of a block.
+struct PackedInformation {
+  double m[6] = {0, 0, 0, 0, 0, 0};
+};
+
+/// What one step of prediction adds: W of the target's model, by its few distinct entries.
+struct StepNoise {
+  double step_s = 0.5;
+  double position = 0.0;  ///< on the diagonal of P
+  double cross = 0.0;     ///< on the diagonal of C
+  double velocity = 0.0;  ///< on the diagonal of V
+};
+
+inline double det2(const double* p) { return p[0] * p[2] - p[1] * p[1]; }
+
+inline double det3(const double* p) {
+  return p[0] * (p[3] * p[5] - p[4] * p[4]) - p[1] * (p[1] * p[5] - p[4] * p[2]) +
+         p[2] * (p[1] * p[4] - p[3] * p[2]);
+}
+
+/// det Σ of one block.
+inline double determinant(BlockLayout layout, const double* b) {
+  switch (layout) {
+    case BlockLayout::kPlanar:
+      return det2(b);
+    case BlockLayout::kSpatial:
+      return det3(b);
+    case BlockLayout::kMoving:
+      break;
+  }
+  // det P · det(V − Cᵀ P⁻¹ C)
+  const double det_p = det2(b);
+  const double i00 = b[2] / det_p;
+  const double i01 = -b[1] / det_p;
+  const double i11 = b[0] / det_p;
+  const double x0 = i00 * b[3] + i01 * b[5];  // P⁻¹ C, first column
+  const double x1 = i01 * b[3] + i11 * b[5];
+  const double y0 = i00 * b[4] + i01 * b[6];  // second column
+  const double y1 = i01 * b[4] + i11 * b[6];
+  const double s00 = b[7] - (b[3] * x0 + b[5] * x1);
+  const double s01 = b[8] - (b[3] * y0 + b[5] * y1);
+  const double s11 = b[9] - (b[4] * y0 + b[6] * y1);
+  return det_p * (s00 * s11 - s01 * s01);
+}
+
+inline double trace(BlockLayout layout, const double* b) {
+  switch (layout) {
+    case BlockLayout::kPlanar:
+      return b[0] + b[2];
+    case BlockLayout::kSpatial:
+      return b[0] + b[3] + b[5];
+    case BlockLayout::kMoving:
+      break;
+  }
+  return b[0] + b[2] + b[7] + b[9];
+}
+
+/// A Σ Aᵀ + W. `in` may be `out`.
+inline void predict(BlockLayout layout, const StepNoise& w, const double* in, double* out) {
+  if (layout == BlockLayout::kPlanar) {
+    out[0] = in[0] + w.position;
+    out[1] = in[1];
+    out[2] = in[2] + w.position;
+    return;
+  }
+  if (layout == BlockLayout::kSpatial) {
+    for (int i = 0; i < 6; ++i) {
+      out[i] = in[i];
+    }
+    out[0] += w.position;
+    out[3] += w.position;
+    out[5] += w.position;
+    return;
+  }
+  const double h = w.step_s;
+  const double h2 = h * h;
+  out[0] = in[0] + 2.0 * h * in[3] + h2 * in[7] + w.position;
+  out[1] = in[1] + h * (in[4] + in[5]) + h2 * in[8];
+  out[2] = in[2] + 2.0 * h * in[6] + h2 * in[9] + w.position;
+  out[3] = in[3] + h * in[7] + w.cross;
+  out[4] = in[4] + h * in[8];
+  out[5] = in[5] + h * in[8];
+  out[6] = in[6] + h * in[9] + w.cross;
+  out[7] = in[7] + w.velocity;
+  out[8] = in[8];
+  out[9] = in[9] + w.velocity;
+}
+
+/// det(I + M P), planar: 1 + tr(M P) + det M det P.
+inline double gain2(const double* m, const double* p) {
+  return 1.0 + m[0] * p[0] + 2.0 * m[1] * p[1] + m[2] * p[2] +
+         (m[0] * m[2] - m[1] * m[1]) * det2(p);
+}
+
+/// (I + M P)⁻¹ M, planar, packed: (M + det M adj P) / det(I + M P).
+inline void posterior_gain2(const double* m, const double* p, double* g) {
+  const double det_m = m[0] * m[2] - m[1] * m[1];
+  const double scale = 1.0 / gain2(m, p);
+  g[0] = (m[0] + det_m * p[2]) * scale;
+  g[1] = (m[1] - det_m * p[1]) * scale;
+  g[2] = (m[2] + det_m * p[0]) * scale;
+}
+
+inline Eigen::Matrix3d unpack3(const double* p) {
+  Eigen::Matrix3d full;
+  full << p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5];
+  return full;
+}
+
+inline void pack3(const Eigen::Matrix3d& full, double* p) {
+  p[0] = full(0, 0);
+  p[1] = 0.5 * (full(0, 1) + full(1, 0));
+  p[2] = 0.5 * (full(0, 2) + full(2, 0));
+  p[3] = full(1, 1);
+  p[4] = 0.5 * (full(1, 2) + full(2, 1));
+  p[5] = full(2, 2);
+}
+
+/// det(I + M P) of any layout.
+inline double gain(BlockLayout layout, const double* m, const double* b) {
+  if (layout == BlockLayout::kSpatial) {
+    return (Eigen::Matrix3d::Identity() + unpack3(m) * unpack3(b)).determinant();
+  }
+  return gain2(m, b);
+}
+
+/// (Σ⁻¹ + M)⁻¹. `in` may be `out`.
+inline void update(BlockLayout layout, const double* m, const double* in, double* out) {
+  if (layout == BlockLayout::kSpatial) {
+    const Eigen::Matrix3d M = unpack3(m);
+    const Eigen::Matrix3d P = unpack3(in);
+    pack3(P - P * (Eigen::Matrix3d::Identity() + M * P).inverse() * M * P, out);
+    return;
+  }
+  double g[3];
+  posterior_gain2(m, in, g);
+  const double p0 = in[0];
+  const double p1 = in[1];
+  const double p2 = in[2];
+  const double pg00 = p0 * g[0] + p1 * g[1];  // P G
+  const double pg01 = p0 * g[1] + p1 * g[2];
+  const double pg10 = p1 * g[0] + p2 * g[1];
+  const double pg11 = p1 * g[1] + p2 * g[2];
+  if (layout == BlockLayout::kMoving) {
+    const double c0 = in[3];
+    const double c1 = in[4];
+    const double c2 = in[5];
+    const double c3 = in[6];
+    const double gc00 = g[0] * c0 + g[1] * c2;  // G C
+    const double gc01 = g[0] * c1 + g[1] * c3;
+    const double gc10 = g[1] * c0 + g[2] * c2;
+    const double gc11 = g[1] * c1 + g[2] * c3;
+    out[3] = c0 - (pg00 * c0 + pg01 * c2);
+    out[4] = c1 - (pg00 * c1 + pg01 * c3);
+    out[5] = c2 - (pg10 * c0 + pg11 * c2);
+    out[6] = c3 - (pg10 * c1 + pg11 * c3);
+    out[7] = in[7] - (c0 * gc00 + c2 * gc10);
+    out[8] = in[8] - (c0 * gc01 + c2 * gc11);
+    out[9] = in[9] - (c1 * gc01 + c3 * gc11);
+  }
+  out[0] = p0 - (pg00 * p0 + pg01 * p1);
+  out[1] = p1 - (pg00 * p1 + pg01 * p2);
+  out[2] = p2 - (pg10 * p1 + pg11 * p2);
+}
+
+/// tr Σ − tr (Σ⁻¹ + M)⁻¹ = tr(G (P P + C Cᵀ)).
+inline double trace_reduction(BlockLayout layout, const double* m, const double* b) {
+  if (layout == BlockLayout::kSpatial) {
+    double after[6];
+    update(layout, m, b, after);
+    return trace(layout, b) - trace(layout, after);
+  }
+  double g[3];
+  posterior_gain2(m, b, g);
+  double s0 = b[0] * b[0] + b[1] * b[1];
+  double s1 = b[0] * b[1] + b[1] * b[2];
+  double s2 = b[1] * b[1] + b[2] * b[2];
+  if (layout == BlockLayout::kMoving) {
+    s0 += b[3] * b[3] + b[4] * b[4];
+    s1 += b[3] * b[5] + b[4] * b[6];
+    s2 += b[5] * b[5] + b[6] * b[6];
+  }
+  return g[0] * s0 + 2.0 * g[1] * s1 + g[2] * s2;
+}
+
+/// True when a + εI − b is positive semidefinite, exactly: by Cholesky with a tolerance that can
+/// only make the answer false. A test that may prune must never say true wrongly.
+bool dominates(BlockLayout layout, const double* a, double epsilon, const double* b);
+
+}  // namespace vantage::planner

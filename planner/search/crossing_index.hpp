@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/pose.hpp"
+#include "planner/search/tree.hpp"
+
+namespace vantage::planner {
+
+/// The metric of δ-crossing on SE(2): d(a, b) = hypot(‖p_a − p_b‖, w · |Δyaw|).
+struct PoseMetric {
+  double yaw_weight_m_per_rad = 0.0;
+  [[nodiscard]] double squared(const Pose2& a, const Pose2& b) const {
+    const double dx = a.x_m - b.x_m;
+    const double dy = a.y_m - b.y_m;
+    double turn = a.yaw_rad - b.yaw_rad;  // both in (−π, π]
+    turn = turn > kPi ? turn - 2.0 * kPi : turn <= -kPi ? turn + 2.0 * kPi : turn;
+    turn *= yaw_weight_m_per_rad;
+    return dx * dx + dy * dy + turn * turn;
+  }
+};
+
+/// Spatial hash of the opened nodes of one depth: who lies within δ of a pose, without a scan.
+/// reset() is O(1); insertion O(1); a query visits nine cells. Allocates nothing after
+/// construction.
+class CrossingIndex {
+ public:
+  explicit CrossingIndex(std::size_t entries_max);
+
+  /// Empties the index for crossings at `delta_m` ≥ 0 (at 0: equal positions).
+  void reset(double delta_m);
+  /// False when the index is full.
+  bool insert(const Pose2& pose, NodeId id);
+  /// Calls `visit(id)` with the inserted nodes in the cells around `pose` until it answers false.
+  template <class Visit>
+  void near(const Pose2& pose, Visit&& visit) const;
+
+ private:
+  struct Entry {
+    NodeId id = kNoNode;
+    std::uint32_t next = 0;  ///< 0: end
+    std::int32_t cell_x = 0;
+    std::int32_t cell_y = 0;
+  };
+  [[nodiscard]] std::int32_t cell_of(double coordinate_m) const;
+  [[nodiscard]] std::size_t bucket(std::int32_t x, std::int32_t y) const;
+
+  double cell_m_ = 1.0;
+  std::uint32_t epoch_ = 0;
+  std::vector<std::uint32_t> heads_;  ///< index into entries_, valid when epochs_ agrees
+  std::vector<std::uint32_t> epochs_;
+  std::vector<Entry> entries_;
+  std::size_t count_ = 1;
+};
+
+template <class Visit>
+void CrossingIndex::near(const Pose2& pose, Visit&& visit) const {
+  const std::int32_t cx = cell_of(pose.x_m);
+  const std::int32_t cy = cell_of(pose.y_m);
+  for (std::int32_t y = cy - 1; y <= cy + 1; ++y) {
+    for (std::int32_t x = cx - 1; x <= cx + 1; ++x) {
+      const std::size_t b = bucket(x, y);
+      if (epochs_[b] != epoch_) {
+        continue;
+      }
+      for (std::uint32_t e = heads_[b]; e != 0; e = entries_[e].next) {
+        if (entries_[e].cell_x == x && entries_[e].cell_y == y && !visit(entries_[e].id)) {
+          return;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace vantage::planner

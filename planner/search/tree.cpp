@@ -1,0 +1,49 @@
+#include "planner/search/tree.hpp"
+
+#include <algorithm>
+
+namespace vantage::planner {
+
+Tree::Tree(std::size_t nodes_max, std::size_t block_doubles_max)
+    : nodes_(nodes_max),
+      records_(nodes_max + 1),
+      targets_(block_doubles_max / 3 + 1),
+      doubles_(block_doubles_max) {}
+
+void Tree::clear() {
+  node_count_ = 0;
+  record_count_ = 1;
+  target_count_ = 0;
+  double_count_ = 0;
+}
+
+bool Tree::keep_posterior(NodeId id, std::span<const std::uint16_t> targets,
+                          std::span<const double> packed) {
+  if (record_count_ == records_.size() || target_count_ + targets.size() > targets_.size() ||
+      double_count_ + packed.size() > doubles_.size()) {
+    return false;
+  }
+  records_[record_count_] = {static_cast<std::uint32_t>(target_count_),
+                             static_cast<std::uint32_t>(double_count_),
+                             static_cast<std::uint32_t>(targets.size())};
+  std::copy(targets.begin(), targets.end(),
+            targets_.begin() + static_cast<std::ptrdiff_t>(target_count_));
+  std::copy(packed.begin(), packed.end(),
+            doubles_.begin() + static_cast<std::ptrdiff_t>(double_count_));
+  target_count_ += targets.size();
+  double_count_ += packed.size();
+  nodes_[id].posterior = static_cast<std::uint32_t>(record_count_++);
+  return true;
+}
+
+Blocks Tree::posterior(NodeId id) const {
+  const Record& record = records_[nodes_[id].posterior];
+  return {{targets_.data() + record.targets, record.count}, doubles_.data() + record.doubles};
+}
+
+std::size_t Tree::bytes_used() const {
+  return node_count_ * sizeof(Node) + record_count_ * sizeof(Record) +
+         target_count_ * sizeof(std::uint16_t) + double_count_ * sizeof(double);
+}
+
+}  // namespace vantage::planner
