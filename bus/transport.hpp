@@ -18,6 +18,11 @@ struct TransportStats {
   std::int64_t malformed_datagrams = 0;   ///< not LCM, or lying about lengths
   std::int64_t incomplete_messages = 0;   ///< given up with fragments missing
   std::int64_t queue_overflows = 0;       ///< oldest message dropped for a newer one
+  std::int64_t oversized_messages = 0;    ///< refused for announcing more than the size cap
+  std::int64_t duplicate_fragments = 0;   ///< ignored
+  std::int64_t kernel_drops = 0;          ///< datagrams for which the socket buffer had no room
+  std::int64_t receive_buffer_bytes = 0;  ///< what the kernel granted; 0 without a socket
+  std::int64_t receive_buffer_short_bytes = 0;  ///< asked for and not granted (net.core.rmem_max)
 };
 
 /// Moves bytes under channel names. The one thing to replace in order to leave LCM.
