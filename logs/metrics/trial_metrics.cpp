@@ -135,7 +135,7 @@ void TrialMetrics::on_vehicle(const models::VehicleStatus& status) {
 void TrialMetrics::on_health(const models::ProcessHealth& health) {
   std::int64_t lost = 0;
   for (const models::NamedCount& counter : health.counters) {
-    lost += counter.name.ends_with("lost") ? counter.count : 0;
+    lost += counter.name.ends_with(".lost") ? counter.count : 0;
   }
   lost_[health.process] = lost;
 }

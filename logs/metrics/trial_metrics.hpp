@@ -43,7 +43,7 @@ class TrialMetrics {
   void on_plan(const models::RobotPlan& plan);
   void on_contact(const models::ContactReport& contact);
   void on_vehicle(const models::VehicleStatus& status);
-  /// Messages that a process reports lost: its newest counters whose name ends in "lost".
+  /// Messages that a process reports lost: its newest counters whose name ends in ".lost".
   void on_health(const models::ProcessHealth& health);
 
   /// Judges what is still pending and sums up. `messages_lost` overrides what HEALTH said, for

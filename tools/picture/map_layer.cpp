@@ -5,7 +5,7 @@
 #include <utility>
 
 #include <Eigen/Eigenvalues>
-#include <spdlog/fmt/fmt.h>
+#include <fmt/format.h>
 
 #include "models/plan/plan.hpp"
 

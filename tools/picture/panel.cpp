@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include <spdlog/fmt/fmt.h>
+#include <fmt/format.h>
 
 #include "tools/picture/map_layer.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <iterator>
 
-#include <spdlog/fmt/fmt.h>
+#include <fmt/format.h>
 
 namespace vantage::tools {
 
