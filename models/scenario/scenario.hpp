@@ -80,6 +80,10 @@ struct ExplorationSpec {
 
 enum class PlanAlgorithm { kArvi, kRvi, kGreedy, kRandomWalk, kLawnMower };
 
+/// As scenario files and flags write it: "arvi", "rvi", "greedy", "random_walk", "lawn_mower".
+const char* name_of(PlanAlgorithm algorithm);
+std::optional<PlanAlgorithm> parse_algorithm(const std::string& name);
+
 struct PlannerSpec {
   PlanAlgorithm algorithm = PlanAlgorithm::kArvi;
   int horizon_steps = 12;          ///< T
