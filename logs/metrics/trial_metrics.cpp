@@ -11,17 +11,6 @@ namespace {
 // simulator's truth, which comes at its own rate, has passed the step's time.
 constexpr std::int64_t kStepsOfGrace = 2;
 
-std::string algorithm_name(models::PlanAlgorithm algorithm) {
-  switch (algorithm) {
-    case models::PlanAlgorithm::kArvi: return "arvi";
-    case models::PlanAlgorithm::kRvi: return "rvi";
-    case models::PlanAlgorithm::kGreedy: return "greedy";
-    case models::PlanAlgorithm::kRandomWalk: return "random_walk";
-    case models::PlanAlgorithm::kLawnMower: return "lawn_mower";
-  }
-  return "unknown";
-}
-
 }  // namespace
 
 TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
@@ -33,7 +22,7 @@ TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
       sums_(scenario.targets.size()) {
   summary_.seed = scenario.seed;
   summary_.scenario = scenario.name;
-  summary_.algorithm = algorithm_name(scenario.planner.algorithm);
+  summary_.algorithm = models::name_of(scenario.planner.algorithm);
   summary_.targets = static_cast<int>(scenario.targets.size());
   for (const models::TargetSpec& target : scenario.targets) {
     TargetStatus& status = targets_.emplace_back();
