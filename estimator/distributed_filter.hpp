@@ -60,7 +60,8 @@ struct FilterCounters {
   std::int64_t singular = 0;           ///< a matrix that could not be inverted
   std::int64_t missed_detections = 0;  ///< looks that moved a belief by finding nothing
 
-  /// The non-zero ones by name.
+  /// The non-zero ones that tell of trouble, by name: all but out_of_range_beliefs and
+  /// missed_detections, which are the ordinary course of a trial.
   [[nodiscard]] std::vector<models::NamedCount> named() const;
 };
 
