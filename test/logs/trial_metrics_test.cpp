@@ -114,7 +114,7 @@ TEST(TrialMetrics, AveragesTheRmseOverTime) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
   metrics.on_truth(truth(5.0));
-  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.0, 1.0, 1.0)}));                       // 1
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.0, 1.0, 1.0)}));                        // 1
   metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 3.0, 1.0), target(1, 5, 5, 1.0)}));  // 3, 0
   const TrialSummary summary = metrics.finish(at_s(5.0));
   EXPECT_NEAR(*summary.rmse_m, 0.5 * (1.0 + std::sqrt(9.0 / 2.0)), 1e-9);
@@ -172,10 +172,20 @@ TEST(TrialMetrics, SumsTheNewestLossCountersOfEachProcess) {
 TEST(TrialSummary, HasThePublishedKeysFirstAndInOrder) {
   const nlohmann::ordered_json json =
       to_json(TrialMetrics(scenario(), at_s(0.0)).finish(at_s(2.0)));
-  const std::vector<std::string> published = {
-      "seed",         "duration_s", "collisions", "separation_violations", "min_separation_m",
-      "discovered",   "targets",    "discovery_time_s", "rmse_m",          "entropy",
-      "rounds",       "rounds_late", "fallbacks", "messages_lost"};
+  const std::vector<std::string> published = {"seed",
+                                              "duration_s",
+                                              "collisions",
+                                              "separation_violations",
+                                              "min_separation_m",
+                                              "discovered",
+                                              "targets",
+                                              "discovery_time_s",
+                                              "rmse_m",
+                                              "entropy",
+                                              "rounds",
+                                              "rounds_late",
+                                              "fallbacks",
+                                              "messages_lost"};
   auto entry = json.begin();
   for (const std::string& key : published) {
     ASSERT_NE(entry, json.end());

@@ -51,9 +51,9 @@ TEST(RequestFromLine, ReadsAnActionAndARobot) {
 }
 
 TEST(RequestFromLine, ReadsEveryWordItWrites) {
-  for (const auto action : {OperatorAction::kArm, OperatorAction::kTakeOff,
-                            OperatorAction::kFollow, OperatorAction::kHold, OperatorAction::kLand,
-                            OperatorAction::kEmergencyStop}) {
+  for (const auto action :
+       {OperatorAction::kArm, OperatorAction::kTakeOff, OperatorAction::kFollow,
+        OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
     const auto request = request_from_line(word_for(action), kRobots);
     ASSERT_TRUE(request.ok()) << word_for(action);
     EXPECT_EQ(request.value().action, action);

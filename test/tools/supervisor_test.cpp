@@ -89,7 +89,8 @@ TEST(Supervisor, EndsEveryoneAndKillsThoseThatWillNot) {
   // It says so once it ignores the signal: only then may we send it.
   const std::string ready = ::testing::TempDir() + "vantage_stubborn_ready";
   ::remove(ready.c_str());
-  supervisor.start({"stubborn", {"sh", "-c", "trap '' TERM; : > " + ready + "; while :; do sleep 1; done"}});
+  supervisor.start(
+      {"stubborn", {"sh", "-c", "trap '' TERM; : > " + ready + "; while :; do sleep 1; done"}});
   while (::access(ready.c_str(), F_OK) != 0) {
     ASSERT_FALSE(supervisor.find("stubborn")->wait(milliseconds(5)));
   }
