@@ -102,8 +102,8 @@ std::optional<ChildExit> Child::wait(std::chrono::milliseconds timeout) {
   ::poll(&ready, 1, static_cast<int>(timeout.count()));
   int status = 0;
   if (::waitpid(pid_, &status, WNOHANG) == pid_) {
-    exit_ = WIFSIGNALED(status) ? ChildExit{0, WTERMSIG(status)}
-                                : ChildExit{WEXITSTATUS(status), 0};
+    exit_ =
+        WIFSIGNALED(status) ? ChildExit{0, WTERMSIG(status)} : ChildExit{WEXITSTATUS(status), 0};
   }
   return exit_;
 }
