@@ -8,7 +8,9 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/pidfd.h>
+extern "C" {
+#include <sys/pidfd.h>  // glibc 2.36 declares pidfd_open without extern "C"
+}
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
