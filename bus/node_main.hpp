@@ -22,7 +22,7 @@ struct NodeProgram {
 struct NodeArguments {
   std::string scenario;
   std::string robot;
-  std::string url;             ///< empty: the scenario's
+  std::string url;  ///< empty: the scenario's
   std::string publish_prefix;
   bool replay = false;
 };

@@ -23,9 +23,8 @@ constexpr double kSpeedMaxMps = 50.0;
 constexpr double kYawRateMaxRadps = 20.0;
 
 bool is_channel_name(const std::string& name) {
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-  });
+  return std::all_of(name.begin(), name.end(),
+                     [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
 }
 
 /// A name that no body has yet: it is a channel's suffix and a mocap subject at once.

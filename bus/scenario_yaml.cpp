@@ -105,8 +105,7 @@ void read_target_model(Mapping& from, models::TargetModel& model) {
   }
 }
 
-void check_grid(Mapping& from, const models::World& world,
-                const models::EstimatorSpec& estimator) {
+void check_grid(Mapping& from, const models::World& world, const models::EstimatorSpec& estimator) {
   const Eigen::Vector2d size_m = world.bounds.max_m - world.bounds.min_m;
   const double cells = (size_m / estimator.grid_resolution_m).array().ceil().prod();
   if (cells > kGridCellsMax) {
@@ -121,8 +120,7 @@ void read_estimator(Mapping& from, const models::World& world, models::Estimator
                [&](Mapping& model) { read_target_model(model, estimator.target_model); });
   from.number("prior_position_sigma_m", estimator.prior_position_sigma_m, above(0.0));
   from.number("prior_velocity_sigma_mps", estimator.prior_velocity_sigma_mps, above(0.0));
-  from.number("undiscovered_position_sigma_m", estimator.undiscovered_position_sigma_m,
-              above(0.0));
+  from.number("undiscovered_position_sigma_m", estimator.undiscovered_position_sigma_m, above(0.0));
   from.number("grid_resolution_m", estimator.grid_resolution_m, above(0.0));
   from.number("grid_memory_s", estimator.grid_memory_s, from_to(-1.0, kDurationMaxS));
   from.number("gate_sigma", estimator.gate_sigma, at_least(0.0));
@@ -179,8 +177,7 @@ void read_planner(Mapping& from, models::PlannerSpec& planner) {
 }
 
 void read_network(Mapping& from, models::NetworkSpec& network) {
-  from.number("communication_range_m", network.communication_range_m,
-              from_to(-1.0, kLengthMaxM));
+  from.number("communication_range_m", network.communication_range_m, from_to(-1.0, kLengthMaxM));
   from.text("url", network.url);
   constexpr std::array<std::string_view, 2> kSchemes = {"udpm://", "memq://"};
   const bool is_known = std::any_of(kSchemes.begin(), kSchemes.end(), [&](std::string_view scheme) {

@@ -25,6 +25,9 @@ struct TransportStats {
   std::int64_t receive_buffer_short_bytes = 0;  ///< asked for and not granted (net.core.rmem_max)
 };
 
+/// What handle() answers when nothing can come any more.
+inline constexpr int kSourceEnded = -1;
+
 /// Moves bytes under channel names. The one thing to replace in order to leave LCM.
 ///
 /// Not thread-safe: one owner, one thread, unless a class says otherwise.
@@ -45,7 +48,9 @@ class Transport {
   /// False when the message could not be handed to the network (counted).
   virtual bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) = 0;
   /// Waits up to `timeout` for a message, then dispatches everything that has arrived; returns how
-  /// many. An exception from a handler comes out here and leaves the transport usable.
+  /// many, or kSourceEnded once nothing can come any more (a log that was read to its end). An
+  /// exception from a handler comes out here and leaves the transport usable. Not to be called from
+  /// a handler.
   virtual int handle(std::chrono::microseconds timeout) = 0;
   [[nodiscard]] virtual TransportStats stats() const = 0;
 };

@@ -26,7 +26,9 @@ void check_keys(const Value& mapping) {
   std::map<std::string, int> first_line;
   for (const auto& entry : mapping.node) {
     if (!entry.first.IsScalar()) {
-      mapping.refuse("every key must be a word");
+      Value key = mapping;
+      key.line = line_of(entry.first, mapping.line);
+      key.refuse("every key must be a word");
     }
     const std::string& key = entry.first.Scalar();
     const Value value = child(mapping, key, entry.first, entry.second);

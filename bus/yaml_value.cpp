@@ -62,8 +62,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 /// `name` without the unit at its end.
 std::string_view without_unit(std::string_view name) {
   static constexpr std::array<std::string_view, 28> kUnits = {
-      "m",  "mm", "cm",  "km",  "ft",  "s",    "ms",   "us",     "ns",      "min",
-      "h",  "hz", "khz", "rad", "deg", "mrad", "mps",  "kmh",    "kph",     "mph",
+      "m",  "mm", "cm",  "km",  "ft",  "s",    "ms",    "us",   "ns",  "min",
+      "h",  "hz", "khz", "rad", "deg", "mrad", "mps",   "kmh",  "kph", "mph",
       "m2", "m3", "ms2", "rps", "rpm", "mps2", "degps", "radps"};
   const std::size_t underscore = name.rfind('_');
   if (underscore == std::string_view::npos) {
@@ -183,8 +183,7 @@ std::vector<Value> Value::items() const {
   }
   std::vector<Value> values;
   for (const YAML::Node& item : node) {
-    values.push_back(
-        {item, file, fmt::format("{}[{}]", path, values.size()), line_of(item, line)});
+    values.push_back({item, file, fmt::format("{}[{}]", path, values.size()), line_of(item, line)});
   }
   return values;
 }

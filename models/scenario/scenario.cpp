@@ -1,9 +1,8 @@
 #include "models/scenario/scenario.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
-
-#include <algorithm>
 
 namespace vantage::models {
 namespace {
@@ -35,7 +34,6 @@ std::optional<PlanAlgorithm> parse_algorithm(const std::string& name) {
   }
   return std::nullopt;
 }
-
 
 const RobotSpec* Scenario::find_robot(const std::string& robot) const {
   const auto found = std::find_if(robots.begin(), robots.end(),

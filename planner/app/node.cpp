@@ -25,13 +25,12 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
   bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot),
                                       [this](const auto& m) { inputs_.belief = m; });
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
-  bus_.subscribe<models::AttackNotice>(bus::kAttack,
-                                       [this](const auto& m) { inputs_.attack = m; });
+  bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
   for (const models::RobotSpec& other : scenario.robots) {
     if (other.name != robot) {
-      bus_.subscribe<models::RobotPlan>(
-          bus::plan_channel(other.name),
-          [this](const auto& m) { inputs_.team_plans.insert_or_assign(m.robot, m); });
+      bus_.subscribe<models::RobotPlan>(bus::plan_channel(other.name), [this](const auto& m) {
+        inputs_.team_plans.insert_or_assign(m.robot, m);
+      });
     }
   }
 }

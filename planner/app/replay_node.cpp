@@ -57,13 +57,13 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
   bus_.subscribe_named<models::AttackNotice>(
       bus::kAttack, [this](const std::string& name, const auto& m) { attacks_.add(name, m); });
   for (const models::RobotSpec& each : scenario.robots) {
-    bus_.subscribe_named<models::RobotPlan>(
-        bus::plan_channel(each.name), [this](const std::string& name, const auto& m) {
-          plans_.add(name, m);
-          if (m.robot == robot_) {
-            waiting_.push_back(m);
-          }
-        });
+    bus_.subscribe_named<models::RobotPlan>(bus::plan_channel(each.name),
+                                            [this](const std::string& name, const auto& m) {
+                                              plans_.add(name, m);
+                                              if (m.robot == robot_) {
+                                                waiting_.push_back(m);
+                                              }
+                                            });
   }
 }
 

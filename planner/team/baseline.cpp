@@ -82,9 +82,11 @@ class Descent {
 
 SearchResult plan_random_walk(const SearchProblem& problem, std::uint64_t seed) {
   std::mt19937_64 rng(seed);
-  return Descent(problem, [&rng](const Pose2&, int, std::vector<int>& controls) {
-           std::shuffle(controls.begin(), controls.end(), rng);
-         }).run();
+  return Descent(problem,
+                 [&rng](const Pose2&, int, std::vector<int>& controls) {
+                   std::shuffle(controls.begin(), controls.end(), rng);
+                 })
+      .run();
 }
 
 std::vector<Eigen::Vector2d> lawn_mower_waypoints(const models::Rectangle& bounds, int index,
@@ -98,13 +100,13 @@ std::vector<Eigen::Vector2d> lawn_mower_waypoints(const models::Rectangle& bound
   const int rows = std::max(1, static_cast<int>(std::ceil((high_m - low_m) / spacing_m)) + 1);
   std::vector<Eigen::Vector2d> there;
   for (int row = 0; row < rows; ++row) {
-    const double at_m = rows == 1 ? 0.5 * (low_m + high_m)
-                                  : low_m + (high_m - low_m) * row / (rows - 1);
+    const double at_m =
+        rows == 1 ? 0.5 * (low_m + high_m) : low_m + (high_m - low_m) * row / (rows - 1);
     for (int end = 0; end < 2; ++end) {
       Eigen::Vector2d p;
       p(along) = at_m;
-      p(across) = (row + end) % 2 == 0 ? bounds.min_m(across) + margin_m
-                                       : bounds.max_m(across) - margin_m;
+      p(across) =
+          (row + end) % 2 == 0 ? bounds.min_m(across) + margin_m : bounds.max_m(across) - margin_m;
       there.push_back(p);
     }
   }
@@ -129,14 +131,14 @@ SearchResult plan_through(const SearchProblem& problem,
     const Eigen::Vector2d goal_m = aim(at);
     // Nearest after this control held and then the best control once more: enough to turn around.
     const auto distance = [&](int c) {
-      const Pose2 one = models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)],
-                                              problem.step_s);
+      const Pose2 one =
+          models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)], problem.step_s);
       double least = std::numeric_limits<double>::infinity();
       for (const models::UnicycleControl& second : problem.controls) {
         const Pose2 two = models::step_unicycle(one, second, problem.step_s);
         const Eigen::Vector2d to_goal_m = goal_m - two.position_m();
-        const double off_rad = std::abs(
-            wrap_to_pi(std::atan2(to_goal_m.y(), to_goal_m.x()) - two.yaw_rad));
+        const double off_rad =
+            std::abs(wrap_to_pi(std::atan2(to_goal_m.y(), to_goal_m.x()) - two.yaw_rad));
         least = std::min(least, to_goal_m.norm() + 0.1 * off_rad);
       }
       return least;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "core/check.hpp"
 #include "models/belief/exploration.hpp"
@@ -32,11 +33,12 @@ double field_resolution_m(const models::World& world) {
 
 // A different stream of random numbers for each robot and round, the same at every replay.
 std::uint64_t walk_seed(std::uint64_t seed, int robot_index, std::int64_t round) {
-  std::uint64_t x = seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(robot_index) +
-                    (static_cast<std::uint64_t>(round) << 8U);
-  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31U);
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),
+                         static_cast<std::uint32_t>(robot_index),
+                         static_cast<std::uint32_t>(round)};
+  std::uint32_t words[2];
+  sequence.generate(std::begin(words), std::end(words));
+  return (std::uint64_t{words[1]} << 32U) | words[0];
 }
 
 }  // namespace
@@ -48,8 +50,7 @@ RobotPlanner::RobotPlanner(const models::Scenario& scenario, const std::string& 
   spec_ = scenario_.find_robot(robot);
   require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
   robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
-  const double margin_m =
-      spec_->limits.radius_m + scenario_.planner.obstacle_margin_m + 0.25;
+  const double margin_m = spec_->limits.radius_m + scenario_.planner.obstacle_margin_m + 0.25;
   sweep_ = lawn_mower_waypoints(scenario_.world.bounds, robot_index_, robot_count(),
                                 1.6 * spec_->sensor.range_max_m, margin_m);
 }
@@ -71,8 +72,7 @@ models::RobotPlan RobotPlanner::blank_plan(const PlanInputs& inputs) const {
 }
 
 std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInputs& inputs) {
-  const models::MocapBody* body =
-      inputs.mocap ? inputs.mocap->find(spec_->name) : nullptr;
+  const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(spec_->name) : nullptr;
   const bool has_pose = body != nullptr && !body->occluded;
   if (inputs.own_plan) {
     const models::Trajectory& last = inputs.own_plan->trajectory;
@@ -151,8 +151,8 @@ void RobotPlanner::add_landmarks(const models::RobotBelief& belief, Time start) 
   }
   grid.set_last_seen(belief.last_seen_utime);
   const models::TargetModel still{models::TargetKind::kStatic, 2, 0.0};
-  for (const models::Gaussian& landmark : models::exploration_landmarks(
-           grid, exploration, problem_.start.position_m(), start)) {
+  for (const models::Gaussian& landmark :
+       models::exploration_landmarks(grid, exploration, problem_.start.position_m(), start)) {
     problem_.targets.push_back({still, landmark});
   }
 }
@@ -195,8 +195,8 @@ const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadlin
   options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
   switch (planner.algorithm) {
     case models::PlanAlgorithm::kRandomWalk:
-      baseline_ = plan_random_walk(
-          problem_, walk_seed(scenario_.seed, robot_index_, inputs.slot.round));
+      baseline_ =
+          plan_random_walk(problem_, walk_seed(scenario_.seed, robot_index_, inputs.slot.round));
       return baseline_;
     case models::PlanAlgorithm::kLawnMower:
       baseline_ = plan_through(problem_, sweep_, sweep_next_);

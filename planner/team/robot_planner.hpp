@@ -18,9 +18,9 @@ namespace vantage::planner {
 /// Everything that one robot's plan of one round is made from. Absent: not heard (yet).
 struct PlanInputs {
   RoundSchedule::Slot slot;
-  std::optional<models::RobotBelief> belief;  ///< own
-  std::optional<models::MocapFrame> mocap;    ///< where everybody is
-  std::optional<models::RobotPlan> own_plan;  ///< last one published
+  std::optional<models::RobotBelief> belief;            ///< own
+  std::optional<models::MocapFrame> mocap;              ///< where everybody is
+  std::optional<models::RobotPlan> own_plan;            ///< last one published
   std::map<std::string, models::RobotPlan> team_plans;  ///< newest of each teammate
   std::optional<models::AttackNotice> attack;
 };
@@ -29,9 +29,9 @@ struct PlanInputs {
 struct PlannerCounts {
   std::int64_t fallbacks_shifted = 0;
   std::int64_t fallbacks_braking = 0;
-  std::int64_t off_plan = 0;        ///< vehicle farther from its plan than the tolerance
-  std::int64_t checks_failed = 0;   ///< searched plans that the closing check refused
-  std::int64_t no_pose = 0;         ///< rounds without any idea of where the robot is
+  std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
+  std::int64_t checks_failed = 0;  ///< searched plans that the closing check refused
+  std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
   std::int64_t unusable_beliefs = 0;
 };
 

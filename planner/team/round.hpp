@@ -21,7 +21,7 @@ class RoundSchedule {
   struct Slot {
     std::int64_t round = 0;
     Time begin{};
-    Time end{};       ///< the plan must be published by then
+    Time end{};         ///< the plan must be published by then
     Time activation{};  ///< t_{k+1}, when the plan starts
   };
   /// This robot's first slot that begins after `now`.

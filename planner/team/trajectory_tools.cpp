@@ -22,8 +22,7 @@ models::Trajectory rest_of(const models::Trajectory& trajectory, Time start) {
   return rest;
 }
 
-models::Trajectory stop_from(const models::Trajectory& trajectory, Time start,
-                             double brake_mps2) {
+models::Trajectory stop_from(const models::Trajectory& trajectory, Time start, double brake_mps2) {
   const models::TrajectoryPoint now = models::at(trajectory, start);
   models::Trajectory stop = hover_at(now.world_from_body, trajectory.height_m, start);
   if (now.control.speed_mps > 0.0) {
