@@ -159,40 +159,36 @@ void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::st
       std::abs(judgement.distance_m) > kRoundingM) {
     ++disagreements_;
   }
-  if (judgement.fcl_hit || judgement.swept_distance_m <= 0.0) {
-    if (!contact.touching) {
-      models::ContactReport report;
-      report.stamp.time = now;
-      report.kind = models::ContactKind::kCollision;
-      report.body_a = a;
-      report.body_b = b;
-      report.distance_m = std::min(judgement.swept_distance_m, 0.0);
-      begun.push_back(std::move(report));
-    }
-    contact.touching = true;
-  } else if (judgement.distance_m > kReleaseM) {
-    contact.touching = false;
+  const bool hit = judgement.fcl_hit || judgement.swept_distance_m <= 0.0;
+  if (hit && !contact.touching) {
+    models::ContactReport report;
+    report.stamp.time = now;
+    report.kind = models::ContactKind::kCollision;
+    report.body_a = a;
+    report.body_b = b;
+    report.distance_m = std::min(judgement.swept_distance_m, 0.0);
+    begun.push_back(std::move(report));
   }
+  // What ends this step apart has parted, even if the step began or passed through a contact.
+  contact.touching = (hit || contact.touching) && judgement.distance_m <= kReleaseM;
 }
 
 void CollisionMonitor::watch_separation(Time now, std::size_t i, std::size_t j,
                                         double centres_apart_m, Contact& contact,
                                         std::vector<models::ContactReport>& begun) {
   min_separation_m_ = std::min(min_separation_m_, centres_apart_m);
-  if (centres_apart_m < separation_m_) {
-    if (!contact.near) {
-      models::ContactReport report;
-      report.stamp.time = now;
-      report.kind = models::ContactKind::kNearMiss;
-      report.body_a = bodies_[i].name;
-      report.body_b = bodies_[j].name;
-      report.distance_m = centres_apart_m - bodies_[i].radius_m - bodies_[j].radius_m;
-      begun.push_back(std::move(report));
-    }
-    contact.near = true;
-  } else if (centres_apart_m > separation_m_ + kReleaseM) {
-    contact.near = false;
+  const bool too_near = centres_apart_m < separation_m_;
+  if (too_near && !contact.near) {
+    models::ContactReport report;
+    report.stamp.time = now;
+    report.kind = models::ContactKind::kNearMiss;
+    report.body_a = bodies_[i].name;
+    report.body_b = bodies_[j].name;
+    report.distance_m = centres_apart_m - bodies_[i].radius_m - bodies_[j].radius_m;
+    begun.push_back(std::move(report));
   }
+  const double now_apart_m = (new_m_[i] - new_m_[j]).norm();
+  contact.near = (too_near || contact.near) && now_apart_m <= separation_m_ + kReleaseM;
 }
 
 }  // namespace vantage::sim
