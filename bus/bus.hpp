@@ -56,7 +56,8 @@ class Bus {
   void subscribe_named(const Channel<Message>& channel,
                        std::function<void(const std::string& name, const Message&)> handler);
 
-  /// Waits up to `timeout`, then dispatches what has arrived; how many messages.
+  /// Waits up to `timeout`, then dispatches what has arrived; how many messages, or
+  /// kSourceEnded. What a handler throws comes out here.
   int handle(std::chrono::microseconds timeout);
 
   [[nodiscard]] std::int64_t run_id() const { return run_id_; }

@@ -81,7 +81,9 @@ void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool
   while (!stop()) {
     const Duration wait = std::clamp(node.next_tick() - clock.now(), Duration{0}, kStopPollPeriod);
     const double handled_before_s = bus.handling_s();
-    bus.handle(wait);
+    if (bus.handle(wait) == kSourceEnded) {
+      break;
+    }
     const std::int64_t tick_start_ns = monotonic_ns();
     const Time now = clock.now();
     if (now >= node.next_tick()) {

@@ -59,9 +59,9 @@ class HealthReporter {
   double loop_worst_s_ = 0.0;
 };
 
-/// Runs `node` on `bus` in real time until stop(), then publishes a last HEALTH. Messages are
-/// handled while it waits for next_tick(); stop() is asked at least every 50 ms. What a handler or
-/// the node throws comes out here.
+/// Runs `node` on `bus` in real time until stop() or until its log is at its end, then publishes a
+/// last HEALTH. Messages are handled while it waits for next_tick(); stop() is asked at least every
+/// 50 ms. What a handler or the node throws comes out here.
 void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop);
 
 }  // namespace vantage::bus

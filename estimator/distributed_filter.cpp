@@ -375,7 +375,6 @@ std::vector<models::NamedCount> FilterCounters::named() const {
       {"steps_out_of_order", steps_out_of_order},
       {"stale_beliefs", stale_beliefs},
       {"future_beliefs", future_beliefs},
-      {"out_of_range_beliefs", out_of_range_beliefs},
       {"malformed_beliefs", malformed_beliefs},
       {"grid_mismatches", grid_mismatches},
       {"late_measurements", late_measurements},
@@ -387,7 +386,6 @@ std::vector<models::NamedCount> FilterCounters::named() const {
       {"unknown_ids", unknown_ids},
       {"undiscoverable", undiscoverable},
       {"singular", singular},
-      {"missed_detections", missed_detections},
   };
   std::erase_if(all, [](const models::NamedCount& c) { return c.count == 0; });
   return all;

@@ -60,7 +60,8 @@ struct FilterCounters {
   std::int64_t singular = 0;           ///< a matrix that could not be inverted
   std::int64_t missed_detections = 0;  ///< looks that moved a belief by finding nothing
 
-  /// The non-zero ones by name.
+  /// The non-zero ones that tell of trouble, by name: all but out_of_range_beliefs and
+  /// missed_detections, which are the ordinary course of a trial.
   [[nodiscard]] std::vector<models::NamedCount> named() const;
 };
 
@@ -72,13 +73,13 @@ struct FilterCounters {
 /// add the own measurements of t about the fused mean. Looks of instants between two steps are
 /// used at their own time, before the fusion of the later step. A late look is put in its place
 /// by doing the steps from there on again, with what was heard then: the result is that of timely
-/// arrival, bit for bit. Where a target was expected and not reported, see missed_detection.
+/// arrival. Where a target was expected and not reported, see missed_detection.
 ///
 /// A convex combination of conservative beliefs is conservative, so nothing is ever counted twice
 /// whatever the network repeats, reorders or loses. Covariances of targets that nobody sees grow
 /// without bound; clipping them is the business of those who plan with them.
 ///
-/// A value: copies are independent. Pure: same inputs, same result, to the bit.
+/// A value: copies are independent. Pure: same inputs, same result, up to how Eigen rounds.
 /// Source: dissertation 3.3, 3.4, Thm 9; Metropolis weights: Xiao, Boyd, Lall (2005).
 class DistributedFilter {
  public:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <utility>
 
 #include "bus/channels.hpp"
@@ -14,12 +15,18 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kLooksKept = 1024;
-constexpr std::size_t kPosesKept = 8192;
+constexpr std::size_t kFramesKept = 2048;
 constexpr std::size_t kBeliefsKeptPerTeammate = 64;
 constexpr std::size_t kStepsWaiting = 3;
 constexpr int kTicksWaiting = 20;
 constexpr Duration kTick = 100ms;
 constexpr double kTolerance = 1e-9;
+
+/// A pointer into a store, which outlives the step that uses it.
+template <class Content>
+std::shared_ptr<const Content> borrowed(const Content* content) {
+  return {std::shared_ptr<const Content>{}, content};
+}
 
 template <class A, class B>
 bool close(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b, double tolerance) {
@@ -40,55 +47,54 @@ bool same_content(const models::RobotBelief& a, const models::RobotBelief& b, do
                     });
 }
 
-ReplayNode::ReplayNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
-                       const std::string& robot)
+EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
+                                         const models::Scenario& scenario, const std::string& robot)
     : bus_(bus),
       spec_(filter_spec(scenario, robot)),
       filter_(spec_),
       robot_(robot),
       looks_(kLooksKept),
-      poses_(kPosesKept),
+      frames_(kFramesKept),
       beliefs_(kBeliefsKeptPerTeammate * std::max<std::size_t>(1, scenario.robots.size())),
       next_tick_(clock.now() + kTick) {
-  const std::string look_channel = bus::measurement_channel(robot_).name;
-  bus_.subscribe<models::DetectionSet>(bus::measurement_channel(robot_),
-                                       [this, look_channel](const auto& look) {
-                                         looks_.put(name_of(look_channel, look.stamp), look);
-                                         work();
-                                       });
-  bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) {
-    if (const auto pose = own_pose(frame, robot_)) {
-      poses_.put(name_of(bus::kVicon.name, frame.stamp), *pose);
-      work();
-    }
-  });
+  bus_.subscribe_named<models::DetectionSet>(bus::measurement_channel(robot_),
+                                             [this](const std::string& channel, const auto& look) {
+                                               looks_.add(channel, look);
+                                               work();
+                                             });
+  bus_.subscribe_named<models::MocapFrame>(bus::kVicon,
+                                           [this](const std::string& channel, const auto& frame) {
+                                             frames_.add(channel, frame);
+                                             work();
+                                           });
   for (const models::RobotSpec& teammate : scenario.robots) {
     if (teammate.name != robot_) {
-      const auto channel = bus::belief_channel(teammate.name);
-      bus_.subscribe<models::RobotBelief>(channel, [this, channel](const auto& belief) {
-        beliefs_.put(name_of(channel.name, belief.stamp), belief);
-        work();
-      });
+      bus_.subscribe_named<models::RobotBelief>(
+          bus::belief_channel(teammate.name),
+          [this](const std::string& channel, const auto& belief) {
+            beliefs_.add(channel, belief);
+            work();
+          });
     }
   }
   bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot_),
                                       [this](const auto& belief) { on_logged(belief); });
 }
 
-std::string ReplayNode::name() const { return "ESTIMATOR_" + robot_; }
+std::string EstimatorReplayNode::name() const { return "REPLAY_ESTIMATOR_" + robot_; }
 
-void ReplayNode::on_logged(const models::RobotBelief& belief) {
+void EstimatorReplayNode::on_logged(const models::RobotBelief& belief) {
   logged_.push_back(belief);
   work();
 }
 
-void ReplayNode::tick(Time now) {
+void EstimatorReplayNode::tick(Time now) {
   next_tick_ = now + kTick;
   ticks_waited_ = logged_.empty() ? 0 : ticks_waited_ + 1;
   work();
 }
 
-void ReplayNode::work() {
+void EstimatorReplayNode::work() {
   while (!logged_.empty()) {
     std::int64_t missing = 0;
     static_cast<void>(gather(logged_.front(), missing));
@@ -102,15 +108,18 @@ void ReplayNode::work() {
   }
 }
 
-StepMaterial ReplayNode::gather(const models::RobotBelief& logged, std::int64_t& missing) const {
+StepMaterial EstimatorReplayNode::gather(const models::RobotBelief& logged,
+                                         std::int64_t& missing) const {
   StepMaterial material;
   for (const models::InputRef& ref : logged.inputs) {
-    if (auto look = looks_.find(ref)) {
-      material.looks.push_back({ref, std::move(look)});
-    } else if (auto pose = poses_.find(ref)) {
-      material.pose = Heard<OwnPose>{ref, std::move(pose)};
-    } else if (auto belief = beliefs_.find(ref)) {
-      material.beliefs.push_back({ref, std::move(belief)});
+    if (const auto* look = looks_.find(ref)) {
+      material.looks.push_back({ref, borrowed(look)});
+    } else if (const auto* belief = beliefs_.find(ref)) {
+      material.beliefs.push_back({ref, borrowed(belief)});
+    } else if (const auto* frame = frames_.find(ref)) {
+      if (const auto pose = own_pose(*frame, robot_)) {
+        material.pose = Heard<OwnPose>{ref, std::make_shared<const OwnPose>(*pose)};
+      }
     } else {
       ++missing;
     }
@@ -118,7 +127,7 @@ StepMaterial ReplayNode::gather(const models::RobotBelief& logged, std::int64_t&
   return material;
 }
 
-void ReplayNode::redo(const models::RobotBelief& logged) {
+void EstimatorReplayNode::redo(const models::RobotBelief& logged) {
   std::int64_t missing = 0;
   const StepMaterial material = gather(logged, missing);
   const bool first = logged.step == 0;
@@ -141,10 +150,9 @@ void ReplayNode::redo(const models::RobotBelief& logged) {
   bus_.publish(bus::belief_channel(robot_), made);
 }
 
-std::vector<models::NamedCount> ReplayNode::counters() const {
+std::vector<models::NamedCount> EstimatorReplayNode::counters() const {
   std::vector<models::NamedCount> all = filter_.counters().named();
-  for (const models::NamedCount& own : {models::NamedCount{"steps_redone", steps_redone_},
-                                        models::NamedCount{"steps_rebased", steps_rebased_},
+  for (const models::NamedCount& own : {models::NamedCount{"steps_rebased", steps_rebased_},
                                         models::NamedCount{"inputs_missing", inputs_missing_},
                                         models::NamedCount{"differences", differences_}}) {
     if (own.count != 0) {

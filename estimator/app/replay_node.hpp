@@ -8,8 +8,8 @@
 
 #include "bus/bus.hpp"
 #include "bus/clock.hpp"
+#include "bus/input_store.hpp"
 #include "bus/node.hpp"
-#include "estimator/app/input_store.hpp"
 #include "estimator/app/step_material.hpp"
 #include "estimator/distributed_filter.hpp"
 #include "models/scenario/scenario.hpp"
@@ -24,16 +24,16 @@ namespace vantage::estimator {
 /// seconds of ticks have passed. When inputs are missing for good, or steps are missing from the
 /// log, nothing is published for that step and the filter continues from the logged content, so
 /// that one loss does not spoil the rest; the first step heard is such a one unless it is step 0.
-class ReplayNode : public bus::Node {
+class EstimatorReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.
-  ReplayNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
-             const std::string& robot);
+  EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+                      const std::string& robot);
 
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override;
-  /// Those of the filter, and: steps_redone, steps_rebased, inputs_missing, and differences:
+  /// Those of the filter, and: steps_rebased, inputs_missing, and differences:
   /// redone steps that are not the logged ones within 1e−9 (relative to 1 + |x|).
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
@@ -53,9 +53,9 @@ class ReplayNode : public bus::Node {
   FilterSpec spec_;
   DistributedFilter filter_;
   std::string robot_;
-  InputStore<models::DetectionSet> looks_;
-  InputStore<OwnPose> poses_;
-  InputStore<models::RobotBelief> beliefs_;
+  bus::InputStore<models::DetectionSet> looks_;
+  bus::InputStore<models::MocapFrame> frames_;
+  bus::InputStore<models::RobotBelief> beliefs_;
   std::deque<models::RobotBelief> logged_;  ///< not done yet
   std::optional<models::Stamp> last_done_;
   std::int64_t last_step_ = -1;

@@ -172,8 +172,7 @@ TrialSummary TrialMetrics::finish(Time end, std::optional<std::int64_t> messages
   out.rounds_late = rounds_late();
   out.fallbacks = fallbacks_;
   out.plans = plans_;
-  out.plans_missing =
-      std::max<std::int64_t>(0, rounds() * std::ssize(robots_) - plans_);
+  out.plans_missing = std::max<std::int64_t>(0, rounds() * std::ssize(robots_) - plans_);
   out.messages_lost = messages_lost.value_or(this->messages_lost());
   return out;
 }

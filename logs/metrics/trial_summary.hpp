@@ -19,11 +19,11 @@ struct TrialSummary {
   int discovered = 0;                      ///< targets that some belief ever held
   int targets = 0;
   std::vector<std::optional<double>> discovery_time_s;  ///< by target id; none: never
-  std::optional<double> rmse_m;   ///< mean over time of the position RMSE of the known targets
-  double entropy_nats = 0.0;      ///< mean over time and targets; unknown ones count their prior
-  std::int64_t rounds = 0;        ///< planning rounds in which some robot published a plan
-  std::int64_t rounds_late = 0;   ///< rounds in which some plan was finished after its deadline
-  std::int64_t fallbacks = 0;     ///< plans that did not come from their own slot's search
+  std::optional<double> rmse_m;  ///< mean over time of the position RMSE of the known targets
+  double entropy_nats = 0.0;     ///< mean over time and targets; unknown ones count their prior
+  std::int64_t rounds = 0;       ///< planning rounds in which some robot published a plan
+  std::int64_t rounds_late = 0;  ///< rounds in which some plan was finished after its deadline
+  std::int64_t fallbacks = 0;    ///< plans that did not come from their own slot's search
   std::int64_t messages_lost = 0;
 
   std::string scenario;

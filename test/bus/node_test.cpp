@@ -21,11 +21,16 @@ class WaitMovesTheClock : public Transport {
   int handle(std::chrono::microseconds timeout) override {
     longest_wait_ = std::max<Duration>(longest_wait_, timeout);
     clock_.set(clock_.now() + timeout);
+    if (ends_at && clock_.now() >= *ends_at) {
+      return kSourceEnded;
+    }
     return own_->handle(std::chrono::microseconds{0});
   }
   [[nodiscard]] TransportStats stats() const override { return own_->stats(); }
   [[nodiscard]] Duration longest_wait() const { return longest_wait_; }
   [[nodiscard]] InProcessHub& hub() { return hub_; }
+
+  std::optional<Time> ends_at;
 
  private:
   VirtualClock& clock_;
@@ -110,6 +115,12 @@ TEST_F(RunNode, LetsMessagesThroughBetweenTicks) {
   observer_.publish(kCommand, models::OperatorCommand{});
   run_until(start_ + milliseconds(2));
   EXPECT_EQ(commands, 1);
+}
+
+TEST_F(RunNode, EndsWithItsLog) {
+  transport_.ends_at = start_ + seconds(1);
+  run_node(bus_, node_, clock_, [] { return false; });
+  EXPECT_EQ(node_.ticks.size(), 50U);
 }
 
 TEST_F(RunNode, PassesOnWhatAHandlerThrows) {

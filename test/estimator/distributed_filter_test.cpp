@@ -230,7 +230,7 @@ class LateLooks : public ::testing::Test {
   FilterCounters timely_counters_;
 };
 
-TEST_F(LateLooks, GiveTheBeliefOfTimelyOnesBitForBit) {
+TEST_F(LateLooks, GiveTheBeliefOfTimelyOnes) {
   run(3, 8);
   EXPECT_EQ(counters_.late_measurements, 4);
   EXPECT_EQ(counters_.too_late_measurements, 0);
@@ -238,8 +238,12 @@ TEST_F(LateLooks, GiveTheBeliefOfTimelyOnesBitForBit) {
   ASSERT_EQ(a_.targets.size(), b_.targets.size());
   ASSERT_FALSE(a_.targets.empty());
   for (std::size_t m = 0; m < a_.targets.size(); ++m) {
-    EXPECT_EQ(a_.targets[m].information.matrix, b_.targets[m].information.matrix);
-    EXPECT_EQ(a_.targets[m].information.vector, b_.targets[m].information.vector);
+    // Not to the bit: Eigen's AVX kernels round by the address of what they work on, mod 32.
+    const models::Information& a = a_.targets[m].information;
+    const models::Information& b = b_.targets[m].information;
+    const double size = a.matrix.cwiseAbs().maxCoeff();
+    EXPECT_TRUE(is_near(a.matrix, b.matrix, 1e-12 * size));
+    EXPECT_TRUE(is_near(a.vector, b.vector, 1e-12 * size));
     EXPECT_EQ(a_.targets[m].last_seen, b_.targets[m].last_seen);
   }
   EXPECT_EQ(a_.last_seen_utime, b_.last_seen_utime);

@@ -49,8 +49,8 @@ TEST(MissedDetection, OfAHalfPlaneHasTheMomentsOfTheTruncatedNormal) {
   const double a = 0.217;
   const Gaussian after =
       missed_detection(standard(), disc(far_m), at(2.0 + a - far_m, 0.0), kOpen, 1.0);
-  const double lambda = std::exp(-0.5 * a * a) / std::sqrt(2.0 * kPi) /
-                        (0.5 * std::erfc(a / std::sqrt(2.0)));
+  const double lambda =
+      std::exp(-0.5 * a * a) / std::sqrt(2.0 * kPi) / (0.5 * std::erfc(a / std::sqrt(2.0)));
   EXPECT_NEAR(after.mean(0), 2.0 + lambda, 0.03);
   EXPECT_NEAR(after.covariance(0, 0), 1.0 + a * lambda - lambda * lambda, 0.03);
   EXPECT_NEAR(after.mean(1), 0.0, 1e-6);

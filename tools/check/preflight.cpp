@@ -11,20 +11,28 @@ using models::Scenario;
 
 const char* name_of(models::SensorKind kind) {
   switch (kind) {
-    case models::SensorKind::kPosition: return "position";
-    case models::SensorKind::kRange: return "range";
-    case models::SensorKind::kBearing: return "bearing";
-    case models::SensorKind::kRangeBearing: return "range-bearing";
-    case models::SensorKind::kCamera: return "camera";
+    case models::SensorKind::kPosition:
+      return "position";
+    case models::SensorKind::kRange:
+      return "range";
+    case models::SensorKind::kBearing:
+      return "bearing";
+    case models::SensorKind::kRangeBearing:
+      return "range-bearing";
+    case models::SensorKind::kCamera:
+      return "camera";
   }
   return "unknown";
 }
 
 const char* name_of(models::DeviceSource source) {
   switch (source) {
-    case models::DeviceSource::kDirect: return "simulated";
-    case models::DeviceSource::kWire: return "simulated behind its protocol";
-    case models::DeviceSource::kReal: return "real";
+    case models::DeviceSource::kDirect:
+      return "simulated";
+    case models::DeviceSource::kWire:
+      return "simulated behind its protocol";
+    case models::DeviceSource::kReal:
+      return "real";
   }
   return "unknown";
 }
@@ -32,9 +40,8 @@ const char* name_of(models::DeviceSource source) {
 void describe(const Scenario& scenario, std::vector<std::string>& out) {
   const Eigen::Vector2d size_m = scenario.world.bounds.max_m - scenario.world.bounds.min_m;
   out.push_back(fmt::format("{}: {:g} x {:g} m, {} obstacles, {} regions; {:g} s, seed {}",
-                            scenario.name, size_m.x(), size_m.y(),
-                            scenario.world.obstacles.size(), scenario.world.regions.size(),
-                            scenario.duration_s, scenario.seed));
+                            scenario.name, size_m.x(), size_m.y(), scenario.world.obstacles.size(),
+                            scenario.world.regions.size(), scenario.duration_s, scenario.seed));
   for (const models::RobotSpec& robot : scenario.robots) {
     out.push_back(fmt::format(
         "robot {}: {}, starts at ({:g}, {:g}) at {:g} m, {} primitives up to {:g} m/s, sees "
@@ -43,16 +50,16 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
         robot.primitives.size(), robot.limits.speed_max_mps, robot.sensor.range_max_m,
         degrees(robot.sensor.fov_rad), name_of(robot.sensor.kind)));
   }
-  out.push_back(fmt::format("{} targets; communication {}", scenario.targets.size(),
-                            scenario.network.communication_range_m > 0.0
-                                ? fmt::format("within {:g} m",
-                                              scenario.network.communication_range_m)
-                                : std::string("without limit")));
+  out.push_back(
+      fmt::format("{} targets; communication {}", scenario.targets.size(),
+                  scenario.network.communication_range_m > 0.0
+                      ? fmt::format("within {:g} m", scenario.network.communication_range_m)
+                      : std::string("without limit")));
   const models::PlannerSpec& planner = scenario.planner;
   const double round_s = planner.execute_steps * planner.step_s;
-  const std::string budget =
-      planner.node_budget > 0 ? fmt::format("{} nodes a slot", planner.node_budget)
-                              : fmt::format("{:g} s for the team", planner.team_budget_s);
+  const std::string budget = planner.node_budget > 0
+                                 ? fmt::format("{} nodes a slot", planner.node_budget)
+                                 : fmt::format("{:g} s for the team", planner.team_budget_s);
   out.push_back(fmt::format("planner {}: horizon {} x {:g} s, a round each {:g} s, {}",
                             models::name_of(planner.algorithm), planner.horizon_steps,
                             planner.step_s, round_s, budget));
@@ -70,14 +77,13 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
           robot.name, clear_m, needed_m));
     }
     if (robot.primitives.empty()) {
-      faults.push_back(fmt::format("robot {}: it has no primitives, so it cannot move",
-                                   robot.name));
+      faults.push_back(
+          fmt::format("robot {}: it has no primitives, so it cannot move", robot.name));
     }
     const Eigen::Vector3d a_m = lift(robot.start, robot.height_m).translation_m;
     for (std::size_t j = i + 1; j < scenario.robots.size(); ++j) {
       const models::RobotSpec& other = scenario.robots[j];
-      const double apart_m =
-          (a_m - lift(other.start, other.height_m).translation_m).norm();
+      const double apart_m = (a_m - lift(other.start, other.height_m).translation_m).norm();
       if (apart_m < scenario.planner.separation_m) {
         faults.push_back(fmt::format(
             "robots {} and {}: their starts are {:.2f} m apart; planner.separation_m is {:g}",
@@ -91,8 +97,8 @@ void check_targets(const Scenario& scenario, std::vector<std::string>& faults) {
   for (const models::TargetSpec& target : scenario.targets) {
     if (target.start &&
         models::clearance_m(scenario.world, target.start->position_m()) <= target.radius_m) {
-      faults.push_back(fmt::format("target {}: its start touches an obstacle or wall",
-                                   target.name));
+      faults.push_back(
+          fmt::format("target {}: its start touches an obstacle or wall", target.name));
     }
   }
 }

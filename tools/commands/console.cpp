@@ -1,3 +1,5 @@
+#include "tools/console/console.hpp"
+
 #include <memory>
 
 #include "bus/bus.hpp"
@@ -5,7 +7,6 @@
 #include "bus/transport.hpp"
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/console/console.hpp"
 
 namespace vantage::tools {
 namespace {

@@ -1,9 +1,10 @@
+#include "tools/live/demo.hpp"
+
 #include <memory>
 
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
-#include "tools/live/demo.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/trial/recipe.hpp"
 

@@ -37,12 +37,14 @@ void add_override_options(CLI::App& command, Overrides& overrides) {
   command.add_option("--seed", overrides.seed, "seed instead of the scenario's");
   command.add_option("--duration-s", overrides.duration_s, "length instead of the scenario's")
       ->check(CLI::PositiveNumber);
-  command.add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's")
+  command
+      .add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's")
       ->check(CLI::IsMember({"arvi", "rvi", "greedy", "random_walk", "lawn_mower"}));
   command.add_option("--communication-range-m", overrides.communication_range_m,
                      "communication range instead of the scenario's; 0: no limit");
-  command.add_option("--nodes", overrides.node_budget,
-                     "search nodes a slot instead of the scenario's time budget")
+  command
+      .add_option("--nodes", overrides.node_budget,
+                  "search nodes a slot instead of the scenario's time budget")
       ->check(CLI::PositiveNumber);
 }
 

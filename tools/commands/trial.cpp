@@ -1,3 +1,5 @@
+#include "tools/trial/trial.hpp"
+
 #include <cstdio>
 #include <memory>
 
@@ -7,7 +9,6 @@
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/trial/recipe.hpp"
-#include "tools/trial/trial.hpp"
 
 namespace vantage::tools {
 namespace {

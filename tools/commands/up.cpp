@@ -1,3 +1,5 @@
+#include "tools/up/up.hpp"
+
 #include <filesystem>
 #include <memory>
 
@@ -7,7 +9,6 @@
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
-#include "tools/up/up.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -26,8 +27,7 @@ int run(const UpArguments& arguments) {
   options.executables = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
   options.quiet = arguments.as_json;
   if (!arguments.no_log) {
-    options.log_path =
-        arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
+    options.log_path = arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
   }
   const UpResult result = run_up(scenario, options, stop_requested);
   report_summary(scenario, result.summary, arguments.as_json);

@@ -20,11 +20,16 @@ constexpr const char* kFarewell =
 
 const char* word_for(models::FlightState state) {
   switch (state) {
-    case models::FlightState::kIdle: return "idle";
-    case models::FlightState::kFollow: return "follow";
-    case models::FlightState::kHold: return "hold";
-    case models::FlightState::kLand: return "land";
-    case models::FlightState::kKilled: return "KILLED";
+    case models::FlightState::kIdle:
+      return "idle";
+    case models::FlightState::kFollow:
+      return "follow";
+    case models::FlightState::kHold:
+      return "hold";
+    case models::FlightState::kLand:
+      return "land";
+    case models::FlightState::kKilled:
+      return "KILLED";
   }
   return "?";
 }
@@ -85,8 +90,12 @@ class ConsoleSession {
         selected_ = request.robot;
         say("commands go to " + (selected_.empty() ? std::string("all") : selected_));
         break;
-      case OperatorRequest::Kind::kHelp: say(terminal_.is_interactive() ? kKeys : kLines); break;
-      case OperatorRequest::Kind::kQuit: is_over_ = true; break;
+      case OperatorRequest::Kind::kHelp:
+        say(terminal_.is_interactive() ? kKeys : kLines);
+        break;
+      case OperatorRequest::Kind::kQuit:
+        is_over_ = true;
+        break;
     }
   }
 

@@ -30,8 +30,7 @@ class OperatorDesk {
   void send(Time now, models::OperatorAction action, const std::string& robot);
   [[nodiscard]] std::vector<std::string> robots() const;
   /// One line for each vehicle heard, selected ones marked.
-  [[nodiscard]] std::vector<std::string> vehicle_table(Time now,
-                                                       const std::string& selected) const;
+  [[nodiscard]] std::vector<std::string> vehicle_table(Time now, const std::string& selected) const;
 
  private:
   bus::Bus& bus_;

@@ -48,16 +48,25 @@ std::optional<OperatorRequest> request_from_key(char key, const std::vector<std:
     return OperatorRequest{OperatorRequest::Kind::kCommand, action, selected};
   };
   switch (std::tolower(static_cast<unsigned char>(key))) {
-    case 'a': return command(OperatorAction::kArm);
-    case 't': return command(OperatorAction::kTakeOff);
-    case 'f': return command(OperatorAction::kFollow);
-    case 'h': return command(OperatorAction::kHold);
-    case 'l': return command(OperatorAction::kLand);
+    case 'a':
+      return command(OperatorAction::kArm);
+    case 't':
+      return command(OperatorAction::kTakeOff);
+    case 'f':
+      return command(OperatorAction::kFollow);
+    case 'h':
+      return command(OperatorAction::kHold);
+    case 'l':
+      return command(OperatorAction::kLand);
     case ' ':
-    case 'e': return command(OperatorAction::kEmergencyStop);
-    case 'q': return OperatorRequest{OperatorRequest::Kind::kQuit, OperatorAction::kHold, ""};
-    case '?': return OperatorRequest{OperatorRequest::Kind::kHelp, OperatorAction::kHold, ""};
-    default: break;
+    case 'e':
+      return command(OperatorAction::kEmergencyStop);
+    case 'q':
+      return OperatorRequest{OperatorRequest::Kind::kQuit, OperatorAction::kHold, ""};
+    case '?':
+      return OperatorRequest{OperatorRequest::Kind::kHelp, OperatorAction::kHold, ""};
+    default:
+      break;
   }
   if (key == '0') {
     return OperatorRequest{OperatorRequest::Kind::kSelect, OperatorAction::kHold, ""};

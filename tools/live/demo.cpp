@@ -118,8 +118,8 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
   }
   while (drain(std::chrono::microseconds(0)) > 0) {
   }
-  lost += recorder.messages_lost() + own_bus.messages_lost() +
-          own_transport->stats().queue_overflows;
+  lost +=
+      recorder.messages_lost() + own_bus.messages_lost() + own_transport->stats().queue_overflows;
   result.summary = observer.metrics().finish(ended, lost);
   draw(scenario, observer.scene(), result);
   return result;

@@ -20,8 +20,8 @@ struct DemoResult {
   logs::TrialSummary summary;
   std::string log_path;
   std::string svg_path;
-  std::string png_path;       ///< empty when it could not be made
-  std::string png_error;      ///< then why
+  std::string png_path;               ///< empty when it could not be made
+  std::string png_error;              ///< then why
   std::vector<std::string> failures;  ///< of nodes: what they threw
 };
 

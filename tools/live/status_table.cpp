@@ -11,20 +11,28 @@ std::string cell(const std::optional<double>& value, int decimals, const char* u
 
 const char* name_of(models::FlightState state) {
   switch (state) {
-    case models::FlightState::kIdle: return "idle";
-    case models::FlightState::kFollow: return "follow";
-    case models::FlightState::kHold: return "hold";
-    case models::FlightState::kLand: return "land";
-    case models::FlightState::kKilled: return "killed";
+    case models::FlightState::kIdle:
+      return "idle";
+    case models::FlightState::kFollow:
+      return "follow";
+    case models::FlightState::kHold:
+      return "hold";
+    case models::FlightState::kLand:
+      return "land";
+    case models::FlightState::kKilled:
+      return "killed";
   }
   return "?";
 }
 
 const char* name_of(models::PlanSource source) {
   switch (source) {
-    case models::PlanSource::kSearched: return "searched";
-    case models::PlanSource::kShifted: return "shifted";
-    case models::PlanSource::kBraking: return "braking";
+    case models::PlanSource::kSearched:
+      return "searched";
+    case models::PlanSource::kShifted:
+      return "shifted";
+    case models::PlanSource::kBraking:
+      return "braking";
   }
   return "?";
 }
@@ -69,16 +77,16 @@ std::vector<std::string> status_table(const models::Scenario& scenario,
     out.push_back(target_row(target));
   }
   out.emplace_back();
-  out.push_back(fmt::format("{:<8} {:>8} {:>7} {:>9} {:>9} {:>9} {:>10}", "robot", "state",
-                            "round", "plan", "cost nat", "nodes", "slot used"));
+  out.push_back(fmt::format("{:<8} {:>8} {:>7} {:>9} {:>9} {:>9} {:>10}", "robot", "state", "round",
+                            "plan", "cost nat", "nodes", "slot used"));
   for (const auto& [name, robot] : metrics.robots()) {
     out.push_back(robot_row(name, robot));
   }
   out.emplace_back();
-  out.push_back(fmt::format(
-      "rounds {}   late {}   collisions {}   near misses {}   messages lost {}", metrics.rounds(),
-      metrics.rounds_late(), metrics.collisions(), metrics.separation_violations(),
-      metrics.messages_lost()));
+  out.push_back(
+      fmt::format("rounds {}   late {}   collisions {}   near misses {}   messages lost {}",
+                  metrics.rounds(), metrics.rounds_late(), metrics.collisions(),
+                  metrics.separation_violations(), metrics.messages_lost()));
   return out;
 }
 
@@ -88,8 +96,8 @@ std::string status_line(const logs::TrialMetrics& metrics, double elapsed_s) {
     found += target.discovered_s ? 1 : 0;
   }
   return fmt::format(
-      "{:6.1f} s   found {}/{}   rounds {}   late {}   collisions {}   messages lost {}",
-      elapsed_s, found, metrics.targets().size(), metrics.rounds(), metrics.rounds_late(),
+      "{:6.1f} s   found {}/{}   rounds {}   late {}   collisions {}   messages lost {}", elapsed_s,
+      found, metrics.targets().size(), metrics.rounds(), metrics.rounds_late(),
       metrics.collisions(), metrics.messages_lost());
 }
 
@@ -98,15 +106,14 @@ std::vector<std::string> summary_table(const models::Scenario& scenario,
   std::vector<std::string> out;
   out.push_back(fmt::format("{} with {}, seed {}, {:.1f} s", summary.scenario, summary.algorithm,
                             summary.seed, summary.duration_s));
-  out.push_back(fmt::format("{:<8} {:>14} {:>9} {:>14}", "target", "discovered at", "RMSE",
-                            "mean entropy"));
+  out.push_back(
+      fmt::format("{:<8} {:>14} {:>9} {:>14}", "target", "discovered at", "RMSE", "mean entropy"));
   for (std::size_t i = 0; i < scenario.targets.size(); ++i) {
-    out.push_back(fmt::format("{:<8} {:>14} {:>9} {:>10.2f} nat", scenario.targets[i].name,
-                              summary.discovery_time_s[i]
-                                  ? cell(summary.discovery_time_s[i], 1, "s")
-                                  : std::string("never"),
-                              cell(summary.rmse_per_target_m[i], 2, "m"),
-                              summary.entropy_per_target_nats[i]));
+    out.push_back(fmt::format(
+        "{:<8} {:>14} {:>9} {:>10.2f} nat", scenario.targets[i].name,
+        summary.discovery_time_s[i] ? cell(summary.discovery_time_s[i], 1, "s")
+                                    : std::string("never"),
+        cell(summary.rmse_per_target_m[i], 2, "m"), summary.entropy_per_target_nats[i]));
   }
   out.push_back(fmt::format("{:<8} {:>14} {:>9} {:>10.2f} nat", "mean",
                             fmt::format("{} of {}", summary.discovered, summary.targets),

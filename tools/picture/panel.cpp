@@ -33,8 +33,8 @@ double draw_target_table(Svg& svg, const Eigen::Vector2d& corner_px,
   y_px += 8.0;
   svg.line({x_px, y_px}, {x_px + 325.0, y_px}, "stroke=\"#dadce0\"");
   constexpr std::size_t kRowsMax = 12;
-  const std::size_t rows = std::min(
-      {scenario.targets.size(), summary.discovery_time_s.size(), kRowsMax});
+  const std::size_t rows =
+      std::min({scenario.targets.size(), summary.discovery_time_s.size(), kRowsMax});
   for (std::size_t i = 0; i < rows; ++i) {
     y_px += 20.0;
     svg.text({x_px, y_px}, scenario.targets[i].name, kBody);
@@ -42,8 +42,8 @@ double draw_target_table(Svg& svg, const Eigen::Vector2d& corner_px,
              kBodyEnd);
     svg.text({x_px + 225.0, y_px}, number_or_dash(summary.rmse_per_target_m[i], "{:.2f} m"),
              kBodyEnd);
-    svg.text({x_px + 325.0, y_px},
-             fmt::format("{:.2f} nat", summary.entropy_per_target_nats[i]), kBodyEnd);
+    svg.text({x_px + 325.0, y_px}, fmt::format("{:.2f} nat", summary.entropy_per_target_nats[i]),
+             kBodyEnd);
   }
   if (scenario.targets.size() > rows) {
     y_px += 20.0;
@@ -76,8 +76,8 @@ void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const models::Scena
   Legend legend(svg, corner_px);
   constexpr std::size_t kRobotsMax = 6;
   for (std::size_t i = 0; i < std::min(scenario.robots.size(), kRobotsMax); ++i) {
-    const Eigen::Vector2d p_px = legend.entry(fmt::format(
-        "{}: driven track, {:g} s strong", scenario.robots[i].name, kRecent_s));
+    const Eigen::Vector2d p_px = legend.entry(
+        fmt::format("{}: driven track, {:g} s strong", scenario.robots[i].name, kRecent_s));
     svg.line(p_px - dx, p_px + dx,
              fmt::format("stroke=\"{}\" stroke-width=\"2.6\"", robot_colour(i)));
   }
@@ -90,9 +90,9 @@ void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const models::Scena
   svg.circle(p_px + dx, 4.0,
              fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"1.8\"", first));
   p_px = legend.entry("field of view");
-  svg.circle(p_px, 9.0,
-             fmt::format(R"(fill="{0}" fill-opacity="0.08" stroke="{0}" stroke-dasharray="4 3")",
-                         first));
+  svg.circle(
+      p_px, 9.0,
+      fmt::format(R"(fill="{0}" fill-opacity="0.08" stroke="{0}" stroke-dasharray="4 3")", first));
   p_px = legend.entry("target: truth and its track");
   svg.line(p_px - dx, p_px + dx,
            fmt::format("stroke=\"{}\" stroke-width=\"1.5\"", kTruthTrackColour));

@@ -10,12 +10,23 @@ std::string escape_xml(std::string_view text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&apos;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&apos;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -47,15 +58,15 @@ void Svg::circle(const Eigen::Vector2d& centre_px, double radius_px, std::string
 void Svg::ellipse(const Eigen::Vector2d& centre_px, const Eigen::Vector2d& half_axes_px,
                   double angle_deg, std::string_view style) {
   body_ += fmt::format(
-      R"(<ellipse rx="{:.2f}" ry="{:.2f}" transform="translate({:.2f} {:.2f}) rotate({:.2f})" {}/>)",
+      R"x(<ellipse rx="{:.2f}" ry="{:.2f}" transform="translate({:.2f} {:.2f}) rotate({:.2f})" {}/>)x",
       half_axes_px.x(), half_axes_px.y(), centre_px.x(), centre_px.y(), angle_deg, style);
   body_ += '\n';
 }
 
 void Svg::line(const Eigen::Vector2d& from_px, const Eigen::Vector2d& to_px,
                std::string_view style) {
-  body_ += fmt::format(R"(<line x1="{:.2f}" y1="{:.2f}" x2="{:.2f}" y2="{:.2f}" {}/>)",
-                       from_px.x(), from_px.y(), to_px.x(), to_px.y(), style);
+  body_ += fmt::format(R"(<line x1="{:.2f}" y1="{:.2f}" x2="{:.2f}" y2="{:.2f}" {}/>)", from_px.x(),
+                       from_px.y(), to_px.x(), to_px.y(), style);
   body_ += '\n';
 }
 
@@ -78,8 +89,7 @@ void Svg::polygon(const std::vector<Eigen::Vector2d>& points_px, std::string_vie
   points_element("polygon", points_px, style);
 }
 
-void Svg::text(const Eigen::Vector2d& baseline_px, std::string_view words,
-               std::string_view style) {
+void Svg::text(const Eigen::Vector2d& baseline_px, std::string_view words, std::string_view style) {
   body_ += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" {}>{}</text>\n", baseline_px.x(),
                        baseline_px.y(), style, escape_xml(words));
 }

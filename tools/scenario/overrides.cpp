@@ -29,8 +29,7 @@ std::string apply_overrides(const std::string& yaml, const Overrides& overrides)
     root["planner"]["node_budget"] = *overrides.node_budget;
   }
   if (overrides.communication_range_m) {
-    root["network"]["communication_range_m"] =
-        fmt::format("{}", *overrides.communication_range_m);
+    root["network"]["communication_range_m"] = fmt::format("{}", *overrides.communication_range_m);
   }
   if (overrides.url) {
     root["network"]["url"] = *overrides.url;

@@ -8,7 +8,9 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/pidfd.h>
+extern "C" {
+#include <sys/pidfd.h>  // glibc 2.36 declares pidfd_open without extern "C"
+}
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -102,8 +104,8 @@ std::optional<ChildExit> Child::wait(std::chrono::milliseconds timeout) {
   ::poll(&ready, 1, static_cast<int>(timeout.count()));
   int status = 0;
   if (::waitpid(pid_, &status, WNOHANG) == pid_) {
-    exit_ = WIFSIGNALED(status) ? ChildExit{0, WTERMSIG(status)}
-                                : ChildExit{WEXITSTATUS(status), 0};
+    exit_ =
+        WIFSIGNALED(status) ? ChildExit{0, WTERMSIG(status)} : ChildExit{WEXITSTATUS(status), 0};
   }
   return exit_;
 }

@@ -30,8 +30,8 @@ std::string Supervisor::on_end(Supervised& process, const std::string& how,
     return process.spec.name + " ended (" + how + "); given up after " +
            std::to_string(process.status.restarts) + " restarts";
   }
-  const double backoff_s = std::min(
-      policy_.backoff_first_s * std::exp2(process.status.restarts), policy_.backoff_max_s);
+  const double backoff_s =
+      std::min(policy_.backoff_first_s * std::exp2(process.status.restarts), policy_.backoff_max_s);
   process.restart_at_ns = now_ns + static_cast<Nanoseconds>(backoff_s * 1e9);
   process.status.phase = ProcessPhase::kWaiting;
   return process.spec.name + " ended (" + how + "); starting it again soon";

@@ -6,9 +6,7 @@ namespace vantage::tools {
 // leaves near names with near hashes.
 std::int64_t deterministic_run_id(std::uint64_t seed, const std::string& node_name) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
-  const auto mix = [&hash](std::uint64_t byte) {
-    hash = (hash ^ byte) * 0x100000001b3ULL;
-  };
+  const auto mix = [&hash](std::uint64_t byte) { hash = (hash ^ byte) * 0x100000001b3ULL; };
   for (unsigned shift = 0; shift < 64; shift += 8) {
     mix((seed >> shift) & 0xffU);
   }

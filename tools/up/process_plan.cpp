@@ -13,9 +13,8 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
   std::vector<ProcessSpec> out;
   const bool is_simulated =
       scenario.mocap.device != models::DeviceSource::kReal ||
-      std::any_of(scenario.robots.begin(), scenario.robots.end(), [](const auto& robot) {
-        return robot.device != models::DeviceSource::kReal;
-      });
+      std::any_of(scenario.robots.begin(), scenario.robots.end(),
+                  [](const auto& robot) { return robot.device != models::DeviceSource::kReal; });
   if (is_simulated) {
     out.push_back({"sim", command("vantage-sim")});
   }

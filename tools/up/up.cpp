@@ -91,7 +91,8 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
   TrialObserver observer(bus, scenario, start);
   announcer.publish(start);
   Supervisor team(options.restarts);
-  for (const ProcessSpec& process : process_plan(scenario, {options.executables, file.path(), url})) {
+  for (const ProcessSpec& process :
+       process_plan(scenario, {options.executables, file.path(), url})) {
     team.start(process);
   }
 
@@ -122,8 +123,7 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
     result.killed.push_back(name);
   }
   const std::int64_t own_lost = bus.messages_lost() + transport->stats().queue_overflows;
-  result.summary =
-      observer.metrics().finish(ended, observer.metrics().messages_lost() + own_lost);
+  result.summary = observer.metrics().finish(ended, observer.metrics().messages_lost() + own_lost);
   return result;
 }
 
