@@ -36,7 +36,7 @@ Pose2 random_pose(std::mt19937_64& rng) {
 
 double sampled_clearance_m(const models::World& world, const Pose2& from,
                            const models::UnicycleControl& control, double duration_s) {
-  constexpr int kSamples = 800;
+  constexpr int kSamples = 250;
   double least_m = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= kSamples; ++i) {
     const Pose2 pose = models::step_unicycle(from, control, duration_s * i / kSamples);
@@ -95,7 +95,7 @@ TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
           EXPECT_GT(sampled_m, problem.clearance_m);
         } else {
           ++refused;  // between two samples clearance may drop by half of the way between them
-          EXPECT_LE(sampled_m, problem.clearance_m + 1.5 / 1600.0 + 1e-5);
+          EXPECT_LE(sampled_m, problem.clearance_m + 1.5 / 500.0 + 1e-5);
         }
       }
     }
@@ -128,7 +128,7 @@ TEST(CanStop, IsTrueExactlyOfAStopThatStaysClear) {
           EXPECT_GT(sampled_m, problem.clearance_m);
         } else {
           ++refused;
-          EXPECT_LE(sampled_m, problem.clearance_m + way_m / 1600.0 + 1e-5);
+          EXPECT_LE(sampled_m, problem.clearance_m + way_m / 500.0 + 1e-5);
         }
       }
     }
@@ -200,7 +200,7 @@ TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
   int found = 0;
   int stopped_early = 0;
   int close = 0;
-  for (std::uint64_t seed = 0; seed < 250; ++seed) {
+  for (std::uint64_t seed = 0; seed < 160; ++seed) {
     const auto team = team_problem(seed);
     const SearchProblem& problem = team->problem;
     const SearchResult& result =
@@ -233,7 +233,7 @@ TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
     EXPECT_EQ(models::at(plan, models::end_time(plan) + from_seconds(1.0)).control,
               models::UnicycleControl{});
   }
-  EXPECT_GT(found, 120);
+  EXPECT_GT(found, 80);
   EXPECT_GT(stopped_early, 3);
   EXPECT_GT(close, 20);
 }
