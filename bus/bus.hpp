@@ -1,10 +1,16 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bus/channels.hpp"
@@ -28,6 +34,11 @@ class Bus {
   /// @param publish_prefix  put before the name of every channel published on (for a replay
   ///                        beside the original); names subscribed to are not changed
   Bus(Transport& transport, std::int64_t run_id, std::string publish_prefix = "");
+  ~Bus() = default;
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+  Bus(Bus&&) = delete;
+  Bus& operator=(Bus&&) = delete;
 
   /// Stamps `message` with this run's id and the channel's next sequence number, and sends it.
   /// The content's time is the caller's. Returns the name under which others may refer to it.
@@ -35,7 +46,8 @@ class Bus {
   models::InputRef publish(const Channel<Message>& channel, Message message);
 
   /// Calls `handler` with every good message on `channel`, for the life of the Bus. Messages that
-  /// do not decode or cannot be true are counted and dropped.
+  /// do not decode or cannot be true are counted and dropped. Several handlers may hear the same
+  /// channel; each message is judged once. A Bus may be destroyed before its transport.
   template <class Message>
   void subscribe(const Channel<Message>& channel, std::function<void(const Message&)> handler);
 
@@ -44,7 +56,8 @@ class Bus {
   void subscribe_named(const Channel<Message>& channel,
                        std::function<void(const std::string& name, const Message&)> handler);
 
-  /// Waits up to `timeout`, then dispatches what has arrived; how many messages.
+  /// Waits up to `timeout`, then dispatches what has arrived; how many messages, or
+  /// kSourceEnded. What a handler throws comes out here.
   int handle(std::chrono::microseconds timeout);
 
   [[nodiscard]] std::int64_t run_id() const { return run_id_; }
@@ -52,14 +65,40 @@ class Bus {
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
   /// Messages known to be missing (gaps) over all streams heard.
   [[nodiscard]] std::int64_t messages_lost() const;
+  /// Time spent in handlers since the start, for loop statistics.
+  [[nodiscard]] double handling_s() const { return static_cast<double>(handling_ns_) * 1e-9; }
 
  private:
+  static constexpr std::size_t kStreamsMax = 1024;
+
+  /// One message on its way through the subscriptions that hear it.
+  struct Delivery {
+    std::string name;
+    std::span<const std::uint8_t> bytes;
+    std::optional<bool> is_fresh = std::nullopt;  ///< once judged
+    bool is_faulty = false;                       ///< does not decode or cannot be true: counted
+  };
+  struct Subscription {
+    std::string pattern;
+    std::function<void(Delivery&)> deliver;
+  };
+
   std::int64_t next_sequence(const std::string& channel);
-  void send(const std::string& channel, const std::vector<std::uint8_t>& bytes);
+  bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
+  void add_subscription(const std::string& pattern, std::function<void(Delivery&)> deliver);
+  void on_message(std::size_t subscription, std::string_view name,
+                  std::span<const std::uint8_t> bytes);
+  bool is_fresh(Delivery& delivery, const models::Stamp& stamp);
+  void count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& counts);
 
   Transport& transport_;
   std::int64_t run_id_;
   std::string publish_prefix_;
+  std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe
+  std::shared_ptr<Bus*> self_;              ///< the transport's handlers look whether it is gone
+  std::vector<std::uint8_t> buffer_;        ///< of the message being encoded
+  std::int64_t handling_ns_ = 0;
+  std::int64_t streams_refused_ = 0;  ///< messages on more channels than kStreamsMax
   std::map<std::string, std::int64_t> next_sequence_;
   std::map<std::string, StreamMonitor> streams_;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated

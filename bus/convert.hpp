@@ -3,7 +3,6 @@
 #include <optional>
 #include <utility>
 
-#include "models/exchange/messages.hpp"
 #include "vantage_lcm/attack_t.hpp"
 #include "vantage_lcm/belief_t.hpp"
 #include "vantage_lcm/collision_t.hpp"
@@ -15,6 +14,8 @@
 #include "vantage_lcm/scenario_t.hpp"
 #include "vantage_lcm/truth_t.hpp"
 #include "vantage_lcm/vicon_frame_t.hpp"
+
+#include "models/exchange/messages.hpp"
 
 // The border. Wire structs exist only on the far side of these functions.
 //

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -35,22 +36,32 @@ class Node {
 };
 
 /// Publishes HEALTH_<name> each second and when a counter other than those of plain traffic
-/// changed. The caller says how long each loop took.
+/// changed (at most ten times a second). The caller says how long each loop took. The state is
+/// "degraded" while something was dropped or missed since the report of the last full second.
 class HealthReporter {
  public:
   HealthReporter(Bus& bus, const Node& node);
   void on_loop(Time now, double loop_s);
+  /// Reports now, whatever the time.
   void publish(Time now, models::ProcessState state);
 
  private:
+  /// Sum of everything that should be 0; it changes when something was dropped or missed.
+  [[nodiscard]] std::int64_t trouble() const;
+
   Bus& bus_;
   const Node& node_;
-  Time next_{};
+  Time next_{};                        ///< report due
+  Time next_on_change_{};              ///< not before this
+  std::int64_t trouble_reported_ = 0;  ///< by the newest report
+  std::int64_t trouble_last_second_ = 0;
   std::int64_t loops_ = 0;
   double loop_worst_s_ = 0.0;
 };
 
-/// Runs `node` on `bus` in real time until stop(), then publishes a last HEALTH.
+/// Runs `node` on `bus` in real time until stop() or until its log is at its end, then publishes a
+/// last HEALTH. Messages are handled while it waits for next_tick(); stop() is asked at least every
+/// 50 ms. What a handler or the node throws comes out here.
 void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop);
 
 }  // namespace vantage::bus

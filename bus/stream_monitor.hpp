@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -9,15 +10,15 @@
 namespace vantage::bus {
 
 /// What became of a message of one stream.
-enum class [[nodiscard]] Arrival { kFresh, kDuplicate, kReordered, kOldRun };
+enum class [[nodiscard]] Arrival{kFresh, kDuplicate, kReordered, kOldRun};
 
 struct StreamCounts {
   std::int64_t fresh = 0;
-  std::int64_t lost = 0;        ///< sequence numbers skipped and never seen since
+  std::int64_t lost = 0;  ///< sequence numbers skipped and never seen since
   std::int64_t duplicates = 0;
-  std::int64_t reordered = 0;   ///< arrived after a newer one; taken off `lost` again
-  std::int64_t old_runs = 0;    ///< from a run that a newer run has replaced
-  std::int64_t runs = 0;        ///< distinct runs heard
+  std::int64_t reordered = 0;  ///< arrived after a newer one; taken off `lost` again
+  std::int64_t old_runs = 0;   ///< from a run that a newer run has replaced
+  std::int64_t runs = 0;       ///< distinct runs heard
 };
 
 /// Judges the messages of one channel by run id and sequence number; LCM does none of it.
@@ -25,17 +26,23 @@ struct StreamCounts {
 /// A run id not heard before replaces the current run when its content is not older; from then on
 /// the old run is refused for good. Sequence numbers start at 0: what came before the first one
 /// heard of the first run is not counted as lost (the listener may have started later), but a run
-/// that replaces another is expected from 0.
+/// that replaces another is expected from 0. Of a gap, the newest 256 numbers are remembered; what
+/// arrives later than that counts as a duplicate and stays counted as lost.
 class StreamMonitor {
  public:
+  /// Precondition: stamp.sequence ≥ 0 (from_wire sees to it). Cost: constant, bounded memory.
   Arrival judge(const models::Stamp& stamp);
   [[nodiscard]] const StreamCounts& counts() const { return counts_; }
 
  private:
+  void begin_run(const models::Stamp& stamp);
+  void advance_to(const models::Stamp& stamp);
+
   static constexpr std::size_t kRetiredRunsKept = 16;
   static constexpr std::size_t kMissingKept = 256;
   bool heard_any_ = false;
   std::int64_t run_id_ = 0;
+  std::int64_t first_sequence_ = 0;
   std::int64_t newest_sequence_ = -1;
   Time newest_time_{};
   std::vector<std::int64_t> retired_runs_;

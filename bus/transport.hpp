@@ -18,7 +18,15 @@ struct TransportStats {
   std::int64_t malformed_datagrams = 0;   ///< not LCM, or lying about lengths
   std::int64_t incomplete_messages = 0;   ///< given up with fragments missing
   std::int64_t queue_overflows = 0;       ///< oldest message dropped for a newer one
+  std::int64_t oversized_messages = 0;    ///< refused for announcing more than the size cap
+  std::int64_t duplicate_fragments = 0;   ///< ignored
+  std::int64_t kernel_drops = 0;          ///< datagrams for which the socket buffer had no room
+  std::int64_t receive_buffer_bytes = 0;  ///< what the kernel granted; 0 without a socket
+  std::int64_t receive_buffer_short_bytes = 0;  ///< asked for and not granted (net.core.rmem_max)
 };
+
+/// What handle() answers when nothing can come any more.
+inline constexpr int kSourceEnded = -1;
 
 /// Moves bytes under channel names. The one thing to replace in order to leave LCM.
 ///
@@ -40,7 +48,9 @@ class Transport {
   /// False when the message could not be handed to the network (counted).
   virtual bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) = 0;
   /// Waits up to `timeout` for a message, then dispatches everything that has arrived; returns how
-  /// many. An exception from a handler comes out here and leaves the transport usable.
+  /// many, or kSourceEnded once nothing can come any more (a log that was read to its end). An
+  /// exception from a handler comes out here and leaves the transport usable. Not to be called from
+  /// a handler.
   virtual int handle(std::chrono::microseconds timeout) = 0;
   [[nodiscard]] virtual TransportStats stats() const = 0;
 };

@@ -35,7 +35,12 @@ StateMatrix update_fixed(const StateMatrix& covariance, const PositionMatrix& M_
   const Eigen::Matrix<double, P, P> M = M_position;
   const Eigen::Matrix<double, P, P> I_MS =
       Eigen::Matrix<double, P, P>::Identity() + M * S.template topLeftCorner<P, P>();
-  const Eigen::Matrix<double, P, P> gain = I_MS.inverse() * M;
+  Eigen::Matrix<double, P, P> gain;
+  if constexpr (P == 2) {
+    gain = I_MS.inverse() * M;
+  } else {  // 3×3 cofactors lose four digits when M is large and nearly singular
+    gain = I_MS.partialPivLu().solve(M);
+  }
   const Eigen::Matrix<double, N, N> updated =
       S - S.template leftCols<P>() * gain * S.template topRows<P>();
   return 0.5 * (updated + updated.transpose());

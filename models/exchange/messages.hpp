@@ -62,8 +62,8 @@ struct Detection {
 struct DetectionSet {
   Stamp stamp;
   std::string robot;
-  Viewpoint viewpoint;   ///< from where it looked
-  bool jammed = false;   ///< an attacked sensor did not look at all
+  Viewpoint viewpoint;  ///< from where it looked
+  bool jammed = false;  ///< an attacked sensor did not look at all
   std::vector<Detection> detections;
   std::vector<InputRef> inputs;
 };
@@ -81,7 +81,7 @@ struct RobotBelief {
   std::string robot;
   std::int64_t step = 0;  ///< index of the estimator step that made it
   Viewpoint viewpoint;
-  int degree = 0;  ///< neighbours in range at this step, for Metropolis weights
+  int degree = 0;                     ///< neighbours in range at this step, for Metropolis weights
   std::vector<TargetBelief> targets;  ///< the discovered ones, by ascending target_id
   GridGeometry grid;
   std::vector<std::int64_t> last_seen_utime;  ///< per cell, VisibilityGrid::kNeverSeen for never
@@ -102,18 +102,18 @@ struct RobotPlan {
   std::int64_t round = 0;
   PlanSource source = PlanSource::kBraking;
   Trajectory trajectory;
-  int horizon_steps = 0;         ///< T
-  double step_s = 0.5;           ///< τ
-  double cost = 0.0;             ///< J_T of the search, nats; NaN without one
-  double lower_bound = 0.0;      ///< on J_T; −∞ when nothing is proven
-  double epsilon = 0.0;          ///< of the last finished pass; ∞ for the greedy one
+  int horizon_steps = 0;     ///< T
+  double step_s = 0.5;       ///< τ
+  double cost = 0.0;         ///< J_T of the search, nats; NaN without one
+  double lower_bound = 0.0;  ///< on J_T; −∞ when nothing is proven
+  double epsilon = 0.0;      ///< of the last finished pass; ∞ for the greedy one
   double delta_m = 0.0;
-  std::int64_t passes = 0;       ///< finished
-  std::int64_t nodes = 0;        ///< work done; the node budget that replays it exactly
+  std::int64_t passes = 0;  ///< finished
+  std::int64_t nodes = 0;   ///< work done; the node budget that replays it exactly
   Time slot_start{};
-  Time deadline{};               ///< end of the slot
-  Time finish{};                 ///< when the search had ended
-  bool late = false;             ///< finish > deadline
+  Time deadline{};    ///< end of the slot
+  Time finish{};      ///< when the search had ended
+  bool late = false;  ///< finish > deadline
   std::vector<InputRef> inputs;
 };
 
@@ -161,7 +161,7 @@ struct ContactReport {
   Stamp stamp;
   ContactKind kind = ContactKind::kNearMiss;
   std::string body_a;
-  std::string body_b;  ///< a body, or "obstacle:<index>", or "bounds"
+  std::string body_b;       ///< a body, or "obstacle:<index>", or "bounds"
   double distance_m = 0.0;  ///< between surfaces; ≤ 0 for a collision
 };
 

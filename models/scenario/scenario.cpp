@@ -1,8 +1,39 @@
 #include "models/scenario/scenario.hpp"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 namespace vantage::models {
+namespace {
+
+constexpr std::array<std::pair<PlanAlgorithm, const char*>, 5> kAlgorithmNames{{
+    {PlanAlgorithm::kArvi, "arvi"},
+    {PlanAlgorithm::kRvi, "rvi"},
+    {PlanAlgorithm::kGreedy, "greedy"},
+    {PlanAlgorithm::kRandomWalk, "random_walk"},
+    {PlanAlgorithm::kLawnMower, "lawn_mower"},
+}};
+
+}  // namespace
+
+const char* name_of(PlanAlgorithm algorithm) {
+  for (const auto& [value, name] : kAlgorithmNames) {
+    if (value == algorithm) {
+      return name;
+    }
+  }
+  return "unknown";
+}
+
+std::optional<PlanAlgorithm> parse_algorithm(const std::string& name) {
+  for (const auto& [value, known] : kAlgorithmNames) {
+    if (name == known) {
+      return value;
+    }
+  }
+  return std::nullopt;
+}
 
 const RobotSpec* Scenario::find_robot(const std::string& robot) const {
   const auto found = std::find_if(robots.begin(), robots.end(),

@@ -44,8 +44,8 @@ enum class TargetMotion {
 
 struct TargetSpec {
   std::string name;
-  int id = 0;                    ///< index used on every channel, 0 … n−1
-  std::optional<Pose2> start;    ///< drawn from free space by the seed when absent
+  int id = 0;                  ///< index used on every channel, 0 … n−1
+  std::optional<Pose2> start;  ///< drawn from free space by the seed when absent
   double radius_m = 0.2;
 };
 
@@ -73,12 +73,16 @@ struct EstimatorSpec {
 };
 
 struct ExplorationSpec {
-  double landmark_sigma_m = 1.0;   ///< 1σ of the Gaussian prior (l, Σ_l) of each pseudo-target
-  double landmark_spacing_m = 1.0; ///< no two landmarks nearer than this
-  int landmarks_max = 12;          ///< the nearest to the robot are used
+  double landmark_sigma_m = 1.0;    ///< 1σ of the Gaussian prior (l, Σ_l) of each pseudo-target
+  double landmark_spacing_m = 1.0;  ///< no two landmarks nearer than this
+  int landmarks_max = 12;           ///< the nearest to the robot are used
 };
 
 enum class PlanAlgorithm { kArvi, kRvi, kGreedy, kRandomWalk, kLawnMower };
+
+/// As scenario files and flags write it: "arvi", "rvi", "greedy", "random_walk", "lawn_mower".
+const char* name_of(PlanAlgorithm algorithm);
+std::optional<PlanAlgorithm> parse_algorithm(const std::string& name);
 
 struct PlannerSpec {
   PlanAlgorithm algorithm = PlanAlgorithm::kArvi;
@@ -91,8 +95,8 @@ struct PlannerSpec {
   double epsilon_initial = 1.0;    ///< of the first finite pass; halved each pass
   double delta_initial_m = 1.0;
   double yaw_weight_m_per_rad = 0.3;  ///< metric on SE(2): hypot(distance, weight · |Δyaw|)
-  double separation_m = 0.6;        ///< least distance between two vehicles, always, in space
-  double obstacle_margin_m = 0.1;   ///< beyond the vehicle's radius
+  double separation_m = 0.6;          ///< least distance between two vehicles, always, in space
+  double obstacle_margin_m = 0.1;     ///< beyond the vehicle's radius
   double tracking_tolerance_m = 0.2;  ///< allowed distance between a vehicle and its plan
   ExplorationSpec exploration;
 };

@@ -1,0 +1,140 @@
+#include "bus/bus.hpp"
+
+#include <random>
+#include <utility>
+
+#include "bus/channel_pattern.hpp"
+#include "core/deadline.hpp"
+
+namespace vantage::bus {
+namespace {
+
+/// Counts by channel keep their size whatever names arrive; the rest share one entry.
+constexpr std::size_t kCountedChannelsMax = 1024;
+constexpr const char* kOtherChannels = "(other)";
+
+void add_nonzero(std::vector<models::NamedCount>& counts, std::string name, std::int64_t count) {
+  if (count != 0) {
+    counts.push_back({std::move(name), count});
+  }
+}
+
+}  // namespace
+
+std::int64_t random_run_id() {
+  std::random_device entropy;
+  std::uniform_int_distribution<std::int64_t> any(1);
+  return any(entropy);
+}
+
+Bus::Bus(Transport& transport, std::int64_t run_id, std::string publish_prefix)
+    : transport_(transport),
+      run_id_(run_id),
+      publish_prefix_(std::move(publish_prefix)),
+      self_(std::make_shared<Bus*>(this)) {}
+
+int Bus::handle(std::chrono::microseconds timeout) { return transport_.handle(timeout); }
+
+std::int64_t Bus::next_sequence(const std::string& channel) { return next_sequence_[channel]++; }
+
+bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
+  return transport_.publish(channel, bytes);
+}
+
+void Bus::add_subscription(const std::string& pattern, std::function<void(Delivery&)> deliver) {
+  bool is_new = true;
+  for (const Subscription& subscription : subscriptions_) {
+    is_new = is_new && subscription.pattern != pattern;
+  }
+  const std::size_t index = subscriptions_.size();
+  subscriptions_.push_back({pattern, std::move(deliver)});
+  if (is_new) {
+    transport_.subscribe(pattern, [self = std::weak_ptr<Bus*>(self_), index](
+                                      std::string_view name, std::span<const std::uint8_t> bytes) {
+      if (const auto bus = self.lock()) {
+        (*bus)->on_message(index, name, bytes);
+      }
+    });
+  }
+}
+
+// The transport calls once for each distinct pattern that hears a message. The first of them
+// serves all subscriptions, so that the stream is judged once; the others find nothing to do.
+void Bus::on_message(std::size_t subscription, std::string_view name,
+                     std::span<const std::uint8_t> bytes) {
+  for (std::size_t i = 0; i < subscription; ++i) {
+    if (channel_matches(subscriptions_[i].pattern, name)) {
+      return;
+    }
+  }
+  const std::int64_t start_ns = monotonic_ns();
+  Delivery delivery{std::string(name), bytes};
+  for (std::size_t i = subscription; i < subscriptions_.size(); ++i) {
+    if (channel_matches(subscriptions_[i].pattern, name)) {
+      subscriptions_[i].deliver(delivery);
+    }
+  }
+  handling_ns_ += monotonic_ns() - start_ns;
+}
+
+bool Bus::is_fresh(Delivery& delivery, const models::Stamp& stamp) {
+  if (!delivery.is_fresh) {
+    const bool is_known = streams_.contains(delivery.name);
+    if (!is_known && streams_.size() >= kStreamsMax) {
+      ++streams_refused_;
+      delivery.is_fresh = false;
+    } else {
+      delivery.is_fresh = streams_[delivery.name].judge(stamp) == Arrival::kFresh;
+    }
+  }
+  return *delivery.is_fresh;
+}
+
+void Bus::count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& counts) {
+  if (!delivery.is_faulty) {
+    delivery.is_faulty = true;
+    const bool has_room = counts.contains(delivery.name) || counts.size() < kCountedChannelsMax;
+    ++counts[has_room ? delivery.name : kOtherChannels];
+  }
+}
+
+std::int64_t Bus::messages_lost() const {
+  std::int64_t lost = 0;
+  for (const auto& [name, stream] : streams_) {
+    lost += stream.counts().lost;
+  }
+  return lost;
+}
+
+std::vector<models::NamedCount> Bus::counters() const {
+  std::vector<models::NamedCount> counts;
+  const TransportStats stats = transport_.stats();
+  add_nonzero(counts, "transport.messages_sent", stats.messages_sent);
+  add_nonzero(counts, "transport.messages_received", stats.messages_received);
+  add_nonzero(counts, "transport.send_errors", stats.send_errors);
+  add_nonzero(counts, "transport.malformed_datagrams", stats.malformed_datagrams);
+  add_nonzero(counts, "transport.incomplete_messages", stats.incomplete_messages);
+  add_nonzero(counts, "transport.queue_overflows", stats.queue_overflows);
+  add_nonzero(counts, "transport.oversized_messages", stats.oversized_messages);
+  add_nonzero(counts, "transport.duplicate_fragments", stats.duplicate_fragments);
+  add_nonzero(counts, "transport.kernel_drops", stats.kernel_drops);
+  add_nonzero(counts, "transport.receive_buffer_short_bytes", stats.receive_buffer_short_bytes);
+  add_nonzero(counts, "bus.streams_refused", streams_refused_);
+  for (const auto& [name, count] : decode_errors_) {
+    add_nonzero(counts, name + ".decode_errors", count);
+  }
+  for (const auto& [name, count] : refused_) {
+    add_nonzero(counts, name + ".refused", count);
+  }
+  for (const auto& [name, stream] : streams_) {
+    add_nonzero(counts, name + ".fresh", stream.counts().fresh);
+    add_nonzero(counts, name + ".lost", stream.counts().lost);
+    add_nonzero(counts, name + ".duplicates", stream.counts().duplicates);
+    add_nonzero(counts, name + ".reordered", stream.counts().reordered);
+    add_nonzero(counts, name + ".old_runs", stream.counts().old_runs);
+    add_nonzero(counts, name + ".restarts", stream.counts().runs - 1);
+  }
+  return counts;
+}
+
+}  // namespace vantage::bus

@@ -1,0 +1,114 @@
+#include <cmath>
+
+#include "bus/convert_parts.hpp"
+
+// What robots will do: PLAN_R.
+
+namespace vantage::bus {
+
+using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+
+namespace {
+
+bool is_segment(const vantage_lcm::plan_segment_t& segment) {
+  return are_finite(segment.speed_mps, segment.yaw_rate_radps, segment.duration_s,
+                    segment.brake_mps2) &&
+         segment.duration_s >= 0.0 && segment.brake_mps2 >= 0.0;
+}
+
+/// NaN stands for "nothing searched", −∞ for "nothing proven", +∞ for the greedy pass.
+bool is_quality(const vantage_lcm::plan_t& wire) {
+  const bool has_cost = !std::isinf(wire.cost_nat);
+  const bool has_bound = std::isfinite(wire.lower_bound_nat) ||
+                         (std::isinf(wire.lower_bound_nat) && wire.lower_bound_nat < 0);
+  return has_cost && has_bound && wire.epsilon >= 0.0 && wire.delta_m >= 0.0;  // no NaN
+}
+
+bool are_numbers_possible(const vantage_lcm::plan_t& wire) {
+  return is_quality(wire) && are_finite(wire.height_m, wire.step_s) && wire.step_s > 0.0 &&
+         wire.horizon_steps >= 0 && wire.passes >= 0 && wire.nodes >= 0 &&
+         is_utime(wire.slot_start_utime) && is_utime(wire.deadline_utime) &&
+         is_utime(wire.finish_utime) && is_boolean(wire.late);
+}
+
+}  // namespace
+
+vantage_lcm::plan_t to_wire(const models::RobotPlan& plan) {
+  vantage_lcm::plan_t wire{};
+  stamp_to(plan.stamp, wire);
+  wire.robot = plan.robot;
+  wire.round = plan.round;
+  wire.source = static_cast<std::int32_t>(plan.source);
+  wire.start_x_world_m = plan.trajectory.start.x_m;
+  wire.start_y_world_m = plan.trajectory.start.y_m;
+  wire.start_yaw_world_rad = plan.trajectory.start.yaw_rad;
+  wire.height_m = plan.trajectory.height_m;
+  wire.num_segments = count_of(plan.trajectory.segments.size());
+  wire.segments.resize(plan.trajectory.segments.size());
+  for (std::size_t i = 0; i < plan.trajectory.segments.size(); ++i) {
+    const models::PlanSegment& segment = plan.trajectory.segments[i];
+    wire.segments[i].speed_mps = segment.control.speed_mps;
+    wire.segments[i].yaw_rate_radps = segment.control.yaw_rate_radps;
+    wire.segments[i].duration_s = segment.duration_s;
+    wire.segments[i].brake_mps2 = segment.brake_mps2;
+  }
+  wire.horizon_steps = plan.horizon_steps;
+  wire.step_s = plan.step_s;
+  wire.cost_nat = plan.cost;
+  wire.lower_bound_nat = plan.lower_bound;
+  wire.epsilon = plan.epsilon;
+  wire.delta_m = plan.delta_m;
+  wire.passes = plan.passes;
+  wire.nodes = plan.nodes;
+  wire.slot_start_utime = to_utime(plan.slot_start);
+  wire.deadline_utime = to_utime(plan.deadline);
+  wire.finish_utime = to_utime(plan.finish);
+  wire.late = plan.late ? 1 : 0;
+  wire.num_inputs = count_of(plan.inputs.size());
+  wire.inputs = inputs_to(plan.inputs);
+  return wire;
+}
+
+std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire) {
+  const auto stamp = stamp_from(wire);
+  const auto start =
+      pose2_from(wire.start_x_world_m, wire.start_y_world_m, wire.start_yaw_world_rad);
+  const auto source = enumerator_from(wire.source, models::PlanSource::kBraking);
+  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  if (!stamp || !start || !source || !inputs || !is_text(wire.robot) ||
+      !are_numbers_possible(wire) || !is_count(wire.num_segments, wire.segments.size())) {
+    return std::nullopt;
+  }
+  models::RobotPlan plan;
+  plan.stamp = *stamp;
+  plan.robot = wire.robot;
+  plan.round = wire.round;
+  plan.source = *source;
+  plan.trajectory.start_time = stamp->time;  // the wire has one time for both
+  plan.trajectory.start = *start;
+  plan.trajectory.height_m = wire.height_m;
+  plan.trajectory.segments.reserve(wire.segments.size());
+  for (const vantage_lcm::plan_segment_t& segment : wire.segments) {
+    if (!is_segment(segment)) {
+      return std::nullopt;
+    }
+    plan.trajectory.segments.push_back(
+        {{segment.speed_mps, segment.yaw_rate_radps}, segment.duration_s, segment.brake_mps2});
+  }
+  plan.horizon_steps = wire.horizon_steps;
+  plan.step_s = wire.step_s;
+  plan.cost = wire.cost_nat;
+  plan.lower_bound = wire.lower_bound_nat;
+  plan.epsilon = wire.epsilon;
+  plan.delta_m = wire.delta_m;
+  plan.passes = wire.passes;
+  plan.nodes = wire.nodes;
+  plan.slot_start = from_utime(wire.slot_start_utime);
+  plan.deadline = from_utime(wire.deadline_utime);
+  plan.finish = from_utime(wire.finish_utime);
+  plan.late = wire.late != 0;
+  plan.inputs = std::move(*inputs);
+  return plan;
+}
+
+}  // namespace vantage::bus

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "bus/yaml_mapping.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::bus {
+
+/// Widest coordinate and longest length that a scenario may hold.
+inline constexpr double kLengthMaxM = 10'000.0;
+
+void read_device(Mapping& from, models::DeviceSource& device);
+
+/// Reads `robots` over `robot_defaults`, and checks each robot against the world, the planner's
+/// distances and the robots before it. Precondition: scenario.world and scenario.planner are read.
+void read_robots(Mapping& top, models::Scenario& scenario);
+
+/// Reads `targets`: a count or a list. Precondition: the world and the robots are read.
+void read_targets(Mapping& top, models::Scenario& scenario);
+
+}  // namespace vantage::bus

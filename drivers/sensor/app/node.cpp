@@ -1,0 +1,94 @@
+#include "drivers/sensor/app/node.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "bus/channels.hpp"
+#include "core/check.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+// Over a longer gap between frames nobody knows where the bodies went.
+constexpr Duration kGapMax{200'000};
+constexpr Duration kIdle = std::chrono::seconds(1);
+
+models::InputRef ref_to(const std::string& channel, const models::Stamp& stamp) {
+  return {channel, stamp.run_id, stamp.sequence};
+}
+
+}  // namespace
+
+SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+                       const std::string& robot)
+    : bus_(bus),
+      robot_(robot),
+      sensor_(scenario, robot),
+      step_(from_seconds(scenario.planner.step_s)),
+      next_tick_(clock.now() + kIdle) {
+  require(step_ > Duration{0}, "planner: step_s must be positive");
+  bus_.subscribe<models::MocapFrame>(bus::kVicon,
+                                     [this](const models::MocapFrame& frame) { on_frame(frame); });
+  bus_.subscribe<models::AttackNotice>(
+      bus::kAttack, [this](const models::AttackNotice& attack) { attack_ = attack; });
+}
+
+void SensorNode::tick(Time now) { next_tick_ = now + kIdle; }
+
+void SensorNode::on_frame(const models::MocapFrame& frame) {
+  if (last_ && frame.stamp.run_id != last_->stamp.run_id) {
+    ++mocap_restarts_;
+    last_.reset();
+  }
+  if (last_ && frame.stamp.time <= last_->stamp.time) {
+    ++frames_out_of_order_;
+    return;
+  }
+  // The newest kτ that this frame is at or beyond, and how many were passed since the last frame.
+  const std::int64_t step_us = step_.count();
+  const std::int64_t newest = to_utime(frame.stamp.time) / step_us;
+  const Time instant = from_utime(newest * step_us);
+  const std::int64_t passed = last_ ? newest - to_utime(last_->stamp.time) / step_us : 0;
+  const models::InputRef this_ref = ref_to(bus::kVicon.name, frame.stamp);
+  if (instant == frame.stamp.time) {
+    publish(frame, {this_ref});
+    steps_without_frames_ += std::max<std::int64_t>(0, passed - 1);
+  } else if (passed > 0 && frame.stamp.time - last_->stamp.time <= kGapMax) {
+    publish(interpolate(*last_, frame, instant),
+            {ref_to(bus::kVicon.name, last_->stamp), this_ref});
+    steps_without_frames_ += passed - 1;
+  } else {
+    steps_without_frames_ += passed;
+  }
+  last_ = frame;
+}
+
+void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs) {
+  const bool jammed = attack_ && std::find(attack_->jammed.begin(), attack_->jammed.end(),
+                                           robot_) != attack_->jammed.end();
+  std::optional<models::DetectionSet> seen = sensor_.look(frame, jammed);
+  if (!seen) {
+    ++steps_without_own_pose_;
+    return;
+  }
+  if (jammed) {
+    inputs.push_back(ref_to(bus::kAttack.name, attack_->stamp));
+  }
+  seen->inputs = std::move(inputs);
+  bus_.publish(bus::measurement_channel(robot_), std::move(*seen));
+}
+
+std::vector<models::NamedCount> SensorNode::counters() const {
+  const std::vector<models::NamedCount> all{
+      {"sensor.steps_without_frames", steps_without_frames_},
+      {"sensor.steps_without_own_pose", steps_without_own_pose_},
+      {"sensor.frames_out_of_order", frames_out_of_order_},
+      {"sensor.mocap_restarts", mocap_restarts_}};
+  std::vector<models::NamedCount> counted;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
+               [](const models::NamedCount& counter) { return counter.count != 0; });
+  return counted;
+}
+
+}  // namespace vantage::drivers

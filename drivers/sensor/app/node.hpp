@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
+#include "bus/node.hpp"
+#include "core/time.hpp"
+#include "drivers/sensor/pose_sensor.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::drivers {
+
+/// vantage-sensor of one robot on the bus: VICON and ATTACK in, MEASUREMENT_R out.
+///
+/// A measurement is of the instants kτ, k whole, τ = planner.step_s, counted from the epoch: as
+/// soon as the first frame captured at or after kτ is there, the bodies are put between it and the
+/// frame before. A frame captured at kτ itself is used alone.
+class SensorNode : public bus::Node {
+ public:
+  /// @throws UsageError for a robot that is not in the scenario or a step that is not positive.
+  SensorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+             const std::string& robot);
+
+  [[nodiscard]] std::string name() const override { return "SENSOR_" + robot_; }
+  /// It works when frames arrive; the tick has nothing to do.
+  [[nodiscard]] Time next_tick() const override { return next_tick_; }
+  void tick(Time now) override;
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+
+ private:
+  void on_frame(const models::MocapFrame& frame);
+  void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
+
+  bus::Bus& bus_;
+  std::string robot_;
+  PoseSensor sensor_;
+  Duration step_;
+  Time next_tick_;
+  std::optional<models::MocapFrame> last_;
+  std::optional<models::AttackNotice> attack_;
+  std::int64_t steps_without_frames_ = 0;
+  std::int64_t steps_without_own_pose_ = 0;
+  std::int64_t frames_out_of_order_ = 0;
+  std::int64_t mocap_restarts_ = 0;
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,97 @@
+#include "drivers/sensor/pose_sensor.hpp"
+
+#include <random>
+#include <utility>
+
+#include "core/check.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+const models::RobotSpec& robot_of(const models::Scenario& scenario, const std::string& robot) {
+  const models::RobotSpec* spec = scenario.find_robot(robot);
+  require(spec != nullptr, "robot " + robot + " is not in the scenario");
+  return *spec;
+}
+
+std::uint32_t low_word(std::uint64_t bits) { return static_cast<std::uint32_t>(bits); }
+std::uint32_t high_word(std::uint64_t bits) { return static_cast<std::uint32_t>(bits >> 32U); }
+
+std::mt19937_64 noise_of(std::uint64_t seed, const std::string& robot, int target_id, Time time) {
+  const auto utime = static_cast<std::uint64_t>(to_utime(time));
+  std::vector<std::uint32_t> words{low_word(seed), high_word(seed), low_word(utime),
+                                   high_word(utime), static_cast<std::uint32_t>(target_id)};
+  for (const char letter : robot) {
+    words.push_back(static_cast<unsigned char>(letter));
+  }
+  std::seed_seq sequence(words.begin(), words.end());
+  return std::mt19937_64(sequence);
+}
+
+}  // namespace
+
+models::MocapFrame interpolate(const models::MocapFrame& before, const models::MocapFrame& after,
+                               Time time) {
+  const Duration gap = after.stamp.time - before.stamp.time;
+  const double share =
+      gap > Duration{0} ? to_seconds(time - before.stamp.time) / to_seconds(gap) : 0.0;
+  models::MocapFrame between = after;
+  between.stamp.time = time;
+  for (models::MocapBody& body : between.bodies) {
+    const models::MocapBody* const old = before.find(body.name);
+    if (old == nullptr || old->occluded) {
+      body.occluded = true;
+    }
+    if (body.occluded) {
+      continue;
+    }
+    const Pose3 from = old->world_from_body;
+    body.world_from_body.translation_m =
+        from.translation_m + share * (body.world_from_body.translation_m - from.translation_m);
+    body.world_from_body.rotation = from.rotation.slerp(share, body.world_from_body.rotation);
+  }
+  return between;
+}
+
+PoseSensor::PoseSensor(const models::Scenario& scenario, const std::string& robot)
+    : robot_(robot),
+      sensor_(robot_of(scenario, robot).sensor),
+      world_(scenario.world),
+      targets_(scenario.targets),
+      position_dim_(scenario.estimator.target_model.position_dim),
+      seed_(scenario.seed) {}
+
+std::optional<models::DetectionSet> PoseSensor::look(const models::MocapFrame& frame,
+                                                     bool jammed) const {
+  const models::MocapBody* const self = frame.find(robot_);
+  if (self == nullptr || self->occluded) {
+    return std::nullopt;
+  }
+  models::DetectionSet seen;
+  seen.stamp.time = frame.stamp.time;
+  seen.robot = robot_;
+  seen.viewpoint = {flatten(self->world_from_body), self->world_from_body.translation_m.z()};
+  seen.jammed = jammed;
+  if (jammed) {
+    return seen;
+  }
+  for (const models::TargetSpec& target : targets_) {
+    const models::MocapBody* const body = frame.find(target.name);
+    if (body == nullptr || body->occluded) {
+      continue;
+    }
+    const models::PositionVector position_m =
+        body->world_from_body.translation_m.head(position_dim_);
+    if (!models::in_view(sensor_, seen.viewpoint, position_m) ||
+        !models::line_of_sight(world_, seen.viewpoint.world_from_body.position_m(),
+                               position_m.head<2>())) {
+      continue;
+    }
+    std::mt19937_64 noise = noise_of(seed_, robot_, target.id, frame.stamp.time);
+    seen.detections.push_back(
+        {target.id, models::sample(sensor_, seen.viewpoint, position_m, noise)});
+  }
+  return seen;
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::drivers {
+
+/// All bodies at `time`, between two frames: positions linear, attitudes along the great circle.
+/// A body takes part only when both frames have it unoccluded. Precondition:
+/// before.stamp.time ≤ time ≤ after.stamp.time.
+models::MocapFrame interpolate(const models::MocapFrame& before, const models::MocapFrame& after,
+                               Time time);
+
+/// A sensor that a lab does not have: it makes the measurements that one robot's sensor would,
+/// from everyone's poses.
+///
+/// Noise is a function of (seed, robot, target, instant) alone, so a replayed instant gives the
+/// same measurement whatever was missed before it.
+class PoseSensor {
+ public:
+  /// @throws UsageError for a robot that is not in the scenario.
+  PoseSensor(const models::Scenario& scenario, const std::string& robot);
+
+  /// One look at the instant of `frame`: a measurement of every target body that is unoccluded,
+  /// in view of the sensor model and in line of sight; none, and `jammed` set, under attack.
+  /// Run id, sequence and inputs are left to the caller. nullopt when the robot itself is not seen.
+  [[nodiscard]] std::optional<models::DetectionSet> look(const models::MocapFrame& frame,
+                                                         bool jammed) const;
+
+ private:
+  std::string robot_;
+  models::SensorModel sensor_;
+  models::World world_;
+  std::vector<models::TargetSpec> targets_;
+  int position_dim_;
+  std::uint64_t seed_;
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,23 @@
+// vantage-estimator: MEASUREMENT_R, VICON and the teammates' BELIEF_* in, BELIEF_R out; one
+// process per robot.
+
+#include <memory>
+
+#include "bus/node_main.hpp"
+#include "estimator/app/node.hpp"
+#include "estimator/app/replay_node.hpp"
+
+int main(int argc, char** argv) {
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  return bus::node_main(
+      {"vantage-estimator", "Estimates the targets as one robot knows them.", true, true}, argc,
+      argv,
+      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+         const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
+        if (arguments.replay) {
+          return std::make_unique<estimator::EstimatorReplayNode>(bus, clock, scenario,
+                                                                  arguments.robot);
+        }
+        return std::make_unique<estimator::EstimatorNode>(bus, clock, scenario, arguments.robot);
+      });
+}

@@ -1,0 +1,134 @@
+#include "estimator/app/node.hpp"
+
+#include <memory>
+#include <utility>
+
+#include "bus/channels.hpp"
+
+namespace vantage::estimator {
+
+namespace {
+
+constexpr std::size_t kLooksWaiting = 64;
+constexpr std::size_t kPosesKept = 256;
+
+/// The last instant kτ that is not after `t`.
+Time instant_before(Time t, Duration step) {
+  const std::int64_t utime = to_utime(t);
+  const std::int64_t step_us = step.count();
+  const std::int64_t behind = ((utime % step_us) + step_us) % step_us;
+  return from_utime(utime - behind);
+}
+
+}  // namespace
+
+EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
+                             const models::Scenario& scenario, const std::string& robot)
+    : bus_(bus),
+      filter_(filter_spec(scenario, robot)),
+      robot_(robot),
+      step_(from_seconds(scenario.planner.step_s)),
+      lag_(step_ / 10) {
+  next_instant_ = instant_before(clock.now() - lag_, step_) + step_;
+  bus_.subscribe<models::DetectionSet>(bus::measurement_channel(robot_),
+                                       [this](const auto& look) { on_look(look); });
+  bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) { on_mocap(frame); });
+  for (const models::RobotSpec& teammate : scenario.robots) {
+    if (teammate.name != robot_) {
+      bus_.subscribe<models::RobotBelief>(
+          bus::belief_channel(teammate.name),
+          [this, sender = teammate.name](const auto& belief) { on_belief(sender, belief); });
+    }
+  }
+}
+
+std::string EstimatorNode::name() const { return "ESTIMATOR_" + robot_; }
+
+void EstimatorNode::on_look(const models::DetectionSet& look) {
+  if (look.robot != robot_) {
+    ++misaddressed_;
+    return;
+  }
+  if (looks_.size() == kLooksWaiting) {
+    looks_.pop_front();
+    ++looks_overflowed_;
+  }
+  looks_.push_back({name_of(bus::measurement_channel(robot_).name, look.stamp),
+                    std::make_shared<const models::DetectionSet>(look)});
+}
+
+void EstimatorNode::on_mocap(const models::MocapFrame& frame) {
+  const auto pose = own_pose(frame, robot_);
+  if (!pose) {
+    return;
+  }
+  if (poses_.size() == kPosesKept) {
+    poses_.pop_front();
+  }
+  poses_.push_back(
+      {name_of(bus::kVicon.name, frame.stamp), std::make_shared<const OwnPose>(*pose)});
+}
+
+void EstimatorNode::on_belief(const std::string& teammate, const models::RobotBelief& belief) {
+  if (belief.robot != teammate) {
+    ++misaddressed_;
+    return;
+  }
+  newest_[teammate] = {name_of(bus::belief_channel(teammate).name, belief.stamp),
+                       std::make_shared<const models::RobotBelief>(belief)};
+}
+
+StepMaterial EstimatorNode::gather(Time t) {
+  StepMaterial material;
+  std::deque<Heard<models::DetectionSet>> later;
+  for (auto& look : looks_) {
+    if (look.content->stamp.time <= t) {
+      material.looks.push_back(std::move(look));
+    } else {
+      later.push_back(std::move(look));
+    }
+  }
+  looks_ = std::move(later);
+  if (!has_viewpoint(material.looks, t, step_)) {
+    for (const auto& pose : poses_) {
+      if (pose.content->time <= t && pose.content->time > t - step_) {
+        material.pose = pose;
+      }
+    }
+    viewpoint_unknown_ += material.pose ? 0 : 1;
+  }
+  for (const auto& [teammate, belief] : newest_) {
+    material.beliefs.push_back(belief);
+  }
+  return material;
+}
+
+void EstimatorNode::tick(Time now) {
+  const Time t = instant_before(now - lag_, step_);
+  if (t < next_instant_) {
+    return;
+  }
+  instants_missed_ += (t - next_instant_) / step_;
+  next_instant_ = t + step_;
+  bus_.publish(bus::belief_channel(robot_), make_step(filter_, t, steps_++, gather(t)));
+
+  // A belief counts as stale once; what a silent teammate said last is then let go.
+  const Duration age_max = from_seconds(filter_.spec().belief_age_max_s);
+  std::erase_if(newest_,
+                [&](const auto& entry) { return t - entry.second.content->stamp.time > age_max; });
+}
+
+std::vector<models::NamedCount> EstimatorNode::counters() const {
+  std::vector<models::NamedCount> all = filter_.counters().named();
+  for (const models::NamedCount& own :
+       {models::NamedCount{"looks_overflowed", looks_overflowed_},
+        models::NamedCount{"misaddressed", misaddressed_},
+        models::NamedCount{"viewpoint_unknown", viewpoint_unknown_}}) {
+    if (own.count != 0) {
+      all.push_back(own);
+    }
+  }
+  return all;
+}
+
+}  // namespace vantage::estimator

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
+#include "bus/node.hpp"
+#include "estimator/app/step_material.hpp"
+#include "estimator/distributed_filter.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::estimator {
+
+/// Joins a DistributedFilter to the bus: MEASUREMENT_R, VICON and the teammates' BELIEF_* in,
+/// BELIEF_R out.
+///
+/// A step is of the instant t = kτ of the absolute time, and is made a tenth of τ later so that
+/// the measurement of that instant has come; its message says `utime` = t, `step` = steps made
+/// since the start, and names every message it used. Later looks wait for the next step; newest
+/// beliefs are used until they are stale.
+class EstimatorNode : public bus::Node {
+ public:
+  /// @throws UsageError when `scenario` has no such robot.
+  EstimatorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+                const std::string& robot);
+
+  [[nodiscard]] std::string name() const override;
+  [[nodiscard]] Time next_tick() const override { return next_instant_ + lag_; }
+  void tick(Time now) override;
+  /// Those of the filter, and: looks_overflowed (more waited than fit), misaddressed (a robot's
+  /// name inside a message is not that of its channel), viewpoint_unknown (steps that had to take
+  /// the robot to be where it was).
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+  /// Instants kτ that passed without a step.
+  [[nodiscard]] std::int64_t deadlines_missed() const override { return instants_missed_; }
+
+  [[nodiscard]] const DistributedFilter& filter() const { return filter_; }
+
+ private:
+  void on_look(const models::DetectionSet& look);
+  void on_mocap(const models::MocapFrame& frame);
+  void on_belief(const std::string& teammate, const models::RobotBelief& belief);
+  StepMaterial gather(Time t);
+
+  bus::Bus& bus_;
+  DistributedFilter filter_;
+  std::string robot_;
+  Duration step_;
+  Duration lag_;
+  Time next_instant_{};
+  std::int64_t steps_ = 0;
+  std::deque<Heard<models::DetectionSet>> looks_;             ///< not used yet
+  std::deque<Heard<OwnPose>> poses_;                          ///< newest last
+  std::map<std::string, Heard<models::RobotBelief>> newest_;  ///< by teammate
+  std::int64_t instants_missed_ = 0;
+  std::int64_t looks_overflowed_ = 0;
+  std::int64_t misaddressed_ = 0;
+  std::int64_t viewpoint_unknown_ = 0;
+};
+
+}  // namespace vantage::estimator

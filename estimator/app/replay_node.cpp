@@ -1,0 +1,165 @@
+#include "estimator/app/replay_node.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+#include "bus/channels.hpp"
+
+namespace vantage::estimator {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kLooksKept = 1024;
+constexpr std::size_t kFramesKept = 2048;
+constexpr std::size_t kBeliefsKeptPerTeammate = 64;
+constexpr std::size_t kStepsWaiting = 3;
+constexpr int kTicksWaiting = 20;
+constexpr Duration kTick = 100ms;
+constexpr double kTolerance = 1e-9;
+
+/// A pointer into a store, which outlives the step that uses it.
+template <class Content>
+std::shared_ptr<const Content> borrowed(const Content* content) {
+  return {std::shared_ptr<const Content>{}, content};
+}
+
+template <class A, class B>
+bool close(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b, double tolerance) {
+  return a.rows() == b.rows() && a.cols() == b.cols() &&
+         ((a - b).array().abs() <= tolerance * (1.0 + b.array().abs())).all();
+}
+
+}  // namespace
+
+bool same_content(const models::RobotBelief& a, const models::RobotBelief& b, double tolerance) {
+  return a.stamp.time == b.stamp.time && a.degree == b.degree && a.grid == b.grid &&
+         a.last_seen_utime == b.last_seen_utime &&
+         std::equal(a.targets.begin(), a.targets.end(), b.targets.begin(), b.targets.end(),
+                    [&](const models::TargetBelief& x, const models::TargetBelief& y) {
+                      return x.target_id == y.target_id && x.last_seen == y.last_seen &&
+                             close(x.information.vector, y.information.vector, tolerance) &&
+                             close(x.information.matrix, y.information.matrix, tolerance);
+                    });
+}
+
+EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
+                                         const models::Scenario& scenario, const std::string& robot)
+    : bus_(bus),
+      spec_(filter_spec(scenario, robot)),
+      filter_(spec_),
+      robot_(robot),
+      looks_(kLooksKept),
+      frames_(kFramesKept),
+      beliefs_(kBeliefsKeptPerTeammate * std::max<std::size_t>(1, scenario.robots.size())),
+      next_tick_(clock.now() + kTick) {
+  bus_.subscribe_named<models::DetectionSet>(bus::measurement_channel(robot_),
+                                             [this](const std::string& channel, const auto& look) {
+                                               looks_.add(channel, look);
+                                               work();
+                                             });
+  bus_.subscribe_named<models::MocapFrame>(bus::kVicon,
+                                           [this](const std::string& channel, const auto& frame) {
+                                             frames_.add(channel, frame);
+                                             work();
+                                           });
+  for (const models::RobotSpec& teammate : scenario.robots) {
+    if (teammate.name != robot_) {
+      bus_.subscribe_named<models::RobotBelief>(
+          bus::belief_channel(teammate.name),
+          [this](const std::string& channel, const auto& belief) {
+            beliefs_.add(channel, belief);
+            work();
+          });
+    }
+  }
+  bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot_),
+                                      [this](const auto& belief) { on_logged(belief); });
+}
+
+std::string EstimatorReplayNode::name() const { return "REPLAY_ESTIMATOR_" + robot_; }
+
+void EstimatorReplayNode::on_logged(const models::RobotBelief& belief) {
+  logged_.push_back(belief);
+  work();
+}
+
+void EstimatorReplayNode::tick(Time now) {
+  next_tick_ = now + kTick;
+  ticks_waited_ = logged_.empty() ? 0 : ticks_waited_ + 1;
+  work();
+}
+
+void EstimatorReplayNode::work() {
+  while (!logged_.empty()) {
+    std::int64_t missing = 0;
+    static_cast<void>(gather(logged_.front(), missing));
+    if (missing > 0 && logged_.size() <= kStepsWaiting && ticks_waited_ < kTicksWaiting) {
+      return;
+    }
+    ticks_waited_ = 0;
+    const models::RobotBelief logged = std::move(logged_.front());
+    logged_.pop_front();
+    redo(logged);
+  }
+}
+
+StepMaterial EstimatorReplayNode::gather(const models::RobotBelief& logged,
+                                         std::int64_t& missing) const {
+  StepMaterial material;
+  for (const models::InputRef& ref : logged.inputs) {
+    if (const auto* look = looks_.find(ref)) {
+      material.looks.push_back({ref, borrowed(look)});
+    } else if (const auto* belief = beliefs_.find(ref)) {
+      material.beliefs.push_back({ref, borrowed(belief)});
+    } else if (const auto* frame = frames_.find(ref)) {
+      if (const auto pose = own_pose(*frame, robot_)) {
+        material.pose = Heard<OwnPose>{ref, std::make_shared<const OwnPose>(*pose)};
+      }
+    } else {
+      ++missing;
+    }
+  }
+  return material;
+}
+
+void EstimatorReplayNode::redo(const models::RobotBelief& logged) {
+  std::int64_t missing = 0;
+  const StepMaterial material = gather(logged, missing);
+  const bool first = logged.step == 0;
+  const bool next =
+      last_done_ && last_done_->run_id == logged.stamp.run_id && logged.step == last_step_ + 1;
+  last_done_ = logged.stamp;
+  last_step_ = logged.step;
+  inputs_missing_ += missing;
+  if (missing > 0 || !(first || next)) {
+    ++steps_rebased_;
+    filter_.rebase(logged);
+    return;
+  }
+  if (first) {
+    filter_ = DistributedFilter(spec_);
+  }
+  const models::RobotBelief made = make_step(filter_, logged.stamp.time, logged.step, material);
+  ++steps_redone_;
+  differences_ += same_content(made, logged, kTolerance) ? 0 : 1;
+  bus_.publish(bus::belief_channel(robot_), made);
+}
+
+std::vector<models::NamedCount> EstimatorReplayNode::counters() const {
+  std::vector<models::NamedCount> all = filter_.counters().named();
+  for (const models::NamedCount& own : {models::NamedCount{"steps_rebased", steps_rebased_},
+                                        models::NamedCount{"inputs_missing", inputs_missing_},
+                                        models::NamedCount{"differences", differences_}}) {
+    if (own.count != 0) {
+      all.push_back(own);
+    }
+  }
+  return all;
+}
+
+}  // namespace vantage::estimator

@@ -1,0 +1,394 @@
+#include "estimator/distributed_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "core/check.hpp"
+#include "estimator/missed_detection.hpp"
+
+namespace vantage::estimator {
+
+namespace {
+
+constexpr std::size_t kTeammatesReserved = 64;
+
+double distance_m(const models::Viewpoint& a, const models::Viewpoint& b) {
+  const Eigen::Vector2d level = a.world_from_body.position_m() - b.world_from_body.position_m();
+  return std::hypot(level.norm(), a.height_m - b.height_m);
+}
+
+}  // namespace
+
+FilterSpec filter_spec(const models::Scenario& scenario, const std::string& robot) {
+  const models::RobotSpec* self = scenario.find_robot(robot);
+  require(self != nullptr, "the scenario has no robot '" + robot + "'");
+  FilterSpec spec;
+  spec.robot = robot;
+  spec.sensor = self->sensor;
+  spec.start = {self->start, self->height_m};
+  spec.estimator = scenario.estimator;
+  spec.world = scenario.world;
+  for (const models::TargetSpec& target : scenario.targets) {
+    spec.target_count = std::max(spec.target_count, target.id + 1);
+  }
+  spec.step_s = scenario.planner.step_s;
+  spec.communication_range_m = scenario.network.communication_range_m;
+  spec.belief_age_max_s = 3.0 * spec.step_s;
+  return spec;
+}
+
+DistributedFilter::DistributedFilter(FilterSpec spec)
+    : spec_(std::move(spec)),
+      viewpoint_(spec_.start),
+      tracks_(static_cast<std::size_t>(std::max(spec_.target_count, 0))),
+      grid_(spec_.world, spec_.estimator.grid_resolution_m, spec_.estimator.grid_memory_s) {
+  require(spec_.target_count >= 0, "target_count must not be negative");
+  require(spec_.step_s > 0.0, "step_s must be positive");
+  require(spec_.history_steps >= 1, "history_steps must be at least 1");
+  require(spec_.estimator.prior_position_sigma_m > 0.0 &&
+              spec_.estimator.prior_velocity_sigma_mps > 0.0,
+          "prior sigmas must be positive");
+  records_.assign(static_cast<std::size_t>(spec_.history_steps), StepRecord(spec_.target_count));
+  for (StepRecord& r : records_) {  // copying a vector does not copy what it has reserved
+    r = StepRecord(spec_.target_count);
+  }
+  in_range_.reserve(kTeammatesReserved);
+}
+
+models::RobotBelief DistributedFilter::step(const StepInput& input) {
+  advance(input);
+  return belief();
+}
+
+StepRecord& DistributedFilter::record(int age) {
+  const int size = static_cast<int>(records_.size());
+  return records_[static_cast<std::size_t>((newest_ + size - age) % size)];
+}
+
+void DistributedFilter::advance(const StepInput& input) {
+  if (time_ && input.time <= *time_) {
+    ++counters_.steps_out_of_order;
+    return;
+  }
+  Time from = time_.value_or(input.time);
+  if (!time_) {
+    for (const models::DetectionSet* look : input.looks) {
+      from = std::min(from, look->stamp.time);
+    }
+  }
+  if (input.viewpoint) {
+    viewpoint_ = *input.viewpoint;
+  }
+  newest_ = (newest_ + 1) % static_cast<int>(records_.size());
+  recorded_ = std::min(recorded_ + 1, static_cast<int>(records_.size()));
+  StepRecord& current = record(0);
+  current.start(from, input.time, tracks_);
+  listen(input, current);
+
+  int oldest_changed = 0;
+  for (const models::DetectionSet* look : input.looks) {
+    oldest_changed = std::max(oldest_changed, file(*look, input.time));
+  }
+  if (oldest_changed > 0) {
+    tracks_ = record(oldest_changed).before;
+  }
+  for (int age = oldest_changed; age >= 0; --age) {
+    StepRecord& again = record(age);
+    again.before = tracks_;
+    run(again);
+  }
+  time_ = input.time;
+}
+
+void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
+  in_range_.clear();
+  const Duration age_max = from_seconds(spec_.belief_age_max_s);
+  for (const models::RobotBelief* belief : input.beliefs) {
+    if (belief->stamp.time > input.time) {
+      ++counters_.future_beliefs;
+    } else if (input.time - belief->stamp.time > age_max) {
+      ++counters_.stale_beliefs;
+    } else if (spec_.communication_range_m <= 0.0 ||
+               distance_m(belief->viewpoint, viewpoint_) > spec_.communication_range_m) {
+      ++counters_.out_of_range_beliefs;
+    } else {
+      in_range_.push_back(belief);
+    }
+  }
+  degree_ = static_cast<int>(in_range_.size());
+  for (const models::RobotBelief* belief : in_range_) {
+    const double weight = 1.0 / (1.0 + std::max(degree_, belief->degree));
+    record.own_weight -= weight;
+    hear(*belief, input.time, weight, record);
+    merge_grid(*belief);
+  }
+}
+
+void DistributedFilter::hear(const models::RobotBelief& belief, Time now, double weight,
+                             StepRecord& record) {
+  for (const models::TargetBelief& target : belief.targets) {
+    if (target.target_id < 0 || target.target_id >= spec_.target_count) {
+      ++counters_.unknown_ids;
+      continue;
+    }
+    const int dim = spec_.estimator.target_model.dim();
+    if (target.information.vector.size() != dim || target.information.matrix.rows() != dim ||
+        target.information.matrix.cols() != dim) {
+      ++counters_.malformed_beliefs;
+      continue;
+    }
+    const auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
+                                     target.last_seen, belief.stamp.time, now);
+    if (!now_known) {
+      ++counters_.singular;
+      continue;
+    }
+    const auto m = static_cast<std::size_t>(target.target_id);
+    Track& heard = record.heard[m];
+    if (record.heard_weight[m] == 0.0) {
+      heard.information = {weight * now_known->vector, weight * now_known->matrix};
+      heard.last_seen = target.last_seen;
+    } else {
+      heard.information.vector += weight * now_known->vector;
+      heard.information.matrix += weight * now_known->matrix;
+      heard.last_seen = std::max(heard.last_seen, target.last_seen);
+    }
+    record.heard_weight[m] += weight;
+  }
+}
+
+void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
+  if (belief.last_seen_utime.empty()) {
+    return;
+  }
+  std::vector<std::int64_t> newest = grid_.last_seen_utime();
+  if (!(belief.grid == grid_.geometry()) || belief.last_seen_utime.size() != newest.size()) {
+    ++counters_.grid_mismatches;
+    return;
+  }
+  // Nobody has seen anything after the instant of their own message.
+  const std::int64_t limit = to_utime(belief.stamp.time);
+  for (std::size_t i = 0; i < newest.size(); ++i) {
+    newest[i] = std::max(newest[i], std::min(belief.last_seen_utime[i], limit));
+  }
+  grid_.set_last_seen(std::move(newest));
+}
+
+int DistributedFilter::file(const models::DetectionSet& look, Time now) {
+  if (look.jammed) {
+    ++counters_.jammed_looks;
+    return -1;
+  }
+  const Time at = look.stamp.time;
+  if (at > now) {
+    ++counters_.future_measurements;
+    return -1;
+  }
+  int age = 0;
+  while (age < recorded_ && at <= record(age).from && !(age == 0 && !time_)) {
+    ++age;
+  }
+  if (age == recorded_) {
+    ++counters_.too_late_measurements;
+    return -1;
+  }
+  if (age > 0) {
+    ++counters_.late_measurements;
+  }
+  grid_.see(spec_.sensor, look.viewpoint, spec_.world, at);
+  Look& filed = record(age).insert(at);
+  filed.from = look.viewpoint;
+  const int rows = spec_.sensor.measurement_dim(spec_.estimator.target_model.position_dim);
+  for (const models::Detection& detection : look.detections) {
+    const bool twice = std::any_of(filed.detections.begin(), filed.detections.end(),
+                                   [&](auto& d) { return d.target_id == detection.target_id; });
+    const models::Measurement& z = detection.measurement;
+    if (detection.target_id < 0 || detection.target_id >= spec_.target_count) {
+      ++counters_.unknown_ids;
+    } else if (twice || z.z.size() != rows || z.V.rows() != rows || z.V.cols() != rows) {
+      ++counters_.malformed_detections;
+    } else {
+      filed.detections.push_back(detection);
+    }
+  }
+  return age;
+}
+
+void DistributedFilter::run(StepRecord& record) {
+  Time at = record.from;
+  int next = 0;
+  const auto look = [&](int i) -> Look& { return record.looks[static_cast<std::size_t>(i)]; };
+  for (; next < record.look_count && look(next).time < record.to; ++next) {
+    propagate_all(at, look(next).time);
+    at = look(next).time;
+    apply(look(next));
+  }
+  propagate_all(at, record.to);
+  fuse(record);
+  for (; next < record.look_count; ++next) {
+    apply(look(next));
+  }
+}
+
+void DistributedFilter::propagate_all(Time from, Time to) {
+  for (Track& track : tracks_) {
+    if (!track.known) {
+      continue;
+    }
+    const auto later = propagate(spec_.estimator.target_model, spec_.step_s, track.information,
+                                 track.last_seen, from, to);
+    if (later) {
+      track.information = *later;
+    } else {  // nothing trustworthy is left: discover it again
+      ++counters_.singular;
+      track.known = false;
+    }
+  }
+}
+
+void DistributedFilter::fuse(const StepRecord& record) {
+  for (std::size_t m = 0; m < tracks_.size(); ++m) {
+    const double heard_weight = record.heard_weight[m];
+    if (heard_weight == 0.0) {
+      continue;
+    }
+    const Track& heard = record.heard[m];
+    Track& own = tracks_[m];
+    if (!own.known) {
+      own.known = true;
+      own.information = {heard.information.vector / heard_weight,
+                         heard.information.matrix / heard_weight};
+      own.last_seen = heard.last_seen;
+      continue;
+    }
+    const double total = record.own_weight + heard_weight;
+    own.information.vector =
+        (record.own_weight * own.information.vector + heard.information.vector) / total;
+    own.information.matrix =
+        (record.own_weight * own.information.matrix + heard.information.matrix) / total;
+    own.last_seen = std::max(own.last_seen, heard.last_seen);
+  }
+}
+
+void DistributedFilter::apply(Look& look) {
+  FilterCounters unused;
+  FilterCounters& count = look.counted ? unused : counters_;
+  look.counted = true;
+  const models::EstimatorSpec& spec = spec_.estimator;
+  for (const models::Detection& detection : look.detections) {
+    Track& track = tracks_[static_cast<std::size_t>(detection.target_id)];
+    if (!track.known) {
+      const auto found = discover(spec, spec_.sensor, look.from, detection.measurement);
+      if (found) {
+        track = {true, *found, look.time};
+      } else {
+        ++count.undiscoverable;
+      }
+      continue;
+    }
+    switch (measure(track.information, spec_.sensor, look.from, detection.measurement,
+                    spec.gate_sigma)) {
+      case Use::kUsed:
+        track.last_seen = std::max(track.last_seen, look.time);
+        break;
+      case Use::kGated:
+        ++count.gated;
+        break;
+      case Use::kSingular:
+        ++count.singular;
+        break;
+    }
+  }
+  if (spec.detection_probability <= 0.0) {
+    return;
+  }
+  for (std::size_t m = 0; m < tracks_.size(); ++m) {
+    const bool reported =
+        std::any_of(look.detections.begin(), look.detections.end(),
+                    [&](const auto& d) { return d.target_id == static_cast<int>(m); });
+    if (reported || !tracks_[m].known) {
+      continue;
+    }
+    const auto belief = models::to_gaussian(tracks_[m].information);
+    if (!belief) {
+      continue;
+    }
+    const models::Gaussian missed =
+        missed_detection(*belief, spec_.sensor, look.from, spec_.world, spec.detection_probability);
+    if (missed.mean == belief->mean && missed.covariance == belief->covariance) {
+      continue;
+    }
+    if (const auto information = models::to_information(missed)) {
+      tracks_[m].information = *information;
+      ++count.missed_detections;
+    } else {
+      ++count.singular;
+    }
+  }
+}
+
+models::RobotBelief DistributedFilter::belief() const {
+  models::RobotBelief belief;
+  belief.stamp.time = time_.value_or(Time{});
+  belief.robot = spec_.robot;
+  belief.viewpoint = viewpoint_;
+  belief.degree = degree_;
+  for (std::size_t m = 0; m < tracks_.size(); ++m) {
+    if (tracks_[m].known) {
+      belief.targets.push_back({static_cast<int>(m), tracks_[m].information, tracks_[m].last_seen});
+    }
+  }
+  belief.grid = grid_.geometry();
+  belief.last_seen_utime = grid_.last_seen_utime();
+  return belief;
+}
+
+void DistributedFilter::rebase(const models::RobotBelief& belief) {
+  recorded_ = 0;
+  time_ = belief.stamp.time;
+  viewpoint_ = belief.viewpoint;
+  degree_ = belief.degree;
+  std::fill(tracks_.begin(), tracks_.end(), Track{});
+  const int dim = spec_.estimator.target_model.dim();
+  for (const models::TargetBelief& target : belief.targets) {
+    if (target.target_id < 0 || target.target_id >= spec_.target_count) {
+      ++counters_.unknown_ids;
+    } else if (target.information.vector.size() != dim) {
+      ++counters_.malformed_beliefs;
+    } else {
+      tracks_[static_cast<std::size_t>(target.target_id)] = {true, target.information,
+                                                             target.last_seen};
+    }
+  }
+  if (belief.grid == grid_.geometry() &&
+      belief.last_seen_utime.size() == grid_.last_seen_utime().size()) {
+    grid_.set_last_seen(belief.last_seen_utime);
+  } else if (!belief.last_seen_utime.empty()) {
+    ++counters_.grid_mismatches;
+  }
+}
+
+std::vector<models::NamedCount> FilterCounters::named() const {
+  std::vector<models::NamedCount> all = {
+      {"steps_out_of_order", steps_out_of_order},
+      {"stale_beliefs", stale_beliefs},
+      {"future_beliefs", future_beliefs},
+      {"malformed_beliefs", malformed_beliefs},
+      {"grid_mismatches", grid_mismatches},
+      {"late_measurements", late_measurements},
+      {"too_late_measurements", too_late_measurements},
+      {"future_measurements", future_measurements},
+      {"jammed_looks", jammed_looks},
+      {"malformed_detections", malformed_detections},
+      {"gated", gated},
+      {"unknown_ids", unknown_ids},
+      {"undiscoverable", undiscoverable},
+      {"singular", singular},
+  };
+  std::erase_if(all, [](const models::NamedCount& c) { return c.count == 0; });
+  return all;
+}
+
+}  // namespace vantage::estimator

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "estimator/step_record.hpp"
+#include "estimator/track.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+#include "models/world/grid.hpp"
+
+namespace vantage::estimator {
+
+/// What one robot's filter has to know of itself and of the world.
+struct FilterSpec {
+  std::string robot;
+  models::SensorModel sensor;
+  models::Viewpoint start;  ///< taken for its own place until the first pose arrives
+  models::EstimatorSpec estimator;
+  models::World world;
+  int target_count = 0;                ///< ids are 0 … target_count − 1
+  double step_s = 0.5;                 ///< τ
+  double communication_range_m = 0.0;  ///< ≤ 0: no communication
+  double belief_age_max_s = 1.5;       ///< older beliefs of teammates are stale
+  int history_steps = 8;               ///< how far back a late measurement can be put in its place
+};
+
+/// The spec of `robot` in `scenario`, with belief_age_max_s = 3 τ.
+/// @throws UsageError when the scenario has no such robot.
+FilterSpec filter_spec(const models::Scenario& scenario, const std::string& robot);
+
+/// What one step works on. Pointers must be valid during the call only.
+struct StepInput {
+  Time time{};                                         ///< t; later than that of the step before
+  std::optional<models::Viewpoint> viewpoint;          ///< own, at t; absent: as in the step before
+  std::span<const models::DetectionSet* const> looks;  ///< own, of any instants ≤ t
+  std::span<const models::RobotBelief* const> beliefs;  ///< newest of each teammate, one each
+};
+
+/// Everything that was dropped or could not be done, since construction.
+struct FilterCounters {
+  std::int64_t steps_out_of_order = 0;     ///< not later than the step before: ignored
+  std::int64_t stale_beliefs = 0;          ///< older than belief_age_max_s
+  std::int64_t future_beliefs = 0;         ///< of an instant after t
+  std::int64_t out_of_range_beliefs = 0;   ///< teammate beyond communication_range_m
+  std::int64_t malformed_beliefs = 0;      ///< a target's block has the wrong dimension
+  std::int64_t grid_mismatches = 0;        ///< a teammate's grid has another geometry
+  std::int64_t late_measurements = 0;      ///< older than the step before, put in their place
+  std::int64_t too_late_measurements = 0;  ///< older than the history: dropped
+  std::int64_t future_measurements = 0;    ///< of an instant after t: dropped
+  std::int64_t jammed_looks = 0;
+  std::int64_t malformed_detections = 0;  ///< wrong dimension, or the second of one target
+  std::int64_t gated = 0;
+  std::int64_t unknown_ids = 0;        ///< target ids nobody announced
+  std::int64_t undiscoverable = 0;     ///< seen first by a sensor that cannot tell where
+  std::int64_t singular = 0;           ///< a matrix that could not be inverted
+  std::int64_t missed_detections = 0;  ///< looks that moved a belief by finding nothing
+
+  /// The non-zero ones that tell of trouble, by name: all but out_of_range_beliefs and
+  /// missed_detections, which are the ordinary course of a trial.
+  [[nodiscard]] std::vector<models::NamedCount> named() const;
+};
+
+/// One robot's share of the team's information filter.
+///
+/// step(t): bring own tracks and every heard belief to t; fuse
+///   Ω ← Σ κ_ij Ω_j,  ω ← Σ κ_ij ω_j,  κ_ij = 1/(1 + max(d_i, d_j)),  κ_ii = 1 − Σ κ_ij
+/// per target over those who know it (renormalised; a target we do not know is taken whole); then
+/// add the own measurements of t about the fused mean. Looks of instants between two steps are
+/// used at their own time, before the fusion of the later step. A late look is put in its place
+/// by doing the steps from there on again, with what was heard then: the result is that of timely
+/// arrival. Where a target was expected and not reported, see missed_detection.
+///
+/// A convex combination of conservative beliefs is conservative, so nothing is ever counted twice
+/// whatever the network repeats, reorders or loses. Covariances of targets that nobody sees grow
+/// without bound; clipping them is the business of those who plan with them.
+///
+/// A value: copies are independent. Pure: same inputs, same result, up to how Eigen rounds.
+/// Source: dissertation 3.3, 3.4, Thm 9; Metropolis weights: Xiao, Boyd, Lall (2005).
+class DistributedFilter {
+ public:
+  /// @throws UsageError for a spec that makes no sense.
+  explicit DistributedFilter(FilterSpec spec);
+
+  /// advance(), then belief().
+  models::RobotBelief step(const StepInput& input);
+  /// The arithmetic of one step. Allocates nothing, but for more than four looks or 64 teammates
+  /// in one step, for teammates' grids, and for obstacles near a look.
+  void advance(const StepInput& input);
+  /// What is known now: content of BELIEF_R; run id, sequence, step and inputs are the caller's.
+  [[nodiscard]] models::RobotBelief belief() const;
+  /// Continues from `belief` as if this filter had made it; forgets the history of steps. Also
+  /// how a prior is set.
+  void rebase(const models::RobotBelief& belief);
+
+  [[nodiscard]] const Track& track(int target_id) const {
+    return tracks_[static_cast<std::size_t>(target_id)];
+  }
+  [[nodiscard]] const models::VisibilityGrid& grid() const { return grid_; }
+  [[nodiscard]] const FilterCounters& counters() const { return counters_; }
+  [[nodiscard]] const FilterSpec& spec() const { return spec_; }
+
+ private:
+  void listen(const StepInput& input, StepRecord& record);
+  void hear(const models::RobotBelief& belief, Time now, double weight, StepRecord& record);
+  void merge_grid(const models::RobotBelief& belief);
+  /// Files a look under the step it belongs to; that step's age in records, −1 if dropped.
+  int file(const models::DetectionSet& look, Time now);
+  void run(StepRecord& record);
+  void propagate_all(Time from, Time to);
+  void apply(Look& look);
+  void fuse(const StepRecord& record);
+  StepRecord& record(int age);
+
+  FilterSpec spec_;
+  std::optional<Time> time_;  ///< of tracks_; absent before the first step
+  models::Viewpoint viewpoint_;
+  int degree_ = 0;
+  std::vector<Track> tracks_;
+  models::VisibilityGrid grid_;
+  std::vector<StepRecord> records_;  ///< ring
+  int newest_ = 0;
+  int recorded_ = 0;
+  std::vector<const models::RobotBelief*> in_range_;  ///< scratch of listen()
+  FilterCounters counters_;
+};
+
+}  // namespace vantage::estimator

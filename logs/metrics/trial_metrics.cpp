@@ -1,0 +1,180 @@
+#include "logs/metrics/trial_metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace vantage::logs {
+namespace {
+
+// A step is judged once this many newer ones have begun: late messages still count, and the
+// simulator's truth, which comes at its own rate, has passed the step's time.
+constexpr std::int64_t kStepsOfGrace = 2;
+
+}  // namespace
+
+TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
+    : start_(start),
+      step_us_(from_seconds(scenario.planner.step_s).count()),
+      position_dim_(scenario.estimator.target_model.position_dim),
+      prior_entropy_nats_(
+          isotropic_entropy_nats(scenario.estimator.undiscovered_position_sigma_m, position_dim_)),
+      sums_(scenario.targets.size()) {
+  summary_.seed = scenario.seed;
+  summary_.scenario = scenario.name;
+  summary_.algorithm = models::name_of(scenario.planner.algorithm);
+  summary_.targets = static_cast<int>(scenario.targets.size());
+  for (const models::TargetSpec& target : scenario.targets) {
+    TargetStatus& status = targets_.emplace_back();
+    status.name = target.name;
+    status.entropy_nats = prior_entropy_nats_;
+  }
+  for (const models::RobotSpec& robot : scenario.robots) {
+    robots_[robot.name];
+  }
+}
+
+void TrialMetrics::on_truth(const models::TruthFrame& frame) { truth_.add(frame); }
+
+void TrialMetrics::discover(const models::RobotBelief& belief) {
+  const double time_s = to_seconds(belief.stamp.time - start_);
+  for (const models::TargetBelief& target : belief.targets) {
+    if (target.target_id < 0 || target.target_id >= summary_.targets) {
+      continue;
+    }
+    std::optional<double>& first_s =
+        targets_[static_cast<std::size_t>(target.target_id)].discovered_s;
+    first_s = std::min(first_s.value_or(time_s), time_s);
+  }
+}
+
+void TrialMetrics::on_belief(const models::RobotBelief& belief) {
+  discover(belief);
+  const std::int64_t index = to_utime(belief.stamp.time) / step_us_;
+  if (index <= newest_judged_) {
+    return;
+  }
+  pending_[index][belief.robot] = {belief.stamp.time, belief.targets};
+  while (pending_.begin()->first + kStepsOfGrace <= pending_.rbegin()->first) {
+    judge(pending_.begin()->second);
+    newest_judged_ = pending_.begin()->first;
+    pending_.erase(pending_.begin());
+  }
+}
+
+void TrialMetrics::judge(const Step& step) {
+  TeamEstimate team;
+  for (const auto& [robot, heard] : step) {
+    for (const models::TargetBelief& belief : heard.targets) {
+      if (const auto estimate = position_estimate(belief, robot, heard.time, position_dim_)) {
+        team.offer(belief.target_id, *estimate);
+      }
+    }
+  }
+  ++steps_;
+  double squared_error_m2 = 0.0;
+  int errors = 0;
+  int unknown = 0;
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    TargetStatus& status = targets_[i];
+    const PositionEstimate* estimate = team.find(static_cast<int>(i));
+    status.estimate = estimate != nullptr ? std::optional(*estimate) : std::nullopt;
+    status.error_m = std::nullopt;
+    status.entropy_nats = estimate != nullptr ? estimate->entropy_nats : prior_entropy_nats_;
+    sums_[i].entropy_nats += status.entropy_nats;
+    if (estimate == nullptr) {
+      ++unknown;
+      continue;
+    }
+    const auto truth_m = truth_.target_position_m(static_cast<int>(i), estimate->time);
+    if (truth_m) {
+      const double squared_m2 = (estimate->mean_m - truth_m->head(position_dim_)).squaredNorm();
+      status.error_m = std::sqrt(squared_m2);
+      sums_[i].squared_error_m2 += squared_m2;
+      ++sums_[i].errors;
+      squared_error_m2 += squared_m2;
+      ++errors;
+    }
+  }
+  if (errors > 0) {
+    rmse_sum_m_ += std::sqrt(squared_error_m2 / errors);
+    ++steps_with_error_;
+  }
+  unknown_share_sum_ += targets_.empty() ? 0.0 : unknown / static_cast<double>(targets_.size());
+}
+
+void TrialMetrics::on_plan(const models::RobotPlan& plan) {
+  rounds_.insert(plan.round);
+  if (plan.late) {
+    rounds_late_.insert(plan.round);
+  }
+  ++plans_;
+  fallbacks_ += plan.source == models::PlanSource::kSearched ? 0 : 1;
+  robots_[plan.robot].plan = plan;
+}
+
+void TrialMetrics::on_contact(const models::ContactReport& contact) {
+  ++(contact.kind == models::ContactKind::kCollision ? collisions_ : separation_violations_);
+}
+
+void TrialMetrics::on_vehicle(const models::VehicleStatus& status) {
+  robots_[status.robot].state = status.state;
+}
+
+void TrialMetrics::on_health(const models::ProcessHealth& health) {
+  std::int64_t lost = 0;
+  for (const models::NamedCount& counter : health.counters) {
+    lost += counter.name.ends_with(".lost") ? counter.count : 0;
+  }
+  lost_[health.process] = lost;
+}
+
+std::int64_t TrialMetrics::messages_lost() const {
+  std::int64_t total = 0;
+  for (const auto& [process, lost] : lost_) {
+    total += lost;
+  }
+  return total;
+}
+
+TrialSummary TrialMetrics::finish(Time end, std::optional<std::int64_t> messages_lost) {
+  for (const auto& [index, step] : std::exchange(pending_, {})) {
+    judge(step);
+    newest_judged_ = index;
+  }
+  TrialSummary out = summary_;
+  out.duration_s = to_seconds(end - start_);
+  out.collisions = collisions_;
+  out.separation_violations = separation_violations_;
+  out.min_separation_m = truth_.min_separation_m();
+  const auto steps = static_cast<double>(std::max<std::int64_t>(steps_, 1));
+  double entropy_sum_nats = 0.0;
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    const TargetSums& sums = sums_[i];
+    out.discovery_time_s.push_back(targets_[i].discovered_s);
+    out.discovered += targets_[i].discovered_s ? 1 : 0;
+    out.rmse_per_target_m.push_back(
+        sums.errors > 0
+            ? std::optional(std::sqrt(sums.squared_error_m2 / static_cast<double>(sums.errors)))
+            : std::nullopt);
+    const double entropy_nats = steps_ > 0 ? sums.entropy_nats / steps : prior_entropy_nats_;
+    out.entropy_per_target_nats.push_back(entropy_nats);
+    entropy_sum_nats += entropy_nats;
+  }
+  if (!targets_.empty()) {
+    out.entropy_nats = entropy_sum_nats / static_cast<double>(targets_.size());
+  }
+  if (steps_with_error_ > 0) {
+    out.rmse_m = rmse_sum_m_ / static_cast<double>(steps_with_error_);
+  }
+  out.undiscovered_share = steps_ > 0 ? unknown_share_sum_ / steps : 1.0;
+  out.rounds = rounds();
+  out.rounds_late = rounds_late();
+  out.fallbacks = fallbacks_;
+  out.plans = plans_;
+  out.plans_missing = std::max<std::int64_t>(0, rounds() * std::ssize(robots_) - plans_);
+  out.messages_lost = messages_lost.value_or(this->messages_lost());
+  return out;
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "logs/metrics/team_estimate.hpp"
+#include "logs/metrics/trial_summary.hpp"
+#include "logs/metrics/truth_history.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::logs {
+
+/// One target, as of the newest step that has been judged.
+struct TargetStatus {
+  std::string name;
+  std::optional<double> discovered_s;        ///< since the trial's start
+  std::optional<PositionEstimate> estimate;  ///< the team's; none while nobody knows it
+  std::optional<double> error_m;             ///< of the estimate against the truth at its own time
+  double entropy_nats = 0.0;                 ///< of the stated prior while nobody knows it
+};
+
+/// One robot, as last heard.
+struct RobotStatus {
+  std::optional<models::FlightState> state;
+  std::optional<models::RobotPlan> plan;
+};
+
+/// Judges a trial from the messages that travelled in it: pure, fed one message at a time, in the
+/// order of arrival. Beliefs are gathered by estimator step and judged one step late, when the
+/// truth around them and the other robots' beliefs of the same step have come.
+class TrialMetrics {
+ public:
+  TrialMetrics(const models::Scenario& scenario, Time start);
+
+  void on_truth(const models::TruthFrame& frame);
+  void on_belief(const models::RobotBelief& belief);
+  void on_plan(const models::RobotPlan& plan);
+  void on_contact(const models::ContactReport& contact);
+  void on_vehicle(const models::VehicleStatus& status);
+  /// Messages that a process reports lost: its newest counters whose name ends in ".lost".
+  void on_health(const models::ProcessHealth& health);
+
+  /// Judges what is still pending and sums up. `messages_lost` overrides what HEALTH said, for
+  /// callers that can ask every bus themselves.
+  TrialSummary finish(Time end, std::optional<std::int64_t> messages_lost = std::nullopt);
+
+  [[nodiscard]] const std::vector<TargetStatus>& targets() const { return targets_; }
+  [[nodiscard]] const std::map<std::string, RobotStatus>& robots() const { return robots_; }
+  [[nodiscard]] std::int64_t collisions() const { return collisions_; }
+  [[nodiscard]] std::int64_t separation_violations() const { return separation_violations_; }
+  [[nodiscard]] std::int64_t rounds() const { return std::ssize(rounds_); }
+  [[nodiscard]] std::int64_t rounds_late() const { return std::ssize(rounds_late_); }
+  [[nodiscard]] std::int64_t messages_lost() const;
+
+ private:
+  struct Heard {
+    Time time{};
+    std::vector<models::TargetBelief> targets;
+  };
+  using Step = std::map<std::string, Heard>;  ///< by robot
+  struct TargetSums {
+    double squared_error_m2 = 0.0;
+    std::int64_t errors = 0;
+    double entropy_nats = 0.0;
+  };
+
+  void judge(const Step& step);
+  void discover(const models::RobotBelief& belief);
+
+  const Time start_;
+  const std::int64_t step_us_;
+  const int position_dim_;
+  const double prior_entropy_nats_;
+  TrialSummary summary_;  ///< what is known from the start: names, seed, sizes
+
+  TruthHistory truth_;
+  std::map<std::int64_t, Step> pending_;  ///< by step index
+  std::int64_t newest_judged_ = -1;
+  std::vector<TargetStatus> targets_;
+  std::vector<TargetSums> sums_;
+  std::map<std::string, RobotStatus> robots_;
+  std::int64_t steps_ = 0;
+  std::int64_t steps_with_error_ = 0;
+  double rmse_sum_m_ = 0.0;
+  double unknown_share_sum_ = 0.0;
+
+  std::int64_t collisions_ = 0;
+  std::int64_t separation_violations_ = 0;
+  std::set<std::int64_t> rounds_;
+  std::set<std::int64_t> rounds_late_;
+  std::int64_t plans_ = 0;
+  std::int64_t fallbacks_ = 0;
+  std::map<std::string, std::int64_t> lost_;  ///< by process
+};
+
+}  // namespace vantage::logs

@@ -1,0 +1,48 @@
+#include "logs/metrics/trial_summary.hpp"
+
+namespace vantage::logs {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json optional_number(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json optional_numbers(const std::vector<std::optional<double>>& values) {
+  Json out = Json::array();
+  for (const std::optional<double>& value : values) {
+    out.push_back(optional_number(value));
+  }
+  return out;
+}
+
+}  // namespace
+
+Json to_json(const TrialSummary& summary) {
+  Json out;
+  out["seed"] = summary.seed;
+  out["duration_s"] = summary.duration_s;
+  out["collisions"] = summary.collisions;
+  out["separation_violations"] = summary.separation_violations;
+  out["min_separation_m"] = optional_number(summary.min_separation_m);
+  out["discovered"] = summary.discovered;
+  out["targets"] = summary.targets;
+  out["discovery_time_s"] = optional_numbers(summary.discovery_time_s);
+  out["rmse_m"] = optional_number(summary.rmse_m);
+  out["entropy"] = summary.entropy_nats;
+  out["rounds"] = summary.rounds;
+  out["rounds_late"] = summary.rounds_late;
+  out["fallbacks"] = summary.fallbacks;
+  out["messages_lost"] = summary.messages_lost;
+  out["scenario"] = summary.scenario;
+  out["algorithm"] = summary.algorithm;
+  out["plans"] = summary.plans;
+  out["plans_missing"] = summary.plans_missing;
+  out["undiscovered_share"] = summary.undiscovered_share;
+  out["rmse_per_target_m"] = optional_numbers(summary.rmse_per_target_m);
+  out["entropy_per_target"] = summary.entropy_per_target_nats;
+  return out;
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/time.hpp"
+#include "models/belief/gaussian.hpp"
+#include "models/scenario/scenario.hpp"
+#include "models/world/grid.hpp"
+
+namespace vantage::models {
+
+/// Exploration landmarks: static planar pseudo-targets N(l, landmark_sigma_m² I₂) at the frontiers
+/// of what has been seen, the `landmarks_max` nearest to `from_m`, by ascending distance (ties: in
+/// grid order). A plan that would see one gains its entropy, hence goes and looks. They are a
+/// function of the grid alone, so an explored one is gone at the next call. None when
+/// `landmarks_max` ≤ 0 or nothing is left to explore. Allocates.
+/// Source: dissertation 3.4, Alg. 5.
+std::vector<Gaussian> exploration_landmarks(const VisibilityGrid& grid, const ExplorationSpec& spec,
+                                            const Eigen::Vector2d& from_m, Time now);
+
+}  // namespace vantage::models

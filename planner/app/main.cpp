@@ -1,0 +1,21 @@
+// vantage-planner: BELIEF_R, VICON, PLAN_* and ATTACK in, PLAN_R out; one process per robot.
+
+#include <memory>
+
+#include "bus/node_main.hpp"
+#include "planner/app/node.hpp"
+#include "planner/app/replay_node.hpp"
+
+int main(int argc, char** argv) {
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  return bus::node_main(
+      {"vantage-planner", "Plans one robot's share of each round.", true, true}, argc, argv,
+      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+         const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
+        if (arguments.replay) {
+          return std::make_unique<planner::PlannerReplayNode>(bus, clock, scenario,
+                                                              arguments.robot);
+        }
+        return std::make_unique<planner::PlannerNode>(bus, clock, scenario, arguments.robot);
+      });
+}

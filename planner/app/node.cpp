@@ -1,0 +1,109 @@
+#include "planner/app/node.hpp"
+
+#include <algorithm>
+
+#include "core/deadline.hpp"
+
+namespace vantage::planner {
+namespace {
+
+// The search has to be over, checked and sent before the slot ends.
+constexpr Duration kClosing{4'000};
+constexpr std::int64_t kDefaultNodeBudget = 20'000;
+
+}  // namespace
+
+PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+                         const std::string& robot)
+    : bus_(bus),
+      clock_(clock),
+      spec_(scenario.planner),
+      robot_(robot),
+      planner_(scenario, robot),
+      schedule_(scenario.planner, planner_.robot_index(), planner_.robot_count()),
+      slot_(schedule_.next_slot(clock.now())) {
+  bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot),
+                                      [this](const auto& m) { inputs_.belief = m; });
+  bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
+  bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
+  for (const models::RobotSpec& other : scenario.robots) {
+    if (other.name != robot) {
+      bus_.subscribe<models::RobotPlan>(bus::plan_channel(other.name), [this](const auto& m) {
+        inputs_.team_plans.insert_or_assign(m.robot, m);
+      });
+    }
+  }
+}
+
+Deadline PlannerNode::deadline_of(Time now) const {
+  if (!clock_.is_real_time() || spec_.node_budget > 0) {
+    return Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget : kDefaultNodeBudget);
+  }
+  const Duration left = std::max(slot_.end - kClosing - now, Duration{0});
+  return Deadline::at(monotonic_ns() + left.count() * 1'000);
+}
+
+std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::string& robot) {
+  std::vector<models::InputRef> names;
+  const auto add = [&](const std::string& channel, const models::Stamp& stamp) {
+    names.push_back({channel, stamp.run_id, stamp.sequence});
+  };
+  if (inputs.belief) {
+    add(bus::belief_channel(robot).name, inputs.belief->stamp);
+  }
+  if (inputs.mocap) {
+    add(bus::kVicon.name, inputs.mocap->stamp);
+  }
+  if (inputs.own_plan) {
+    add(bus::plan_channel(robot).name, inputs.own_plan->stamp);
+  }
+  for (const auto& [teammate, plan] : inputs.team_plans) {
+    add(bus::plan_channel(teammate).name, plan.stamp);
+  }
+  if (inputs.attack) {
+    add(bus::kAttack.name, inputs.attack->stamp);
+  }
+  return names;
+}
+
+void PlannerNode::tick(Time now) {
+  if (now >= slot_.end) {  // the whole slot was slept through
+    ++slots_skipped_;
+    ++late_;
+    slot_ = schedule_.next_slot(now);
+    return;
+  }
+  inputs_.slot = slot_;
+  std::optional<models::RobotPlan> plan = planner_.plan(inputs_, deadline_of(now));
+  const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - kClosing;
+  const bool late = finish > slot_.end;
+  if (late) {
+    // Teammates already plan against the old motion: nothing new may be published now.
+    ++late_;
+    plan = planner_.plan_without_search(inputs_);
+  }
+  if (plan) {
+    plan->finish = finish;
+    plan->late = late;
+    plan->inputs = names_of(inputs_, robot_);
+    const models::InputRef published = bus_.publish(bus::plan_channel(robot_), *plan);
+    plan->stamp.run_id = published.run_id;
+    plan->stamp.sequence = published.sequence;
+    inputs_.own_plan = std::move(plan);
+  }
+  slot_ = schedule_.next_slot(std::max(now, slot_.begin));
+}
+
+std::vector<models::NamedCount> PlannerNode::counters() const {
+  const PlannerCounts& counts = planner_.counts();
+  return {{"plans_late", late_},
+          {"slots_skipped", slots_skipped_},
+          {"fallbacks_shifted", counts.fallbacks_shifted},
+          {"fallbacks_braking", counts.fallbacks_braking},
+          {"off_plan", counts.off_plan},
+          {"plan_checks_failed", counts.checks_failed},
+          {"rounds_without_pose", counts.no_pose},
+          {"unusable_beliefs", counts.unusable_beliefs}};
+}
+
+}  // namespace vantage::planner

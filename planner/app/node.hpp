@@ -1,0 +1,50 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
+#include "bus/node.hpp"
+#include "models/scenario/scenario.hpp"
+#include "planner/team/robot_planner.hpp"
+#include "planner/team/round.hpp"
+
+namespace vantage::planner {
+
+/// Joins a RobotPlanner to the bus: BELIEF_R, VICON, teammates' PLAN_* and ATTACK in, PLAN_R out,
+/// once a round in this robot's slot.
+///
+/// Under a clock that is not real time the budget is planner.node_budget nodes.
+class PlannerNode : public bus::Node {
+ public:
+  PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+              const std::string& robot);
+
+  [[nodiscard]] std::string name() const override { return "PLANNER_" + robot_; }
+  [[nodiscard]] Time next_tick() const override { return slot_.begin; }
+  void tick(Time now) override;
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+  [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
+
+ private:
+  [[nodiscard]] Deadline deadline_of(Time now) const;
+
+  bus::Bus& bus_;
+  const bus::Clock& clock_;
+  models::PlannerSpec spec_;
+  std::string robot_;
+  RobotPlanner planner_;
+  RoundSchedule schedule_;
+  RoundSchedule::Slot slot_;
+  PlanInputs inputs_;
+  std::int64_t late_ = 0;
+  std::int64_t slots_skipped_ = 0;
+};
+
+/// The messages that `inputs` consists of, by name, in a fixed order.
+std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::string& robot);
+
+}  // namespace vantage::planner

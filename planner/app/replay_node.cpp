@@ -1,0 +1,136 @@
+#include "planner/app/replay_node.hpp"
+
+#include <bit>
+#include <cstdint>
+
+#include "core/deadline.hpp"
+
+namespace vantage::planner {
+namespace {
+
+constexpr Duration kPeriod{20'000};
+constexpr std::size_t kWaitingMax = 8;
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+bool same_motion(const models::Trajectory& a, const models::Trajectory& b) {
+  if (a.start_time != b.start_time || a.segments.size() != b.segments.size() ||
+      !same_bits(a.start.x_m, b.start.x_m) || !same_bits(a.start.y_m, b.start.y_m) ||
+      !same_bits(a.start.yaw_rad, b.start.yaw_rad) || !same_bits(a.height_m, b.height_m)) {
+    return false;
+  }
+  for (std::size_t i = 0; i < a.segments.size(); ++i) {
+    const models::PlanSegment& s = a.segments[i];
+    const models::PlanSegment& r = b.segments[i];
+    if (!same_bits(s.control.speed_mps, r.control.speed_mps) ||
+        !same_bits(s.control.yaw_rate_radps, r.control.yaw_rate_radps) ||
+        !same_bits(s.duration_s, r.duration_s) || !same_bits(s.brake_mps2, r.brake_mps2)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool is_same_decision(const models::RobotPlan& a, const models::RobotPlan& b) {
+  return a.robot == b.robot && a.round == b.round && a.source == b.source &&
+         same_motion(a.trajectory, b.trajectory) && same_bits(a.cost, b.cost) &&
+         same_bits(a.lower_bound, b.lower_bound) && same_bits(a.epsilon, b.epsilon) &&
+         same_bits(a.delta_m, b.delta_m) && a.passes == b.passes;
+}
+
+PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
+                                     const models::Scenario& scenario, const std::string& robot)
+    : bus_(bus),
+      robot_(robot),
+      planner_(scenario, robot),
+      schedule_(scenario.planner, planner_.robot_index(), planner_.robot_count()),
+      next_(clock.now()) {
+  bus_.subscribe_named<models::RobotBelief>(
+      bus::belief_channel(robot),
+      [this](const std::string& name, const auto& m) { beliefs_.add(name, m); });
+  bus_.subscribe_named<models::MocapFrame>(
+      bus::kVicon, [this](const std::string& name, const auto& m) { frames_.add(name, m); });
+  bus_.subscribe_named<models::AttackNotice>(
+      bus::kAttack, [this](const std::string& name, const auto& m) { attacks_.add(name, m); });
+  for (const models::RobotSpec& each : scenario.robots) {
+    bus_.subscribe_named<models::RobotPlan>(bus::plan_channel(each.name),
+                                            [this](const std::string& name, const auto& m) {
+                                              plans_.add(name, m);
+                                              if (m.robot == robot_) {
+                                                waiting_.push_back(m);
+                                              }
+                                            });
+  }
+}
+
+bool PlannerReplayNode::gather(const models::RobotPlan& logged, PlanInputs& inputs) const {
+  inputs.slot = schedule_.slot(logged.round);
+  for (const models::InputRef& name : logged.inputs) {
+    if (const auto* belief = beliefs_.find(name)) {
+      inputs.belief = *belief;
+    } else if (const auto* frame = frames_.find(name)) {
+      inputs.mocap = *frame;
+    } else if (const auto* attack = attacks_.find(name)) {
+      inputs.attack = *attack;
+    } else if (const auto* plan = plans_.find(name)) {
+      if (plan->robot == robot_) {
+        inputs.own_plan = *plan;
+      } else {
+        inputs.team_plans.insert_or_assign(plan->robot, *plan);
+      }
+    } else {
+      return false;
+    }
+  }
+  return true;
+}
+
+PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& logged) {
+  PlanInputs inputs;
+  if (!gather(logged, inputs)) {
+    return Outcome::kIncomplete;
+  }
+  auto plan = logged.late ? planner_.plan_without_search(inputs)
+                          : planner_.plan(inputs, Deadline::nodes(logged.nodes));
+  if (!plan) {
+    return Outcome::kDifferent;
+  }
+  plan->finish = logged.finish;
+  plan->late = logged.late;
+  plan->inputs = logged.inputs;
+  bus_.publish(bus::plan_channel(robot_), *plan);
+  return is_same_decision(*plan, logged) ? Outcome::kSame : Outcome::kDifferent;
+}
+
+void PlannerReplayNode::tick(Time now) {
+  next_ = now + kPeriod;
+  while (!waiting_.empty()) {
+    switch (replay(waiting_.front())) {
+      case Outcome::kSame:
+        ++same_;
+        break;
+      case Outcome::kDifferent:
+        ++different_;
+        break;
+      case Outcome::kIncomplete:
+        if (waiting_.size() < kWaitingMax) {
+          return;  // an input may still be on its way
+        }
+        ++incomplete_;
+        break;
+    }
+    waiting_.pop_front();
+  }
+}
+
+std::vector<models::NamedCount> PlannerReplayNode::counters() const {
+  return {{"replayed_same", same_},
+          {"replayed_different", different_},
+          {"replay_inputs_missing", incomplete_}};
+}
+
+}  // namespace vantage::planner

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/input_store.hpp"
+#include "bus/node.hpp"
+#include "models/scenario/scenario.hpp"
+#include "planner/team/robot_planner.hpp"
+#include "planner/team/round.hpp"
+
+namespace vantage::planner {
+
+/// Plans again what a log says was planned: each logged PLAN_R names its inputs and its node
+/// budget, so the same planner must come to the same plan. Publishes its own under the bus's
+/// prefix and counts the differences.
+class PlannerReplayNode : public bus::Node {
+ public:
+  PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+                    const std::string& robot);
+
+  [[nodiscard]] std::string name() const override { return "REPLAY_PLANNER_" + robot_; }
+  [[nodiscard]] Time next_tick() const override { return next_; }
+  void tick(Time now) override;
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+
+ private:
+  enum class Outcome { kSame, kDifferent, kIncomplete };
+  [[nodiscard]] bool gather(const models::RobotPlan& logged, PlanInputs& inputs) const;
+  Outcome replay(const models::RobotPlan& logged);
+
+  bus::Bus& bus_;
+  std::string robot_;
+  RobotPlanner planner_;
+  RoundSchedule schedule_;
+  Time next_{};
+  bus::InputStore<models::RobotBelief> beliefs_{64};
+  bus::InputStore<models::MocapFrame> frames_{4'000};
+  bus::InputStore<models::RobotPlan> plans_{512};
+  bus::InputStore<models::AttackNotice> attacks_{64};
+  std::deque<models::RobotPlan> waiting_;
+  std::int64_t same_ = 0;
+  std::int64_t different_ = 0;
+  std::int64_t incomplete_ = 0;
+};
+
+/// True when both plans are the same motion for the same reasons: everything but stamps, times of
+/// computing and inputs, bit for bit.
+bool is_same_decision(const models::RobotPlan& a, const models::RobotPlan& b);
+
+}  // namespace vantage::planner

@@ -1,0 +1,281 @@
+#include "planner/team/robot_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "core/check.hpp"
+#include "models/belief/exploration.hpp"
+#include "planner/team/baseline.hpp"
+#include "planner/team/trajectory_tools.hpp"
+
+namespace vantage::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFieldResolution_m = 0.05;
+constexpr double kFieldCells_max = 500.0;  // along the longer side
+
+SearchCapacity capacity_for(const models::Scenario& scenario) {
+  SearchCapacity capacity;
+  capacity.targets_max = static_cast<int>(scenario.targets.size()) +
+                         std::max(0, scenario.planner.exploration.landmarks_max);
+  capacity.horizon_max = scenario.planner.horizon_steps;
+  capacity.teammates_max = static_cast<int>(scenario.robots.size());
+  return capacity;
+}
+
+double field_resolution_m(const models::World& world) {
+  const double longer_m = (world.bounds.max_m - world.bounds.min_m).maxCoeff();
+  return std::max(kFieldResolution_m, longer_m / kFieldCells_max);
+}
+
+// A different stream of random numbers for each robot and round, the same at every replay.
+std::uint64_t walk_seed(std::uint64_t seed, int robot_index, std::int64_t round) {
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),
+                         static_cast<std::uint32_t>(robot_index),
+                         static_cast<std::uint32_t>(round)};
+  std::uint32_t words[2];
+  sequence.generate(std::begin(words), std::end(words));
+  return (std::uint64_t{words[1]} << 32U) | words[0];
+}
+
+}  // namespace
+
+RobotPlanner::RobotPlanner(const models::Scenario& scenario, const std::string& robot)
+    : scenario_(scenario),
+      field_(scenario.world, field_resolution_m(scenario.world)),
+      search_(capacity_for(scenario)) {
+  spec_ = scenario_.find_robot(robot);
+  require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
+  robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
+  const double margin_m = spec_->limits.radius_m + scenario_.planner.obstacle_margin_m + 0.25;
+  sweep_ = lawn_mower_waypoints(scenario_.world.bounds, robot_index_, robot_count(),
+                                1.6 * spec_->sensor.range_max_m, margin_m);
+}
+
+models::RobotPlan RobotPlanner::blank_plan(const PlanInputs& inputs) const {
+  models::RobotPlan plan;
+  plan.stamp.time = inputs.slot.activation;
+  plan.robot = spec_->name;
+  plan.round = inputs.slot.round;
+  plan.horizon_steps = scenario_.planner.horizon_steps;
+  plan.step_s = scenario_.planner.step_s;
+  plan.cost = std::numeric_limits<double>::quiet_NaN();
+  plan.lower_bound = -kInfinity;
+  plan.epsilon = kInfinity;
+  plan.delta_m = kInfinity;
+  plan.slot_start = inputs.slot.begin;
+  plan.deadline = inputs.slot.end;
+  return plan;
+}
+
+std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInputs& inputs) {
+  const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(spec_->name) : nullptr;
+  const bool has_pose = body != nullptr && !body->occluded;
+  if (inputs.own_plan) {
+    const models::Trajectory& last = inputs.own_plan->trajectory;
+    bool on_plan = true;
+    if (has_pose && inputs.mocap->stamp.time >= last.start_time) {
+      const Pose2 expected = models::at(last, inputs.mocap->stamp.time).world_from_body;
+      const double off_m =
+          (expected.position_m() - flatten(body->world_from_body).position_m()).norm();
+      if (off_m > scenario_.planner.tracking_tolerance_m) {
+        ++counts_.off_plan;
+        // Far off, the vehicle has not followed at all (held by its operator, say): start anew
+        // from where it is. In between, its own feedback brings it back onto the plan.
+        on_plan = off_m <= 3.0 * scenario_.planner.tracking_tolerance_m;
+      }
+    }
+    if (on_plan) {
+      return rest_of(last, inputs.slot.activation);
+    }
+  }
+  if (!has_pose) {
+    return std::nullopt;
+  }
+  return hover_at(flatten(body->world_from_body), spec_->height_m, inputs.slot.activation);
+}
+
+std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& inputs) const {
+  std::vector<FixedTeammate> teammates;
+  for (const models::RobotSpec& robot : scenario_.robots) {
+    if (robot.name == spec_->name) {
+      continue;
+    }
+    FixedTeammate teammate;
+    teammate.sensor = robot.sensor;
+    teammate.jammed =
+        inputs.attack && std::find(inputs.attack->jammed.begin(), inputs.attack->jammed.end(),
+                                   robot.name) != inputs.attack->jammed.end();
+    const auto plan = inputs.team_plans.find(robot.name);
+    if (plan != inputs.team_plans.end()) {
+      teammate.trajectory = plan->second.trajectory;
+    } else {
+      // Never heard: it hovers where mocap sees it, or where the scenario starts it.
+      const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(robot.name) : nullptr;
+      const Pose2 pose =
+          body != nullptr && !body->occluded ? flatten(body->world_from_body) : robot.start;
+      teammate.trajectory = hover_at(pose, robot.height_m, inputs.slot.activation);
+    }
+    teammates.push_back(std::move(teammate));
+  }
+  return teammates;
+}
+
+void RobotPlanner::add_targets(const models::RobotBelief& belief, Time start) {
+  const models::TargetModel& model = scenario_.estimator.target_model;
+  const double ahead_s = to_seconds(start - belief.stamp.time);
+  const models::StateMatrix A = model.transition(ahead_s);
+  const models::StateMatrix W = model.process_noise(ahead_s);
+  for (const models::TargetBelief& target : belief.targets) {
+    const auto gaussian = target.information.vector.size() == model.dim()
+                              ? models::to_gaussian(target.information)
+                              : std::nullopt;
+    if (!gaussian || problem_.targets.size() >= scenario_.targets.size()) {
+      ++counts_.unusable_beliefs;
+      continue;
+    }
+    problem_.targets.push_back({model, models::predict(*gaussian, A, W)});
+  }
+}
+
+void RobotPlanner::add_landmarks(const models::RobotBelief& belief, Time start) {
+  const models::ExplorationSpec& exploration = scenario_.planner.exploration;
+  models::VisibilityGrid grid(scenario_.world, scenario_.estimator.grid_resolution_m,
+                              scenario_.estimator.grid_memory_s);
+  if (exploration.landmarks_max <= 0 || !(belief.grid == grid.geometry()) ||
+      belief.last_seen_utime.size() != static_cast<std::size_t>(grid.geometry().size())) {
+    return;
+  }
+  grid.set_last_seen(belief.last_seen_utime);
+  const models::TargetModel still{models::TargetKind::kStatic, 2, 0.0};
+  for (const models::Gaussian& landmark :
+       models::exploration_landmarks(grid, exploration, problem_.start.position_m(), start)) {
+    problem_.targets.push_back({still, landmark});
+  }
+}
+
+void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed) {
+  const models::PlannerSpec& planner = scenario_.planner;
+  problem_.start_time = inputs.slot.activation;
+  problem_.start = committed.start;
+  problem_.start_speed_mps = models::at(committed, committed.start_time).control.speed_mps;
+  problem_.height_m = spec_->height_m;
+  problem_.controls = spec_->primitives;
+  problem_.horizon_steps = planner.horizon_steps;
+  problem_.step_s = planner.step_s;
+  problem_.sensors = {spec_->sensor};
+  problem_.cost = CostKind::kLogDet;
+  problem_.world = &scenario_.world;
+  problem_.field = &field_;
+  problem_.clearance_m = spec_->limits.radius_m + planner.obstacle_margin_m;
+  // Both vehicles may be off their plans by the tolerance at once.
+  problem_.separation_m = planner.separation_m + 2.0 * planner.tracking_tolerance_m;
+  problem_.brake_mps2 = spec_->limits.brake_mps2;
+  problem_.targets.clear();
+  if (inputs.belief) {
+    add_targets(*inputs.belief, inputs.slot.activation);
+    add_landmarks(*inputs.belief, inputs.slot.activation);
+  }
+  const std::vector<FixedTeammate> teammates = fixed_teammates(inputs);
+  problem_.teammates.clear();
+  for (const FixedTeammate& teammate : teammates) {
+    problem_.teammates.push_back(teammate.trajectory);
+  }
+  problem_.fixed_information = fixed_information(problem_, teammates);
+}
+
+const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadline& deadline) {
+  const models::PlannerSpec& planner = scenario_.planner;
+  ReducedOptions options;
+  options.epsilon = planner.epsilon_initial;
+  options.delta_m = planner.delta_initial_m;
+  options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
+  switch (planner.algorithm) {
+    case models::PlanAlgorithm::kRandomWalk:
+      baseline_ =
+          plan_random_walk(problem_, walk_seed(scenario_.seed, robot_index_, inputs.slot.round));
+      return baseline_;
+    case models::PlanAlgorithm::kLawnMower:
+      baseline_ = plan_through(problem_, sweep_, sweep_next_);
+      return baseline_;
+    case models::PlanAlgorithm::kGreedy:
+      options.search = ReducedSearch::kGreedy;
+      break;
+    case models::PlanAlgorithm::kRvi:
+      options.search = ReducedSearch::kSinglePass;
+      break;
+    case models::PlanAlgorithm::kArvi:
+      options.search = ReducedSearch::kAnytime;
+      break;
+  }
+  return search_.plan(problem_, options, deadline);
+}
+
+bool RobotPlanner::is_safe(const models::Trajectory& trajectory) const {
+  // The search's own margins are tighter than these by rounding and by its finer pieces.
+  constexpr double kRounding_m = 0.02;
+  return models::is_clear(scenario_.world, trajectory, trajectory.start_time,
+                          problem_.clearance_m - kRounding_m) &&
+         std::all_of(problem_.teammates.begin(), problem_.teammates.end(),
+                     [&](const models::Trajectory& teammate) {
+                       return models::keeps_separation(trajectory, teammate, trajectory.start_time,
+                                                       problem_.separation_m - kRounding_m);
+                     });
+}
+
+void RobotPlanner::fall_back(const models::Trajectory& committed, models::RobotPlan& plan) {
+  if (is_safe(committed)) {
+    plan.source = models::PlanSource::kShifted;
+    plan.trajectory = committed;
+    ++counts_.fallbacks_shifted;
+    return;
+  }
+  plan.source = models::PlanSource::kBraking;
+  plan.trajectory = stop_from(committed, committed.start_time, spec_->limits.brake_mps2);
+  ++counts_.fallbacks_braking;
+}
+
+std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
+                                                    const Deadline& deadline) {
+  const std::optional<models::Trajectory> committed = committed_motion(inputs);
+  if (!committed) {
+    ++counts_.no_pose;
+    return std::nullopt;
+  }
+  set_up_problem(inputs, *committed);
+  models::RobotPlan plan = blank_plan(inputs);
+  const SearchResult& result = search(inputs, deadline);
+  plan.nodes = result.replay_budget_nodes();
+  if (result.found) {
+    plan.trajectory = to_trajectory(problem_, result);
+    if (is_safe(plan.trajectory)) {
+      plan.source = models::PlanSource::kSearched;
+      plan.cost = result.cost;
+      plan.lower_bound = result.lower_bound;
+      plan.epsilon = result.epsilon;
+      plan.delta_m = result.delta_m;
+      plan.passes = result.passes;
+      return plan;
+    }
+    ++counts_.checks_failed;
+  }
+  fall_back(*committed, plan);
+  return plan;
+}
+
+std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInputs& inputs) {
+  const std::optional<models::Trajectory> committed = committed_motion(inputs);
+  if (!committed) {
+    ++counts_.no_pose;
+    return std::nullopt;
+  }
+  set_up_problem(inputs, *committed);
+  models::RobotPlan plan = blank_plan(inputs);
+  fall_back(*committed, plan);
+  return plan;
+}
+
+}  // namespace vantage::planner

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/deadline.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+#include "planner/search/arvi.hpp"
+#include "planner/team/fixed_information.hpp"
+#include "planner/team/round.hpp"
+
+namespace vantage::planner {
+
+/// Everything that one robot's plan of one round is made from. Absent: not heard (yet).
+struct PlanInputs {
+  RoundSchedule::Slot slot;
+  std::optional<models::RobotBelief> belief;            ///< own
+  std::optional<models::MocapFrame> mocap;              ///< where everybody is
+  std::optional<models::RobotPlan> own_plan;            ///< last one published
+  std::map<std::string, models::RobotPlan> team_plans;  ///< newest of each teammate
+  std::optional<models::AttackNotice> attack;
+};
+
+/// What happened besides the plan, since construction.
+struct PlannerCounts {
+  std::int64_t fallbacks_shifted = 0;
+  std::int64_t fallbacks_braking = 0;
+  std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
+  std::int64_t checks_failed = 0;  ///< searched plans that the closing check refused
+  std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
+  std::int64_t unusable_beliefs = 0;
+};
+
+/// One robot's share of a planning round, as a function of its inputs (and, for the sweeping
+/// baseline, of how far the sweep has got). Knows no clock: the caller says whether it was late.
+///
+/// The robot plans from where its committed plan has it at t_{k+1}, against the teammates' newest
+/// plans (their information and their swept motion). A teammate that is silent is taken to go on
+/// with its last plan, whose end is a hover. The ladder: the best complete plan; else the last one
+/// shifted and checked again; else braking to a hover.
+class RobotPlanner {
+ public:
+  RobotPlanner(const models::Scenario& scenario, const std::string& robot);
+
+  /// The plan of this slot. nullopt while the robot's pose was never known.
+  std::optional<models::RobotPlan> plan(const PlanInputs& inputs, const Deadline& deadline);
+
+  /// What to publish instead when the search ended after its slot: teammates may already count on
+  /// the old plan, which every other committed plan is compatible with.
+  std::optional<models::RobotPlan> plan_without_search(const PlanInputs& inputs);
+
+  [[nodiscard]] const PlannerCounts& counts() const { return counts_; }
+  [[nodiscard]] int robot_index() const { return robot_index_; }
+  [[nodiscard]] int robot_count() const { return static_cast<int>(scenario_.robots.size()); }
+
+  /// The problem of the last plan(), for pictures and tests.
+  [[nodiscard]] const SearchProblem& problem() const { return problem_; }
+
+ private:
+  [[nodiscard]] models::RobotPlan blank_plan(const PlanInputs& inputs) const;
+  /// The motion that the robot is committed to, cut to start at t_{k+1}.
+  std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
+  [[nodiscard]] std::vector<FixedTeammate> fixed_teammates(const PlanInputs& inputs) const;
+  void set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed);
+  void add_targets(const models::RobotBelief& belief, Time start);
+  void add_landmarks(const models::RobotBelief& belief, Time start);
+  const SearchResult& search(const PlanInputs& inputs, const Deadline& deadline);
+  [[nodiscard]] bool is_safe(const models::Trajectory& trajectory) const;
+  /// Shifted or braking, whichever is first safe.
+  void fall_back(const models::Trajectory& committed, models::RobotPlan& plan);
+
+  models::Scenario scenario_;
+  const models::RobotSpec* spec_ = nullptr;  ///< of this robot, in scenario_
+  int robot_index_ = 0;
+  models::DistanceField field_;
+  ReducedValueIteration search_;
+  SearchProblem problem_;
+  SearchResult baseline_;
+  std::vector<Eigen::Vector2d> sweep_;
+  std::size_t sweep_next_ = 0;
+  PlannerCounts counts_;
+};
+
+}  // namespace vantage::planner

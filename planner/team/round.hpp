@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/time.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::planner {
+
+/// The time-triggered planning round: no leader, no acknowledgement.
+///
+/// Round k starts at t_k = k · n_exec · τ on the common clock. The team's budget B lies at the end
+/// of the round, [t_{k+1} − m − B, t_{k+1} − m), so that plans act on fresh beliefs; robot i of N
+/// owns the i-th N-th of it. All robots switch to their new plans at t_{k+1}.
+/// Source: docs/decisions/0003; dissertation 3 (coordinate descent on a network).
+class RoundSchedule {
+ public:
+  /// @param robot_index in [0, robot_count)
+  RoundSchedule(const models::PlannerSpec& spec, int robot_index, int robot_count);
+
+  struct Slot {
+    std::int64_t round = 0;
+    Time begin{};
+    Time end{};         ///< the plan must be published by then
+    Time activation{};  ///< t_{k+1}, when the plan starts
+  };
+  /// This robot's first slot that begins after `now`.
+  [[nodiscard]] Slot next_slot(Time now) const;
+  /// This robot's slot of round k.
+  [[nodiscard]] Slot slot(std::int64_t round) const;
+  [[nodiscard]] Duration round_length() const { return round_; }
+
+ private:
+  Duration round_{};
+  Duration margin_{};
+  Duration budget_{};
+  int robot_index_ = 0;
+  int robot_count_ = 1;
+};
+
+}  // namespace vantage::planner

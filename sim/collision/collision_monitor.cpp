@@ -1,0 +1,194 @@
+#include "sim/collision/collision_monitor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/halfspace.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/collision_object.h>
+
+#include "core/check.hpp"
+#include "sim/collision/shapes.hpp"
+
+namespace vantage::sim {
+namespace {
+
+using Object = fcl::CollisionObject<double>;
+
+constexpr double kRoundingM = 1e-6;
+
+bool fcl_hit(const Object& a, const Object& b) {
+  fcl::CollisionRequest<double> request;
+  fcl::CollisionResult<double> result;
+  return fcl::collide(&a, &b, request, result) > 0;
+}
+
+Object make_box(const Box3& box) {
+  const Eigen::Vector3d size_m = box.max_m - box.min_m;
+  const Eigen::Vector3d centre_m = 0.5 * (box.min_m + box.max_m);
+  return {std::make_shared<fcl::Boxd>(size_m), Eigen::Matrix3d::Identity(), centre_m};
+}
+
+}  // namespace
+
+struct CollisionMonitor::Geometry {
+  std::vector<Object> bodies;
+  std::vector<Object> obstacles;
+  std::vector<Box3> boxes;
+  std::vector<Object> walls;  ///< half-spaces of what lies outside the bounds
+};
+
+CollisionMonitor::CollisionMonitor(const models::World& world, std::vector<Body> bodies,
+                                   double separation_m)
+    : world_(world),
+      bodies_(std::move(bodies)),
+      separation_m_(separation_m),
+      geometry_(std::make_unique<Geometry>()),
+      min_separation_m_(std::numeric_limits<double>::infinity()) {
+  for (const Body& body : bodies_) {
+    require(std::isfinite(body.radius_m) && body.radius_m > 0.0,
+            "body " + body.name + ": radius_m must be positive");
+    geometry_->bodies.emplace_back(std::make_shared<fcl::Sphered>(body.radius_m));
+  }
+  for (std::size_t k = 0; k < world_.obstacles.size(); ++k) {
+    geometry_->boxes.push_back(box_of(world_.obstacles[k]));
+    geometry_->obstacles.push_back(make_box(geometry_->boxes.back()));
+    obstacle_names_.push_back("obstacle:" + std::to_string(k));
+  }
+  // A half-space is {x : n·x ≤ d}.
+  const Eigen::Vector2d& low_m = world_.bounds.min_m;
+  const Eigen::Vector2d& high_m = world_.bounds.max_m;
+  const std::array<std::pair<Eigen::Vector3d, double>, 5> outside{
+      {{Eigen::Vector3d::UnitX(), low_m.x()},
+       {Eigen::Vector3d::UnitY(), low_m.y()},
+       {-Eigen::Vector3d::UnitX(), -high_m.x()},
+       {-Eigen::Vector3d::UnitY(), -high_m.y()},
+       {-Eigen::Vector3d::UnitZ(), -world_.ceiling_m}}};
+  for (const auto& [normal, offset_m] : outside) {
+    geometry_->walls.emplace_back(std::make_shared<fcl::Halfspaced>(normal, offset_m));
+  }
+  const std::size_t n = bodies_.size();
+  pairs_.resize(n * (n - std::min<std::size_t>(n, 1)) / 2);
+  obstacles_.resize(n * world_.obstacles.size());
+  bounds_.resize(n);
+}
+
+CollisionMonitor::~CollisionMonitor() = default;
+
+void CollisionMonitor::update(Time now, std::span<const Eigen::Vector3d> centres_m,
+                              std::vector<models::ContactReport>& begun) {
+  require(centres_m.size() == bodies_.size(), "one centre for each body");
+  new_m_.assign(centres_m.begin(), centres_m.end());
+  if (old_m_.empty()) {
+    old_m_ = new_m_;
+  }
+  for (std::size_t i = 0; i < new_m_.size(); ++i) {
+    if (!new_m_[i].allFinite()) {
+      ++non_finite_;
+      continue;
+    }
+    if (!old_m_[i].allFinite()) {
+      old_m_[i] = new_m_[i];
+    }
+    geometry_->bodies[i].setTranslation(new_m_[i]);
+    geometry_->bodies[i].computeAABB();
+  }
+  check_pairs(now, begun);
+  for (std::size_t i = 0; i < new_m_.size(); ++i) {
+    if (new_m_[i].allFinite()) {
+      check_surroundings(now, i, begun);
+    }
+  }
+  old_m_.swap(new_m_);
+}
+
+void CollisionMonitor::check_pairs(Time now, std::vector<models::ContactReport>& begun) {
+  std::size_t pair = 0;
+  for (std::size_t i = 0; i < new_m_.size(); ++i) {
+    for (std::size_t j = i + 1; j < new_m_.size(); ++j, ++pair) {
+      if (!new_m_[i].allFinite() || !new_m_[j].allFinite()) {
+        continue;
+      }
+      const double radii_m = bodies_[i].radius_m + bodies_[j].radius_m;
+      const double apart_m = models::closest_approach_m(old_m_[i], new_m_[i], old_m_[j], new_m_[j]);
+      const Judgement judgement{fcl_hit(geometry_->bodies[i], geometry_->bodies[j]),
+                                (new_m_[i] - new_m_[j]).norm() - radii_m, apart_m - radii_m};
+      judge(now, judgement, bodies_[i].name, bodies_[j].name, pairs_[pair], begun);
+      if (bodies_[i].is_robot && bodies_[j].is_robot) {
+        watch_separation(now, i, j, apart_m, pairs_[pair], begun);
+      }
+    }
+  }
+}
+
+void CollisionMonitor::check_surroundings(Time now, std::size_t i,
+                                          std::vector<models::ContactReport>& begun) {
+  const double radius_m = bodies_[i].radius_m;
+  const double travelled_m = (new_m_[i] - old_m_[i]).norm();
+  for (std::size_t k = 0; k < geometry_->boxes.size(); ++k) {
+    Judgement judgement;
+    judgement.fcl_hit = fcl_hit(geometry_->bodies[i], geometry_->obstacles[k]);
+    judgement.distance_m = signed_distance_m(geometry_->boxes[k], new_m_[i]) - radius_m;
+    judgement.swept_distance_m =
+        judgement.distance_m > travelled_m
+            ? judgement.distance_m
+            : swept_distance_m(geometry_->boxes[k], old_m_[i], new_m_[i]) - radius_m;
+    judge(now, judgement, bodies_[i].name, obstacle_names_[k],
+          obstacles_[i * geometry_->boxes.size() + k], begun);
+  }
+  Judgement judgement;
+  for (const Object& wall : geometry_->walls) {
+    judgement.fcl_hit = fcl_hit(geometry_->bodies[i], wall) || judgement.fcl_hit;
+  }
+  judgement.distance_m = distance_to_bounds_m(world_, new_m_[i]) - radius_m;
+  // The inside is convex: the least distance over a straight motion is at one of its ends.
+  judgement.swept_distance_m =
+      std::min(judgement.distance_m, distance_to_bounds_m(world_, old_m_[i]) - radius_m);
+  judge(now, judgement, bodies_[i].name, "bounds", bounds_[i], begun);
+}
+
+void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::string& a,
+                             const std::string& b, Contact& contact,
+                             std::vector<models::ContactReport>& begun) {
+  if (judgement.fcl_hit != (judgement.distance_m <= 0.0) &&
+      std::abs(judgement.distance_m) > kRoundingM) {
+    ++disagreements_;
+  }
+  const bool hit = judgement.fcl_hit || judgement.swept_distance_m <= 0.0;
+  if (hit && !contact.touching) {
+    models::ContactReport report;
+    report.stamp.time = now;
+    report.kind = models::ContactKind::kCollision;
+    report.body_a = a;
+    report.body_b = b;
+    report.distance_m = std::min(judgement.swept_distance_m, 0.0);
+    begun.push_back(std::move(report));
+  }
+  // What ends this step apart has parted, even if the step began or passed through a contact.
+  contact.touching = (hit || contact.touching) && judgement.distance_m <= kReleaseM;
+}
+
+void CollisionMonitor::watch_separation(Time now, std::size_t i, std::size_t j,
+                                        double centres_apart_m, Contact& contact,
+                                        std::vector<models::ContactReport>& begun) {
+  min_separation_m_ = std::min(min_separation_m_, centres_apart_m);
+  const bool too_near = centres_apart_m < separation_m_;
+  if (too_near && !contact.near) {
+    models::ContactReport report;
+    report.stamp.time = now;
+    report.kind = models::ContactKind::kNearMiss;
+    report.body_a = bodies_[i].name;
+    report.body_b = bodies_[j].name;
+    report.distance_m = centres_apart_m - bodies_[i].radius_m - bodies_[j].radius_m;
+    begun.push_back(std::move(report));
+  }
+  const double now_apart_m = (new_m_[i] - new_m_[j]).norm();
+  contact.near = (too_near || contact.near) && now_apart_m <= separation_m_ + kReleaseM;
+}
+
+}  // namespace vantage::sim

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "models/world/world.hpp"
+
+namespace vantage::sim {
+
+/// A box in space with sides along the axes.
+struct Box3 {
+  Eigen::Vector3d min_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d max_m = Eigen::Vector3d::Zero();
+};
+
+Box3 box_of(const models::Obstacle& obstacle);
+
+/// Distance from a point to the surface of `box`, negative inside.
+double signed_distance_m(const Box3& box, const Eigen::Vector3d& p_m);
+
+/// min over s in [0, 1] of signed_distance_m(box, a + s (b − a)) to within a nanometre of path; the
+/// distance to a convex body is a convex function of s, so the search cannot miss.
+double swept_distance_m(const Box3& box, const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m);
+
+/// Distance from a point inside to the nearest wall or the ceiling, negative outside. The floor is
+/// not counted: things stand and land on it.
+double distance_to_bounds_m(const models::World& world, const Eigen::Vector3d& p_m);
+
+}  // namespace vantage::sim

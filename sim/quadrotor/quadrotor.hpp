@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+#include <Eigen/Core>
+
+#include "core/pose.hpp"
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+#include "sim/quadrotor/course.hpp"
+
+namespace vantage::sim {
+
+/// How a simulated quadrotor answers; nothing that a planner knows.
+struct QuadrotorParameters {
+  double velocity_lag_s = 0.15;
+  double acceleration_max_mps2 = 10.0;  ///< horizontal: a tilt of 45°
+  double yaw_rate_lag_s = 0.08;
+  double yaw_acceleration_max_radps2 = 60.0;
+  double climb_max_mps = 0.5;
+  double position_gain_per_s = 2.0;
+  double yaw_gain_per_s = 4.0;
+  double height_gain_per_s = 2.0;
+  double corner_window_s = 0.12;  ///< the controller rounds corners over ± this time
+  double command_reserve = 1.3;   ///< commands are cut at this multiple of the vehicle's limits
+  double wind_sigma_mps2 = 0.15;  ///< 1σ of the wind's acceleration on each axis, cut at 3σ
+  double wind_memory_s = 2.0;
+  double endurance_s = 1200.0;  ///< battery from full to empty
+};
+
+/// What became of a plan that was offered to a vehicle.
+enum class [[nodiscard]] PlanVerdict{
+    kAccepted,
+    kNotFinite,      ///< or a duration or deceleration that cannot be
+    kDiscontinuous,  ///< starts too far from where the vehicle will be
+    kStale,          ///< older than the plan already accepted
+    kNotFollowing,   ///< the operator holds, lands or has stopped the vehicle
+};
+
+/// One flying vehicle: a velocity-controlled multirotor with first-order lags and wind, and the
+/// controller that makes it follow plans.
+///
+///   v̇ = (v_cmd − v)/T_v + wind,  ω̇ = (ω_cmd − ω)/T_ω,
+///   v_cmd = v_s + T_v a_s + k (p_ref − p),  ω_cmd = ω_s + T_ω α_s + k_yaw (θ_ref − θ)
+///
+/// with the reference's velocity and acceleration averaged over ± corner_window_s, so that jumps
+/// of speed and yaw rate between primitives become ramps that are begun before the jump. It can
+/// move sideways, as a multirotor does; heading is controlled apart from motion.
+class Quadrotor {
+ public:
+  /// Hovers at its start, following.
+  Quadrotor(const models::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
+            Time start, const QuadrotorParameters& parameters = {});
+
+  /// Takes a plan if it is finite, not older than the newest one, and its state at
+  /// max(its start, `now`) lies within twice the tracking tolerance (in space) of the course.
+  PlanVerdict offer(const models::RobotPlan& plan, Time now);
+  void command(models::OperatorAction action, Time now);
+  /// Moves on from `now` by `dt_s` ≤ 0.02 s. Allocates only when plans are forgotten.
+  void step(Time now, double dt_s);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] double radius_m() const { return limits_.radius_m; }
+  [[nodiscard]] Pose3 world_from_body() const;
+  [[nodiscard]] const Eigen::Vector3d& position_world_m() const { return position_m_; }
+  [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_mps_; }
+  [[nodiscard]] double yaw_rad() const { return yaw_rad_; }
+  [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
+  [[nodiscard]] models::FlightState state() const { return state_; }
+  [[nodiscard]] const Course& course() const { return course_; }
+  /// What it would say on QUADROTOR_<robot>.
+  [[nodiscard]] models::VehicleStatus status(Time now) const;
+
+ private:
+  void fly(Time now, double dt_s);
+  void fall(double dt_s);
+  void blow(double dt_s);
+  [[nodiscard]] Pose2 pose() const;
+  [[nodiscard]] bool on_ground() const { return position_m_.z() <= 0.0; }
+
+  std::string name_;
+  models::VehicleLimits limits_;
+  double height_m_;
+  double tolerance_m_;
+  QuadrotorParameters parameters_;
+  std::mt19937_64 rng_;
+  Course course_;
+  Time start_;
+  Eigen::Vector3d position_m_;
+  Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
+  double yaw_rad_;
+  double yaw_rate_radps_ = 0.0;
+  Eigen::Vector2d wind_mps2_ = Eigen::Vector2d::Zero();
+  models::FlightState state_ = models::FlightState::kFollow;
+};
+
+}  // namespace vantage::sim

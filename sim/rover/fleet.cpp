@@ -1,0 +1,220 @@
+#include "sim/rover/fleet.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/angle.hpp"
+#include "core/check.hpp"
+#include "sim/random.hpp"
+
+namespace vantage::sim {
+namespace {
+
+constexpr double kSafetyMarginM = 0.03;  // kept between surfaces, beyond all prediction error
+constexpr double kRouteMarginM = 0.1;    // a route passes other rovers at this distance
+constexpr double kNeighbourhoodM = 1.5;  // rovers nearer than this are planned around
+constexpr double kLookAheadM = 0.6;      // how far along its path a rover steers
+constexpr double kArrivalM = 0.15;       // a way point counts as reached this near
+constexpr double kHeadwayM = 0.1;        // less than this in kPatienceS is being stuck
+constexpr double kRerouteS = 1.0;        // stuck this long, it looks for a way around
+constexpr double kPatienceS = 4.0;       // stuck this long, it goes elsewhere
+constexpr double kTurnGainPerS = 3.0;
+constexpr int kDrawsMax = 40;
+// Variations on the desired command, gentlest first: share of speed, added yaw rate.
+constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},
+                                                            {0.6, 0.0},
+                                                            {0.7, 1.2},
+                                                            {0.7, -1.2},
+                                                            {0.3, 0.0},
+                                                            {0.3, 2.0},
+                                                            {0.3, -2.0},
+                                                            {0.0, 0.0}}};
+
+double uniform(std::mt19937_64& rng, double low, double high) {
+  return low + (high - low) * std::uniform_real_distribution<double>(0.0, 1.0)(rng);
+}
+
+}  // namespace
+
+RoverFleet::RoverFleet(const models::World& world, const models::TargetTruthSpec& truth,
+                       const std::vector<Start>& starts, std::uint64_t seed,
+                       const RoverParameters& parameters)
+    : world_(world), truth_(truth), parameters_(parameters), map_(world) {
+  require(truth.speed_min_mps > 0.0 && truth.speed_min_mps <= truth.speed_max_mps &&
+              truth.speed_max_mps <= parameters.speed_max_mps,
+          "target_truth: 0 < speed_min_mps <= speed_max_mps <= 1.4 must hold for rovers");
+  rovers_.resize(starts.size());
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    Rover& rover = rovers_[i];
+    rover.state.world_from_body = starts[i].world_from_body;
+    rover.radius_m = starts[i].radius_m;
+    rover.rng = random_stream(seed, "rover:" + std::to_string(i));
+    rover.committed = StoppingPath(rover.state, {}, parameters_, kDecisionPeriodS);
+    rover.headway_m = rover.state.world_from_body.position_m();
+    rover.pause_s = uniform(rover.rng, 0.0, truth_.pause_max_s);
+  }
+}
+
+void RoverFleet::decide(double elapsed_s) {
+  for (std::size_t i = 0; i < rovers_.size(); ++i) {
+    supervise(i, elapsed_s);
+    Rover& rover = rovers_[i];
+    const RoverCommand wish = desired(rover);
+    // Braking keeps to the ground already committed; turning on the spot sweeps none at all.
+    rover.command = RoverCommand{0.0, rover.state.speed_mps > 0.0 ? 0.0 : wish.yaw_rate_radps};
+    StoppingPath chosen(rover.state, rover.command, parameters_, kDecisionPeriodS);
+    for (const auto& [share, turn_radps] : kVariations) {
+      const RoverCommand command{share * wish.speed_mps, wish.yaw_rate_radps + turn_radps};
+      const StoppingPath path(rover.state, command, parameters_, kDecisionPeriodS);
+      if (is_safe(i, path)) {
+        rover.command = command;
+        chosen = path;
+        break;
+      }
+    }
+    rover.committed = chosen;
+  }
+}
+
+void RoverFleet::step(double dt_s) {
+  for (Rover& rover : rovers_) {
+    rover.state = step_rover(rover.state, rover.command, parameters_, dt_s);
+  }
+}
+
+void RoverFleet::supervise(std::size_t i, double elapsed_s) {
+  Rover& rover = rovers_[i];
+  const Eigen::Vector2d here_m = rover.state.world_from_body.position_m();
+  if (rover.path.empty()) {
+    rover.pause_s -= elapsed_s;
+    if (rover.pause_s <= 0.0) {
+      choose_way_point(i);
+    }
+    return;
+  }
+  if ((here_m - rover.path.back()).norm() < kArrivalM) {
+    ++way_points_reached_;
+    rover.path.clear();
+    rover.pause_s = uniform(rover.rng, 0.0, truth_.pause_max_s);
+    return;
+  }
+  rover.stuck_s += elapsed_s;
+  if ((here_m - rover.headway_m).norm() > kHeadwayM) {
+    rover.headway_m = here_m;
+    rover.stuck_s = 0.0;
+    rover.rerouted = false;
+  } else if (rover.stuck_s > kPatienceS) {
+    ++way_points_abandoned_;
+    choose_way_point(i);
+  } else if (rover.stuck_s > kRerouteS && !rover.rerouted) {
+    rover.rerouted = true;
+    std::vector<Eigen::Vector2d> around =
+        map_.route(here_m, rover.path.back(), rover.radius_m, neighbours(i));
+    if (!around.empty()) {
+      rover.path = std::move(around);
+      rover.passed = 0;
+    }
+  }
+}
+
+std::vector<Disc> RoverFleet::neighbours(std::size_t i) const {
+  const Rover& rover = rovers_[i];
+  const Eigen::Vector2d here_m = rover.state.world_from_body.position_m();
+  std::vector<Disc> blocked;
+  for (std::size_t j = 0; j < rovers_.size(); ++j) {
+    const Eigen::Vector2d there_m = rovers_[j].state.world_from_body.position_m();
+    if (j != i && (there_m - here_m).norm() < kNeighbourhoodM) {
+      const double wanted_m = rover.radius_m + rovers_[j].radius_m + kRouteMarginM;
+      blocked.push_back({there_m, std::min(wanted_m, (there_m - here_m).norm())});
+    }
+  }
+  return blocked;
+}
+
+void RoverFleet::choose_way_point(std::size_t i) {
+  Rover& rover = rovers_[i];
+  const Eigen::Vector2d here_m = rover.state.world_from_body.position_m();
+  rover.path.clear();
+  rover.passed = 0;
+  rover.stuck_s = 0.0;
+  rover.rerouted = false;
+  rover.headway_m = here_m;
+  rover.leg_speed_mps = uniform(rover.rng, truth_.speed_min_mps, truth_.speed_max_mps);
+  const std::vector<Disc> blocked = neighbours(i);
+  const double needed_m = map_.clearance_needed_m(rover.radius_m);
+  for (int draw = 0; draw < kDrawsMax && rover.path.empty(); ++draw) {
+    const models::Rectangle& bounds = world_.bounds;
+    const Eigen::Vector2d goal_m(uniform(rover.rng, bounds.min_m.x(), bounds.max_m.x()),
+                                 uniform(rover.rng, bounds.min_m.y(), bounds.max_m.y()));
+    if (models::clearance_m(world_, goal_m) >= needed_m && (goal_m - here_m).norm() > kArrivalM) {
+      rover.path = map_.route(here_m, goal_m, rover.radius_m, blocked);
+    }
+  }
+  if (rover.path.empty()) {  // hemmed in: wait a little and draw again
+    rover.pause_s = uniform(rover.rng, 0.1, 1.0);
+  }
+}
+
+RoverCommand RoverFleet::desired(Rover& rover) const {
+  if (rover.path.empty()) {
+    return {};
+  }
+  const Pose2& pose = rover.state.world_from_body;
+  const Eigen::Vector2d here_m = pose.position_m();
+  // Steer for the farthest point of the path, within the look-ahead, that can be driven straight.
+  std::size_t aim = rover.passed;
+  for (std::size_t k = rover.passed; k < rover.path.size(); ++k) {
+    if ((rover.path[k] - here_m).norm() > kLookAheadM) {
+      break;
+    }
+    if (models::swept_clearance_m(world_, here_m, rover.path[k]) >=
+        rover.radius_m + kSafetyMarginM) {
+      aim = k;
+    }
+  }
+  rover.passed = aim;
+  const Eigen::Vector2d to_aim_m = rover.path[aim] - here_m;
+  const double error_rad = wrap_to_pi(std::atan2(to_aim_m.y(), to_aim_m.x()) - pose.yaw_rad);
+  const double ahead = std::max(0.0, std::cos(error_rad));
+  const double left_m = (rover.path.back() - here_m).norm();
+  const double arrive_mps = std::sqrt(parameters_.brake_mps2 * left_m);  // half the full brake
+  return {std::min(rover.leg_speed_mps, arrive_mps) * ahead * ahead * ahead,
+          std::clamp(kTurnGainPerS * error_rad, -parameters_.yaw_rate_max_radps,
+                     parameters_.yaw_rate_max_radps)};
+}
+
+bool RoverFleet::is_safe(std::size_t i, const StoppingPath& path) const {
+  const Rover& rover = rovers_[i];
+  const Eigen::Vector2d here_m = rover.state.world_from_body.position_m();
+  // What is nearer than it should be from the start on may only not become nearer still.
+  const double wall_m =
+      std::min(rover.radius_m + kSafetyMarginM, models::clearance_m(world_, here_m));
+  const auto points = path.points_m();
+  for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+    if (models::swept_clearance_m(world_, points[k], points[k + 1]) < wall_m) {
+      return false;
+    }
+  }
+  for (std::size_t j = 0; j < rovers_.size(); ++j) {
+    if (j == i) {
+      continue;
+    }
+    const double needed_m = rover.radius_m + rovers_[j].radius_m + kSafetyMarginM;
+    if (distance_m(path, rovers_[j].committed) >= needed_m) {
+      continue;
+    }
+    const Eigen::Vector2d there_m = rovers_[j].state.world_from_body.position_m();
+    const double now_m = (there_m - here_m).norm();
+    const bool withdraws = now_m < needed_m && (points.back() - there_m).norm() > now_m &&
+                           (rovers_[j].committed.points_m().back() - there_m).norm() < 1e-6;
+    if (!withdraws) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace vantage::sim

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "models/world/grid.hpp"
+#include "models/world/world.hpp"
+
+namespace vantage::sim {
+
+/// A disc on the ground.
+struct Disc {
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  double radius_m = 0.0;
+};
+
+/// Finds ways for discs over free ground: A* over the centres of square cells, eight neighbours.
+/// Source: Hart, Nilsson, Raphael, A formal basis for the heuristic determination of minimum cost
+/// paths (1968).
+class RouteMap {
+ public:
+  explicit RouteMap(const models::World& world);
+
+  /// Cell centres from near `from_m` to near `to_m` and then `to_m` itself, every centre at least
+  /// clearance_needed_m(radius_m) from obstacles and walls (near the start radius_m is enough) and
+  /// outside each disc of `blocked`; empty when there is no way. O(cells log cells), allocates.
+  [[nodiscard]] std::vector<Eigen::Vector2d> route(const Eigen::Vector2d& from_m,
+                                                   const Eigen::Vector2d& to_m, double radius_m,
+                                                   const std::vector<Disc>& blocked) const;
+  /// Clearance that a cell's centre needs, so that a disc of `radius_m` moving straight between
+  /// neighbouring centres keeps 5 cm from everything.
+  [[nodiscard]] double clearance_needed_m(double radius_m) const;
+
+ private:
+  models::GridGeometry geometry_;
+  std::vector<double> clearance_m_;  ///< exact, at each cell's centre
+};
+
+}  // namespace vantage::sim

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/pose.hpp"
+#include "models/scenario/scenario.hpp"
+#include "sim/rover/drifters.hpp"
+#include "sim/rover/fleet.hpp"
+
+namespace vantage::sim {
+
+/// The scenario's targets as they really move, whatever their kind of motion.
+class Ground {
+ public:
+  Ground(const models::Scenario& scenario, std::uint64_t seed);
+
+  void decide(double elapsed_s);
+  void step(double dt_s);
+
+  /// In the scenario's order of targets.
+  [[nodiscard]] Pose2 world_from_body(std::size_t i) const;
+  [[nodiscard]] Eigen::Vector2d velocity_mps(std::size_t i) const;
+  /// Null unless the targets are rovers.
+  [[nodiscard]] const RoverFleet* rovers() const { return rovers_ ? &*rovers_ : nullptr; }
+
+ private:
+  std::vector<Pose2> starts_;
+  std::optional<RoverFleet> rovers_;
+  std::optional<Drifters> drifters_;
+};
+
+}  // namespace vantage::sim

@@ -1,0 +1,307 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "models/exchange/messages.hpp"
+
+// Random messages that could be true, every field set, and their content as a flat list of bits,
+// so that two messages can be compared exactly (NaN included) and no field can be forgotten by
+// both directions of a conversion at once.
+
+namespace vantage::test {
+
+class Sampler {
+ public:
+  explicit Sampler(std::uint64_t seed) : rng_(seed) {}
+
+  double real(double min = -50.0, double max = 50.0) {
+    return std::uniform_real_distribution<double>(min, max)(rng_);
+  }
+  std::int64_t whole(std::int64_t min, std::int64_t max) {
+    return std::uniform_int_distribution<std::int64_t>(min, max)(rng_);
+  }
+  int small(int min, int max) { return static_cast<int>(whole(min, max)); }
+  bool coin() { return whole(0, 1) == 1; }
+  Time time() { return from_utime(whole(0, 2'000'000'000'000'000)); }
+  std::string text(const std::string& stem) { return stem + std::to_string(whole(0, 999)); }
+  models::Stamp stamp() { return {time(), whole(1, std::int64_t{1} << 62), whole(0, 1'000'000)}; }
+  Pose2 pose2() { return {real(), real(), real(-3.14, 3.14)}; }
+  Pose3 pose3() {
+    const Eigen::Quaterniond q(real(), real(), real(), real());
+    return {{real(), real(), real()}, q.normalized()};
+  }
+  models::Viewpoint viewpoint() { return {pose2(), real(0, 3)}; }
+  /// G Gᵀ + I, symmetrised exactly.
+  Eigen::MatrixXd definite(int dim) {
+    Eigen::MatrixXd G(dim, dim);
+    for (int i = 0; i < dim * dim; ++i) {
+      G(i) = real(-2, 2);
+    }
+    const Eigen::MatrixXd M = G * G.transpose() + Eigen::MatrixXd::Identity(dim, dim);
+    return 0.5 * (M + M.transpose());
+  }
+  Eigen::VectorXd vector(int dim) {
+    Eigen::VectorXd v(dim);
+    for (int i = 0; i < dim; ++i) {
+      v(i) = real();
+    }
+    return v;
+  }
+  std::vector<models::InputRef> inputs() {
+    std::vector<models::InputRef> refs;
+    for (int i = small(0, 4); i > 0; --i) {
+      refs.push_back({text("BELIEF_Q"), whole(1, 1'000'000), whole(0, 1'000'000)});
+    }
+    return refs;
+  }
+
+ private:
+  std::mt19937_64 rng_;
+};
+
+template <class Message>
+Message sample(Sampler& s);
+
+template <>
+inline models::MocapFrame sample(Sampler& s) {
+  models::MocapFrame frame{s.stamp(), s.time(), s.whole(0, 1'000'000), {}};
+  for (int i = s.small(0, 5); i > 0; --i) {
+    frame.bodies.push_back({s.text("rover"), s.pose3(), s.coin()});
+  }
+  return frame;
+}
+
+template <>
+inline models::DetectionSet sample(Sampler& s) {
+  models::DetectionSet set{s.stamp(), s.text("Q"), s.viewpoint(), s.coin(), {}, s.inputs()};
+  for (int i = s.small(0, 5); i > 0; --i) {
+    models::Detection detection;
+    const int dim = s.small(1, 3);
+    detection.target_id = s.small(0, 9);
+    detection.measurement.z = s.vector(dim);
+    detection.measurement.V = s.definite(dim);
+    set.detections.push_back(detection);
+  }
+  return set;
+}
+
+template <>
+inline models::RobotBelief sample(Sampler& s) {
+  models::RobotBelief belief;
+  belief.stamp = s.stamp();
+  belief.robot = s.text("Q");
+  belief.step = s.whole(0, 1000);
+  belief.viewpoint = s.viewpoint();
+  belief.degree = s.small(0, 5);
+  for (int i = 0, id = 0; i < s.small(0, 6); ++i, id += s.small(1, 3)) {
+    const int dim = s.small(2, 4);
+    models::TargetBelief target;
+    target.target_id = id;
+    target.information.vector = s.vector(dim);
+    target.information.matrix = s.definite(dim);
+    target.last_seen = s.time();
+    belief.targets.push_back(target);
+  }
+  belief.grid = {{s.real(), s.real()}, s.real(0.1, 1.0), s.small(1, 9), s.small(1, 9)};
+  for (int i = 0; i < belief.grid.size(); ++i) {
+    belief.last_seen_utime.push_back(s.coin() ? 0 : to_utime(s.time()));
+  }
+  belief.inputs = s.inputs();
+  return belief;
+}
+
+template <>
+inline models::RobotPlan sample(Sampler& s) {
+  models::RobotPlan plan;
+  plan.stamp = s.stamp();
+  plan.robot = s.text("Q");
+  plan.round = s.whole(0, 1000);
+  plan.source = static_cast<models::PlanSource>(s.small(0, 2));
+  plan.trajectory.start_time = plan.stamp.time;
+  plan.trajectory.start = s.pose2();
+  plan.trajectory.height_m = s.real(0, 3);
+  for (int i = s.small(0, 14); i > 0; --i) {
+    plan.trajectory.segments.push_back({{s.real(), s.real()}, s.real(0, 2), s.real(0, 3)});
+  }
+  plan.horizon_steps = s.small(1, 20);
+  plan.step_s = s.real(0.1, 1.0);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  plan.cost = s.coin() ? s.real() : std::numeric_limits<double>::quiet_NaN();
+  plan.lower_bound = s.coin() ? s.real() : -kInfinity;
+  plan.epsilon = s.coin() ? s.real(0, 4) : kInfinity;
+  plan.delta_m = s.coin() ? s.real(0, 4) : kInfinity;
+  plan.passes = s.whole(0, 20);
+  plan.nodes = s.whole(0, 1'000'000'000);
+  plan.slot_start = s.time();
+  plan.deadline = s.time();
+  plan.finish = s.time();
+  plan.late = s.coin();
+  plan.inputs = s.inputs();
+  return plan;
+}
+
+template <>
+inline models::VehicleStatus sample(Sampler& s) {
+  models::VehicleStatus status{
+      s.stamp(),       s.text("Q"), static_cast<models::FlightState>(s.small(0, 4)),
+      s.real(0, 1),    s.pose2(),   s.real(0, 3),
+      s.whole(-1, 99), {}};
+  for (int i = s.small(0, 3); i > 0; --i) {
+    status.reasons.push_back(s.text("pose älter als "));
+  }
+  return status;
+}
+
+template <>
+inline models::OperatorCommand sample(Sampler& s) {
+  return {s.stamp(), static_cast<models::OperatorAction>(s.small(0, 6)), s.coin() ? "" : "Q1"};
+}
+
+template <>
+inline models::TruthFrame sample(Sampler& s) {
+  models::TruthFrame truth{s.stamp(), {}};
+  for (int i = s.small(0, 5); i > 0; --i) {
+    truth.bodies.push_back({s.text("rover"), s.small(-1, 9), s.pose3(), s.vector(3)});
+  }
+  return truth;
+}
+
+template <>
+inline models::ContactReport sample(Sampler& s) {
+  return {s.stamp(), static_cast<models::ContactKind>(s.small(0, 1)), s.text("Q"),
+          s.text("obstacle:"), s.real()};
+}
+
+template <>
+inline models::AttackNotice sample(Sampler& s) {
+  models::AttackNotice attack{s.stamp(), {}};
+  for (int i = s.small(0, 3); i > 0; --i) {
+    attack.jammed.push_back(s.text("Q"));
+  }
+  return attack;
+}
+
+template <>
+inline models::ProcessHealth sample(Sampler& s) {
+  models::ProcessHealth health{s.stamp(),
+                               s.text("PLANNER_Q"),
+                               static_cast<models::ProcessState>(s.small(0, 3)),
+                               {},
+                               s.whole(0, 999),
+                               s.real(0, 1),
+                               s.whole(0, 99)};
+  for (int i = s.small(0, 5); i > 0; --i) {
+    health.counters.push_back({s.text("VICON.lost"), s.whole(-5, 999)});
+  }
+  return health;
+}
+
+template <>
+inline models::ScenarioNotice sample(Sampler& s) {
+  return {s.stamp(), s.text("name: two rovers\nseed: "), s.text("0.1."), s.text("demo")};
+}
+
+/// The content of a message, field by field, exactly.
+class Flat {
+ public:
+  template <class Message>
+  static std::vector<std::string> of(const Message& message) {
+    Flat flat;
+    flat.add(message.stamp);
+    flat.fields(message);
+    return flat.list_;
+  }
+
+ private:
+  void add(double x) { list_.push_back(std::to_string(std::bit_cast<std::uint64_t>(x))); }
+  void add(std::int64_t x) { list_.push_back(std::to_string(x)); }
+  void add(int x) { add(std::int64_t{x}); }
+  void add(bool x) { list_.emplace_back(x ? "yes" : "no"); }
+  void add(Time x) { add(to_utime(x)); }
+  void add(const std::string& x) { list_.push_back(x); }
+  void add(const models::Stamp& x) { all(x.time, x.run_id, x.sequence); }
+  void add(const Pose2& x) { all(x.x_m, x.y_m, x.yaw_rad); }
+  void add(const Pose3& x) {
+    add_matrix(x.translation_m);
+    add_matrix(x.rotation.coeffs());
+  }
+  void add(const models::Viewpoint& x) { all(x.world_from_body, x.height_m); }
+  void add(const models::InputRef& x) { all(x.channel, x.run_id, x.sequence); }
+  void add(const models::NamedCount& x) { all(x.name, x.count); }
+  void add(const models::MocapBody& x) { all(x.name, x.world_from_body, x.occluded); }
+  void add(const models::PlanSegment& x) {
+    all(x.control.speed_mps, x.control.yaw_rate_radps, x.duration_s, x.brake_mps2);
+  }
+  void add(const models::Detection& x) {
+    add(x.target_id);
+    add_matrix(x.measurement.z);
+    add_matrix(x.measurement.V);
+  }
+  void add(const models::TargetBelief& x) {
+    all(x.target_id, x.last_seen);
+    add_matrix(x.information.vector);
+    add_matrix(x.information.matrix);
+  }
+  void add(const models::TruthBody& x) {
+    all(x.name, x.target_id, x.world_from_body);
+    add_matrix(x.velocity_world_mps);
+  }
+  template <class T>
+  void add(const std::vector<T>& x) {
+    add(static_cast<std::int64_t>(x.size()));
+    for (const T& each : x) {
+      add(each);
+    }
+  }
+  template <class M>
+  void add_matrix(const M& x) {
+    all(static_cast<std::int64_t>(x.rows()), static_cast<std::int64_t>(x.cols()));
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      add(double{x(i)});
+    }
+  }
+  template <class... T>
+  void all(const T&... x) {
+    (add(x), ...);
+  }
+
+  void fields(const models::MocapFrame& x) { all(x.arrival, x.frame_number, x.bodies); }
+  void fields(const models::DetectionSet& x) {
+    all(x.robot, x.viewpoint, x.jammed, x.detections, x.inputs);
+  }
+  void fields(const models::RobotBelief& x) {
+    all(x.robot, x.step, x.viewpoint, x.degree, x.targets);
+    add_matrix(x.grid.origin_m);
+    all(x.grid.resolution_m, x.grid.columns, x.grid.rows, x.last_seen_utime, x.inputs);
+  }
+  void fields(const models::RobotPlan& x) {
+    all(x.robot, x.round, static_cast<int>(x.source), x.trajectory.start_time, x.trajectory.start,
+        x.trajectory.height_m, x.trajectory.segments, x.horizon_steps, x.step_s, x.cost,
+        x.lower_bound, x.epsilon, x.delta_m, x.passes, x.nodes, x.slot_start, x.deadline, x.finish,
+        x.late, x.inputs);
+  }
+  void fields(const models::VehicleStatus& x) {
+    all(x.robot, static_cast<int>(x.state), x.battery_share, x.setpoint, x.setpoint_height_m,
+        x.plan_round, x.reasons);
+  }
+  void fields(const models::OperatorCommand& x) { all(static_cast<int>(x.action), x.robot); }
+  void fields(const models::TruthFrame& x) { all(x.bodies); }
+  void fields(const models::ContactReport& x) {
+    all(static_cast<int>(x.kind), x.body_a, x.body_b, x.distance_m);
+  }
+  void fields(const models::AttackNotice& x) { all(x.jammed); }
+  void fields(const models::ProcessHealth& x) {
+    all(x.process, static_cast<int>(x.state), x.counters, x.loops, x.loop_worst_s,
+        x.deadlines_missed);
+  }
+  void fields(const models::ScenarioNotice& x) { all(x.yaml, x.version, x.process); }
+
+  std::vector<std::string> list_;
+};
+
+}  // namespace vantage::test

@@ -1,0 +1,64 @@
+#include "core/deadline.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vantage {
+namespace {
+
+constexpr std::int64_t kLongAgo_ns = 1;
+constexpr std::int64_t kInAThousandYears_ns = 30'000'000'000'000'000;
+
+// Runs a loop that does `stride` nodes of work between two askings; where it stopped.
+std::int64_t nodes_until_expiry(const Deadline& deadline, std::int64_t stride) {
+  std::int64_t nodes = 0;
+  while (!deadline.expired(nodes)) {
+    nodes += stride;
+  }
+  return nodes;
+}
+
+TEST(Deadline, OfNodesExpiresAtTheBudgetAndNotBefore) {
+  const Deadline deadline = Deadline::nodes(100);
+  EXPECT_FALSE(deadline.expired(0));
+  EXPECT_FALSE(deadline.expired(99));
+  EXPECT_TRUE(deadline.expired(100));
+  EXPECT_TRUE(deadline.expired(101));
+}
+
+TEST(Deadline, OfNoNodesHasExpiredAlready) { EXPECT_TRUE(Deadline::nodes(0).expired(0)); }
+
+TEST(Deadline, OfAnInstantLooksAtTheClockAlone) {
+  EXPECT_TRUE(Deadline::at(kLongAgo_ns).expired(0));
+  EXPECT_FALSE(Deadline::at(kInAThousandYears_ns).expired(1'000'000'000));
+}
+
+TEST(Deadline, OfEitherExpiresAtWhicheverComesFirst) {
+  EXPECT_TRUE(Deadline::either(10, kLongAgo_ns).expired(0));
+  EXPECT_TRUE(Deadline::either(10, kInAThousandYears_ns).expired(10));
+  EXPECT_FALSE(Deadline::either(10, kInAThousandYears_ns).expired(9));
+}
+
+TEST(Deadline, NeverMeansNever) {
+  EXPECT_FALSE(Deadline::never().expired(0));
+  EXPECT_FALSE(Deadline::never().expired(std::numeric_limits<std::int64_t>::max() - 1));
+}
+
+TEST(Deadline, OfTheNodesThatAStoppedLoopDidStopsItAtTheSamePlace) {
+  for (const std::int64_t stride : {1, 3, 7, 1000}) {
+    const std::int64_t stopped_at =
+        nodes_until_expiry(Deadline::at(monotonic_ns() + 200'000), stride);
+    EXPECT_EQ(nodes_until_expiry(Deadline::nodes(stopped_at), stride), stopped_at);
+  }
+}
+
+TEST(MonotonicNs, NeverGoesBack) {
+  std::int64_t last_ns = monotonic_ns();
+  for (int i = 0; i < 10'000; ++i) {
+    const std::int64_t now_ns = monotonic_ns();
+    ASSERT_GE(now_ns, last_ns);
+    last_ns = now_ns;
+  }
+}
+
+}  // namespace
+}  // namespace vantage

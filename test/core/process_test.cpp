@@ -1,0 +1,60 @@
+#include "core/process.hpp"
+
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+
+namespace vantage {
+namespace {
+
+int exit_code_of(const std::function<int()>& body, std::string* words = nullptr) {
+  ::testing::internal::CaptureStderr();
+  const int code = run_process("vantage-test", body);
+  const std::string captured = ::testing::internal::GetCapturedStderr();
+  if (words != nullptr) {
+    *words = captured;
+  }
+  return code;
+}
+
+TEST(RunProcess, ReturnsWhatTheBodyReturned) {
+  EXPECT_EQ(exit_code_of([] { return 0; }), 0);
+  EXPECT_EQ(exit_code_of([] { return 7; }), 7);
+}
+
+TEST(RunProcess, TellsAFailedStartFromAFailedRun) {
+  std::string words;
+  EXPECT_EQ(exit_code_of([]() -> int { throw StartupError("no such file: a.yaml"); }, &words), 2);
+  EXPECT_EQ(words, "vantage-test: no such file: a.yaml\n");
+  EXPECT_EQ(exit_code_of([]() -> int { throw UsageError("q must be ≥ 0"); }, &words), 2);
+  EXPECT_NE(words.find("q must be ≥ 0"), std::string::npos);
+  EXPECT_EQ(exit_code_of([]() -> int { throw std::runtime_error("link lost"); }, &words), 1);
+  EXPECT_EQ(words, "vantage-test: link lost\n");
+}
+
+TEST(RunProcess, HearsTheRequestToEnd) {
+  EXPECT_FALSE(stop_requested());
+  EXPECT_EQ(exit_code_of([] {
+              std::raise(SIGTERM);
+              return stop_requested() ? 0 : 3;
+            }),
+            0);
+}
+
+TEST(RequestStop, IsHeardLikeASignal) {
+  request_stop();
+  EXPECT_TRUE(stop_requested());
+}
+
+TEST(RunProcess, OutlivesAWriteToAClosedPipe) {
+  EXPECT_EQ(exit_code_of([] {
+              std::raise(SIGPIPE);
+              return 0;
+            }),
+            0);
+}
+
+}  // namespace
+}  // namespace vantage

@@ -1,0 +1,323 @@
+#include "estimator/app/node.hpp"
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/transport.hpp"
+#include "core/check.hpp"
+#include "estimator/app/replay_node.hpp"
+#include "test/estimator/filter_support.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+using namespace std::chrono_literals;
+using models::InputRef;
+
+const Time kStart = from_utime(1'700'000'000'100'000);  // 0.1 s after a multiple of τ
+
+models::Scenario two_robots() {
+  models::Scenario scenario;
+  scenario.world.bounds = {{-6.0, -6.0}, {6.0, 6.0}};
+  for (const char* name : {"Q1", "Q2"}) {
+    models::RobotSpec robot;
+    robot.name = name;
+    robot.sensor.range_max_m = 5.0;
+    scenario.robots.push_back(robot);
+  }
+  for (int id = 0; id < 3; ++id) {
+    scenario.targets.push_back({"T" + std::to_string(id), id, std::nullopt, 0.2});
+  }
+  scenario.estimator.target_model = {models::TargetKind::kDoubleIntegrator, 2, 0.01};
+  scenario.planner.step_s = 0.5;
+  scenario.network.communication_range_m = 20.0;
+  return scenario;
+}
+
+models::MocapFrame frame_at(Time time, const std::map<std::string, Pose2>& poses) {
+  models::MocapFrame frame;
+  frame.stamp.time = time;
+  frame.arrival = time;
+  for (const auto& [name, pose] : poses) {
+    frame.bodies.push_back({name, lift(pose, 1.0), false});
+  }
+  return frame;
+}
+
+/// A bus in one process with a world's end (sensors, mocap) and an ear on every belief.
+class NodeTest : public ::testing::Test {
+ protected:
+  void deliver() {
+    while (world_.handle(0us) + robot_bus_.handle(0us) + mate_bus_.handle(0us) +
+               replay_bus_.handle(0us) >
+           0) {
+    }
+  }
+
+  /// Moves the clock to `time`, ticking nodes at the times they ask for.
+  void run_until(Time time, const std::vector<bus::Node*>& nodes) {
+    for (bus::Node* node : nodes) {
+      while (node->next_tick() <= time) {
+        clock_.set(node->next_tick());
+        node->tick(clock_.now());
+        deliver();
+      }
+    }
+    clock_.set(time);
+  }
+
+  models::DetectionSet look(const std::string& robot, Time time, const Pose2& pose) {
+    models::DetectionSet set;
+    set.stamp.time = time;
+    set.robot = robot;
+    set.viewpoint = {pose, 1.0};
+    for (int id = 0; id < 3; ++id) {
+      const Eigen::Vector2d target_m(-2.0 + 2.0 * id, 1.0);
+      if (models::in_view(scenario_.robots[0].sensor, set.viewpoint, target_m)) {
+        set.detections.push_back(
+            {id, models::sample(scenario_.robots[0].sensor, set.viewpoint, target_m, rng_)});
+      }
+    }
+    return set;
+  }
+
+  models::Scenario scenario_ = two_robots();
+  std::mt19937_64 rng_{12};
+  bus::VirtualClock clock_{kStart};
+  bus::InProcessHub hub_;
+  std::unique_ptr<bus::Transport> world_end_ = hub_.connect();
+  std::unique_ptr<bus::Transport> robot_end_ = hub_.connect();
+  std::unique_ptr<bus::Transport> mate_end_ = hub_.connect();
+  std::unique_ptr<bus::Transport> replay_end_ = hub_.connect();
+  bus::Bus world_{*world_end_, 100};
+  bus::Bus robot_bus_{*robot_end_, 1};
+  bus::Bus mate_bus_{*mate_end_, 2};
+  bus::Bus replay_bus_{*replay_end_, 3, "REPLAY_"};
+};
+
+TEST_F(NodeTest, PublishesAtEveryMultipleOfTheStepAndNamesItsInputs) {
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
+  std::vector<models::RobotBelief> heard;
+  world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
+                                        [&](const auto& belief) { heard.push_back(belief); });
+  const Time t1 = kStart + 400ms;
+  EXPECT_EQ(node.next_tick(), t1 + 50ms);
+  const auto mocap = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
+  world_.publish(bus::kVicon, frame_at(t1 + 10ms, {{"Q1", {9.0, 9.0, 0.5}}}));
+  models::RobotBelief mate =
+      test::prior(t1 - 500ms, {{Eigen::Vector4d(1.0, 0.0, 0.0, 0.0), Eigen::Matrix4d::Identity()}});
+  mate.robot = "Q2";
+  const auto news = world_.publish(bus::belief_channel("Q2"), mate);
+  deliver();
+  run_until(t1 + 60ms, {&node});
+  const Pose2 pose{0.0, -1.0, 0.3};
+  const auto seen = world_.publish(bus::measurement_channel("Q1"), look("Q1", t1 + 500ms, pose));
+  deliver();
+  run_until(t1 + 560ms, {&node});
+
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_EQ(heard[0].stamp.time, t1);
+  EXPECT_EQ(heard[0].step, 0);
+  EXPECT_EQ(heard[0].inputs, (std::vector<InputRef>{mocap, news}));
+  EXPECT_NEAR(heard[0].viewpoint.world_from_body.x_m, 1.0, 1e-9);
+  EXPECT_NEAR(heard[0].viewpoint.height_m, 1.0, 1e-9);
+  ASSERT_EQ(heard[0].targets.size(), 1u);
+  EXPECT_EQ(heard[1].stamp.time, t1 + 500ms);
+  EXPECT_EQ(heard[1].step, 1);
+  EXPECT_EQ(heard[1].inputs, (std::vector<InputRef>{seen, news}));
+  EXPECT_EQ(heard[1].viewpoint.world_from_body, pose);
+  EXPECT_EQ(heard[1].targets.size(), 3u);
+  EXPECT_EQ(node.deadlines_missed(), 0);
+}
+
+TEST_F(NodeTest, CountsInstantsItSleptThrough) {
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
+  std::vector<Time> heard;
+  world_.subscribe<models::RobotBelief>(
+      bus::belief_channel("Q1"), [&](const auto& belief) { heard.push_back(belief.stamp.time); });
+  node.tick(kStart + 1960ms);  // instants at 0.4, 0.9, 1.4 and 1.9 s; 1.9 + lag is just over
+  deliver();
+  EXPECT_EQ(heard, std::vector<Time>{kStart + 1900ms});
+  EXPECT_EQ(node.deadlines_missed(), 3);
+  EXPECT_EQ(node.next_tick(), kStart + 2450ms);
+}
+
+TEST_F(NodeTest, CountsWhatItCannotUse) {
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
+  world_.publish(bus::measurement_channel("Q1"), look("Q2", kStart, {}));
+  models::RobotBelief old = test::prior(kStart - 5s, {});
+  old.robot = "Q2";
+  world_.publish(bus::belief_channel("Q2"), old);
+  deliver();
+  run_until(kStart + 2s, {&node});
+  std::map<std::string, std::int64_t> counts;
+  for (const models::NamedCount& count : node.counters()) {
+    counts[count.name] = count.count;
+  }
+  EXPECT_EQ(counts["misaddressed"], 1);
+  EXPECT_EQ(counts["stale_beliefs"], 1);  // once, not at every step
+  EXPECT_EQ(counts["viewpoint_unknown"], 4);
+}
+
+TEST_F(NodeTest, RefusesARobotThatIsNotInTheScenario) {
+  EXPECT_THROW(EstimatorNode(robot_bus_, clock_, scenario_, "Q9"), UsageError);
+}
+
+/// What a logger heard: everything that went over the bus, in order.
+class Replay : public NodeTest {
+ protected:
+  /// Flies two robots for `steps` steps with jitter: looks come late or with the mocap only.
+  void fly(int steps) {
+    EstimatorNode robot(robot_bus_, clock_, scenario_, "Q1");
+    EstimatorNode mate(mate_bus_, clock_, scenario_, "Q2");
+    const auto ear = hub_.connect();
+    ear->subscribe("*", [&](std::string_view channel, std::span<const std::uint8_t> bytes) {
+      log_.push_back({std::string(channel), {bytes.begin(), bytes.end()}});
+    });
+    std::vector<models::DetectionSet> late;
+    for (int k = 0; k < steps; ++k) {
+      const Time t = kStart + 400ms + k * 500ms;
+      const std::map<std::string, Pose2> poses = {
+          {"Q1", {2.0 * std::cos(0.3 * k), 2.0 * std::sin(0.3 * k), 0.1 * k}},
+          {"Q2", {-2.0 * std::cos(0.2 * k), 1.0, wrap_to_pi(-0.2 * k)}}};
+      world_.publish(bus::kVicon, frame_at(t - 10ms, poses));
+      for (models::DetectionSet& set : late) {
+        world_.publish(bus::measurement_channel("Q1"), set);
+      }
+      late.clear();
+      auto set = look("Q1", t, poses.at("Q1"));
+      if (k % 5 == 2) {
+        late.push_back(set);
+      } else {
+        world_.publish(bus::measurement_channel("Q1"), set);
+      }
+      world_.publish(bus::measurement_channel("Q2"), look("Q2", t, poses.at("Q2")));
+      deliver();
+      run_until(t + 100ms, {&robot, &mate});
+    }
+    EXPECT_GT(robot.filter().counters().late_measurements, 0);
+    EXPECT_GT(robot.filter().counters().missed_detections +
+                  static_cast<std::int64_t>(robot.filter().belief().targets.size()),
+              0);
+    ear->handle(0us);
+  }
+
+  struct Logged {
+    std::string channel;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::vector<Logged> log_;
+};
+
+/// Plays a log into a fresh bus with a replay node, after `reorder` has had its way with it.
+struct Player {
+  explicit Player(const models::Scenario& scenario) : node{bus, clock, scenario, "Q1"} {
+    ear->subscribe("REPLAY_BELIEF_Q1", [&](std::string_view, std::span<const std::uint8_t> bytes) {
+      vantage_lcm::belief_t wire;
+      ASSERT_GE(wire.decode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);
+      made.push_back(bus::from_wire(wire).value());
+    });
+  }
+
+  template <class Log>
+  void play(const Log& log) {
+    for (const auto& event : log) {
+      player->publish(event.channel, event.bytes);
+      bus.handle(0us);
+    }
+    for (int i = 0; i < 30; ++i) {
+      clock.set(clock.now() + 100ms);
+      node.tick(clock.now());
+    }
+    ear->handle(0us);
+  }
+
+  bus::InProcessHub hub;
+  std::unique_ptr<bus::Transport> end = hub.connect();
+  std::unique_ptr<bus::Transport> player = hub.connect();
+  std::unique_ptr<bus::Transport> ear = hub.connect();
+  bus::VirtualClock clock{kStart};
+  bus::Bus bus{*end, 9, "REPLAY_"};
+  EstimatorReplayNode node;
+  std::vector<models::RobotBelief> made;
+};
+
+std::vector<models::RobotBelief> beliefs_in(const auto& log) {
+  std::vector<models::RobotBelief> beliefs;
+  for (const auto& event : log) {
+    if (event.channel == "BELIEF_Q1") {
+      vantage_lcm::belief_t wire;
+      wire.decode(event.bytes.data(), 0, static_cast<int>(event.bytes.size()));
+      beliefs.push_back(bus::from_wire(wire).value());
+    }
+  }
+  return beliefs;
+}
+
+TEST_F(Replay, MakesTheSameBeliefs) {
+  fly(40);
+  Player player(scenario_);
+  player.play(log_);
+  EXPECT_EQ(player.node.steps_redone(), 40);
+  EXPECT_EQ(player.node.steps_rebased(), 0);
+  EXPECT_EQ(player.node.differences(), 0);
+  const auto flown = beliefs_in(log_);
+  ASSERT_EQ(player.made.size(), flown.size());
+  for (std::size_t k = 0; k < flown.size(); ++k) {
+    EXPECT_TRUE(same_content(player.made[k], flown[k], 1e-12)) << "step " << k;
+    EXPECT_EQ(player.made[k].inputs, flown[k].inputs);
+    EXPECT_EQ(player.made[k].step, flown[k].step);
+  }
+}
+
+TEST_F(Replay, DoesNotCareWhenThePlayerDeliversWhat) {
+  fly(20);
+  // Own beliefs overtake the inputs that they were made from.
+  std::vector<Logged> jittered = log_;
+  for (std::size_t i = 1; i < jittered.size(); ++i) {
+    for (std::size_t j = i; j > 0 && j + 3 > i && jittered[j].channel == "BELIEF_Q1" &&
+                            jittered[j - 1].channel != "BELIEF_Q1";
+         --j) {
+      std::swap(jittered[j], jittered[j - 1]);
+    }
+  }
+  Player player(scenario_);
+  player.play(jittered);
+  EXPECT_EQ(player.node.steps_redone(), 20);
+  EXPECT_EQ(player.node.inputs_missing(), 0);
+  EXPECT_EQ(player.node.differences(), 0);
+}
+
+TEST_F(Replay, GoesOnFromTheLogWhenAnInputIsMissing) {
+  fly(30);
+  std::vector<Logged> holed = log_;
+  int looks = 0;
+  std::erase_if(holed, [&](const Logged& event) {
+    return event.channel == "MEASUREMENT_Q1" && ++looks == 7;
+  });
+  Player player(scenario_);
+  player.play(holed);
+  EXPECT_EQ(player.node.inputs_missing(), 1);
+  EXPECT_EQ(player.node.steps_rebased(), 1);
+  EXPECT_EQ(player.node.steps_redone(), 29);
+  // A late look would have to go back before the loss; that is the most that may differ.
+  EXPECT_LE(player.node.differences(), 29);
+  EXPECT_TRUE(same_content(player.made.front(), beliefs_in(log_).front(), 1e-12));
+}
+
+TEST_F(Replay, NoticesABeliefThatDoesNotFollowFromItsInputs) {
+  fly(10);
+  scenario_.estimator.target_model.q *= 1.001;  // not the code that flew
+  Player player(scenario_);
+  player.play(log_);
+  EXPECT_GT(player.node.differences(), 0);
+}
+
+}  // namespace
+}  // namespace vantage::estimator

@@ -1,0 +1,134 @@
+#include <csignal>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <lcm/eventlog.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/deadline.hpp"
+#include "test/integration/network_support.hpp"
+
+// Users record and replay with LCM's own tools.
+
+namespace vantage {
+namespace {
+
+using test::Bytes;
+using Heard = std::vector<std::pair<std::string, Bytes>>;
+
+/// A running program; interrupted and waited for at the end.
+class Program {
+ public:
+  explicit Program(std::vector<std::string> words) : pid_(fork()) {
+    if (pid_ == 0) {
+      std::vector<char*> arguments;
+      for (std::string& word : words) {
+        arguments.push_back(word.data());
+      }
+      arguments.push_back(nullptr);
+      execvp(arguments[0], arguments.data());
+      _exit(127);
+    }
+  }
+  ~Program() { interrupt(); }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  Program(Program&&) = delete;
+  Program& operator=(Program&&) = delete;
+
+  void interrupt() {
+    if (pid_ > 0) {
+      kill(pid_, SIGINT);
+      waitpid(pid_, nullptr, 0);
+      pid_ = -1;
+    }
+  }
+
+ private:
+  pid_t pid_;
+};
+
+class LcmTools : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (std::filesystem::temp_directory_path() / "vantage_log_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  [[nodiscard]] std::string log() const { return (folder_ / "flight.lcmlog").string(); }
+  [[nodiscard]] std::uintmax_t log_bytes() const {
+    std::error_code missing;
+    const std::uintmax_t bytes = std::filesystem::file_size(log(), missing);
+    return missing ? 0 : bytes;
+  }
+  static Bytes payload(unsigned i) {
+    return test::random_bytes(i % 20 == 0 ? 100'000 : 100 + i, i);
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(LcmTools, LcmLoggerRecordsWhatWePublish) {
+  constexpr unsigned kMessages = 100;
+  const auto ours = bus::open_transport(test::kUrl);
+  std::size_t expected_bytes = 0;
+  {
+    Program logger({"lcm-logger", "-q", "-f", "--lcm-url=" + test::kUrl, log()});
+    const std::int64_t give_up_ns =
+        monotonic_ns() + std::chrono::nanoseconds(test::kPatience).count();
+    // It hears nothing until it has started, and writes late: knock until it does.
+    const auto knock_until_log_exceeds = [&](std::size_t bytes) {
+      while (log_bytes() <= bytes && monotonic_ns() < give_up_ns) {
+        ours->publish("KNOCK", Bytes{1});
+        ours->handle(std::chrono::milliseconds(10));
+      }
+    };
+    knock_until_log_exceeds(0);
+    ASSERT_GT(log_bytes(), 0U);
+    for (unsigned i = 0; i < kMessages; ++i) {
+      ASSERT_TRUE(ours->publish("FLIGHT", payload(i)));
+      expected_bytes += payload(i).size();
+      ours->handle(std::chrono::milliseconds(1));  // paces: its queue holds 31
+    }
+    knock_until_log_exceeds(expected_bytes);
+  }
+  std::unique_ptr<lcm_eventlog_t, decltype(&lcm_eventlog_destroy)> reader(
+      lcm_eventlog_create(log().c_str(), "r"), &lcm_eventlog_destroy);
+  ASSERT_NE(reader, nullptr);
+  unsigned found = 0;
+  for (lcm_eventlog_event_t* event = nullptr;
+       (event = lcm_eventlog_read_next_event(reader.get())) != nullptr;
+       lcm_eventlog_free_event(event)) {
+    if (std::string(event->channel) == "FLIGHT") {
+      const auto* bytes = static_cast<const std::uint8_t*>(event->data);
+      EXPECT_TRUE(Bytes(bytes, bytes + event->datalen) == payload(found)) << found;
+      ++found;
+    }
+  }
+  EXPECT_EQ(found, kMessages);
+}
+
+TEST_F(LcmTools, WeHearWhatLcmLogplayerReplays) {
+  constexpr unsigned kMessages = 100;
+  {
+    const auto writer = bus::open_transport("file://" + log() + "?mode=w");
+    for (unsigned i = 0; i < kMessages; ++i) {
+      ASSERT_TRUE(writer->publish("FLIGHT", payload(i)));
+    }
+  }
+  const auto ours = bus::open_transport(test::kUrl);
+  Heard heard;
+  test::collect(*ours, "FLIGHT", heard);
+  const Program player({"lcm-logplayer", "-l", test::kUrl, log()});
+  test::handle_until(*ours, [&] { return heard.size() >= kMessages; });
+  ASSERT_EQ(heard.size(), kMessages);
+  for (unsigned i = 0; i < kMessages; ++i) {
+    EXPECT_TRUE(heard[i].second == payload(i)) << i;
+  }
+}
+
+}  // namespace
+}  // namespace vantage

@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <fstream>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "bus/udpm/packet.hpp"
+#include "test/integration/network_support.hpp"
+
+// Datagrams that crash, confuse or fill other receivers, between good ones.
+
+namespace vantage {
+namespace {
+
+using test::Bytes;
+
+std::int64_t resident_kib() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word == "VmRSS:") {
+      std::int64_t kib = 0;
+      status >> kib;
+      return kib;
+    }
+  }
+  return 0;
+}
+
+/// Sends raw datagrams to the group from a port of its own.
+class Attacker {
+ public:
+  Attacker() : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    group_.sin_family = AF_INET;
+    group_.sin_port = htons(7667);
+    inet_pton(AF_INET, "239.255.76.67", &group_.sin_addr);
+  }
+  ~Attacker() { close(fd_); }
+  Attacker(const Attacker&) = delete;
+  Attacker& operator=(const Attacker&) = delete;
+  Attacker(Attacker&&) = delete;
+  Attacker& operator=(Attacker&&) = delete;
+
+  void send(const Bytes& datagram) {
+    sendto(fd_, datagram.data(), datagram.size(), 0, reinterpret_cast<sockaddr*>(&group_),
+           sizeof group_);
+  }
+
+ private:
+  int fd_;
+  sockaddr_in group_{};
+};
+
+Bytes datagram(const bus::udpm::PacketHead& head, std::size_t payload_bytes) {
+  Bytes bytes(head.bytes().begin(), head.bytes().end());
+  bytes.resize(bytes.size() + payload_bytes, 0xAA);
+  return bytes;
+}
+
+Bytes fragment(std::uint32_t sequence, std::uint32_t size, std::uint32_t offset,
+               std::uint16_t number, std::uint16_t count, std::size_t payload_bytes) {
+  return datagram(bus::udpm::PacketHead::of_fragment(sequence, size, offset, number, count, "GOOD"),
+                  payload_bytes);
+}
+
+Bytes hostile_datagram(std::mt19937& rng) {
+  const Bytes header_only{'L', 'C', '0', '2', 0, 0, 0, 0};
+  const Bytes without_nul{'L', 'C', '0', '2', 0, 0, 0, 0, 'G', 'O', 'O', 'D'};
+  switch (rng() % 9) {
+    case 0: {
+      Bytes junk = test::random_bytes(rng() % 1'500, static_cast<unsigned>(rng()));
+      return junk;
+    }
+    case 1:
+      return header_only;
+    case 2:
+      return without_nul;
+    case 3:  // SIGSEGV in liblcm: out-of-bounds write
+      return fragment(static_cast<std::uint32_t>(rng()), 0x180, 0xFFFFFF00, 1, 2, 0x180);
+    case 4: {  // SIGSEGV in liblcm: no channel, no payload, offset 1
+      Bytes bytes = fragment(static_cast<std::uint32_t>(rng()), 9, 1, 0, 1, 0);
+      bytes.resize(20);
+      return bytes;
+    }
+    case 5:  // announces 4 MiB and never goes on
+      return fragment(static_cast<std::uint32_t>(rng()), 4U << 20U, 0, 0, 65, 10);
+    case 6:  // announces 4 GiB
+      return fragment(static_cast<std::uint32_t>(rng()), 0xFFFFFFFF, 0, 0, 65'535, 10);
+    case 7:  // most of a datagram, never the other half
+      return fragment(static_cast<std::uint32_t>(rng()), 100'000, 0, 0, 2, 50'000);
+    default:  // a good header, with one bit flipped
+      Bytes bytes = fragment(static_cast<std::uint32_t>(rng() % 8), 200, 0, 0, 2, 100);
+      bytes[rng() % 20] ^= static_cast<std::uint8_t>(1U << (rng() % 8));
+      return bytes;
+  }
+}
+
+// 20 hostile datagrams after each good one, 500 rounds; every 10th good message is of 200 kB, and
+// its sender is a stranger to the attackers. Attackers change their port as they go.
+TEST(UdpmUnderAttack, LosesNoGoodMessageAndKeepsItsMemory) {
+  if (!test::has_large_buffers()) {
+    GTEST_SKIP() << test::kNeedsLargeBuffers;
+  }
+  constexpr unsigned kRounds = 500;
+  const auto victim = bus::open_transport(test::kUrl);
+  const auto friendly = bus::open_transport(test::kUrl);
+  std::vector<std::pair<std::string, Bytes>> heard;
+  test::collect(*victim, "WANTED", heard);
+  std::mt19937 rng(99);
+  auto attacker = std::make_unique<Attacker>();
+  const std::int64_t before_kib = resident_kib();
+  std::int64_t most_kib = 0;
+  for (unsigned round = 0; round < kRounds; ++round) {
+    const std::size_t size = round % 10 == 0 ? 200'000 : 200;
+    ASSERT_TRUE(friendly->publish("WANTED", test::random_bytes(size, round)));
+    for (int i = 0; i < 20; ++i) {
+      attacker->send(hostile_datagram(rng));
+    }
+    if (round % 5 == 0) {
+      attacker = std::make_unique<Attacker>();
+    }
+    test::handle_until(*victim, [&] { return heard.size() > round; });
+    ASSERT_EQ(heard.size(), round + 1U);
+    ASSERT_TRUE(heard.back().second == test::random_bytes(size, round));
+    heard.back().second.clear();
+    heard.back().second.shrink_to_fit();
+    most_kib = std::max(most_kib, resident_kib());
+  }
+  const bus::TransportStats stats = victim->stats();
+  RecordProperty("memory_growth_kib", std::to_string(most_kib - before_kib));
+  EXPECT_EQ(stats.messages_received, kRounds);
+  EXPECT_EQ(stats.kernel_drops, 0);
+  EXPECT_GT(stats.malformed_datagrams, 0);
+  EXPECT_GT(stats.incomplete_messages, 0);
+  EXPECT_GT(stats.oversized_messages, 0);
+#ifndef __SANITIZE_ADDRESS__  // which keeps what was freed
+  EXPECT_LT(most_kib - before_kib, 64 * 1024) << "KiB";
+#endif
+}
+
+// An attacker's fragments lie between those of a good message, in its numbering but from another
+// port; they must not find their way into it.
+TEST(UdpmUnderAttack, MixesNoStrangersFragmentIntoAMessage) {
+  if (!test::has_large_buffers()) {
+    GTEST_SKIP() << test::kNeedsLargeBuffers;
+  }
+  const auto victim = bus::open_transport(test::kUrl);
+  const auto friendly = bus::open_transport(test::kUrl);
+  std::vector<std::pair<std::string, Bytes>> heard;
+  test::collect(*victim, "*", heard);
+  Attacker attacker;
+  for (unsigned round = 0; round < 50; ++round) {
+    attacker.send(fragment(round, 150'000, 65'000, 1, 3, 65'000));
+    attacker.send(fragment(round, 150'000, 0, 0, 3, 65'000));
+    friendly->publish("WANTED", test::random_bytes(150'000, round));
+    test::handle_until(*victim, [&] { return heard.size() > round; });
+    ASSERT_EQ(heard.size(), round + 1U);
+    ASSERT_EQ(heard.back().first, "WANTED");
+    ASSERT_TRUE(heard.back().second == test::random_bytes(150'000, round));
+  }
+}
+
+}  // namespace
+}  // namespace vantage

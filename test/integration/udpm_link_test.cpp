@@ -1,0 +1,59 @@
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "test/integration/network_support.hpp"
+
+// What the kernel refuses, drops and takes away is seen and counted.
+
+namespace vantage {
+namespace {
+
+using test::Bytes;
+using Heard = std::vector<std::pair<std::string, Bytes>>;
+
+TEST(UdpmLink, CountsEveryDatagramTheSocketHadNoRoomFor) {
+  constexpr int kSent = 2'000;
+  const auto sender = bus::open_transport(test::kUrl);
+  const auto receiver = bus::open_transport("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=65536");
+  Heard heard;
+  test::collect(*receiver, "X", heard);
+  for (int i = 0; i < kSent; ++i) {
+    ASSERT_TRUE(sender->publish("X", Bytes(1'000)));
+  }
+  while (receiver->handle(std::chrono::microseconds{0}) > 0) {
+  }
+  // The kernel tells of drops with the next datagram that it lets in.
+  sender->publish("X", Bytes{1});
+  test::handle_until(*receiver, [&] { return heard.back().second.size() == 1; });
+  EXPECT_GT(receiver->stats().kernel_drops, 0);
+  EXPECT_EQ(static_cast<std::int64_t>(heard.size()) + receiver->stats().kernel_drops, kSent + 1);
+}
+
+TEST(UdpmLink, SaysHowMuchOfTheReceiveBufferWasNotGranted) {
+  constexpr std::int64_t kAsked = 1 << 30;
+  const auto greedy = bus::open_transport("udpm://?recv_buf_size=1073741824");
+  const bus::TransportStats stats = greedy->stats();
+  EXPECT_GT(stats.receive_buffer_bytes, 0);
+  EXPECT_EQ(stats.receive_buffer_bytes + stats.receive_buffer_short_bytes, kAsked);
+  EXPECT_GT(stats.receive_buffer_short_bytes, 0) << "nobody is granted 1 GiB";
+  const auto modest = bus::open_transport("udpm://?recv_buf_size=65536");
+  EXPECT_EQ(modest->stats().receive_buffer_short_bytes, 0);
+}
+
+TEST(UdpmLink, CountsWhatCannotBeSentAndHealsWithTheInterface) {
+  const auto ours = bus::open_transport(test::kUrl);
+  Heard heard;
+  test::collect(*ours, "X", heard);
+  ASSERT_EQ(std::system("ip link set lo down"), 0);
+  EXPECT_FALSE(ours->publish("X", Bytes{1}));
+  EXPECT_EQ(ours->stats().send_errors, 1);
+  ASSERT_EQ(std::system("ip link set lo up && ip route add 224.0.0.0/4 dev lo"), 0);
+  EXPECT_TRUE(ours->publish("X", Bytes{2}));
+  test::handle_until(*ours, [&] { return !heard.empty(); });
+  ASSERT_EQ(heard.size(), 1U);
+  EXPECT_EQ(heard[0].second, Bytes{2});
+}
+
+}  // namespace
+}  // namespace vantage

@@ -1,0 +1,69 @@
+#include "logs/metrics/team_estimate.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+namespace vantage::logs {
+namespace {
+
+models::TargetBelief belief_with(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
+  models::TargetBelief out;
+  out.information.matrix = covariance.inverse();
+  out.information.vector = covariance.inverse() * mean;
+  return out;
+}
+
+TEST(PositionEstimate, MarginalisesTheVelocityAway) {
+  Eigen::Matrix4d root;
+  root << 2.0, 0.3, 0.4, 0.1, 0.0, 1.0, 0.2, 0.5, 0.0, 0.0, 1.5, 0.3, 0.0, 0.0, 0.0, 0.7;
+  const Eigen::Matrix4d covariance = root * root.transpose();
+  const Eigen::Vector4d mean(1.0, -2.0, 0.3, 0.4);
+  const auto estimate = position_estimate(belief_with(mean, covariance), "Q1", Time{}, 2);
+  ASSERT_TRUE(estimate);
+  EXPECT_NEAR(estimate->mean_m(0), 1.0, 1e-9);
+  EXPECT_NEAR(estimate->mean_m(1), -2.0, 1e-9);
+  const Eigen::Matrix2d block = covariance.topLeftCorner<2, 2>();
+  const double two_pi_e = 2.0 * std::numbers::pi * std::numbers::e;
+  EXPECT_NEAR(estimate->entropy_nats, 0.5 * std::log(two_pi_e * two_pi_e * block.determinant()),
+              1e-9);
+  EXPECT_NEAR(estimate->sigma_m(), std::sqrt(0.5 * block.trace()), 1e-9);
+}
+
+TEST(PositionEstimate, OfARoundGaussianHasTheIsotropicEntropy) {
+  const auto estimate = position_estimate(
+      belief_with(Eigen::Vector2d::Zero(), 4.0 * Eigen::Matrix2d::Identity()), "Q1", Time{}, 2);
+  ASSERT_TRUE(estimate);
+  EXPECT_NEAR(estimate->entropy_nats, isotropic_entropy_nats(2.0, 2), 1e-12);
+}
+
+TEST(PositionEstimate, IsRefusedWithoutInformation) {
+  models::TargetBelief ignorant;
+  ignorant.information.matrix = Eigen::Matrix2d::Zero();
+  ignorant.information.vector = Eigen::Vector2d::Zero();
+  EXPECT_FALSE(position_estimate(ignorant, "Q1", Time{}, 2));
+}
+
+TEST(TeamEstimate, IsTheMostInformedThenTheNewestThenTheFirstInTheAlphabet) {
+  PositionEstimate vague{"Q1", Time{}, from_utime(9), {}, {}, 3.0};
+  PositionEstimate old{"Q2", Time{}, from_utime(4), {}, {}, 1.0};
+  PositionEstimate fresh{"Q4", Time{}, from_utime(5), {}, {}, 1.0};
+  PositionEstimate fresh_too{"Q3", Time{}, from_utime(5), {}, {}, 1.0};
+  TeamEstimate team;
+  EXPECT_EQ(team.find(7), nullptr);
+  team.offer(7, vague);
+  EXPECT_EQ(team.find(7)->robot, "Q1");
+  team.offer(7, old);
+  EXPECT_EQ(team.find(7)->robot, "Q2");
+  team.offer(7, fresh);
+  EXPECT_EQ(team.find(7)->robot, "Q4");
+  team.offer(7, fresh_too);
+  EXPECT_EQ(team.find(7)->robot, "Q3");
+  team.offer(7, vague);
+  EXPECT_EQ(team.find(7)->robot, "Q3");
+}
+
+}  // namespace
+}  // namespace vantage::logs

@@ -1,0 +1,205 @@
+#include "logs/metrics/trial_metrics.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace vantage::logs {
+namespace {
+
+constexpr std::int64_t kStart = 1'700'000'000'000'000;
+constexpr double kPriorSigma_m = 4.0;
+
+Time at_s(double seconds_s) { return from_utime(kStart) + from_seconds(seconds_s); }
+
+models::Scenario scenario() {
+  models::Scenario out;
+  out.name = "bench";
+  out.seed = 7;
+  out.planner.step_s = 0.5;
+  out.estimator.target_model.position_dim = 2;
+  out.estimator.undiscovered_position_sigma_m = kPriorSigma_m;
+  out.robots.resize(2);
+  out.robots[0].name = "Q1";
+  out.robots[1].name = "Q2";
+  out.targets.resize(2);
+  out.targets[0].name = "R1";
+  out.targets[1].name = "R2";
+  out.targets[1].id = 1;
+  return out;
+}
+
+// Target 0 moves along x at 2 m/s from the origin; target 1 stands at (5, 5).
+models::TruthFrame truth(double time_s) {
+  models::TruthFrame out;
+  out.stamp.time = at_s(time_s);
+  out.bodies.resize(2);
+  out.bodies[0].target_id = 0;
+  out.bodies[0].world_from_body = lift({2.0 * time_s, 0.0, 0.0}, 0.0);
+  out.bodies[1].target_id = 1;
+  out.bodies[1].world_from_body = lift({5.0, 5.0, 0.0}, 0.0);
+  return out;
+}
+
+models::TargetBelief target(int id, double x_m, double y_m, double sigma_m) {
+  models::TargetBelief out;
+  out.target_id = id;
+  out.information.matrix = Eigen::Matrix2d::Identity() / (sigma_m * sigma_m);
+  out.information.vector = Eigen::Vector2d(x_m, y_m) / (sigma_m * sigma_m);
+  return out;
+}
+
+models::RobotBelief belief(const std::string& robot, double time_s,
+                           std::vector<models::TargetBelief> targets) {
+  models::RobotBelief out;
+  out.robot = robot;
+  out.stamp.time = at_s(time_s);
+  out.targets = std::move(targets);
+  return out;
+}
+
+TEST(TrialMetrics, MeasuresErrorAtTheBeliefsOwnTime) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  // Truth between frames: at 0.5 s target 0 is at x = 1; the belief is off by (0.3, 0.4).
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.3, 0.4, 1.0)}));
+  metrics.on_truth(truth(0.4));
+  metrics.on_truth(truth(0.6));
+  const TrialSummary summary = metrics.finish(at_s(1.0));
+  ASSERT_TRUE(summary.rmse_m);
+  EXPECT_NEAR(*summary.rmse_m, 0.5, 1e-9);
+  EXPECT_NEAR(*summary.rmse_per_target_m[0], 0.5, 1e-9);
+  EXPECT_FALSE(summary.rmse_per_target_m[1]);
+}
+
+TEST(TrialMetrics, TakesTheBestInformedRobotOfEachStep) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(2.0));
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 4.0, 0.0, 2.0)}));   // off by 3, vague
+  metrics.on_belief(belief("Q2", 0.5, {target(0, 1.0, 0.25, 0.5)}));  // off by 0.25, certain
+  const TrialSummary summary = metrics.finish(at_s(2.0));
+  EXPECT_NEAR(*summary.rmse_m, 0.25, 1e-9);
+  EXPECT_NEAR(summary.entropy_per_target_nats[0], isotropic_entropy_nats(0.5, 2), 1e-9);
+}
+
+TEST(TrialMetrics, CountsUnknownTargetsWithTheirPriorAndKeepsThemOutOfTheRmse) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(3.0));
+  metrics.on_belief(belief("Q1", 0.5, {}));
+  metrics.on_belief(belief("Q1", 1.0, {target(1, 5.0, 6.0, 1.0)}));
+  const TrialSummary summary = metrics.finish(at_s(3.0));
+  const double prior = isotropic_entropy_nats(kPriorSigma_m, 2);
+  const double known = isotropic_entropy_nats(1.0, 2);
+  EXPECT_NEAR(summary.entropy_per_target_nats[0], prior, 1e-9);
+  EXPECT_NEAR(summary.entropy_per_target_nats[1], 0.5 * (prior + known), 1e-9);
+  EXPECT_NEAR(summary.entropy_nats, 0.75 * prior + 0.25 * known, 1e-9);
+  EXPECT_NEAR(*summary.rmse_m, 1.0, 1e-9);
+  EXPECT_NEAR(summary.undiscovered_share, 0.75, 1e-12);
+  EXPECT_EQ(summary.discovered, 1);
+}
+
+TEST(TrialMetrics, DiscoversAtTheFirstBeliefOfAnyRobot) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  metrics.on_belief(belief("Q1", 2.0, {target(0, 0.0, 0.0, 1.0)}));
+  metrics.on_belief(belief("Q2", 1.5, {target(0, 0.0, 0.0, 1.0)}));  // arrives later, is older
+  metrics.on_belief(belief("Q2", 9.0, {target(0, 0.0, 0.0, 1.0)}));
+  const TrialSummary summary = metrics.finish(at_s(10.0));
+  ASSERT_TRUE(summary.discovery_time_s[0]);
+  EXPECT_DOUBLE_EQ(*summary.discovery_time_s[0], 1.5);
+  EXPECT_FALSE(summary.discovery_time_s[1]);
+}
+
+TEST(TrialMetrics, AveragesTheRmseOverTime) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(5.0));
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.0, 1.0, 1.0)}));                        // 1
+  metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 3.0, 1.0), target(1, 5, 5, 1.0)}));  // 3, 0
+  const TrialSummary summary = metrics.finish(at_s(5.0));
+  EXPECT_NEAR(*summary.rmse_m, 0.5 * (1.0 + std::sqrt(9.0 / 2.0)), 1e-9);
+  EXPECT_NEAR(*summary.rmse_per_target_m[0], std::sqrt(5.0), 1e-9);
+}
+
+TEST(TrialMetrics, CountsRoundsPlansAndFallbacks) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  models::RobotPlan plan;
+  plan.robot = "Q1";
+  plan.round = 10;
+  plan.source = models::PlanSource::kSearched;
+  metrics.on_plan(plan);
+  plan.robot = "Q2";
+  plan.late = true;
+  metrics.on_plan(plan);
+  plan.round = 11;
+  plan.source = models::PlanSource::kBraking;
+  metrics.on_plan(plan);
+  const TrialSummary summary = metrics.finish(at_s(1.0));
+  EXPECT_EQ(summary.rounds, 2);
+  EXPECT_EQ(summary.rounds_late, 2);
+  EXPECT_EQ(summary.fallbacks, 1);
+  EXPECT_EQ(summary.plans, 3);
+  EXPECT_EQ(summary.plans_missing, 1);
+}
+
+TEST(TrialMetrics, TellsCollisionsFromNearMisses) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  models::ContactReport contact;
+  contact.kind = models::ContactKind::kNearMiss;
+  metrics.on_contact(contact);
+  metrics.on_contact(contact);
+  contact.kind = models::ContactKind::kCollision;
+  metrics.on_contact(contact);
+  const TrialSummary summary = metrics.finish(at_s(1.0));
+  EXPECT_EQ(summary.collisions, 1);
+  EXPECT_EQ(summary.separation_violations, 2);
+}
+
+TEST(TrialMetrics, SumsTheNewestLossCountersOfEachProcess) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  models::ProcessHealth health;
+  health.process = "PLANNER_Q1";
+  health.counters = {{"BELIEF_Q1.lost", 2}, {"VICON.lost", 1}, {"VICON.duplicates", 50}};
+  metrics.on_health(health);
+  health.counters[0].count = 3;
+  metrics.on_health(health);
+  health.process = "PLANNER_Q2";
+  metrics.on_health(health);
+  EXPECT_EQ(metrics.finish(at_s(1.0)).messages_lost, 8);
+  EXPECT_EQ(metrics.finish(at_s(1.0), 5).messages_lost, 5);
+}
+
+TEST(TrialSummary, HasThePublishedKeysFirstAndInOrder) {
+  const nlohmann::ordered_json json =
+      to_json(TrialMetrics(scenario(), at_s(0.0)).finish(at_s(2.0)));
+  const std::vector<std::string> published = {"seed",
+                                              "duration_s",
+                                              "collisions",
+                                              "separation_violations",
+                                              "min_separation_m",
+                                              "discovered",
+                                              "targets",
+                                              "discovery_time_s",
+                                              "rmse_m",
+                                              "entropy",
+                                              "rounds",
+                                              "rounds_late",
+                                              "fallbacks",
+                                              "messages_lost"};
+  auto entry = json.begin();
+  for (const std::string& key : published) {
+    ASSERT_NE(entry, json.end());
+    EXPECT_EQ(entry.key(), key);
+    ++entry;
+  }
+  EXPECT_EQ(json["seed"], 7);
+  EXPECT_EQ(json["targets"], 2);
+  EXPECT_EQ(json["discovery_time_s"].size(), 2U);
+  EXPECT_TRUE(json["discovery_time_s"][0].is_null());
+  EXPECT_TRUE(json["rmse_m"].is_null());
+  EXPECT_TRUE(json["min_separation_m"].is_null());
+  EXPECT_TRUE(json["entropy"].is_number());
+}
+
+}  // namespace
+}  // namespace vantage::logs

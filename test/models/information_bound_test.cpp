@@ -1,0 +1,153 @@
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "models/sensor/sensor.hpp"
+#include "test/support/random.hpp"
+
+namespace vantage::models {
+namespace {
+
+constexpr SensorKind kKinds[] = {SensorKind::kPosition, SensorKind::kRange, SensorKind::kBearing,
+                                 SensorKind::kRangeBearing, SensorKind::kCamera};
+
+double largest_eigenvalue(const PositionMatrix& M) {
+  return Eigen::SelfAdjointEigenSolver<PositionMatrix>(M, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
+SensorModel random_sensor(test::Random& random, SensorKind kind) {
+  SensorModel sensor;
+  sensor.kind = kind;
+  sensor.range_max_m = random.uniform(0.5, 6.0);
+  sensor.range_min_m = random.coin() ? random.uniform(0.01, 0.5) : 0.0;
+  sensor.fov_rad = random.coin() ? 2.0 * kPi : random.uniform(0.5, 6.0);
+  sensor.camera_tilt_rad = random.coin() ? kPi / 2 : random.uniform(0.0, kPi / 2);
+  sensor.depth_min_m = random.uniform(0.05, 0.5);
+  sensor.variance_grows_with_range = random.coin();
+  sensor.variance_floor = random.uniform(0.02, 0.5);
+  sensor.calibration = {random.uniform(0.8, 1.2), random.uniform(-0.5, 0.5)};
+  return sensor;
+}
+
+struct Question {
+  Viewpoint from;
+  double reach_m;
+  PositionVector target;
+};
+
+Question random_question(test::Random& random) {
+  PositionVector target = PositionVector::Zero(random.integer(2, 3));
+  target.head(2) = random.vector<2>(-3.0, 3.0);
+  if (target.rows() == 3) {
+    target(2) = random.uniform(-0.5, 2.5);
+  }
+  return {{random.pose2(3.0), random.uniform(0.0, 3.0)}, random.uniform(0.0, 3.0), target};
+}
+
+// A viewpoint of the disc; every other one on its rim or as near to the target as it gets, where
+// information is largest.
+Viewpoint reached(test::Random& random, const Question& question) {
+  const Pose2& from = question.from.world_from_body;
+  const Eigen::Vector2d to_target = question.target.head<2>() - from.position_m();
+  double angle_rad = random.uniform(-kPi, kPi);
+  double way_m = question.reach_m * std::sqrt(random.uniform(0.0, 1.0));
+  switch (random.integer(0, 3)) {
+    case 0:
+      way_m = question.reach_m;
+      break;
+    case 1:
+      angle_rad = std::atan2(to_target.y(), to_target.x());
+      way_m = std::min(question.reach_m, to_target.norm());
+      break;
+    default:
+      break;
+  }
+  return {{from.x_m + way_m * std::cos(angle_rad), from.y_m + way_m * std::sin(angle_rad),
+           random.uniform(-kPi, kPi)},
+          question.from.height_m};
+}
+
+TEST(InformationBound, IsNeverExceededFromAnyReachableViewpoint) {
+  test::Random random(71);
+  for (const SensorKind kind : kKinds) {
+    int seen = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const SensorModel sensor = random_sensor(random, kind);
+      const Question question = random_question(random);
+      const double bound =
+          information_bound(sensor, question.from, question.reach_m, question.target);
+      for (int k = 0; k < 15; ++k) {
+        const Viewpoint viewpoint = reached(random, question);
+        const PositionMatrix M = information(sensor, viewpoint, question.target);
+        if (M.isZero(0.0)) {
+          continue;
+        }
+        ++seen;
+        ASSERT_LE(largest_eigenvalue(M), bound * (1.0 + 1e-12))
+            << "sensor kind " << static_cast<int>(kind) << ", reach " << question.reach_m;
+      }
+    }
+    EXPECT_GT(seen, 3000) << "sensor kind " << static_cast<int>(kind);
+  }
+}
+
+// Needed for a consistent heuristic: what is reachable after a step was reachable before it.
+TEST(InformationBound, NeverFallsWhenTheReachGrows) {
+  test::Random random(72);
+  for (const SensorKind kind : kKinds) {
+    for (int i = 0; i < 4000; ++i) {
+      const SensorModel sensor = random_sensor(random, kind);
+      const Question question = random_question(random);
+      const Viewpoint next = reached(random, question);
+      const double more_m = random.uniform(0.0, 2.0);
+      const double now =
+          information_bound(sensor, question.from, question.reach_m + more_m, question.target);
+      ASSERT_LE(information_bound(sensor, next, more_m, question.target), now * (1.0 + 1e-6));
+    }
+  }
+}
+
+TEST(InformationBound, IsZeroForATargetThatNoReachableViewpointCanSee) {
+  for (const SensorKind kind : kKinds) {
+    SensorModel sensor;
+    sensor.kind = kind;
+    sensor.range_min_m = 0.1;
+    sensor.range_max_m = 5.0;
+    const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
+    EXPECT_EQ(information_bound(sensor, from, 3.0, Eigen::Vector2d(8.1, 0.0)), 0.0);
+    EXPECT_GT(information_bound(sensor, from, 3.0, Eigen::Vector2d(7.9, 0.0)), 0.0);
+    EXPECT_EQ(information_bound(sensor, from, 0.0, Eigen::Vector3d(0.0, 0.0, 2.0)), 0.0);
+    EXPECT_EQ(information_bound(sensor, from, 100.0, Eigen::Vector3d(0.0, 0.0, 7.1)), 0.0);
+  }
+}
+
+TEST(InformationBound, IsReachedByTheBestViewpoint) {
+  SensorModel sensor;
+  sensor.range_min_m = 0.1;
+  const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
+  const Eigen::Vector2d target(3.0, 0.0);
+  for (const SensorKind kind : kKinds) {
+    sensor.kind = kind;
+    const Viewpoint best{{1.0, 0.0, 0.0}, 2.0};
+    const double attained = largest_eigenvalue(information(sensor, best, target));
+    EXPECT_NEAR(information_bound(sensor, from, 1.0, target) / attained, 1.0, 1e-6)
+        << "sensor kind " << static_cast<int>(kind);
+  }
+}
+
+TEST(InformationBound, OfABearingStopsAtTheLeastRange) {
+  SensorModel sensor;
+  sensor.kind = SensorKind::kBearing;
+  sensor.range_min_m = 0.2;
+  const double expected = 1.0 / std::pow(radians(5.0) * 0.2, 2.0);
+  EXPECT_NEAR(information_bound(sensor, {}, 5.0, Eigen::Vector2d(1.0, 1.0)), expected,
+              1e-9 * expected);
+  sensor.range_min_m = 0.0;
+  EXPECT_EQ(information_bound(sensor, {}, 5.0, Eigen::Vector2d(1.0, 1.0)), INFINITY);
+}
+
+}  // namespace
+}  // namespace vantage::models

@@ -1,0 +1,174 @@
+#include "sim/world/world_simulation.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "core/check.hpp"
+#include "sim/world/mocap.hpp"
+#include "test/sim/lab_scenario.hpp"
+
+namespace vantage::sim {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+models::RobotPlan circle_from(const models::RobotSpec& robot, Time start) {
+  models::RobotPlan plan;
+  plan.robot = robot.name;
+  plan.stamp.time = start;
+  plan.trajectory = {start, robot.start, robot.height_m, {{{1.0, 3.0}, 1000.0, 0.0}}};
+  return plan;
+}
+
+// Five minutes with the quadrotors circling above: FCL and closed form both see no
+// contact at all, and they agree.
+class LabFor300S : public ::testing::TestWithParam<int> {};
+
+TEST_P(LabFor300S, NothingTouches) {
+  const models::Scenario scenario = test::lab_scenario();
+  WorldSimulation world(scenario, static_cast<std::uint64_t>(GetParam()), kStart);
+  for (const models::RobotSpec& robot : scenario.robots) {
+    EXPECT_EQ(world.offer(circle_from(robot, kStart)), PlanVerdict::kAccepted);
+  }
+  world.advance_to(kStart + std::chrono::seconds(300));
+  for (const models::ContactReport& contact : world.take_contacts()) {
+    ADD_FAILURE() << contact.body_a << " and " << contact.body_b << " at " << contact.distance_m
+                  << " m";
+  }
+  EXPECT_EQ(world.collisions().disagreements(), 0);
+  EXPECT_EQ(world.collisions().non_finite(), 0);
+  EXPECT_GT(world.collisions().min_separation_m(), 0.6);
+  EXPECT_GT(world.ground().rovers()->way_points_reached(), 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, LabFor300S, ::testing::Range(1, 5));
+
+std::vector<double> numbers_of(const models::TruthFrame& frame) {
+  std::vector<double> numbers;
+  for (const models::TruthBody& body : frame.bodies) {
+    const auto& q = body.world_from_body.rotation.coeffs();
+    const auto& p = body.world_from_body.translation_m;
+    numbers.insert(numbers.end(), {p.x(), p.y(), p.z(), q(0), q(1), q(2), q(3),
+                                   body.velocity_world_mps.x(), body.velocity_world_mps.y()});
+  }
+  return numbers;
+}
+
+TEST(WorldSimulation, IsTheSameForTheSameSeedAndAnotherForAnother) {
+  for (const auto motion :
+       {models::TargetMotion::kRandomWaypoint, models::TargetMotion::kDoubleIntegrator}) {
+    models::Scenario scenario = test::lab_scenario();
+    scenario.target_truth.motion = motion;
+    WorldSimulation a(scenario, 7, kStart);
+    WorldSimulation b(scenario, 7, kStart);
+    WorldSimulation c(scenario, 8, kStart);
+    for (int k = 1; k <= 200; ++k) {
+      const Time at = kStart + k * Duration{50'000};
+      a.advance_to(at);
+      b.advance_to(at);
+      c.advance_to(at);
+      ASSERT_EQ(numbers_of(a.truth()), numbers_of(b.truth()));
+    }
+    EXPECT_NE(numbers_of(a.truth()), numbers_of(c.truth()));
+  }
+}
+
+TEST(WorldSimulation, DoesNotDependOnHowItIsStepped) {
+  const models::Scenario scenario = test::lab_scenario();
+  WorldSimulation often(scenario, 7, kStart);
+  WorldSimulation once(scenario, 7, kStart);
+  for (int k = 1; k <= 2000; ++k) {
+    often.advance_to(kStart + k * WorldSimulation::kStep);
+  }
+  once.advance_to(kStart + 2000 * WorldSimulation::kStep);
+  EXPECT_EQ(numbers_of(often.truth()), numbers_of(once.truth()));
+  once.advance_to(kStart);
+  EXPECT_EQ(numbers_of(often.truth()), numbers_of(once.truth())) << "time went backwards";
+}
+
+TEST(WorldSimulation, LeavesStillTargetsWhereTheyAreAndRealRobotsOut) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.target_truth.motion = models::TargetMotion::kStill;
+  scenario.targets[2].start = Pose2{2.0, 7.0, 1.0};
+  scenario.robots[1].device = models::DeviceSource::kReal;
+  WorldSimulation world(scenario, 1, kStart);
+  world.advance_to(kStart + std::chrono::seconds(5));
+  const models::TruthFrame truth = world.truth();
+  ASSERT_EQ(truth.bodies.size(), 7u);
+  EXPECT_EQ(truth.bodies[1].name, "Q3");
+  EXPECT_EQ(truth.bodies[4].target_id, 2);
+  EXPECT_EQ(truth.bodies[4].world_from_body.translation_m, Eigen::Vector3d(2.0, 7.0, 0.0));
+  EXPECT_EQ(world.offer(circle_from(scenario.robots[1], kStart)), std::nullopt);
+}
+
+TEST(WorldSimulation, ReportsAVehicleThatFallsOnARoverBelow) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.target_truth.motion = models::TargetMotion::kStill;
+  scenario.targets[0].start = Pose2{1.0, 1.0, 0.0};
+  WorldSimulation world(scenario, 1, kStart);
+  models::OperatorCommand stop;
+  stop.action = models::OperatorAction::kEmergencyStop;
+  stop.robot = "Q1";
+  world.command(stop);
+  world.advance_to(kStart + std::chrono::seconds(2));
+  const auto contacts = world.take_contacts();
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].body_a, "Q1");
+  EXPECT_EQ(contacts[0].body_b, "ROVER1");
+  EXPECT_EQ(contacts[0].kind, models::ContactKind::kCollision);
+  EXPECT_TRUE(world.take_contacts().empty());
+}
+
+TEST(MocapCamera, AddsTheNoiseItStates) {
+  models::MocapSpec spec;
+  spec.position_sigma_m = 0.01;
+  spec.yaw_sigma_rad = 0.02;
+  MocapCamera camera(spec, 5);
+  models::TruthFrame truth;
+  truth.stamp.time = kStart;
+  truth.bodies.push_back({"Q1", -1, lift({1.0, 2.0, 3.0}, 1.5), {}});
+  constexpr int kFrames = 20000;
+  Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d second = Eigen::Matrix4d::Zero();
+  for (int k = 0; k < kFrames; ++k) {
+    const models::MocapFrame frame = camera.capture(truth);
+    const Pose3& seen = frame.bodies[0].world_from_body;
+    Eigen::Vector4d e;
+    e.head<3>() = (seen.translation_m - Eigen::Vector3d(1.0, 2.0, 1.5)) / 0.01;
+    e(3) = wrap_to_pi(flatten(seen).yaw_rad - 3.0) / 0.02;
+    mean += e / kFrames;
+    second += e * e.transpose() / kFrames;
+  }
+  // 1σ of a mean is 1/√n = 0.007, of a variance √(2/n) = 0.01, of a correlation 0.007; 5σ.
+  EXPECT_LT(mean.cwiseAbs().maxCoeff(), 0.035);
+  EXPECT_LT((second - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff(), 0.05);
+}
+
+TEST(MocapCamera, CapturesAtWholePeriodsAndArrivesALatencyLater) {
+  models::MocapSpec spec;
+  spec.rate_hz = 60.0;
+  spec.latency_s = 0.007;
+  MocapCamera camera(spec, 5);
+  EXPECT_EQ(camera.period(), Duration{16'667});
+  const Time at = camera.capture_at_or_after(kStart);
+  EXPECT_GE(at, kStart);
+  EXPECT_LT(at - kStart, camera.period());
+  EXPECT_EQ(camera.capture_at_or_after(at), at);
+  models::TruthFrame truth;
+  truth.stamp.time = at;
+  const models::MocapFrame frame = camera.capture(truth);
+  EXPECT_EQ(frame.arrival - frame.stamp.time, Duration{7'000});
+  EXPECT_EQ(frame.frame_number * 16'667, to_utime(at));
+}
+
+TEST(MocapCamera, RefusesARateThatIsNone) {
+  models::MocapSpec spec;
+  spec.rate_hz = 0.0;
+  EXPECT_THROW(MocapCamera(spec, 1), UsageError);
+}
+
+}  // namespace
+}  // namespace vantage::sim

@@ -1,0 +1,193 @@
+#include "tools/picture/picture.hpp"
+
+#include <fstream>
+#include <regex>
+#include <stack>
+
+#include <gtest/gtest.h>
+
+#include "tools/picture/label_placer.hpp"
+#include "tools/picture/svg.hpp"
+
+namespace vantage::tools {
+namespace {
+
+/// Why `text` is not well-formed XML (tags nested and closed, attributes quoted and not repeated,
+/// nothing but known entities); empty when it is.
+std::string xml_fault(const std::string& text) {
+  const std::regex open_tag(R"rx(<([A-Za-z]+)((?:\s+[\w:-]+="[^"<]*")*)\s*(/?)>)rx");
+  const std::regex close_tag(R"(</([A-Za-z]+)>)");
+  const std::regex entity(R"(&(amp|lt|gt|quot|apos);)");
+  std::stack<std::string> open;
+  std::size_t at = text.find("?>") == std::string::npos ? 0 : text.find("?>") + 2;
+  while (at < text.size()) {
+    std::smatch match;
+    const auto from = text.cbegin() + static_cast<std::ptrdiff_t>(at);
+    constexpr auto kHere = std::regex_constants::match_continuous;
+    if (text[at] == '<' && std::regex_search(from, text.cend(), match, open_tag, kHere)) {
+      if (match[3].length() == 0) {
+        open.push(match[1]);
+      }
+    } else if (text[at] == '<' && std::regex_search(from, text.cend(), match, close_tag, kHere)) {
+      if (open.empty() || open.top() != match[1]) {
+        return "closes " + match[1].str() + " that is not open";
+      }
+      open.pop();
+    } else if (text[at] == '&' && std::regex_search(from, text.cend(), match, entity, kHere)) {
+    } else if (text[at] == '<' || text[at] == '&') {
+      return "cannot read: " + text.substr(at, 60);
+    } else {
+      ++at;
+      continue;
+    }
+    at += static_cast<std::size_t>(match.length());
+  }
+  return open.empty() ? "" : "never closes " + open.top();
+}
+
+int count(const std::string& text, const std::string& what) {
+  int found = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) {
+    ++found;
+  }
+  return found;
+}
+
+struct Example {
+  models::Scenario scenario;
+  Scene scene;
+  logs::TrialSummary summary;
+};
+
+Example example() {
+  Example out;
+  out.scenario.name = "a<b & c";
+  out.scenario.world.bounds = {{-4.0, -2.0}, {4.0, 2.0}};
+  out.scenario.world.obstacles.push_back({{{-1.0, -1.0}, {0.0, 0.0}}, 2.0});
+  out.scenario.robots.resize(2);
+  out.scenario.robots[0].name = "Q1";
+  out.scenario.robots[0].sensor.range_max_m = 1.0;
+  out.scenario.robots[1].name = "Q2";
+  out.scenario.robots[1].sensor.fov_rad = 1.5;
+  out.scenario.robots[1].sensor.range_max_m = 1.0;
+  out.scenario.targets = {{"R1", 0, {}, 0.2}, {"R2", 1, {}, 0.2}};
+  out.summary.scenario = out.scenario.name;
+  out.summary.targets = 2;
+  out.summary.discovered = 1;
+  out.summary.discovery_time_s = {12.5, std::nullopt};
+  out.summary.rmse_per_target_m = {0.25, std::nullopt};
+  out.summary.entropy_per_target_nats = {0.5, 3.0};
+
+  SceneRecorder recorder(out.scenario);
+  for (int i = 0; i <= 600; ++i) {
+    models::TruthFrame truth;
+    truth.stamp.time = from_utime(1'000'000 + i * 100'000);
+    for (const auto& [name, id, y_m] :
+         {std::tuple{"Q1", -1, 0.5}, {"Q2", -1, -0.5}, {"R1", 0, 1.0}, {"R2", 1, -1.0}}) {
+      models::TruthBody body;
+      body.name = name;
+      body.target_id = id;
+      body.world_from_body = lift({-3.0 + 0.01 * i, y_m, 0.0}, 1.0);
+      truth.bodies.push_back(body);
+    }
+    recorder.on_truth(truth);
+  }
+  models::RobotBelief belief;
+  belief.robot = "Q1";
+  belief.stamp.time = from_utime(1'000'000);
+  belief.grid = models::GridGeometry::covering(out.scenario.world.bounds, 0.5);
+  belief.last_seen_utime.assign(static_cast<std::size_t>(belief.grid.size()), 0);
+  belief.last_seen_utime[3] = 900'000;
+  recorder.on_belief(belief);
+  models::RobotPlan plan;
+  plan.robot = "Q1";
+  plan.trajectory.start_time = from_utime(61'000'000);
+  plan.trajectory.start = {3.0, 0.5, 0.0};
+  plan.trajectory.segments = {{{1.0, 1.0}, 0.5, 0.0}};
+  recorder.on_plan(plan);
+  out.scene = recorder.scene();
+  logs::PositionEstimate estimate;
+  estimate.mean_m = Eigen::Vector2d(2.5, 1.0);
+  estimate.covariance_m2 = Eigen::Vector2d(0.04, 0.01).asDiagonal();
+  out.scene.targets[0].estimate = estimate;
+  return out;
+}
+
+TEST(DrawPicture, IsWellFormedXml) {
+  const Example it = example();
+  EXPECT_EQ(xml_fault(draw_picture(it.scenario, it.scene, it.summary)), "");
+  EXPECT_EQ(xml_fault(draw_picture(it.scenario, Scene{}, it.summary)), "");
+}
+
+TEST(XmlFault, FindsFaults) {
+  EXPECT_NE(xml_fault("<a><b></a></b>"), "");
+  EXPECT_NE(xml_fault("<a>1 & 2</a>"), "");
+  EXPECT_NE(xml_fault("<a x=1/>"), "");
+  EXPECT_NE(xml_fault("<a>"), "");
+}
+
+TEST(DrawPicture, ShowsEverythingOnce) {
+  const Example it = example();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  EXPECT_EQ(count(svg, "class=\"obstacle\""), 1);
+  EXPECT_EQ(count(svg, "class=\"bounds\""), 1);
+  EXPECT_EQ(count(svg, "class=\"robot\""), 2);
+  EXPECT_EQ(count(svg, "class=\"view\""), 2);
+  EXPECT_EQ(count(svg, "class=\"plan\""), 1);
+  EXPECT_EQ(count(svg, "class=\"truth\""), 2);
+  EXPECT_EQ(count(svg, "class=\"ellipse\""), 1);  // the target that nobody knows has none
+  EXPECT_NE(svg.find("a&lt;b &amp; c: 1 of 2 targets found"), std::string::npos);
+  EXPECT_NE(svg.find("12.5 s"), std::string::npos);
+}
+
+TEST(DrawPicture, DrawsTwoSigma) {
+  const Example it = example();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  // 8 m are 1040 px, so 2σ of 0.2 m and 0.1 m are 52 px and 26 px (the smaller axis first).
+  EXPECT_NE(svg.find("<ellipse rx=\"26.00\" ry=\"52.00\""), std::string::npos);
+}
+
+TEST(DrawPicture, IsTheSameForTheSameTrial) {
+  const Example a = example();
+  const Example b = example();
+  EXPECT_EQ(draw_picture(a.scenario, a.scene, a.summary),
+            draw_picture(b.scenario, b.scene, b.summary));
+}
+
+TEST(LabelPlacer, KeepsLabelsApartWhileThereIsRoom) {
+  LabelPlacer placer({Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 400)});
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (int i = 0; i < 6; ++i) {
+    boxes.push_back(placer.place({200.0 + i, 200.0}, {30.0, 14.0}));
+    for (std::size_t j = 0; j + 1 < boxes.size(); ++j) {
+      const auto both = boxes.back().intersection(boxes[j]);
+      EXPECT_TRUE(both.isEmpty() || both.volume() < 1e-9) << i << " " << j;
+    }
+  }
+}
+
+TEST(LabelPlacer, StaysOnThePage) {
+  const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 300));
+  LabelPlacer placer(page);
+  EXPECT_TRUE(page.contains(placer.place({399.0, 1.0}, {30.0, 14.0})));
+  EXPECT_TRUE(page.contains(placer.place({1.0, 299.0}, {30.0, 14.0})));
+}
+
+TEST(RenderPng, MakesAPngOrSaysWhatIsMissing) {
+  const std::string svg_path = ::testing::TempDir() + "vantage_picture.svg";
+  const std::string png_path = ::testing::TempDir() + "vantage_picture.png";
+  const Example it = example();
+  write_text(svg_path, draw_picture(it.scenario, it.scene, it.summary));
+  const Result<std::string> png = render_png(svg_path, png_path);
+  if (!png.ok()) {
+    EXPECT_NE(png.error().message.find("rsvg-convert"), std::string::npos);
+    return;
+  }
+  std::ifstream file(png_path, std::ios::binary);
+  std::string magic(4, ' ');
+  file.read(magic.data(), 4);
+  EXPECT_EQ(magic, "\x89PNG");
+}
+
+}  // namespace
+}  // namespace vantage::tools

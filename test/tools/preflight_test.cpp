@@ -1,0 +1,63 @@
+#include "tools/check/preflight.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bus/scenario_yaml.hpp"
+
+namespace vantage::tools {
+namespace {
+
+models::Scenario lab() {
+  return bus::load_scenario(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml");
+}
+
+// The one fault of a scenario; fails the test when there is none or another.
+std::string only_fault(const models::Scenario& scenario) {
+  const Preflight preflight = check_preflight(scenario);
+  EXPECT_EQ(preflight.faults.size(), 1U);
+  return preflight.faults.empty() ? "" : preflight.faults[0];
+}
+
+TEST(CheckPreflight, LetsTheShippedScenariosFly) {
+  for (const std::string name : {"lab", "field"}) {
+    const Preflight preflight = check_preflight(
+        bus::load_scenario(std::string(VANTAGE_SOURCE_DIR) + "/config/" + name + ".yaml"));
+    EXPECT_TRUE(preflight.is_ready()) << name << ": " << preflight.faults[0];
+    EXPECT_GE(preflight.understood.size(), 4U);
+  }
+}
+
+TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
+  models::Scenario scenario = lab();
+  scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.3;  // 0.25 + 0.1 is needed
+  EXPECT_NE(only_fault(scenario).find("robot Q1"), std::string::npos);
+  scenario.robots[0].start.x_m = scenario.world.bounds.min_m.x() + 0.36;
+  EXPECT_TRUE(check_preflight(scenario).is_ready());
+}
+
+TEST(CheckPreflight, MeasuresTheSeparationOfStartsInSpace) {
+  models::Scenario scenario = lab();
+  scenario.robots[1].start = scenario.robots[0].start;
+  scenario.robots[1].height_m = scenario.robots[0].height_m + 0.5;  // 0.6 m is asked
+  EXPECT_NE(only_fault(scenario).find("Q1 and Q2"), std::string::npos);
+  scenario.robots[1].height_m = scenario.robots[0].height_m + 0.7;
+  EXPECT_TRUE(check_preflight(scenario).is_ready());
+}
+
+TEST(CheckPreflight, RefusesARoundTooShortForItsSlots) {
+  models::Scenario scenario = lab();
+  scenario.planner.team_budget_s = scenario.planner.execute_steps * scenario.planner.step_s;
+  EXPECT_NE(only_fault(scenario).find("round"), std::string::npos);
+}
+
+TEST(CheckPreflight, RefusesATargetThatStartsInAnObstacle) {
+  models::Scenario scenario = lab();
+  ASSERT_FALSE(scenario.world.obstacles.empty());
+  const models::Rectangle& box = scenario.world.obstacles[0].footprint;
+  const Eigen::Vector2d centre_m = 0.5 * (box.min_m + box.max_m);
+  scenario.targets[2].start = Pose2{centre_m.x(), centre_m.y(), 0.0};
+  EXPECT_NE(only_fault(scenario).find(scenario.targets[2].name), std::string::npos);
+}
+
+}  // namespace
+}  // namespace vantage::tools

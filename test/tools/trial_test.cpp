@@ -1,0 +1,98 @@
+#include "tools/trial/trial.hpp"
+
+#include <cstdint>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
+
+#include "bus/convert.hpp"
+#include "bus/scenario_yaml.hpp"
+#include "core/check.hpp"
+#include "tools/scenario/overrides.hpp"
+
+namespace vantage::tools {
+namespace {
+
+models::Scenario short_lab(std::uint64_t seed) {
+  Overrides overrides;
+  overrides.seed = seed;
+  overrides.duration_s = 6.0;
+  overrides.node_budget = 200;
+  return load_scenario_with(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml", overrides);
+}
+
+std::string trial_json(std::uint64_t seed) {
+  const models::Scenario scenario = short_lab(seed);
+  return logs::to_json(run_trial(scenario, trial_recipes(scenario)).summary).dump();
+}
+
+TEST(RunTrial, IsAPureFunctionOfTheSeed) {
+  const std::string first = trial_json(3);
+  EXPECT_EQ(first, trial_json(3));
+  EXPECT_NE(first, trial_json(4));
+}
+
+TEST(RunTrial, PlansEveryRoundOfEveryRobotAndLosesNothing) {
+  const models::Scenario scenario = short_lab(1);
+  const TrialResult result = run_trial(scenario, trial_recipes(scenario));
+  EXPECT_GE(result.summary.rounds, 5);  // of 1 s each
+  EXPECT_EQ(result.summary.plans_missing, 0);
+  EXPECT_EQ(result.summary.messages_lost, 0);
+  EXPECT_EQ(result.summary.duration_s, 6.0);
+  EXPECT_EQ(result.summary.collisions, 0);
+  EXPECT_EQ(result.summary.discovery_time_s.size(), 5U);
+  EXPECT_TRUE(result.summary.min_separation_m);
+  for (const auto& [name, robot] : result.scene.robots) {
+    EXPECT_TRUE(robot.plan) << name;
+    EXPECT_TRUE(robot.world_from_body) << name;
+  }
+}
+
+TEST(RunTrial, RefusesATimeBudgetInVirtualTime) {
+  models::Scenario scenario = short_lab(1);
+  scenario.planner.node_budget = 0;
+  EXPECT_THROW(run_trial(scenario, {}), UsageError);
+}
+
+TEST(RunTrial, StartsOnAWholeRound) {
+  models::Scenario scenario = short_lab(1);
+  scenario.planner.step_s = 0.7;
+  scenario.planner.execute_steps = 3;
+  const std::int64_t start = to_utime(trial_start(scenario));
+  EXPECT_GE(start, 1'700'000'000'000'000);
+  EXPECT_LT(start, 1'700'000'000'000'000 + 2'100'000);
+  EXPECT_EQ(start % 2'100'000, 0);
+}
+
+TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
+  const models::Scenario scenario = short_lab(5);
+  TrialOptions options;
+  options.log_path = ::testing::TempDir() + "vantage_trial.lcmlog";
+  run_trial(scenario, trial_recipes(scenario), options);
+
+  lcm::LogFile log(options.log_path, "r");
+  ASSERT_TRUE(log.good());
+  const lcm::LogEvent* event = log.readNextEvent();
+  ASSERT_NE(event, nullptr);
+  EXPECT_EQ(event->channel, "SCENARIO");
+  EXPECT_EQ(event->timestamp, to_utime(trial_start(scenario)));
+  vantage_lcm::scenario_t wire{};
+  ASSERT_GT(wire.decode(event->data, 0, event->datalen), 0);
+  EXPECT_EQ(bus::parse_scenario(wire.yaml, "log").seed, 5U);
+
+  std::map<std::string, int> events;
+  std::int64_t newest = event->timestamp;
+  while ((event = log.readNextEvent()) != nullptr) {
+    EXPECT_GE(event->timestamp, newest);
+    newest = event->timestamp;
+    ++events[event->channel];
+  }
+  for (const std::string channel : {"VICON", "TRUTH", "MEASUREMENT_Q1", "BELIEF_Q2", "PLAN_Q3",
+                                    "QUADROTOR_Q1", "HEALTH_SIM", "HEALTH_PLANNER_Q1"}) {
+    EXPECT_GT(events[channel], 0) << channel;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::tools

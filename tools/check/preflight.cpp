@@ -1,0 +1,133 @@
+#include "tools/check/preflight.hpp"
+
+#include <fmt/format.h>
+
+#include "models/world/world.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using models::Scenario;
+
+const char* name_of(models::SensorKind kind) {
+  switch (kind) {
+    case models::SensorKind::kPosition:
+      return "position";
+    case models::SensorKind::kRange:
+      return "range";
+    case models::SensorKind::kBearing:
+      return "bearing";
+    case models::SensorKind::kRangeBearing:
+      return "range-bearing";
+    case models::SensorKind::kCamera:
+      return "camera";
+  }
+  return "unknown";
+}
+
+const char* name_of(models::DeviceSource source) {
+  switch (source) {
+    case models::DeviceSource::kDirect:
+      return "simulated";
+    case models::DeviceSource::kWire:
+      return "simulated behind its protocol";
+    case models::DeviceSource::kReal:
+      return "real";
+  }
+  return "unknown";
+}
+
+void describe(const Scenario& scenario, std::vector<std::string>& out) {
+  const Eigen::Vector2d size_m = scenario.world.bounds.max_m - scenario.world.bounds.min_m;
+  out.push_back(fmt::format("{}: {:g} x {:g} m, {} obstacles, {} regions; {:g} s, seed {}",
+                            scenario.name, size_m.x(), size_m.y(), scenario.world.obstacles.size(),
+                            scenario.world.regions.size(), scenario.duration_s, scenario.seed));
+  for (const models::RobotSpec& robot : scenario.robots) {
+    out.push_back(fmt::format(
+        "robot {}: {}, starts at ({:g}, {:g}) at {:g} m, {} primitives up to {:g} m/s, sees "
+        "{:g} m over {:.0f} deg ({})",
+        robot.name, name_of(robot.device), robot.start.x_m, robot.start.y_m, robot.height_m,
+        robot.primitives.size(), robot.limits.speed_max_mps, robot.sensor.range_max_m,
+        degrees(robot.sensor.fov_rad), name_of(robot.sensor.kind)));
+  }
+  out.push_back(
+      fmt::format("{} targets; communication {}", scenario.targets.size(),
+                  scenario.network.communication_range_m > 0.0
+                      ? fmt::format("within {:g} m", scenario.network.communication_range_m)
+                      : std::string("without limit")));
+  const models::PlannerSpec& planner = scenario.planner;
+  const double round_s = planner.execute_steps * planner.step_s;
+  const std::string budget = planner.node_budget > 0
+                                 ? fmt::format("{} nodes a slot", planner.node_budget)
+                                 : fmt::format("{:g} s for the team", planner.team_budget_s);
+  out.push_back(fmt::format("planner {}: horizon {} x {:g} s, a round each {:g} s, {}",
+                            models::name_of(planner.algorithm), planner.horizon_steps,
+                            planner.step_s, round_s, budget));
+}
+
+void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    const models::RobotSpec& robot = scenario.robots[i];
+    const double clear_m = models::clearance_m(scenario.world, robot.start.position_m());
+    const double needed_m = robot.limits.radius_m + scenario.planner.obstacle_margin_m;
+    if (clear_m <= needed_m) {
+      faults.push_back(fmt::format(
+          "robot {}: its start is {:.2f} m from the nearest obstacle or wall; it needs more than "
+          "{:.2f} m (radius_m + obstacle_margin_m)",
+          robot.name, clear_m, needed_m));
+    }
+    if (robot.primitives.empty()) {
+      faults.push_back(
+          fmt::format("robot {}: it has no primitives, so it cannot move", robot.name));
+    }
+    const Eigen::Vector3d a_m = lift(robot.start, robot.height_m).translation_m;
+    for (std::size_t j = i + 1; j < scenario.robots.size(); ++j) {
+      const models::RobotSpec& other = scenario.robots[j];
+      const double apart_m = (a_m - lift(other.start, other.height_m).translation_m).norm();
+      if (apart_m < scenario.planner.separation_m) {
+        faults.push_back(fmt::format(
+            "robots {} and {}: their starts are {:.2f} m apart; planner.separation_m is {:g}",
+            robot.name, other.name, apart_m, scenario.planner.separation_m));
+      }
+    }
+  }
+}
+
+void check_targets(const Scenario& scenario, std::vector<std::string>& faults) {
+  for (const models::TargetSpec& target : scenario.targets) {
+    if (target.start &&
+        models::clearance_m(scenario.world, target.start->position_m()) <= target.radius_m) {
+      faults.push_back(
+          fmt::format("target {}: its start touches an obstacle or wall", target.name));
+    }
+  }
+}
+
+void check_round(const Scenario& scenario, std::vector<std::string>& faults) {
+  const models::PlannerSpec& planner = scenario.planner;
+  const double round_s = planner.execute_steps * planner.step_s;
+  if (planner.team_budget_s + planner.publish_margin_s > round_s) {
+    faults.push_back(fmt::format(
+        "planner: team_budget_s + publish_margin_s = {:g} s do not fit into a round of {:g} s",
+        planner.team_budget_s + planner.publish_margin_s, round_s));
+  }
+  if (planner.execute_steps > planner.horizon_steps) {
+    faults.push_back("planner: execute_steps is greater than horizon_steps");
+  }
+}
+
+}  // namespace
+
+Preflight check_preflight(const Scenario& scenario) {
+  Preflight out;
+  describe(scenario, out.understood);
+  if (scenario.robots.empty()) {
+    out.faults.emplace_back("there is no robot");
+  }
+  check_robots(scenario, out.faults);
+  check_targets(scenario, out.faults);
+  check_round(scenario, out.faults);
+  return out;
+}
+
+}  // namespace vantage::tools

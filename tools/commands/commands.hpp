@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/scenario/overrides.hpp"
+
+namespace vantage::tools {
+
+/// What the chosen subcommand does; its exit code.
+using Runner = std::function<int()>;
+
+// Each adds one subcommand to `root`, which sets `run` when it is chosen.
+void add_trial_command(CLI::App& root, Runner& run);
+void add_demo_command(CLI::App& root, Runner& run);
+void add_up_command(CLI::App& root, Runner& run);
+void add_check_command(CLI::App& root, Runner& run);
+void add_console_command(CLI::App& root, Runner& run);
+
+/// --seed, --duration-s, --planner, --communication-range-m and --nodes, shared by all that run a
+/// trial.
+void add_override_options(CLI::App& command, Overrides& overrides);
+
+}  // namespace vantage::tools

@@ -1,0 +1,66 @@
+#include "tools/live/demo.hpp"
+
+#include <memory>
+
+#include "core/process.hpp"
+#include "tools/commands/commands.hpp"
+#include "tools/commands/report.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/trial/recipe.hpp"
+
+namespace vantage::tools {
+namespace {
+
+struct DemoArguments {
+  std::string scenario = "config/lab.yaml";
+  std::string directory = "demo-out";
+  Overrides overrides;
+  bool as_json = false;
+};
+
+int run(DemoArguments arguments) {
+  if (!arguments.overrides.duration_s) {
+    arguments.overrides.duration_s = 60.0;
+  }
+  const models::Scenario scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+  DemoOptions options;
+  options.directory = arguments.directory;
+  options.quiet = arguments.as_json;
+  options.live_table = is_terminal() && !options.quiet;
+  const DemoResult result = run_demo(scenario, trial_recipes(scenario), options, stop_requested);
+  if (!arguments.as_json) {
+    print_line("");
+  }
+  report_summary(scenario, result.summary, arguments.as_json);
+  if (!arguments.as_json) {
+    print_line("log      " + result.log_path);
+    print_line("picture  " + result.svg_path);
+    print_line("         " + (result.png_path.empty() ? result.png_error : result.png_path));
+  }
+  for (const std::string& failure : result.failures) {
+    print_line("failed: " + failure);
+  }
+  return result.summary.collisions == 0 && result.failures.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_demo_command(CLI::App& root, Runner& chosen) {
+  CLI::App* command = root.add_subcommand(
+      "demo", "Fly a simulated trial in real time in this process; no network needed.");
+  auto arguments = std::make_shared<DemoArguments>();
+  command->add_option("--scenario", arguments->scenario, "scenario file")->capture_default_str();
+  command->add_option("--out", arguments->directory, "folder for the log and the pictures")
+      ->capture_default_str();
+  add_override_options(*command, arguments->overrides);
+  command->add_flag("--json", arguments->as_json, "print one JSON object at the end, no table");
+  command->footer(
+      "Lasts 60 s unless told otherwise; Ctrl-C ends it early with the same summary.\n"
+      "Exit code 1 when anything collided or failed.\n"
+      "Examples:\n"
+      "  vantage demo\n"
+      "  vantage demo --duration-s 300 --planner lawn_mower --out lawn");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,51 @@
+#include "tools/commands/report.hpp"
+
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "tools/commands/commands.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/live/status_table.hpp"
+#include "tools/picture/picture.hpp"
+
+namespace vantage::tools {
+
+void report_summary(const models::Scenario& scenario, const logs::TrialSummary& summary,
+                    bool as_json) {
+  if (as_json) {
+    print_line(logs::to_json(summary).dump());
+    return;
+  }
+  for (const std::string& line : summary_table(scenario, summary)) {
+    print_line(line);
+  }
+}
+
+void write_pictures(const std::string& svg_path, const models::Scenario& scenario,
+                    const Scene& scene, const logs::TrialSummary& summary) {
+  write_text(svg_path, draw_picture(scenario, scene, summary));
+  const auto png_path = std::filesystem::path(svg_path).replace_extension(".png").string();
+  const Result<std::string> png = render_png(svg_path, png_path);
+  if (!png.ok()) {
+    fmt::print(stderr, "vantage: {}\n", png.error().message);
+  }
+}
+
+void add_override_options(CLI::App& command, Overrides& overrides) {
+  command.add_option("--seed", overrides.seed, "seed instead of the scenario's");
+  command.add_option("--duration-s", overrides.duration_s, "length instead of the scenario's")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's")
+      ->check(CLI::IsMember({"arvi", "rvi", "greedy", "random_walk", "lawn_mower"}));
+  command.add_option("--communication-range-m", overrides.communication_range_m,
+                     "communication range instead of the scenario's; 0: no limit");
+  command
+      .add_option("--nodes", overrides.node_budget,
+                  "search nodes a slot instead of the scenario's time budget")
+      ->check(CLI::PositiveNumber);
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,69 @@
+#include "tools/trial/trial.hpp"
+
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "tools/commands/commands.hpp"
+#include "tools/commands/report.hpp"
+#include "tools/trial/recipe.hpp"
+
+namespace vantage::tools {
+namespace {
+
+struct TrialArguments {
+  std::string scenario;
+  Overrides overrides;
+  std::string log_path;
+  std::string svg_path;
+  bool as_json = false;
+};
+
+void show_progress(double share) {
+  fmt::print(stderr, "\rtrial {:3.0f} %", 100.0 * share);
+  if (share >= 1.0) {
+    fmt::print(stderr, "\r           \r");
+  }
+}
+
+int run(TrialArguments arguments) {
+  models::Scenario scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+  if (scenario.planner.node_budget <= 0) {
+    arguments.overrides.node_budget = kDefaultNodeBudget;
+    scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+  }
+  TrialOptions options;
+  options.log_path = arguments.log_path;
+  if (::isatty(STDERR_FILENO) == 1) {
+    options.progress = show_progress;
+  }
+  const TrialResult result = run_trial(scenario, trial_recipes(scenario), options);
+  if (!arguments.svg_path.empty()) {
+    write_pictures(arguments.svg_path, scenario, result.scene, result.summary);
+  }
+  report_summary(scenario, result.summary, arguments.as_json);
+  return 0;
+}
+
+}  // namespace
+
+void add_trial_command(CLI::App& root, Runner& chosen) {
+  CLI::App* command = root.add_subcommand(
+      "trial", "Run one trial in virtual time, without a network: same seed, same bytes.");
+  auto arguments = std::make_shared<TrialArguments>();
+  command->add_option("scenario", arguments->scenario, "scenario file")->required();
+  add_override_options(*command, arguments->overrides);
+  command->add_option("--log", arguments->log_path, "write an LCM event log of everything");
+  command->add_option("--svg", arguments->svg_path, "draw the end of the trial, as SVG and PNG");
+  command->add_flag("--json", arguments->as_json, "print one JSON object");
+  command->footer(
+      "Examples:\n"
+      "  vantage trial config/lab.yaml --seed 3 --json\n"
+      "  vantage trial config/lab.yaml --planner greedy --duration-s 60 --svg greedy.svg\n"
+      "  vantage trial config/field.yaml --communication-range-m 10 --log field.lcmlog");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,69 @@
+#include "tools/up/up.hpp"
+
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "core/process.hpp"
+#include "tools/commands/commands.hpp"
+#include "tools/commands/report.hpp"
+#include "tools/live/screen.hpp"
+
+namespace vantage::tools {
+namespace {
+
+struct UpArguments {
+  std::string scenario;
+  Overrides overrides;
+  std::string log_path;
+  bool no_log = false;
+  bool as_json = false;
+};
+
+int run(const UpArguments& arguments) {
+  const models::Scenario scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+  UpOptions options;
+  options.executables = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+  options.quiet = arguments.as_json;
+  if (!arguments.no_log) {
+    options.log_path = arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
+  }
+  const UpResult result = run_up(scenario, options, stop_requested);
+  report_summary(scenario, result.summary, arguments.as_json);
+  if (!arguments.as_json && !options.log_path.empty()) {
+    print_line("log      " + options.log_path);
+  }
+  for (const std::string& name : result.killed) {
+    fmt::print(stderr, "vantage: {} did not end by itself and was killed\n", name);
+  }
+  if (result.restarts > 0) {
+    fmt::print(stderr, "vantage: {} restarts\n", result.restarts);
+  }
+  return result.any_given_up || !result.killed.empty() || result.summary.collisions > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+void add_up_command(CLI::App& root, Runner& chosen) {
+  CLI::App* command = root.add_subcommand(
+      "up", "Run every process of a scenario on this host, supervised and recorded.");
+  auto arguments = std::make_shared<UpArguments>();
+  command->add_option("scenario", arguments->scenario, "scenario file")->required();
+  add_override_options(*command, arguments->overrides);
+  command->add_option("--url", arguments->overrides.url, "LCM URL instead of the scenario's");
+  auto* log = command->add_option("--log", arguments->log_path,
+                                  "where lcm-logger writes; NAME.lcmlog when not given");
+  command->add_flag("--no-log", arguments->no_log, "do not record")->excludes(log);
+  command->add_flag("--json", arguments->as_json, "print one JSON object at the end");
+  command->footer(
+      "Ends after the scenario's duration or with Ctrl-C; all processes are gone 2 s later.\n"
+      "Exit code 1 when a process had to be given up or killed, or anything collided.\n"
+      "Examples:\n"
+      "  vantage up config/lab.yaml\n"
+      "  vantage up config/lab.yaml --duration-s 60 --log flight.lcmlog\n"
+      "  vantage up config/lab.yaml --url 'udpm://239.255.76.67:7700?ttl=1' --no-log");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace vantage::tools

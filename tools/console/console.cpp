@@ -1,0 +1,182 @@
+#include "tools/console/console.hpp"
+
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "tools/console/terminal.hpp"
+#include "tools/live/screen.hpp"
+
+namespace vantage::tools {
+namespace {
+
+constexpr const char* kKeys =
+    "keys: a arm  t take off  f follow  h hold  l land  SPACE or e emergency stop  "
+    "0 all  1-9 one robot  q quit";
+constexpr const char* kLines =
+    "type: arm | take-off | follow | hold | land | estop [robot], help, quit";
+constexpr const char* kFarewell =
+    "quitting: the operator's heartbeat ends now, and vehicles that need it will land";
+
+const char* word_for(models::FlightState state) {
+  switch (state) {
+    case models::FlightState::kIdle:
+      return "idle";
+    case models::FlightState::kFollow:
+      return "follow";
+    case models::FlightState::kHold:
+      return "hold";
+    case models::FlightState::kLand:
+      return "land";
+    case models::FlightState::kKilled:
+      return "KILLED";
+  }
+  return "?";
+}
+
+/// Reads, obeys, shows.
+class ConsoleSession {
+ public:
+  ConsoleSession(bus::Bus& bus, const bus::Clock& clock) : desk_(bus), clock_(clock) {
+    print_line(terminal_.is_interactive() ? kKeys : kLines);
+  }
+
+  void step() {
+    desk_.tick(clock_.now());
+    while (!is_over_) {
+      const std::optional<std::string> input = terminal_.read();
+      if (!input) {
+        break;
+      }
+      obey(*input);
+    }
+    is_over_ |= terminal_.is_closed();
+    if (terminal_.is_interactive() && clock_.now() >= next_redraw_) {
+      std::vector<std::string> lines = desk_.vehicle_table(clock_.now(), selected_);
+      lines.push_back(note_);
+      screen_.redraw(lines);
+      next_redraw_ = clock_.now() + std::chrono::milliseconds(250);
+    }
+  }
+  [[nodiscard]] bool is_over() const { return is_over_; }
+
+ private:
+  void obey(const std::string& input) {
+    if (terminal_.is_interactive()) {
+      if (const auto request = request_from_key(input[0], desk_.robots(), selected_)) {
+        obey(*request);
+      }
+      return;
+    }
+    if (input.find_first_not_of(" \t\r") == std::string::npos) {
+      return;
+    }
+    const Result<OperatorRequest> request = request_from_line(input, desk_.robots());
+    if (request.ok()) {
+      obey(request.value());
+    } else {
+      say(request.error().message);
+    }
+  }
+
+  void obey(const OperatorRequest& request) {
+    switch (request.kind) {
+      case OperatorRequest::Kind::kCommand:
+        desk_.send(clock_.now(), request.action, request.robot);
+        say(fmt::format("sent {} to {}", tools::word_for(request.action),
+                        request.robot.empty() ? "all" : request.robot));
+        break;
+      case OperatorRequest::Kind::kSelect:
+        selected_ = request.robot;
+        say("commands go to " + (selected_.empty() ? std::string("all") : selected_));
+        break;
+      case OperatorRequest::Kind::kHelp:
+        say(terminal_.is_interactive() ? kKeys : kLines);
+        break;
+      case OperatorRequest::Kind::kQuit:
+        is_over_ = true;
+        break;
+    }
+  }
+
+  void say(const std::string& words) {
+    note_ = words;
+    if (!terminal_.is_interactive()) {
+      print_line(words);
+    }
+  }
+
+  OperatorDesk desk_;
+  const bus::Clock& clock_;
+  Terminal terminal_;
+  Screen screen_;
+  std::string selected_;
+  std::string note_;
+  Time next_redraw_{};
+  bool is_over_ = false;
+};
+
+}  // namespace
+
+OperatorDesk::OperatorDesk(bus::Bus& bus) : bus_(bus) {
+  bus_.subscribe<models::VehicleStatus>(
+      bus::quadrotor_channel("*"),
+      [this](const models::VehicleStatus& status) { vehicles_[status.robot] = status; });
+}
+
+void OperatorDesk::tick(Time now) {
+  if (now >= next_heartbeat_) {
+    send(now, models::OperatorAction::kHeartbeat, "");
+    next_heartbeat_ = now + from_seconds(kHeartbeatPeriod_s);
+  }
+}
+
+void OperatorDesk::send(Time now, models::OperatorAction action, const std::string& robot) {
+  models::OperatorCommand command;
+  command.stamp.time = now;
+  command.action = action;
+  command.robot = robot;
+  bus_.publish(bus::kCommand, command);
+}
+
+std::vector<std::string> OperatorDesk::robots() const {
+  std::vector<std::string> out;
+  for (const auto& [name, status] : vehicles_) {
+    out.push_back(name);
+  }
+  return out;
+}
+
+std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string& selected) const {
+  std::vector<std::string> out;
+  out.push_back(fmt::format("  {:<8} {:>8} {:>8} {:>8} {:>7}  {}", "robot", "state", "battery",
+                            "round", "age", "reasons"));
+  for (const auto& [name, status] : vehicles_) {
+    std::string reasons;
+    for (const std::string& reason : status.reasons) {
+      reasons += (reasons.empty() ? "" : ", ") + reason;
+    }
+    const bool is_selected = selected.empty() || selected == name;
+    out.push_back(fmt::format("{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}",
+                              is_selected ? '>' : ' ', name, word_for(status.state),
+                              100.0 * status.battery_share, status.plan_round,
+                              to_seconds(now - status.stamp.time), reasons));
+  }
+  if (vehicles_.empty()) {
+    out.emplace_back("  no vehicle heard yet");
+  }
+  return out;
+}
+
+void run_console(bus::Bus& bus, const bus::Clock& clock, const std::function<bool()>& stop) {
+  {
+    ConsoleSession session(bus, clock);
+    while (!session.is_over() && !stop()) {
+      bus.handle(std::chrono::milliseconds(20));
+      session.step();
+    }
+  }
+  print_line(kFarewell);
+}
+
+}  // namespace vantage::tools

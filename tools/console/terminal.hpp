@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <termios.h>
+
+namespace vantage::tools {
+
+/// Standard input as an operator uses it: key by key from a terminal (put back as it was at the
+/// end), line by line otherwise.
+class Terminal {
+ public:
+  Terminal();
+  ~Terminal();
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+  Terminal(Terminal&&) = delete;
+  Terminal& operator=(Terminal&&) = delete;
+
+  [[nodiscard]] bool is_interactive() const { return saved_.has_value(); }
+  /// A key, or a line without its end; nullopt when there is none yet. Never waits.
+  std::optional<std::string> read();
+  /// True once there will be no more input.
+  [[nodiscard]] bool is_closed() const { return is_closed_ && pending_.empty(); }
+
+ private:
+  void fill();
+  std::optional<termios> saved_;
+  std::string pending_;
+  bool is_closed_ = false;
+};
+
+}  // namespace vantage::tools

@@ -1,0 +1,128 @@
+#include "tools/live/demo.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <system_error>
+
+#include "bus/clock.hpp"
+#include "bus/transport.hpp"
+#include "core/check.hpp"
+#include "tools/live/node_thread.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/live/status_table.hpp"
+#include "tools/observe/announcer.hpp"
+#include "tools/observe/observer.hpp"
+#include "tools/observe/recorder.hpp"
+#include "tools/picture/picture.hpp"
+
+namespace vantage::tools {
+namespace {
+
+constexpr auto kTablePeriod = std::chrono::milliseconds(500);
+constexpr auto kLinePeriod = std::chrono::seconds(5);
+constexpr auto kWait = std::chrono::milliseconds(20);
+
+/// Tells the person in front of it how the trial goes.
+class Reporter {
+ public:
+  Reporter(const models::Scenario& scenario, const DemoOptions& options, Time start)
+      : scenario_(scenario), options_(options), start_(start), next_(start) {}
+
+  void tick(Time now, const logs::TrialMetrics& metrics) {
+    if (options_.quiet || now < next_) {
+      return;
+    }
+    const double elapsed_s = to_seconds(now - start_);
+    if (options_.live_table) {
+      screen_.redraw(status_table(scenario_, metrics, elapsed_s));
+      next_ = now + kTablePeriod;
+    } else {
+      print_line(status_line(metrics, elapsed_s));
+      next_ = now + kLinePeriod;
+    }
+  }
+
+ private:
+  const models::Scenario& scenario_;
+  const DemoOptions& options_;
+  Time start_;
+  Time next_;
+  Screen screen_;
+};
+
+void draw(const models::Scenario& scenario, const Scene& scene, DemoResult& result) {
+  write_text(result.svg_path, draw_picture(scenario, scene, result.summary));
+  const Result<std::string> png = render_png(result.svg_path, result.png_path);
+  if (!png.ok()) {
+    result.png_path.clear();
+    result.png_error = png.error().message;
+  }
+}
+
+}  // namespace
+
+DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
+                    const DemoOptions& options, const std::function<bool()>& stop) {
+  std::error_code error;
+  std::filesystem::create_directories(options.directory, error);
+  if (error) {
+    throw StartupError(options.directory + ": " + error.message());
+  }
+  const std::string stem = (std::filesystem::path(options.directory) / scenario.name).string();
+  DemoResult result;
+  result.log_path = stem + ".lcmlog";
+  result.svg_path = stem + ".svg";
+  result.png_path = stem + ".png";
+
+  const bus::SystemClock clock;
+  bus::InProcessHub hub;
+  Recorder recorder(hub.connect(), clock, result.log_path);
+  const auto own_transport = hub.connect();
+  bus::Bus own_bus(*own_transport, bus::random_run_id());
+  Announcer announcer(own_bus, scenario, "demo");
+  const Time start = clock.now();
+  TrialObserver observer(own_bus, scenario, start);
+  announcer.publish(start);
+
+  std::deque<NodeThread> nodes;
+  for (const NodeRecipe& recipe : recipes) {
+    nodes.emplace_back(hub, clock, recipe);
+  }
+  std::atomic<bool> is_over = false;
+  for (NodeThread& node : nodes) {
+    node.start([&is_over] { return is_over.load(); }, [&is_over] { is_over = true; });
+  }
+  const auto drain = [&](std::chrono::microseconds timeout) {
+    recorder.handle(timeout);
+    return own_bus.handle(std::chrono::microseconds(0));
+  };
+
+  const Time end = start + from_seconds(scenario.duration_s);
+  Reporter reporter(scenario, options, start);
+  while (!is_over && !stop() && clock.now() < end) {
+    drain(kWait);
+    announcer.tick(clock.now());
+    reporter.tick(clock.now(), observer.metrics());
+  }
+  is_over = true;
+  const Time ended = clock.now();
+  std::int64_t lost = 0;
+  for (NodeThread& node : nodes) {
+    node.join();
+    lost += node.messages_lost();
+    if (!node.failure().empty()) {
+      result.failures.push_back(node.failure());
+    }
+  }
+  while (drain(std::chrono::microseconds(0)) > 0) {
+  }
+  lost +=
+      recorder.messages_lost() + own_bus.messages_lost() + own_transport->stats().queue_overflows;
+  result.summary = observer.metrics().finish(ended, lost);
+  draw(scenario, observer.scene(), result);
+  return result;
+}
+
+}  // namespace vantage::tools

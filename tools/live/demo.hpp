@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "logs/metrics/trial_summary.hpp"
+#include "models/scenario/scenario.hpp"
+#include "tools/trial/recipe.hpp"
+
+namespace vantage::tools {
+
+struct DemoOptions {
+  std::string directory = "demo-out";  ///< made when absent; log and pictures go there
+  bool live_table = false;             ///< redraw in place; else a line each 5 s
+  bool quiet = false;
+};
+
+struct DemoResult {
+  logs::TrialSummary summary;
+  std::string log_path;
+  std::string svg_path;
+  std::string png_path;               ///< empty when it could not be made
+  std::string png_error;              ///< then why
+  std::vector<std::string> failures;  ///< of nodes: what they threw
+};
+
+/// A trial in real time in this process: each node on a thread and endpoint of its own, everything
+/// recorded. Ends after scenario.duration_s, or at once when `stop` says so or a node fails; what
+/// was sent by then is recorded and summed up all the same.
+/// @throws StartupError when a file cannot be written or a node refuses the scenario.
+DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
+                    const DemoOptions& options, const std::function<bool()>& stop);
+
+}  // namespace vantage::tools

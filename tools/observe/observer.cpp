@@ -1,0 +1,41 @@
+#include "tools/observe/observer.hpp"
+
+namespace vantage::tools {
+
+TrialObserver::TrialObserver(bus::Bus& bus, const models::Scenario& scenario, Time start)
+    : metrics_(scenario, start), recorder_(scenario) {
+  bus.subscribe<models::TruthFrame>(bus::kTruth, [this](const models::TruthFrame& truth) {
+    metrics_.on_truth(truth);
+    recorder_.on_truth(truth);
+  });
+  bus.subscribe<models::RobotBelief>(bus::belief_channel("*"),
+                                     [this](const models::RobotBelief& belief) {
+                                       metrics_.on_belief(belief);
+                                       recorder_.on_belief(belief);
+                                     });
+  bus.subscribe<models::RobotPlan>(bus::plan_channel("*"), [this](const models::RobotPlan& plan) {
+    metrics_.on_plan(plan);
+    recorder_.on_plan(plan);
+  });
+  bus.subscribe<models::ContactReport>(
+      bus::kCollision,
+      [this](const models::ContactReport& contact) { metrics_.on_contact(contact); });
+  bus.subscribe<models::VehicleStatus>(
+      bus::quadrotor_channel("*"),
+      [this](const models::VehicleStatus& status) { metrics_.on_vehicle(status); });
+  bus.subscribe<models::ProcessHealth>(
+      bus::health_channel("*"),
+      [this](const models::ProcessHealth& health) { metrics_.on_health(health); });
+}
+
+Scene TrialObserver::scene() const {
+  Scene scene = recorder_.scene();
+  for (auto& [id, target] : scene.targets) {
+    if (id >= 0 && id < std::ssize(metrics_.targets())) {
+      target.estimate = metrics_.targets()[static_cast<std::size_t>(id)].estimate;
+    }
+  }
+  return scene;
+}
+
+}  // namespace vantage::tools

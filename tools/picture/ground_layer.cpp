@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tools/picture/map_layer.hpp"
+
+namespace vantage::tools {
+namespace {
+
+// Runs of equal cells in a row become one rectangle: a field has 65 000 cells.
+void draw_cells(Svg& svg, const Layout& layout, const Scene& scene, double memory_s) {
+  const models::GridGeometry& grid = scene.grid;
+  const auto kind_of = [&](int index) {
+    const std::int64_t seen = scene.last_seen_utime[static_cast<std::size_t>(index)];
+    if (seen == models::VisibilityGrid::kNeverSeen) {
+      return 0;
+    }
+    const bool fresh = memory_s <= 0.0 || to_seconds(scene.time - from_utime(seen)) <= memory_s;
+    return fresh ? 2 : 1;
+  };
+  svg.open_group(R"(shape-rendering="crispEdges" class="explored")");
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns;) {
+      const int kind = kind_of(row * grid.columns + column);
+      int end = column + 1;
+      while (end < grid.columns && kind_of(row * grid.columns + end) == kind) {
+        ++end;
+      }
+      if (kind > 0) {
+        const Eigen::Vector2d top_left_m =
+            grid.origin_m + grid.resolution_m * Eigen::Vector2d(column, row + 1);
+        const Eigen::Vector2d size_px =
+            layout.px_per_m * grid.resolution_m * Eigen::Vector2d(end - column, 1.0);
+        svg.rectangle(layout.page_from_world(top_left_m), size_px,
+                      fmt::format("fill=\"{}\"", kind == 2 ? kExploredColour : kStaleColour));
+      }
+      column = end;
+    }
+  }
+  svg.close_group();
+}
+
+double tick_spacing_m(double extent_m) {
+  for (const double spacing_m : {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
+    if (extent_m / spacing_m <= 9.0) {
+      return spacing_m;
+    }
+  }
+  return 100.0;
+}
+
+}  // namespace
+
+void draw_ground(Svg& svg, const Layout& layout, const models::Scenario& scenario,
+                 const Scene& scene) {
+  svg.rectangle(layout.map_corner_px, layout.map_size_px,
+                fmt::format("fill=\"{}\"", kUnexploredColour));
+  if (scene.grid.size() > 0 && std::ssize(scene.last_seen_utime) == scene.grid.size()) {
+    draw_cells(svg, layout, scene, scenario.estimator.grid_memory_s);
+  }
+  for (const models::Region& region : scenario.world.regions) {
+    const models::Rectangle& r = region.footprint;
+    svg.rectangle(layout.page_from_world({r.min_m.x(), r.max_m.y()}),
+                  layout.px_per_m * (r.max_m - r.min_m),
+                  R"(class="region" fill="#c8a96a" fill-opacity="0.25")");
+  }
+  for (const models::Obstacle& obstacle : scenario.world.obstacles) {
+    const models::Rectangle& r = obstacle.footprint;
+    svg.rectangle(layout.page_from_world({r.min_m.x(), r.max_m.y()}),
+                  layout.px_per_m * (r.max_m - r.min_m),
+                  fmt::format(R"(class="obstacle" fill="{}" stroke="#5f6670" stroke-width="1.2")",
+                              kObstacleColour));
+  }
+}
+
+void draw_axes(Svg& svg, const Layout& layout, const models::World& world) {
+  const Eigen::Vector2d extent_m = world.bounds.max_m - world.bounds.min_m;
+  const double spacing_m = tick_spacing_m(extent_m.maxCoeff());
+  const double bottom_px = layout.map_corner_px.y() + layout.map_size_px.y();
+  const double right_px = layout.map_corner_px.x() + layout.map_size_px.x();
+  constexpr std::string_view kGrid = R"(stroke="#000000" stroke-opacity="0.06")";
+  constexpr std::string_view kBelow = R"(text-anchor="middle" font-size="13" fill="#5f6368")";
+  constexpr std::string_view kBeside = R"(text-anchor="end" font-size="13" fill="#5f6368")";
+  const Eigen::Vector2d& min_m = world.bounds.min_m;
+  for (double x_m = std::ceil(min_m.x() / spacing_m) * spacing_m;
+       x_m <= world.bounds.max_m.x() + 1e-9; x_m += spacing_m) {
+    const double x_px = layout.page_from_world({x_m, min_m.y()}).x();
+    svg.line({x_px, layout.map_corner_px.y()}, {x_px, bottom_px}, kGrid);
+    svg.text({x_px, bottom_px + 19.0}, fmt::format("{:g}", x_m), kBelow);
+  }
+  for (double y_m = std::ceil(min_m.y() / spacing_m) * spacing_m;
+       y_m <= world.bounds.max_m.y() + 1e-9; y_m += spacing_m) {
+    const double y_px = layout.page_from_world({min_m.x(), y_m}).y();
+    svg.line({layout.map_corner_px.x(), y_px}, {right_px, y_px}, kGrid);
+    svg.text({layout.map_corner_px.x() - 8.0, y_px + 4.5}, fmt::format("{:g}", y_m), kBeside);
+  }
+  svg.text({layout.map_corner_px.x() + 0.5 * layout.map_size_px.x(), bottom_px + 40.0}, "x (m)",
+           kBelow);
+  svg.text({16.0, layout.map_corner_px.y() - 10.0}, "y (m)", R"(font-size="13" fill="#5f6368")");
+  svg.rectangle(layout.map_corner_px, layout.map_size_px,
+                R"(class="bounds" fill="none" stroke="#3c4043" stroke-width="1.8")");
+}
+
+}  // namespace vantage::tools

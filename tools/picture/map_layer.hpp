@@ -1,0 +1,28 @@
+#pragma once
+
+#include "models/scenario/scenario.hpp"
+#include "tools/picture/label_placer.hpp"
+#include "tools/picture/layout.hpp"
+#include "tools/picture/scene.hpp"
+#include "tools/picture/svg.hpp"
+
+// The parts of the map, back to front. Each draws one kind of thing into `svg`.
+
+namespace vantage::tools {
+
+/// How long before the end a track is drawn strongly; before that it is faint.
+inline constexpr double kRecent_s = 30.0;
+
+void draw_ground(Svg& svg, const Layout& layout, const models::Scenario& scenario,
+                 const Scene& scene);
+void draw_axes(Svg& svg, const Layout& layout, const models::World& world);
+void draw_tracks(Svg& svg, const Layout& layout, const models::Scenario& scenario,
+                 const Scene& scene);
+void draw_views_and_plans(Svg& svg, const Layout& layout, const models::Scenario& scenario,
+                          const Scene& scene);
+void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene);
+/// Markers of robots and true targets, then all labels where they cover nothing.
+void draw_bodies(Svg& svg, const Layout& layout, const models::Scenario& scenario,
+                 const Scene& scene);
+
+}  // namespace vantage::tools

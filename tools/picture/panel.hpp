@@ -1,0 +1,16 @@
+#pragma once
+
+#include "logs/metrics/trial_summary.hpp"
+#include "models/scenario/scenario.hpp"
+#include "tools/picture/layout.hpp"
+#include "tools/picture/svg.hpp"
+
+namespace vantage::tools {
+
+/// Title line and key numbers above the map.
+void draw_header(Svg& svg, const Layout& layout, const logs::TrialSummary& summary);
+/// Table of targets and legend beside the map.
+void draw_panel(Svg& svg, const Layout& layout, const models::Scenario& scenario,
+                const logs::TrialSummary& summary);
+
+}  // namespace vantage::tools

@@ -1,0 +1,53 @@
+#include "tools/picture/picture.hpp"
+
+#include <fstream>
+
+#include "core/check.hpp"
+#include "tools/picture/layout.hpp"
+#include "tools/picture/map_layer.hpp"
+#include "tools/picture/panel.hpp"
+#include "tools/picture/svg.hpp"
+#include "tools/supervisor/child.hpp"
+
+namespace vantage::tools {
+
+std::string draw_picture(const models::Scenario& scenario, const Scene& scene,
+                         const logs::TrialSummary& summary) {
+  const Layout layout(scenario.world.bounds);
+  Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
+  draw_header(svg, layout, summary);
+  svg.open_clip(layout.map_corner_px, layout.map_size_px);
+  draw_ground(svg, layout, scenario, scene);
+  draw_tracks(svg, layout, scenario, scene);
+  draw_views_and_plans(svg, layout, scenario, scene);
+  draw_estimates(svg, layout, scene);
+  svg.close_group();
+  draw_axes(svg, layout, scenario.world);
+  draw_bodies(svg, layout, scenario, scene);
+  draw_panel(svg, layout, scenario, summary);
+  return svg.str();
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) {
+    throw StartupError(path + ": cannot be written");
+  }
+}
+
+Result<std::string> render_png(const std::string& svg_path, const std::string& png_path) {
+  Result<Child> child =
+      Child::start({"rsvg-convert", "--format=png", "--output=" + png_path, svg_path});
+  if (!child.ok()) {
+    return Error{"no PNG: rsvg-convert is not installed (apt install librsvg2-bin)"};
+  }
+  const std::optional<ChildExit> ended = std::move(child).value().wait(std::chrono::seconds(30));
+  if (!ended || !ended->is_success()) {
+    return Error{"no PNG: rsvg-convert failed on " + svg_path};
+  }
+  return png_path;
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "core/result.hpp"
+#include "logs/metrics/trial_summary.hpp"
+#include "models/scenario/scenario.hpp"
+#include "tools/picture/scene.hpp"
+
+namespace vantage::tools {
+
+/// A picture of the end of a trial as SVG text: world, obstacles, explored ground, driven tracks,
+/// fields of view, plans, true targets and estimates with 2σ ellipses; key numbers and legend.
+/// Pure: equal inputs give equal bytes.
+std::string draw_picture(const models::Scenario& scenario, const Scene& scene,
+                         const logs::TrialSummary& summary);
+
+/// Writes `text` to `path`. @throws StartupError when it cannot.
+void write_text(const std::string& path, const std::string& text);
+
+/// Renders an SVG file as PNG with rsvg-convert; the Error says what is missing.
+Result<std::string> render_png(const std::string& svg_path, const std::string& png_path);
+
+}  // namespace vantage::tools

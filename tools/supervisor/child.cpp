@@ -1,0 +1,119 @@
+#include "tools/supervisor/child.hpp"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+extern "C" {
+#include <sys/pidfd.h>  // glibc 2.36 declares pidfd_open without extern "C"
+}
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/check.hpp"
+
+namespace vantage::tools {
+namespace {
+
+// Runs in the forked child: nothing here may allocate or lock.
+[[noreturn]] void become(const char* const* arguments, int report_fd, pid_t parent) {
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (::getppid() != parent) {
+    ::_exit(127);
+  }
+  ::signal(SIGPIPE, SIG_DFL);
+  ::execvp(arguments[0], const_cast<char* const*>(arguments));  // NOLINT: exec only reads
+  const int error = errno;
+  [[maybe_unused]] const auto written = ::write(report_fd, &error, sizeof(error));
+  ::_exit(127);
+}
+
+}  // namespace
+
+std::string ChildExit::describe() const {
+  return signal != 0 ? "signal " + std::to_string(signal) : "exit " + std::to_string(code);
+}
+
+Result<Child> Child::start(const std::vector<std::string>& arguments) {
+  require(!arguments.empty(), "a process to start has a name");
+  std::vector<const char*> pointers;
+  for (const std::string& argument : arguments) {
+    pointers.push_back(argument.c_str());
+  }
+  pointers.push_back(nullptr);
+  // The write end closes by itself when exec succeeds; otherwise it carries errno.
+  std::array<int, 2> pipe_fds{};
+  if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0) {
+    return Error{std::string("pipe: ") + std::strerror(errno)};
+  }
+  const pid_t parent = ::getpid();
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    become(pointers.data(), pipe_fds[1], parent);
+  }
+  ::close(pipe_fds[1]);
+  int error = pid < 0 ? errno : 0;
+  if (pid > 0 && ::read(pipe_fds[0], &error, sizeof(error)) > 0) {
+    ::waitpid(pid, nullptr, 0);
+  }
+  ::close(pipe_fds[0]);
+  if (error != 0) {
+    return Error{arguments[0] + ": " + std::strerror(error)};
+  }
+  return Child(pid, ::pidfd_open(pid, 0));
+}
+
+Child::Child(Child&& other) noexcept
+    : pid_(std::exchange(other.pid_, -1)),
+      pidfd_(std::exchange(other.pidfd_, -1)),
+      exit_(other.exit_) {}
+
+Child& Child::operator=(Child&& other) noexcept {
+  if (this != &other) {
+    end();
+    pid_ = std::exchange(other.pid_, -1);
+    pidfd_ = std::exchange(other.pidfd_, -1);
+    exit_ = other.exit_;
+  }
+  return *this;
+}
+
+Child::~Child() { end(); }
+
+void Child::end() {
+  if (pid_ > 0 && !exit_) {
+    send(SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  if (pidfd_ >= 0) {
+    ::close(pidfd_);
+  }
+}
+
+std::optional<ChildExit> Child::wait(std::chrono::milliseconds timeout) {
+  if (exit_ || pid_ <= 0) {
+    return exit_;
+  }
+  pollfd ready{pidfd_, POLLIN, 0};
+  ::poll(&ready, 1, static_cast<int>(timeout.count()));
+  int status = 0;
+  if (::waitpid(pid_, &status, WNOHANG) == pid_) {
+    exit_ =
+        WIFSIGNALED(status) ? ChildExit{0, WTERMSIG(status)} : ChildExit{WEXITSTATUS(status), 0};
+  }
+  return exit_;
+}
+
+void Child::send(int signal) {
+  if (pid_ > 0 && !exit_) {
+    ::kill(pid_, signal);
+  }
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "core/result.hpp"
+
+namespace vantage::tools {
+
+/// How a process ended.
+struct ChildExit {
+  int code = 0;    ///< exit code, meaningless when a signal ended it
+  int signal = 0;  ///< 0: it exited by itself
+  [[nodiscard]] bool is_success() const { return signal == 0 && code == 0; }
+  /// "exit 1", "signal 9".
+  [[nodiscard]] std::string describe() const;
+};
+
+/// One process that we started; killed and reaped when the object goes. It is in a process group
+/// of its own, so that a Ctrl-C in the terminal reaches it only through its supervisor, and is
+/// sent SIGTERM by the kernel should the supervisor die.
+class Child {
+ public:
+  /// Starts `arguments[0]`, searched in PATH when it has no slash. The Error is that of exec
+  /// (no such file), not only of fork.
+  static Result<Child> start(const std::vector<std::string>& arguments);
+
+  Child(Child&& other) noexcept;
+  Child& operator=(Child&& other) noexcept;
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child();
+
+  [[nodiscard]] pid_t pid() const { return pid_; }
+  /// How it ended, once it has; waits up to `timeout` for that.
+  std::optional<ChildExit> wait(std::chrono::milliseconds timeout);
+  /// Sends `signal` unless it has ended.
+  void send(int signal);
+
+ private:
+  explicit Child(pid_t pid, int pidfd) : pid_(pid), pidfd_(pidfd) {}
+  void end();
+  pid_t pid_ = -1;
+  int pidfd_ = -1;
+  std::optional<ChildExit> exit_;
+};
+
+}  // namespace vantage::tools

@@ -1,0 +1,65 @@
+#include "tools/trial/trial.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include "core/check.hpp"
+#include "tools/observe/announcer.hpp"
+#include "tools/observe/observer.hpp"
+#include "tools/observe/recorder.hpp"
+#include "tools/trial/virtual_loop.hpp"
+
+namespace vantage::tools {
+
+Time trial_start(const models::Scenario& scenario) {
+  const std::int64_t round_us =
+      from_seconds(scenario.planner.step_s).count() * scenario.planner.execute_steps;
+  constexpr std::int64_t kEarliestUtime = 1'700'000'000'000'000;
+  return from_utime((kEarliestUtime + round_us - 1) / round_us * round_us);
+}
+
+TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
+                      const TrialOptions& options) {
+  require(scenario.planner.node_budget > 0, "a trial in virtual time needs a node budget");
+  const Time start = trial_start(scenario);
+  const Time end = start + from_seconds(scenario.duration_s);
+  VirtualTimeLoop loop(start);
+
+  std::unique_ptr<Recorder> recorder;
+  if (!options.log_path.empty()) {
+    recorder = std::make_unique<Recorder>(loop.connect(), loop.clock(), options.log_path);
+    loop.on_delivered([&recorder] {
+      while (recorder->handle(std::chrono::microseconds(0)) > 0) {
+      }
+    });
+  }
+  bus::Bus& own_bus = loop.add_bus(deterministic_run_id(scenario.seed, "TRIAL"));
+  TrialObserver observer(own_bus, scenario, start);
+  Announcer announcer(own_bus, scenario, "trial");
+  announcer.publish(start);
+  for (const NodeRecipe& recipe : recipes) {
+    loop.add_node(recipe, deterministic_run_id(scenario.seed, recipe.name));
+  }
+
+  constexpr int kProgressReports = 100;
+  int reported = 0;
+  for (Time now = start; now < end;) {
+    now = std::min(announcer.next_tick(), end);
+    loop.run_until(now);
+    announcer.tick(now);
+    const double share = to_seconds(now - start) / to_seconds(end - start);
+    if (options.progress && static_cast<int>(share * kProgressReports) > reported) {
+      reported = static_cast<int>(share * kProgressReports);
+      options.progress(share);
+    }
+  }
+  loop.deliver();
+  const std::int64_t unrecorded = recorder ? recorder->messages_lost() : 0;
+  TrialResult result;
+  result.summary = observer.metrics().finish(end, loop.messages_lost() + unrecorded);
+  result.scene = observer.scene();
+  return result;
+}
+
+}  // namespace vantage::tools

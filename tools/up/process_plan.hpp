@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/scenario/scenario.hpp"
+#include "tools/supervisor/supervisor.hpp"
+
+namespace vantage::tools {
+
+/// Where the processes of a trial find what they need.
+struct ProcessPlaces {
+  std::string executables;    ///< the folder of the vantage-* programs
+  std::string scenario_path;  ///< what each of them reads
+  std::string url;
+};
+
+/// The processes of a trial on this host, in the order of starting: the simulator when any device
+/// is simulated, then per robot sensor, estimator and planner.
+std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
+                                      const ProcessPlaces& places);
+
+/// lcm-logger writing to `log_path`, over what is there.
+ProcessSpec logger_process(const std::string& url, const std::string& log_path);
+
+}  // namespace vantage::tools
