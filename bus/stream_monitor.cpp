@@ -15,7 +15,8 @@ void add_saturating(std::int64_t& sum, std::int64_t more) {
 }  // namespace
 
 void StreamMonitor::advance_to(const models::Stamp& stamp) {
-  const std::int64_t skipped = stamp.sequence - newest_sequence_ - 1;
+  const std::int64_t skipped =
+      stamp.sequence - (newest_sequence_ + 1);  // in this order: no overflow
   add_saturating(counts_.lost, skipped);
   const auto kept = static_cast<std::int64_t>(kMissingKept);
   for (std::int64_t missing = stamp.sequence - std::min(skipped, kept); missing < stamp.sequence;

@@ -149,7 +149,8 @@ TEST(Reassembler, RefusesMessagesAboveTheCap) {
 
 TEST(Reassembler, PaysOnlyForBytesThatArrived) {
   Reassembler reassembler;
-  Packet claim = Message(1, 10, 10).piece(0);
+  const Message little(1, 10, 10);
+  Packet claim = little.piece(0);
   claim.message_bytes = 4U << 20U;
   claim.fragment_count = 65;
   EXPECT_FALSE(reassembler.add(1, claim, 0).has_value());

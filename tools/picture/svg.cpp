@@ -58,7 +58,8 @@ void Svg::circle(const Eigen::Vector2d& centre_px, double radius_px, std::string
 void Svg::ellipse(const Eigen::Vector2d& centre_px, const Eigen::Vector2d& half_axes_px,
                   double angle_deg, std::string_view style) {
   body_ += fmt::format(
-      R"(<ellipse rx="{:.2f}" ry="{:.2f}" transform="translate({:.2f} {:.2f}) rotate({:.2f})" {}/>)",
+      "<ellipse rx=\"{:.2f}\" ry=\"{:.2f}\" "
+      "transform=\"translate({:.2f} {:.2f}) rotate({:.2f})\" {}/>",
       half_axes_px.x(), half_axes_px.y(), centre_px.x(), centre_px.y(), angle_deg, style);
   body_ += '\n';
 }

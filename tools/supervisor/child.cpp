@@ -8,8 +8,8 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -64,7 +64,8 @@ Result<Child> Child::start(const std::vector<std::string>& arguments) {
   if (error != 0) {
     return Error{arguments[0] + ": " + std::strerror(error)};
   }
-  return Child(pid, ::pidfd_open(pid, 0));
+  // glibc 2.36 declares pidfd_open() without extern "C", so C++ cannot link it.
+  return Child(pid, static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)));
 }
 
 Child::Child(Child&& other) noexcept
