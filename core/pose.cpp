@@ -101,8 +101,7 @@ Eigen::Matrix<double, 6, 1> log_se3(const Pose3& a_from_b) {
 
 Pose3 lift(const Pose2& world_from_body, double height_m) {
   return {{world_from_body.x_m, world_from_body.y_m, height_m},
-          Eigen::Quaterniond(
-              Eigen::AngleAxisd(world_from_body.yaw_rad, Eigen::Vector3d::UnitZ()))};
+          Eigen::Quaterniond(Eigen::AngleAxisd(world_from_body.yaw_rad, Eigen::Vector3d::UnitZ()))};
 }
 
 Pose2 flatten(const Pose3& world_from_body) {

@@ -19,6 +19,12 @@ MeasurementJacobian state_jacobian(const MeasurementJacobian& by_position, Eigen
   return H;
 }
 
+Eigen::Index position_rows(Eigen::Index state_rows) { return state_rows == 3 ? 3 : 2; }
+
+/// A belief wider than this share of its distance is not measured about its mean.
+constexpr double kLinearShare = 0.15;
+constexpr int kIterations = 3;
+
 double growth(double steps) { return 0.5 * steps * (steps + 1.0); }
 
 }  // namespace
@@ -42,37 +48,71 @@ std::optional<Information> propagate(const models::TargetModel& model, double st
   return models::predict(information, A, model.process_noise(elapsed_s));
 }
 
+models::PositionVector linearisation_point(const models::Gaussian& belief,
+                                           const models::SensorModel& sensor,
+                                           const models::Viewpoint& from,
+                                           const models::Measurement& measurement) {
+  const Eigen::Index n = position_rows(belief.mean.size());
+  models::PositionVector about_m = belief.mean.head(n);
+  if (sensor.kind == models::SensorKind::kPosition) {
+    return about_m;  // linear everywhere
+  }
+  const double variance_m2 = belief.covariance.topLeftCorner(n, n).trace();
+  const double distance_m = (about_m.head<2>() - from.world_from_body.position_m()).norm();
+  if (variance_m2 <= kLinearShare * kLinearShare * distance_m * distance_m) {
+    return about_m;
+  }
+  const auto seen_m = models::position_from(sensor, from, measurement.z, static_cast<int>(n));
+  if (!seen_m) {
+    return about_m;
+  }
+  about_m = *seen_m;
+  for (int i = 0; i < kIterations; ++i) {
+    const MeasurementJacobian H =
+        state_jacobian(models::observation_jacobian(sensor, from, about_m), belief.mean.size());
+    models::StateVector offset = belief.mean;
+    offset.head(n) -= about_m;
+    const MeasurementVector expected = models::observe(sensor, from, about_m);
+    MeasurementVector nu = models::innovation(sensor, measurement.z, expected);
+    nu -= H.leftCols(n) * offset.head(n);
+    const models::Gaussian posterior = models::update(belief, H, measurement.V, nu);
+    const models::PositionVector next_m = posterior.mean.head(n);
+    if (!next_m.allFinite()) {
+      break;
+    }
+    about_m = next_m;
+  }
+  return about_m;
+}
+
 Use measure(Information& belief, const models::SensorModel& sensor, const models::Viewpoint& from,
             const models::Measurement& measurement, double gate_sigma) {
-  const Eigen::Index dim = belief.vector.size();
-  const Eigen::Index position_dim = dim == 3 ? 3 : 2;
-  const Eigen::LLT<StateMatrix> omega(belief.matrix);
+  const Eigen::Index n = position_rows(belief.vector.size());
+  const std::optional<models::Gaussian> prior = models::to_gaussian(belief);
   const Eigen::LLT<MeasurementMatrix> noise(measurement.V);
-  if (omega.info() != Eigen::Success || noise.info() != Eigen::Success) {
+  if (!prior || noise.info() != Eigen::Success) {
     return Use::kSingular;
   }
-  const models::StateVector mean = omega.solve(belief.vector);
-  const models::PositionVector position_m = mean.head(position_dim);
+  const models::PositionVector about_m = linearisation_point(*prior, sensor, from, measurement);
   const MeasurementJacobian H =
-      state_jacobian(models::observation_jacobian(sensor, from, position_m), dim);
-  const MeasurementVector nu =
-      models::innovation(sensor, measurement.z, models::observe(sensor, from, position_m));
-  if (!H.allFinite() || !nu.allFinite()) {
+      state_jacobian(models::observation_jacobian(sensor, from, about_m), belief.vector.size());
+  const MeasurementVector expected = models::observe(sensor, from, about_m);
+  // z − h(x, a) + H a: what a linear sensor H would have measured of the whole state.
+  const MeasurementVector z_linear =
+      models::innovation(sensor, measurement.z, expected) + H.leftCols(n) * about_m;
+  if (!H.allFinite() || !z_linear.allFinite()) {
     return Use::kSingular;
   }
   if (gate_sigma > 0.0) {
-    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                        models::kMaxTargetDim, models::kMaxMeasurementDim>
-        PHt = omega.solve(H.transpose());
-    const MeasurementMatrix S = H * PHt + measurement.V;
-    const Eigen::LLT<MeasurementMatrix> spread(S);
-    const MeasurementVector whitened = spread.matrixL().solve(nu);
+    const MeasurementVector nu = z_linear - H * prior->mean;
+    const MeasurementJacobian HP = H * prior->covariance;
+    const MeasurementMatrix S = HP * H.transpose() + measurement.V;
+    const MeasurementVector whitened = S.llt().matrixL().solve(nu);
     if (whitened.squaredNorm() > gate_sigma * gate_sigma) {
       return Use::kGated;
     }
   }
   const MeasurementJacobian weighted = noise.solve(H);  // V⁻¹ H
-  const MeasurementVector z_linear = nu + H * mean;
   belief.matrix += H.transpose() * weighted;
   belief.matrix = (0.5 * (belief.matrix + belief.matrix.transpose())).eval();
   belief.vector += weighted.transpose() * z_linear;

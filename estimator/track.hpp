@@ -29,14 +29,26 @@ std::optional<models::Information> propagate(const models::TargetModel& model, d
                                              const models::Information& information, Time last_seen,
                                              Time from, Time to);
 
+/// Where h is linearised for one measurement: the position a.
+///
+/// The belief's mean, as in the dissertation, while the belief is narrow: √tr P_pp within 0.15 of
+/// the target's distance. A wider one (a target under the robot, or one not seen for long) would be
+/// pulled along the tangent of a circle that bends away; then, for a sensor that tells where the
+/// target is, three Gauss-Newton steps from the position that explains z lead to the most likely
+/// position (iterated extended Kalman filter). Source: Bell, Cathey (1993).
+models::PositionVector linearisation_point(const models::Gaussian& belief,
+                                           const models::SensorModel& sensor,
+                                           const models::Viewpoint& from,
+                                           const models::Measurement& measurement);
+
 /// What became of one measurement.
 enum class [[nodiscard]] Use{kUsed, kGated, kSingular};
 
-/// Adds one measurement to a belief, linearised about the belief's own mean ŷ:
-/// Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, ŷ) + H ŷ, bearings wrapped.
+/// Adds one measurement to a belief, linearised about a = linearisation_point():
+/// Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, a) + H a, bearings wrapped.
 /// @param gate_sigma  > 0: leave the belief alone (kGated) when the innovation's Mahalanobis
-///                    length √(νᵀ (H Ω⁻¹ Hᵀ + V)⁻¹ ν) exceeds it
-/// kSingular, belief untouched: Ω or V not positive definite, or ŷ at the sensor itself.
+///                    length √(νᵀ (H Ω⁻¹ Hᵀ + V)⁻¹ ν), ν = z̃ − H ŷ, exceeds it
+/// kSingular, belief untouched: Ω or V not positive definite, or a at the sensor itself.
 /// Precondition: z has measurement_dim rows. Source: dissertation 3.3; algorithms §4.
 Use measure(models::Information& belief, const models::SensorModel& sensor,
             const models::Viewpoint& from, const models::Measurement& measurement,

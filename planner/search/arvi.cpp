@@ -13,6 +13,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+// require() makes a std::string of its rule even when the rule holds; a search may not allocate.
+void demand(bool holds, const char* rule) {
+  if (!holds) {
+    require(false, rule);
+  }
+}
+
 }  // namespace
 
 ReducedValueIteration::ReducedValueIteration(const SearchCapacity& capacity)
@@ -37,11 +44,14 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
                                                 const ReducedOptions& options,
                                                 const Deadline& deadline) {
   require_valid(problem);
-  require(problem.horizon_steps <= capacity_.horizon_max, "search: horizon_steps over capacity");
-  require(problem.targets.size() <= index(capacity_.targets_max),
-          "search: more targets than capacity");
-  require(options.halvings >= 0 && options.halvings <= 100, "search: halvings must be in [0, 100]");
-  require(options.epsilon >= 0.0 && options.delta_m >= 0.0, "search: ε and δ must be ≥ 0");
+  demand(problem.horizon_steps <= capacity_.horizon_max, "search: horizon_steps over capacity");
+  demand(problem.targets.size() <= index(capacity_.targets_max),
+         "search: more targets than capacity");
+  demand(problem.teammates.size() <= index(capacity_.teammates_max),
+         "search: more teammates than capacity");
+  demand(options.halvings >= 0 && options.halvings <= 100, "search: halvings must be in [0, 100]");
+  demand(options.epsilon >= 0.0 && options.delta_m >= 0.0, "search: ε and δ must be ≥ 0");
+  demand(options.yaw_weight_m_per_rad >= 0.0, "search: the yaw weight must be ≥ 0");
 
   problem_ = &problem;
   deadline_ = &deadline;
@@ -236,15 +246,10 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
                                                                  bool& pruned) {
   pruned = false;
   const double cost = tree_[id].cost;
-  if (!std::isfinite(delta_m)) {  // everything crosses everything; the least cost is open first
-    pruned = std::any_of(level.open.begin(), level.open.end(),
-                         [&](NodeId other) { return tree_[other].cost <= cost; });
-    return Progress::kDone;
-  }
   const Pose2 pose = tree_[id].world_from_body;
   const double delta2_m2 = delta_m * delta_m;
   Progress progress = Progress::kDone;
-  index_.near(pose, [&](NodeId other) {
+  const auto go_on_after = [&](NodeId other) {
     // Cheapest test first: cost, distance, then the blocks.
     if (tree_[other].cost > cost ||
         metric_.squared(tree_[other].world_from_body, pose) > delta2_m2) {
@@ -266,7 +271,12 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
     }
     pruned = true;
     return false;
-  });
+  };
+  if (std::isfinite(delta_m)) {
+    index_.near(pose, go_on_after);
+  } else {  // everything crosses everything
+    static_cast<void>(std::all_of(level.open.begin(), level.open.end(), go_on_after));
+  }
   return progress;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "models/sensor/sensor.hpp"
@@ -41,9 +42,14 @@ struct StepNoise {
 
 inline double det2(const double* p) { return p[0] * p[2] - p[1] * p[1]; }
 
+/// By pivots: the cofactors of a block that is sharp in two directions and vague in the third (a
+/// camera's) cancel to nothing.
 inline double det3(const double* p) {
-  return p[0] * (p[3] * p[5] - p[4] * p[4]) - p[1] * (p[1] * p[5] - p[4] * p[2]) +
-         p[2] * (p[1] * p[4] - p[3] * p[2]);
+  const double l1 = p[1] / p[0];
+  const double l2 = p[2] / p[0];
+  const double d1 = p[3] - l1 * p[1];
+  const double x = p[4] - l1 * p[2];
+  return p[0] * (d1 * (p[5] - l2 * p[2]) - x * x);
 }
 
 /// det Σ of one block.
@@ -144,10 +150,17 @@ inline void pack3(const Eigen::Matrix3d& full, double* p) {
   p[5] = full(2, 2);
 }
 
+/// I + Lᵀ M L with P = L Lᵀ, spatial: symmetric and ≥ I however sharp the look is.
+inline Eigen::LLT<Eigen::Matrix3d> whitened_gain3(const double* m, const Eigen::Matrix3d& L) {
+  return Eigen::LLT<Eigen::Matrix3d>(Eigen::Matrix3d::Identity() + L.transpose() * unpack3(m) * L);
+}
+
 /// det(I + M P) of any layout.
 inline double gain(BlockLayout layout, const double* m, const double* b) {
   if (layout == BlockLayout::kSpatial) {
-    return (Eigen::Matrix3d::Identity() + unpack3(m) * unpack3(b)).determinant();
+    const Eigen::Matrix3d L = Eigen::LLT<Eigen::Matrix3d>(unpack3(b)).matrixL();
+    const double root = whitened_gain3(m, L).matrixLLT().diagonal().prod();
+    return root * root;
   }
   return gain2(m, b);
 }
@@ -155,9 +168,10 @@ inline double gain(BlockLayout layout, const double* m, const double* b) {
 /// (Σ⁻¹ + M)⁻¹. `in` may be `out`.
 inline void update(BlockLayout layout, const double* m, const double* in, double* out) {
   if (layout == BlockLayout::kSpatial) {
-    const Eigen::Matrix3d M = unpack3(m);
-    const Eigen::Matrix3d P = unpack3(in);
-    pack3(P - P * (Eigen::Matrix3d::Identity() + M * P).inverse() * M * P, out);
+    // L (I + Lᵀ M L)⁻¹ Lᵀ: nothing is subtracted, so it stays definite.
+    const Eigen::Matrix3d L = Eigen::LLT<Eigen::Matrix3d>(unpack3(in)).matrixL();
+    const Eigen::Matrix3d X = whitened_gain3(m, L).matrixL().solve(L.transpose());
+    pack3(X.transpose() * X, out);
     return;
   }
   double g[3];

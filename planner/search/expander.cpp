@@ -9,8 +9,23 @@ namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-// Products of determinants stay in range for this many factors before their logarithm is taken.
-constexpr int kFactorsPerLog = 24;
+// A sum of logarithms as the logarithm of a product, taken whenever the product might leave the
+// range of a double: a single factor may be as small or large as 1e±150.
+class LogProduct {
+ public:
+  void multiply(double factor) {
+    product_ *= factor;
+    if (!(product_ > 1e-150 && product_ < 1e150)) {
+      sum_ += std::log(product_);
+      product_ = 1.0;
+    }
+  }
+  [[nodiscard]] double log() const { return sum_ + std::log(product_); }
+
+ private:
+  double sum_ = 0.0;
+  double product_ = 1.0;
+};
 
 }  // namespace
 
@@ -53,11 +68,15 @@ bool Expander::look_planar(const models::SensorModel& sensor, double cos_half_fo
                            PackedInformation& sum) const {
   const double r2 = dx_m * dx_m + dy_m * dy_m;
   if (r2 >= sensor.range_max_m * sensor.range_max_m ||
-      r2 < sensor.range_min_m * sensor.range_min_m || r2 == 0.0) {
+      r2 < sensor.range_min_m * sensor.range_min_m) {
     return false;
   }
   const double r = std::sqrt(r2);
-  if (dx_m * cos_yaw + dy_m * sin_yaw <= cos_half_fov * r) {
+  if (r2 == 0.0) {  // in no direction: only a position sensor that sees all around tells of it
+    if (sensor.kind != models::SensorKind::kPosition || cos_half_fov >= -1.0) {
+      return false;
+    }
+  } else if (dx_m * cos_yaw + dy_m * sin_yaw <= cos_half_fov * r) {
     return false;
   }
   if (sensor.kind == models::SensorKind::kPosition) {
@@ -148,8 +167,7 @@ void Expander::forget_blocks() {
 
 double Expander::predicted_cost(int t) const {
   double cost = beliefs_.open_loop_cost(t);
-  double factor = 1.0;
-  int factors = 0;
+  LogProduct ratio;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     const int m = touched_[i];
     const double* block = &predicted_[kMaxPacked * i];
@@ -157,13 +175,9 @@ double Expander::predicted_cost(int t) const {
       cost += trace(beliefs_.layout(m), block) - beliefs_.open_loop_measure(m, t);
       continue;
     }
-    factor *= determinant(beliefs_.layout(m), block) / beliefs_.open_loop_measure(m, t);
-    if (++factors % kFactorsPerLog == 0) {
-      cost += std::log(factor);
-      factor = 1.0;
-    }
+    ratio.multiply(determinant(beliefs_.layout(m), block) / beliefs_.open_loop_measure(m, t));
   }
-  return cost + std::log(factor);
+  return cost + ratio.log();
 }
 
 bool Expander::expand(Tree& tree, NodeId id, Children& out) {
@@ -187,8 +201,7 @@ bool Expander::expand(Tree& tree, NodeId id, Children& out) {
     const double cos_child = std::cos(pose.yaw_rad);
     const double sin_child = std::sin(pose.yaw_rad);
     double cost = base;
-    double factor = 1.0;
-    int factors = 0;
+    LogProduct gained;
     for (const std::uint16_t m : candidates_) {
       PackedInformation M;
       if (!look(m, t, pose, cos_child, sin_child, M)) {
@@ -199,15 +212,11 @@ bool Expander::expand(Tree& tree, NodeId id, Children& out) {
         cost -= trace_reduction(layout, M.m, predicted(m, t));
         continue;
       }
-      factor *= gain(layout, M.m, predicted(m, t));
-      if (++factors % kFactorsPerLog == 0) {
-        cost -= std::log(factor);
-        factor = 1.0;
-      }
+      gained.multiply(gain(layout, M.m, predicted(m, t)));
     }
     out.control[out.count] = static_cast<std::int16_t>(c);
     out.world_from_body[out.count] = pose;
-    out.cost[out.count] = cost - std::log(factor);
+    out.cost[out.count] = cost - gained.log();
     ++out.count;
   }
   forget_blocks();

@@ -11,15 +11,53 @@ double sagitta_of(double length_m, double angle_rad) {
   return 0.125 * length_m * std::abs(angle_rad);  // an upper bound: r(1 − cos(a/2)) ≤ r a²/8
 }
 
-// Two unicycles cannot be farther from a straight piece than a sagitta, but the speed along it is
-// taken as uniform too; for a chord of an arc the deviation in time is of higher order.
-constexpr double kChordSlack = 1.1;
+// Instants are whole microseconds: half of one at no more than 20 m/s.
+constexpr double kClockRounding_m = 1e-5;
+
+// Rounding of the arithmetic around it; the bounds themselves are proven.
+constexpr double kChordSlack = 1.0 + 1e-6;
+
+// How far `trajectory` may be, at any instant between `from` and `to`, from uniform motion between
+// its places at both. Where the velocity changes by at most a per second this is a Δ²/8, where it
+// jumps by J after a share s of it, J s (1 − s) Δ; the deviation is linear in the velocity: they
+// add.
+double piece_slack_m(const models::Trajectory& trajectory, double from_s, double to_s) {
+  const double duration_s = to_s - from_s;
+  double acceleration_mps2 = 0.0;
+  double kinks_m = 0.0;
+  double speed_mps = 0.0;  // before the start it rests
+  double begin_s = 0.0;
+  const auto jump_to = [&](double next_mps, double at_s) {
+    if (at_s >= from_s && at_s <= to_s) {
+      kinks_m += std::abs(next_mps - speed_mps) * (at_s - from_s) * (to_s - at_s) / duration_s;
+    }
+  };
+  for (const models::PlanSegment& segment : trajectory.segments) {
+    const double end_s = begin_s + std::max(0.0, segment.duration_s);
+    jump_to(segment.control.speed_mps, begin_s);
+    const bool brakes = segment.brake_mps2 > 0.0;
+    if (begin_s < to_s && end_s > from_s) {
+      acceleration_mps2 =
+          std::max(acceleration_mps2,
+                   brakes ? segment.brake_mps2
+                          : std::abs(segment.control.speed_mps * segment.control.yaw_rate_radps));
+    }
+    const double slower_mps = brakes ? std::max(0.0, std::abs(segment.control.speed_mps) -
+                                                         segment.brake_mps2 * (end_s - begin_s))
+                                     : std::abs(segment.control.speed_mps);
+    speed_mps = std::copysign(slower_mps, segment.control.speed_mps);
+    begin_s = end_s;
+  }
+  jump_to(0.0, begin_s);  // then it hovers
+  return kChordSlack * (0.125 * acceleration_mps2 * duration_s * duration_s + kinks_m);
+}
 
 }  // namespace
 
 MotionTable::MotionTable(int controls_max, int horizon_max, int teammates_max) {
   primitives_.reserve(static_cast<std::size_t>(controls_max));
   teammate_pieces_.reserve(static_cast<std::size_t>(3 * horizon_max * teammates_max * kPieces));
+  step_ways_m_.reserve(static_cast<std::size_t>(3 * horizon_max * teammates_max));
 }
 
 void MotionTable::reset(const SearchProblem& problem) {
@@ -41,18 +79,21 @@ void MotionTable::reset(const SearchProblem& problem) {
   }
 
   teammate_pieces_.clear();
+  step_ways_m_.clear();
   int steps = problem.horizon_steps + 1;
   for (const models::Trajectory& teammate : problem.teammates) {
     const double left_s = to_seconds(models::end_time(teammate) - problem.start_time);
     steps = std::max(steps, static_cast<int>(std::ceil(left_s / problem.step_s)) + 1);
   }
   if (problem.brake_mps2 > 0.0) {  // our own last stop may outlast theirs
-    steps += static_cast<int>(
-        std::ceil(reach_m_ / problem.step_s / problem.brake_mps2 / problem.step_s));
+    const double speed_mps = std::max(reach_m_ / problem.step_s, problem.start_speed_mps);
+    steps += static_cast<int>(std::ceil(speed_mps / problem.brake_mps2 / problem.step_s));
   }
   pieces_each_ = steps * kPieces;
   for (const models::Trajectory& teammate : problem.teammates) {
+    const double since_start_s = to_seconds(problem.start_time - teammate.start_time);
     for (int depth = 0; depth < steps; ++depth) {
+      double way_m = 0.0;
       for (int k = 0; k < kPieces; ++k) {
         const double from_s = depth * problem.step_s + k * piece_s;
         const auto a = models::at(teammate, problem.start_time + from_seconds(from_s));
@@ -60,14 +101,13 @@ void MotionTable::reset(const SearchProblem& problem) {
         TeammatePiece piece;
         piece.from_m << a.world_from_body.position_m(), teammate.height_m;
         piece.to_m << b.world_from_body.position_m(), teammate.height_m;
-        // A piece may straddle two segments of the teammate's: bound by what speed allows.
-        const double travelled_m = std::max(a.control.speed_mps, b.control.speed_mps) * piece_s;
-        const double turned_rad =
-            std::abs(wrap_to_pi(b.world_from_body.yaw_rad - a.world_from_body.yaw_rad));
-        piece.slack_m = kChordSlack * sagitta_of(travelled_m, turned_rad) +
-                        0.25 * std::abs(a.control.speed_mps - b.control.speed_mps) * piece_s;
+        piece.slack_m =
+            piece_slack_m(teammate, since_start_s + from_s, since_start_s + from_s + piece_s) +
+            kClockRounding_m;
+        way_m += (piece.to_m - piece.from_m).norm() + 2.0 * piece.slack_m;
         teammate_pieces_.push_back(piece);
       }
+      step_ways_m_.push_back(way_m);
     }
   }
 }
@@ -94,9 +134,10 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
   for (std::size_t i = 0; i < problem_->teammates.size(); ++i) {
     const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_) +
                                                     static_cast<std::size_t>(depth * kPieces)];
-    const double way_m = (pieces[kPieces - 1].to_m - pieces[0].from_m).norm();
     // Far enough apart that one step cannot bring them together: both move at most this far.
-    const double far_m = problem_->separation_m + primitive.length_m + 2.0 * way_m + 1.0;
+    const double far_m = problem_->separation_m + primitive.length_m +
+                         step_ways_m_[i * static_cast<std::size_t>(pieces_each_ / kPieces) +
+                                      static_cast<std::size_t>(depth)];
     if ((pieces[0].from_m - start).squaredNorm() > far_m * far_m) {
       continue;
     }

@@ -76,6 +76,7 @@ class MotionTable {
   double reach_m_ = 0.0;
   int pieces_each_ = 0;                         ///< of one teammate: until everybody hovers
   std::vector<TeammatePiece> teammate_pieces_;  ///< [teammate][depth][piece]
+  std::vector<double> step_ways_m_;             ///< [teammate][depth]: at most, in one step
 };
 
 /// True when a disc of `radius_m` carried along `control` for `duration_s` stays clear of the

@@ -7,24 +7,94 @@
 
 namespace vantage::planner {
 
-void require_valid(const SearchProblem& problem) {
-  require(problem.horizon_steps >= 1 && problem.horizon_steps <= 255,
-          "search: horizon_steps must be in [1, 255]");
-  require(problem.step_s > 0.0 && std::isfinite(problem.step_s), "search: step_s must be > 0");
-  require(!problem.controls.empty() && problem.controls.size() <= kMaxControls,
-          "search: between 1 and 64 controls");
-  require(problem.targets.size() < 65'535, "search: fewer than 65535 targets");
-  for (const SearchTarget& target : problem.targets) {
-    require(target.prior.mean.size() == target.model.dim() &&
-                target.prior.covariance.rows() == target.model.dim() &&
-                target.prior.covariance.cols() == target.model.dim(),
-            "search: a prior's dimensions must be its target model's");
-    require(std::isfinite(models::log_det(target.prior.covariance)),
-            "search: a prior covariance must be positive definite");
+namespace {
+
+// require() makes a std::string of its rule even when the rule holds; a search may not allocate.
+void demand(bool holds, const char* rule) {
+  if (!holds) {
+    require(false, rule);
   }
-  require(problem.fixed_information.empty() ||
-              problem.fixed_information.size() == problem.targets.size(),
-          "search: fixed_information is for every target or for none");
+}
+
+bool is_finite(const Pose2& pose) {
+  return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.yaw_rad);
+}
+
+bool is_positive(double x) { return x > 0.0 && std::isfinite(x); }
+bool is_not_negative(double x) { return x >= 0.0 && std::isfinite(x); }
+
+void require_valid(const models::SensorModel& sensor) {
+  demand(sensor.range_max_m > 0.0, "search: a sensor's range_max_m must be > 0");
+  demand(is_not_negative(sensor.range_min_m), "search: a sensor's range_min_m must be ≥ 0");
+  demand(is_positive(sensor.fov_rad), "search: a sensor's fov_rad must be > 0");
+  demand(is_positive(sensor.range_sigma_m) && is_positive(sensor.bearing_sigma_rad) &&
+             is_positive(sensor.position_sigma_m) && is_positive(sensor.pixel_sigma),
+         "search: a sensor's sigmas must be > 0");
+  demand(!sensor.variance_grows_with_range || is_positive(sensor.variance_floor),
+         "search: a sensor's variance_floor must be > 0");
+}
+
+void require_valid(const SearchTarget& target) {
+  const bool moves = target.model.kind == models::TargetKind::kDoubleIntegrator;
+  demand(target.model.position_dim == 2 || (target.model.position_dim == 3 && !moves),
+         "search: a target has 2 position coordinates, or 3 unless it is a double integrator");
+  demand(is_not_negative(target.model.q), "search: a target's q must be ≥ 0");
+  const models::StateMatrix& covariance = target.prior.covariance;
+  demand(target.prior.mean.size() == target.model.dim() &&
+             covariance.rows() == target.model.dim() && covariance.cols() == target.model.dim(),
+         "search: a prior's dimensions must be its target model's");
+  demand(target.prior.mean.allFinite(), "search: a prior mean must be finite");
+  demand(std::isfinite(models::log_det(covariance)),
+         "search: a prior covariance must be positive definite");
+  constexpr double kRounding = 1e-9;
+  demand((covariance - covariance.transpose()).cwiseAbs().maxCoeff() <=
+             kRounding * covariance.diagonal().maxCoeff(),
+         "search: a prior covariance must be symmetric");
+}
+
+void require_valid_information(const SearchProblem& problem) {
+  demand(problem.fixed_information.empty() ||
+             problem.fixed_information.size() == problem.targets.size(),
+         "search: fixed_information is for every target or for none");
+  for (std::size_t m = 0; m < problem.fixed_information.size(); ++m) {
+    demand(problem.fixed_information[m].size() >= static_cast<std::size_t>(problem.horizon_steps),
+           "search: fixed_information is for every step");
+    const int p = problem.targets[m].model.position_dim;
+    for (const models::PositionMatrix& M : problem.fixed_information[m]) {
+      demand(M.size() == 0 || (M.rows() == p && M.cols() == p && M.allFinite()),
+             "search: fixed_information is empty or position_dim square, and finite");
+    }
+  }
+}
+
+}  // namespace
+
+void require_valid(const SearchProblem& problem) {
+  demand(problem.horizon_steps >= 1 && problem.horizon_steps <= 255,
+         "search: horizon_steps must be in [1, 255]");
+  demand(is_positive(problem.step_s), "search: step_s must be > 0");
+  demand(!problem.controls.empty() && problem.controls.size() <= kMaxControls,
+         "search: between 1 and 64 controls");
+  for (const models::UnicycleControl& control : problem.controls) {
+    demand(is_not_negative(control.speed_mps) && std::isfinite(control.yaw_rate_radps),
+           "search: controls must be finite and not backwards");
+  }
+  demand(is_finite(problem.start) && std::isfinite(problem.height_m),
+         "search: the start must be finite");
+  demand(is_not_negative(problem.start_speed_mps), "search: start_speed_mps must be ≥ 0");
+  demand(is_not_negative(problem.brake_mps2), "search: brake_mps2 must be ≥ 0");
+  demand(is_not_negative(problem.clearance_m), "search: clearance_m must be ≥ 0");
+  demand(is_not_negative(problem.separation_m), "search: separation_m must be ≥ 0");
+  demand(problem.field == nullptr || problem.world != nullptr,
+         "search: a distance field needs its world");
+  for (const models::SensorModel& sensor : problem.sensors) {
+    require_valid(sensor);
+  }
+  demand(problem.targets.size() < 65'535, "search: fewer than 65535 targets");
+  for (const SearchTarget& target : problem.targets) {
+    require_valid(target);
+  }
+  require_valid_information(problem);
 }
 
 models::Trajectory to_trajectory(const SearchProblem& problem, const SearchResult& result) {

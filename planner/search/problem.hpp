@@ -58,8 +58,9 @@ struct SearchProblem {
   double start_speed_mps = 0.0;  ///< at `start`, for the stop of a plan that moves no more
 };
 
-/// Throws UsageError naming the rule that `problem` breaks: sizes, positive steps and definite
-/// priors. A search checks this once when it is given a problem.
+/// Throws UsageError naming the rule that `problem` breaks: sizes, finite numbers, positive steps,
+/// forward controls, definite symmetric priors, information for every step. A search checks this
+/// once when it is given a problem. Allocates nothing unless it throws.
 void require_valid(const SearchProblem& problem);
 
 /// Why a search ended.

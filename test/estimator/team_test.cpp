@@ -166,7 +166,8 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
         DistributedFilter blind = team.filter(i);
         take_step(blind, instant(k), from[i], {}, team.heard_by(i));
         for (const models::Detection& d : looks[i].detections) {
-          const Eigen::Vector2d about_m = known(blind, d.target_id).mean;
+          const auto about_m =
+              linearisation_point(known(blind, d.target_id), sensors[i], from[i], d.measurement);
           const auto H = models::observation_jacobian(sensors[i], from[i], about_m);
           const Eigen::Matrix2d V = d.measurement.V;
           central[static_cast<std::size_t>(d.target_id)] += H.transpose() * V.inverse() * H;

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include "test/estimator/filter_support.hpp"
@@ -62,13 +63,14 @@ TEST(Measure, AgreesWithTheCovarianceFormForEverySensor) {
         models::SensorKind::kRangeBearing, models::SensorKind::kCamera}) {
     models::SensorModel sensor;
     sensor.kind = kind;
+    int narrow = 0;
     for (int trial = 0; trial < 50; ++trial) {
       models::Viewpoint from = at(0.3, -0.2, 3.0);
       from.height_m = 2.0;
       const Eigen::Matrix4d root =
           Eigen::Map<const Eigen::Matrix4d>(test::normal_vector(16, rng).eval().data());
-      Gaussian belief{test::normal_vector(4, rng), root * root.transpose()};
-      belief.covariance += 0.1 * Eigen::Matrix4d::Identity();
+      Gaussian belief{2.0 * test::normal_vector(4, rng), 0.01 * root * root.transpose()};
+      belief.covariance += 0.001 * Eigen::Matrix4d::Identity();
       const models::PositionVector about_m = belief.mean.head(2);
       if (!models::in_view(sensor, from, about_m)) {
         continue;
@@ -76,6 +78,10 @@ TEST(Measure, AgreesWithTheCovarianceFormForEverySensor) {
       const auto z = models::sample(sensor, from, about_m, rng);
       auto information = models::to_information(belief).value();
       ASSERT_EQ(measure(information, sensor, from, z, 0.0), Use::kUsed);
+      if (linearisation_point(belief, sensor, from, z) != about_m) {
+        continue;  // too wide to be linear about its mean
+      }
+      ++narrow;
       const auto by_position = models::observation_jacobian(sensor, from, about_m);
       models::MeasurementJacobian H = models::MeasurementJacobian::Zero(by_position.rows(), 4);
       H.leftCols(2) = by_position;
@@ -85,7 +91,33 @@ TEST(Measure, AgreesWithTheCovarianceFormForEverySensor) {
       EXPECT_TRUE(is_near(actual.mean, expected.mean, 1e-8));
       EXPECT_TRUE(is_near(actual.covariance, expected.covariance, 1e-8));
     }
+    EXPECT_GT(narrow, 5);
   }
+}
+
+TEST(Measure, FindsTheMostLikelyPositionOfATargetItKnowsPoorly) {
+  // A wide belief and a sharp look: about the belief's mean the answer would lie on a tangent,
+  // metres from where the look says.
+  models::SensorModel sensor;
+  sensor.range_sigma_m = 0.1;
+  sensor.bearing_sigma_rad = 0.05;
+  auto belief =
+      models::to_information({Eigen::Vector2d(1.0, 0.0), 4.0 * Eigen::Matrix2d::Identity()})
+          .value();
+  const Eigen::Vector2d target_m(-1.0, 2.0);
+  models::Measurement z;
+  z.z = models::observe(sensor, at(0, 0), target_m);
+  z.V = models::noise_covariance(sensor, at(0, 0), target_m);
+  ASSERT_EQ(measure(belief, sensor, at(0, 0), z, 0.0), Use::kUsed);
+  const Gaussian g = models::to_gaussian(belief).value();
+  EXPECT_LT((Eigen::Vector2d(g.mean) - target_m).norm(), 0.02);
+  // At the answer, the gradient of the posterior's logarithm vanishes.
+  const auto H = models::observation_jacobian(sensor, at(0, 0), g.mean.head(2));
+  const auto nu =
+      models::innovation(sensor, z.z, models::observe(sensor, at(0, 0), g.mean.head(2)));
+  const Eigen::Vector2d gradient = H.transpose() * z.V.inverse() * nu -
+                                   (Eigen::Vector2d(g.mean) - Eigen::Vector2d(1.0, 0.0)) / 4.0;
+  EXPECT_LT(gradient.norm(), 1e-3);
 }
 
 TEST(Measure, WrapsTheBearingBehindTheRobot) {
@@ -110,8 +142,11 @@ TEST(Measure, LeavesABeliefAloneBeyondTheGateOrAtTheSensor) {
   EXPECT_EQ(measure(belief, sensor, at(0, 0), z, 5.0), Use::kGated);  // 1 m at σ √0.02 is 7.1 σ
   EXPECT_EQ(belief.matrix, start.matrix);
   EXPECT_EQ(measure(belief, sensor, at(0, 0), z, 8.0), Use::kUsed);
+  models::SensorModel ranger;
+  ranger.kind = models::SensorKind::kRange;  // no direction to be told from its own place
+  models::Measurement range{Eigen::Matrix<double, 1, 1>(1.0), Eigen::Matrix<double, 1, 1>(0.01)};
   auto here = start;
-  EXPECT_EQ(measure(here, sensor, at(5.0, 0.0), z, 0.0), Use::kSingular);
+  EXPECT_EQ(measure(here, ranger, at(5.0, 0.0), range, 0.0), Use::kSingular);
   EXPECT_EQ(here.matrix, start.matrix);
   z.V.setZero();
   EXPECT_EQ(measure(here, sensor, at(0, 0), z, 0.0), Use::kSingular);

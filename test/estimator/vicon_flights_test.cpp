@@ -20,9 +20,8 @@ namespace {
 
 constexpr int kStride = 10;  // of 100 Hz rows: looks at 10 Hz
 constexpr double kLook_s = 0.1;
-/// The flights pass through each other (they were not flown together). Nearer than this a bearing
-/// is not linear over the spread of the belief, and no extended Kalman filter is consistent.
-constexpr double kNearest_m = 1.0;
+/// The flights pass through each other (they were not flown together); a real pair would not.
+constexpr double kNearest_m = 0.3;
 
 using Track3 = std::vector<std::vector<double>>;  // t x y z qw qx qy qz
 

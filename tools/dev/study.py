@@ -73,7 +73,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "build/study")
     parser.add_argument("--binary", default=str(ROOT / "build/release/bin/vantage"))
     parser.add_argument("--cases", nargs="*", help="only these")
-    parser.add_argument("extra", nargs="*", help="further flags of `vantage trial`, after --")
+    parser.add_argument("--extra", default="", help="further flags of `vantage trial`")
     args = parser.parse_args()
     study = STUDIES[args.study]
     cases = {k: v for k, v in study["cases"].items() if not args.cases or k in args.cases}
@@ -84,7 +84,7 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
         futures = {
             pool.submit(run, args.binary, study["scenario"], cases[case], seed,
-                        args.out / f"{args.study}_{case}_{seed}.json", args.extra): (case, seed)
+                        args.out / f"{args.study}_{case}_{seed}.json", args.extra.split()): (case, seed)
             for case, seed in jobs}
         for number, future in enumerate(concurrent.futures.as_completed(futures), 1):
             case, seed = futures[future]

@@ -1,0 +1,34 @@
+#include "test/bench/field_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace vantage::bench {
+
+planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64_t seed) {
+  const double half_m = 32.0 * std::sqrt(std::max(1.0, targets / 25.0));  // no denser than 25
+  std::mt19937_64 rng(seed);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * std::generate_canonical<double, 53>(rng);
+  };
+  planner::SearchProblem problem;
+  problem.horizon_steps = horizon_steps;
+  problem.controls = models::standard_primitives();
+  models::SensorModel sensor;
+  sensor.range_max_m = 10.0;
+  sensor.range_min_m = 0.01;
+  sensor.fov_rad = radians(94.0);
+  problem.sensors = {sensor};
+  for (int m = 0; m < targets; ++m) {
+    planner::SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.001}, {}};
+    const double course_rad = uniform(-kPi, kPi);
+    target.prior.mean = Eigen::Vector4d(uniform(-half_m, half_m), uniform(-half_m, half_m),
+                                        0.5 * std::cos(course_rad), 0.5 * std::sin(course_rad));
+    target.prior.covariance = Eigen::Vector4d(1.0, 1.0, 0.1, 0.1).asDiagonal();
+    problem.targets.push_back(target);
+  }
+  return problem;
+}
+
+}  // namespace vantage::bench

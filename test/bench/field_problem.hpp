@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+#include "planner/search/problem.hpp"
+
+namespace vantage::bench {
+
+/// One problem of the field family: 64 × 64 m without obstacles (more than 25 targets: a map as
+/// much larger, so that the density stays), the robot at the origin, the ten standard primitives,
+/// `targets` double integrators (q 0.001, prior 1, 1, 0.1, 0.1) anywhere in the map at about 0.5
+/// m/s, range and bearing to 10 m within 94°, σ 0.15 m and 5°.
+planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64_t seed);
+
+}  // namespace vantage::bench

@@ -1,0 +1,80 @@
+#include <limits>
+
+#include <benchmark/benchmark.h>
+
+#include "planner/search/arvi.hpp"
+#include "test/bench/field_problem.hpp"
+
+// ns and bytes a node of the searches on the field family; CPU time of one core. Each iteration is
+// another of eight problems, so that no branch is learnt by heart.
+
+namespace vantage::bench {
+namespace {
+
+constexpr std::uint64_t kProblems = 8;
+
+void run(benchmark::State& state, const planner::ReducedOptions& options, int horizon_steps,
+         const Deadline& deadline) {
+  const int targets = static_cast<int>(state.range(0));
+  std::vector<planner::SearchProblem> problems;
+  for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
+    problems.push_back(field_problem(targets, horizon_steps, seed));
+  }
+  planner::ReducedValueIteration search({400'000, 8'000'000, targets, 16, 1});
+  std::int64_t nodes = 0;
+  std::int64_t work = 0;
+  std::size_t bytes = 0;
+  double cost = 0.0;
+  std::size_t next = 0;
+  for (auto iteration : state) {
+    const planner::SearchResult& result =
+        search.plan(problems[next++ % problems.size()], options, deadline);
+    nodes += result.nodes_generated;
+    work += result.work_nodes;
+    bytes += search.tree().bytes_used();
+    cost += result.cost;
+  }
+  const double iterations = static_cast<double>(state.iterations());
+  using benchmark::Counter;
+  state.counters["nodes"] = static_cast<double>(nodes) / iterations;
+  state.counters["work_per_node"] = static_cast<double>(work) / static_cast<double>(nodes);
+  state.counters["time_per_node"] =
+      Counter(static_cast<double>(nodes), Counter::kIsRate | Counter::kInvert);
+  state.counters["bytes_per_node"] = static_cast<double>(bytes) / static_cast<double>(nodes);
+  state.counters["mean_cost"] = cost / iterations;
+}
+
+void forward_value_iteration(benchmark::State& state) {
+  planner::ReducedOptions options;
+  options.search = planner::ReducedSearch::kExhaustive;
+  run(state, options, 5, Deadline::never());
+}
+
+void reduced_value_iteration(benchmark::State& state) {
+  planner::ReducedOptions options;
+  options.search = planner::ReducedSearch::kSinglePass;
+  options.epsilon = std::numeric_limits<double>::infinity();
+  options.delta_m = 0.663;
+  options.yaw_weight_m_per_rad = 0.0;  // position alone, as the peer's metric
+  run(state, options, 12, Deadline::never());
+}
+
+void anytime_reduced(benchmark::State& state) {
+  run(state, {}, 12, Deadline::nodes(state.range(1)));
+}
+
+BENCHMARK(forward_value_iteration)
+    ->Arg(1)
+    ->Arg(9)
+    ->Arg(25)
+    ->Arg(1000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(reduced_value_iteration)->Arg(1)->Arg(9)->Arg(25)->Unit(benchmark::kMillisecond);
+BENCHMARK(anytime_reduced)
+    ->ArgsProduct({{1, 9, 25}, {1'000, 100'000}})
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace vantage::bench
+
+BENCHMARK_MAIN();

@@ -1,0 +1,304 @@
+#include "planner/search/motion_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "models/plan/plan.hpp"
+#include "planner/search/arvi.hpp"
+#include "test/planner/random_problem.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using test::pick;
+using test::uniform;
+
+models::World random_world(std::mt19937_64& rng) {
+  models::World world;
+  world.bounds = {{-6.0, -6.0}, {6.0, 6.0}};
+  for (int i = pick(rng, 1, 6); i > 0; --i) {
+    const Eigen::Vector2d corner(uniform(rng, -6.0, 5.0), uniform(rng, -6.0, 5.0));
+    // Walls as thin as a centimetre are what sampling along a path would tunnel through.
+    const Eigen::Vector2d size(uniform(rng, 0.01, 2.0), uniform(rng, 0.01, 2.0));
+    world.obstacles.push_back({{corner, corner + size}, 10.0});
+  }
+  return world;
+}
+
+Pose2 random_pose(std::mt19937_64& rng) {
+  return {uniform(rng, -6.2, 6.2), uniform(rng, -6.2, 6.2), uniform(rng, -kPi, kPi)};
+}
+
+double sampled_clearance_m(const models::World& world, const Pose2& from,
+                           const models::UnicycleControl& control, double duration_s) {
+  constexpr int kSamples = 250;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kSamples; ++i) {
+    const Pose2 pose = models::step_unicycle(from, control, duration_s * i / kSamples);
+    least_m = std::min(least_m, models::clearance_m(world, pose.position_m()));
+  }
+  return least_m;
+}
+
+TEST(MotionTable, ArrivesWhereTheUnicycleDoes) {
+  std::mt19937_64 rng(30);
+  SearchProblem problem;
+  problem.controls = models::standard_primitives();
+  problem.controls.push_back({0.0, 0.0});
+  MotionTable motion(64, 16, 4);
+  motion.reset(problem);
+  for (int i = 0; i < 500; ++i) {
+    const Pose2 from = random_pose(rng);
+    for (int c = 0; c < motion.control_count(); ++c) {
+      const Pose2 expected = models::step_unicycle(
+          from, problem.controls[static_cast<std::size_t>(c)], problem.step_s);
+      const Pose2 to = motion.child(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c);
+      EXPECT_NEAR(to.x_m, expected.x_m, 1e-12);
+      EXPECT_NEAR(to.y_m, expected.y_m, 1e-12);
+      EXPECT_NEAR(wrap_to_pi(to.yaw_rad - expected.yaw_rad), 0.0, 1e-12);
+    }
+  }
+}
+
+TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
+  std::mt19937_64 rng(31);
+  int freed = 0;
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    const models::World world = random_world(rng);
+    const models::DistanceField field(world, 0.1);
+    SearchProblem problem;
+    problem.controls = models::standard_primitives();
+    problem.world = &world;
+    problem.clearance_m = pick(rng, 0, 1) == 0 ? 0.0 : uniform(rng, 0.0, 0.5);
+    MotionTable exact(64, 16, 4);
+    exact.reset(problem);
+    problem.field = &field;
+    MotionTable fast(64, 16, 4);
+    fast.reset(problem);
+    for (int k = 0; k < 20; ++k) {
+      const Pose2 from = random_pose(rng);
+      const double cos_yaw = std::cos(from.yaw_rad);
+      const double sin_yaw = std::sin(from.yaw_rad);
+      for (int c = 0; c < exact.control_count(); ++c) {
+        const models::UnicycleControl control = problem.controls[static_cast<std::size_t>(c)];
+        const double sampled_m = sampled_clearance_m(world, from, control, problem.step_s);
+        const bool free = exact.is_free(from, cos_yaw, sin_yaw, c, 0);
+        EXPECT_EQ(fast.is_free(from, cos_yaw, sin_yaw, c, 0), free);
+        if (free) {
+          ++freed;
+          EXPECT_GT(sampled_m, problem.clearance_m);
+        } else {
+          ++refused;  // between two samples clearance may drop by half of the way between them
+          EXPECT_LE(sampled_m, problem.clearance_m + 1.5 / 500.0 + 1e-5);
+        }
+      }
+    }
+  }
+  EXPECT_GT(freed, 1000);
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(CanStop, IsTrueExactlyOfAStopThatStaysClear) {
+  std::mt19937_64 rng(32);
+  int stops = 0;
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    const models::World world = random_world(rng);
+    SearchProblem problem;
+    problem.controls = models::standard_primitives();
+    problem.world = &world;
+    problem.clearance_m = uniform(rng, 0.0, 0.4);
+    problem.brake_mps2 = uniform(rng, 1.0, 6.0);
+    MotionTable motion(64, 16, 4);
+    motion.reset(problem);
+    for (int k = 0; k < 20; ++k) {
+      const Pose2 at = random_pose(rng);
+      for (const int c : {0, 5}) {
+        const double speed_mps = problem.controls[static_cast<std::size_t>(c)].speed_mps;
+        const double way_m = 0.5 * speed_mps * speed_mps / problem.brake_mps2;
+        const double sampled_m = sampled_clearance_m(world, at, {way_m, 0.0}, 1.0);
+        if (motion.can_stop(at, c, 1)) {
+          ++stops;
+          EXPECT_GT(sampled_m, problem.clearance_m);
+        } else {
+          ++refused;
+          EXPECT_LE(sampled_m, problem.clearance_m + way_m / 500.0 + 1e-5);
+        }
+      }
+    }
+  }
+  EXPECT_GT(stops, 500);
+  EXPECT_GT(refused, 500);
+}
+
+// Least distance in space, at 1 ms, until everybody has long come to rest.
+double sampled_separation_m(const models::Trajectory& a, const models::Trajectory& b, Time from) {
+  const Time last = std::max(models::end_time(a), models::end_time(b)) + from_seconds(0.1);
+  double least_m = std::numeric_limits<double>::infinity();
+  for (Time t = from; t < last; t += from_seconds(0.001)) {
+    const Eigen::Vector2d offset = models::at(a, t).world_from_body.position_m() -
+                                   models::at(b, t).world_from_body.position_m();
+    least_m = std::min(least_m, std::hypot(offset.norm(), a.height_m - b.height_m));
+  }
+  return least_m;
+}
+
+struct TeamProblem {
+  models::World world;
+  models::DistanceField field;
+  SearchProblem problem;
+};
+
+// Teammates in a small arena, launched at other times and in other steps than ours, some still on
+// their way long after our horizon, so that their pieces straddle what ours do not.
+std::unique_ptr<TeamProblem> team_problem(std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  auto team = std::make_unique<TeamProblem>();
+  SearchProblem& problem = team->problem;
+  problem.start_time = from_utime(1'700'000'000'000'000);
+  problem.start = {uniform(rng, -3.0, 3.0), uniform(rng, -3.0, 3.0), uniform(rng, -kPi, kPi)};
+  problem.height_m = 1.0 + (pick(rng, 0, 2) == 0 ? uniform(rng, -0.4, 0.4) : 0.0);
+  problem.controls = models::standard_primitives();
+  problem.horizon_steps = pick(rng, 2, 6);
+  problem.separation_m = uniform(rng, 0.3, 0.8);
+  problem.brake_mps2 = uniform(rng, 2.0, 6.0);
+  problem.start_speed_mps = pick(rng, 0, 1) == 0 ? 0.0 : 1.0;
+  models::SensorModel sensor;
+  problem.sensors = {sensor};
+  problem.targets = {{{models::TargetKind::kStatic, 2, 0.0},
+                      {Eigen::Vector2d(uniform(rng, -3.0, 3.0), uniform(rng, -3.0, 3.0)),
+                       Eigen::Matrix2d::Identity()}}};
+  if (pick(rng, 0, 1) == 1) {
+    team->world = random_world(rng);
+    team->field = models::DistanceField(team->world, 0.1);
+    problem.world = &team->world;
+    problem.field = &team->field;
+    problem.clearance_m = 0.2;
+  }
+  for (int i = pick(rng, 1, 3); i > 0; --i) {
+    const double step_s = pick(rng, 0, 1) == 0 ? 0.5 : uniform(rng, 0.05, 0.6);
+    models::Trajectory teammate =
+        test::random_teammate(rng, problem.start_time, pick(rng, 0, 12), step_s);
+    if (pick(rng, 0, 3) == 0) {
+      for (models::PlanSegment& segment : teammate.segments) {
+        segment.control.speed_mps *= -1.0;  // teammates may be driven backwards
+      }
+    }
+    problem.teammates.push_back(teammate);
+  }
+  return team;
+}
+
+TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
+  ReducedValueIteration search({20'000, 200'000, 4, 8, 4});
+  int found = 0;
+  int stopped_early = 0;
+  int close = 0;
+  for (std::uint64_t seed = 0; seed < 160; ++seed) {
+    const auto team = team_problem(seed);
+    const SearchProblem& problem = team->problem;
+    const SearchResult& result =
+        search.plan(problem, {}, Deadline::nodes(seed % 5 == 0 ? 30 : 3'000));
+    if (!result.found) {
+      continue;
+    }
+    ++found;
+    stopped_early += result.moving_steps < problem.horizon_steps ? 1 : 0;
+    const models::Trajectory plan = to_trajectory(problem, result);
+    for (const models::Trajectory& teammate : problem.teammates) {
+      const double sampled_m = sampled_separation_m(plan, teammate, problem.start_time);
+      EXPECT_GE(sampled_m, problem.separation_m - 1e-5) << "seed " << seed;
+      EXPECT_TRUE(
+          models::keeps_separation(plan, teammate, problem.start_time, problem.separation_m - 1e-5))
+          << "seed " << seed;
+      close += sampled_m < problem.separation_m + 0.3 ? 1 : 0;
+    }
+    if (problem.world != nullptr) {
+      EXPECT_TRUE(
+          models::is_clear(team->world, plan, problem.start_time, problem.clearance_m - 1e-5))
+          << "seed " << seed;
+      for (Time t = problem.start_time; t < models::end_time(plan) + from_seconds(0.01);
+           t += from_seconds(0.002)) {
+        EXPECT_GT(
+            models::clearance_m(team->world, models::at(plan, t).world_from_body.position_m()),
+            problem.clearance_m - 1e-9);
+      }
+    }
+    EXPECT_EQ(models::at(plan, models::end_time(plan) + from_seconds(1.0)).control,
+              models::UnicycleControl{});
+  }
+  EXPECT_GT(found, 80);
+  EXPECT_GT(stopped_early, 3);
+  EXPECT_GT(close, 20);
+}
+
+// A teammate that turns a full circle within one step ends where it began: its chord is no
+// measure of how far it goes.
+TEST(IsFree, SeesATeammateThatCirclesWithinOneStep) {
+  SearchProblem problem;
+  problem.horizon_steps = 2;
+  problem.step_s = 1.0;
+  problem.controls = {{0.0, 0.0}};
+  problem.separation_m = 0.5;
+  models::Trajectory teammate;
+  const double diameter_m = 20.0;
+  teammate.start = {-diameter_m, 0.0, -kPi / 2};
+  teammate.segments.push_back({{kPi * diameter_m, 2.0 * kPi}, 1.0, 0.0});
+  problem.teammates = {teammate};
+  MotionTable motion(64, 16, 4);
+  motion.reset(problem);
+  EXPECT_FALSE(motion.is_free({}, 1.0, 0.0, 0, 0));
+}
+
+// Turning one way and then the other within one straight piece leaves no net turn, yet bulges.
+TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
+  std::mt19937_64 rng(33);
+  for (int i = 0; i < 400; ++i) {
+    SearchProblem problem;
+    problem.start_time = from_utime(1'700'000'000'000'000);
+    problem.horizon_steps = 2;
+    problem.controls = {{0.0, 0.0}, {1.0, 0.0}};
+    models::Trajectory teammate;
+    teammate.start_time = problem.start_time;
+    teammate.start = {-1.5, 0.0, 0.0};
+    for (int k = 0; k < 12; ++k) {
+      const double sign = k % 2 == 0 ? 1.0 : -1.0;
+      teammate.segments.push_back(
+          {{uniform(rng, 0.0, 6.0), sign * 10.0}, uniform(rng, 0.02, 0.1), 0.0});
+    }
+    problem.teammates = {teammate};
+    const Pose2 from{uniform(rng, -1.5, 1.5), uniform(rng, -0.6, 0.6), uniform(rng, -kPi, kPi)};
+    for (const int c : {0, 1}) {
+      models::Trajectory own;
+      own.start_time = problem.start_time;
+      own.start = from;
+      own.segments = {{problem.controls[static_cast<std::size_t>(c)], problem.step_s, 0.0}};
+      double least_m = std::numeric_limits<double>::infinity();
+      for (int ms = 0; ms <= 500; ++ms) {
+        const Time t = problem.start_time + from_seconds(0.001 * ms);
+        least_m = std::min(least_m, (models::at(own, t).world_from_body.position_m() -
+                                     models::at(teammate, t).world_from_body.position_m())
+                                        .norm());
+      }
+      // Asked for a hair more than what there is, it has to refuse.
+      problem.separation_m = least_m + 1e-4;
+      MotionTable motion(64, 16, 4);
+      motion.reset(problem);
+      EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
+      if (least_m > 0.6) {  // and it is not shy without end
+        problem.separation_m = least_m - 0.6;
+        motion.reset(problem);
+        EXPECT_TRUE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vantage::planner
