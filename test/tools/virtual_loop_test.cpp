@@ -11,12 +11,12 @@ namespace {
 constexpr Time kStart = from_utime(1'000'000);
 using Diary = std::vector<std::string>;
 
-/// Ticks at a fixed period, publishes ATTACK notices, writes down all that happens to it.
+/// Ticks at a fixed period, publishes on a channel of its own, writes down all that happens to it.
 class DiaryNode : public bus::Node {
  public:
   DiaryNode(std::string name, bus::Bus& bus, Diary& diary, Duration period)
       : name_(std::move(name)), bus_(bus), diary_(diary), period_(period), next_(kStart) {
-    bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const models::AttackNotice& heard) {
+    bus_.subscribe<models::AttackNotice>({"DIARY_*"}, [this](const models::AttackNotice& heard) {
       diary_.push_back(name_ + " hears " + heard.jammed.front());
     });
   }
@@ -27,7 +27,7 @@ class DiaryNode : public bus::Node {
     models::AttackNotice notice;
     notice.stamp.time = now;
     notice.jammed = {name_};
-    bus_.publish(bus::kAttack, notice);
+    bus_.publish(bus::Channel<models::AttackNotice>{"DIARY_" + name_}, notice);
     next_ += period_;
   }
 

@@ -15,7 +15,8 @@ struct Layout {
   static constexpr double kHeader_px = 92.0;
   static constexpr double kPanel_px = 372.0;
 
-  explicit Layout(const models::Rectangle& bounds);
+  /// The page is as tall as the taller of the map and the panel beside it.
+  Layout(const models::Rectangle& bounds, double panel_height_px);
 
   [[nodiscard]] Eigen::Vector2d page_from_world(const Eigen::Vector2d& p_m) const {
     return {map_corner_px.x() + (p_m.x() - world_min_m.x()) * px_per_m,

@@ -34,7 +34,7 @@ void draw_track(Svg& svg, const Layout& layout, const std::vector<TrackPoint>& t
   constexpr std::string_view kStyle =
       R"(fill="none" stroke="{}" stroke-width="{}" stroke-opacity="{}" stroke-linejoin="round" )"
       R"(stroke-linecap="round")";
-  svg.polyline(old_px, fmt::format(fmt::runtime(kStyle), colour, 0.6 * width_px, 0.22));
+  svg.polyline(old_px, fmt::format(fmt::runtime(kStyle), colour, 0.5 * width_px, 0.16));
   svg.polyline(recent_px, fmt::format(fmt::runtime(kStyle), colour, width_px, 0.9));
 }
 
@@ -141,7 +141,7 @@ void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene) {
     const double angle_deg =
         -degrees(std::atan2(axes.eigenvectors()(1, 0), axes.eigenvectors()(0, 0)));
     svg.ellipse(mean_px, half_px, angle_deg,
-                fmt::format(R"(class="ellipse" fill="{0}" fill-opacity="0.14" stroke="{0}" )"
+                fmt::format(R"(class="ellipse" fill="{0}" fill-opacity="0.08" stroke="{0}" )"
                             R"(stroke-width="1.6")",
                             kEstimateColour));
     if (!target.track.empty()) {

@@ -11,7 +11,7 @@
 namespace vantage::tools {
 
 /// How long before the end a track is drawn strongly; before that it is faint.
-inline constexpr double kRecent_s = 30.0;
+inline constexpr double kRecent_s = 20.0;
 
 void draw_ground(Svg& svg, const Layout& layout, const models::Scenario& scenario,
                  const Scene& scene);

@@ -16,6 +16,11 @@ constexpr std::string_view kHead = R"(font-size="15" font-weight="bold" fill="#2
 constexpr std::string_view kMutedEnd = R"(font-size="12.5" fill="#5f6368" text-anchor="end")";
 constexpr std::string_view kMuted = R"(font-size="12.5" fill="#5f6368")";
 
+constexpr std::size_t kTargetRowsMax = 12;
+constexpr std::size_t kRobotRowsMax = 6;
+constexpr double kTargetRow_px = 20.0;
+constexpr double kLegendRow_px = 24.0;
+
 std::string number_or_dash(const std::optional<double>& value, std::string_view format) {
   return value ? fmt::format(fmt::runtime(format), *value) : "–";
 }
@@ -32,11 +37,10 @@ double draw_target_table(Svg& svg, const Eigen::Vector2d& corner_px,
   svg.text({x_px + 325.0, y_px}, "entropy", kMutedEnd);
   y_px += 8.0;
   svg.line({x_px, y_px}, {x_px + 325.0, y_px}, "stroke=\"#dadce0\"");
-  constexpr std::size_t kRowsMax = 12;
   const std::size_t rows =
-      std::min({scenario.targets.size(), summary.discovery_time_s.size(), kRowsMax});
+      std::min({scenario.targets.size(), summary.discovery_time_s.size(), kTargetRowsMax});
   for (std::size_t i = 0; i < rows; ++i) {
-    y_px += 20.0;
+    y_px += kTargetRow_px;
     svg.text({x_px, y_px}, scenario.targets[i].name, kBody);
     svg.text({x_px + 150.0, y_px}, number_or_dash(summary.discovery_time_s[i], "{:.1f} s"),
              kBodyEnd);
@@ -46,7 +50,7 @@ double draw_target_table(Svg& svg, const Eigen::Vector2d& corner_px,
              kBodyEnd);
   }
   if (scenario.targets.size() > rows) {
-    y_px += 20.0;
+    y_px += kTargetRow_px;
     svg.text({x_px, y_px}, fmt::format("and {} more", scenario.targets.size() - rows), kMuted);
   }
   return y_px;
@@ -62,7 +66,7 @@ class Legend {
   Eigen::Vector2d entry(std::string_view words) {
     svg_.text(at_px_ + Eigen::Vector2d(44, 4.5), words, kBody);
     const Eigen::Vector2d symbol_px = at_px_ + Eigen::Vector2d(16, 0);
-    at_px_.y() += 24.0;
+    at_px_.y() += kLegendRow_px;
     return symbol_px;
   }
 
@@ -74,8 +78,7 @@ class Legend {
 void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const models::Scenario& scenario) {
   const Eigen::Vector2d dx(14, 0);
   Legend legend(svg, corner_px);
-  constexpr std::size_t kRobotsMax = 6;
-  for (std::size_t i = 0; i < std::min(scenario.robots.size(), kRobotsMax); ++i) {
+  for (std::size_t i = 0; i < std::min(scenario.robots.size(), kRobotRowsMax); ++i) {
     const Eigen::Vector2d p_px = legend.entry(
         fmt::format("{}: driven track, {:g} s strong", scenario.robots[i].name, kRecent_s));
     svg.line(p_px - dx, p_px + dx,
@@ -123,6 +126,15 @@ void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const models::Scena
 }
 
 }  // namespace
+
+double panel_height_px(const models::Scenario& scenario) {
+  constexpr double kHeads_px = 46.0 + 30.0 + 36.0;
+  constexpr std::size_t kLegendRowsBesideRobots = 8;
+  const std::size_t target_rows = std::min(scenario.targets.size(), kTargetRowsMax + 1);
+  const std::size_t robot_rows = std::min(scenario.robots.size(), kRobotRowsMax);
+  return kHeads_px + kTargetRow_px * static_cast<double>(target_rows) +
+         kLegendRow_px * static_cast<double>(robot_rows + kLegendRowsBesideRobots);
+}
 
 void draw_header(Svg& svg, const Layout& layout, const logs::TrialSummary& summary) {
   const double x_px = layout.map_corner_px.x();

@@ -9,6 +9,8 @@ namespace vantage::tools {
 
 /// Title line and key numbers above the map.
 void draw_header(Svg& svg, const Layout& layout, const logs::TrialSummary& summary);
+/// How tall draw_panel() will be, in pixels.
+double panel_height_px(const models::Scenario& scenario);
 /// Table of targets and legend beside the map.
 void draw_panel(Svg& svg, const Layout& layout, const models::Scenario& scenario,
                 const logs::TrialSummary& summary);

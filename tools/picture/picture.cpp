@@ -13,7 +13,7 @@ namespace vantage::tools {
 
 std::string draw_picture(const models::Scenario& scenario, const Scene& scene,
                          const logs::TrialSummary& summary) {
-  const Layout layout(scenario.world.bounds);
+  const Layout layout(scenario.world.bounds, panel_height_px(scenario));
   Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
   draw_header(svg, layout, summary);
   svg.open_clip(layout.map_corner_px, layout.map_size_px);
