@@ -23,6 +23,7 @@ target_compile_features(vantage_build_flags INTERFACE cxx_std_20)
 target_compile_definitions(vantage_build_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
 target_compile_options(vantage_build_flags INTERFACE
+  -pthread  # everywhere, or the precompiled headers do not fit where some library asks for it
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
   -Wdouble-promotion -Wimplicit-fallthrough
