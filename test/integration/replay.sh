@@ -14,7 +14,7 @@ url='udpm://239.255.76.67:7667?ttl=0'
 cat "$dir/up.json"; echo
 grep -q '"messages_lost": *0[,}]' "$dir/up.json" || { echo "messages were lost"; exit 1; }
 
-lcm-logger -q -f --lcm-url="$url" "$dir/again.lcmlog" & logger=$!
+lcm-logger -q -f -c 'REPLAY_(BELIEF|PLAN)_.*' --lcm-url="$url" "$dir/again.lcmlog" & logger=$!
 "$bin/vantage-estimator" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
   --publish-prefix REPLAY_ & estimator=$!
 "$bin/vantage-planner" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
