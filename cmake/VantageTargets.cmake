@@ -7,16 +7,23 @@ option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # The sloppiness is what ccache asks for where headers are precompiled.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
 # Warnings, standard and instruction set, linked PRIVATE by every target we write ourselves.
 # EIGEN_MAX_ALIGN_BYTES=16 keeps the layout of Eigen members equal to the one that Debian's FCL was
 # compiled with; without it FCL returns wrong contacts silently once AVX is on.
+# EIGEN_DONT_VECTORIZE: Eigen's loops over matrices of run-time size peel by the address's alignment,
+# so the last bits of a result depend on where the stack happens to be; then no replay is exact. The
+# hot loops are our own and are vectorised by the compiler (docs/decisions/0004).
 add_library(vantage_build_flags INTERFACE)
 target_compile_features(vantage_build_flags INTERFACE cxx_std_20)
-target_compile_definitions(vantage_build_flags INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
+target_compile_definitions(vantage_build_flags INTERFACE
+  EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
 target_compile_options(vantage_build_flags INTERFACE
+  -pthread  # everywhere, or the precompiled headers do not fit where some library asks for it
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
   -Wdouble-promotion -Wimplicit-fallthrough
@@ -24,6 +31,15 @@ target_compile_options(vantage_build_flags INTERFACE
 if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3)
 endif()
+
+# What nearly every file includes, compiled once.
+file(WRITE ${PROJECT_BINARY_DIR}/precompiled.cpp "// carries the precompiled headers\n")
+add_library(vantage_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
+set_target_properties(vantage_precompiled PROPERTIES CXX_EXTENSIONS OFF)
+target_link_libraries(vantage_precompiled PRIVATE vantage_build_flags Eigen3::Eigen)
+target_precompile_headers(vantage_precompiled PRIVATE
+  <algorithm> <cmath> <cstdint> <functional> <map> <memory> <optional> <random> <string> <vector>
+  <Eigen/Core> <Eigen/Geometry> <Eigen/LU>)
 
 # vantage_library(<name> HEADERS a.hpp SOURCES a.cpp DEPS vantage::core [PRIVATE_DEPS …])
 #
@@ -37,6 +53,7 @@ function(vantage_library name)
     set(scope PUBLIC)
     target_link_libraries(vantage_${name} PRIVATE ${ARG_PRIVATE_DEPS} vantage_build_flags)
     set_target_properties(vantage_${name} PROPERTIES CXX_EXTENSIONS OFF)
+    target_precompile_headers(vantage_${name} REUSE_FROM vantage_precompiled)
   else()
     add_library(vantage_${name} INTERFACE)
     set(scope INTERFACE)
@@ -45,7 +62,8 @@ function(vantage_library name)
   target_sources(vantage_${name} ${scope}
     FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
   target_compile_features(vantage_${name} ${scope} cxx_std_20)
-  target_compile_definitions(vantage_${name} ${scope} EIGEN_MAX_ALIGN_BYTES=16)
+  target_compile_definitions(vantage_${name} ${scope}
+    EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
   target_link_libraries(vantage_${name} ${scope} ${ARG_DEPS})
 endfunction()
 
@@ -70,6 +88,7 @@ function(vantage_test name)
   endif()
   add_executable(${name}_test ${ARG_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_EXTENSIONS OFF)
+  target_precompile_headers(${name}_test REUSE_FROM vantage_precompiled)
   target_link_libraries(${name}_test
     PRIVATE ${ARG_DEPS} GTest::gtest_main vantage_build_flags)
   # Real measurements live beside the checkout, if at all; tests that want them skip without.

@@ -1,5 +1,7 @@
 #include "estimator/track.hpp"
 
+#include <cmath>
+
 #include <Eigen/Cholesky>
 
 namespace vantage::estimator {
@@ -24,6 +26,21 @@ Eigen::Index position_rows(Eigen::Index state_rows) { return state_rows == 3 ? 3
 /// A belief wider than this share of its distance is not measured about its mean.
 constexpr double kLinearShare = 0.15;
 constexpr int kIterations = 3;
+/// Nearer than this a direction is rounding.
+constexpr double kNearest_m = 1e-6;
+
+/// True when ∂h/∂position does not exist at `about_m`: the target stands where the sensor is.
+bool is_at_sensor(const models::SensorModel& sensor, const models::Viewpoint& from,
+                  const models::PositionVector& about_m) {
+  if (sensor.kind == models::SensorKind::kPosition || sensor.kind == models::SensorKind::kCamera) {
+    return false;
+  }
+  const double level_m = (about_m.head<2>() - from.world_from_body.position_m()).norm();
+  const bool ranges_in_space = sensor.kind == models::SensorKind::kRange && about_m.size() == 3;
+  const double apart_m =
+      ranges_in_space ? std::hypot(level_m, about_m(2) - from.height_m) : level_m;
+  return apart_m < kNearest_m;
+}
 
 double growth(double steps) { return 0.5 * steps * (steps + 1.0); }
 
@@ -94,6 +111,9 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
     return Use::kSingular;
   }
   const models::PositionVector about_m = linearisation_point(*prior, sensor, from, measurement);
+  if (is_at_sensor(sensor, from, about_m)) {
+    return Use::kSingular;
+  }
   const MeasurementJacobian H =
       state_jacobian(models::observation_jacobian(sensor, from, about_m), belief.vector.size());
   const MeasurementVector expected = models::observe(sensor, from, about_m);

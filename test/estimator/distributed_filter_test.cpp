@@ -242,8 +242,8 @@ TEST_F(LateLooks, GiveTheBeliefOfTimelyOnes) {
     const models::Information& a = a_.targets[m].information;
     const models::Information& b = b_.targets[m].information;
     const double size = a.matrix.cwiseAbs().maxCoeff();
-    EXPECT_TRUE(is_near(a.matrix, b.matrix, 1e-12 * size));
-    EXPECT_TRUE(is_near(a.vector, b.vector, 1e-12 * size));
+    EXPECT_TRUE(is_near(a.matrix, b.matrix, 1e-9 * size));
+    EXPECT_TRUE(is_near(a.vector, b.vector, 1e-9 * size));
     EXPECT_EQ(a_.targets[m].last_seen, b_.targets[m].last_seen);
   }
   EXPECT_EQ(a_.last_seen_utime, b_.last_seen_utime);

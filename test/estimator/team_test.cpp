@@ -271,6 +271,18 @@ TEST_F(Newcomer, UsesItEvenlyOnceItKnowsTheTargetToo) {
   EXPECT_NEAR(newcomer.track(0).information.matrix(0, 0), omega, 1e-12);
 }
 
+TEST_F(Newcomer, IsNotMadeLessCertainByATeammateWhoDoesNotKnowTheTarget) {
+  DistributedFilter newcomer = filter(10.0);
+  newcomer.rebase(
+      test::prior(instant(9), {{Eigen::Vector2d(1.0, 0.0), 0.95 * Eigen::Matrix2d::Identity()}}));
+  models::RobotBelief ignorant = test::prior(instant(9), {});
+  ignorant.robot = "Q3";
+  ignorant.degree = teammate_.degree = 2;
+  take_step(newcomer, instant(10), at(0, 0), {}, {teammate_, ignorant});
+  // κ = ⅓ each; over the two who know, ½ each, as if the third were not there.
+  EXPECT_NEAR(newcomer.track(0).information.matrix(0, 0), 0.5 * (1.0 + 1.0 / 0.55), 1e-12);
+}
+
 TEST_F(Newcomer, HearsNobodyBeyondTheRadioRange) {
   DistributedFilter newcomer = filter(5.9);
   EXPECT_TRUE(take_step(newcomer, instant(10), at(0, 0), {}, {teammate_}).targets.empty());

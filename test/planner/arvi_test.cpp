@@ -67,6 +67,9 @@ TEST(Exhaustive, IsWhatTheOracleFinds) {
         const SearchResult& result =
             search.plan(problem, options(ReducedSearch::kExhaustive), Deadline::never());
         EXPECT_EQ(result.stop_reason, StopReason::kFinished);
+        // Work is counted before every asking of the deadline, also where nothing is generated:
+        // one a node generated, one an expansion, one a node considered (no leaf, not the root).
+        EXPECT_EQ(result.work_nodes - result.nodes_generated, 2 * result.nodes_expanded - 1);
         expect_optimal(seed, problem, best, result);
       });
 }
