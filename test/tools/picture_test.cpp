@@ -28,8 +28,8 @@ Tag parse_tag(std::string inside) {
   Tag tag;
   tag.is_closing = inside.starts_with('/');
   tag.is_empty = inside.ends_with('/');
-  inside = inside.substr(tag.is_closing ? 1 : 0);
-  inside.resize(inside.size() - (tag.is_empty ? 1 : 0));
+  const std::size_t first = tag.is_closing ? 1 : 0;
+  inside = inside.substr(first, inside.size() - first - (tag.is_empty ? 1 : 0));
   const std::size_t name_end = std::min(inside.find(' '), inside.size());
   tag.name = inside.substr(0, name_end);
   tag.is_good = !tag.name.empty() && !(tag.is_closing && name_end != inside.size());

@@ -19,7 +19,7 @@ models::Scenario short_lab(std::uint64_t seed) {
   overrides.seed = seed;
   overrides.duration_s = 6.0;
   overrides.node_budget = 200;
-  return load_scenario_with(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml", overrides);
+  return load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
 }
 
 std::string trial_json(std::uint64_t seed) {
