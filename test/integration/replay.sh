@@ -1,0 +1,36 @@
+#!/bin/bash
+# replay.sh BIN_DIR SCENARIO SECONDS: flies SCENARIO with one process each and lcm-logger, kills
+# everything, replays the log with lcm-logplayer into one estimator and one planner started afresh,
+# and compares. To be run in a network of its own: in_network.sh replay.sh …
+set -euo pipefail
+bin=$1 scenario=$2 seconds=$3
+dir=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
+robot=Q2
+url='udpm://239.255.76.67:7667?ttl=0'
+
+"$bin/vantage" up "$scenario" --duration-s "$seconds" --url "$url" --log "$dir/flight.lcmlog" --json \
+  > "$dir/up.json"
+cat "$dir/up.json"; echo
+grep -q '"messages_lost": *0[,}]' "$dir/up.json" || { echo "messages were lost"; exit 1; }
+
+lcm-logger -q -f -c 'REPLAY_(BELIEF|PLAN)_.*' --lcm-url="$url" "$dir/again.lcmlog" & logger=$!
+"$bin/vantage-estimator" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
+  --publish-prefix REPLAY_ & estimator=$!
+"$bin/vantage-planner" --scenario "$scenario" --robot "$robot" --url "$url" --replay \
+  --publish-prefix REPLAY_ & planner=$!
+# Each of the three has joined the group once the kernel lists its socket on the port.
+for _ in $(seq 200); do
+  [[ $(grep -c ':1DF3 ' /proc/net/udp) -ge 3 ]] && break
+  sleep 0.1
+done
+lcm-logplayer -l "$url" "$dir/flight.lcmlog" > /dev/null
+# What is still missing an input is given up after two seconds of ticks: wait for silence.
+size=-1
+until [[ $(stat -c %s "$dir/again.lcmlog") == "$size" ]]; do
+  size=$(stat -c %s "$dir/again.lcmlog")
+  sleep 3
+done
+kill -TERM "$estimator" "$planner"; wait "$estimator" "$planner"
+kill -TERM "$logger"; wait "$logger" || true
+"$bin/replay_check" "$dir/flight.lcmlog" "$dir/again.lcmlog" "$robot" $((seconds / 2))
