@@ -8,7 +8,7 @@
 namespace vantage::tools {
 namespace {
 
-const std::string kLab = std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml";
+const std::string kLab = VANTAGE_SOURCE_DIR "/config/lab.yaml";
 
 TEST(Overrides, LeaveTheTextAloneWhenThereAreNone) {
   const models::Scenario scenario = load_scenario_with(kLab, {});

@@ -1,8 +1,12 @@
 #include "tools/picture/picture.hpp"
 
+#include <algorithm>
+#include <array>
 #include <fstream>
-#include <regex>
+#include <set>
 #include <stack>
+#include <string_view>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -12,35 +16,67 @@
 namespace vantage::tools {
 namespace {
 
+/// One tag of XML, between < and >.
+struct Tag {
+  std::string name;
+  bool is_closing = false;
+  bool is_empty = false;
+  bool is_good = false;  ///< name and attributes are as XML wants them
+};
+
+Tag parse_tag(std::string inside) {
+  Tag tag;
+  tag.is_closing = inside.starts_with('/');
+  tag.is_empty = inside.ends_with('/');
+  const std::size_t first = tag.is_closing ? 1 : 0;
+  inside = inside.substr(first, inside.size() - first - (tag.is_empty ? 1 : 0));
+  const std::size_t name_end = std::min(inside.find(' '), inside.size());
+  tag.name = inside.substr(0, name_end);
+  tag.is_good = !tag.name.empty() && !(tag.is_closing && name_end != inside.size());
+  std::set<std::string> seen;
+  std::size_t at = inside.find_first_not_of(' ', name_end);
+  while (tag.is_good && at < inside.size()) {
+    const std::size_t equals = inside.find("=\"", at);
+    const std::size_t end = equals == std::string::npos ? equals : inside.find('"', equals + 2);
+    const std::string key = inside.substr(at, equals == std::string::npos ? 0 : equals - at);
+    tag.is_good = end != std::string::npos && !key.empty() &&
+                  key.find_first_of(" <\"") == std::string::npos && seen.insert(key).second &&
+                  (end + 1 == inside.size() || inside[end + 1] == ' ');
+    at = tag.is_good ? inside.find_first_not_of(' ', end + 1) : at;
+  }
+  return tag;
+}
+
 /// Why `text` is not well-formed XML (tags nested and closed, attributes quoted and not repeated,
 /// nothing but known entities); empty when it is.
 std::string xml_fault(const std::string& text) {
-  const std::regex open_tag(R"rx(<([A-Za-z]+)((?:\s+[\w:-]+="[^"<]*")*)\s*(/?)>)rx");
-  const std::regex close_tag(R"(</([A-Za-z]+)>)");
-  const std::regex entity(R"(&(amp|lt|gt|quot|apos);)");
+  constexpr std::array<std::string_view, 5> kEntities = {"&amp;", "&lt;", "&gt;", "&quot;",
+                                                         "&apos;"};
   std::stack<std::string> open;
-  std::size_t at = text.find("?>") == std::string::npos ? 0 : text.find("?>") + 2;
-  while (at < text.size()) {
-    std::smatch match;
-    const auto from = text.cbegin() + static_cast<std::ptrdiff_t>(at);
-    constexpr auto kHere = std::regex_constants::match_continuous;
-    if (text[at] == '<' && std::regex_search(from, text.cend(), match, open_tag, kHere)) {
-      if (match[3].length() == 0) {
-        open.push(match[1]);
-      }
-    } else if (text[at] == '<' && std::regex_search(from, text.cend(), match, close_tag, kHere)) {
-      if (open.empty() || open.top() != match[1]) {
-        return "closes " + match[1].str() + " that is not open";
-      }
-      open.pop();
-    } else if (text[at] == '&' && std::regex_search(from, text.cend(), match, entity, kHere)) {
-    } else if (text[at] == '<' || text[at] == '&') {
-      return "cannot read: " + text.substr(at, 60);
-    } else {
-      ++at;
+  const std::size_t prologue = text.find("?>");
+  for (std::size_t at = prologue == std::string::npos ? 0 : prologue + 2; at < text.size(); ++at) {
+    const std::string_view rest = std::string_view(text).substr(at);
+    if (rest[0] == '&' && std::none_of(kEntities.begin(), kEntities.end(),
+                                       [&](std::string_view e) { return rest.starts_with(e); })) {
+      return "unknown entity: " + std::string(rest.substr(0, 60));
+    }
+    if (rest[0] != '<') {
       continue;
     }
-    at += static_cast<std::size_t>(match.length());
+    const std::size_t end = rest.find('>');
+    const Tag tag = parse_tag(std::string(rest.substr(1, std::min(end, rest.size()) - 1)));
+    if (end == std::string_view::npos || !tag.is_good) {
+      return "cannot read: " + std::string(rest.substr(0, 60));
+    }
+    if (tag.is_closing && (open.empty() || open.top() != tag.name)) {
+      return "closes " + tag.name + " that is not open";
+    }
+    if (tag.is_closing) {
+      open.pop();
+    } else if (!tag.is_empty) {
+      open.push(tag.name);
+    }
+    at += end;
   }
   return open.empty() ? "" : "never closes " + open.top();
 }
@@ -124,6 +160,9 @@ TEST(XmlFault, FindsFaults) {
   EXPECT_NE(xml_fault("<a>1 & 2</a>"), "");
   EXPECT_NE(xml_fault("<a x=1/>"), "");
   EXPECT_NE(xml_fault("<a>"), "");
+  EXPECT_NE(xml_fault("<a x=\"1\" x=\"2\"/>"), "");
+  EXPECT_NE(xml_fault("<a x=\"1\"y=\"2\"/>"), "");
+  EXPECT_EQ(xml_fault("<a x=\"1 / 2\" y=\"2\">&amp;<b/></a>"), "");
 }
 
 TEST(DrawPicture, ShowsEverythingOnce) {

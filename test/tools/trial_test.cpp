@@ -1,6 +1,8 @@
 #include "tools/trial/trial.hpp"
 
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -19,7 +21,7 @@ models::Scenario short_lab(std::uint64_t seed) {
   overrides.seed = seed;
   overrides.duration_s = 6.0;
   overrides.node_budget = 200;
-  return load_scenario_with(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml", overrides);
+  return load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
 }
 
 std::string trial_json(std::uint64_t seed) {
@@ -31,6 +33,20 @@ TEST(RunTrial, IsAPureFunctionOfTheSeed) {
   const std::string first = trial_json(3);
   EXPECT_EQ(first, trial_json(3));
   EXPECT_NE(first, trial_json(4));
+}
+
+TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {
+  const models::Scenario scenario = short_lab(6);
+  std::string logs[2];
+  for (std::string& log : logs) {
+    TrialOptions options;
+    options.log_path = ::testing::TempDir() + "vantage_trial_bytes.lcmlog";
+    run_trial(scenario, trial_recipes(scenario), options);
+    std::ifstream file(options.log_path, std::ios::binary);
+    log.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  EXPECT_GT(logs[0].size(), 100'000U);
+  EXPECT_TRUE(logs[0] == logs[1]);  // run ids, sequences and times included
 }
 
 TEST(RunTrial, PlansEveryRoundOfEveryRobotAndLosesNothing) {
