@@ -126,6 +126,7 @@ void read_estimator(Mapping& from, const models::World& world, models::Estimator
   from.number("gate_sigma", estimator.gate_sigma, at_least(0.0));
   // At 1 a look that finds nothing would be proof, and its logarithm infinite.
   from.number("detection_probability", estimator.detection_probability, from_below(0.0, 1.0));
+  from.flag("targets_stay_inside", estimator.targets_stay_inside);
   check_grid(from, world, estimator);
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/check.hpp"
+#include "estimator/confinement.hpp"
 #include "estimator/missed_detection.hpp"
 
 namespace vantage::estimator {
@@ -227,6 +228,7 @@ void DistributedFilter::run(StepRecord& record) {
   }
   propagate_all(at, record.to);
   fuse(record);
+  confine_all();
   for (; next < record.look_count; ++next) {
     apply(look(next));
   }
@@ -269,6 +271,27 @@ void DistributedFilter::fuse(const StepRecord& record) {
     own.information.matrix =
         (record.own_weight * own.information.matrix + heard.information.matrix) / total;
     own.last_seen = std::max(own.last_seen, heard.last_seen);
+  }
+}
+
+void DistributedFilter::confine_all() {
+  if (!spec_.estimator.targets_stay_inside) {
+    return;
+  }
+  for (Track& track : tracks_) {
+    const auto belief = track.known ? models::to_gaussian(track.information) : std::nullopt;
+    if (!belief) {
+      continue;
+    }
+    const models::Gaussian inside = confine(*belief, spec_.world);
+    if (inside.mean == belief->mean && inside.covariance == belief->covariance) {
+      continue;
+    }
+    if (const auto information = models::to_information(inside)) {
+      track.information = *information;
+    } else {
+      ++counters_.singular;
+    }
   }
 }
 

@@ -73,11 +73,12 @@ struct FilterCounters {
 /// add the own measurements of t about the fused mean. Looks of instants between two steps are
 /// used at their own time, before the fusion of the later step. A late look is put in its place
 /// by doing the steps from there on again, with what was heard then: the result is that of timely
-/// arrival. Where a target was expected and not reported, see missed_detection.
+/// arrival. Where a target was expected and not reported, see missed_detection; that targets keep
+/// to the free world, see confine.
 ///
 /// A convex combination of conservative beliefs is conservative, so nothing is ever counted twice
 /// whatever the network repeats, reorders or loses. Covariances of targets that nobody sees grow
-/// without bound; clipping them is the business of those who plan with them.
+/// until the world's bounds confine them, or without end where targets_stay_inside is off.
 ///
 /// A value: copies are independent. Pure: same inputs, same result, up to how Eigen rounds.
 /// Source: dissertation 3.3, 3.4, Thm 9; Metropolis weights: Xiao, Boyd, Lall (2005).
@@ -114,6 +115,7 @@ class DistributedFilter {
   void propagate_all(Time from, Time to);
   void apply(Look& look);
   void fuse(const StepRecord& record);
+  void confine_all();
   StepRecord& record(int age);
 
   FilterSpec spec_;

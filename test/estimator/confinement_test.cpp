@@ -1,0 +1,142 @@
+#include "estimator/confinement.hpp"
+
+#include <cmath>
+#include <random>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "test/estimator/filter_support.hpp"
+#include "test/support/near.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+using models::Gaussian;
+using vantage::test::is_near;
+
+const models::World kRoom{{{-4.0, -2.0}, {4.0, 2.0}}, 3.0, {{{{1.0, -1.0}, {2.0, 0.0}}, 2.0}}, {}};
+
+TEST(Confinement, ChangesNothingWhereNeitherWallNorObstacleIsNear) {
+  const Gaussian belief{Eigen::Vector2d(-1.5, 0.0), 0.01 * Eigen::Matrix2d::Identity()};
+  const Gaussian after = confine(belief, kRoom);
+  EXPECT_EQ(after.mean, belief.mean);
+  EXPECT_EQ(after.covariance, belief.covariance);
+}
+
+TEST(Confinement, AtAWallHasTheMomentsOfTheTruncatedNormal) {
+  // Only the wall at x = 4 is near: what is left of N(4 + aσ, σ²) is u < −a, with mean −λ,
+  // λ = φ(a)/Φ(−a), and variance 1 + aλ − λ². The edge lies midway between two columns.
+  const double sigma_m = 0.2;
+  const double a = 0.217;
+  const Gaussian belief{Eigen::Vector2d(4.0 + a * sigma_m, 0.0),
+                        sigma_m * sigma_m * Eigen::Matrix2d::Identity()};
+  const Gaussian after = confine(belief, kRoom);
+  const double lambda =
+      std::exp(-0.5 * a * a) / std::sqrt(2.0 * kPi) / (0.5 * std::erfc(a / std::sqrt(2.0)));
+  EXPECT_NEAR((after.mean(0) - belief.mean(0)) / sigma_m, -lambda, 0.03);
+  EXPECT_NEAR(after.covariance(0, 0) / (sigma_m * sigma_m), 1.0 + a * lambda - lambda * lambda,
+              0.03);
+  EXPECT_NEAR(after.mean(1), 0.0, 1e-9);
+}
+
+TEST(Confinement, AroundAnObstacleHasTheMomentsOfSamplesThatKeptOutOfIt) {
+  std::mt19937_64 rng(11);
+  std::normal_distribution<double> normal;
+  for (const double x_m : {1.8, 1.5, 0.7}) {
+    const double sigma_m = 0.6;
+    const Gaussian belief{Eigen::Vector2d(x_m, -0.6),
+                          sigma_m * sigma_m * Eigen::Matrix2d::Identity()};
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+    int kept = 0;
+    for (int i = 0; i < 200'000; ++i) {
+      const Eigen::Vector2d p_m = belief.mean + sigma_m * Eigen::Vector2d(normal(rng), normal(rng));
+      if (models::clearance_m(kRoom, p_m) < 0.0) {
+        continue;
+      }
+      sum += p_m;
+      squares += p_m * p_m.transpose();
+      ++kept;
+    }
+    const Eigen::Vector2d mean_m = sum / kept;
+    const Eigen::Matrix2d covariance_m2 = squares / kept - mean_m * mean_m.transpose();
+    const Gaussian after = confine(belief, kRoom);
+    EXPECT_TRUE(is_near(after.mean, mean_m, 0.1 * sigma_m)) << x_m;
+    EXPECT_TRUE(is_near(after.covariance, covariance_m2, 0.1 * sigma_m * sigma_m)) << x_m;
+  }
+}
+
+TEST(Confinement, SettlesInTheMiddleAndNeverKnowsLessThanTheWorldsSize) {
+  const models::World room{kRoom.bounds, 3.0, {}, {}};
+  Gaussian belief{Eigen::Vector2d(3.9, -1.9), 0.01 * Eigen::Matrix2d::Identity()};
+  for (int step = 0; step < 400; ++step) {
+    belief.covariance += 0.15 * Eigen::Matrix2d::Identity();
+    belief = confine(belief, room);
+  }
+  EXPECT_TRUE(is_near(belief.mean, Eigen::Vector2d::Zero(), 0.02));
+  // A uniform draw is the widest that a confined diffusion can get.
+  EXPECT_LT(belief.covariance(0, 0), 64.0 / 12.0);
+  EXPECT_LT(belief.covariance(1, 1), 16.0 / 12.0);
+  // Conditioned to have stayed inside, it is the ground mode of the room, cos(πx/L), of variance
+  // L² (1/12 − 1/(2π²)); the Gaussian family and the half-second steps are not that exactly.
+  const double ground_mode = 1.0 / 12.0 - 1.0 / (2.0 * kPi * kPi);
+  EXPECT_NEAR(belief.covariance(0, 0), 64.0 * ground_mode, 0.25 * 64.0 * ground_mode);
+}
+
+TEST(Confinement, KeepsRandomBeliefsDefiniteAndTheirMeansInside) {
+  std::mt19937_64 rng(5);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * std::generate_canonical<double, 53>(rng);
+  };
+  const models::World room{kRoom.bounds, 3.0, {}, {}};
+  int changed = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Index dim = i % 2 == 0 ? 2 : 4;
+    Gaussian belief;
+    belief.mean = models::StateVector::Zero(dim);
+    belief.mean(0) = uniform(-5.0, 5.0);
+    belief.mean(1) = uniform(-3.0, 3.0);
+    models::StateMatrix root = models::StateMatrix::Zero(dim, dim);
+    for (Eigen::Index r = 0; r < dim; ++r) {
+      for (Eigen::Index c = 0; c < dim; ++c) {
+        root(r, c) = uniform(-1.0, 1.0);
+      }
+    }
+    belief.covariance = root * root.transpose() + 0.01 * models::StateMatrix::Identity(dim, dim);
+    const Gaussian after = confine(belief, room);
+    ASSERT_EQ(Eigen::LLT<Eigen::MatrixXd>(after.covariance).info(), Eigen::Success) << i;
+    if (after.mean == belief.mean) {
+      continue;
+    }
+    ++changed;
+    ASSERT_TRUE(room.bounds.contains(after.mean.head<2>())) << i;
+  }
+  EXPECT_GT(changed, 200);
+}
+
+TEST(Confinement, HoldsTheFilterInsideWhenATargetIsLostAtTheWall) {
+  models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.3};
+  models::SensorModel position;
+  position.kind = models::SensorKind::kPosition;
+  const auto after_a_minute = [&](bool stay_inside) {
+    FilterSpec spec = test::open_spec(walk, position, 1);
+    spec.estimator.targets_stay_inside = stay_inside;
+    spec.world.bounds = kRoom.bounds;
+    DistributedFilter filter(spec);
+    filter.rebase(test::prior(test::instant(0),
+                              {{Eigen::Vector2d(3.9, 1.9), 0.01 * Eigen::Matrix2d::Identity()}}));
+    for (int step = 1; step <= 120; ++step) {
+      filter.advance({test::instant(step), test::at(0, 0), {}, {}});
+    }
+    return models::to_gaussian(filter.track(0).information).value();
+  };
+  EXPECT_TRUE(is_near(after_a_minute(false).mean, Eigen::Vector2d(3.9, 1.9), 1e-9));
+  EXPECT_NEAR(after_a_minute(false).covariance(0, 0), 0.01 + 0.3 * 60.0, 1e-9);
+  EXPECT_LT(after_a_minute(true).mean.norm(), 0.2);
+  EXPECT_LT(after_a_minute(true).covariance.trace(), 64.0 / 12.0 + 16.0 / 12.0);
+}
+
+}  // namespace
+}  // namespace vantage::estimator
