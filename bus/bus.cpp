@@ -41,13 +41,14 @@ bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) 
   return transport_.publish(channel, bytes);
 }
 
-void Bus::add_subscription(const std::string& pattern, std::function<void(Delivery&)> deliver) {
+void Bus::add_subscription(const std::string& pattern, bool is_shared,
+                           std::function<void(Delivery&)> deliver) {
   bool is_new = true;
   for (const Subscription& subscription : subscriptions_) {
     is_new = is_new && subscription.pattern != pattern;
   }
   const std::size_t index = subscriptions_.size();
-  subscriptions_.push_back({pattern, std::move(deliver)});
+  subscriptions_.push_back({pattern, is_shared, std::move(deliver)});
   if (is_new) {
     transport_.subscribe(pattern, [self = std::weak_ptr<Bus*>(self_), index](
                                       std::string_view name, std::span<const std::uint8_t> bytes) {
@@ -71,6 +72,7 @@ void Bus::on_message(std::size_t subscription, std::string_view name,
   Delivery delivery{std::string(name), bytes};
   for (std::size_t i = subscription; i < subscriptions_.size(); ++i) {
     if (channel_matches(subscriptions_[i].pattern, name)) {
+      delivery.is_shared = subscriptions_[i].is_shared;
       subscriptions_[i].deliver(delivery);
     }
   }
@@ -79,12 +81,15 @@ void Bus::on_message(std::size_t subscription, std::string_view name,
 
 bool Bus::is_fresh(Delivery& delivery, const models::Stamp& stamp) {
   if (!delivery.is_fresh) {
-    const bool is_known = streams_.contains(delivery.name);
-    if (!is_known && streams_.size() >= kStreamsMax) {
+    const bool is_known =
+        streams_.contains(delivery.name) || shared_streams_.contains(delivery.name);
+    if (!is_known && streams_.size() + shared_streams_.size() >= kStreamsMax) {
       ++streams_refused_;
       delivery.is_fresh = false;
     } else {
-      delivery.is_fresh = streams_[delivery.name].judge(stamp) == Arrival::kFresh;
+      const Arrival arrival = delivery.is_shared ? shared_streams_[delivery.name].judge(stamp)
+                                                 : streams_[delivery.name].judge(stamp);
+      delivery.is_fresh = arrival == Arrival::kFresh;
     }
   }
   return *delivery.is_fresh;
@@ -100,10 +105,21 @@ void Bus::count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& c
 
 std::int64_t Bus::messages_lost() const {
   std::int64_t lost = 0;
-  for (const auto& [name, stream] : streams_) {
-    lost += stream.counts().lost;
+  for (const auto& [name, counts] : stream_counts()) {
+    lost += counts.lost;
   }
   return lost;
+}
+
+std::map<std::string, StreamCounts> Bus::stream_counts() const {
+  std::map<std::string, StreamCounts> counts;
+  for (const auto& [name, stream] : streams_) {
+    counts[name] = stream.counts();
+  }
+  for (const auto& [name, stream] : shared_streams_) {
+    counts[name] = stream.counts();
+  }
+  return counts;
 }
 
 std::vector<models::NamedCount> Bus::counters() const {
@@ -126,13 +142,13 @@ std::vector<models::NamedCount> Bus::counters() const {
   for (const auto& [name, count] : refused_) {
     add_nonzero(counts, name + ".refused", count);
   }
-  for (const auto& [name, stream] : streams_) {
-    add_nonzero(counts, name + ".fresh", stream.counts().fresh);
-    add_nonzero(counts, name + ".lost", stream.counts().lost);
-    add_nonzero(counts, name + ".duplicates", stream.counts().duplicates);
-    add_nonzero(counts, name + ".reordered", stream.counts().reordered);
-    add_nonzero(counts, name + ".old_runs", stream.counts().old_runs);
-    add_nonzero(counts, name + ".restarts", stream.counts().runs - 1);
+  for (const auto& [name, stream] : stream_counts()) {
+    add_nonzero(counts, name + ".fresh", stream.fresh);
+    add_nonzero(counts, name + ".lost", stream.lost);
+    add_nonzero(counts, name + ".duplicates", stream.duplicates);
+    add_nonzero(counts, name + ".reordered", stream.reordered);
+    add_nonzero(counts, name + ".old_runs", stream.old_runs);
+    add_nonzero(counts, name + ".restarts", stream.runs - 1);
   }
   return counts;
 }

@@ -28,7 +28,8 @@ std::int64_t random_run_id();
 /// Handlers run inside handle(), on the thread that called it. Every message carries the run id of
 /// its publisher and a sequence number per channel from 0, both set here; receivers count gaps,
 /// duplicates, reordering and old runs, and never see a duplicate, an overtaken message or one of
-/// a run that has been replaced. Not thread-safe: one Bus, one thread.
+/// a run that has been replaced (on a shared channel no run replaces another). Not thread-safe: one
+/// Bus, one thread.
 class Bus {
  public:
   /// @param publish_prefix  put before the name of every channel published on (for a replay
@@ -76,19 +77,24 @@ class Bus {
     std::string name;
     std::span<const std::uint8_t> bytes;
     std::optional<bool> is_fresh = std::nullopt;  ///< once judged
+    bool is_shared = false;                       ///< several publishers are expected
     bool is_faulty = false;                       ///< does not decode or cannot be true: counted
   };
   struct Subscription {
     std::string pattern;
+    bool is_shared = false;
     std::function<void(Delivery&)> deliver;
   };
 
   std::int64_t next_sequence(const std::string& channel);
   bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
-  void add_subscription(const std::string& pattern, std::function<void(Delivery&)> deliver);
+  void add_subscription(const std::string& pattern, bool is_shared,
+                        std::function<void(Delivery&)> deliver);
   void on_message(std::size_t subscription, std::string_view name,
                   std::span<const std::uint8_t> bytes);
   bool is_fresh(Delivery& delivery, const models::Stamp& stamp);
+  /// Counts of every channel heard, by name.
+  [[nodiscard]] std::map<std::string, StreamCounts> stream_counts() const;
   void count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& counts);
 
   Transport& transport_;
@@ -101,6 +107,7 @@ class Bus {
   std::int64_t streams_refused_ = 0;  ///< messages on more channels than kStreamsMax
   std::map<std::string, std::int64_t> next_sequence_;
   std::map<std::string, StreamMonitor> streams_;
+  std::map<std::string, SharedStreamMonitor> shared_streams_;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
   std::map<std::string, std::int64_t> refused_;        ///< by channel: decoded, but cannot be true
 };

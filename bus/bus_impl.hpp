@@ -31,24 +31,25 @@ void Bus::subscribe(const Channel<Message>& channel, std::function<void(const Me
 template <class Message>
 void Bus::subscribe_named(const Channel<Message>& channel,
                           std::function<void(const std::string& name, const Message&)> handler) {
-  add_subscription(channel.name, [this, handler = std::move(handler)](Delivery& delivery) {
-    if (delivery.is_fresh == false) {
-      return;
-    }
-    const auto wire = decode_wire<WireOf<Message>>(delivery.bytes);
-    if (!wire) {
-      count_fault(delivery, decode_errors_);
-      return;
-    }
-    const std::optional<Message> message = from_wire(*wire);
-    if (!message) {
-      count_fault(delivery, refused_);
-      return;
-    }
-    if (is_fresh(delivery, message->stamp)) {
-      handler(delivery.name, *message);
-    }
-  });
+  add_subscription(channel.name, channel.is_shared,
+                   [this, handler = std::move(handler)](Delivery& delivery) {
+                     if (delivery.is_fresh == false) {
+                       return;
+                     }
+                     const auto wire = decode_wire<WireOf<Message>>(delivery.bytes);
+                     if (!wire) {
+                       count_fault(delivery, decode_errors_);
+                       return;
+                     }
+                     const std::optional<Message> message = from_wire(*wire);
+                     if (!message) {
+                       count_fault(delivery, refused_);
+                       return;
+                     }
+                     if (is_fresh(delivery, message->stamp)) {
+                       handler(delivery.name, *message);
+                     }
+                   });
 }
 
 }  // namespace vantage::bus

@@ -14,13 +14,14 @@ namespace vantage::bus {
 template <class Message>
 struct Channel {
   std::string name;
+  bool is_shared = false;  ///< several processes may publish on it at once; see SharedStreamMonitor
 };
 
 inline const Channel<models::MocapFrame> kVicon{"VICON"};
 inline const Channel<models::TruthFrame> kTruth{"TRUTH"};
 inline const Channel<models::ContactReport> kCollision{"COLLISION"};
 inline const Channel<models::AttackNotice> kAttack{"ATTACK"};
-inline const Channel<models::OperatorCommand> kCommand{"COMMAND"};
+inline const Channel<models::OperatorCommand> kCommand{"COMMAND", true};  // any console
 inline const Channel<models::ScenarioNotice> kScenario{"SCENARIO"};
 
 /// `robot` "*" subscribes to all of them.

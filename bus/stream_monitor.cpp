@@ -12,6 +12,15 @@ void add_saturating(std::int64_t& sum, std::int64_t more) {
   sum = more > kMax - sum ? kMax : sum + more;
 }
 
+void add(StreamCounts& sum, const StreamCounts& more) {
+  add_saturating(sum.fresh, more.fresh);
+  add_saturating(sum.lost, more.lost);
+  add_saturating(sum.duplicates, more.duplicates);
+  add_saturating(sum.reordered, more.reordered);
+  add_saturating(sum.old_runs, more.old_runs);
+  add_saturating(sum.runs, more.runs);
+}
+
 }  // namespace
 
 void StreamMonitor::advance_to(const models::Stamp& stamp) {
@@ -74,6 +83,32 @@ Arrival StreamMonitor::judge(const models::Stamp& stamp) {
   }
   ++counts_.reordered;
   return Arrival::kReordered;
+}
+
+Arrival SharedStreamMonitor::judge(const models::Stamp& stamp) {
+  ++judged_;
+  auto run = std::find_if(runs_.begin(), runs_.end(),
+                          [&](const Run& known) { return known.run_id == stamp.run_id; });
+  if (run == runs_.end()) {
+    if (runs_.size() == kRunsKept) {
+      const auto silent = std::min_element(
+          runs_.begin(), runs_.end(),
+          [](const Run& a, const Run& b) { return a.judged_last < b.judged_last; });
+      add(forgotten_, silent->stream.counts());
+      runs_.erase(silent);
+    }
+    run = runs_.insert(runs_.end(), Run{stamp.run_id, 0, {}});
+  }
+  run->judged_last = judged_;
+  return run->stream.judge(stamp);
+}
+
+StreamCounts SharedStreamMonitor::counts() const {
+  StreamCounts total = forgotten_;
+  for (const Run& run : runs_) {
+    add(total, run.stream.counts());
+  }
+  return total;
 }
 
 }  // namespace vantage::bus

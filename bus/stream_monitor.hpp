@@ -50,4 +50,27 @@ class StreamMonitor {
   StreamCounts counts_;
 };
 
+/// Judges a channel on which several processes may publish: each run is a stream of its own, and
+/// none replaces another. So an operator's second console does not silence the first.
+///
+/// At most 32 runs are remembered; the one silent for the most messages gives way.
+class SharedStreamMonitor {
+ public:
+  /// Precondition: stamp.sequence ≥ 0. Cost: bounded time and memory.
+  Arrival judge(const models::Stamp& stamp);
+  /// Sums over every run ever heard.
+  [[nodiscard]] StreamCounts counts() const;
+
+ private:
+  static constexpr std::size_t kRunsKept = 32;
+  struct Run {
+    std::int64_t run_id = 0;
+    std::int64_t judged_last = 0;  ///< value of judged_ then
+    StreamMonitor stream;
+  };
+  std::vector<Run> runs_;
+  std::int64_t judged_ = 0;
+  StreamCounts forgotten_;  ///< of runs that gave way
+};
+
 }  // namespace vantage::bus
