@@ -10,4 +10,32 @@ const MocapBody* MocapFrame::find(const std::string& name) const {
   return found == bodies.end() ? nullptr : &*found;
 }
 
+const char* name_of(FlightState state) {
+  switch (state) {
+    case FlightState::kIdle:
+      return "idle";
+    case FlightState::kFollow:
+      return "follow";
+    case FlightState::kHold:
+      return "hold";
+    case FlightState::kLand:
+      return "land";
+    case FlightState::kKilled:
+      return "killed";
+  }
+  return "?";
+}
+
+const char* name_of(PlanSource source) {
+  switch (source) {
+    case PlanSource::kSearched:
+      return "searched";
+    case PlanSource::kShifted:
+      return "shifted";
+    case PlanSource::kBraking:
+      return "braking";
+  }
+  return "?";
+}
+
 }  // namespace vantage::models

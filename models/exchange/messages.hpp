@@ -95,6 +95,9 @@ enum class PlanSource {
   kBraking = 2,   ///< stop and hover
 };
 
+/// "searched", "shifted", "braking".
+const char* name_of(PlanSource source);
+
 /// One robot's committed motion and how good it is (PLAN_R).
 struct RobotPlan {
   Stamp stamp;  ///< time: when the trajectory starts, t_{k+1}
@@ -118,6 +121,9 @@ struct RobotPlan {
 };
 
 enum class FlightState { kIdle, kFollow, kHold, kLand, kKilled };
+
+/// "idle", "follow", "hold", "land", "killed".
+const char* name_of(FlightState state);
 
 /// What one vehicle does and why (QUADROTOR_R).
 struct VehicleStatus {

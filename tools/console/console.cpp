@@ -18,22 +18,6 @@ constexpr const char* kLines =
 constexpr const char* kFarewell =
     "quitting: the operator's heartbeat ends now, and vehicles that need it will land";
 
-const char* word_for(models::FlightState state) {
-  switch (state) {
-    case models::FlightState::kIdle:
-      return "idle";
-    case models::FlightState::kFollow:
-      return "follow";
-    case models::FlightState::kHold:
-      return "hold";
-    case models::FlightState::kLand:
-      return "land";
-    case models::FlightState::kKilled:
-      return "KILLED";
-  }
-  return "?";
-}
-
 /// Reads, obeys, shows.
 class ConsoleSession {
  public:
@@ -158,7 +142,7 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
     }
     const bool is_selected = selected.empty() || selected == name;
     out.push_back(fmt::format("{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}",
-                              is_selected ? '>' : ' ', name, word_for(status.state),
+                              is_selected ? '>' : ' ', name, models::name_of(status.state),
                               100.0 * status.battery_share, status.plan_round,
                               to_seconds(now - status.stamp.time), reasons));
   }

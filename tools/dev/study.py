@@ -73,6 +73,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "build/study")
     parser.add_argument("--binary", default=str(ROOT / "build/release/bin/vantage"))
     parser.add_argument("--cases", nargs="*", help="only these")
+    parser.add_argument("--plot", type=pathlib.Path, help="draw the measures into this .svg or .png")
     parser.add_argument("--extra", default="", help="further flags of `vantage trial`")
     args = parser.parse_args()
     study = STUDIES[args.study]
@@ -129,9 +130,30 @@ def main():
                                       for s in sorted(trials[case])])
                 parts.append(f"{name} {mean:+.3f} ± {half:.3f}")
             print(f"- {case}: " + ", ".join(parts))
-    (args.out / f"{args.study}.dat").write_text(
+    table = args.out / f"{args.study}.dat"
+    table.write_text(
         "# case " + " ".join(f'"{c}" ±' for c in columns) + "\n"
         + "\n".join(" ".join(str(x) for x in row) for row in rows) + "\n")
+    if args.plot:
+        plot(table, study["axis"], list(columns), args.plot, is_swept=args.study == "field")
+
+
+def plot(table, axis, columns, path, is_swept):
+    """One panel a measure, mean and 95 % confidence interval over the cases, by gnuplot; joined by
+    lines when the cases are values of one quantity."""
+    style = "yerrorlines" if is_swept else "yerrorbars"
+    shown = ("RMSE [m]", "entropy [nat]", "discovery [s]", "unknown share")
+    commands = [
+        f"set terminal {'svg' if path.suffix == '.svg' else 'pngcairo'} size 1000,640 noenhanced font 'sans,11'",
+        f"set output '{path}'", "set multiplot layout 2,2", "set grid ytics lc rgb '#dddddd'",
+        "unset key", "set border 3", "set tics nomirror", "set offsets 0.3, 0.3, 0, 0",
+        f"set xlabel '{axis}'"]
+    for name in shown:
+        column = 2 + 2 * columns.index(name)
+        commands += [f"set ylabel '{name}'",
+                     f"plot '{table}' using 0:{column}:{column + 1}:xtic(1) with {style} "
+                     "lw 2 pt 7 ps 1 lc rgb '#1f5fa8'"]
+    subprocess.run(["gnuplot"], input="\n".join(commands), text=True, check=True)
 
 
 if __name__ == "__main__":

@@ -9,34 +9,6 @@ std::string cell(const std::optional<double>& value, int decimals, const char* u
   return value ? fmt::format("{:.{}f} {}", *value, decimals, unit) : "-";
 }
 
-const char* name_of(models::FlightState state) {
-  switch (state) {
-    case models::FlightState::kIdle:
-      return "idle";
-    case models::FlightState::kFollow:
-      return "follow";
-    case models::FlightState::kHold:
-      return "hold";
-    case models::FlightState::kLand:
-      return "land";
-    case models::FlightState::kKilled:
-      return "killed";
-  }
-  return "?";
-}
-
-const char* name_of(models::PlanSource source) {
-  switch (source) {
-    case models::PlanSource::kSearched:
-      return "searched";
-    case models::PlanSource::kShifted:
-      return "shifted";
-    case models::PlanSource::kBraking:
-      return "braking";
-  }
-  return "?";
-}
-
 std::string target_row(const logs::TargetStatus& target) {
   std::optional<double> sigma_m;
   std::string by = "-";
@@ -50,7 +22,7 @@ std::string target_row(const logs::TargetStatus& target) {
 }
 
 std::string robot_row(const std::string& name, const logs::RobotStatus& robot) {
-  const std::string state = robot.state ? name_of(*robot.state) : "-";
+  const std::string state = robot.state ? models::name_of(*robot.state) : "-";
   if (!robot.plan) {
     return fmt::format("{:<8} {:>8} {:>7}", name, state, "-");
   }
@@ -58,7 +30,7 @@ std::string robot_row(const std::string& name, const logs::RobotStatus& robot) {
   const double slot_s = to_seconds(plan.deadline - plan.slot_start);
   const double used_s = to_seconds(plan.finish - plan.slot_start);
   return fmt::format("{:<8} {:>8} {:>7} {:>9} {:>9.2f} {:>9} {:>8.0f} %", name, state,
-                     plan.round % 100'000, name_of(plan.source), plan.cost, plan.nodes,
+                     plan.round % 100'000, models::name_of(plan.source), plan.cost, plan.nodes,
                      slot_s > 0.0 ? 100.0 * used_s / slot_s : 0.0);
 }
 
