@@ -31,7 +31,7 @@ void run(benchmark::State& state, const planner::ReducedOptions& options, int ho
         search.plan(problems[next++ % problems.size()], options, deadline);
     nodes += result.nodes_generated;
     work += result.work_nodes;
-    bytes += search.tree().bytes_used();
+    bytes += result.peak_bytes;
     cost += result.cost;
   }
   const double iterations = static_cast<double>(state.iterations());
