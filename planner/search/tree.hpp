@@ -18,10 +18,13 @@ struct Node {
   double cost = 0.0;  ///< accumulated J
   NodeId parent = kNoNode;
   std::uint32_t posterior = 0;  ///< index of its blocks in Tree, 0: not worked out yet
+  NodeId next = kNoNode;        ///< the algorithm's own: in whatever list it keeps the node
   std::int16_t control = -1;    ///< that led here
   std::uint8_t depth = 0;
   std::uint8_t state = 0;  ///< the algorithm's own flags
 };
+
+static_assert(sizeof(Node) == 48);
 
 /// The blocks that a node's own history of measurements changed, by ascending target; every other
 /// target is at the open-loop prediction that all nodes of the depth share.
@@ -53,6 +56,14 @@ class Tree {
   /// Keeps a copy of a node's blocks. False when the arena is full.
   bool keep_posterior(NodeId id, std::span<const std::uint16_t> targets,
                       std::span<const double> packed);
+  /// Room to write the blocks of a node in place, as at most so many targets and doubles; null
+  /// where the arena is full. Nothing is kept until commit_posterior() follows.
+  struct Room {
+    std::uint16_t* targets = nullptr;
+    double* packed = nullptr;
+  };
+  [[nodiscard]] Room room_for_posterior(std::size_t targets_max, std::size_t doubles_max);
+  void commit_posterior(NodeId id, std::size_t targets, std::size_t doubles);
   [[nodiscard]] bool has_posterior(NodeId id) const { return nodes_[id].posterior != 0; }
   /// Precondition: has_posterior(id).
   [[nodiscard]] Blocks posterior(NodeId id) const;
