@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "planner/search/beam.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -26,6 +28,19 @@ class ReducedAdapter final : public Search {
   ReducedOptions options_;
 };
 
+class BeamAdapter final : public Search {
+ public:
+  explicit BeamAdapter(const SearchCapacity& capacity) : search_(capacity) {}
+  const planner::SearchResult& search(const planner::SearchProblem& problem,
+                                      const Deadline& deadline) override {
+    return search_.plan(problem, {}, deadline);
+  }
+  [[nodiscard]] std::size_t peak_bytes() const override { return search_.peak_bytes(); }
+
+ private:
+  planner::RefiningBeam search_;
+};
+
 Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch kind) {
   return {name, what, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
             ReducedOptions reduced;
@@ -40,6 +55,10 @@ Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch ki
 
 const std::vector<Algorithm>& all_algorithms() {
   static const std::vector<Algorithm> kAll = {
+      {"beam", "refining beam: passes of growing width and shrinking diversity cells",
+       [](const SearchCapacity& capacity, const AlgorithmOptions&) {
+         return std::make_unique<BeamAdapter>(capacity);
+       }},
       reduced("arvi", "anytime reduced value iteration: passes of falling (epsilon, delta)",
               ReducedSearch::kAnytime),
       reduced("rvi", "reduced value iteration, one pass at (epsilon, delta)",
@@ -56,7 +75,7 @@ const Algorithm& algorithm_called(std::string_view name) {
   return *std::find_if(all.begin(), all.end(), [&](const Algorithm& a) { return a.name == name; });
 }
 
-std::string_view default_algorithm(const planner::SearchProblem& /*problem*/) { return "arvi"; }
+std::string_view default_algorithm(const planner::SearchProblem& /*problem*/) { return "beam"; }
 
 planner::SearchCapacity capacity_for(const planner::SearchProblem& problem,
                                      std::size_t memory_bytes, std::size_t nodes_max) {
