@@ -67,6 +67,7 @@ BeliefTable::BeliefTable(int targets_max, int horizon_max) {
   means_.reserve(cells);
   open_loop_.reserve(cells * kMaxPacked);
   measures_.reserve(cells);
+  per_measures_.reserve(cells);
   stage_costs_.reserve(index(horizon_max + 1));
   fixed_.reserve(cells);
   is_fixed_.reserve(cells);
@@ -96,6 +97,7 @@ void BeliefTable::reset(const SearchProblem& problem) {
   means_.resize(cells);
   open_loop_.resize(cells * kMaxPacked);
   measures_.resize(cells);
+  per_measures_.resize(cells);
   stage_costs_.assign(index(horizon + 1), 0.0);
 
   has_fixed_ = !problem.fixed_information.empty();
@@ -131,6 +133,7 @@ void BeliefTable::reset(const SearchProblem& problem) {
       const double measure =
           cost_ == CostKind::kLogDet ? determinant(layout(m), block) : trace(layout(m), block);
       measures_[at(m, t)] = measure;
+      per_measures_[at(m, t)] = 1.0 / measure;
       stage_costs_[index(t)] += cost_ == CostKind::kLogDet ? std::log(measure) : measure;
     }
   }

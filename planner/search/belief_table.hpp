@@ -32,6 +32,8 @@ class BeliefTable {
   }
   /// Determinant or trace of open_loop(m, t), whichever the cost needs.
   [[nodiscard]] double open_loop_measure(int m, int t) const { return measures_[at(m, t)]; }
+  /// 1 / open_loop_measure(m, t).
+  [[nodiscard]] double open_loop_per_measure(int m, int t) const { return per_measures_[at(m, t)]; }
   /// Stage cost of depth t if nothing is ever measured.
   [[nodiscard]] double open_loop_cost(int t) const {
     return stage_costs_[static_cast<std::size_t>(t)];
@@ -53,6 +55,7 @@ class BeliefTable {
   std::vector<Eigen::Vector3d> means_;
   std::vector<double> open_loop_;
   std::vector<double> measures_;
+  std::vector<double> per_measures_;
   std::vector<double> stage_costs_;
   std::vector<PackedInformation> fixed_;  ///< [t − 1][m]
   std::vector<std::uint8_t> is_fixed_;    ///< whether fixed_ is not zero

@@ -205,6 +205,24 @@ inline void update(BlockLayout layout, const double* m, const double* in, double
   out[2] = p2 - (pg10 * p1 + pg11 * p2);
 }
 
+/// A symmetric 2×2 matrix.
+struct Square2 {
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+};
+
+/// P P + C Cᵀ of a planar or moving block.
+inline Square2 squared_rows(BlockLayout layout, const double* b) {
+  Square2 s{b[0] * b[0] + b[1] * b[1], b[0] * b[1] + b[1] * b[2], b[1] * b[1] + b[2] * b[2]};
+  if (layout == BlockLayout::kMoving) {
+    s.xx += b[3] * b[3] + b[4] * b[4];
+    s.xy += b[3] * b[5] + b[4] * b[6];
+    s.yy += b[5] * b[5] + b[6] * b[6];
+  }
+  return s;
+}
+
 /// tr Σ − tr (Σ⁻¹ + M)⁻¹ = tr(G (P P + C Cᵀ)).
 inline double trace_reduction(BlockLayout layout, const double* m, const double* b) {
   if (layout == BlockLayout::kSpatial) {
@@ -214,15 +232,8 @@ inline double trace_reduction(BlockLayout layout, const double* m, const double*
   }
   double g[3];
   posterior_gain2(m, b, g);
-  double s0 = b[0] * b[0] + b[1] * b[1];
-  double s1 = b[0] * b[1] + b[1] * b[2];
-  double s2 = b[1] * b[1] + b[2] * b[2];
-  if (layout == BlockLayout::kMoving) {
-    s0 += b[3] * b[3] + b[4] * b[4];
-    s1 += b[3] * b[5] + b[4] * b[6];
-    s2 += b[5] * b[5] + b[6] * b[6];
-  }
-  return g[0] * s0 + 2.0 * g[1] * s1 + g[2] * s2;
+  const Square2 s = squared_rows(layout, b);
+  return g[0] * s.xx + 2.0 * g[1] * s.xy + g[2] * s.yy;
 }
 
 /// True when a + εI − b is positive semidefinite, exactly: by Cholesky with a tolerance that can

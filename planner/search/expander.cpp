@@ -9,13 +9,15 @@ namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+constexpr double kProductMax = 1e150;
+
 // A sum of logarithms as the logarithm of a product, taken whenever the product might leave the
 // range of a double: a single factor may be as small or large as 1e±150.
 class LogProduct {
  public:
   void multiply(double factor) {
     product_ *= factor;
-    if (!(product_ > 1e-150 && product_ < 1e150)) {
+    if (!(product_ > 1e-150 && product_ < kProductMax)) {
       sum_ += std::log(product_);
       product_ = 1.0;
     }
@@ -30,120 +32,35 @@ class LogProduct {
 }  // namespace
 
 Expander::Expander(int targets_max, int horizon_max, int teammates_max)
-    : motion_(kMaxControls, horizon_max, teammates_max), beliefs_(targets_max, horizon_max) {
+    : motion_(kMaxControls, horizon_max, teammates_max),
+      beliefs_(targets_max, horizon_max),
+      grid_(targets_max, horizon_max) {
   const std::size_t targets = index(targets_max);
   slot_of_.reserve(targets);
   touched_.reserve(targets);
   predicted_.reserve(targets * kMaxPacked);
-  candidates_.reserve(targets);
-  result_targets_.reserve(targets);
-  result_.reserve(targets * kMaxPacked);
-  cos_half_fov_.reserve(8);
+  result_targets_.resize(targets);
+  result_.resize(targets * kMaxPacked);
 }
 
 void Expander::reset(const SearchProblem& problem) {
   problem_ = &problem;
   motion_.reset(problem);
   beliefs_.reset(problem);
-  cos_half_fov_.clear();
-  range_max_m_ = 0.0;
-  for (const models::SensorModel& sensor : problem.sensors) {
-    cos_half_fov_.push_back(sensor.fov_rad >= 2.0 * kPi ? -2.0 : std::cos(0.5 * sensor.fov_rad));
-    range_max_m_ = std::max(range_max_m_, sensor.range_max_m);
-  }
-  has_obstacles_ = problem.world != nullptr && !problem.world->obstacles.empty();
+  sight_.reset(problem);
+  grid_.reset(beliefs_, problem.start.position_m(), problem.horizon_steps, motion_.reach_m(),
+              sight_.range_max_m());
   slot_of_.assign(problem.targets.size(), -1);
   touched_.clear();
   predicted_.clear();
+  result_targets_.resize(problem.targets.size());
+  result_.resize(problem.targets.size() * kMaxPacked);
 }
 
 Node Expander::root() const {
   Node node;
   node.world_from_body = problem_->start;
   return node;
-}
-
-bool Expander::look_planar(const models::SensorModel& sensor, double cos_half_fov, double dx_m,
-                           double dy_m, double cos_yaw, double sin_yaw,
-                           PackedInformation& sum) const {
-  const double r2 = dx_m * dx_m + dy_m * dy_m;
-  if (r2 >= sensor.range_max_m * sensor.range_max_m ||
-      r2 < sensor.range_min_m * sensor.range_min_m) {
-    return false;
-  }
-  const double r = std::sqrt(r2);
-  if (r2 == 0.0) {  // in no direction: only a position sensor that sees all around tells of it
-    if (sensor.kind != models::SensorKind::kPosition || cos_half_fov >= -1.0) {
-      return false;
-    }
-  } else if (dx_m * cos_yaw + dy_m * sin_yaw <= cos_half_fov * r) {
-    return false;
-  }
-  if (sensor.kind == models::SensorKind::kPosition) {
-    const double a = 1.0 / (sensor.position_sigma_m * sensor.position_sigma_m);
-    sum.m[0] += a;
-    sum.m[2] += a;
-    return true;
-  }
-  const double growth = sensor.variance_grows_with_range
-                            ? std::max(sensor.variance_floor, r / sensor.range_max_m)
-                            : 1.0;
-  const double ux = dx_m / r;
-  const double uy = dy_m / r;
-  if (sensor.kind != models::SensorKind::kBearing) {
-    const double scaled = sensor.calibration.range_scale / sensor.range_sigma_m;
-    const double a = scaled * scaled / growth;
-    sum.m[0] += a * ux * ux;
-    sum.m[1] += a * ux * uy;
-    sum.m[2] += a * uy * uy;
-  }
-  if (sensor.kind != models::SensorKind::kRange) {
-    const double b = 1.0 / (sensor.bearing_sigma_rad * sensor.bearing_sigma_rad * growth * r2);
-    sum.m[0] += b * uy * uy;
-    sum.m[1] -= b * ux * uy;
-    sum.m[2] += b * ux * ux;
-  }
-  return true;
-}
-
-bool Expander::look(int m, int t, const Pose2& at, double cos_yaw, double sin_yaw,
-                    PackedInformation& out) const {
-  const Eigen::Vector3d& mean_m = beliefs_.mean_m(m, t);
-  const bool spatial = beliefs_.layout(m) == BlockLayout::kSpatial;
-  bool seen = false;
-  for (std::size_t s = 0; s < problem_->sensors.size(); ++s) {
-    const models::SensorModel& sensor = problem_->sensors[s];
-    if (!spatial && sensor.kind != models::SensorKind::kCamera) {
-      seen = look_planar(sensor, cos_half_fov_[s], mean_m.x() - at.x_m, mean_m.y() - at.y_m,
-                         cos_yaw, sin_yaw, out) ||
-             seen;
-      continue;
-    }
-    const models::Viewpoint from{at, problem_->height_m};
-    const models::PositionVector target = mean_m.head(spatial ? 3 : 2);
-    if (!models::in_view(sensor, from, target)) {
-      continue;
-    }
-    const models::PositionMatrix M = models::information(sensor, from, target);
-    double packed[6];
-    pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar, M, packed);
-    for (int i = 0; i < (spatial ? 6 : 3); ++i) {
-      out.m[i] += packed[i];
-    }
-    seen = true;
-  }
-  return seen && (!has_obstacles_ ||
-                  models::line_of_sight(*problem_->world, at.position_m(), mean_m.head<2>()));
-}
-
-void Expander::find_candidates(const Eigen::Vector2d& p_m, double reach_m, int t) {
-  candidates_.clear();
-  const double far_m = range_max_m_ + reach_m;
-  for (int m = 0; m < beliefs_.target_count(); ++m) {
-    if ((beliefs_.mean_m(m, t).head<2>() - p_m).squaredNorm() < far_m * far_m) {
-      candidates_.push_back(static_cast<std::uint16_t>(m));
-    }
-  }
 }
 
 void Expander::predict_blocks(const Blocks& blocks, int t) {
@@ -167,6 +84,9 @@ void Expander::forget_blocks() {
 
 double Expander::predicted_cost(int t) const {
   double cost = beliefs_.open_loop_cost(t);
+  if (touched_.empty()) {
+    return cost;
+  }
   LogProduct ratio;
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     const int m = touched_[i];
@@ -175,115 +95,218 @@ double Expander::predicted_cost(int t) const {
       cost += trace(beliefs_.layout(m), block) - beliefs_.open_loop_measure(m, t);
       continue;
     }
-    ratio.multiply(determinant(beliefs_.layout(m), block) / beliefs_.open_loop_measure(m, t));
+    ratio.multiply(determinant(beliefs_.layout(m), block) * beliefs_.open_loop_per_measure(m, t));
   }
   return cost + ratio.log();
 }
 
+void Expander::move(const Node& node, double cos_yaw, double sin_yaw, Children& out) {
+  const Pose2& from = node.world_from_body;
+  motion_.children(from, cos_yaw, sin_yaw, views_);
+  const bool free = problem_->teammates.empty() && motion_.is_open_space(from.position_m());
+  int count = 0;
+  for (int c = 0; c < motion_.control_count(); ++c) {
+    if (!free && !motion_.is_free(from, cos_yaw, sin_yaw, c, node.depth)) {
+      continue;
+    }
+    if (count != c) {
+      views_.x_m[count] = views_.x_m[c];
+      views_.y_m[count] = views_.y_m[c];
+      views_.cos_yaw[count] = views_.cos_yaw[c];
+      views_.sin_yaw[count] = views_.sin_yaw[c];
+    }
+    out.control[count] = static_cast<std::int16_t>(c);
+    out.world_from_body[count] = {views_.x_m[count], views_.y_m[count],
+                                  motion_.child_yaw_rad(from, c)};
+    ++count;
+  }
+  views_.count = count;
+  out.count = count;
+}
+
+void Expander::look_at_one(int m, int t, Gains& gains) const {
+  const double* P = predicted(m, t);
+  const Eigen::Vector3d& mean_m = beliefs_.mean_m(m, t);
+  const Lanes one = broadcast(1.0);
+  const Lanes zero = {};
+  for (int group = 0; group < views_.groups(); ++group) {
+    InformationLanes M;
+    LaneMask seen = sight_.look_at(mean_m, views_, group, M);
+    if (bits(seen) == 0) {
+      continue;
+    }
+    const int at = kLanes * group;
+    if (sight_.has_obstacles()) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        if (seen[lane] != 0 && at + lane < views_.count &&
+            !sight_.line_of_sight({views_.x_m[at + lane], views_.y_m[at + lane]},
+                                  mean_m.head<2>())) {
+          seen[lane] = 0;
+        }
+      }
+    }
+    // gain2() and trace_reduction(), four at once.
+    const Lanes det_m = M.m00 * M.m11 - M.m01 * M.m01;
+    const Lanes gain = 1.0 + M.m00 * P[0] + 2.0 * M.m01 * P[1] + M.m11 * P[2] + det_m * det2(P);
+    if (beliefs_.cost() == CostKind::kTrace) {
+      const Square2 s = squared_rows(beliefs_.layout(m), P);
+      const Lanes reduction = ((M.m00 + det_m * P[2]) * s.xx + 2.0 * (M.m01 - det_m * P[1]) * s.xy +
+                               (M.m11 + det_m * P[0]) * s.yy) /
+                              gain;
+      store(gains.sum + at, load(gains.sum + at) + (seen ? reduction : zero));
+      continue;
+    }
+    const Lanes product = load(gains.product + at) * (seen ? gain : one);
+    store(gains.product + at, product);
+    if (bits(product > kProductMax) != 0) {
+      for (int i = at; i < at + kLanes; ++i) {
+        gains.sum[i] += std::log(gains.product[i]);
+        gains.product[i] = 1.0;
+      }
+    }
+  }
+}
+
+void Expander::look_at_one_each(int m, int t, const Children& children, Gains& gains) const {
+  const BlockLayout layout = beliefs_.layout(m);
+  const double* P = predicted(m, t);
+  for (int i = 0; i < children.count; ++i) {
+    PackedInformation M;
+    if (!sight_.look(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial,
+                     children.world_from_body[i], views_.cos_yaw[i], views_.sin_yaw[i], M)) {
+      continue;
+    }
+    if (beliefs_.cost() == CostKind::kTrace) {
+      gains.sum[i] += trace_reduction(layout, M.m, P);
+      continue;
+    }
+    gains.product[i] *= gain(layout, M.m, P);
+    if (gains.product[i] > kProductMax) {
+      gains.sum[i] += std::log(gains.product[i]);
+      gains.product[i] = 1.0;
+    }
+  }
+}
+
+void Expander::look_from_children(int t, const Children& children, Gains& gains) const {
+  for (int i = 0; i < kLanes * views_.groups(); ++i) {
+    gains.product[i] = 1.0;
+    gains.sum[i] = 0.0;
+  }
+  for (const std::uint16_t m : candidates_) {
+    if (sight_.has_lanes() && beliefs_.layout(m) != BlockLayout::kSpatial) {
+      look_at_one(m, t, gains);
+    } else {
+      look_at_one_each(m, t, children, gains);
+    }
+  }
+}
+
 bool Expander::expand(Tree& tree, NodeId id, Children& out) {
   out.count = 0;
-  if (!ensure_posterior(tree, id)) {
+  const Node node = tree[id];
+  const double cos_yaw = std::cos(node.world_from_body.yaw_rad);
+  const double sin_yaw = std::sin(node.world_from_body.yaw_rad);
+  if (!tree.has_posterior(id) && !keep_posterior(tree, id, cos_yaw, sin_yaw)) {
     return false;
   }
-  const Node node = tree[id];
   const int t = node.depth + 1;
   predict_blocks(tree.posterior(id), t);
   const double base = node.cost + predicted_cost(t);
-  find_candidates(node.world_from_body.position_m(), motion_.reach_m(), t);
-
-  const double cos_yaw = std::cos(node.world_from_body.yaw_rad);
-  const double sin_yaw = std::sin(node.world_from_body.yaw_rad);
-  for (int c = 0; c < motion_.control_count(); ++c) {
-    if (!motion_.is_free(node.world_from_body, cos_yaw, sin_yaw, c, node.depth)) {
-      continue;
-    }
-    const Pose2 pose = motion_.child(node.world_from_body, cos_yaw, sin_yaw, c);
-    const double cos_child = std::cos(pose.yaw_rad);
-    const double sin_child = std::sin(pose.yaw_rad);
-    double cost = base;
-    LogProduct gained;
-    for (const std::uint16_t m : candidates_) {
-      PackedInformation M;
-      if (!look(m, t, pose, cos_child, sin_child, M)) {
-        continue;
-      }
-      const BlockLayout layout = beliefs_.layout(m);
-      if (beliefs_.cost() == CostKind::kTrace) {
-        cost -= trace_reduction(layout, M.m, predicted(m, t));
-        continue;
-      }
-      gained.multiply(gain(layout, M.m, predicted(m, t)));
-    }
-    out.control[out.count] = static_cast<std::int16_t>(c);
-    out.world_from_body[out.count] = pose;
-    out.cost[out.count] = cost - gained.log();
-    ++out.count;
+  candidates_ = grid_.near(node.world_from_body.position_m(), t);
+  move(node, cos_yaw, sin_yaw, out);
+  Gains gains;
+  look_from_children(t, out, gains);
+  for (int i = 0; i < out.count; ++i) {
+    const double gained =
+        gains.product[i] == 1.0 ? gains.sum[i] : gains.sum[i] + std::log(gains.product[i]);
+    out.cost[i] = base - gained;
   }
   forget_blocks();
   return true;
 }
 
-void Expander::update_blocks(const Pose2& at, int t) {
-  find_candidates(at.position_m(), 0.0, t);
-  const double cos_yaw = std::cos(at.yaw_rad);
-  const double sin_yaw = std::sin(at.yaw_rad);
-  result_targets_.clear();
-  result_.clear();
+Expander::Kept Expander::update_blocks(const Pose2& at, double cos_yaw, double sin_yaw, int t,
+                                       Tree::Room room) {
+  Kept kept;
   std::size_t next_touched = 0;
-  const auto keep = [&](int m, const double* block) {
-    result_targets_.push_back(static_cast<std::uint16_t>(m));
-    result_.insert(result_.end(), block, block + packed_size(beliefs_.layout(m)));
+  const auto keep = [&](int m) {
+    room.targets[kept.targets++] = static_cast<std::uint16_t>(m);
+    double* block = room.packed + kept.doubles;
+    kept.doubles += static_cast<std::size_t>(packed_size(beliefs_.layout(m)));
+    return block;
   };
   const auto keep_touched_before = [&](int m) {
     while (next_touched < touched_.size() && touched_[next_touched] < m) {
-      keep(touched_[next_touched], &predicted_[kMaxPacked * next_touched]);
+      const int kept_m = touched_[next_touched];
+      std::copy_n(&predicted_[kMaxPacked * next_touched], packed_size(beliefs_.layout(kept_m)),
+                  keep(kept_m));
       ++next_touched;
     }
   };
   for (const std::uint16_t m : candidates_) {
     PackedInformation M;
-    if (!look(m, t, at, cos_yaw, sin_yaw, M)) {
+    const BlockLayout layout = beliefs_.layout(m);
+    if (!sight_.look(beliefs_.mean_m(m, t), layout == BlockLayout::kSpatial, at, cos_yaw, sin_yaw,
+                     M)) {
       continue;
     }
     keep_touched_before(m);
-    double block[kMaxPacked];
-    update(beliefs_.layout(m), M.m, predicted(m, t), block);
-    keep(m, block);
+    update(layout, M.m, predicted(m, t), keep(m));
     if (next_touched < touched_.size() && touched_[next_touched] == m) {
       ++next_touched;
     }
   }
   keep_touched_before(beliefs_.target_count());
+  return kept;
 }
 
 bool Expander::ensure_posterior(Tree& tree, NodeId id) {
   if (tree.has_posterior(id)) {
     return true;
   }
+  const double yaw_rad = tree[id].world_from_body.yaw_rad;
+  return keep_posterior(tree, id, std::cos(yaw_rad), std::sin(yaw_rad));
+}
+
+bool Expander::keep_posterior(Tree& tree, NodeId id, double cos_yaw, double sin_yaw) {
   const Node& node = tree[id];
   if (node.parent == kNoNode) {
     return tree.keep_posterior(id, {}, {});
   }
-  predict_blocks(tree.posterior(node.parent), node.depth);
-  update_blocks(node.world_from_body, node.depth);
+  const Blocks before = tree.posterior(node.parent);
+  candidates_ = grid_.near(node.world_from_body.position_m(), node.depth);
+  const std::size_t targets_max =
+      std::min(slot_of_.size(), before.targets.size() + candidates_.size());
+  const Tree::Room room = tree.room_for_posterior(targets_max, kMaxPacked * targets_max);
+  if (room.targets == nullptr) {
+    return false;
+  }
+  predict_blocks(before, node.depth);
+  const Kept kept = update_blocks(node.world_from_body, cos_yaw, sin_yaw, node.depth, room);
   forget_blocks();
-  return tree.keep_posterior(id, result_targets_, result_);
+  tree.commit_posterior(id, kept.targets, kept.doubles);
+  return true;
 }
 
 double Expander::cost_of_hovering(const Tree& tree, NodeId id) {
   const Node& node = tree[id];
+  const double cos_yaw = std::cos(node.world_from_body.yaw_rad);
+  const double sin_yaw = std::sin(node.world_from_body.yaw_rad);
   double cost = node.cost;
   Blocks blocks = tree.posterior(id);
   for (int t = node.depth + 1; t <= problem_->horizon_steps; ++t) {
     predict_blocks(blocks, t);
-    update_blocks(node.world_from_body, t);
+    candidates_ = grid_.near(node.world_from_body.position_m(), t);
+    const Kept kept = update_blocks(node.world_from_body, cos_yaw, sin_yaw, t,
+                                    {result_targets_.data(), result_.data()});
     forget_blocks();
     // The blocks just made are the next step's input: they live in result_, which predict_blocks
     // reads before update_blocks overwrites it.
-    blocks = {result_targets_, result_.data()};
+    blocks = {{result_targets_.data(), kept.targets}, result_.data()};
     cost += beliefs_.open_loop_cost(t);
     const double* block = result_.data();
-    for (const std::uint16_t m : result_targets_) {
+    for (const std::uint16_t m : blocks.targets) {
       const BlockLayout layout = beliefs_.layout(m);
       const double open_loop = beliefs_.open_loop_measure(m, t);
       cost += beliefs_.cost() == CostKind::kTrace

@@ -1,16 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "planner/search/belief_table.hpp"
+#include "planner/search/candidate_grid.hpp"
 #include "planner/search/motion_table.hpp"
 #include "planner/search/problem.hpp"
+#include "planner/search/sight.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
-
-inline constexpr int kMaxControls = 64;
 
 /// The children of one node: the feasible controls in ascending order.
 struct Children {
@@ -58,14 +59,17 @@ class Expander {
   [[nodiscard]] const BeliefTable& beliefs() const { return beliefs_; }
 
  private:
-  /// Information of one look from `at` about target m at depth t; false when it is not seen.
-  [[nodiscard]] bool look(int m, int t, const Pose2& at, double cos_yaw, double sin_yaw,
-                          PackedInformation& out) const;
-  [[nodiscard]] bool look_planar(const models::SensorModel& sensor, double cos_half_fov,
-                                 double dx_m, double dy_m, double cos_yaw, double sin_yaw,
-                                 PackedInformation& sum) const;
-  /// Targets near enough to be seen from within `reach_m` of `p_m` at depth t, into candidates_.
-  void find_candidates(const Eigen::Vector2d& p_m, double reach_m, int t);
+  /// What the looks of all children of one node are worth, by child.
+  struct Gains {
+    alignas(32) double product[kMaxControls];  ///< of det(I + M P), near 1e±150 moved into sum
+    alignas(32) double sum[kMaxControls];      ///< nats, or m² for the trace
+  };
+  bool keep_posterior(Tree& tree, NodeId id, double cos_yaw, double sin_yaw);
+  /// The feasible children's controls, poses and views.
+  void move(const Node& node, double cos_yaw, double sin_yaw, Children& out);
+  void look_from_children(int t, const Children& children, Gains& gains) const;
+  void look_at_one(int m, int t, Gains& gains) const;
+  void look_at_one_each(int m, int t, const Children& children, Gains& gains) const;
   /// Predicts blocks into depth t: fills touched_ (targets) and predicted_ (packed, strided).
   void predict_blocks(const Blocks& blocks, int t);
   void forget_blocks();
@@ -76,19 +80,23 @@ class Expander {
   }
   /// Stage cost of depth t with the predicted blocks and no look.
   [[nodiscard]] double predicted_cost(int t) const;
-  /// Updates the predicted blocks by a look from `at` at depth t into result_; counts targets.
-  void update_blocks(const Pose2& at, int t);
+  struct Kept {
+    std::size_t targets = 0;
+    std::size_t doubles = 0;
+  };
+  /// Updates the predicted blocks by a look from `at` at depth t into `room`.
+  Kept update_blocks(const Pose2& at, double cos_yaw, double sin_yaw, int t, Tree::Room room);
 
   const SearchProblem* problem_ = nullptr;
   MotionTable motion_;
   BeliefTable beliefs_;
-  std::vector<double> cos_half_fov_;  ///< per sensor, −2 for a full turn
-  double range_max_m_ = 0.0;          ///< over all sensors
-  bool has_obstacles_ = false;
+  SightTable sight_;
+  CandidateGrid grid_;
   std::vector<std::int32_t> slot_of_;   ///< per target: index into predicted_, −1: untouched
   std::vector<std::uint16_t> touched_;  ///< by ascending target
   std::vector<double> predicted_;
-  std::vector<std::uint16_t> candidates_;
+  std::span<const std::uint16_t> candidates_;
+  Views views_;  ///< of the children being made
   std::vector<std::uint16_t> result_targets_;
   std::vector<double> result_;
 };

@@ -75,8 +75,14 @@ void MotionTable::reset(const SearchProblem& problem) {
     p.length_m = std::abs(control.speed_mps) * problem.step_s;
     p.sagitta_m = kChordSlack * sagitta_of(p.length_m / kPieces, control.yaw_rate_radps * piece_s);
     reach_m_ = std::max(reach_m_, p.length_m);
+    const std::size_t at = primitives_.size();
+    ends_.x_m[at] = p.end.x_m;
+    ends_.y_m[at] = p.end.y_m;
+    ends_.cos_yaw[at] = std::cos(p.end.yaw_rad);
+    ends_.sin_yaw[at] = std::sin(p.end.yaw_rad);
     primitives_.push_back(p);
   }
+  ends_.count = control_count();
 
   teammate_pieces_.clear();
   step_ways_m_.clear();
@@ -109,6 +115,20 @@ void MotionTable::reset(const SearchProblem& problem) {
       }
       step_ways_m_.push_back(way_m);
     }
+  }
+}
+
+void MotionTable::children(const Pose2& from, double cos_yaw, double sin_yaw, Views& out) const {
+  out.count = ends_.count;
+  for (int at = 0; at < ends_.count; at += kLanes) {
+    const Lanes x = load(ends_.x_m + at);
+    const Lanes y = load(ends_.y_m + at);
+    const Lanes c = load(ends_.cos_yaw + at);
+    const Lanes s = load(ends_.sin_yaw + at);
+    store(out.x_m + at, from.x_m + cos_yaw * x - sin_yaw * y);
+    store(out.y_m + at, from.y_m + sin_yaw * x + cos_yaw * y);
+    store(out.cos_yaw + at, cos_yaw * c - sin_yaw * s);
+    store(out.sin_yaw + at, sin_yaw * c + cos_yaw * s);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/pose.hpp"
 #include "planner/search/problem.hpp"
+#include "planner/search/sight.hpp"
 
 namespace vantage::planner {
 
@@ -28,7 +29,13 @@ class MotionTable {
     const Primitive& p = primitives_[static_cast<std::size_t>(c)];
     return {from.x_m + cos_yaw * p.end.x_m - sin_yaw * p.end.y_m,
             from.y_m + sin_yaw * p.end.x_m + cos_yaw * p.end.y_m,
-            wrap_to_pi(from.yaw_rad + p.end.yaw_rad)};
+            wrap_turn(from.yaw_rad + p.end.yaw_rad)};
+  }
+  /// Places and headings after each control in turn, side by side: child() without the yaw.
+  void children(const Pose2& from, double cos_yaw, double sin_yaw, Views& out) const;
+  /// Yaw after control `c`.
+  [[nodiscard]] double child_yaw_rad(const Pose2& from, int c) const {
+    return wrap_turn(from.yaw_rad + primitives_[static_cast<std::size_t>(c)].end.yaw_rad);
   }
 
   /// True when control `c` from `from` at depth `depth` (before the step) touches nothing.
@@ -53,6 +60,13 @@ class MotionTable {
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
+  /// wrap_to_pi, to the bit, without a division where the sum of two wrapped angles is given.
+  [[nodiscard]] static double wrap_turn(double sum_rad) {
+    const double wrapped = sum_rad > kPi     ? sum_rad - 2.0 * kPi
+                           : sum_rad <= -kPi ? sum_rad + 2.0 * kPi
+                                             : sum_rad;
+    return std::abs(wrapped) < kPi ? wrapped : wrap_to_pi(sum_rad);
+  }
   [[nodiscard]] bool can_stop_at(const Pose2& at, double speed_mps, int depth) const;
 
   struct Primitive {
@@ -73,6 +87,7 @@ class MotionTable {
 
   const SearchProblem* problem_ = nullptr;
   std::vector<Primitive> primitives_;
+  Views ends_;  ///< the primitives' ends in the body frame, side by side
   double reach_m_ = 0.0;
   int pieces_each_ = 0;                         ///< of one teammate: until everybody hovers
   std::vector<TeammatePiece> teammate_pieces_;  ///< [teammate][depth][piece]

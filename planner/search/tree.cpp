@@ -17,22 +17,32 @@ void Tree::clear() {
   double_count_ = 0;
 }
 
-bool Tree::keep_posterior(NodeId id, std::span<const std::uint16_t> targets,
-                          std::span<const double> packed) {
-  if (record_count_ == records_.size() || target_count_ + targets.size() > targets_.size() ||
-      double_count_ + packed.size() > doubles_.size()) {
-    return false;
+Tree::Room Tree::room_for_posterior(std::size_t targets_max, std::size_t doubles_max) {
+  if (record_count_ == records_.size() || target_count_ + targets_max > targets_.size() ||
+      double_count_ + doubles_max > doubles_.size()) {
+    return {};
   }
+  return {targets_.data() + target_count_, doubles_.data() + double_count_};
+}
+
+void Tree::commit_posterior(NodeId id, std::size_t targets, std::size_t doubles) {
   records_[record_count_] = {static_cast<std::uint32_t>(target_count_),
                              static_cast<std::uint32_t>(double_count_),
-                             static_cast<std::uint32_t>(targets.size())};
-  std::copy(targets.begin(), targets.end(),
-            targets_.begin() + static_cast<std::ptrdiff_t>(target_count_));
-  std::copy(packed.begin(), packed.end(),
-            doubles_.begin() + static_cast<std::ptrdiff_t>(double_count_));
-  target_count_ += targets.size();
-  double_count_ += packed.size();
+                             static_cast<std::uint32_t>(targets)};
+  target_count_ += targets;
+  double_count_ += doubles;
   nodes_[id].posterior = static_cast<std::uint32_t>(record_count_++);
+}
+
+bool Tree::keep_posterior(NodeId id, std::span<const std::uint16_t> targets,
+                          std::span<const double> packed) {
+  const Room room = room_for_posterior(targets.size(), packed.size());
+  if (room.targets == nullptr) {
+    return false;
+  }
+  std::copy(targets.begin(), targets.end(), room.targets);
+  std::copy(packed.begin(), packed.end(), room.packed);
+  commit_posterior(id, targets.size(), packed.size());
   return true;
 }
 

@@ -53,6 +53,14 @@ class Tree {
   /// Keeps a copy of a node's blocks. False when the arena is full.
   bool keep_posterior(NodeId id, std::span<const std::uint16_t> targets,
                       std::span<const double> packed);
+  /// Room to write the blocks of a node in place, as at most so many targets and doubles; null
+  /// where the arena is full. Nothing is kept until commit_posterior() follows.
+  struct Room {
+    std::uint16_t* targets = nullptr;
+    double* packed = nullptr;
+  };
+  [[nodiscard]] Room room_for_posterior(std::size_t targets_max, std::size_t doubles_max);
+  void commit_posterior(NodeId id, std::size_t targets, std::size_t doubles);
   [[nodiscard]] bool has_posterior(NodeId id) const { return nodes_[id].posterior != 0; }
   /// Precondition: has_posterior(id).
   [[nodiscard]] Blocks posterior(NodeId id) const;

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+// Four doubles side by side, in the compiler's own vector type: every lane does the same exact
+// IEEE operations whatever the other lanes hold, so a result does not depend on its lane or on its
+// neighbours. Without AVX the compiler makes two halves or four scalars of it.
+
+namespace vantage::planner {
+
+inline constexpr int kLanes = 4;
+
+using Lanes = double __attribute__((vector_size(32)));
+/// Per lane all ones (true) or zero.
+using LaneMask = std::int64_t __attribute__((vector_size(32)));
+
+inline Lanes broadcast(double value) { return Lanes{value, value, value, value}; }
+
+/// `values[0 … 3]`.
+inline Lanes load(const double* values) {
+  Lanes lanes;
+  std::memcpy(&lanes, values, sizeof(lanes));
+  return lanes;
+}
+inline void store(double* values, const Lanes& lanes) {
+  std::memcpy(values, &lanes, sizeof(lanes));
+}
+
+/// One bit a lane, lane 0 lowest.
+inline unsigned bits(const LaneMask& mask) {
+#ifdef __AVX__
+  return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Lanes>(mask)));
+#else
+  return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
+}
+
+inline Lanes sqrt(const Lanes& x) {
+#ifdef __AVX__
+  return __builtin_ia32_sqrtpd256(x);
+#else
+  return Lanes{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+#endif
+}
+
+}  // namespace vantage::planner
