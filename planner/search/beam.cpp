@@ -14,6 +14,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kChunk = 512;  // candidates looked through between two askings: some µs
 constexpr int kPassesMax = 100;
+constexpr unsigned kRegionBits = 2;                 // a region is 4 cells wide in each of x, y, yaw
+constexpr double kGoldenShare = 0.618033988749895;  // no two passes have their cells' edges in line
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -49,7 +51,7 @@ RefiningBeam::RefiningBeam(const SearchCapacity& capacity)
       marks_(candidates_.size()),
       cells_(std::bit_ceil(2 * candidates_.size())),
       regions_(cells_.size()),
-      sighting_values_(index(capacity.targets_max) * index(capacity.horizon_max + 1)) {
+      look_values_(index(capacity.targets_max)) {
   result_.controls.reserve(index(capacity.horizon_max));
   result_.poses.reserve(index(capacity.horizon_max));
   result_.history.reserve(kPassesMax + 1);
@@ -65,9 +67,12 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
          "search: more teammates than capacity");
   demand(options.first_width >= 1 && options.growth > 1.0, "beam: the width must grow");
   demand(options.cell_m > 0.0 && options.cell_rad > 0.0, "beam: cells must have an extent");
+  demand(options.alternation > 0.0, "beam: alternation must be > 0");
+  demand(options.breadth >= 0.0 && options.breadth <= 1.0, "beam: breadth must be in [0, 1]");
   demand(options.shrink > 0.0 && options.shrink <= 1.0, "beam: shrink must be in (0, 1]");
 
   problem_ = &problem;
+  options_ = &options;
   deadline_ = &deadline;
   expander_.reset(problem);
   tabulate_sighting();
@@ -103,17 +108,14 @@ void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max)
   double cell_rad = options.cell_rad;
   bool split = false;  // every child a cell of its own, now that all of them fit
   for (int k = 0; k < kPassesMax; ++k) {
+    const double narrowed = k % 2 == 0 ? options.alternation : 1.0;
     Pass pass;
     pass.width = std::min(width_max, static_cast<std::size_t>(width));
-    pass.cell_m = split ? 0.0 : cell_m;
+    pass.width_of_leaders =
+        static_cast<std::size_t>(options.breadth * static_cast<double>(pass.width));
+    pass.cell_m = split ? 0.0 : narrowed * cell_m;
     pass.cell_rad = cell_rad;
-    pass.offset = 0.618033988749895 * k;
-    static const char* br = std::getenv("BR");
-    static const char* rs = std::getenv("RS");
-    pass.breadth = br ? std::atof(br) : 0.5;
-    pass.rs = rs ? unsigned(std::atoi(rs)) : 1;
-    pass.persistence = options.persistence;
-    pass.anticipation = options.anticipation;
+    pass.offset = kGoldenShare * k;
     const Progress progress = run(pass);
     if (progress == Progress::kDeadline) {
       result_.stop_reason = StopReason::kDeadline;
@@ -126,7 +128,7 @@ void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max)
       if (exhaustive) {
         result_.epsilon = 0.0;
         result_.delta_m = 0.0;
-        result_.lower_bound = result_.cost;
+        result_.lower_bound = result_.found ? result_.cost : result_.lower_bound;
         result_.stop_reason = StopReason::kFinished;
       }
       ++result_.passes;
@@ -135,7 +137,7 @@ void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max)
       if (exhaustive) {
         return;
       }
-      split = split || !pass.truncated;
+      split = !pass.truncated;
     }
     width = k == 0 ? options.first_width : std::min(1e9, width * options.growth);
     if (k > 0) {
@@ -173,7 +175,7 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
     epoch_ = 1;
   }
   const double open_loop = expander_.beliefs().open_loop_cost(t);
-  const double outlook = pass.persistence * (problem_->horizon_steps - t);
+  const double outlook = options_->persistence * (problem_->horizon_steps - t);
   const auto end = static_cast<NodeId>(tree_.node_count());
   for (NodeId parent = level_begin_[index(t - 1)]; parent < end; ++parent) {
     if (work()) {
@@ -200,7 +202,7 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
       const double gained = open_loop - (child.cost - cost_before);
       double rank = child.cost - outlook * gained;
       if (blind && gained < kNothing) {
-        rank -= pass.anticipation * sighting_value(child.world_from_body, t);
+        rank -= options_->anticipation * sighting_value(child.world_from_body, t);
       }
       offer_candidate(pass, child, rank);
     }
@@ -239,7 +241,8 @@ void RefiningBeam::offer_candidate(Pass& pass, Candidate& candidate, double rank
     cell.epoch = epoch_;
     cell.candidate = at;
   }
-  const std::uint64_t region_key = x >> pass.rs | (y >> pass.rs) << 21U | (yaw >> pass.rs) << 42U;
+  const std::uint64_t region_key =
+      x >> kRegionBits | (y >> kRegionBits) << 21U | (yaw >> kRegionBits) << 42U;
   Cell& region = cell_at(regions_, region_key);
   if (region.epoch != epoch_ || rank < ranks_[region.candidate]) {
     region = {region_key, epoch_, at};
@@ -258,8 +261,7 @@ bool RefiningBeam::keep_best(std::size_t room, Mark from) {
     double low = 0.0;
     double per_bin = 0.0;  ///< inverse width
     [[nodiscard]] std::size_t bin(double rank) const {
-      return std::min(kBins - 1,
-                      static_cast<std::size_t>(std::max(0.0, (rank - low) * per_bin)));
+      return std::min(kBins - 1, static_cast<std::size_t>(std::max(0.0, (rank - low) * per_bin)));
     }
   };
   // Calls take(i) for every candidate in question, asking for the time in between.
@@ -335,14 +337,12 @@ RefiningBeam::Progress RefiningBeam::select(Pass& pass, int t) {
     if (i % kChunk == 0 && work()) {
       return Progress::kDeadline;
     }
-    const bool leads =
-        pass.cell_m > 0.0 && regions_[candidates_[i].region].candidate == i;
+    const bool leads = pass.cell_m > 0.0 && regions_[candidates_[i].region].candidate == i;
     marks_[i] = candidate_count_ <= pass.width ? kKept : leads ? kLeader : kOther;
     leaders += leads ? 1 : 0;
   }
   if (candidate_count_ > pass.width) {
-    const std::size_t room = std::min(
-        leaders, static_cast<std::size_t>(std::lround(pass.breadth * static_cast<double>(pass.width))));
+    const std::size_t room = std::min(leaders, pass.width_of_leaders);
     if (!keep_best(room, kLeader)) {
       return Progress::kDeadline;
     }
@@ -445,30 +445,28 @@ void RefiningBeam::tabulate_sighting() {
     range_max_m_ = std::max(range_max_m_, sensor.range_max_m);
     half_fov_rad_ = std::max(half_fov_rad_, 0.5 * sensor.fov_rad);
   }
+  // One look from half the range, straight ahead, half way through the plan.
   const BeliefTable& beliefs = expander_.beliefs();
-  for (int t = 1; t <= problem_->horizon_steps; ++t) {
-    for (int m = 0; m < beliefs.target_count(); ++m) {
-      // One look from half the range, straight ahead.
-      const models::PositionVector target_m = beliefs.mean_m(m, t).head(beliefs.position_dim(m));
-      PackedInformation M;
-      for (const models::SensorModel& sensor : problem_->sensors) {
-        const double away_m = std::min(0.5 * sensor.range_max_m, 10.0 * range_max_m_);
-        const models::Viewpoint from{{target_m(0) - away_m, target_m(1), 0.0}, problem_->height_m};
-        double packed[6];
-        pack(beliefs.layout(m) == BlockLayout::kSpatial ? BlockLayout::kSpatial
-                                                        : BlockLayout::kPlanar,
-             models::information(sensor, from, target_m), packed);
-        for (int i = 0; i < (beliefs.position_dim(m) == 3 ? 6 : 3); ++i) {
-          M.m[i] += packed[i];
-        }
+  const int t = (problem_->horizon_steps + 1) / 2;
+  for (int m = 0; m < beliefs.target_count(); ++m) {
+    const BlockLayout layout = beliefs.layout(m);
+    const bool spatial = layout == BlockLayout::kSpatial;
+    const models::PositionVector target_m = beliefs.mean_m(m, t).head(spatial ? 3 : 2);
+    PackedInformation M;
+    for (const models::SensorModel& sensor : problem_->sensors) {
+      const models::Viewpoint from{{target_m(0) - 0.5 * sensor.range_max_m, target_m(1), 0.0},
+                                   problem_->height_m};
+      double packed[6] = {};
+      pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar,
+           models::information(sensor, from, target_m), packed);
+      for (int i = 0; i < 6; ++i) {
+        M.m[i] += packed[i];
       }
-      const double* block = beliefs.open_loop(m, t);
-      const double worth = beliefs.cost() == CostKind::kTrace
-                               ? trace_reduction(beliefs.layout(m), M.m, block)
-                               : std::log(gain(beliefs.layout(m), M.m, block));
-      sighting_values_[index(t) * index(beliefs.target_count()) + index(m)] =
-          worth * (problem_->horizon_steps - t + 1);
     }
+    const double* block = beliefs.open_loop(m, t);
+    look_values_[index(m)] = beliefs.cost() == CostKind::kTrace
+                                 ? trace_reduction(layout, M.m, block)
+                                 : std::log(gain(layout, M.m, block));
   }
 }
 
@@ -493,10 +491,7 @@ double RefiningBeam::sighting_value(const Pose2& pose, int t) const {
     if (steps > steps_left) {
       continue;
     }
-    const int whole = t + static_cast<int>(steps);
-    const double worth = sighting_values_[index(whole) * index(beliefs.target_count()) + index(m)];
-    const double left = problem_->horizon_steps - whole + 1;
-    best = std::max(best, worth * (1.0 - (steps - std::floor(steps)) / left));
+    best = std::max(best, look_values_[index(m)] * (steps_left + 1.0 - steps));
   }
   return best;
 }

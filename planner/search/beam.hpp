@@ -11,13 +11,15 @@
 
 namespace vantage::planner {
 
-/// How a refining beam goes from pass to pass.
+/// How a refining beam goes from pass to pass. The defaults are what the planner study found.
 struct BeamOptions {
   int first_width = 16;       ///< nodes kept a depth in the pass after the greedy one
   double growth = 2.0;        ///< of the width, from pass to pass
-  double cell_m = 2.0;        ///< edge of the diversity cells at width 16 …
-  double cell_rad = 1.2;      ///< … and their extent in yaw
-  double shrink = 0.8;        ///< of both, from pass to pass
+  double cell_m = 1.0;        ///< edge of the diversity cells at the first width …
+  double cell_rad = 1.0;      ///< … and their extent in yaw
+  double shrink = 0.82;       ///< of both, from pass to pass
+  double alternation = 0.6;   ///< and every other pass has cells this much narrower
+  double breadth = 0.3;       ///< share of the width that goes to the best of each region
   double anticipation = 0.3;  ///< share of what a first sighting would bring that counts before it
   double persistence = 0.5;   ///< share of a depth's information that is expected to last
 };
@@ -25,7 +27,8 @@ struct BeamOptions {
 /// Refining beam search: passes of a beam whose width grows and whose diversity cells shrink.
 ///
 /// A pass goes depth by depth. Of all children that fall into one cell over (x, y, yaw) only the
-/// most promising is kept, and of the cells the `width` most promising. Promising is a low rank:
+/// most promising stays; of those, first the most promising of each region (4 × 4 × 4 cells), up to
+/// a share of the width, then the most promising of all. Promising is a low rank:
 /// accumulated cost, less what the depth's information is expected to be worth later, less the
 /// value of the target that can be sighted soonest while nothing has been seen yet. The first pass
 /// has width 1, so a plan exists after T expansions; every pass begins at the root and keeps
@@ -67,13 +70,10 @@ class RefiningBeam {
   enum Mark : std::uint8_t { kOther, kLeader, kKept };
   struct Pass {
     std::size_t width = 1;
+    std::size_t width_of_leaders = 0;
     double cell_m = 0.0;  ///< 0: every child is a cell of its own
     double cell_rad = 0.0;
-    double offset = 0.0;  ///< of the cells' corners, in cells
-    double persistence = 0.0;
-    double anticipation = 0.0;
-    double breadth = 0.5;
-    unsigned rs = 1;
+    double offset = 0.0;     ///< of the cells' corners, in cells
     bool merged = false;     ///< two children fell into one cell
     bool truncated = false;  ///< more cells than the width
   };
@@ -93,7 +93,7 @@ class RefiningBeam {
   void fall_back_to_hover();
   void fill_result(NodeId last);
   void tabulate_sighting();
-  /// What the target that can be sighted soonest, or is worth the detour, will bring.
+  /// What the target that is most worth going for will bring when it is first seen from there.
   [[nodiscard]] double sighting_value(const Pose2& pose, int t) const;
   /// One more piece of work; true when the search has to stop.
   bool work() {
@@ -116,13 +116,14 @@ class RefiningBeam {
   std::vector<Cell> regions_;  ///< the same for regions, blocks of cells
   std::size_t cell_mask_ = 0;
   std::uint32_t epoch_ = 0;
-  std::vector<double> sighting_values_;  ///< [t · M + m]: what first seeing m at depth t is worth
+  std::vector<double> look_values_;  ///< per target: what one look is worth, nats or m²
   double speed_max_mps_ = 0.0;
   double turn_max_radps_ = 0.0;
   double range_max_m_ = 0.0;
   double half_fov_rad_ = 0.0;
   std::size_t peak_bytes_ = 0;
   Children children_;
+  const BeamOptions* options_ = nullptr;
   const SearchProblem* problem_ = nullptr;
   const Deadline* deadline_ = nullptr;
   SearchResult result_;

@@ -102,7 +102,8 @@ void study(const Arguments& arguments) {
     runs.assign(arguments.budgets_s.size(), {});
     for (const PlanningProblem& drawn : problems) {
       const planner::SearchCapacity capacity =
-          tools::capacity_for(drawn.problem, arguments.memory_mb << 20, tools::nodes_within(5.0));
+          tools::capacity_for(tools::algorithm_called(name), drawn.problem,
+                              arguments.memory_mb << 20, tools::nodes_within(5.0));
       static std::map<std::string, std::unique_ptr<tools::Search>> searches;
       static std::unique_ptr<planner::RefiningBeam> beam;
       const auto plan = [&](const planner::SearchProblem& problem,
@@ -189,6 +190,8 @@ int main(int argc, char** argv) {
   app.add_option("--cell-rad", arguments.beam.cell_rad, "of the beam");
   app.add_option("--shrink", arguments.beam.shrink, "of the beam");
   app.add_option("--persistence", arguments.beam.persistence, "of the beam");
+  app.add_option("--alternation", arguments.beam.alternation, "of the beam");
+  app.add_option("--breadth", arguments.beam.breadth, "of the beam");
   app.add_option("--anticipation", arguments.beam.anticipation, "of the beam");
   app.add_flag("--each", arguments.each, "one line a problem, too");
   CLI11_PARSE(app, argc, argv);

@@ -21,8 +21,9 @@ PlanOutcome solve(const PlanningProblem& planning, std::string_view algorithm,
   PlanOutcome outcome;
   outcome.source = "p.json";
   outcome.algorithm = algorithm;
-  const auto search = algorithm_called(algorithm).make(
-      capacity_for(planning.problem, std::size_t{64} << 20, 200'000), {});
+  const Algorithm& chosen = algorithm_called(algorithm);
+  const auto search =
+      chosen.make(capacity_for(chosen, planning.problem, std::size_t{64} << 20, 200'000), {});
   outcome.result = search->search(planning.problem, Deadline::nodes(nodes));
   outcome.peak_bytes = search->peak_bytes();
   return outcome;

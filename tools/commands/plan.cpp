@@ -43,10 +43,10 @@ int run(const PlanArguments& arguments) {
   const double budget_s = arguments.budget_s.value_or(kDefaultBudget_s);
   const std::size_t nodes_max =
       arguments.nodes ? static_cast<std::size_t>(*arguments.nodes) + 64 : nodes_within(budget_s);
-  const std::unique_ptr<Search> search =
-      algorithm_called(outcome.algorithm)
-          .make(capacity_for(planning.problem, arguments.memory_mb << 20, nodes_max),
-                arguments.options);
+  const Algorithm& algorithm = algorithm_called(outcome.algorithm);
+  const std::unique_ptr<Search> search = algorithm.make(
+      capacity_for(algorithm, planning.problem, arguments.memory_mb << 20, nodes_max),
+      arguments.options);
 
   const std::int64_t cpu_start_ns = thread_cpu_ns();
   const std::int64_t start_ns = monotonic_ns();

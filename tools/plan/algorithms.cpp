@@ -42,7 +42,7 @@ class BeamAdapter final : public Search {
 };
 
 Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch kind) {
-  return {name, what, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
+  return {name, what, 1.0, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
             ReducedOptions reduced;
             reduced.search = kind;
             reduced.epsilon = options.epsilon;
@@ -55,7 +55,7 @@ Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch ki
 
 const std::vector<Algorithm>& all_algorithms() {
   static const std::vector<Algorithm> kAll = {
-      {"beam", "refining beam: passes of growing width and shrinking diversity cells",
+      {"beam", "refining beam: passes of growing width and shrinking diversity cells", 0.25,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
          return std::make_unique<BeamAdapter>(capacity);
        }},
@@ -77,17 +77,19 @@ const Algorithm& algorithm_called(std::string_view name) {
 
 std::string_view default_algorithm(const planner::SearchProblem& /*problem*/) { return "beam"; }
 
-planner::SearchCapacity capacity_for(const planner::SearchProblem& problem,
+planner::SearchCapacity capacity_for(const Algorithm& algorithm,
+                                     const planner::SearchProblem& problem,
                                      std::size_t memory_bytes, std::size_t nodes_max) {
-  // A node with its record, its places in the lists and in the crossing index; and its share of
-  // the blocks, which only the expanded have: about one node in |U|, ten doubles a target seen.
-  constexpr std::size_t kNodeBytes = 48 + 12 + 16 + 28;
+  // A node with its record, its place in the lists, the index or the cells; and its share of the
+  // blocks, which only the expanded have.
+  constexpr std::size_t kNodeBytes = 48 + 12 + 200;
   constexpr std::size_t kBlockDoubleBytes = 9;
   constexpr std::size_t kDoublesPerNode = 12;
   constexpr std::size_t kLeastNodes = 20'000;
   SearchCapacity capacity;
   const std::size_t affordable = memory_bytes / (kNodeBytes + kDoublesPerNode * kBlockDoubleBytes);
-  capacity.nodes_max = std::clamp(nodes_max, kLeastNodes, std::max(kLeastNodes, affordable));
+  const auto kept = static_cast<std::size_t>(algorithm.kept_share * static_cast<double>(nodes_max));
+  capacity.nodes_max = std::clamp(kept, kLeastNodes, std::max(kLeastNodes, affordable));
   capacity.block_doubles_max =
       std::max(kDoublesPerNode * capacity.nodes_max,
                40 * problem.targets.size() * static_cast<std::size_t>(problem.horizon_steps + 1));

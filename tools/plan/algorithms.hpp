@@ -36,6 +36,7 @@ class Search {
 struct Algorithm {
   std::string_view name;
   std::string_view what;  ///< one line for --help
+  double kept_share;      ///< of the nodes that it generates, at most
   std::function<std::unique_ptr<Search>(const planner::SearchCapacity&, const AlgorithmOptions&)>
       make;
 };
@@ -48,9 +49,10 @@ const Algorithm& algorithm_called(std::string_view name);
 /// The one that does best on problems of this family, as measured by the planner study.
 std::string_view default_algorithm(const planner::SearchProblem& problem);
 
-/// The capacity that `problem` needs, in at most `memory_bytes`, and no more nodes than
-/// `nodes_max`.
-planner::SearchCapacity capacity_for(const planner::SearchProblem& problem,
+/// The capacity that `algorithm` needs for `problem`, in about `memory_bytes` at most, when it
+/// generates no more than `nodes_max` nodes.
+planner::SearchCapacity capacity_for(const Algorithm& algorithm,
+                                     const planner::SearchProblem& problem,
                                      std::size_t memory_bytes, std::size_t nodes_max);
 /// Nodes that no search can exceed within the budget: what sizes the arena.
 std::size_t nodes_within(double budget_s);
