@@ -27,13 +27,8 @@ ReducedValueIteration::ReducedValueIteration(const SearchCapacity& capacity)
       tree_(capacity.nodes_max, capacity.block_doubles_max),
       expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max),
       index_(capacity.nodes_max),
-      levels_(index(capacity.horizon_max + 1)) {
-  for (Level& level : levels_) {
-    level.pending.reserve(capacity.nodes_max);
-    level.fresh.reserve(capacity.nodes_max);
-    level.open.reserve(capacity.nodes_max);
-  }
-  left_out_.reserve(capacity.nodes_max);
+      levels_(index(capacity.horizon_max + 1)),
+      fresh_(capacity.nodes_max) {
   result_.controls.reserve(index(capacity.horizon_max));
   result_.poses.reserve(index(capacity.horizon_max));
   constexpr std::size_t kPassesMax = 128;
@@ -58,12 +53,9 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   metric_ = {options.yaw_weight_m_per_rad};
   tree_.clear();
   expander_.reset(problem);
-  for (Level& level : levels_) {
-    level.pending.clear();
-    level.fresh.clear();
-    level.open.clear();
-    level.expanded = 0;
-  }
+  std::fill(levels_.begin(), levels_.end(), Level{});
+  fresh_peak_ = 0;
+  index_peak_ = 0;
   best_leaf_ = kNoNode;
   result_.found = false;
   result_.controls.clear();
@@ -77,7 +69,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   result_.nodes_generated = 0;
   result_.nodes_expanded = 0;
   result_.work_nodes = 0;
-  levels_[0].open.push_back(tree_.add(expander_.root()));
+  open_node(levels_[0], tree_.add(expander_.root()));
 
   // The schedule: (∞, ∞), then the finite passes, then (0, 0), as far as the kind of search goes.
   Progress progress = Progress::kDone;
@@ -127,15 +119,17 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
     fall_back_to_hover();
   }
   result_.lower_bound = expander_.lower_bound_at_root();
+  result_.peak_bytes = tree_.bytes_used() + fresh_peak_ * CostOrder::bytes_per_entry() +
+                       index_peak_ * CrossingIndex::bytes_per_entry();
   return result_;
 }
 
 ReducedValueIteration::Progress ReducedValueIteration::improve_path(double epsilon, double delta_m,
                                                                     bool prune) {
   for (int t = 1; t <= problem_->horizon_steps; ++t) {
-    Progress progress = expand_level(t);
-    if (progress == Progress::kDone && t < problem_->horizon_steps) {
-      progress = open_level(t, epsilon, delta_m, prune);
+    Progress progress = expand_level(t, prune);
+    if (progress == Progress::kDone && prune && t < problem_->horizon_steps) {
+      progress = open_level(t, epsilon, delta_m);
     }
     if (progress != Progress::kDone) {
       return progress;
@@ -144,20 +138,20 @@ ReducedValueIteration::Progress ReducedValueIteration::improve_path(double epsil
   return Progress::kDone;
 }
 
-ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t) {
+ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool prune) {
   Level& parents = levels_[index(t - 1)];
   Level& level = levels_[index(t)];
-  const auto costlier = [this](NodeId a, NodeId b) { return tree_[a].cost > tree_[b].cost; };
-  while (parents.expanded < parents.open.size()) {
+  const bool is_last = t == problem_->horizon_steps;
+  fresh_.clear();
+  for (NodeId parent = parents.unexpanded; parent != kNoNode; parent = parents.unexpanded) {
     ++result_.work_nodes;  // before each asking, so that no two askings see the same count
     if (expired()) {
       return Progress::kDeadline;
     }
-    const NodeId parent = parents.open[parents.expanded];
     if (!expander_.expand(tree_, parent, children_)) {
       return Progress::kMemory;
     }
-    ++parents.expanded;
+    parents.unexpanded = tree_[parent].next;
     ++result_.nodes_expanded;
     for (int i = 0; i < children_.count; ++i) {
       Node child;
@@ -172,72 +166,75 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t) {
       }
       ++result_.nodes_generated;
       ++result_.work_nodes;
-      if (t == problem_->horizon_steps) {
+      if (is_last) {
         offer_leaf(id);
+      } else if (prune) {
+        fresh_.add(child.cost, id);
       } else {
-        level.fresh.push_back(id);
-        std::push_heap(level.fresh.begin(), level.fresh.end(), costlier);
+        open_node(level, id);
       }
     }
   }
   return Progress::kDone;
 }
 
-NodeId ReducedValueIteration::pop_least(Level& level, std::size_t& next_pending) {
-  const auto costlier = [this](NodeId a, NodeId b) { return tree_[a].cost > tree_[b].cost; };
-  const bool has_pending = next_pending < level.pending.size();
-  if (level.fresh.empty() && !has_pending) {
-    return kNoNode;
+void ReducedValueIteration::open_node(Level& level, NodeId id) {
+  level.open.push(tree_, id);
+  if (level.unexpanded == kNoNode) {
+    level.unexpanded = id;
   }
-  if (level.fresh.empty() ||
-      (has_pending && tree_[level.pending[next_pending]].cost <= tree_[level.fresh.front()].cost)) {
-    return level.pending[next_pending++];
+}
+
+NodeId ReducedValueIteration::pop_least(Level& level) {
+  if (!level.pending.is_empty() &&
+      (fresh_.is_empty() || !fresh_.is_next_before(tree_[level.pending.first].cost))) {
+    return level.pending.pop(tree_);
   }
-  std::pop_heap(level.fresh.begin(), level.fresh.end(), costlier);
-  const NodeId id = level.fresh.back();
-  level.fresh.pop_back();
-  return id;
+  return fresh_.is_empty() ? kNoNode : fresh_.pop();
 }
 
 ReducedValueIteration::Progress ReducedValueIteration::open_level(int t, double epsilon,
-                                                                  double delta_m, bool prune) {
+                                                                  double delta_m) {
   Level& level = levels_[index(t)];
-  const bool indexed = prune && std::isfinite(delta_m);
+  const auto go_on = [this] {
+    ++result_.work_nodes;
+    return !expired();
+  };
+  fresh_peak_ = std::max(fresh_peak_, fresh_.size());
+  if (!fresh_.sort(go_on)) {
+    return Progress::kDeadline;
+  }
+  const bool indexed = std::isfinite(delta_m);
   if (indexed) {
     index_.reset(delta_m);
-    for (const NodeId id : level.open) {
-      ++result_.work_nodes;
-      if (expired()) {
+    for (NodeId id = level.open.first; id != kNoNode; id = tree_[id].next) {
+      if (!go_on()) {
         return Progress::kDeadline;
       }
       index_.insert(tree_[id].world_from_body, id);
     }
   }
-  left_out_.clear();
-  std::size_t next_pending = 0;
-  for (NodeId id = pop_least(level, next_pending); id != kNoNode;
-       id = pop_least(level, next_pending)) {
-    ++result_.work_nodes;
-    if (expired()) {
+  NodeList left_out;
+  for (NodeId id = pop_least(level); id != kNoNode; id = pop_least(level)) {
+    if (!go_on()) {
       return Progress::kDeadline;
     }
     bool pruned = false;
-    if (prune) {
-      const Progress progress = is_pruned(id, epsilon, delta_m, level, pruned);
-      if (progress != Progress::kDone) {
-        return progress;
-      }
+    const Progress progress = is_pruned(id, epsilon, delta_m, level, pruned);
+    if (progress != Progress::kDone) {
+      return progress;
     }
     if (pruned) {
-      left_out_.push_back(id);
+      left_out.push(tree_, id);
       continue;
     }
-    level.open.push_back(id);
+    open_node(level, id);
     if (indexed) {
       index_.insert(tree_[id].world_from_body, id);
     }
   }
-  std::swap(level.pending, left_out_);
+  level.pending = left_out;
+  index_peak_ = std::max(index_peak_, index_.size());
   return Progress::kDone;
 }
 
@@ -275,7 +272,10 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   if (std::isfinite(delta_m)) {
     index_.near(pose, go_on_after);
   } else {  // everything crosses everything
-    static_cast<void>(std::all_of(level.open.begin(), level.open.end(), go_on_after));
+    NodeId other = level.open.first;
+    while (other != kNoNode && go_on_after(other)) {
+      other = tree_[other].next;
+    }
   }
   return progress;
 }
@@ -293,13 +293,13 @@ void ReducedValueIteration::offer_leaf(NodeId id) {
 }
 
 void ReducedValueIteration::fall_back_to_hover() {
-  constexpr std::size_t kTriedMax = 64;
+  constexpr int kTriedMax = 64;
   result_.cost = kInfinity;
   for (int t = problem_->horizon_steps - 1; t >= 0; --t) {
-    const Level& level = levels_[index(t)];
     NodeId best = kNoNode;
-    for (std::size_t i = 0; i < std::min(level.open.size(), kTriedMax); ++i) {
-      const NodeId id = level.open[i];
+    int tried = 0;
+    for (NodeId id = levels_[index(t)].open.first; id != kNoNode && tried < kTriedMax;
+         id = tree_[id].next, ++tried) {
       const Node& node = tree_[id];
       const bool stops = t == 0
                              ? expander_.motion().can_stop_from_start()

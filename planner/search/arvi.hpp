@@ -4,8 +4,10 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "planner/search/cost_order.hpp"
 #include "planner/search/crossing_index.hpp"
 #include "planner/search/expander.hpp"
+#include "planner/search/node_list.hpp"
 #include "planner/search/problem.hpp"
 #include "planner/search/tree.hpp"
 
@@ -61,23 +63,26 @@ class ReducedValueIteration {
 
  private:
   struct Level {
-    std::vector<NodeId> pending;  ///< considered before and left out, by ascending cost
-    std::vector<NodeId> fresh;    ///< generated and not yet considered: a heap, least cost first
-    std::vector<NodeId> open;     ///< O_t; its first `expanded` members are C_t
-    std::size_t expanded = 0;
+    NodeList pending;             ///< considered before and left out, by ascending cost
+    NodeList open;                ///< O_t
+    NodeId unexpanded = kNoNode;  ///< first member of `open` that is not of C_t
   };
   enum class Progress { kDone, kDeadline, kMemory };
 
   Progress improve_path(double epsilon, double delta_m, bool prune);
-  Progress expand_level(int t);
-  Progress open_level(int t, double epsilon, double delta_m, bool prune);
+  /// Generates the children of depth t of all nodes opened since: into O_t at once when nothing
+  /// is to be pruned, into fresh_ otherwise.
+  Progress expand_level(int t, bool prune);
+  Progress open_level(int t, double epsilon, double delta_m);
   /// True when an opened node makes `id` superfluous; kDeadline or kMemory end the search.
   Progress is_pruned(NodeId id, double epsilon, double delta_m, const Level& level, bool& pruned);
   void offer_leaf(NodeId id);
   /// When no depth-T node can stop safely: stop as late as is safe, and hover.
   void fall_back_to_hover();
   void fill_result(NodeId last);
-  NodeId pop_least(Level& level, std::size_t& next_pending);
+  void open_node(Level& level, NodeId id);
+  /// The cheaper of what was left out and what is new; kNoNode when neither is left.
+  NodeId pop_least(Level& level);
   [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
 
   SearchCapacity capacity_;
@@ -85,7 +90,9 @@ class ReducedValueIteration {
   Expander expander_;
   CrossingIndex index_;
   std::vector<Level> levels_;
-  std::vector<NodeId> left_out_;
+  CostOrder fresh_;  ///< generated and not yet considered: of one depth at a time
+  std::size_t fresh_peak_ = 0;
+  std::size_t index_peak_ = 0;
   Children children_;
   PoseMetric metric_;
   const SearchProblem* problem_ = nullptr;

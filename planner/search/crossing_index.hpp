@@ -32,6 +32,8 @@ class CrossingIndex {
   void reset(double delta_m);
   /// False when the index is full.
   bool insert(const Pose2& pose, NodeId id);
+  [[nodiscard]] std::size_t size() const { return count_ - 1; }
+  [[nodiscard]] static std::size_t bytes_per_entry() { return sizeof(Entry); }
   /// Calls `visit(id)` with the inserted nodes in the cells around `pose` until it answers false.
   template <class Visit>
   void near(const Pose2& pose, Visit&& visit) const;

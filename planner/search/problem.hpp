@@ -95,6 +95,7 @@ struct SearchResult {
   std::int64_t nodes_generated = 0;
   std::int64_t nodes_expanded = 0;
   std::int64_t work_nodes = 0;  ///< generated + considered + compared: the unit of node budgets
+  std::size_t peak_bytes = 0;   ///< of nodes, blocks and lists: what the search has touched
   StopReason stop_reason = StopReason::kFinished;
   std::vector<PassReport> history;  ///< one entry a finished pass, in order
 

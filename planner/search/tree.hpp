@@ -18,10 +18,13 @@ struct Node {
   double cost = 0.0;  ///< accumulated J
   NodeId parent = kNoNode;
   std::uint32_t posterior = 0;  ///< index of its blocks in Tree, 0: not worked out yet
+  NodeId next = kNoNode;        ///< the algorithm's own: in whatever list it keeps the node
   std::int16_t control = -1;    ///< that led here
   std::uint8_t depth = 0;
   std::uint8_t state = 0;  ///< the algorithm's own flags
 };
+
+static_assert(sizeof(Node) == 48);
 
 /// The blocks that a node's own history of measurements changed, by ascending target; every other
 /// target is at the open-loop prediction that all nodes of the depth share.

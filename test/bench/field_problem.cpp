@@ -31,4 +31,33 @@ planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64
   return problem;
 }
 
+ObstructedProblem obstructed_problem(int targets, int horizon_steps, int obstacles,
+                                     std::uint64_t seed) {
+  ObstructedProblem owned;
+  owned.problem = field_problem(targets, horizon_steps, seed);
+  if (obstacles == 0) {
+    return owned;
+  }
+  owned.world = std::make_unique<models::World>();
+  const double half_m = 32.0 * std::sqrt(std::max(1.0, targets / 25.0));
+  owned.world->bounds = {{-half_m, -half_m}, {half_m, half_m}};
+  std::mt19937_64 rng(1'000 + seed);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * std::generate_canonical<double, 53>(rng);
+  };
+  while (static_cast<int>(owned.world->obstacles.size()) < obstacles) {
+    const Eigen::Vector2d corner(uniform(-20.0, 20.0), uniform(-20.0, 20.0));
+    const Eigen::Vector2d size(uniform(0.5, 3.0), uniform(0.5, 3.0));
+    owned.world->obstacles.push_back({{corner, corner + size}, 10.0});
+    if (models::clearance_m(*owned.world, Eigen::Vector2d::Zero()) < 1.0) {
+      owned.world->obstacles.pop_back();
+    }
+  }
+  owned.field = std::make_unique<models::DistanceField>(*owned.world, 0.1);
+  owned.problem.world = owned.world.get();
+  owned.problem.field = owned.field.get();
+  owned.problem.clearance_m = 0.2;
+  return owned;
+}
+
 }  // namespace vantage::bench

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
+#include "models/world/grid.hpp"
+#include "models/world/world.hpp"
 #include "planner/search/problem.hpp"
 
 namespace vantage::bench {
@@ -11,5 +14,17 @@ namespace vantage::bench {
 /// `targets` double integrators (q 0.001, prior 1, 1, 0.1, 0.1) anywhere in the map at about 0.5
 /// m/s, range and bearing to 10 m within 94°, σ 0.15 m and 5°.
 planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64_t seed);
+
+/// A problem with the world that it points to.
+struct ObstructedProblem {
+  std::unique_ptr<models::World> world;
+  std::unique_ptr<models::DistanceField> field;
+  planner::SearchProblem problem;
+};
+
+/// The same with `obstacles` boxes of 0.5–3 m a side within 20 m of the start, none within 1 m of
+/// it, a robot of radius 0.2 m, and a distance field of 0.1 m cells. Without boxes: no world.
+ObstructedProblem obstructed_problem(int targets, int horizon_steps, int obstacles,
+                                     std::uint64_t seed);
 
 }  // namespace vantage::bench

@@ -3,10 +3,13 @@
 #include <benchmark/benchmark.h>
 
 #include "planner/search/arvi.hpp"
+#include "test/bench/dense_table.hpp"
 #include "test/bench/field_problem.hpp"
 
 // ns and bytes a node of the searches on the field family; CPU time of one core. Each iteration is
-// another of eight problems, so that no branch is learnt by heart.
+// another of eight problems, so that no branch is learnt by heart; counters are means over the
+// eight. Then the engine beside a dense reference. On a busy machine take the least of
+// --benchmark_repetitions=9; --benchmark_filter=NONE prints the table alone.
 
 namespace vantage::bench {
 namespace {
@@ -21,27 +24,30 @@ void run(benchmark::State& state, const planner::ReducedOptions& options, int ho
     problems.push_back(field_problem(targets, horizon_steps, seed));
   }
   planner::ReducedValueIteration search({400'000, 8'000'000, targets, 16, 1});
-  std::int64_t nodes = 0;
-  std::int64_t work = 0;
-  std::size_t bytes = 0;
+  double nodes = 0.0;
+  double work = 0.0;
+  double bytes = 0.0;
   double cost = 0.0;
+  for (const planner::SearchProblem& problem : problems) {
+    const planner::SearchResult& result = search.plan(problem, options, deadline);
+    nodes += static_cast<double>(result.nodes_generated) / kProblems;
+    work += static_cast<double>(result.work_nodes) / kProblems;
+    bytes += static_cast<double>(result.peak_bytes) / kProblems;
+    cost += result.cost / kProblems;
+  }
+  std::int64_t timed_nodes = 0;
   std::size_t next = 0;
   for (auto iteration : state) {
-    const planner::SearchResult& result =
-        search.plan(problems[next++ % problems.size()], options, deadline);
-    nodes += result.nodes_generated;
-    work += result.work_nodes;
-    bytes += search.tree().bytes_used();
-    cost += result.cost;
+    timed_nodes +=
+        search.plan(problems[next++ % problems.size()], options, deadline).nodes_generated;
   }
-  const double iterations = static_cast<double>(state.iterations());
   using benchmark::Counter;
-  state.counters["nodes"] = static_cast<double>(nodes) / iterations;
-  state.counters["work_per_node"] = static_cast<double>(work) / static_cast<double>(nodes);
+  state.counters["nodes"] = nodes;
+  state.counters["work_per_node"] = work / nodes;
   state.counters["time_per_node"] =
-      Counter(static_cast<double>(nodes), Counter::kIsRate | Counter::kInvert);
-  state.counters["bytes_per_node"] = static_cast<double>(bytes) / static_cast<double>(nodes);
-  state.counters["mean_cost"] = cost / iterations;
+      Counter(static_cast<double>(timed_nodes), Counter::kIsRate | Counter::kInvert);
+  state.counters["bytes_per_node"] = bytes / nodes;
+  state.counters["mean_cost"] = cost;
 }
 
 void forward_value_iteration(benchmark::State& state) {
@@ -77,4 +83,13 @@ BENCHMARK(anytime_reduced)
 }  // namespace
 }  // namespace vantage::bench
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+    return 1;
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  vantage::bench::print_dense_table();
+  return 0;
+}
