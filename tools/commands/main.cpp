@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     vantage::tools::add_trial_command(app, run);
     vantage::tools::add_up_command(app, run);
     vantage::tools::add_check_command(app, run);
+    vantage::tools::add_plan_command(app, run);
     vantage::tools::add_console_command(app, run);
     try {
       app.parse(argc, argv);

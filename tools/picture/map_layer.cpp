@@ -38,28 +38,6 @@ void draw_track(Svg& svg, const Layout& layout, const std::vector<TrackPoint>& t
   svg.polyline(recent_px, fmt::format(fmt::runtime(kStyle), colour, width_px, 0.9));
 }
 
-void draw_view(Svg& svg, const Layout& layout, const models::SensorModel& sensor,
-               const Pose2& world_from_body, std::string_view colour) {
-  const std::string style = fmt::format(
-      R"(class="view" fill="{0}" fill-opacity="0.08" stroke="{0}" stroke-opacity="0.55" )"
-      R"(stroke-dasharray="5 4")",
-      colour);
-  const Eigen::Vector2d centre_px = layout.page_from_world(world_from_body.position_m());
-  if (sensor.fov_rad >= 2.0 * kPi - 1e-9) {
-    svg.circle(centre_px, sensor.range_max_m * layout.px_per_m, style);
-    return;
-  }
-  Points sector_px{centre_px};
-  constexpr int kPieces = 32;
-  for (int i = 0; i <= kPieces; ++i) {
-    const double angle_rad = world_from_body.yaw_rad + sensor.fov_rad * (1.0 * i / kPieces - 0.5);
-    const Eigen::Vector2d direction(std::cos(angle_rad), std::sin(angle_rad));
-    sector_px.push_back(
-        layout.page_from_world(world_from_body.position_m() + sensor.range_max_m * direction));
-  }
-  svg.polygon(sector_px, style);
-}
-
 void draw_plan(Svg& svg, const Layout& layout, const models::RobotPlan& plan, Time now,
                std::string_view colour) {
   Points path_px;
@@ -124,6 +102,28 @@ void draw_views_and_plans(Svg& svg, const Layout& layout, const models::Scenario
       draw_plan(svg, layout, *robot->second.plan, scene.time, robot_colour(i));
     }
   }
+}
+
+void draw_view(Svg& svg, const Layout& layout, const models::SensorModel& sensor,
+               const Pose2& world_from_body, std::string_view colour) {
+  const std::string style = fmt::format(
+      R"(class="view" fill="{0}" fill-opacity="0.08" stroke="{0}" stroke-opacity="0.55" )"
+      R"(stroke-dasharray="5 4")",
+      colour);
+  const Eigen::Vector2d centre_px = layout.page_from_world(world_from_body.position_m());
+  if (sensor.fov_rad >= 2.0 * kPi - 1e-9) {
+    svg.circle(centre_px, sensor.range_max_m * layout.px_per_m, style);
+    return;
+  }
+  Points sector_px{centre_px};
+  constexpr int kPieces = 32;
+  for (int i = 0; i <= kPieces; ++i) {
+    const double angle_rad = world_from_body.yaw_rad + sensor.fov_rad * (1.0 * i / kPieces - 0.5);
+    const Eigen::Vector2d direction(std::cos(angle_rad), std::sin(angle_rad));
+    sector_px.push_back(
+        layout.page_from_world(world_from_body.position_m() + sensor.range_max_m * direction));
+  }
+  svg.polygon(sector_px, style);
 }
 
 void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene) {

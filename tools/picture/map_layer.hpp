@@ -20,6 +20,9 @@ void draw_tracks(Svg& svg, const Layout& layout, const models::Scenario& scenari
                  const Scene& scene);
 void draw_views_and_plans(Svg& svg, const Layout& layout, const models::Scenario& scenario,
                           const Scene& scene);
+/// The sensor's reach from `world_from_body`: a disc, or the sector of its field of view.
+void draw_view(Svg& svg, const Layout& layout, const models::SensorModel& sensor,
+               const Pose2& world_from_body, std::string_view colour);
 void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene);
 /// Markers of robots and true targets, then all labels where they cover nothing.
 void draw_bodies(Svg& svg, const Layout& layout, const models::Scenario& scenario,

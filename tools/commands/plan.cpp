@@ -1,0 +1,132 @@
+#include <ctime>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "tools/commands/commands.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/picture/picture.hpp"
+#include "tools/plan/algorithms.hpp"
+#include "tools/plan/plan_report.hpp"
+#include "tools/plan/problem_json.hpp"
+
+namespace vantage::tools {
+namespace {
+
+constexpr double kDefaultBudget_s = 1.0;
+
+struct PlanArguments {
+  std::string problem;
+  std::string algorithm = "default";
+  std::optional<double> budget_s;
+  std::optional<std::int64_t> nodes;
+  AlgorithmOptions options;
+  std::size_t memory_mb = 512;
+  std::string svg_path;
+  bool as_json = false;
+};
+
+std::int64_t thread_cpu_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1'000'000'000 * static_cast<std::int64_t>(now.tv_sec) + now.tv_nsec;
+}
+
+int run(const PlanArguments& arguments) {
+  const PlanningProblem planning = load_problem(arguments.problem);
+  PlanOutcome outcome;
+  outcome.source = arguments.problem;
+  outcome.algorithm = arguments.algorithm == "default"
+                          ? std::string(default_algorithm(planning.problem))
+                          : arguments.algorithm;
+  const double budget_s = arguments.budget_s.value_or(kDefaultBudget_s);
+  const std::size_t nodes_max =
+      arguments.nodes ? static_cast<std::size_t>(*arguments.nodes) + 64 : nodes_within(budget_s);
+  const Algorithm& algorithm = algorithm_called(outcome.algorithm);
+  const std::unique_ptr<Search> search = algorithm.make(
+      capacity_for(algorithm, planning.problem, arguments.memory_mb << 20, nodes_max),
+      arguments.options);
+
+  const std::int64_t cpu_start_ns = thread_cpu_ns();
+  const std::int64_t start_ns = monotonic_ns();
+  const Deadline deadline =
+      arguments.nodes ? Deadline::nodes(*arguments.nodes)
+                      : Deadline::at(start_ns + static_cast<std::int64_t>(1e9 * budget_s));
+  outcome.result = search->search(planning.problem, deadline);
+  outcome.elapsed_s = 1e-9 * static_cast<double>(monotonic_ns() - start_ns);
+  outcome.cpu_s = 1e-9 * static_cast<double>(thread_cpu_ns() - cpu_start_ns);
+  outcome.peak_bytes = search->peak_bytes();
+
+  if (!arguments.svg_path.empty()) {
+    write_text(arguments.svg_path, draw_plan_picture(planning, outcome));
+  }
+  if (arguments.as_json) {
+    print_line(to_json(planning, outcome).dump());
+  } else {
+    for (const std::string& line : to_lines(planning, outcome)) {
+      print_line(line);
+    }
+  }
+  return is_complete(planning.problem, outcome.result) ? 0 : 1;
+}
+
+}  // namespace
+
+void add_plan_command(CLI::App& root, Runner& chosen) {
+  CLI::App* command = root.add_subcommand(
+      "plan", "Solve one planning problem offline and say how far from optimal it can be.");
+  auto arguments = std::make_shared<PlanArguments>();
+  command->add_option("problem", arguments->problem, "problem file (JSON)")->required();
+  std::vector<std::string> names = {"default"};
+  std::string footer = "Algorithms:\n  default  what the planner study found best for its family\n";
+  for (const Algorithm& algorithm : all_algorithms()) {
+    names.emplace_back(algorithm.name);
+    footer += fmt::format("  {:7}  {}\n", algorithm.name, algorithm.what);
+  }
+  command->add_option("--algorithm", arguments->algorithm, "which search")
+      ->check(CLI::IsMember(names))
+      ->capture_default_str();
+  constexpr double kLongest_s = 86'400.0;
+  auto* budget = command
+                     ->add_option("--budget-s", arguments->budget_s,
+                                  "time for the search, memory prepared before it begins; 1 when "
+                                  "neither this nor --nodes is given")
+                     ->check(CLI::Range(0.0, kLongest_s));
+  command
+      ->add_option("--nodes", arguments->nodes,
+                   "nodes of work instead of time: the same answer to the bit, every time")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
+      ->excludes(budget);
+  command->add_option("--epsilon", arguments->options.epsilon, "redundancy of covariances, m²")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--delta", arguments->options.delta_m, "crossing of poses, m")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--weight", arguments->options.weight, "of the heuristic, ≥ 1")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  command
+      ->add_option("--seed", arguments->options.seed,
+                   "for searches that draw; none of the present ones does")
+      ->capture_default_str();
+  command->add_option("--memory-mb", arguments->memory_mb, "most memory of the search")
+      ->check(CLI::Range(std::size_t{16}, std::size_t{1} << 20))
+      ->capture_default_str();
+  command->add_option("--svg", arguments->svg_path, "draw the plan");
+  command->add_flag("--json", arguments->as_json, "print one JSON object");
+  command->footer(
+      footer +
+      "JSON: `states` are the T poses [x, y, yaw] after each step, the start not among them;\n"
+      "`cost` and `lower_bound` are the sums over t = 1 … T; what is infinite (epsilon and delta\n"
+      "before the first finite pass) or unknown is null. Schema: docs/planning-problems.md.\n"
+      "Exit code 0: a plan of T steps; 1: none was found; 2: the problem cannot be used.\n"
+      "Examples:\n"
+      "  vantage plan problem.json --budget-s 0.1 --json\n"
+      "  vantage plan problem.json --algorithm rvi --epsilon 1 --delta 0.5 --svg plan.svg\n"
+      "  vantage plan problem.json --nodes 100000");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace vantage::tools

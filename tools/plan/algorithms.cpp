@@ -1,0 +1,108 @@
+#include "tools/plan/algorithms.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "planner/search/beam.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using planner::ReducedOptions;
+using planner::ReducedSearch;
+using planner::ReducedValueIteration;
+using planner::SearchCapacity;
+
+class ReducedAdapter final : public Search {
+ public:
+  ReducedAdapter(const SearchCapacity& capacity, const ReducedOptions& options)
+      : search_(capacity), options_(options) {}
+  const planner::SearchResult& search(const planner::SearchProblem& problem,
+                                      const Deadline& deadline) override {
+    return search_.plan(problem, options_, deadline);
+  }
+  [[nodiscard]] std::size_t peak_bytes() const override { return search_.tree().bytes_used(); }
+
+ private:
+  ReducedValueIteration search_;
+  ReducedOptions options_;
+};
+
+class BeamAdapter final : public Search {
+ public:
+  explicit BeamAdapter(const SearchCapacity& capacity) : search_(capacity) {}
+  const planner::SearchResult& search(const planner::SearchProblem& problem,
+                                      const Deadline& deadline) override {
+    return search_.plan(problem, {}, deadline);
+  }
+  [[nodiscard]] std::size_t peak_bytes() const override { return search_.peak_bytes(); }
+
+ private:
+  planner::RefiningBeam search_;
+};
+
+Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch kind) {
+  return {name, what, 1.0, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
+            ReducedOptions reduced;
+            reduced.search = kind;
+            reduced.epsilon = options.epsilon;
+            reduced.delta_m = options.delta_m;
+            return std::make_unique<ReducedAdapter>(capacity, reduced);
+          }};
+}
+
+}  // namespace
+
+const std::vector<Algorithm>& all_algorithms() {
+  static const std::vector<Algorithm> kAll = {
+      {"beam", "refining beam: passes of growing width and shrinking diversity cells", 0.25,
+       [](const SearchCapacity& capacity, const AlgorithmOptions&) {
+         return std::make_unique<BeamAdapter>(capacity);
+       }},
+      reduced("arvi", "anytime reduced value iteration: passes of falling (epsilon, delta)",
+              ReducedSearch::kAnytime),
+      reduced("rvi", "reduced value iteration, one pass at (epsilon, delta)",
+              ReducedSearch::kSinglePass),
+      reduced("fvi", "forward value iteration: everything, nothing pruned",
+              ReducedSearch::kExhaustive),
+      reduced("greedy", "the best next step, T times", ReducedSearch::kGreedy),
+  };
+  return kAll;
+}
+
+const Algorithm& algorithm_called(std::string_view name) {
+  const auto& all = all_algorithms();
+  return *std::find_if(all.begin(), all.end(), [&](const Algorithm& a) { return a.name == name; });
+}
+
+std::string_view default_algorithm(const planner::SearchProblem& /*problem*/) { return "beam"; }
+
+planner::SearchCapacity capacity_for(const Algorithm& algorithm,
+                                     const planner::SearchProblem& problem,
+                                     std::size_t memory_bytes, std::size_t nodes_max) {
+  // A node with its record, its place in the lists, the index or the cells; and its share of the
+  // blocks, which only the expanded have.
+  constexpr std::size_t kNodeBytes = 48 + 12 + 200;
+  constexpr std::size_t kBlockDoubleBytes = 9;
+  constexpr std::size_t kDoublesPerNode = 12;
+  constexpr std::size_t kLeastNodes = 20'000;
+  SearchCapacity capacity;
+  const std::size_t affordable = memory_bytes / (kNodeBytes + kDoublesPerNode * kBlockDoubleBytes);
+  const auto kept = static_cast<std::size_t>(algorithm.kept_share * static_cast<double>(nodes_max));
+  capacity.nodes_max = std::clamp(kept, kLeastNodes, std::max(kLeastNodes, affordable));
+  capacity.block_doubles_max =
+      std::max(kDoublesPerNode * capacity.nodes_max,
+               40 * problem.targets.size() * static_cast<std::size_t>(problem.horizon_steps + 1));
+  capacity.targets_max = static_cast<int>(problem.targets.size());
+  capacity.horizon_max = problem.horizon_steps;
+  capacity.teammates_max = static_cast<int>(problem.teammates.size());
+  return capacity;
+}
+
+std::size_t nodes_within(double budget_s) {
+  constexpr double kNodesPerSecondMax = 60e6;
+  constexpr double kMost = 4e9;  // handles have 32 bits
+  return static_cast<std::size_t>(std::min(kMost, kNodesPerSecondMax * budget_s));
+}
+
+}  // namespace vantage::tools

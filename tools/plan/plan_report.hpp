@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "planner/search/problem.hpp"
+#include "tools/plan/problem_json.hpp"
+
+namespace vantage::tools {
+
+/// One search that was run, and what it took.
+struct PlanOutcome {
+  std::string source;
+  std::string algorithm;
+  planner::SearchResult result;
+  double elapsed_s = 0.0;      ///< wall clock of the search alone
+  double cpu_s = 0.0;          ///< of the searching thread, the same span
+  std::size_t peak_bytes = 0;  ///< nodes, blocks and lists in use
+};
+
+/// True when every one of the T steps has a control.
+bool is_complete(const planner::SearchProblem& problem, const planner::SearchResult& result);
+
+/// The object that `vantage plan --json` prints (keys: docs/planning-problems.md). What is infinite
+/// or not known is null.
+nlohmann::ordered_json to_json(const PlanningProblem& problem, const PlanOutcome& outcome);
+/// The same for people, one line an entry.
+std::vector<std::string> to_lines(const PlanningProblem& problem, const PlanOutcome& outcome);
+/// Map, obstacles, predicted targets with their uncertainty before and after, path, and the field
+/// of view at every step, as SVG.
+std::string draw_plan_picture(const PlanningProblem& problem, const PlanOutcome& outcome);
+
+std::string_view word_of(planner::StopReason reason);
+
+}  // namespace vantage::tools
