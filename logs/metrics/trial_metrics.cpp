@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <cstdio>
-#include <Eigen/Cholesky>
 
 namespace vantage::logs {
 namespace {
@@ -92,11 +90,6 @@ void TrialMetrics::judge(const Step& step) {
     if (truth_m) {
       const double squared_m2 = (estimate->mean_m - truth_m->head(position_dim_)).squaredNorm();
       status.error_m = std::sqrt(squared_m2);
-      {
-        const Eigen::VectorXd d = estimate->mean_m - truth_m->head(position_dim_);
-        const double nees = d.dot(estimate->covariance_m2.llt().solve(d));
-        std::fprintf(stderr, "D %zu %.3f %.3f %.3f %.3f\n", i, to_seconds(estimate->time - estimate->last_seen), *status.error_m, estimate->sigma_m(), nees);
-      }
       sums_[i].squared_error_m2 += squared_m2;
       ++sums_[i].errors;
       squared_error_m2 += squared_m2;
