@@ -11,8 +11,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kStopsPerDepth = 16;
+constexpr int kSequenceStates = 4'000;
 
-enum NodeState : std::uint8_t { kGenerated = 0, kEvaluated = 1, kClosed = 2 };
+enum NodeState : std::uint8_t { kGenerated = 0, kEvaluated = 1, kSequenced = 2, kClosed = 3 };
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -35,6 +36,7 @@ BestFirstSearch::BestFirstSearch(const SearchCapacity& capacity)
       tree_(capacity.nodes_max, capacity.block_doubles_max),
       expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max),
       heuristic_(capacity.targets_max, capacity.horizon_max),
+      sequencing_(capacity.targets_max, capacity.horizon_max, kSequenceStates),
       index_(capacity.nodes_max),
       f_(capacity.nodes_max),
       stops_(index(capacity.horizon_max + 1) * kStopsPerDepth),
@@ -54,6 +56,7 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   tree_.clear();
   expander_.reset(problem);
   heuristic_.reset(problem, expander_.beliefs());
+  sequencing_.reset(problem, expander_.beliefs(), heuristic_);
   index_.reset(options.delta_m);
   open_.clear();
   floors_.clear();
@@ -186,6 +189,27 @@ bool BestFirstSearch::evaluate(NodeId id) {
   return true;
 }
 
+BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
+  Node& node = tree_[id];
+  const Blocks blocks = tree_.posterior(id);
+  const InformationHeuristic::Parts parts = heuristic_.cost_to_go(
+      node.world_from_body, node.depth, blocks, sequencing_.takes_part().data());
+  const double others = node.cost + (parts.all - parts.apart);
+  if (!std::isfinite(others)) {
+    node.state = kSequenced;
+    return Progress::kGoOn;
+  }
+  const SequencingBound::Answer answer =
+      sequencing_.cost_to_go(node.world_from_body, node.depth, blocks, result_.cost - others,
+                             *deadline_, result_.work_nodes);
+  f_[id] = std::max(f_[id], others + answer.cost);
+  if (answer.expired) {
+    return Progress::kDeadline;
+  }
+  node.state = kSequenced;
+  return Progress::kGoOn;
+}
+
 BestFirstSearch::Progress BestFirstSearch::step() {
   ++result_.work_nodes;  // before each asking, so that no two askings see the same count
   if (expired()) {
@@ -223,10 +247,20 @@ BestFirstSearch::Progress BestFirstSearch::step() {
     if (!diving && !open_.empty() && key(id) > open_.front().key) {
       return put_back(Progress::kGoOn);
     }
-    if (f_[id] >= result_.cost) {
-      tree_[id].state = kClosed;
-      return Progress::kGoOn;
+  }
+  if (tree_[id].state == kEvaluated && !diving && f_[id] < result_.cost &&
+      options_.bound == NodeBound::kSequence && !sequencing_.is_empty()) {
+    const Progress progress = evaluate_sequence(id);
+    if (progress != Progress::kGoOn) {
+      return put_back(progress);
     }
+    if (!open_.empty() && key(id) > open_.front().key && f_[id] < result_.cost) {
+      return put_back(Progress::kGoOn);
+    }
+  }
+  if (f_[id] >= result_.cost) {
+    tree_[id].state = kClosed;
+    return Progress::kGoOn;
   }
   if (options_.search == BestFirst::kAegis) {
     bool dominated = false;

@@ -9,6 +9,7 @@
 #include "planner/search/expander.hpp"
 #include "planner/search/heuristic.hpp"
 #include "planner/search/problem.hpp"
+#include "planner/search/sequencing_bound.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
@@ -19,8 +20,14 @@ enum class BestFirst {
   kAegis,  ///< least g' + w h' first, (ε, δ)-dominated nodes left out, until OPEN is empty
 };
 
+enum class NodeBound {
+  kReach,     ///< Thm 6
+  kSequence,  ///< the larger of Thm 6 and the sequencing bound
+};
+
 struct BestFirstOptions {
   BestFirst search = BestFirst::kAStar;
+  NodeBound bound = NodeBound::kSequence;
   double weight = 1.0;   ///< w ≥ 1, of kWeightedAStar and kAegis
   double epsilon = 0.0;  ///< of kAegis
   double delta_m = 0.0;
@@ -71,8 +78,10 @@ class BestFirstSearch {
 
   void start(const SearchProblem& problem, const BestFirstOptions& options);
   Progress step();
-  /// Gives `id` its own h. False when the arena is full.
+  /// Gives `id` its own h by Thm 6. False when the arena is full.
   bool evaluate(NodeId id);
+  /// Raises it by the sequencing bound.
+  Progress evaluate_sequence(NodeId id);
   Progress is_dominated(NodeId id, bool& dominated);
   Progress expand(NodeId id);
   /// Evaluates new nodes and keeps back the best as next_.
@@ -92,6 +101,7 @@ class BestFirstSearch {
   Tree tree_;
   Expander expander_;
   InformationHeuristic heuristic_;
+  SequencingBound sequencing_;
   CrossingIndex index_;
   std::vector<double> f_;           ///< per node: lower bound of every plan through it
   std::vector<Entry> open_;         ///< a heap, least key first

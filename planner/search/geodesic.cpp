@@ -65,6 +65,7 @@ void GeodesicTable::reset(const models::World* world,
   points_.assign(points_m.begin(), points_m.end());
   box_count_ = 0;
   corner_count_ = 0;
+  has_walls_ = world != nullptr;
   if (world != nullptr) {
     const models::Rectangle* kept[kBoxesMax];
     for (const models::Obstacle& obstacle : world->obstacles) {
@@ -86,6 +87,7 @@ void GeodesicTable::reset(const models::World* world,
       kept[at] = box;
     }
     // Nothing that matters happens outside of the walls and the points.
+    walls_ = shrunk(world->bounds, -kShrink_m);
     models::Rectangle all = world->bounds;
     for (const Eigen::Vector2d& p : points_) {
       all.min_m = all.min_m.cwiseMin(p);
@@ -135,6 +137,12 @@ void GeodesicTable::reset(const models::World* world,
       }
     }
   }
+}
+
+bool GeodesicTable::is_blocked(const Eigen::Vector2d& p_m) const {
+  return (has_walls_ && !walls_.contains(p_m)) ||
+         std::any_of(boxes_, boxes_ + box_count_,
+                     [&](const models::Rectangle& box) { return box.contains(p_m); });
 }
 
 double GeodesicTable::between_m(int i, int j) const {

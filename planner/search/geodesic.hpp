@@ -30,6 +30,9 @@ class GeodesicTable {
   [[nodiscard]] int point_count() const { return static_cast<int>(points_.size()); }
   /// Way between points i and j, m; +∞ when one is walled in. O(boxes + corners).
   [[nodiscard]] double between_m(int i, int j) const;
+  /// True when no robot can be at `p_m`: in a box or beyond a wall.
+  [[nodiscard]] bool is_blocked(const Eigen::Vector2d& p_m) const;
+
   /// The corners in sight of one place. O(corners · boxes).
   struct Outlook {
     Eigen::Vector2d from_m = Eigen::Vector2d::Zero();
@@ -50,6 +53,8 @@ class GeodesicTable {
     return &point_ways_[static_cast<std::size_t>(point * corner_count_)];
   }
 
+  bool has_walls_ = false;
+  models::Rectangle walls_;
   int box_count_ = 0;
   int corner_count_ = 0;
   models::Rectangle boxes_[kBoxesMax];  ///< shrunk twice: what blocks sight

@@ -248,9 +248,11 @@ double InformationHeuristic::untouched_rest(int m, int t, double way_m) {
   return rings[ring];
 }
 
-double InformationHeuristic::cost_to_go(const Pose2& at, int depth, const Blocks& blocks) {
+InformationHeuristic::Parts InformationHeuristic::cost_to_go(const Pose2& at, int depth,
+                                                             const Blocks& blocks,
+                                                             const std::uint8_t* apart) {
   if (depth >= horizon_) {
-    return 0.0;
+    return {};
   }
   const Eigen::Vector2d p_m = at.position_m();
   GeodesicTable::Outlook outlook;
@@ -261,18 +263,18 @@ double InformationHeuristic::cost_to_go(const Pose2& at, int depth, const Blocks
     offset += packed_size(beliefs_->layout(m));
   }
   double cost = open_loop_rest(depth);
+  double apart_cost = 0.0;
   for (int m = 0; m < beliefs_->target_count(); ++m) {
     const std::int32_t slot = slots_[index(m)];
     const bool touched = slot >= 0;
-    double least = 0.0;
+    const bool is_apart = apart != nullptr && apart[m] != 0;
+    double least = open_loop_rest(m, depth);
     if (stays(m)) {
       const double far_m = sight_m(m) + (horizon_ - depth) * step_m_ + kRounding_m;
       const bool near = (points_[index(m)] - p_m).squaredNorm() < far_m * far_m;
-      if (!near && !touched) {
-        continue;
-      }
       const double way_m = near ? ways_.way_m(outlook, m) : kInfinity;
       if (!touched && way_m >= far_m) {
+        apart_cost += is_apart ? least : 0.0;
         continue;
       }
       least = touched ? rest(m, depth, blocks.packed + slot,
@@ -295,11 +297,12 @@ double InformationHeuristic::cost_to_go(const Pose2& at, int depth, const Blocks
       least = rest(m, depth, touched ? blocks.packed + slot : beliefs_->open_loop(m, depth), way);
     }
     cost += least - open_loop_rest(m, depth);
+    apart_cost += is_apart ? least : 0.0;
   }
   for (const std::uint16_t m : blocks.targets) {
     slots_[m] = -1;
   }
-  return std::isnan(cost) ? -kInfinity : cost;
+  return {std::isnan(cost) ? -kInfinity : cost, apart_cost};
 }
 
 }  // namespace vantage::planner

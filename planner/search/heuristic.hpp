@@ -33,7 +33,16 @@ class InformationHeuristic {
 
   /// h of a node at `at` and `depth` with these blocks; −∞ when nothing bounds the information (a
   /// bearing sensor without a least range). O(targets in reach · steps left).
-  [[nodiscard]] double cost_to_go(const Pose2& at, int depth, const Blocks& blocks);
+  [[nodiscard]] double cost_to_go(const Pose2& at, int depth, const Blocks& blocks) {
+    return cost_to_go(at, depth, blocks, nullptr).all;
+  }
+  /// The same, and how much of it is of the targets that `apart` marks with 1.
+  struct Parts {
+    double all = 0.0;
+    double apart = 0.0;
+  };
+  [[nodiscard]] Parts cost_to_go(const Pose2& at, int depth, const Blocks& blocks,
+                                 const std::uint8_t* apart);
 
   /// What the stage cost of depth k = 1 … T is at least, on any plan; cost_to_go of the root is
   /// their sum, and that of any node is no less than the sum of those after it.
