@@ -10,6 +10,7 @@ namespace vantage::planner {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr float kInfinityF = std::numeric_limits<float>::infinity();
 constexpr int kStopsPerDepth = 16;
 constexpr int kSequenceStates = 4'000;
 
@@ -38,9 +39,11 @@ BestFirstSearch::BestFirstSearch(const SearchCapacity& capacity)
       heuristic_(capacity.targets_max, capacity.horizon_max),
       sequencing_(capacity.targets_max, capacity.horizon_max, kSequenceStates),
       index_(capacity.nodes_max),
+      child_f_at_(capacity.nodes_max),
       f_(capacity.nodes_max),
       stops_(index(capacity.horizon_max + 1) * kStopsPerDepth),
       stop_counts_(index(capacity.horizon_max + 1)) {
+  child_f_.reserve(4 * capacity.nodes_max);
   open_.reserve(capacity.nodes_max + 1);
   floors_.reserve(2 * capacity.nodes_max + 2);
   floor_sums_.reserve(index(capacity.horizon_max + 1));
@@ -58,6 +61,7 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   heuristic_.reset(problem, expander_.beliefs());
   sequencing_.reset(problem, expander_.beliefs(), heuristic_);
   index_.reset(options.delta_m);
+  child_f_.assign(1, 0.0F);  // place 0 means none
   open_.clear();
   floors_.clear();
   floor_sums_.assign(index(problem.horizon_steps + 1), 0.0);
@@ -88,6 +92,7 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   stops_[0] = next_;
   stop_counts_[0] = 1;
   f_[next_] = floor_sums_.back();
+  child_f_at_[next_] = 0;
 }
 
 const SearchResult& BestFirstSearch::plan(const SearchProblem& problem,
@@ -207,6 +212,14 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
     return Progress::kDeadline;
   }
   node.state = kSequenced;
+  const std::size_t controls = problem_->controls.size();
+  if (child_f_.size() + controls <= child_f_.capacity()) {
+    child_f_at_[id] = static_cast<std::uint32_t>(child_f_.size());
+    for (std::size_t c = 0; c < controls; ++c) {
+      const double after = others + sequencing_.cost_after(static_cast<int>(c));
+      child_f_.push_back(std::nextafter(static_cast<float>(after), -kInfinityF));
+    }
+  }
   return Progress::kGoOn;
 }
 
@@ -339,7 +352,13 @@ BestFirstSearch::Progress BestFirstSearch::expand(NodeId id) {
     child.parent = id;
     child.control = children_.control[i];
     child.depth = static_cast<std::uint8_t>(depth);
-    f_[tree_.add(child)] = f_[id];
+    const NodeId child_id = tree_.add(child);
+    f_[child_id] = f_[id];
+    child_f_at_[child_id] = 0;
+    if (child_f_at_[id] != 0) {
+      const double after = static_cast<double>(child_f_[child_f_at_[id] + index(child.control)]);
+      f_[child_id] = std::max(f_[id], after);
+    }
   }
   const NodeId end = static_cast<NodeId>(tree_.node_count());
   if (best_parent_ == kNoNode ||

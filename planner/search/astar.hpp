@@ -103,11 +103,13 @@ class BestFirstSearch {
   InformationHeuristic heuristic_;
   SequencingBound sequencing_;
   CrossingIndex index_;
-  std::vector<double> f_;           ///< per node: lower bound of every plan through it
-  std::vector<Entry> open_;         ///< a heap, least key first
-  std::vector<Entry> floors_;       ///< w > 1: a heap of plain f, with entries out of date
-  std::vector<double> floor_sums_;  ///< Σ_{k ≤ t} L_k
-  std::vector<NodeId> stops_;       ///< the first nodes of each depth, to fall back to
+  std::vector<float> child_f_;  ///< of the children to be of nodes with a sequence, rounded down
+  std::vector<std::uint32_t> child_f_at_;  ///< per node: where, 0: nowhere
+  std::vector<double> f_;                  ///< per node: lower bound of every plan through it
+  std::vector<Entry> open_;                ///< a heap, least key first
+  std::vector<Entry> floors_;              ///< w > 1: a heap of plain f, with entries out of date
+  std::vector<double> floor_sums_;         ///< Σ_{k ≤ t} L_k
+  std::vector<NodeId> stops_;              ///< the first nodes of each depth, to fall back to
   std::vector<int> stop_counts_;
   Children children_;
   PoseMetric metric_;

@@ -38,6 +38,9 @@ SequencingBound::SequencingBound(int targets_max, int horizon_max, int states_ma
   ends_.reserve(kMaxControls);
   after_.reserve(kMaxControls);
   onwards_.resize(index(horizon_max + 2));
+  places_.reserve(kTargetsMax);
+  hulls_.resize(index(kTargetsMax) * index(horizon_max + 2));
+  gains_.resize(index(kTargetsMax) * index(horizon_max + 2));
   row_blocks_.resize(index(horizon_max + 2) * 3);
   states_.reserve(states_max_);
   open_.reserve(states_max_);
@@ -52,6 +55,7 @@ void SequencingBound::reset(const SearchProblem& problem, const BeliefTable& bel
   targets_.clear();
   looks_.clear();
   takes_part_.assign(index(beliefs.target_count()), 0);
+  schedules_ = true;
   GeodesicTable::Outlook outlook;
   heuristic.ways().look_around(problem.start.position_m(), outlook);
   // The nearest that can be seen at all, and whose looks are bounded.
@@ -76,6 +80,7 @@ void SequencingBound::reset(const SearchProblem& problem, const BeliefTable& bel
     targets_.push_back(m);
     looks_.push_back(heuristic.look_bound(m, 0.0, kAnywhere_m, 0));
     takes_part_[index(m)] = 1;
+    schedules_ = schedules_ && heuristic.only_own_looks(m);
   }
   ends_.clear();
   for (const models::UnicycleControl& control : problem.controls) {
@@ -100,13 +105,14 @@ void SequencingBound::find_stops() {
       }
     }
   }
+  find_places();
   stops_.clear();
   any_member_ = false;
   const std::uint32_t all = count == 0 ? 0 : (1U << (count - 1)) * 2U - 1U;
   if (!add_cliques(0, all)) {
     stops_.clear();
     any_member_ = true;
-    add_components();
+    add_places();
   }
 }
 
@@ -133,30 +139,38 @@ bool SequencingBound::add_cliques(std::uint32_t clique, std::uint32_t candidates
   return true;
 }
 
-// Targets whose discs hang together, as one place.
-void SequencingBound::add_components() {
-  const int count = static_cast<int>(targets_.size());
-  std::uint32_t placed = 0;
-  for (int i = 0; i < count; ++i) {
-    if ((placed >> i & 1U) != 0) {
-      continue;
-    }
+// Targets whose discs hang together, as one place that sees them all.
+void SequencingBound::add_places() {
+  for (const std::uint32_t place : places_) {
     Stop stop;
-    std::uint32_t grown = 1U << i;
-    while (grown != stop.targets) {
-      stop.targets = grown;
-      for (std::uint32_t rest = stop.targets; rest != 0; rest &= rest - 1) {
-        grown |= meets_[std::countr_zero(rest)];
-      }
-    }
-    placed |= stop.targets;
-    for (int j = 0; j < count; ++j) {
+    stop.targets = place;
+    for (int j = 0; j < static_cast<int>(targets_.size()); ++j) {
       stop.steps_to[j] = 255;
-      for (std::uint32_t rest = stop.targets; rest != 0; rest &= rest - 1) {
+      for (std::uint32_t rest = place; rest != 0; rest &= rest - 1) {
         stop.steps_to[j] = std::min(stop.steps_to[j], steps_between_[std::countr_zero(rest)][j]);
       }
     }
     stops_.push_back(stop);
+  }
+}
+
+void SequencingBound::find_places() {
+  places_.clear();
+  std::uint32_t placed = 0;
+  for (int i = 0; i < static_cast<int>(targets_.size()); ++i) {
+    if ((placed >> i & 1U) != 0) {
+      continue;
+    }
+    std::uint32_t place = 0;
+    std::uint32_t grown = 1U << i;
+    while (grown != place) {
+      place = grown;
+      for (std::uint32_t rest = place; rest != 0; rest &= rest - 1) {
+        grown |= meets_[std::countr_zero(rest)];
+      }
+    }
+    placed |= place;
+    places_.push_back(place);
   }
 }
 
@@ -197,6 +211,9 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
     }
   }
   fill_rests(i);
+  if (schedules_) {
+    fill_gains(i);
+  }
 }
 
 void SequencingBound::fill_rests(int i) {
@@ -218,6 +235,77 @@ void SequencingBound::fill_rests(int i) {
       rests_[cell(i, n, next)] += onwards;
     }
   }
+}
+
+void SequencingBound::fill_gains(int i) {
+  const int left = steps_left_;
+  double* hull = &hulls_[index(i) * index(horizon_ + 2)];
+  double* gain = &gains_[index(i) * index(horizon_ + 2)];
+  // Lower convex hull, corner by corner: the next corner is where the slope falls most.
+  hull[0] = cost_after_looks(i, 0);
+  int from = 0;
+  while (from < left) {
+    int to = from + 1;
+    double slope = cost_after_looks(i, to) - hull[from];
+    for (int n = from + 2; n <= left; ++n) {
+      const double other = (cost_after_looks(i, n) - hull[from]) / (n - from);
+      if (other < slope) {
+        slope = other;
+        to = n;
+      }
+    }
+    for (int n = from + 1; n <= to; ++n) {
+      gain[n - 1] = std::max(0.0, -slope);
+      hull[n] = hull[from] + slope * (n - from);
+    }
+    from = to;
+  }
+  gain[left] = 0.0;
+}
+
+double SequencingBound::schedule(const State& state) const {
+  const int left = steps_left_ - state.step;
+  const std::size_t stride = index(horizon_ + 2);
+  double cost = state.passed;
+  int released[kTargetsMax];
+  double gain[kTargetsMax];
+  std::uint8_t looks[kTargetsMax];
+  const int places = static_cast<int>(places_.size());
+  const auto gain_at = [&](int place) {
+    double sum = 0.0;
+    for (std::uint32_t rest = places_[index(place)]; rest != 0; rest &= rest - 1) {
+      const int i = std::countr_zero(rest);
+      const int n = state.looks[i] + looks[place];
+      sum += n < steps_left_ ? gains_[index(i) * stride + index(n)] : 0.0;
+    }
+    return sum;
+  };
+  for (int p = 0; p < places; ++p) {
+    released[p] = 255;
+    looks[p] = 0;
+    for (std::uint32_t rest = places_[index(p)]; rest != 0; rest &= rest - 1) {
+      const int i = std::countr_zero(rest);
+      released[p] = std::min<int>(released[p], state.next[i]);
+      cost += left * hulls_[index(i) * stride + state.looks[i]];
+    }
+    gain[p] = gain_at(p);
+  }
+  for (int k = state.step + 1; k <= steps_left_; ++k) {
+    int best = -1;
+    double most = 0.0;
+    for (int p = 0; p < places; ++p) {
+      if (released[p] <= k && gain[p] > most) {
+        most = gain[p];
+        best = p;
+      }
+    }
+    if (best >= 0) {
+      cost -= most * (steps_left_ - k + 1);
+      ++looks[best];
+      gain[best] = gain_at(best);
+    }
+  }
+  return cost;
 }
 
 void SequencingBound::open(const State& state) {
@@ -248,7 +336,11 @@ void SequencingBound::open_controls(const Pose2& at, double cutoff) {
       const int next =
           way_m < kRounding ? 1 : 1 + steps_of(way_m, heuristic_->step_m(), steps_left_);
       root.next[i] = static_cast<std::uint8_t>(next);
-      root.f += rests(i, 0)[next];
+      root.alone += rests(i, 0)[next];
+    }
+    root.f = root.alone;
+    if (schedules_ && root.f < cutoff) {
+      root.f = std::max(root.f, schedule(root));
     }
     after_[c] = root.f;
     if (root.f < cutoff) {
@@ -313,10 +405,14 @@ SequencingBound::Answer SequencingBound::cost_to_go(const Pose2& at, int depth,
 bool SequencingBound::expand(const State& state, double cutoff) {
   const int count = static_cast<int>(targets_.size());
   const double* rows[kTargetsMax];
-  double before = state.f;
+  double unchanged = state.alone;
+  double per_step = 0.0;
   for (int i = 0; i < count; ++i) {
     rows[i] = rests(i, state.looks[i]);
-    before -= rows[i][state.next[i]];
+    unchanged -= rows[i][state.next[i]];
+    if (schedules_) {
+      per_step += cost_after_looks(i, state.looks[i]);
+    }
   }
   bool goes_on = false;
   for (const Stop& stop : stops_) {
@@ -332,20 +428,28 @@ bool SequencingBound::expand(const State& state, double cutoff) {
     goes_on = true;
     State child = state;
     child.step = static_cast<std::uint8_t>(step);
-    double f = before;
+    child.alone = unchanged;
+    child.passed += (step - state.step) * per_step;
     for (int i = 0; i < count; ++i) {
       if ((stop.targets >> i & 1U) != 0) {
-        f += rows[i][step];
+        child.alone += rows[i][step];
+        if (schedules_) {
+          child.passed +=
+              cost_after_looks(i, state.looks[i] + 1) - cost_after_looks(i, state.looks[i]);
+        }
         ++child.looks[i];
         child.next[i] = static_cast<std::uint8_t>(step + 1);
         continue;
       }
       const int next =
           std::min(std::max<int>(state.next[i], step + stop.steps_to[i]), steps_left_ + 1);
-      f += rows[i][next];
+      child.alone += rows[i][next];
       child.next[i] = static_cast<std::uint8_t>(next);
     }
-    child.f = std::max(state.f, f);
+    child.f = std::max(state.f, child.alone);
+    if (schedules_ && child.f < cutoff) {
+      child.f = std::max(child.f, schedule(child));
+    }
     if (child.f < cutoff) {
       open(child);
     }

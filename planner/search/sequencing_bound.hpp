@@ -60,6 +60,8 @@ class SequencingBound {
   };
   struct State {
     double f = 0.0;
+    double alone = 0.0;   ///< bound of each target by itself, summed
+    double passed = 0.0;  ///< cost of the steps up to `step`; of targets without noise alone
     std::uint8_t step = 0;
     std::uint8_t control = 0;  ///< the first
     std::uint8_t looks[kTargetsMax] = {};
@@ -80,12 +82,21 @@ class SequencingBound {
   [[nodiscard]] std::size_t cell(int i, int n, int step) const {
     return (index(i) * index(horizon_ + 2) + index(n)) * index(horizon_ + 2) + index(step);
   }
+  /// Cost per step of target i after n looks, if its kind does not depend on the step.
+  [[nodiscard]] double cost_after_looks(int i, int n) const {
+    return costs_[cell(i, n, steps_left_)];
+  }
+  void fill_gains(int i);
+  /// Least cost from a state on when at each step one place at most is looked at: unit tasks with
+  /// release times, for which the greatest gain first is optimal. Only if schedules_.
+  [[nodiscard]] double schedule(const State& state) const;
   void open_controls(const Pose2& at, double cutoff);
   void open(const State& state);
   Answer answer(double cost, bool expired);
   void find_stops();
   bool add_cliques(std::uint32_t clique, std::uint32_t candidates);
-  void add_components();
+  void add_places();
+  void find_places();
   [[nodiscard]] bool is_full() const { return stops_.size() == kStopsMax; }
   /// Opens what may follow, below `cutoff`. False when nothing can be seen any more.
   bool expand(const State& state, double cutoff);
@@ -105,6 +116,10 @@ class SequencingBound {
   std::vector<double> costs_;  ///< [i][n][k]
   std::vector<double> rests_;  ///< [i][n][next]
   std::vector<double> onwards_;
+  bool schedules_ = false;             ///< all of them: no process noise, no teammates' looks
+  std::vector<std::uint32_t> places_;  ///< targets whose discs hang together
+  std::vector<double> hulls_;          ///< [i][n]: convex in n, ≤ the cost after n looks
+  std::vector<double> gains_;          ///< [i][n]: of the next look by the hull, never rising
   std::vector<double> row_blocks_;
   std::vector<Eigen::Vector2d> ends_;  ///< of the controls, in the body frame
   std::vector<double> after_;
