@@ -1,0 +1,177 @@
+#include "planner/search/geodesic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vantage::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Ways bend at corners of boxes shrunk once, sight is blocked by boxes shrunk twice: a leg that
+// grazes a corner is never called blocked by rounding.
+constexpr double kShrink_m = 1e-7;
+
+models::Rectangle shrunk(const models::Rectangle& box, double by_m) {
+  return {box.min_m.array() + by_m, box.max_m.array() - by_m};
+}
+
+double area_m2(const models::Rectangle& box) { return (box.max_m - box.min_m).prod(); }
+
+// Whether the segment passes through the interior of the box: clipped slab by slab.
+bool passes_through(const models::Rectangle& box, const Eigen::Vector2d& a,
+                    const Eigen::Vector2d& d) {
+  double enter = 0.0;
+  double leave = 1.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (d(axis) == 0.0) {
+      if (a(axis) <= box.min_m(axis) || a(axis) >= box.max_m(axis)) {
+        return false;
+      }
+      continue;
+    }
+    const double s0 = (box.min_m(axis) - a(axis)) / d(axis);
+    const double s1 = (box.max_m(axis) - a(axis)) / d(axis);
+    enter = std::max(enter, std::min(s0, s1));
+    leave = std::min(leave, std::max(s0, s1));
+    if (enter >= leave) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+GeodesicTable::GeodesicTable(int points_max) {
+  corner_ways_.reserve(static_cast<std::size_t>(kCornersMax * kCornersMax));
+  points_.reserve(static_cast<std::size_t>(points_max));
+  point_ways_.reserve(static_cast<std::size_t>(points_max * kCornersMax));
+}
+
+bool GeodesicTable::sees(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const {
+  const Eigen::Vector2d d = b_m - a_m;
+  for (int i = 0; i < box_count_; ++i) {
+    if (passes_through(boxes_[i], a_m, d)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void GeodesicTable::reset(const models::World* world,
+                          const std::vector<Eigen::Vector2d>& points_m) {
+  points_.assign(points_m.begin(), points_m.end());
+  box_count_ = 0;
+  corner_count_ = 0;
+  has_walls_ = world != nullptr;
+  if (world != nullptr) {
+    const models::Rectangle* kept[kBoxesMax];
+    for (const models::Obstacle& obstacle : world->obstacles) {
+      const models::Rectangle* box = &obstacle.footprint;
+      if ((box->max_m - box->min_m).minCoeff() <= 4.0 * kShrink_m) {
+        continue;
+      }
+      int at = box_count_;
+      while (at > 0 && area_m2(*kept[at - 1]) < area_m2(*box)) {
+        --at;
+      }
+      if (at == kBoxesMax) {
+        continue;
+      }
+      box_count_ = std::min(box_count_ + 1, kBoxesMax);
+      for (int i = box_count_ - 1; i > at; --i) {
+        kept[i] = kept[i - 1];
+      }
+      kept[at] = box;
+    }
+    // Nothing that matters happens outside of the walls and the points.
+    walls_ = shrunk(world->bounds, -kShrink_m);
+    models::Rectangle all = world->bounds;
+    for (const Eigen::Vector2d& p : points_) {
+      all.min_m = all.min_m.cwiseMin(p);
+      all.max_m = all.max_m.cwiseMax(p);
+    }
+    for (int i = 0; i < box_count_; ++i) {
+      boxes_[i] = shrunk(*kept[i], 2.0 * kShrink_m);
+      const models::Rectangle box = shrunk(*kept[i], kShrink_m);
+      for (const double x : {box.min_m.x(), box.max_m.x()}) {
+        for (const double y : {box.min_m.y(), box.max_m.y()}) {
+          const Eigen::Vector2d corner(x, y);
+          if (all.contains(corner)) {
+            corners_[corner_count_++] = corner;
+          }
+        }
+      }
+    }
+  }
+
+  corner_ways_.assign(static_cast<std::size_t>(corner_count_ * corner_count_), kInfinity);
+  for (int i = 0; i < corner_count_; ++i) {
+    corner_way(i, i) = 0.0;
+    for (int j = 0; j < i; ++j) {
+      if (sees(corners_[i], corners_[j])) {
+        corner_way(i, j) = corner_way(j, i) = (corners_[i] - corners_[j]).norm();
+      }
+    }
+  }
+  for (int k = 0; k < corner_count_; ++k) {
+    for (int i = 0; i < corner_count_; ++i) {
+      for (int j = 0; j < corner_count_; ++j) {
+        corner_way(i, j) = std::min(corner_way(i, j), corner_way(i, k) + corner_way(k, j));
+      }
+    }
+  }
+  point_ways_.assign(static_cast<std::size_t>(point_count() * corner_count_), kInfinity);
+  for (int p = 0; p < point_count(); ++p) {
+    double* ways = &point_ways_[static_cast<std::size_t>(p * corner_count_)];
+    for (int c = 0; c < corner_count_; ++c) {
+      const Eigen::Vector2d& point = points_[static_cast<std::size_t>(p)];
+      if (!sees(point, corners_[c])) {
+        continue;
+      }
+      const double leg_m = (point - corners_[c]).norm();
+      for (int i = 0; i < corner_count_; ++i) {
+        ways[i] = std::min(ways[i], leg_m + corner_way(c, i));
+      }
+    }
+  }
+}
+
+bool GeodesicTable::is_blocked(const Eigen::Vector2d& p_m) const {
+  return (has_walls_ && !walls_.contains(p_m)) ||
+         std::any_of(boxes_, boxes_ + box_count_,
+                     [&](const models::Rectangle& box) { return box.contains(p_m); });
+}
+
+double GeodesicTable::between_m(int i, int j) const {
+  Outlook outlook;
+  look_around(points_[static_cast<std::size_t>(i)], outlook);
+  return way_m(outlook, j);
+}
+
+void GeodesicTable::look_around(const Eigen::Vector2d& from_m, Outlook& out) const {
+  out.from_m = from_m;
+  out.count = 0;
+  for (int c = 0; c < corner_count_; ++c) {
+    if (sees(from_m, corners_[c])) {
+      out.legs_m[out.count] = (corners_[c] - from_m).norm();
+      out.corners[out.count++] = c;
+    }
+  }
+}
+
+double GeodesicTable::way_m(const Outlook& outlook, int point) const {
+  const Eigen::Vector2d& to_m = points_[static_cast<std::size_t>(point)];
+  if (sees(outlook.from_m, to_m)) {
+    return (to_m - outlook.from_m).norm();
+  }
+  double way_m = kInfinity;
+  for (int i = 0; i < outlook.count; ++i) {
+    way_m = std::min(way_m, outlook.legs_m[i] + point_ways(point)[outlook.corners[i]]);
+  }
+  return way_m;
+}
+
+}  // namespace vantage::planner

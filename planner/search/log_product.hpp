@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cmath>
+
+namespace vantage::planner {
+
+/// A sum of logarithms as the logarithm of a product, taken whenever the product might leave the
+/// range of a double: a single factor may be as small or large as 1e±150.
+class LogProduct {
+ public:
+  void multiply(double factor) {
+    product_ *= factor;
+    if (!(product_ > 1e-150 && product_ < 1e150)) {
+      sum_ += std::log(product_);
+      product_ = 1.0;
+    }
+  }
+  [[nodiscard]] double log() const { return sum_ + std::log(product_); }
+
+ private:
+  double sum_ = 0.0;
+  double product_ = 1.0;
+};
+
+}  // namespace vantage::planner
