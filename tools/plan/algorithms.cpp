@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "planner/search/astar.hpp"
 #include "planner/search/beam.hpp"
 
 namespace vantage::tools {
@@ -41,6 +42,32 @@ class BeamAdapter final : public Search {
   planner::RefiningBeam search_;
 };
 
+class BestFirstAdapter final : public Search {
+ public:
+  BestFirstAdapter(const SearchCapacity& capacity, const planner::BestFirstOptions& options)
+      : search_(capacity), options_(options) {}
+  const planner::SearchResult& search(const planner::SearchProblem& problem,
+                                      const Deadline& deadline) override {
+    return search_.plan(problem, options_, deadline);
+  }
+  [[nodiscard]] std::size_t peak_bytes() const override { return search_.tree().bytes_used(); }
+
+ private:
+  planner::BestFirstSearch search_;
+  planner::BestFirstOptions options_;
+};
+
+Algorithm best_first(std::string_view name, std::string_view what, planner::BestFirst kind) {
+  return {name, what, 1.0, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
+            planner::BestFirstOptions best_first;
+            best_first.search = kind;
+            best_first.weight = options.weight;
+            best_first.epsilon = options.epsilon;
+            best_first.delta_m = options.delta_m;
+            return std::make_unique<BestFirstAdapter>(capacity, best_first);
+          }};
+}
+
 Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch kind) {
   return {name, what, 1.0, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
             ReducedOptions reduced;
@@ -65,6 +92,11 @@ const std::vector<Algorithm>& all_algorithms() {
               ReducedSearch::kSinglePass),
       reduced("fvi", "forward value iteration: everything, nothing pruned",
               ReducedSearch::kExhaustive),
+      best_first("astar", "A*: optimal, and proven so when it ends", planner::BestFirst::kAStar),
+      best_first("wastar", "weighted A*: sooner, at most --weight from optimal",
+                 planner::BestFirst::kWeightedAStar),
+      best_first("aegis", "AEGIS: A* that leaves out what (epsilon, delta) dominates",
+                 planner::BestFirst::kAegis),
       reduced("greedy", "the best next step, T times", ReducedSearch::kGreedy),
   };
   return kAll;
