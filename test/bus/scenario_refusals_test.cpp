@@ -114,7 +114,7 @@ const BadEdit kRanges[] = {
     {"SpeedsCrossed", "speed_min_mps: 0.2", "@speed_min_mps: 2", "must be at most speed_max_mps, 1.4, is 2"},
     {"CertainDetection", "detection_probability: 0.9", "@detection_probability: 1", "must be at least 0 and below 1, is 1"},
     {"EndlessGrid", "grid_resolution_m: 0.25", "@grid_resolution_m: 0.0001", "must cut world.bounds into at most"},
-    {"NegativeQ", "    q: 0.15", "    @q: -0.15", "estimator.target_model.q: must be at least 0, is -0.15"},
+    {"NegativeQ", "    q: 0.3", "    @q: -0.15", "estimator.target_model.q: must be at least 0, is -0.15"},
     {"TargetsInFourDimensions", "position_dim: 2", "@position_dim: 4", "must be at least 2 and at most 3, is '4'"},
     {"RoundTooShort", "team_budget_s: 0.5", "@team_budget_s: 0.96", "must fit with publish_margin_s, 0.05, into a round of execute_steps · step_s = 1 s; is 0.96"},
     {"ExecutesBeyondItsHorizon", "execute_steps: 2", "@execute_steps: 13", "must be at most horizon_steps, 12, is 13"},

@@ -66,7 +66,7 @@ TEST(LoadScenario, ReadsTheHardwareExperimentOfTheLab) {
   EXPECT_EQ(lab.target_truth.motion, models::TargetMotion::kRandomWaypoint);
   EXPECT_EQ(lab.target_truth.speed_max_mps, 1.4);
   EXPECT_EQ(lab.estimator.target_model.kind, models::TargetKind::kRandomWalk);
-  EXPECT_EQ(lab.estimator.target_model.q, 0.15);
+  EXPECT_EQ(lab.estimator.target_model.q, 0.3);
   EXPECT_EQ(lab.planner.algorithm, models::PlanAlgorithm::kArvi);
   EXPECT_EQ(lab.planner.horizon_steps, 12);
   EXPECT_EQ(lab.planner.step_s, 0.5);
