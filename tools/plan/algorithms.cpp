@@ -107,7 +107,18 @@ const Algorithm& algorithm_called(std::string_view name) {
   return *std::find_if(all.begin(), all.end(), [&](const Algorithm& a) { return a.name == name; });
 }
 
-std::string_view default_algorithm(const planner::SearchProblem& /*problem*/) { return "beam"; }
+std::string_view default_algorithm(const planner::SearchProblem& problem) {
+  const auto stands_still = [](const planner::SearchTarget& target) {
+    return target.model.kind == models::TargetKind::kStatic;
+  };
+  const auto only_ranges = [](const models::SensorModel& sensor) {
+    return sensor.kind == models::SensorKind::kRange;
+  };
+  const bool is_mapping =
+      std::all_of(problem.targets.begin(), problem.targets.end(), stands_still) &&
+      std::all_of(problem.sensors.begin(), problem.sensors.end(), only_ranges);
+  return is_mapping ? "astar" : "beam";
+}
 
 planner::SearchCapacity capacity_for(const Algorithm& algorithm,
                                      const planner::SearchProblem& problem,

@@ -46,7 +46,8 @@ struct Algorithm {
 const std::vector<Algorithm>& all_algorithms();
 /// The one called `name`. Precondition: it is in the table.
 const Algorithm& algorithm_called(std::string_view name);
-/// The one that does best on problems of this family, as measured by the planner study.
+/// The one that does best on problems of this family: "astar" for range-only mapping of what stands
+/// still, where its sequencing bound soon proves the optimum; else "beam".
 std::string_view default_algorithm(const planner::SearchProblem& problem);
 
 /// The capacity that `algorithm` needs for `problem`, in about `memory_bytes` at most, when it
