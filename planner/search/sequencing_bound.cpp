@@ -41,6 +41,7 @@ SequencingBound::SequencingBound(int targets_max, int horizon_max, int states_ma
   places_.reserve(kTargetsMax);
   hulls_.resize(index(kTargetsMax) * index(horizon_max + 2));
   gains_.resize(index(kTargetsMax) * index(horizon_max + 2));
+  row_averages_.resize(index(horizon_max + 2));
   row_blocks_.resize(index(horizon_max + 2) * 3);
   states_.reserve(states_max_);
   open_.reserve(states_max_);
@@ -195,6 +196,10 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
   }
   // row_blocks_[n]: the covariance at step k when the last n steps had a look.
   std::copy_n(block, 3, row_blocks_.begin());
+  const bool by_average = by_recursion && by_sum;
+  if (by_average) {
+    row_averages_[0] = AveragedBlock(BlockLayout::kPlanar, block);
+  }
   for (int k = 1; k <= left; ++k) {
     for (int n = k; n >= 0; --n) {
       double cost = by_sum ? summed[n] : 0.0;
@@ -205,6 +210,13 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
           update(BlockLayout::kPlanar, look.m, now, now);
         }
         cost = std::max(cost, traces ? trace(BlockLayout::kPlanar, now) : det2(now));
+        if (by_average) {
+          AveragedBlock& average = row_averages_[index(n)];
+          average = row_averages_[index(std::max(0, n - 1))];
+          average.predict(heuristic_->noise(m));
+          average.update(n > 0 ? looks_[index(i)].average() : 0.0);
+          cost = std::max(cost, traces ? average.trace() : average.determinant());
+        }
         cost = traces ? cost : std::log(cost);
       }
       costs_[cell(i, n, k)] = cost;
