@@ -387,7 +387,7 @@ SequencingBound::Answer SequencingBound::cost_to_go(const Pose2& at, int depth,
                                                     const Blocks& blocks, double cutoff,
                                                     const Deadline& deadline,
                                                     std::int64_t& work_nodes) {
-  constexpr int kAskEvery = 16;
+  constexpr int kAskEvery = 8;
   steps_left_ = horizon_ - depth;
   states_.clear();
   open_.clear();
