@@ -59,6 +59,8 @@ class ViconDriver {
   /// How it stands, in one sentence that says what to do where something can be done.
   [[nodiscard]] const std::string& status() const { return status_; }
   [[nodiscard]] bool is_open() const { return state_ == State::kOpen; }
+  /// A frame has come on this connection.
+  [[nodiscard]] bool has_frames() const { return is_open() && frames_since_open_ > 0; }
   [[nodiscard]] const LinkCounts& link_counts() const { return link_counts_; }
   [[nodiscard]] const WireCounts& wire_counts() const { return session_->counts; }
   [[nodiscard]] const FrameCounts& frame_counts() const { return filter_.counts(); }

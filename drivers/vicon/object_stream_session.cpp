@@ -36,13 +36,16 @@ void ObjectStreamSession::open(Moment /*now*/) {
 }
 
 bool ObjectStreamSession::receive(Moment arrival, wire::Bytes datagram) {
-  // A packet of a DataStream would decode as 453705729 of something.
-  const wire::Speaker speaker = wire::identify_datagram(datagram);
-  if (speaker == wire::Speaker::kDataStream || speaker == wire::Speaker::kVrpn) {
-    ++counts.broken_streams;
-    return false;
+  const bool is_block = wire::decode_object_block(datagram, block_);
+  if (!is_block || block_.objects.empty() || block_.is_truncated) {
+    // A packet of a DataStream, too, begins like some frame of some objects.
+    const wire::Speaker speaker = wire::identify_datagram(datagram);
+    if (speaker == wire::Speaker::kDataStream || speaker == wire::Speaker::kVrpn) {
+      ++counts.broken_streams;
+      return false;
+    }
   }
-  if (!wire::decode_object_block(datagram, block_)) {
+  if (!is_block) {
     ++counts.broken_streams;
     return true;
   }

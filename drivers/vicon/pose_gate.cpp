@@ -33,8 +33,9 @@ bool PoseGate::is_believed(Duration now) const {
   if (is_swap_) {
     return false;
   }
-  return is_candidate_lost_one_ ? candidate_frames_ >= settings_.confirm_frames
-                                : now - candidate_since_ >= settings_.believe_jump_after;
+  return candidate_kind_ == Verdict::kUnconfirmed
+             ? candidate_frames_ >= settings_.confirm_frames
+             : now - candidate_since_ >= settings_.believe_jump_after;
 }
 
 }  // namespace vantage::drivers::vicon

@@ -63,7 +63,7 @@ class PoseGate {
   Duration candidate_time_{};
   Duration candidate_since_{};
   int candidate_frames_ = 0;
-  bool is_candidate_lost_one_ = false;  ///< the chain began when the body had been lost
+  Verdict candidate_kind_ = Verdict::kOutlier;  ///< why the chain began
   bool is_swap_ = false;
   std::optional<Pose3> previous_;  ///< pose before, whatever became of it
   int repetitions_ = 0;
@@ -87,19 +87,15 @@ Verdict PoseGate::judge(Duration now, const Pose3& pose, const IsOther& is_other
     }
     candidate_since_ = now;
     candidate_frames_ = 0;
-    is_candidate_lost_one_ = is_lost;
-    is_swap_ = !is_lost && from_last == Reach::kTooFar && is_other(pose.translation_m);
+    candidate_kind_ = is_lost                       ? Verdict::kUnconfirmed
+                      : from_last == Reach::kTurned ? Verdict::kFlip
+                                                    : Verdict::kOutlier;
+    is_swap_ = candidate_kind_ == Verdict::kOutlier && is_other(pose.translation_m);
   }
   candidate_ = pose;
   candidate_time_ = now;
   ++candidate_frames_;
-  if (is_believed(now)) {
-    return accept(now, pose);
-  }
-  if (is_candidate_lost_one_) {
-    return Verdict::kUnconfirmed;
-  }
-  return from_last == Reach::kTurned ? Verdict::kFlip : Verdict::kOutlier;
+  return is_believed(now) ? accept(now, pose) : candidate_kind_;
 }
 
 }  // namespace vantage::drivers::vicon

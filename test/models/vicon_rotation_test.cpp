@@ -53,7 +53,11 @@ TEST(RotationFromMatrix, RefusesWhatIsNoRotation) {
   EXPECT_FALSE(rotation_from_matrix(-R)) << "turns hands";
   EXPECT_FALSE(rotation_from_matrix(1.01 * R));
   EXPECT_FALSE(rotation_from_matrix(Eigen::Matrix3d::Zero()));
-  EXPECT_FALSE(rotation_from_matrix(Eigen::Matrix3d::Constant(std::nan(""))));
+  for (Eigen::Index entry = 0; entry < 9; ++entry) {
+    Eigen::Matrix3d one_bad = R;
+    one_bad(entry) = std::nan("");
+    EXPECT_FALSE(rotation_from_matrix(one_bad)) << entry;
+  }
 }
 
 TEST(RotationFromXyzw, RefusesWhatIsNotUnit) {

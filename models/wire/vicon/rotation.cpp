@@ -36,8 +36,11 @@ Eigen::Vector3d euler_xyz_from_rotation(const Eigen::Quaterniond& world_from_bod
 }
 
 std::optional<Eigen::Quaterniond> rotation_from_matrix(const Eigen::Matrix3d& R) {
+  if (!R.allFinite()) {  // maxCoeff() may pass over a NaN
+    return std::nullopt;
+  }
   const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(error <= kRotationErrorMax) || R.determinant() < 0.0) {  // NaN is refused, too
+  if (error > kRotationErrorMax || R.determinant() < 0.0) {
     return std::nullopt;
   }
   return Eigen::Quaterniond(R).normalized();
