@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds libFuzzer programs of the Vicon protocols with clang, ASan and UBSan (not part of the build):
 #   test/fuzz/vicon/build.sh FOLDER
-#   FOLDER/fuzz_client_kVrpn -runs=10000000 -max_len=4096
+#   FOLDER/fuzz_client_kVrpn -runs=10000000 -max_len=4096 NEW_FOLDER FOLDER/samples
 set -euo pipefail
 out=${1:?folder for the programs}
 cd "$(dirname "$0")/../../.."
@@ -24,3 +24,7 @@ for target in fuzz_client:kDataStream fuzz_client:kObjectStream fuzz_client:kVrp
     "-DVANTAGE_FUZZ_TARGET(input)=vantage::test::$call(MocapProtocol::$protocol, input)" \
     test/fuzz/vicon/libfuzzer.cpp "${objects[@]}" -o "$out/${call}_$protocol"
 done
+mkdir -p "$out/samples"
+clang++ "${flags[@]}" -fsanitize=address,undefined test/fuzz/vicon/write_samples.cpp \
+  "${objects[@]}" -o "$out/write_samples"
+"$out/write_samples" "$out/samples"
