@@ -12,7 +12,7 @@ namespace vantage::planner {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kChunk = 512;  // candidates looked through between two askings: some µs
+constexpr std::size_t kChunk = 128;  // candidates looked through between two askings: some µs
 constexpr int kPassesMax = 100;
 constexpr unsigned kRegionBits = 2;                 // a region is 4 cells wide in each of x, y, yaw
 constexpr double kGoldenShare = 0.618033988749895;  // no two passes have their cells' edges in line

@@ -34,7 +34,8 @@ struct Arguments {
   bool each = false;
 };
 
-// A list that was tampered with, or made for another family, is of no use.
+// A list that was tampered with, or made for another family, is of no use. The plain recursion is
+// good to some 1e-5 where a look from 2 mm away takes eight digits; the search's own is exact.
 void require_true(const BestCosts& best, const std::vector<PlanningProblem>& problems) {
   for (const PlanningProblem& drawn : problems) {
     const BestCosts::Entry* entry = best.find(drawn.name);
@@ -42,7 +43,7 @@ void require_true(const BestCosts& best, const std::vector<PlanningProblem>& pro
       continue;
     }
     const double score = score_of(drawn.problem, entry->controls);
-    if (!(std::abs(score - entry->cost) < 1e-6)) {
+    if (!(std::abs(score - entry->cost) < 1e-4)) {
       throw StartupError(fmt::format("{}: listed at {}, but its controls score {}", drawn.name,
                                      entry->cost, score));
     }
