@@ -280,6 +280,10 @@ BestFirstSearch::Progress BestFirstSearch::step() {
     if (!evaluate(id)) {
       return put_back(Progress::kMemory);
     }
+    ++result_.work_nodes;
+    if (expired()) {
+      return put_back(Progress::kDeadline);
+    }
     if (!diving && !open_.empty() && key(id) > open_.front().key) {
       return put_back(Progress::kGoOn);
     }
@@ -318,7 +322,16 @@ BestFirstSearch::Progress BestFirstSearch::is_dominated(NodeId id, bool& dominat
   const Node node = tree_[id];
   const double delta2_m2 = options_.delta_m * options_.delta_m;
   Progress progress = Progress::kGoOn;
+  constexpr int kAskEvery = 64;  // of those that need no look at their blocks: a few µs
+  int passed_by = 0;
   index_.near(node.world_from_body, [&](NodeId other) {
+    if (++passed_by % kAskEvery == 0) {
+      ++result_.work_nodes;
+      if (expired()) {
+        progress = Progress::kDeadline;
+        return false;
+      }
+    }
     const Node& twin = tree_[other];
     const double apart2_m2 = metric_.squared(twin.world_from_body, node.world_from_body);
     if (twin.depth != node.depth || twin.cost > node.cost + options_.epsilon ||

@@ -144,7 +144,12 @@ void RefiningBeam::run_passes(const BeamOptions& options, const Deadline& deadli
         return;
       }
       if (k == 0) {  // now that there is a plan
-        moving_bound_ = root_bound_.of_moving_plan(deadline, result_.work_nodes);
+        const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
+        moving_bound_ = bound.cost;
+        if (bound.expired) {
+          result_.stop_reason = StopReason::kDeadline;
+          return;
+        }
       }
       split = !pass.truncated;
     }
@@ -199,6 +204,9 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
     result_.work_nodes += children_.count;
     const double cost_before = tree_[parent].cost;
     const bool blind = tree_.posterior(parent).targets.empty();
+    if (blind && work()) {  // what might be sighted takes as long again
+      return Progress::kDeadline;
+    }
     for (int i = 0; i < children_.count; ++i) {
       Candidate child;
       child.world_from_body = children_.world_from_body[i];

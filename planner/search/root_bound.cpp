@@ -23,13 +23,14 @@ double RootBound::of_any_plan(const SearchProblem& problem, const BeliefTable& b
   return any_plan_;
 }
 
-double RootBound::of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes) {
+SequencingBound::Answer RootBound::of_moving_plan(const Deadline& deadline,
+                                                  std::int64_t& work_nodes) {
   if (sequencing_.is_empty() || !std::isfinite(any_plan_)) {
-    return any_plan_;
+    return {any_plan_, false};
   }
-  const auto answer = sequencing_.cost_to_go(start_, 0, {}, std::numeric_limits<double>::infinity(),
-                                             deadline, work_nodes);
-  return std::max(any_plan_, others_ + answer.cost);
+  const auto answer = sequencing_.cost_to_go(
+      start_, 0, {}, std::numeric_limits<double>::infinity(), deadline, work_nodes);
+  return {std::max(any_plan_, others_ + answer.cost), answer.expired};
 }
 
 }  // namespace vantage::planner

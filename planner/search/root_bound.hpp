@@ -21,9 +21,9 @@ class RootBound {
 
   /// What no plan can cost less than that takes every step from the controls, of the problem last
   /// tabled: no less than of_any_plan(), for the robot cannot look everywhere at once. Up to
-  /// `states_max` / 3 µs; when the deadline comes, what is bounded so far. Adds to `work_nodes`
-  /// what it expands.
-  double of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
+  /// `states_max` / 3 µs; when the deadline comes, what is bounded so far, and the search has to
+  /// stop at once. Adds to `work_nodes` what it expands.
+  SequencingBound::Answer of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
 
  private:
   InformationHeuristic heuristic_;

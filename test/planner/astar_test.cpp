@@ -309,7 +309,7 @@ TEST(RootBound, IsBelowEveryPlanAndMostlyTighterThanTheIsotropicOne) {
     beliefs.reset(problem);
     std::int64_t work_nodes = 0;
     const double any_plan = root.of_any_plan(problem, beliefs);
-    const double moving_plan = root.of_moving_plan(Deadline::never(), work_nodes);
+    const double moving_plan = root.of_moving_plan(Deadline::never(), work_nodes).cost;
     EXPECT_LE(any_plan, moving_plan);
     if (each.best.found) {
       EXPECT_LE(moving_plan, each.best.cost + slack(each.best.cost));
