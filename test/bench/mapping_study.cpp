@@ -29,7 +29,7 @@ constexpr double kAegisDelta_m = 0.1;
 
 struct Arguments {
   std::size_t starts = 100;
-  std::vector<double> budgets_s = {0.01, 0.1, 1.0};
+  std::vector<double> budgets_s = {0.01, 0.1};
   std::string out = "build/mapping_study";
 };
 

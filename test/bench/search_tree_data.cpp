@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -32,16 +33,22 @@ void write_motion(std::ofstream& file, const planner::SearchProblem& problem, co
 }  // namespace
 
 double cost_per_path(const planner::Tree& tree, int horizon_steps) {
-  double sum = 0.0;
-  std::size_t count = 0;
+  std::vector<double> sums(static_cast<std::size_t>(horizon_steps), 0.0);
+  std::vector<double> counts(sums.size(), 0.0);
   for (planner::NodeId id = 0; id < tree.node_count(); ++id) {
     const planner::Node& node = tree[id];
     if (node.depth > 0 && node.depth < horizon_steps) {
-      sum += node.cost / node.depth;
-      ++count;
+      sums[node.depth] += node.cost / node.depth;
+      counts[node.depth] += 1.0;
     }
   }
-  return sum / static_cast<double>(std::max<std::size_t>(1, count));
+  double sum = 0.0;
+  double depths = 0.0;
+  for (std::size_t t = 1; t < sums.size(); ++t) {
+    sum += counts[t] > 0.0 ? sums[t] / counts[t] : 0.0;
+    depths += counts[t] > 0.0 ? 1.0 : 0.0;
+  }
+  return sum / std::max(1.0, depths);
 }
 
 void write_tree(const std::string& path, const planner::SearchProblem& problem,

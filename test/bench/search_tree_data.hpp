@@ -7,8 +7,9 @@
 
 namespace vantage::bench {
 
-/// Mean of g(n)/t(n) over the nodes of depths 1 … T − 1: what an average path in the tree costs a
-/// step. The leaves do not count: best-first searches keep none.
+/// What an average path in the tree costs a step: the mean of g(n)/t over the nodes of each depth t
+/// = 1 … T − 1, and the mean of these, so that a tree with many deep nodes is not the better for
+/// it. The leaves do not count: best-first searches keep none.
 double cost_per_path(const planner::Tree& tree, int horizon_steps);
 
 /// Writes the motions of the tree's first `nodes_max` nodes as polylines "x y depth" with blank
