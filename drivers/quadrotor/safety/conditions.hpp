@@ -13,6 +13,7 @@ enum class Severity { kNote, kHold, kLand, kKill };
 
 /// Who may end what a condition began.
 enum class Clearing {
+  kAtOnce,    ///< ends as soon as the condition is gone
   kSelf,      ///< ends when the condition has been gone for clear_s
   kOperator,  ///< gone, and the operator says `follow` (or `arm`, on the ground)
   kGround,    ///< gone, and the vehicle stands on the ground, disarmed
@@ -29,6 +30,7 @@ struct Condition {
   const char* limit;   ///< what is compared with what
   const char* clears;  ///< the rule, in words
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
+  bool yields = false;  ///< clears yield_s later for the vehicle that must let the other go first
 };
 
 inline constexpr std::size_t kConditionsMax = 48;

@@ -20,7 +20,6 @@ struct LadderState {
   std::array<Time, kConditionsMax> since{};  ///< the condition holds without a break
   std::array<Time, kConditionsMax> gone_since{};
   Reasons held;  ///< condition held at the last tick
-  bool operator_holds = false;
 };
 
 /// One tick of flight safety: FOLLOW → HOLD → LAND → KILL, the most severe condition wins.

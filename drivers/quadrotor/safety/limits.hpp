@@ -17,7 +17,8 @@ struct SafetyLimits {
   double pose_age_hold_s = 0.10;
   double pose_age_land_s = 0.50;
   double pose_age_kill_s = 1.50;
-  double safe_height_m = 0.15;  ///< below it motors may stop without harm
+  double safe_height_m = 0.15;   ///< below it motors may stop without harm
+  double touch_height_m = 0.06;  ///< below it a landing has landed
   double pose_latency_hold_s = 0.10;
   int pose_rejected_hold = 3;    ///< implausible poses in a row
   int pose_frames_to_arm = 50;   ///< plausible ones in a row
