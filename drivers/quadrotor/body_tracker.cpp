@@ -16,6 +16,7 @@ constexpr double kJumpRad = 0.8;
 constexpr double kTurnMaxRadps = 8.0;
 constexpr double kSameplaceM = 0.2;
 constexpr double kGapMaxS = 0.5;  // the filter starts anew after a longer one
+constexpr Duration kStuck = std::chrono::milliseconds(500);
 constexpr Duration kConfirmation = std::chrono::milliseconds(500);
 
 bool is_possible(const Pose3& pose) {
@@ -25,26 +26,26 @@ bool is_possible(const Pose3& pose) {
 
 }  // namespace
 
-PoseVerdict BodyTracker::see(const models::MocapFrame& frame, Time now, bool may_jump) {
+BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time now, bool is_resting) {
   const models::MocapBody* const body = frame.find(name_);
   if (body == nullptr || body->occluded) {
-    return PoseVerdict::kUnseen;
+    return BodyVerdict::kUnseen;
   }
   const Pose3& pose = body->world_from_body;
   if (!is_possible(pose)) {
-    return PoseVerdict::kImpossible;
+    return BodyVerdict::kImpossible;
   }
   const Time capture = frame.stamp.time;
   if (!state_ || frame.stamp.run_id != run_id_) {
     const bool is_elsewhere = state_ && is_jump(pose, state_->capture);
-    if (is_elsewhere && !may_jump) {
-      return PoseVerdict::kJumped;
+    if (is_elsewhere && !is_resting) {
+      return BodyVerdict::kJumped;
     }
     const auto resets = static_cast<std::uint8_t>(state_ ? state_->resets + is_elsewhere : 0);
     start(pose, capture);
     state_->resets = resets;
   } else if (capture <= state_->capture) {
-    return PoseVerdict::kOutOfOrder;
+    return BodyVerdict::kOutOfOrder;
   } else if (is_jump(pose, capture)) {
     const bool is_confirming =
         candidate_ && now - candidate_->newest < kConfirmation &&
@@ -53,19 +54,25 @@ PoseVerdict BodyTracker::see(const models::MocapFrame& frame, Time now, bool may
       candidate_ = Candidate{pose, now, now};
     }
     candidate_->newest = now;
-    if (!may_jump || now - candidate_->since < kConfirmation) {
-      return PoseVerdict::kJumped;
+    if (!is_resting || now - candidate_->since < kConfirmation) {
+      return BodyVerdict::kJumped;
     }
     const auto resets = static_cast<std::uint8_t>(state_->resets + 1);
     start(pose, capture);
     state_->resets = resets;
   } else {
+    const bool is_same = pose.translation_m == state_->world_from_body.translation_m &&
+                         pose.rotation.coeffs() == state_->world_from_body.rotation.coeffs();
+    if (is_same && !is_resting && capture - changed_ > kStuck) {
+      return BodyVerdict::kRepeated;
+    }
+    changed_ = is_same ? changed_ : capture;
     filter(pose, capture);
   }
   candidate_.reset();
   run_id_ = frame.stamp.run_id;
   arrival_ = now;
-  return PoseVerdict::kTaken;
+  return BodyVerdict::kTaken;
 }
 
 std::optional<Duration> BodyTracker::age(Time now) const {
@@ -85,6 +92,7 @@ void BodyTracker::start(const Pose3& pose, Time capture) {
   fresh.world_from_body = pose;
   fresh.velocity_sigma_mps = kStartVelocitySigmaMps;
   state_ = fresh;
+  changed_ = capture;
   filtered_position_m_ = pose.translation_m;
   covariance_ << kPositionSigmaM * kPositionSigmaM, 0.0, 0.0,
       kStartVelocitySigmaMps * kStartVelocitySigmaMps;

@@ -14,9 +14,10 @@
 namespace vantage::drivers {
 
 /// What became of one mocap frame.
-enum class PoseVerdict {
+enum class BodyVerdict {
   kTaken,
   kUnseen,      ///< the body is absent or occluded
+  kRepeated,    ///< the same bits for half a second: it is not seen, whatever is said
   kOutOfOrder,  ///< captured before the newest, by the same run of the mocap driver
   kImpossible,  ///< not finite, or no rotation
   kJumped       ///< farther from the newest pose than the body can have moved
@@ -31,9 +32,10 @@ class BodyTracker {
   BodyTracker(std::string name, double speed_max_mps)
       : name_(std::move(name)), speed_max_mps_(speed_max_mps) {}
 
-  /// @param may_jump  a body on the ground may be carried elsewhere: when the new place is
+  /// @param is_resting  a body on the ground may lie perfectly still, and may be carried elsewhere:
+  /// when the new place is
   ///                  confirmed by half a second of poses it is believed, and `resets` grows
-  PoseVerdict see(const models::MocapFrame& frame, Time now, bool may_jump);
+  BodyVerdict see(const models::MocapFrame& frame, Time now, bool is_resting);
 
   /// The newest; nullopt before the first.
   [[nodiscard]] const std::optional<BodyState>& state() const { return state_; }
@@ -49,6 +51,7 @@ class BodyTracker {
   double speed_max_mps_;
   std::optional<BodyState> state_;
   Time arrival_{};
+  Time changed_{};  ///< capture of the newest pose that differed from the one before
   std::int64_t run_id_ = 0;
   Eigen::Vector3d filtered_position_m_ = Eigen::Vector3d::Zero();
   Eigen::Matrix2d covariance_ = Eigen::Matrix2d::Zero();

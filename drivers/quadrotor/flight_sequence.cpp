@@ -25,20 +25,24 @@ wire::CommandLong arm_command(bool is_to_arm, bool is_forced = false) {
 
 }  // namespace
 
-void FlightSequence::set_goal(FlightGoal goal, Time) {
-  const bool stays_up = goal_ == FlightGoal::kFly && goal == FlightGoal::kFly;
-  if (!stays_up) {
-    has_climbed_ = goal == FlightGoal::kFly && has_climbed_ && was_armed_;
-    on_ground_since_.reset();
+void FlightSequence::set_goal(FlightGoal goal) {
+  if (goal == goal_) {
+    return;
   }
   if (goal_ == FlightGoal::kRest) {
     was_armed_ = false;
     streaming_since_.reset();
   }
+  // Armed on the ground and flying are the same mode; a lost one is not taken by going on.
+  const bool goes_on = goal_ == FlightGoal::kArm && goal == FlightGoal::kFly;
+  if (!goes_on) {
+    has_mode_ = false;
+    is_mode_lost_ = false;
+    has_climbed_ = false;
+    is_over_ = false;
+    on_ground_since_.reset();
+  }
   goal_ = goal;
-  has_mode_ = false;
-  is_mode_lost_ = false;
-  is_over_ = false;
 }
 
 bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
@@ -57,6 +61,7 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
     case FlightGoal::kArm:
     case FlightGoal::kFly:
       if (is_over_) {
+        waiting_for_ = "a new order: the autopilot has stopped its motors";
         return false;
       }
       return telemetry.is_armed() ? fly(link, situation) : prepare(link, situation);
@@ -73,6 +78,14 @@ bool FlightSequence::rest(AutopilotLink& link, Time now) {
   streaming_since_.reset();
   has_climbed_ = false;
   disarm_on_ground(link, now, Duration{0});
+  // In the air and in the mode that we fly it in: an earlier run of this driver left it there, and
+  // nobody else is going to bring it down.
+  const Telemetry& telemetry = link.telemetry();
+  if (telemetry.is_armed() && !telemetry.is_on_ground() &&
+      telemetry.mode() == traits_.follow_mode) {
+    waiting_for_ = "landing of a vehicle that was found flying";
+    link.want(land_command(dialect_), now, kModePause);
+  }
   return false;
 }
 

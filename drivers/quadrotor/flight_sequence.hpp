@@ -20,14 +20,18 @@ enum class FlightGoal {
 /// The steps from the ground into the air and back: which command is due, and whether set-points
 /// are. The autopilot's own heartbeat is the truth; acknowledgements only end waiting.
 ///
-/// It takes the mode once for each time the goal is set. When the autopilot leaves the mode later
-/// (a pilot's switch, a failsafe), that is reported and not fought.
+/// It takes the mode once for each goal. When the autopilot leaves the mode later (a pilot's
+/// switch, a failsafe), that is reported and not fought. Motors that stop by themselves are not
+/// started again.
 class FlightSequence {
  public:
   explicit FlightSequence(models::AutopilotDialect dialect)
       : traits_(traits_of(dialect)), dialect_(dialect) {}
 
-  void set_goal(FlightGoal goal, Time now);
+  /// A goal that is set already goes on.
+  void set_goal(FlightGoal goal);
+  /// Takes the mode once more, because an operator asks for it.
+  void retake_mode() { has_mode_ = is_mode_lost_ = false; }
   [[nodiscard]] FlightGoal goal() const { return goal_; }
 
   struct Situation {

@@ -47,6 +47,10 @@ void Telemetry::take(const wire::Frame& frame, Time now) {
       position_world_m_ = turn_axes(local_m);
       has_origin_ = true;
     }
+  } else if (const auto attitude = wire::unpack<wire::Attitude>(frame)) {
+    const double cosine = std::cos(static_cast<double>(attitude->roll)) *
+                          std::cos(static_cast<double>(attitude->pitch));
+    tilt_rad_ = std::isfinite(cosine) ? std::acos(cosine) : 0.0;
   } else if (frame.message_id == wire::GpsGlobalOrigin::kMessage.id) {
     has_origin_ = true;
   } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {

@@ -46,6 +46,8 @@ class Telemetry {
   [[nodiscard]] std::optional<std::uint16_t> estimator_flags(Time now) const;
   /// Its own estimate, world frame, if it is of the last half second.
   [[nodiscard]] std::optional<Eigen::Vector3d> position_world_m(Time now) const;
+  /// Of its z axis from the vertical, by its own attitude.
+  [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
   [[nodiscard]] bool has_origin() const { return has_origin_; }
   /// When a message of this kind was last heard.
   [[nodiscard]] std::optional<Time> heard(std::uint32_t message_id) const;
@@ -73,6 +75,7 @@ class Telemetry {
   std::optional<double> battery_share_;
   std::uint16_t estimator_flags_ = 0;
   Eigen::Vector3d position_world_m_ = Eigen::Vector3d::Zero();
+  double tilt_rad_ = 0.0;
   bool has_origin_ = false;
   std::optional<std::int64_t> clock_offset_ns_;
   std::int64_t round_trip_best_ns_ = 0;
