@@ -42,13 +42,13 @@ QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::st
                                  const std::optional<wire::SigningKey>& key)
     : robot_(robot),
       dialect_(robot_of(scenario, robot).autopilot->dialect),
-      limits_(robot_of(scenario, robot).limits),
       take_off_height_m_(limits.take_off_height_m),
       link_(dialect_, static_cast<std::uint8_t>(robot_of(scenario, robot).autopilot->system_id),
             key),
       guard_(scenario, robot, limits),
-      tracker_(robot, 2.0 * limits_.speed_max_mps),
-      sequence_(dialect_) {}
+      tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
+      sequence_(dialect_),
+      steering_(limits.vehicle, SteeringGains{}) {}
 
 void QuadrotorDriver::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
   link_.receive(bytes, is_datagram, now);
@@ -177,8 +177,7 @@ void QuadrotorDriver::fly(Time now) {
   if (orders_.setpoint.kind == FlightSetpoint::Kind::kTrack) {
     const auto age = tracker_.age(now);
     const bool is_seen = age && to_seconds(*age) < kSeenS;
-    link_.send_setpoint(steer(orders_.setpoint, is_seen ? body : std::nullopt, limits_, gains_),
-                        now);
+    link_.send_setpoint(steering_.steer(orders_.setpoint, is_seen ? body : std::nullopt, now), now);
   } else if (body) {
     Setpoint here;  // on the ground: stay where you are
     here.position_world_m = body->world_from_body.translation_m;

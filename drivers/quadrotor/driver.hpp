@@ -63,13 +63,12 @@ class QuadrotorDriver {
 
   std::string robot_;
   models::AutopilotDialect dialect_;
-  models::VehicleLimits limits_;
   double take_off_height_m_;
   AutopilotLink link_;
   FlightGuard guard_;
   BodyTracker tracker_;
   FlightSequence sequence_;
-  SteeringGains gains_;
+  Steering steering_;
   GuardOutput orders_;
   std::optional<double> ground_m_;  ///< height of the body when it was last seen unarmed
   Time next_setpoint_{};

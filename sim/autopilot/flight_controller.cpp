@@ -69,7 +69,7 @@ std::uint8_t FlightController::arm(Time now) {
   if (is_armed_) {
     return kAccepted;
   }
-  const char* why = nullptr;
+  std::string why = fault_;
   if (to_seconds(now - boot_) < profile_.arm_delay_s) {
     why = "Arm: Accels inconsistent";
   } else if (!has_position(now)) {
@@ -78,7 +78,7 @@ std::uint8_t FlightController::arm(Time now) {
   } else if (airframe_.battery_share() < kBatteryToArm) {
     why = profile_.needs_origin ? "Arm: Battery 1 low" : "Arming denied: low battery";
   }
-  if (why != nullptr) {
+  if (!why.empty()) {
     say(kCritical, why);
     return profile_.refusal;
   }

@@ -46,6 +46,8 @@ class FlightController {
   void take_pose(Time now, Time capture, const Eigen::Vector3d& position_m, std::uint8_t resets) {
     estimator_.fuse(now, capture, position_m, resets);
   }
+  /// A fault of the vehicle's own that it will not fly with; empty: none.
+  void set_fault(std::string why) { fault_ = std::move(why); }
   void set_origin() { has_origin_ = true; }
 
   /// Moves on by `dt_s` to `now`.
@@ -98,6 +100,7 @@ class FlightController {
   Eigen::Vector3d landing_at_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d shaped_mps_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d integral_mps2_ = Eigen::Vector3d::Zero();
+  std::string fault_;
   std::vector<SpokenText> texts_;
 };
 
