@@ -17,7 +17,8 @@ namespace wire = models::mavlink;
 using models::FlightState;
 
 constexpr double kHandOverM = 0.35;  // below it the autopilot's own landing ends a landing
-constexpr double kSeenS = 0.1;       // feedback on an older pose would push, not steer
+constexpr double kLowM = 0.1;
+constexpr double kSeenS = 0.1;  // feedback on an older pose would push, not steer
 constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
 constexpr Duration kPoseSlack{2'000};  // a frame this much early is not skipped
@@ -170,6 +171,7 @@ void QuadrotorDriver::fly(Time now) {
   situation.may_arm = body && link_.telemetry().position_world_m(now) && !link_.fault(now);
   situation.take_off_height_m = std::max(0.3, take_off_height_m_ - ground_m_.value_or(0.0));
   situation.height_error_m = std::abs(take_off_height_m_ - height_m);
+  situation.is_low = body && ground_m_ && height_m - *ground_m_ < kLowM;
   situation.now = now;
   if (!sequence_.step(link_, situation)) {
     return;

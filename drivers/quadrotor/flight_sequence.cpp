@@ -10,6 +10,7 @@ namespace wire = models::mavlink;
 // More than a second of set-points before the mode is asked for.
 constexpr Duration kProofOfLife = std::chrono::milliseconds(1500);
 constexpr Duration kModePause = std::chrono::seconds(1);
+constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // its motors spool up first
 constexpr Duration kArmPause = std::chrono::seconds(2);
 constexpr Duration kKillPeriod = std::chrono::milliseconds(100);
 constexpr Duration kDisarmAfterLanding = std::chrono::seconds(5);
@@ -142,11 +143,11 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   if (!traits_.takes_off_by_command) {
     return true;
   }
-  if (telemetry.is_on_ground()) {
+  if (telemetry.is_on_ground() || situation.is_low) {
     wire::CommandLong take_off;
     take_off.command = wire::command::kTakeOff;
     take_off.param7 = static_cast<float>(situation.take_off_height_m);
-    link.want(take_off, situation.now, kModePause);
+    link.want(take_off, situation.now, kTakeOffPause);
   }
   return false;
 }

@@ -37,6 +37,7 @@ class FlightSequence {
   struct Situation {
     bool may_arm = false;            ///< every precondition holds
     double take_off_height_m = 1.0;  ///< above where it stands
+    bool is_low = false;             ///< it has not lifted, seen from outside
     double height_error_m = 0.0;     ///< of the body to the height it climbs to, ≥ 0
     Time now{};
   };
