@@ -30,6 +30,7 @@ struct SafetyLimits {
   double volume_margin_m = 1.0;  ///< poses farther outside the bounds are not believed
 
   // The plan.
+  double plan_age_hold_s = 2.0;  ///< once it has ended; longer than a round
   double plan_silent_warn_s = 2.0;
   int plans_late_hold = 3;
   double plan_past_max_s = 0.5;    ///< start before the arrival
