@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angle.hpp"
 #include "core/check.hpp"
 #include "drivers/quadrotor/safety/authority.hpp"
 #include "drivers/quadrotor/safety/course.hpp"
@@ -345,9 +346,12 @@ PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
     }
     const Time when = std::max(now, held.start_time);
     const PlanPoint planned = point_at(held, to_seconds(when - held.start_time));
-    Eigen::Vector3d expected_m = p.course.at(when).position_world_m;
-    expected_m.z() = p.height_ref_m;
-    if (!((planned.position_world_m - expected_m).norm() <= p.limits.plan_start_tolerance_m)) {
+    const PlanPoint expected = p.course.at(when);
+    Eigen::Vector3d gap_m = planned.position_world_m - expected.position_world_m;
+    gap_m.z() = planned.position_world_m.z() - p.height_ref_m;
+    const double turn_rad = std::abs(wrap_to_pi(planned.yaw_rad - expected.yaw_rad));
+    if (!(gap_m.norm() <= p.limits.plan_start_tolerance_m) ||
+        !(turn_rad <= p.limits.plan_start_turn_rad)) {
       return PlanVerdict::kDiscontinuous;
     }
     const PlanVerdict way_verdict = check_way(held, when, p.limits, p.fleet.courses(now, p.limits));

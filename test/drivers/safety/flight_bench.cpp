@@ -15,6 +15,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 constexpr double kLaneHalfM = 2.6;
 constexpr double kSpeedMps = 1.0;
 constexpr double kBrakeMps2 = 2.0;
+constexpr double kTurnRadps = 2.5;
 constexpr std::int64_t kRoundTicks = 100;
 constexpr std::int64_t kPublishTick = 90;  // of a round
 constexpr std::int64_t kPlannerRun = 100;
@@ -34,6 +35,7 @@ models::Scenario FlightBench::scenario() {
   out.name = "bench";
   out.world.bounds = {{-4.0, -2.2}, {4.0, 2.2}};
   out.world.ceiling_m = 3.0;
+  out.planner.execute_steps = 2;
   out.world.obstacles = {{{{-0.3, 0.5}, {0.3, 0.8}}, 2.5}};
   for (int i = 0; i < 3; ++i) {
     models::RobotSpec robot;
@@ -46,12 +48,14 @@ models::Scenario FlightBench::scenario() {
   return out;
 }
 
-FlightBench::FlightBench(std::uint64_t seed) : scenario_(scenario()), random_(seed) {
+FlightBench::FlightBench(std::uint64_t seed, bool trusts_plans)
+    : scenario_(scenario()), random_(seed) {
   for (const models::RobotSpec& robot : scenario_.robots) {
     Vehicle vehicle;
     vehicle.name = robot.name;
-    vehicle.guard = std::make_unique<drivers::FlightGuard>(
-        scenario_, robot.name, drivers::limits_for(scenario_, robot.name));
+    drivers::SafetyLimits limits = drivers::limits_for(scenario_, robot.name);
+    limits.plan_separation_m = trusts_plans ? 0.01 : limits.plan_separation_m;
+    vehicle.guard = std::make_unique<drivers::FlightGuard>(scenario_, robot.name, limits);
     vehicle.lane_y_m = robot.start.y_m;
     vehicle.position_m = {robot.start.x_m, robot.start.y_m, 0.0};
     vehicle.yaw_rad = robot.start.yaw_rad;
@@ -224,7 +228,8 @@ models::RobotPlan FlightBench::honest_plan(Vehicle& vehicle, Time start) {
   const double turn_rad = wrap_to_pi(goal_yaw_rad - from.yaw_rad);
   auto& segments = plan.trajectory.segments;
   if (std::abs(turn_rad) > 1e-3) {
-    segments.push_back({{0.0, turn_rad > 0.0 ? 2.5 : -2.5}, std::abs(turn_rad) / 2.5, 0.0});
+    segments.push_back(
+        {{0.0, std::copysign(kTurnRadps, turn_rad)}, std::abs(turn_rad) / kTurnRadps, 0.0});
   }
   const double goal_m = vehicle.heads_east ? kLaneHalfM : -kLaneHalfM;
   const double room_m = std::abs(goal_m - from.x_m) - kSpeedMps * kSpeedMps / (2 * kBrakeMps2);
@@ -238,12 +243,15 @@ models::RobotPlan FlightBench::honest_plan(Vehicle& vehicle, Time start) {
 void FlightBench::spoil(models::RobotPlan& plan, Vehicle& vehicle) {
   models::Trajectory& way = plan.trajectory;
   const Pose2 from = way.start;
+  const auto turn_to = [&](const Eigen::Vector2d& goal_m) {
+    return wrap_to_pi(std::atan2(goal_m.y() - from.y_m, goal_m.x() - from.x_m) - from.yaw_rad);
+  };
   const auto straight_to = [&](double x_m, double y_m) {
-    const double dx_m = x_m - from.x_m;
-    const double dy_m = y_m - from.y_m;
-    way.start.yaw_rad = std::atan2(dy_m, dx_m);
-    way.segments = {{{kSpeedMps, 0.0}, std::hypot(dx_m, dy_m), 0.0},
-                    models::brake(kSpeedMps, kBrakeMps2).front()};
+    const double turn_rad = turn_to({x_m, y_m});
+    way.segments = {
+        {{0.0, std::copysign(kTurnRadps, turn_rad)}, std::abs(turn_rad) / kTurnRadps, 0.0},
+        {{kSpeedMps, 0.0}, std::hypot(x_m - from.x_m, y_m - from.y_m), 0.0},
+        models::brake(kSpeedMps, kBrakeMps2).front()};
   };
   switch (vehicle.knobs.plan) {
     case PlanFault::kNone:
@@ -271,6 +279,19 @@ void FlightBench::spoil(models::RobotPlan& plan, Vehicle& vehicle) {
       straight_to(0.0, 0.65);
       break;
     case PlanFault::kMeetsTeammate: {
+      // Where the other will be when this one gets there.
+      const Vehicle& other = vehicles_[vehicle.name == "Q1" ? 1 : 0];
+      Eigen::Vector2d meeting_m = other.position_m.head<2>();
+      for (int i = 0; i < 10; ++i) {
+        const double way_s = std::abs(turn_to(meeting_m)) / kTurnRadps +
+                             (meeting_m - from.position_m()).norm() / kSpeedMps;
+        meeting_m = models::at(other.sent.back().trajectory, way.start_time + from_seconds(way_s))
+                        .world_from_body.position_m();
+      }
+      straight_to(meeting_m.x(), meeting_m.y());
+      break;
+    }
+    case PlanFault::kHeadOn: {
       const Vehicle& other = vehicles_[vehicle.name == "Q1" ? 1 : 0];
       straight_to(other.position_m.x(), other.position_m.y());
       break;
@@ -416,7 +437,9 @@ void FlightBench::fly(Vehicle& vehicle) {
         vehicle.asked.velocity_world_mps + 2.0 * (vehicle.asked.position_world_m - believed_m);
     const double fastest_mps = 1.3 * kSpeedMps;
     ask_mps *= std::min(1.0, fastest_mps / std::max(1e-9, ask_mps.norm()));
-    vehicle.yaw_rad = vehicle.asked.yaw_rad;
+    const double turn_rad = wrap_to_pi(vehicle.asked.yaw_rad - vehicle.yaw_rad);
+    vehicle.yaw_rad =
+        wrap_to_pi(vehicle.yaw_rad + std::clamp(turn_rad, -4.0 * kTickS, 4.0 * kTickS));
   }
   Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();
   if (vehicle.is_armed) {

@@ -33,6 +33,7 @@ enum class PlanFault {
   kLeavesFence,
   kMeetsObstacle,
   kMeetsTeammate,
+  kHeadOn,  ///< the same, for who trusts plans
   kWrongVehicle,
   kEmpty,
   kHalfASecondOld,
@@ -132,7 +133,9 @@ class FlightBench {
   static constexpr double kTickS = 0.01;
   static constexpr double kSeparationMinM = 0.5;  ///< two vehicles touch
 
-  explicit FlightBench(std::uint64_t seed);
+  /// `trusts_plans`: the plan check overlooks teammates, so that only what watches positions is
+  /// between two vehicles.
+  explicit FlightBench(std::uint64_t seed, bool trusts_plans = false);
 
   /// Arms, takes off and follows until `until_s` after the start.
   void fly_up(double until_s);
