@@ -438,12 +438,12 @@ std::vector<Fault> vehicle_faults() {
        kFollow},
       {33,
        "driven at the fence",
-       "1.1 m/s for 0.5 s",
+       "1.3 m/s for 0.5 s",
        "Q1",
        0.0,
        [](FlightBench& bench, double since_s) {
          if (since_s < 0.5) {
-           q1(bench).runaway_mps = {0.0, -1.1, 0.0};
+           q1(bench).runaway_mps = {0.0, -1.3, 0.0};
          }
        },
        {{kHold, 0.6}},
@@ -597,7 +597,9 @@ std::vector<Fault> vehicle_faults() {
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.04},
       {45,
        "own process stops for 0.4 s",
        "",
@@ -607,7 +609,9 @@ std::vector<Fault> vehicle_faults() {
        {{kHold, 0.4 + kTicks}},
        "own stall",
        "tick.stalls",
-       kFollow},
+       kFollow,
+       false,
+       0.4},
   };
 }
 

@@ -30,6 +30,7 @@ struct Fault {
   const char* counter = nullptr;  ///< that must have grown, of what is refused and flown through
   models::FlightState end = models::FlightState::kFollow;
   bool trusts_plans = false;  ///< see FlightBench
+  double delays_s = 0.0;      ///< for so long nothing else can be noticed either
 };
 
 /// All of them, by number.
@@ -53,7 +54,8 @@ struct FaultRun {
   double closest_m = 0.0;
 };
 
-/// Flies up, begins each fault at its time and goes on for 16 s.
-FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed);
+/// Flies up, begins the faults one after the other, kStaggerS apart, and goes on for `lasts_s`.
+inline constexpr double kStaggerS = 0.25;
+FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, double lasts_s = 16.0);
 
 }  // namespace vantage::test
