@@ -1,0 +1,119 @@
+#include "drivers/quadrotor/body_tracker.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "test/support/near.hpp"
+#include "test/support/random.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr Duration kFrame{10'000};
+
+models::MocapFrame frame_at(Time time, const Pose3& pose, std::int64_t run = 1) {
+  models::MocapFrame frame;
+  frame.stamp = {time, run, 0};
+  frame.bodies.resize(2);
+  frame.bodies[0].name = "Q2";
+  frame.bodies[1].name = "Q1";
+  frame.bodies[1].world_from_body = pose;
+  return frame;
+}
+
+Pose3 at(double x_m, double y_m) { return lift({x_m, y_m, 0.0}, 1.0); }
+
+TEST(BodyTracker, FindsTheVelocityOfASteadyFlightInNoise) {
+  BodyTracker tracker("Q1", 2.0);
+  test::Random random(3);
+  double squares = 0.0;
+  double promised = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    Pose3 pose = at(0.8 * 0.01 * i, -0.3 * 0.01 * i);
+    pose.translation_m +=
+        0.001 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    const Time time = kStart + i * kFrame;
+    ASSERT_EQ(tracker.see(frame_at(time, pose), time, false), BodyVerdict::kTaken);
+    if (i >= 100) {
+      squares +=
+          (tracker.state()->velocity_world_mps - Eigen::Vector3d(0.8, -0.3, 0.0)).squaredNorm();
+      promised += 3.0 * std::pow(tracker.state()->velocity_sigma_mps, 2);
+    }
+  }
+  EXPECT_LT(std::sqrt(squares / 2700.0), 0.06);
+  EXPECT_LT(squares, promised) << "it promises more than it keeps";
+}
+
+TEST(BodyTracker, RefusesWhatIsNoPose) {
+  BodyTracker tracker("Q1", 2.0);
+  Pose3 bad = at(0, 0);
+  bad.translation_m.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(tracker.see(frame_at(kStart, bad), kStart, true), BodyVerdict::kImpossible);
+  bad = at(0, 0);
+  bad.rotation.coeffs().setZero();
+  EXPECT_EQ(tracker.see(frame_at(kStart, bad), kStart, true), BodyVerdict::kImpossible);
+  models::MocapFrame hidden = frame_at(kStart, at(0, 0));
+  hidden.bodies[1].occluded = true;
+  EXPECT_EQ(tracker.see(hidden, kStart, true), BodyVerdict::kUnseen);
+  hidden.bodies.resize(1);
+  EXPECT_EQ(tracker.see(hidden, kStart, true), BodyVerdict::kUnseen);
+  EXPECT_FALSE(tracker.state().has_value());
+  EXPECT_EQ(tracker.see(frame_at(kStart, at(0, 0)), kStart, true), BodyVerdict::kTaken);
+  EXPECT_EQ(tracker.see(frame_at(kStart, at(0, 0)), kStart, true), BodyVerdict::kOutOfOrder);
+}
+
+TEST(BodyTracker, NeverBelievesAJumpInTheAir) {
+  BodyTracker tracker("Q1", 2.0);
+  tracker.see(frame_at(kStart, at(0, 0)), kStart, false);
+  for (int i = 1; i < 20; ++i) {
+    const Time time = kStart + i * kFrame;
+    EXPECT_EQ(tracker.see(frame_at(time, at(1, 0)), time, false), BodyVerdict::kJumped);
+  }
+  const Time time = kStart + 20 * kFrame;
+  EXPECT_EQ(tracker.see(frame_at(time, at(0.1, 0)), time, false), BodyVerdict::kTaken);
+  EXPECT_EQ(tracker.state()->resets, 0);
+  Pose3 flipped = at(0.1, 0);
+  flipped.rotation = Eigen::Quaterniond(0, 0, 0, 1);
+  EXPECT_EQ(tracker.see(frame_at(time + kFrame, flipped), time + kFrame, false),
+            BodyVerdict::kJumped);
+}
+
+TEST(BodyTracker, BelievesThatABodyOnTheGroundWasCarriedAndCountsIt) {
+  BodyTracker tracker("Q1", 2.0);
+  tracker.see(frame_at(kStart, at(0, 0)), kStart, true);
+  int refused = 0;
+  Time time = kStart;
+  do {
+    time += kFrame;
+  } while (tracker.see(frame_at(time, at(3, 0)), time, true) == BodyVerdict::kJumped &&
+           ++refused < 200);
+  EXPECT_NEAR(refused, 50, 2) << "half a second of frames";
+  EXPECT_EQ(tracker.state()->resets, 1);
+  EXPECT_EQ(tracker.state()->world_from_body.translation_m.x(), 3.0);
+}
+
+TEST(BodyTracker, DoesNotTrustAPoseThatStandsStillToTheLastBitInTheAir) {
+  BodyTracker tracker("Q1", 2.0);
+  BodyVerdict verdict = BodyVerdict::kTaken;
+  int taken = 0;
+  for (int i = 0; i < 100 && verdict == BodyVerdict::kTaken; ++i, ++taken) {
+    verdict = tracker.see(frame_at(kStart + i * kFrame, at(0, 0)), kStart + i * kFrame, false);
+  }
+  EXPECT_EQ(verdict, BodyVerdict::kRepeated);
+  EXPECT_NEAR(taken, 52, 2);
+  const Time time = kStart + 100 * kFrame;
+  EXPECT_EQ(tracker.see(frame_at(time, at(0, 0)), time, true), BodyVerdict::kTaken);
+}
+
+TEST(BodyTracker, KeepsItsAgeByArrival) {
+  BodyTracker tracker("Q1", 2.0);
+  EXPECT_FALSE(tracker.age(kStart).has_value());
+  tracker.see(frame_at(kStart - Duration{50'000}, at(0, 0)), kStart, false);
+  EXPECT_EQ(tracker.age(kStart + Duration{30'000}), Duration{30'000});
+}
+
+}  // namespace
+}  // namespace vantage::drivers

@@ -1,0 +1,48 @@
+#include <gtest/gtest.h>
+
+#include "test/drivers/safety/fault_catalogue.hpp"
+
+namespace vantage::test {
+namespace {
+
+class FaultPairs : public testing::TestWithParam<std::size_t> {};
+
+// Every fault together with every one after it on the list, begun a quarter of a second later:
+// nobody collides or leaves the fence, each reaction is as quick as alone, and each fault ends at
+// least as severely as alone.
+TEST_P(FaultPairs, AreNoWorseThanTheWorse) {
+  const auto& all = fault_catalogue();
+  const std::size_t i = GetParam();
+  for (std::size_t j = i + 1; j < all.size(); ++j) {
+    const Fault* const both[] = {&all[i], &all[j]};
+    const FaultRun run = fly_with(both, 1, 11.0);
+    for (const std::string& violation : run.violations) {
+      ADD_FAILURE() << all[i].name << " + " << all[j].name << ": " << violation;
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Outcome& outcome = run.outcomes[k];
+      const Fault& fault = *both[k];
+      const Fault& other = *both[1 - k];
+      EXPECT_GE(severity_of(outcome.end), severity_of(fault.end))
+          << fault.name << " ends in " << models::name_of(outcome.end) << " with " << other.name;
+      for (std::size_t s = 0; s < fault.stages.size(); ++s) {
+        EXPECT_GE(outcome.stage_s[s], 0.0)
+            << fault.name << " never reaches " << models::name_of(fault.stages[s].state) << " with "
+            << other.name;
+        EXPECT_LE(outcome.stage_s[s], fault.stages[s].within_s + other.delays_s + 1e-9)
+            << fault.name << " is late with " << other.name;
+      }
+    }
+  }
+}
+
+std::string name_of_case(const testing::TestParamInfo<std::size_t>& param) {
+  return "From" + std::to_string(param.param);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FaultPairs,
+                         testing::Range(std::size_t{0}, fault_catalogue().size() - 1),
+                         name_of_case);
+
+}  // namespace
+}  // namespace vantage::test
