@@ -152,6 +152,24 @@ void read_primitives(Mapping& from, const models::VehicleLimits& limits,
   }
 }
 
+void read_autopilot(Mapping& from, models::AutopilotSpec& autopilot) {
+  constexpr int kSystemIdMax = 255;
+  from.require("dialect");
+  from.require("url");
+  from.word("dialect", autopilot.dialect,
+            {{"px4", models::AutopilotDialect::kPx4},
+             {"ardupilot", models::AutopilotDialect::kArdupilot}});
+  from.text("url", autopilot.url);
+  from.integer("system_id", autopilot.system_id, 0, kSystemIdMax);
+  from.text("key_file", autopilot.key_file);
+  const bool is_known = autopilot.url.empty() || autopilot.url.starts_with("udp://") ||
+                        autopilot.url.starts_with("udpout://") ||
+                        autopilot.url.starts_with("serial:");
+  if (!is_known) {
+    from.refuse("url", "must begin with udp://, udpout:// or serial:, is '" + autopilot.url + "'");
+  }
+}
+
 Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {
   return {robot.start.x_m, robot.start.y_m, robot.height_m};
 }
@@ -188,6 +206,8 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   from.require("sensor");
   from.section("sensor", [&](Mapping& sensor) { read_sensor(sensor, robot.sensor); });
   read_device(from, robot.device);
+  from.section("autopilot",
+               [&](Mapping& autopilot) { read_autopilot(autopilot, robot.autopilot.emplace()); });
   from.finish();
 
   if (robot.height_m >= scenario.world.ceiling_m) {

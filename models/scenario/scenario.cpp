@@ -35,6 +35,10 @@ std::optional<PlanAlgorithm> parse_algorithm(const std::string& name) {
   return std::nullopt;
 }
 
+const char* name_of(AutopilotDialect dialect) {
+  return dialect == AutopilotDialect::kPx4 ? "px4" : "ardupilot";
+}
+
 const RobotSpec* Scenario::find_robot(const std::string& robot) const {
   const auto found = std::find_if(robots.begin(), robots.end(),
                                   [&](const RobotSpec& spec) { return spec.name == robot; });

@@ -24,6 +24,19 @@ struct VehicleLimits {
   double radius_m = 0.25;   ///< of the disc around its centre that must stay clear
 };
 
+enum class AutopilotDialect { kPx4, kArdupilot };
+
+/// "px4", "ardupilot".
+const char* name_of(AutopilotDialect dialect);
+
+/// How a robot's driver reaches its autopilot.
+struct AutopilotSpec {
+  AutopilotDialect dialect = AutopilotDialect::kPx4;
+  std::string url;       ///< udp://[HOST]:PORT, udpout://HOST:PORT or serial:DEVICE[:BAUD]
+  int system_id = 0;     ///< MAVLink system of the vehicle; 0: the first autopilot heard
+  std::string key_file;  ///< 32 bytes that sign every message; empty: unsigned
+};
+
 struct RobotSpec {
   std::string name;  ///< channel suffix, [A-Z0-9]+
   Pose2 start;       ///< world from body
@@ -32,6 +45,7 @@ struct RobotSpec {
   VehicleLimits limits;
   SensorModel sensor;
   DeviceSource device = DeviceSource::kDirect;
+  std::optional<AutopilotSpec> autopilot;
 };
 
 enum class TargetMotion {

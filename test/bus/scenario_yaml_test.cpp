@@ -196,6 +196,35 @@ targets: {count: 1}
   EXPECT_EQ(b.primitives, (std::vector<models::UnicycleControl>{{0.5, -1.0}, {0.0, 2.0}}));
 }
 
+TEST(ParseScenario, ReadsHowARobotsAutopilotIsReached) {
+  const Scenario scenario = parse_scenario(R"(
+name: flown
+world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
+robot_defaults:
+  primitives: lab
+  sensor: {kind: range}
+robots:
+  - {name: A, start: {x_m: 2, y_m: 2}, device: real,
+     autopilot: {dialect: ardupilot, url: "serial:/dev/ttyACM0:921600", system_id: 7, key_file: k}}
+  - {name: B, start: {x_m: 8, y_m: 8}, autopilot: {dialect: px4, url: "udp://:14540"}}
+  - {name: C, start: {x_m: 8, y_m: 2}}
+targets: {count: 1}
+)",
+                                           "flown");
+  const auto& a = scenario.robots[0].autopilot;
+  ASSERT_TRUE(a.has_value());
+  EXPECT_EQ(a->dialect, models::AutopilotDialect::kArdupilot);
+  EXPECT_EQ(a->url, "serial:/dev/ttyACM0:921600");
+  EXPECT_EQ(a->system_id, 7);
+  EXPECT_EQ(a->key_file, "k");
+  const auto& b = scenario.robots[1].autopilot;
+  ASSERT_TRUE(b.has_value());
+  EXPECT_EQ(b->dialect, models::AutopilotDialect::kPx4);
+  EXPECT_EQ(b->system_id, 0);
+  EXPECT_EQ(b->key_file, "");
+  EXPECT_FALSE(scenario.robots[2].autopilot.has_value());
+}
+
 TEST(ParseScenario, ReadsTargetsFromAList) {
   const std::string text = R"(
 name: listed

@@ -1,0 +1,24 @@
+// vantage-quadrotor: flies one quadrotor with a MAVLink autopilot. VICON, PLAN_*, COMMAND and
+// SCENARIO in, QUADROTOR_R out; one process per robot.
+
+#include <memory>
+
+#include "bus/node_main.hpp"
+#include "core/check.hpp"
+#include "drivers/quadrotor/app/node.hpp"
+
+int main(int argc, char** argv) {
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  return bus::node_main(
+      {"vantage-quadrotor", "Flies one quadrotor with a MAVLink autopilot.", true}, argc, argv,
+      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+         const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
+        const auto& autopilot = scenario.find_robot(arguments.robot)->autopilot;
+        if (!autopilot) {
+          throw StartupError("robot " + arguments.robot + " has no `autopilot` in " +
+                             arguments.scenario);
+        }
+        return std::make_unique<drivers::QuadrotorNode>(bus, clock, scenario, arguments.robot,
+                                                        drivers::open_port(autopilot->url));
+      });
+}

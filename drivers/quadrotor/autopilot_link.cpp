@@ -1,0 +1,286 @@
+#include "drivers/quadrotor/autopilot_link.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+
+#include "drivers/quadrotor/axes.hpp"
+#include "models/wire/mavlink/vocabulary.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+namespace wire = models::mavlink;
+
+constexpr Duration kSecond = std::chrono::seconds(1);
+constexpr Duration kStreamAgeMax = std::chrono::seconds(3);
+constexpr Duration kSerialPause = std::chrono::milliseconds(100);
+constexpr std::size_t kOutputMax = 1024;  // messages nobody takes: the oldest half goes
+constexpr std::uint8_t kLinkId = 1;
+constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
+// Anywhere with a well-behaved tangent plane; poses are relative to it.
+constexpr std::int32_t kOriginLatitudeDegE7 = 399'522'000;
+constexpr std::int32_t kOriginLongitudeDegE7 = -751'932'000;
+constexpr std::int32_t kOriginAltitudeMm = 10'000;
+
+float f32(double x) { return static_cast<float>(x); }
+
+/// Diagonal of the upper triangle of a 6×6 matrix, row-major.
+std::array<float, 21> covariance(double first_three_sigma, double last_three_sigma) {
+  std::array<float, 21> out{};
+  for (const std::size_t i : {0U, 6U, 11U}) {
+    out[i] = f32(first_three_sigma * first_three_sigma);
+  }
+  for (const std::size_t i : {15U, 18U, 20U}) {
+    out[i] = f32(last_three_sigma * last_three_sigma);
+  }
+  return out;
+}
+
+}  // namespace
+
+AutopilotLink::AutopilotLink(models::AutopilotDialect dialect, std::uint8_t system_id,
+                             const std::optional<wire::SigningKey>& key)
+    : dialect_(dialect), traits_(traits_of(dialect)), system_id_(system_id), telemetry_(dialect) {
+  if (key) {
+    signer_.emplace(*key, kLinkId);
+  }
+}
+
+void AutopilotLink::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
+  const auto handle = [this, now](const wire::Frame& frame) { take(frame, now); };
+  // After a pause on a serial line what was begun will not be continued.
+  if (!is_datagram && last_bytes_ && now - *last_bytes_ > kSerialPause) {
+    parser_.flush(handle);
+  }
+  last_bytes_ = now;
+  parser_.feed(bytes, handle);
+  if (is_datagram) {
+    parser_.flush(handle);
+  }
+}
+
+bool AutopilotLink::is_of_vehicle(const wire::Frame& frame) {
+  if (frame.origin.component_id > wire::kComponentAutopilot) {
+    return false;
+  }
+  if (system_id_ == 0) {
+    const auto heartbeat = wire::unpack<wire::Heartbeat>(frame);
+    if (!heartbeat || heartbeat->autopilot == wire::autopilot::kNone ||
+        heartbeat->type == wire::type::kGroundStation) {
+      return false;
+    }
+    system_id_ = frame.origin.system_id;
+  }
+  return frame.origin.system_id == system_id_;
+}
+
+void AutopilotLink::take(const wire::Frame& frame, Time now) {
+  if (signer_ && signer_->check(frame, now) != wire::SignatureVerdict::kGood) {
+    ++signatures_refused_;
+    return;
+  }
+  if (!is_of_vehicle(frame)) {
+    ++strangers_;
+    return;
+  }
+  sequence_.see(frame.origin);
+  telemetry_.take(frame, now);
+  if (frame.message_id == wire::Heartbeat::kMessage.id) {
+    is_heartbeat_v1_ = frame.is_v1;
+  } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
+    answer_timesync(*timesync, now);
+  } else if (const auto ack = wire::unpack<wire::CommandAck>(frame)) {
+    const bool is_mine = ack->target_system == 0 || ack->target_system == traits_.own_system_id;
+    if (is_mine) {
+      commands_.acknowledge(*ack, now);
+    }
+  }
+}
+
+void AutopilotLink::answer_timesync(const wire::Timesync& request, Time now) {
+  if (request.tc1 != 0) {
+    return;
+  }
+  wire::Timesync reply;
+  reply.tc1 = to_utime(now) * 1000;
+  reply.ts1 = request.ts1;
+  reply.target_system = system_id_;
+  reply.target_component = wire::kComponentAutopilot;
+  send(reply, now);
+}
+
+void AutopilotLink::tick(Time now) {
+  now_ = now;
+  if (now >= next_second_) {
+    next_second_ = now + kSecond;
+    wire::Heartbeat heartbeat;
+    heartbeat.type = traits_.own_type;
+    heartbeat.autopilot = wire::autopilot::kNone;
+    heartbeat.system_status = wire::kStateActive;
+    heartbeat.mavlink_version = 3;
+    send(heartbeat, now);
+    if (telemetry_.is_connected(now)) {
+      wire::Timesync request;
+      request.ts1 = to_utime(now) * 1000;
+      request.target_system = system_id_;
+      request.target_component = wire::kComponentAutopilot;
+      send(request, now);
+      if (traits_.needs_origin && !telemetry_.has_origin()) {
+        send_origin();
+      }
+    }
+  }
+  if (telemetry_.is_connected(now)) {
+    ask_for_streams(now);
+  }
+  for (wire::CommandLong& command : commands_.due(now)) {
+    send(command, now);
+  }
+}
+
+void AutopilotLink::ask_for_streams(Time now) {
+  if (commands_.is_under_way(wire::command::kSetMessageInterval)) {
+    return;  // its answers do not say which message they are about: one after the other
+  }
+  for (const WantedStream& stream : traits_.streams) {
+    const std::optional<Time> heard = telemetry_.heard(stream.message_id);
+    const auto asked = streams_asked_.find(stream.message_id);
+    if ((heard && now - *heard <= kStreamAgeMax) ||
+        (asked != streams_asked_.end() && now - asked->second <= kStreamAgeMax)) {
+      continue;
+    }
+    wire::CommandLong command;
+    command.command = wire::command::kSetMessageInterval;
+    command.param1 = static_cast<float>(stream.message_id);
+    command.param2 = f32(1e6 / stream.rate_hz);
+    streams_asked_[stream.message_id] = now;
+    want(command, now, Duration{0});
+    return;
+  }
+}
+
+void AutopilotLink::send_origin() {
+  wire::SetGpsGlobalOrigin origin;
+  origin.latitude = kOriginLatitudeDegE7;
+  origin.longitude = kOriginLongitudeDegE7;
+  origin.altitude = kOriginAltitudeMm;
+  origin.target_system = system_id_;
+  origin.time_usec = static_cast<std::uint64_t>(to_utime(now_));
+  send(origin, now_);
+}
+
+void AutopilotLink::send_pose(const BodyState& state, Time now) {
+  const Eigen::Vector3d position_m = turn_axes(state.world_from_body.translation_m);
+  const Eigen::Quaterniond local_from_body = turn_axes(state.world_from_body.rotation);
+  const Eigen::Vector3d velocity_body_mps =
+      local_from_body.conjugate() * turn_axes(state.velocity_world_mps);
+  wire::Odometry odometry;
+  odometry.time_usec =
+      static_cast<std::uint64_t>(std::max<std::int64_t>(0, to_utime(state.capture)));
+  odometry.x = f32(position_m.x());
+  odometry.y = f32(position_m.y());
+  odometry.z = f32(position_m.z());
+  odometry.q = {f32(local_from_body.w()), f32(local_from_body.x()), f32(local_from_body.y()),
+                f32(local_from_body.z())};
+  odometry.vx = f32(velocity_body_mps.x());
+  odometry.vy = f32(velocity_body_mps.y());
+  odometry.vz = f32(velocity_body_mps.z());
+  odometry.rollspeed = kNotGiven;
+  odometry.pitchspeed = kNotGiven;
+  odometry.yawspeed = kNotGiven;
+  odometry.pose_covariance = covariance(state.position_sigma_m, state.attitude_sigma_rad);
+  odometry.velocity_covariance = covariance(state.velocity_sigma_mps, 1.0);
+  odometry.frame_id = wire::frame::kLocalFrd;
+  odometry.child_frame_id = wire::frame::kBodyFrd;
+  odometry.reset_counter = state.resets;
+  odometry.estimator_type = wire::kEstimatorVision;
+  odometry.quality = 100;
+  send(odometry, now);
+}
+
+void AutopilotLink::send_setpoint(const Setpoint& setpoint, Time now) {
+  wire::SetPositionTargetLocalNed target;
+  target.time_boot_ms = static_cast<std::uint32_t>(to_utime(now) / 1000);
+  target.target_system = system_id_;
+  target.target_component = wire::kComponentAutopilot;
+  target.coordinate_frame = wire::frame::kLocalNed;
+  if (setpoint.is_velocity) {
+    const Eigen::Vector3d velocity_mps = turn_axes(setpoint.velocity_world_mps);
+    target.type_mask = wire::mask::kVelocityAndYawRate;
+    target.vx = f32(velocity_mps.x());
+    target.vy = f32(velocity_mps.y());
+    target.vz = f32(velocity_mps.z());
+    target.yaw_rate = f32(turn_yaw(setpoint.yaw_rate_radps));
+  } else {
+    const Eigen::Vector3d position_m = turn_axes(setpoint.position_world_m);
+    target.type_mask = wire::mask::kPositionAndYaw;
+    target.x = f32(position_m.x());
+    target.y = f32(position_m.y());
+    target.z = f32(position_m.z());
+    target.yaw = f32(turn_yaw(setpoint.yaw_rad));
+  }
+  send(target, now);
+}
+
+void AutopilotLink::want(wire::CommandLong command, Time now, Duration pause) {
+  command.target_system = system_id_;
+  command.target_component = wire::kComponentAutopilot;
+  commands_.want(command, now, pause);
+}
+
+void AutopilotLink::insist(wire::CommandLong command, Time now, Duration period) {
+  command.target_system = system_id_;
+  command.target_component = wire::kComponentAutopilot;
+  commands_.insist(command, now, period);
+}
+
+template <class Message>
+void AutopilotLink::send(const Message& message, Time now) {
+  wire::Frame frame = wire::pack(
+      message, {traits_.own_system_id, wire::kComponentOnboardComputer, next_sequence_++});
+  if (signer_) {
+    signer_->sign(frame, now);
+  }
+  if (output_.size() >= kOutputMax) {
+    output_.erase(output_.begin(), output_.begin() + kOutputMax / 2);
+  }
+  wire::append_bytes(frame, output_.emplace_back());
+}
+
+std::vector<WireMessage> AutopilotLink::take_output() { return std::exchange(output_, {}); }
+
+std::optional<std::string> AutopilotLink::fault(Time now) const {
+  if (!telemetry_.heartbeat_time()) {
+    return strangers_ > 0 ? "no autopilot of this system id is heard, but others are"
+                          : "no autopilot is heard";
+  }
+  if (!telemetry_.is_connected(now)) {
+    return "the autopilot has fallen silent";
+  }
+  if (telemetry_.autopilot() != traits_.autopilot_id) {
+    return "the autopilot is not " + std::string(traits_.name);
+  }
+  if (is_heartbeat_v1_) {
+    return "the autopilot speaks MAVLink 1; version 2 is needed";
+  }
+  return std::nullopt;
+}
+
+std::vector<models::NamedCount> AutopilotLink::counters() const {
+  const wire::ParserCounts& parsed = parser_.counts();
+  const std::vector<models::NamedCount> all{
+      {"mavlink.frames_lost", sequence_.lost()},
+      {"mavlink.frames_out_of_order", sequence_.out_of_order()},
+      {"mavlink.bytes_skipped", parsed.bytes_skipped},
+      {"mavlink.frames_v1", parsed.frames_v1},
+      {"mavlink.unknown_flags", parsed.unknown_flags},
+      {"mavlink.signatures_refused", signatures_refused_},
+      {"mavlink.commands_unanswered", commands_.unanswered()}};
+  std::vector<models::NamedCount> counted;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
+               [](const models::NamedCount& counter) { return counter.count != 0; });
+  return counted;
+}
+
+}  // namespace vantage::drivers

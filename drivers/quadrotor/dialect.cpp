@@ -1,0 +1,185 @@
+#include "drivers/quadrotor/dialect.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "models/wire/mavlink/vocabulary.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::AutopilotDialect;
+namespace wire = models::mavlink;
+
+constexpr std::uint32_t px4_mode(std::uint32_t main, std::uint32_t sub = 0) {
+  return main << 16U | sub << 24U;
+}
+
+template <class Message>
+WantedStream stream(double rate_hz) {
+  return {Message::kMessage.id, rate_hz};
+}
+
+std::vector<WantedStream> streams_with(const WantedStream& estimator) {
+  return {stream<wire::LocalPositionNed>(20.0),
+          stream<wire::Attitude>(10.0),
+          estimator,
+          stream<wire::ExtendedSysState>(5.0),
+          stream<wire::SysStatus>(1.0),
+          stream<wire::BatteryStatus>(1.0)};
+}
+
+DialectTraits px4() {
+  DialectTraits out;
+  out.name = "PX4";
+  out.autopilot_id = wire::autopilot::kPx4;
+  out.own_system_id = 254;
+  out.own_type = wire::type::kOnboardController;
+  out.follow_mode = px4_mode(6);
+  out.land_mode = px4_mode(4, 6);
+  out.wants_proof_of_life = true;
+  out.streams = streams_with(stream<wire::EstimatorStatus>(5.0));
+  return out;
+}
+
+DialectTraits ardupilot() {
+  DialectTraits out;
+  out.name = "ArduPilot";
+  out.autopilot_id = wire::autopilot::kArdupilot;
+  out.own_system_id = 255;  // whose heartbeat its ground-station failsafe listens to
+  out.own_type = wire::type::kGroundStation;
+  out.follow_mode = 4;
+  out.land_mode = 9;
+  out.takes_off_by_command = true;
+  out.needs_origin = true;
+  out.streams = streams_with(stream<wire::EkfStatusReport>(5.0));
+  return out;
+}
+
+wire::CommandLong set_mode(std::uint32_t main, std::uint32_t sub = 0) {
+  wire::CommandLong out;
+  out.command = wire::command::kSetMode;
+  out.param1 = 1.0F;  // custom mode
+  out.param2 = static_cast<float>(main);
+  out.param3 = static_cast<float>(sub);
+  return out;
+}
+
+}  // namespace
+
+const DialectTraits& traits_of(AutopilotDialect dialect) {
+  static const DialectTraits kPx4 = px4();
+  static const DialectTraits kArdupilot = ardupilot();
+  return dialect == AutopilotDialect::kPx4 ? kPx4 : kArdupilot;
+}
+
+wire::CommandLong follow_mode_command(AutopilotDialect dialect) {
+  return dialect == AutopilotDialect::kPx4 ? set_mode(6) : set_mode(4);
+}
+
+wire::CommandLong land_command(AutopilotDialect dialect) {
+  if (dialect == AutopilotDialect::kArdupilot) {
+    return set_mode(9);
+  }
+  wire::CommandLong out;
+  out.command = wire::command::kLand;
+  return out;
+}
+
+std::string mode_name(AutopilotDialect dialect, std::uint32_t custom_mode) {
+  struct Name {
+    std::uint32_t mode;
+    const char* name;
+  };
+  static constexpr std::array<Name, 12> kPx4Modes{{{px4_mode(1), "manual"},
+                                                   {px4_mode(2), "altitude"},
+                                                   {px4_mode(3), "position"},
+                                                   {px4_mode(4, 1), "ready"},
+                                                   {px4_mode(4, 2), "take-off"},
+                                                   {px4_mode(4, 3), "loiter"},
+                                                   {px4_mode(4, 4), "mission"},
+                                                   {px4_mode(4, 5), "return"},
+                                                   {px4_mode(4, 6), "land"},
+                                                   {px4_mode(5), "acro"},
+                                                   {px4_mode(6), "offboard"},
+                                                   {px4_mode(7), "stabilised"}}};
+  static constexpr std::array<Name, 8> kArdupilotModes{{{0, "stabilize"},
+                                                        {2, "alt-hold"},
+                                                        {3, "auto"},
+                                                        {4, "guided"},
+                                                        {5, "loiter"},
+                                                        {6, "return"},
+                                                        {9, "land"},
+                                                        {17, "brake"}}};
+  const auto name_in = [custom_mode](const auto& names) -> std::string {
+    for (const Name& known : names) {
+      if (known.mode == custom_mode) {
+        return known.name;
+      }
+    }
+    return fmt::format("mode {:#x}", custom_mode);
+  };
+  return dialect == AutopilotDialect::kPx4 ? name_in(kPx4Modes) : name_in(kArdupilotModes);
+}
+
+std::optional<std::string> estimator_fault(AutopilotDialect dialect, std::uint16_t flags,
+                                           bool is_airborne) {
+  namespace bit = wire::estimator;
+  const auto lacks = [flags](unsigned bits) { return (flags & bits) == 0; };
+  if (dialect == AutopilotDialect::kArdupilot && !lacks(bit::kUninitialised)) {
+    return "estimator is not initialised";
+  }
+  if (lacks(bit::kAttitude)) {
+    return "estimator has no attitude";
+  }
+  if (lacks(bit::kRelativePosition | bit::kAbsolutePosition)) {
+    return "estimator has no horizontal position";
+  }
+  if (lacks(bit::kHorizontalVelocity) || lacks(bit::kVerticalVelocity)) {
+    return "estimator has no velocity";
+  }
+  if (lacks(bit::kHeight)) {
+    return "estimator has no height";
+  }
+  // PX4 reports constant position while it stands on the ground, rightly.
+  const bool may_stand_still = dialect == AutopilotDialect::kPx4 && !is_airborne;
+  if (!lacks(bit::kConstantPosition) && !may_stand_still) {
+    return "estimator assumes that the vehicle does not move";
+  }
+  return std::nullopt;
+}
+
+const char* result_name(std::uint8_t ack_result) {
+  static constexpr std::array<const char*, 11> kNames{"accepted",
+                                                      "temporarily rejected",
+                                                      "denied",
+                                                      "unsupported",
+                                                      "failed",
+                                                      "in progress",
+                                                      "cancelled",
+                                                      "only as COMMAND_LONG",
+                                                      "only as COMMAND_INT",
+                                                      "frame unsupported",
+                                                      "not in control"};
+  return ack_result < kNames.size() ? kNames[ack_result] : "refused";
+}
+
+std::string command_name(std::uint16_t command) {
+  switch (command) {
+    case wire::command::kLand:
+      return "land";
+    case wire::command::kTakeOff:
+      return "take-off";
+    case wire::command::kSetMode:
+      return "mode change";
+    case wire::command::kArmDisarm:
+      return "arm";
+    case wire::command::kSetMessageInterval:
+      return "message interval";
+    default:
+      return fmt::format("command {}", command);
+  }
+}
+
+}  // namespace vantage::drivers

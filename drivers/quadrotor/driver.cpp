@@ -1,0 +1,254 @@
+#include "drivers/quadrotor/driver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/check.hpp"
+#include "models/wire/mavlink/vocabulary.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+namespace wire = models::mavlink;
+using models::FlightState;
+
+constexpr double kHandOverM = 0.35;  // below it the autopilot's own landing ends a landing
+constexpr double kLowM = 0.1;
+constexpr double kSeenS = 0.1;  // feedback on an older pose would push, not steer
+constexpr Duration kRefusalShown = std::chrono::seconds(10);
+constexpr Duration kTextAge = std::chrono::seconds(3);
+constexpr Duration kPoseSlack{2'000};  // a frame this much early is not skipped
+
+const models::RobotSpec& robot_of(const models::Scenario& scenario, const std::string& robot) {
+  const models::RobotSpec* const spec = scenario.find_robot(robot);
+  require(spec != nullptr, "quadrotor driver: robot " + robot + " is not in the scenario");
+  require(spec->autopilot.has_value(),
+          "quadrotor driver: robot " + robot + " has no `autopilot` in the scenario");
+  return *spec;
+}
+
+/// The later of two times that may not have been.
+std::optional<Time> later(std::optional<Time> a, std::optional<Time> b) {
+  return !a ? b : !b ? a : std::optional(std::max(*a, *b));
+}
+
+}  // namespace
+
+QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::string& robot,
+                                 const SafetyLimits& limits,
+                                 const std::optional<wire::SigningKey>& key)
+    : robot_(robot),
+      dialect_(robot_of(scenario, robot).autopilot->dialect),
+      take_off_height_m_(limits.take_off_height_m),
+      link_(dialect_, static_cast<std::uint8_t>(robot_of(scenario, robot).autopilot->system_id),
+            key),
+      guard_(scenario, robot, limits),
+      tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
+      sequence_(dialect_),
+      steering_(limits.vehicle, SteeringGains{}) {}
+
+void QuadrotorDriver::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
+  link_.receive(bytes, is_datagram, now);
+  report_autopilot(now);
+}
+
+void QuadrotorDriver::report_autopilot(Time now) {
+  const Telemetry& telemetry = link_.telemetry();
+  if (const auto heartbeat = telemetry.heartbeat_time(); heartbeat != heartbeat_reported_) {
+    heartbeat_reported_ = heartbeat;
+    guard_.on_heartbeat(now);
+  }
+  const auto battery = later(telemetry.heard(wire::BatteryStatus::kMessage.id),
+                             telemetry.heard(wire::SysStatus::kMessage.id));
+  if (battery != battery_reported_ && telemetry.battery_share()) {
+    battery_reported_ = battery;
+    guard_.on_battery(*telemetry.battery_share(), now);
+  }
+  const auto news = later(later(telemetry.heard(wire::LocalPositionNed::kMessage.id),
+                                telemetry.heard(wire::Attitude::kMessage.id)),
+                          telemetry.heartbeat_time());
+  if (news == telemetry_reported_) {
+    return;
+  }
+  telemetry_reported_ = news;
+  AutopilotReport report;
+  report.armed = telemetry.is_armed();
+  report.obeys = !sequence_.is_mode_lost();
+  const auto flags = telemetry.estimator_flags(now);
+  const auto position_m = telemetry.position_world_m(now);
+  report.estimator_good =
+      flags && !estimator_fault(dialect_, *flags, !telemetry.is_on_ground()) && position_m;
+  report.tilt_rad = telemetry.tilt_rad();
+  report.has_position = position_m.has_value();
+  report.position_world_m = position_m.value_or(Eigen::Vector3d::Zero());
+  guard_.on_autopilot(report, now);
+}
+
+void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
+  guard_.on_mocap(frame, now);
+  const bool is_resting = !is_airborne(orders_.state);
+  const BodyVerdict verdict = tracker_.see(frame, now, is_resting);
+  if (verdict == BodyVerdict::kUnseen) {
+    ++poses_unseen_;
+  } else if (verdict != BodyVerdict::kTaken) {
+    ++poses_refused_;
+  } else {
+    if (!link_.telemetry().is_armed()) {
+      ground_m_ = tracker_.state()->world_from_body.translation_m.z();
+    }
+    if (now + kPoseSlack >= next_pose_ && link_.telemetry().heartbeat_time()) {
+      next_pose_ = std::max(next_pose_ + kPosePeriod, now);
+      link_.send_pose(*tracker_.state(), now);
+    }
+  }
+}
+
+void QuadrotorDriver::on_plan(const models::RobotPlan& plan, Time now) {
+  if (plan.robot == robot_) {
+    static_cast<void>(guard_.on_plan(plan, now));  // counted there
+  } else {
+    guard_.on_teammate_plan(plan, now);
+  }
+}
+
+void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time now) {
+  const bool is_obeyed = guard_.on_command(command, now) == CommandVerdict::kObeyed;
+  const bool takes_mode = command.action == models::OperatorAction::kFollow ||
+                          command.action == models::OperatorAction::kHold;
+  if (is_obeyed && takes_mode && sequence_.is_mode_lost()) {
+    sequence_.retake_mode();
+  }
+  if (command.action == models::OperatorAction::kEmergencyStop) {
+    next_setpoint_ = now;  // decided with the next tick, not with the next set-point
+  }
+}
+
+void QuadrotorDriver::tick(Time now) {
+  if (now >= next_setpoint_) {
+    next_setpoint_ = std::max(next_setpoint_ + kSetpointPeriod, now + kSetpointPeriod / 2);
+    fly(now);
+  }
+  link_.tick(now);
+}
+
+bool QuadrotorDriver::is_nearly_down() const {
+  return ground_m_ && tracker_.state() &&
+         tracker_.state()->world_from_body.translation_m.z() - *ground_m_ < kHandOverM;
+}
+
+FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
+  switch (out.state) {
+    case FlightState::kIdle:
+      return out.wants_armed ? FlightGoal::kArm : FlightGoal::kRest;
+    case FlightState::kFollow:
+    case FlightState::kHold:
+      return FlightGoal::kFly;
+    case FlightState::kLand: {
+      // Once the autopilot lands by itself it goes on doing so.
+      const bool is_autopilots = out.setpoint.kind == FlightSetpoint::Kind::kBlindLand ||
+                                 !out.wants_armed || is_nearly_down() ||
+                                 sequence_.goal() == FlightGoal::kLand;
+      return is_autopilots ? FlightGoal::kLand : FlightGoal::kFly;
+    }
+    case FlightState::kKilled:
+      return FlightGoal::kKill;
+  }
+  return FlightGoal::kRest;
+}
+
+void QuadrotorDriver::fly(Time now) {
+  orders_ = guard_.tick(now);
+  has_news_ = has_news_ || orders_.changed;
+  sequence_.set_goal(goal(orders_));
+
+  const std::optional<BodyState>& body = tracker_.state();
+  const double height_m = body ? body->world_from_body.translation_m.z() : ground_m_.value_or(0.0);
+  FlightSequence::Situation situation;
+  situation.may_arm = body && link_.telemetry().position_world_m(now) && !link_.fault(now);
+  situation.take_off_height_m = std::max(0.3, take_off_height_m_ - ground_m_.value_or(0.0));
+  situation.height_error_m = std::abs(take_off_height_m_ - height_m);
+  situation.is_low = body && ground_m_ && height_m - *ground_m_ < kLowM;
+  situation.now = now;
+  if (!sequence_.step(link_, situation)) {
+    return;
+  }
+  if (orders_.setpoint.kind == FlightSetpoint::Kind::kTrack) {
+    const auto age = tracker_.age(now);
+    const bool is_seen = age && to_seconds(*age) < kSeenS;
+    link_.send_setpoint(steering_.steer(orders_.setpoint, is_seen ? body : std::nullopt, now), now);
+  } else if (body) {
+    Setpoint here;  // on the ground: stay where you are
+    here.position_world_m = body->world_from_body.translation_m;
+    here.yaw_rad = flatten(body->world_from_body).yaw_rad;
+    link_.send_setpoint(here, now);
+  }
+}
+
+std::optional<std::string> QuadrotorDriver::refusal(Time now) const {
+  static constexpr std::array kCommands{wire::command::kArmDisarm, wire::command::kSetMode,
+                                        wire::command::kTakeOff, wire::command::kLand};
+  const CommandSender::Outcome* newest = nullptr;
+  std::uint16_t which = 0;
+  std::array<std::optional<CommandSender::Outcome>, kCommands.size()> outcomes;
+  for (std::size_t i = 0; i < kCommands.size(); ++i) {
+    outcomes[i] = link_.commands().outcome(kCommands[i]);
+    if (outcomes[i] && (newest == nullptr || outcomes[i]->time > newest->time)) {
+      newest = &*outcomes[i];
+      which = kCommands[i];
+    }
+  }
+  if (newest == nullptr || newest->is_accepted() || now - newest->time > kRefusalShown) {
+    return std::nullopt;
+  }
+  const std::string verdict =
+      newest->result ? std::string(result_name(*newest->result)) : "not answered";
+  const auto why = link_.telemetry().newest_warning(newest->time, kTextAge);
+  return fmt::format("{} {}{}", command_name(which), verdict, why ? ": " + *why : "");
+}
+
+models::VehicleStatus QuadrotorDriver::status(Time now) const {
+  models::VehicleStatus out = guard_.status(now);
+  if (const auto fault = link_.fault(now)) {
+    out.reasons.push_back(*fault);
+    return out;
+  }
+  const Telemetry& telemetry = link_.telemetry();
+  if (const auto flags = telemetry.estimator_flags(now); !flags) {
+    out.reasons.emplace_back("the autopilot says nothing of its estimator");
+  } else if (const auto fault = estimator_fault(dialect_, *flags, !telemetry.is_on_ground())) {
+    out.reasons.push_back(*fault);
+  } else if (!telemetry.position_world_m(now)) {
+    out.reasons.emplace_back("the autopilot says nothing of its position");
+  }
+  if (sequence_.is_mode_lost()) {
+    out.reasons.push_back("the autopilot is in " + mode_name(dialect_, telemetry.mode()) +
+                          " mode; `hold` or `follow` takes it back");
+  }
+  if (const auto waiting = sequence_.waiting_for()) {
+    out.reasons.push_back("waiting for " + *waiting);
+  }
+  if (const auto refused = refusal(now)) {
+    out.reasons.push_back(*refused);
+  }
+  return out;
+}
+
+std::vector<models::NamedCount> QuadrotorDriver::counters() const {
+  std::vector<models::NamedCount> out = link_.counters();
+  for (models::NamedCount& counter : guard_.counters()) {
+    out.push_back(std::move(counter));
+  }
+  if (poses_unseen_ > 0) {
+    out.push_back({"quadrotor.poses_unseen", poses_unseen_});
+  }
+  if (poses_refused_ > 0) {
+    out.push_back({"quadrotor.poses_refused", poses_refused_});
+  }
+  return out;
+}
+
+}  // namespace vantage::drivers

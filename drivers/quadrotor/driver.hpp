@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "drivers/quadrotor/autopilot_link.hpp"
+#include "drivers/quadrotor/body_tracker.hpp"
+#include "drivers/quadrotor/flight_sequence.hpp"
+#include "drivers/quadrotor/safety/guard.hpp"
+#include "drivers/quadrotor/steering.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::drivers {
+
+/// The driver of one quadrotor, without any input or output of its own: what arrives is handed to
+/// it with the time of arrival, what is to go out is fetched. Flight safety (FlightGuard) decides
+/// where the vehicle is to be; this carries it out over MAVLink and reports what the vehicle says.
+///
+/// Times are the receiver's monotonic ones, expressed in the stack's clock. The same calls give the
+/// same bytes.
+class QuadrotorDriver {
+ public:
+  static constexpr Duration kSetpointPeriod{20'000};  ///< 50 Hz
+  static constexpr Duration kPosePeriod{20'000};      ///< poses are forwarded no faster
+
+  /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
+  QuadrotorDriver(const models::Scenario& scenario, const std::string& robot,
+                  const SafetyLimits& limits,
+                  const std::optional<models::mavlink::SigningKey>& key = std::nullopt);
+
+  /// Bytes from the autopilot: a datagram, or a piece of a serial stream.
+  void receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
+  /// Forwards the pose of this vehicle at once.
+  void on_mocap(const models::MocapFrame& frame, Time now);
+  /// This vehicle's plan, or a teammate's.
+  void on_plan(const models::RobotPlan& plan, Time now);
+  void on_command(const models::OperatorCommand& command, Time now);
+  /// Whether the scenario that others announce is the one flown here.
+  void on_map(bool is_same) { guard_.on_map(is_same); }
+  /// Does what is due. To be called every 5 ms or so; set-points go out at 50 Hz.
+  void tick(Time now);
+
+  [[nodiscard]] std::vector<WireMessage> take_output() { return link_.take_output(); }
+  /// For QUADROTOR_R: flight safety's view, and in its reasons what the autopilot refuses or waits
+  /// for.
+  [[nodiscard]] models::VehicleStatus status(Time now) const;
+  /// True once after the state or the reasons have changed.
+  [[nodiscard]] bool take_news() { return std::exchange(has_news_, false); }
+  [[nodiscard]] std::vector<models::NamedCount> counters() const;
+  [[nodiscard]] const Telemetry& telemetry() const { return link_.telemetry(); }
+
+ private:
+  void report_autopilot(Time now);
+  void fly(Time now);
+  [[nodiscard]] FlightGoal goal(const GuardOutput& out) const;
+  [[nodiscard]] bool is_nearly_down() const;
+  [[nodiscard]] std::optional<std::string> refusal(Time now) const;
+
+  std::string robot_;
+  models::AutopilotDialect dialect_;
+  double take_off_height_m_;
+  AutopilotLink link_;
+  FlightGuard guard_;
+  BodyTracker tracker_;
+  FlightSequence sequence_;
+  Steering steering_;
+  GuardOutput orders_;
+  std::optional<double> ground_m_;  ///< height of the body when it was last seen unarmed
+  Time next_setpoint_{};
+  Time next_pose_{};
+  std::optional<Time> heartbeat_reported_;
+  std::optional<Time> battery_reported_;
+  std::optional<Time> telemetry_reported_;
+  bool has_news_ = false;
+  std::int64_t poses_refused_ = 0;
+  std::int64_t poses_unseen_ = 0;
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,199 @@
+#include "drivers/quadrotor/flight_sequence.hpp"
+
+#include "models/wire/mavlink/vocabulary.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+namespace wire = models::mavlink;
+
+// More than a second of set-points before the mode is asked for.
+constexpr Duration kProofOfLife = std::chrono::milliseconds(1500);
+constexpr Duration kModePause = std::chrono::seconds(1);
+constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // its motors spool up first
+constexpr Duration kArmPause = std::chrono::seconds(2);
+constexpr Duration kKillPeriod = std::chrono::milliseconds(100);
+constexpr Duration kDisarmAfterLanding = std::chrono::seconds(5);
+constexpr double kClimbedM = 0.25;
+
+wire::CommandLong arm_command(bool is_to_arm, bool is_forced = false) {
+  wire::CommandLong out;
+  out.command = wire::command::kArmDisarm;
+  out.param1 = is_to_arm ? 1.0F : 0.0F;
+  out.param2 = is_forced ? wire::kForceDisarm : 0.0F;
+  return out;
+}
+
+}  // namespace
+
+void FlightSequence::set_goal(FlightGoal goal) {
+  if (goal == goal_) {
+    return;
+  }
+  if (goal_ == FlightGoal::kRest) {
+    was_armed_ = false;
+    streaming_since_.reset();
+  }
+  // Armed on the ground and flying are the same mode; a lost one is not taken by going on.
+  const bool goes_on = goal_ == FlightGoal::kArm && goal == FlightGoal::kFly;
+  if (!goes_on) {
+    has_mode_ = false;
+    is_mode_lost_ = false;
+    has_climbed_ = false;
+    is_over_ = false;
+    on_ground_since_.reset();
+  }
+  goal_ = goal;
+}
+
+bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
+  const Telemetry& telemetry = link.telemetry();
+  waiting_for_.reset();
+  if (!telemetry.is_connected(situation.now) && goal_ != FlightGoal::kKill) {
+    // What was said before the silence may not have been heard; flying vehicles still get their
+    // set-points.
+    return was_armed_ && goal_ == FlightGoal::kFly;
+  }
+  is_over_ = is_over_ || (was_armed_ && !telemetry.is_armed());
+  was_armed_ = was_armed_ || telemetry.is_armed();
+  switch (goal_) {
+    case FlightGoal::kRest:
+      return rest(link, situation.now);
+    case FlightGoal::kArm:
+    case FlightGoal::kFly:
+      if (is_over_) {
+        waiting_for_ = "a new order: the autopilot has stopped its motors";
+        return false;
+      }
+      return telemetry.is_armed() ? fly(link, situation) : prepare(link, situation);
+    case FlightGoal::kLand:
+      return land(link, situation.now);
+    case FlightGoal::kKill:
+      kill(link, situation.now);
+      return false;
+  }
+  return false;
+}
+
+bool FlightSequence::rest(AutopilotLink& link, Time now) {
+  streaming_since_.reset();
+  has_climbed_ = false;
+  disarm_on_ground(link, now, Duration{0});
+  // In the air and in the mode that we fly it in: an earlier run of this driver left it there, and
+  // nobody else is going to bring it down.
+  const Telemetry& telemetry = link.telemetry();
+  if (telemetry.is_armed() && !telemetry.is_on_ground() &&
+      telemetry.mode() == traits_.follow_mode) {
+    waiting_for_ = "landing of a vehicle that was found flying";
+    link.want(land_command(dialect_), now, kModePause);
+  }
+  return false;
+}
+
+bool FlightSequence::prepare(AutopilotLink& link, const Situation& situation) {
+  if (!situation.may_arm) {
+    waiting_for_ = "ready to arm";
+    streaming_since_.reset();
+    return false;
+  }
+  if (!streaming_since_) {
+    streaming_since_ = situation.now;
+  }
+  if (traits_.wants_proof_of_life && situation.now - *streaming_since_ < kProofOfLife) {
+    waiting_for_ = "set-points to be noticed";
+    return true;
+  }
+  if (link.telemetry().mode() != traits_.follow_mode) {
+    waiting_for_ = mode_name(dialect_, traits_.follow_mode) + " mode";
+    link.want(follow_mode_command(dialect_), situation.now, kModePause);
+    return traits_.wants_proof_of_life;
+  }
+  has_mode_ = true;
+  waiting_for_ = "motors";
+  link.want(arm_command(true), situation.now, kArmPause);
+  return traits_.wants_proof_of_life;
+}
+
+bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
+  const Telemetry& telemetry = link.telemetry();
+  if (telemetry.mode() == traits_.follow_mode) {
+    has_mode_ = true;
+    is_mode_lost_ = false;
+  } else if (has_mode_) {
+    is_mode_lost_ = true;
+    return traits_.wants_proof_of_life;  // so that the mode can be taken again
+  } else {
+    waiting_for_ = mode_name(dialect_, traits_.follow_mode) + " mode";
+    if (!streaming_since_) {
+      streaming_since_ = situation.now;
+    }
+    if (!traits_.wants_proof_of_life || situation.now - *streaming_since_ >= kProofOfLife) {
+      link.want(follow_mode_command(dialect_), situation.now, kModePause);
+    }
+    return true;
+  }
+  if (goal_ == FlightGoal::kArm) {
+    return traits_.wants_proof_of_life;
+  }
+  has_climbed_ = has_climbed_ || situation.height_error_m < kClimbedM;
+  if (has_climbed_) {
+    return true;
+  }
+  waiting_for_ = "take-off height";
+  if (!traits_.takes_off_by_command) {
+    return true;
+  }
+  if (telemetry.is_on_ground() || situation.is_low) {
+    wire::CommandLong take_off;
+    take_off.command = wire::command::kTakeOff;
+    take_off.param7 = static_cast<float>(situation.take_off_height_m);
+    link.want(take_off, situation.now, kTakeOffPause);
+  }
+  return false;
+}
+
+bool FlightSequence::land(AutopilotLink& link, Time now) {
+  const Telemetry& telemetry = link.telemetry();
+  if (!telemetry.is_armed()) {
+    is_over_ = true;
+    return false;
+  }
+  disarm_on_ground(link, now, kDisarmAfterLanding);
+  if (telemetry.mode() == traits_.land_mode) {
+    has_mode_ = true;
+    is_mode_lost_ = false;
+    waiting_for_ = "touch-down";
+    return false;
+  }
+  if (has_mode_) {
+    is_mode_lost_ = true;
+    return false;
+  }
+  waiting_for_ = "land mode";
+  link.want(land_command(dialect_), now, kModePause);
+  return true;
+}
+
+void FlightSequence::kill(AutopilotLink& link, Time now) {
+  const Telemetry& telemetry = link.telemetry();
+  if (telemetry.is_armed() || !telemetry.is_connected(now)) {
+    waiting_for_ = "motors to stop";
+    link.insist(arm_command(false, true), now, kKillPeriod);
+  }
+}
+
+void FlightSequence::disarm_on_ground(AutopilotLink& link, Time now, Duration after) {
+  const Telemetry& telemetry = link.telemetry();
+  if (!telemetry.is_armed() || !telemetry.is_on_ground()) {
+    on_ground_since_.reset();
+    return;
+  }
+  if (!on_ground_since_) {
+    on_ground_since_ = now;
+  }
+  if (now - *on_ground_since_ >= after) {
+    link.want(arm_command(false), now, kArmPause);
+  }
+}
+
+}  // namespace vantage::drivers

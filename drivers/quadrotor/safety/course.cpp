@@ -1,0 +1,155 @@
+#include "drivers/quadrotor/safety/course.hpp"
+
+#include <algorithm>
+
+namespace vantage::drivers {
+
+BrakeWay BrakeWay::along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
+                         double reaction_s, const Eigen::Vector3d& offset_m) {
+  BrakeWay way;
+  way.is_along_ = true;
+  way.plan_ = plan;
+  way.elapsed_s_ = elapsed_s;
+  way.offset_m_ = offset_m;
+  way.reaction_s_ = reaction_s;
+  // The fastest piece that the stop can reach sets its length: never braked harder than allowed.
+  const double longest_s = speed_max_mps(plan, elapsed_s, elapsed_s + 60.0) / brake_mps2;
+  way.brake_s_ =
+      speed_max_mps(plan, elapsed_s, elapsed_s + reaction_s + 0.5 * longest_s) / brake_mps2;
+  return way;
+}
+
+BrakeWay BrakeWay::straight(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_mps,
+                            double yaw_rad, double brake_mps2, double reaction_s) {
+  BrakeWay way;
+  way.start_.position_world_m = position_m;
+  way.start_.velocity_world_mps = velocity_mps;
+  way.start_.yaw_rad = yaw_rad;
+  way.reaction_s_ = reaction_s;
+  way.brake_s_ = velocity_mps.norm() / brake_mps2;
+  return way;
+}
+
+PlanPoint BrakeWay::at(double t_s) const {
+  // Uniform until the reaction, then s(u) = u − u²/(2 T): a clock that slows from 1 to 0.
+  const double u = std::clamp(t_s - reaction_s_, 0.0, brake_s_);
+  const double gone_s =
+      std::clamp(t_s, 0.0, reaction_s_) + (brake_s_ > 0.0 ? u - 0.5 * u * u / brake_s_ : 0.0);
+  const double rate = brake_s_ > 0.0 ? 1.0 - u / brake_s_ : 0.0;
+  PlanPoint out = start_;
+  if (is_along_) {
+    out = point_at(plan_, elapsed_s_ + gone_s);
+    out.position_world_m += offset_m_;
+  } else {
+    out.position_world_m += start_.velocity_world_mps * gone_s;
+  }
+  out.velocity_world_mps *= rate;
+  out.yaw_rate_radps *= rate;
+  return out;
+}
+
+void Course::stand(const Eigen::Vector3d& position_m, double yaw_rad, Time now) {
+  mode_ = Mode::kStand;
+  begin_ = now;
+  from_ = {};
+  from_.position_world_m = position_m;
+  from_.yaw_rad = yaw_rad;
+  has_next_ = false;
+}
+
+void Course::follow(const HeldPlan& plan, Time now) {
+  if (plan.start_time > now) {
+    next_ = plan;
+    has_next_ = true;
+  } else {
+    begin(plan);
+  }
+}
+
+void Course::begin(const HeldPlan& plan) {
+  mode_ = Mode::kPlan;
+  plan_ = plan;
+  lag_s_ = 0.0;
+  has_next_ = false;
+}
+
+void Course::stop(const BrakeWay& way, Time now) {
+  mode_ = Mode::kBrake;
+  begin_ = now;
+  way_ = way;
+  has_next_ = false;
+}
+
+void Course::shift(const Eigen::Vector3d& to_m, double speed_mps, Time now) {
+  from_ = at(now);
+  from_.velocity_world_mps.setZero();
+  from_.yaw_rate_radps = 0.0;
+  mode_ = Mode::kShift;
+  begin_ = now;
+  to_m_ = to_m;
+  shift_mps_ = speed_mps;
+  has_next_ = false;
+}
+
+void Course::advance(Time now, double dt_s, double rate) {
+  if (has_next_ && next_.start_time <= now) {
+    begin(HeldPlan(next_));
+  }
+  if (mode_ == Mode::kPlan) {
+    lag_s_ += (1.0 - rate) * dt_s;
+  }
+}
+
+double Course::elapsed_s(Time now) const { return to_seconds(now - plan_.start_time) - lag_s_; }
+
+PlanPoint Course::at(Time time) const {
+  if (has_next_ && time >= next_.start_time) {
+    return point_at(next_, to_seconds(time - next_.start_time));
+  }
+  switch (mode_) {
+    case Mode::kStand:
+      return from_;
+    case Mode::kPlan:
+      return point_at(plan_, elapsed_s(time));
+    case Mode::kBrake:
+      return way_.at(to_seconds(time - begin_));
+    case Mode::kShift: {
+      PlanPoint out = from_;
+      const Eigen::Vector3d way_m = to_m_ - from_.position_world_m;
+      const double length_m = way_m.norm();
+      const double gone_m = shift_mps_ * std::max(0.0, to_seconds(time - begin_));
+      if (gone_m >= length_m) {
+        out.position_world_m = to_m_;
+      } else {
+        out.position_world_m += way_m * (gone_m / length_m);
+        out.velocity_world_mps = way_m * (shift_mps_ / length_m);
+      }
+      return out;
+    }
+  }
+  return from_;
+}
+
+PlanPoint Course::on_time(Time time) const {
+  return mode_ == Mode::kPlan ? point_at(plan_, to_seconds(time - plan_.start_time)) : at(time);
+}
+
+bool Course::has_plan(Time now) const {
+  return mode_ == Mode::kPlan && elapsed_s(now) <= duration_s(plan_);
+}
+
+bool Course::is_standing(Time now) const {
+  switch (mode_) {
+    case Mode::kStand:
+      return true;
+    case Mode::kPlan:
+      return false;
+    case Mode::kBrake:
+      return to_seconds(now - begin_) >= way_.duration_s();
+    case Mode::kShift:
+      return at(now).position_world_m == to_m_;
+  }
+  return false;
+}
+
+}  // namespace vantage::drivers

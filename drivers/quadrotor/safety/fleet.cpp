@@ -1,0 +1,104 @@
+#include "drivers/quadrotor/safety/fleet.hpp"
+
+#include <algorithm>
+
+namespace vantage::drivers {
+namespace {
+
+constexpr double kPredictS = 0.5;
+// A body that is not where it was believed to be is believed again after so many poses in a row.
+constexpr int kMovedAfter = 50;
+
+}  // namespace
+
+NamedBody find_unique(const models::MocapFrame& frame, const std::string& name) {
+  NamedBody out;
+  for (const models::MocapBody& body : frame.bodies) {
+    if (body.name == name) {
+      out.is_unique = out.body == nullptr;
+      out.body = &body;
+    }
+  }
+  return out;
+}
+
+Fleet::Fleet(const models::Scenario& scenario, const std::string& own_name) : own_name_(own_name) {
+  for (const models::RobotSpec& robot : scenario.robots) {
+    if (robot.name != own_name) {
+      members_.push_back({robot.name, true, robot.name < own_name, {}, false, {}});
+    }
+  }
+  for (const models::TargetSpec& target : scenario.targets) {
+    members_.push_back({target.name, false, true, {}, false, {}});
+  }
+  bodies_.reserve(members_.size());
+  courses_.reserve(members_.size());
+}
+
+void Fleet::on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits, Time now) {
+  for (Member& member : members_) {
+    const NamedBody found = find_unique(frame, member.name);
+    const bool is_lost = member.pose.rejected_in_row() >= kMovedAfter;
+    const PoseVerdict verdict = member.pose.judge(found.is_unique ? found.body : nullptr,
+                                                  {!is_lost, false, true}, limits, now);
+    poses_refused_ += verdict == PoseVerdict::kAccepted || verdict == PoseVerdict::kAbsent ? 0 : 1;
+  }
+  for (const models::MocapBody& body : frame.bodies) {
+    const bool is_known = body.name == own_name_ ||
+                          std::any_of(members_.begin(), members_.end(), [&](const Member& member) {
+                            return member.name == body.name;
+                          });
+    unknown_bodies_ += is_known ? 0 : 1;
+  }
+}
+
+bool Fleet::on_plan(const models::RobotPlan& plan, const SafetyLimits& limits) {
+  const auto member = std::find_if(members_.begin(), members_.end(), [&](const Member& each) {
+    return each.is_robot && each.name == plan.robot;
+  });
+  if (member == members_.end() ||
+      (member->has_plan && plan.trajectory.start_time < member->plan.start_time)) {
+    return false;
+  }
+  HeldPlan held;
+  if (!hold_plan(plan.trajectory, held) || check_shape(held, limits) == PlanVerdict::kNotFinite) {
+    return false;
+  }
+  member->plan = held;
+  member->has_plan = true;
+  return true;
+}
+
+std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
+  bodies_.clear();
+  for (const Member& member : members_) {
+    if (member.pose.has_pose()) {
+      const double age_s = member.pose.age_s(now);
+      // What has not been seen for long has stopped by now, as it must without a pose.
+      const bool is_fresh = age_s <= limits.pose_age_hold_s;
+      bodies_.push_back({member.pose.predict_m(now, limits.pose_age_hold_s),
+                         is_fresh ? member.pose.velocity_world_mps() : Eigen::Vector3d::Zero(),
+                         age_s, member.goes_first});
+    }
+  }
+  return bodies_;
+}
+
+std::span<const OtherCourse> Fleet::courses(Time now, const SafetyLimits& limits) {
+  courses_.clear();
+  for (const Member& member : members_) {
+    if (!member.is_robot || (!member.has_plan && !member.pose.has_pose())) {
+      continue;
+    }
+    const Eigen::Vector3d seen_m = member.pose.predict_m(now, kPredictS);
+    bool keeps_to_plan = member.has_plan;
+    if (keeps_to_plan && member.pose.has_pose()) {
+      const PlanPoint planned = point_at(member.plan, to_seconds(now - member.plan.start_time));
+      keeps_to_plan = (planned.position_world_m - seen_m).norm() <= 2.0 * limits.tracking_hold_m;
+    }
+    courses_.push_back({keeps_to_plan ? &member.plan : nullptr, seen_m});
+  }
+  return courses_;
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+
+namespace vantage::drivers {
+
+inline constexpr double kNever = std::numeric_limits<double>::infinity();
+
+/// Everything the ladder looks at, at one instant: ages, distances and facts, as plain numbers.
+/// Ages are by the receiver's monotonic clock; kNever when nothing was heard. The defaults are
+/// those of a healthy vehicle on the ground.
+struct SafetyInputs {
+  Time now{};  ///< monotonic; only differences matter
+  double since_last_tick_s = 0.0;
+
+  // Pose.
+  double pose_age_s = 0.0;        ///< since the last plausible one arrived
+  double pose_latency_s = 0.0;    ///< arrival less capture, as far as the clocks can be compared
+  int poses_rejected = 0;         ///< implausible ones in a row
+  int poses_accepted = 1000;      ///< plausible ones in a row
+  double height_m = 0.0;          ///< best known, above the ground
+  double tracking_error_m = 0.0;  ///< from the reference; 0 without one
+
+  // Plan.
+  bool has_plan = true;         ///< a checked plan covers this instant and has not ended
+  double planner_age_s = 0.0;   ///< since the leaseholder's last message
+  int plans_late = 0;           ///< in a row
+  int plans_refused = 0;        ///< in a row
+  bool second_planner = false;  ///< a run without the lease spoke in the last seconds
+  bool map_differs = false;     ///< planner and vehicle do not fly in the same scenario
+
+  // Distances of the vehicle's edge; negative is outside or in contact.
+  double fence_now_m = kNever;
+  double fence_centre_m = kNever;  ///< of its centre, from the bounds
+  double fence_stop_m = kNever;    ///< of the whole braking way
+  double obstacle_stop_m = kNever;
+  double separation_now_m = kNever;   ///< centre to centre, nearest body, less its uncertainty
+  double separation_stop_m = kNever;  ///< least, when both brake now
+  bool yields = false;                ///< the nearest body's vehicle goes first
+
+  // Vehicle.
+  bool autopilot_armed = false;
+  bool autopilot_obeys = true;  ///< it is in the mode that takes our set-points, or asked to be
+  double heartbeat_age_s = 0.0;
+  double telemetry_age_s = 0.0;
+  bool estimator_good = true;
+  double estimate_error_m = 0.0;  ///< its position from the mocap's
+  double tilt_rad = 0.0;
+  double thrust_share = 0.0;
+  bool motor_failed = false;
+  double battery_share = 1.0;
+  double battery_age_s = 0.0;
+  double battery_unchanged_s = 0.0;  ///< in flight
+  double flight_s = 0.0;             ///< since take-off
+
+  // Operator.
+  double operator_age_s = 0.0;                    ///< since the heartbeat of the station in charge
+  bool emergency_stop = false;                    ///< asked since the last tick, by anyone
+  std::optional<models::OperatorAction> request;  ///< the station in charge, or a safer one
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+
+#include "core/time.hpp"
+#include "drivers/quadrotor/safety/conditions.hpp"
+#include "models/exchange/messages.hpp"
+
+namespace vantage::drivers {
+
+using Reasons = std::bitset<kConditionsMax>;  ///< by index into conditions()
+
+/// What the ladder remembers from one tick to the next.
+struct LadderState {
+  models::FlightState state = models::FlightState::kIdle;
+  bool wants_armed = false;                  ///< the operator's, until landed or refused
+  bool wants_follow = false;                 ///< `follow` was said and nothing since took it back
+  Reasons latched;                           ///< act now; ended only by their rule
+  std::array<Time, kConditionsMax> since{};  ///< the condition holds without a break
+  std::array<Time, kConditionsMax> gone_since{};
+  Reasons held;  ///< condition held at the last tick
+};
+
+/// One tick of flight safety: FOLLOW → HOLD → LAND → KILL, the most severe condition wins.
+///
+/// Idle and killed are on or headed for the ground. LAND ends on the ground only, KILL on the
+/// ground and by `arm`. HOLD becomes FOLLOW when nothing asks for HOLD any more, a checked plan
+/// is there and the operator wants it. A command never makes the state less severe than the
+/// latched conditions. Pure: the same arguments give the same answer; no allocation; constant time.
+LadderState step_ladder(const LadderState& before, const SafetyInputs& inputs,
+                        const SafetyLimits& limits);
+
+/// The conditions that forbid arming and taking off now: none means the vehicle may.
+Reasons arming_blocks(const SafetyInputs& inputs, const SafetyLimits& limits);
+
+/// True while the vehicle is in the air by our knowledge: following, holding or landing.
+bool is_airborne(models::FlightState state);
+
+}  // namespace vantage::drivers

@@ -1,0 +1,83 @@
+#include "drivers/quadrotor/safety/limits.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "core/check.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+struct Bound {
+  const char* name;
+  double value;
+};
+
+void rises(const Bound& low, const Bound& high) {
+  require(low.value > 0.0 && low.value < high.value && std::isfinite(high.value),
+          std::string("safety limits: 0 < ") + low.name + " < " + high.name);
+}
+
+}  // namespace
+
+SafetyLimits limits_for(const models::Scenario& scenario, const std::string& robot) {
+  const models::RobotSpec* spec = scenario.find_robot(robot);
+  require(spec != nullptr, "flight safety: robot " + robot + " is not in the scenario");
+  SafetyLimits limits;
+  limits.fence = scenario.world;
+  limits.vehicle = spec->limits;
+  limits.take_off_height_m = spec->height_m;
+  // Plans are checked to the planner's separation; rounding on the wire must not refuse one.
+  limits.plan_separation_m = scenario.planner.separation_m - 0.01;
+  const double contact_m = 2.0 * spec->limits.radius_m;
+  limits.separation_land_m = contact_m;
+  limits.separation_hold_m =
+      contact_m + 0.5 * std::max(0.02, scenario.planner.separation_m - contact_m);
+  limits.landing_clearance_m = contact_m + 0.2;
+  limits.tracking_hold_m = 2.0 * scenario.planner.tracking_tolerance_m;
+  limits.tracking_land_m = 5.0 * scenario.planner.tracking_tolerance_m;
+  limits.plan_start_tolerance_m = 2.0 * scenario.planner.tracking_tolerance_m;
+  check_limits(limits);
+  return limits;
+}
+
+void check_limits(const SafetyLimits& l) {
+  rises({"pose_age_warn_s", l.pose_age_warn_s}, {"pose_age_hold_s", l.pose_age_hold_s});
+  rises({"pose_age_hold_s", l.pose_age_hold_s}, {"pose_age_land_s", l.pose_age_land_s});
+  rises({"pose_age_land_s", l.pose_age_land_s}, {"pose_age_kill_s", l.pose_age_kill_s});
+  rises({"pose_gate_m", l.pose_gate_m}, {"pose_gate_max_m", l.pose_gate_max_m});
+  rises({"tracking_hold_m", l.tracking_hold_m}, {"tracking_land_m", l.tracking_land_m});
+  rises({"separation_land_m", l.separation_land_m}, {"separation_hold_m", l.separation_hold_m});
+  rises({"battery_empty_share", l.battery_empty_share},
+        {"battery_land_share", l.battery_land_share});
+  rises({"battery_land_share", l.battery_land_share}, {"battery_low_share", l.battery_low_share});
+  rises({"battery_low_share", l.battery_low_share}, {"battery_arm_share", l.battery_arm_share});
+  rises({"heartbeat_age_hold_s", l.heartbeat_age_hold_s},
+        {"heartbeat_age_land_s", l.heartbeat_age_land_s});
+  rises({"estimate_error_hold_m", l.estimate_error_hold_m},
+        {"estimate_error_land_m", l.estimate_error_land_m});
+  rises({"operator_age_hold_s", l.operator_age_hold_s},
+        {"operator_age_land_s", l.operator_age_land_s});
+  const std::array<Bound, 12> positive = {{
+      {"safe_height_m", l.safe_height_m},
+      {"reaction_s", l.reaction_s},
+      {"plan_separation_m", l.plan_separation_m},
+      {"planner_lease_s", l.planner_lease_s},
+      {"climb_mps", l.climb_mps},
+      {"descent_mps", l.descent_mps},
+      {"flight_max_s", l.flight_max_s},
+      {"clear_s", l.clear_s},
+      {"speed_max_mps", l.vehicle.speed_max_mps},
+      {"yaw_rate_max_radps", l.vehicle.yaw_rate_max_radps},
+      {"brake_mps2", l.vehicle.brake_mps2},
+      {"take_off_height_m", l.take_off_height_m},
+  }};
+  for (const Bound& bound : positive) {
+    require(std::isfinite(bound.value) && bound.value > 0.0,
+            std::string("safety limits: ") + bound.name + " must be positive and finite");
+  }
+  require(l.take_off_height_m < l.fence.ceiling_m,
+          "safety limits: take_off_height_m must lie below the ceiling");
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::drivers {
+
+/// Every number that flight safety compares with. The defaults are for a lab with mocap at 100 Hz
+/// and a vehicle of about 1 kg; limits_for() takes from the scenario what the scenario says.
+/// What each one does is said by the row of conditions() that names it.
+struct SafetyLimits {
+  // The pose, by the receiver's own arrival times.
+  double pose_age_warn_s = 0.05;
+  double pose_age_hold_s = 0.10;
+  double pose_age_land_s = 0.50;
+  double pose_age_kill_s = 1.50;
+  double safe_height_m = 0.15;   ///< below it motors may stop without harm
+  double touch_height_m = 0.06;  ///< below it a landing has landed
+  double pose_latency_hold_s = 0.10;
+  int pose_rejected_hold = 3;    ///< implausible poses in a row
+  int pose_frames_to_arm = 50;   ///< plausible ones in a row
+  double pose_gate_m = 0.25;     ///< around the prediction, at the next frame
+  double pose_gate_max_m = 0.6;  ///< however long the gap
+  double pose_flip_rad = 1.0;    ///< turn between two poses that no vehicle makes
+  double pose_stuck_moving_s = 0.05;
+  double pose_stuck_hover_s = 0.5;
+  double volume_margin_m = 1.0;  ///< poses farther outside the bounds are not believed
+
+  // The plan.
+  double plan_silent_warn_s = 2.0;
+  int plans_late_hold = 3;
+  double plan_past_max_s = 0.5;    ///< start before the arrival
+  double plan_future_max_s = 5.0;  ///< start after the arrival
+  double plan_start_tolerance_m = 0.4;
+  double planner_lease_s = 2.0;
+  double tracking_hold_m = 0.4;
+  double tracking_land_m = 1.0;
+
+  // Where the vehicle is and will stop.
+  models::World fence;  ///< bounds, ceiling, obstacles
+  double fence_land_m = 0.0;
+  double fence_kill_m = 1.0;  ///< of the centre, outside the bounds
+  double reaction_s = 0.10;   ///< flown on before braking bites
+  double separation_hold_m = 0.55;
+  double separation_land_m = 0.5;
+  double plan_separation_m = 0.6;
+  double other_pose_growth_mps = 0.5;  ///< how fast an unseen body's tube widens
+  double other_pose_growth_max_m = 0.5;
+  double landing_clearance_m = 0.7;  ///< from bodies below
+
+  // The vehicle.
+  models::VehicleLimits vehicle;
+  double lateral_max_mps2 = 10.0;
+  double take_off_height_m = 1.0;
+  double climb_mps = 0.5;
+  double descent_mps = 0.4;
+  double battery_arm_share = 0.30;
+  double battery_low_share = 0.25;
+  double battery_land_share = 0.15;
+  double battery_empty_share = 0.05;
+  double battery_age_land_s = 10.0;
+  double battery_stuck_land_s = 60.0;
+  double flight_max_s = 900.0;
+  double heartbeat_age_hold_s = 1.5;  ///< autopilots send at 1 Hz
+  double heartbeat_age_land_s = 3.0;
+  double telemetry_age_hold_s = 0.5;
+  double estimate_error_hold_m = 0.3;
+  double estimate_error_land_m = 1.0;
+  double tilt_kill_rad = 1.05;
+  double thrust_saturated_share = 0.97;
+
+  // The operator and this process.
+  bool needs_operator = true;
+  double operator_age_hold_s = 1.0;
+  double operator_age_land_s = 3.0;
+  double stall_hold_s = 0.25;  ///< between two of our own ticks
+  double clear_s = 0.5;        ///< a condition must be gone this long before it clears itself
+  double yield_s = 2.0;        ///< more, for the vehicle that must let the other go first
+};
+
+/// Defaults with the scenario's world, separation, tracking tolerance and the robot's own limits.
+/// @throws UsageError for an unknown robot, or what check_limits() says.
+SafetyLimits limits_for(const models::Scenario& scenario, const std::string& robot);
+
+/// @throws UsageError with name and rule for a limit that is not finite, not positive or not below
+/// the next step of its ladder.
+void check_limits(const SafetyLimits& limits);
+
+}  // namespace vantage::drivers

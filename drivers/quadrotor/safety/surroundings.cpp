@@ -1,0 +1,135 @@
+#include "drivers/quadrotor/safety/surroundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/angle.hpp"
+#include "models/world/world.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr int kSamples = 16;     // along the braking way
+constexpr double kLevelM = 0.3;  // within it, two heights are one
+constexpr double kFenceSpareM = 0.1;
+
+double tube_m(const OtherBody& body, const SafetyLimits& limits) {
+  const double unseen_s = std::max(0.0, body.age_s - limits.pose_age_hold_s);
+  return std::min(limits.other_pose_growth_max_m, limits.other_pose_growth_mps * unseen_s);
+}
+
+double fence_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
+  return std::min(fence_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m,
+                  limits.fence.ceiling_m - p_m.z());
+}
+
+double obstacle_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
+  return obstacle_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m;
+}
+
+double length_of_stop_s(const OtherBody& body, const SafetyLimits& limits) {
+  return limits.reaction_s + body.velocity_world_mps.norm() / limits.vehicle.brake_mps2;
+}
+
+Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
+  const double margin_m = limits.vehicle.radius_m + kFenceSpareM;
+  const models::Rectangle& bounds = limits.fence.bounds;
+  Eigen::Vector3d out = p_m;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double low_m = bounds.min_m(axis) + margin_m;
+    const double high_m = bounds.max_m(axis) - margin_m;
+    out(axis) = low_m < high_m ? std::clamp(p_m(axis), low_m, high_m) : 0.5 * (low_m + high_m);
+  }
+  return out;
+}
+
+bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                  std::span<const OtherBody> others, const SafetyLimits& limits) {
+  for (int i = 0; i <= kSamples; ++i) {
+    const Eigen::Vector3d p_m = from_m + (to_m - from_m) * (static_cast<double>(i) / kSamples);
+    if (obstacle_edge_m(p_m, limits) < 0.05) {
+      return false;
+    }
+  }
+  return std::none_of(others.begin(), others.end(), [&](const OtherBody& body) {
+    const Eigen::Vector3d& q_m = body.position_world_m;
+    const double now_m = (from_m - q_m).norm();
+    const double least_m = models::closest_approach_m(from_m, to_m, q_m, q_m);
+    return least_m < std::min(now_m, limits.separation_hold_m) - 1e-9;
+  });
+}
+
+}  // namespace
+
+Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
+                         std::span<const OtherBody> others, const SafetyLimits& limits) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Surroundings out;
+  out.fence_centre_m = fence_distance_m(limits.fence, position_m.head<2>());
+  out.fence_now_m = fence_edge_m(position_m, limits);
+  out.fence_stop_m = kFar;
+  out.obstacle_stop_m = kFar;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double t_s = way.duration_s() * i / kSamples;
+    const Eigen::Vector3d p_m = way.at(t_s).position_world_m;
+    out.fence_stop_m = std::min(out.fence_stop_m, fence_edge_m(p_m, limits));
+    out.obstacle_stop_m = std::min(out.obstacle_stop_m, obstacle_edge_m(p_m, limits));
+  }
+  out.separation_now_m = kFar;
+  out.separation_stop_m = kFar;
+  for (const OtherBody& body : others) {
+    const double less_m = tube_m(body, limits);
+    const double apart_m = (position_m - body.position_world_m).norm() - less_m;
+    out.separation_now_m = std::min(out.separation_now_m, apart_m);
+    const BrakeWay theirs = BrakeWay::straight(body.position_world_m, body.velocity_world_mps, 0.0,
+                                               limits.vehicle.brake_mps2, limits.reaction_s);
+    const double end_s = std::max(way.duration_s(), length_of_stop_s(body, limits));
+    double least_m = apart_m;
+    for (int i = 0; i < kSamples; ++i) {
+      const double t0_s = end_s * i / kSamples;
+      const double t1_s = end_s * (i + 1) / kSamples;
+      least_m = std::min(least_m, models::closest_approach_m(way.at(t0_s).position_world_m,
+                                                             way.at(t1_s).position_world_m,
+                                                             theirs.at(t0_s).position_world_m,
+                                                             theirs.at(t1_s).position_world_m) -
+                                      less_m);
+    }
+    if (least_m < out.separation_stop_m) {
+      out.separation_stop_m = least_m;
+      out.yields = body.goes_first;
+    }
+  }
+  return out;
+}
+
+bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                       const SafetyLimits& limits) {
+  return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
+    const Eigen::Vector3d away_m = position_m - body.position_world_m;
+    const bool is_below = away_m.z() > kLevelM || (away_m.z() > -kLevelM && body.goes_first);
+    return is_below && away_m.head<2>().norm() < limits.landing_clearance_m;
+  });
+}
+
+Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
+                             const SafetyLimits& limits) {
+  constexpr int kRings = 6;
+  constexpr int kBearings = 12;
+  const Eigen::Vector3d home_m = inside(hover_m, limits);
+  for (int ring = 0; ring <= kRings; ++ring) {
+    for (int bearing = 0; bearing < (ring == 0 ? 1 : kBearings); ++bearing) {
+      const double angle_rad = 2.0 * kPi * bearing / kBearings;
+      const double out_m = 0.25 * ring;
+      const Eigen::Vector3d spot_m =
+          home_m + out_m * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+      if (inside(spot_m, limits) == spot_m && !is_occupied_below(spot_m, others, limits) &&
+          is_way_clear(hover_m, spot_m, others, limits)) {
+        return spot_m;
+      }
+    }
+  }
+  return home_m;
+}
+
+}  // namespace vantage::drivers

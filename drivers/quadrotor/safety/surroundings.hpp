@@ -1,0 +1,47 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "drivers/quadrotor/safety/course.hpp"
+#include "drivers/quadrotor/safety/limits.hpp"
+
+namespace vantage::drivers {
+
+/// Another body as it was last seen.
+struct OtherBody {
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< moved on to now
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  double age_s = 0.0;
+  bool goes_first = true;  ///< before us, where one must yield
+};
+
+/// What is left around the vehicle, now and if it braked now. Distances as in SafetyInputs.
+struct Surroundings {
+  double fence_now_m = 0.0;
+  double fence_centre_m = 0.0;
+  double fence_stop_m = 0.0;
+  double obstacle_stop_m = 0.0;
+  double separation_now_m = 0.0;
+  double separation_stop_m = 0.0;
+  bool yields = false;
+};
+
+/// Looks along the braking way and at every other body, each braking straight as hard as we do;
+/// a body not seen lately has a tube around it that widens. Allocates nothing.
+Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
+                         std::span<const OtherBody> others, const SafetyLimits& limits);
+
+/// Where to come down from a hover at `hover_m`: there, or the nearest of some places around from
+/// where nothing is below, inside the fence and clear of obstacles, with the way there clear. The
+/// hover itself, brought inside the fence, when there is none.
+Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
+                             const SafetyLimits& limits);
+
+/// True when a body lies below `position_m` or beside it, nearer than landing_clearance_m seen
+/// from above, and is one to give way to.
+bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                       const SafetyLimits& limits);
+
+}  // namespace vantage::drivers

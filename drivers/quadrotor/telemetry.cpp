@@ -1,0 +1,149 @@
+#include "drivers/quadrotor/telemetry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/quadrotor/axes.hpp"
+#include "drivers/quadrotor/dialect.hpp"
+#include "models/wire/mavlink/vocabulary.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+namespace wire = models::mavlink;
+
+constexpr Duration kHeartbeatAgeMax = std::chrono::milliseconds(2500);
+constexpr Duration kEstimatorAgeMax = std::chrono::seconds(2);
+constexpr Duration kPositionAgeMax = std::chrono::milliseconds(500);
+constexpr std::size_t kTextsMax = 32;
+constexpr std::size_t kTextBytesMax = 500;
+constexpr int kWarning = 4;
+// A better round trip is forgotten slowly, so that drift of the clocks is followed.
+constexpr std::int64_t kRoundTripForgettingNs = 20'000;
+
+}  // namespace
+
+void Telemetry::take(const wire::Frame& frame, Time now) {
+  heard_[frame.message_id] = now;
+  if (const auto heartbeat = wire::unpack<wire::Heartbeat>(frame)) {
+    take_heartbeat(*heartbeat, now);
+  } else if (const auto state = wire::unpack<wire::ExtendedSysState>(frame)) {
+    landed_state_ = state->landed_state;
+  } else if (const auto battery = wire::unpack<wire::BatteryStatus>(frame)) {
+    if (battery->id == 0) {
+      take_battery(battery->battery_remaining);
+    }
+  } else if (const auto system = wire::unpack<wire::SysStatus>(frame)) {
+    if (!heard(wire::BatteryStatus::kMessage.id)) {
+      take_battery(system->battery_remaining);
+    }
+  } else if (const auto px4 = wire::unpack<wire::EstimatorStatus>(frame)) {
+    estimator_flags_ = px4->flags;
+  } else if (const auto ardupilot = wire::unpack<wire::EkfStatusReport>(frame)) {
+    estimator_flags_ = ardupilot->flags;
+  } else if (const auto position = wire::unpack<wire::LocalPositionNed>(frame)) {
+    const Eigen::Vector3d local_m(position->x, position->y, position->z);
+    if (local_m.allFinite()) {
+      position_world_m_ = turn_axes(local_m);
+      has_origin_ = true;
+    }
+  } else if (const auto attitude = wire::unpack<wire::Attitude>(frame)) {
+    const double cosine = std::cos(static_cast<double>(attitude->roll)) *
+                          std::cos(static_cast<double>(attitude->pitch));
+    tilt_rad_ = std::isfinite(cosine) ? std::acos(cosine) : 0.0;
+  } else if (frame.message_id == wire::GpsGlobalOrigin::kMessage.id) {
+    has_origin_ = true;
+  } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
+    take_timesync(*timesync, now);
+  } else if (const auto text = wire::unpack<wire::Statustext>(frame)) {
+    take_text(*text, now);
+  }
+}
+
+void Telemetry::take_heartbeat(const wire::Heartbeat& heartbeat, Time now) {
+  if (heartbeat_time_ && now - *heartbeat_time_ > kHeartbeatAgeMax) {
+    ++reconnections_;
+    has_origin_ = false;
+    clock_offset_ns_.reset();
+  }
+  heartbeat_time_ = now;
+  is_armed_ = (heartbeat.base_mode & wire::kArmedFlag) != 0;
+  mode_ = heartbeat.custom_mode;
+  autopilot_ = heartbeat.autopilot;
+}
+
+void Telemetry::take_battery(std::int8_t remaining_percent) {
+  if (remaining_percent >= 0 && remaining_percent <= 100) {
+    battery_share_ = remaining_percent / 100.0;
+  }
+}
+
+void Telemetry::take_timesync(const wire::Timesync& reply, Time now) {
+  const std::int64_t now_ns = to_utime(now) * 1000;
+  if (reply.tc1 == 0 || reply.ts1 > now_ns || reply.ts1 < now_ns - 1'000'000'000) {
+    return;  // a request, or an answer to nothing that was asked in the last second
+  }
+  const std::int64_t round_trip_ns = now_ns - reply.ts1;
+  if (!clock_offset_ns_ || round_trip_ns <= round_trip_best_ns_) {
+    round_trip_best_ns_ = round_trip_ns;
+    clock_offset_ns_ = reply.tc1 - (reply.ts1 + round_trip_ns / 2);
+  } else {
+    round_trip_best_ns_ += kRoundTripForgettingNs;
+  }
+}
+
+void Telemetry::take_text(const wire::Statustext& message, Time now) {
+  const auto end = std::find(message.text.begin(), message.text.end(), '\0');
+  std::string text(message.text.begin(), end);
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  const bool is_continued =
+      message.id != 0 && message.chunk_seq > 0 && message.id == text_id_ && !texts_.empty();
+  text_id_ = message.id;
+  if (is_continued) {
+    if (texts_.back().text.size() + text.size() <= kTextBytesMax) {
+      texts_.back().text += text;
+    }
+    return;
+  }
+  texts_.push_back({now, message.severity, std::move(text)});
+  if (texts_.size() > kTextsMax) {
+    texts_.pop_front();
+  }
+}
+
+bool Telemetry::is_connected(Time now) const {
+  return heartbeat_time_ && now - *heartbeat_time_ <= kHeartbeatAgeMax;
+}
+
+bool Telemetry::is_on_ground() const {
+  return landed_state_ == wire::landed::kUnknown ? !is_armed_
+                                                 : landed_state_ == wire::landed::kOnGround;
+}
+
+std::optional<std::uint16_t> Telemetry::estimator_flags(Time now) const {
+  const std::uint32_t id = dialect_ == models::AutopilotDialect::kPx4
+                               ? wire::EstimatorStatus::kMessage.id
+                               : wire::EkfStatusReport::kMessage.id;
+  const auto time = heard(id);
+  return time && now - *time <= kEstimatorAgeMax ? std::optional(estimator_flags_) : std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> Telemetry::position_world_m(Time now) const {
+  const auto time = heard(wire::LocalPositionNed::kMessage.id);
+  return time && now - *time <= kPositionAgeMax ? std::optional(position_world_m_) : std::nullopt;
+}
+
+std::optional<Time> Telemetry::heard(std::uint32_t message_id) const {
+  const auto found = heard_.find(message_id);
+  return found == heard_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<std::string> Telemetry::newest_warning(Time now, Duration age) const {
+  const auto found = std::find_if(texts_.rbegin(), texts_.rend(), [&](const AutopilotText& text) {
+    return text.severity <= kWarning && now - text.time <= age;
+  });
+  return found == texts_.rend() ? std::nullopt : std::optional(found->text);
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "core/time.hpp"
+#include "models/scenario/scenario.hpp"
+#include "models/wire/mavlink/frame.hpp"
+
+namespace vantage::drivers {
+
+/// Text that an autopilot wrote, whole.
+struct AutopilotText {
+  Time time{};
+  int severity = 7;  ///< 0 emergency … 7 debug
+  std::string text;
+};
+
+/// What one autopilot says of itself. Everything is as old as its message: who uses it looks at
+/// the times.
+class Telemetry {
+ public:
+  explicit Telemetry(models::AutopilotDialect dialect) : dialect_(dialect) {}
+
+  /// Takes a frame of the vehicle.
+  void take(const models::mavlink::Frame& frame, Time now);
+
+  /// A HEARTBEAT within the last 2.5 s: two were missed otherwise.
+  [[nodiscard]] bool is_connected(Time now) const;
+  [[nodiscard]] bool is_armed() const { return is_armed_; }
+  [[nodiscard]] std::uint32_t mode() const { return mode_; }
+  [[nodiscard]] std::uint8_t autopilot() const { return autopilot_; }
+  [[nodiscard]] std::optional<Time> heartbeat_time() const { return heartbeat_time_; }
+  /// Heartbeats after a silence: the vehicle or its link was away, and may have forgotten.
+  [[nodiscard]] std::int64_t reconnections() const { return reconnections_; }
+
+  /// As EXTENDED_SYS_STATE says; true without one while disarmed.
+  [[nodiscard]] bool is_on_ground() const;
+  /// In [0, 1]; nullopt before it is known.
+  [[nodiscard]] std::optional<double> battery_share() const { return battery_share_; }
+  [[nodiscard]] std::optional<std::uint16_t> estimator_flags(Time now) const;
+  /// Its own estimate, world frame, if it is of the last half second.
+  [[nodiscard]] std::optional<Eigen::Vector3d> position_world_m(Time now) const;
+  /// Of its z axis from the vertical, by its own attitude.
+  [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
+  [[nodiscard]] bool has_origin() const { return has_origin_; }
+  /// When a message of this kind was last heard.
+  [[nodiscard]] std::optional<Time> heard(std::uint32_t message_id) const;
+  /// Its clock minus ours, ns; of the exchange with the shortest round trip so far.
+  [[nodiscard]] std::optional<std::int64_t> clock_offset_ns() const { return clock_offset_ns_; }
+
+  /// The newest text of warning or worse, if it came in the last `age`.
+  [[nodiscard]] std::optional<std::string> newest_warning(Time now, Duration age) const;
+  [[nodiscard]] const std::deque<AutopilotText>& texts() const { return texts_; }
+
+ private:
+  void take_heartbeat(const models::mavlink::Heartbeat& heartbeat, Time now);
+  void take_battery(std::int8_t remaining_percent);
+  void take_timesync(const models::mavlink::Timesync& reply, Time now);
+  void take_text(const models::mavlink::Statustext& message, Time now);
+
+  models::AutopilotDialect dialect_;
+  std::map<std::uint32_t, Time> heard_;  ///< by message id; only those that are understood
+  std::optional<Time> heartbeat_time_;
+  std::int64_t reconnections_ = 0;
+  bool is_armed_ = false;
+  std::uint32_t mode_ = 0;
+  std::uint8_t autopilot_ = 0;
+  std::uint8_t landed_state_ = 0;
+  std::optional<double> battery_share_;
+  std::uint16_t estimator_flags_ = 0;
+  Eigen::Vector3d position_world_m_ = Eigen::Vector3d::Zero();
+  double tilt_rad_ = 0.0;
+  bool has_origin_ = false;
+  std::optional<std::int64_t> clock_offset_ns_;
+  std::int64_t round_trip_best_ns_ = 0;
+  std::deque<AutopilotText> texts_;
+  std::uint16_t text_id_ = 0;  ///< of the text that is coming in pieces
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,140 @@
+#include <cerrno>
+#include <optional>
+#include <system_error>
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "core/check.hpp"
+#include "drivers/quadrotor/port.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr Duration kSilence = std::chrono::seconds(3);
+
+std::string reason() { return std::system_category().message(errno); }
+
+/// The C API's word for an address of any family.
+const sockaddr* as_sockaddr(const sockaddr_in& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+sockaddr_in resolve(const std::string& host, std::uint16_t port) {
+  sockaddr_in out{};
+  out.sin_family = AF_INET;
+  out.sin_addr.s_addr = htonl(INADDR_ANY);
+  if (!host.empty()) {
+    addrinfo hints{};
+    hints.ai_family = AF_INET;
+    hints.ai_socktype = SOCK_DGRAM;
+    addrinfo* found = nullptr;
+    const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found);
+    if (error != 0) {
+      throw StartupError("host " + host + ": " + gai_strerror(error));
+    }
+    out.sin_addr = reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr;
+    freeaddrinfo(found);
+  }
+  out.sin_port = htons(port);
+  return out;
+}
+
+bool is_same(const sockaddr_in& a, const sockaddr_in& b) {
+  return a.sin_port == b.sin_port && a.sin_addr.s_addr == b.sin_addr.s_addr;
+}
+
+class UdpPort : public Port {
+ public:
+  UdpPort(const std::string& host, std::uint16_t port, bool speaks_first)
+      : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+    if (fd_ < 0) {
+      throw StartupError("cannot make a UDP socket: " + reason());
+    }
+    try {
+      const sockaddr_in address = resolve(host, port);
+      if (speaks_first) {
+        peer_ = address;
+        is_peer_fixed_ = true;
+      } else if (bind(fd_, as_sockaddr(address), sizeof address) != 0) {
+        throw StartupError("UDP port " + std::to_string(port) + ": " + reason());
+      }
+    } catch (...) {
+      close(fd_);
+      throw;
+    }
+  }
+  ~UdpPort() override { close(fd_); }
+  UdpPort(const UdpPort&) = delete;
+  UdpPort& operator=(const UdpPort&) = delete;
+  UdpPort(UdpPort&&) = delete;
+  UdpPort& operator=(UdpPort&&) = delete;
+
+  [[nodiscard]] bool is_datagram() const override { return true; }
+
+  std::size_t read(std::span<std::uint8_t> buffer, Time now) override {
+    while (true) {
+      sockaddr_in from{};
+      socklen_t size = sizeof from;
+      const ssize_t got =
+          recvfrom(fd_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
+      if (got < 0) {
+        if (errno == EINTR || errno == ECONNREFUSED) {
+          continue;  // a refusal answers an earlier datagram
+        }
+        return 0;
+      }
+      const bool is_peer = peer_ && is_same(*peer_, from);
+      if (!is_peer && (is_peer_fixed_ || (peer_ && now - heard_ <= kSilence))) {
+        ++strangers_;
+        continue;
+      }
+      peer_ = from;
+      heard_ = now;
+      if (got > 0) {
+        return static_cast<std::size_t>(got);
+      }
+    }
+  }
+
+  void write(std::span<const std::uint8_t> message, Time) override {
+    if (!peer_) {
+      return;  // nobody to speak to yet
+    }
+    const ssize_t sent =
+        sendto(fd_, message.data(), message.size(), 0, as_sockaddr(*peer_), sizeof *peer_);
+    if (sent != static_cast<ssize_t>(message.size())) {
+      ++send_errors_;
+    }
+  }
+
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override {
+    std::vector<models::NamedCount> out;
+    if (send_errors_ > 0) {
+      out.push_back({"port.send_errors", send_errors_});
+    }
+    if (strangers_ > 0) {
+      out.push_back({"port.strangers", strangers_});
+    }
+    return out;
+  }
+
+ private:
+  int fd_;
+  std::optional<sockaddr_in> peer_;
+  bool is_peer_fixed_ = false;
+  Time heard_{};
+  std::int64_t send_errors_ = 0;
+  std::int64_t strangers_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Port> open_udp_port(const std::string& host, std::uint16_t port,
+                                    bool speaks_first) {
+  return std::make_unique<UdpPort>(host, port, speaks_first);
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,228 @@
+#include "sim/autopilot/autopilot_emulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "models/wire/mavlink/vocabulary.hpp"
+
+namespace vantage::sim {
+namespace {
+
+namespace wire = models::mavlink;
+
+constexpr std::uint32_t kTimesyncId = wire::Timesync::kMessage.id;
+
+/// Between the stack's axes (z up) and the autopilot's (z down): either way.
+Eigen::Vector3d turn(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
+
+}  // namespace
+
+AutopilotEmulator::AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boot)
+    : spec_(spec),
+      profile_(profile_of(spec.dialect)),
+      boot_(boot),
+      now_(boot),
+      controller_(profile_, spec.airframe, spec.seed, turn(spec.start.translation_m),
+                  -flatten(spec.start).yaw_rad, boot) {
+  streams_[wire::Heartbeat::kMessage.id] = {std::chrono::seconds(1), boot};
+  const bool is_px4 = spec.dialect == models::AutopilotDialect::kPx4;
+  streams_[kTimesyncId] = {is_px4 ? Duration{100'000} : Duration{10'000'000}, boot};
+}
+
+Pose3 AutopilotEmulator::world_from_body() const {
+  const Eigen::Quaterniond q = controller_.airframe().local_from_body();
+  return {turn(controller_.airframe().position_m()),
+          Eigen::Quaterniond(q.w(), q.x(), -q.y(), -q.z())};
+}
+
+Eigen::Vector3d AutopilotEmulator::velocity_world_mps() const {
+  return turn(controller_.airframe().velocity_mps());
+}
+
+void AutopilotEmulator::receive(std::span<const std::uint8_t> bytes, Time now) {
+  now_ = std::max(now_, now);
+  parser_.feed(bytes, [this](const wire::Frame& frame) { take(frame); });
+}
+
+void AutopilotEmulator::take(const wire::Frame& frame) {
+  if (const auto command = wire::unpack<wire::CommandLong>(frame)) {
+    if (is_for_me(command->target_system)) {
+      take_command(*command, frame.origin);
+    }
+  } else if (const auto odometry = wire::unpack<wire::Odometry>(frame)) {
+    take_odometry(*odometry);
+  } else if (const auto vision = wire::unpack<wire::VisionPositionEstimate>(frame)) {
+    take_vision(*vision);
+  } else if (const auto target = wire::unpack<wire::SetPositionTargetLocalNed>(frame)) {
+    if (is_for_me(target->target_system)) {
+      take_target(*target);
+    }
+  } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
+    take_timesync(*timesync);
+  } else if (const auto origin = wire::unpack<wire::SetGpsGlobalOrigin>(frame)) {
+    if (is_for_me(origin->target_system) && controller_.estimator().poses() > 0) {
+      controller_.set_origin();
+    }
+  }
+}
+
+void AutopilotEmulator::take_command(const wire::CommandLong& command, const wire::Origin& from) {
+  wire::CommandAck ack;
+  ack.command = command.command;
+  ack.result = obey(command);
+  ack.target_system = from.system_id;
+  ack.target_component = from.component_id;
+  // The reason comes before the refusal.
+  speak();
+  send(ack);
+}
+
+std::uint8_t AutopilotEmulator::obey(const wire::CommandLong& command) {
+  constexpr std::uint8_t kUnsupported = 3;
+  const bool is_px4 = spec_.dialect == models::AutopilotDialect::kPx4;
+  switch (command.command) {
+    case wire::command::kArmDisarm:
+      return command.param1 > 0.5F ? controller_.arm(now_)
+                                   : controller_.disarm(command.param2 == wire::kForceDisarm);
+    case wire::command::kSetMode: {
+      const auto main = static_cast<std::uint32_t>(command.param2);
+      const auto sub = static_cast<std::uint32_t>(command.param3);
+      return controller_.set_mode(is_px4 ? main << 16U | sub << 24U : main, now_);
+    }
+    case wire::command::kTakeOff:
+      return controller_.take_off(static_cast<double>(command.param7));
+    case wire::command::kLand:
+      return controller_.set_mode(profile_.land_mode, now_);
+    case wire::command::kSetMessageInterval:
+      return set_interval(command);
+    default:
+      return kUnsupported;
+  }
+}
+
+std::uint8_t AutopilotEmulator::set_interval(const wire::CommandLong& command) {
+  const auto id = static_cast<std::uint32_t>(command.param1);
+  const bool is_px4 = spec_.dialect == models::AutopilotDialect::kPx4;
+  const bool is_of_other =
+      id == (is_px4 ? wire::EkfStatusReport::kMessage.id : wire::EstimatorStatus::kMessage.id);
+  if (wire::find_message(id) == nullptr || is_of_other || !(command.param2 >= 5000.0F)) {
+    return 4;
+  }
+  streams_[id] = {Duration{static_cast<std::int64_t>(command.param2)}, now_};
+  return 0;
+}
+
+Time AutopilotEmulator::capture_time(std::uint64_t host_usec) const {
+  if (!host_minus_own_ns_) {
+    return now_;
+  }
+  const std::int64_t own_us = static_cast<std::int64_t>(host_usec) - *host_minus_own_ns_ / 1000;
+  return std::min(now_, boot_ + Duration{own_us});
+}
+
+void AutopilotEmulator::take_odometry(const wire::Odometry& odometry) {
+  const Eigen::Vector3d position_m(odometry.x, odometry.y, odometry.z);
+  if (spec_.dialect == models::AutopilotDialect::kArdupilot) {
+    if (odometry.frame_id != wire::frame::kLocalFrd ||
+        odometry.child_frame_id != wire::frame::kBodyFrd || !position_m.allFinite()) {
+      ++ignored_;
+      return;
+    }
+    controller_.take_pose(now_, capture_time(odometry.time_usec), position_m,
+                          odometry.reset_counter);
+    return;
+  }
+  constexpr std::uint8_t kLastFused = 3;  // unknown, naive, vision, visual-inertial
+  constexpr std::uint8_t kMocap = 6;
+  if (odometry.estimator_type > kLastFused) {
+    if (odometry.estimator_type != kMocap) {
+      wire::Statustext text;
+      text.severity = 2;
+      const char* const words = "ODOMETRY: estimator_type unsupported";
+      std::copy_n(words, std::strlen(words), text.text.begin());
+      send(text);
+    }
+    ++ignored_;  // also of mocap: a topic that the estimator does not read
+    return;
+  }
+  constexpr std::uint8_t kLocalEnu = 4;
+  constexpr std::uint8_t kLocalFlu = 21;
+  Eigen::Vector3d local_m = position_m;
+  if (odometry.frame_id == kLocalEnu) {
+    local_m = {position_m.y(), position_m.x(), -position_m.z()};
+  } else if (odometry.frame_id == kLocalFlu) {
+    local_m = turn(position_m);
+  } else if (odometry.frame_id != wire::frame::kLocalNed &&
+             odometry.frame_id != wire::frame::kLocalFrd) {
+    ++ignored_;
+    return;
+  }
+  if (local_m.allFinite()) {
+    controller_.take_pose(now_, capture_time(odometry.time_usec), local_m, odometry.reset_counter);
+  }
+}
+
+void AutopilotEmulator::take_vision(const wire::VisionPositionEstimate& vision) {
+  const Eigen::Vector3d position_m(vision.x, vision.y, vision.z);
+  if (position_m.allFinite()) {
+    controller_.take_pose(now_, capture_time(vision.usec), position_m, vision.reset_counter);
+  }
+}
+
+void AutopilotEmulator::take_target(const wire::SetPositionTargetLocalNed& message) {
+  constexpr unsigned kPositionIgnored = 7;
+  constexpr unsigned kVelocityIgnored = 56;
+  constexpr unsigned kForce = 512;
+  constexpr unsigned kYawIgnored = 1024;
+  constexpr unsigned kYawRateIgnored = 2048;
+  constexpr std::uint8_t kBodyNed = 8;
+  const unsigned mask = message.type_mask;
+  const bool is_body = message.coordinate_frame == kBodyNed;
+  if ((message.coordinate_frame != wire::frame::kLocalNed && !is_body) || (mask & kForce) != 0) {
+    ++ignored_;
+    return;
+  }
+  FlightTarget target;
+  if ((mask & kPositionIgnored) == 0 && !is_body) {
+    target.position_m = Eigen::Vector3d(message.x, message.y, message.z);
+  }
+  if ((mask & kVelocityIgnored) == 0) {
+    Eigen::Vector3d velocity_mps(message.vx, message.vy, message.vz);
+    if (is_body) {
+      velocity_mps = Eigen::AngleAxisd(controller_.airframe().yaw_rad(), Eigen::Vector3d::UnitZ()) *
+                     velocity_mps;
+    }
+    target.velocity_mps = velocity_mps;
+  }
+  if ((mask & kYawIgnored) == 0) {
+    target.yaw_rad = static_cast<double>(message.yaw);
+  }
+  if ((mask & kYawRateIgnored) == 0) {
+    target.yaw_rate_radps = static_cast<double>(message.yaw_rate);
+  }
+  controller_.take_target(target, now_);
+}
+
+void AutopilotEmulator::take_timesync(const wire::Timesync& message) {
+  const std::int64_t own_ns = (now_ - boot_).count() * 1000;
+  if (message.tc1 == 0) {
+    wire::Timesync reply;
+    reply.tc1 = own_ns;
+    reply.ts1 = message.ts1;
+    send(reply);
+  } else if (message.ts1 <= own_ns) {
+    host_minus_own_ns_ = message.tc1 - (message.ts1 + own_ns) / 2;
+  }
+}
+
+void AutopilotEmulator::advance_to(Time now) {
+  // Steps end on whole multiples of kStep after boot.
+  for (Time next = boot_ + ((now_ - boot_) / kStep + 1) * kStep; next <= now; next += kStep) {
+    now_ = next;
+    controller_.step(next, to_seconds(kStep));
+    speak();
+  }
+}
+
+}  // namespace vantage::sim

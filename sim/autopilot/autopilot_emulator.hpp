@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/pose.hpp"
+#include "core/time.hpp"
+#include "models/wire/mavlink/parser.hpp"
+#include "sim/autopilot/flight_controller.hpp"
+
+namespace vantage::sim {
+
+struct AutopilotEmulatorSpec {
+  models::AutopilotDialect dialect = models::AutopilotDialect::kPx4;
+  std::uint8_t system_id = 1;
+  Pose3 start;  ///< world from body, standing on the ground there
+  std::uint64_t seed = 1;
+  AirframeParameters airframe;
+};
+
+/// A vehicle with a simulated autopilot at the end of a MAVLink wire. It knows its peer only from
+/// the bytes that come, answers as the real autopilots were seen to answer, and flies by what they
+/// ask for. Virtual time: handed in, it never asks for it; the same bytes at the same times give
+/// the same bytes.
+class AutopilotEmulator {
+ public:
+  static constexpr Duration kStep{5'000};
+
+  AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boot);
+
+  void receive(std::span<const std::uint8_t> bytes, Time now);
+  /// Steps on to `now`, a whole number of steps after boot, and says what became due.
+  void advance_to(Time now);
+  /// What is to go out, a datagram each; empties it.
+  std::vector<std::vector<std::uint8_t>> take_output() { return std::exchange(output_, {}); }
+
+  /// The truth, world z up, body FLU.
+  [[nodiscard]] Pose3 world_from_body() const;
+  [[nodiscard]] Eigen::Vector3d velocity_world_mps() const;
+  [[nodiscard]] const FlightController& controller() const { return controller_; }
+  [[nodiscard]] FlightController& controller() { return controller_; }
+  /// Frames that came and were ignored because the real one ignores them too.
+  [[nodiscard]] std::int64_t ignored() const { return ignored_; }
+
+ private:
+  void take(const models::mavlink::Frame& frame);
+  void take_command(const models::mavlink::CommandLong& command,
+                    const models::mavlink::Origin& from);
+  std::uint8_t obey(const models::mavlink::CommandLong& command);
+  std::uint8_t set_interval(const models::mavlink::CommandLong& command);
+  void take_odometry(const models::mavlink::Odometry& odometry);
+  void take_vision(const models::mavlink::VisionPositionEstimate& vision);
+  void take_target(const models::mavlink::SetPositionTargetLocalNed& target);
+  void take_timesync(const models::mavlink::Timesync& message);
+  [[nodiscard]] bool is_for_me(std::uint8_t target_system) const {
+    return target_system == 0 || target_system == spec_.system_id;
+  }
+  /// Host time to the instant in the vehicle's own clock that it means, as the vehicle knows it.
+  [[nodiscard]] Time capture_time(std::uint64_t host_usec) const;
+  void speak();
+  void speak_once(std::uint32_t message_id);
+  template <class Message>
+  void send(const Message& message);
+
+  AutopilotEmulatorSpec spec_;
+  const AutopilotProfile& profile_;
+  Time boot_;
+  Time now_;
+  FlightController controller_;
+  models::mavlink::Parser parser_;
+  std::vector<std::vector<std::uint8_t>> output_;
+  std::uint8_t next_sequence_ = 0;
+  struct Stream {
+    Duration interval{};
+    Time next{};
+  };
+  std::map<std::uint32_t, Stream> streams_;
+  std::optional<std::int64_t> host_minus_own_ns_;
+  std::int64_t ignored_ = 0;
+};
+
+}  // namespace vantage::sim

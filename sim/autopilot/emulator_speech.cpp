@@ -1,0 +1,126 @@
+// What the emulated autopilot says by itself: streams, and the texts of its controller.
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/wire/mavlink/vocabulary.hpp"
+#include "sim/autopilot/autopilot_emulator.hpp"
+
+namespace vantage::sim {
+namespace {
+
+namespace wire = models::mavlink;
+
+constexpr std::size_t kOutputMax = 1024;  // datagrams that nobody fetches: the oldest half goes
+constexpr std::uint8_t kQuadrotor = 2;
+constexpr std::uint8_t kStandby = 3;
+constexpr std::uint16_t kNoVoltage = 0xFFFF;
+
+float f32(double x) { return static_cast<float>(x); }
+
+wire::BatteryStatus battery_status(const Airframe& airframe) {
+  wire::BatteryStatus out;
+  out.battery_remaining = static_cast<std::int8_t>(std::lround(100.0 * airframe.battery_share()));
+  out.voltages.fill(kNoVoltage);
+  out.voltages[0] = static_cast<std::uint16_t>(std::lround(1000.0 * airframe.battery_v()));
+  out.current_battery = static_cast<std::int16_t>(std::lround(2500.0 * airframe.thrust_share()));
+  out.temperature = 2500;
+  out.charge_state = airframe.battery_share() < 0.05 ? 4 : airframe.battery_share() < 0.15 ? 2 : 1;
+  return out;
+}
+
+}  // namespace
+
+template <class Message>
+void AutopilotEmulator::send(const Message& message) {
+  if (output_.size() >= kOutputMax) {
+    output_.erase(output_.begin(), output_.begin() + kOutputMax / 2);
+  }
+  wire::append_bytes(
+      wire::pack(message, {spec_.system_id, wire::kComponentAutopilot, next_sequence_++}),
+      output_.emplace_back());
+}
+template void AutopilotEmulator::send(const wire::CommandAck&);
+template void AutopilotEmulator::send(const wire::Statustext&);
+template void AutopilotEmulator::send(const wire::Timesync&);
+
+void AutopilotEmulator::speak() {
+  for (const SpokenText& spoken : controller_.take_texts()) {
+    wire::Statustext text;
+    text.severity = spoken.severity;
+    std::copy_n(spoken.text.begin(), std::min(spoken.text.size(), text.text.size()),
+                text.text.begin());
+    send(text);
+  }
+  for (auto& [id, stream] : streams_) {
+    if (now_ >= stream.next) {
+      stream.next = std::max(stream.next + stream.interval, now_);
+      speak_once(id);
+    }
+  }
+}
+
+void AutopilotEmulator::speak_once(std::uint32_t message_id) {
+  const Airframe& airframe = controller_.airframe();
+  const auto boot_ms = static_cast<std::uint32_t>((now_ - boot_).count() / 1000);
+  switch (message_id) {
+    case wire::Heartbeat::kMessage.id: {
+      wire::Heartbeat out;
+      out.custom_mode = controller_.mode();
+      out.type = kQuadrotor;
+      out.autopilot = profile_.autopilot_id;
+      out.base_mode =
+          static_cast<std::uint8_t>(1 | (controller_.is_armed() ? wire::kArmedFlag : 0));
+      out.system_status = controller_.is_armed() ? wire::kStateActive : kStandby;
+      out.mavlink_version = 3;
+      return send(out);
+    }
+    case wire::Timesync::kMessage.id: {
+      wire::Timesync out;
+      out.ts1 = std::max<std::int64_t>(1, (now_ - boot_).count() * 1000);
+      return send(out);
+    }
+    case wire::LocalPositionNed::kMessage.id: {
+      if (!controller_.has_position(now_)) {
+        return;
+      }
+      const Eigen::Vector3d position_m = controller_.estimator().position_m();
+      const Eigen::Vector3d& velocity_mps = airframe.velocity_mps();
+      return send(wire::LocalPositionNed{boot_ms, f32(position_m.x()), f32(position_m.y()),
+                                         f32(position_m.z()), f32(velocity_mps.x()),
+                                         f32(velocity_mps.y()), f32(velocity_mps.z())});
+    }
+    case wire::Attitude::kMessage.id: {
+      const Eigen::Matrix3d R = airframe.local_from_body().toRotationMatrix();
+      return send(wire::Attitude{boot_ms, f32(std::atan2(R(2, 1), R(2, 2))),
+                                 f32(-std::asin(std::clamp(R(2, 0), -1.0, 1.0))),
+                                 f32(std::atan2(R(1, 0), R(0, 0))), 0.0F, 0.0F,
+                                 f32(airframe.yaw_rate_radps())});
+    }
+    case wire::EstimatorStatus::kMessage.id: {
+      wire::EstimatorStatus out;
+      out.time_usec = static_cast<std::uint64_t>((now_ - boot_).count());
+      out.flags = controller_.estimator_flags(now_);
+      return send(out);
+    }
+    case wire::EkfStatusReport::kMessage.id: {
+      wire::EkfStatusReport out;
+      out.flags = controller_.estimator_flags(now_);
+      return send(out);
+    }
+    case wire::ExtendedSysState::kMessage.id:
+      return send(wire::ExtendedSysState{0, controller_.landed_state()});
+    case wire::BatteryStatus::kMessage.id:
+      return send(battery_status(airframe));
+    case wire::SysStatus::kMessage.id: {
+      wire::SysStatus out;
+      out.voltage_battery = battery_status(airframe).voltages[0];
+      out.battery_remaining = battery_status(airframe).battery_remaining;
+      return send(out);
+    }
+    default:
+      return;  // accepted, and never sent: as a message whose source is not there
+  }
+}
+
+}  // namespace vantage::sim

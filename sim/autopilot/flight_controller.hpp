@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/time.hpp"
+#include "sim/autopilot/airframe.hpp"
+#include "sim/autopilot/pose_estimator.hpp"
+#include "sim/autopilot/profile.hpp"
+
+namespace vantage::sim {
+
+/// What a position target asks for; local frame.
+struct FlightTarget {
+  std::optional<Eigen::Vector3d> position_m;
+  std::optional<Eigen::Vector3d> velocity_mps;
+  std::optional<double> yaw_rad;
+  double yaw_rate_radps = 0.0;  ///< without a yaw
+};
+
+struct SpokenText {
+  std::uint8_t severity = 6;
+  std::string text;
+};
+
+/// The inside of a simulated autopilot: modes, arming, failsafes, control, over an Airframe. It
+/// refuses and gives up where and when the real one of its profile did. Handed time.
+class FlightController {
+ public:
+  FlightController(const AutopilotProfile& profile, const AirframeParameters& airframe,
+                   std::uint64_t seed, const Eigen::Vector3d& position_m, double yaw_rad,
+                   Time boot);
+
+  /// Each returns the result of an acknowledgement: 0 accepted.
+  std::uint8_t arm(Time now);
+  std::uint8_t disarm(bool is_forced);
+  std::uint8_t set_mode(std::uint32_t mode, Time now);
+  std::uint8_t take_off(double height_m);
+
+  void take_target(const FlightTarget& target, Time now);
+  void take_pose(Time now, Time capture, const Eigen::Vector3d& position_m, std::uint8_t resets) {
+    estimator_.fuse(now, capture, position_m, resets);
+  }
+  /// A fault of the vehicle's own that it will not fly with; empty: none.
+  void set_fault(std::string why) { fault_ = std::move(why); }
+  void set_origin() { has_origin_ = true; }
+
+  /// Moves on by `dt_s` to `now`.
+  void step(Time now, double dt_s);
+
+  [[nodiscard]] bool is_armed() const { return is_armed_; }
+  [[nodiscard]] std::uint32_t mode() const { return mode_; }
+  /// As EXTENDED_SYS_STATE counts: 1 on the ground, 2 in the air, 3 taking off, 4 landing.
+  [[nodiscard]] std::uint8_t landed_state() const;
+  [[nodiscard]] bool has_position(Time now) const;
+  [[nodiscard]] bool has_origin() const { return has_origin_; }
+  [[nodiscard]] std::uint16_t estimator_flags(Time now) const;
+  [[nodiscard]] const Airframe& airframe() const { return airframe_; }
+  [[nodiscard]] Airframe& airframe() { return airframe_; }
+  [[nodiscard]] const PoseEstimator& estimator() const { return estimator_; }
+  /// What it has said since the last call.
+  std::vector<SpokenText> take_texts() { return std::exchange(texts_, {}); }
+
+ private:
+  void say(std::uint8_t severity, std::string text) {
+    texts_.push_back({severity, std::move(text)});
+  }
+  void watch(Time now);
+  void enter_landing(Time now);
+  void stop_motors();
+  [[nodiscard]] bool has_proof_of_life(Time now) const;
+  [[nodiscard]] bool is_following() const { return mode_ == profile_.follow_mode; }
+  /// What velocity is wanted now; nullopt to stay on the ground.
+  [[nodiscard]] std::optional<Eigen::Vector3d> wanted_velocity_mps(Time now) const;
+  [[nodiscard]] Eigen::Vector3d towards(const Eigen::Vector3d& position_m) const;
+  void control(const std::optional<Eigen::Vector3d>& wanted_mps, double dt_s);
+  [[nodiscard]] double wanted_yaw_rate_radps() const;
+
+  const AutopilotProfile& profile_;
+  Airframe airframe_;
+  PoseEstimator estimator_;
+  Time boot_;
+  Time now_;
+  std::uint32_t mode_;
+  bool is_armed_ = false;
+  bool has_lifted_ = false;  ///< since arming
+  bool has_origin_ = false;
+  bool is_blind_ = false;
+  Time armed_at_{};
+  std::optional<Time> touched_down_;
+  std::optional<FlightTarget> target_;
+  Time target_time_{};
+  std::optional<Time> targets_since_;          ///< they come without a gap
+  std::optional<Eigen::Vector3d> climb_to_m_;  ///< of a take-off by command
+  Eigen::Vector3d landing_at_m_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shaped_mps_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d integral_mps2_ = Eigen::Vector3d::Zero();
+  std::string fault_;
+  std::vector<SpokenText> texts_;
+};
+
+}  // namespace vantage::sim

@@ -1,0 +1,204 @@
+#include "drivers/quadrotor/port.hpp"
+
+#include <array>
+#include <string>
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include "core/check.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+constexpr Time kNow = from_utime(1'700'000'000'000'000);
+
+/// A plain UDP socket on the loopback, bound to a port of the kernel's choosing.
+class Socket {
+ public:
+  Socket() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address = loopback(0);
+    EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    socklen_t size = sizeof address;
+    getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size);
+    port_ = ntohs(address.sin_port);
+  }
+  ~Socket() { close(fd_); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  Socket(Socket&&) = delete;
+  Socket& operator=(Socket&&) = delete;
+
+  int port() const { return port_; }
+  void send(const Bytes& bytes, int to) const {
+    const sockaddr_in address = loopback(to);
+    ASSERT_EQ(sendto(fd_, bytes.data(), bytes.size(), 0,
+                     reinterpret_cast<const sockaddr*>(&address), sizeof address),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  Bytes receive() const {
+    pollfd waiting{fd_, POLLIN, 0};
+    if (poll(&waiting, 1, 2000) != 1) {
+      return {};
+    }
+    Bytes bytes(2048);
+    bytes.resize(static_cast<std::size_t>(recv(fd_, bytes.data(), bytes.size(), 0)));
+    return bytes;
+  }
+
+ private:
+  static sockaddr_in loopback(int port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    return address;
+  }
+  int fd_;
+  int port_ = 0;
+};
+
+int free_port() { return Socket().port(); }
+
+Bytes read_all(Port& port, Time now) {
+  Bytes bytes(2048);
+  bytes.resize(port.read(bytes, now));
+  return bytes;
+}
+
+TEST(UdpPort, AnswersWhereTheVehicleSpeaksFrom) {
+  const int number = free_port();
+  const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
+  EXPECT_TRUE(port->is_datagram());
+  port->write(Bytes{1}, kNow);  // to nobody
+  const Socket vehicle;
+  vehicle.send({1, 2, 3}, number);
+  EXPECT_EQ(read_all(*port, kNow), (Bytes{1, 2, 3}));
+  EXPECT_TRUE(read_all(*port, kNow).empty());
+  port->write(Bytes{7, 8}, kNow);
+  EXPECT_EQ(vehicle.receive(), (Bytes{7, 8}));
+}
+
+TEST(UdpPort, HearsOneSenderUntilItIsSilent) {
+  const int number = free_port();
+  const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
+  const Socket vehicle;
+  const Socket other;
+  vehicle.send({1}, number);
+  EXPECT_EQ(read_all(*port, kNow), Bytes{1});
+  other.send({2}, number);
+  EXPECT_TRUE(read_all(*port, kNow + std::chrono::seconds(1)).empty());
+  ASSERT_EQ(port->counters().size(), 1U);
+  EXPECT_EQ(port->counters()[0].name, "port.strangers");
+  other.send({3}, number);
+  EXPECT_EQ(read_all(*port, kNow + std::chrono::seconds(4)), Bytes{3});
+  port->write(Bytes{9}, kNow);
+  EXPECT_EQ(other.receive(), Bytes{9});
+}
+
+TEST(UdpPort, SpeaksFirstWhenToldTo) {
+  const Socket vehicle;
+  const auto port = open_port("udpout://localhost:" + std::to_string(vehicle.port()));
+  port->write(Bytes{4, 5}, kNow);
+  EXPECT_EQ(vehicle.receive(), (Bytes{4, 5}));
+}
+
+/// The far end of a serial line: a pseudo terminal.
+class Line {
+ public:
+  Line() : fd_(posix_openpt(O_RDWR | O_NOCTTY)) {
+    EXPECT_EQ(grantpt(fd_), 0);
+    EXPECT_EQ(unlockpt(fd_), 0);
+    name = ptsname(fd_);
+  }
+  ~Line() { hang_up(); }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+  Line(Line&&) = delete;
+  Line& operator=(Line&&) = delete;
+
+  void send(const Bytes& bytes) const {
+    ASSERT_EQ(write(fd_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  Bytes receive(std::size_t count) const {
+    Bytes out;
+    while (out.size() < count) {
+      pollfd waiting{fd_, POLLIN, 0};
+      if (poll(&waiting, 1, 2000) != 1) {
+        break;
+      }
+      std::array<std::uint8_t, 256> some{};
+      const ssize_t got = read(fd_, some.data(), some.size());
+      if (got <= 0) {
+        break;
+      }
+      out.insert(out.end(), some.begin(), some.begin() + got);
+    }
+    return out;
+  }
+  void hang_up() {
+    if (fd_ >= 0) {
+      close(fd_);
+    }
+    fd_ = -1;
+  }
+
+  std::string name;
+
+ private:
+  int fd_;
+};
+
+TEST(SerialPort, CarriesEveryByteUnchanged) {
+  const Line line;
+  const auto port = open_port("serial:" + line.name + ":921600");
+  EXPECT_FALSE(port->is_datagram());
+  EXPECT_TRUE(read_all(*port, kNow).empty());
+  Bytes all(256);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] = static_cast<std::uint8_t>(i);
+  }
+  port->write(all, kNow);
+  EXPECT_EQ(line.receive(all.size()), all);
+  line.send(all);
+  EXPECT_EQ(read_all(*port, kNow), all);
+}
+
+TEST(SerialPort, WaitsForADeviceThatIsNotThere) {
+  const auto port = open_port("serial:/nowhere/at/all");
+  EXPECT_TRUE(read_all(*port, kNow).empty());
+  port->write(Bytes{1}, kNow);
+  EXPECT_EQ(port->counters()[0].name, "port.messages_dropped");
+}
+
+TEST(SerialPort, NoticesThatTheLineWasCutAndForgetsWhatWaited) {
+  Line line;
+  const auto port = open_port("serial:" + line.name + ":57600");
+  EXPECT_TRUE(read_all(*port, kNow).empty());
+  line.hang_up();
+  for (int i = 0; i < 3; ++i) {
+    port->write(Bytes{1, 2, 3}, kNow);
+    EXPECT_TRUE(read_all(*port, kNow).empty());
+  }
+  const auto counters = port->counters();
+  ASSERT_FALSE(counters.empty());
+  EXPECT_EQ(counters.back().name, "port.losses");
+}
+
+TEST(OpenPort, RefusesWhatItDoesNotUnderstand) {
+  for (const char* const url :
+       {"", "tcp://a:1", "udp://127.0.0.1", "udp://:0", "udp://:65536", "udp://:12x", "udpout://:1",
+        "serial:/dev/x:fast", "serial:/dev/x:12345"}) {
+    EXPECT_THROW(static_cast<void>(open_port(url)), StartupError) << url;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers

@@ -1,0 +1,241 @@
+// The emulated autopilots against what the real ones were measured to do.
+
+#include <gtest/gtest.h>
+
+#include "test/sim/autopilot/bench.hpp"
+
+namespace vantage::sim {
+namespace {
+
+using models::AutopilotDialect;
+using test::Hand;
+
+constexpr std::uint32_t kOffboard = 6U << 16U;
+constexpr std::uint32_t kPx4Land = 4U << 16U | 6U << 24U;
+
+void listen(Hand& hand) {
+  for (const float id : {32.0F, 230.0F, 193.0F}) {
+    hand.command(511, id, 50'000.0F);
+  }
+}
+
+Hand flying_px4() {
+  Hand hand(AutopilotDialect::kPx4);
+  listen(hand);
+  hand.sends_poses = true;
+  hand.run(5.0);
+  hand.target = Hand::position(1.0F, -2.0F, -1.6F, -0.5F);
+  hand.run(1.5);
+  EXPECT_EQ(hand.command(176, 1, 6), 0);
+  EXPECT_EQ(hand.command(400, 1), 0);
+  hand.run(8.0);
+  EXPECT_NEAR(hand.height_m(), 1.5, 0.1);
+  return hand;
+}
+
+Hand flying_ardupilot() {
+  Hand hand(AutopilotDialect::kArdupilot);
+  listen(hand);
+  hand.sends_poses = true;
+  hand.run(1.0);
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.run(25.0);
+  EXPECT_EQ(hand.command(176, 1, 4), 0);
+  EXPECT_EQ(hand.command(400, 1), 0);
+  EXPECT_EQ(hand.command(22, 0, 0, 0, 1.5F), 0);
+  hand.run(6.0);
+  EXPECT_NEAR(hand.height_m(), 1.5, 0.1);
+  return hand;
+}
+
+TEST(EmulatedPx4, IsReadyAFewSecondsAfterTheFirstPose) {
+  Hand hand(AutopilotDialect::kPx4);
+  listen(hand);
+  hand.run(10.0);
+  EXPECT_EQ(hand.positions, 0);
+  EXPECT_EQ(hand.command(400, 1), 1);
+  EXPECT_FALSE(hand.last_text.empty());
+  hand.sends_poses = true;
+  hand.run(3.0);
+  EXPECT_EQ(hand.positions, 0);
+  hand.run(1.5);
+  EXPECT_GT(hand.positions, 0);
+  EXPECT_EQ(hand.flags, 0x1EF);
+  EXPECT_EQ(hand.command(400, 1), 0);
+}
+
+TEST(EmulatedPx4, NeverReadsPosesThatClaimToBeMocap) {
+  Hand hand(AutopilotDialect::kPx4);
+  hand.sends_poses = true;
+  hand.estimator_type = 6;
+  hand.run(10.0);
+  EXPECT_EQ(hand.command(400, 1), 1);
+  EXPECT_EQ(hand.emulator.controller().estimator().poses(), 0);
+}
+
+TEST(EmulatedPx4, EntersOffboardOnlyAfterASecondOfSetPoints) {
+  Hand hand(AutopilotDialect::kPx4);
+  hand.sends_poses = true;
+  hand.run(5.0);
+  EXPECT_EQ(hand.command(176, 1, 6), 1);
+  hand.target = Hand::position(1.0F, -2.0F, -1.6F, 0.0F);
+  hand.run(0.8);
+  EXPECT_EQ(hand.command(176, 1, 6), 1);
+  hand.run(0.5);
+  EXPECT_EQ(hand.command(176, 1, 6), 0);
+  EXPECT_EQ(hand.mode(), kOffboard);
+}
+
+TEST(EmulatedPx4, LandsWhenSetPointsStopForASecond) {
+  Hand hand = flying_px4();
+  hand.target.reset();
+  hand.run(0.9);
+  EXPECT_EQ(hand.mode(), kOffboard);
+  hand.run(0.6);
+  EXPECT_EQ(hand.mode(), kPx4Land);
+  hand.run(12.0);
+  EXPECT_FALSE(hand.armed());
+}
+
+TEST(EmulatedPx4, LosesItsPositionFiveSecondsAfterTheLastPose) {
+  Hand hand = flying_px4();
+  EXPECT_EQ(hand.flags, 0x06F);
+  hand.sends_poses = false;
+  hand.run(4.5);
+  EXPECT_EQ(hand.mode(), kOffboard);
+  hand.run(1.0);
+  EXPECT_EQ(hand.flags, 0x065);
+  EXPECT_EQ(hand.mode(), kPx4Land);
+}
+
+TEST(EmulatedPx4, AnswersVelocitiesSoftly) {
+  Hand hand = flying_px4();
+  const Eigen::Vector3d before_m = hand.emulator.world_from_body().translation_m;
+  hand.target = Hand::velocity(0.5F, 0.0F, 0.0F, 0.0F);
+  hand.run(2.0);
+  const double at_two_m = hand.emulator.world_from_body().translation_m.x();
+  hand.run(2.0);
+  const double mean_mps = (hand.emulator.world_from_body().translation_m.x() - at_two_m) / 2.0;
+  EXPECT_GT(mean_mps, 0.33);
+  EXPECT_LT(mean_mps, 0.48);
+  EXPECT_NEAR(hand.emulator.world_from_body().translation_m.y(), before_m.y(), 0.1);
+}
+
+TEST(EmulatedArdupilot, SaysNothingOfItsPositionBeforeItHasAnOrigin) {
+  Hand hand(AutopilotDialect::kArdupilot);
+  listen(hand);
+  hand.sends_poses = true;
+  hand.run(6.0);
+  EXPECT_EQ(hand.positions, 0);
+  EXPECT_NE(hand.command(176, 1, 4), 0);
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.run(1.0);
+  EXPECT_GT(hand.positions, 0);
+  EXPECT_EQ(hand.flags, 0x33F);
+}
+
+TEST(EmulatedArdupilot, RefusesToArmForTwentyThreeSecondsAndSaysWhy) {
+  Hand hand(AutopilotDialect::kArdupilot);
+  hand.sends_poses = true;
+  hand.run(1.0);
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.run(20.0);
+  EXPECT_EQ(hand.command(400, 1), 4);
+  EXPECT_EQ(hand.last_text, "Arm: Accels inconsistent");
+  hand.run(3.0);
+  EXPECT_EQ(hand.command(400, 1), 0);
+}
+
+TEST(EmulatedArdupilot, IgnoresPosesInAnyFrameButTheOne) {
+  Hand hand(AutopilotDialect::kArdupilot);
+  hand.sends_poses = true;
+  hand.frame = models::mavlink::frame::kLocalNed;
+  hand.run(2.0);
+  EXPECT_EQ(hand.emulator.controller().estimator().poses(), 0);
+  hand.frame = models::mavlink::frame::kLocalFrd;
+  hand.run(2.0);
+  EXPECT_GT(hand.emulator.controller().estimator().poses(), 0);
+}
+
+TEST(EmulatedArdupilot, KeepsItsLastVelocityForThreeSecondsAndStops) {
+  Hand hand = flying_ardupilot();
+  hand.target = Hand::velocity(0.5F, 0.0F, 0.0F, 0.0F);
+  hand.run(4.0);
+  EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.5, 0.03);
+  hand.target.reset();
+  hand.run(2.8);
+  EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.5, 0.03);
+  hand.run(2.2);
+  EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.0, 0.1);
+  EXPECT_EQ(hand.mode(), 4U);
+}
+
+TEST(EmulatedArdupilot, TurnsWithTheYawRateItIsGiven) {
+  Hand hand = flying_ardupilot();
+  hand.target = Hand::velocity(0.0F, 0.0F, 0.0F, 0.5F);
+  hand.run(2.0);
+  const double before_rad = flatten(hand.emulator.world_from_body()).yaw_rad;
+  hand.run(2.0);
+  const double after_rad = flatten(hand.emulator.world_from_body()).yaw_rad;
+  // Clockwise for an autopilot is against our sense.
+  EXPECT_NEAR(wrap_to_pi(after_rad - before_rad) / 2.0, -0.5, 0.01);
+}
+
+TEST(EmulatedArdupilot, LandsEightSecondsAfterTheLastPose) {
+  Hand hand = flying_ardupilot();
+  hand.target = Hand::position(1.0F, -2.0F, -1.6F, -0.5F);
+  hand.sends_poses = false;
+  hand.run(7.5);
+  EXPECT_EQ(hand.mode(), 4U);
+  hand.run(1.0);
+  EXPECT_EQ(hand.mode(), 9U);
+  EXPECT_EQ(hand.flags, 0x025);
+}
+
+TEST(EmulatedArdupilot, DisarmsWhenItIsNotTakenOffInTenSeconds) {
+  Hand hand(AutopilotDialect::kArdupilot);
+  hand.sends_poses = true;
+  hand.run(1.0);
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.run(25.0);
+  EXPECT_EQ(hand.command(176, 1, 4), 0);
+  EXPECT_EQ(hand.command(400, 1), 0);
+  hand.run(9.0);
+  EXPECT_TRUE(hand.armed());
+  hand.run(2.0);
+  EXPECT_FALSE(hand.armed());
+}
+
+TEST(EmulatedArdupilot, LandsAndDisarmsByItself) {
+  Hand hand = flying_ardupilot();
+  EXPECT_EQ(hand.command(176, 1, 9), 0);
+  hand.run(3.0);
+  EXPECT_TRUE(hand.armed());
+  hand.run(4.0);
+  EXPECT_FALSE(hand.armed());
+  EXPECT_NEAR(hand.height_m(), 0.0, 1e-9);
+}
+
+TEST(EmulatedAutopilot, RefusesToStopItsMotorsInTheAirUnlessForced) {
+  for (Hand hand : {flying_px4(), flying_ardupilot()}) {
+    EXPECT_NE(hand.command(400, 0), 0);
+    EXPECT_TRUE(hand.armed());
+    EXPECT_EQ(hand.command(400, 0, 21196.0F), 0);
+    EXPECT_FALSE(hand.armed());
+    hand.run(1.0);
+    EXPECT_NEAR(hand.height_m(), 0.0, 1e-9);
+  }
+}
+
+TEST(EmulatedAutopilot, SaysTheSameAgainToTheSameBytes) {
+  const auto fly = [] {
+    Hand hand = flying_px4();
+    hand.target = Hand::velocity(0.3F, -0.2F, 0.1F, 0.4F);
+    hand.run(3.0);
+    return hand.emulator.world_from_body().translation_m;
+  };
+  EXPECT_EQ(fly(), fly());
+}
+
+}  // namespace
+}  // namespace vantage::sim
