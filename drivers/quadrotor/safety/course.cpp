@@ -12,10 +12,9 @@ BrakeWay BrakeWay::along(const HeldPlan& plan, double elapsed_s, double brake_mp
   way.elapsed_s_ = elapsed_s;
   way.offset_m_ = offset_m;
   way.reaction_s_ = reaction_s;
-  // The fastest piece that the stop can reach sets its length: never braked harder than allowed.
-  const double longest_s = speed_max_mps(plan, elapsed_s, elapsed_s + 60.0) / brake_mps2;
-  way.brake_s_ =
-      speed_max_mps(plan, elapsed_s, elapsed_s + reaction_s + 0.5 * longest_s) / brake_mps2;
+  const double now_mps = point_at(plan, elapsed_s).velocity_world_mps.norm();
+  const double then_mps = point_at(plan, elapsed_s + reaction_s).velocity_world_mps.norm();
+  way.brake_s_ = std::max(now_mps, then_mps) / brake_mps2;
   return way;
 }
 

@@ -69,6 +69,15 @@ bool Fleet::on_plan(const models::RobotPlan& plan, const SafetyLimits& limits) {
   return true;
 }
 
+bool Fleet::is_on_plan(const Member& member, Time now, const SafetyLimits& limits) {
+  if (!member.pose.has_pose()) {
+    return true;
+  }
+  const PlanPoint planned = point_at(member.plan, to_seconds(now - member.plan.start_time));
+  return (planned.position_world_m - member.pose.predict_m(now, kPredictS)).norm() <=
+         2.0 * limits.tracking_hold_m;
+}
+
 std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
   bodies_.clear();
   for (const Member& member : members_) {
@@ -76,9 +85,21 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
       const double age_s = member.pose.age_s(now);
       // What has not been seen for long has stopped by now, as it must without a pose.
       const bool is_fresh = age_s <= limits.pose_age_hold_s;
-      bodies_.push_back({member.pose.predict_m(now, limits.pose_age_hold_s),
-                         is_fresh ? member.pose.velocity_world_mps() : Eigen::Vector3d::Zero(),
-                         age_s, member.goes_first});
+      OtherBody body;
+      body.position_world_m = member.pose.predict_m(now, limits.pose_age_hold_s);
+      body.age_s = age_s;
+      body.goes_first = member.goes_first;
+      if (is_fresh) {
+        body.velocity_world_mps = member.pose.velocity_world_mps();
+        // One that sets off is measured late; its plan says it at once.
+        const double ahead_s = to_seconds(now - member.plan.start_time) + limits.reaction_s;
+        const Eigen::Vector3d planned_mps = point_at(member.plan, ahead_s).velocity_world_mps;
+        if (member.has_plan && is_on_plan(member, now, limits) &&
+            planned_mps.norm() > body.velocity_world_mps.norm()) {
+          body.velocity_world_mps = planned_mps;
+        }
+      }
+      bodies_.push_back(body);
     }
   }
   return bodies_;
@@ -91,11 +112,7 @@ std::span<const OtherCourse> Fleet::courses(Time now, const SafetyLimits& limits
       continue;
     }
     const Eigen::Vector3d seen_m = member.pose.predict_m(now, kPredictS);
-    bool keeps_to_plan = member.has_plan;
-    if (keeps_to_plan && member.pose.has_pose()) {
-      const PlanPoint planned = point_at(member.plan, to_seconds(now - member.plan.start_time));
-      keeps_to_plan = (planned.position_world_m - seen_m).norm() <= 2.0 * limits.tracking_hold_m;
-    }
+    const bool keeps_to_plan = member.has_plan && is_on_plan(member, now, limits);
     courses_.push_back({keeps_to_plan ? &member.plan : nullptr, seen_m});
   }
   return courses_;

@@ -41,6 +41,8 @@ class Fleet {
     bool has_plan = false;
     HeldPlan plan;
   };
+  [[nodiscard]] static bool is_on_plan(const Member& member, Time now, const SafetyLimits& limits);
+
   std::string own_name_;
   std::vector<Member> members_;
   std::vector<OtherBody> bodies_;

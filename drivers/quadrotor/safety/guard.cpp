@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angle.hpp"
 #include "core/check.hpp"
 #include "drivers/quadrotor/safety/authority.hpp"
 #include "drivers/quadrotor/safety/course.hpp"
@@ -36,7 +37,7 @@ struct FlightGuard::Parts {
       : name(robot), limits(given), fleet(scenario, robot) {}
 
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
-  [[nodiscard]] BrakeWay brake_way(Time now) const;
+  [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
   [[nodiscard]] bool keeps_to_course(Time now) const;
   void look(Time now);
   void change(FlightState before, Time now);
@@ -77,7 +78,7 @@ struct FlightGuard::Parts {
 
   // Plans.
   bool has_accepted = false;
-  Time newest_start{};
+  Time newest_start{}, accepted_at{};
   std::int64_t plan_run = 0, plan_sequence = -1, plan_round = -1;
   int plans_late = 0, plans_refused = 0;
 
@@ -92,15 +93,15 @@ bool FlightGuard::Parts::keeps_to_course(Time now) const {
              limits.tracking_hold_m;
 }
 
-BrakeWay FlightGuard::Parts::brake_way(Time now) const {
+BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   if (keeps_to_course(now)) {
     const Eigen::Vector3d offset_m = here_m - course.at(now).position_world_m;
     return BrakeWay::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
-                           limits.vehicle.brake_mps2, limits.reaction_s, offset_m);
+                           limits.vehicle.brake_mps2, reaction_s, offset_m);
   }
   return BrakeWay::straight(here_m, pose.velocity_world_mps(), course.at(now).yaw_rad,
-                            limits.vehicle.brake_mps2, limits.reaction_s);
+                            limits.vehicle.brake_mps2, reaction_s);
 }
 
 // Fills `in` with what is known at `now`.
@@ -132,7 +133,9 @@ void FlightGuard::Parts::look(Time now) {
     in.tracking_error_m =
         std::max((here_m - asked_m).head<2>().norm(), (on_time_m - asked_m).head<2>().norm());
   }
-  in.has_plan = course.has_plan(now);
+  in.has_plan = course.is_on_plan();
+  in.plan_ended = !course.has_plan(now);
+  in.plan_age_s = age(has_accepted, accepted_at);
   in.planner_age_s = lease.age_s(now);
   in.plans_late = plans_late;
   in.plans_refused = plans_refused;
@@ -141,7 +144,7 @@ void FlightGuard::Parts::look(Time now) {
 
   if (pose.has_pose()) {
     const Surroundings around =
-        look_around(here_m, brake_way(now), fleet.bodies(now, limits), limits);
+        look_around(here_m, brake_way(now, limits.reaction_s), fleet.bodies(now, limits), limits);
     in.fence_now_m = around.fence_now_m;
     in.fence_centre_m = around.fence_centre_m;
     in.fence_stop_m = around.fence_stop_m;
@@ -182,12 +185,12 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
     height_goal_m = limits.take_off_height_m;
   }
   if (before == FlightState::kFollow && is_airborne(state)) {
-    if (!in.has_plan && course.is_on_plan() && !course.has_next()) {
+    if (in.plan_ended && course.is_on_plan() && !course.has_next()) {
       // The plan's own hover, which was checked with it.
       const PlanPoint end = course.at(now);
       course.stand(end.position_world_m, end.yaw_rad, now);
     } else {
-      course.stop(brake_way(now), now);
+      course.stop(brake_way(now, 0.0), now);
     }
   }
   if (state == FlightState::kLand && before != FlightState::kLand) {
@@ -343,15 +346,19 @@ PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
     }
     const Time when = std::max(now, held.start_time);
     const PlanPoint planned = point_at(held, to_seconds(when - held.start_time));
-    Eigen::Vector3d expected_m = p.course.at(when).position_world_m;
-    expected_m.z() = p.height_ref_m;
-    if (!((planned.position_world_m - expected_m).norm() <= p.limits.plan_start_tolerance_m)) {
+    const PlanPoint expected = p.course.at(when);
+    Eigen::Vector3d gap_m = planned.position_world_m - expected.position_world_m;
+    gap_m.z() = planned.position_world_m.z() - p.height_ref_m;
+    const double turn_rad = std::abs(wrap_to_pi(planned.yaw_rad - expected.yaw_rad));
+    if (!(gap_m.norm() <= p.limits.plan_start_tolerance_m) ||
+        !(turn_rad <= p.limits.plan_start_turn_rad)) {
       return PlanVerdict::kDiscontinuous;
     }
     const PlanVerdict way_verdict = check_way(held, when, p.limits, p.fleet.courses(now, p.limits));
     if (way_verdict == PlanVerdict::kAccepted) {
       p.course.follow(held, now);
       p.has_accepted = true;
+      p.accepted_at = now;
       p.newest_start = held.start_time;
       p.plan_run = plan.stamp.run_id;
       p.plan_sequence = plan.stamp.sequence;

@@ -26,7 +26,9 @@ struct SafetyInputs {
   double tracking_error_m = 0.0;  ///< from the reference; 0 without one
 
   // Plan.
-  bool has_plan = true;         ///< a checked plan covers this instant and has not ended
+  bool has_plan = true;         ///< a checked plan is on the course
+  bool plan_ended = false;      ///< it has come to its hover
+  double plan_age_s = 0.0;      ///< since the newest plan passed the check
   double planner_age_s = 0.0;   ///< since the leaseholder's last message
   int plans_late = 0;           ///< in a row
   int plans_refused = 0;        ///< in a row

@@ -1,5 +1,6 @@
 #include "drivers/quadrotor/safety/limits.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -34,6 +35,11 @@ SafetyLimits limits_for(const models::Scenario& scenario, const std::string& rob
   limits.separation_hold_m =
       contact_m + 0.5 * std::max(0.02, scenario.planner.separation_m - contact_m);
   limits.landing_clearance_m = contact_m + 0.2;
+  const double round_s = scenario.planner.execute_steps * scenario.planner.step_s;
+  limits.plan_age_hold_s = std::max(limits.plan_age_hold_s, round_s + 0.5);
+  limits.plan_silent_warn_s = limits.plan_age_hold_s;
+  limits.planner_lease_s = std::max(limits.planner_lease_s, round_s + 0.5);
+  limits.plan_future_max_s = std::max(limits.plan_future_max_s, 2.0 * round_s);
   limits.tracking_hold_m = 2.0 * scenario.planner.tracking_tolerance_m;
   limits.tracking_land_m = 5.0 * scenario.planner.tracking_tolerance_m;
   limits.plan_start_tolerance_m = 2.0 * scenario.planner.tracking_tolerance_m;

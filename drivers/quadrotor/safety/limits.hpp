@@ -30,11 +30,13 @@ struct SafetyLimits {
   double volume_margin_m = 1.0;  ///< poses farther outside the bounds are not believed
 
   // The plan.
+  double plan_age_hold_s = 2.0;  ///< once it has ended; longer than a round
   double plan_silent_warn_s = 2.0;
   int plans_late_hold = 3;
   double plan_past_max_s = 0.5;    ///< start before the arrival
   double plan_future_max_s = 5.0;  ///< start after the arrival
   double plan_start_tolerance_m = 0.4;
+  double plan_start_turn_rad = 0.8;
   double planner_lease_s = 2.0;
   double tracking_hold_m = 0.4;
   double tracking_land_m = 1.0;
@@ -43,7 +45,7 @@ struct SafetyLimits {
   models::World fence;  ///< bounds, ceiling, obstacles
   double fence_land_m = 0.0;
   double fence_kill_m = 1.0;  ///< of the centre, outside the bounds
-  double reaction_s = 0.10;   ///< flown on before braking bites
+  double reaction_s = 0.20;   ///< flown on before braking bites: latency and attitude lag
   double separation_hold_m = 0.55;
   double separation_land_m = 0.5;
   double plan_separation_m = 0.6;

@@ -1,0 +1,141 @@
+#include <algorithm>
+
+#include "test/drivers/safety/fault_catalogue.hpp"
+
+namespace vantage::test {
+namespace {
+
+constexpr double kBeginS = 6.4;  // in the middle of a round, everyone under way
+constexpr double kLastsS = 16.0;
+
+bool is_concerned(const Fault& fault, const Vehicle& vehicle) {
+  const std::string whom = fault.whom;
+  return whom == "all" || whom.find(vehicle.name) != std::string::npos;
+}
+
+bool shows(const Vehicle& vehicle, const std::string& reason) {
+  const auto rows = drivers::conditions();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (vehicle.out.reasons[i] && rows[i].name == reason) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::int64_t count_of(const Vehicle& vehicle, const std::string& counter) {
+  for (const models::NamedCount& each : vehicle.guard->counters()) {
+    if (each.name == counter) {
+      return each.count;
+    }
+  }
+  return -1;
+}
+
+// Follows one fault through a run.
+class Watch {
+ public:
+  Watch(const Fault& fault, FlightBench& bench) : fault_(fault) {
+    outcome_.stage_s.assign(fault.stages.size(), -1.0);
+    outcome_.end = models::FlightState::kKilled;
+    for (const Vehicle& vehicle : bench.vehicles()) {
+      before_.push_back(fault.counter != nullptr ? count_of(vehicle, fault.counter) : 0);
+    }
+    reasons_of_.assign(bench.vehicles().size(), false);
+  }
+
+  void look(FlightBench& bench, double since_s) {
+    const double after_s = since_s - fault_.begins_s;
+    if (after_s < -1e-9) {
+      return;
+    }
+    int least = 3;
+    bool all_reacted = true;
+    for (std::size_t i = 0; i < bench.vehicles().size(); ++i) {
+      const Vehicle& vehicle = bench.vehicles()[i];
+      if (!is_concerned(fault_, vehicle)) {
+        continue;
+      }
+      least = std::min(least, severity_of(vehicle.out.state));
+      if (fault_.reason != nullptr) {
+        reasons_of_[i] = reasons_of_[i] || shows(vehicle, fault_.reason);
+      } else if (fault_.counter != nullptr) {
+        reasons_of_[i] = reasons_of_[i] || count_of(vehicle, fault_.counter) > before_[i];
+      } else {
+        reasons_of_[i] = fault_.stages.empty() || severity_of(vehicle.out.state) > 0;
+      }
+      all_reacted = all_reacted && reasons_of_[i];
+      remember_reasons(vehicle);
+    }
+    if (all_reacted && !outcome_.reacted) {
+      outcome_.reacted = true;
+      outcome_.reaction_s = after_s;
+    }
+    for (std::size_t i = 0; i < fault_.stages.size(); ++i) {
+      if (outcome_.stage_s[i] < 0.0 && least >= severity_of(fault_.stages[i].state)) {
+        outcome_.stage_s[i] = after_s;
+      }
+    }
+  }
+
+  Outcome finish(FlightBench& bench) {
+    int least = 4;
+    for (const Vehicle& vehicle : bench.vehicles()) {
+      if (is_concerned(fault_, vehicle) && severity_of(vehicle.out.state) < least) {
+        least = severity_of(vehicle.out.state);
+        outcome_.end = vehicle.out.state;
+      }
+    }
+    return outcome_;
+  }
+
+ private:
+  void remember_reasons(const Vehicle& vehicle) {
+    const auto rows = drivers::conditions();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      auto& seen = outcome_.reasons;
+      if (vehicle.out.reasons[i] &&
+          std::find(seen.begin(), seen.end(), rows[i].name) == seen.end()) {
+        seen.emplace_back(rows[i].name);
+      }
+    }
+  }
+
+  const Fault& fault_;
+  Outcome outcome_;
+  std::vector<std::int64_t> before_;
+  std::vector<bool> reasons_of_;
+};
+
+}  // namespace
+
+FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed) {
+  const bool trusts_plans = std::any_of(faults.begin(), faults.end(),
+                                        [](const Fault* fault) { return fault->trusts_plans; });
+  FlightBench bench(seed, trusts_plans);
+  bench.fly_up(kBeginS);
+  std::vector<Watch> watches;
+  for (const Fault* fault : faults) {
+    watches.emplace_back(*fault, bench);
+  }
+  const auto ticks = static_cast<int>(kLastsS / FlightBench::kTickS);
+  for (int i = 0; i < ticks; ++i) {
+    const double since_s = i * FlightBench::kTickS;
+    for (const Fault* fault : faults) {
+      fault->act(bench, since_s);
+    }
+    bench.tick();
+    for (Watch& watch : watches) {
+      watch.look(bench, since_s);
+    }
+  }
+  FaultRun run;
+  for (Watch& watch : watches) {
+    run.outcomes.push_back(watch.finish(bench));
+  }
+  run.violations = bench.violations();
+  run.closest_m = bench.closest_m();
+  return run;
+}
+
+}  // namespace vantage::test

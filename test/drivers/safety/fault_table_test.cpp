@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+
+#include "test/drivers/safety/fault_catalogue.hpp"
+
+namespace vantage::test {
+namespace {
+
+using models::FlightState;
+
+std::string list(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) {
+    out += word + "; ";
+  }
+  return out;
+}
+
+std::string case_name(const std::string& name) {
+  std::string out;
+  bool upper = true;
+  for (const char c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      out += upper ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+      upper = false;
+    } else {
+      upper = true;
+    }
+  }
+  return out;
+}
+
+class FaultTable : public testing::TestWithParam<std::size_t> {};
+
+// One fault alone: each stage of the reaction in time, the stated reason, the stated end, and
+// nothing of what must never happen.
+TEST_P(FaultTable, ReactsInTimeAndEndsAsWritten) {
+  const Fault& fault = fault_catalogue()[GetParam()];
+  const Fault* const one[] = {&fault};
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const FaultRun run = fly_with(one, seed);
+    const Outcome& outcome = run.outcomes.front();
+    SCOPED_TRACE(std::string(fault.name) + ", seed " + std::to_string(seed) +
+                 ", reasons: " + list(outcome.reasons));
+    EXPECT_TRUE(outcome.reacted);
+    for (std::size_t i = 0; i < fault.stages.size(); ++i) {
+      EXPECT_GE(outcome.stage_s[i], 0.0) << "never " << models::name_of(fault.stages[i].state);
+      EXPECT_LE(outcome.stage_s[i], fault.stages[i].within_s + 1e-9)
+          << models::name_of(fault.stages[i].state);
+    }
+    EXPECT_STREQ(models::name_of(outcome.end), models::name_of(fault.end));
+    EXPECT_TRUE(run.violations.empty()) << list(run.violations);
+    if (fault.stages.empty() && fault.end == FlightState::kFollow && !fault.trusts_plans) {
+      EXPECT_GT(run.closest_m, 1.0);
+    }
+  }
+}
+
+std::string name_of_case(const testing::TestParamInfo<std::size_t>& param) {
+  const Fault& fault = fault_catalogue()[param.param];
+  return "N" + std::to_string(fault.number) + case_name(fault.name);
+}
+
+INSTANTIATE_TEST_SUITE_P(EachFault, FaultTable,
+                         testing::Range(std::size_t{0}, fault_catalogue().size()), name_of_case);
+
+}  // namespace
+}  // namespace vantage::test

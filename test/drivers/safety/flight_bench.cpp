@@ -1,0 +1,499 @@
+#include "test/drivers/safety/flight_bench.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/angle.hpp"
+
+namespace vantage::test {
+namespace {
+
+using models::FlightState;
+using models::OperatorAction;
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr double kLaneHalfM = 2.6;
+constexpr double kSpeedMps = 1.0;
+constexpr double kBrakeMps2 = 2.0;
+constexpr double kTurnRadps = 2.5;
+constexpr std::int64_t kRoundTicks = 100;
+constexpr std::int64_t kPublishTick = 90;  // of a round
+constexpr std::int64_t kPlannerRun = 100;
+constexpr std::int64_t kOtherPlannerRun = 500;
+constexpr std::int64_t kStationRun = 7;
+constexpr std::int64_t kOtherStationRun = 8;
+constexpr double kLagS = 0.15;
+constexpr double kAccelerationMaxMps2 = 6.0;
+constexpr double kGravityMps2 = 9.81;
+constexpr double kEstimatorBlindS = 5.0;  // it calls itself good for so long without a pose
+constexpr double kDriftMps = 0.05;        // of its estimate meanwhile
+
+}  // namespace
+
+models::Scenario FlightBench::scenario() {
+  models::Scenario out;
+  out.name = "bench";
+  out.world.bounds = {{-4.0, -2.2}, {4.0, 2.2}};
+  out.world.ceiling_m = 3.0;
+  out.planner.execute_steps = 2;
+  out.world.obstacles = {{{{-0.3, 0.5}, {0.3, 0.8}}, 2.5}};
+  for (int i = 0; i < 3; ++i) {
+    models::RobotSpec robot;
+    robot.name = "Q" + std::to_string(i + 1);
+    robot.start = {-2.0 + i, -1.3 + 1.3 * i, 0.0};
+    robot.height_m = 1.0;
+    robot.limits = {1.0, 3.0, kBrakeMps2, 0.25};
+    out.robots.push_back(robot);
+  }
+  return out;
+}
+
+FlightBench::FlightBench(std::uint64_t seed, bool trusts_plans)
+    : scenario_(scenario()), random_(seed) {
+  for (const models::RobotSpec& robot : scenario_.robots) {
+    Vehicle vehicle;
+    vehicle.name = robot.name;
+    drivers::SafetyLimits limits = drivers::limits_for(scenario_, robot.name);
+    limits.plan_separation_m = trusts_plans ? 0.01 : limits.plan_separation_m;
+    vehicle.guard = std::make_unique<drivers::FlightGuard>(scenario_, robot.name, limits);
+    vehicle.lane_y_m = robot.start.y_m;
+    vehicle.position_m = {robot.start.x_m, robot.start.y_m, 0.0};
+    vehicle.yaw_rad = robot.start.yaw_rad;
+    vehicles_.push_back(std::move(vehicle));
+  }
+}
+
+Time FlightBench::now() const { return kStart + from_seconds(time_s()); }
+
+Vehicle& FlightBench::vehicle(const std::string& name) {
+  return *std::find_if(vehicles_.begin(), vehicles_.end(),
+                       [&](const Vehicle& each) { return each.name == name; });
+}
+
+void FlightBench::fly_up(double until_s) {
+  while (time_s() < until_s) {
+    if (ticks_ == 80) {
+      room_.says = OperatorAction::kArm;
+    } else if (ticks_ == 90) {
+      room_.says = OperatorAction::kTakeOff;
+    } else if (ticks_ == 350) {
+      room_.says = OperatorAction::kFollow;
+    }
+    tick();
+  }
+}
+
+void FlightBench::tick() {
+  mocap();
+  plan();
+  operate();
+  for (Vehicle& vehicle : vehicles_) {
+    autopilot(vehicle);
+    if (!vehicle.knobs.is_stalled) {
+      vehicle.guard->on_map(!vehicle.knobs.map_differs);
+      vehicle.out = vehicle.guard->tick(now());
+    }
+    fly(vehicle);
+  }
+  check();
+  for (Vehicle& vehicle : vehicles_) {
+    vehicle.knobs = {};
+  }
+  room_ = {};
+  ++ticks_;
+}
+
+void FlightBench::mocap() {
+  const bool is_due = ticks_ % room_.mocap_every == 0 && !room_.mocap_dead &&
+                      random_.uniform(0.0, 1.0) >= room_.frame_loss;
+  if (is_due) {
+    models::MocapFrame frame;
+    frame.stamp.time = now() + room_.mocap_clock;
+    frame.stamp.sequence = frame_number_;
+    frame.frame_number = frame_number_++;
+    for (const Vehicle& vehicle : vehicles_) {
+      models::MocapBody body;
+      body.name = vehicle.name;
+      const Eigen::Vector3d noise_m = 0.0005 * random_.vector<3>(-1.0, 1.0);
+      body.world_from_body = lift({vehicle.position_m.x(), vehicle.position_m.y(), vehicle.yaw_rad},
+                                  vehicle.position_m.z());
+      body.world_from_body.translation_m += noise_m;
+      frame.bodies.push_back(body);
+    }
+    spoil(frame);
+    const Time arrives = now() + from_seconds(room_.mocap_latency_s +
+                                              random_.uniform(0.0, 1.0) * room_.mocap_jitter_s);
+    newest_arrival_ = std::max(newest_arrival_, arrives);  // a network keeps their order
+    frame.arrival = newest_arrival_;
+    frames_.push_back({newest_arrival_, frame});
+  }
+  while (!frames_.empty() && frames_.front().arrives <= now()) {
+    for (Vehicle& vehicle : vehicles_) {
+      if (!vehicle.knobs.is_stalled) {
+        vehicle.guard->on_mocap(frames_.front().frame, now());
+      }
+    }
+    frames_.erase(frames_.begin());
+  }
+}
+
+void FlightBench::spoil(models::MocapFrame& frame) {
+  const std::vector<models::MocapBody> honest = frame.bodies;
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    Vehicle& vehicle = vehicles_[i];
+    const VehicleKnobs& knobs = vehicle.knobs;
+    Pose3& pose = frame.bodies[i].world_from_body;
+    for (const models::MocapBody& other : honest) {
+      if (other.name == knobs.swapped_with) {
+        pose = other.world_from_body;
+      }
+    }
+    pose.translation_m.x() += knobs.offset_m;
+    if (knobs.body != BodyFault::kFrozen) {
+      vehicle.frozen = pose;
+    }
+    switch (knobs.body) {
+      case BodyFault::kNone:
+      case BodyFault::kAbsent:
+      case BodyFault::kDuplicated:
+        break;
+      case BodyFault::kOccluded:
+        frame.bodies[i].occluded = true;
+        break;
+      case BodyFault::kFrozen:
+        pose = vehicle.frozen;
+        break;
+      case BodyFault::kNotANumber:
+        pose.translation_m.y() = std::nan("");
+        break;
+      case BodyFault::kZeroQuaternion:
+        pose.rotation.coeffs().setZero();
+        break;
+      case BodyFault::kLongQuaternion:
+        pose.rotation.coeffs() *= 1.5;
+        break;
+      case BodyFault::kMillimetres:
+        pose.translation_m *= 1000.0;
+        break;
+      case BodyFault::kMirrored:
+        pose.translation_m.y() = -pose.translation_m.y() - 0.7;
+        break;
+      case BodyFault::kUpsideDown:
+        pose.rotation = pose.rotation * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+        break;
+    }
+  }
+  for (std::size_t i = vehicles_.size(); i-- > 0;) {
+    if (vehicles_[i].knobs.body == BodyFault::kAbsent) {
+      frame.bodies.erase(frame.bodies.begin() + static_cast<std::ptrdiff_t>(i));
+    } else if (vehicles_[i].knobs.body == BodyFault::kDuplicated) {
+      models::MocapBody twin = frame.bodies[i];
+      twin.world_from_body.translation_m.x() += 0.4;
+      frame.bodies.push_back(twin);
+    }
+  }
+  if (room_.ghost_body) {
+    models::MocapBody ghost = honest[0];
+    ghost.name = "GHOST";
+    ghost.world_from_body.translation_m.x() += 0.1;
+    frame.bodies.push_back(ghost);
+  }
+}
+
+// Along the lane to its end, turn there, back. From where it will be if it keeps to its plan, else
+// from where it is.
+models::RobotPlan FlightBench::honest_plan(Vehicle& vehicle, Time start) {
+  models::RobotPlan plan;
+  plan.robot = vehicle.name;
+  plan.stamp.run_id = kPlannerRun;
+  plan.stamp.sequence = vehicle.sequence++;
+  plan.stamp.time = start;
+  plan.round = vehicle.round++;
+  Pose2 from{vehicle.position_m.x(), vehicle.position_m.y(), vehicle.yaw_rad};
+  if (!vehicle.sent.empty()) {
+    const Pose2 expected = models::at(vehicle.sent.back().trajectory, start).world_from_body;
+    const Pose2 now_expected = models::at(vehicle.sent.back().trajectory, now()).world_from_body;
+    if ((now_expected.position_m() - from.position_m()).norm() < 0.3) {
+      from = expected;
+    }
+  }
+  plan.trajectory.start_time = start;
+  plan.trajectory.start = from;
+  plan.trajectory.height_m = 1.0;
+  const double end_m = vehicle.heads_east ? kLaneHalfM : -kLaneHalfM;
+  if (std::abs(end_m - from.x_m) < 0.4) {
+    vehicle.heads_east = !vehicle.heads_east;
+  }
+  const double goal_yaw_rad = vehicle.heads_east ? 0.0 : kPi;
+  const double turn_rad = wrap_to_pi(goal_yaw_rad - from.yaw_rad);
+  auto& segments = plan.trajectory.segments;
+  if (std::abs(turn_rad) > 1e-3) {
+    segments.push_back(
+        {{0.0, std::copysign(kTurnRadps, turn_rad)}, std::abs(turn_rad) / kTurnRadps, 0.0});
+  }
+  const double goal_m = vehicle.heads_east ? kLaneHalfM : -kLaneHalfM;
+  const double room_m = std::abs(goal_m - from.x_m) - kSpeedMps * kSpeedMps / (2 * kBrakeMps2);
+  if (room_m > 0.0) {
+    segments.push_back({{kSpeedMps, 0.0}, std::min(room_m / kSpeedMps, 1.5), 0.0});
+    segments.push_back(models::brake(kSpeedMps, kBrakeMps2).front());
+  }
+  return plan;
+}
+
+void FlightBench::spoil(models::RobotPlan& plan, Vehicle& vehicle) {
+  models::Trajectory& way = plan.trajectory;
+  const Pose2 from = way.start;
+  const auto turn_to = [&](const Eigen::Vector2d& goal_m) {
+    return wrap_to_pi(std::atan2(goal_m.y() - from.y_m, goal_m.x() - from.x_m) - from.yaw_rad);
+  };
+  const auto straight_to = [&](double x_m, double y_m) {
+    const double turn_rad = turn_to({x_m, y_m});
+    way.segments = {
+        {{0.0, std::copysign(kTurnRadps, turn_rad)}, std::abs(turn_rad) / kTurnRadps, 0.0},
+        {{kSpeedMps, 0.0}, std::hypot(x_m - from.x_m, y_m - from.y_m), 0.0},
+        models::brake(kSpeedMps, kBrakeMps2).front()};
+  };
+  switch (vehicle.knobs.plan) {
+    case PlanFault::kNone:
+    case PlanFault::kDropped:
+      break;
+    case PlanFault::kNotANumber:
+      way.segments = {{{std::nan(""), 0.0}, 1.0, 0.0}};
+      break;
+    case PlanFault::kTooFast:
+      way.segments = {{{3.0, 0.0}, 0.3, 0.0}, models::brake(3.0, kBrakeMps2).front()};
+      break;
+    case PlanFault::kTooTight:
+      way.segments = {{{1.0, 20.0}, 0.5, 0.0}, models::brake(1.0, kBrakeMps2).front()};
+      break;
+    case PlanFault::kNoStop:
+      way.segments = {{{1.0, 0.0}, 1.0, 0.0}};
+      break;
+    case PlanFault::kJumps:
+      way.start.x_m += way.start.x_m > 0.0 ? -1.0 : 1.0;
+      break;
+    case PlanFault::kLeavesFence:
+      straight_to(from.x_m, vehicle.lane_y_m < 0.0 ? -3.0 : 3.0);
+      break;
+    case PlanFault::kMeetsObstacle:
+      straight_to(0.0, 0.65);
+      break;
+    case PlanFault::kMeetsTeammate: {
+      // Where the other will be when this one gets there.
+      const Vehicle& other = vehicles_[vehicle.name == "Q1" ? 1 : 0];
+      Eigen::Vector2d meeting_m = other.position_m.head<2>();
+      for (int i = 0; i < 10; ++i) {
+        const double way_s = std::abs(turn_to(meeting_m)) / kTurnRadps +
+                             (meeting_m - from.position_m()).norm() / kSpeedMps;
+        meeting_m = models::at(other.sent.back().trajectory, way.start_time + from_seconds(way_s))
+                        .world_from_body.position_m();
+      }
+      straight_to(meeting_m.x(), meeting_m.y());
+      break;
+    }
+    case PlanFault::kHeadOn: {
+      const Vehicle& other = vehicles_[vehicle.name == "Q1" ? 1 : 0];
+      straight_to(other.position_m.x(), other.position_m.y());
+      break;
+    }
+    case PlanFault::kWrongVehicle:
+      plan.robot = "Q9";
+      break;
+    case PlanFault::kEmpty:
+      way = {};
+      break;
+    case PlanFault::kHalfASecondOld:
+      way.start_time -= from_seconds(1.0);
+      break;
+    case PlanFault::kReplayed:
+      plan = vehicle.sent[vehicle.sent.size() - std::min<std::size_t>(vehicle.sent.size(), 4)];
+      break;
+    case PlanFault::kLate:
+      plan.late = true;
+      break;
+  }
+}
+
+void FlightBench::plan() {
+  if (ticks_ % kRoundTicks != kPublishTick) {
+    return;
+  }
+  const Time start = now() + from_seconds(0.1);
+  for (Vehicle& vehicle : vehicles_) {
+    if (vehicle.knobs.planner_dead) {
+      continue;
+    }
+    models::RobotPlan plan = honest_plan(vehicle, start);
+    const models::RobotPlan honest = plan;
+    if (vehicle.knobs.plan != PlanFault::kNone) {
+      spoil(plan, vehicle);
+    }
+    const bool is_heard = vehicle.knobs.plan != PlanFault::kDropped && !vehicle.knobs.is_stalled;
+    const bool is_taken =
+        is_heard && vehicle.guard->on_plan(plan, now()) == drivers::PlanVerdict::kAccepted;
+    if (is_taken || vehicle.sent.empty()) {
+      vehicle.sent.push_back(honest);
+    }
+    if (vehicle.knobs.second_planner) {
+      models::RobotPlan other = honest;
+      other.stamp.run_id = kOtherPlannerRun;
+      other.trajectory.segments.clear();
+      (void)vehicle.guard->on_plan(other, now());
+    }
+    for (Vehicle& teammate : vehicles_) {
+      if (teammate.name != vehicle.name && is_heard && !teammate.knobs.mute_teammates) {
+        teammate.guard->on_teammate_plan(plan, now());
+      }
+    }
+  }
+}
+
+void FlightBench::say(OperatorAction action, std::int64_t run_id, std::int64_t& sequence) {
+  models::OperatorCommand command;
+  command.stamp = {now(), run_id, sequence++};
+  command.action = action;
+  for (Vehicle& vehicle : vehicles_) {
+    if (!vehicle.knobs.is_stalled) {
+      (void)vehicle.guard->on_command(command, now());
+    }
+  }
+}
+
+void FlightBench::operate() {
+  if (ticks_ % 20 == 0 && !room_.operator_silent) {
+    say(OperatorAction::kHeartbeat, kStationRun, command_sequence_);
+  }
+  if (room_.says) {
+    say(*room_.says, kStationRun, command_sequence_);
+  }
+  if (room_.second_station && ticks_ % 20 == 5) {
+    say(OperatorAction::kHeartbeat, kOtherStationRun, other_sequence_);
+    say(OperatorAction::kArm, kOtherStationRun, other_sequence_);
+    say(OperatorAction::kFollow, kOtherStationRun, other_sequence_);
+  }
+  if (room_.other_says) {
+    say(*room_.other_says, kOtherStationRun, other_sequence_);
+  }
+}
+
+// What the vehicle's own electronics know and tell.
+void FlightBench::autopilot(Vehicle& vehicle) {
+  const VehicleKnobs& knobs = vehicle.knobs;
+  vehicle.battery_share -= vehicle.is_armed ? kTickS / 1200.0 : 0.0;
+  const bool has_pose = vehicle.guard->inputs().pose_age_s < 0.05;
+  vehicle.blind_s = has_pose ? 0.0 : vehicle.blind_s + kTickS;
+  vehicle.drift_m += has_pose ? Eigen::Vector3d(-0.05 * vehicle.drift_m)
+                              : Eigen::Vector3d(kDriftMps * kTickS, 0.0, 0.0);
+  if (knobs.is_stalled || knobs.link_cut) {
+    return;
+  }
+  if (ticks_ % 100 == 50) {
+    vehicle.guard->on_heartbeat(now());
+  }
+  if (!knobs.battery_silent && ticks_ % 50 == 0) {
+    const double share =
+        knobs.battery_share.value_or(std::round(vehicle.battery_share * 10000.0) / 10000.0);
+    vehicle.guard->on_battery(knobs.battery_frozen ? 0.85 : share, now());
+  }
+  if (!knobs.telemetry_cut && ticks_ % 2 == 0) {
+    drivers::AutopilotReport report;
+    report.armed = vehicle.is_armed;
+    report.obeys = !knobs.mode_left;
+    report.estimator_good = !knobs.estimator_bad && vehicle.blind_s < kEstimatorBlindS;
+    report.motor_failed = knobs.motor_failed;
+    report.tilt_rad = knobs.tilt_rad;
+    report.thrust_share = knobs.thrust_saturated ? 1.0 : 0.5;
+    report.has_position = true;
+    report.position_world_m = vehicle.position_m + vehicle.drift_m;
+    report.position_world_m.x() += knobs.estimate_offset_m;
+    vehicle.guard->on_autopilot(report, now());
+  }
+}
+
+void FlightBench::fly(Vehicle& vehicle) {
+  using Kind = drivers::FlightSetpoint::Kind;
+  const VehicleKnobs& knobs = vehicle.knobs;
+  const bool hears = !knobs.is_stalled && !knobs.link_cut;
+  if (hears) {
+    vehicle.asked = vehicle.out.setpoint;
+    vehicle.without_setpoint_s = 0.0;
+    const bool on_ground = vehicle.position_m.z() <= 0.02;
+    if (vehicle.out.wants_armed && !vehicle.is_armed) {
+      vehicle.is_armed = true;
+    } else if (!vehicle.out.wants_armed && (on_ground || vehicle.asked.kind == Kind::kMotorsOff)) {
+      vehicle.is_armed = false;
+    }
+  } else {
+    vehicle.without_setpoint_s += kTickS;
+  }
+  Eigen::Vector3d ask_mps = Eigen::Vector3d::Zero();
+  const bool lands_itself =
+      vehicle.without_setpoint_s > 1.0 || vehicle.asked.kind == Kind::kBlindLand;
+  if (vehicle.is_armed && lands_itself) {
+    ask_mps = {0.0, 0.0, -0.5};
+  } else if (vehicle.is_armed && vehicle.asked.kind == Kind::kTrack) {
+    const Eigen::Vector3d believed_m = vehicle.position_m + vehicle.drift_m;
+    ask_mps =
+        vehicle.asked.velocity_world_mps + 2.0 * (vehicle.asked.position_world_m - believed_m);
+    const double fastest_mps = 1.3 * kSpeedMps;
+    ask_mps *= std::min(1.0, fastest_mps / std::max(1e-9, ask_mps.norm()));
+    const double turn_rad = wrap_to_pi(vehicle.asked.yaw_rad - vehicle.yaw_rad);
+    vehicle.yaw_rad =
+        wrap_to_pi(vehicle.yaw_rad + std::clamp(turn_rad, -4.0 * kTickS, 4.0 * kTickS));
+  }
+  Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();
+  if (vehicle.is_armed) {
+    acceleration_mps2 = (ask_mps + knobs.runaway_mps - vehicle.velocity_mps) / kLagS;
+    acceleration_mps2 *=
+        std::min(1.0, kAccelerationMaxMps2 / std::max(1e-9, acceleration_mps2.norm()));
+    acceleration_mps2 += knobs.push_mps2;
+  } else if (vehicle.position_m.z() > 0.0) {
+    acceleration_mps2.z() = -kGravityMps2;
+  }
+  vehicle.velocity_mps += acceleration_mps2 * kTickS;
+  if (vehicle.position_m.z() <= 0.0 && vehicle.velocity_mps.z() <= 0.0) {
+    vehicle.velocity_mps.setZero();  // the floor
+    vehicle.ground_s += kTickS;
+    const bool comes_down = lands_itself || vehicle.out.state == FlightState::kLand;
+    if (comes_down && vehicle.ground_s > 1.0) {
+      vehicle.is_armed = false;
+    }
+  } else {
+    vehicle.ground_s = 0.0;
+  }
+  vehicle.position_m += vehicle.velocity_mps * kTickS;
+  vehicle.position_m.z() = std::max(0.0, vehicle.position_m.z());
+  vehicle.has_flown = vehicle.has_flown || vehicle.position_m.z() > 0.5;
+}
+
+void FlightBench::check() {
+  const auto say_once = [this](const std::string& words) {
+    if (std::find(violations_.begin(), violations_.end(), words) == violations_.end()) {
+      violations_.push_back(words);
+    }
+  };
+  for (const Vehicle& a : vehicles_) {
+    const Eigen::Vector2d p_m = a.position_m.head<2>();
+    if (drivers::fence_distance_m(scenario_.world, p_m) < 0.0) {
+      say_once(a.name + " left the fence");
+    }
+    if (drivers::obstacle_distance_m(scenario_.world, p_m) < 0.25) {
+      say_once(a.name + " touched the obstacle");
+    }
+    if (!a.out.setpoint.position_world_m.allFinite() ||
+        !a.out.setpoint.velocity_world_mps.allFinite()) {
+      say_once(a.name + " was asked for something that is no number");
+    }
+    for (const Vehicle& b : vehicles_) {
+      if (a.name < b.name) {
+        const double apart_m = (a.position_m - b.position_m).norm();
+        closest_m_ = std::min(closest_m_, apart_m);
+        if (apart_m < kSeparationMinM) {
+          say_once(a.name + " and " + b.name + " collided");
+        }
+      }
+    }
+  }
+}
+
+}  // namespace vantage::test

@@ -1,0 +1,185 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/time.hpp"
+#include "drivers/quadrotor/safety/guard.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+#include "test/support/random.hpp"
+
+// A small closed loop in virtual time: three point-mass vehicles with lag behind a stand-in for the
+// autopilot, a planner each that shuttles along a lane, mocap at 100 Hz, an operator, and flight
+// safety, ticked at 100 Hz. Faults set the knobs afresh at each tick.
+
+namespace vantage::test {
+
+/// How a plan is spoilt before the vehicle hears it.
+enum class PlanFault {
+  kNone,
+  kDropped,
+  kNotANumber,
+  kTooFast,
+  kTooTight,
+  kNoStop,
+  kJumps,
+  kLeavesFence,
+  kMeetsObstacle,
+  kMeetsTeammate,
+  kHeadOn,  ///< the same, for who trusts plans
+  kWrongVehicle,
+  kEmpty,
+  kHalfASecondOld,
+  kReplayed,  ///< one of three seconds ago
+  kLate,      ///< says itself that it missed its deadline
+};
+
+/// How one body is spoilt in the mocap's frames.
+enum class BodyFault {
+  kNone,
+  kOccluded,
+  kAbsent,
+  kFrozen,
+  kNotANumber,
+  kZeroQuaternion,
+  kLongQuaternion,
+  kMillimetres,
+  kMirrored,
+  kUpsideDown,
+  kDuplicated,
+};
+
+/// What is wrong with one vehicle and its world during one tick.
+struct VehicleKnobs {
+  BodyFault body = BodyFault::kNone;
+  double offset_m = 0.0;  ///< of its pose, along x
+  std::string swapped_with;
+  PlanFault plan = PlanFault::kNone;
+  bool second_planner = false;
+  bool planner_dead = false;
+  Eigen::Vector3d push_mps2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d runaway_mps = Eigen::Vector3d::Zero();  ///< added to what it is asked to fly
+  bool motor_failed = false;
+  bool thrust_saturated = false;
+  double tilt_rad = 0.05;
+  bool estimator_bad = false;
+  double estimate_offset_m = 0.0;
+  std::optional<double> battery_share;
+  bool battery_frozen = false;
+  bool battery_silent = false;
+  bool link_cut = false;
+  bool telemetry_cut = false;
+  bool mode_left = false;
+  bool is_stalled = false;  ///< its driver does not run
+  bool map_differs = false;
+  bool mute_teammates = false;  ///< plans of others do not arrive
+};
+
+struct RoomKnobs {
+  int mocap_every = 1;  ///< ticks a frame
+  double mocap_latency_s = 0.005;
+  double mocap_jitter_s = 0.0;
+  Duration mocap_clock{};
+  double frame_loss = 0.0;  ///< probability
+  bool mocap_dead = false;
+  bool ghost_body = false;
+  bool operator_silent = false;
+  bool second_station = false;                 ///< one that beats and says `land`, `follow`, `arm`
+  std::optional<models::OperatorAction> says;  ///< the operator, at this tick
+  std::optional<models::OperatorAction> other_says;  ///< another station
+};
+
+struct Vehicle {
+  std::string name;
+  std::unique_ptr<drivers::FlightGuard> guard;
+  VehicleKnobs knobs;
+  double lane_y_m = 0.0;
+  bool heads_east = true;
+
+  // Truth.
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  double yaw_rad = 0.0;
+  bool is_armed = false;
+  bool has_flown = false;
+
+  // The autopilot.
+  Eigen::Vector3d drift_m = Eigen::Vector3d::Zero();  ///< of its estimate
+  double blind_s = 0.0;
+  double ground_s = 0.0;
+  double without_setpoint_s = 0.0;
+  double battery_share = 0.9;
+  drivers::FlightSetpoint asked;
+
+  // The planner.
+  std::int64_t round = 0;
+  std::int64_t sequence = 0;
+  std::vector<models::RobotPlan> sent;
+
+  drivers::GuardOutput out;
+  Pose3 frozen;
+  bool is_frozen = false;
+};
+
+class FlightBench {
+ public:
+  static constexpr double kTickS = 0.01;
+  static constexpr double kSeparationMinM = 0.5;  ///< two vehicles touch
+
+  /// `trusts_plans`: the plan check overlooks teammates, so that only what watches positions is
+  /// between two vehicles.
+  explicit FlightBench(std::uint64_t seed, bool trusts_plans = false);
+
+  /// Arms, takes off and follows until `until_s` after the start.
+  void fly_up(double until_s);
+  /// One tick with the knobs as they are; they are set back afterwards.
+  void tick();
+
+  [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * kTickS; }
+  [[nodiscard]] Time now() const;
+  [[nodiscard]] std::vector<Vehicle>& vehicles() { return vehicles_; }
+  [[nodiscard]] Vehicle& vehicle(const std::string& name);
+  [[nodiscard]] RoomKnobs& room() { return room_; }
+  /// Everything that must never happen and did, in words.
+  [[nodiscard]] const std::vector<std::string>& violations() const { return violations_; }
+  [[nodiscard]] double closest_m() const { return closest_m_; }
+  static models::Scenario scenario();
+
+ private:
+  struct Flight {  ///< a frame on its way
+    Time arrives;
+    models::MocapFrame frame;
+  };
+  void mocap();
+  void spoil(models::MocapFrame& frame);
+  void plan();
+  models::RobotPlan honest_plan(Vehicle& vehicle, Time start);
+  void spoil(models::RobotPlan& plan, Vehicle& vehicle);
+  void operate();
+  void say(models::OperatorAction action, std::int64_t run_id, std::int64_t& sequence);
+  void autopilot(Vehicle& vehicle);
+  void fly(Vehicle& vehicle);
+  void check();
+
+  models::Scenario scenario_;
+  Random random_;
+  std::vector<Vehicle> vehicles_;
+  RoomKnobs room_;
+  std::vector<Flight> frames_;
+  Time newest_arrival_{};
+  std::int64_t frame_number_ = 0;
+  std::int64_t ticks_ = 0;
+  std::int64_t command_sequence_ = 0;
+  std::int64_t other_sequence_ = 0;
+  double closest_m_ = 1e9;
+  std::vector<std::string> violations_;
+};
+
+}  // namespace vantage::test
