@@ -1,8 +1,11 @@
 #include "tools/check/preflight.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "models/world/world.hpp"
+#include "tools/up/process_plan.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -127,6 +130,9 @@ Preflight check_preflight(const Scenario& scenario) {
   check_robots(scenario, out.faults);
   check_targets(scenario, out.faults);
   check_round(scenario, out.faults);
+  for (std::string& fault : device_faults(scenario)) {
+    out.faults.push_back(std::move(fault));
+  }
   return out;
 }
 
