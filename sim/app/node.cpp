@@ -86,8 +86,10 @@ SimNode::SimNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario&
       mocap_server_(mocap_server_of(scenario_.mocap, clock)),
       world_(scenario_, scenario_.seed, start_, pointers_to(wires_)),
       lag_(wires_.empty() ? world_.camera().latency() : Duration{0}),
+      truth_period_(scenario_.mocap.device == models::DeviceSource::kReal ? world_.camera().period()
+                                                                          : kTruthPeriod),
       next_capture_(world_.camera().capture_at_or_after(world_.time())),
-      next_truth_(at_or_after(world_.time(), kTruthPeriod)),
+      next_truth_(at_or_after(world_.time(), truth_period_)),
       next_status_(at_or_after(world_.time(), kStatusPeriod)),
       next_exchange_(has_wire() ? at_or_after(world_.time(), kExchangePeriod) : Time::max()),
       last_tick_(world_.time() - Duration{1}),
@@ -162,7 +164,7 @@ void SimNode::publish_instant(Time instant) {
   }
   if (instant == next_truth_) {
     bus_.publish(bus::kTruth, world_.truth());
-    next_truth_ += kTruthPeriod;
+    next_truth_ += truth_period_;
   }
   if (instant == next_capture_) {
     if (scenario_.mocap.device != models::DeviceSource::kReal) {

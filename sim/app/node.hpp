@@ -69,7 +69,8 @@ class SimNode : public bus::Node {
   std::vector<std::unique_ptr<WireVehicle>> wires_;
   std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< of a mocap system on the wire
   WorldSimulation world_;
-  Duration lag_;  ///< by which the world follows the clock
+  Duration lag_;           ///< by which the world follows the clock
+  Duration truth_period_;  ///< that of a real mocap, whose driver adds the simulated bodies
   Time next_capture_;
   Time next_truth_;
   Time next_status_;

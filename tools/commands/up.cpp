@@ -19,6 +19,7 @@ struct UpArguments {
   std::string log_path;
   bool no_log = false;
   bool fly = false;
+  bool has_virtual_targets = false;
   bool as_json = false;
 };
 
@@ -28,6 +29,7 @@ int run(const UpArguments& arguments) {
   options.executables = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
   options.quiet = arguments.as_json;
   options.fly = arguments.fly;
+  options.has_virtual_targets = arguments.has_virtual_targets;
   if (!arguments.no_log) {
     options.log_path = arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
   }
@@ -68,6 +70,8 @@ void add_up_command(CLI::App& root, Runner& chosen) {
   command->add_flag("--no-log", arguments->no_log, "do not record")->excludes(log);
   command->add_flag("--fly", arguments->fly,
                     "be the operator: arm, take off, follow, and land at the end");
+  command->add_flag("--virtual-targets", arguments->has_virtual_targets,
+                    "simulate the targets though every device is real");
   command->add_flag("--json", arguments->as_json, "print one JSON object at the end");
   command->footer(
       "Ends after the scenario's duration or with Ctrl-C; all processes are gone 2 s later. With\n"

@@ -52,7 +52,7 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
     out.push_back(std::move(process));
   };
   const bool is_simulated =
-      scenario.mocap.device != DeviceSource::kReal ||
+      places.has_virtual_targets || scenario.mocap.device != DeviceSource::kReal ||
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
                   [](const auto& robot) { return robot.device != DeviceSource::kReal; });
   if (is_simulated) {

@@ -138,8 +138,8 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
   announcer.publish(start);
   const std::unique_ptr<Pilot> pilot = options.fly ? pilot_for(scenario, bus) : nullptr;
   Supervisor team(options.restarts);
-  for (const ProcessSpec& process :
-       process_plan(scenario, {options.executables, file.path(), url})) {
+  for (const ProcessSpec& process : process_plan(
+           scenario, {options.executables, file.path(), url, options.has_virtual_targets})) {
     team.start(process);
   }
 

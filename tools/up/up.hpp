@@ -14,7 +14,8 @@ struct UpOptions {
   std::string executables;  ///< the folder of the vantage-* programs
   std::string log_path;     ///< empty: no log
   bool quiet = false;
-  bool fly = false;  ///< arm, take off and follow at the start, land at the end
+  bool fly = false;                  ///< arm, take off and follow at the start, land at the end
+  bool has_virtual_targets = false;  ///< simulate the targets though every device is real
   RestartPolicy restarts;
 };
 
