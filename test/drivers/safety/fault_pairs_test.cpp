@@ -1,9 +1,13 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "test/drivers/safety/fault_catalogue.hpp"
 
 namespace vantage::test {
 namespace {
+
+constexpr double kFloorS = 10.0;  // limit of a stage that waits for the floor
 
 class FaultPairs : public testing::TestWithParam<std::size_t> {};
 
@@ -23,9 +27,15 @@ TEST_P(FaultPairs, AreNoWorseThanTheWorse) {
       const Outcome& outcome = run.outcomes[k];
       const Fault& fault = *both[k];
       const Fault& other = *both[1 - k];
-      EXPECT_GE(severity_of(outcome.end), severity_of(fault.end))
+      if (fault.needs_quiet && !other.stages.empty()) {
+        continue;
+      }
+      // Who lands before the motors would have been stopped near the floor has landed.
+      const bool ends_at_floor = !fault.stages.empty() && fault.stages.back().within_s >= kFloorS;
+      const int needed = std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
+      EXPECT_GE(severity_of(outcome.end), needed)
           << fault.name << " ends in " << models::name_of(outcome.end) << " with " << other.name;
-      for (std::size_t s = 0; s < fault.stages.size(); ++s) {
+      for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
         EXPECT_GE(outcome.stage_s[s], 0.0)
             << fault.name << " never reaches " << models::name_of(fault.stages[s].state) << " with "
             << other.name;
