@@ -1,5 +1,6 @@
 #include "test/drivers/safety/fault_catalogue.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace vantage::test {
@@ -181,7 +182,9 @@ std::vector<Fault> mocap_faults() {
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.05},
       {9,
        "rate falls to 8 Hz",
        "",
@@ -197,17 +200,23 @@ std::vector<Fault> mocap_faults() {
        "",
        "all",
        0.0,
-       [](FlightBench& bench, double) { bench.room().mocap_latency_s = 0.035; },
+       [](FlightBench& bench, double) {
+         bench.room().mocap_latency_s = std::max(0.035, bench.room().mocap_latency_s);
+       },
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.04},
       {9,
        "latency 5 to 155 ms",
        "",
        "all",
        0.0,
-       [](FlightBench& bench, double) { bench.room().mocap_latency_s = 0.155; },
+       [](FlightBench& bench, double) {
+         bench.room().mocap_latency_s = std::max(0.155, bench.room().mocap_latency_s);
+       },
        {{kHold, 0.10 + kTicks}},
        "pose late",
        nullptr,
@@ -221,7 +230,9 @@ std::vector<Fault> mocap_faults() {
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.06},
       {10,
        "mocap clock one hour on",
        "",
@@ -263,7 +274,9 @@ std::vector<Fault> mocap_faults() {
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.04},
   };
 }
 
