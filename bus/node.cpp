@@ -4,6 +4,8 @@
 #include <string_view>
 #include <utility>
 
+#include <poll.h>
+
 #include "bus/channels.hpp"
 #include "core/deadline.hpp"
 
@@ -17,6 +19,13 @@ constexpr Duration kStopPollPeriod = std::chrono::milliseconds(50);
 bool is_plain_traffic(std::string_view counter) {
   return counter == "transport.messages_sent" || counter == "transport.messages_received" ||
          counter.ends_with(".fresh");
+}
+
+/// Whether `fd` became readable within `timeout`.
+bool wait_for(int fd, Duration timeout) {
+  const timespec limit{timeout.count() / 1'000'000, timeout.count() % 1'000'000 * 1'000};
+  pollfd polled{fd, POLLIN, 0};
+  return ppoll(&polled, 1, &limit, nullptr) > 0;
 }
 
 }  // namespace
@@ -79,14 +88,19 @@ void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool
   HealthReporter health(bus, node);
   health.publish(clock.now(), models::ProcessState::kStarting);
   while (!stop()) {
-    const Duration wait = std::clamp(node.next_tick() - clock.now(), Duration{0}, kStopPollPeriod);
+    Duration wait = std::clamp(node.next_tick() - clock.now(), Duration{0}, kStopPollPeriod);
+    bool is_woken = false;
+    if (node.wakes_on() >= 0) {
+      is_woken = wait_for(node.wakes_on(), wait);
+      wait = Duration{0};
+    }
     const double handled_before_s = bus.handling_s();
     if (bus.handle(wait) == kSourceEnded) {
       break;
     }
     const std::int64_t tick_start_ns = monotonic_ns();
     const Time now = clock.now();
-    if (now >= node.next_tick()) {
+    if (is_woken || now >= node.next_tick()) {
       node.tick(now);
     }
     const double tick_s = static_cast<double>(monotonic_ns() - tick_start_ns) * 1e-9;

@@ -30,6 +30,10 @@ class Node {
   [[nodiscard]] virtual Time next_tick() const = 0;
   /// `now` ≥ next_tick(), by how much depends on the machine.
   virtual void tick(Time now) = 0;
+  /// A descriptor that, once readable, makes tick() due before next_tick(); −1: none. With one,
+  /// messages from the bus are handled when it is readable or next_tick() has come, so it is for
+  /// nodes that work on what a device says.
+  [[nodiscard]] virtual int wakes_on() const { return -1; }
   /// Everything it dropped or missed, by name.
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const { return {}; }
   [[nodiscard]] virtual std::int64_t deadlines_missed() const { return 0; }
@@ -60,8 +64,8 @@ class HealthReporter {
 };
 
 /// Runs `node` on `bus` in real time until stop() or until its log is at its end, then publishes a
-/// last HEALTH. Messages are handled while it waits for next_tick(); stop() is asked at least every
-/// 50 ms. What a handler or the node throws comes out here.
+/// last HEALTH. Messages are handled while it waits for next_tick() (see also Node::wakes_on());
+/// stop() is asked at least every 50 ms. What a handler or the node throws comes out here.
 void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop);
 
 }  // namespace vantage::bus

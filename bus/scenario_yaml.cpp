@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "bus/scenario_agents_yaml.hpp"
+#include "bus/scenario_mocap_yaml.hpp"
 #include "bus/yaml_document.hpp"
 #include "bus/yaml_mapping.hpp"
 
@@ -187,14 +188,6 @@ void read_network(Mapping& from, models::NetworkSpec& network) {
   if (!is_known) {
     from.refuse("url", "must begin with udpm:// or memq://, is '" + network.url + "'");
   }
-}
-
-void read_mocap(Mapping& from, models::MocapSpec& mocap) {
-  from.number("rate_hz", mocap.rate_hz, above_to(0.0, 1000.0));
-  from.number("position_sigma_m", mocap.position_sigma_m, at_least(0.0));
-  from.angle("yaw_sigma", mocap.yaw_sigma_rad, from_to(0.0, 180.0));
-  from.number("latency_s", mocap.latency_s, from_to(0.0, 1.0));
-  read_device(from, mocap.device);
 }
 
 /// The name becomes part of the names of logs.

@@ -5,7 +5,27 @@
 namespace vantage {
 namespace {
 
-constexpr double kSmallAngle_rad = 1e-6;  // below it the series' next term is under 1e-13
+// Below these the series' next term is under rounding. 1 − cos never appears: it cancels.
+constexpr double kSmallAngle_rad = 1e-4;
+constexpr double kSmallAngleOfCube_rad = 0.03;
+constexpr double kVertical = 1e-12;
+
+/// sin ω / ω.
+double sinc(double angle_rad) {
+  return std::abs(angle_rad) < kSmallAngle_rad ? 1.0 - angle_rad * angle_rad / 6.0
+                                               : std::sin(angle_rad) / angle_rad;
+}
+
+/// (1 − cos ω) / ω.
+double cosc(double angle_rad) { return std::sin(0.5 * angle_rad) * sinc(0.5 * angle_rad); }
+
+/// (ω − sin ω) / ω³.
+double sinc3(double angle_rad) {
+  const double a2 = angle_rad * angle_rad;
+  return std::abs(angle_rad) < kSmallAngleOfCube_rad
+             ? (1.0 - a2 / 20.0 * (1.0 - a2 / 42.0)) / 6.0
+             : (angle_rad - std::sin(angle_rad)) / (a2 * angle_rad);
+}
 
 Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   Eigen::Matrix3d S;
@@ -17,12 +37,8 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
 Eigen::Matrix3d left_jacobian_so3(const Eigen::Vector3d& theta) {
   const double angle = theta.norm();
   const Eigen::Matrix3d S = skew(theta);
-  if (angle < kSmallAngle_rad) {
-    return Eigen::Matrix3d::Identity() + 0.5 * S;
-  }
-  const double a2 = angle * angle;
-  return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / a2 * S +
-         (angle - std::sin(angle)) / (a2 * angle) * S * S;
+  const double half_sinc = sinc(0.5 * angle);
+  return Eigen::Matrix3d::Identity() + 0.5 * half_sinc * half_sinc * S + sinc3(angle) * S * S;
 }
 
 }  // namespace
@@ -47,16 +63,16 @@ Pose2 inverse(const Pose2& a_from_b) {
 
 Pose2 exp_se2(const Eigen::Vector3d& twist) {
   const double w = twist.z();
-  const double sin_by = std::abs(w) < kSmallAngle_rad ? 1.0 - w * w / 6.0 : std::sin(w) / w;
-  const double cos_by = std::abs(w) < kSmallAngle_rad ? w / 2.0 : (1.0 - std::cos(w)) / w;
+  const double sin_by = sinc(w);
+  const double cos_by = cosc(w);
   return {sin_by * twist.x() - cos_by * twist.y(), cos_by * twist.x() + sin_by * twist.y(),
           wrap_to_pi(w)};
 }
 
 Eigen::Vector3d log_se2(const Pose2& a_from_b) {
   const double w = a_from_b.yaw_rad;
-  const double sin_by = std::abs(w) < kSmallAngle_rad ? 1.0 - w * w / 6.0 : std::sin(w) / w;
-  const double cos_by = std::abs(w) < kSmallAngle_rad ? w / 2.0 : (1.0 - std::cos(w)) / w;
+  const double sin_by = sinc(w);
+  const double cos_by = cosc(w);
   const double det = sin_by * sin_by + cos_by * cos_by;
   return {(sin_by * a_from_b.x_m + cos_by * a_from_b.y_m) / det,
           (-cos_by * a_from_b.x_m + sin_by * a_from_b.y_m) / det, w};
@@ -78,11 +94,9 @@ Pose3 inverse(const Pose3& a_from_b) {
 Pose3 exp_se3(const Eigen::Matrix<double, 6, 1>& twist) {
   const Eigen::Vector3d theta = twist.tail<3>();
   const double angle = theta.norm();
-  const double half_sinc =
-      angle < kSmallAngle_rad ? 0.5 - angle * angle / 48.0 : std::sin(angle / 2.0) / angle;
   Eigen::Quaterniond rotation;
   rotation.w() = std::cos(angle / 2.0);
-  rotation.vec() = half_sinc * theta;
+  rotation.vec() = 0.5 * sinc(0.5 * angle) * theta;
   return {left_jacobian_so3(theta) * twist.head<3>(), rotation.normalized()};
 }
 
@@ -106,8 +120,10 @@ Pose3 lift(const Pose2& world_from_body, double height_m) {
 
 Pose2 flatten(const Pose3& world_from_body) {
   const Eigen::Vector3d forward = world_from_body.rotation * Eigen::Vector3d::UnitX();
+  // Of a vertical axis rounding leaves a direction of its own; atan2(0, 0) is 0.
+  const bool is_vertical = forward.head<2>().norm() < kVertical;
   return {world_from_body.translation_m.x(), world_from_body.translation_m.y(),
-          std::atan2(forward.y(), forward.x())};
+          is_vertical ? 0.0 : std::atan2(forward.y(), forward.x())};
 }
 
 }  // namespace vantage

@@ -5,14 +5,30 @@
 
 namespace vantage::estimator {
 
-/// A target that stays inside the world's bounds and out of its obstacles is nowhere else: the
-/// moments of N(y; μ, P) · 1[y free] / Z. See reweighted() for how, and for what is returned
-/// unchanged; also a belief whose ellipse touches neither wall nor obstacle.
+/// What is known of a target's place because it never leaves the world's bounds nor enters an
+/// obstacle. A belief that touches neither is returned unchanged, bit for bit.
+///
+/// Beliefs with a velocity (4 components) are reflected at the bounds, see reflect(): what they say
+/// lies outside has turned back at the wall; of the free world only the obstacles are then left to
+/// condition on. Beliefs without a velocity are conditioned on all of it. Conditioning is the
+/// moments of N(y; μ, P) · 1[y free] / Z; see reweighted() for how, and for what it leaves alone.
 ///
 /// Without it the belief about a target long unseen spreads over places where the target cannot
 /// be, and its mean stays at the wall where the target was last seen. Applied step after step it
 /// settles near the middle of the world, as wide as the world allows.
 /// Cost: at most 343 rectangle tests an obstacle, no allocation.
 models::Gaussian confine(const models::Gaussian& belief, const models::World& world);
+
+/// The Gaussian of the same mean and covariance as the belief about position and velocity (4
+/// components) folded into `bounds`: who is predicted beyond a wall is as far inside of it, the
+/// velocity across it reversed, as often as needed. A confident belief that crosses a wall thus
+/// forgets which way the target goes, until it is seen again; conditioning on the inside instead
+/// would conclude that the target stopped at the wall, and be sure of it.
+///
+/// The moments come from the product rule of moment_matching.hpp on the position, with the exact
+/// Gaussian of the velocity at each of its points. Unchanged: a covariance that is not positive
+/// definite, a belief no point of whose rule lies outside, bounds without area.
+/// Precondition: 4 components. Cost: 225 points, no allocation.
+models::Gaussian reflect(const models::Gaussian& belief, const models::Rectangle& bounds);
 
 }  // namespace vantage::estimator

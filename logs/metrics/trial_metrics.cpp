@@ -19,7 +19,8 @@ TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
       position_dim_(scenario.estimator.target_model.position_dim),
       prior_entropy_nats_(
           isotropic_entropy_nats(scenario.estimator.undiscovered_position_sigma_m, position_dim_)),
-      sums_(scenario.targets.size()) {
+      sums_(scenario.targets.size()),
+      robot_sums_(static_cast<int>(scenario.targets.size()), position_dim_, prior_entropy_nats_) {
   summary_.seed = scenario.seed;
   summary_.scenario = scenario.name;
   summary_.algorithm = models::name_of(scenario.planner.algorithm);
@@ -65,6 +66,7 @@ void TrialMetrics::on_belief(const models::RobotBelief& belief) {
 void TrialMetrics::judge(const Step& step) {
   TeamEstimate team;
   for (const auto& [robot, heard] : step) {
+    robot_sums_.add(robot, heard.time, to_seconds(heard.time - start_), heard.targets, truth_);
     for (const models::TargetBelief& belief : heard.targets) {
       if (const auto estimate = position_estimate(belief, robot, heard.time, position_dim_)) {
         team.offer(belief.target_id, *estimate);
@@ -168,6 +170,7 @@ TrialSummary TrialMetrics::finish(Time end, std::optional<std::int64_t> messages
     out.rmse_m = rmse_sum_m_ / static_cast<double>(steps_with_error_);
   }
   out.undiscovered_share = steps_ > 0 ? unknown_share_sum_ / steps : 1.0;
+  out.per_robot = robot_sums_.means(out.duration_s);
   out.rounds = rounds();
   out.rounds_late = rounds_late();
   out.fallbacks = fallbacks_;

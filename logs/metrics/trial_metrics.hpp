@@ -84,6 +84,7 @@ class TrialMetrics {
   std::int64_t newest_judged_ = -1;
   std::vector<TargetStatus> targets_;
   std::vector<TargetSums> sums_;
+  RobotSums robot_sums_;
   std::map<std::string, RobotStatus> robots_;
   std::int64_t steps_ = 0;
   std::int64_t steps_with_error_ = 0;

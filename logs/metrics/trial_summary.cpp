@@ -42,6 +42,13 @@ Json to_json(const TrialSummary& summary) {
   out["undiscovered_share"] = summary.undiscovered_share;
   out["rmse_per_target_m"] = optional_numbers(summary.rmse_per_target_m);
   out["entropy_per_target"] = summary.entropy_per_target_nats;
+  nlohmann::ordered_json per_robot;
+  per_robot["rmse_m"] = optional_number(summary.per_robot.rmse_m);
+  per_robot["entropy"] = summary.per_robot.entropy_nats;
+  per_robot["discovered"] = summary.per_robot.discovered;
+  per_robot["discovery_time_s"] = summary.per_robot.discovery_time_s;
+  per_robot["undiscovered_share"] = summary.per_robot.undiscovered_share;
+  out["per_robot"] = std::move(per_robot);
   return out;
 }
 

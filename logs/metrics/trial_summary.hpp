@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "logs/metrics/robot_means.hpp"
+
 namespace vantage::logs {
 
 /// What one trial comes to. Means are over the estimator steps of the whole trial.
@@ -33,6 +35,7 @@ struct TrialSummary {
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets nobody knows
   std::vector<std::optional<double>> rmse_per_target_m;  ///< over the time it was known
   std::vector<double> entropy_per_target_nats;
+  RobotMeans per_robot;  ///< the same, each robot judged by its own belief; mean over the robots
 };
 
 /// The keys of the published table in their published order, then the additions; absent values

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "models/motion/unicycle.hpp"
+#include "models/scenario/device_source.hpp"
+#include "models/scenario/mocap_spec.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 #include "models/world/world.hpp"
@@ -13,10 +15,6 @@
 // A trial as values: what one scenario file says. Read from YAML by bus/scenario_yaml.
 
 namespace vantage::models {
-
-/// Where a device comes from. kDirect: the simulator publishes the device's channel itself;
-/// kWire: simulated device behind its real protocol and driver; kReal: the real one.
-enum class DeviceSource { kDirect, kWire, kReal };
 
 /// What a vehicle can do and must not do.
 struct VehicleLimits {
@@ -70,7 +68,8 @@ struct EstimatorSpec {
   /// Share of in-view looks that detect a target that is there; a look that finds nothing where
   /// the belief expects a target moves the belief away. 0 switches that off.
   double detection_probability = 0.9;
-  /// Targets are never beyond the world's bounds or in an obstacle; beliefs keep to the rest.
+  /// Targets are never beyond the bounds of the world or in an obstacle; beliefs keep to the rest, and
+  /// those with a velocity turn back at the bounds.
   bool targets_stay_inside = true;
 };
 
@@ -106,15 +105,6 @@ struct PlannerSpec {
 struct NetworkSpec {
   double communication_range_m = 0.0;  ///< beliefs from farther robots are discarded; ≤ 0: none
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
-};
-
-/// The mocap system that localises everything.
-struct MocapSpec {
-  double rate_hz = 50.0;
-  double position_sigma_m = 0.0005;
-  double yaw_sigma_rad = 0.001;
-  double latency_s = 0.005;
-  DeviceSource device = DeviceSource::kDirect;
 };
 
 struct Scenario {

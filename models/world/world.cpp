@@ -70,7 +70,12 @@ bool Rectangle::contains(const Eigen::Vector2d& p_m) const {
 double clearance_m(const World& world, const Eigen::Vector2d& p_m) {
   double clearance = -signed_distance_m(world.bounds, p_m);
   for (const Obstacle& obstacle : world.obstacles) {
-    clearance = std::min(clearance, signed_distance_m(obstacle.footprint, p_m));
+    const Rectangle& box = obstacle.footprint;
+    const double apart_m = std::max(std::max(box.min_m.x() - p_m.x(), p_m.x() - box.max_m.x()),
+                                    std::max(box.min_m.y() - p_m.y(), p_m.y() - box.max_m.y()));
+    if (apart_m < clearance) {  // the distance is no less: most boxes need no root
+      clearance = std::min(clearance, signed_distance_m(box, p_m));
+    }
   }
   return clearance;
 }

@@ -14,7 +14,13 @@ constexpr float kInfinityF = std::numeric_limits<float>::infinity();
 constexpr int kStopsPerDepth = 16;
 constexpr int kSequenceStates = 4'000;
 
-enum NodeState : std::uint8_t { kGenerated = 0, kEvaluated = 1, kSequenced = 2, kClosed = 3 };
+enum NodeState : std::uint8_t {
+  kGenerated = 0,
+  kEvaluated = 1,
+  kPartly = 2,
+  kSequenced = 3,
+  kClosed = 4
+};
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -204,12 +210,21 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
     node.state = kSequenced;
     return Progress::kGoOn;
   }
-  const SequencingBound::Answer answer =
-      sequencing_.cost_to_go(node.world_from_body, node.depth, blocks, result_.cost - others,
-                             *deadline_, result_.work_nodes);
+  // Far enough to tell it from the nodes whose turn is near; further when it comes to that.
+  constexpr double kShare = 0.3;
+  const double least = std::max(f_[id], open_.empty() ? f_[id] : open_.front().key);
+  const double enough = node.state == kEvaluated
+                            ? std::min(result_.cost, least + kShare * (result_.cost - least))
+                            : result_.cost;
+  const SequencingBound::Answer answer = sequencing_.cost_to_go(
+      node.world_from_body, node.depth, blocks, enough - others, *deadline_, result_.work_nodes);
   f_[id] = std::max(f_[id], others + answer.cost);
   if (answer.expired) {
     return Progress::kDeadline;
+  }
+  if (f_[id] >= enough && enough < result_.cost) {
+    node.state = kPartly;
+    return Progress::kGoOn;
   }
   node.state = kSequenced;
   const std::size_t controls = problem_->controls.size();
@@ -261,13 +276,13 @@ BestFirstSearch::Progress BestFirstSearch::step() {
       return put_back(Progress::kGoOn);
     }
   }
-  if (tree_[id].state == kEvaluated && !diving && f_[id] < result_.cost &&
+  if (tree_[id].state < kSequenced && best_parent_ != kNoNode && f_[id] < result_.cost &&
       options_.bound == NodeBound::kSequence && !sequencing_.is_empty()) {
     const Progress progress = evaluate_sequence(id);
     if (progress != Progress::kGoOn) {
       return put_back(progress);
     }
-    if (!open_.empty() && key(id) > open_.front().key && f_[id] < result_.cost) {
+    if (!diving && !open_.empty() && key(id) > open_.front().key && f_[id] < result_.cost) {
       return put_back(Progress::kGoOn);
     }
   }
@@ -364,7 +379,8 @@ BestFirstSearch::Progress BestFirstSearch::expand(NodeId id) {
   if (best_parent_ == kNoNode ||
       (options_.dive_every > 0 && result_.nodes_expanded >= next_dive_)) {
     dives_ = true;
-    next_dive_ = result_.nodes_expanded + options_.dive_every;
+    next_dive_ = result_.nodes_expanded +
+                 (best_parent_ == kNoNode ? problem_->horizon_steps : options_.dive_every);
   }
   const Progress progress = dives_ ? choose_next(first, end) : Progress::kGoOn;
   for (NodeId child = first; child < end; ++child) {

@@ -17,6 +17,21 @@ models::Rectangle shrunk(const models::Rectangle& box, double by_m) {
   return {box.min_m.array() + by_m, box.max_m.array() - by_m};
 }
 
+// A box that touches a wall, carried on beyond it: nobody gets through between the two, and with
+// everything inside the walls no sight passes there either.
+models::Rectangle into_the_walls(models::Rectangle box, const models::Rectangle& walls) {
+  constexpr double kBeyond_m = 1.0;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (box.min_m(axis) <= walls.min_m(axis)) {
+      box.min_m(axis) = walls.min_m(axis) - kBeyond_m;
+    }
+    if (box.max_m(axis) >= walls.max_m(axis)) {
+      box.max_m(axis) = walls.max_m(axis) + kBeyond_m;
+    }
+  }
+  return box;
+}
+
 double area_m2(const models::Rectangle& box) { return (box.max_m - box.min_m).prod(); }
 
 // Whether the segment passes through the interior of the box: clipped slab by slab.
@@ -93,9 +108,13 @@ void GeodesicTable::reset(const models::World* world,
       all.min_m = all.min_m.cwiseMin(p);
       all.max_m = all.max_m.cwiseMax(p);
     }
+    const bool all_inside = (all.min_m.array() >= world->bounds.min_m.array()).all() &&
+                            (all.max_m.array() <= world->bounds.max_m.array()).all();
     for (int i = 0; i < box_count_; ++i) {
-      boxes_[i] = shrunk(*kept[i], 2.0 * kShrink_m);
-      const models::Rectangle box = shrunk(*kept[i], kShrink_m);
+      const models::Rectangle whole =
+          all_inside ? into_the_walls(*kept[i], world->bounds) : *kept[i];
+      boxes_[i] = shrunk(whole, 2.0 * kShrink_m);
+      const models::Rectangle box = shrunk(whole, kShrink_m);
       for (const double x : {box.min_m.x(), box.max_m.x()}) {
         for (const double y : {box.min_m.y(), box.max_m.y()}) {
           const Eigen::Vector2d corner(x, y);

@@ -14,7 +14,8 @@ namespace vantage::planner {
 ///
 /// Every answer is a lower bound for a disc of any radius: boxes are shrunk by some nanometres
 /// against rounding, walls do not count beyond the corners outside of them, and only the
-/// kBoxesMax largest boxes are kept (leaving one out can only shorten ways).
+/// kBoxesMax largest boxes are kept (leaving one out can only shorten ways). Between boxes that
+/// only touch each other there is thus a way as thin as the shrinking; boxes that overlap are shut.
 /// reset() is O((4 boxes)³); it allocates up to the size asked for at construction, the queries
 /// nothing.
 class GeodesicTable {

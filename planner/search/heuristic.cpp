@@ -28,6 +28,7 @@ InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max) : w
   const std::size_t depths = index(horizon_max + 1);
   points_.reserve(targets);
   sights_m_.reserve(targets);
+  noises_.reserve(targets);
   stays_.reserve(targets);
   has_fixed_.reserve(targets);
   only_own_looks_.reserve(targets);
@@ -53,6 +54,7 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
   const int targets = beliefs.target_count();
   points_.clear();
   sights_m_.clear();
+  noises_.clear();
   stays_.clear();
   has_fixed_.clear();
   only_own_looks_.clear();
@@ -66,6 +68,9 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
     }
     points_.push_back(beliefs.mean_m(m, 0).head<2>());
     sights_m_.push_back(sight_m);
+    const models::StateMatrix W = target.model.process_noise(problem.step_s);
+    const bool moves = target.model.kind == models::TargetKind::kDoubleIntegrator;
+    noises_.push_back({problem.step_s, W(0, 0), moves ? W(0, 2) : 0.0, moves ? W(2, 2) : 0.0});
     const bool stays = target.model.kind != models::TargetKind::kDoubleIntegrator;
     stays_.push_back(stays ? 1 : 0);
     bool fixed = false;
@@ -171,6 +176,11 @@ bool InformationHeuristic::for_each_step(int m, int t, const double* block, cons
   const bool trace_cost = beliefs_->cost() == CostKind::kTrace;
   const bool by_sum = layout == BlockLayout::kPlanar && !has_fixed(m);
   const bool by_recursion = !only_own_looks(m) || !by_sum;
+  const bool by_average = by_recursion && layout != BlockLayout::kSpatial && !has_fixed(m);
+  AveragedBlock averaged;
+  if (by_average) {
+    averaged = AveragedBlock(layout, block);
+  }
   PointedInformation sum;
   if (by_sum) {
     sum = PointedInformation(block);
@@ -201,6 +211,11 @@ bool InformationHeuristic::for_each_step(int m, int t, const double* block, cons
       }
       measure =
           std::max(measure, trace_cost ? trace(layout, recursed) : determinant(layout, recursed));
+    }
+    if (by_average) {
+      averaged.predict(noise(m));
+      averaged.update(look.average());
+      measure = std::max(measure, trace_cost ? averaged.trace() : averaged.determinant());
     }
     emit(k, measure);
   }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "planner/search/averaged_block.hpp"
 #include "planner/search/belief_table.hpp"
 #include "planner/search/geodesic.hpp"
 #include "planner/search/pointed_information.hpp"
@@ -18,7 +19,9 @@ namespace vantage::planner {
 /// steps away or nearer, around obstacles for targets that stay where they are. For planar targets
 /// that stay, the sum over looks of rank-one information replaces M̄ = λ_max I: with a ≤ b the
 /// eigenvalues of the information at hand and E that of the looks so far, its determinant is at
-/// most (a + E) b after one look or while a + E ≤ b, and ((a + b + E)/2)² else.
+/// most (a + E) b after one look or while a + E ≤ b, and ((a + b + E)/2)² else. For all other
+/// planar targets the block averaged over directions (AveragedBlock) is a second bound; the larger
+/// counts.
 ///
 /// Targets that the node's history has not touched come from a table by distance (rings of a
 /// quarter of a step, rounded inwards), filled as needed; one that cannot be reached any more costs
@@ -56,6 +59,7 @@ class InformationHeuristic {
   [[nodiscard]] bool stays(int m) const { return stays_[index(m)] != 0; }
   /// No process noise and no teammates' looks: its information is the sum of the own looks.
   [[nodiscard]] bool only_own_looks(int m) const { return only_own_looks_[index(m)] != 0; }
+  [[nodiscard]] const StepNoise& noise(int m) const { return noises_[index(m)]; }
   [[nodiscard]] bool has_fixed(int m) const { return has_fixed_[index(m)] != 0; }
   /// Cost of target m over the steps after `depth` when nobody looks any more at an untouched one.
   [[nodiscard]] double open_loop_rest(int m, int depth) const {
@@ -97,6 +101,7 @@ class InformationHeuristic {
   GeodesicTable ways_;
   std::vector<Eigen::Vector2d> points_;
   std::vector<double> sights_m_;
+  std::vector<StepNoise> noises_;
   std::vector<std::uint8_t> stays_;
   std::vector<std::uint8_t> has_fixed_;
   std::vector<std::uint8_t> only_own_looks_;

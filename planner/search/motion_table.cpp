@@ -72,6 +72,9 @@ void MotionTable::reset(const SearchProblem& problem) {
     for (int k = 0; k < kPieces; ++k) {
       p.piece_end_m[k] = models::step_unicycle({}, control, (k + 1) * piece_s).position_m();
     }
+    for (int k = 0; k < kParts; ++k) {
+      p.along[k] = models::step_unicycle({}, control, problem.step_s * k / kParts);
+    }
     p.length_m = std::abs(control.speed_mps) * problem.step_s;
     p.sagitta_m = kChordSlack * sagitta_of(p.length_m / kPieces, control.yaw_rate_radps * piece_s);
     reach_m_ = std::max(reach_m_, p.length_m);
@@ -141,11 +144,40 @@ bool MotionTable::is_open_space(const Eigen::Vector2d& p_m) const {
 bool MotionTable::is_free(const Pose2& from, double cos_yaw, double sin_yaw, int c,
                           int depth) const {
   const Primitive& primitive = primitives_[static_cast<std::size_t>(c)];
-  if (!is_open_space(from.position_m()) && !arc_is_clear(*problem_->world, from, primitive.control,
-                                                         problem_->step_s, problem_->clearance_m)) {
+  if (!is_open_space(from.position_m()) &&
+      !(problem_->field != nullptr ? is_clear(from, cos_yaw, sin_yaw, primitive, 0, kParts)
+                                   : arc_is_clear(*problem_->world, from, primitive.control,
+                                                  problem_->step_s, problem_->clearance_m))) {
     return false;
   }
   return problem_->teammates.empty() || is_apart(from, cos_yaw, sin_yaw, primitive, depth);
+}
+
+bool MotionTable::is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
+                           const Primitive& primitive, int begin, int end) const {
+  constexpr double kOutside_m = -1.0;  // what the field says where it knows nothing
+  constexpr double kRounding = 1e-6;   // the field rounds down
+  constexpr double kSlack_m = 1e-4;
+  const models::DistanceField& field = *problem_->field;
+  const int middle = (begin + end) / 2;
+  const Pose2& m = primitive.along[middle];
+  const double half_m = 0.5 * primitive.length_m * (end - begin) / kParts;
+  const double at_least_m = field.lower_bound_m(
+      {from.x_m + cos_yaw * m.x_m - sin_yaw * m.y_m, from.y_m + sin_yaw * m.x_m + cos_yaw * m.y_m});
+  if (at_least_m > problem_->clearance_m + (1.0 + kRounding) * half_m + kRounding) {
+    return true;
+  }
+  // The true distance is at most a cell's diagonal more: known at its centre, half of it away.
+  const double at_most_m = at_least_m + std::sqrt(2.0) * field.geometry().resolution_m;
+  if (at_least_m != kOutside_m && at_most_m < problem_->clearance_m - kSlack_m) {
+    return false;
+  }
+  if (end - begin == 2) {
+    return arc_is_clear(*problem_->world, from * primitive.along[begin], primitive.control,
+                        problem_->step_s * (end - begin) / kParts, problem_->clearance_m);
+  }
+  return is_clear(from, cos_yaw, sin_yaw, primitive, begin, middle) &&
+         is_clear(from, cos_yaw, sin_yaw, primitive, middle, end);
 }
 
 bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,

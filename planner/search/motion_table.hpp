@@ -18,6 +18,7 @@ namespace vantage::planner {
 class MotionTable {
  public:
   static constexpr int kPieces = 5;  ///< straight pieces that an arc is checked as
+  static constexpr int kParts = 16;  ///< parts that an arc is held against the field in
 
   MotionTable(int controls_max, int horizon_max, int teammates_max);
 
@@ -72,6 +73,7 @@ class MotionTable {
   struct Primitive {
     Pose2 end;                             ///< body at start from body at end
     Eigen::Vector2d piece_end_m[kPieces];  ///< in the body frame at the start
+    Pose2 along[kParts];                   ///< in the body frame, after k parts of kParts
     double length_m = 0.0;
     double sagitta_m = 0.0;  ///< of one piece
     models::UnicycleControl control;
@@ -84,6 +86,11 @@ class MotionTable {
 
   [[nodiscard]] bool is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
                               const Primitive& primitive, int depth) const;
+
+  /// Whether parts `begin` … `end` touch the world: by the distance field where that can tell, by
+  /// exact distances where it cannot.
+  [[nodiscard]] bool is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
+                              const Primitive& primitive, int begin, int end) const;
 
   const SearchProblem* problem_ = nullptr;
   std::vector<Primitive> primitives_;

@@ -14,6 +14,8 @@ struct LookBound {
   int pointed_count = 0;
 
   [[nodiscard]] double strongest() const { return all_round + pointed; }
+  /// ½ tr M of a planar target.
+  [[nodiscard]] double average() const { return all_round + 0.5 * pointed; }
 };
 
 /// The most that looks in the best of directions can make of a planar target that stays: with

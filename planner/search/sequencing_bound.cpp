@@ -41,6 +41,7 @@ SequencingBound::SequencingBound(int targets_max, int horizon_max, int states_ma
   places_.reserve(kTargetsMax);
   hulls_.resize(index(kTargetsMax) * index(horizon_max + 2));
   gains_.resize(index(kTargetsMax) * index(horizon_max + 2));
+  row_averages_.resize(index(horizon_max + 2));
   row_blocks_.resize(index(horizon_max + 2) * 3);
   states_.reserve(states_max_);
   open_.reserve(states_max_);
@@ -195,6 +196,10 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
   }
   // row_blocks_[n]: the covariance at step k when the last n steps had a look.
   std::copy_n(block, 3, row_blocks_.begin());
+  const bool by_average = by_recursion && by_sum;
+  if (by_average) {
+    row_averages_[0] = AveragedBlock(BlockLayout::kPlanar, block);
+  }
   for (int k = 1; k <= left; ++k) {
     for (int n = k; n >= 0; --n) {
       double cost = by_sum ? summed[n] : 0.0;
@@ -205,6 +210,13 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
           update(BlockLayout::kPlanar, look.m, now, now);
         }
         cost = std::max(cost, traces ? trace(BlockLayout::kPlanar, now) : det2(now));
+        if (by_average) {
+          AveragedBlock& average = row_averages_[index(n)];
+          average = row_averages_[index(std::max(0, n - 1))];
+          average.predict(heuristic_->noise(m));
+          average.update(n > 0 ? looks_[index(i)].average() : 0.0);
+          cost = std::max(cost, traces ? average.trace() : average.determinant());
+        }
         cost = traces ? cost : std::log(cost);
       }
       costs_[cell(i, n, k)] = cost;
@@ -266,44 +278,58 @@ void SequencingBound::fill_gains(int i) {
 double SequencingBound::schedule(const State& state) const {
   const int left = steps_left_ - state.step;
   const std::size_t stride = index(horizon_ + 2);
-  double cost = state.passed;
+  const int places = static_cast<int>(places_.size());
+  double at_rest = 0.0;  // cost of a step
   int released[kTargetsMax];
   double gain[kTargetsMax];
-  std::uint8_t looks[kTargetsMax];
-  const int places = static_cast<int>(places_.size());
-  const auto gain_at = [&](int place) {
+  const double* rows[kTargetsMax];  // where the next gain of a place with one target is
+  int looks[kTargetsMax];
+  const auto sum_of_gains = [&](int p) {
     double sum = 0.0;
-    for (std::uint32_t rest = places_[index(place)]; rest != 0; rest &= rest - 1) {
+    for (std::uint32_t rest = places_[index(p)]; rest != 0; rest &= rest - 1) {
       const int i = std::countr_zero(rest);
-      const int n = state.looks[i] + looks[place];
-      sum += n < steps_left_ ? gains_[index(i) * stride + index(n)] : 0.0;
+      const int n = std::min(state.looks[i] + looks[p], steps_left_);
+      sum += gains_[index(i) * stride + index(n)];
     }
     return sum;
   };
   for (int p = 0; p < places; ++p) {
-    released[p] = 255;
+    const std::uint32_t targets = places_[index(p)];
+    const int first = std::countr_zero(targets) % kTargetsMax;  // no place is empty
+    const std::size_t at = index(first) * stride + state.looks[first];
     looks[p] = 0;
-    for (std::uint32_t rest = places_[index(p)]; rest != 0; rest &= rest - 1) {
+    if ((targets & (targets - 1)) == 0) {
+      released[p] = state.next[first];
+      at_rest += hulls_[at];
+      rows[p] = &gains_[at];
+      gain[p] = *rows[p];
+      continue;
+    }
+    rows[p] = nullptr;
+    released[p] = 255;
+    for (std::uint32_t rest = targets; rest != 0; rest &= rest - 1) {
       const int i = std::countr_zero(rest);
       released[p] = std::min<int>(released[p], state.next[i]);
-      cost += left * hulls_[index(i) * stride + state.looks[i]];
+      at_rest += hulls_[index(i) * stride + state.looks[i]];
     }
-    gain[p] = gain_at(p);
+    gain[p] = sum_of_gains(p);
   }
-  for (int k = state.step + 1; k <= steps_left_; ++k) {
+  double cost = state.passed + left * at_rest;
+  for (int steps = left; steps > 0; --steps) {
+    const int k = steps_left_ - steps + 1;
     int best = -1;
     double most = 0.0;
     for (int p = 0; p < places; ++p) {
-      if (released[p] <= k && gain[p] > most) {
-        most = gain[p];
-        best = p;
-      }
+      const double offered = released[p] <= k ? gain[p] : 0.0;
+      best = offered > most ? p : best;
+      most = std::max(most, offered);
     }
-    if (best >= 0) {
-      cost -= most * (steps_left_ - k + 1);
-      ++looks[best];
-      gain[best] = gain_at(best);
+    if (best < 0) {
+      continue;
     }
+    cost -= most * steps;
+    ++looks[best];
+    gain[best] = rows[best] != nullptr ? *++rows[best] : sum_of_gains(best);
   }
   return cost;
 }
@@ -361,7 +387,7 @@ SequencingBound::Answer SequencingBound::cost_to_go(const Pose2& at, int depth,
                                                     const Blocks& blocks, double cutoff,
                                                     const Deadline& deadline,
                                                     std::int64_t& work_nodes) {
-  constexpr int kAskEvery = 16;
+  constexpr int kAskEvery = 8;
   steps_left_ = horizon_ - depth;
   states_.clear();
   open_.clear();

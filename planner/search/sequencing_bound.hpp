@@ -121,6 +121,7 @@ class SequencingBound {
   std::vector<double> hulls_;          ///< [i][n]: convex in n, ≤ the cost after n looks
   std::vector<double> gains_;          ///< [i][n]: of the next look by the hull, never rising
   std::vector<double> row_blocks_;
+  std::vector<AveragedBlock> row_averages_;
   std::vector<Eigen::Vector2d> ends_;  ///< of the controls, in the body frame
   std::vector<double> after_;
   std::vector<std::pair<double, int>> nearest_;

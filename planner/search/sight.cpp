@@ -167,6 +167,25 @@ LaneMask SightTable::look_at(const Eigen::Vector3d& target_m, const Views& views
 }
 
 bool SightTable::line_of_sight(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const {
+  if (problem_->field != nullptr) {  // from free disc to free disc, while they are large
+    constexpr int kDiscsMax = 8;
+    constexpr double kLeast_m = 0.1;
+    constexpr double kInwards = 1.0 - 1e-6;  // the field holds floats
+    const Eigen::Vector2d d_m = b_m - a_m;
+    const double length_m = d_m.norm();
+    double gone_m = 0.0;
+    for (int i = 0; i < kDiscsMax; ++i) {
+      const double free_m =
+          problem_->field->lower_bound_m(a_m + (gone_m / std::max(length_m, kLeast_m)) * d_m);
+      if (free_m < kLeast_m) {
+        break;
+      }
+      gone_m += kInwards * free_m;
+      if (gone_m >= length_m) {
+        return true;
+      }
+    }
+  }
   return models::line_of_sight(*problem_->world, a_m, b_m);
 }
 

@@ -58,6 +58,7 @@ class SightTable {
 
   /// True when something may stand between two points: whether line_of_sight() need be asked.
   [[nodiscard]] bool has_obstacles() const { return has_obstacles_; }
+  /// As models::line_of_sight(), by the distance field where that can tell.
   [[nodiscard]] bool line_of_sight(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const;
 
  private:

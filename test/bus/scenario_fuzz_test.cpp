@@ -15,7 +15,7 @@ namespace vantage::bus {
 namespace {
 
 std::vector<std::string> lab_lines() {
-  std::ifstream file(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml");
+  std::ifstream file(VANTAGE_SOURCE_DIR "/config/lab.yaml");
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) {
     // Comments out: an edit inside one would test nothing.

@@ -127,6 +127,37 @@ TEST(ParseScenario, LeavesWhatIsAbsentAtTheDefaultsOfTheStructs) {
   EXPECT_EQ(smallest.robots[0].start, (Pose2{2.0, 3.0, 0.0}));
 }
 
+TEST(ParseScenario, ReadsHowToReachAMocapServer) {
+  const std::string text = std::string(kSmallest) + R"(
+mocap:
+  device: real
+  protocol: object_stream
+  host: vicon.lab
+  port: 51002
+  mode: prefetch
+  up_axis: y
+  block_bytes: 1024
+  stuck_frames: 0
+  gate_speed_mps: 0
+  gate_turn_radps: 7.5
+)";
+  const models::MocapSpec mocap = parse_scenario(text, "mocap").mocap;
+  EXPECT_EQ(mocap.device, models::DeviceSource::kReal);
+  EXPECT_EQ(mocap.protocol, models::MocapProtocol::kObjectStream);
+  EXPECT_EQ(mocap.host, "vicon.lab");
+  EXPECT_EQ(mocap.actual_port(), 51002);
+  EXPECT_EQ(mocap.mode, models::StreamMode::kPreFetch);
+  EXPECT_EQ(mocap.up_axis, models::UpAxis::kY);
+  EXPECT_EQ(mocap.block_bytes, 1024);
+  EXPECT_EQ(mocap.stuck_frames, 0);
+  EXPECT_EQ(mocap.gate_speed_mps, 0.0);
+  EXPECT_EQ(mocap.gate_turn_radps, 7.5);
+  EXPECT_EQ(parse_scenario(std::string(kSmallest) + "\nmocap: {protocol: vrpn}\n", "vrpn")
+                .mocap.actual_port(),
+            3883)
+      << "the protocol's own";
+}
+
 TEST(ParseScenario, LaysTheDefaultsOfRobotsUnderEachRobotKeyByKey) {
   const Scenario scenario = parse_scenario(R"(
 name: layers

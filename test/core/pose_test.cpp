@@ -1,5 +1,7 @@
 #include "core/pose.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "test/support/near.hpp"
@@ -36,6 +38,38 @@ TEST(Pose3, StaysAUnitRotationOverManyProducts) {
     pose = pose * exp_se3(random.vector<6>(-0.1, 0.1));
   }
   EXPECT_NEAR(pose.rotation.norm(), 1.0, 1e-14);
+}
+
+// Against the same series in long double, which needs no care at these angles.
+TEST(ExpSe2, KeepsAllDigitsAtSmallAngles) {
+  for (double angle_rad = 1e-9; angle_rad < 1.0; angle_rad *= 1.7) {
+    const long double w = angle_rad;
+    const long double half_sine = std::sin(0.5L * w);
+    const auto sideways = static_cast<double>(2.0L * half_sine * half_sine / w);
+    const auto ahead = static_cast<double>(std::sin(w) / w);
+    const Pose2 pose = exp_se2({1.0, 0.0, angle_rad});
+    EXPECT_NEAR(pose.y_m / sideways, 1.0, 1e-15) << angle_rad;
+    EXPECT_NEAR(pose.x_m, ahead, 1e-15) << angle_rad;
+  }
+}
+
+TEST(ExpSe3, InThePlaneIsExpSe2AtEveryAngle) {
+  for (double angle_rad = 1e-9; angle_rad < 3.0; angle_rad *= 1.7) {
+    Eigen::Matrix<double, 6, 1> twist;
+    twist << 0.8, -0.4, 0.3, 0.0, 0.0, angle_rad;
+    const Pose2 planar = exp_se2({0.8, -0.4, angle_rad});
+    const Pose3 pose = exp_se3(twist);
+    EXPECT_NEAR(pose.translation_m.x(), planar.x_m, 1e-14) << angle_rad;
+    EXPECT_NEAR(pose.translation_m.y(), planar.y_m, 1e-14) << angle_rad;
+    EXPECT_NEAR(pose.translation_m.z(), 0.3, 1e-15) << angle_rad;
+  }
+}
+
+TEST(Flatten, OfABodyThatPointsUpHasHeadingZero) {
+  const Pose3 upright{Eigen::Vector3d(1.0, 2.0, 3.0),
+                      Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitZ()) *
+                                         Eigen::AngleAxisd(-0.5 * kPi, Eigen::Vector3d::UnitY()))};
+  EXPECT_EQ(flatten(upright).yaw_rad, 0.0);
 }
 
 TEST(LogSe3, DoesNotCareAboutTheSignOfTheQuaternion) {

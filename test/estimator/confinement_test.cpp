@@ -138,5 +138,127 @@ TEST(Confinement, HoldsTheFilterInsideWhenATargetIsLostAtTheWall) {
   EXPECT_LT(after_a_minute(true).covariance.trace(), 64.0 / 12.0 + 16.0 / 12.0);
 }
 
+TEST(Reflection, ChangesNothingWhereNoWallIsNear) {
+  Gaussian belief{models::StateVector(Eigen::Vector4d(1.0, -0.5, 0.3, 0.2)),
+                  0.01 * Eigen::Matrix4d::Identity()};
+  const Gaussian after = reflect(belief, kRoom.bounds);
+  EXPECT_EQ(after.mean, belief.mean);
+  EXPECT_EQ(after.covariance, belief.covariance);
+}
+
+TEST(Reflection, AtAWallHasTheMomentsOfTheFoldedNormal) {
+  // y = L − |x − L| with x ~ N(L + aσ, σ²): E|x − L| = σ (2 φ(a) + a (1 − 2 Φ(−a))); a velocity
+  // that is not correlated with x is reversed with probability p = Φ(a).
+  const double sigma_m = 0.2;
+  const double velocity_mps = 0.4;
+  for (const double a : {-2.0, -0.9, 0.1, 0.7, 1.8, 4.5}) {
+    Gaussian belief;
+    belief.mean = Eigen::Vector4d(4.0 + a * sigma_m, 0.3, velocity_mps, -0.1);
+    belief.covariance = Eigen::Vector4d(sigma_m * sigma_m, 0.01, 0.0025, 0.0049).asDiagonal();
+    const Gaussian after = reflect(belief, kRoom.bounds);
+    const double density = std::exp(-0.5 * a * a) / std::sqrt(2.0 * kPi);
+    const double beyond = 0.5 * std::erfc(-a / std::sqrt(2.0));
+    const double away_m = sigma_m * (2.0 * density + a * (2.0 * beyond - 1.0));
+    EXPECT_NEAR(after.mean(0), 4.0 - away_m, 0.05 * sigma_m) << a;
+    EXPECT_NEAR(after.covariance(0, 0), sigma_m * sigma_m * (1.0 + a * a) - away_m * away_m,
+                0.05 * sigma_m * sigma_m)
+        << a;
+    const double kept = 1.0 - 2.0 * beyond;
+    EXPECT_NEAR(after.mean(2), kept * velocity_mps, 0.2 * velocity_mps) << a;
+    const double mean_mps = after.mean(2);
+    EXPECT_NEAR(after.covariance(2, 2), 0.0025 + velocity_mps * velocity_mps - mean_mps * mean_mps,
+                1e-9)
+        << a;
+    EXPECT_NEAR(after.mean(1), 0.3, 1e-12) << a;
+    EXPECT_NEAR(after.mean(3), -0.1, 1e-12) << a;
+    EXPECT_NEAR(after.covariance(3, 3), 0.0049, 1e-12) << a;
+  }
+}
+
+TEST(Reflection, InACornerHasTheMomentsOfReflectedSamples) {
+  std::mt19937_64 rng(3);
+  std::normal_distribution<double> normal;
+  Eigen::Matrix4d root;
+  root << 1.5, 0.0, 0.0, 0.0, 0.4, 1.1, 0.0, 0.0, 0.3, -0.1, 0.2, 0.0, 0.1, 0.25, 0.05, 0.3;
+  const Eigen::Vector4d mean(3.2, 1.4, 0.5, 0.3);
+  const Gaussian after = reflect(
+      {models::StateVector(mean), models::StateMatrix(root * root.transpose())}, kRoom.bounds);
+  const auto back = [](double& x, double& v, double low, double high) {
+    while (x < low || x > high) {
+      x = x < low ? 2.0 * low - x : 2.0 * high - x;
+      v = -v;
+    }
+  };
+  constexpr int kSamples = 400'000;
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+  for (int i = 0; i < kSamples; ++i) {
+    Eigen::Vector4d z =
+        mean + root * Eigen::Vector4d(normal(rng), normal(rng), normal(rng), normal(rng));
+    back(z(0), z(2), -4.0, 4.0);
+    back(z(1), z(3), -2.0, 2.0);
+    sum += z;
+    squares += z * z.transpose();
+  }
+  const Eigen::Vector4d expected = sum / kSamples;
+  const Eigen::Matrix4d covariance = squares / kSamples - expected * expected.transpose();
+  // The rule's columns are 0.6 m apart here, and the velocity's sign jumps between two of them.
+  EXPECT_TRUE(is_near(after.mean, expected, 0.1));
+  EXPECT_TRUE(is_near(after.covariance, covariance, 0.1));
+}
+
+// Truth of its own: targets that turn back at the walls, in steps of 20 ms. Seen at the start only.
+TEST(Reflection, KeepsTheFilterHonestAboutATargetLostAtTheWall) {
+  const models::TargetModel drift{models::TargetKind::kDoubleIntegrator, 2, 0.001};
+  std::mt19937_64 rng(21);
+  std::normal_distribution<double> normal;
+  const models::Rectangle field{{-32.0, -32.0}, {32.0, 32.0}};
+  const Eigen::Vector4d sigma(0.2, 0.2, 0.05, 0.05);
+  const auto mean_nees = [&](bool stay_inside, double* worst) {
+    constexpr int kTargets = 200;
+    double sum = 0.0;
+    for (int i = 0; i < kTargets; ++i) {
+      const Eigen::Vector4d start(28.0, 5.0, 0.4, -0.1);
+      Eigen::Vector4d truth = start;
+      for (int k = 0; k < 4; ++k) {
+        truth(k) += sigma(k) * normal(rng);
+      }
+      models::SensorModel position;
+      position.kind = models::SensorKind::kPosition;
+      FilterSpec spec = test::open_spec(drift, position, 1);
+      spec.estimator.targets_stay_inside = stay_inside;
+      spec.world.bounds = field;
+      DistributedFilter filter(spec);
+      filter.rebase(test::prior(
+          test::instant(0),
+          {{models::StateVector(start), models::StateMatrix(sigma.cwiseAbs2().asDiagonal())}}));
+      for (int step = 1; step <= 60; ++step) {
+        for (int k = 0; k < 25; ++k) {
+          truth.tail<2>() += std::sqrt(0.001 * 0.02) * Eigen::Vector2d(normal(rng), normal(rng));
+          truth.head<2>() += 0.02 * truth.tail<2>();
+          if (std::abs(truth(0)) > 32.0) {
+            truth(0) = std::copysign(64.0, truth(0)) - truth(0);
+            truth(2) = -truth(2);
+          }
+        }
+        filter.advance({test::instant(step), test::at(0, 0), {}, {}});
+      }
+      const Gaussian belief = models::to_gaussian(filter.track(0).information).value();
+      const Eigen::Vector2d error = truth.head<2>() - belief.mean.head<2>();
+      const Eigen::Matrix2d P = belief.covariance.topLeftCorner<2, 2>();
+      const double nees = error.dot(P.llt().solve(error));
+      *worst = std::max(*worst, nees);
+      sum += nees;
+    }
+    return sum / kTargets;
+  };
+  double worst = 0.0;
+  const double honest = mean_nees(true, &worst);
+  EXPECT_GT(honest, 0.5);
+  EXPECT_LT(honest, 3.0);  // 2 for a Gaussian; the truth is not one
+  EXPECT_LT(worst, 30.0);
+  EXPECT_GT(mean_nees(false, &worst), 5.0);  // else this would not be a test
+}
+
 }  // namespace
 }  // namespace vantage::estimator

@@ -99,6 +99,28 @@ TEST(TrialMetrics, CountsUnknownTargetsWithTheirPriorAndKeepsThemOutOfTheRmse) {
   EXPECT_EQ(summary.discovered, 1);
 }
 
+TEST(TrialMetrics, JudgesEachRobotByItsOwnBeliefAndTakesTheMean) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(2.0));
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 4.0, 0.0, 2.0)}));   // off by 3
+  metrics.on_belief(belief("Q2", 0.5, {target(0, 1.0, 0.25, 0.5)}));  // off by 0.25
+  metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 1.0, 2.0), target(1, 5.0, 6.0, 1.0)}));
+  metrics.on_belief(belief("Q2", 1.0, {}));
+  const RobotMeans means = metrics.finish(at_s(2.0)).per_robot;
+  const double prior = isotropic_entropy_nats(kPriorSigma_m, 2);
+  const auto known = [](double sigma_m) { return isotropic_entropy_nats(sigma_m, 2); };
+  ASSERT_TRUE(means.rmse_m);
+  // Q1 at 1.0 s: both targets off by 1.
+  EXPECT_NEAR(*means.rmse_m, 0.5 * (0.5 * (3.0 + 1.0) + 0.25), 1e-9);
+  const double q1 = 0.25 * (known(2.0) + prior + known(2.0) + known(1.0));
+  const double q2 = 0.25 * (known(0.5) + prior + 2.0 * prior);
+  EXPECT_NEAR(means.entropy_nats, 0.5 * (q1 + q2), 1e-9);
+  EXPECT_NEAR(means.undiscovered_share, 0.5 * (0.25 + 0.75), 1e-12);
+  EXPECT_NEAR(means.discovered, 1.5, 1e-12);
+  EXPECT_NEAR(means.discovery_time_s, 0.25 * (0.5 + 1.0 + 0.5 + 2.0), 1e-12);
+}
+
 TEST(TrialMetrics, DiscoversAtTheFirstBeliefOfAnyRobot) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_belief(belief("Q1", 2.0, {target(0, 0.0, 0.0, 1.0)}));

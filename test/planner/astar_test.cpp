@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "planner/search/arvi.hpp"
+#include "planner/search/root_bound.hpp"
 #include "test/planner/exhaustive_oracle.hpp"
 #include "test/planner/random_problem.hpp"
 #include "test/support/allocation_counter.hpp"
@@ -256,6 +258,31 @@ TEST(BestFirst, SaysWhenItsArenaIsFullAndStillHasAPlanAndABound) {
   EXPECT_EQ(result.stop_reason, StopReason::kMemory);
   EXPECT_EQ(result.moving_steps, owned.problem.horizon_steps);
   EXPECT_LE(result.lower_bound, optimum);
+}
+
+// Never above what can be had,
+// hovering included; how it compares with the bound that searches have had.
+TEST(RootBound, IsBelowEveryPlanAndMostlyTighterThanTheIsotropicOne) {
+  RootBound root(8, 8);
+  BeliefTable beliefs(8, 8);
+  ReducedValueIteration greedy(small_capacity());
+  ReducedOptions how;
+  how.search = ReducedSearch::kGreedy;
+  int tighter = 0;
+  for (const Solved& each : solved_problems()) {
+    const SearchProblem& problem = each.owned.problem;
+    beliefs.reset(problem);
+    std::int64_t work_nodes = 0;
+    const RootBounds bounds = root.of(problem, beliefs, Deadline::never(), work_nodes);
+    EXPECT_LE(bounds.any_plan, bounds.moving_plan);
+    if (each.best.found) {
+      EXPECT_LE(bounds.moving_plan, each.best.cost + slack(each.best.cost));
+    }
+    const SearchResult& plan = greedy.plan(problem, how, Deadline::nodes(0));
+    EXPECT_LE(bounds.any_plan, plan.cost + slack(plan.cost));
+    tighter += bounds.any_plan > plan.lower_bound + slack(plan.lower_bound) ? 1 : 0;
+  }
+  EXPECT_GT(tighter, 150);
 }
 
 }  // namespace

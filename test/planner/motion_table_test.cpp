@@ -104,6 +104,56 @@ TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
   EXPECT_GT(refused, 1000);
 }
 
+// Where the field decides and where the exact distances do lies within a cell of touching: started
+// there, the answer may be no other than arc_is_clear()'s, and never the bolder one.
+TEST(IsFree, NeverAcceptsByTheFieldWhatExactDistancesRefuse) {
+  std::mt19937_64 rng(33);
+  int grazing = 0;
+  int refused = 0;
+  for (int i = 0; i < 200; ++i) {
+    const models::World world = random_world(rng);
+    const models::DistanceField field(world, pick(rng, 0, 1) == 0 ? 0.05 : 0.3);
+    SearchProblem problem;
+    problem.controls = models::standard_primitives();
+    problem.controls.push_back({0.0, 1.0});
+    problem.world = &world;
+    problem.field = &field;
+    problem.clearance_m = pick(rng, 0, 1) == 0 ? 0.0 : uniform(rng, 0.0, 0.5);
+    MotionTable motion(64, 16, 4);
+    motion.reset(problem);
+    for (int k = 0; k < 100; ++k) {
+      Pose2 from = random_pose(rng);
+      for (int nearer = 0; nearer < 8; ++nearer) {  // down the field until it almost touches
+        const Eigen::Vector2d p_m = from.position_m();
+        const double spare_m = models::clearance_m(world, p_m) - problem.clearance_m;
+        const Eigen::Vector2d dx(1e-6, 0.0);
+        const Eigen::Vector2d dy(0.0, 1e-6);
+        const Eigen::Vector2d up(
+            models::clearance_m(world, p_m + dx) - models::clearance_m(world, p_m - dx),
+            models::clearance_m(world, p_m + dy) - models::clearance_m(world, p_m - dy));
+        const double to_go_m = spare_m - uniform(rng, -1e-3, 0.1);
+        if (up.norm() > 0.0) {
+          from.x_m -= to_go_m * up.x() / up.norm();
+          from.y_m -= to_go_m * up.y() / up.norm();
+        }
+      }
+      from.yaw_rad = uniform(rng, -kPi, kPi);
+      for (int c = 0; c < motion.control_count(); ++c) {
+        const bool clear = arc_is_clear(world, from, problem.controls[static_cast<std::size_t>(c)],
+                                        problem.step_s, problem.clearance_m);
+        const bool accepted =
+            motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0);
+        ASSERT_TRUE(clear || !accepted) << "world " << i << " control " << c;
+        ASSERT_EQ(accepted, clear) << "world " << i << " control " << c;
+        grazing += clear ? 1 : 0;
+        refused += clear ? 0 : 1;
+      }
+    }
+  }
+  EXPECT_GT(grazing, 20'000);
+  EXPECT_GT(refused, 20'000);
+}
+
 TEST(CanStop, IsTrueExactlyOfAStopThatStaysClear) {
   std::mt19937_64 rng(32);
   int stops = 0;

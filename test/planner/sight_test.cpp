@@ -105,6 +105,30 @@ TEST(SightTable, TellsWhatTheModelsTellOneByOne) {
   EXPECT_GT(seen_count, 1'000);
 }
 
+TEST(SightTable, SeesByTheFieldWhatItSeesWithout) {
+  std::mt19937_64 rng(44);
+  SightTable sight;
+  int clear = 0;
+  int hidden = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const OwnedProblem owned = test::random_problem(seed);
+    if (owned.field == nullptr || owned.world->obstacles.empty()) {
+      continue;
+    }
+    sight.reset(owned.problem);
+    ASSERT_TRUE(sight.has_obstacles());
+    for (int i = 0; i < 200; ++i) {  // some of them outside the walls, where the field ends
+      const Eigen::Vector2d a_m(uniform(rng, -7.0, 7.0), uniform(rng, -7.0, 7.0));
+      const Eigen::Vector2d b_m(uniform(rng, -7.0, 7.0), uniform(rng, -7.0, 7.0));
+      const bool expected = models::line_of_sight(*owned.world, a_m, b_m);
+      ASSERT_EQ(sight.line_of_sight(a_m, b_m), expected) << "seed " << seed;
+      ++(expected ? clear : hidden);
+    }
+  }
+  EXPECT_GT(clear, 1'000);
+  EXPECT_GT(hidden, 1'000);
+}
+
 // The answer in a lane may not depend on which lane, or on who else looks.
 TEST(SightTable, GivesEveryLaneTheSameBits) {
   std::mt19937_64 rng(43);

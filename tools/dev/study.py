@@ -34,6 +34,13 @@ STUDIES = {
         "cases": {f"{r}": ["--communication-range-m", f"{r}"] for r in (0, 5, 10, 30)},
         "reference": "0",
         "axis": "communication range [m]",
+        # As in the source's figure 3.3: every robot by its own belief, mean over the robots.
+        "columns": {
+            "RMSE of a robot [m]": lambda t: t["per_robot"]["rmse_m"],
+            "entropy of a robot [nat]": lambda t: t["per_robot"]["entropy"],
+            "discovery by a robot [s]": lambda t: t["per_robot"]["discovery_time_s"],
+            "found by a robot": lambda t: t["per_robot"]["discovered"] / t["targets"],
+        },
     },
 }
 
@@ -52,7 +59,7 @@ def run(binary, scenario, flags, seed, path, extra):
         done = subprocess.run(
             [binary, "trial", scenario, "--seed", str(seed), "--json", *flags, *extra],
             cwd=ROOT, capture_output=True, text=True, check=False)
-        if done.returncode == 2 or not done.stdout.strip():
+        if done.returncode != 0 or not done.stdout.strip():
             raise RuntimeError(f"{path.stem}: exit {done.returncode}: {done.stderr.strip()}")
         path.write_text(done.stdout)
     return json.loads(path.read_text())
@@ -93,7 +100,7 @@ def main():
             print(f"\r{number}/{len(jobs)} trials", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
 
-    columns = {
+    columns = dict(study.get("columns", {})) | {
         "RMSE [m]": lambda t: t["rmse_m"],
         "entropy [nat]": lambda t: t["entropy"],
         "discovery [s]": discovery,
@@ -142,7 +149,8 @@ def plot(table, axis, columns, path, is_swept):
     """One panel a measure, mean and 95 % confidence interval over the cases, by gnuplot; joined by
     lines when the cases are values of one quantity."""
     style = "yerrorlines" if is_swept else "yerrorbars"
-    shown = ("RMSE [m]", "entropy [nat]", "discovery [s]", "unknown share")
+    shown = [*columns[:4]] if is_swept else ["RMSE [m]", "entropy [nat]", "discovery [s]",
+                                             "unknown share"]
     commands = [
         f"set terminal {'svg' if path.suffix == '.svg' else 'pngcairo'} size 1000,640 noenhanced font 'sans,11'",
         f"set output '{path}'", "set multiplot layout 2,2", "set grid ytics lc rgb '#dddddd'",

@@ -1,0 +1,94 @@
+#include "drivers/vicon/app/node.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "bus/channels.hpp"
+#include "core/check.hpp"
+#include "core/deadline.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr Duration kTickMin{200};
+constexpr std::size_t kSaidMax = 32;
+constexpr Duration kTickMax = std::chrono::milliseconds(100);
+
+const models::MocapSpec& checked(const models::MocapSpec& spec) {
+  if (spec.device == models::DeviceSource::kDirect) {
+    throw StartupError(
+        "mocap is 'direct': the simulator publishes it itself; set mocap.device to wire or real");
+  }
+  return spec;
+}
+
+}  // namespace
+
+ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+                     std::function<void(const std::string&)> say)
+    : bus_(bus),
+      clock_(clock),
+      driver_(checked(scenario.mocap),
+              [this](const models::MocapFrame& frame) { bus_.publish(bus::kVicon, frame); }),
+      link_(driver_, [this] { return moment(); }),
+      say_(std::move(say)),
+      next_tick_(clock.now()) {}
+
+vicon::Moment ViconNode::moment() const { return {clock_.now(), Duration{monotonic_ns() / 1'000}}; }
+
+void ViconNode::tick(Time now) {
+  link_.step();
+  tell(driver_.status());
+  next_tick_ = now + std::clamp(link_.next_wake() - moment().steady, kTickMin, kTickMax);
+}
+
+void ViconNode::tell(const std::string& status) {
+  if (status == status_) {
+    return;
+  }
+  status_ = status;
+  if (driver_.has_frames()) {
+    said_.clear();
+  }
+  // While it tries again and again, each thing is said once.
+  if (std::find(said_.begin(), said_.end(), status) == said_.end() && said_.size() < kSaidMax) {
+    said_.push_back(status);
+    say_(status);
+  }
+}
+
+std::vector<models::NamedCount> ViconNode::counters() const {
+  const vicon::LinkCounts& link = driver_.link_counts();
+  const vicon::WireCounts& wire = driver_.wire_counts();
+  const vicon::FrameCounts& frame = driver_.frame_counts();
+  const std::vector<models::NamedCount> all{{"vicon.connections_failed", link.connections_failed},
+                                            {"vicon.connections_lost", link.connections_lost},
+                                            {"vicon.silences", link.silences},
+                                            {"vicon.broken_streams", wire.broken_streams},
+                                            {"vicon.broken_blocks", wire.broken_blocks},
+                                            {"vicon.frames_before_set", wire.frames_before_set},
+                                            {"vicon.unnamed_bodies", wire.unnamed_bodies},
+                                            {"vicon.late_blocks", wire.late_blocks},
+                                            {"vicon.duplicate_blocks", wire.duplicate_blocks},
+                                            {"vicon.frames_lost", frame.frames_lost},
+                                            {"vicon.frames_repeated", frame.frames_repeated},
+                                            {"vicon.frames_late", frame.frames_late},
+                                            {"vicon.server_restarts", frame.server_restarts},
+                                            {"vicon.latencies_refused", frame.latencies_refused},
+                                            {"vicon.poses_zero", frame.poses_zero},
+                                            {"vicon.poses_refused", frame.poses_refused},
+                                            {"vicon.poses_stuck", frame.poses_stuck},
+                                            {"vicon.poses_outlying", frame.poses_outlying},
+                                            {"vicon.poses_flipped", frame.poses_flipped},
+                                            {"vicon.poses_swapped", frame.poses_swapped},
+                                            {"vicon.poses_unconfirmed", frame.poses_unconfirmed},
+                                            {"vicon.names_refused", frame.names_refused},
+                                            {"vicon.names_twice", frame.names_twice}};
+  std::vector<models::NamedCount> counted;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
+               [](const models::NamedCount& counter) { return counter.count != 0; });
+  return counted;
+}
+
+}  // namespace vantage::drivers

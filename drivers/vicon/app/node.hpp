@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
+#include "bus/node.hpp"
+#include "core/time.hpp"
+#include "drivers/vicon/driver.hpp"
+#include "drivers/vicon/socket_link.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::drivers {
+
+/// vantage-vicon on the bus: the mocap server's wire in, VICON out. Its state of affairs goes, as
+/// one sentence when it changes to something new, to `say`.
+class ViconNode : public bus::Node {
+ public:
+  /// @throws StartupError for a scenario whose mocap is `direct`: then the simulator publishes
+  /// VICON.
+  ViconNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+            std::function<void(const std::string&)> say);
+
+  [[nodiscard]] std::string name() const override { return "VICON"; }
+  [[nodiscard]] Time next_tick() const override { return next_tick_; }
+  void tick(Time now) override;
+  [[nodiscard]] int wakes_on() const override { return link_.wake_fd(); }
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+
+  [[nodiscard]] const vicon::ViconDriver& driver() const { return driver_; }
+
+ private:
+  [[nodiscard]] vicon::Moment moment() const;
+  void tell(const std::string& status);
+
+  bus::Bus& bus_;
+  const bus::Clock& clock_;
+  vicon::ViconDriver driver_;
+  vicon::SocketLink link_;
+  std::function<void(const std::string&)> say_;
+  std::string status_;
+  std::vector<std::string> said_;  ///< since frames last came
+  Time next_tick_;
+};
+
+}  // namespace vantage::drivers

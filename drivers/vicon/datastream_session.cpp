@@ -1,0 +1,310 @@
+#include "drivers/vicon/datastream_session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "models/wire/vicon/rotation.hpp"
+
+namespace vantage::drivers::vicon {
+namespace {
+
+namespace wire = models::vicon;
+
+constexpr double kMetresPerMillimetre = 1e-3;
+constexpr Duration kPingPeriod = std::chrono::seconds(1);
+/// Frames without any pose are believed after this long: nobody is seen, or a server has no poses.
+constexpr Duration kJunkMax = std::chrono::milliseconds(300);
+constexpr std::size_t kOutgoingMax = std::size_t{64} << 10U;
+constexpr Duration kAskAgain = std::chrono::seconds(1);
+constexpr std::array<std::uint32_t, 3> kSegmentTypes{wire::kGlobalSegments, wire::kLocalSegments,
+                                                     wire::kLightweightSegments};
+constexpr std::array<std::uint32_t, 6> kWanted{wire::kStreamInfo,      wire::kSubjectInfo,
+                                               wire::kFrameInfo,       wire::kLatencyInfo,
+                                               wire::kApplicationInfo, wire::kContents};
+
+bool contains(const std::vector<std::uint32_t>& types, std::uint32_t type) {
+  return std::find(types.begin(), types.end(), type) != types.end();
+}
+
+bool is_segments(std::uint32_t type) {
+  return std::find(kSegmentTypes.begin(), kSegmentTypes.end(), type) != kSegmentTypes.end();
+}
+
+}  // namespace
+
+DataStreamSession::DataStreamSession(models::StreamMode mode, models::UpAxis up_axis,
+                                     FrameSink sink)
+    : mode_(mode),
+      up_axis_(up_axis),
+      sink_(std::move(sink)),
+      stream_buffer_(wire::kPacketBytesMax) {}
+
+void DataStreamSession::open(Moment now) {
+  stream_buffer_.clear();
+  outgoing.clear();
+  offered_.types.clear();
+  contents_ = {};
+  stream_ = {};
+  application_ = {};
+  frame_ = {wire::FrameInfo::kNoFrame};
+  has_latency_ = false;
+  has_set_ = false;
+  subjects_.clear();
+  opened_ = last_asked_ = now;
+  next_wake_ = Duration::max();
+}
+
+bool DataStreamSession::is_y_up() const {
+  return up_axis_ == models::UpAxis::kAsTold ? application_.is_y_up
+                                             : up_axis_ == models::UpAxis::kY;
+}
+
+bool DataStreamSession::receive(Moment arrival, wire::Bytes bytes) {
+  while (!bytes.empty()) {
+    bytes = bytes.subspan(stream_buffer_.push(bytes));
+    for (;;) {
+      const wire::Framed packet = wire::next_packet(stream_buffer_.view());
+      if (packet.state == wire::Framing::kBroken) {
+        ++counts.broken_streams;
+        return false;
+      }
+      if (packet.state == wire::Framing::kNeedMore) {
+        break;
+      }
+      on_packet(arrival, packet.body);
+      stream_buffer_.consume(packet.bytes);
+    }
+  }
+  return true;
+}
+
+template <class Value>
+void DataStreamSession::send(const Value& value) {
+  if (outgoing.size() > kOutgoingMax) {
+    return;  // it asks and asks, but does not listen
+  }
+  wire::PacketWriter packet(outgoing);
+  append(packet, value);
+  packet.finish();
+}
+
+template <class Value>
+bool DataStreamSession::read(const wire::Block& block, Value& value) {
+  if (decode(block.body, value)) {
+    return true;
+  }
+  ++counts.broken_blocks;
+  return false;
+}
+
+void DataStreamSession::on_packet(Moment arrival, wire::Bytes body) {
+  bool has_static = false;
+  bool has_dynamic = false;
+  bool has_enums = false;
+  contents_.sent.clear();
+  contents_.unchanged.clear();
+  wire::BlockCursor cursor(body);
+  while (const auto block = cursor.next()) {
+    has_static = has_static || wire::is_static(block->type);
+    has_dynamic = has_dynamic || wire::is_dynamic(block->type);
+    if (block->type == wire::kObjectEnums) {
+      has_enums = read(*block, offered_) || has_enums;
+    } else if (block->type == wire::kContents) {
+      read(*block, contents_);
+    } else if (wire::Ping ping; block->type == wire::kPing && read(*block, ping)) {
+      one_way_ = ping.id == ping_id_ ? (arrival.steady - ping_sent_) / 2 : one_way_;
+    }
+  }
+  counts.broken_blocks += cursor.is_broken() ? 1 : 0;
+  if (has_enums) {
+    ask_for_content();
+    ask_for_frame(true);
+    last_asked_ = arrival;
+    next_wake_ = arrival.steady + kPingPeriod;
+  }
+  if (has_static) {
+    read_static(body);
+  }
+  if (has_dynamic) {
+    read_dynamic(body);
+    hand_on(arrival);
+    if (mode_ != models::StreamMode::kPush) {
+      ask_for_frame(false);
+      last_asked_ = arrival;
+    }
+  }
+}
+
+void DataStreamSession::ask_for_content() {
+  segments_type_ = 0;
+  for (const std::uint32_t type : kSegmentTypes) {
+    segments_type_ = segments_type_ == 0 && contains(offered_.types, type) ? type : segments_type_;
+  }
+  wire::ObjectEnums wanted;
+  for (const std::uint32_t type : offered_.types) {
+    if (type == segments_type_ ||
+        std::find(kWanted.begin(), kWanted.end(), type) != kWanted.end()) {
+      wanted.types.push_back(type);
+    }
+  }
+  std::sort(wanted.types.begin(), wanted.types.end());
+  send(wanted);
+}
+
+void DataStreamSession::ask_for_frame(bool is_first) {
+  switch (mode_) {
+    case models::StreamMode::kPush:
+      if (is_first) {
+        send(wire::RequestFrame{true});
+      }
+      break;
+    case models::StreamMode::kPull:
+      send(wire::RequestFrame{false});
+      break;
+    case models::StreamMode::kPreFetch:
+      send(wire::RequestNextFrame{1});
+      break;
+  }
+}
+
+void DataStreamSession::on_time(Moment now) {
+  if (now.steady < next_wake_) {
+    return;
+  }
+  next_wake_ = now.steady + kPingPeriod;
+  ping_sent_ = now.steady;
+  send(wire::Ping{++ping_id_});
+  if (now.steady - last_asked_.steady >= kAskAgain && mode_ != models::StreamMode::kPush) {
+    ask_for_frame(false);  // the answer was lost, or the server stood still
+    last_asked_ = now;
+  }
+}
+
+void DataStreamSession::read_static(wire::Bytes packet) {
+  std::size_t subjects = 0;
+  wire::BlockCursor cursor(packet);
+  while (const auto block = cursor.next()) {
+    if (block->type == wire::kSubjectInfo && read(*block, subject_info_)) {
+      on_subject(subjects++, subject_info_);
+    } else if (block->type == wire::kStreamInfo) {
+      read(*block, stream_);
+    } else if (block->type == wire::kApplicationInfo) {
+      read(*block, application_);
+    }
+  }
+  // A static set without subjects means none, unless it says that they are as before. Rate and
+  // axis stay what they were said to be: an application does not change them unsaid.
+  if (subjects > 0 || !contents_.is_unchanged(wire::kSubjectInfo)) {
+    subjects_.resize(subjects);
+  }
+}
+
+void DataStreamSession::on_subject(std::size_t index, const wire::SubjectInfo& info) {
+  if (index == subjects_.size()) {
+    subjects_.emplace_back();
+  }
+  Subject& subject = subjects_[index];
+  if (subject.id != info.subject_id || subject.name != info.name) {
+    subject.seen.sight = Sight::kAbsent;
+  }
+  subject.id = info.subject_id;
+  subject.name = info.name;
+  // Tracker names an object's only segment like the object; a skeleton stands on its root.
+  const auto same_name = std::find_if(info.segments.begin(), info.segments.end(),
+                                      [&](const auto& each) { return each.name == info.name; });
+  const auto root = std::find_if(info.segments.begin(), info.segments.end(),
+                                 [](const auto& each) { return each.parent_id == 0; });
+  const auto chosen = same_name != info.segments.end() ? same_name : root;
+  subject.body_segment = chosen != info.segments.end() ? chosen->id : 0;
+}
+
+void DataStreamSession::read_dynamic(wire::Bytes packet) {
+  if (!contents_.is_unchanged(wire::kFrameInfo)) {
+    frame_.frame_number = wire::FrameInfo::kNoFrame;
+  }
+  if (!contents_.is_unchanged(wire::kLatencyInfo)) {
+    has_latency_ = false;
+  }
+  if (!contents_.is_unchanged(segments_type_)) {
+    for (Subject& subject : subjects_) {
+      subject.seen.sight = Sight::kAbsent;
+    }
+  }
+  wire::BlockCursor cursor(packet);
+  while (const auto block = cursor.next()) {
+    if (block->type == wire::kFrameInfo) {
+      read(*block, frame_);
+    } else if (block->type == wire::kLatencyInfo) {
+      has_latency_ = read(*block, latency_);
+    } else if (block->type == segments_type_) {
+      has_set_ = true;
+      read_segments(*block);
+    }
+  }
+  has_set_ = has_set_ || std::any_of(contents_.sent.begin(), contents_.sent.end(),
+                                     [](const auto& entry) { return is_segments(entry.type); });
+}
+
+void DataStreamSession::read_segments(const wire::Block& block) {
+  if (block.type == wire::kLightweightSegments) {
+    if (read(block, light_segments_)) {
+      for (const auto& pose : light_segments_.poses) {
+        const Eigen::Vector3d turn = pose.angle_axis_rad.cast<double>();
+        const double angle_rad = turn.norm();
+        const Eigen::AngleAxisd rotation(
+            angle_rad, angle_rad > 0.0 ? (turn / angle_rad).eval() : Eigen::Vector3d::UnitX());
+        set_segment(light_segments_.subject_id, pose.segment_id, pose.translation_mm.cast<double>(),
+                    rotation.toRotationMatrix());
+      }
+    }
+    return;
+  }
+  if (read(block, segments_)) {
+    for (const auto& pose : segments_.poses) {
+      set_segment(segments_.subject_id, pose.segment_id, pose.translation_mm, pose.world_from_body);
+    }
+  }
+}
+
+void DataStreamSession::set_segment(std::uint32_t subject_id, std::uint32_t segment,
+                                    const Eigen::Vector3d& position_mm,
+                                    const Eigen::Matrix3d& world_from_body) {
+  const auto subject = std::find_if(subjects_.begin(), subjects_.end(),
+                                    [&](const Subject& each) { return each.id == subject_id; });
+  if (subject == subjects_.end()) {
+    ++counts.unnamed_bodies;
+    return;
+  }
+  if (subject->body_segment != segment) {
+    return;  // a limb
+  }
+  const bool is_zero =
+      position_mm.isZero(0.0) && (world_from_body.isZero(0.0) || world_from_body.isIdentity(0.0));
+  set_pose(subject->seen, kMetresPerMillimetre * position_mm,
+           wire::rotation_from_matrix(world_from_body), is_zero, is_y_up());
+}
+
+void DataStreamSession::hand_on(Moment arrival) {
+  if (frame_.frame_number == wire::FrameInfo::kNoFrame ||
+      (!has_set_ && arrival.steady - opened_.steady < kJunkMax)) {
+    ++counts.frames_before_set;
+    return;
+  }
+  seen_.clear();
+  seen_.arrival = arrival;
+  seen_.number = frame_.frame_number;
+  seen_.latency_s = has_latency_ ? std::optional(latency_.total_s()) : std::nullopt;
+  seen_.is_complete_list = true;
+  for (const Subject& subject : subjects_) {
+    SeenBody& body = seen_.add();
+    body.name = subject.name;
+    body.sight = subject.seen.sight;
+    body.world_from_body = subject.seen.world_from_body;
+  }
+  sink_(seen_);
+}
+
+}  // namespace vantage::drivers::vicon

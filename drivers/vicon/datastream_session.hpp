@@ -1,0 +1,87 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "drivers/vicon/session.hpp"
+#include "models/scenario/mocap_spec.hpp"
+#include "models/wire/vicon/datastream_blocks.hpp"
+
+namespace vantage::drivers::vicon {
+
+/// A client of Vicon's DataStream.
+///
+/// The server speaks first and says what it has; the client asks for what poses need, then for
+/// frames in the way of `mode`. What a packet's Contents call unchanged is kept; of static content
+/// the whole set is replaced together. An occluded body is one that was introduced and has no pose
+/// in the frame.
+class DataStreamSession : public Session {
+ public:
+  DataStreamSession(models::StreamMode mode, models::UpAxis up_axis, FrameSink sink);
+
+  void open(Moment now) override;
+  [[nodiscard]] bool receive(Moment arrival, models::vicon::Bytes bytes) override;
+  void on_time(Moment now) override;
+  [[nodiscard]] Duration next_wake() const override { return next_wake_; }
+
+  /// Half of what a ping took last; 0 before the first echo.
+  [[nodiscard]] Duration one_way() const { return one_way_; }
+  [[nodiscard]] double rate_hz() const { return stream_.rate_hz(); }
+  [[nodiscard]] bool is_y_up() const;
+  [[nodiscard]] const std::vector<std::uint32_t>& offered() const { return offered_.types; }
+
+ private:
+  struct Subject {
+    std::uint32_t id = 0;
+    std::string name;
+    std::uint32_t body_segment = 0;  ///< the segment that stands for the subject
+    SeenBody seen;                   ///< but for the name
+  };
+
+  void on_packet(Moment arrival, models::vicon::Bytes body);
+  void read_static(models::vicon::Bytes packet);
+  void read_dynamic(models::vicon::Bytes packet);
+  void read_segments(const models::vicon::Block& block);
+  void set_segment(std::uint32_t subject, std::uint32_t segment, const Eigen::Vector3d& position_mm,
+                   const Eigen::Matrix3d& world_from_body);
+  void on_subject(std::size_t index, const models::vicon::SubjectInfo& info);
+  void hand_on(Moment arrival);
+  void ask_for_content();
+  void ask_for_frame(bool is_first);
+  template <class Value>
+  void send(const Value& value);
+  template <class Value>
+  bool read(const models::vicon::Block& block, Value& value);
+
+  models::StreamMode mode_;
+  models::UpAxis up_axis_;
+  FrameSink sink_;
+  models::vicon::StreamBuffer stream_buffer_;
+
+  // Said by the server, on this connection.
+  models::vicon::ObjectEnums offered_;
+  std::uint32_t segments_type_ = 0;  ///< which of 9, 8, 901 was asked for
+  models::vicon::Contents contents_;
+  models::vicon::StreamInfo stream_;
+  models::vicon::ApplicationInfo application_;
+  models::vicon::FrameInfo frame_;
+  models::vicon::LatencyInfo latency_;
+  bool has_latency_ = false;
+  bool has_set_ = false;  ///< frames hold what was asked for
+  std::vector<Subject> subjects_;
+
+  Moment opened_;
+  Moment last_asked_;
+  Duration next_wake_{Duration::max()};
+  Duration ping_sent_{};
+  std::uint64_t ping_id_ = 0;
+  Duration one_way_{};
+
+  // Memory that is used again.
+  models::vicon::SubjectInfo subject_info_;
+  models::vicon::Segments segments_;
+  models::vicon::LightweightSegments light_segments_;
+  SeenFrame seen_;
+};
+
+}  // namespace vantage::drivers::vicon

@@ -1,0 +1,194 @@
+#include "drivers/vicon/driver.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "drivers/vicon/datastream_session.hpp"
+#include "drivers/vicon/object_stream_session.hpp"
+#include "drivers/vicon/vrpn_session.hpp"
+#include "models/wire/vicon/identify.hpp"
+
+namespace vantage::drivers::vicon {
+namespace {
+
+using models::MocapProtocol;
+
+constexpr Duration kBackOffMin = std::chrono::milliseconds(100);
+constexpr Duration kBackOffMax = std::chrono::seconds(2);
+constexpr Duration kOpeningMax = std::chrono::seconds(3);
+/// A server that streams is never silent for so long, and one that stands answers pings.
+constexpr Duration kSilenceMax = std::chrono::seconds(3);
+constexpr Duration kNoFrameHint = std::chrono::seconds(2);
+constexpr std::size_t kFirstBytes = 64;
+
+std::unique_ptr<Session> make_session(const models::MocapSpec& spec, FrameSink sink) {
+  const bool is_y_up = spec.up_axis == models::UpAxis::kY;
+  switch (spec.protocol) {
+    case MocapProtocol::kObjectStream:
+      return std::make_unique<ObjectStreamSession>(is_y_up, std::move(sink));
+    case MocapProtocol::kVrpn:
+      return std::make_unique<VrpnSession>(is_y_up, std::move(sink));
+    case MocapProtocol::kDataStream:
+      break;
+  }
+  return std::make_unique<DataStreamSession>(spec.mode, spec.up_axis, std::move(sink));
+}
+
+GateSettings gate_of(const models::MocapSpec& spec) {
+  GateSettings gate;
+  gate.speed_max_mps = spec.gate_speed_mps;
+  gate.turn_max_radps = spec.gate_turn_radps;
+  gate.stuck_frames = spec.stuck_frames;
+  return gate;
+}
+
+/// What to do about a port that belongs to another product; empty when nobody knows.
+std::string cure_for(models::vicon::Speaker speaker) {
+  switch (speaker) {
+    case models::vicon::Speaker::kDataStream:
+      return "; set mocap.protocol: datastream, or another mocap.port";
+    case models::vicon::Speaker::kVrpn:
+      return "; set mocap.protocol: vrpn, or another mocap.port";
+    case models::vicon::Speaker::kObjectStream:
+      return "; set mocap.protocol: object_stream, or another mocap.port";
+    default:
+      return "; check mocap.host and mocap.port";
+  }
+}
+
+}  // namespace
+
+ViconDriver::ViconDriver(const models::MocapSpec& spec, FrameFilter::Publish publish)
+    : spec_(spec),
+      is_datagram_(spec.protocol == MocapProtocol::kObjectStream),
+      filter_(gate_of(spec), from_seconds(spec.latency_s), std::move(publish)),
+      session_(make_session(spec, [this](const SeenFrame& frame) { on_frame(frame); })),
+      back_off_(kBackOffMin),
+      status_("not yet connected") {
+  first_bytes_.reserve(kFirstBytes);
+}
+
+ViconDriver::~ViconDriver() = default;
+
+std::string ViconDriver::place() const {
+  return is_datagram_ ? "UDP port " + std::to_string(port())
+                      : host() + ":" + std::to_string(port());
+}
+
+bool ViconDriver::wants_open(Moment now) const {
+  return state_ == State::kClosed && now.steady >= next_attempt_;
+}
+
+void ViconDriver::on_opening(Moment now) {
+  state_ = State::kOpening;
+  opening_since_ = now.steady;
+  wants_close_ = false;
+}
+
+void ViconDriver::on_opened(Moment now) {
+  state_ = State::kOpen;
+  wants_close_ = false;
+  last_heard_ = opened_at_ = now.steady;
+  frames_since_open_ = 0;
+  first_bytes_.clear();
+  ++link_counts_.connections;
+  session_->open(now);
+  filter_.on_opened();
+  status_ = (is_datagram_ ? "listening at " : "connected to ") + place() + ", no frame yet";
+}
+
+void ViconDriver::on_closed(Moment now, const std::string& why) {
+  if (state_ == State::kOpening) {
+    ++link_counts_.connections_failed;
+  } else if (state_ == State::kOpen && !wants_close_) {
+    ++link_counts_.connections_lost;
+  }
+  if (!wants_close_) {
+    status_ = place() + ": " + why;
+  }
+  state_ = State::kClosed;
+  wants_close_ = false;
+  next_attempt_ = now.steady + back_off_;
+  back_off_ = std::min(2 * back_off_, kBackOffMax);
+}
+
+void ViconDriver::close_because(const std::string& why) {
+  wants_close_ = true;
+  status_ = place() + " " + why;
+}
+
+void ViconDriver::receive(Moment arrival, models::vicon::Bytes bytes) {
+  if (state_ != State::kOpen || wants_close_) {
+    return;
+  }
+  last_heard_ = arrival.steady;
+  if (!is_datagram_ && first_bytes_.size() < kFirstBytes) {
+    const auto more = bytes.first(std::min(bytes.size(), kFirstBytes - first_bytes_.size()));
+    first_bytes_.insert(first_bytes_.end(), more.begin(), more.end());
+  }
+  if (session_->receive(arrival, bytes)) {
+    return;
+  }
+  using models::vicon::Speaker;
+  const Speaker speaker = is_datagram_ ? models::vicon::identify_datagram(bytes)
+                                       : models::vicon::identify_stream(first_bytes_);
+  const Speaker expected = spec_.protocol == MocapProtocol::kVrpn         ? Speaker::kVrpn
+                           : spec_.protocol == MocapProtocol::kDataStream ? Speaker::kDataStream
+                                                                          : Speaker::kObjectStream;
+  const std::string complaint =
+      speaker == expected ? std::string("sends bytes that its own protocol does not have")
+                          : std::string("is ") + models::vicon::name_of(speaker) + ", not " +
+                                models::vicon::name_of(expected) + cure_for(speaker);
+  if (is_datagram_) {
+    status_ = place() + " " + complaint;  // others may send to it as well: keep listening
+  } else {
+    close_because(complaint);
+  }
+}
+
+void ViconDriver::on_frame(const SeenFrame& frame) {
+  if (frames_since_open_++ == 0) {
+    back_off_ = kBackOffMin;
+    status_ = "frames from " + place();
+  }
+  filter_.accept(frame);
+}
+
+void ViconDriver::on_time(Moment now) {
+  if (state_ == State::kOpening && now.steady - opening_since_ > kOpeningMax && !wants_close_) {
+    close_because("does not answer; check mocap.host, the cable and the firewall");
+  }
+  if (state_ != State::kOpen || wants_close_) {
+    return;
+  }
+  session_->on_time(now);
+  if (now.steady - last_heard_ > kSilenceMax) {
+    if (is_datagram_) {
+      last_heard_ = now.steady;  // say it once a while
+      status_ = "nothing arrives at " + place() +
+                "; in Tracker turn on the UDP object stream to this host and port";
+    } else {
+      ++link_counts_.silences;
+      close_because(first_bytes_.empty() ? "accepts, but says nothing: not a mocap server?"
+                                         : "has fallen silent");
+    }
+  } else if (frames_since_open_ == 0 && now.steady - opened_at_ > kNoFrameHint) {
+    status_ = "connected to " + place() +
+              ", but there are no frames; is the system live, and are objects ticked? (Nexus: run "
+              "the Kinematic Fit pipeline)";
+  }
+}
+
+Duration ViconDriver::next_wake() const {
+  switch (state_) {
+    case State::kClosed:
+      return next_attempt_;
+    case State::kOpening:
+      return opening_since_ + kOpeningMax + Duration{1};
+    case State::kOpen:
+      break;
+  }
+  return std::min(session_->next_wake(), last_heard_ + kSilenceMax + Duration{1'000});
+}
+
+}  // namespace vantage::drivers::vicon

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/vicon/pose_gate.hpp"
+#include "drivers/vicon/seen_frame.hpp"
+#include "models/exchange/messages.hpp"
+
+namespace vantage::drivers::vicon {
+
+/// What the filter counts, since it was made.
+struct FrameCounts {
+  std::int64_t frames = 0;             ///< published
+  std::int64_t frames_lost = 0;        ///< numbers that never came
+  std::int64_t frames_repeated = 0;    ///< dropped: a number that had come before
+  std::int64_t frames_late = 0;        ///< dropped: overtaken by a newer one
+  std::int64_t server_restarts = 0;    ///< numbers that began anew
+  std::int64_t latencies_refused = 0;  ///< not finite, negative or beyond belief
+  std::int64_t poses_zero = 0;
+  std::int64_t poses_refused = 0;  ///< not finite, no rotation, beyond any room
+  std::int64_t poses_stuck = 0;
+  std::int64_t poses_outlying = 0;
+  std::int64_t poses_flipped = 0;
+  std::int64_t poses_swapped = 0;  ///< of outlying ones: where another body was
+  std::int64_t poses_unconfirmed = 0;
+  std::int64_t names_refused = 0;  ///< empty, not UTF-8, or too many
+  std::int64_t names_twice = 0;    ///< dropped: a second body of the same name in one frame
+};
+
+/// Judges frames and turns them into what is published: every body ever seen (of protocols that
+/// list all: every body listed), by name, in a stable order; one without a good pose is occluded.
+///
+/// Capture time is arrival less latency, the latency bounded to [0, kLatencyMax] and else
+/// `latency_assumed`; it is later than that of the frame before whenever that is possible without
+/// passing the arrival. A frame costs no allocation once all bodies are known.
+class FrameFilter {
+ public:
+  static constexpr double kLatencyMax_s = 0.25;
+  static constexpr std::size_t kBodiesMax = 512;
+
+  using Publish = std::function<void(const models::MocapFrame&)>;
+  FrameFilter(const GateSettings& gate, Duration latency_assumed, Publish publish);
+
+  void accept(const SeenFrame& seen);
+  /// A new connection: numbers begin anew, bodies stay who they are.
+  void on_opened();
+
+  [[nodiscard]] const FrameCounts& counts() const { return counts_; }
+
+ private:
+  struct Body {
+    std::string name;
+    PoseGate gate;
+    Duration last_listed{};
+    bool is_in_frame = false;
+  };
+
+  [[nodiscard]] bool is_next(std::uint32_t number);
+  [[nodiscard]] Time capture_time(const SeenFrame& seen);
+  Body* find(const std::string& name, std::size_t hint);
+  Body* add(const std::string& name);
+  void forget(const SeenFrame& seen);
+  void place(const SeenBody& seen, Body& body, Duration now, models::MocapBody& out);
+  [[nodiscard]] bool is_good(const SeenBody& seen, Body& body, Duration now);
+
+  GateSettings gate_;
+  Duration latency_assumed_;
+  Publish publish_;
+  std::vector<Body> bodies_;  ///< the i-th is out_.bodies[i]
+  models::MocapFrame out_;
+  std::optional<std::uint32_t> last_number_;
+  int old_numbers_ = 0;  ///< in a row
+  Time last_capture_{};
+  FrameCounts counts_;
+};
+
+}  // namespace vantage::drivers::vicon

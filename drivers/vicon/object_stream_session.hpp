@@ -1,0 +1,28 @@
+#pragma once
+
+#include "drivers/vicon/frame_assembly.hpp"
+#include "drivers/vicon/session.hpp"
+#include "models/wire/vicon/object_stream.hpp"
+
+namespace vantage::drivers::vicon {
+
+/// Listens to Tracker's UDP object stream: one way, frames of one or more datagrams.
+class ObjectStreamSession : public Session {
+ public:
+  ObjectStreamSession(bool is_y_up, FrameSink sink);
+
+  void open(Moment now) override;
+  /// One datagram. A foreign one is dropped and counted as a broken stream; true unless it is
+  /// known to be of another product.
+  [[nodiscard]] bool receive(Moment arrival, models::vicon::Bytes datagram) override;
+  void on_time(Moment now) override { assembly_.on_time(now); }
+  [[nodiscard]] Duration next_wake() const override;
+
+ private:
+  bool is_y_up_;
+  FrameAssembly assembly_;
+  models::vicon::ObjectBlock block_;
+  std::optional<std::uint32_t> last_number_;  ///< of the newest frame begun
+};
+
+}  // namespace vantage::drivers::vicon

@@ -1,0 +1,41 @@
+#include "drivers/vicon/pose_gate.hpp"
+
+namespace vantage::drivers::vicon {
+
+PoseGate::Reach PoseGate::reach(const Pose3& from, const Pose3& to, Duration elapsed) const {
+  const double elapsed_s = std::max(0.0, to_seconds(elapsed));
+  const double moved_m = (to.translation_m - from.translation_m).norm();
+  if (moved_m > settings_.jump_margin_m + settings_.speed_max_mps * elapsed_s) {
+    return Reach::kTooFar;
+  }
+  const double turned_rad = from.rotation.angularDistance(to.rotation);
+  const double turn_allowed_rad = settings_.turn_margin_rad + settings_.turn_max_radps * elapsed_s;
+  return settings_.turn_max_radps > 0.0 && turned_rad > turn_allowed_rad ? Reach::kTurned
+                                                                         : Reach::kWithin;
+}
+
+bool PoseGate::is_repeated(const Pose3& pose) {
+  const bool is_same = previous_ && previous_->translation_m == pose.translation_m &&
+                       previous_->rotation.coeffs() == pose.rotation.coeffs();
+  repetitions_ = is_same ? repetitions_ + 1 : 0;
+  previous_ = pose;
+  return settings_.stuck_frames > 0 && repetitions_ >= settings_.stuck_frames;
+}
+
+Verdict PoseGate::accept(Duration now, const Pose3& pose) {
+  last_ = pose;
+  last_time_ = now;
+  candidate_.reset();
+  return Verdict::kGood;
+}
+
+bool PoseGate::is_believed(Duration now) const {
+  if (is_swap_) {
+    return false;
+  }
+  return candidate_kind_ == Verdict::kUnconfirmed
+             ? candidate_frames_ >= settings_.confirm_frames
+             : now - candidate_since_ >= settings_.believe_jump_after;
+}
+
+}  // namespace vantage::drivers::vicon

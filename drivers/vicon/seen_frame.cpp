@@ -1,0 +1,45 @@
+#include "drivers/vicon/seen_frame.hpp"
+
+#include <algorithm>
+
+#include "models/wire/vicon/rotation.hpp"
+
+namespace vantage::drivers::vicon {
+namespace {
+
+/// No room is larger; a pose beyond it is millimetres taken for metres, or garbage.
+constexpr double kRoomMax_m = 500.0;
+
+}  // namespace
+
+SeenBody& SeenFrame::add() {
+  if (size_ == bodies_.size()) {
+    bodies_.emplace_back();
+  }
+  return bodies_[size_++];
+}
+
+bool SeenFrame::has(std::string_view name) const {
+  const auto all = bodies();
+  return std::any_of(all.begin(), all.end(),
+                     [&](const SeenBody& body) { return body.name == name; });
+}
+
+void set_pose(SeenBody& body, const Eigen::Vector3d& position_m,
+              const std::optional<Eigen::Quaterniond>& rotation, bool is_zero, bool is_y_up) {
+  if (is_zero) {
+    body.sight = Sight::kZero;
+    return;
+  }
+  if (!rotation || !(position_m.cwiseAbs().maxCoeff() <= kRoomMax_m) || !position_m.allFinite()) {
+    body.sight = Sight::kNotAPose;
+    return;
+  }
+  body.sight = Sight::kSeen;
+  body.world_from_body = {position_m, *rotation};
+  if (is_y_up) {
+    body.world_from_body = models::vicon::z_up_from_y_up(body.world_from_body);
+  }
+}
+
+}  // namespace vantage::drivers::vicon

@@ -1,0 +1,212 @@
+#include "drivers/vicon/socket_link.hpp"
+
+#include <cerrno>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+
+#include "core/check.hpp"
+
+namespace vantage::drivers::vicon {
+namespace {
+
+constexpr std::size_t kReadBytes = std::size_t{1} << 16U;  // no datagram is longer
+constexpr int kReceiveBufferBytes = 4 << 20;               // 4 s of 100 bodies at 100 Hz
+
+std::string reason(int error) { return std::system_category().message(error); }
+
+/// The C API's word for an address of any family.
+const sockaddr* as_sockaddr(const sockaddr_in& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+void set_option(int fd, int level, int name, int value) {
+  setsockopt(fd, level, name, &value, sizeof value);  // best effort: none is vital
+}
+
+void enlarge_receive_buffer(int fd) {
+  // The privileged call may pass net.core.rmem_max; without the privilege the plain one is clamped.
+  const int bytes = kReceiveBufferBytes;
+  if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {
+    set_option(fd, SOL_SOCKET, SO_RCVBUF, bytes);
+  }
+}
+
+bool resolve(const std::string& host, sockaddr_in& address, std::string& why) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found);
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, &freeaddrinfo);
+  if (error != 0 || found == nullptr) {
+    why = "no such host (" + std::string(gai_strerror(error)) + "); check mocap.host";
+    return false;
+  }
+  address.sin_addr = reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr;
+  return true;
+}
+
+}  // namespace
+
+SocketLink::SocketLink(ViconDriver& driver, std::function<Moment()> now)
+    : driver_(driver),
+      now_(std::move(now)),
+      epoll_(epoll_create1(EPOLL_CLOEXEC)),
+      buffer_(kReadBytes) {
+  if (!epoll_.is_open()) {
+    throw StartupError("cannot make an epoll descriptor: " + reason(errno));
+  }
+}
+
+void SocketLink::watch(std::uint32_t events) {
+  if (events == watched_) {
+    return;
+  }
+  epoll_event event{};
+  event.events = events;
+  epoll_ctl(epoll_.fd(), watched_ == 0 ? EPOLL_CTL_ADD : EPOLL_CTL_MOD, socket_.fd(), &event);
+  watched_ = events;
+}
+
+void SocketLink::fail(const std::string& why) {
+  socket_.reset();  // which also leaves the epoll set
+  watched_ = 0;
+  is_opening_ = false;
+  driver_.on_closed(now_(), why);
+}
+
+void SocketLink::step() {
+  const Moment now = now_();
+  if (is_opening_) {
+    finish_opening(now);
+  }
+  if (driver_.is_open()) {
+    read_all();
+  }
+  driver_.on_time(now_());
+  if (driver_.wants_close()) {
+    fail("closed");
+  } else if (driver_.wants_open(now)) {
+    open(now);
+  }
+  if (driver_.is_open()) {
+    write_all();
+  }
+}
+
+void SocketLink::open(Moment now) {
+  driver_.on_opening(now);
+  if (driver_.is_datagram()) {
+    open_datagram(now);
+  } else {
+    open_stream(now);
+  }
+}
+
+void SocketLink::open_datagram(Moment now) {
+  socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);  // others may hear a broadcast as well
+  enlarge_receive_buffer(socket_.fd());
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(driver_.port()));
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  if (bind(socket_.fd(), as_sockaddr(address), sizeof address) != 0) {
+    fail("cannot listen: " + reason(errno));
+    return;
+  }
+  watch(EPOLLIN);
+  driver_.on_opened(now);
+}
+
+void SocketLink::open_stream(Moment now) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(driver_.port()));
+  std::string why;
+  if (!resolve(driver_.host(), address, why)) {
+    fail(why);
+    return;
+  }
+  socket_.reset(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  set_option(socket_.fd(), IPPROTO_TCP, TCP_NODELAY, 1);
+  enlarge_receive_buffer(socket_.fd());
+  if (connect(socket_.fd(), as_sockaddr(address), sizeof address) == 0) {
+    watch(EPOLLIN);
+    driver_.on_opened(now);
+  } else if (errno == EINPROGRESS) {
+    is_opening_ = true;
+    watch(EPOLLOUT);
+  } else {
+    fail("cannot connect: " + reason(errno));
+  }
+}
+
+void SocketLink::finish_opening(Moment now) {
+  pollfd polled{socket_.fd(), POLLOUT, 0};
+  if (poll(&polled, 1, 0) <= 0) {
+    return;
+  }
+  int error = 0;
+  socklen_t size = sizeof error;
+  getsockopt(socket_.fd(), SOL_SOCKET, SO_ERROR, &error, &size);
+  if (error != 0) {
+    fail(error == ECONNREFUSED
+             ? "nobody listens there; is the server running, and is mocap.port right?"
+             : "cannot connect: " + reason(error));
+    return;
+  }
+  is_opening_ = false;
+  watch(EPOLLIN);
+  driver_.on_opened(now);
+}
+
+void SocketLink::read_all() {
+  for (int reads = 0; reads < kReadsMax && driver_.is_open() && !driver_.wants_close(); ++reads) {
+    const ssize_t size = recv(socket_.fd(), buffer_.data(), buffer_.size(), 0);
+    if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
+      return;
+    }
+    if (size < 0 && errno == EINTR) {
+      continue;
+    }
+    if (size == 0 && !driver_.is_datagram()) {
+      fail("the server closed the connection");
+      return;
+    }
+    if (size < 0) {
+      fail("the connection broke: " + reason(errno));
+      return;
+    }
+    driver_.receive(now_(), models::vicon::Bytes(buffer_).first(static_cast<std::size_t>(size)));
+  }
+}
+
+void SocketLink::write_all() {
+  std::vector<std::uint8_t>& outgoing = driver_.outgoing();
+  while (!outgoing.empty()) {
+    const ssize_t size = send(socket_.fd(), outgoing.data(), outgoing.size(), MSG_NOSIGNAL);
+    if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
+      break;
+    }
+    if (size < 0 && errno == EINTR) {
+      continue;
+    }
+    if (size < 0) {
+      fail("the connection broke: " + reason(errno));
+      return;
+    }
+    outgoing.erase(outgoing.begin(), outgoing.begin() + size);
+  }
+  watch(outgoing.empty() ? EPOLLIN : EPOLLIN | EPOLLOUT);
+}
+
+}  // namespace vantage::drivers::vicon

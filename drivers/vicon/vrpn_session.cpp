@@ -1,0 +1,187 @@
+#include "drivers/vicon/vrpn_session.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "models/wire/vicon/rotation.hpp"
+
+namespace vantage::drivers::vicon {
+namespace {
+
+namespace wire = models::vicon;
+
+constexpr Duration kPingPeriod = std::chrono::seconds(1);
+/// Poses of one frame are stamped one after the other; those of two are 1 ms apart at least.
+constexpr std::int64_t kSameFrame_us = 400;
+constexpr std::string_view kControlSender = "VRPN Control";
+constexpr std::int32_t kOwnId = 0;
+
+}  // namespace
+
+VrpnSession::VrpnSession(bool is_y_up, FrameSink sink)
+    : is_y_up_(is_y_up), assembly_(std::move(sink)), stream_(2 * wire::kVrpnMessageBytesMax) {}
+
+void VrpnSession::open(Moment now) {
+  assembly_.clear();
+  stream_.clear();
+  version_.reset();
+  senders_.clear();
+  types_.clear();
+  has_pose_type_ = false;
+  is_introduced_ = false;
+  frame_stamp_us_ = 0;
+  outgoing.clear();
+  wire::append_vrpn_cookie(outgoing);
+  next_ping_ = now.steady + kPingPeriod;
+}
+
+bool VrpnSession::receive(Moment arrival, wire::Bytes bytes) {
+  while (!bytes.empty()) {
+    bytes = bytes.subspan(stream_.push(bytes));
+    if (!version_ && !read_cookie()) {
+      ++counts.broken_streams;
+      return false;
+    }
+    while (version_) {
+      wire::VrpnHeader header;
+      const wire::Framed message = wire::next_vrpn_message(stream_.view(), header);
+      if (message.state == wire::Framing::kBroken) {
+        ++counts.broken_streams;
+        return false;
+      }
+      if (message.state == wire::Framing::kNeedMore) {
+        break;
+      }
+      on_message(arrival, header, message.body);
+      stream_.consume(message.bytes);
+    }
+  }
+  assembly_.hand_on_if_whole();
+  return true;
+}
+
+bool VrpnSession::read_cookie() {
+  // Wrong bytes are known at once, not only when there are 24 of them.
+  constexpr std::string_view kStart = "vrpn: ver. ";
+  const wire::Bytes view = stream_.view();
+  const std::size_t common = std::min(view.size(), kStart.size());
+  if (!std::equal(kStart.begin(), kStart.begin() + static_cast<std::ptrdiff_t>(common),
+                  view.begin())) {
+    return false;
+  }
+  if (view.size() < wire::kVrpnCookieBytes) {
+    return true;
+  }
+  version_ = wire::decode_vrpn_cookie(view);
+  stream_.consume(wire::kVrpnCookieBytes);
+  return version_ && version_->major == wire::kVrpnMajor;
+}
+
+void VrpnSession::learn(std::vector<Name>& names, std::int32_t id, std::string_view name) {
+  const auto known =
+      std::find_if(names.begin(), names.end(), [id](const Name& each) { return each.id == id; });
+  if (known != names.end()) {
+    known->name = name;
+  } else if (names.size() < kNamesMax) {
+    names.push_back({id, std::string(name)});
+  }
+}
+
+const std::string* VrpnSession::find(const std::vector<Name>& names, std::int32_t id) {
+  const auto known =
+      std::find_if(names.begin(), names.end(), [id](const Name& each) { return each.id == id; });
+  return known == names.end() ? nullptr : &known->name;
+}
+
+std::vector<std::string> VrpnSession::senders() const {
+  std::vector<std::string> names;
+  for (const Name& sender : senders_) {
+    if (sender.name != kControlSender) {
+      names.push_back(sender.name);
+    }
+  }
+  return names;
+}
+
+void VrpnSession::on_message(Moment arrival, const wire::VrpnHeader& header, wire::Bytes payload) {
+  if (has_pose_type_ && header.type == pose_type_) {
+    on_pose(arrival, header, payload);
+    return;
+  }
+  if (header.type != wire::kVrpnSenderDescription && header.type != wire::kVrpnTypeDescription) {
+    return;
+  }
+  const auto name = wire::decode_vrpn_name(payload);
+  if (!name) {
+    ++counts.broken_blocks;
+    return;
+  }
+  if (header.type == wire::kVrpnTypeDescription) {
+    learn(types_, header.sender, *name);
+    if (*name == wire::kVrpnPoseType) {
+      pose_type_ = header.sender;
+      has_pose_type_ = true;
+    }
+    return;
+  }
+  learn(senders_, header.sender, *name);
+  if (*name != kControlSender && !assembly_.is_open()) {
+    assembly_.expect(*name);
+  }
+  if (!is_introduced_ && *name != kControlSender) {
+    // A ping has to come from a sender of the name that it is for.
+    wire::append_vrpn_name(outgoing, wire::kVrpnSenderDescription, kOwnId, *name);
+    wire::append_vrpn_name(outgoing, wire::kVrpnTypeDescription, kOwnId, wire::kVrpnPingType);
+    is_introduced_ = true;
+  }
+}
+
+void VrpnSession::on_pose(Moment arrival, const wire::VrpnHeader& header, wire::Bytes payload) {
+  const auto pose = wire::decode_vrpn_pose(payload);
+  const std::string* name = find(senders_, header.sender);
+  if (!pose || name == nullptr) {
+    ++(pose ? counts.unnamed_bodies : counts.broken_blocks);
+    return;
+  }
+  if (pose->sensor != 0) {
+    return;  // a limb
+  }
+  const std::int64_t stamp_us =
+      std::int64_t{header.seconds} * 1'000'000 + std::int64_t{header.microseconds};
+  const bool is_same_frame = assembly_.is_open() && !assembly_.frame().has(*name) &&
+                             std::abs(stamp_us - frame_stamp_us_) <= kSameFrame_us;
+  const bool is_late = !assembly_.is_open() && !assembly_.frame().has(*name) &&
+                       std::abs(stamp_us - frame_stamp_us_) <= kSameFrame_us;
+  if (is_late) {  // the frame was thought whole; the next one will wait for this body
+    assembly_.expect_also(*name);
+    ++counts.late_blocks;
+    return;
+  }
+  if (!is_same_frame) {
+    assembly_.begin(arrival);
+    frame_stamp_us_ = stamp_us;
+  }
+  SeenBody& body = assembly_.frame().add();
+  body.name = *name;
+  const Eigen::Vector4d& q = pose->quaternion_xyzw;
+  const bool is_zero = pose->position_m.isZero(0.0) && (q.isZero(0.0) || (q.head<3>().isZero(0.0)));
+  set_pose(body, pose->position_m, wire::rotation_from_xyzw(q.x(), q.y(), q.z(), q.w()), is_zero,
+           is_y_up_);
+}
+
+void VrpnSession::on_time(Moment now) {
+  assembly_.on_time(now);
+  if (now.steady >= next_ping_) {
+    next_ping_ = now.steady + kPingPeriod;
+    if (is_introduced_) {
+      wire::append_vrpn_message(outgoing, {0, 0, kOwnId, kOwnId}, {});
+    }
+  }
+}
+
+Duration VrpnSession::next_wake() const {
+  return std::min(next_ping_, assembly_.next_wake().value_or(Duration::max()));
+}
+
+}  // namespace vantage::drivers::vicon

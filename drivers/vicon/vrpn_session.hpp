@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/vicon/frame_assembly.hpp"
+#include "drivers/vicon/session.hpp"
+#include "models/wire/vicon/vrpn.hpp"
+
+namespace vantage::drivers::vicon {
+
+/// A client of a VRPN server, over TCP alone. Every sender that sends poses is a body; sensor 0 is
+/// its pose, others are its limbs. A frame is what carries nearly the same time stamp.
+class VrpnSession : public Session {
+ public:
+  VrpnSession(bool is_y_up, FrameSink sink);
+
+  void open(Moment now) override;
+  [[nodiscard]] bool receive(Moment arrival, models::vicon::Bytes bytes) override;
+  void on_time(Moment now) override;
+  [[nodiscard]] Duration next_wake() const override;
+
+  [[nodiscard]] std::optional<models::vicon::VrpnVersion> version() const { return version_; }
+  /// Names announced by the server.
+  [[nodiscard]] std::vector<std::string> senders() const;
+
+ private:
+  static constexpr std::size_t kNamesMax = 1024;
+  struct Name {
+    std::int32_t id = 0;
+    std::string name;
+  };
+  static void learn(std::vector<Name>& names, std::int32_t id, std::string_view name);
+  static const std::string* find(const std::vector<Name>& names, std::int32_t id);
+
+  [[nodiscard]] bool read_cookie();
+  void on_message(Moment arrival, const models::vicon::VrpnHeader& header,
+                  models::vicon::Bytes payload);
+  void on_pose(Moment arrival, const models::vicon::VrpnHeader& header,
+               models::vicon::Bytes payload);
+
+  bool is_y_up_;
+  FrameAssembly assembly_;
+  models::vicon::StreamBuffer stream_;
+  std::optional<models::vicon::VrpnVersion> version_;
+  std::vector<Name> senders_;
+  std::vector<Name> types_;
+  std::int32_t pose_type_ = 0;  ///< the server's number for poses, once it has said it
+  bool has_pose_type_ = false;
+  bool is_introduced_ = false;       ///< we told our own names
+  std::int64_t frame_stamp_us_ = 0;  ///< of the frame being put together
+  Duration next_ping_{Duration::max()};
+};
+
+}  // namespace vantage::drivers::vicon

@@ -1,0 +1,69 @@
+#include "logs/metrics/robot_means.hpp"
+
+#include <cmath>
+
+#include "logs/metrics/team_estimate.hpp"
+#include "logs/metrics/truth_history.hpp"
+
+namespace vantage::logs {
+
+RobotSums::RobotSums(int targets, int position_dim, double prior_entropy_nats)
+    : targets_(targets), position_dim_(position_dim), prior_entropy_nats_(prior_entropy_nats) {}
+
+void RobotSums::add(const std::string& robot, Time time, double since_start_s,
+                    std::span<const models::TargetBelief> beliefs, const TruthHistory& truth) {
+  Sums& sums = robots_[robot];
+  sums.first_known_s.resize(static_cast<std::size_t>(targets_));
+  int known = 0;
+  int judged = 0;
+  double squared_error_m2 = 0.0;
+  double entropy_nats = 0.0;
+  for (const models::TargetBelief& belief : beliefs) {
+    const auto estimate = position_estimate(belief, robot, time, position_dim_);
+    if (!estimate || belief.target_id < 0 || belief.target_id >= targets_) {
+      continue;
+    }
+    auto& first_s = sums.first_known_s[static_cast<std::size_t>(belief.target_id)];
+    first_s = first_s.value_or(since_start_s);
+    ++known;
+    entropy_nats += estimate->entropy_nats;
+    if (const auto truth_m = truth.target_position_m(belief.target_id, time)) {
+      squared_error_m2 += (estimate->mean_m - truth_m->head(position_dim_)).squaredNorm();
+      ++judged;
+    }
+  }
+  ++sums.steps;
+  if (judged > 0) {
+    ++sums.steps_with_error;
+    sums.rmse_m += std::sqrt(squared_error_m2 / judged);
+  }
+  if (targets_ > 0) {
+    sums.entropy_nats += (entropy_nats + (targets_ - known) * prior_entropy_nats_) / targets_;
+    sums.unknown_share += (targets_ - known) / static_cast<double>(targets_);
+  }
+}
+
+RobotMeans RobotSums::means(double duration_s) const {
+  RobotMeans out;
+  const auto robots = static_cast<double>(robots_.size());
+  int with_error = 0;
+  double rmse_m = 0.0;
+  for (const auto& [robot, sums] : robots_) {
+    if (sums.steps_with_error > 0) {
+      rmse_m += sums.rmse_m / static_cast<double>(sums.steps_with_error);
+      ++with_error;
+    }
+    out.entropy_nats += sums.entropy_nats / static_cast<double>(sums.steps) / robots;
+    out.undiscovered_share += sums.unknown_share / static_cast<double>(sums.steps) / robots;
+    for (const std::optional<double>& first_s : sums.first_known_s) {
+      out.discovered += first_s ? 1.0 / robots : 0.0;
+      out.discovery_time_s += first_s.value_or(duration_s) / (robots * targets_);
+    }
+  }
+  if (with_error > 0) {
+    out.rmse_m = rmse_m / with_error;
+  }
+  return out;
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,160 @@
+#include "sim/vicon/app/emulator.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "bus/clock.hpp"
+#include "bus/scenario_yaml.hpp"
+#include "core/check.hpp"
+#include "core/deadline.hpp"
+#include "core/process.hpp"
+#include "sim/vicon/app/source.hpp"
+#include "sim/vicon/socket_server.hpp"
+
+namespace vantage::sim::vicon {
+namespace {
+
+struct Arguments {
+  ServerSettings settings;
+  std::string host = "0.0.0.0";
+  int port = 0;
+  std::string to = "127.0.0.1";
+  int bodies = 3;
+  std::vector<std::string> flights;
+  bool is_endless = false;
+  std::string scenario;
+  double latency_s = 0.004;
+  double occluded_s = 0.0;
+  std::string up = "z";
+  double duration_s = 0.0;
+};
+
+constexpr double kOcclusionPeriod_s = 10.0;
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  using models::MocapProtocol;
+  const std::map<std::string, MocapProtocol> protocols{
+      {"datastream", MocapProtocol::kDataStream},
+      {"object_stream", MocapProtocol::kObjectStream},
+      {"vrpn", MocapProtocol::kVrpn}};
+  const std::map<std::string, OcclusionStyle> styles{{"absent", OcclusionStyle::kAbsent},
+                                                     {"zero", OcclusionStyle::kZero},
+                                                     {"repeated", OcclusionStyle::kRepeated}};
+  app.add_option("--protocol", arguments.settings.protocol, "datastream, object_stream or vrpn")
+      ->transform(CLI::CheckedTransformer(protocols));
+  app.add_option("--host", arguments.host, "address to listen at");
+  app.add_option("--port", arguments.port, "instead of the protocol's own")
+      ->check(CLI::Range(1, 65535));
+  app.add_option("--to", arguments.to, "where an object stream goes; may be a broadcast address");
+  app.add_option("--rate", arguments.settings.rate_hz, "frames a second")
+      ->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--block-bytes", arguments.settings.block_bytes, "of an object stream's datagram")
+      ->check(CLI::IsMember({256, 512, 1024}));
+  app.add_option("--up", arguments.up, "axis of the world that is sent: z or y")
+      ->check(CLI::IsMember({"z", "y"}));
+  app.add_option("--latency-s", arguments.latency_s, "that the server claims to have taken")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--occlusion", arguments.settings.occlusion, "absent, zero or repeated")
+      ->transform(CLI::CheckedTransformer(styles));
+  app.add_option("--occluded-s", arguments.occluded_s,
+                 "hide the bodies for so long every 10 s, one after the other")
+      ->check(CLI::Range(0.0, kOcclusionPeriod_s));
+  auto* bodies = app.add_option("--bodies", arguments.bodies, "so many bodies on circles")
+                     ->check(CLI::Range(0, 512));
+  auto* flights = app.add_option("--flight", arguments.flights,
+                                 "recorded flight (CSV: time_s,x_m,y_m,z_m,qw,qx,qy,qz); may be "
+                                 "given several times")
+                      ->excludes(bodies);
+  app.add_flag("--endless", arguments.is_endless, "begin the flights again at their end");
+  app.add_option("--scenario", arguments.scenario, "the world of a scenario file, nobody planning")
+      ->excludes(bodies)
+      ->excludes(flights);
+  app.add_option("--duration-s", arguments.duration_s, "stop by itself; 0: never");
+  app.footer(
+      "Examples:\n"
+      "  vantage-vicon-emulator --protocol datastream --bodies 20 --rate 1000\n"
+      "  vantage-vicon-emulator --protocol object_stream --to 192.168.1.255 --flight v1_01.csv");
+}
+
+std::unique_ptr<Source> make_source(const Arguments& arguments, Time start) {
+  if (!arguments.scenario.empty()) {
+    return std::make_unique<ScenarioWorld>(bus::load_scenario(arguments.scenario), start);
+  }
+  if (!arguments.flights.empty()) {
+    return std::make_unique<Flights>(arguments.flights, arguments.is_endless);
+  }
+  return std::make_unique<CirclingBodies>(arguments.bodies);
+}
+
+/// Bodies take turns in being hidden.
+void hide(double time_s, double occluded_s, EmulatedFrame& frame) {
+  for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+    const double shift_s =
+        kOcclusionPeriod_s * static_cast<double>(i + 1) / static_cast<double>(frame.bodies.size());
+    frame.bodies[i].is_occluded =
+        frame.bodies[i].is_occluded || std::fmod(time_s + shift_s, kOcclusionPeriod_s) < occluded_s;
+  }
+}
+
+int serve(const Arguments& arguments) {
+  const bus::SystemClock clock;
+  const Time start = clock.now();
+  const std::unique_ptr<Source> source = make_source(arguments, start);
+  const bool is_sender = arguments.settings.protocol == models::MocapProtocol::kObjectStream;
+  const int port =
+      arguments.port > 0 ? arguments.port : models::default_port(arguments.settings.protocol);
+  SocketServer server(arguments.settings, is_sender ? arguments.to : arguments.host, port);
+  std::fprintf(stderr, "vantage-vicon-emulator: %s %s port %d, %g Hz\n",
+               models::name_of(arguments.settings.protocol), is_sender ? "to" : "at", server.port(),
+               arguments.settings.rate_hz);
+  const std::int64_t start_ns = monotonic_ns();
+  EmulatedFrame frame;
+  frame.latency_s = arguments.latency_s;
+  for (std::int64_t k = 0; !stop_requested(); ++k) {
+    const double time_s = static_cast<double>(k) / arguments.settings.rate_hz;
+    // What was captured at time_s is there after the latency, as it would be for real.
+    const std::int64_t due_ns = start_ns + std::llround(time_s * 1e9);
+    for (std::int64_t left_ns = due_ns - monotonic_ns(); left_ns > 0 && !stop_requested();
+         left_ns = due_ns - monotonic_ns()) {
+      server.wait(std::chrono::nanoseconds(std::min<std::int64_t>(left_ns, 50'000'000)));
+    }
+    server.wait(std::chrono::nanoseconds(0));
+    frame.number = static_cast<std::uint32_t>(k);
+    frame.captured = clock.now() - from_seconds(arguments.latency_s);
+    if ((arguments.duration_s > 0.0 && time_s >= arguments.duration_s) ||
+        !source->look(time_s, frame)) {
+      break;
+    }
+    hide(time_s, arguments.occluded_s, frame);
+    server.publish(frame);
+  }
+  std::fprintf(
+      stderr, "vantage-vicon-emulator: %lld frames, %lld skipped for clients that did not read\n",
+      static_cast<long long>(frame.number) + 1, static_cast<long long>(server.frames_skipped()));
+  return 0;
+}
+
+}  // namespace
+
+int run_emulator(int argc, char** argv) {
+  CLI::App app{"A Vicon or VRPN server that is none, to try drivers on.", "vantage-vicon-emulator"};
+  Arguments arguments;
+  add_options(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  arguments.settings.is_y_up = arguments.up == "y";
+  return serve(arguments);
+}
+
+}  // namespace vantage::sim::vicon

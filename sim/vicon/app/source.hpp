@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "models/scenario/scenario.hpp"
+#include "sim/vicon/emulated_frame.hpp"
+#include "sim/vicon/recorded_flight.hpp"
+#include "sim/world/world_simulation.hpp"
+
+namespace vantage::sim::vicon {
+
+/// What the emulated cameras look at: the k-th frame of something that moves.
+class Source {
+ public:
+  Source() = default;
+  virtual ~Source() = default;
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+  Source(Source&&) = delete;
+  Source& operator=(Source&&) = delete;
+  /// Fills in the bodies of frame `k`, `time_s` after the start; false when it is over.
+  virtual bool look(double time_s, EmulatedFrame& frame) = 0;
+};
+
+/// Bodies BODY0, BODY1, … on circles of their own.
+class CirclingBodies : public Source {
+ public:
+  explicit CirclingBodies(int count) : count_(count) {}
+  bool look(double time_s, EmulatedFrame& frame) override;
+
+ private:
+  int count_;
+};
+
+/// Recorded flights, all from their beginning; the newest row at each instant.
+class Flights : public Source {
+ public:
+  /// @param is_endless  begin again at the end of the shortest
+  Flights(const std::vector<std::string>& paths, bool is_endless);
+  bool look(double time_s, EmulatedFrame& frame) override;
+
+ private:
+  std::vector<RecordedFlight> flights_;
+  double length_s_ = 0.0;
+  bool is_endless_;
+};
+
+/// A scenario's world with nobody planning: robots stand, targets move.
+class ScenarioWorld : public Source {
+ public:
+  ScenarioWorld(const models::Scenario& scenario, Time start);
+  bool look(double time_s, EmulatedFrame& frame) override;
+
+ private:
+  WorldSimulation world_;
+  Time start_;
+};
+
+}  // namespace vantage::sim::vicon

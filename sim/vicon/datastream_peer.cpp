@@ -1,0 +1,223 @@
+#include "sim/vicon/datastream_peer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "models/wire/vicon/rotation.hpp"
+
+namespace vantage::sim::vicon {
+namespace {
+
+namespace wire = models::vicon;
+
+// What this server can send; of these, what is static and what is dynamic.
+constexpr std::array<std::uint32_t, 5> kStatic{wire::kStreamInfo, wire::kSubjectInfo,
+                                               wire::kSubjectHealth, wire::kApplicationInfo,
+                                               wire::kObjectQuality};
+constexpr std::array<std::uint32_t, 7> kDynamic{
+    wire::kFrameInfo,         wire::kLocalSegments, wire::kGlobalSegments,     wire::kLatencyInfo,
+    wire::kHardwareFrameInfo, wire::kFrameRateInfo, wire::kLightweightSegments};
+constexpr std::size_t kClientPacketBytesMax = std::size_t{1} << 16U;
+constexpr std::uint32_t kFramesWantedMax = 1000;
+constexpr std::uint32_t kRootSegment = 1;
+
+std::uint32_t subject_id(std::size_t index) { return static_cast<std::uint32_t>(index + 1); }
+
+/// Tracker is asked for the share of each stage; two are enough to show that they add up.
+wire::LatencyInfo latency_of(const EmulatedFrame& frame) {
+  return {{{"Camera", 0.25 * frame.latency_s}, {"Processing", 0.75 * frame.latency_s}}};
+}
+
+}  // namespace
+
+DataStreamPeer::DataStreamPeer(const ServerSettings& settings)
+    : settings_(settings), stream_(kClientPacketBytesMax) {
+  wire::ObjectEnums offered;
+  offered.types.assign(kStatic.begin(), kStatic.end());
+  offered.types.insert(offered.types.end(), kDynamic.begin(), kDynamic.end());
+  offered.types.push_back(wire::kContents);
+  std::sort(offered.types.begin(), offered.types.end());
+  wire::PacketWriter packet(outgoing);
+  append(packet, offered);
+  packet.finish();
+}
+
+bool DataStreamPeer::receive(wire::Bytes bytes) {
+  while (!bytes.empty()) {
+    const std::size_t taken = stream_.push(bytes);
+    if (taken == 0) {
+      return false;  // no client has so much to say
+    }
+    bytes = bytes.subspan(taken);
+    for (;;) {
+      const wire::Framed packet = wire::next_packet(stream_.view());
+      if (packet.state == wire::Framing::kBroken) {
+        return false;
+      }
+      if (packet.state == wire::Framing::kNeedMore) {
+        break;
+      }
+      wire::BlockCursor cursor(packet.body);
+      while (const auto block = cursor.next()) {
+        on_block(*block);
+      }
+      if (cursor.is_broken()) {
+        return false;
+      }
+      stream_.consume(packet.bytes);
+    }
+  }
+  return true;
+}
+
+void DataStreamPeer::on_block(const wire::Block& block) {
+  wire::ObjectEnums enums;
+  wire::RequestFrame request;
+  wire::RequestNextFrame next;
+  wire::Ping ping;
+  if (block.type == wire::kObjectEnums && decode(block.body, enums)) {
+    asked_ = enums;
+    is_static_due_ = true;
+  } else if (block.type == wire::kRequestFrame && decode(block.body, request)) {
+    is_streaming_ = request.streaming;
+    frames_wanted_ = request.streaming ? 0 : std::max(frames_wanted_, 1U);
+  } else if (block.type == wire::kRequestNextFrame && decode(block.body, next)) {
+    frames_wanted_ =
+        std::min(frames_wanted_ + std::min(next.count, kFramesWantedMax), kFramesWantedMax);
+  } else if (block.type == wire::kPing && decode(block.body, ping) &&
+             outgoing.size() < settings_.backlog_bytes_max) {
+    wire::PacketWriter packet(outgoing);
+    append(packet, ping);
+    packet.finish();
+  }
+}
+
+bool DataStreamPeer::is_asked(std::uint32_t type) const {
+  return std::find(asked_.types.begin(), asked_.types.end(), type) != asked_.types.end();
+}
+
+bool DataStreamPeer::has_new_subjects(const EmulatedFrame& frame) {
+  const bool is_same = std::equal(
+      frame.bodies.begin(), frame.bodies.end(), subjects_.begin(), subjects_.end(),
+      [](const EmulatedBody& body, const std::string& name) { return body.name == name; });
+  if (!is_same) {
+    subjects_.clear();
+    for (const EmulatedBody& body : frame.bodies) {
+      subjects_.push_back(body.name);
+    }
+  }
+  return !is_same;
+}
+
+void DataStreamPeer::on_frame(const EmulatedFrame& frame) {
+  if (!is_streaming_ && frames_wanted_ == 0) {
+    return;
+  }
+  if (outgoing.size() > settings_.backlog_bytes_max) {
+    ++frames_skipped;
+    return;
+  }
+  const bool has_static = has_new_subjects(frame) || is_static_due_;
+  is_static_due_ = false;
+  wire::PacketWriter packet(outgoing);
+  if (is_asked(wire::kContents)) {
+    append_contents(packet, frame, has_static);
+  }
+  if (has_static) {
+    append_static(packet);
+  }
+  append_dynamic(packet, frame);
+  packet.finish();
+  frames_wanted_ -= frames_wanted_ > 0 ? 1 : 0;
+  ++frames_sent;
+}
+
+void DataStreamPeer::append_contents(wire::PacketWriter& packet, const EmulatedFrame& frame,
+                                     bool has_static) const {
+  wire::Contents contents;
+  for (const std::uint32_t type : asked_.types) {
+    const bool is_of_static = std::find(kStatic.begin(), kStatic.end(), type) != kStatic.end();
+    const bool is_each_subject = type == wire::kSubjectInfo || type == wire::kObjectQuality ||
+                                 type == wire::kSubjectHealth || type == wire::kGlobalSegments ||
+                                 type == wire::kLocalSegments || type == wire::kLightweightSegments;
+    const bool is_known =
+        is_of_static || std::find(kDynamic.begin(), kDynamic.end(), type) != kDynamic.end();
+    if (is_of_static && !has_static) {
+      contents.unchanged.push_back(type);
+    } else if (is_known) {
+      const std::size_t blocks = is_each_subject ? frame.bodies.size() : 1;
+      contents.sent.push_back({type, static_cast<std::uint32_t>(blocks)});
+    }
+  }
+  append(packet, contents);
+}
+
+void DataStreamPeer::append_static(wire::PacketWriter& packet) const {
+  if (is_asked(wire::kStreamInfo)) {
+    append(packet,
+           wire::StreamInfo{std::llround(wire::StreamInfo::kTicksPerSecond / settings_.rate_hz)});
+  }
+  for (std::size_t i = 0; i < subjects_.size(); ++i) {
+    if (is_asked(wire::kSubjectInfo)) {
+      wire::SubjectInfo subject;
+      subject.subject_id = subject_id(i);
+      subject.name = subjects_[i];
+      subject.segments = {{0, kRootSegment, {}, subjects_[i]}};
+      append(packet, subject);
+    }
+    if (is_asked(wire::kSubjectHealth)) {
+      append(packet, wire::SubjectHealth{subject_id(i), 0.0, 1.0});
+    }
+    if (is_asked(wire::kObjectQuality)) {
+      append(packet, wire::ObjectQuality{subject_id(i), 1.0});
+    }
+  }
+  if (is_asked(wire::kApplicationInfo)) {
+    append(packet, wire::ApplicationInfo{settings_.is_y_up});
+  }
+}
+
+void DataStreamPeer::append_dynamic(wire::PacketWriter& packet, const EmulatedFrame& frame) const {
+  append(packet, wire::FrameInfo{frame.number});  // always: a packet without is no frame
+  if (is_asked(wire::kHardwareFrameInfo)) {
+    append(packet, wire::HardwareFrameInfo{frame.number});
+  }
+  if (is_asked(wire::kLatencyInfo)) {
+    append(packet, latency_of(frame));
+  }
+  if (is_asked(wire::kFrameRateInfo)) {
+    append(packet, wire::FrameRateInfo{{{"System Frame Rate", settings_.rate_hz}}});
+  }
+  append_poses(packet, frame);
+}
+
+void DataStreamPeer::append_poses(wire::PacketWriter& packet, const EmulatedFrame& frame) const {
+  for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
+    const EmulatedBody& body = frame.bodies[i];
+    const Pose3 pose =
+        settings_.is_y_up ? wire::y_up_from_z_up(body.world_from_body) : body.world_from_body;
+    wire::Segments segments;
+    wire::LightweightSegments light;
+    segments.subject_id = light.subject_id = subject_id(i);
+    if (!body.is_occluded) {
+      const Eigen::AngleAxisd turn(pose.rotation);
+      segments.poses = {{kRootSegment, 1e3 * pose.translation_m, pose.rotation.toRotationMatrix()}};
+      light.poses = {{kRootSegment, (1e3 * pose.translation_m).cast<float>(),
+                      (turn.angle() * turn.axis()).cast<float>()}};
+    }
+    if (is_asked(wire::kGlobalSegments)) {
+      append(packet, segments, wire::kGlobalSegments);
+    }
+    if (is_asked(wire::kLocalSegments)) {  // of a root: the same
+      append(packet, segments, wire::kLocalSegments);
+    }
+    if (is_asked(wire::kLightweightSegments)) {
+      append(packet, light);
+    }
+  }
+}
+
+}  // namespace vantage::sim::vicon

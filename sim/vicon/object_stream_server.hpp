@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "models/wire/vicon/object_stream.hpp"
+#include "sim/vicon/emulated_frame.hpp"
+
+namespace vantage::sim::vicon {
+
+/// Tracker's UDP object stream: a frame becomes datagrams of a fixed size, as many as its bodies
+/// need, all with its number.
+class ObjectStreamServer {
+ public:
+  explicit ObjectStreamServer(const ServerSettings& settings) : settings_(settings) {}
+
+  /// The datagrams of `frame`; at least one, even when nobody is seen. Names are cut to 24 bytes.
+  const std::vector<std::vector<std::uint8_t>>& encode(const EmulatedFrame& frame);
+
+ private:
+  ServerSettings settings_;
+  std::map<std::string, models::vicon::TrackerObject> last_seen_;  ///< for kRepeated
+  std::vector<std::vector<std::uint8_t>> datagrams_;
+};
+
+}  // namespace vantage::sim::vicon

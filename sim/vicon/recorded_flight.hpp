@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/pose.hpp"
+
+namespace vantage::sim::vicon {
+
+/// A flight as it was recorded: one pose each `period_s`.
+struct RecordedFlight {
+  std::string name;  ///< of the body: the file's name without ending
+  double period_s = 0.01;
+  std::vector<Pose3> world_from_body;
+};
+
+/// Reads a table "time_s,x_m,y_m,z_m,qw,qx,qy,qz" with one header line and evenly spaced times.
+/// @throws StartupError with file and line for what is no such table.
+RecordedFlight read_flight(const std::string& path);
+
+}  // namespace vantage::sim::vicon

@@ -1,0 +1,249 @@
+#include "sim/vicon/socket_server.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <optional>
+#include <system_error>
+
+#include <arpa/inet.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "core/check.hpp"
+#include "models/wire/vicon/vrpn.hpp"
+#include "sim/vicon/datastream_peer.hpp"
+#include "sim/vicon/vrpn_peer.hpp"
+
+namespace vantage::sim::vicon {
+namespace {
+
+constexpr int kSocketFlags = SOCK_NONBLOCK | SOCK_CLOEXEC;
+
+std::string reason() { return std::system_category().message(errno); }
+
+const sockaddr* as_sockaddr(const sockaddr_in& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+sockaddr_in address_of(const std::string& host, int port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  if (inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
+    throw StartupError("'" + host + "' is not an IPv4 address");
+  }
+  return address;
+}
+
+void set_option(int fd, int level, int name, int value) {
+  setsockopt(fd, level, name, &value, sizeof value);
+}
+
+int bound_port(int fd) {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  return ntohs(address.sin_port);
+}
+
+}  // namespace
+
+struct SocketServer::Client {
+  int fd = -1;
+  std::unique_ptr<Peer> peer;
+  std::int64_t skipped_before = 0;
+  bool is_gone = false;
+};
+
+SocketServer::SocketServer(const ServerSettings& settings, const std::string& host, int port)
+    : settings_(settings), port_(port), object_stream_(settings) {
+  if (settings.protocol != models::MocapProtocol::kObjectStream) {
+    listen_at(host, port);
+    return;
+  }
+  const sockaddr_in to = address_of(host, port);
+  datagrams_ = socket(AF_INET, SOCK_DGRAM | kSocketFlags, 0);
+  set_option(datagrams_, SOL_SOCKET, SO_BROADCAST, 1);
+  if (connect(datagrams_, as_sockaddr(to), sizeof to) != 0) {
+    throw StartupError("cannot send to " + host + ":" + std::to_string(port) + ": " + reason());
+  }
+}
+
+SocketServer::~SocketServer() {
+  for (const auto& client : clients_) {
+    close(client->fd);
+  }
+  for (const int fd : {listener_, datagrams_}) {
+    if (fd >= 0) {
+      close(fd);
+    }
+  }
+}
+
+void SocketServer::listen_at(const std::string& host, int port) {
+  sockaddr_in address = address_of(host, port);
+  listener_ = socket(AF_INET, SOCK_STREAM | kSocketFlags, 0);
+  set_option(listener_, SOL_SOCKET, SO_REUSEADDR, 1);
+  if (bind(listener_, as_sockaddr(address), sizeof address) != 0 || listen(listener_, 16) != 0) {
+    const std::string why = reason();
+    close(listener_);
+    throw StartupError("cannot listen at " + host + ":" + std::to_string(port) + ": " + why);
+  }
+  port_ = bound_port(listener_);
+  if (settings_.protocol == models::MocapProtocol::kVrpn) {
+    address.sin_port = htons(static_cast<std::uint16_t>(port_));
+    datagrams_ = socket(AF_INET, SOCK_DGRAM | kSocketFlags, 0);
+    if (bind(datagrams_, as_sockaddr(address), sizeof address) != 0) {
+      const std::string why = reason();
+      close(listener_);
+      close(datagrams_);
+      throw StartupError("cannot listen at UDP " + std::to_string(port_) + ": " + why);
+    }
+  }
+}
+
+std::size_t SocketServer::clients() const { return clients_.size(); }
+
+std::unique_ptr<Peer> SocketServer::make_peer() const {
+  if (settings_.protocol == models::MocapProtocol::kVrpn) {
+    return std::make_unique<VrpnPeer>(settings_);
+  }
+  return std::make_unique<DataStreamPeer>(settings_);
+}
+
+void SocketServer::add_client(int fd) {
+  if (clients_.size() >= kClientsMax) {
+    close(fd);
+    return;
+  }
+  set_option(fd, IPPROTO_TCP, TCP_NODELAY, 1);
+  clients_.push_back(std::make_unique<Client>(Client{fd, make_peer()}));
+}
+
+void SocketServer::accept_clients() {
+  for (;;) {
+    const int fd = accept4(listener_, nullptr, nullptr, kSocketFlags);
+    if (fd < 0) {
+      return;
+    }
+    add_client(fd);
+  }
+}
+
+void SocketServer::on_callbacks() {
+  std::array<std::uint8_t, 512> buffer{};
+  for (;;) {
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t bytes = recvfrom(datagrams_, buffer.data(), buffer.size(), 0,
+                                   reinterpret_cast<sockaddr*>(&from), &size);
+    if (bytes < 0) {
+      return;
+    }
+    const auto callback = models::vicon::decode_vrpn_callback(
+        models::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)));
+    if (!callback) {
+      continue;
+    }
+    // To the port it names, but at the address it really has: nobody is sent to a third party.
+    from.sin_port = htons(static_cast<std::uint16_t>(callback->port));
+    const int fd = socket(AF_INET, SOCK_STREAM | kSocketFlags, 0);
+    if (connect(fd, as_sockaddr(from), sizeof from) == 0 || errno == EINPROGRESS) {
+      add_client(fd);
+    } else {
+      close(fd);
+    }
+  }
+}
+
+void SocketServer::read(Client& client) {
+  std::array<std::uint8_t, 16384> buffer{};
+  for (;;) {
+    const ssize_t bytes = recv(client.fd, buffer.data(), buffer.size(), 0);
+    if (bytes < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
+      return;
+    }
+    if (bytes <= 0 || !client.peer->receive(
+                          models::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)))) {
+      client.is_gone = true;
+      return;
+    }
+  }
+}
+
+void SocketServer::write(Client& client) {
+  std::vector<std::uint8_t>& outgoing = client.peer->outgoing;
+  while (!outgoing.empty()) {
+    const ssize_t bytes = send(client.fd, outgoing.data(), outgoing.size(), MSG_NOSIGNAL);
+    if (bytes < 0) {
+      client.is_gone =
+          errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR && errno != ENOTCONN;
+      return;
+    }
+    outgoing.erase(outgoing.begin(), outgoing.begin() + bytes);
+  }
+}
+
+void SocketServer::sweep() {
+  for (const auto& client : clients_) {
+    frames_skipped_ += client->peer->frames_skipped - client->skipped_before;
+    client->skipped_before = client->peer->frames_skipped;
+    if (client->is_gone) {
+      close(client->fd);
+    }
+  }
+  std::erase_if(clients_, [](const auto& client) { return client->is_gone; });
+}
+
+void SocketServer::wait(std::chrono::nanoseconds timeout) {
+  std::vector<pollfd> polled;
+  for (const auto& client : clients_) {
+    const bool is_waiting = !client->peer->outgoing.empty();
+    polled.push_back({client->fd, static_cast<short>(is_waiting ? POLLIN | POLLOUT : POLLIN), 0});
+  }
+  polled.push_back({listener_, POLLIN, 0});
+  const bool hears = settings_.protocol == models::MocapProtocol::kVrpn;
+  polled.push_back({hears ? datagrams_ : -1, POLLIN, 0});
+  const std::int64_t ns = std::max<std::int64_t>(timeout.count(), 0);
+  const timespec limit{ns / 1'000'000'000, ns % 1'000'000'000};
+  if (ppoll(polled.data(), polled.size(), &limit, nullptr) <= 0) {
+    return;
+  }
+  for (const auto& client : clients_) {
+    read(*client);
+    if (!client->is_gone) {
+      write(*client);
+    }
+  }
+  if (listener_ >= 0) {
+    accept_clients();
+  }
+  if (hears) {
+    on_callbacks();
+  }
+  for (const auto& client : clients_) {
+    write(*client);
+  }
+  sweep();
+}
+
+void SocketServer::publish(const EmulatedFrame& frame) {
+  if (settings_.protocol == models::MocapProtocol::kObjectStream) {
+    for (const std::vector<std::uint8_t>& datagram : object_stream_.encode(frame)) {
+      // Nobody listening is no fault of a server that only talks.
+      const ssize_t sent = send(datagrams_, datagram.data(), datagram.size(), MSG_NOSIGNAL);
+      send_errors_ += sent < 0 && errno != ECONNREFUSED ? 1 : 0;
+    }
+    return;
+  }
+  for (const auto& client : clients_) {
+    client->peer->on_frame(frame);
+    write(*client);
+  }
+  sweep();
+}
+
+}  // namespace vantage::sim::vicon

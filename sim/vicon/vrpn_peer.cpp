@@ -1,0 +1,119 @@
+#include "sim/vicon/vrpn_peer.hpp"
+
+#include "models/wire/vicon/rotation.hpp"
+
+namespace vantage::sim::vicon {
+namespace {
+
+namespace wire = models::vicon;
+
+// Our numbers of types.
+constexpr std::int32_t kPoseType = 0;
+constexpr std::int32_t kPongType = 1;
+constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;
+
+wire::VrpnPose pose_of(const Pose3& pose) {
+  return {0, pose.translation_m, pose.rotation.coeffs()};  // Eigen's own order is x y z w, too
+}
+
+}  // namespace
+
+VrpnPeer::VrpnPeer(const ServerSettings& settings)
+    : settings_(settings), stream_(2 * wire::kVrpnMessageBytesMax) {
+  wire::append_vrpn_cookie(outgoing);
+}
+
+bool VrpnPeer::receive(wire::Bytes bytes) {
+  while (!bytes.empty()) {
+    bytes = bytes.subspan(stream_.push(bytes));
+    if (!is_greeted_) {
+      if (stream_.view().size() < wire::kVrpnCookieBytes) {
+        return true;
+      }
+      const auto version = wire::decode_vrpn_cookie(stream_.view());
+      if (!version || version->major != wire::kVrpnMajor) {
+        return false;
+      }
+      stream_.consume(wire::kVrpnCookieBytes);
+      is_greeted_ = true;
+      wire::append_vrpn_name(outgoing, wire::kVrpnTypeDescription, kPoseType, wire::kVrpnPoseType);
+      wire::append_vrpn_name(outgoing, wire::kVrpnTypeDescription, kPongType, wire::kVrpnPongType);
+    }
+    for (;;) {
+      wire::VrpnHeader header;
+      const wire::Framed message = wire::next_vrpn_message(stream_.view(), header);
+      if (message.state == wire::Framing::kBroken) {
+        return false;
+      }
+      if (message.state == wire::Framing::kNeedMore) {
+        break;
+      }
+      on_message(header, message.body);
+      stream_.consume(message.bytes);
+    }
+  }
+  return true;
+}
+
+std::int32_t VrpnPeer::sender_of(const std::string& name) {
+  const auto [entry, is_new] =
+      senders_.try_emplace(name, static_cast<std::int32_t>(senders_.size()));
+  if (is_new) {
+    wire::append_vrpn_name(outgoing, wire::kVrpnSenderDescription, entry->second, name);
+  }
+  return entry->second;
+}
+
+void VrpnPeer::on_message(const wire::VrpnHeader& header, wire::Bytes payload) {
+  const bool is_sender = header.type == wire::kVrpnSenderDescription;
+  if (is_sender || header.type == wire::kVrpnTypeDescription) {
+    auto& names = is_sender ? client_senders_ : client_types_;
+    const auto name = wire::decode_vrpn_name(payload);
+    if (name && names.size() < kNamesMax) {
+      names[header.sender] = std::string(*name);
+    }
+    return;
+  }
+  const auto type = client_types_.find(header.type);
+  const auto sender = client_senders_.find(header.sender);
+  if (type == client_types_.end() || type->second != wire::kVrpnPingType ||
+      sender == client_senders_.end() || outgoing.size() > settings_.backlog_bytes_max) {
+    return;
+  }
+  if (const auto own = senders_.find(sender->second); own != senders_.end()) {
+    wire::append_vrpn_message(outgoing, {0, 0, own->second, kPongType}, {});
+  }
+}
+
+void VrpnPeer::on_frame(const EmulatedFrame& frame) {
+  if (!is_greeted_) {
+    return;
+  }
+  if (outgoing.size() > settings_.backlog_bytes_max) {
+    ++frames_skipped;
+    return;
+  }
+  for (const EmulatedBody& body : frame.bodies) {
+    sender_of(body.name);
+  }
+  const std::int64_t stamp_us = to_utime(frame.captured);
+  for (const EmulatedBody& body : frame.bodies) {
+    wire::VrpnPose pose;
+    if (!body.is_occluded) {
+      pose = pose_of(settings_.is_y_up ? wire::y_up_from_z_up(body.world_from_body)
+                                       : body.world_from_body);
+      last_seen_[body.name] = pose;
+    } else if (settings_.occlusion == OcclusionStyle::kAbsent) {
+      continue;
+    } else if (settings_.occlusion == OcclusionStyle::kRepeated) {
+      pose = last_seen_.try_emplace(body.name, pose).first->second;
+    }
+    const wire::VrpnHeader header{static_cast<std::uint32_t>(stamp_us / kMicrosecondsPerSecond),
+                                  static_cast<std::uint32_t>(stamp_us % kMicrosecondsPerSecond),
+                                  sender_of(body.name), kPoseType};
+    wire::append_vrpn_pose(outgoing, header, pose);
+  }
+  ++frames_sent;
+}
+
+}  // namespace vantage::sim::vicon

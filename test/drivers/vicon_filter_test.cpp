@@ -1,0 +1,350 @@
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "drivers/vicon/frame_filter.hpp"
+#include "test/support/allocation_counter.hpp"
+#include "test/support/near.hpp"
+
+namespace vantage::drivers::vicon {
+namespace {
+
+using test::is_near;
+
+constexpr Time kEpoch = from_utime(1'700'000'000'000'000);
+constexpr Duration kPeriod{10'000};
+
+/// Feeds frames at 100 Hz and keeps what comes out.
+struct FilterBench {
+  explicit FilterBench(const GateSettings& gate = {})
+      : filter(gate, Duration{5'000}, [this](const models::MocapFrame& frame) { out = frame; }) {}
+
+  SeenFrame& begin() {
+    elapsed += kPeriod;
+    seen.clear();
+    seen.arrival = {kEpoch + elapsed, elapsed};
+    seen.number = next_number++;
+    seen.latency_s = 0.004;
+    return seen;
+  }
+  void add(const std::string& name, const Pose3& pose, Sight sight = Sight::kSeen) {
+    SeenBody& body = seen.add();
+    body.name = name;
+    body.sight = sight;
+    body.world_from_body = pose;
+  }
+  /// One body in a frame of its own; whether it is taken for seen.
+  bool is_seen(const Pose3& pose) {
+    begin();
+    add("A", pose);
+    filter.accept(seen);
+    return !out.bodies.at(0).occluded;
+  }
+  /// A body on its way along x at 1 m/s.
+  Pose3 moving() const { return {{to_seconds(elapsed), 0.0, 1.0}, Eigen::Quaterniond::Identity()}; }
+
+  models::MocapFrame out;
+  FrameFilter filter;
+  SeenFrame seen;
+  Duration elapsed{};
+  std::uint32_t next_number = 1;
+};
+
+TEST(FrameFilter, TakesLatencyOffTheArrivalAndKeepsBoth) {
+  FilterBench bench;
+  bench.begin();
+  bench.add("A", {});
+  bench.filter.accept(bench.seen);
+  EXPECT_EQ(bench.out.arrival, bench.seen.arrival.utime);
+  EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{4'000});
+}
+
+TEST(FrameFilter, BelievesNoLatencyThatCannotBe) {
+  FilterBench bench;
+  for (const double latency_s :
+       {1.8e35, -0.001, 0.3, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    bench.begin().latency_s = latency_s;
+    bench.filter.accept(bench.seen);
+    EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{5'000}) << latency_s;
+  }
+  EXPECT_EQ(bench.filter.counts().latencies_refused, 5);
+  bench.begin().latency_s.reset();  // a protocol that does not tell
+  bench.filter.accept(bench.seen);
+  EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{5'000});
+  EXPECT_EQ(bench.filter.counts().latencies_refused, 5);
+}
+
+TEST(FrameFilter, NeverLetsCaptureTimesStandStillOrRunAhead) {
+  FilterBench bench;
+  Time last{};
+  for (int k = 0; k < 50; ++k) {
+    bench.begin();
+    // Twenty frames queue and arrive at one instant, with a latency that jumps by 30 ms.
+    if (k >= 20 && k < 40) {
+      bench.seen.arrival.utime = kEpoch + 40 * kPeriod;
+    }
+    bench.seen.latency_s = k % 3 == 0 ? 0.034 : 0.004;
+    bench.filter.accept(bench.seen);
+    EXPECT_GT(bench.out.stamp.time, last) << k;
+    EXPECT_LE(bench.out.stamp.time, bench.out.arrival) << k;
+    last = bench.out.stamp.time;
+  }
+}
+
+TEST(FrameFilter, FollowsAClockThatIsSetBackByAnHour) {
+  FilterBench bench;
+  bench.begin();
+  bench.filter.accept(bench.seen);
+  bench.begin().arrival.utime -= std::chrono::hours(1);
+  bench.filter.accept(bench.seen);
+  EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{4'000});
+}
+
+TEST(FrameFilter, CountsGapsRepetitionsAndOvertakenFrames) {
+  FilterBench bench;
+  const auto send = [&](std::uint32_t number) {
+    bench.begin().number = number;
+    bench.filter.accept(bench.seen);
+  };
+  for (const std::uint32_t number : {10u, 11u, 11u, 14u, 13u, 15u}) {
+    send(number);
+  }
+  EXPECT_EQ(bench.filter.counts().frames, 4);
+  EXPECT_EQ(bench.filter.counts().frames_lost, 2);
+  EXPECT_EQ(bench.filter.counts().frames_repeated, 1);
+  EXPECT_EQ(bench.filter.counts().frames_late, 1);
+  send(0);  // far back: the server began anew
+  send(1);
+  EXPECT_EQ(bench.filter.counts().frames, 6);
+  EXPECT_EQ(bench.filter.counts().server_restarts, 1);
+  EXPECT_EQ(bench.filter.counts().frames_lost, 2);
+  send(0x7FFF0000);
+  EXPECT_EQ(bench.filter.counts().server_restarts, 2) << "so many frames are not lost at once";
+}
+
+TEST(FrameFilter, CountsOnWhereNumbersWrap) {
+  FilterBench bench;
+  for (const std::uint32_t number : {0xFFFFFFFEu, 0xFFFFFFFFu, 0u, 2u}) {
+    bench.begin().number = number;
+    bench.filter.accept(bench.seen);
+  }
+  EXPECT_EQ(bench.filter.counts().frames, 4);
+  EXPECT_EQ(bench.filter.counts().frames_lost, 1);
+  EXPECT_EQ(bench.filter.counts().server_restarts, 0);
+}
+
+TEST(FrameFilter, AServerThatRestartsAFewNumbersBackIsHeardAgain) {
+  FilterBench bench;
+  for (const std::uint32_t number : {5u, 0u, 1u, 2u, 3u}) {
+    bench.begin().number = number;
+    bench.filter.accept(bench.seen);
+  }
+  EXPECT_EQ(bench.filter.counts().frames_late, 2);
+  EXPECT_EQ(bench.filter.counts().server_restarts, 1);
+  EXPECT_EQ(bench.out.frame_number, 3);
+}
+
+TEST(FrameFilter, KeepsBodiesByNameWhateverTheirOrder) {
+  FilterBench bench;
+  const Pose3 a{{1, 2, 3}, Eigen::Quaterniond::Identity()};
+  const Pose3 b{{4, 5, 6}, Eigen::Quaterniond::Identity()};
+  for (int k = 0; k < 4; ++k) {
+    Pose3 a_now = a;
+    Pose3 b_now = b;
+    a_now.translation_m.x() += 1e-3 * k;
+    b_now.translation_m.x() += 1e-3 * k;
+    bench.begin();
+    if (k % 2 == 0) {
+      bench.add("A", a_now);
+      bench.add("B", b_now);
+    } else {
+      bench.add("B", b_now);
+      bench.add("A", a_now);
+    }
+    bench.filter.accept(bench.seen);
+    ASSERT_EQ(bench.out.bodies.size(), 2u);
+    EXPECT_EQ(bench.out.bodies[0].name, "A");
+    EXPECT_EQ(bench.out.bodies[0].world_from_body.translation_m, a_now.translation_m);
+    EXPECT_EQ(bench.out.bodies[1].world_from_body.translation_m, b_now.translation_m);
+  }
+}
+
+TEST(FrameFilter, ABodyThatIsLeftOutIsOccludedUntilItIsForgotten) {
+  FilterBench bench;
+  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  for (int second = 0; second < 59; ++second) {
+    bench.elapsed += std::chrono::seconds(1);
+    bench.begin();
+    bench.filter.accept(bench.seen);
+    ASSERT_EQ(bench.out.bodies.size(), 1u);
+    EXPECT_TRUE(bench.out.bodies[0].occluded);
+  }
+  bench.elapsed += std::chrono::seconds(2);
+  bench.begin();
+  bench.filter.accept(bench.seen);
+  EXPECT_TRUE(bench.out.bodies.empty());
+}
+
+TEST(FrameFilter, ABodyThatTheServerListsNoMoreIsGoneAtOnce) {
+  FilterBench bench;
+  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  bench.begin().is_complete_list = true;
+  bench.add("B", bench.moving());
+  bench.filter.accept(bench.seen);
+  ASSERT_EQ(bench.out.bodies.size(), 1u);
+  EXPECT_EQ(bench.out.bodies[0].name, "B");
+}
+
+TEST(FrameFilter, ZeroAndImpossiblePosesAreNotSeenAndCounted) {
+  FilterBench bench;
+  bench.begin();
+  bench.add("A", bench.moving(), Sight::kZero);
+  bench.add("B", bench.moving(), Sight::kNotAPose);
+  bench.add("C", bench.moving(), Sight::kAbsent);
+  bench.add("D", bench.moving());
+  bench.filter.accept(bench.seen);
+  ASSERT_EQ(bench.out.bodies.size(), 4u);
+  EXPECT_TRUE(bench.out.bodies[0].occluded && bench.out.bodies[1].occluded &&
+              bench.out.bodies[2].occluded);
+  EXPECT_FALSE(bench.out.bodies[3].occluded);
+  EXPECT_EQ(bench.out.bodies[0].world_from_body.translation_m, Eigen::Vector3d::Zero());
+  EXPECT_EQ(bench.filter.counts().poses_zero, 1);
+  EXPECT_EQ(bench.filter.counts().poses_refused, 1);
+}
+
+TEST(FrameFilter, APoseThatIsRepeatedBitByBitIsNotSeenFromTheThirdRepetition) {
+  FilterBench bench;
+  const Pose3 pose = bench.moving();
+  EXPECT_TRUE(bench.is_seen(pose));
+  EXPECT_TRUE(bench.is_seen(pose));
+  EXPECT_TRUE(bench.is_seen(pose));
+  EXPECT_FALSE(bench.is_seen(pose));
+  EXPECT_FALSE(bench.is_seen(pose));
+  EXPECT_EQ(bench.filter.counts().poses_stuck, 2);
+  Pose3 alive = pose;
+  alive.translation_m.x() += 1e-12;
+  EXPECT_TRUE(bench.is_seen(alive));
+  GateSettings lenient;
+  lenient.stuck_frames = 0;
+  FilterBench patient(lenient);
+  for (int k = 0; k < 100; ++k) {
+    EXPECT_TRUE(patient.is_seen(pose));
+  }
+}
+
+TEST(FrameFilter, AnOutlierIsRefusedAndTheBodyIsGoodAgainWhereItShouldBe) {
+  FilterBench bench;
+  for (int k = 0; k < 20; ++k) {
+    EXPECT_TRUE(bench.is_seen(bench.moving()));
+  }
+  Pose3 outlier = bench.moving();
+  outlier.translation_m.y() += 1.0;
+  EXPECT_FALSE(bench.is_seen(outlier));
+  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_EQ(bench.filter.counts().poses_outlying, 1);
+}
+
+TEST(FrameFilter, AFlipIsRefusedForAsLongAsAVehicleNeedsToLand) {
+  FilterBench bench;
+  for (int k = 0; k < 20; ++k) {
+    EXPECT_TRUE(bench.is_seen(bench.moving()));
+  }
+  const Eigen::Quaterniond half_turn(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitZ()));
+  int refused = 0;
+  for (int k = 0; k < 300; ++k) {
+    Pose3 flipped = bench.moving();
+    flipped.rotation = half_turn;
+    refused += bench.is_seen(flipped) ? 0 : 1;
+  }
+  EXPECT_EQ(refused, 200) << "2 s at 100 Hz; then the markers must have been moved";
+  EXPECT_EQ(bench.filter.counts().poses_flipped, 200);
+}
+
+TEST(FrameFilter, BodiesThatSwapTheirNamesAreNeitherOfThemFollowed) {
+  FilterBench bench;
+  const Eigen::Vector3d apart(0.0, 2.0, 0.0);
+  for (int k = 0; k < 1000; ++k) {
+    bench.begin();
+    Pose3 a = bench.moving();
+    Pose3 b = bench.moving();
+    (k < 20 ? b : a).translation_m += apart;
+    bench.add("A", a);
+    bench.add("B", b);
+    bench.filter.accept(bench.seen);
+    ASSERT_EQ(bench.out.bodies[0].occluded, k >= 20) << k;
+    ASSERT_EQ(bench.out.bodies[1].occluded, k >= 20) << k;
+  }
+  EXPECT_EQ(bench.filter.counts().poses_swapped, 2 * 980);
+  bench.begin();  // and both are themselves again
+  Pose3 b = bench.moving();
+  b.translation_m += apart;
+  bench.add("A", bench.moving());
+  bench.add("B", b);
+  bench.filter.accept(bench.seen);
+  EXPECT_TRUE(bench.out.bodies[0].occluded) << "it went 10 m unseen: five frames to be sure";
+}
+
+TEST(FrameFilter, ABodyThatWasLongUnseenIsBackAfterFiveFramesThatAgree) {
+  FilterBench bench;
+  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  bench.elapsed += std::chrono::seconds(2);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_FALSE(bench.is_seen(bench.moving())) << k;
+  }
+  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_EQ(bench.filter.counts().poses_unconfirmed, 4);
+}
+
+TEST(FrameFilter, RefusesNamesThatNoMessageMayCarry) {
+  FilterBench bench;
+  bench.begin();
+  for (const std::string& name :
+       {std::string("good"), std::string(), std::string("tab\t"), std::string("\xFF\xFE"),
+        std::string("cut \xC3"), std::string("\xC0\xAF"), std::string("drohne \xC3\xA4"),
+        std::string("good")}) {
+    Pose3 pose = bench.moving();
+    bench.add(name, pose);
+  }
+  bench.filter.accept(bench.seen);
+  ASSERT_EQ(bench.out.bodies.size(), 2u);
+  EXPECT_EQ(bench.out.bodies[1].name, "drohne \xC3\xA4");
+  EXPECT_EQ(bench.filter.counts().names_refused, 5);
+  EXPECT_EQ(bench.filter.counts().names_twice, 1);
+}
+
+TEST(FrameFilter, KeepsToItsMemoryHoweverManyBodiesComeAndAllocatesNothingOnceTheyAreKnown) {
+  FilterBench bench;
+  bench.begin();
+  for (int i = 0; i < 2000; ++i) {
+    bench.add("BODY" + std::to_string(i), bench.moving());
+  }
+  bench.filter.accept(bench.seen);
+  EXPECT_EQ(bench.out.bodies.size(), FrameFilter::kBodiesMax);
+  int published = 0;
+  FrameFilter quiet({}, Duration{0}, [&](const models::MocapFrame&) { ++published; });
+  const auto accept = [&] {
+    bench.begin();
+    for (int i = 0; i < 100; ++i) {
+      SeenBody& body = bench.seen.add();
+      body.sight = Sight::kSeen;
+      body.world_from_body = bench.moving();
+      body.name.assign("BODY");
+      body.name.push_back(static_cast<char>('0' + i / 10));
+      body.name.push_back(static_cast<char>('0' + i % 10));
+    }
+    quiet.accept(bench.seen);
+  };
+  accept();
+  const test::AllocationCounter allocations;
+  for (int k = 0; k < 100; ++k) {
+    accept();
+  }
+  EXPECT_EQ(allocations.count(), 0u);
+  EXPECT_EQ(published, 101);
+}
+
+}  // namespace
+}  // namespace vantage::drivers::vicon

@@ -1,0 +1,181 @@
+#include "test/fuzz/vicon/harness.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "drivers/vicon/driver.hpp"
+#include "sim/vicon/datastream_peer.hpp"
+#include "sim/vicon/object_stream_server.hpp"
+#include "sim/vicon/vrpn_peer.hpp"
+#include "test/drivers/vicon_bench.hpp"
+
+namespace vantage::test {
+namespace {
+
+using models::MocapProtocol;
+using models::vicon::Bytes;
+
+constexpr std::size_t kOutgoingMax = std::size_t{1} << 20U;
+
+void promise(bool is_kept, const char* what) {
+  if (!is_kept) {
+    std::fprintf(stderr, "broken promise: %s\n", what);
+    std::abort();
+  }
+}
+
+void check(const models::MocapFrame& frame) {
+  promise(frame.bodies.size() <= drivers::vicon::FrameFilter::kBodiesMax, "bodies are bounded");
+  promise(frame.stamp.time <= frame.arrival, "no frame is captured after its arrival");
+  for (const models::MocapBody& body : frame.bodies) {
+    promise(!body.name.empty() && body.name.size() <= 128, "bodies have names");
+    promise(body.world_from_body.translation_m.allFinite(), "positions are finite");
+    promise(std::abs(body.world_from_body.rotation.norm() - 1.0) < 1e-9, "rotations are unit");
+  }
+}
+
+models::MocapSpec spec_of(MocapProtocol protocol) {
+  models::MocapSpec spec;
+  spec.protocol = protocol;
+  return spec;
+}
+
+/// One driver for each protocol, connected anew for each input: making one costs more than using
+/// it. Bodies that it remembers are forgotten with it now and then.
+struct Client {
+  explicit Client(MocapProtocol protocol) : driver(spec_of(protocol), check) {}
+  drivers::vicon::ViconDriver driver;
+  drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};
+  int inputs = 0;
+
+  void pass(Duration time) {
+    now.utime += time;
+    now.steady += time;
+  }
+};
+
+Client& client_of(MocapProtocol protocol) {
+  static std::array<std::unique_ptr<Client>, 3> clients;
+  auto& client = clients.at(static_cast<std::size_t>(protocol));
+  if (!client || ++client->inputs > 1000) {
+    client = std::make_unique<Client>(protocol);
+  }
+  return *client;
+}
+
+/// Pieces of 1 … 64 bytes, or all at once.
+std::size_t chunk_of(std::uint8_t first, std::size_t size) {
+  return first < 128 ? std::max<std::size_t>(size, 1) : std::size_t{first} % 64 + 1;
+}
+
+template <class Take>
+void in_chunks(Bytes input, const Take& take) {
+  if (input.empty()) {
+    return;
+  }
+  const std::size_t chunk = chunk_of(input[0], input.size());
+  for (std::size_t at = 1; at < input.size(); at += chunk) {
+    take(input.subspan(at, std::min(chunk, input.size() - at)));
+  }
+}
+
+}  // namespace
+
+void fuzz_client(MocapProtocol protocol, Bytes input) {
+  Client& client = client_of(protocol);
+  drivers::vicon::ViconDriver& driver = client.driver;
+  client.pass(std::chrono::seconds(3));
+  driver.on_opening(client.now);
+  driver.on_opened(client.now);
+  in_chunks(input, [&](Bytes bytes) {
+    client.pass(Duration{700});
+    driver.receive(client.now, bytes);
+    driver.on_time(client.now);
+    promise(driver.outgoing().size() <= kOutgoingMax, "answers are bounded");
+  });
+  client.pass(Duration{5'000});
+  driver.on_time(client.now);
+  driver.on_closed(client.now, "end of input");
+}
+
+void fuzz_server(MocapProtocol protocol, Bytes input) {
+  sim::vicon::ServerSettings settings;
+  settings.protocol = protocol;
+  settings.backlog_bytes_max = std::size_t{64} << 10U;
+  std::unique_ptr<sim::vicon::Peer> peer;
+  if (protocol == MocapProtocol::kVrpn) {
+    peer = std::make_unique<sim::vicon::VrpnPeer>(settings);
+  } else {
+    peer = std::make_unique<sim::vicon::DataStreamPeer>(settings);
+  }
+  const sim::vicon::EmulatedFrame frame = circling(2, 1.0);
+  bool is_talking = true;
+  in_chunks(input, [&](Bytes bytes) {
+    is_talking = is_talking && peer->receive(bytes);
+    if (is_talking) {
+      peer->on_frame(frame);
+    }
+    promise(peer->outgoing.size() <= kOutgoingMax, "what waits for a client is bounded");
+  });
+}
+
+std::vector<std::vector<std::uint8_t>> server_samples(MocapProtocol protocol) {
+  const models::MocapSpec spec = spec_of(protocol);
+  sim::vicon::ServerSettings settings = ViconBench::settings_for(spec);
+  std::vector<std::vector<std::uint8_t>> samples;
+  for (const int bodies : {0, 1, 2, 3}) {
+    std::vector<std::uint8_t> sample{static_cast<std::uint8_t>(bodies == 3 ? 200 : 0)};
+    if (protocol == MocapProtocol::kObjectStream) {
+      sim::vicon::ObjectStreamServer server(settings);
+      const auto datagram = server.encode(circling(bodies, 0.5)).front();
+      sample.insert(sample.end(), datagram.begin(), datagram.end());
+      samples.push_back(sample);
+      continue;
+    }
+    drivers::vicon::ViconDriver driver(spec, check);
+    std::unique_ptr<sim::vicon::Peer> peer;
+    if (protocol == MocapProtocol::kVrpn) {
+      peer = std::make_unique<sim::vicon::VrpnPeer>(settings);
+    } else {
+      peer = std::make_unique<sim::vicon::DataStreamPeer>(settings);
+    }
+    drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};
+    driver.on_opening(now);
+    driver.on_opened(now);
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      sim::vicon::EmulatedFrame frame = circling(bodies, 0.01 * k);
+      frame.number = k;
+      peer->on_frame(frame);
+      sample.insert(sample.end(), peer->outgoing.begin(), peer->outgoing.end());
+      driver.receive(now, std::exchange(peer->outgoing, {}));
+      static_cast<void>(peer->receive(std::exchange(driver.outgoing(), {})));
+    }
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+std::vector<std::vector<std::uint8_t>> client_samples(MocapProtocol protocol) {
+  models::MocapSpec spec = spec_of(protocol);
+  std::vector<std::vector<std::uint8_t>> samples;
+  for (const auto mode : {models::StreamMode::kPush, models::StreamMode::kPreFetch}) {
+    spec.mode = mode;
+    drivers::vicon::ViconDriver driver(spec, check);
+    drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};
+    driver.on_opening(now);
+    driver.on_opened(now);
+    const std::vector<std::uint8_t> heard = server_samples(protocol)[1];
+    driver.receive(now, Bytes(heard).subspan(1));
+    driver.on_time({now.utime, std::chrono::seconds(2)});
+    std::vector<std::uint8_t> sample{0};
+    sample.insert(sample.end(), driver.outgoing().begin(), driver.outgoing().end());
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+}  // namespace vantage::test

@@ -1,0 +1,10 @@
+// libFuzzer's entry; VANTAGE_FUZZ_TARGET is one of the calls below. See build.sh.
+
+#include "test/fuzz/vicon/harness.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  using vantage::models::MocapProtocol;
+  const vantage::models::vicon::Bytes input(bytes, size);
+  VANTAGE_FUZZ_TARGET(input);
+  return 0;
+}

@@ -1,0 +1,186 @@
+#include "tools/doctor/vicon_doctor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include "bus/clock.hpp"
+#include "core/check.hpp"
+#include "core/deadline.hpp"
+#include "drivers/vicon/descriptor.hpp"
+#include "drivers/vicon/driver.hpp"
+#include "drivers/vicon/socket_link.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using drivers::vicon::Descriptor;
+using models::MocapProtocol;
+using models::vicon::Speaker;
+
+constexpr int kConnect_ms = 1500;
+constexpr int kGreeting_ms = 1500;
+
+sockaddr_in address_of(const std::string& host) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host.c_str(), nullptr, &hints, &found) != 0 || found == nullptr) {
+    throw StartupError("no such host: " + host);
+  }
+  const sockaddr_in address = *reinterpret_cast<const sockaddr_in*>(found->ai_addr);
+  freeaddrinfo(found);
+  return address;
+}
+
+/// Who accepts at `port`, and how he begins.
+void probe(sockaddr_in address, ViconPort& port) {
+  address.sin_port = htons(static_cast<std::uint16_t>(port.port));
+  const Descriptor line(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (connect(line.fd(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
+      errno != EINPROGRESS) {
+    return;
+  }
+  pollfd polled{line.fd(), POLLOUT, 0};
+  if (poll(&polled, 1, kConnect_ms) <= 0) {
+    return;
+  }
+  int error = 0;
+  socklen_t size = sizeof error;
+  getsockopt(line.fd(), SOL_SOCKET, SO_ERROR, &error, &size);
+  if (error != 0) {
+    port.answer = error == ECONNREFUSED ? Answer::kRefused : Answer::kNone;
+    return;
+  }
+  port.answer = Answer::kSpeech;
+  std::array<std::uint8_t, 64> buffer{};
+  std::size_t heard = 0;
+  polled.events = POLLIN;
+  while (port.speaker == Speaker::kTooFewBytes && poll(&polled, 1, kGreeting_ms) > 0) {
+    const ssize_t bytes = recv(line.fd(), buffer.data() + heard, buffer.size() - heard, 0);
+    if (bytes <= 0) {
+      return;
+    }
+    heard += static_cast<std::size_t>(bytes);
+    port.speaker = models::vicon::identify_stream(models::vicon::Bytes(buffer).first(heard));
+  }
+}
+
+std::optional<MocapProtocol> protocol_of(Speaker speaker) {
+  switch (speaker) {
+    case Speaker::kDataStream:
+      return MocapProtocol::kDataStream;
+    case Speaker::kVrpn:
+      return MocapProtocol::kVrpn;
+    default:
+      return std::nullopt;
+  }
+}
+
+void note_troubles(const drivers::vicon::ViconDriver& driver, Observation& observed) {
+  const auto& frame = driver.frame_counts();
+  const auto& wire = driver.wire_counts();
+  const std::map<std::string, std::int64_t> all{
+      {"broken_streams", wire.broken_streams}, {"broken_blocks", wire.broken_blocks},
+      {"unnamed_bodies", wire.unnamed_bodies}, {"frames_lost", frame.frames_lost},
+      {"frames_late", frame.frames_late},      {"frames_repeated", frame.frames_repeated},
+      {"poses_refused", frame.poses_refused},  {"poses_stuck", frame.poses_stuck},
+      {"poses_zero", frame.poses_zero},        {"poses_outlying", frame.poses_outlying},
+      {"poses_flipped", frame.poses_flipped},  {"latencies_refused", frame.latencies_refused},
+      {"names_refused", frame.names_refused}};
+  for (const auto& [name, count] : all) {
+    if (count != 0) {
+      observed.troubles[name] = count;
+    }
+  }
+}
+
+Observation observe(const models::MocapSpec& spec, Duration listen) {
+  Observation observed;
+  Time first{};
+  Time last{};
+  double latency_sum_s = 0.0;
+  drivers::vicon::ViconDriver driver(spec, [&](const models::MocapFrame& frame) {
+    first = observed.frames == 0 ? frame.arrival : first;
+    last = frame.arrival;
+    ++observed.frames;
+    latency_sum_s += to_seconds(frame.arrival - frame.stamp.time);
+    for (const models::MocapBody& body : frame.bodies) {
+      ObservedBody& seen = observed.bodies[body.name];
+      ++seen.frames;
+      if (!body.occluded) {
+        ++seen.seen;
+        seen.last_world_m = body.world_from_body.translation_m;
+      }
+    }
+  });
+  const bus::SystemClock clock;
+  drivers::vicon::SocketLink link(driver, [&clock] {
+    return drivers::vicon::Moment{clock.now(), Duration{monotonic_ns() / 1'000}};
+  });
+  const std::int64_t end_ns = monotonic_ns() + listen.count() * 1'000;
+  while (monotonic_ns() < end_ns) {
+    link.step();
+    pollfd polled{link.wake_fd(), POLLIN, 0};
+    poll(&polled, 1, 2);
+  }
+  if (observed.frames > 1 && last > first) {
+    observed.rate_hz = static_cast<double>(observed.frames - 1) / to_seconds(last - first);
+  }
+  if (observed.frames > 0) {
+    observed.latency_s = latency_sum_s / static_cast<double>(observed.frames);
+  }
+  observed.status = driver.status();
+  note_troubles(driver, observed);
+  return observed;
+}
+
+}  // namespace
+
+std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<int>& tcp_ports,
+                                     int udp_port, Duration listen) {
+  const sockaddr_in address = address_of(host);
+  std::vector<ViconPort> out;
+  models::MocapSpec spec;
+  spec.host = host;
+  for (const int number : tcp_ports) {
+    ViconPort port;
+    port.port = number;
+    port.expected = number == models::default_port(MocapProtocol::kVrpn)
+                        ? MocapProtocol::kVrpn
+                        : MocapProtocol::kDataStream;
+    probe(address, port);
+    if (const auto protocol = protocol_of(port.speaker)) {
+      spec.protocol = *protocol;
+      spec.port = number;
+      port.observed = observe(spec, listen);
+    }
+    out.push_back(std::move(port));
+  }
+  ViconPort datagrams;
+  datagrams.expected = MocapProtocol::kObjectStream;
+  datagrams.port = udp_port;
+  spec.protocol = MocapProtocol::kObjectStream;
+  spec.port = udp_port;
+  datagrams.observed = observe(spec, listen);
+  if (datagrams.observed->frames > 0) {
+    datagrams.answer = Answer::kSpeech;
+    datagrams.speaker = Speaker::kObjectStream;
+  }
+  out.push_back(std::move(datagrams));
+  return out;
+}
+
+bool is_usable(const std::vector<ViconPort>& ports) {
+  return std::any_of(ports.begin(), ports.end(), [](const ViconPort& port) {
+    return port.observed && std::any_of(port.observed->bodies.begin(), port.observed->bodies.end(),
+                                        [](const auto& body) { return body.second.seen > 0; });
+  });
+}
+
+}  // namespace vantage::tools
