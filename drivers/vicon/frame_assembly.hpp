@@ -18,7 +18,7 @@ namespace vantage::drivers::vicon {
 /// costs one frame kPatience of delay, and a system that stands costs none.
 class FrameAssembly {
  public:
-  static constexpr Duration kPatience{2'000};
+  static constexpr Duration kPatience{4'000};
 
   explicit FrameAssembly(FrameSink sink) : sink_(std::move(sink)) {}
 

@@ -106,8 +106,8 @@ int main(int argc, char** argv) {
     incomplete += frame.bodies.size() != static_cast<std::size_t>(load.bodies) ||
                           std::any_of(frame.bodies.begin(), frame.bodies.end(),
                                       [](const auto& body) { return body.occluded; })
-                      ? 1
-                      : 0;
+                      ? 1U
+                      : 0U;
   });
   const bus::SystemClock clock;
   drivers::vicon::SocketLink link(driver, [&clock] {

@@ -15,7 +15,8 @@ template <class A, class B>
            << "x" << expected.cols();
   }
   const double worst = (actual - expected).cwiseAbs().maxCoeff();
-  if (worst <= tolerance) {  // false for NaN, as it should be
+  // maxCoeff may pass over a NaN; and two equal infinities are as suspicious.
+  if ((actual - expected).allFinite() && worst <= tolerance) {
     return ::testing::AssertionSuccess();
   }
   return ::testing::AssertionFailure()

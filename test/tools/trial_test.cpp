@@ -65,6 +65,21 @@ TEST(RunTrial, PlansEveryRoundOfEveryRobotAndLosesNothing) {
   }
 }
 
+TEST(RunTrial, StoppedEarlyIsTheShorterTrial) {
+  models::Scenario scenario = short_lab(2);
+  TrialOptions options;
+  int asked = 0;
+  options.stop = [&asked] { return ++asked == 3; };
+  const TrialResult stopped = run_trial(scenario, trial_recipes(scenario), options);
+  EXPECT_TRUE(stopped.was_stopped);
+  ASSERT_GT(stopped.summary.duration_s, 0.0);
+  ASSERT_LT(stopped.summary.duration_s, scenario.duration_s);
+  scenario.duration_s = stopped.summary.duration_s;
+  const TrialResult shorter = run_trial(scenario, trial_recipes(scenario));
+  EXPECT_FALSE(shorter.was_stopped);
+  EXPECT_EQ(logs::to_json(stopped.summary).dump(), logs::to_json(shorter.summary).dump());
+}
+
 TEST(RunTrial, RefusesATimeBudgetInVirtualTime) {
   models::Scenario scenario = short_lab(1);
   scenario.planner.node_budget = 0;

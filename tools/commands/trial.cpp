@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "core/process.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/trial/recipe.hpp"
@@ -39,11 +40,17 @@ int run(TrialArguments arguments) {
   if (::isatty(STDERR_FILENO) == 1) {
     options.progress = show_progress;
   }
+  options.stop = stop_requested;
   const TrialResult result = run_trial(scenario, trial_recipes(scenario), options);
   if (!arguments.svg_path.empty()) {
     write_pictures(arguments.svg_path, scenario, result.scene, result.summary);
   }
   report_summary(scenario, result.summary, arguments.as_json);
+  if (result.was_stopped) {
+    fmt::print(stderr, "trial stopped after {:.1f} s of {:g} s\n", result.summary.duration_s,
+               scenario.duration_s);
+    return 1;
+  }
   return 0;
 }
 
@@ -59,6 +66,7 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
   command->add_option("--svg", arguments->svg_path, "draw the end of the trial, as SVG and PNG");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
+      "Ctrl-C ends it early: log, summary and pictures of what was flown, exit code 1.\n"
       "Examples:\n"
       "  vantage trial config/lab.yaml --seed 3 --json\n"
       "  vantage trial config/lab.yaml --planner greedy --duration-s 60 --svg greedy.svg\n"

@@ -59,7 +59,7 @@ def run(binary, scenario, flags, seed, path, extra):
         done = subprocess.run(
             [binary, "trial", scenario, "--seed", str(seed), "--json", *flags, *extra],
             cwd=ROOT, capture_output=True, text=True, check=False)
-        if done.returncode == 2 or not done.stdout.strip():
+        if done.returncode != 0 or not done.stdout.strip():
             raise RuntimeError(f"{path.stem}: exit {done.returncode}: {done.stderr.strip()}")
         path.write_text(done.stdout)
     return json.loads(path.read_text())

@@ -23,7 +23,8 @@ TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRe
                       const TrialOptions& options) {
   require(scenario.planner.node_budget > 0, "a trial in virtual time needs a node budget");
   const Time start = trial_start(scenario);
-  const Time end = start + from_seconds(scenario.duration_s);
+  const Time planned_end = start + from_seconds(scenario.duration_s);
+  Time end = planned_end;
   VirtualTimeLoop loop(start);
 
   std::unique_ptr<Recorder> recorder;
@@ -43,12 +44,16 @@ TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRe
   }
 
   constexpr int kProgressReports = 100;
+  constexpr Duration kStopPeriod{500'000};
   int reported = 0;
   for (Time now = start; now < end;) {
-    now = std::min(announcer.next_tick(), end);
+    now = std::min({announcer.next_tick(), now + kStopPeriod, end});
     loop.run_until(now);
     announcer.tick(now);
-    const double share = to_seconds(now - start) / to_seconds(end - start);
+    if (now < planned_end && options.stop && options.stop()) {
+      end = now;
+    }
+    const double share = to_seconds(now - start) / to_seconds(planned_end - start);
     if (options.progress && static_cast<int>(share * kProgressReports) > reported) {
       reported = static_cast<int>(share * kProgressReports);
       options.progress(share);
@@ -59,6 +64,7 @@ TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRe
   TrialResult result;
   result.summary = observer.metrics().finish(end, loop.messages_lost() + unrecorded);
   result.scene = observer.scene();
+  result.was_stopped = end < planned_end;
   return result;
 }
 

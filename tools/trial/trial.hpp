@@ -18,11 +18,15 @@ struct TrialOptions {
   std::string log_path;  ///< an LCM event log of everything; empty: none
   /// Called with the share of the trial that is done, about a hundred times.
   std::function<void(double)> progress;
+  /// Asked about twice a second of the trial; true ends it there. The log and the summary are whole
+  /// up to that instant.
+  std::function<bool()> stop;
 };
 
 struct TrialResult {
   logs::TrialSummary summary;
   Scene scene;
+  bool was_stopped = false;  ///< before the scenario's duration
 };
 
 /// When virtual time starts: 1 700 000 000 s, rounded up to a whole planning round.

@@ -79,7 +79,8 @@ void start_logger(Supervisor& logger, const std::string& url, const std::string&
 /// The operator of an unattended trial, on the bus.
 class Pilot {
  public:
-  Pilot(bus::Bus& bus, const std::vector<std::string>& robots) : desk_(bus), program_(robots) {
+  Pilot(bus::Bus& bus, const std::vector<std::string>& robots, Time start)
+      : desk_(bus, true, start), program_(robots) {
     bus.subscribe<models::VehicleStatus>(
         bus::quadrotor_channel("*"),
         [this](const models::VehicleStatus& status) { program_.on_status(status); });
@@ -92,9 +93,14 @@ class Pilot {
   }
 
   void tick(Time now) {
-    desk_.tick(now);
+    if (desk_.tick(now)) {
+      print_line(std::string("! operator: ") + explain(desk_.station().role()));
+    }
+    if (desk_.station().role() == Station::Role::kListening) {
+      return;
+    }
     for (const FlightProgram::Order& order : program_.due(now)) {
-      desk_.send(now, order.action, order.robot);
+      desk_.send(now, order.action, order.robot);  // refused while another station is in charge
     }
   }
   [[nodiscard]] FlightProgram& program() { return program_; }
@@ -104,14 +110,14 @@ class Pilot {
   FlightProgram program_;
 };
 
-std::unique_ptr<Pilot> pilot_for(const models::Scenario& scenario, bus::Bus& bus) {
+std::unique_ptr<Pilot> pilot_for(const models::Scenario& scenario, bus::Bus& bus, Time start) {
   for (const models::RobotSpec& robot : scenario.robots) {
     if (robot.device == models::DeviceSource::kReal) {
       throw StartupError("robot " + robot.name +
                          " is real: a person arms it, with `vantage console`, not --fly");
     }
   }
-  return std::make_unique<Pilot>(bus, robots_with_driver(scenario));
+  return std::make_unique<Pilot>(bus, robots_with_driver(scenario), start);
 }
 
 }  // namespace
@@ -136,7 +142,7 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
   const Time start = clock.now();
   TrialObserver observer(bus, scenario, start);
   announcer.publish(start);
-  const std::unique_ptr<Pilot> pilot = options.fly ? pilot_for(scenario, bus) : nullptr;
+  const std::unique_ptr<Pilot> pilot = options.fly ? pilot_for(scenario, bus, start) : nullptr;
   Supervisor team(options.restarts);
   for (const ProcessSpec& process : process_plan(
            scenario, {options.executables, file.path(), url, options.has_virtual_targets})) {

@@ -6,7 +6,6 @@ namespace vantage::test {
 namespace {
 
 constexpr double kBeginS = 6.4;  // in the middle of a round, everyone under way
-constexpr double kLastsS = 16.0;
 
 bool is_concerned(const Fault& fault, const Vehicle& vehicle) {
   const std::string whom = fault.whom;
@@ -109,7 +108,7 @@ class Watch {
 
 }  // namespace
 
-FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed) {
+FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, double lasts_s) {
   const bool trusts_plans = std::any_of(faults.begin(), faults.end(),
                                         [](const Fault* fault) { return fault->trusts_plans; });
   FlightBench bench(seed, trusts_plans);
@@ -118,15 +117,19 @@ FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed) {
   for (const Fault* fault : faults) {
     watches.emplace_back(*fault, bench);
   }
-  const auto ticks = static_cast<int>(kLastsS / FlightBench::kTickS);
+  const auto ticks = static_cast<int>(lasts_s / FlightBench::kTickS);
   for (int i = 0; i < ticks; ++i) {
-    const double since_s = i * FlightBench::kTickS;
-    for (const Fault* fault : faults) {
-      fault->act(bench, since_s);
+    const auto since_s = [i](std::size_t k) {
+      return i * FlightBench::kTickS - static_cast<double>(k) * kStaggerS;
+    };
+    for (std::size_t k = 0; k < faults.size(); ++k) {
+      if (since_s(k) > -1e-9) {
+        faults[k]->act(bench, since_s(k));
+      }
     }
     bench.tick();
-    for (Watch& watch : watches) {
-      watch.look(bench, since_s);
+    for (std::size_t k = 0; k < faults.size(); ++k) {
+      watches[k].look(bench, since_s(k));
     }
   }
   FaultRun run;
