@@ -14,33 +14,84 @@ namespace {
 constexpr Duration kTruthPeriod{50'000};
 constexpr Duration kStatusPeriod{100'000};
 constexpr Duration kCatchUpPause{1'000};
+constexpr Duration kExchangePeriod = WorldSimulation::kStep;
+constexpr const char* kCure = ": fly it with `vantage up`, or say 'direct'";
 
 Time at_or_after(Time time, Duration period) {
   return from_utime((to_utime(time) + period.count() - 1) / period.count() * period.count());
 }
 
-models::Scenario checked(const models::Scenario& scenario) {
-  const std::string cure = "; this simulator knows 'direct' devices (and leaves 'real' ones alone)";
-  for (const models::RobotSpec& robot : scenario.robots) {
-    if (robot.device == models::DeviceSource::kWire) {
-      throw StartupError("robot " + robot.name + " asks for device 'wire'" + cure);
+std::vector<std::unique_ptr<WireVehicle>> wires_of(const models::Scenario& scenario,
+                                                   const bus::Clock& clock, Time start) {
+  std::vector<std::unique_ptr<WireVehicle>> wires;
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    const models::RobotSpec& robot = scenario.robots[i];
+    if (robot.device != models::DeviceSource::kWire) {
+      continue;
     }
+    if (!clock.is_real_time()) {
+      throw StartupError("robot " + robot.name + " has device 'wire', which needs real time" +
+                         kCure);
+    }
+    const auto system_id = static_cast<std::uint8_t>(i % 250 + 1);
+    wires.push_back(std::make_unique<WireVehicle>(robot, system_id, scenario.seed + i, start));
   }
-  if (scenario.mocap.device == models::DeviceSource::kWire) {
-    throw StartupError("mocap asks for device 'wire'" + cure);
+  return wires;
+}
+
+std::unique_ptr<vicon::SocketServer> mocap_server_of(const models::MocapSpec& mocap,
+                                                     const bus::Clock& clock) {
+  if (mocap.device != models::DeviceSource::kWire) {
+    return nullptr;
   }
-  return scenario;
+  if (!clock.is_real_time()) {
+    throw StartupError(std::string("mocap has device 'wire', which needs real time") + kCure);
+  }
+  vicon::ServerSettings settings;
+  settings.protocol = mocap.protocol;
+  settings.rate_hz = mocap.rate_hz;
+  settings.block_bytes = static_cast<std::size_t>(mocap.block_bytes);
+  settings.is_y_up = mocap.up_axis == models::UpAxis::kY;
+  return std::make_unique<vicon::SocketServer>(settings, mocap.host, mocap.actual_port());
+}
+
+std::vector<Vehicle*> pointers_to(const std::vector<std::unique_ptr<WireVehicle>>& wires) {
+  std::vector<Vehicle*> out;
+  for (const auto& wire : wires) {
+    out.push_back(wire.get());
+  }
+  return out;
+}
+
+vicon::EmulatedFrame emulated(const models::MocapFrame& frame, Time now) {
+  vicon::EmulatedFrame out;
+  out.number = static_cast<std::uint32_t>(frame.frame_number);
+  out.captured = frame.stamp.time;
+  out.latency_s = to_seconds(now - frame.stamp.time);  // as long as it has really taken
+  out.bodies.reserve(frame.bodies.size());
+  for (const models::MocapBody& body : frame.bodies) {
+    out.bodies.push_back({body.name, body.world_from_body, body.occluded});
+  }
+  return out;
 }
 
 }  // namespace
 
 SimNode::SimNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario)
     : bus_(bus),
-      scenario_(checked(scenario)),
-      world_(scenario_, scenario_.seed, clock.now()),
+      clock_(clock),
+      scenario_(scenario),
+      start_(clock.now()),
+      wires_(wires_of(scenario_, clock, start_)),
+      mocap_server_(mocap_server_of(scenario_.mocap, clock)),
+      world_(scenario_, scenario_.seed, start_, pointers_to(wires_)),
+      lag_(wires_.empty() ? world_.camera().latency() : Duration{0}),
+      truth_period_(scenario_.mocap.device == models::DeviceSource::kReal ? world_.camera().period()
+                                                                          : kTruthPeriod),
       next_capture_(world_.camera().capture_at_or_after(world_.time())),
-      next_truth_(at_or_after(world_.time(), kTruthPeriod)),
+      next_truth_(at_or_after(world_.time(), truth_period_)),
       next_status_(at_or_after(world_.time(), kStatusPeriod)),
+      next_exchange_(has_wire() ? at_or_after(world_.time(), kExchangePeriod) : Time::max()),
       last_tick_(world_.time() - Duration{1}),
       said_(world_.quadrotors().size()) {
   bus_.subscribe_named<models::RobotPlan>(
@@ -79,23 +130,30 @@ void SimNode::on_plan(const std::string& channel, const models::RobotPlan& plan)
   }
 }
 
-Time SimNode::next_instant() const { return std::min({next_capture_, next_truth_, next_status_}); }
+Time SimNode::next_instant() const {
+  return std::min({next_capture_, next_truth_, next_status_, next_exchange_});
+}
 
 Time SimNode::next_tick() const {
-  return std::max(next_instant() + world_.camera().latency(), last_tick_ + kCatchUpPause);
+  Time due = next_instant() + lag_;
+  if (!frames_.empty()) {
+    due = std::min(due, frames_.front().arrival);
+  }
+  return std::max(due, last_tick_ + kCatchUpPause);
 }
 
 void SimNode::tick(Time now) {
-  const Duration latency = world_.camera().latency();
-  if (now > next_instant() + latency + world_.camera().period()) {
+  if (now > next_instant() + lag_ + world_.camera().period()) {
     ++late_ticks_;
   }
-  for (int instants = 0; instants < kInstantsMax && next_instant() + latency <= now; ++instants) {
+  for (int instants = 0; instants < kInstantsMax && next_instant() + lag_ <= now; ++instants) {
     publish_instant(next_instant());
   }
-  if (next_instant() + latency <= now) {
+  if (next_instant() + lag_ <= now) {
     ++chunks_;
   }
+  deliver_frames(now);
+  serve_wires(now);
   last_tick_ = now;
 }
 
@@ -106,17 +164,41 @@ void SimNode::publish_instant(Time instant) {
   }
   if (instant == next_truth_) {
     bus_.publish(bus::kTruth, world_.truth());
-    next_truth_ += kTruthPeriod;
+    next_truth_ += truth_period_;
   }
   if (instant == next_capture_) {
-    if (scenario_.mocap.device == models::DeviceSource::kDirect) {
-      bus_.publish(bus::kVicon, world_.capture());
+    if (scenario_.mocap.device != models::DeviceSource::kReal) {
+      frames_.push_back(world_.capture());
+      deliver_frames(instant + lag_);
     }
     next_capture_ += world_.camera().period();
   }
   publish_statuses(instant, instant == next_status_);
   if (instant == next_status_) {
     next_status_ += kStatusPeriod;
+  }
+  if (instant == next_exchange_) {
+    next_exchange_ += kExchangePeriod;
+  }
+}
+
+void SimNode::deliver_frames(Time now) {
+  while (!frames_.empty() && frames_.front().arrival <= now) {
+    if (mocap_server_) {
+      mocap_server_->publish(emulated(frames_.front(), clock_.now()));
+    } else {
+      bus_.publish(bus::kVicon, std::move(frames_.front()));
+    }
+    frames_.pop_front();
+  }
+}
+
+void SimNode::serve_wires(Time now) {
+  for (const auto& wire : wires_) {
+    wire->exchange(now);
+  }
+  if (mocap_server_) {
+    mocap_server_->wait(std::chrono::nanoseconds(0));
   }
 }
 
@@ -132,7 +214,7 @@ void SimNode::publish_statuses(Time instant, bool is_due) {
 }
 
 std::vector<models::NamedCount> SimNode::counters() const {
-  const std::vector<models::NamedCount> all{
+  std::vector<models::NamedCount> all{
       {"sim.plans_not_finite", not_finite_},
       {"sim.plans_discontinuous", discontinuous_},
       {"sim.plans_stale", stale_},
@@ -142,6 +224,15 @@ std::vector<models::NamedCount> SimNode::counters() const {
       {"sim.catch_up_chunks", chunks_},
       {"sim.bodies_not_finite", world_.collisions().non_finite()},
       {"sim.contact_judges_differ", world_.collisions().disagreements()}};
+  if (mocap_server_) {
+    all.push_back({"sim.mocap_frames_skipped", mocap_server_->frames_skipped()});
+    all.push_back({"sim.mocap_send_errors", mocap_server_->send_errors()});
+  }
+  for (const auto& wire : wires_) {
+    for (models::NamedCount& counter : wire->counters()) {
+      all.push_back(std::move(counter));
+    }
+  }
   std::vector<models::NamedCount> counted;
   std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
                [](const models::NamedCount& counter) { return counter.count != 0; });

@@ -10,6 +10,7 @@
 #include "models/exchange/messages.hpp"
 #include "models/scenario/scenario.hpp"
 #include "sim/quadrotor/course.hpp"
+#include "sim/vehicle.hpp"
 
 namespace vantage::sim {
 
@@ -48,7 +49,7 @@ enum class [[nodiscard]] PlanVerdict{
 /// with the reference's velocity and acceleration averaged over ± corner_window_s, so that jumps
 /// of speed and yaw rate between primitives become ramps that are begun before the jump. It can
 /// move sideways, as a multirotor does; heading is controlled apart from motion.
-class Quadrotor {
+class Quadrotor : public Vehicle {
  public:
   /// Hovers at its start, following.
   Quadrotor(const models::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
@@ -59,13 +60,13 @@ class Quadrotor {
   PlanVerdict offer(const models::RobotPlan& plan, Time now);
   void command(models::OperatorAction action, Time now);
   /// Moves on from `now` by `dt_s` ≤ 0.02 s. Allocates only when plans are forgotten.
-  void step(Time now, double dt_s);
+  void step(Time now, double dt_s) override;
 
-  [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] double radius_m() const { return limits_.radius_m; }
-  [[nodiscard]] Pose3 world_from_body() const;
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] double radius_m() const override { return limits_.radius_m; }
+  [[nodiscard]] Pose3 world_from_body() const override;
   [[nodiscard]] const Eigen::Vector3d& position_world_m() const { return position_m_; }
-  [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_mps_; }
+  [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override { return velocity_mps_; }
   [[nodiscard]] double yaw_rad() const { return yaw_rad_; }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
   [[nodiscard]] models::FlightState state() const { return state_; }

@@ -22,6 +22,7 @@ constexpr double kHeadwayM = 0.1;        // less than this in kPatienceS is bein
 constexpr double kRerouteS = 1.0;        // stuck this long, it looks for a way around
 constexpr double kPatienceS = 4.0;       // stuck this long, it goes elsewhere
 constexpr double kTurnGainPerS = 3.0;
+constexpr double kRoundingM = 1e-9;
 constexpr int kDrawsMax = 40;
 // Variations on the desired command, gentlest first: share of speed, added yaw rate.
 constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},
@@ -32,6 +33,14 @@ constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},
                                                             {0.3, 2.0},
                                                             {0.3, -2.0},
                                                             {0.0, 0.0}}};
+
+/// From the straight piece a–b to a point.
+double distance_m(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m,
+                  const Eigen::Vector2d& point_m) {
+  const Eigen::Vector2d ab_m = b_m - a_m;
+  const double share = ab_m.dot(point_m - a_m) / std::max(ab_m.squaredNorm(), 1e-18);
+  return (a_m + std::clamp(share, 0.0, 1.0) * ab_m - point_m).norm();
+}
 
 double uniform(std::mt19937_64& rng, double low, double high) {
   return low + (high - low) * std::uniform_real_distribution<double>(0.0, 1.0)(rng);
@@ -56,6 +65,11 @@ RoverFleet::RoverFleet(const models::World& world, const models::TargetTruthSpec
     rover.headway_m = rover.state.world_from_body.position_m();
     rover.pause_s = uniform(rover.rng, 0.0, truth_.pause_max_s);
   }
+}
+
+void RoverFleet::keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m) {
+  kept_out_m_ = std::move(centres_m);
+  keep_out_m_ = distance_m;
 }
 
 void RoverFleet::decide(double elapsed_s) {
@@ -131,6 +145,10 @@ std::vector<Disc> RoverFleet::neighbours(std::size_t i) const {
       blocked.push_back({there_m, std::min(wanted_m, (there_m - here_m).norm())});
     }
   }
+  for (const Eigen::Vector2d& centre_m : kept_out_m_) {
+    const double away_m = (centre_m - here_m).norm();
+    blocked.push_back({centre_m, std::min(keep_out_m_ + kRouteMarginM, away_m)});
+  }
   return blocked;
 }
 
@@ -196,6 +214,14 @@ bool RoverFleet::is_safe(std::size_t i, const StoppingPath& path) const {
   for (std::size_t k = 0; k + 1 < points.size(); ++k) {
     if (models::swept_clearance_m(world_, points[k], points[k + 1]) < wall_m) {
       return false;
+    }
+  }
+  for (const Eigen::Vector2d& centre_m : kept_out_m_) {
+    const double needed_m = std::min(keep_out_m_, (centre_m - here_m).norm() - kRoundingM);
+    for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+      if (distance_m(points[k], points[k + 1], centre_m) < needed_m) {
+        return false;
+      }
     }
   }
   for (std::size_t j = 0; j < rovers_.size(); ++j) {

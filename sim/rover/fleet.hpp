@@ -33,6 +33,9 @@ class RoverFleet {
              const std::vector<Start>& starts, std::uint64_t seed,
              const RoverParameters& parameters = {});
 
+  /// From now on rovers come no nearer than `distance_m`, centre to centre, to these points; one
+  /// that is nearer already comes no nearer still.
+  void keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m);
   /// Chooses the commands for the next period; to be called every kDecisionPeriodS or earlier.
   void decide(double elapsed_s);
   /// Drives on for `dt_s`.
@@ -71,6 +74,8 @@ class RoverFleet {
   RoverParameters parameters_;
   RouteMap map_;
   std::vector<Rover> rovers_;
+  std::vector<Eigen::Vector2d> kept_out_m_;
+  double keep_out_m_ = 0.0;
   std::int64_t way_points_reached_ = 0;
   std::int64_t way_points_abandoned_ = 0;
 };

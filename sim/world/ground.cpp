@@ -1,6 +1,7 @@
 #include "sim/world/ground.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "sim/rover/starts.hpp"
 
@@ -30,6 +31,12 @@ Ground::Ground(const models::Scenario& scenario, std::uint64_t seed)
       break;
     case models::TargetMotion::kStill:
       break;
+  }
+}
+
+void Ground::keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m) {
+  if (rovers_) {
+    rovers_->keep_out(std::move(centres_m), distance_m);
   }
 }
 

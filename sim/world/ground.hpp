@@ -18,6 +18,8 @@ class Ground {
  public:
   Ground(const models::Scenario& scenario, std::uint64_t seed);
 
+  /// From now on rovers come no nearer than `distance_m`, centre to centre, to these points.
+  void keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m);
   void decide(double elapsed_s);
   void step(double dt_s);
 

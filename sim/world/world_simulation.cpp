@@ -12,22 +12,42 @@ Time next_multiple(Time time, Duration period) {
   return from_utime((to_utime(time) / period.count() + 1) * period.count());
 }
 
+Vehicle* find(const std::vector<Vehicle*>& vehicles, const std::string& name) {
+  const auto found = std::find_if(vehicles.begin(), vehicles.end(),
+                                  [&](const Vehicle* vehicle) { return vehicle->name() == name; });
+  return found == vehicles.end() ? nullptr : *found;
+}
+
 std::vector<Quadrotor> quadrotors_of(const models::Scenario& scenario, std::uint64_t seed,
-                                     Time start) {
+                                     Time start, const std::vector<Vehicle*>& given) {
   std::vector<Quadrotor> quadrotors;
   for (const models::RobotSpec& robot : scenario.robots) {
-    if (robot.device != models::DeviceSource::kReal) {
+    if (robot.device != models::DeviceSource::kReal && find(given, robot.name) == nullptr) {
       quadrotors.emplace_back(robot, scenario.planner.tracking_tolerance_m, seed, start);
     }
   }
   return quadrotors;
 }
 
-std::vector<CollisionMonitor::Body> bodies_of(const std::vector<Quadrotor>& quadrotors,
+std::vector<Vehicle*> vehicles_of(const models::Scenario& scenario,
+                                  std::vector<Quadrotor>& quadrotors, std::vector<Vehicle*> given) {
+  for (Quadrotor& quadrotor : quadrotors) {
+    given.push_back(&quadrotor);
+  }
+  std::vector<Vehicle*> vehicles;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    if (Vehicle* const vehicle = find(given, robot.name)) {
+      vehicles.push_back(vehicle);
+    }
+  }
+  return vehicles;
+}
+
+std::vector<CollisionMonitor::Body> bodies_of(const std::vector<Vehicle*>& vehicles,
                                               const std::vector<models::TargetSpec>& targets) {
   std::vector<CollisionMonitor::Body> bodies;
-  for (const Quadrotor& quadrotor : quadrotors) {
-    bodies.push_back({quadrotor.name(), quadrotor.radius_m(), true});
+  for (const Vehicle* vehicle : vehicles) {
+    bodies.push_back({vehicle->name(), vehicle->radius_m(), true});
   }
   for (const models::TargetSpec& target : targets) {
     bodies.push_back({target.name, target.radius_m, false});
@@ -37,20 +57,24 @@ std::vector<CollisionMonitor::Body> bodies_of(const std::vector<Quadrotor>& quad
 
 }  // namespace
 
-WorldSimulation::WorldSimulation(const models::Scenario& scenario, std::uint64_t seed, Time start)
+WorldSimulation::WorldSimulation(const models::Scenario& scenario, std::uint64_t seed, Time start,
+                                 const std::vector<Vehicle*>& vehicles)
     : targets_(scenario.targets),
       time_(start),
       decided_(start),
-      quadrotors_(quadrotors_of(scenario, seed, start)),
+      quadrotors_(quadrotors_of(scenario, seed, start, vehicles)),
+      given_(vehicles),
+      vehicles_(vehicles_of(scenario, quadrotors_, vehicles)),
       ground_(scenario, seed),
       camera_(scenario.mocap, seed),
-      collisions_(scenario.world, bodies_of(quadrotors_, targets_), scenario.planner.separation_m) {
+      collisions_(scenario.world, bodies_of(vehicles_, targets_), scenario.planner.separation_m) {
   watch();
 }
 
 void WorldSimulation::advance_to(Time time) {
   while (time_ < time) {
     if (to_utime(time_) % kDecision.count() == 0) {
+      keep_ground_free();
       ground_.decide(to_seconds(time_ - decided_));
       decided_ = time_;
     }
@@ -58,10 +82,21 @@ void WorldSimulation::advance_to(Time time) {
   }
 }
 
+void WorldSimulation::keep_ground_free() {
+  std::vector<Eigen::Vector2d> low_m;
+  for (const Vehicle* vehicle : given_) {
+    const Eigen::Vector3d centre_m = vehicle->world_from_body().translation_m;
+    if (centre_m.z() < kLowM) {
+      low_m.emplace_back(centre_m.head<2>());
+    }
+  }
+  ground_.keep_out(std::move(low_m), kKeepOutM);
+}
+
 void WorldSimulation::step(Time to) {
   const double dt_s = to_seconds(to - time_);
-  for (Quadrotor& quadrotor : quadrotors_) {
-    quadrotor.step(time_, dt_s);
+  for (Vehicle* vehicle : vehicles_) {
+    vehicle->step(time_, dt_s);
   }
   ground_.step(dt_s);
   time_ = to;
@@ -70,8 +105,8 @@ void WorldSimulation::step(Time to) {
 
 void WorldSimulation::watch() {
   centres_m_.clear();
-  for (const Quadrotor& quadrotor : quadrotors_) {
-    centres_m_.push_back(quadrotor.position_world_m());
+  for (const Vehicle* vehicle : vehicles_) {
+    centres_m_.push_back(vehicle->world_from_body().translation_m);
   }
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const Pose2 pose = ground_.world_from_body(i);
@@ -100,10 +135,10 @@ void WorldSimulation::command(const models::OperatorCommand& command) {
 models::TruthFrame WorldSimulation::truth() const {
   models::TruthFrame frame;
   frame.stamp.time = time_;
-  frame.bodies.reserve(quadrotors_.size() + targets_.size());
-  for (const Quadrotor& quadrotor : quadrotors_) {
+  frame.bodies.reserve(vehicles_.size() + targets_.size());
+  for (const Vehicle* vehicle : vehicles_) {
     frame.bodies.push_back(
-        {quadrotor.name(), -1, quadrotor.world_from_body(), quadrotor.velocity_world_mps()});
+        {vehicle->name(), -1, vehicle->world_from_body(), vehicle->velocity_world_mps()});
   }
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const Eigen::Vector2d velocity_mps = ground_.velocity_mps(i);

@@ -122,6 +122,75 @@ TEST(WorldSimulation, ReportsAVehicleThatFallsOnARoverBelow) {
   EXPECT_TRUE(world.take_contacts().empty());
 }
 
+/// A vehicle of the caller's, that moves as it is told.
+class Puppet : public Vehicle {
+ public:
+  explicit Puppet(std::string name, const Eigen::Vector3d& centre_m)
+      : centre_m(centre_m), name_(std::move(name)) {}
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] double radius_m() const override { return 0.25; }
+  [[nodiscard]] Pose3 world_from_body() const override {
+    return {centre_m, Eigen::Quaterniond::Identity()};
+  }
+  [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override { return velocity_mps; }
+  void step(Time, double dt_s) override { centre_m += dt_s * velocity_mps; }
+
+  Eigen::Vector3d centre_m;
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+
+ private:
+  std::string name_;
+};
+
+TEST(WorldSimulation, TakesTheCallersVehiclesForItsOwnBodies) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.robots[1].device = models::DeviceSource::kWire;
+  Puppet puppet("Q2", {2.0, 4.0, 1.0});
+  puppet.velocity_mps = {-0.5, 0.0, 0.0};
+  WorldSimulation world(scenario, 1, kStart, {&puppet});
+  EXPECT_EQ(world.quadrotors().size(), 2u);
+  EXPECT_EQ(world.offer(circle_from(scenario.robots[1], kStart)), std::nullopt);
+  world.advance_to(kStart + std::chrono::seconds(2));
+  const models::TruthFrame truth = world.truth();
+  ASSERT_EQ(truth.bodies.size(), 8u);
+  EXPECT_EQ(truth.bodies[1].name, "Q2");  // in the scenario's order
+  EXPECT_NEAR(truth.bodies[1].world_from_body.translation_m.x(), 1.0, 1e-9);
+  EXPECT_EQ(truth.bodies[1].velocity_world_mps, puppet.velocity_mps);
+  EXPECT_EQ(world.capture().bodies[1].name, "Q2");
+  EXPECT_TRUE(world.take_contacts().empty());
+  puppet.velocity_mps = {0.0, -3.0, 0.0};  // through the wall
+  world.advance_to(kStart + std::chrono::seconds(4));
+  const auto contacts = world.take_contacts();
+  ASSERT_FALSE(contacts.empty());
+  EXPECT_EQ(contacts.front().body_a, "Q2");
+  EXPECT_EQ(contacts.front().kind, models::ContactKind::kCollision);
+}
+
+TEST(WorldSimulation, KeepsTheGroundFreeUnderALowVehicleAndOnlyThen) {
+  const models::Scenario scenario = test::lab_scenario();
+  Puppet puppet("Q2", {2.0, 4.0, 0.0});
+  // The starts are drawn clear of the robots' own.
+  models::Scenario moved = scenario;
+  moved.robots[1].start = {2.0, 4.0, 0.0};
+  WorldSimulation world(moved, 3, kStart, {&puppet});
+  const auto nearest_m = [&](int seconds) {
+    double least_m = 1e9;
+    for (int k = 0; k < 20 * seconds; ++k) {
+      world.advance_to(world.time() + Duration{50'000});
+      for (std::size_t i = 0; i < scenario.targets.size(); ++i) {
+        const Pose2 pose = world.ground().world_from_body(i);
+        least_m = std::min(least_m, (pose.position_m() - Eigen::Vector2d(2.0, 4.0)).norm());
+      }
+    }
+    return least_m;
+  };
+  EXPECT_GE(nearest_m(120), WorldSimulation::kKeepOutM - 1e-6);
+  const std::int64_t reached = world.ground().rovers()->way_points_reached();
+  EXPECT_GT(reached, 20) << "the rovers stand still";
+  puppet.centre_m.z() = WorldSimulation::kLowM + 0.1;
+  EXPECT_LT(nearest_m(120), 0.7);
+}
+
 TEST(MocapCamera, AddsTheNoiseItStates) {
   models::MocapSpec spec;
   spec.position_sigma_m = 0.01;

@@ -38,5 +38,48 @@ TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
                            [](const ProcessSpec& process) { return process.name == "sim"; }));
 }
 
+models::Scenario on_the_wire() {
+  models::Scenario scenario = two_robots();
+  scenario.mocap.device = models::DeviceSource::kWire;
+  for (models::RobotSpec& robot : scenario.robots) {
+    robot.device = models::DeviceSource::kWire;
+    robot.autopilot.emplace().url = "udp://:14540";
+  }
+  return scenario;
+}
+
+std::vector<std::string> names_of(const std::vector<ProcessSpec>& plan) {
+  std::vector<std::string> out;
+  for (const ProcessSpec& process : plan) {
+    out.push_back(process.name);
+  }
+  return out;
+}
+
+TEST(ProcessPlan, StartsADriverForEachDeviceThatIsNotDirect) {
+  models::Scenario scenario = on_the_wire();
+  EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", ""})),
+            (std::vector<std::string>{"sim", "vicon", "quadrotor Q1", "quadrotor Q2", "sensor Q1",
+                                      "sensor Q2", "estimator Q1", "estimator Q2", "planner Q1",
+                                      "planner Q2"}));
+  scenario.robots[0].device = models::DeviceSource::kDirect;
+  scenario.mocap.device = models::DeviceSource::kDirect;
+  const auto mixed = process_plan(scenario, {".", "s.yaml", ""});
+  EXPECT_EQ(mixed[1].name, "quadrotor Q2");
+  EXPECT_EQ(mixed[1].arguments, (std::vector<std::string>{"./vantage-quadrotor", "--scenario",
+                                                          "s.yaml", "--url", "", "--robot", "Q2"}));
+}
+
+TEST(DeviceFaults, NameARealRobotThatNobodySeesAndADriverWithoutAnAutopilot) {
+  models::Scenario scenario = on_the_wire();
+  EXPECT_TRUE(device_faults(scenario).empty());
+  scenario.robots[1].device = models::DeviceSource::kReal;
+  EXPECT_EQ(device_faults(scenario).size(), 1u);
+  scenario.mocap.device = models::DeviceSource::kReal;
+  EXPECT_TRUE(device_faults(scenario).empty());
+  scenario.robots[0].autopilot.reset();
+  EXPECT_EQ(device_faults(scenario).size(), 1u);
+}
+
 }  // namespace
 }  // namespace vantage::tools

@@ -1,8 +1,15 @@
 #include "tools/check/preflight.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "core/check.hpp"
+#include "drivers/quadrotor/safety/limits.hpp"
+#include "drivers/quadrotor/safety/plan_check.hpp"
+#include "models/plan/plan.hpp"
 #include "models/world/world.hpp"
+#include "tools/up/process_plan.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -93,6 +100,41 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
+// What the vehicle's own flight safety would refuse or stop in flight.
+void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
+  for (const models::RobotSpec& robot : scenario.robots) {
+    if (scenario.planner.separation_m <= 2.0 * robot.limits.radius_m) {
+      faults.push_back(
+          fmt::format("robot {}: planner.separation_m is {:g}; vehicles of radius {:g} m touch at "
+                      "that distance",
+                      robot.name, scenario.planner.separation_m, robot.limits.radius_m));
+    }
+    drivers::SafetyLimits limits;
+    try {
+      limits = drivers::limits_for(scenario, robot.name);
+    } catch (const UsageError& error) {
+      faults.push_back(fmt::format("robot {}: {}", robot.name, error.what()));
+      continue;
+    }
+    for (const models::UnicycleControl& control : robot.primitives) {
+      models::Trajectory way;
+      way.segments = {{control, scenario.planner.step_s, 0.0}};
+      for (const models::PlanSegment& stop :
+           models::brake(control.speed_mps, robot.limits.brake_mps2)) {
+        way.segments.push_back(stop);
+      }
+      drivers::HeldPlan plan;
+      if (drivers::hold_plan(way, plan) &&
+          drivers::check_shape(plan, limits) != drivers::PlanVerdict::kAccepted) {
+        faults.push_back(
+            fmt::format("robot {}: flight safety refuses the primitive {:g} m/s, {:g} rad/s: {}",
+                        robot.name, control.speed_mps, control.yaw_rate_radps,
+                        drivers::name_of(drivers::check_shape(plan, limits))));
+      }
+    }
+  }
+}
+
 void check_targets(const Scenario& scenario, std::vector<std::string>& faults) {
   for (const models::TargetSpec& target : scenario.targets) {
     if (target.start &&
@@ -125,8 +167,12 @@ Preflight check_preflight(const Scenario& scenario) {
     out.faults.emplace_back("there is no robot");
   }
   check_robots(scenario, out.faults);
+  check_safety(scenario, out.faults);
   check_targets(scenario, out.faults);
   check_round(scenario, out.faults);
+  for (std::string& fault : device_faults(scenario)) {
+    out.faults.push_back(std::move(fault));
+  }
   return out;
 }
 

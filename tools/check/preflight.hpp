@@ -16,7 +16,8 @@ struct Preflight {
 
 /// Checks what a reader of the file alone cannot: every robot's start is clear of obstacles and
 /// walls by its radius and the planner's margin, can be stopped at, no two starts are nearer than
-/// the separation, stated targets start on free ground, the slots fit into the round.
+/// the separation, stated targets start on free ground, the slots fit into the round; and flight
+/// safety has limits that it can keep and refuses none of the robots' primitives.
 Preflight check_preflight(const models::Scenario& scenario);
 
 }  // namespace vantage::tools

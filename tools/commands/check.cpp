@@ -1,9 +1,15 @@
+#include <chrono>
 #include <memory>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
 #include "bus/scenario_yaml.hpp"
+#include "bus/transport.hpp"
+#include "core/process.hpp"
+#include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
@@ -14,10 +20,31 @@ namespace {
 struct CheckArguments {
   std::string scenario;
   bool as_json = false;
+  bool is_live = false;
+  double listen_s = 2.0;
 };
 
+// What the running system itself says against arming.
+void listen(const models::Scenario& scenario, double listen_s, std::vector<std::string>& faults) {
+  const auto transport = bus::open_transport(scenario.network.url);
+  bus::Bus bus(*transport, bus::random_run_id());
+  const ArmingWatch watch(bus, scenario);
+  const bus::SystemClock clock;
+  const Time end = clock.now() + from_seconds(listen_s);
+  while (clock.now() < end && !stop_requested()) {
+    bus.handle(std::chrono::milliseconds(20));
+  }
+  for (const std::string& block : watch.blocks()) {
+    faults.push_back(block);
+  }
+}
+
 int run(const CheckArguments& arguments) {
-  const Preflight preflight = check_preflight(bus::load_scenario(arguments.scenario));
+  const models::Scenario scenario = bus::load_scenario(arguments.scenario);
+  Preflight preflight = check_preflight(scenario);
+  if (arguments.is_live) {
+    listen(scenario, arguments.listen_s, preflight.faults);
+  }
   if (arguments.as_json) {
     print_line(nlohmann::ordered_json{{"scenario", arguments.scenario},
                                       {"ready", preflight.is_ready()},
@@ -44,10 +71,14 @@ void add_check_command(CLI::App& root, Runner& chosen) {
   auto arguments = std::make_shared<CheckArguments>();
   command->add_option("scenario", arguments->scenario, "scenario file")->required();
   command->add_flag("--json", arguments->as_json, "print one JSON object");
+  command->add_flag("--live", arguments->is_live,
+                    "also listen to the running system and say what blocks arming");
+  command->add_option("--listen", arguments->listen_s, "how long, in seconds")->needs("--live");
   command->footer(
       "Exit code 0: ready; 1: it says what it says, but must not fly; 2: it cannot be read.\n"
       "Example:\n"
-      "  vantage check config/lab.yaml");
+      "  vantage check config/lab.yaml\n"
+      "  vantage check config/lab.yaml --live");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }
 

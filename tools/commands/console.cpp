@@ -11,12 +11,16 @@
 namespace vantage::tools {
 namespace {
 
-int run(const std::string& url) {
-  const auto transport = bus::open_transport(url);
+struct ConsoleArguments {
+  std::string url;
+  bool is_second = false;
+};
+
+int run(const ConsoleArguments& arguments) {
+  const auto transport = bus::open_transport(arguments.url);
   bus::Bus bus(*transport, bus::random_run_id());
   const bus::SystemClock clock;
-  run_console(bus, clock, stop_requested);
-  return 0;
+  return run_console(bus, clock, arguments.is_second, stop_requested) ? 0 : 1;
 }
 
 }  // namespace
@@ -24,16 +28,20 @@ int run(const std::string& url) {
 void add_console_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "console", "Operator's console: heartbeat, arm, take off, follow, hold, land, e-stop.");
-  auto url = std::make_shared<std::string>();
-  command->add_option("--url", *url, "LCM URL; $LCM_DEFAULT_URL when not given");
+  auto arguments = std::make_shared<ConsoleArguments>();
+  command->add_option("--url", arguments->url, "LCM URL; $LCM_DEFAULT_URL when not given");
+  command->add_flag("--second", arguments->is_second,
+                    "stand by beside a station that is in charge: hold, land and e-stop at once, "
+                    "the rest when the other falls silent");
   command->footer(
       "Keys: a arm, t take off, f follow, h hold, l land, SPACE or e emergency stop,\n"
       "      1-9 select a robot, 0 all, q quit (ends the heartbeat).\n"
-      "Without a terminal it reads lines.\n"
+      "Without a terminal it reads lines. Where another station is in charge only the emergency\n"
+      "stop is sent, and the exit code is 1 when anything was refused.\n"
       "Examples:\n"
       "  vantage console\n"
       "  echo 'land Q1' | vantage console --url 'udpm://239.255.76.67:7667?ttl=0'");
-  command->callback([&chosen, url] { chosen = [url] { return run(*url); }; });
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }
 
 }  // namespace vantage::tools

@@ -18,6 +18,8 @@ struct UpArguments {
   Overrides overrides;
   std::string log_path;
   bool no_log = false;
+  bool fly = false;
+  bool has_virtual_targets = false;
   bool as_json = false;
 };
 
@@ -26,6 +28,8 @@ int run(const UpArguments& arguments) {
   UpOptions options;
   options.executables = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
   options.quiet = arguments.as_json;
+  options.fly = arguments.fly;
+  options.has_virtual_targets = arguments.has_virtual_targets;
   if (!arguments.no_log) {
     options.log_path = arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
   }
@@ -40,7 +44,16 @@ int run(const UpArguments& arguments) {
   if (result.restarts > 0) {
     fmt::print(stderr, "vantage: {} restarts\n", result.restarts);
   }
-  return result.any_given_up || !result.killed.empty() || result.summary.collisions > 0 ? 1 : 0;
+  for (const std::string& name : result.never_flown) {
+    fmt::print(stderr, "vantage: {} has never followed a plan\n", name);
+  }
+  for (const std::string& name : result.left_flying) {
+    fmt::print(stderr, "vantage: {} had not landed when its driver was ended\n", name);
+  }
+  const bool is_good = !result.any_given_up && result.killed.empty() &&
+                       result.never_flown.empty() && result.left_flying.empty() &&
+                       result.summary.collisions == 0;
+  return is_good ? 0 : 1;
 }
 
 }  // namespace
@@ -55,13 +68,22 @@ void add_up_command(CLI::App& root, Runner& chosen) {
   auto* log = command->add_option("--log", arguments->log_path,
                                   "where lcm-logger writes; NAME.lcmlog when not given");
   command->add_flag("--no-log", arguments->no_log, "do not record")->excludes(log);
+  command->add_flag("--fly", arguments->fly,
+                    "be the operator: arm, take off, follow, and land at the end");
+  command->add_flag("--virtual-targets", arguments->has_virtual_targets,
+                    "simulate the targets though every device is real");
   command->add_flag("--json", arguments->as_json, "print one JSON object at the end");
   command->footer(
-      "Ends after the scenario's duration or with Ctrl-C; all processes are gone 2 s later.\n"
-      "Exit code 1 when a process had to be given up or killed, or anything collided.\n"
+      "Ends after the scenario's duration or with Ctrl-C; all processes are gone 2 s later. With\n"
+      "--fly both mean: land everything first. Without it robots on the wire and real ones wait "
+      "for\n"
+      "`vantage console`.\n"
+      "Exit code 1 when a process had to be given up or killed, anything collided, or a robot of\n"
+      "--fly did not fly or did not land.\n"
       "Examples:\n"
       "  vantage up config/lab.yaml\n"
       "  vantage up config/lab.yaml --duration-s 60 --log flight.lcmlog\n"
+      "  vantage up config/lab-hil.yaml --fly\n"
       "  vantage up config/lab.yaml --url 'udpm://239.255.76.67:7700?ttl=1' --no-log");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }

@@ -1,6 +1,7 @@
 #include "tools/console/console.hpp"
 
 #include <chrono>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,12 +22,18 @@ constexpr const char* kFarewell =
 /// Reads, obeys, shows.
 class ConsoleSession {
  public:
-  ConsoleSession(bus::Bus& bus, const bus::Clock& clock) : desk_(bus), clock_(clock) {
+  ConsoleSession(bus::Bus& bus, const bus::Clock& clock, bool is_allowed_second)
+      : desk_(bus, is_allowed_second, clock.now()), clock_(clock) {
     print_line(terminal_.is_interactive() ? kKeys : kLines);
   }
 
   void step() {
-    desk_.tick(clock_.now());
+    if (desk_.tick(clock_.now())) {
+      say(explain(desk_.station().role()));
+      for (const OperatorRequest& request : std::exchange(waiting_, {})) {
+        obey(request);
+      }
+    }
     while (!is_over_) {
       const std::optional<std::string> input = terminal_.read();
       if (!input) {
@@ -34,7 +41,7 @@ class ConsoleSession {
       }
       obey(*input);
     }
-    is_over_ |= terminal_.is_closed();
+    is_over_ |= terminal_.is_closed() && waiting_.empty();
     if (terminal_.is_interactive() && clock_.now() >= next_redraw_) {
       std::vector<std::string> lines = desk_.vehicle_table(clock_.now(), selected_);
       lines.push_back(note_);
@@ -42,7 +49,8 @@ class ConsoleSession {
       next_redraw_ = clock_.now() + std::chrono::milliseconds(250);
     }
   }
-  [[nodiscard]] bool is_over() const { return is_over_; }
+  [[nodiscard]] bool is_over() const { return is_over_ && waiting_.empty(); }
+  [[nodiscard]] bool was_refused() const { return was_refused_; }
 
  private:
   void obey(const std::string& input) {
@@ -66,7 +74,15 @@ class ConsoleSession {
   void obey(const OperatorRequest& request) {
     switch (request.kind) {
       case OperatorRequest::Kind::kCommand:
-        desk_.send(clock_.now(), request.action, request.robot);
+        if (!desk_.send(clock_.now(), request.action, request.robot)) {
+          if (desk_.station().role() == Station::Role::kListening) {
+            waiting_.push_back(request);
+          } else {
+            was_refused_ = true;
+            say(fmt::format("not sent: {}", explain(desk_.station().role())));
+          }
+          break;
+        }
         say(fmt::format("sent {} to {}", tools::word_for(request.action),
                         request.robot.empty() ? "all" : request.robot));
         break;
@@ -96,31 +112,44 @@ class ConsoleSession {
   Screen screen_;
   std::string selected_;
   std::string note_;
+  std::vector<OperatorRequest> waiting_;  // until the station knows whether it is in charge
+  bool was_refused_ = false;
   Time next_redraw_{};
   bool is_over_ = false;
 };
 
 }  // namespace
 
-OperatorDesk::OperatorDesk(bus::Bus& bus) : bus_(bus) {
+OperatorDesk::OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start)
+    : bus_(bus), station_(bus.run_id(), is_allowed_second, start), now_(start) {
+  bus_.subscribe<models::OperatorCommand>(
+      bus::kCommand,
+      [this](const models::OperatorCommand& command) { station_.on_command(command, now_); });
   bus_.subscribe<models::VehicleStatus>(
       bus::quadrotor_channel("*"),
       [this](const models::VehicleStatus& status) { vehicles_[status.robot] = status; });
 }
 
-void OperatorDesk::tick(Time now) {
-  if (now >= next_heartbeat_) {
+bool OperatorDesk::tick(Time now) {
+  now_ = now;
+  const bool changed = station_.tick(now);
+  if (station_.beats() && now >= next_heartbeat_) {
     send(now, models::OperatorAction::kHeartbeat, "");
     next_heartbeat_ = now + from_seconds(kHeartbeatPeriod_s);
   }
+  return changed;
 }
 
-void OperatorDesk::send(Time now, models::OperatorAction action, const std::string& robot) {
+bool OperatorDesk::send(Time now, models::OperatorAction action, const std::string& robot) {
+  if (!station_.may_say(action)) {
+    return false;
+  }
   models::OperatorCommand command;
   command.stamp.time = now;
   command.action = action;
   command.robot = robot;
   bus_.publish(bus::kCommand, command);
+  return true;
 }
 
 std::vector<std::string> OperatorDesk::robots() const {
@@ -152,15 +181,19 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
   return out;
 }
 
-void run_console(bus::Bus& bus, const bus::Clock& clock, const std::function<bool()>& stop) {
+bool run_console(bus::Bus& bus, const bus::Clock& clock, bool is_allowed_second,
+                 const std::function<bool()>& stop) {
+  bool was_refused = false;
   {
-    ConsoleSession session(bus, clock);
+    ConsoleSession session(bus, clock, is_allowed_second);
     while (!session.is_over() && !stop()) {
       bus.handle(std::chrono::milliseconds(20));
       session.step();
     }
+    was_refused = session.was_refused();
   }
   print_line(kFarewell);
+  return !was_refused;
 }
 
 }  // namespace vantage::tools

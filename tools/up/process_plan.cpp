@@ -4,6 +4,41 @@
 
 namespace vantage::tools {
 
+namespace {
+
+using models::DeviceSource;
+
+bool has_driver(const models::RobotSpec& robot) { return robot.device != DeviceSource::kDirect; }
+
+}  // namespace
+
+std::vector<std::string> robots_with_driver(const models::Scenario& scenario) {
+  std::vector<std::string> out;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    if (has_driver(robot)) {
+      out.push_back(robot.name);
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> device_faults(const models::Scenario& scenario) {
+  std::vector<std::string> out;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    const bool is_real = robot.device == DeviceSource::kReal;
+    if (is_real && scenario.mocap.device != DeviceSource::kReal) {
+      out.push_back("robot " + robot.name +
+                    " is real, and a simulated mocap system does not see it: "
+                    "mocap needs device 'real'");
+    }
+    if (has_driver(robot) && (!robot.autopilot || robot.autopilot->url.empty())) {
+      out.push_back("robot " + robot.name + " has device '" + (is_real ? "real" : "wire") +
+                    "' and no `autopilot: {url: …}` to reach it by");
+    }
+  }
+  return out;
+}
+
 std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
                                       const ProcessPlaces& places) {
   const auto command = [&places](const std::string& program) {
@@ -11,18 +46,27 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
                                     places.scenario_path, "--url", places.url};
   };
   std::vector<ProcessSpec> out;
+  const auto add_for = [&](const std::string& program, const std::string& robot) {
+    ProcessSpec process{program + " " + robot, command("vantage-" + program)};
+    process.arguments.insert(process.arguments.end(), {"--robot", robot});
+    out.push_back(std::move(process));
+  };
   const bool is_simulated =
-      scenario.mocap.device != models::DeviceSource::kReal ||
+      places.has_virtual_targets || scenario.mocap.device != DeviceSource::kReal ||
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
-                  [](const auto& robot) { return robot.device != models::DeviceSource::kReal; });
+                  [](const auto& robot) { return robot.device != DeviceSource::kReal; });
   if (is_simulated) {
     out.push_back({"sim", command("vantage-sim")});
   }
+  if (scenario.mocap.device != DeviceSource::kDirect) {
+    out.push_back({"vicon", command("vantage-vicon")});
+  }
+  for (const std::string& robot : robots_with_driver(scenario)) {
+    add_for("quadrotor", robot);
+  }
   for (const std::string program : {"sensor", "estimator", "planner"}) {
     for (const models::RobotSpec& robot : scenario.robots) {
-      ProcessSpec process{program + " " + robot.name, command("vantage-" + program)};
-      process.arguments.insert(process.arguments.end(), {"--robot", robot.name});
-      out.push_back(std::move(process));
+      add_for(program, robot.name);
     }
   }
   return out;

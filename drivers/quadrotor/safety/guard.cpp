@@ -95,7 +95,11 @@ bool FlightGuard::Parts::keeps_to_course(Time now) const {
 
 BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
-  if (keeps_to_course(now)) {
+  // One that has only just been told to go is not carried on by a plan that it must not begin.
+  const double asked_mps = course.at(now).velocity_world_mps.norm();
+  const bool sets_off =
+      reaction_s <= 0.0 && asked_mps > 2.0 * pose.velocity_world_mps().norm() + 0.1;
+  if (keeps_to_course(now) && !sets_off) {
     const Eigen::Vector3d offset_m = here_m - course.at(now).position_world_m;
     return BrakeWay::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
                            limits.vehicle.brake_mps2, reaction_s, offset_m);

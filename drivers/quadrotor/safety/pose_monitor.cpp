@@ -95,7 +95,6 @@ void PoseMonitor::begin(const Pose3& pose, Time now) {
   pose_ = pose;
   velocity_mps_.setZero();
   accepted_at_ = now;
-  last_seen_ = pose;
   identical_since_ = now;
   rejected_ = 0;
   accepted_ = 1;
@@ -108,6 +107,9 @@ void PoseMonitor::update(const Pose3& pose, Time now) {
     const Eigen::Vector3d measured_mps = (pose.translation_m - pose_.translation_m) / gap_s;
     velocity_mps_ += -std::expm1(-gap_s / kVelocityMemoryS) * (measured_mps - velocity_mps_);
   }
+  if (!is_same(pose, pose_)) {
+    identical_since_ = now;
+  }
   pose_ = pose;
   accepted_at_ = now;
   rejected_ = 0;
@@ -116,12 +118,8 @@ void PoseMonitor::update(const Pose3& pose, Time now) {
 
 bool PoseMonitor::is_stuck(const Pose3& pose, const BodyContext& context,
                            const SafetyLimits& limits, Time now) {
-  if (!is_same(pose, last_seen_)) {
-    last_seen_ = pose;
-    identical_since_ = now;
-    return false;
-  }
-  if (context.may_rest) {
+  // Against the last one accepted: a wrong pose in between makes a repeated one no newer.
+  if (!is_same(pose, pose_) || context.may_rest) {
     return false;
   }
   const double allowed_s =

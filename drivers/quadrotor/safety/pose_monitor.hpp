@@ -62,8 +62,7 @@ class PoseMonitor {
   Pose3 pose_;
   Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
   Time accepted_at_{};
-  Pose3 last_seen_;  ///< whatever became of it
-  Time identical_since_{};
+  Time identical_since_{};  ///< when pose_ was first accepted
   int rejected_ = 0;
   int accepted_ = 0;
 };

@@ -30,10 +30,18 @@ ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const models::Scena
     : bus_(bus),
       clock_(clock),
       driver_(checked(scenario.mocap),
-              [this](const models::MocapFrame& frame) { bus_.publish(bus::kVicon, frame); }),
+              [this](models::MocapFrame frame) {
+                virtual_bodies_.add_to(frame);
+                bus_.publish(bus::kVicon, std::move(frame));
+              }),
       link_(driver_, [this] { return moment(); }),
       say_(std::move(say)),
-      next_tick_(clock.now()) {}
+      next_tick_(clock.now()) {
+  if (scenario.mocap.device == models::DeviceSource::kReal) {  // a simulated one sees them itself
+    bus_.subscribe<models::TruthFrame>(
+        bus::kTruth, [this](const models::TruthFrame& truth) { virtual_bodies_.on_truth(truth); });
+  }
+}
 
 vicon::Moment ViconNode::moment() const { return {clock_.now(), Duration{monotonic_ns() / 1'000}}; }
 
@@ -84,7 +92,8 @@ std::vector<models::NamedCount> ViconNode::counters() const {
                                             {"vicon.poses_swapped", frame.poses_swapped},
                                             {"vicon.poses_unconfirmed", frame.poses_unconfirmed},
                                             {"vicon.names_refused", frame.names_refused},
-                                            {"vicon.names_twice", frame.names_twice}};
+                                            {"vicon.names_twice", frame.names_twice},
+                                            {"vicon.names_taken", virtual_bodies_.names_taken()}};
   std::vector<models::NamedCount> counted;
   std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
                [](const models::NamedCount& counter) { return counter.count != 0; });

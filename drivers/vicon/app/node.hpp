@@ -10,12 +10,14 @@
 #include "core/time.hpp"
 #include "drivers/vicon/driver.hpp"
 #include "drivers/vicon/socket_link.hpp"
+#include "drivers/vicon/virtual_bodies.hpp"
 #include "models/scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
-/// vantage-vicon on the bus: the mocap server's wire in, VICON out. Its state of affairs goes, as
-/// one sentence when it changes to something new, to `say`.
+/// vantage-vicon on the bus: the mocap server's wire in, VICON out. A real mocap's frames are
+/// joined by the bodies that a simulator publishes on TRUTH. Its state of affairs goes, as one
+/// sentence when it changes to something new, to `say`.
 class ViconNode : public bus::Node {
  public:
   /// @throws StartupError for a scenario whose mocap is `direct`: then the simulator publishes
@@ -37,6 +39,7 @@ class ViconNode : public bus::Node {
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
+  vicon::VirtualBodies virtual_bodies_;
   vicon::ViconDriver driver_;
   vicon::SocketLink link_;
   std::function<void(const std::string&)> say_;

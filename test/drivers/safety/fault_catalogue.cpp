@@ -1,5 +1,6 @@
 #include "test/drivers/safety/fault_catalogue.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace vantage::test {
@@ -21,21 +22,30 @@ constexpr double kRound = 1.0 + kTicks;
 VehicleKnobs& q1(FlightBench& bench) { return bench.vehicle("Q1").knobs; }
 VehicleKnobs& q2(FlightBench& bench) { return bench.vehicle("Q2").knobs; }
 
+// Of two faults of one plan the first counts.
+void spoil(VehicleKnobs& knobs, PlanFault fault) {
+  knobs.plan = knobs.plan == PlanFault::kNone ? fault : knobs.plan;
+}
+
 template <BodyFault fault>
 void body_always(FlightBench& bench, double) {
-  q1(bench).body = fault;
+  q1(bench).body.push_back(fault);
 }
 template <int milliseconds, BodyFault fault>
 void body_for(FlightBench& bench, double since_s) {
-  q1(bench).body = since_s < 1e-3 * milliseconds ? fault : BodyFault::kNone;
+  if (since_s < 1e-3 * milliseconds) {
+    q1(bench).body.push_back(fault);
+  }
 }
 template <PlanFault fault>
 void plan_always(FlightBench& bench, double) {
-  q1(bench).plan = fault;
+  spoil(q1(bench), fault);
 }
 template <PlanFault fault>
 void plan_once(FlightBench& bench, double since_s) {
-  q1(bench).plan = since_s < 1.0 ? fault : PlanFault::kNone;
+  if (since_s < 1.0) {
+    spoil(q1(bench), fault);
+  }
 }
 // True during one tick only.
 bool is_at(double since_s, double at_s) { return std::abs(since_s - at_s) < 0.004; }
@@ -85,7 +95,9 @@ std::vector<Fault> mocap_faults() {
          if (is_at(since_s, 0.0)) {
            bench.room().says = OperatorAction::kHold;
          }
-         q1(bench).body = since_s >= 2.0 ? BodyFault::kFrozen : BodyFault::kNone;
+         if (since_s >= 2.0) {
+           q1(bench).body.push_back(BodyFault::kFrozen);
+         }
        },
        {{kHold, kTicks}, {kLand, 0.55 + kTicks}, {kKilled, 10.0}},
        "pose lost",
@@ -129,7 +141,9 @@ std::vector<Fault> mocap_faults() {
        "",
        "Q1",
        0.0,
-       [](FlightBench& bench, double since_s) { q1(bench).offset_m = since_s < 0.005 ? 1.0 : 0.0; },
+       [](FlightBench& bench, double since_s) {
+         q1(bench).offset_m += since_s < 0.005 ? 1.0 : 0.0;
+       },
        {},
        nullptr,
        "pose.jump",
@@ -168,7 +182,9 @@ std::vector<Fault> mocap_faults() {
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.05},
       {9,
        "rate falls to 8 Hz",
        "",
@@ -184,17 +200,23 @@ std::vector<Fault> mocap_faults() {
        "",
        "all",
        0.0,
-       [](FlightBench& bench, double) { bench.room().mocap_latency_s = 0.035; },
+       [](FlightBench& bench, double) {
+         bench.room().mocap_latency_s = std::max(0.035, bench.room().mocap_latency_s);
+       },
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.04},
       {9,
        "latency 5 to 155 ms",
        "",
        "all",
        0.0,
-       [](FlightBench& bench, double) { bench.room().mocap_latency_s = 0.155; },
+       [](FlightBench& bench, double) {
+         bench.room().mocap_latency_s = std::max(0.155, bench.room().mocap_latency_s);
+       },
        {{kHold, 0.10 + kTicks}},
        "pose late",
        nullptr,
@@ -208,7 +230,9 @@ std::vector<Fault> mocap_faults() {
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.06},
       {10,
        "mocap clock one hour on",
        "",
@@ -250,7 +274,9 @@ std::vector<Fault> mocap_faults() {
        {},
        nullptr,
        nullptr,
-       kFollow},
+       kFollow,
+       false,
+       0.04},
   };
 }
 
@@ -269,7 +295,9 @@ std::vector<Fault> plan_faults() {
        "Q1",
        0.0,
        [](FlightBench& bench, double since_s) {
-         q1(bench).plan = since_s < 0.7 ? PlanFault::kDropped : PlanFault::kNone;
+         if (since_s < 0.7) {
+           spoil(q1(bench), PlanFault::kDropped);
+         }
        },
        {},
        nullptr,
@@ -277,7 +305,9 @@ std::vector<Fault> plan_faults() {
        kFollow},
       {15, "planner cut off for 5 s, then back", "plans do not arrive", "Q1", 0.0,
        [](FlightBench& bench, double since_s) {
-         q1(bench).plan = since_s < 5.0 ? PlanFault::kDropped : PlanFault::kNone;
+         if (since_s < 5.0) {
+           spoil(q1(bench), PlanFault::kDropped);
+         }
        },
        at_plan_end, "no plan", nullptr, kFollow},
       {23, "planner killed", "", "Q1", 0.0,
@@ -289,7 +319,9 @@ std::vector<Fault> plan_faults() {
        "Q1",
        0.0,
        [](FlightBench& bench, double since_s) {
-         q1(bench).plan = since_s < 4.0 ? PlanFault::kDropped : PlanFault::kNone;
+         if (since_s < 4.0) {
+           spoil(q1(bench), PlanFault::kDropped);
+         }
          q1(bench).second_planner = true;
        },
        {{kHold, 4.0}},
@@ -343,8 +375,8 @@ std::vector<Fault> plan_faults() {
        0.0,
        [](FlightBench& bench, double since_s) {
          if (since_s < 2.0) {
-           q1(bench).plan = PlanFault::kHeadOn;
-           q2(bench).plan = PlanFault::kHeadOn;
+           spoil(q1(bench), PlanFault::kHeadOn);
+           spoil(q2(bench), PlanFault::kHeadOn);
          }
        },
        {{kHold, 3.5}},
@@ -357,7 +389,7 @@ std::vector<Fault> plan_faults() {
        "Q2 at Q1, unseen by the plan check",
        "Q2",
        0.0,
-       [](FlightBench& bench, double) { q2(bench).plan = PlanFault::kHeadOn; },
+       [](FlightBench& bench, double) { spoil(q2(bench), PlanFault::kHeadOn); },
        {{kHold, 3.0}},
        "separation",
        nullptr,
@@ -469,7 +501,9 @@ std::vector<Fault> vehicle_faults() {
        "10 %",
        "Q1",
        0.0,
-       [](FlightBench& bench, double) { q1(bench).battery_share = 0.10; },
+       [](FlightBench& bench, double) {
+         q1(bench).battery_share = std::min(0.10, q1(bench).battery_share.value_or(1.0));
+       },
        {{kLand, 3.5 + kTicks}},
        "battery critical",
        nullptr,
@@ -491,7 +525,7 @@ std::vector<Fault> vehicle_faults() {
        0.0,
        [](FlightBench& bench, double since_s) {
          if (since_s < 1.0) {
-           q1(bench).battery_share = 0.10;
+           q1(bench).battery_share = std::min(0.10, q1(bench).battery_share.value_or(1.0));
          }
        },
        {},
@@ -503,7 +537,9 @@ std::vector<Fault> vehicle_faults() {
        "20 %",
        "Q1",
        0.0,
-       [](FlightBench& bench, double) { q1(bench).battery_share = 0.20; },
+       [](FlightBench& bench, double) {
+         q1(bench).battery_share = std::min(0.20, q1(bench).battery_share.value_or(1.0));
+       },
        {},
        "battery low",
        nullptr,
@@ -553,7 +589,7 @@ std::vector<Fault> vehicle_faults() {
        "nothing either way",
        "Q1",
        0.0,
-       [](FlightBench& bench, double since_s) { q1(bench).link_cut = since_s < 1.2; },
+       [](FlightBench& bench, double since_s) { q1(bench).link_cut |= since_s < 1.2; },
        {{kHold, 0.5 + kTicks}},
        "telemetry stale",
        nullptr,
@@ -593,7 +629,7 @@ std::vector<Fault> vehicle_faults() {
        "",
        "Q1",
        0.0,
-       [](FlightBench& bench, double since_s) { q1(bench).is_stalled = since_s < 0.04; },
+       [](FlightBench& bench, double since_s) { q1(bench).is_stalled |= since_s < 0.04; },
        {},
        nullptr,
        nullptr,
@@ -605,7 +641,7 @@ std::vector<Fault> vehicle_faults() {
        "",
        "Q1",
        0.0,
-       [](FlightBench& bench, double since_s) { q1(bench).is_stalled = since_s < 0.4; },
+       [](FlightBench& bench, double since_s) { q1(bench).is_stalled |= since_s < 0.4; },
        {{kHold, 0.4 + kTicks}},
        "own stall",
        "tick.stalls",
@@ -622,7 +658,7 @@ std::vector<Fault> operator_faults() {
        "no heartbeat",
        "all",
        0.0,
-       [](FlightBench& bench, double since_s) { bench.room().operator_silent = since_s < 0.8; },
+       [](FlightBench& bench, double since_s) { bench.room().operator_silent |= since_s < 0.8; },
        {},
        nullptr,
        nullptr,
@@ -632,7 +668,7 @@ std::vector<Fault> operator_faults() {
        "no heartbeat",
        "all",
        0.0,
-       [](FlightBench& bench, double since_s) { bench.room().operator_silent = since_s < 2.0; },
+       [](FlightBench& bench, double since_s) { bench.room().operator_silent |= since_s < 2.0; },
        {{kHold, 1.0 + kTicks}},
        "operator quiet",
        nullptr,
@@ -649,7 +685,7 @@ std::vector<Fault> operator_faults() {
        kIdle},
       {17,
        "first station lost, a second beats on",
-       "it says follow and arm, too",
+       "it says follow, too",
        "all",
        0.0,
        [](FlightBench& bench, double) {
@@ -723,7 +759,9 @@ std::vector<Fault> operator_faults() {
        "and says follow and arm",
        "all",
        0.0,
-       [](FlightBench& bench, double) { bench.room().second_station = true; },
+       [](FlightBench& bench, double) {
+         bench.room().second_station = bench.room().second_arms = true;
+       },
        {},
        nullptr,
        "command.refused",
@@ -745,6 +783,14 @@ std::vector<Fault> operator_faults() {
   };
 }
 
+// See Fault::needs_quiet.
+constexpr const char* kNeedQuiet[] = {
+    "head-on at 2 m/s",         "planner that keeps flying at a teammate",
+    "pushed aside by a hand",   "driven at the fence",
+    "driven through the fence", "estimate 0.5 m off",
+    "estimate 1.5 m off",       "stuck while moving",
+    "stuck while hovering"};
+
 }  // namespace
 
 const std::vector<Fault>& fault_catalogue() {
@@ -752,6 +798,11 @@ const std::vector<Fault>& fault_catalogue() {
     std::vector<Fault> all;
     for (auto part : {mocap_faults(), plan_faults(), vehicle_faults(), operator_faults()}) {
       all.insert(all.end(), part.begin(), part.end());
+    }
+    for (Fault& fault : all) {
+      for (const char* name : kNeedQuiet) {
+        fault.needs_quiet = fault.needs_quiet || std::string(fault.name) == name;
+      }
     }
     std::stable_sort(all.begin(), all.end(),
                      [](const Fault& a, const Fault& b) { return a.number < b.number; });

@@ -31,6 +31,9 @@ struct Fault {
   models::FlightState end = models::FlightState::kFollow;
   bool trusts_plans = false;  ///< see FlightBench
   double delays_s = 0.0;      ///< for so long nothing else can be noticed either
+  /// It only strikes who flies on and is seen. Beside a fault that changes the state it may find
+  /// nothing to strike; then only what must never happen is asked.
+  bool needs_quiet = false;
 };
 
 /// All of them, by number.
@@ -54,8 +57,8 @@ struct FaultRun {
   double closest_m = 0.0;
 };
 
-/// Flies up, begins the faults one after the other, kStaggerS apart, and goes on for `lasts_s`.
 inline constexpr double kStaggerS = 0.25;
+/// Flies up, begins the faults one after the other, kStaggerS apart, and goes on for `lasts_s`.
 FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, double lasts_s = 16.0);
 
 }  // namespace vantage::test

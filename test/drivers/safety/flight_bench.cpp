@@ -28,6 +28,10 @@ constexpr double kGravityMps2 = 9.81;
 constexpr double kEstimatorBlindS = 5.0;  // it calls itself good for so long without a pose
 constexpr double kDriftMps = 0.05;        // of its estimate meanwhile
 
+bool has(const VehicleKnobs& knobs, BodyFault fault) {
+  return std::find(knobs.body.begin(), knobs.body.end(), fault) != knobs.body.end();
+}
+
 }  // namespace
 
 models::Scenario FlightBench::scenario() {
@@ -149,44 +153,46 @@ void FlightBench::spoil(models::MocapFrame& frame) {
       }
     }
     pose.translation_m.x() += knobs.offset_m;
-    if (knobs.body != BodyFault::kFrozen) {
+    if (!has(knobs, BodyFault::kFrozen)) {
       vehicle.frozen = pose;
     }
-    switch (knobs.body) {
-      case BodyFault::kNone:
-      case BodyFault::kAbsent:
-      case BodyFault::kDuplicated:
-        break;
-      case BodyFault::kOccluded:
-        frame.bodies[i].occluded = true;
-        break;
-      case BodyFault::kFrozen:
-        pose = vehicle.frozen;
-        break;
-      case BodyFault::kNotANumber:
-        pose.translation_m.y() = std::nan("");
-        break;
-      case BodyFault::kZeroQuaternion:
-        pose.rotation.coeffs().setZero();
-        break;
-      case BodyFault::kLongQuaternion:
-        pose.rotation.coeffs() *= 1.5;
-        break;
-      case BodyFault::kMillimetres:
-        pose.translation_m *= 1000.0;
-        break;
-      case BodyFault::kMirrored:
-        pose.translation_m.y() = -pose.translation_m.y() - 0.7;
-        break;
-      case BodyFault::kUpsideDown:
-        pose.rotation = pose.rotation * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
-        break;
+    for (const BodyFault fault : knobs.body) {
+      switch (fault) {
+        case BodyFault::kNone:
+        case BodyFault::kAbsent:
+        case BodyFault::kDuplicated:
+          break;
+        case BodyFault::kOccluded:
+          frame.bodies[i].occluded = true;
+          break;
+        case BodyFault::kFrozen:
+          pose = vehicle.frozen;
+          break;
+        case BodyFault::kNotANumber:
+          pose.translation_m.y() = std::nan("");
+          break;
+        case BodyFault::kZeroQuaternion:
+          pose.rotation.coeffs().setZero();
+          break;
+        case BodyFault::kLongQuaternion:
+          pose.rotation.coeffs() *= 1.5;
+          break;
+        case BodyFault::kMillimetres:
+          pose.translation_m *= 1000.0;
+          break;
+        case BodyFault::kMirrored:
+          pose.translation_m.y() = -pose.translation_m.y() - 0.7;
+          break;
+        case BodyFault::kUpsideDown:
+          pose.rotation = pose.rotation * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+          break;
+      }
     }
   }
   for (std::size_t i = vehicles_.size(); i-- > 0;) {
-    if (vehicles_[i].knobs.body == BodyFault::kAbsent) {
+    if (has(vehicles_[i].knobs, BodyFault::kAbsent)) {
       frame.bodies.erase(frame.bodies.begin() + static_cast<std::ptrdiff_t>(i));
-    } else if (vehicles_[i].knobs.body == BodyFault::kDuplicated) {
+    } else if (has(vehicles_[i].knobs, BodyFault::kDuplicated)) {
       models::MocapBody twin = frame.bodies[i];
       twin.world_from_body.translation_m.x() += 0.4;
       frame.bodies.push_back(twin);
@@ -368,7 +374,9 @@ void FlightBench::operate() {
   }
   if (room_.second_station && ticks_ % 20 == 5) {
     say(OperatorAction::kHeartbeat, kOtherStationRun, other_sequence_);
-    say(OperatorAction::kArm, kOtherStationRun, other_sequence_);
+    if (room_.second_arms) {
+      say(OperatorAction::kArm, kOtherStationRun, other_sequence_);
+    }
     say(OperatorAction::kFollow, kOtherStationRun, other_sequence_);
   }
   if (room_.other_says) {

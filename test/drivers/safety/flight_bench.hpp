@@ -58,8 +58,8 @@ enum class BodyFault {
 
 /// What is wrong with one vehicle and its world during one tick.
 struct VehicleKnobs {
-  BodyFault body = BodyFault::kNone;
-  double offset_m = 0.0;  ///< of its pose, along x
+  std::vector<BodyFault> body;  ///< all of them
+  double offset_m = 0.0;        ///< of its pose, along x
   std::string swapped_with;
   PlanFault plan = PlanFault::kNone;
   bool second_planner = false;
@@ -91,8 +91,9 @@ struct RoomKnobs {
   bool mocap_dead = false;
   bool ghost_body = false;
   bool operator_silent = false;
-  bool second_station = false;                 ///< one that beats and says `land`, `follow`, `arm`
-  std::optional<models::OperatorAction> says;  ///< the operator, at this tick
+  bool second_station = false;                       ///< one that beats and says `follow`
+  bool second_arms = false;                          ///< and `arm`
+  std::optional<models::OperatorAction> says;        ///< the operator, at this tick
   std::optional<models::OperatorAction> other_says;  ///< another station
 };
 

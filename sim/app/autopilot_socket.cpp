@@ -1,0 +1,139 @@
+#include "sim/app/autopilot_socket.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <system_error>
+
+#include <arpa/inet.h>
+#include <netdb.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "core/check.hpp"
+
+namespace vantage::sim {
+namespace {
+
+struct Address {
+  std::string host;
+  std::uint16_t port = 0;
+};
+
+Address parse(const std::string& url, std::size_t scheme_length) {
+  const std::string rest = url.substr(scheme_length);
+  const std::size_t colon = rest.rfind(':');
+  int port = 0;
+  if (colon != std::string::npos) {
+    std::from_chars(rest.data() + colon + 1, rest.data() + rest.size(), port);
+  }
+  if (port < 1 || port > 65535) {
+    throw StartupError(url + ": a port from 1 to 65535 is expected after the last ':'");
+  }
+  return {rest.substr(0, colon), static_cast<std::uint16_t>(port)};
+}
+
+sockaddr_in resolve(const Address& address) {
+  sockaddr_in out{};
+  out.sin_family = AF_INET;
+  out.sin_port = htons(address.port);
+  out.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (!address.host.empty() && address.host != "0.0.0.0") {
+    addrinfo hints{};
+    hints.ai_family = AF_INET;
+    addrinfo* found = nullptr;
+    const int error = getaddrinfo(address.host.c_str(), nullptr, &hints, &found);
+    if (error != 0) {
+      throw StartupError("host " + address.host + ": " + gai_strerror(error));
+    }
+    sockaddr_in first{};
+    std::memcpy(&first, found->ai_addr, sizeof first);
+    out.sin_addr = first.sin_addr;
+    freeaddrinfo(found);
+  }
+  return out;
+}
+
+/// The C API's word for an address of any family.
+const sockaddr* as_sockaddr(const sockaddr_in& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+Time arrival_of(msghdr& message) {
+  timespec stamp{};
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+       part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SCM_TIMESTAMPNS) {
+      std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
+    }
+  }
+  return from_utime(stamp.tv_sec * 1'000'000 + stamp.tv_nsec / 1'000);
+}
+
+}  // namespace
+
+AutopilotSocket::AutopilotSocket(const std::string& driver_url) {
+  constexpr const char* kDriverWaits = "udp://";
+  constexpr const char* kDriverSpeaks = "udpout://";
+  const bool speaks_first = driver_url.starts_with(kDriverWaits);
+  if (!speaks_first && !driver_url.starts_with(kDriverSpeaks)) {
+    throw StartupError("autopilot '" + driver_url +
+                       "': a simulated one is reached by udp:// or udpout:// only");
+  }
+  const sockaddr_in address =
+      resolve(parse(driver_url, std::strlen(speaks_first ? kDriverWaits : kDriverSpeaks)));
+  fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int on = 1;
+  if (fd_ < 0 || setsockopt(fd_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
+    throw StartupError("cannot make a UDP socket: " + std::system_category().message(errno));
+  }
+  if (speaks_first) {
+    driver_ = address;
+  } else if (bind(fd_, as_sockaddr(address), sizeof address) != 0) {
+    const std::string why = std::system_category().message(errno);
+    close(fd_);
+    throw StartupError(driver_url + ": " + why);
+  }
+}
+
+AutopilotSocket::~AutopilotSocket() { close(fd_); }
+
+std::optional<AutopilotSocket::Datagram> AutopilotSocket::read(std::span<std::uint8_t> buffer) {
+  while (true) {
+    sockaddr_in from{};
+    iovec place{buffer.data(), buffer.size()};
+    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(timespec))> extra{};
+    msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof from;
+    message.msg_iov = &place;
+    message.msg_iovlen = 1;
+    message.msg_control = extra.data();
+    message.msg_controllen = extra.size();
+    const ssize_t got = recvmsg(fd_, &message, 0);
+    if (got < 0 && (errno == EINTR || errno == ECONNREFUSED)) {
+      continue;  // a refusal answers an earlier datagram
+    }
+    if (got < 0) {
+      return std::nullopt;
+    }
+    driver_ = from;
+    if (got > 0) {
+      return Datagram{static_cast<std::size_t>(got), arrival_of(message)};
+    }
+  }
+}
+
+void AutopilotSocket::write(std::span<const std::uint8_t> datagram) {
+  if (!driver_) {
+    return;
+  }
+  const ssize_t sent =
+      sendto(fd_, datagram.data(), datagram.size(), 0, as_sockaddr(*driver_), sizeof *driver_);
+  if (sent != static_cast<ssize_t>(datagram.size()) && errno != ECONNREFUSED) {
+    ++send_errors_;
+  }
+}
+
+}  // namespace vantage::sim

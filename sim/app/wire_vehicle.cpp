@@ -1,0 +1,114 @@
+#include "sim/app/wire_vehicle.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include "core/check.hpp"
+#include "models/wire/mavlink/messages.hpp"
+#include "models/wire/mavlink/vocabulary.hpp"
+
+namespace vantage::sim {
+namespace {
+
+namespace wire = models::mavlink;
+
+constexpr int kReadsMax = 64;  // in one exchange: a flood must not stop the world
+
+const models::AutopilotSpec& autopilot_of(const models::RobotSpec& robot) {
+  if (!robot.autopilot || robot.autopilot->url.empty()) {
+    throw StartupError("robot " + robot.name +
+                       " has device 'wire': it needs an `autopilot` with a `url`");
+  }
+  if (!robot.autopilot->key_file.empty()) {
+    throw StartupError("robot " + robot.name +
+                       ": the simulated autopilot does not sign; leave `key_file` out");
+  }
+  return *robot.autopilot;
+}
+
+AutopilotEmulatorSpec spec_of(const models::RobotSpec& robot, std::uint8_t system_id,
+                              std::uint64_t seed) {
+  const models::AutopilotSpec& autopilot = autopilot_of(robot);
+  AutopilotEmulatorSpec spec;
+  spec.dialect = autopilot.dialect;
+  spec.system_id =
+      autopilot.system_id > 0 ? static_cast<std::uint8_t>(autopilot.system_id) : system_id;
+  spec.start = lift(robot.start, 0.0);
+  spec.seed = seed;
+  return spec;
+}
+
+Time step_at_or_before(Time time) {
+  const Duration step = AutopilotEmulator::kStep;
+  return from_utime(to_utime(time) / step.count() * step.count());
+}
+
+void add(const std::string& name, const LatencyRecord& record,
+         std::vector<models::NamedCount>& out) {
+  if (record.count() > 0) {
+    out.push_back({name + "_p50_us", record.percentile_us(0.5)});
+    out.push_back({name + "_p99_us", record.percentile_us(0.99)});
+    out.push_back({name + "_max_us", record.max_us()});
+  }
+}
+
+}  // namespace
+
+WireVehicle::WireVehicle(const models::RobotSpec& robot, std::uint8_t system_id, std::uint64_t seed,
+                         Time start)
+    : name_(robot.name),
+      radius_m_(robot.limits.radius_m),
+      emulator_(spec_of(robot, system_id, seed), step_at_or_before(start)),
+      socket_(autopilot_of(robot).url),
+      stepped_(step_at_or_before(start)) {}
+
+void WireVehicle::step(Time now, double dt_s) {
+  stepped_ = std::max(stepped_, step_at_or_before(now + from_seconds(dt_s)));
+  emulator_.advance_to(stepped_);
+}
+
+void WireVehicle::exchange(Time now) {
+  // Within the step that it stands at, or the emulator would leave steps out.
+  const Time heard = std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
+  for (int i = 0; i < kReadsMax; ++i) {
+    const std::optional<AutopilotSocket::Datagram> datagram = socket_.read(buffer_);
+    if (!datagram) {
+      break;
+    }
+    const std::span<const std::uint8_t> bytes(buffer_.data(), datagram->bytes);
+    watcher_.feed(bytes, [&](const wire::Frame& frame) { measure(frame, datagram->arrival); });
+    emulator_.receive(bytes, heard);
+  }
+  for (const std::vector<std::uint8_t>& datagram : emulator_.take_output()) {
+    socket_.write(datagram);
+  }
+}
+
+void WireVehicle::measure(const wire::Frame& frame, Time arrival) {
+  std::optional<std::uint64_t> capture_us;
+  if (const auto odometry = wire::unpack<wire::Odometry>(frame)) {
+    capture_us = odometry->time_usec;
+  } else if (const auto vision = wire::unpack<wire::VisionPositionEstimate>(frame)) {
+    capture_us = vision->usec;
+  }
+  if (capture_us) {
+    newest_capture_ = from_utime(static_cast<std::int64_t>(*capture_us));
+    pose_age_.add(arrival - newest_capture_);
+  } else if (newest_capture_ != Time{} && wire::unpack<wire::SetPositionTargetLocalNed>(frame)) {
+    setpoint_age_.add(arrival - newest_capture_);
+  }
+}
+
+std::vector<models::NamedCount> WireVehicle::counters() const {
+  std::vector<models::NamedCount> out;
+  const std::string prefix = "wire." + name_ + ".";
+  add(prefix + "pose", pose_age_, out);
+  add(prefix + "setpoint", setpoint_age_, out);
+  out.push_back({prefix + "ignored", emulator_.ignored()});
+  out.push_back({prefix + "bytes_skipped", watcher_.counts().bytes_skipped});
+  out.push_back({prefix + "send_errors", socket_.send_errors()});
+  return out;
+}
+
+}  // namespace vantage::sim

@@ -1,0 +1,86 @@
+#include "drivers/quadrotor/safety/authority.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vantage::drivers {
+namespace {
+
+using models::OperatorAction;
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr double kSilentS = 1.0;
+
+models::OperatorCommand command(OperatorAction action, std::int64_t run, std::int64_t sequence,
+                                double at_s) {
+  models::OperatorCommand out;
+  out.stamp = {kStart + from_seconds(at_s), run, sequence};
+  out.action = action;
+  return out;
+}
+
+TEST(PlannerLease, ObeysTheFirstUntilItIsSilentForTheLease) {
+  PlannerLease lease;
+  EXPECT_TRUE(lease.admit(1, kStart, 2.0));
+  EXPECT_FALSE(lease.admit(2, kStart + from_seconds(1.0), 2.0));
+  EXPECT_TRUE(lease.is_contested(kStart + from_seconds(1.5), 2.0));
+  EXPECT_TRUE(lease.admit(1, kStart + from_seconds(1.9), 2.0));
+  EXPECT_FALSE(lease.admit(2, kStart + from_seconds(3.8), 2.0));
+  EXPECT_TRUE(lease.admit(2, kStart + from_seconds(4.0), 2.0));
+  EXPECT_FALSE(lease.admit(1, kStart + from_seconds(4.1), 2.0)) << "the one that woke up";
+  EXPECT_EQ(lease.takeovers(), 1);
+}
+
+class Authority : public testing::Test {
+ protected:
+  bool admit(OperatorAction action, std::int64_t run, double at_s) {
+    return authority.admit(command(action, run, sequence++, at_s), kStart + from_seconds(at_s),
+                           kSilentS);
+  }
+  OperatorAuthority authority;
+  std::int64_t sequence = 0;
+};
+
+TEST_F(Authority, TakesWhatIsSaferFromAnyoneAndTheRestFromTheFirst) {
+  EXPECT_FALSE(admit(OperatorAction::kArm, 1, 0.0)) << "nobody beats yet";
+  EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.1));
+  EXPECT_FALSE(admit(OperatorAction::kHeartbeat, 2, 0.2));
+  for (const OperatorAction risky :
+       {OperatorAction::kArm, OperatorAction::kTakeOff, OperatorAction::kFollow}) {
+    EXPECT_TRUE(admit(risky, 1, 0.3));
+    EXPECT_FALSE(admit(risky, 2, 0.3));
+  }
+  for (const OperatorAction safer :
+       {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
+    EXPECT_TRUE(admit(safer, 1, 0.4));
+    EXPECT_TRUE(admit(safer, 2, 0.4));
+  }
+}
+
+TEST_F(Authority, CountsOnlyTheHeartbeatOfTheStationInCharge) {
+  EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
+  EXPECT_FALSE(admit(OperatorAction::kHeartbeat, 2, 0.5));
+  EXPECT_TRUE(admit(OperatorAction::kHold, 2, 0.9));
+  EXPECT_DOUBLE_EQ(authority.age_s(kStart + from_seconds(0.9)), 0.9);
+}
+
+TEST_F(Authority, PassesToAnotherStationOnlyAfterSilence) {
+  EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
+  EXPECT_FALSE(admit(OperatorAction::kHeartbeat, 2, 0.9));
+  EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 2, 1.1));
+  EXPECT_FALSE(admit(OperatorAction::kArm, 1, 1.2));
+  EXPECT_TRUE(admit(OperatorAction::kEmergencyStop, 1, 1.2)) << "its stop is never silenced";
+  EXPECT_EQ(authority.handovers(), 1);
+}
+
+TEST_F(Authority, TakesNoReplayedOrStaleCommandForLife) {
+  EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
+  const auto arm = command(OperatorAction::kArm, 1, 50, 0.1);
+  EXPECT_TRUE(authority.admit(arm, kStart + from_seconds(0.1), kSilentS));
+  EXPECT_FALSE(authority.admit(arm, kStart + from_seconds(0.2), kSilentS)) << "twice";
+  const auto old = command(OperatorAction::kHeartbeat, 1, 60, 0.2);
+  EXPECT_FALSE(authority.admit(old, kStart + from_seconds(3.0), kSilentS)) << "2.8 s under way";
+  const auto stop = command(OperatorAction::kEmergencyStop, 9, 0, -3600.0);
+  EXPECT_TRUE(authority.admit(stop, kStart + from_seconds(3.0), kSilentS)) << "whatever its clock";
+}
+
+}  // namespace
+}  // namespace vantage::drivers

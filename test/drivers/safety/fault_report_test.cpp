@@ -1,0 +1,21 @@
+#include "test/drivers/safety/fault_report.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+namespace vantage::test {
+namespace {
+
+// After a change: build/dev/bin/fault_report > docs/results/faults.md, and look at the difference.
+TEST(FaultReport, IsTheCommittedPage) {
+  std::ifstream file(VANTAGE_SOURCE_DIR "/docs/results/faults.md");
+  ASSERT_TRUE(file.is_open());
+  std::stringstream committed;
+  committed << file.rdbuf();
+  EXPECT_EQ(committed.str(), fault_report());
+}
+
+}  // namespace
+}  // namespace vantage::test

@@ -1,0 +1,232 @@
+#include "drivers/quadrotor/safety/ladder.hpp"
+
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/allocation_counter.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::FlightState;
+using models::OperatorAction;
+
+SafetyLimits limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
+
+/// A ladder driven tick by tick with inputs that stay as they are set.
+class Driven {
+ public:
+  Driven() { in.autopilot_armed = true; }
+  FlightState step(double seconds = 0.01, std::optional<OperatorAction> request = {}) {
+    in.now += from_seconds(seconds);
+    in.request = request;
+    ladder = step_ladder(ladder, in, lim);
+    return ladder.state;
+  }
+  FlightState wait(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 100.0); ++i) {
+      step();
+    }
+    return ladder.state;
+  }
+  Driven& airborne(bool follows = true) {
+    in.autopilot_armed = false;
+    step(0.01, OperatorAction::kArm);
+    in.autopilot_armed = true;
+    step(0.01, OperatorAction::kTakeOff);
+    in.height_m = 1.0;
+    in.flight_s = 5.0;
+    if (follows) {
+      step(0.01, OperatorAction::kFollow);
+    }
+    return *this;
+  }
+
+  SafetyLimits lim = limits();
+  SafetyInputs in;
+  LadderState ladder;
+};
+
+TEST(StepLadder, TakesOffIntoAHoldAndFollowsWhenTold) {
+  Driven d;
+  EXPECT_EQ(d.airborne(false).ladder.state, FlightState::kHold);
+  EXPECT_EQ(d.wait(5.0), FlightState::kHold);
+  EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
+  EXPECT_EQ(d.step(0.01, OperatorAction::kHold), FlightState::kHold);
+  EXPECT_EQ(d.wait(5.0), FlightState::kHold);
+}
+
+TEST(StepLadder, DoesNotArmWhileAnythingBlocksIt) {
+  Driven d;
+  d.in.autopilot_armed = false;
+  d.in.battery_share = 0.29;
+  d.step(0.01, OperatorAction::kArm);
+  EXPECT_FALSE(d.ladder.wants_armed);
+  d.in.battery_share = 0.31;
+  d.step(0.01, OperatorAction::kArm);
+  EXPECT_TRUE(d.ladder.wants_armed);
+  d.in.operator_age_s = 1.5;
+  d.step();
+  EXPECT_FALSE(d.ladder.wants_armed) << "armed on the ground while the operator is away";
+}
+
+TEST(StepLadder, HoldsForAStalePoseAndGoesOnHalfASecondAfterIt) {
+  Driven d;
+  d.airborne().in.pose_age_s = 0.11;
+  EXPECT_EQ(d.step(), FlightState::kHold);
+  d.in.pose_age_s = 0.0;
+  EXPECT_EQ(d.wait(0.45), FlightState::kHold);
+  EXPECT_EQ(d.wait(0.10), FlightState::kFollow);
+}
+
+TEST(StepLadder, WaitsForTheOperatorWhereTheRowSaysSo) {
+  Driven d;
+  d.airborne().in.poses_rejected = 3;
+  EXPECT_EQ(d.step(), FlightState::kHold);
+  EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kHold) << "still there";
+  d.in.poses_rejected = 0;
+  EXPECT_EQ(d.wait(10.0), FlightState::kHold);
+  EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
+}
+
+TEST(StepLadder, NeverLeavesALandingBeforeTheGround) {
+  Driven d;
+  d.airborne().in.pose_age_s = 0.6;
+  EXPECT_EQ(d.step(), FlightState::kLand);
+  d.in.pose_age_s = 0.0;
+  for (const OperatorAction action :
+       {OperatorAction::kFollow, OperatorAction::kHold, OperatorAction::kTakeOff}) {
+    d.step(0.01, action);
+    EXPECT_EQ(d.wait(2.0), FlightState::kLand);
+  }
+  d.in.height_m = 0.01;
+  d.step();
+  EXPECT_FALSE(d.ladder.wants_armed);
+  d.in.autopilot_armed = false;
+  EXPECT_EQ(d.step(), FlightState::kIdle);
+}
+
+TEST(StepLadder, KeepsAnEmergencyStopUntilArmedAgainOnTheGround) {
+  Driven d;
+  d.airborne().in.emergency_stop = true;
+  EXPECT_EQ(d.step(), FlightState::kKilled);
+  d.in.emergency_stop = false;
+  for (const OperatorAction action :
+       {OperatorAction::kFollow, OperatorAction::kHold, OperatorAction::kLand,
+        OperatorAction::kTakeOff, OperatorAction::kArm}) {
+    EXPECT_EQ(d.step(1.0, action), FlightState::kKilled) << "motors still on";
+  }
+  d.in.autopilot_armed = false;
+  d.in.emergency_stop = true;
+  EXPECT_EQ(d.step(1.0, OperatorAction::kArm), FlightState::kKilled) << "the button is held";
+  d.in.emergency_stop = false;
+  EXPECT_EQ(d.step(1.0, OperatorAction::kArm), FlightState::kIdle);
+  EXPECT_FALSE(d.ladder.wants_armed) << "one arm to clear, one to arm";
+}
+
+TEST(StepLadder, StopsTheMotorsOnTheGroundToo) {
+  Driven d;
+  d.step(0.01, OperatorAction::kArm);
+  EXPECT_TRUE(d.ladder.wants_armed);
+  d.in.emergency_stop = true;
+  EXPECT_EQ(d.step(), FlightState::kKilled);
+  EXPECT_FALSE(d.ladder.wants_armed);
+}
+
+TEST(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
+  Driven d;
+  d.airborne().in.pose_age_s = 1.6;
+  EXPECT_EQ(d.wait(1.0), FlightState::kLand);
+  d.in.height_m = 0.1;
+  EXPECT_EQ(d.step(), FlightState::kKilled);
+}
+
+// Drives each input beyond each limit at random: the state is never less severe than the rows
+// that have held long enough, and never killed without a row or a stop that says so.
+TEST(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
+  test::Random random(11);
+  Driven d;
+  for (int trial = 0; trial < 3000; ++trial) {
+    d = Driven();
+    d.airborne();
+    d.in.pose_age_s = random.coin() ? 0.0 : random.uniform(0.0, 2.0);
+    d.in.poses_rejected = random.coin() ? 0 : random.integer(0, 5);
+    d.in.tracking_error_m = random.coin() ? 0.0 : random.uniform(0.0, 1.5);
+    d.in.fence_now_m = random.uniform(-0.3, 2.0);
+    d.in.fence_stop_m = d.in.fence_now_m - random.uniform(0.0, 0.5);
+    d.in.separation_now_m = random.uniform(0.4, 3.0);
+    d.in.separation_stop_m = d.in.separation_now_m - random.uniform(0.0, 0.5);
+    d.in.battery_share = random.uniform(0.0, 1.0);
+    d.in.operator_age_s = random.coin() ? 0.0 : random.uniform(0.0, 4.0);
+    d.in.heartbeat_age_s = random.coin() ? 0.0 : random.uniform(0.0, 4.0);
+    d.in.tilt_rad = random.uniform(0.0, 1.2);
+    d.in.estimator_good = random.integer(0, 4) > 0;
+    d.wait(4.0);
+    int worst = 0;
+    for (const Condition& row : conditions()) {
+      if (row.holds(d.in, d.lim)) {
+        worst = std::max(worst, static_cast<int>(row.severity));
+      }
+    }
+    const int reached = d.ladder.state == FlightState::kFollow   ? 0
+                        : d.ladder.state == FlightState::kHold   ? 1
+                        : d.ladder.state == FlightState::kLand   ? 2
+                        : d.ladder.state == FlightState::kKilled ? 3
+                                                                 : -1;
+    EXPECT_EQ(reached, worst) << "trial " << trial;
+  }
+}
+
+TEST(StepLadder, AllocatesNothing) {
+  Driven d;
+  d.airborne();
+  const test::AllocationCounter allocations;
+  d.wait(1.0);
+  EXPECT_EQ(allocations.count(), 0u);
+}
+
+// Each row alone, by making the one input cross the one limit: it holds there, not before, and a
+// healthy vehicle has none.
+TEST(Conditions, AreAllSilentForAHealthyVehicleAndHaveTheirOwnNames) {
+  SafetyInputs in;
+  in.flight_s = 5.0;
+  std::set<std::string> names;
+  Severity last = Severity::kKill;
+  for (const Condition& row : conditions()) {
+    EXPECT_FALSE(row.holds(in, limits())) << row.name;
+    EXPECT_TRUE(names.insert(row.name).second) << row.name;
+    EXPECT_LE(row.severity, last) << row.name << " is out of order";
+    EXPECT_GT(std::string(row.limit).size(), 0u);
+    EXPECT_GT(std::string(row.clears).size(), 0u);
+    last = row.severity;
+    const bool is_latched = row.clearing == Clearing::kGround || row.clearing == Clearing::kRearm;
+    EXPECT_EQ(is_latched, row.severity >= Severity::kLand) << row.name;
+  }
+}
+
+TEST(Conditions, AllHoldWhenNothingWasEverHeard) {
+  SafetyInputs in;
+  in.pose_age_s = in.heartbeat_age_s = in.telemetry_age_s = kNever;
+  in.battery_age_s = in.operator_age_s = in.planner_age_s = kNever;
+  in.estimator_good = false;
+  in.poses_accepted = 0;
+  const Reasons blocks = arming_blocks(in, limits());
+  const auto rows = conditions();
+  std::set<std::string> named;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (blocks[i]) {
+      named.insert(rows[i].name);
+    }
+  }
+  for (const char* name : {"pose stale", "pose lost", "pose unsettled", "autopilot quiet",
+                           "autopilot lost", "telemetry stale", "battery silent",
+                           "estimator failed", "operator quiet", "operator lost"}) {
+    EXPECT_TRUE(named.contains(name)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers

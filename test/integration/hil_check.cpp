@@ -1,0 +1,133 @@
+// hil_check LOG
+//
+// Reads the log of a trial with devices on the wire: did every vehicle take off, follow plans of
+// the team and land; did anything touch; is VICON without a gap. Prints what it saw, and how late
+// poses and set-points came to the autopilots. Exit code 0 when all is well.
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "bus/convert.hpp"
+
+namespace {
+
+using namespace vantage;  // NOLINT(google-build-using-namespace): a test's main alone
+using models::FlightState;
+
+struct Flight {
+  std::set<std::int64_t> rounds;  // followed
+  double highest_m = 0.0;
+  double last_m = 0.0;
+  FlightState state = FlightState::kIdle;
+};
+
+struct Seen {
+  std::map<std::string, Flight> flights;
+  std::int64_t frames = 0;
+  std::int64_t frame_gaps = 0;
+  std::int64_t frames_lost_on_lcm = 0;
+  std::optional<models::MocapFrame> last_frame;
+  std::int64_t collisions = 0;
+  std::map<std::string, std::int64_t> counters;  // newest of each process
+};
+
+template <class Message, class Wire>
+std::optional<Message> decode(const lcm::LogEvent& event) {
+  Wire wire;
+  if (wire.decode(event.data, 0, event.datalen) != event.datalen) {
+    return std::nullopt;
+  }
+  return bus::from_wire(wire);
+}
+
+void on_frame(const models::MocapFrame& frame, Seen& seen) {
+  ++seen.frames;
+  if (seen.last_frame) {
+    seen.frame_gaps += frame.frame_number == seen.last_frame->frame_number + 1 ? 0 : 1;
+    seen.frames_lost_on_lcm += frame.stamp.sequence == seen.last_frame->stamp.sequence + 1 ? 0 : 1;
+  }
+  seen.last_frame = frame;
+}
+
+void take(const lcm::LogEvent& event, Seen& seen) {
+  if (event.channel == "VICON") {
+    if (const auto frame = decode<models::MocapFrame, vantage_lcm::vicon_frame_t>(event)) {
+      on_frame(*frame, seen);
+    }
+  } else if (event.channel == "COLLISION") {
+    if (const auto contact = decode<models::ContactReport, vantage_lcm::collision_t>(event)) {
+      seen.collisions += contact->kind == models::ContactKind::kCollision ? 1 : 0;
+    }
+  } else if (event.channel == "TRUTH") {
+    if (const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event)) {
+      for (const models::TruthBody& body : truth->bodies) {
+        if (body.target_id < 0) {
+          Flight& flight = seen.flights[body.name];
+          flight.last_m = body.world_from_body.translation_m.z();
+          flight.highest_m = std::max(flight.highest_m, flight.last_m);
+        }
+      }
+    }
+  } else if (event.channel.starts_with("QUADROTOR_")) {
+    if (const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event)) {
+      Flight& flight = seen.flights[status->robot];
+      flight.state = status->state;
+      if (status->state == FlightState::kFollow && status->plan_round >= 0) {
+        flight.rounds.insert(status->plan_round);
+      }
+    }
+  } else if (event.channel.starts_with("HEALTH_")) {
+    if (const auto health = decode<models::ProcessHealth, vantage_lcm::health_t>(event)) {
+      for (const models::NamedCount& counter : health->counters) {
+        seen.counters[health->process + " " + counter.name] = counter.count;
+      }
+    }
+  }
+}
+
+bool judge(const Seen& seen) {
+  bool is_good = seen.collisions == 0 && seen.frames > 0 && seen.frame_gaps == 0 &&
+                 seen.frames_lost_on_lcm == 0 && !seen.flights.empty();
+  std::printf("%lld collisions; VICON: %lld frames, %lld gaps, %lld lost on LCM\n",
+              static_cast<long long>(seen.collisions), static_cast<long long>(seen.frames),
+              static_cast<long long>(seen.frame_gaps),
+              static_cast<long long>(seen.frames_lost_on_lcm));
+  for (const auto& [robot, flight] : seen.flights) {
+    const bool has_landed = flight.state == FlightState::kIdle && flight.last_m < 0.1;
+    std::printf("%s: up to %.2f m, %zu rounds followed, %s at %.2f m\n", robot.c_str(),
+                flight.highest_m, flight.rounds.size(), models::name_of(flight.state),
+                flight.last_m);
+    is_good = is_good && flight.highest_m > 0.8 && !flight.rounds.empty() && has_landed;
+  }
+  for (const auto& [name, count] : seen.counters) {
+    if (name.ends_with("_us")) {
+      std::printf("%s %lld\n", name.c_str(), static_cast<long long>(count));
+    }
+  }
+  return is_good;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::printf("usage: hil_check LOG\n");
+    return 2;
+  }
+  lcm::LogFile log(argv[1], "r");
+  if (!log.good()) {
+    std::printf("cannot read %s\n", argv[1]);
+    return 2;
+  }
+  Seen seen;
+  while (const lcm::LogEvent* event = log.readNextEvent()) {
+    take(*event, seen);
+  }
+  return judge(seen) ? 0 : 1;
+}

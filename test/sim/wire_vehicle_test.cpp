@@ -1,0 +1,162 @@
+#include "sim/app/wire_vehicle.hpp"
+
+#include <array>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "core/check.hpp"
+#include "models/wire/mavlink/messages.hpp"
+#include "models/wire/mavlink/vocabulary.hpp"
+#include "test/sim/lab_scenario.hpp"
+
+namespace vantage::sim {
+namespace {
+
+namespace wire = models::mavlink;
+
+constexpr Time kStart = from_utime(1'700'000'000'003'000);
+
+/// A driver's UDP port on the loopback that nobody else has.
+class DriverPort {
+ public:
+  DriverPort() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    number_ = ntohs(address.sin_port);
+  }
+  ~DriverPort() { close(fd_); }
+  DriverPort(const DriverPort&) = delete;
+  DriverPort& operator=(const DriverPort&) = delete;
+  DriverPort(DriverPort&&) = delete;
+  DriverPort& operator=(DriverPort&&) = delete;
+
+  [[nodiscard]] std::string url() const { return "udp://127.0.0.1:" + std::to_string(number_); }
+
+  /// The frames that have been sent here; what was sent before on the loopback has arrived.
+  std::vector<wire::Frame> frames() {
+    std::vector<wire::Frame> out;
+    std::array<std::uint8_t, 2048> buffer{};
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    ssize_t got = 0;
+    while ((got = recvfrom(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT,
+                           reinterpret_cast<sockaddr*>(&from), &size)) > 0) {
+      vehicle_ = from;
+      parser_.feed({buffer.data(), static_cast<std::size_t>(got)},
+                   [&](const wire::Frame& frame) { out.push_back(frame); });
+    }
+    return out;
+  }
+  template <class Message>
+  void send(const Message& message) {
+    std::vector<std::uint8_t> bytes;
+    wire::append_bytes(wire::pack(message, {255, 191, sequence_++}), bytes);
+    EXPECT_EQ(sendto(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&vehicle_),
+                     sizeof vehicle_),
+              static_cast<ssize_t>(bytes.size()));
+  }
+
+ private:
+  int fd_;
+  std::uint16_t number_ = 0;
+  sockaddr_in vehicle_{};
+  wire::Parser parser_;
+  std::uint8_t sequence_ = 0;
+};
+
+models::RobotSpec robot_at(const std::string& url) {
+  models::RobotSpec robot = test::lab_scenario().robots[1];
+  robot.device = models::DeviceSource::kWire;
+  robot.autopilot.emplace();
+  robot.autopilot->url = url;
+  return robot;
+}
+
+TEST(WireVehicle, StandsAtItsStartAndSpeaksToTheDriversPort) {
+  DriverPort port;
+  const models::RobotSpec robot = robot_at(port.url());
+  WireVehicle vehicle(robot, 7, 1, kStart);
+  Time now = kStart;
+  std::vector<wire::Frame> heard;
+  for (int k = 0; k < 400; ++k, now += Duration{5'000}) {
+    vehicle.step(now, 0.005);
+    vehicle.exchange(now + Duration{5'000});
+    for (const wire::Frame& frame : port.frames()) {
+      heard.push_back(frame);
+    }
+  }
+  EXPECT_EQ(vehicle.world_from_body().translation_m,
+            Eigen::Vector3d(robot.start.x_m, robot.start.y_m, 0.0));
+  EXPECT_NEAR(flatten(vehicle.world_from_body()).yaw_rad, robot.start.yaw_rad, 1e-12);
+  int heartbeats = 0;
+  for (const wire::Frame& frame : heard) {
+    EXPECT_EQ(frame.origin.system_id, 7);
+    heartbeats += wire::unpack<wire::Heartbeat>(frame) ? 1 : 0;
+  }
+  EXPECT_EQ(heartbeats, 2);  // at 1 Hz, in 2 s
+}
+
+TEST(WireVehicle, HearsItsDriverAndMeasuresHowOldThePosesAre) {
+  DriverPort port;
+  WireVehicle vehicle(robot_at(port.url()), 1, 1, kStart);
+  vehicle.step(kStart, 0.005);
+  vehicle.exchange(kStart + Duration{5'000});
+  ASSERT_FALSE(port.frames().empty());
+  wire::CommandLong command;
+  command.target_system = 1;
+  command.command = wire::command::kArmDisarm;
+  command.param1 = 1.0F;
+  port.send(command);
+  wire::Odometry odometry;
+  odometry.time_usec = static_cast<std::uint64_t>(to_utime(kStart));  // years ago
+  port.send(odometry);
+  vehicle.exchange(kStart + Duration{5'000});
+  bool is_refused = false;
+  for (const wire::Frame& frame : port.frames()) {
+    const auto ack = wire::unpack<wire::CommandAck>(frame);
+    is_refused = is_refused || (ack && ack->result != 0);
+  }
+  EXPECT_TRUE(is_refused);  // without a position it does not arm
+  std::int64_t age_us = 0;
+  for (const models::NamedCount& counter : vehicle.counters()) {
+    age_us = counter.name == "wire.Q2.pose_max_us" ? counter.count : age_us;
+  }
+  EXPECT_GT(age_us, 365LL * 86'400 * 1'000'000);
+}
+
+TEST(WireVehicle, RefusesWhatCannotBeSimulatedOnTheWire) {
+  models::RobotSpec robot = test::lab_scenario().robots[0];
+  EXPECT_THROW(WireVehicle(robot, 1, 1, kStart), StartupError);  // no autopilot
+  for (const char* url : {"", "serial:/dev/ttyUSB0:921600", "udp://127.0.0.1", "udp://:0"}) {
+    EXPECT_THROW(WireVehicle(robot_at(url), 1, 1, kStart), StartupError) << url;
+  }
+  robot = robot_at("udp://127.0.0.1:14540");
+  robot.autopilot->key_file = "key";
+  EXPECT_THROW(WireVehicle(robot, 1, 1, kStart), StartupError);
+}
+
+TEST(LatencyRecord, GivesPercentilesToTheWidthOfABin) {
+  LatencyRecord record;
+  EXPECT_EQ(record.percentile_us(0.5), 0);
+  for (int k = 1; k <= 1000; ++k) {
+    record.add(Duration{10 * k});
+  }
+  EXPECT_NEAR(static_cast<double>(record.percentile_us(0.5)), 5000.0, LatencyRecord::kStepUs);
+  EXPECT_NEAR(static_cast<double>(record.percentile_us(0.99)), 9900.0, LatencyRecord::kStepUs);
+  EXPECT_EQ(record.max_us(), 10'000);
+  record.add(std::chrono::seconds(7));
+  EXPECT_EQ(record.max_us(), 7'000'000);
+  EXPECT_EQ(record.percentile_us(1.0), 7'000'000);
+}
+
+}  // namespace
+}  // namespace vantage::sim

@@ -1,0 +1,101 @@
+#include "tools/console/station.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vantage::tools {
+namespace {
+
+using models::OperatorAction;
+using Role = Station::Role;
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+Time at(double seconds) { return kStart + from_seconds(seconds); }
+
+models::OperatorCommand beat(std::int64_t run_id) {
+  models::OperatorCommand out;
+  out.stamp.run_id = run_id;
+  return out;
+}
+
+/// Lets time pass in steps of 0.1 s while `other` beats (0: nobody).
+void pass(Station& station, double from_s, double to_s, std::int64_t other) {
+  for (double t_s = from_s; t_s < to_s; t_s += 0.1) {
+    if (other != 0) {
+      station.on_command(beat(other), at(t_s));
+    }
+    (void)station.tick(at(t_s));
+  }
+}
+
+TEST(Station, TakesChargeWhenNobodyElseBeats) {
+  Station station(5, false, kStart);
+  station.on_command(beat(5), kStart);  // its own
+  pass(station, 0.0, 0.6, 0);
+  EXPECT_EQ(station.role(), Role::kListening);
+  EXPECT_FALSE(station.beats());
+  pass(station, 0.6, 1.0, 0);
+  EXPECT_EQ(station.role(), Role::kInCharge);
+  EXPECT_TRUE(station.beats());
+  EXPECT_TRUE(station.may_say(OperatorAction::kArm));
+}
+
+TEST(Station, IsRefusedBesideAnotherForGood) {
+  Station station(5, false, kStart);
+  pass(station, 0.0, 1.0, 9);
+  EXPECT_EQ(station.role(), Role::kRefused);
+  pass(station, 1.0, 60.0, 0);
+  EXPECT_EQ(station.role(), Role::kRefused);
+  EXPECT_FALSE(station.beats());
+  for (int action = 0; action <= static_cast<int>(OperatorAction::kLand); ++action) {
+    EXPECT_FALSE(station.may_say(static_cast<OperatorAction>(action))) << action;
+  }
+}
+
+TEST(Station, MayAlwaysStop) {
+  for (const bool allowed : {false, true}) {
+    Station station(5, allowed, kStart);
+    EXPECT_TRUE(station.may_say(OperatorAction::kEmergencyStop));
+    for (int i = 0; i < 50; ++i) {
+      pass(station, 0.1 * i, 0.1 * (i + 1), i % 3 == 0 ? 9 : 0);
+      EXPECT_TRUE(station.may_say(OperatorAction::kEmergencyStop));
+    }
+  }
+}
+
+TEST(Station, StandsByWhenAllowedAndTakesOverFromSilence) {
+  Station station(5, true, kStart);
+  pass(station, 0.0, 10.0, 9);
+  EXPECT_EQ(station.role(), Role::kSecond);
+  EXPECT_FALSE(station.beats());
+  EXPECT_TRUE(station.may_say(OperatorAction::kHold));
+  EXPECT_TRUE(station.may_say(OperatorAction::kLand));
+  EXPECT_FALSE(station.may_say(OperatorAction::kArm));
+  EXPECT_FALSE(station.may_say(OperatorAction::kFollow));
+  pass(station, 10.0, 11.0, 0);
+  EXPECT_EQ(station.role(), Role::kSecond);
+  pass(station, 11.0, 12.0, 0);
+  EXPECT_EQ(station.role(), Role::kInCharge);
+}
+
+TEST(Station, OfTwoThatBeginTogetherOneStays) {
+  Station low(3, false, kStart);
+  Station high(4, false, kStart);
+  int beating = 0;
+  for (double t_s = 0.0; t_s < 5.0; t_s += 0.1) {
+    (void)low.tick(at(t_s));
+    (void)high.tick(at(t_s));
+    if (low.beats()) {
+      high.on_command(beat(3), at(t_s));
+    }
+    if (high.beats()) {
+      low.on_command(beat(4), at(t_s));
+    }
+    beating = (low.beats() ? 1 : 0) + (high.beats() ? 1 : 0);
+  }
+  EXPECT_EQ(beating, 1);
+  EXPECT_EQ(low.role(), Role::kInCharge);
+  EXPECT_EQ(high.role(), Role::kRefused);
+}
+
+}  // namespace
+}  // namespace vantage::tools

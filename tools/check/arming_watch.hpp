@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::tools {
+
+/// Listens to a running system and says what keeps each vehicle from being armed: bodies that mocap
+/// does not show, drivers that are silent, an operator who is missing, and what each driver gives
+/// as its reasons.
+class ArmingWatch {
+ public:
+  /// `scenario` must outlive it.
+  ArmingWatch(bus::Bus& bus, const models::Scenario& scenario);
+  ArmingWatch(const ArmingWatch&) = delete;
+  ArmingWatch& operator=(const ArmingWatch&) = delete;
+  ArmingWatch(ArmingWatch&&) = delete;
+  ArmingWatch& operator=(ArmingWatch&&) = delete;
+  ~ArmingWatch() = default;
+
+  /// One line for each obstacle to arming, from what was heard so far; empty: all may be armed.
+  [[nodiscard]] std::vector<std::string> blocks() const;
+
+ private:
+  const models::Scenario& scenario_;
+  std::map<std::string, models::VehicleStatus> vehicles_;
+  std::map<std::string, int> frames_with_;  ///< frames that show the body unoccluded
+  int frames_ = 0;
+  int heartbeats_ = 0;
+};
+
+}  // namespace vantage::tools

@@ -1,0 +1,74 @@
+#include "tools/console/station.hpp"
+
+namespace vantage::tools {
+
+using models::OperatorAction;
+
+void Station::on_command(const models::OperatorCommand& command, Time now) {
+  if (command.stamp.run_id == run_id_ || command.action != OperatorAction::kHeartbeat) {
+    return;
+  }
+  other_heard_ = now;
+  other_run_id_ = command.stamp.run_id;
+}
+
+bool Station::tick(Time now) {
+  const bool hears_other = other_heard_ && to_seconds(now - *other_heard_) < kSilentS;
+  const Role before = role_;
+  switch (role_) {
+    case Role::kListening:
+      if (hears_other) {
+        role_ = is_allowed_ ? Role::kSecond : Role::kRefused;
+      } else if (to_seconds(now - start_) >= kListenS) {
+        role_ = Role::kInCharge;
+      }
+      break;
+    case Role::kInCharge:
+      if (hears_other && other_run_id_ < run_id_) {
+        role_ = is_allowed_ ? Role::kSecond : Role::kRefused;
+      }
+      break;
+    case Role::kSecond:
+      if (!hears_other) {
+        role_ = Role::kInCharge;
+      }
+      break;
+    case Role::kRefused:
+      break;  // for good: it was not asked to stand by
+  }
+  return role_ != before;
+}
+
+bool Station::may_say(OperatorAction action) const {
+  switch (action) {
+    case OperatorAction::kEmergencyStop:
+      return true;
+    case OperatorAction::kHold:
+    case OperatorAction::kLand:
+      return role_ != Role::kRefused;
+    case OperatorAction::kHeartbeat:
+    case OperatorAction::kArm:
+    case OperatorAction::kTakeOff:
+    case OperatorAction::kFollow:
+      return role_ == Role::kInCharge;
+  }
+  return false;
+}
+
+const char* explain(Station::Role role) {
+  switch (role) {
+    case Station::Role::kListening:
+      return "listening for other stations; hold, land and emergency stop work";
+    case Station::Role::kInCharge:
+      return "this station is in charge";
+    case Station::Role::kSecond:
+      return "another station is in charge; this one can hold, land and emergency stop, and takes "
+             "over when the other falls silent";
+    case Station::Role::kRefused:
+      return "refused: another station is in charge. Only the emergency stop works here; start "
+             "with --second to stand by";
+  }
+  return "";
+}
+
+}  // namespace vantage::tools
