@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
 #include "core/time.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
+#include "sim/autopilot/autopilot_socket.hpp"
 
 namespace vantage::sim {
 
@@ -12,28 +14,20 @@ namespace vantage::sim {
 /// that waits (udp://[HOST]:PORT), and waits for one that speaks first (udpout://HOST:PORT).
 class AutopilotEndpoint {
  public:
-  /// @throws StartupError for a URL that is not UDP, or a port that cannot be had.
+  /// @throws StartupError as AutopilotSocket does.
   AutopilotEndpoint(const AutopilotEmulatorSpec& spec, const std::string& driver_url, Time boot);
-  ~AutopilotEndpoint();
-  AutopilotEndpoint(const AutopilotEndpoint&) = delete;
-  AutopilotEndpoint& operator=(const AutopilotEndpoint&) = delete;
-  AutopilotEndpoint(AutopilotEndpoint&&) = delete;
-  AutopilotEndpoint& operator=(AutopilotEndpoint&&) = delete;
 
   /// Takes what has arrived, flies on to `now`, sends what became due. Never waits.
   void run_to(Time now);
 
   [[nodiscard]] AutopilotEmulator& emulator() { return emulator_; }
   [[nodiscard]] const AutopilotEmulator& emulator() const { return emulator_; }
-  [[nodiscard]] std::int64_t send_errors() const { return send_errors_; }
+  [[nodiscard]] std::int64_t send_errors() const { return socket_.send_errors(); }
 
  private:
   AutopilotEmulator emulator_;
-  int fd_;
-  bool has_peer_ = false;
-  std::uint32_t peer_address_ = 0;  ///< network order, as the port
-  std::uint16_t peer_port_ = 0;
-  std::int64_t send_errors_ = 0;
+  AutopilotSocket socket_;
+  std::array<std::uint8_t, 2048> buffer_{};
 };
 
 }  // namespace vantage::sim

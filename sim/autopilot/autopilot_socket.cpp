@@ -1,4 +1,4 @@
-#include "sim/app/autopilot_socket.hpp"
+#include "sim/autopilot/autopilot_socket.hpp"
 
 #include <array>
 #include <cerrno>
