@@ -18,7 +18,8 @@ std::int64_t LatencyRecord::percentile_us(double share) const {
   for (std::size_t i = 0; i < kBins && count_ > 0; ++i) {
     seen += bins_[i];
     if (seen >= wanted) {
-      return std::min(max_us_, static_cast<std::int64_t>(i + 1) * kStepUs);
+      return i + 1 == kBins ? max_us_
+                            : std::min(max_us_, static_cast<std::int64_t>(i + 1) * kStepUs);
     }
   }
   return max_us_;

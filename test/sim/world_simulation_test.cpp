@@ -158,7 +158,7 @@ TEST(WorldSimulation, TakesTheCallersVehiclesForItsOwnBodies) {
   EXPECT_EQ(truth.bodies[1].velocity_world_mps, puppet.velocity_mps);
   EXPECT_EQ(world.capture().bodies[1].name, "Q2");
   EXPECT_TRUE(world.take_contacts().empty());
-  puppet.velocity_mps = {0.0, -3.0, 0.0};  // through the wall
+  puppet.velocity_mps = {0.0, 3.0, 0.0};  // through the wall
   world.advance_to(kStart + std::chrono::seconds(4));
   const auto contacts = world.take_contacts();
   ASSERT_FALSE(contacts.empty());
@@ -184,7 +184,7 @@ TEST(WorldSimulation, KeepsTheGroundFreeUnderALowVehicleAndOnlyThen) {
     }
     return least_m;
   };
-  EXPECT_GE(nearest_m(120), WorldSimulation::kKeepOutM - 1e-6);
+  EXPECT_GE(nearest_m(120), WorldSimulation::kKeepOutM - 0.03);  // what a prediction may be off
   const std::int64_t reached = world.ground().rovers()->way_points_reached();
   EXPECT_GT(reached, 20) << "the rovers stand still";
   puppet.centre_m.z() = WorldSimulation::kLowM + 0.1;

@@ -1,7 +1,9 @@
 #include "tools/up/flight_program.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -34,7 +36,8 @@ struct Vehicle {
       lifted_at = now;
     } else if (state == FlightState::kHold && action == OperatorAction::kFollow) {
       state = FlightState::kFollow;
-    } else if (action == OperatorAction::kLand && state != FlightState::kIdle) {
+    } else if (action == OperatorAction::kLand && state != FlightState::kIdle &&
+               state != FlightState::kKilled) {
       landed_at = state == FlightState::kLand ? landed_at : now + std::chrono::seconds(5);
       state = FlightState::kLand;
     }

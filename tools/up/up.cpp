@@ -93,7 +93,7 @@ class Pilot {
   }
 
   void tick(Time now) {
-    if (desk_.tick(now)) {
+    if (desk_.tick(now) && !desk_.station().beats()) {
       print_line(std::string("! operator: ") + explain(desk_.station().role()));
     }
     if (desk_.station().role() == Station::Role::kListening) {
