@@ -26,6 +26,7 @@ ReducedValueIteration::ReducedValueIteration(const SearchCapacity& capacity)
     : capacity_(capacity),
       tree_(capacity.nodes_max, capacity.block_doubles_max),
       expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max),
+      root_bound_(capacity.targets_max, capacity.horizon_max),
       index_(capacity.nodes_max),
       levels_(index(capacity.horizon_max + 1)),
       fresh_(capacity.nodes_max) {
@@ -69,6 +70,8 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   result_.nodes_generated = 0;
   result_.nodes_expanded = 0;
   result_.work_nodes = 0;
+  result_.lower_bound = root_bound_.of_any_plan(problem, expander_.beliefs());
+  double moving_bound = result_.lower_bound;
   open_node(levels_[0], tree_.add(expander_.root()));
 
   // The schedule: (∞, ∞), then the finite passes, then (0, 0), as far as the kind of search goes.
@@ -97,6 +100,12 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
       break;
     case ReducedSearch::kAnytime: {
       bool more = pass(kInfinity, kInfinity, true);
+      if (more) {  // now that there is a plan
+        const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
+        moving_bound = bound.cost;
+        more = !bound.expired;
+        progress = more ? progress : Progress::kDeadline;
+      }
       double scale = 1.0;
       for (int i = 0; more && i < options.halvings; ++i, scale *= 0.5) {
         more = pass(options.epsilon * scale, options.delta_m * scale, true);
@@ -115,10 +124,12 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   }
   if (best_leaf_ != kNoNode) {
     fill_result(best_leaf_);
+    result_.lower_bound =
+        result_.stop_reason == StopReason::kFinished ? result_.cost : moving_bound;
   } else {
     fall_back_to_hover();
   }
-  result_.lower_bound = expander_.lower_bound_at_root();
+  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // to rounding
   result_.peak_bytes = tree_.bytes_used() + fresh_peak_ * CostOrder::bytes_per_entry() +
                        index_peak_ * CrossingIndex::bytes_per_entry();
   return result_;
@@ -246,7 +257,16 @@ ReducedValueIteration::Progress ReducedValueIteration::is_pruned(NodeId id, doub
   const Pose2 pose = tree_[id].world_from_body;
   const double delta2_m2 = delta_m * delta_m;
   Progress progress = Progress::kDone;
+  constexpr int kAskEvery = 64;  // of those that need no look at their blocks: a few µs
+  int passed_by = 0;
   const auto go_on_after = [&](NodeId other) {
+    if (++passed_by % kAskEvery == 0) {
+      ++result_.work_nodes;
+      if (expired()) {
+        progress = Progress::kDeadline;
+        return false;
+      }
+    }
     // Cheapest test first: cost, distance, then the blocks.
     if (tree_[other].cost > cost ||
         metric_.squared(tree_[other].world_from_body, pose) > delta2_m2) {

@@ -9,6 +9,7 @@
 #include "planner/search/expander.hpp"
 #include "planner/search/node_list.hpp"
 #include "planner/search/problem.hpp"
+#include "planner/search/root_bound.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
@@ -88,6 +89,7 @@ class ReducedValueIteration {
   SearchCapacity capacity_;
   Tree tree_;
   Expander expander_;
+  RootBound root_bound_;
   CrossingIndex index_;
   std::vector<Level> levels_;
   CostOrder fresh_;  ///< generated and not yet considered: of one depth at a time

@@ -70,6 +70,8 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   child_f_.assign(1, 0.0F);  // place 0 means none
   open_.clear();
   floors_.clear();
+  open_peak_ = 0;
+  floors_peak_ = 0;
   floor_sums_.assign(index(problem.horizon_steps + 1), 0.0);
   for (int k = 1; k <= problem.horizon_steps; ++k) {
     floor_sums_[index(k)] = floor_sums_[index(k - 1)] + heuristic_.stage_floor(k);
@@ -123,6 +125,10 @@ const SearchResult& BestFirstSearch::plan(const SearchProblem& problem,
     progress = step();
   }
   const double least_f = least_open();
+  result_.peak_bytes =
+      tree_.bytes_used() + tree_.node_count() * (sizeof(f_[0]) + sizeof(child_f_at_[0])) +
+      child_f_.size() * sizeof(child_f_[0]) + (open_peak_ + floors_peak_) * sizeof(Entry) +
+      index_.size() * CrossingIndex::bytes_per_entry();
   if (progress == Progress::kDone) {
     result_.passes = 1;
     const bool proven = std::min(least_f, least_dominated_) >= result_.cost;
@@ -155,9 +161,11 @@ double BestFirstSearch::key(NodeId id) const {
 
 void BestFirstSearch::push(NodeId id) {
   open_.push_back({key(id), id});
+  open_peak_ = std::max(open_peak_, open_.size());
   std::push_heap(open_.begin(), open_.end(), kAfter);
   if (weighted_ && floors_.size() < floors_.capacity()) {
     floors_.push_back({f_[id], id});
+    floors_peak_ = std::max(floors_peak_, floors_.size());
     std::push_heap(floors_.begin(), floors_.end(), kAfter);
   }
 }
@@ -272,6 +280,10 @@ BestFirstSearch::Progress BestFirstSearch::step() {
     if (!evaluate(id)) {
       return put_back(Progress::kMemory);
     }
+    ++result_.work_nodes;
+    if (expired()) {
+      return put_back(Progress::kDeadline);
+    }
     if (!diving && !open_.empty() && key(id) > open_.front().key) {
       return put_back(Progress::kGoOn);
     }
@@ -310,7 +322,16 @@ BestFirstSearch::Progress BestFirstSearch::is_dominated(NodeId id, bool& dominat
   const Node node = tree_[id];
   const double delta2_m2 = options_.delta_m * options_.delta_m;
   Progress progress = Progress::kGoOn;
+  constexpr int kAskEvery = 64;  // of those that need no look at their blocks: a few µs
+  int passed_by = 0;
   index_.near(node.world_from_body, [&](NodeId other) {
+    if (++passed_by % kAskEvery == 0) {
+      ++result_.work_nodes;
+      if (expired()) {
+        progress = Progress::kDeadline;
+        return false;
+      }
+    }
     const Node& twin = tree_[other];
     const double apart2_m2 = metric_.squared(twin.world_from_body, node.world_from_body);
     if (twin.depth != node.depth || twin.cost > node.cost + options_.epsilon ||

@@ -108,8 +108,10 @@ class BestFirstSearch {
   std::vector<double> f_;                  ///< per node: lower bound of every plan through it
   std::vector<Entry> open_;                ///< a heap, least key first
   std::vector<Entry> floors_;              ///< w > 1: a heap of plain f, with entries out of date
-  std::vector<double> floor_sums_;         ///< Σ_{k ≤ t} L_k
-  std::vector<NodeId> stops_;              ///< the first nodes of each depth, to fall back to
+  std::size_t open_peak_ = 0;
+  std::size_t floors_peak_ = 0;
+  std::vector<double> floor_sums_;  ///< Σ_{k ≤ t} L_k
+  std::vector<NodeId> stops_;       ///< the first nodes of each depth, to fall back to
   std::vector<int> stop_counts_;
   Children children_;
   PoseMetric metric_;

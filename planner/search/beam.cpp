@@ -12,7 +12,7 @@ namespace vantage::planner {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kChunk = 512;  // candidates looked through between two askings: some µs
+constexpr std::size_t kChunk = 128;  // candidates looked through between two askings: some µs
 constexpr int kPassesMax = 100;
 constexpr unsigned kRegionBits = 2;                 // a region is 4 cells wide in each of x, y, yaw
 constexpr double kGoldenShare = 0.618033988749895;  // no two passes have their cells' edges in line
@@ -44,6 +44,7 @@ RefiningBeam::RefiningBeam(const SearchCapacity& capacity)
     : capacity_(capacity),
       tree_(capacity.nodes_max, capacity.block_doubles_max),
       expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max),
+      root_bound_(capacity.targets_max, capacity.horizon_max),
       level_begin_(index(capacity.horizon_max + 1)),
       // Of the children of a level only the kept ones become nodes.
       candidates_(std::max<std::size_t>(capacity.nodes_max, kMaxControls)),
@@ -76,7 +77,8 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   deadline_ = &deadline;
   expander_.reset(problem);
   tabulate_sighting();
-  peak_bytes_ = 0;
+  result_.peak_bytes = 0;
+  moving_bound_ = -kInfinity;
   result_.found = false;
   result_.controls.clear();
   result_.poses.clear();
@@ -90,19 +92,23 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   result_.nodes_expanded = 0;
   result_.work_nodes = 0;
   result_.stop_reason = StopReason::kMemory;
-  result_.lower_bound = expander_.lower_bound_at_root();
+  result_.lower_bound = root_bound_.of_any_plan(problem, expander_.beliefs());
 
   const std::size_t width_max =
       std::max<std::size_t>(1, std::min(candidates_.size() / problem.controls.size(),
                                         (capacity_.nodes_max - 1) / index(problem.horizon_steps)));
-  run_passes(options, width_max);
+  run_passes(options, deadline, width_max);
   if (!result_.found) {
     fall_back_to_hover();
+  } else {
+    result_.lower_bound = std::max(result_.lower_bound, moving_bound_);
   }
+  result_.lower_bound = std::min(result_.lower_bound, result_.cost);  // to rounding
   return result_;
 }
 
-void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max) {
+void RefiningBeam::run_passes(const BeamOptions& options, const Deadline& deadline,
+                              std::size_t width_max) {
   double width = 1.0;
   double cell_m = options.cell_m;
   double cell_rad = options.cell_rad;
@@ -137,6 +143,14 @@ void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max)
       if (exhaustive) {
         return;
       }
+      if (k == 0) {  // now that there is a plan
+        const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
+        moving_bound_ = bound.cost;
+        if (bound.expired) {
+          result_.stop_reason = StopReason::kDeadline;
+          return;
+        }
+      }
       split = !pass.truncated;
     }
     width = k == 0 ? options.first_width : std::min(1e9, width * options.growth);
@@ -161,9 +175,10 @@ RefiningBeam::Progress RefiningBeam::run(Pass& pass) {
       progress = select(pass, t);
     }
   }
-  peak_bytes_ = std::max(peak_bytes_, tree_.bytes_used() + candidates_most * sizeof(Candidate) +
-                                          candidates_most * (sizeof(double) + sizeof(Mark)) +
-                                          2 * (cell_mask_ + 1) * sizeof(Cell));
+  result_.peak_bytes =
+      std::max(result_.peak_bytes, tree_.bytes_used() + candidates_most * sizeof(Candidate) +
+                                       candidates_most * (sizeof(double) + sizeof(Mark)) +
+                                       2 * (cell_mask_ + 1) * sizeof(Cell));
   return progress;
 }
 
@@ -189,6 +204,9 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
     result_.work_nodes += children_.count;
     const double cost_before = tree_[parent].cost;
     const bool blind = tree_.posterior(parent).targets.empty();
+    if (blind && work()) {  // what might be sighted takes as long again
+      return Progress::kDeadline;
+    }
     for (int i = 0; i < children_.count; ++i) {
       Candidate child;
       child.world_from_body = children_.world_from_body[i];

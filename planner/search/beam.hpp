@@ -7,6 +7,7 @@
 #include "planner/search/arvi.hpp"
 #include "planner/search/expander.hpp"
 #include "planner/search/problem.hpp"
+#include "planner/search/root_bound.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
@@ -40,8 +41,8 @@ struct BeamOptions {
 ///
 /// Guarantees: the cost never rises with the budget; asks the deadline at each expansion and at
 /// every few hundred candidates; allocates nothing in plan() while the problem fits the capacity.
-/// Sound but without a bound of its own until it is exhaustive: lower_bound is that of Theorem 6
-/// at the root.
+/// Sound but without a bound of its own until it is exhaustive: lower_bound is RootBound's, worked
+/// out after the first pass.
 class RefiningBeam {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);
@@ -50,9 +51,6 @@ class RefiningBeam {
   /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
   const SearchResult& plan(const SearchProblem& problem, const BeamOptions& options,
                            const Deadline& deadline);
-
-  /// Bytes of nodes, blocks and candidates of the widest pass of the last search.
-  [[nodiscard]] std::size_t peak_bytes() const { return peak_bytes_; }
 
  private:
   struct Candidate {
@@ -79,7 +77,7 @@ class RefiningBeam {
   };
   enum class Progress { kDone, kDeadline, kMemory };
 
-  void run_passes(const BeamOptions& options, std::size_t width_max);
+  void run_passes(const BeamOptions& options, const Deadline& deadline, std::size_t width_max);
   Progress run(Pass& pass);
   Progress expand_level(Pass& pass, int t);
   [[nodiscard]] Cell& cell_at(std::vector<Cell>& cells, std::uint64_t key) const;
@@ -106,6 +104,7 @@ class RefiningBeam {
   SearchCapacity capacity_;
   Tree tree_;
   Expander expander_;
+  RootBound root_bound_;
   std::vector<NodeId> level_begin_;  ///< first node of each depth of the pass
   int levels_ = 0;
   std::vector<Candidate> candidates_;
@@ -121,7 +120,7 @@ class RefiningBeam {
   double turn_max_radps_ = 0.0;
   double range_max_m_ = 0.0;
   double half_fov_rad_ = 0.0;
-  std::size_t peak_bytes_ = 0;
+  double moving_bound_ = 0.0;  ///< of plans that move at every step
   Children children_;
   const BeamOptions* options_ = nullptr;
   const SearchProblem* problem_ = nullptr;

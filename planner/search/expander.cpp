@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace vantage::planner {
 namespace {
@@ -346,37 +345,6 @@ bool Expander::is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b
     }
   }
   return true;
-}
-
-double Expander::lower_bound_at_root() const {
-  double bound = 0.0;
-  const models::Viewpoint from{problem_->start, problem_->height_m};
-  for (int m = 0; m < beliefs_.target_count(); ++m) {
-    const BlockLayout layout = beliefs_.layout(m);
-    double block[kMaxPacked];
-    std::copy_n(beliefs_.open_loop(m, 0), packed_size(layout), block);
-    for (int t = 1; t <= problem_->horizon_steps; ++t) {
-      beliefs_.predict_into(m, t, block, block);
-      const models::PositionVector target = beliefs_.mean_m(m, t).head(beliefs_.position_dim(m));
-      double information = 0.0;
-      for (const models::SensorModel& sensor : problem_->sensors) {
-        information += models::information_bound(sensor, from, t * motion_.reach_m(), target);
-      }
-      if (!std::isfinite(information)) {
-        return -std::numeric_limits<double>::infinity();
-      }
-      if (information > 0.0) {
-        PackedInformation M;
-        M.m[0] = information;
-        (layout == BlockLayout::kSpatial ? M.m[3] : M.m[2]) = information;
-        M.m[5] = information;
-        update(layout, M.m, block, block);
-      }
-      bound += beliefs_.cost() == CostKind::kTrace ? trace(layout, block)
-                                                   : std::log(determinant(layout, block));
-    }
-  }
-  return bound;
 }
 
 }  // namespace vantage::planner

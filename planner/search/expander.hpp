@@ -51,10 +51,6 @@ class Expander {
   /// Precondition: both at one depth, with posteriors. Exact; see planner::dominates.
   [[nodiscard]] bool is_redundant(const Tree& tree, NodeId a, double epsilon, NodeId b) const;
 
-  /// Upper bound on the information that any plan can gather gives this lower bound on J_T: Thm 6
-  /// at the root, Σ_t c(Σ̄_t) with M̄ʲ over everything reachable in j steps. O(T·M).
-  [[nodiscard]] double lower_bound_at_root() const;
-
   [[nodiscard]] const MotionTable& motion() const { return motion_; }
   [[nodiscard]] const BeliefTable& beliefs() const { return beliefs_; }
 

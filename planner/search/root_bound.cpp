@@ -1,6 +1,7 @@
 #include "planner/search/root_bound.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace vantage::planner {
@@ -8,18 +9,28 @@ namespace vantage::planner {
 RootBound::RootBound(int targets_max, int horizon_max, int states_max)
     : heuristic_(targets_max, horizon_max), sequencing_(targets_max, horizon_max, states_max) {}
 
-RootBounds RootBound::of(const SearchProblem& problem, const BeliefTable& beliefs,
-                         const Deadline& deadline, std::int64_t& work_nodes) {
+double RootBound::of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs) {
   heuristic_.reset(problem, beliefs);
   sequencing_.reset(problem, beliefs, heuristic_);
-  const auto parts = heuristic_.cost_to_go(problem.start, 0, {}, sequencing_.takes_part().data());
-  RootBounds bounds{parts.all, parts.all};
-  if (!sequencing_.is_empty() && std::isfinite(parts.all)) {
-    const auto answer = sequencing_.cost_to_go(
-        problem.start, 0, {}, std::numeric_limits<double>::infinity(), deadline, work_nodes);
-    bounds.moving_plan = std::max(bounds.any_plan, parts.all - parts.apart + answer.cost);
+  start_ = problem.start;
+  const auto parts = heuristic_.cost_to_go(start_, 0, {}, sequencing_.takes_part().data());
+  others_ = parts.all - parts.apart;
+  double floors = 0.0;
+  for (int k = 1; k <= problem.horizon_steps; ++k) {
+    floors += heuristic_.stage_floor(k);
   }
-  return bounds;
+  any_plan_ = std::max(parts.all, floors);
+  return any_plan_;
+}
+
+SequencingBound::Answer RootBound::of_moving_plan(const Deadline& deadline,
+                                                  std::int64_t& work_nodes) {
+  if (sequencing_.is_empty() || !std::isfinite(any_plan_)) {
+    return {any_plan_, false};
+  }
+  const auto answer = sequencing_.cost_to_go(
+      start_, 0, {}, std::numeric_limits<double>::infinity(), deadline, work_nodes);
+  return {std::max(any_plan_, others_ + answer.cost), answer.expired};
 }
 
 }  // namespace vantage::planner

@@ -8,27 +8,29 @@
 
 namespace vantage::planner {
 
-/// What no plan can cost less than.
-struct RootBounds {
-  double any_plan = 0.0;     ///< Thm 6: also one that stops and hovers on the way
-  double moving_plan = 0.0;  ///< every step taken from the controls; ≥ any_plan
-};
-
-/// The certificate for searches that have none of their own (ARVI, RVI, beams): bounds at the root,
-/// in 10–100 µs for Thm 6 and up to `states_max` / 3 µs more for the sequence of looks.
+/// The certificate for searches that have none of their own (ARVI, RVI, beams): bounds at the root.
 /// Allocates nothing after construction.
 class RootBound {
  public:
-  RootBound(int targets_max, int horizon_max, int states_max = 4'000);
+  RootBound(int targets_max, int horizon_max, int states_max = 300);
 
-  /// `beliefs` are those of `problem`; both must outlive the call alone. When the deadline comes,
-  /// what is bounded so far. Adds to `work_nodes` what it expands.
-  RootBounds of(const SearchProblem& problem, const BeliefTable& beliefs, const Deadline& deadline,
-                std::int64_t& work_nodes);
+  /// Tables a problem and gives what no plan can cost less than, also one that stops and hovers on
+  /// the way: Thm 6, by the larger of h and the sum of the stage floors; −∞ when nothing bounds the
+  /// information. 10–100 µs. `beliefs` are those of `problem`; both must outlive the next call.
+  double of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs);
+
+  /// What no plan can cost less than that takes every step from the controls, of the problem last
+  /// tabled: no less than of_any_plan(), for the robot cannot look everywhere at once. Up to
+  /// `states_max` / 3 µs; when the deadline comes, what is bounded so far, and the search has to
+  /// stop at once. Adds to `work_nodes` what it expands.
+  SequencingBound::Answer of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
 
  private:
   InformationHeuristic heuristic_;
   SequencingBound sequencing_;
+  Pose2 start_;
+  double any_plan_ = 0.0;
+  double others_ = 0.0;  ///< of the targets that take no part in a sequence
 };
 
 }  // namespace vantage::planner

@@ -56,11 +56,11 @@ void print_row(const Row& row, planner::ReducedValueIteration& search) {
     nodes += static_cast<double>(result.nodes_generated);
     bytes += static_cast<double>(result.peak_bytes);
   }
-  std::printf("%5d %2d %4d %9.0f %8.2f %7.1f %7.1f %8.2f", row.targets, row.steps, row.obstacles,
-              nodes / kProblems, 1e3 * engine_s / kProblems, 1e9 * engine_s / nodes, bytes / nodes,
-              1e-6 * nodes / engine_s);
+  std::fprintf(stderr, "%5d %2d %4d %9.0f %8.2f %7.1f %7.1f %8.2f", row.targets, row.steps,
+               row.obstacles, nodes / kProblems, 1e3 * engine_s / kProblems, 1e9 * engine_s / nodes,
+               bytes / nodes, 1e-6 * nodes / engine_s);
   if (row.dense_steps == 0) {
-    std::printf("        –\n");
+    std::fprintf(stderr, "        –\n");
     return;
   }
   const ObstructedProblem owned =
@@ -69,16 +69,17 @@ void print_row(const Row& row, planner::ReducedValueIteration& search) {
   const double dense_s = least_cpu_s(2, [&] { dense = dense_value_iteration(owned.problem); });
   const planner::SearchResult& same = search.plan(owned.problem, exhaustive, Deadline::never());
   const double dense_nodes_per_s = static_cast<double>(dense.nodes) / dense_s;
-  std::printf(" %8d %11.0f %9.0f %9.1e%s\n", row.dense_steps, dense_nodes_per_s,
-              nodes / engine_s / dense_nodes_per_s, std::abs(same.cost - dense.cost),
-              dense.nodes == same.nodes_generated ? "" : "  NOT THE SAME NODES");
-  std::fflush(stdout);
+  std::fprintf(stderr, " %8d %11.0f %9.0f %9.1e%s\n", row.dense_steps, dense_nodes_per_s,
+               nodes / engine_s / dense_nodes_per_s, std::abs(same.cost - dense.cost),
+               dense.nodes == same.nodes_generated ? "" : "  NOT THE SAME NODES");
+  std::fflush(stderr);
 }
 
 }  // namespace
 
 void print_dense_table() {
-  std::printf(
+  std::fprintf(
+      stderr,
       "\nForward value iteration, engine beside dense joint covariances (CPU time)\n"
       "                             engine                            dense reference\n"
       "    M  T  obs     nodes       ms ns/node  B/node  Mnode/s        T      node/s     ratio  "

@@ -11,51 +11,30 @@ namespace {
 
 using planner::ReducedOptions;
 using planner::ReducedSearch;
-using planner::ReducedValueIteration;
 using planner::SearchCapacity;
 
-class ReducedAdapter final : public Search {
+template <class Planner, class Options>
+class Adapter final : public Search {
  public:
-  ReducedAdapter(const SearchCapacity& capacity, const ReducedOptions& options)
+  Adapter(const SearchCapacity& capacity, const Options& options)
       : search_(capacity), options_(options) {}
   const planner::SearchResult& search(const planner::SearchProblem& problem,
                                       const Deadline& deadline) override {
-    return search_.plan(problem, options_, deadline);
+    const planner::SearchResult& result = search_.plan(problem, options_, deadline);
+    peak_bytes_ = result.peak_bytes;
+    return result;
   }
-  [[nodiscard]] std::size_t peak_bytes() const override { return search_.tree().bytes_used(); }
+  [[nodiscard]] std::size_t peak_bytes() const override { return peak_bytes_; }
 
  private:
-  ReducedValueIteration search_;
-  ReducedOptions options_;
+  Planner search_;
+  Options options_;
+  std::size_t peak_bytes_ = 0;
 };
 
-class BeamAdapter final : public Search {
- public:
-  explicit BeamAdapter(const SearchCapacity& capacity) : search_(capacity) {}
-  const planner::SearchResult& search(const planner::SearchProblem& problem,
-                                      const Deadline& deadline) override {
-    return search_.plan(problem, {}, deadline);
-  }
-  [[nodiscard]] std::size_t peak_bytes() const override { return search_.peak_bytes(); }
-
- private:
-  planner::RefiningBeam search_;
-};
-
-class BestFirstAdapter final : public Search {
- public:
-  BestFirstAdapter(const SearchCapacity& capacity, const planner::BestFirstOptions& options)
-      : search_(capacity), options_(options) {}
-  const planner::SearchResult& search(const planner::SearchProblem& problem,
-                                      const Deadline& deadline) override {
-    return search_.plan(problem, options_, deadline);
-  }
-  [[nodiscard]] std::size_t peak_bytes() const override { return search_.tree().bytes_used(); }
-
- private:
-  planner::BestFirstSearch search_;
-  planner::BestFirstOptions options_;
-};
+using ReducedAdapter = Adapter<planner::ReducedValueIteration, ReducedOptions>;
+using BeamAdapter = Adapter<planner::RefiningBeam, planner::BeamOptions>;
+using BestFirstAdapter = Adapter<planner::BestFirstSearch, planner::BestFirstOptions>;
 
 Algorithm best_first(std::string_view name, std::string_view what, planner::BestFirst kind) {
   return {name, what, 1.0, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
@@ -84,7 +63,7 @@ const std::vector<Algorithm>& all_algorithms() {
   static const std::vector<Algorithm> kAll = {
       {"beam", "refining beam: passes of growing width and shrinking diversity cells", 0.25,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
-         return std::make_unique<BeamAdapter>(capacity);
+         return std::make_unique<BeamAdapter>(capacity, planner::BeamOptions{});
        }},
       reduced("arvi", "anytime reduced value iteration: passes of falling (epsilon, delta)",
               ReducedSearch::kAnytime),

@@ -1,0 +1,178 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <ctime>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "planner/app/real_time.hpp"
+#include "test/bench/field_problem.hpp"
+#include "test/bench/tracking_family.hpp"
+#include "tools/plan/algorithms.hpp"
+
+// Is a plan always there on time? Many plans at each budget, against the clock: how much CPU time
+// the search goes on using after its deadline, and how late it returns by the wall. The CPU clock
+// of the thread is read at the deadline by a timer's signal, so that being preempted does not count
+// as work.
+
+namespace vantage::bench {
+namespace {
+
+struct Arguments {
+  std::vector<double> budgets_ms = {1.0, 5.0, 20.0, 100.0, 500.0};
+  std::string algorithm = "beam";
+  std::size_t short_runs = 10'000;  // up to 20 ms
+  std::size_t long_runs = 1'000;
+  std::size_t memory_mb = 600;
+  planner::RealTime real_time;
+};
+
+std::atomic<std::int64_t> cpu_at_deadline_ns{0};
+
+std::int64_t thread_cpu_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1'000'000'000 * static_cast<std::int64_t>(now.tv_sec) + now.tv_nsec;
+}
+
+void on_deadline(int) { cpu_at_deadline_ns.store(thread_cpu_ns(), std::memory_order_relaxed); }
+
+class DeadlineTimer {
+ public:
+  DeadlineTimer() {
+    struct sigaction action {};
+    action.sa_handler = on_deadline;
+    sigaction(SIGRTMIN, &action, nullptr);
+    sigevent event{};
+    event.sigev_notify = SIGEV_THREAD_ID;
+    event.sigev_signo = SIGRTMIN;
+    event._sigev_un._tid = static_cast<pid_t>(syscall(SYS_gettid));
+    timer_create(CLOCK_MONOTONIC, &event, &timer_);
+  }
+  ~DeadlineTimer() { timer_delete(timer_); }
+  DeadlineTimer(const DeadlineTimer&) = delete;
+  DeadlineTimer& operator=(const DeadlineTimer&) = delete;
+  void set(std::int64_t instant_ns) {
+    cpu_at_deadline_ns.store(0, std::memory_order_relaxed);
+    itimerspec when{};
+    when.it_value.tv_sec = instant_ns / 1'000'000'000;
+    when.it_value.tv_nsec = instant_ns % 1'000'000'000;
+    timer_settime(timer_, TIMER_ABSTIME, &when, nullptr);
+  }
+  void stop() {
+    const itimerspec never{};
+    timer_settime(timer_, 0, &never, nullptr);
+  }
+
+ private:
+  timer_t timer_{};
+};
+
+struct Spread {
+  std::vector<double> us;
+  [[nodiscard]] double at(double share) const {
+    return us.empty()
+               ? 0.0
+               : us[static_cast<std::size_t>(share * (static_cast<double>(us.size()) - 1.0))];
+  }
+};
+
+// Tracking problems of every size, and some among boxes.
+std::vector<planner::SearchProblem> problems_of(const std::vector<tools::PlanningProblem>& tracking,
+                                                const std::vector<ObstructedProblem>& obstructed) {
+  std::vector<planner::SearchProblem> problems;
+  for (const tools::PlanningProblem& drawn : tracking) {
+    problems.push_back(drawn.problem);
+  }
+  for (const ObstructedProblem& drawn : obstructed) {
+    problems.push_back(drawn.problem);
+  }
+  return problems;
+}
+
+void run(const Arguments& arguments) {
+  const std::vector<tools::PlanningProblem> tracking = hundred_problems();
+  std::vector<ObstructedProblem> obstructed;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    obstructed.push_back(obstructed_problem(25, 12, seed % 2 == 0 ? 20 : 60, seed));
+  }
+  const std::vector<planner::SearchProblem> problems = problems_of(tracking, obstructed);
+  const tools::Algorithm& algorithm = tools::algorithm_called(arguments.algorithm);
+  const std::unique_ptr<tools::Search> search = algorithm.make(
+      tools::capacity_for(algorithm, tracking.back().problem, arguments.memory_mb << 20,
+                          tools::nodes_within(1e-3 * arguments.budgets_ms.back())),
+      {});
+  planner::apply(arguments.real_time);
+  fmt::print(
+      "{:>9} {:>6} {:>8} {:>6} {:>6} | {:>7} {:>7} {:>7} {:>8} {:>6} | {:>9} {:>9} {:>9} {:>9}\n",
+      "budget_ms", "plans", "missing", "early", "late", "cpu p50", "p99", "p99.9", "max_us", "> 50",
+      "wall p50", "p99", "p99.9", "max_us");
+  DeadlineTimer timer;
+  for (const double budget_ms : arguments.budgets_ms) {
+    const std::size_t runs = budget_ms <= 20.0 ? arguments.short_runs : arguments.long_runs;
+    Spread cpu;
+    Spread wall;
+    std::size_t missing = 0;
+    std::size_t early = 0;
+    for (std::size_t i = 0; i < runs; ++i) {
+      const planner::SearchProblem& problem = problems[i % problems.size()];
+      const std::int64_t end_ns = monotonic_ns() + std::llround(1e6 * budget_ms);
+      timer.set(end_ns);
+      const planner::SearchResult& result = search->search(problem, Deadline::at(end_ns));
+      const std::int64_t cpu_ns = thread_cpu_ns();
+      const std::int64_t now_ns = monotonic_ns();
+      timer.stop();
+      const std::int64_t cpu_then_ns = cpu_at_deadline_ns.load(std::memory_order_relaxed);
+      missing += result.found ? 0 : 1;
+      if (now_ns < end_ns || result.stop_reason != planner::StopReason::kDeadline) {
+        ++early;
+        continue;
+      }
+      wall.us.push_back(1e-3 * static_cast<double>(now_ns - end_ns));
+      // A signal that came after the return: the search was over before its deadline was noticed.
+      cpu.us.push_back(cpu_then_ns == 0 || cpu_then_ns > cpu_ns
+                           ? 0.0
+                           : 1e-3 * static_cast<double>(cpu_ns - cpu_then_ns));
+    }
+    std::sort(cpu.us.begin(), cpu.us.end());
+    std::sort(wall.us.begin(), wall.us.end());
+    const auto over =
+        std::count_if(cpu.us.begin(), cpu.us.end(), [](double us) { return us > 50.0; });
+    fmt::print(
+        "{:>9} {:>6} {:>8} {:>6} {:>6} | {:>7.1f} {:>7.1f} {:>7.1f} {:>8.1f} {:>6} | {:>9.1f} "
+        "{:>9.1f} "
+        "{:>9.1f} {:>9.1f}\n",
+        budget_ms, runs, missing, early, wall.us.size(), cpu.at(0.5), cpu.at(0.99), cpu.at(0.999),
+        cpu.at(1.0), over, wall.at(0.5), wall.at(0.99), wall.at(0.999), wall.at(1.0));
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+}  // namespace vantage::bench
+
+int main(int argc, char** argv) {
+  vantage::bench::Arguments arguments;
+  CLI::App app{"Work and lateness after the deadline; run it idle and beside stress-ng."};
+  try {
+    arguments.real_time = vantage::planner::take_real_time(argc, argv);
+    app.footer("Also --fifo PRIORITY, --cpu N and --lock-memory, as vantage-planner has them.");
+    app.add_option("--budgets-ms", arguments.budgets_ms, "ascending")->delimiter(',');
+    app.add_option("--algorithm", arguments.algorithm, "of `vantage plan`")->capture_default_str();
+    app.add_option("--short-runs", arguments.short_runs, "plans a budget up to 20 ms")
+        ->capture_default_str();
+    app.add_option("--long-runs", arguments.long_runs, "plans a longer budget")
+        ->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
+    vantage::bench::run(arguments);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "deadline_bench: {}\n", error.what());
+    return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "planner/search/beam.hpp"
+#include "tools/plan/algorithms.hpp"
+#include "tools/plan/problem_json.hpp"
+
+namespace vantage::bench {
+
+/// One search that the study compares, its arena prepared for all problems.
+struct StudyMethod {
+  std::string name;
+  std::function<const planner::SearchResult&(const planner::SearchProblem&, const Deadline&)> plan;
+};
+
+/// `name` is of all_algorithms(); "beam" takes its options from `beam`. RVI is one pass at δ =
+/// 0.663 m on position alone and ε = ∞, what the peer's δ = 1.2 means in its metric.
+StudyMethod make_method(const std::string& name, const planner::BeamOptions& beam,
+                        const planner::SearchCapacity& capacity);
+
+/// What a method reached on one problem within one budget.
+struct StudyRun {
+  std::string problem;
+  int targets = 0;
+  std::string method;
+  double budget_s = 0.0;
+  double cost = std::numeric_limits<double>::infinity();  ///< +∞: no complete plan
+  double lower_bound = -std::numeric_limits<double>::infinity();
+  double cpu_s = 0.0;
+  std::vector<int> controls;
+};
+
+/// The best within `budget_s` of the thread's CPU time. The machine may be busy, so budgets are of
+/// nodes: the longest of a few runs that fits, `nodes_per_s` being where to begin and what was
+/// found. Budgets of a second and more: one run, the rate as it comes.
+StudyRun run_within(const tools::PlanningProblem& drawn, const StudyMethod& method, double budget_s,
+                    double& nodes_per_s);
+
+/// CPU time of this thread, s.
+double thread_cpu_s();
+
+}  // namespace vantage::bench

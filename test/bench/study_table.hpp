@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "test/bench/best_costs.hpp"
+#include "test/bench/study_run.hpp"
+
+namespace vantage::bench {
+
+/// The runs of one method at one budget on the problems with `targets` targets (0: on all).
+struct StudyRow {
+  int targets = 0;
+  std::string method;
+  double budget_s = 0.0;
+  std::size_t problems = 0;
+  std::size_t without_plan = 0;
+  std::size_t within_a_hundredth = 0;  ///< excess ≤ 0.01
+  double mean_excess = 0.0;            ///< cost less the best known, over those with a plan
+  double p90_excess = 0.0;
+  double max_excess = 0.0;
+  double mean_cost = 0.0;
+  double mean_gap = 0.0;  ///< cost less lower bound
+  double mean_cpu_s = 0.0;
+};
+
+/// One row for every number of targets, and one for all of them, per method and budget.
+std::vector<StudyRow> summarise(const std::vector<StudyRun>& runs, const BestCosts& best);
+
+std::string to_text(const std::vector<StudyRow>& rows);
+/// The same as CSV, for the plots.
+void write_csv(const std::string& path, const std::vector<StudyRow>& rows);
+
+}  // namespace vantage::bench
