@@ -33,7 +33,9 @@ if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
 endif()
 
 # What nearly every file includes, compiled once.
-file(WRITE ${PROJECT_BINARY_DIR}/precompiled.cpp "// carries the precompiled headers\n")
+# (CONFIGURE, not WRITE: a file that stays the same must not make everything be built again.)
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp
+  CONTENT "// carries the precompiled headers\n" @ONLY)
 add_library(vantage_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
 set_target_properties(vantage_precompiled PROPERTIES CXX_EXTENSIONS OFF)
 target_link_libraries(vantage_precompiled PRIVATE vantage_build_flags Eigen3::Eigen)

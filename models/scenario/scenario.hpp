@@ -82,7 +82,7 @@ struct EstimatorSpec {
   /// Share of in-view looks that detect a target that is there; a look that finds nothing where
   /// the belief expects a target moves the belief away. 0 switches that off.
   double detection_probability = 0.9;
-  /// Targets are never beyond the bounds of the world or in an obstacle; beliefs keep to the rest, and
+  /// Targets are never beyond the world's bounds or in an obstacle; beliefs keep to the rest, and
   /// those with a velocity turn back at the bounds.
   bool targets_stay_inside = true;
 };

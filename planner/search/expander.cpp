@@ -3,30 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/search/log_product.hpp"
+
 namespace vantage::planner {
 namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-constexpr double kProductMax = 1e150;
-
-// A sum of logarithms as the logarithm of a product, taken whenever the product might leave the
-// range of a double: a single factor may be as small or large as 1e±150.
-class LogProduct {
- public:
-  void multiply(double factor) {
-    product_ *= factor;
-    if (!(product_ > 1e-150 && product_ < kProductMax)) {
-      sum_ += std::log(product_);
-      product_ = 1.0;
-    }
-  }
-  [[nodiscard]] double log() const { return sum_ + std::log(product_); }
-
- private:
-  double sum_ = 0.0;
-  double product_ = 1.0;
-};
 
 }  // namespace
 
