@@ -91,12 +91,13 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
       body.goes_first = member.goes_first;
       if (is_fresh) {
         body.velocity_world_mps = member.pose.velocity_world_mps();
+        body.planned_world_mps = body.velocity_world_mps;
         // One that sets off is measured late; its plan says it at once.
         const double ahead_s = to_seconds(now - member.plan.start_time) + limits.reaction_s;
         const Eigen::Vector3d planned_mps = point_at(member.plan, ahead_s).velocity_world_mps;
         if (member.has_plan && is_on_plan(member, now, limits) &&
             planned_mps.norm() > body.velocity_world_mps.norm()) {
-          body.velocity_world_mps = planned_mps;
+          body.planned_world_mps = planned_mps;
         }
       }
       bodies_.push_back(body);

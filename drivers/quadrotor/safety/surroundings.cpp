@@ -28,8 +28,23 @@ double obstacle_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   return obstacle_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m;
 }
 
-double length_of_stop_s(const OtherBody& body, const SafetyLimits& limits) {
-  return limits.reaction_s + body.velocity_world_mps.norm() / limits.vehicle.brake_mps2;
+// Least distance of the centres while we brake along `way` and the other straight from its
+// velocity.
+double closest_stop_m(const BrakeWay& way, const OtherBody& body,
+                      const Eigen::Vector3d& velocity_mps, const SafetyLimits& limits) {
+  const BrakeWay theirs = BrakeWay::straight(body.position_world_m, velocity_mps, 0.0,
+                                             limits.vehicle.brake_mps2, limits.reaction_s);
+  const double end_s = std::max(way.duration_s(), theirs.duration_s());
+  double least_m = (way.at(0.0).position_world_m - body.position_world_m).norm();
+  for (int i = 0; i < kSamples; ++i) {
+    const double t0_s = end_s * i / kSamples;
+    const double t1_s = end_s * (i + 1) / kSamples;
+    least_m =
+        std::min(least_m, models::closest_approach_m(
+                              way.at(t0_s).position_world_m, way.at(t1_s).position_world_m,
+                              theirs.at(t0_s).position_world_m, theirs.at(t1_s).position_world_m));
+  }
+  return least_m;
 }
 
 Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
@@ -82,18 +97,11 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
     const double less_m = tube_m(body, limits);
     const double apart_m = (position_m - body.position_world_m).norm() - less_m;
     out.separation_now_m = std::min(out.separation_now_m, apart_m);
-    const BrakeWay theirs = BrakeWay::straight(body.position_world_m, body.velocity_world_mps, 0.0,
-                                               limits.vehicle.brake_mps2, limits.reaction_s);
-    const double end_s = std::max(way.duration_s(), length_of_stop_s(body, limits));
-    double least_m = apart_m;
-    for (int i = 0; i < kSamples; ++i) {
-      const double t0_s = end_s * i / kSamples;
-      const double t1_s = end_s * (i + 1) / kSamples;
-      least_m = std::min(least_m, models::closest_approach_m(way.at(t0_s).position_world_m,
-                                                             way.at(t1_s).position_world_m,
-                                                             theirs.at(t0_s).position_world_m,
-                                                             theirs.at(t1_s).position_world_m) -
-                                      less_m);
+    double least_m =
+        std::min(apart_m, closest_stop_m(way, body, body.velocity_world_mps, limits) - less_m);
+    if (body.planned_world_mps != body.velocity_world_mps) {
+      least_m =
+          std::min(least_m, closest_stop_m(way, body, body.planned_world_mps, limits) - less_m);
     }
     if (least_m < out.separation_stop_m) {
       out.separation_stop_m = least_m;

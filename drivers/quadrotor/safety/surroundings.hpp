@@ -11,8 +11,11 @@ namespace vantage::drivers {
 
 /// Another body as it was last seen.
 struct OtherBody {
-  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< moved on to now
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();    ///< moved on to now
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< as measured
+  /// What its plan is about to ask of it; as measured when nothing is known. A promise: it may make
+  /// things worse, never better.
+  Eigen::Vector3d planned_world_mps = Eigen::Vector3d::Zero();
   double age_s = 0.0;
   bool goes_first = true;  ///< before us, where one must yield
 };
@@ -28,8 +31,9 @@ struct Surroundings {
   bool yields = false;
 };
 
-/// Looks along the braking way and at every other body, each braking straight as hard as we do;
-/// a body not seen lately has a tube around it that widens. Allocates nothing.
+/// Looks along the braking way and at every other body, each braking straight as hard as we do,
+/// from what it does and from what it plans to do, whichever is worse; a body not seen lately has
+/// a tube around it that widens. Allocates nothing.
 Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
                          std::span<const OtherBody> others, const SafetyLimits& limits);
 

@@ -47,6 +47,8 @@ void plan_once(FlightBench& bench, double since_s) {
     spoil(q1(bench), fault);
   }
 }
+void late_always(FlightBench& bench, double) { q1(bench).plan_late = true; }
+void late_once(FlightBench& bench, double since_s) { q1(bench).plan_late |= since_s < 1.0; }
 // True during one tick only.
 bool is_at(double since_s, double at_s) { return std::abs(since_s - at_s) < 0.004; }
 
@@ -338,13 +340,13 @@ std::vector<Fault> plan_faults() {
        "two planners",
        "plan.no lease",
        kFollow},
-      refused(26, "one plan after its deadline", "", plan_once<PlanFault::kLate>, nullptr),
+      refused(26, "one plan after its deadline", "", late_once, nullptr),
       {26,
        "every plan after its deadline",
        "",
        "Q1",
        0.0,
-       plan_always<PlanFault::kLate>,
+       late_always,
        {{kHold, 2.0 + kRound}},
        "planner late",
        nullptr,

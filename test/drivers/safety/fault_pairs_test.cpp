@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstdlib>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -7,37 +9,73 @@
 namespace vantage::test {
 namespace {
 
-constexpr double kFloorS = 10.0;  // limit of a stage that waits for the floor
+constexpr double kFloorS = 10.0;     // limit of a stage that waits for the floor
+constexpr std::size_t kOneIn = 4;    // pairs flown by default
+constexpr std::size_t kSample = 11;  // which of them; a seed
 
 constexpr const char* kSaysFollow = "first station lost, a second beats on";
 
-// Pairs of which one takes away what the other is seen by; of them only what must never happen is
-// asked. Names by their beginnings, in either order.
-struct Masks {
+// Two faults by name, in either order, and why something is not asked of them.
+struct Exception {
   const char* one;
   const char* other;
   const char* why;
 };
-constexpr Masks kMasks[] = {
-    {"latency 5 to 155 ms", "mocap clock", "a clock that is set hides the latency"},
-    {"latency 5 to 155 ms", "latency 5 to 35 ms", "one latency at a time"},
-    {"every plan after its deadline", "",
-     "the late plan is refused or replaced for another reason"},
-    {"only bad plans", "stopped leader", "the second planner's plans are good"},
-    {"operator station lost", "second station", "the second station takes charge"},
-    {"operator station lost", "first station", "the second station takes charge"},
-    {"operator silent", "second station", "the second station takes charge and says follow"},
-    {"driven", "", "how far it is pushed depends on what the other did to its way"},
-    {"planner that keeps flying", "", "it must be let fly to be stopped"},
+
+// Nothing is asked, for no vehicle can survive both.
+constexpr Exception kNoneSurvives[] = {
+    {"driven at the fence", "driven through the fence",
+     "the pushes follow one another: 0.75 s at 1.3 m/s and more, and 0.65 m to the fence"},
 };
 
-bool begins(const char* name, const char* with) { return std::string(name).rfind(with, 0) == 0; }
+// No collision and no breach of the fence, as always; but the reaction of each alone is not asked.
+constexpr Exception kOneHidesTheOther[] = {
+    {"only bad plans from then on", "stopped leader wakes up",
+     "the second planner's plans are good"},
+    {"operator station lost", "second station beats beside the first",
+     "the second station takes charge"},
+    {"operator station lost", kSaysFollow, "the second station takes charge"},
+    {"operator silent for 2 s", "second station beats beside the first",
+     "the second station takes charge and says follow"},
+    {"outage 0.5 s", "own process stops for 0.4 s",
+     "most of the outage is over before the process sees anything"},
+};
 
-bool is_masked(const Fault& a, const Fault& b) {
-  return std::any_of(std::begin(kMasks), std::end(kMasks), [&](const Masks& each) {
-    return (begins(a.name, each.one) && begins(b.name, each.other)) ||
-           (begins(b.name, each.one) && begins(a.name, each.other));
+bool is_listed(std::span<const Exception> list, const Fault& a, const Fault& b) {
+  return std::any_of(list.begin(), list.end(), [&](const Exception& each) {
+    const std::string one = each.one;
+    const std::string other = each.other;
+    return (a.name == one && b.name == other) || (b.name == one && a.name == other);
   });
+}
+
+// All pairs when asked for, else one in kOneIn, and always those in which two vehicles are meant
+// to meet.
+bool is_flown(std::size_t i, std::size_t j) {
+  const auto& all = fault_catalogue();
+  return std::getenv("VANTAGE_ALL_FAULT_PAIRS") != nullptr ||
+         (7 * i + 13 * j + kSample) % kOneIn == 0 || all[i].trusts_plans || all[j].trusts_plans;
+}
+
+void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& other) {
+  if (fault.needs_quiet && !other.stages.empty()) {
+    return;
+  }
+  // Who lands before the motors would have been stopped near the floor has landed.
+  const bool ends_at_floor = !fault.stages.empty() && fault.stages.back().within_s >= kFloorS;
+  // A hold that the operator may end is ended by one who says follow.
+  const bool goes_on =
+      std::string(other.name) == kSaysFollow && fault.end == models::FlightState::kHold;
+  const int needed = goes_on ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
+  EXPECT_GE(severity_of(outcome.end), needed)
+      << fault.name << " ends in " << models::name_of(outcome.end) << " with " << other.name;
+  for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
+    EXPECT_GE(outcome.stage_s[s], 0.0)
+        << fault.name << " never reaches " << models::name_of(fault.stages[s].state) << " with "
+        << other.name;
+    EXPECT_LE(outcome.stage_s[s], fault.stages[s].within_s + other.delays_s + 1e-9)
+        << fault.name << " is late with " << other.name;
+  }
 }
 
 class FaultPairs : public testing::TestWithParam<std::size_t> {};
@@ -49,42 +87,37 @@ TEST_P(FaultPairs, AreNoWorseThanTheWorse) {
   const auto& all = fault_catalogue();
   const std::size_t i = GetParam();
   for (std::size_t j = i + 1; j < all.size(); ++j) {
-    if (begins(all[i].name, "driven") && begins(all[j].name, "driven")) {
-      continue;  // the two pushes together are longer than any vehicle can withstand
+    if (!is_flown(i, j) || is_listed(kNoneSurvives, all[i], all[j])) {
+      continue;
     }
     const Fault* const both[] = {&all[i], &all[j]};
     const FaultRun run = fly_with(both, 1, 11.0);
     for (const std::string& violation : run.violations) {
       ADD_FAILURE() << all[i].name << " + " << all[j].name << ": " << violation;
     }
-    for (std::size_t k = 0; k < (is_masked(all[i], all[j]) ? 0U : 2U); ++k) {
-      const Outcome& outcome = run.outcomes[k];
-      const Fault& fault = *both[k];
-      const Fault& other = *both[1 - k];
-      if (fault.needs_quiet && !other.stages.empty()) {
-        continue;
-      }
-      // While a process stands still a short fault may come and go unseen.
-      if (std::string(fault.name) == "outage 0.5 s" && other.delays_s > 0.1) {
-        continue;
-      }
-      // Who lands before the motors would have been stopped near the floor has landed.
-      const bool ends_at_floor = !fault.stages.empty() && fault.stages.back().within_s >= kFloorS;
-      // A hold that the operator may end is ended by one who says follow.
-      const bool goes_on =
-          std::string(other.name) == kSaysFollow && fault.end == models::FlightState::kHold;
-      const int needed = goes_on ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
-      EXPECT_GE(severity_of(outcome.end), needed)
-          << fault.name << " ends in " << models::name_of(outcome.end) << " with " << other.name;
-      for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
-        EXPECT_GE(outcome.stage_s[s], 0.0)
-            << fault.name << " never reaches " << models::name_of(fault.stages[s].state) << " with "
-            << other.name;
-        EXPECT_LE(outcome.stage_s[s], fault.stages[s].within_s + other.delays_s + 1e-9)
-            << fault.name << " is late with " << other.name;
-      }
+    if (!is_listed(kOneHidesTheOther, all[i], all[j])) {
+      expect_as_alone(all[i], run.outcomes[0], all[j]);
+      expect_as_alone(all[j], run.outcomes[1], all[i]);
     }
   }
+}
+
+// An exception for faults that are not there, or without a reason, excuses nobody knows what.
+TEST(FaultPairExceptions, NameFaultsThatExistAndSayWhy) {
+  const auto exists = [](const std::string& name) {
+    const auto& all = fault_catalogue();
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Fault& each) { return each.name == name; });
+  };
+  const auto check = [&](std::span<const Exception> list) {
+    for (const Exception& each : list) {
+      EXPECT_TRUE(exists(each.one)) << each.one;
+      EXPECT_TRUE(exists(each.other)) << each.other;
+      EXPECT_FALSE(std::string(each.why).empty()) << each.one << " + " << each.other;
+    }
+  };
+  check(kNoneSurvives);
+  check(kOneHidesTheOther);
 }
 
 std::string name_of_case(const testing::TestParamInfo<std::size_t>& param) {

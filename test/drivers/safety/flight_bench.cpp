@@ -314,9 +314,6 @@ void FlightBench::spoil(models::RobotPlan& plan, Vehicle& vehicle) {
     case PlanFault::kReplayed:
       plan = vehicle.sent[vehicle.sent.size() - std::min<std::size_t>(vehicle.sent.size(), 4)];
       break;
-    case PlanFault::kLate:
-      plan.late = true;
-      break;
   }
 }
 
@@ -334,6 +331,7 @@ void FlightBench::plan() {
     if (vehicle.knobs.plan != PlanFault::kNone) {
       spoil(plan, vehicle);
     }
+    plan.late = plan.late || vehicle.knobs.plan_late;
     const bool is_heard = vehicle.knobs.plan != PlanFault::kDropped && !vehicle.knobs.is_stalled;
     const bool is_taken =
         is_heard && vehicle.guard->on_plan(plan, now()) == drivers::PlanVerdict::kAccepted;

@@ -38,7 +38,6 @@ enum class PlanFault {
   kEmpty,
   kHalfASecondOld,
   kReplayed,  ///< one of three seconds ago
-  kLate,      ///< says itself that it missed its deadline
 };
 
 /// How one body is spoilt in the mocap's frames.
@@ -62,6 +61,7 @@ struct VehicleKnobs {
   double offset_m = 0.0;        ///< of its pose, along x
   std::string swapped_with;
   PlanFault plan = PlanFault::kNone;
+  bool plan_late = false;  ///< it says itself that it missed its deadline, whatever else
   bool second_planner = false;
   bool planner_dead = false;
   Eigen::Vector3d push_mps2 = Eigen::Vector3d::Zero();

@@ -1,0 +1,220 @@
+#include "drivers/quadrotor/safety/guard_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/angle.hpp"
+#include "drivers/quadrotor/safety/surroundings.hpp"
+
+namespace vantage::drivers {
+
+using models::FlightState;
+
+namespace {
+
+constexpr double kShiftMps = 0.4;        // to a landing spot
+constexpr double kShiftPatienceS = 6.0;  // then it comes down where it is
+constexpr double kOverSpotM = 0.25;
+constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while nothing measures it
+
+}  // namespace
+
+bool FlightGuard::Parts::keeps_to_course(Time now) const {
+  return course.is_on_plan() && pose_age_s(now) < limits.pose_age_land_s &&
+         (pose.predict_m(now, kPredictS) - course.at(now).position_world_m).norm() <=
+             limits.tracking_hold_m;
+}
+
+BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
+  const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
+  // One that has only just been told to go is not carried on by a plan that it must not begin.
+  const double asked_mps = course.at(now).velocity_world_mps.norm();
+  const bool sets_off =
+      reaction_s <= 0.0 && asked_mps > 2.0 * pose.velocity_world_mps().norm() + 0.1;
+  if (keeps_to_course(now) && !sets_off) {
+    const Eigen::Vector3d offset_m = here_m - course.at(now).position_world_m;
+    return BrakeWay::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
+                           limits.vehicle.brake_mps2, reaction_s, offset_m);
+  }
+  return BrakeWay::straight(here_m, pose.velocity_world_mps(), course.at(now).yaw_rad,
+                            limits.vehicle.brake_mps2, reaction_s);
+}
+
+// Fills `in` with what is known at `now`.
+void FlightGuard::Parts::look(Time now) {
+  const auto age = [now](bool heard, Time at) { return heard ? to_seconds(now - at) : kNever; };
+  const bool airborne = is_airborne(ladder.state);
+  in.now = now;
+  in.since_last_tick_s = has_ticked ? to_seconds(now - last_tick) : 0.0;
+  in.pose_age_s = pose_age_s(now);
+  in.pose_latency_s = clock.latency_s();
+  in.poses_rejected = pose.rejected_in_row();
+  in.poses_accepted = pose.accepted_in_row();
+
+  const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
+  const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
+  in.telemetry_age_s = age(has_telemetry, telemetry_at);
+  const bool feels = autopilot.has_position && autopilot.estimator_good &&
+                     in.telemetry_age_s <= limits.telemetry_age_hold_s;
+  if (sees) {
+    blind_height_m = here_m.z();
+    in.height_m = here_m.z();
+  } else {
+    in.height_m = feels ? autopilot.position_world_m.z() : blind_height_m;
+  }
+  in.tracking_error_m = 0.0;
+  if (airborne && sees) {
+    const Eigen::Vector3d asked_m = course.at(now).position_world_m;
+    const Eigen::Vector3d on_time_m = course.on_time(now).position_world_m;
+    in.tracking_error_m =
+        std::max((here_m - asked_m).head<2>().norm(), (on_time_m - asked_m).head<2>().norm());
+  }
+  in.has_plan = course.is_on_plan();
+  in.plan_ended = !course.has_plan(now);
+  in.plan_age_s = age(has_accepted, accepted_at);
+  in.planner_age_s = lease.age_s(now);
+  in.plans_late = plans_late;
+  in.plans_refused = plans_refused;
+  in.second_planner = lease.is_contested(now, limits.planner_lease_s);
+  in.map_differs = map_differs;
+
+  if (pose.has_pose()) {
+    const Surroundings around =
+        look_around(here_m, brake_way(now, limits.reaction_s), fleet.bodies(now, limits), limits);
+    in.fence_now_m = around.fence_now_m;
+    in.fence_centre_m = around.fence_centre_m;
+    in.fence_stop_m = around.fence_stop_m;
+    in.obstacle_stop_m = around.obstacle_stop_m;
+    in.separation_now_m = around.separation_now_m;
+    in.separation_stop_m = around.separation_stop_m;
+    in.yields = around.yields;
+  }
+
+  in.autopilot_armed = autopilot.armed;
+  in.autopilot_obeys = autopilot.obeys;
+  in.heartbeat_age_s = age(has_heartbeat, heartbeat_at);
+  in.estimator_good = autopilot.estimator_good;
+  in.estimate_error_m = feels && in.pose_age_s <= limits.pose_age_warn_s
+                            ? (autopilot.position_world_m - here_m).norm()
+                            : 0.0;
+  in.tilt_rad = autopilot.tilt_rad;
+  in.thrust_share = autopilot.thrust_share;
+  in.motor_failed = autopilot.motor_failed;
+  in.battery_share = battery_share;
+  in.battery_age_s = age(has_battery, battery_at);
+  in.flight_s = airborne ? to_seconds(now - airborne_at) : 0.0;
+  in.battery_unchanged_s =
+      airborne && has_battery ? std::min(in.flight_s, to_seconds(now - battery_changed_at)) : 0.0;
+  in.operator_age_s = authority.age_s(now);
+  in.emergency_stop = emergency_stop;
+  in.request = request;
+}
+
+// What begins when the state changes.
+void FlightGuard::Parts::change(FlightState before, Time now) {
+  const FlightState state = ladder.state;
+  if (!is_airborne(before) && is_airborne(state)) {
+    airborne_at = now;
+    const Pose2 here = flatten(pose.world_from_body());
+    course.stand(pose.world_from_body().translation_m, here.yaw_rad, now);
+    height_ref_m = pose.world_from_body().translation_m.z();
+    height_goal_m = limits.take_off_height_m;
+  }
+  if (before == FlightState::kFollow && is_airborne(state)) {
+    if (in.plan_ended && course.is_on_plan() && !course.has_next()) {
+      // The plan's own hover, which was checked with it.
+      const PlanPoint end = course.at(now);
+      course.stand(end.position_world_m, end.yaw_rad, now);
+    } else {
+      course.stop(brake_way(now, 0.0), now);
+    }
+  }
+  if (state == FlightState::kLand && before != FlightState::kLand) {
+    landing_since = now;
+    has_spot = false;
+  }
+}
+
+// Stops, moves to where it may come down, comes down.
+void FlightGuard::Parts::land(Time now, double dt_s) {
+  const bool has_patience = to_seconds(now - landing_since) < kShiftPatienceS &&
+                            in.pose_age_s < limits.pose_age_kill_s && in.estimator_good;
+  const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
+  if (course.is_standing(now) && has_patience) {
+    Eigen::Vector3d hover_m = course.at(now).position_world_m;
+    hover_m.z() = here_m.z();
+    const auto bodies = fleet.bodies(now, limits);
+    if (!has_spot || is_occupied_below(hover_m, bodies, limits)) {
+      Eigen::Vector3d spot_m = landing_spot(hover_m, bodies, limits);
+      spot_m.z() = course.at(now).position_world_m.z();
+      if ((spot_m - course.at(now).position_world_m).norm() > 1e-6) {
+        course.shift(spot_m, kShiftMps, now);
+      }
+      has_spot = true;
+    }
+  }
+  const bool is_there = has_spot && course.is_standing(now) &&
+                        (here_m - course.at(now).position_world_m).head<2>().norm() < kOverSpotM;
+  if (is_there || !has_patience) {
+    height_goal_m = -limits.descent_mps;  // through the floor: the ground ends it
+    const double sink_m = limits.descent_mps * dt_s;
+    height_ref_m = std::max({height_goal_m, height_ref_m - sink_m, in.height_m - 0.5});
+    blind_height_m = std::max(0.0, blind_height_m - kBlindSinkShare * sink_m);
+  }
+}
+
+void FlightGuard::Parts::move_height(double dt_s) {
+  if (ladder.state == FlightState::kFollow && course.is_on_plan()) {
+    height_goal_m = course.plan().height_m;
+  }
+  const double step_m = limits.climb_mps * dt_s;
+  height_ref_m += std::clamp(height_goal_m - height_ref_m, -step_m, step_m);
+}
+
+FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
+  FlightSetpoint out;
+  switch (ladder.state) {
+    case FlightState::kIdle:
+      return out;
+    case FlightState::kKilled:
+      out.kind = FlightSetpoint::Kind::kMotorsOff;
+      return out;
+    case FlightState::kLand:
+      if (!in.estimator_good || in.pose_age_s > limits.pose_age_kill_s) {
+        out.kind = FlightSetpoint::Kind::kBlindLand;
+        return out;
+      }
+      break;
+    case FlightState::kFollow:
+    case FlightState::kHold:
+      break;
+  }
+  const PlanPoint asked = course.at(now);
+  out.kind = FlightSetpoint::Kind::kTrack;
+  out.position_world_m = asked.position_world_m;
+  out.position_world_m.z() = height_ref_m;
+  out.velocity_world_mps = asked.velocity_world_mps;
+  out.yaw_rad = asked.yaw_rad;
+  out.yaw_rate_radps = asked.yaw_rate_radps;
+  return out;
+}
+
+bool FlightGuard::Parts::may_take_plans() const {
+  if (ladder.state == FlightState::kFollow) {
+    return true;
+  }
+  if (ladder.state != FlightState::kHold || !ladder.wants_follow) {
+    return false;
+  }
+  const auto rows = conditions();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    // What ends with a plan cannot wait for one.
+    const bool ends_with_plan = rows[i].clearing == Clearing::kAtOnce;
+    if (ladder.latched[i] && rows[i].severity != Severity::kNote && !ends_with_plan) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace vantage::drivers

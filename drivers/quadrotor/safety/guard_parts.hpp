@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "drivers/quadrotor/safety/authority.hpp"
+#include "drivers/quadrotor/safety/course.hpp"
+#include "drivers/quadrotor/safety/fleet.hpp"
+#include "drivers/quadrotor/safety/guard.hpp"
+#include "drivers/quadrotor/safety/mocap_clock.hpp"
+#include "drivers/quadrotor/safety/pose_monitor.hpp"
+
+namespace vantage::drivers {
+
+inline constexpr double kPredictS = 0.1;  ///< how far the own pose is carried on
+
+/// What a FlightGuard remembers, and what it does at each tick.
+struct FlightGuard::Parts {
+  Parts(const models::Scenario& scenario, const std::string& robot, const SafetyLimits& given)
+      : name(robot), limits(given), fleet(scenario, robot) {}
+
+  [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
+  [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
+  [[nodiscard]] bool keeps_to_course(Time now) const;
+  void look(Time now);
+  void change(FlightState before, Time now);
+  void land(Time now, double dt_s);
+  void move_height(double dt_s);
+  [[nodiscard]] FlightSetpoint setpoint(Time now) const;
+  [[nodiscard]] bool may_take_plans() const;
+
+  std::string name;
+  SafetyLimits limits;
+  Fleet fleet;
+  PoseMonitor pose;
+  MocapClock clock;
+  PlannerLease lease;
+  OperatorAuthority authority;
+  Course course;
+  LadderState ladder;
+  SafetyInputs in;
+  Reasons reasons;
+  Time last_tick{};
+  bool has_ticked = false;
+
+  // Heights.
+  double height_ref_m = 0.0;
+  double height_goal_m = 0.0;
+  double blind_height_m = 0.0;
+  Time landing_since{};
+  bool has_spot = false;
+
+  // What was heard.
+  AutopilotReport autopilot;
+  Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{};
+  bool has_heartbeat = false, has_telemetry = false, has_battery = false;
+  double battery_share = 1.0;
+  bool map_differs = false;
+  bool emergency_stop = false;
+  std::optional<models::OperatorAction> request;
+
+  // Plans.
+  bool has_accepted = false;
+  Time newest_start{}, accepted_at{};
+  std::int64_t plan_run = 0, plan_sequence = -1, plan_round = -1;
+  int plans_late = 0, plans_refused = 0;
+
+  std::array<std::int64_t, kPlanVerdicts> plan_counts{};
+  std::array<std::int64_t, kPoseVerdicts> pose_counts{};
+  std::int64_t clocks_set = 0, reports_refused = 0, commands_refused = 0, stalls = 0;
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,66 @@
+#include "drivers/quadrotor/safety/mocap_clock.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "test/support/random.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr double kPeriodS = 0.01;
+
+Time after(double seconds_s) { return kStart + from_seconds(seconds_s); }
+
+// Frames that are lost, jitter and are stamped by a clock that is set again and again: what is
+// told is the true latency.
+TEST(MocapClock, TellsTheLatencyWhateverTheClockIsSetTo) {
+  test::Random random(5);
+  MocapClock clock;
+  double ahead_s = 0.0;
+  int sets = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const bool is_lost = i > 10 && random.uniform(0.0, 1.0) < 0.2;
+    if (is_lost) {
+      continue;
+    }
+    const bool is_set = i > 10 && random.uniform(0.0, 1.0) < 0.05;
+    if (is_set) {
+      const double before_s = ahead_s;
+      while (std::abs(ahead_s - before_s) < 1.5) {
+        ahead_s = random.uniform(-5000.0, 5000.0);
+      }
+      ++sets;
+    }
+    const double latency_s = random.uniform(0.0, 0.2);
+    const double taken_s = kPeriodS * i;
+    EXPECT_EQ(clock.on_frame(after(taken_s + ahead_s), after(taken_s + latency_s), i), !is_set);
+    EXPECT_NEAR(clock.latency_s(), latency_s, 1e-5);
+  }
+  EXPECT_GT(sets, 50);
+}
+
+TEST(MocapClock, SeesALatencyThatBeginsWithTheNewClock) {
+  MocapClock clock;
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
+  }
+  EXPECT_FALSE(clock.on_frame(after(kPeriodS * 10 + 3600.0), after(kPeriodS * 10 + 0.155), 10));
+  EXPECT_NEAR(clock.latency_s(), 0.155, 1e-6);
+  EXPECT_TRUE(clock.on_frame(after(kPeriodS * 11 + 3600.0), after(kPeriodS * 11 + 0.155), 11));
+  EXPECT_NEAR(clock.latency_s(), 0.155, 1e-6);
+}
+
+// Two computers whose clocks were never compared: only what changes is latency.
+TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
+  MocapClock clock;
+  EXPECT_FALSE(clock.on_frame(after(-7200.0), after(0.0), 0));
+  EXPECT_EQ(clock.latency_s(), 0.0);
+  EXPECT_TRUE(clock.on_frame(after(-7200.0 + kPeriodS), after(kPeriodS + 0.12), 1));
+  EXPECT_NEAR(clock.latency_s(), 0.12, 1e-6);
+}
+
+}  // namespace
+}  // namespace vantage::drivers
