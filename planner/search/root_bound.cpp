@@ -28,8 +28,8 @@ SequencingBound::Answer RootBound::of_moving_plan(const Deadline& deadline,
   if (sequencing_.is_empty() || !std::isfinite(any_plan_)) {
     return {any_plan_, false};
   }
-  const auto answer = sequencing_.cost_to_go(
-      start_, 0, {}, std::numeric_limits<double>::infinity(), deadline, work_nodes);
+  const auto answer = sequencing_.cost_to_go(start_, 0, {}, std::numeric_limits<double>::infinity(),
+                                             deadline, work_nodes);
   return {std::max(any_plan_, others_ + answer.cost), answer.expired};
 }
 
