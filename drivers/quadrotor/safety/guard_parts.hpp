@@ -25,7 +25,7 @@ struct FlightGuard::Parts {
   [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
   [[nodiscard]] bool keeps_to_course(Time now) const;
   void look(Time now);
-  void change(FlightState before, Time now);
+  void change(models::FlightState before, Time now);
   void land(Time now, double dt_s);
   void move_height(double dt_s);
   [[nodiscard]] FlightSetpoint setpoint(Time now) const;
