@@ -9,12 +9,20 @@
 #include "bus/transport.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "core/real_time.hpp"
 
 namespace vantage::bus {
 
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
   return run_process(program.name, [&]() -> int {
+    const RealTime real_time = take_real_time(argc, argv);
     CLI::App app{program.description, program.name};
+    app.footer(
+        "Real time:\n"
+        "  --fifo PRIORITY             SCHED_FIFO with this priority, 1 to 99\n"
+        "  --cpu N                     on this CPU only\n"
+        "  --lock-memory               no page is swapped out or faulted in late\n"
+        "What the system does not grant is refused at once, with the limit to raise.");
     NodeArguments arguments;
     std::optional<std::uint64_t> seed;
     std::string planner;
@@ -56,6 +64,7 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
         open_transport(arguments.url.empty() ? scenario.network.url : arguments.url);
     Bus bus(*transport, random_run_id(), arguments.publish_prefix);
     const SystemClock clock;
+    apply(real_time);  // after the network's own threads, before the node prepares its memory
     const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);
     run_node(bus, *node, clock, stop_requested);
     return 0;

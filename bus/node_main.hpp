@@ -31,9 +31,9 @@ using MakeNode = std::function<std::unique_ptr<Node>(
     Bus& bus, const Clock& clock, const models::Scenario& scenario, const NodeArguments&)>;
 
 /// The whole of a node's main(): parses --scenario, --robot, --url, --seed, --planner,
-/// --publish-prefix and --replay, loads the scenario, opens the transport, runs the node on the
-/// system clock until a signal asks it to stop. Returns the exit code (0, 1 failed running, 2 could
-/// not start).
+/// --publish-prefix, --replay and the real-time options of core/real_time, loads the scenario,
+/// opens the transport, runs the node on the system clock until a signal asks it to stop. Returns
+/// the exit code (0, 1 failed running, 2 could not start).
 int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node);
 
 }  // namespace vantage::bus

@@ -170,6 +170,16 @@ void read_autopilot(Mapping& from, models::AutopilotSpec& autopilot) {
   }
 }
 
+void read_rover(Mapping& from, models::RoverSpec& rover) {
+  constexpr int kNumberMax = 65535;
+  from.require("url");
+  from.text("url", rover.url);
+  from.integer("number", rover.number, 1, kNumberMax);
+  if (!rover.url.starts_with("udp://") && !rover.url.starts_with("udpout://")) {
+    from.refuse("url", "must begin with udp:// or udpout://, is '" + rover.url + "'");
+  }
+}
+
 Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {
   return {robot.start.x_m, robot.start.y_m, robot.height_m};
 }
@@ -208,6 +218,10 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   read_device(from, robot.device);
   from.section("autopilot",
                [&](Mapping& autopilot) { read_autopilot(autopilot, robot.autopilot.emplace()); });
+  from.section("rover", [&](Mapping& rover) { read_rover(rover, robot.rover.emplace()); });
+  if (robot.rover && robot.autopilot) {
+    from.refuse("rover", "a robot has an autopilot or is a rover, not both");
+  }
   from.finish();
 
   if (robot.height_m >= scenario.world.ceiling_m) {

@@ -37,6 +37,12 @@ struct AutopilotSpec {
   std::string key_file;  ///< 32 bytes that sign every message; empty: unsigned
 };
 
+/// How a ground robot's driver reaches its rover.
+struct RoverSpec {
+  std::string url;  ///< udpout://HOST:PORT, or udp://[HOST]:PORT for one that speaks first
+  int number = 1;   ///< the rover's own, in every datagram
+};
+
 struct RobotSpec {
   std::string name;  ///< channel suffix, [A-Z0-9]+
   Pose2 start;       ///< world from body
@@ -46,6 +52,7 @@ struct RobotSpec {
   SensorModel sensor;
   DeviceSource device = DeviceSource::kDirect;
   std::optional<AutopilotSpec> autopilot;
+  std::optional<RoverSpec> rover;  ///< then it is a ground robot
 };
 
 enum class TargetMotion {

@@ -3,29 +3,19 @@
 #include <memory>
 
 #include "bus/node_main.hpp"
-#include "core/process.hpp"
 #include "planner/app/node.hpp"
-#include "planner/app/real_time.hpp"
 #include "planner/app/replay_node.hpp"
 
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
-  return run_process("vantage-planner", [&]() -> int {
-    const planner::RealTime real_time = planner::take_real_time(argc, argv);
-    return bus::node_main(
-        {"vantage-planner",
-         "Plans one robot's share of each round. Real time: --fifo PRIORITY (SCHED_FIFO), --cpu N, "
-         "--lock-memory.",
-         true, true},
-        argc, argv,
-        [&](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
-            const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
-          planner::apply(real_time);  // the planning thread alone, its memory still to be prepared
-          if (arguments.replay) {
-            return std::make_unique<planner::PlannerReplayNode>(bus, clock, scenario,
-                                                                arguments.robot);
-          }
-          return std::make_unique<planner::PlannerNode>(bus, clock, scenario, arguments.robot);
-        });
-  });
+  return bus::node_main(
+      {"vantage-planner", "Plans one robot's share of each round.", true, true}, argc, argv,
+      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+         const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
+        if (arguments.replay) {
+          return std::make_unique<planner::PlannerReplayNode>(bus, clock, scenario,
+                                                              arguments.robot);
+        }
+        return std::make_unique<planner::PlannerNode>(bus, clock, scenario, arguments.robot);
+      });
 }

@@ -10,7 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "planner/app/real_time.hpp"
+#include "core/real_time.hpp"
 #include "test/bench/field_problem.hpp"
 #include "test/bench/tracking_family.hpp"
 #include "tools/plan/algorithms.hpp"
@@ -29,7 +29,7 @@ struct Arguments {
   std::size_t short_runs = 10'000;  // up to 20 ms
   std::size_t long_runs = 1'000;
   std::size_t memory_mb = 600;
-  planner::RealTime real_time;
+  RealTime real_time;
 };
 
 std::atomic<std::int64_t> cpu_at_deadline_ns{0};
@@ -107,7 +107,7 @@ void run(const Arguments& arguments) {
       tools::capacity_for(algorithm, tracking.back().problem, arguments.memory_mb << 20,
                           tools::nodes_within(1e-3 * arguments.budgets_ms.back())),
       {});
-  planner::apply(arguments.real_time);
+  apply(arguments.real_time);
   fmt::print(
       "{:>9} {:>6} {:>8} {:>6} {:>6} | {:>7} {:>7} {:>7} {:>8} {:>6} | {:>9} {:>9} {:>9} {:>9}\n",
       "budget_ms", "plans", "missing", "early", "late", "cpu p50", "p99", "p99.9", "max_us", "> 50",
@@ -160,7 +160,7 @@ int main(int argc, char** argv) {
   vantage::bench::Arguments arguments;
   CLI::App app{"Work and lateness after the deadline; run it idle and beside stress-ng."};
   try {
-    arguments.real_time = vantage::planner::take_real_time(argc, argv);
+    arguments.real_time = vantage::take_real_time(argc, argv);
     app.footer("Also --fifo PRIORITY, --cpu N and --lock-memory, as vantage-planner has them.");
     app.add_option("--budgets-ms", arguments.budgets_ms, "ascending")->delimiter(',');
     app.add_option("--algorithm", arguments.algorithm, "of `vantage plan`")->capture_default_str();

@@ -31,9 +31,15 @@ std::vector<std::string> device_faults(const models::Scenario& scenario) {
                     " is real, and a simulated mocap system does not see it: "
                     "mocap needs device 'real'");
     }
-    if (has_driver(robot) && (!robot.autopilot || robot.autopilot->url.empty())) {
+    if (robot.rover && robot.device == DeviceSource::kWire) {
+      out.push_back("robot " + robot.name +
+                    " is a rover, and the simulator drives none on the wire: "
+                    "device must be 'real' or 'direct'");
+    }
+    const bool has_autopilot = robot.autopilot && !robot.autopilot->url.empty();
+    if (has_driver(robot) && !has_autopilot && !robot.rover) {
       out.push_back("robot " + robot.name + " has device '" + (is_real ? "real" : "wire") +
-                    "' and no `autopilot: {url: …}` to reach it by");
+                    "' and no `autopilot: {url: …}` or `rover: {url: …}` to reach it by");
     }
   }
   return out;
@@ -62,7 +68,7 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
     out.push_back({"vicon", command("vantage-vicon")});
   }
   for (const std::string& robot : robots_with_driver(scenario)) {
-    add_for("quadrotor", robot);
+    add_for(scenario.find_robot(robot)->rover ? "rover" : "quadrotor", robot);
   }
   for (const std::string program : {"sensor", "estimator", "planner"}) {
     for (const models::RobotSpec& robot : scenario.robots) {

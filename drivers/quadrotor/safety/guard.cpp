@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/angle.hpp"
 #include "core/check.hpp"
 #include "drivers/quadrotor/safety/guard_parts.hpp"
 
@@ -50,60 +49,12 @@ void FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
 
 PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
   Parts& p = *parts_;
-  const auto judge = [&]() -> PlanVerdict {
-    if (plan.robot != p.name) {
-      return PlanVerdict::kWrongVehicle;
-    }
-    if (!p.lease.admit(plan.stamp.run_id, now, p.limits.planner_lease_s)) {
-      return PlanVerdict::kNoLease;
-    }
-    p.plans_late = plan.late ? p.plans_late + 1 : 0;
-    const models::Trajectory& way = plan.trajectory;
-    const bool is_repeated =
-        plan.stamp.run_id == p.plan_run && plan.stamp.sequence <= p.plan_sequence;
-    if (is_repeated || (p.has_accepted && way.start_time < p.newest_start) ||
-        way.start_time < now - from_seconds(p.limits.plan_past_max_s)) {
-      return PlanVerdict::kStale;
-    }
-    if (way.start_time > now + from_seconds(p.limits.plan_future_max_s)) {
-      return PlanVerdict::kTooFarAhead;
-    }
-    HeldPlan held;
-    if (!hold_plan(way, held)) {
-      return PlanVerdict::kNotFinite;
-    }
-    if (const PlanVerdict shape = check_shape(held, p.limits); shape != PlanVerdict::kAccepted) {
-      return shape;
-    }
-    if (!p.may_take_plans()) {
-      return PlanVerdict::kNotFollowing;
-    }
-    const Time when = std::max(now, held.start_time);
-    const PlanPoint planned = point_at(held, to_seconds(when - held.start_time));
-    const PlanPoint expected = p.course.planned_at(when);
-    Eigen::Vector3d gap_m = planned.position_world_m - expected.position_world_m;
-    gap_m.z() = planned.position_world_m.z() - p.height_ref_m;
-    const double turn_rad = std::abs(wrap_to_pi(planned.yaw_rad - expected.yaw_rad));
-    if (!(gap_m.norm() <= p.limits.plan_start_tolerance_m) ||
-        !(turn_rad <= p.limits.plan_start_turn_rad)) {
-      return PlanVerdict::kDiscontinuous;
-    }
-    const PlanVerdict way_verdict = check_way(held, when, p.limits, p.fleet.courses(now, p.limits));
-    if (way_verdict == PlanVerdict::kAccepted) {
-      p.course.follow(held, now);
-      p.has_accepted = true;
-      p.accepted_at = now;
-      p.newest_start = held.start_time;
-      p.plan_run = plan.stamp.run_id;
-      p.plan_sequence = plan.stamp.sequence;
-      p.plan_round = plan.round;
-    }
-    return way_verdict;
-  };
-  const PlanVerdict verdict = judge();
-  ++p.plan_counts[static_cast<std::size_t>(verdict)];
-  if (verdict != PlanVerdict::kNoLease && verdict != PlanVerdict::kNotFollowing) {
-    p.plans_refused = verdict == PlanVerdict::kAccepted ? 0 : p.plans_refused + 1;
+  HeldPlan held;
+  const PlanVerdict verdict = p.plans.judge(
+      plan, {p.may_take_plans(), p.course, p.height_ref_m, p.fleet.courses(now, p.limits)},
+      p.limits, now, held);
+  if (verdict == PlanVerdict::kAccepted) {
+    p.course.follow(held, now);
   }
   return verdict;
 }
@@ -239,7 +190,7 @@ models::VehicleStatus FlightGuard::status(Time now) const {
   } else {
     out.setpoint = flatten(p.pose.world_from_body());
   }
-  out.plan_round = p.ladder.state == FlightState::kFollow ? p.plan_round : -1;
+  out.plan_round = p.ladder.state == FlightState::kFollow ? p.plans.round() : -1;
   const auto rows = conditions();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (p.reasons[i]) {
@@ -255,9 +206,7 @@ models::VehicleStatus FlightGuard::status(Time now) const {
 std::vector<models::NamedCount> FlightGuard::counters() const {
   const Parts& p = *parts_;
   std::vector<models::NamedCount> out;
-  for (std::size_t i = 1; i < kPlanVerdicts; ++i) {
-    out.push_back({std::string("plan.") + name_of(static_cast<PlanVerdict>(i)), p.plan_counts[i]});
-  }
+  p.plans.count(out);
   for (std::size_t i = 1; i < kPoseVerdicts; ++i) {
     out.push_back({std::string("pose.") + name_of(static_cast<PoseVerdict>(i)), p.pose_counts[i]});
   }
@@ -266,7 +215,7 @@ std::vector<models::NamedCount> FlightGuard::counters() const {
   out.push_back({"mocap.others_refused", p.fleet.poses_refused()});
   out.push_back({"autopilot.refused", p.reports_refused});
   out.push_back({"command.refused", p.commands_refused});
-  out.push_back({"planner.takeovers", p.lease.takeovers()});
+  out.push_back({"planner.takeovers", p.plans.lease().takeovers()});
   out.push_back({"operator.handovers", p.authority.handovers()});
   out.push_back({"tick.stalls", p.stalls});
   return out;

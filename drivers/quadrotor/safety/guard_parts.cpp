@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angle.hpp"
+#include "drivers/quadrotor/safety/latches.hpp"
 #include "drivers/quadrotor/safety/surroundings.hpp"
 
 namespace vantage::drivers {
@@ -74,11 +75,7 @@ void FlightGuard::Parts::look(Time now) {
   }
   in.has_plan = course.is_on_plan();
   in.plan_ended = !course.has_plan(now);
-  in.plan_age_s = age(has_accepted, accepted_at);
-  in.planner_age_s = lease.age_s(now);
-  in.plans_late = plans_late;
-  in.plans_refused = plans_refused;
-  in.second_planner = lease.is_contested(now, limits.planner_lease_s);
+  plans.report(now, limits, in);
   in.map_differs = map_differs;
 
   if (pose.has_pose()) {
@@ -208,18 +205,8 @@ bool FlightGuard::Parts::may_take_plans() const {
   if (ladder.state == FlightState::kFollow) {
     return true;
   }
-  if (ladder.state != FlightState::kHold || !ladder.wants_follow) {
-    return false;
-  }
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    // What ends with a plan cannot wait for one.
-    const bool ends_with_plan = rows[i].clearing == Clearing::kAtOnce;
-    if (ladder.latched[i] && rows[i].severity != Severity::kNote && !ends_with_plan) {
-      return false;
-    }
-  }
-  return true;
+  return ladder.state == FlightState::kHold && ladder.wants_follow &&
+         !waits_for_more_than_a_plan(conditions(), ladder.latched);
 }
 
 }  // namespace vantage::drivers

@@ -10,6 +10,7 @@
 #include "drivers/quadrotor/safety/fleet.hpp"
 #include "drivers/quadrotor/safety/guard.hpp"
 #include "drivers/quadrotor/safety/mocap_clock.hpp"
+#include "drivers/quadrotor/safety/plan_gate.hpp"
 #include "drivers/quadrotor/safety/pose_monitor.hpp"
 
 namespace vantage::drivers {
@@ -22,6 +23,7 @@ struct FlightGuard::Parts {
       : name(robot),
         limits(given),
         fleet(scenario, robot),
+        plans(robot),
         // Speeds then change no faster than the vehicle brakes.
         course(given.vehicle.speed_max_mps / (2.0 * given.vehicle.brake_mps2)) {}
 
@@ -40,7 +42,7 @@ struct FlightGuard::Parts {
   Fleet fleet;
   PoseMonitor pose;
   MocapClock clock;
-  PlannerLease lease;
+  PlanGate plans;
   OperatorAuthority authority;
   Course course;
   LadderState ladder;
@@ -65,13 +67,6 @@ struct FlightGuard::Parts {
   bool emergency_stop = false;
   std::optional<models::OperatorAction> request;
 
-  // Plans.
-  bool has_accepted = false;
-  Time newest_start{}, accepted_at{};
-  std::int64_t plan_run = 0, plan_sequence = -1, plan_round = -1;
-  int plans_late = 0, plans_refused = 0;
-
-  std::array<std::int64_t, kPlanVerdicts> plan_counts{};
   std::array<std::int64_t, kPoseVerdicts> pose_counts{};
   std::int64_t clocks_set = 0, reports_refused = 0, commands_refused = 0, stalls = 0;
 };

@@ -65,4 +65,9 @@ struct SafetyInputs {
   std::optional<models::OperatorAction> request;  ///< the station in charge, or a safer one
 };
 
+/// Whether the operator asks for `action` at this tick.
+inline bool asks(const SafetyInputs& inputs, models::OperatorAction action) {
+  return inputs.request.has_value() && *inputs.request == action;
+}
+
 }  // namespace vantage::drivers

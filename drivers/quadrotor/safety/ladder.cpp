@@ -1,81 +1,12 @@
 #include "drivers/quadrotor/safety/ladder.hpp"
 
+#include "drivers/quadrotor/safety/latches.hpp"
+
 namespace vantage::drivers {
 namespace {
 
 using models::FlightState;
 using models::OperatorAction;
-
-bool asks(const SafetyInputs& inputs, OperatorAction action) {
-  return inputs.request.has_value() && *inputs.request == action;
-}
-
-// Which conditions hold, and since when.
-void watch(LadderState& next, const SafetyInputs& inputs, const SafetyLimits& limits) {
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool holds = rows[i].holds(inputs, limits);
-    if (holds && !next.held[i]) {
-      next.since[i] = inputs.now;
-    } else if (!holds && next.held[i]) {
-      next.gone_since[i] = inputs.now;
-    }
-    next.held[i] = holds;
-  }
-}
-
-bool is_cleared(const Condition& row, const LadderState& ladder, std::size_t i,
-                const SafetyInputs& inputs, const SafetyLimits& limits) {
-  if (ladder.held[i]) {
-    return false;
-  }
-  switch (row.clearing) {
-    case Clearing::kAtOnce:
-      return true;
-    case Clearing::kSelf: {
-      const double wait_s = limits.clear_s + (row.yields && inputs.yields ? limits.yield_s : 0.0);
-      return to_seconds(inputs.now - ladder.gone_since[i]) >= wait_s;
-    }
-    case Clearing::kOperator:
-      return asks(inputs, OperatorAction::kFollow);
-    case Clearing::kGround:
-    case Clearing::kRearm:
-      return false;  // by the change of state that ends them
-  }
-  return false;
-}
-
-// Sets and clears what acts in the air.
-void latch(LadderState& next, const SafetyInputs& inputs, const SafetyLimits& limits) {
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (next.held[i] && to_seconds(inputs.now - next.since[i]) >= rows[i].after_s) {
-      next.latched.set(i);
-    } else if (next.latched[i] && is_cleared(rows[i], next, i, inputs, limits)) {
-      next.latched.reset(i);
-    }
-  }
-}
-
-bool acts(const Reasons& latched, Severity severity) {
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (latched[i] && rows[i].severity == severity) {
-      return true;
-    }
-  }
-  return false;
-}
-
-bool holds_any(const LadderState& ladder, Clearing clearing) {
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (ladder.held[i] && rows[i].clearing == clearing) {
-      return true;
-    }
-  }
-  return false;
-}
 
 void come_to_rest(LadderState& next, FlightState state) {
   next.state = state;
@@ -87,7 +18,7 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
   next.latched.reset();
   next.wants_follow = false;
   if (inputs.emergency_stop) {
-    latch(next, inputs, limits);
+    latch(next, conditions(), inputs, limits);
     come_to_rest(next, FlightState::kKilled);
     return;
   }
@@ -104,8 +35,8 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
 }
 
 void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLimits& limits) {
-  latch(next, inputs, limits);
-  if (acts(next.latched, Severity::kKill)) {
+  latch(next, conditions(), inputs, limits);
+  if (acts(conditions(), next.latched, Severity::kKill)) {
     come_to_rest(next, FlightState::kKilled);
     return;
   }
@@ -119,7 +50,7 @@ void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLi
   } else if (asks(inputs, OperatorAction::kHold)) {
     next.wants_follow = false;
   }
-  if (next.state == FlightState::kLand || acts(next.latched, Severity::kLand) ||
+  if (next.state == FlightState::kLand || acts(conditions(), next.latched, Severity::kLand) ||
       asks(inputs, OperatorAction::kLand)) {
     next.state = FlightState::kLand;
     next.wants_follow = false;
@@ -128,13 +59,14 @@ void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLi
     next.wants_armed = next.wants_armed && !is_down;
     return;
   }
-  const bool may_follow = next.wants_follow && !acts(next.latched, Severity::kHold);
+  const bool may_follow = next.wants_follow && !acts(conditions(), next.latched, Severity::kHold);
   next.state = may_follow ? FlightState::kFollow : FlightState::kHold;
 }
 
 void step_killed(LadderState& next, const SafetyInputs& inputs) {
   const bool is_down = !inputs.autopilot_armed || inputs.heartbeat_age_s == kNever;
-  if (asks(inputs, OperatorAction::kArm) && is_down && !holds_any(next, Clearing::kRearm)) {
+  if (asks(inputs, OperatorAction::kArm) && is_down &&
+      !holds_any(conditions(), next, Clearing::kRearm)) {
     come_to_rest(next, FlightState::kIdle);
     next.latched.reset();
   }
@@ -150,7 +82,7 @@ bool is_airborne(FlightState state) {
 LadderState step_ladder(const LadderState& before, const SafetyInputs& inputs,
                         const SafetyLimits& limits) {
   LadderState next = before;
-  watch(next, inputs, limits);
+  watch(next, conditions(), inputs, limits);
   switch (before.state) {
     case FlightState::kIdle:
       step_idle(next, inputs, limits);
@@ -168,12 +100,7 @@ LadderState step_ladder(const LadderState& before, const SafetyInputs& inputs,
 }
 
 Reasons arming_blocks(const SafetyInputs& inputs, const SafetyLimits& limits) {
-  Reasons out;
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    out[i] = rows[i].blocks_arming && rows[i].holds(inputs, limits);
-  }
-  return out;
+  return arming_blocks(conditions(), inputs, limits);
 }
 
 }  // namespace vantage::drivers

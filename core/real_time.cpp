@@ -1,4 +1,4 @@
-#include "planner/app/real_time.hpp"
+#include "core/real_time.hpp"
 
 #include <cerrno>
 #include <charconv>
@@ -12,7 +12,7 @@
 
 #include "core/check.hpp"
 
-namespace vantage::planner {
+namespace vantage {
 namespace {
 
 int number_of(const char* option, const char* text, int least, int most) {
@@ -77,4 +77,4 @@ void apply(const RealTime& real_time) {
   }
 }
 
-}  // namespace vantage::planner
+}  // namespace vantage

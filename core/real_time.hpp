@@ -1,6 +1,6 @@
 #pragma once
 
-namespace vantage::planner {
+namespace vantage {
 
 /// How the operating system is asked to treat this process.
 struct RealTime {
@@ -17,4 +17,4 @@ RealTime take_real_time(int& argc, char** argv);
 /// @throws StartupError naming what was refused and what would allow it.
 void apply(const RealTime& real_time);
 
-}  // namespace vantage::planner
+}  // namespace vantage

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "drivers/quadrotor/safety/authority.hpp"
+#include "drivers/quadrotor/safety/course.hpp"
+#include "drivers/quadrotor/safety/fleet.hpp"
+#include "drivers/quadrotor/safety/guard.hpp"
+#include "drivers/quadrotor/safety/mocap_clock.hpp"
+#include "drivers/quadrotor/safety/plan_gate.hpp"
+#include "drivers/quadrotor/safety/pose_monitor.hpp"
+#include "drivers/rover/link.hpp"
+#include "drivers/rover/rules.hpp"
+#include "drivers/rover/way.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::drivers {
+
+using RoverMessage = std::array<std::uint8_t, models::rover::kCommandBytes>;
+
+/// Drives one rover: hears everything, judges it, and says at each tick what the rover is to do.
+/// Pure: it is handed time, messages and bytes, and gives bytes back.
+///
+/// `now` is the receiver's own monotonic time expressed in the stack's clock, never older than the
+/// one before. Call tick() at 50 Hz or more: the rover stops 0.2 s after the last command.
+/// Following, it steers back to the plan (steer()); otherwise it brakes at the vehicle's brake on
+/// the circle it is on, which needs no pose. Nothing but the constructor, status() and counters()
+/// allocates.
+class RoverDriver {
+ public:
+  /// @param session  drawn at random by each start
+  /// @throws UsageError for an unknown robot, one that is no rover, or limits that cannot be.
+  RoverDriver(const models::Scenario& scenario, const std::string& robot,
+              const SafetyLimits& limits, std::uint32_t session);
+
+  void on_mocap(const models::MocapFrame& frame, Time now);
+  /// A plan of any robot; its own is judged, a teammate's remembered.
+  PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
+  CommandVerdict on_command(const models::OperatorCommand& command, Time now);
+  void on_map(bool is_same) { map_differs_ = !is_same; }
+  /// Drives through places instead of along a planner's plan, from where the rover stands, half a
+  /// second from now on. Judged like a plan, and refused while a planner holds the lease.
+  PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);
+  /// One datagram from the rover.
+  void receive(std::span<const std::uint8_t> datagram, Time now);
+
+  /// The command to send.
+  RoverMessage tick(Time now);
+  /// True once after state or reasons changed.
+  bool take_news();
+
+  [[nodiscard]] models::FlightState state() const { return ladder_.state; }
+  /// What acts, or forbids arming, by index into rover_conditions().
+  [[nodiscard]] const Reasons& reasons() const { return reasons_; }
+  /// What the last tick looked at.
+  [[nodiscard]] const SafetyInputs& inputs() const { return in_; }
+  [[nodiscard]] const Course& course() const { return course_; }
+  [[nodiscard]] const models::UnicycleControl& control() const { return control_; }
+  /// For QUADROTOR_R, where every vehicle says how it is.
+  [[nodiscard]] models::VehicleStatus status(Time now) const;
+  [[nodiscard]] std::vector<models::NamedCount> counters() const;
+
+ private:
+  [[nodiscard]] bool may_take_plans() const;
+  [[nodiscard]] bool sees(Time now) const;
+  [[nodiscard]] Pose2 world_from_body(Time now) const;
+  [[nodiscard]] BrakeWay brake_way(Time now) const;
+  [[nodiscard]] RoverFacts facts(Time now) const;
+  PlanVerdict take(const models::RobotPlan& plan, Time now);
+  void look(Time now);
+  void keep_course(models::FlightState before, Time now);
+  void drive(Time now, double dt_s);
+  [[nodiscard]] std::uint32_t flags() const;
+
+  std::string name_;
+  SafetyLimits limits_;
+  Fleet fleet_;
+  PoseMonitor pose_;
+  MocapClock clock_;
+  PlanGate plans_;
+  OperatorAuthority authority_;
+  Course course_;
+  RoverLink link_;
+  LadderState ladder_;
+  SafetyInputs in_;
+  Reasons reasons_;
+  models::UnicycleControl control_;  ///< last asked of the rover
+  std::int64_t run_id_;              ///< of its own ways
+  std::int64_t ways_ = 0;
+  Time last_tick_{};
+  bool has_ticked_ = false;
+  Time release_since_{};
+  bool has_news_ = true;
+  bool map_differs_ = false;
+  bool emergency_stop_ = false;
+  std::optional<models::OperatorAction> request_;
+  std::array<std::int64_t, kPoseVerdicts> pose_counts_{};
+  std::int64_t clocks_set_ = 0;
+  std::int64_t commands_refused_ = 0;
+  std::int64_t teammate_plans_refused_ = 0;
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,82 @@
+#include "drivers/rover/link.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "drivers/quadrotor/safety/inputs.hpp"
+
+namespace vantage::drivers {
+
+namespace wire = models::rover;
+
+RoverLink::RoverLink(std::uint32_t number, std::uint32_t session)
+    : number_(number), session_(std::max(1U, session)) {}
+
+std::array<std::uint8_t, wire::kCommandBytes> RoverLink::command(
+    const models::UnicycleControl& control, std::uint32_t flags, Time now) {
+  wire::Command out;
+  out.robot = number_;
+  out.session = session_;
+  out.sequence = ++sequence_;
+  out.time_us = to_utime(now);
+  out.speed_mps = static_cast<float>(control.speed_mps);
+  out.yaw_rate_radps = static_cast<float>(control.yaw_rate_radps);
+  out.flags = flags;
+  return wire::encode(out);
+}
+
+bool RoverLink::receive(std::span<const std::uint8_t> datagram, Time now) {
+  wire::Telemetry heard;
+  const wire::Verdict verdict = wire::decode(datagram, heard);
+  ++verdicts_[static_cast<std::size_t>(verdict)];
+  if (verdict != wire::Verdict::kAccepted) {
+    return false;
+  }
+  if (heard.robot != number_) {
+    ++misaddressed_;
+    return false;
+  }
+  const bool is_same_boot = has_telemetry_ && heard.boot == telemetry_.boot;
+  if (is_same_boot && !wire::is_after(heard.sequence, telemetry_.sequence)) {
+    ++late_;
+    return false;
+  }
+  restarts_ += has_telemetry_ && !is_same_boot ? 1 : 0;
+  has_telemetry_ = true;
+  telemetry_ = heard;
+  heard_ = now;
+  // What it says it has taken must be something that was said.
+  const bool was_said =
+      heard.session == session_ && !wire::is_after(heard.command_sequence, sequence_);
+  const Time sent = from_utime(heard.command_time_us);
+  if (was_said && sent <= now && (!is_obeyed_ || sent > obeyed_)) {
+    is_obeyed_ = true;
+    obeyed_ = sent;
+  }
+  return true;
+}
+
+double RoverLink::heard_age_s(Time now) const {
+  return has_telemetry_ ? to_seconds(now - heard_) : kNever;
+}
+
+double RoverLink::obeyed_age_s(Time now) const {
+  return is_obeyed_ ? to_seconds(now - obeyed_) : kNever;
+}
+
+bool RoverLink::is_ours() const {
+  return telemetry_.session == 0 || telemetry_.session == session_ || has_flag(wire::kWatchdogOut);
+}
+
+void RoverLink::count(std::vector<models::NamedCount>& out) const {
+  for (std::size_t i = 1; i < wire::kVerdicts; ++i) {
+    out.push_back(
+        {std::string("rover.") + wire::name_of(static_cast<wire::Verdict>(i)), verdicts_[i]});
+  }
+  out.push_back({"rover.misaddressed", misaddressed_});
+  out.push_back({"rover.late", late_});
+  out.push_back({"rover.restarts", restarts_});
+  out.push_back({"rover.commands_refused", static_cast<std::int64_t>(telemetry_.refused)});
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+
+#include "core/time.hpp"
+#include "models/wire/rover/packet.hpp"
+#include "sim/rover/rover.hpp"
+
+namespace vantage::sim {
+
+/// One rover, and how it differs from what its driver believes.
+struct RoverEmulatorSpec {
+  std::uint32_t number = 1;
+  std::uint32_t boot = 1;
+  Pose2 start;  ///< world from body
+  RoverParameters can;
+  double delay_s = 0.03;      ///< from a command's arrival to its effect
+  double grip = 0.97;         ///< share of the wheels' way that is gone: tyres slip
+  double drift_radps = 0.02;  ///< turns to the left that the wheels do not measure, when moving
+  double battery_share = 0.9;
+  double battery_per_s = 1.0 / 7200.0;
+};
+
+/// A rover that obeys the protocol of docs/rover.md to the letter. Pure: it is handed time and
+/// bytes; `now` never goes back.
+class RoverEmulator {
+ public:
+  RoverEmulator(const RoverEmulatorSpec& spec, Time start);
+
+  /// Drives on to `now`.
+  void advance_to(Time now);
+  /// One datagram, arrived at `now`.
+  void receive(std::span<const std::uint8_t> datagram, Time now);
+  /// The telemetry that is due, if it is.
+  std::optional<std::array<std::uint8_t, models::rover::kTelemetryBytes>> take_output();
+
+  /// The button on its back.
+  void press_stop() { is_stopped_ = true; }
+  void fail_motor() { has_motor_failed_ = true; }
+  void set_battery(double share) { battery_share_ = share; }
+  void push_to(const Pose2& world_from_body) { state_.world_from_body = world_from_body; }
+
+  /// Where it is, and how fast its wheels turn.
+  [[nodiscard]] const RoverState& state() const { return state_; }
+  [[nodiscard]] bool is_stopped() const { return is_stopped_; }
+  [[nodiscard]] std::int64_t refused() const { return refused_; }
+
+ private:
+  struct Demand {
+    Time effect{};
+    RoverCommand command;
+  };
+  [[nodiscard]] bool is_watchdog_out() const;
+  void step(double dt_s);
+  void obey(const models::rover::Command& command, Time now);
+
+  RoverEmulatorSpec spec_;
+  RoverState state_;
+  Time now_;
+  std::deque<Demand> demands_;  ///< on their way to the wheels
+  RoverCommand demand_;
+  bool is_driving_ = false;
+  bool is_stopped_ = false;
+  bool has_motor_failed_ = false;
+  double battery_share_;
+  std::uint32_t session_ = 0;
+  std::uint32_t command_sequence_ = 0;
+  std::int64_t command_time_us_ = 0;
+  Time command_arrival_{};
+  Time next_telemetry_;
+  std::uint32_t telemetry_sequence_ = 0;
+  std::int64_t refused_ = 0;
+};
+
+}  // namespace vantage::sim

@@ -1,0 +1,76 @@
+#include "core/real_time.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+
+namespace vantage {
+namespace {
+
+struct Arguments {
+  explicit Arguments(std::vector<std::string> given) : words(std::move(given)) {
+    for (std::string& word : words) {
+      pointers.push_back(word.data());
+    }
+    pointers.push_back(nullptr);
+    count = static_cast<int>(words.size());
+  }
+  std::vector<std::string> words;
+  std::vector<char*> pointers;
+  int count = 0;
+};
+
+RealTime take(std::vector<std::string> words) {
+  Arguments arguments(std::move(words));
+  return take_real_time(arguments.count, arguments.pointers.data());
+}
+
+TEST(TakeRealTime, LeavesTheOtherArgumentsInTheirOrder) {
+  Arguments arguments(
+      {"program", "--scenario", "a", "--fifo", "50", "--cpu", "1", "--lock-memory", "--robot"});
+  const RealTime real_time = take_real_time(arguments.count, arguments.pointers.data());
+  EXPECT_EQ(real_time.fifo_priority, 50);
+  EXPECT_EQ(real_time.cpu, 1);
+  EXPECT_TRUE(real_time.lock_memory);
+  ASSERT_EQ(arguments.count, 4);
+  EXPECT_STREQ(arguments.pointers[1], "--scenario");
+  EXPECT_STREQ(arguments.pointers[2], "a");
+  EXPECT_STREQ(arguments.pointers[3], "--robot");
+  EXPECT_EQ(arguments.pointers[4], nullptr);
+}
+
+TEST(TakeRealTime, AsksForNothingByItself) {
+  const RealTime real_time = take({"program"});
+  EXPECT_EQ(real_time.fifo_priority, 0);
+  EXPECT_EQ(real_time.cpu, -1);
+  EXPECT_FALSE(real_time.lock_memory);
+  apply(real_time);
+}
+
+TEST(TakeRealTime, RefusesValuesThatCannotBe) {
+  EXPECT_THROW(take({"program", "--fifo"}), UsageError);
+  EXPECT_THROW(take({"program", "--fifo", "0"}), UsageError);
+  EXPECT_THROW(take({"program", "--fifo", "100"}), UsageError);
+  EXPECT_THROW(take({"program", "--fifo", "5x"}), UsageError);
+  EXPECT_THROW(take({"program", "--cpu", "-1"}), UsageError);
+  EXPECT_THROW(take({"program", "--cpu", ""}), UsageError);
+}
+
+TEST(ApplyRealTime, SaysWhatWasRefusedAndWhatWouldAllowIt) {
+  RealTime real_time;
+  real_time.cpu = 1023;  // of the machines that exist, none has it
+  try {
+    apply(real_time);
+    FAIL() << "a CPU that is not there was granted";
+  } catch (const StartupError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("--cpu 1023"), std::string::npos) << text;
+    EXPECT_NE(text.find("choose a CPU that exists"), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace vantage
