@@ -297,7 +297,7 @@ models::VehicleStatus RoverDriver::status(Time now) const {
       out.reasons.emplace_back(rows[i].name);
     }
   }
-  if (ladder_.state == FlightState::kHold && out.reasons.empty()) {
+  if (ladder_.state == FlightState::kHold && !ladder_.wants_follow) {
     out.reasons.emplace_back("operator");
   }
   return out;
