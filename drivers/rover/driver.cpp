@@ -216,9 +216,10 @@ void RoverDriver::look(Time now) {
   in_.battery_share =
       link_.has_telemetry() ? static_cast<double>(link_.telemetry().battery_share) : 1.0;
   in_.operator_age_s = authority_.age_s(now);
-  const bool is_releasing = ladder_.state == FlightState::kKilled && ladder_.wants_armed;
-  in_.emergency_stop =
-      emergency_stop_ || (link_.has_flag(models::rover::kStopLatched) && !is_releasing);
+  // Once killed, the rover's latch is what `arm` releases, and no new reason.
+  const bool is_news =
+      ladder_.state != FlightState::kKilled && link_.has_flag(models::rover::kStopLatched);
+  in_.emergency_stop = emergency_stop_ || is_news;
   in_.request = request_;
 }
 

@@ -173,7 +173,8 @@ void step_driving(LadderState& next, const SafetyInputs& inputs, const RoverFact
 }
 
 void step_killed(LadderState& next, const SafetyInputs& inputs, const RoverFacts& facts) {
-  // `arm` releases the rover's own stop (the flag wants_armed asks it to); idle when it says so.
+  // `arm` releases the rover's own stop (wants_armed tells the driver to ask it); idle when the
+  // rover says that it is.
   if (inputs.emergency_stop) {
     next.wants_armed = false;
   } else if (asks(inputs, OperatorAction::kArm) && facts.stands) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
+#include "core/check.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/world/world.hpp"
 
@@ -223,6 +224,24 @@ targets: {count: 1}
   EXPECT_EQ(b->system_id, 0);
   EXPECT_EQ(b->key_file, "");
   EXPECT_FALSE(scenario.robots[2].autopilot.has_value());
+}
+
+TEST(ParseScenario, ReadsHowARoverIsReachedAndRefusesOneWithAnAutopilot) {
+  const std::string text = R"(
+name: driven
+world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
+robots: [{name: A, start: {x_m: 2, y_m: 3}, primitives: lab, sensor: {kind: position},
+          device: real, rover: {url: "udpout://10.0.0.7:7700", number: 7}}]
+targets: {count: 1}
+)";
+  const Scenario scenario = parse_scenario(text, "driven");
+  ASSERT_TRUE(scenario.robots[0].rover.has_value());
+  EXPECT_EQ(scenario.robots[0].rover->url, "udpout://10.0.0.7:7700");
+  EXPECT_EQ(scenario.robots[0].rover->number, 7);
+  EXPECT_FALSE(scenario.robots[0].autopilot.has_value());
+  std::string both = text;
+  both.replace(both.find("device: real"), 12, "autopilot: {dialect: px4, url: \"udp://:1\"}");
+  EXPECT_THROW(parse_scenario(both, "both"), StartupError);
 }
 
 TEST(ParseScenario, ReadsTargetsFromAList) {

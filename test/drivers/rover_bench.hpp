@@ -59,7 +59,7 @@ class RoverBench {
       driver.receive(*telemetry, now);
     }
     if (steps % 40 == 0 && operator_on) {
-      command(models::OperatorAction::kHeartbeat);
+      (void)command(models::OperatorAction::kHeartbeat);
     }
     if (steps % 4 == 0 && driver_on) {
       const drivers::RoverMessage sent = driver.tick(now);

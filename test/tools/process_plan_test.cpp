@@ -70,6 +70,20 @@ TEST(ProcessPlan, StartsADriverForEachDeviceThatIsNotDirect) {
                                                           "s.yaml", "--url", "", "--robot", "Q2"}));
 }
 
+TEST(ProcessPlan, StartsARoversOwnDriver) {
+  models::Scenario scenario = on_the_wire();
+  scenario.mocap.device = models::DeviceSource::kReal;
+  scenario.robots[0].device = models::DeviceSource::kReal;
+  scenario.robots[0].autopilot.reset();
+  scenario.robots[0].rover.emplace().url = "udpout://10.0.0.7:7700";
+  EXPECT_TRUE(device_faults(scenario).empty());
+  const auto names = names_of(process_plan(scenario, {".", "s.yaml", ""}));
+  EXPECT_NE(std::find(names.begin(), names.end(), "rover Q1"), names.end());
+  EXPECT_EQ(std::find(names.begin(), names.end(), "quadrotor Q1"), names.end());
+  scenario.robots[0].device = models::DeviceSource::kWire;
+  EXPECT_EQ(device_faults(scenario).size(), 1u);
+}
+
 TEST(DeviceFaults, NameARealRobotThatNobodySeesAndADriverWithoutAnAutopilot) {
   models::Scenario scenario = on_the_wire();
   EXPECT_TRUE(device_faults(scenario).empty());

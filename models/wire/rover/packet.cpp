@@ -33,7 +33,7 @@ class Writer {
  public:
   explicit Writer(std::uint8_t kind) {
     number(kMagic);
-    number(kVersion);
+    number(kProtocolVersion);
     number(kind);
   }
   template <class Unsigned>
@@ -63,7 +63,7 @@ Verdict open(std::span<const std::uint8_t> datagram, std::uint8_t kind, std::siz
   if (!header.ok() || magic != kMagic) {
     return Verdict::kForeign;
   }
-  if (version != kVersion) {
+  if (version != kProtocolVersion) {
     return Verdict::kVersion;
   }
   if (its_kind != kind) {

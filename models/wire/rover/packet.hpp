@@ -11,7 +11,7 @@
 namespace vantage::models::rover {
 
 inline constexpr std::uint16_t kMagic = 0x5256;  ///< the letters V, R in the order of the bytes
-inline constexpr std::uint8_t kVersion = 1;
+inline constexpr std::uint8_t kProtocolVersion = 1;
 inline constexpr std::size_t kCommandBytes = 40;
 inline constexpr std::size_t kTelemetryBytes = 56;
 /// A rover that has taken no command for so long brakes to a stop by itself.
