@@ -1,10 +1,12 @@
 #include "planner/team/decision/candidate.hpp"
 
 #include <algorithm>
-#include <span>
+#include <cmath>
+#include <numeric>
 
 #include "core/check.hpp"
 #include "planner/search/belief_table.hpp"
+#include "planner/search/crossing_index.hpp"
 #include "planner/search/motion_table.hpp"
 #include "planner/team/look.hpp"
 
@@ -31,6 +33,9 @@ double control_cost(const EnergyModel& energy, const models::UnicycleControl& co
   }
   return control.yaw_rate_radps != 0.0 ? energy.turn_cost : energy.rest_cost;
 }
+
+// Packed covariance of every target at the end of a trajectory.
+using LastBlocks = std::vector<double>;
 
 // Candidates of one problem, whose predicted means are worked out once.
 class CandidateMaker {
@@ -72,12 +77,58 @@ class CandidateMaker {
     return candidate;
   }
 
+  // What is believed at the end of `candidate` alone.
+  [[nodiscard]] LastBlocks last_blocks(const Candidate& candidate) const {
+    LastBlocks blocks(static_cast<std::size_t>(beliefs_.target_count()) * kMaxPacked);
+    const Look* look = candidate.looks.data();
+    const Look* const end = look + candidate.looks.size();
+    for (int m = 0; m < beliefs_.target_count(); ++m) {
+      double* block = &blocks[static_cast<std::size_t>(m) * kMaxPacked];
+      const bool is_seen = look != end && look->target == m;
+      const int first = is_seen ? look->step - 1 : problem_.horizon_steps;
+      std::copy_n(beliefs_.open_loop(m, first), packed_size(beliefs_.layout(m)), block);
+      for (int t = first + 1; t <= problem_.horizon_steps; ++t) {
+        beliefs_.predict_into(m, t, block, block);
+        if (look != end && look->target == m && look->step == t) {
+          update(beliefs_.layout(m), look->information.m, block, block);
+          ++look;
+        }
+      }
+    }
+    return blocks;
+  }
+
+  // Whether every block of `a`, plus εI, dominates that of `b`.
+  [[nodiscard]] bool is_redundant(const LastBlocks& a, double epsilon, const LastBlocks& b) const {
+    for (int m = 0; m < beliefs_.target_count(); ++m) {
+      const std::size_t at = static_cast<std::size_t>(m) * kMaxPacked;
+      if (!dominates(beliefs_.layout(m), &a[at], epsilon, &b[at])) {
+        return false;
+      }
+    }
+    return true;
+  }
+
  private:
   const SearchProblem& problem_;
   const EnergyModel& energy_;
   BeliefTable beliefs_;
   double range_max_m_ = 0.0;
 };
+
+std::vector<Candidate> ordered_by(const std::vector<NodeId>& places,
+                                  std::vector<Candidate> candidates) {
+  std::vector<std::size_t> order(places.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
+  std::vector<Candidate> ordered;
+  ordered.reserve(order.size());
+  for (const std::size_t i : order) {
+    ordered.push_back(std::move(candidates[i]));
+  }
+  return ordered;
+}
 
 }  // namespace
 
@@ -113,6 +164,8 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,
                                               const CandidateOptions& options) {
+  require(std::isfinite(options.epsilon) && std::isfinite(options.delta_m),
+          "candidates: epsilon and delta_m must be finite");
   ReducedOptions pass;
   pass.search = ReducedSearch::kSinglePass;
   pass.epsilon = options.epsilon;
@@ -120,27 +173,53 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
   pass.yaw_weight_m_per_rad = options.yaw_weight_m_per_rad;
   search.plan(problem, pass, Deadline::never());
 
-  const CandidateMaker maker(problem, energy);
   MotionTable motion(static_cast<int>(problem.controls.size()), problem.horizon_steps,
                      static_cast<int>(problem.teammates.size()));
   motion.reset(problem);
   const Tree& tree = search.tree();
-  std::vector<Candidate> candidates;
-  for (NodeId leaf = 0; leaf < static_cast<NodeId>(tree.node_count()); ++leaf) {
-    const Node& last = tree[leaf];
-    if (last.depth != problem.horizon_steps ||
-        !motion.can_stop(last.world_from_body, last.control, last.depth)) {
-      continue;
+  std::vector<NodeId> leaves;
+  for (NodeId id = 0; id < static_cast<NodeId>(tree.node_count()); ++id) {
+    const Node& node = tree[id];
+    if (node.depth == problem.horizon_steps &&
+        motion.can_stop(node.world_from_body, node.control, node.depth)) {
+      leaves.push_back(id);
     }
+  }
+  std::stable_sort(leaves.begin(), leaves.end(),
+                   [&](NodeId a, NodeId b) { return tree[a].cost < tree[b].cost; });
+
+  const CandidateMaker maker(problem, energy);
+  const PoseMetric metric{options.yaw_weight_m_per_rad};
+  CrossingIndex index(leaves.size());
+  index.reset(options.delta_m);
+  std::vector<Candidate> candidates;
+  std::vector<LastBlocks> blocks;  // of each candidate
+  std::vector<NodeId> places;      // of each candidate in the tree
+  for (const NodeId leaf : leaves) {
+    const Node& last = tree[leaf];
     std::vector<int> controls(last.depth);
     std::vector<Pose2> poses(last.depth);
     for (NodeId id = leaf; tree[id].parent != kNoNode; id = tree[id].parent) {
       controls[tree[id].depth - 1U] = tree[id].control;
       poses[tree[id].depth - 1U] = tree[id].world_from_body;
     }
-    candidates.push_back(maker.make(std::move(controls), std::move(poses)));
+    Candidate candidate = maker.make(std::move(controls), std::move(poses));
+    LastBlocks own = maker.last_blocks(candidate);
+    bool is_redundant = false;
+    index.near(last.world_from_body, [&](std::uint32_t kept) {
+      is_redundant = metric.squared(candidates[kept].poses.back(), last.world_from_body) <=
+                         options.delta_m * options.delta_m &&
+                     maker.is_redundant(own, options.epsilon, blocks[kept]);
+      return !is_redundant;
+    });
+    if (!is_redundant) {
+      index.insert(last.world_from_body, static_cast<std::uint32_t>(candidates.size()));
+      candidates.push_back(std::move(candidate));
+      blocks.push_back(std::move(own));
+      places.push_back(leaf);
+    }
   }
-  return candidates;
+  return ordered_by(places, std::move(candidates));
 }
 
 }  // namespace vantage::planner

@@ -51,10 +51,12 @@ struct CandidateOptions {
   double yaw_weight_m_per_rad = 0.3;
 };
 
-/// Every complete trajectory that one pass of reduced value iteration leaves, in the order of its
-/// tree; those that cannot stop where a stop is demanded are left out. `search` must be large
-/// enough for `problem`: a pass that was cut short gives what it reached.
-/// @throws UsageError as ReducedValueIteration::plan does
+/// The complete trajectories that one pass of reduced value iteration leaves, in the order of its
+/// tree; those that cannot stop where a stop is demanded are left out. The last depth is reduced as
+/// all others are: of leaves that δ-cross and are ε-redundant the cheaper one stays, so the best
+/// plan of the search always does. `search` must be large enough for `problem`: a pass that was cut
+/// short gives what it reached.
+/// @throws UsageError as ReducedValueIteration::plan does, or when ε or δ is not finite
 /// Source: dissertation 3 D (Mᵢ from reduced value iteration).
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,

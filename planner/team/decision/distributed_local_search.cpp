@@ -55,7 +55,8 @@ class TeamRound {
     ++decision_.adopted;
   }
 
-  // Every robot without a trajectory proposes its best addition; the best of those is adopted.
+  // Robots without a trajectory propose their best additions one after another, those that have
+  // heard a better one keeping silent; the best is adopted.
   void add_greedily(std::span<const char> excluded) {
     std::vector<BestAddition> additions;
     for (int robot = 0; robot < oracle_.robot_count(); ++robot) {
@@ -68,10 +69,10 @@ class TeamRound {
           continue;
         }
         const Proposal own = additions[static_cast<std::size_t>(robot)].find(team_, excluded);
-        ++decision_.messages;
         if (!own.is_nothing() && rule_.improves(team_.value(), own.value) &&
             (best.is_nothing() || is_preferred(own, best))) {
           best = own;
+          ++decision_.messages;
         }
       }
       count_calls();
