@@ -160,6 +160,14 @@ Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy
   return CandidateMaker(problem, energy).make(std::move(controls), std::move(poses));
 }
 
+Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
+                         const SearchResult& result) {
+  require_valid(problem);
+  require(result.found && result.poses.size() == static_cast<std::size_t>(problem.horizon_steps),
+          "candidate: a pose for every step");
+  return CandidateMaker(problem, energy).make(result.controls, result.poses);
+}
+
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,

@@ -44,6 +44,10 @@ double energy_used(const EnergyModel& energy, const SearchProblem& problem,
 Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
                          std::vector<int> controls);
 
+/// The candidate that a search's plan is, its hover at the end included.
+Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
+                         const SearchResult& result);
+
 /// How the candidate trajectories of a robot are found.
 struct CandidateOptions {
   double epsilon = 1.0;  ///< of the reduced value iteration's one pass

@@ -58,4 +58,26 @@ TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolv
   return decision;
 }
 
+std::vector<int> plan_round_resiliently(int robot_count, int attacks_max, const PlanRobot& plan) {
+  std::vector<int> bait;
+  if (attacks_max > 0) {
+    std::vector<double> values_alone;
+    for (int robot = 0; robot < robot_count; ++robot) {
+      values_alone.push_back(plan(robot, {}));
+    }
+    bait = bait_robots(values_alone, attacks_max);
+  }
+  std::vector<int> planned;
+  for (int robot = 0; robot < robot_count; ++robot) {
+    if (std::binary_search(bait.begin(), bait.end(), robot)) {
+      continue;
+    }
+    if (attacks_max == 0 || !planned.empty()) {  // else it has just planned alone
+      plan(robot, planned);
+    }
+    planned.push_back(robot);
+  }
+  return bait;
+}
+
 }  // namespace vantage::planner

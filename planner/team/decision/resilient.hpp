@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -22,5 +23,15 @@ enum class SubSolver { kCoordinateDescent, kExhaustive };
 /// with coordinate descent half of the first, ½ (1 − c)³. `value` is that without attacks.
 /// Source: dissertation Alg. 10, Thm 1, Prop. 1.
 TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolver sub_solver);
+
+/// Plans `robot` beside the plans that the robots `beside` have now, keeps that plan as its own,
+/// and returns the information it gains, nats.
+using PlanRobot = std::function<double(int robot, const std::vector<int>& beside)>;
+
+/// The same round over robots that search for their plans: with attacks, all plan alone, and those
+/// outside the bait then plan one after another beside those of them that have; without, it is
+/// coordinate descent. Returns the bait, ascending. This is what RAIN does every T_REPLAN steps.
+/// Source: dissertation Alg. 9, 10.
+std::vector<int> plan_round_resiliently(int robot_count, int attacks_max, const PlanRobot& plan);
 
 }  // namespace vantage::planner

@@ -122,6 +122,24 @@ TEST(PlanResiliently, LeavesMoreThanPlanningForNoAttackOnAverage) {
   EXPECT_GT(resilient, plain);
 }
 
+TEST(PlanRoundResiliently, AsksInTheOrderOfTheAlgorithm) {
+  using Call = std::pair<int, std::vector<int>>;
+  const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
+  std::vector<Call> calls;
+  const auto plan = [&](int robot, const std::vector<int>& beside) {
+    calls.emplace_back(robot, beside);
+    return values[static_cast<std::size_t>(robot)];
+  };
+  EXPECT_EQ(plan_round_resiliently(4, 1, plan), (std::vector<int>{1}));
+  EXPECT_EQ(calls, (std::vector<Call>{{0, {}}, {1, {}}, {2, {}}, {3, {}}, {2, {0}}, {3, {0, 2}}}));
+  calls.clear();
+  EXPECT_TRUE(plan_round_resiliently(3, 0, plan).empty());
+  EXPECT_EQ(calls, (std::vector<Call>{{0, {}}, {1, {0}}, {2, {0, 1}}}));
+  calls.clear();
+  EXPECT_EQ(plan_round_resiliently(2, 5, plan), (std::vector<int>{0, 1}));
+  EXPECT_EQ(calls.size(), 2U);
+}
+
 TEST(BaitRobots, AreTheOnesWorthMostAndTheLowerOfEquals) {
   const std::vector<double> values = {1.0, 3.0, 2.0, 3.0, 2.0};
   EXPECT_EQ(bait_robots(values, 0), (std::vector<int>{}));
