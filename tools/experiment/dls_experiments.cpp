@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <ctime>
 #include <functional>
+#include <map>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -75,6 +77,33 @@ Decide descent(bool dearest_first) {
   };
 }
 
+// Seconds of one oracle call that keeps nothing from call to call: every target from the first step
+// on, for full teams of random candidates.
+double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
+  constexpr int kCalls = 300;
+  std::vector<TeamOracle::Looks> looks;
+  double sink = 0.0;
+  const double start_s = thread_cpu_s();
+  for (int call = 0; call < kCalls; ++call) {
+    for (int m = 0; m < oracle.target_count(); ++m) {
+      looks.clear();
+      for (int robot = 0; robot < oracle.robot_count(); ++robot) {
+        const auto count = static_cast<std::uint64_t>(oracle.end(robot) - oracle.begin(robot));
+        const auto drawn = static_cast<planner::CandidateId>(
+            (seed + static_cast<std::uint64_t>(call) * 7919U) % std::max<std::uint64_t>(1, count));
+        const std::vector<planner::Look>& all = oracle.candidate(oracle.begin(robot) + drawn).looks;
+        const auto [begin, end] = std::equal_range(
+            all.begin(), all.end(), planner::Look{static_cast<std::uint16_t>(m), 0, {}},
+            [](const planner::Look& a, const planner::Look& b) { return a.target < b.target; });
+        looks.emplace_back(begin, end);
+      }
+      sink += oracle.follow(m, 0, oracle.start_of(m), looks, nullptr);
+    }
+  }
+  // Used, so that nothing of it can be left out.
+  return (thread_cpu_s() - start_s + 0.0 * sink) / kCalls;
+}
+
 // One trial by every method, in the order in which they are told of.
 using RunTrial = std::function<std::vector<Outcome>(const TeamOracle& oracle)>;
 
@@ -110,9 +139,10 @@ class EnergySweep {
             n, options_.seed + static_cast<std::uint64_t>(trial), EnergyTrialOptions{}, search);
         const double drawn_s = thread_cpu_s();
         const TeamOracle oracle(drawn.team);
+        const double alone_s = thread_cpu_s();
         candidates_[n].add(oracle.candidate_count());
         times += fmt::format("{},{},trajectories,{:.6f}\n", n, trial, drawn_s - start_s);
-        times += fmt::format("{},{},each alone,{:.6f}\n", n, trial, thread_cpu_s() - drawn_s);
+        times += fmt::format("{},{},each alone,{:.6f}\n", n, trial, alone_s - drawn_s);
         for (const Outcome& outcome : run_trial_(oracle)) {
           note(n, outcome);
           rows += fmt::format("{},{},{},{},{:.9f},{:.6f},{:g},{:g}\n", n, trial,
@@ -120,6 +150,8 @@ class EnergySweep {
                               outcome.calls_per_candidate, outcome.adopted, outcome.messages);
           times += fmt::format("{},{},{},{:.6f}\n", n, trial, outcome.method, outcome.cpu_s);
         }
+        note_times(n, drawn_s - start_s, alone_s - drawn_s,
+                   from_scratch_call_s(oracle, options_.seed));
         if (options_.progress) {
           const int all = (robots_max_ - kRobotsMin + 1) * trials_;
           options_.progress(static_cast<double>(++done) / all);
@@ -145,9 +177,23 @@ class EnergySweep {
     return summaries_.at(n).at(method);
   }
 
+  /// CPU seconds of trajectories and of valuing each alone, and of one call from scratch.
+  struct Times {
+    Sample trajectories_s;
+    Sample alone_s;
+    Sample from_scratch_call_s;
+  };
+  [[nodiscard]] const Times& times(int n) const { return times_.at(n); }
+
   static constexpr int kRobotsMin = 2;
 
  private:
+  void note_times(int n, double trajectories_s, double alone_s, double from_scratch_call_s) {
+    times_[n].trajectories_s.add(trajectories_s);
+    times_[n].alone_s.add(alone_s);
+    times_[n].from_scratch_call_s.add(from_scratch_call_s);
+  }
+
   void note(int n, const Outcome& outcome) {
     MethodSummary& summary = summaries_[n][outcome.method];
     summary.value.add(outcome.value);
@@ -178,6 +224,7 @@ class EnergySweep {
   int robots_max_;
   RunTrial run_trial_;
   std::map<int, Sample> candidates_;
+  std::map<int, Times> times_;
   std::map<int, std::map<std::string, MethodSummary>> summaries_;
 };
 
@@ -202,6 +249,15 @@ ExperimentResult run_dls_savings(const ExperimentOptions& options) {
         100.0 * (1.0 - both.calls.mean() / naive.calls.mean()), both.adopted.mean(),
         naive.adopted.mean(), both.messages.mean(), naive.messages.mean()));
   }
+  const int n = sweep.robots_max();
+  const EnergySweep::Times& times = sweep.times(n);
+  const MethodSummary& naive = sweep.of(n, "naive");
+  result.report.push_back(fmt::format(
+      "CPU of {} robots, means: trajectories {:.3f} s, each alone {:.4f} s, lazy + warm {:.4f} s; "
+      "naive {:.3f} s, and {:.2f} s if every call began from scratch",
+      n, times.trajectories_s.mean(), times.alone_s.mean(), sweep.of(n, "lazy + warm").cpu_s.mean(),
+      naive.cpu_s.mean(),
+      naive.calls.mean() * sweep.candidates(n) * times.from_scratch_call_s.mean()));
   return result;
 }
 
