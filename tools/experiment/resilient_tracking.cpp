@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "estimator/confinement.hpp"
+#include "estimator/missed_detection.hpp"
 #include "estimator/track.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/motion/unicycle.hpp"
@@ -185,6 +186,15 @@ class TrackingTask {
     const models::SensorModel sensor = tracking_sensor();
     for (std::size_t m = 0; m < truth_.size(); ++m) {
       const models::PositionVector target_m = truth_[m].head(2);
+      // Those that should have seen it and did not say where it is not, before the others are
+      // heard.
+      for (std::size_t i = 0; i < poses_.size(); ++i) {
+        const models::Viewpoint from{poses_[i], 0.0};
+        if (!attacked_[i] && !models::in_view(sensor, from, target_m)) {
+          beliefs_[m] = estimator::missed_detection(beliefs_[m], sensor, from, world_,
+                                                    setting_.detection_probability);
+        }
+      }
       std::optional<models::Information> information = models::to_information(beliefs_[m]);
       for (std::size_t i = 0; information && i < poses_.size(); ++i) {
         const models::Viewpoint from{poses_[i], 0.0};

@@ -16,6 +16,9 @@ struct TrackingSetting {
   // What the text leaves open.
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 0.1;
+  /// With which a look that finds nothing moves a belief away; 0: such looks are not used, and
+  /// robots go on looking where a lost target is not.
+  double detection_probability = 0.9;
 };
 
 /// What a run was like after each step.

@@ -82,7 +82,8 @@ class TrackingSweep {
                        {"plan_steps", setting_.plan_steps},
                        {"nodes_per_plan", static_cast<double>(setting_.nodes_per_plan)},
                        {"prior_position_sigma_m", setting_.prior_position_sigma_m},
-                       {"prior_velocity_sigma_mps", setting_.prior_velocity_sigma_mps}};
+                       {"prior_velocity_sigma_mps", setting_.prior_velocity_sigma_mps},
+                       {"detection_probability", setting_.detection_probability}};
     if (!options_.smoke) {
       result.figure = resilient_tracking_figure();
     }
