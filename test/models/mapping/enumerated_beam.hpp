@@ -24,7 +24,7 @@ class EnumeratedBeam {
   [[nodiscard]] double density(const Map& map, double z_m) const;
   /// Σ_m p(m) density.
   [[nodiscard]] double density(double z_m) const;
-  /// ∫ f(z) dz over everything that any map's reading can be, by Simpson's rule.
+  /// ∫ f(z) dz over everything that any map's reading can be. `f` must vanish 10 σ away from them.
   [[nodiscard]] double integral(const std::function<double(double)>& f) const;
 
  private:

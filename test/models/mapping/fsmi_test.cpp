@@ -20,10 +20,10 @@ double divergence_nats(double posterior, double prior) {
 double told_by(const BeamProfile& beam, const BeamSensor& sensor, const InverseBeamModel& inverse,
                double z_m) {
   double sum_nats = 0.0;
-  if (z_m < beam.enter_m.front()) {
+  const bool is_hit = z_m < sensor.no_hit_range_m() && z_m < beam.exit_m.back();
+  if (is_hit && z_m < beam.enter_m.front()) {
     return 0.0;
   }
-  const bool is_hit = z_m < sensor.no_hit_range_m() && z_m < beam.exit_m.back();
   for (std::size_t k = 0; k < beam.occupancy.size(); ++k) {
     const double o = beam.occupancy[k];
     const bool is_here = is_hit && z_m >= beam.enter_m[k] && z_m < beam.exit_m[k];
@@ -69,7 +69,9 @@ double shannon_by_enumeration(const EnumeratedBeam& beam) {
     double sum_nats = 0.0;
     for (const EnumeratedBeam::Map& map : beam.maps()) {
       const double given = beam.density(map, z_m);
-      sum_nats += given > 0.0 ? map.probability * given * std::log(given / density) : 0.0;
+      sum_nats += map.probability > 0.0 && given > 0.0
+                      ? map.probability * given * std::log(given / density)
+                      : 0.0;
     }
     return sum_nats;
   });

@@ -1,0 +1,105 @@
+// Resilient mapping, trial by trial: a table of the final entropy, curves over time and maps.
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "core/deadline.hpp"
+#include "tools/experiment/mapping_trial.hpp"
+#include "tools/experiment/mapping_worlds.hpp"
+
+namespace vantage {
+namespace {
+
+using experiment::AttackKind;
+
+void write_map(const std::string& path, const models::OccupancyBelief& map) {
+  std::ofstream out(path);
+  for (int row = 0; row < map.geometry().rows; ++row) {
+    for (int column = 0; column < map.geometry().columns; ++column) {
+      out << fmt::format("{:.3f} ", map.occupancy(row * map.geometry().columns + column));
+    }
+    out << '\n';
+  }
+}
+
+void write_outcome(const std::string& stem, const experiment::MappingOutcome& outcome) {
+  write_map(stem + "_half.txt", outcome.halfway);
+  write_map(stem + "_end.txt", outcome.map);
+  std::ofstream out(stem + "_poses.txt");
+  const std::size_t robots = outcome.steps.front().poses.size();
+  for (std::size_t robot = 0; robot < robots; ++robot) {
+    for (std::size_t t = 0; t < outcome.steps.size(); ++t) {
+      const experiment::MappingStep& step = outcome.steps[t];
+      const bool attacked =
+          std::binary_search(step.attacked.begin(), step.attacked.end(), static_cast<int>(robot));
+      out << fmt::format("{} {:.3f} {:.3f} {}\n", t, step.poses[robot].x_m, step.poses[robot].y_m,
+                         attacked ? 1 : 0);
+    }
+    out << "\n\n";
+  }
+}
+
+}  // namespace
+}  // namespace vantage
+
+int main(int argc, char** argv) {
+  using namespace vantage;  // NOLINT(google-build-using-namespace): a main of its own
+  std::string world = "squares";
+  std::string attack = "worst";
+  std::string out = ".";
+  int trials = 2;
+  int first_trial = 0;
+  experiment::MappingSetup setup;
+  bool drop = false;
+  bool with_fsmi = false;
+  CLI::App app("Resilient mapping: CSV of entropy by trial and step, maps of the first trial");
+  app.add_option("--world", world, "squares or corridors");
+  app.add_option("--attack", attack, "none, random or worst");
+  app.add_option("--attacks", setup.attacks, "robots attacked at a time");
+  app.add_option("--trials", trials, "seeds 0 …");
+  app.add_option("--first-trial", first_trial, "the first seed");
+  app.add_option("--steps", setup.steps, "of 1 s");
+  app.add_option("--frontier", setup.search.frontier_nats_per_m, "pull of the frontier, nats/m");
+  app.add_flag("--drop-beams", drop, "drop whole dependent beams");
+  app.add_flag("--fsmi", with_fsmi, "FSMI instead of CSQMI");
+  app.add_option("--out", out, "folder");
+  CLI11_PARSE(app, argc, argv);
+
+  setup.world =
+      world == "squares" ? experiment::square_obstacles_world() : experiment::corridor_world();
+  setup.attack = attack == "none"     ? AttackKind::kNone
+                 : attack == "random" ? AttackKind::kRandom
+                                      : AttackKind::kWorstCase;
+  if (drop) {
+    setup.views.dependence = planner::BeamDependence::kDropBeams;
+  }
+  if (with_fsmi) {
+    setup.views.measure = planner::BeamMeasure::kFsmi;
+  }
+  const std::string stem = fmt::format("{}/{}_{}_{}", out, world, attack, setup.attacks);
+  std::ofstream csv(stem + ".csv");
+  csv << "planner,trial,step,entropy_nats\n";
+  for (int trial = first_trial; trial < first_trial + trials; ++trial) {
+    const std::int64_t begin_ns = monotonic_ns();
+    const experiment::MappingOutcome outcome =
+        experiment::run_mapping_trial(setup, static_cast<std::uint64_t>(trial));
+    for (std::size_t t = 0; t < outcome.steps.size(); ++t) {
+      csv << fmt::format("descent,{},{},{:.2f}\n", trial, t, outcome.steps[t].entropy_nats);
+    }
+    fmt::print(
+        "{} trial {}: {:.0f} -> {:.0f} -> {:.0f} nats, {} stops, {} nodes, {} beam cells, wrong "
+        "{:.4f}, {:.2f} s\n",
+        stem, trial, outcome.steps.front().entropy_nats, outcome.halfway.entropy_nats(),
+        outcome.steps.back().entropy_nats, outcome.stopped, outcome.nodes, outcome.beam_cells,
+        outcome.wrong_share, 1e-9 * static_cast<double>(monotonic_ns() - begin_ns));
+    if (trial == first_trial) {
+      write_outcome(stem + "_descent", outcome);
+    }
+  }
+  return 0;
+}
