@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/deadline.hpp"
+#include "planner/mapping/resilient_mapping.hpp"
 #include "tools/experiment/mapping_trial.hpp"
 #include "tools/experiment/mapping_worlds.hpp"
 
@@ -55,6 +56,7 @@ int main(int argc, char** argv) {
   int trials = 2;
   int first_trial = 0;
   experiment::MappingSetup setup;
+  double scale = 1.0;
   bool drop = false;
   bool with_fsmi = false;
   CLI::App app("Resilient mapping: CSV of entropy by trial and step, maps of the first trial");
@@ -65,6 +67,7 @@ int main(int argc, char** argv) {
   app.add_option("--first-trial", first_trial, "the first seed");
   app.add_option("--steps", setup.steps, "of 1 s");
   app.add_option("--frontier", setup.search.frontier_nats_per_m, "pull of the frontier, nats/m");
+  app.add_option("--scale", scale, "of the world's lengths");
   app.add_flag("--drop-beams", drop, "drop whole dependent beams");
   app.add_flag("--fsmi", with_fsmi, "FSMI instead of CSQMI");
   app.add_option("--out", out, "folder");
@@ -72,6 +75,11 @@ int main(int argc, char** argv) {
 
   setup.world =
       world == "squares" ? experiment::square_obstacles_world() : experiment::corridor_world();
+  for (models::Obstacle& obstacle : setup.world.obstacles) {
+    obstacle.footprint.min_m *= scale;
+    obstacle.footprint.max_m *= scale;
+  }
+  setup.world.bounds.max_m *= scale;
   setup.attack = attack == "none"     ? AttackKind::kNone
                  : attack == "random" ? AttackKind::kRandom
                                       : AttackKind::kWorstCase;
@@ -85,20 +93,26 @@ int main(int argc, char** argv) {
   std::ofstream csv(stem + ".csv");
   csv << "planner,trial,step,entropy_nats\n";
   for (int trial = first_trial; trial < first_trial + trials; ++trial) {
-    const std::int64_t begin_ns = monotonic_ns();
-    const experiment::MappingOutcome outcome =
-        experiment::run_mapping_trial(setup, static_cast<std::uint64_t>(trial));
-    for (std::size_t t = 0; t < outcome.steps.size(); ++t) {
-      csv << fmt::format("descent,{},{},{:.2f}\n", trial, t, outcome.steps[t].entropy_nats);
-    }
-    fmt::print(
-        "{} trial {}: {:.0f} -> {:.0f} -> {:.0f} nats, {} stops, {} nodes, {} beam cells, wrong "
-        "{:.4f}, {:.2f} s\n",
-        stem, trial, outcome.steps.front().entropy_nats, outcome.halfway.entropy_nats(),
-        outcome.steps.back().entropy_nats, outcome.stopped, outcome.nodes, outcome.beam_cells,
-        outcome.wrong_share, 1e-9 * static_cast<double>(monotonic_ns() - begin_ns));
-    if (trial == first_trial) {
-      write_outcome(stem + "_descent", outcome);
+    for (const bool resilient : {false, true}) {
+      setup.planner = resilient ? experiment::MappingTeamPlanner(planner::plan_mapping_resiliently)
+                                : experiment::plan_by_coordinate_descent;
+      const std::string name = resilient ? "rain" : "descent";
+      const std::int64_t begin_ns = monotonic_ns();
+      const experiment::MappingOutcome outcome =
+          experiment::run_mapping_trial(setup, static_cast<std::uint64_t>(trial));
+      for (std::size_t t = 0; t < outcome.steps.size(); ++t) {
+        csv << fmt::format("{},{},{},{:.2f}\n", name, trial, t, outcome.steps[t].entropy_nats);
+      }
+      fmt::print(
+          "{} {} {}: {:.0f} {:.0f} {:.0f} nats, {} stops, {} nodes, {} cells, wrong {:.4f}, {:.2f} "
+          "s\n",
+          stem, trial, name, outcome.steps.front().entropy_nats, outcome.halfway.entropy_nats(),
+          outcome.steps.back().entropy_nats, outcome.stopped, outcome.nodes, outcome.beam_cells,
+          outcome.wrong_share, 1e-9 * static_cast<double>(monotonic_ns() - begin_ns));
+      csv.flush();
+      if (trial == first_trial) {
+        write_outcome(stem + "_" + name, outcome);
+      }
     }
   }
   return 0;

@@ -2,22 +2,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <utility>
+
+#include "planner/team/decision/attack.hpp"
 
 namespace vantage::experiment {
 namespace {
-
-// Fisher–Yates by the engine alone: std::shuffle may differ between libraries.
-std::vector<int> random_robots(int attacks, int robots, std::mt19937_64& random) {
-  std::vector<int> order(static_cast<std::size_t>(robots));
-  std::iota(order.begin(), order.end(), 0);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(attacks); ++k) {
-    std::swap(order[k], order[k + random() % (order.size() - k)]);
-  }
-  order.resize(static_cast<std::size_t>(attacks));
-  return order;
-}
 
 std::vector<int> worst_robots(int attacks, const std::vector<planner::MapRoute>& routes,
                               planner::MappingSearch& search) {
@@ -56,7 +46,7 @@ std::vector<int> attacked_robots(AttackKind kind, int attacks,
   const int count = std::clamp(attacks, 0, robots);
   std::vector<int> attacked;
   if (kind == AttackKind::kRandom) {
-    attacked = random_robots(count, robots, random);
+    attacked = planner::random_attack(robots, count, random);
   } else if (kind == AttackKind::kWorstCase) {
     attacked = worst_robots(count, routes, search);
   }
