@@ -82,7 +82,7 @@ TEST(DriveMap, GoesAroundWallsToTheUnknownAndKnowsWhenThereIsNoWay) {
   for (int cell = 0; cell < kGrid.size(); ++cell) {
     const int column = cell % 30;
     const int row = cell / 30;
-    if (column == 18 && row < 20) {
+    if (column == 18 && row < 16) {
       belief.add_log_odds(cell, 9.0);
     } else if (column < 26) {
       belief.add_log_odds(cell, -9.0);
@@ -91,7 +91,7 @@ TEST(DriveMap, GoesAroundWallsToTheUnknownAndKnowsWhenThereIsNoWay) {
   const double detour_m = DriveMap(belief, {}).to_frontier_m(kGrid.centre_m(3 * 30 + 10));
   EXPECT_GT(detour_m, 18 * 0.25);
   EXPECT_LT(detour_m, 40 * 0.25);
-  for (int row = 20; row < 24; ++row) {
+  for (int row = 16; row < 24; ++row) {
     belief.add_log_odds(row * 30 + 18, 20.0);
   }
   EXPECT_TRUE(std::isinf(DriveMap(belief, {}).to_frontier_m(kGrid.centre_m(3 * 30 + 10))));
