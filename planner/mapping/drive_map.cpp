@@ -63,17 +63,22 @@ bool DriveMap::is_free(const Pose2& from, const models::UnicycleControl& control
                        double duration_s) const {
   const double length_m = std::abs(control.speed_mps) * duration_s;
   const int pieces = static_cast<int>(std::ceil(length_m / (0.5 * geometry_.resolution_m)));
+  const double leave_m = options_.radius_m + 2.0 * geometry_.resolution_m;
   bool has_left = is_free(from.position_m());
   for (int piece = 1; piece <= pieces; ++piece) {
     const Eigen::Vector2d p_m =
         models::step_unicycle(from, control, duration_s * piece / pieces).position_m();
     const int cell = geometry_.index_of(p_m);
-    if (cell < 0 || occupied_[at(cell)] != 0 || (has_left && near_[at(cell)] != 0)) {
+    if (cell < 0 || occupied_[at(cell)] != 0) {
       return false;
     }
-    has_left = has_left || near_[at(cell)] == 0;
+    const bool is_near = near_[at(cell)] != 0;
+    if (is_near && (has_left || (p_m - from.position_m()).norm() > leave_m)) {
+      return false;
+    }
+    has_left = has_left || !is_near;
   }
-  return true;
+  return has_left || pieces == 0;
 }
 
 bool DriveMap::has_open_neighbour(int cell, const models::OccupancyBelief& belief) const {

@@ -24,9 +24,10 @@ class DriveMap {
   DriveMap(const models::OccupancyBelief& belief, const DriveOptions& options);
 
   /// False when the disc touches an occupied cell or the grid's edge somewhere along the arc. A
-  /// robot that stands too near already (the map may have been wrong) may leave, over cells that
-  /// are not occupied themselves, but not come near again. Sound: between the points it looks at,
-  /// no farther apart than half a cell, the disc is taken to be larger by a quarter of a cell.
+  /// robot that stands too near already (the map may have been wrong) may leave: over cells that
+  /// are not occupied themselves, and it must be clear before it has gone its radius and two cells.
+  /// Sound from where it is clear: between the points it looks at, no farther apart than half a
+  /// cell, the disc is taken to be larger by a quarter of a cell.
   [[nodiscard]] bool is_free(const Pose2& from, const models::UnicycleControl& control,
                              double duration_s) const;
   [[nodiscard]] bool is_free(const Eigen::Vector2d& p_m) const;

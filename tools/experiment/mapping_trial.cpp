@@ -101,16 +101,29 @@ class MappingTrial {
         }
         const models::UnicycleControl& control =
             setup_.search.controls[static_cast<std::size_t>(controls[t])];
-        if (planner::arc_is_clear(setup_.world, poses_[robot], control, setup_.search.step_s,
-                                  setup_.drive.radius_m)) {
-          poses_[robot] = models::step_unicycle(poses_[robot], control, setup_.search.step_s);
-        } else {
+        if (!drive(poses_[robot], control)) {
           stopped[robot] = true;
           ++outcome.stopped;
         }
       }
       look(attacked, outcome);
     }
+  }
+
+  // As far as the true world allows less a sixteenth of the step; false when that is not all. A
+  // robot that came no nearer to what stopped it might never see it, and try the same for ever.
+  [[nodiscard]] bool drive(Pose2& pose, const models::UnicycleControl& control) const {
+    constexpr int kParts = 16;
+    const double step_s = setup_.search.step_s;
+    int parts = kParts;
+    while (parts > 0 && !planner::arc_is_clear(setup_.world, pose, control, step_s * parts / kParts,
+                                               setup_.drive.radius_m)) {
+      --parts;
+    }
+    const bool is_clear = parts == kParts;
+    const int driven = is_clear ? kParts : std::max(0, parts - 1);
+    pose = models::step_unicycle(pose, control, step_s * driven / kParts);
+    return is_clear;
   }
 
   // Every robot scans (so that one's attack shifts no other's noise); the map learns of some.

@@ -48,7 +48,7 @@ struct MappingStep {
 
 struct MappingOutcome {
   std::vector<MappingStep> steps;  ///< the first is after the look from the start
-  std::int64_t stopped = 0;     ///< steps that a robot stopped before, since it would have touched
+  std::int64_t stopped = 0;     ///< steps cut short, since the robot would have touched something
   std::int64_t nodes = 0;       ///< of all searches
   std::int64_t beam_cells = 0;  ///< of all views that were planned with
   /// Share of the cells believed free or occupied (beyond 9 to 1) that are not so at their centre.
@@ -59,8 +59,8 @@ struct MappingOutcome {
 
 /// Drives a team about `setup.world`: plan, let the attacker choose, drive and scan step by step,
 /// fuse the scans of those that are not attacked into one map, again. Robots start together at a
-/// random place. The route is planned on the map; a step that would touch the true world is not
-/// made (a bumper), and the robot then waits for its next plan. A pure function of its arguments.
+/// random place. The route is planned on the map; a step that would touch the true world ends just
+/// before (a bumper), and the robot then waits for its next plan. A pure function of its arguments.
 MappingOutcome run_mapping_trial(const MappingSetup& setup, std::uint64_t seed);
 
 }  // namespace vantage::experiment
