@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
   int trials = 2;
   int first_trial = 0;
   experiment::MappingSetup setup;
-  double scale = 1.0;
+  double side_m = 16.0;
   bool compare = false;
   bool drop = false;
   bool with_fsmi = false;
@@ -111,20 +111,15 @@ int main(int argc, char** argv) {
   app.add_option("--first-trial", first_trial, "the first seed");
   app.add_option("--steps", setup.steps, "of 1 s");
   app.add_option("--frontier", setup.search.frontier_nats_per_m, "pull of the frontier, nats/m");
-  app.add_option("--scale", scale, "of the world's lengths");
+  app.add_option("--side", side_m, "of the world, m");
   app.add_flag("--compare", compare, "value both planners in every round");
   app.add_flag("--drop-beams", drop, "drop whole dependent beams");
   app.add_flag("--fsmi", with_fsmi, "FSMI instead of CSQMI");
   app.add_option("--out", out, "folder");
   CLI11_PARSE(app, argc, argv);
 
-  setup.world =
-      world == "squares" ? experiment::square_obstacles_world() : experiment::corridor_world();
-  for (models::Obstacle& obstacle : setup.world.obstacles) {
-    obstacle.footprint.min_m *= scale;
-    obstacle.footprint.max_m *= scale;
-  }
-  setup.world.bounds.max_m *= scale;
+  setup.world = world == "squares" ? experiment::square_obstacles_world(side_m)
+                                   : experiment::corridor_world(side_m);
   setup.attack = attack == "none"     ? AttackKind::kNone
                  : attack == "random" ? AttackKind::kRandom
                                       : AttackKind::kWorstCase;
@@ -134,7 +129,14 @@ int main(int argc, char** argv) {
   if (with_fsmi) {
     setup.views.measure = planner::BeamMeasure::kFsmi;
   }
+  models::OccupancyBelief truth(
+      models::GridGeometry::covering(setup.world.bounds, setup.resolution_m), 1.0);
+  const models::OccupancyGrid grid = models::rasterise(setup.world, setup.resolution_m);
+  for (int cell = 0; cell < grid.geometry.size(); ++cell) {
+    truth.add_log_odds(cell, grid.occupied[static_cast<std::size_t>(cell)] != 0 ? 2.0 : -2.0);
+  }
   const std::string stem = fmt::format("{}/{}_{}_{}", out, world, attack, setup.attacks);
+  write_map(fmt::format("{}/{}_truth.txt", out, world), truth);
   std::ofstream csv(stem + ".csv");
   csv << "planner,trial,step,entropy_nats\n";
   for (int trial = first_trial; trial < first_trial + trials; ++trial) {

@@ -101,12 +101,13 @@ TEST(AttackedRobots, AtWorstLeaveNoMoreThanARandomAttack) {
 
 TEST(MappingWorlds, HaveWaysEverywhereForARobot) {
   for (const models::World& world : {square_obstacles_world(), corridor_world()}) {
-    EXPECT_GT(models::clearance_m(world, {1.2, 1.2}), 0.5);
-    EXPECT_GT(models::clearance_m(world, {12.0, 12.0}), 0.5);
-    EXPECT_GT(models::clearance_m(world, {22.7, 22.7}), 0.5);
+    EXPECT_EQ(world.bounds.max_m, Eigen::Vector2d(16.0, 16.0));
+    EXPECT_GT(models::clearance_m(world, {0.8, 0.8}), 0.5);
+    EXPECT_GT(models::clearance_m(world, {8.0, 8.0}), 0.5);
+    EXPECT_GT(models::clearance_m(world, {15.2, 15.2}), 0.5);
   }
-  EXPECT_GT(models::clearance_m(corridor_world(), {13.6, 6.43}), 0.8) << "a room's door";
-  EXPECT_GT(models::clearance_m(corridor_world(), {10.4, 17.53}), 0.8) << "the other's";
+  EXPECT_GT(models::clearance_m(corridor_world(24.0), {13.6, 6.43}), 0.8) << "a room's door";
+  EXPECT_GT(models::clearance_m(corridor_world(24.0), {10.4, 17.53}), 0.8) << "the other's";
 }
 
 }  // namespace
