@@ -179,7 +179,7 @@ void QuadrotorDriver::fly(Time now) {
   if (orders_.setpoint.kind == FlightSetpoint::Kind::kTrack) {
     const auto age = tracker_.age(now);
     const bool is_seen = age && to_seconds(*age) < kSeenS;
-    link_.send_setpoint(steering_.steer(orders_.setpoint, is_seen ? body : std::nullopt, now), now);
+    link_.send_setpoint(steering_.steer(orders_.setpoint, is_seen ? body : std::nullopt), now);
   } else if (body) {
     Setpoint here;  // on the ground: stay where you are
     here.position_world_m = body->world_from_body.translation_m;

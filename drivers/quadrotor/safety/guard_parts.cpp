@@ -194,6 +194,7 @@ FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
   out.position_world_m = asked.position_world_m;
   out.position_world_m.z() = height_ref_m;
   out.velocity_world_mps = asked.velocity_world_mps;
+  out.acceleration_world_mps2 = asked.acceleration_world_mps2;
   out.yaw_rad = asked.yaw_rad;
   out.yaw_rate_radps = asked.yaw_rate_radps;
   return out;
