@@ -5,6 +5,7 @@ set output out."/resilient_mapping_maps.png"
 set palette defined (0 "white", 0.5 "#b0b0b0", 1 "black"); set cbrange [0:1]; unset colorbox
 set size ratio -1; set xrange [0:16]; set yrange [0:16]
 set xlabel "x [m]"; set ylabel "y [m]"
+set key outside bottom center horizontal
 set multiplot layout 2,3
 do for [world in "squares corridors"] {
   half = world eq "squares" ? 25 : 50
@@ -27,16 +28,16 @@ unset multiplot
 
 set terminal pngcairo size 1300,520 font "Sans,12"
 set output out."/resilient_mapping_entropy.png"
-set size noratio; set datafile separator ","
+set key inside top right vertical; set size noratio; set datafile separator ","
 set xrange [0:*]; set yrange [0:*]
 set xlabel "time [s]"; set ylabel "map entropy, mean of the trials [nats]"
 set multiplot layout 1,2
 do for [world in "squares corridors"] {
   set title world.", 2 of 6 robots attacked at a time"
-  file(attack) = in."/".world."_".attack."_2.csv"
-  plot file("worst") using (strcol(1) eq "descent" ? $3 : 1/0):4 smooth unique with lines lw 2 lc rgb "#D55E00" title "coordinate descent, worst case", \
-       file("worst") using (strcol(1) eq "rain" ? $3 : 1/0):4 smooth unique with lines lw 2 lc rgb "#0072B2" title "RAIN, worst case", \
-       file("random") using (strcol(1) eq "descent" ? $3 : 1/0):4 smooth unique with lines lw 2 dt 2 lc rgb "#D55E00" title "coordinate descent, random", \
-       file("random") using (strcol(1) eq "rain" ? $3 : 1/0):4 smooth unique with lines lw 2 dt 2 lc rgb "#0072B2" title "RAIN, random"
+  rows(attack, planner) = "< grep ^".planner.", ".in."/".world."_".attack."_2.csv"
+  plot rows("worst", "descent") using 3:4 smooth unique with lines lw 2 lc rgb "#D55E00" title "coordinate descent, worst case", \
+       rows("worst", "rain") using 3:4 smooth unique with lines lw 2 lc rgb "#0072B2" title "RAIN, worst case", \
+       rows("random", "descent") using 3:4 smooth unique with lines lw 2 dt 2 lc rgb "#D55E00" title "coordinate descent, random", \
+       rows("random", "rain") using 3:4 smooth unique with lines lw 2 dt 2 lc rgb "#0072B2" title "RAIN, random"
 }
 unset multiplot
