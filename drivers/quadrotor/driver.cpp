@@ -49,7 +49,7 @@ QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::st
       guard_(scenario, robot, limits),
       tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
       sequence_(dialect_),
-      steering_(limits.vehicle, SteeringGains{}) {}
+      steering_(limits.vehicle, {.lead_s = traits_of(dialect_).velocity_lag_s}) {}
 
 void QuadrotorDriver::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
   link_.receive(bytes, is_datagram, now);

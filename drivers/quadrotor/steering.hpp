@@ -12,8 +12,8 @@ namespace vantage::drivers {
 struct SteeringGains {
   double position_per_s = 1.2;
   double yaw_per_s = 1.5;
-  double lead_s = 0.55;        ///< about the time constant with which velocities are answered
-  double speed_reserve = 1.6;  ///< speeds are cut at this multiple of the vehicle's limits
+  double lead_s = 0.5;         ///< about the time constant with which velocities are answered
+  double speed_reserve = 2.6;  ///< speeds are cut at this multiple of the vehicle's limits
   double climb_max_mps = 0.7;
 };
 

@@ -472,12 +472,12 @@ std::vector<Fault> vehicle_faults() {
        kFollow},
       {33,
        "driven at the fence",
-       "1.3 m/s until 0.25 m before it",
+       "1.6 m/s until it holds",
        "Q1",
        0.0,
        [](FlightBench& bench, double since_s) {
-         if (since_s < 0.6 && bench.vehicle("Q1").position_m.y() > -1.7) {
-           q1(bench).runaway_mps = {0.0, -1.3, 0.0};
+         if (since_s < 0.9 && bench.vehicle("Q1").out.state == kFollow) {
+           q1(bench).runaway_mps = {0.0, -1.6, 0.0};
          }
        },
        {{kHold, 0.7}},
@@ -486,11 +486,11 @@ std::vector<Fault> vehicle_faults() {
        kFollow},
       {33,
        "driven through the fence",
-       "1.4 m/s until it is there",
+       "1.4 m/s until 0.05 m before it",
        "Q1",
        0.0,
        [](FlightBench& bench, double since_s) {
-         if (since_s < 0.8 && bench.vehicle("Q1").position_m.y() > -1.93) {
+         if (since_s < 0.8 && bench.vehicle("Q1").position_m.y() > -1.9) {
            q1(bench).runaway_mps = {0.0, -1.4, 0.0};
          }
        },
