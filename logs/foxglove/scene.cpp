@@ -67,6 +67,19 @@ Json robot_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
                                         {0.8 * radius_m, 0.6 * radius_m, 0.05},
                                         {0.8 * radius_m, -0.6 * radius_m, 0.05}},
                                        colour));
+  const Eigen::Vector3d foot(0, 0, -robot.height_m);
+  out["lines"].push_back(
+      line(LineType::kList, {Eigen::Vector3d::Zero(), foot}, 1.0, fade(colour, 0.5)));
+  out["texts"].push_back(label(robot.name, {0, 0, 0.25}, kLabel_px, colour));
+  out["metadata"].push_back(
+      metadata("sensor_range_m", fmt::format("{:g}", robot.sensor.range_max_m)));
+  out["metadata"].push_back(metadata("jammed", is_jammed ? "yes" : "no"));
+  return out;
+}
+
+Json view_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
+  const Colour colour = is_jammed ? kJammed : kRobot;
+  Json out = entity("view/" + robot.name, robot.name, time, true);
   const std::vector<Eigen::Vector3d> arc = field_of_view(robot.sensor, robot.height_m);
   const Eigen::Vector3d foot(0, 0, -robot.height_m);
   std::vector<Eigen::Vector3d> fan;
@@ -80,12 +93,6 @@ Json robot_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
     edge.push_back(foot);
   }
   out["lines"].push_back(line(LineType::kStrip, edge, is_jammed ? 2.5 : 1.5, fade(colour, 0.8)));
-  out["lines"].push_back(
-      line(LineType::kList, {Eigen::Vector3d::Zero(), foot}, 1.0, fade(colour, 0.5)));
-  out["texts"].push_back(label(robot.name, {0, 0, 0.25}, kLabel_px, colour));
-  out["metadata"].push_back(
-      metadata("sensor_range_m", fmt::format("{:g}", robot.sensor.range_max_m)));
-  out["metadata"].push_back(metadata("jammed", is_jammed ? "yes" : "no"));
   return out;
 }
 
@@ -115,6 +122,14 @@ Json robots_scene(const models::Scenario& scenario, const std::set<std::string>&
   std::vector<Json> entities;
   for (const models::RobotSpec& robot : scenario.robots) {
     entities.push_back(robot_entity(robot, jammed.contains(robot.name), time));
+  }
+  return scene_update(std::move(entities));
+}
+
+Json views_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time) {
+  std::vector<Json> entities;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    entities.push_back(view_entity(robot, jammed.contains(robot.name), time));
   }
   return scene_update(std::move(entities));
 }
@@ -193,6 +208,8 @@ Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>&
                                  {x_m, y_m - kCross_m, z_m},
                                  {x_m, y_m + kCross_m, z_m}},
                                 2.0, kEstimate));
+    constexpr double kSmall_px = 11.0;
+    out["texts"].push_back(label(view.name, {x_m, y_m, z_m}, kSmall_px, kEstimate));
     out["metadata"].push_back(metadata("target_id", std::to_string(view.target_id)));
     out["metadata"].push_back(metadata("robot", estimate.robot));
     out["metadata"].push_back(metadata("sigma_m", fmt::format("{:.3f}", estimate.sigma_m())));
@@ -223,6 +240,10 @@ Json measurement_scene(const models::DetectionSet& detections, const models::Sen
   const Eigen::Vector3d eye(from.world_from_body.x_m, from.world_from_body.y_m, from.height_m);
   std::vector<Eigen::Vector3d> points;
   for (const models::Detection& detection : detections.detections) {
+    // What another sensor than the scenario's measured cannot be drawn.
+    if (detection.measurement.z.size() != sensor.measurement_dim(position_dim)) {
+      continue;
+    }
     const auto seen = models::position_from(sensor, from, detection.measurement.z, position_dim);
     if (seen) {
       points.push_back(eye);

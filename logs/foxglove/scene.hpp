@@ -23,8 +23,11 @@ inline constexpr double kEllipseRadius = 2.447746830680816;
 /// Bounds, obstacles and regions.
 Json world_scene(const models::World& world, Time time);
 
-/// Every robot and its field of view; the sensors of the `jammed` in red.
+/// Every robot; the `jammed` in red.
 Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time);
+
+/// What each robot's sensor can see of the ground when nothing stands in its way; red when jammed.
+Json views_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time);
 
 /// Every target as it really is (in the frame that mocap or truth gives it).
 Json targets_scene(const models::Scenario& scenario, Time time);
@@ -56,7 +59,7 @@ Json track_entity(const std::string& body, const std::vector<Eigen::Vector3d>& p
                   bool is_robot, Time time);
 
 /// Lines from a sensor to what it saw. Detections that tell no position alone (range or bearing
-/// only) are left out.
+/// only), or that another kind of sensor made, are left out.
 Json measurement_scene(const models::DetectionSet& detections, const models::SensorModel& sensor,
                        int position_dim);
 

@@ -71,14 +71,13 @@ void Stream::put_robots(Time heard, Time time) {
   if (!scenario_) {
     return;
   }
+  const std::set<std::string> jammed =
+      attack_ ? std::set(attack_->jammed.begin(), attack_->jammed.end()) : std::set<std::string>{};
   put(
       "/robots", Schema::kSceneUpdate, heard,
-      [&] {
-        const std::set<std::string> jammed =
-            attack_ ? std::set(attack_->jammed.begin(), attack_->jammed.end())
-                    : std::set<std::string>{};
-        return robots_scene(*scenario_, jammed, time);
-      },
+      [&] { return robots_scene(*scenario_, jammed, time); }, true);
+  put(
+      "/views", Schema::kSceneUpdate, heard, [&] { return views_scene(*scenario_, jammed, time); },
       true);
 }
 

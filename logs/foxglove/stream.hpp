@@ -45,7 +45,7 @@ class Sink {
 ///   /plan/P/status /vehicle/P /health/P   vantage.*
 ///   /events                       foxglove.Log        collisions, late plans, attacks, safety …
 ///   /transforms /truth/transforms foxglove.FrameTransforms   world → body, mocap and truth
-///   /world /robots /targets       foxglove.SceneUpdate       once, and on change
+///   /world /robots /views /targets   foxglove.SceneUpdate   once, and on change
 ///   /plan/P /measurement/P /belief/P /estimates /tracks   foxglove.SceneUpdate
 ///   /grid /belief/P/grid          foxglove.Grid       when each cell was last seen, by all and P
 class Stream {

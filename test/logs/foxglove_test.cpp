@@ -216,6 +216,23 @@ TEST(PlanScene, BeginsAndEndsWhereTheTrajectoryDoes) {
   EXPECT_NEAR(points.back()["y"].get<double>(), end.y_m, 1e-6);
 }
 
+TEST(MeasurementScene, DrawsToWhereTheTargetIsAndIgnoresAnotherSensorsNumbers) {
+  const models::SensorModel sensor;  // range and bearing
+  models::DetectionSet looked;
+  looked.robot = "Q1";
+  looked.viewpoint = {{1.0, 2.0, 0.3}, 1.5};
+  models::PositionVector target(2);
+  target << 3.0, 2.5;
+  looked.detections.resize(2);
+  looked.detections[0].measurement.z = models::observe(sensor, looked.viewpoint, target);
+  looked.detections[1].measurement.z = models::MeasurementVector::Ones(1);
+  const Json points = measurement_scene(looked, sensor, 2)["entities"][0]["lines"][0]["points"];
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[0], to_json(Eigen::Vector3d(1.0, 2.0, 1.5)));
+  EXPECT_NEAR(points[1]["x"].get<double>(), 3.0, 1e-9);
+  EXPECT_NEAR(points[1]["y"].get<double>(), 2.5, 1e-9);
+}
+
 TEST(FrameTransforms, LeavesOutWhatIsNotSeen) {
   models::MocapFrame frame;
   frame.bodies = {{"Q1", {{1, 2, 3}, Eigen::Quaterniond::Identity()}, false}, {"Q2", {}, true}};

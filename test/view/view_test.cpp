@@ -53,12 +53,15 @@ std::string playback_request(std::uint8_t command, float speed, bool had_seek,
 }
 
 TEST(ServerInfoText, OffersPlaybackOfALogAlone) {
-  const json live = json::parse(server_info_text({"a", "s", std::nullopt}));
+  const json live = json::parse(server_info_text({"a", "s", std::nullopt}, true));
   EXPECT_EQ(live["op"], "serverInfo");
   EXPECT_TRUE(live["capabilities"].empty());
   const json log = json::parse(
-      server_info_text({"a", "s", std::pair(from_utime(1'500'000), from_utime(61'000'000))}));
+      server_info_text({"a", "s", std::pair(from_utime(1'500'000), from_utime(61'000'000))}, true));
   EXPECT_EQ(log["capabilities"], json({"time", "playbackControl"}));
+  const json old =
+      json::parse(server_info_text({"a", "s", std::pair(from_utime(0), from_utime(1))}, false));
+  EXPECT_EQ(old["capabilities"], json({"time"})) << "the older subprotocol has no playback";
   EXPECT_EQ(log["dataStartTime"], json({{"sec", 1}, {"nsec", 500'000'000}}));
 }
 
@@ -271,7 +274,7 @@ TEST(Broker, TellsANewcomerWhatThereIsAndTheStates) {
   Broker broker({"test", "s", std::nullopt});
   put(broker, "/state", 1, true);
   put(broker, "/flow", 2, false);
-  const auto client = broker.connect();
+  const auto client = broker.connect(true);
   EXPECT_EQ(pop_text(*client)["op"], "serverInfo");
   const json advertised = pop_text(*client);
   ASSERT_EQ(advertised["channels"].size(), 2U);
@@ -290,7 +293,7 @@ TEST(Broker, WantsAFlowOnlyWhileSomebodyWatches) {
   Broker broker({"test", "s", std::nullopt});
   EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
   EXPECT_TRUE(broker.wants("/state", Schema::kTeam, true));
-  const auto client = broker.connect();
+  const auto client = broker.connect(true);
   broker.on_request(*client, Subscribe{{{1, 1}}});
   EXPECT_TRUE(broker.wants("/flow", Schema::kTeam, false));
   broker.on_request(*client, Unsubscribe{{1}});
@@ -302,7 +305,7 @@ TEST(Broker, WantsAFlowOnlyWhileSomebodyWatches) {
 
 TEST(Broker, AdvertisesATopicToThoseAlreadyThere) {
   Broker broker({"test", "s", std::nullopt});
-  const auto client = broker.connect();
+  const auto client = broker.connect(true);
   pop_text(*client);
   pop_text(*client);
   put(broker, "/new", 1, true);
@@ -316,7 +319,7 @@ TEST(Broker, AdvertisesATopicToThoseAlreadyThere) {
 TEST(Broker, RefusesDoubleAndUnknownSubscriptionsAndChangesNothing) {
   Broker broker({"test", "s", std::nullopt});
   put(broker, "/flow", 1, false);
-  const auto client = broker.connect();
+  const auto client = broker.connect(true);
   pop_text(*client);
   pop_text(*client);
   broker.on_request(*client, Subscribe{{{1, 1}, {1, 1}, {2, 9}, {3, 0}}});
@@ -333,7 +336,7 @@ TEST(Broker, RefusesDoubleAndUnknownSubscriptionsAndChangesNothing) {
 TEST(Broker, HoldsBackTheWayToAnInstantAndSendsWhereItLed) {
   Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
   put(broker, "/flow", 1, false);
-  const auto client = broker.connect();
+  const auto client = broker.connect(true);
   pop_text(*client);
   pop_text(*client);
   broker.on_request(*client, Subscribe{{{1, 1}}});
@@ -346,10 +349,31 @@ TEST(Broker, HoldsBackTheWayToAnInstantAndSendsWhereItLed) {
   broker.disconnect(client);
 }
 
+TEST(Broker, TellsANewcomerWhereThePlayerIs) {
+  Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9'000'000))});
+  const PlaybackState state{PlaybackStatus::kPlaying, from_utime(1'000'000), 2.0F, true, "r"};
+  broker.broadcast_playback(state);
+  broker.broadcast_time(from_utime(5'000'000));
+  for (const bool speaks_sdk : {true, false}) {
+    const auto client = broker.connect(speaks_sdk);
+    pop_text(*client);
+    pop_text(*client);
+    EXPECT_EQ(client->wait_pop()->head, time_frame(from_utime(5'000'000)));
+    if (speaks_sdk) {
+      EXPECT_EQ(
+          client->wait_pop()->head,
+          playback_state_frame({PlaybackStatus::kPlaying, from_utime(5'000'000), 2.0F, false, ""}));
+    }
+    client->push(control("{}"));
+    EXPECT_TRUE(pop_text(*client).empty()) << "nothing else";
+    broker.disconnect(client);
+  }
+}
+
 TEST(Broker, CountsWhatASlowViewerMissesAndTellsIt) {
   Broker broker({"test", "s", std::nullopt});
   put(broker, "/flow", 0, false);
-  const auto client = broker.connect();
+  const auto client = broker.connect(true);
   broker.on_request(*client, Subscribe{{{1, 1}}});
   const json large{{"yaml", std::string(1U << 20U, 'x')}};
   for (int i = 0; i < 20; ++i) {
@@ -374,7 +398,7 @@ TEST(LogView, ShowsTheSameInstantHoweverItCameThere) {
   const auto newest = [&](bool goes_back_first) {
     Broker broker({"test", "s", std::pair(log.start(), log.end())});
     LogView view(log, broker);
-    const auto client = broker.connect();
+    const auto client = broker.connect(true);
     const auto ask = [&](Time to) {
       const auto requests = parse_binary(
           playback_request(1, 1.0F, true, static_cast<std::uint64_t>(to_utime(to)) * 1000, "x"));
@@ -387,7 +411,7 @@ TEST(LogView, ShowsTheSameInstantHoweverItCameThere) {
     }
     ask(instant);
     // What a newcomer is told of the scene is what the log says of that instant.
-    const auto newcomer = broker.connect();
+    const auto newcomer = broker.connect(true);
     pop_text(*newcomer);
     const json advertised = pop_text(*newcomer);
     Subscribe all;

@@ -17,13 +17,14 @@ constexpr auto kWait = std::chrono::milliseconds(50);
 struct ViewArguments {
   std::string log;
   std::string url;
+  bool is_playing = false;
   WebOptions web;
 };
 
 int run(const ViewArguments& arguments) {
   if (!arguments.log.empty()) {
     serve_log(
-        arguments.log, arguments.web,
+        arguments.log, arguments.web, arguments.is_playing,
         [&](const WebServer& server) { announce_view(server, arguments.log); }, stop_requested);
     return 0;
   }
@@ -55,7 +56,8 @@ void add_web_options(CLI::App& command, WebOptions& web) {
       ->capture_default_str();
   command.add_option("--bind", web.bind, "address to serve on; 0.0.0.0: every one of this host")
       ->capture_default_str();
-  command.add_option("--page", web.page_folder, "folder of the built page")->group("");
+  command.add_option("--page", web.page_folder,
+                     "folder of the built page, instead of this build's");
 }
 
 void add_view_command(CLI::App& root, Runner& chosen) {
@@ -64,6 +66,7 @@ void add_view_command(CLI::App& root, Runner& chosen) {
   auto arguments = std::make_shared<ViewArguments>();
   auto* log = command->add_option("log", arguments->log, "LCM log to play; live without one");
   command->add_option("--url", arguments->url, "LCM URL to listen to")->excludes(log);
+  command->add_flag("--play", arguments->is_playing, "play the log at once")->needs(log);
   add_web_options(*command, arguments->web);
   command->footer(
       "Serves a page of its own and the Foxglove WebSocket protocol on one port; Foxglove and\n"

@@ -143,6 +143,9 @@ void Broker::forget() {
 
 void Broker::broadcast_time(Time time) {
   const std::lock_guard lock(mutex_);
+  if (playback_) {
+    playback_->time = time;
+  }
   for (const auto& client : clients_) {
     client->push({Frame::Kind::kState, false, kNoSubscription, time_frame(time), nullptr});
   }
@@ -150,20 +153,32 @@ void Broker::broadcast_time(Time time) {
 
 void Broker::broadcast_playback(const PlaybackState& state) {
   const std::lock_guard lock(mutex_);
+  playback_ = state;
+  playback_->did_seek = false;
+  playback_->request_id.clear();
   for (const auto& client : clients_) {
-    client->push({Frame::Kind::kControl, false, 0, playback_state_frame(state), nullptr});
+    if (client->speaks_sdk_) {
+      client->push({Frame::Kind::kControl, false, 0, playback_state_frame(state), nullptr});
+    }
   }
 }
 
-std::shared_ptr<Client> Broker::connect() {
-  auto client = std::make_shared<Client>(Outbox());
+std::shared_ptr<Client> Broker::connect(bool speaks_sdk) {
+  auto client = std::make_shared<Client>(Outbox(), speaks_sdk);
   const std::lock_guard lock(mutex_);
-  client->push(control(server_info_text(info_)));
+  client->push(control(server_info_text(info_, speaks_sdk)));
   std::vector<ChannelInfo> channels;
   for (const std::string& topic : topic_of_) {
     channels.push_back(topics_.at(topic).channel);
   }
   client->push(control(advertise_text(channels)));
+  if (playback_) {
+    client->push(
+        {Frame::Kind::kState, false, kNoSubscription, time_frame(playback_->time), nullptr});
+    if (speaks_sdk) {
+      client->push({Frame::Kind::kControl, false, 0, playback_state_frame(*playback_), nullptr});
+    }
+  }
   clients_.push_back(client);
   return client;
 }

@@ -20,7 +20,7 @@ namespace vantage::tools {
 /// writer of its own, so that a stalled viewer delays nobody.
 class Client {
  public:
-  explicit Client(Outbox outbox) : outbox_(std::move(outbox)) {}
+  Client(Outbox outbox, bool speaks_sdk) : speaks_sdk_(speaks_sdk), outbox_(std::move(outbox)) {}
 
   void push(Frame frame);
   /// Waits for the next frame; nullopt once close() was called.
@@ -31,6 +31,7 @@ class Client {
 
  private:
   friend class Broker;
+  const bool speaks_sdk_;
   /// Channel → the subscription ids on it; guarded by the Broker.
   std::map<std::uint32_t, std::vector<std::uint32_t>> subscriptions_;
   std::int64_t dropped_told_ = 0;  ///< guarded by the Broker
@@ -59,12 +60,14 @@ class Broker : public logs::foxglove::Sink {
   /// Forgets what was kept (the log is left for another instant). Channels stay.
   void forget();
 
-  /// Tells everyone what time it is in the log; only the newest counts.
+  /// Tells everyone what time it is in the log; only the newest counts. Newcomers are told the last
+  /// time and state of playback.
   void broadcast_time(Time time);
   void broadcast_playback(const PlaybackState& state);
 
-  /// A new viewer, told who we are and what there is.
-  std::shared_ptr<Client> connect();
+  /// A new viewer, told who we are and what there is. One that does not speak the newer subprotocol
+  /// is not told of playback, which it would not understand.
+  std::shared_ptr<Client> connect(bool speaks_sdk);
   void disconnect(const std::shared_ptr<Client>& client);
   void on_request(Client& client, const Request& request);
   /// What viewers asked of the player since the last call, oldest first.
@@ -97,6 +100,7 @@ class Broker : public logs::foxglove::Sink {
   std::vector<std::string> topic_of_;  ///< by channel id − 1
   std::vector<std::shared_ptr<Client>> clients_;
   std::vector<PlaybackControl> controls_;
+  std::optional<PlaybackState> playback_;  ///< as last told
   bool is_holding_ = false;
   std::int64_t dropped_by_the_gone_ = 0;
   std::int64_t malformed_ = 0;

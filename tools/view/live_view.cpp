@@ -50,7 +50,7 @@ std::string LiveView::failure() const {
   return failure_;
 }
 
-void serve_log(const std::string& path, const WebOptions& options,
+void serve_log(const std::string& path, const WebOptions& options, bool is_playing,
                const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop) {
   LogIndex log(path);
@@ -58,6 +58,9 @@ void serve_log(const std::string& path, const WebOptions& options,
   with_history.history = [text = log_history(log)] { return text; };
   Broker broker({"vantage " + path, new_session(), std::pair(log.start(), log.end())});
   LogView view(log, broker);
+  if (is_playing) {
+    view.play(monotonic_ns());
+  }
   const WebServer server(broker, with_history);
   ready(server);
   while (!stop()) {

@@ -41,9 +41,10 @@ class LiveView {
   std::thread thread_;
 };
 
-/// Serves a log, paused at its start, until `stop` says so; `ready` is told the server first.
+/// Serves a log from its start, paused unless `is_playing`, until `stop` says so; `ready` is told
+/// the server first.
 /// @throws StartupError when the log cannot be read or the address cannot be had.
-void serve_log(const std::string& path, const WebOptions& options,
+void serve_log(const std::string& path, const WebOptions& options, bool is_playing,
                const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop);
 

@@ -71,6 +71,7 @@ std::string log_history(LogIndex& log) {
 LogView::LogView(LogIndex& log, Broker& broker)
     : log_(log), broker_(broker), playback_(log.start(), log.end()), clock_(log.start()) {
   go_to(log.start());
+  broker_.broadcast_playback(playback_.state(0));
 }
 
 void LogView::go_to(Time position) {

@@ -23,6 +23,9 @@ class LogView {
  public:
   LogView(LogIndex& log, Broker& broker);
 
+  /// Begins to play at its own speed.
+  void play(std::int64_t now_ns) { playback_.control({true, 1.0F, std::nullopt, ""}, now_ns); }
+
   /// Obeys what viewers asked, and sends what the time since the last call brought.
   void tick(std::int64_t now_ns);
 

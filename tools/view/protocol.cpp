@@ -81,7 +81,7 @@ Request unsubscribe(const Json& document) {
 
 }  // namespace
 
-std::string server_info_text(const ServerInfo& info) {
+std::string server_info_text(const ServerInfo& info, bool speaks_sdk) {
   Json document{{"op", "serverInfo"},
                 {"name", info.name},
                 {"capabilities", Json::array()},
@@ -89,7 +89,10 @@ std::string server_info_text(const ServerInfo& info) {
                 {"metadata", Json::object()},
                 {"sessionId", info.session_id}};
   if (info.range) {
-    document["capabilities"] = {"time", "playbackControl"};
+    document["capabilities"] = {"time"};
+  }
+  if (info.range && speaks_sdk) {
+    document["capabilities"].push_back("playbackControl");
     document["dataStartTime"] = seconds_json(info.range->first);
     document["dataEndTime"] = seconds_json(info.range->second);
   }

@@ -18,7 +18,7 @@
 
 namespace vantage::tools {
 
-/// The subprotocols, newest first; both are spoken alike.
+/// The subprotocols, newest first. They differ in playback control, which only the first knows.
 inline constexpr const char* kSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
 struct ServerInfo {
@@ -47,7 +47,7 @@ struct PlaybackState {
 };
 
 /// Text frames.
-std::string server_info_text(const ServerInfo& info);
+std::string server_info_text(const ServerInfo& info, bool speaks_sdk);
 std::string advertise_text(std::span<const ChannelInfo> channels);
 std::string status_text(StatusLevel level, const std::string& message, const std::string& id);
 

@@ -59,6 +59,15 @@ void answer(mg_connection* socket, const char* type, const std::string& body) {
   mg_write(socket, body.data(), body.size());
 }
 
+// By hand: civetweb writes no headers of its own to who asked for a WebSocket.
+int refuse(mg_connection* socket, int code, const char* reason, const char* why) {
+  mg_printf(socket,
+            "HTTP/1.1 %d %s\r\nContent-Type: text/plain\r\nContent-Length: %zu\r\n"
+            "Connection: close\r\n\r\n%s",
+            code, reason, std::string_view(why).size(), why);
+  return code;
+}
+
 }  // namespace
 
 struct WebServer::State {
@@ -81,21 +90,18 @@ struct WebServer::State {
   static int on_begin(mg_connection* socket) {
     const std::string_view method = mg_get_request_info(socket)->request_method;
     if (method != "GET" && method != "HEAD") {
-      mg_send_http_error(socket, 405, "%s", "this server only shows");
-      return 405;
+      return refuse(socket, 405, "Method Not Allowed", "this server only shows");
     }
     if (mg_get_header(socket, "Upgrade") == nullptr) {
       return 0;
     }
     const char* offered = mg_get_header(socket, "Sec-WebSocket-Protocol");
     if (offered == nullptr || !offers_our_protocol(offered)) {
-      mg_send_http_error(socket, 400, "%s",
-                         "subprotocol must be foxglove.sdk.v1 or foxglove.websocket.v1");
-      return 400;
+      return refuse(socket, 400, "Bad Request",
+                    "subprotocol must be foxglove.sdk.v1 or foxglove.websocket.v1");
     }
     if (of(socket).broker.clients() >= kClientsMax) {
-      mg_send_http_error(socket, 503, "%s", "too many viewers");
-      return 503;
+      return refuse(socket, 503, "Service Unavailable", "too many viewers");
     }
     return 0;
   }
@@ -104,7 +110,9 @@ struct WebServer::State {
 
   static void on_ready(mg_connection* socket, void* state) {
     auto* connection = new Connection;  // deleted by on_close, which civetweb always calls
-    connection->client = static_cast<State*>(state)->broker.connect();
+    const char* protocol = mg_get_request_info(socket)->acceptedWebSocketSubprotocol;
+    const bool speaks_sdk = protocol != nullptr && std::string_view(protocol) == kSubprotocols[0];
+    connection->client = static_cast<State*>(state)->broker.connect(speaks_sdk);
     mg_set_user_connection_data(socket, connection);
     connection->writer = std::thread([connection, socket] { connection->write_all(socket); });
   }

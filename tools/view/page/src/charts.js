@@ -80,7 +80,7 @@ class Chart {
     const style = getComputedStyle(document.documentElement);
     const ink = style.getPropertyValue("--quiet").trim();
     const lines = style.getPropertyValue("--line").trim();
-    const axis = { stroke: ink, font: "11px system-ui", grid: { stroke: lines, width: 1 }, ticks: { stroke: lines, width: 1 } };
+    const axis = { stroke: ink, font: "11px system-ui", gap: 3, grid: { stroke: lines, width: 1 }, ticks: { stroke: lines, width: 1, size: 4 } };
     const { zero, range } = this.spec;
     this.plot = new uPlot(
       {
@@ -101,8 +101,8 @@ class Chart {
           },
         },
         axes: [
-          { ...axis, size: 22, space: 45 },
-          { ...axis, size: 44, space: 24 },
+          { ...axis, size: 24, space: 45 },
+          { ...axis, size: 46, space: 24 },
         ],
         series: [
           {},

@@ -65,7 +65,7 @@ export class Vehicles {
     }
     if (plan) {
       const how = plan.late ? "late" : plan.source;
-      const note = make("span", "quiet", `round ${plan.round}, ${how}, ${(1e3 * plan.margin_s).toFixed(0)} ms left`);
+      const note = make("span", "quiet", `${how}, ${(1e3 * plan.margin_s).toFixed(0)} ms spare`);
       if (plan.late || plan.source !== "searched") note.classList.add("warn");
       head.append(note);
     }

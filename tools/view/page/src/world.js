@@ -276,6 +276,15 @@ export class World {
     return null;
   }
 
+  /** Where an entity is in the window, as the plan shows it. */
+  pixel(id) {
+    const found = this.find(id);
+    if (!found) return null;
+    const box = this.plan.area.getBoundingClientRect();
+    const point = found.position.project(this.plan.camera);
+    return [box.left + (0.5 + point.x / 2) * box.width, box.top + (0.5 - point.y / 2) * box.height];
+  }
+
   entities() {
     return [...this.layers.values()].reduce((sum, layer) => sum + layer.size, 0);
   }
