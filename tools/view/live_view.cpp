@@ -54,9 +54,9 @@ void serve_log(const std::string& path, const WebOptions& options, bool is_playi
                const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop) {
   LogIndex log(path);
-  WebOptions with_history = options;
-  with_history.history = [text = log_history(log)] { return text; };
   Broker broker({"vantage " + path, new_session(), std::pair(log.start(), log.end())});
+  WebOptions with_history = options;
+  with_history.history = [text = log_history(log, broker)] { return text; };
   LogView view(log, broker);
   if (is_playing) {
     view.play(monotonic_ns());

@@ -12,10 +12,12 @@ constexpr std::int64_t kHistoryBytesMax = std::int64_t{256} << 20U;
 /// Writes down what charts and marks need.
 class History : public logs::foxglove::Sink {
  public:
-  explicit History(const bus::Clock& clock) : clock_(clock) {}
+  History(const bus::Clock& clock, logs::foxglove::Sink& audience)
+      : clock_(clock), audience_(audience) {}
 
-  bool wants(const std::string& topic, logs::foxglove::Schema schema, bool /*is_state*/) override {
+  bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override {
     using logs::foxglove::Schema;
+    audience_.wants(topic, schema, is_state);
     switch (schema) {
       case Schema::kTeam:
       case Schema::kPlan:
@@ -43,13 +45,14 @@ class History : public logs::foxglove::Sink {
 
  private:
   const bus::Clock& clock_;
+  logs::foxglove::Sink& audience_;
   std::map<std::string, Time> written_;
   std::string text_;
 };
 
 }  // namespace
 
-std::string log_history(LogIndex& log) {
+std::string log_history(LogIndex& log, logs::foxglove::Sink& audience) {
   if (log.file_bytes() > kHistoryBytesMax) {
     return "[]";
   }
@@ -57,7 +60,7 @@ std::string log_history(LogIndex& log) {
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto endpoint = hub.connect();
-  History history(clock);
+  History history(clock, audience);
   Feed feed(*endpoint, clock, history);
   for (std::size_t i = 0; i < log.size(); ++i) {
     const LogEvent event = log.read(i);

@@ -15,8 +15,9 @@ namespace vantage::tools {
 
 /// A log as a JSON list of [topic, utime, content], oldest first: the numbers and events of the
 /// whole, for charts and marks (at most one record a second and topic of vehicles and processes).
-/// "[]" for a log above 256 MiB, which would take too long.
-std::string log_history(LogIndex& log);
+/// "[]" for a log above 256 MiB, which would take too long. `audience` is asked whether it wants
+/// each topic there is, so that it knows all of them, and is told nothing else.
+std::string log_history(LogIndex& log, logs::foxglove::Sink& audience);
 
 /// Plays a log to a broker, as its viewers command. One thread.
 class LogView {

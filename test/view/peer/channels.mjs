@@ -9,7 +9,8 @@ import WebSocket from "ws";
 const { FoxgloveClient } = foxglove;
 
 const [url, least = "10"] = process.argv.slice(2);
-const kListen_ms = 4000;
+const kPatience_ms = 60_000;
+const kPlayed = 500; // transforms of a log that are worth calling it played
 
 /** Members of `value` that its schema does not know, or whose type is another. */
 function strangers(schema, value, at) {
@@ -77,10 +78,18 @@ async function listen(subprotocol) {
     client.on("error", reject);
   });
   assert.equal(socket.protocol, subprotocol);
-  await new Promise((resolve) => setTimeout(resolve, 300));
+  const began = Date.now();
+  const until = async (holds) => {
+    while (!holds() && Date.now() - began < kPatience_ms) {
+      await new Promise((resolve) => setTimeout(resolve, 50));
+    }
+  };
+  await until(() => channels.size >= Number(least));
   const is_log = info.capabilities.includes("playbackControl");
   if (is_log) socket.send(request(true, 20));
-  await new Promise((resolve) => setTimeout(resolve, kListen_ms));
+  const count = (topic) => [...channels.values()].find((each) => each.topic === topic)?.count ?? 0;
+  await until(() => !is_log || count("/transforms") >= kPlayed);
+  await until(() => [...channels.values()].every((each) => each.count > 0 || each.topic === "/events"));
   if (is_log) socket.send(request(false, 1));
   client.close();
   return { info, channels: [...channels.values()], failures, statuses };

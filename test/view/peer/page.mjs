@@ -6,7 +6,7 @@ import { chromium } from "playwright-core";
 
 const [url, kind, folder] = process.argv.slice(2);
 const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const kPatience_ms = 30_000;
+const kPatience_ms = 60_000;
 
 const browser = await chromium.launch({
   executablePath,
@@ -82,7 +82,7 @@ async function check_toggles(page) {
 
 async function check_inspection(page) {
   await page.keyboard.press("1");
-  await page.waitForTimeout(300);
+  await until(page, () => document.getElementById("stage").dataset.view === "plan");
   const spot = await page.evaluate(() => window.vantage.pixel("robot/Q2"));
   await page.mouse.click(spot[0], spot[1]);
   await page.locator("#inspect").waitFor();
@@ -106,8 +106,7 @@ for (const [width, height, scheme, name] of [
     await check_toggles(page);
     await check_inspection(page);
   }
-  if (kind === "live") await page.waitForTimeout(8000);
-  await page.waitForTimeout(1500);
+  await page.waitForTimeout(kind === "live" ? 8000 : 1500); // for the picture: charts with something in them
   const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   assert(overflow <= 0, `${name}: ${overflow} px too wide`);
   await shot(page, name);

@@ -7,6 +7,12 @@ const kWindow_s = 120; // of a live view
 const kPoints = 20000; // a series at most
 const kColours = ["#2f7fe0", "#d9822b", "#2f9e5b", "#b455c9", "#c94040", "#1d9ba8", "#8a7f2c", "#7a6ff0"];
 
+const colours = new Map(); // by name, the same in every chart
+function colour(name) {
+  if (!colours.has(name)) colours.set(name, kColours[colours.size % kColours.length]);
+  return colours.get(name);
+}
+
 const number = (x) => (typeof x === "number" && Number.isFinite(x) ? x : null);
 const robot_of = (topic) => topic.split("/")[2];
 
@@ -106,9 +112,9 @@ class Chart {
         ],
         series: [
           {},
-          ...this.names().map((name, i) => ({
+          ...this.names().map((name) => ({
             label: name,
-            stroke: kColours[i % kColours.length],
+            stroke: colour(name),
             width: 1.5,
             spanGaps: true,
             points: { show: false },
@@ -125,10 +131,10 @@ class Chart {
   legend() {
     const names = this.names();
     if (names.length < 2 || names.length > 6) return [];
-    return names.map((name, i) => {
+    return names.map((name) => {
       const label = document.createElement("span");
       label.textContent = name;
-      label.style.color = kColours[i % kColours.length];
+      label.style.color = colour(name);
       return label;
     });
   }
@@ -201,4 +207,4 @@ export class Charts {
   }
 }
 
-export const live_window = (now) => [now - kWindow_s, now];
+export const live_window = (now) => [Math.max(0, now - kWindow_s), Math.max(now, 10)];
