@@ -20,6 +20,7 @@ void add_check_command(CLI::App& root, Runner& run);
 void add_console_command(CLI::App& root, Runner& run);
 void add_plan_command(CLI::App& root, Runner& run);
 void add_doctor_command(CLI::App& root, Runner& run);
+void add_log_command(CLI::App& root, Runner& run);
 
 /// --seed, --duration-s, --planner, --communication-range-m and --nodes, shared by all that run a
 /// trial.
