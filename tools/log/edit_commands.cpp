@@ -60,10 +60,9 @@ int edit(const EditArguments& arguments) {
 int repair(const EditArguments& arguments) {
   const logs::IndexedLog log(arguments.inputs.front(), progress_line("reading"));
   const logs::ScanCounts& scan = log.survey().scan;
-  print_line(
-      fmt::format("{}: {} events in {} damaged stretches given up ({} bytes), {} doubtful {}",
-                  arguments.inputs.front(), log.survey().numbers_missing, scan.stretches,
-                  scan.bytes_damaged, scan.doubtful, arguments.strict ? "left out" : "kept"));
+  print_line(fmt::format("{}: {} stretches given up ({} bytes), {} doubtful events {}",
+                         arguments.inputs.front(), scan.stretches, scan.bytes_damaged,
+                         scan.doubtful, arguments.strict ? "left out" : "kept"));
   return edit(arguments);
 }
 

@@ -39,7 +39,7 @@ std::string bytes_text(double bytes) {
     bytes /= kStep;
     ++unit;
   }
-  return fmt::format(unit == 0 ? "{:.0f} {}" : "{:.1f} {}", bytes, kUnits.at(unit));
+  return fmt::format("{:.{}f} {}", bytes, unit == 0 ? 0 : 1, kUnits.at(unit));
 }
 
 std::vector<std::string> describe_content(const std::string& path, const logs::LogSurvey& survey,
