@@ -7,6 +7,10 @@ void add_log_command(CLI::App& root, Runner& run) {
   log->require_subcommand(1);
   add_log_look_commands(*log, run);
   add_log_edit_commands(*log, run);
+  add_log_metrics_commands(*log, run);
+  add_log_replay_command(*log, run);
+  add_log_export_command(*log, run);
+  add_log_play_command(*log, run);
 }
 
 }  // namespace vantage::tools

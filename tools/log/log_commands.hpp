@@ -13,6 +13,10 @@ namespace vantage::tools {
 // Each adds its subcommands to `vantage log`.
 void add_log_look_commands(CLI::App& log, Runner& run);  ///< info, check
 void add_log_edit_commands(CLI::App& log, Runner& run);  ///< repair, slice, filter, rename, merge
+void add_log_replay_command(CLI::App& log, Runner& run);
+void add_log_export_command(CLI::App& log, Runner& run);
+void add_log_metrics_commands(CLI::App& log, Runner& run);  ///< metrics, plot
+void add_log_play_command(CLI::App& log, Runner& run);
 
 /// A progress line on stderr named `what` when that is a terminal, else nothing.
 std::function<void(double)> progress_line(const std::string& what);
