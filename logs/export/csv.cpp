@@ -96,7 +96,7 @@ CsvTable::CsvTable(const WireSchema& schema) : schema_(schema) {
 std::string CsvTable::header() const {
   std::string out = "log_utime";
   for_each_column(schema_, rows_, {}, {},
-                  [&](const std::string& name, const Json&) { out += "," + name; });
+                  [&](const std::string& name, const Json&) { out.append(1, ',').append(name); });
   return out + "\r\n";
 }
 
@@ -111,8 +111,9 @@ std::string CsvTable::lines(Time logged, std::span<const std::uint8_t> data) con
   std::string out;
   const auto add_line = [&](const Json& element) {
     out += std::to_string(to_utime(logged));
-    for_each_column(schema_, rows_, *message, element,
-                    [&](const std::string&, const Json& value) { out += "," + cell(value); });
+    for_each_column(schema_, rows_, *message, element, [&](const std::string&, const Json& value) {
+      out.append(1, ',').append(cell(value));
+    });
     out += "\r\n";
   };
   const Json elements = rows_ == nullptr ? Json::array() : message->at(std::string(rows_->name));

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;
 constexpr std::size_t kEndBytes = 4096;
+constexpr std::size_t kHashBytes = 8;  ///< at the end of the index, of all before
 
 std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -102,23 +103,34 @@ std::optional<LogSurvey> load_index(const std::string& log_path,
   if (!in) {
     return std::nullopt;
   }
-  const std::vector<std::uint8_t> text{std::istreambuf_iterator<char>(in),
-                                       std::istreambuf_iterator<char>()};
-  const Json json = Json::from_cbor(text, true, false);
+  const std::vector<std::uint8_t> whole{std::istreambuf_iterator<char>(in),
+                                        std::istreambuf_iterator<char>()};
+  if (whole.size() < kHashBytes) {
+    return std::nullopt;
+  }
+  const auto text = std::span(whole).first(whole.size() - kHashBytes);
+  if (read_big_endian(text.data() + text.size(), kHashBytes) != hash_of(text)) {
+    return std::nullopt;
+  }
+  const Json json = Json::from_cbor(text.begin(), text.end(), true, false);
   if (!json.is_object() || json.value("identity", Json()) != identity_of(log_path, log)) {
     return std::nullopt;
   }
   try {
     return from_json(json.at("survey"));
-  } catch (const Json::exception&) {  // half an index is none
+  } catch (const Json::exception&) {  // of another version
     return std::nullopt;
   }
 }
 
 bool save_index(const std::string& log_path, std::span<const std::uint8_t> log,
                 const LogSurvey& survey) {
-  const std::vector<std::uint8_t> text =
+  std::vector<std::uint8_t> text =
       Json::to_cbor({{"identity", identity_of(log_path, log)}, {"survey", to_json(survey)}});
+  const std::uint64_t hash = hash_of(text);
+  for (std::size_t i = kHashBytes; i-- > 0;) {
+    text.push_back(static_cast<std::uint8_t>(hash >> (8 * i)));
+  }
   // Under another name first: who opens the log meanwhile must find a whole index or none.
   const std::string passing = index_path(log_path) + "." + std::to_string(::getpid());
   {

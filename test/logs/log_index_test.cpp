@@ -150,7 +150,7 @@ TEST(IndexedLog, DoesNotTrustTheIndexOfAnotherLog) {
   EXPECT_FALSE(IndexedLog(path).was_indexed());
 }
 
-TEST(IndexedLog, DoesNotStumbleOverADamagedIndex) {
+TEST(IndexedLog, DoesNotTrustADamagedIndex) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.lcmlog");
   std::mt19937_64 rng(5);
@@ -164,7 +164,7 @@ TEST(IndexedLog, DoesNotStumbleOverADamagedIndex) {
     bad.resize(i % 3 == 0 ? rng() % bad.size() : bad.size());
     test::write_file(path + ".index", bad);
     const MappedFile file(path);
-    EXPECT_NO_THROW(static_cast<void>(load_index(path, file.bytes())));
+    EXPECT_FALSE(load_index(path, file.bytes()).has_value());
   }
 }
 
