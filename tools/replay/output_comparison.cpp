@@ -75,6 +75,7 @@ void OutputComparison::add_logged(std::span<const std::uint8_t> message) {
     ++unreadable_;
     return;
   }
+  ++logged_count_;
   logged_[*index] = Bytes(message.begin(), message.end());
 }
 

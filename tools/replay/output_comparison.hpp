@@ -31,7 +31,7 @@ class OutputComparison {
   void add_logged(std::span<const std::uint8_t> message);
   void add_replayed(std::span<const std::uint8_t> message);
 
-  [[nodiscard]] std::int64_t logged() const { return std::ssize(logged_); }
+  [[nodiscard]] std::int64_t logged() const { return logged_count_; }
   [[nodiscard]] std::int64_t replayed() const { return replayed_; }
   [[nodiscard]] std::int64_t different() const { return different_; }
   /// Replayed outputs that the log has no counterpart of.
@@ -45,7 +45,8 @@ class OutputComparison {
 
  private:
   using Bytes = std::vector<std::uint8_t>;
-  std::map<std::int64_t, Bytes> logged_;
+  std::map<std::int64_t, Bytes> logged_;  ///< newest of that index (a node may be started anew)
+  std::int64_t logged_count_ = 0;
   std::int64_t replayed_ = 0;
   std::int64_t different_ = 0;
   std::int64_t unexpected_ = 0;
