@@ -1,8 +1,8 @@
 #!/bin/bash
-# log_commands.sh VANTAGE SAMPLE.xz: every command of `vantage log` on the sample log, as docs/logs.md
-# shows them, and what they answer.
+# log_commands.sh VANTAGE SAMPLE.xz SCENARIO: every command of `vantage log` as docs/logs.md shows
+# them, on the sample log and on one of a short trial of SCENARIO, and what they answer.
 set -euo pipefail
-vantage=$1 sample=$2
+vantage=$1 sample=$2 scenario=$3
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 cd "$dir"
@@ -45,7 +45,9 @@ exits_with 2 "$vantage" log info missing.lcmlog
 
 "$vantage" log metrics flight.lcmlog
 "$vantage" log metrics flight.lcmlog --json | json 'd["rounds"]' > /dev/null
-"$vantage" log replay part.lcmlog --node planner:Q1 --node estimator:Q2
+"$vantage" trial "$scenario" --duration-s 6 --nodes 200 --log trial.lcmlog > trial.txt
+"$vantage" log replay trial.lcmlog --node planner:Q1 --node estimator:Q2
+exits_with 2 "$vantage" log replay trial.lcmlog --node planner:Q9
 "$vantage" log export flight.lcmlog --to csv --out csv --channels 'PLAN_.*'
 [[ $(ls csv) == $'PLAN_Q1.csv\nPLAN_Q2.csv\nPLAN_Q3.csv' ]] || fail "csv"
 "$vantage" log export flight.lcmlog --to mcap --out flight.mcap

@@ -12,7 +12,8 @@ namespace vantage::tools {
 namespace {
 
 struct EditArguments {
-  std::vector<std::string> inputs;
+  std::string input;
+  std::vector<std::string> inputs;  ///< of merge
   std::string output;
   bool force = false;
   std::optional<double> from_s;
@@ -51,18 +52,18 @@ logs::EditRules rules_for(const EditArguments& arguments, const logs::IndexedLog
 }
 
 int edit(const EditArguments& arguments) {
-  const logs::IndexedLog log(arguments.inputs.front(), progress_line("reading"));
+  const logs::IndexedLog log(arguments.input, progress_line("reading"));
   logs::EditRules rules = rules_for(arguments, log);
-  OutputLog output(arguments.output, arguments.inputs, arguments.force);
+  OutputLog output(arguments.output, {arguments.input}, arguments.force);
   return report(arguments, logs::edit_log(log, rules, output.sink()));
 }
 
 int repair(const EditArguments& arguments) {
-  const logs::IndexedLog log(arguments.inputs.front(), progress_line("reading"));
+  const logs::IndexedLog log(arguments.input, progress_line("reading"));
   const logs::ScanCounts& scan = log.survey().scan;
   print_line(fmt::format("{}: {} stretches given up ({} bytes), {} doubtful events {}",
-                         arguments.inputs.front(), scan.stretches, scan.bytes_damaged,
-                         scan.doubtful, arguments.strict ? "left out" : "kept"));
+                         arguments.input, scan.stretches, scan.bytes_damaged, scan.doubtful,
+                         arguments.strict ? "left out" : "kept"));
   return edit(arguments);
 }
 
@@ -89,7 +90,7 @@ class Adder {
     });
   }
   Adder& one_input() {
-    command_.add_option("log", arguments_->inputs, "LCM event log")->required()->expected(1);
+    command_.add_option("log", arguments_->input, "LCM event log")->required();
     command_.add_option("output", arguments_->output, "the new log")->required();
     return *this;
   }
