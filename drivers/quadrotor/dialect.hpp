@@ -30,6 +30,7 @@ struct DialectTraits {
   bool takes_off_by_command = false;
   /// Its estimator has no origin without a GPS, and says nothing before it has one.
   bool needs_origin = false;
+  double velocity_lag_s = 0.0;  ///< with which it answers velocities, with factory settings
   std::vector<WantedStream> streams;
 };
 

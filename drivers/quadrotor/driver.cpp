@@ -49,7 +49,7 @@ QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::st
       guard_(scenario, robot, limits),
       tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
       sequence_(dialect_),
-      steering_(limits.vehicle, SteeringGains{}) {}
+      steering_(limits.vehicle, {.lead_s = traits_of(dialect_).velocity_lag_s}) {}
 
 void QuadrotorDriver::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
   link_.receive(bytes, is_datagram, now);
@@ -179,7 +179,7 @@ void QuadrotorDriver::fly(Time now) {
   if (orders_.setpoint.kind == FlightSetpoint::Kind::kTrack) {
     const auto age = tracker_.age(now);
     const bool is_seen = age && to_seconds(*age) < kSeenS;
-    link_.send_setpoint(steering_.steer(orders_.setpoint, is_seen ? body : std::nullopt, now), now);
+    link_.send_setpoint(steering_.steer(orders_.setpoint, is_seen ? body : std::nullopt), now);
   } else if (body) {
     Setpoint here;  // on the ground: stay where you are
     here.position_world_m = body->world_from_body.translation_m;

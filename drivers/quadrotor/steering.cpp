@@ -8,21 +8,10 @@ namespace {
 
 constexpr double kStandingMps = 0.02;
 constexpr double kStandingRadps = 0.02;
-constexpr double kPauseMaxS = 0.2;  // after a longer one the velocity asked is news, not a change
 
 }  // namespace
 
-Setpoint Steering::steer(const FlightSetpoint& asked, const std::optional<BodyState>& body,
-                         Time now) {
-  const double dt_s = to_seconds(now - last_);
-  last_ = now;
-  // The smoothed velocity lags by smoothing_s, so what it lacks is its change times that.
-  slow_mps_ = dt_s > kPauseMaxS
-                  ? asked.velocity_world_mps
-                  : Eigen::Vector3d(slow_mps_ - std::expm1(-dt_s / gains_.smoothing_s) *
-                                                    (asked.velocity_world_mps - slow_mps_));
-  const Eigen::Vector3d change_mps2 = (asked.velocity_world_mps - slow_mps_) / gains_.smoothing_s;
-
+Setpoint Steering::steer(const FlightSetpoint& asked, const std::optional<BodyState>& body) const {
   Setpoint out;
   if (asked.velocity_world_mps.norm() < kStandingMps &&
       std::abs(asked.yaw_rate_radps) < kStandingRadps) {
@@ -31,7 +20,7 @@ Setpoint Steering::steer(const FlightSetpoint& asked, const std::optional<BodySt
     return out;
   }
   out.is_velocity = true;
-  out.velocity_world_mps = asked.velocity_world_mps + gains_.lead_s * change_mps2;
+  out.velocity_world_mps = asked.velocity_world_mps + gains_.lead_s * asked.acceleration_world_mps2;
   out.yaw_rate_radps = asked.yaw_rate_radps;
   if (body) {
     out.velocity_world_mps +=

@@ -12,30 +12,28 @@ namespace vantage::drivers {
 struct SteeringGains {
   double position_per_s = 1.2;
   double yaw_per_s = 1.5;
-  double lead_s = 0.4;         ///< about the time constant with which velocities are answered
-  double smoothing_s = 0.2;    ///< of the velocity's change, which the lead multiplies
-  double speed_reserve = 1.6;  ///< speeds are cut at this multiple of the vehicle's limits
+  double lead_s = 0.5;         ///< about the time constant with which velocities are answered
+  double speed_reserve = 2.6;  ///< speeds are cut at this multiple of the vehicle's limits
   double climb_max_mps = 0.7;
 };
 
 /// Turns where a vehicle is asked to be into what its autopilot is told: a place, when it is asked
 /// to stand; else the velocity
-///   v = v_asked + T dv_asked/dt + k (p_asked − p_mocap),  ω = ω_asked + k_yaw (yaw error),
-/// cut at the vehicle's limits. The change of velocity is smoothed, so that its jumps between
-/// primitives become a push that fades. Without a body that is seen the feedback is left out.
+///   v = v_asked + T a_asked + k (p_asked − p_mocap),  ω = ω_asked + k_yaw (yaw error),
+/// cut at the vehicle's limits: an autopilot that answers velocities with a lag of T then keeps to
+/// the way. Without a body that is seen the feedback is left out.
 class Steering {
  public:
   Steering(const models::VehicleLimits& limits, const SteeringGains& gains)
       : limits_(limits), gains_(gains) {}
 
-  /// Precondition: asked.kind is kTrack. To be called at each set-point.
-  Setpoint steer(const FlightSetpoint& asked, const std::optional<BodyState>& body, Time now);
+  /// Precondition: asked.kind is kTrack.
+  [[nodiscard]] Setpoint steer(const FlightSetpoint& asked,
+                               const std::optional<BodyState>& body) const;
 
  private:
   models::VehicleLimits limits_;
   SteeringGains gains_;
-  Time last_{};
-  Eigen::Vector3d slow_mps_ = Eigen::Vector3d::Zero();  ///< the asked velocity, smoothed
 };
 
 }  // namespace vantage::drivers

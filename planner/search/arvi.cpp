@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/check.hpp"
+#include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -123,7 +124,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
     result_.stop_reason = StopReason::kMemory;
   }
   if (best_leaf_ != kNoNode) {
-    fill_result(best_leaf_);
+    write_path(tree_, best_leaf_, problem.horizon_steps, result_);
     result_.lower_bound =
         result_.stop_reason == StopReason::kFinished ? result_.cost : moving_bound;
   } else {
@@ -316,40 +317,17 @@ void ReducedValueIteration::fall_back_to_hover() {
   constexpr int kTriedMax = 64;
   result_.cost = kInfinity;
   for (int t = problem_->horizon_steps - 1; t >= 0; --t) {
-    NodeId best = kNoNode;
-    int tried = 0;
-    for (NodeId id = levels_[index(t)].open.first; id != kNoNode && tried < kTriedMax;
-         id = tree_[id].next, ++tried) {
-      const Node& node = tree_[id];
-      const bool stops = t == 0
-                             ? expander_.motion().can_stop_from_start()
-                             : expander_.motion().can_stop(node.world_from_body, node.control, t);
-      if (!stops || !expander_.ensure_posterior(tree_, id)) {
-        continue;
-      }
-      const double cost = expander_.cost_of_hovering(tree_, id);
-      if (cost < result_.cost) {
-        result_.cost = cost;
-        best = id;
-      }
+    HoverChoice choice(expander_, tree_);
+    NodeId id = levels_[index(t)].open.first;
+    for (int tried = 0; id != kNoNode && tried < kTriedMax; id = tree_[id].next, ++tried) {
+      choice.offer(id);
     }
-    if (best != kNoNode) {
-      fill_result(best);
+    if (choice.best() != kNoNode) {
+      result_.cost = choice.cost();
+      write_path(tree_, choice.best(), problem_->horizon_steps, result_);
       return;
     }
   }
-}
-
-void ReducedValueIteration::fill_result(NodeId last) {
-  result_.found = true;
-  result_.moving_steps = tree_[last].depth;
-  for (NodeId id = last; tree_[id].parent != kNoNode; id = tree_[id].parent) {
-    result_.controls.push_back(tree_[id].control);
-    result_.poses.push_back(tree_[id].world_from_body);
-  }
-  std::reverse(result_.controls.begin(), result_.controls.end());
-  std::reverse(result_.poses.begin(), result_.poses.end());
-  result_.poses.resize(index(problem_->horizon_steps), tree_[last].world_from_body);
 }
 
 }  // namespace vantage::planner

@@ -80,7 +80,6 @@ class ReducedValueIteration {
   void offer_leaf(NodeId id);
   /// When no depth-T node can stop safely: stop as late as is safe, and hover.
   void fall_back_to_hover();
-  void fill_result(NodeId last);
   void open_node(Level& level, NodeId id);
   /// The cheaper of what was left out and what is new; kNoNode when neither is left.
   NodeId pop_least(Level& level);

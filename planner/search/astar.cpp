@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/check.hpp"
+#include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -139,7 +140,7 @@ const SearchResult& BestFirstSearch::plan(const SearchProblem& problem,
         progress == Progress::kDeadline ? StopReason::kDeadline : StopReason::kMemory;
   }
   if (best_parent_ != kNoNode) {
-    fill_result(best_parent_);
+    write_path(tree_, best_parent_, best_control_, best_pose_, result_);
     result_.lower_bound = std::min({result_.cost, least_f, least_dominated_});
   } else {
     fall_back_to_hover();
@@ -446,46 +447,16 @@ void BestFirstSearch::offer_leaf(NodeId parent, int child) {
 
 void BestFirstSearch::fall_back_to_hover() {
   for (int t = problem_->horizon_steps - 1; t >= 0; --t) {
-    NodeId best = kNoNode;
+    HoverChoice choice(expander_, tree_);
     for (int i = 0; i < stop_counts_[index(t)]; ++i) {
-      const NodeId id = stops_[index(t * kStopsPerDepth + i)];
-      const Node& node = tree_[id];
-      const bool stops = t == 0
-                             ? expander_.motion().can_stop_from_start()
-                             : expander_.motion().can_stop(node.world_from_body, node.control, t);
-      if (!stops) {
-        continue;
-      }
-      const double cost = expander_.cost_of_hovering(tree_, id);
-      if (cost < result_.cost) {
-        result_.cost = cost;
-        best = id;
-      }
+      choice.offer(stops_[index(t * kStopsPerDepth + i)]);
     }
-    if (best != kNoNode) {
-      fill_result(best);
+    if (choice.best() != kNoNode) {
+      result_.cost = choice.cost();
+      write_path(tree_, choice.best(), problem_->horizon_steps, result_);
       return;
     }
   }
-}
-
-void BestFirstSearch::fill_result(NodeId last) {
-  result_.found = true;
-  const auto add = [this](int control, const Pose2& pose) {
-    result_.controls.push_back(control);
-    result_.poses.push_back(pose);
-  };
-  if (best_parent_ != kNoNode) {
-    add(best_control_, best_pose_);
-  }
-  for (NodeId id = last; tree_[id].parent != kNoNode; id = tree_[id].parent) {
-    add(tree_[id].control, tree_[id].world_from_body);
-  }
-  std::reverse(result_.controls.begin(), result_.controls.end());
-  std::reverse(result_.poses.begin(), result_.poses.end());
-  result_.moving_steps = static_cast<int>(result_.controls.size());
-  result_.poses.resize(index(problem_->horizon_steps),
-                       result_.poses.empty() ? problem_->start : result_.poses.back());
 }
 
 }  // namespace vantage::planner

@@ -94,7 +94,6 @@ class BestFirstSearch {
   [[nodiscard]] double least_open() const;
   /// When no depth-T node can stop safely: stop as late as is safe, and hover.
   void fall_back_to_hover();
-  void fill_result(NodeId last);
   [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
 
   SearchCapacity capacity_;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/check.hpp"
+#include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -52,7 +53,7 @@ RefiningBeam::RefiningBeam(const SearchCapacity& capacity)
       marks_(candidates_.size()),
       cells_(std::bit_ceil(2 * candidates_.size())),
       regions_(cells_.size()),
-      look_values_(index(capacity.targets_max)) {
+      sighting_(capacity.targets_max) {
   result_.controls.reserve(index(capacity.horizon_max));
   result_.poses.reserve(index(capacity.horizon_max));
   result_.history.reserve(kPassesMax + 1);
@@ -76,7 +77,7 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   options_ = &options;
   deadline_ = &deadline;
   expander_.reset(problem);
-  tabulate_sighting();
+  sighting_.reset(problem, expander_);
   result_.peak_bytes = 0;
   moving_bound_ = -kInfinity;
   result_.found = false;
@@ -220,7 +221,7 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
       const double gained = open_loop - (child.cost - cost_before);
       double rank = child.cost - outlook * gained;
       if (blind && gained < kNothing) {
-        rank -= options_->anticipation * sighting_value(child.world_from_body, t);
+        rank -= options_->anticipation * sighting_.value(child.world_from_body, t);
       }
       offer_candidate(pass, child, rank);
     }
@@ -403,10 +404,7 @@ void RefiningBeam::offer_leaf(const Candidate& leaf) {
     return;
   }
   result_.cost = leaf.cost;
-  fill_result(leaf.parent);
-  result_.controls.push_back(leaf.control);
-  result_.poses.push_back(leaf.world_from_body);
-  result_.moving_steps = problem_->horizon_steps;
+  write_path(tree_, leaf.parent, leaf.control, leaf.world_from_body, result_);
 }
 
 void RefiningBeam::fall_back_to_hover() {
@@ -415,103 +413,16 @@ void RefiningBeam::fall_back_to_hover() {
     const NodeId begin = level_begin_[index(t)];
     const NodeId end =
         t + 1 < levels_ ? level_begin_[index(t + 1)] : static_cast<NodeId>(tree_.node_count());
-    NodeId best = kNoNode;
+    HoverChoice choice(expander_, tree_);
     for (NodeId id = begin; id < std::min(end, begin + kTriedMax); ++id) {
-      const Node& node = tree_[id];
-      const bool stops = t == 0
-                             ? expander_.motion().can_stop_from_start()
-                             : expander_.motion().can_stop(node.world_from_body, node.control, t);
-      if (!stops || !expander_.ensure_posterior(tree_, id)) {
-        continue;
-      }
-      const double cost = expander_.cost_of_hovering(tree_, id);
-      if (cost < result_.cost) {
-        result_.cost = cost;
-        best = id;
-      }
+      choice.offer(id);
     }
-    if (best != kNoNode) {
-      fill_result(best);
-      result_.poses.resize(index(problem_->horizon_steps), tree_[best].world_from_body);
+    if (choice.best() != kNoNode) {
+      result_.cost = choice.cost();
+      write_path(tree_, choice.best(), problem_->horizon_steps, result_);
       return;
     }
   }
-}
-
-void RefiningBeam::fill_result(NodeId last) {
-  result_.found = true;
-  result_.controls.clear();
-  result_.poses.clear();
-  result_.moving_steps = tree_[last].depth;
-  for (NodeId id = last; tree_[id].parent != kNoNode; id = tree_[id].parent) {
-    result_.controls.push_back(tree_[id].control);
-    result_.poses.push_back(tree_[id].world_from_body);
-  }
-  std::reverse(result_.controls.begin(), result_.controls.end());
-  std::reverse(result_.poses.begin(), result_.poses.end());
-}
-
-void RefiningBeam::tabulate_sighting() {
-  speed_max_mps_ = expander_.motion().reach_m() / problem_->step_s;
-  turn_max_radps_ = 0.0;
-  for (const models::UnicycleControl& control : problem_->controls) {
-    turn_max_radps_ = std::max(turn_max_radps_, std::abs(control.yaw_rate_radps));
-  }
-  range_max_m_ = 0.0;
-  half_fov_rad_ = 0.0;
-  for (const models::SensorModel& sensor : problem_->sensors) {
-    range_max_m_ = std::max(range_max_m_, sensor.range_max_m);
-    half_fov_rad_ = std::max(half_fov_rad_, 0.5 * sensor.fov_rad);
-  }
-  // One look from half the range, straight ahead, half way through the plan.
-  const BeliefTable& beliefs = expander_.beliefs();
-  const int t = (problem_->horizon_steps + 1) / 2;
-  for (int m = 0; m < beliefs.target_count(); ++m) {
-    const BlockLayout layout = beliefs.layout(m);
-    const bool spatial = layout == BlockLayout::kSpatial;
-    const models::PositionVector target_m = beliefs.mean_m(m, t).head(spatial ? 3 : 2);
-    PackedInformation M;
-    for (const models::SensorModel& sensor : problem_->sensors) {
-      const models::Viewpoint from{{target_m(0) - 0.5 * sensor.range_max_m, target_m(1), 0.0},
-                                   problem_->height_m};
-      double packed[6] = {};
-      pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar,
-           models::information(sensor, from, target_m), packed);
-      for (int i = 0; i < 6; ++i) {
-        M.m[i] += packed[i];
-      }
-    }
-    const double* block = beliefs.open_loop(m, t);
-    look_values_[index(m)] = beliefs.cost() == CostKind::kTrace
-                                 ? trace_reduction(layout, M.m, block)
-                                 : std::log(gain(layout, M.m, block));
-  }
-}
-
-double RefiningBeam::sighting_value(const Pose2& pose, int t) const {
-  const BeliefTable& beliefs = expander_.beliefs();
-  const double steps_left = problem_->horizon_steps - t;
-  double best = 0.0;
-  for (int m = 0; m < beliefs.target_count(); ++m) {
-    const Eigen::Vector3d& mean_m = beliefs.mean_m(m, t);
-    const double dx_m = mean_m.x() - pose.x_m;
-    const double dy_m = mean_m.y() - pose.y_m;
-    const double way_m = std::hypot(dx_m, dy_m) - range_max_m_;
-    if (way_m > steps_left * expander_.motion().reach_m()) {
-      continue;
-    }
-    const double turn_rad =
-        std::abs(wrap_to_pi(std::atan2(dy_m, dx_m) - pose.yaw_rad)) - half_fov_rad_;
-    const double travel_s = speed_max_mps_ > 0.0 ? std::max(0.0, way_m) / speed_max_mps_ : 0.0;
-    const double turn_s = turn_max_radps_ > 0.0 ? std::max(0.0, turn_rad) / turn_max_radps_ : 0.0;
-    // At the next step at the earliest; a fraction of a step tells neighbours apart.
-    const double steps = std::max(1.0, (travel_s + turn_s) / problem_->step_s);
-    if (steps > steps_left) {
-      continue;
-    }
-    best = std::max(best, look_values_[index(m)] * (steps_left + 1.0 - steps));
-  }
-  return best;
 }
 
 }  // namespace vantage::planner

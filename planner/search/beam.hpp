@@ -8,6 +8,7 @@
 #include "planner/search/expander.hpp"
 #include "planner/search/problem.hpp"
 #include "planner/search/root_bound.hpp"
+#include "planner/search/sighting_value.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
@@ -89,10 +90,6 @@ class RefiningBeam {
   void offer_leaf(const Candidate& leaf);
   /// When no depth-T node can stop safely: stop as late as is safe, and hover.
   void fall_back_to_hover();
-  void fill_result(NodeId last);
-  void tabulate_sighting();
-  /// What the target that is most worth going for will bring when it is first seen from there.
-  [[nodiscard]] double sighting_value(const Pose2& pose, int t) const;
   /// One more piece of work; true when the search has to stop.
   bool work() {
     ++result_.work_nodes;
@@ -115,11 +112,7 @@ class RefiningBeam {
   std::vector<Cell> regions_;  ///< the same for regions, blocks of cells
   std::size_t cell_mask_ = 0;
   std::uint32_t epoch_ = 0;
-  std::vector<double> look_values_;  ///< per target: what one look is worth, nats or m²
-  double speed_max_mps_ = 0.0;
-  double turn_max_radps_ = 0.0;
-  double range_max_m_ = 0.0;
-  double half_fov_rad_ = 0.0;
+  SightingValue sighting_;
   double moving_bound_ = 0.0;  ///< of plans that move at every step
   Children children_;
   const BeamOptions* options_ = nullptr;

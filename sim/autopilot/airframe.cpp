@@ -47,10 +47,14 @@ void Airframe::step(bool motors_on, const Eigen::Vector3d& acceleration_mps2, do
 
   const Eigen::Vector3d wind_mps = p.wind_mean_mps + gust_mps_;
   const Eigen::Vector3d old_mps = velocity_mps_;
+  const Eigen::Vector3d old_m = position_m_;
   velocity_mps_ += dt_s * (Eigen::Vector3d(0.0, 0.0, kGravityMps2) - thrust_mps2_ * down_body_ +
                            p.drag_per_s * (wind_mps - velocity_mps_));
   position_m_ += 0.5 * dt_s * (old_mps + velocity_mps_);
   if (position_m_.z() >= ground_m_) {
+    if (old_m.z() >= ground_m_) {
+      position_m_ = old_m;  // wind does not push what stands
+    }
     position_m_.z() = ground_m_;
     velocity_mps_.setZero();
     yaw_rate_radps_ = 0.0;

@@ -6,6 +6,7 @@
 
 #include "test/planner/exhaustive_oracle.hpp"
 #include "test/planner/random_problem.hpp"
+#include "test/planner/same_result.hpp"
 #include "test/support/allocation_counter.hpp"
 
 namespace vantage::planner {
@@ -96,18 +97,6 @@ TEST(RefiningBeam, NeverLiesInItsBoundAndNeverGetsWorse) {
   EXPECT_GT(worse, 300);
 }
 
-void expect_same(const SearchResult& a, const SearchResult& b) {
-  EXPECT_EQ(a.controls, b.controls);
-  EXPECT_EQ(a.poses, b.poses);
-  EXPECT_EQ(a.cost, b.cost);  // to the bit
-  EXPECT_EQ(a.lower_bound, b.lower_bound);
-  EXPECT_EQ(a.nodes_generated, b.nodes_generated);
-  EXPECT_EQ(a.nodes_expanded, b.nodes_expanded);
-  EXPECT_EQ(a.work_nodes, b.work_nodes);
-  EXPECT_EQ(a.passes, b.passes);
-  EXPECT_EQ(a.stop_reason, b.stop_reason);
-}
-
 TEST(RefiningBeam, IsBitIdenticalOverAThousandRepetitions) {
   RefiningBeam search(small_capacity());
   RefiningBeam used(small_capacity());
@@ -118,7 +107,7 @@ TEST(RefiningBeam, IsBitIdenticalOverAThousandRepetitions) {
     if (i % 10 == 0) {  // what was planned before must leave no trace
       used.plan(test::random_problem(i).problem, narrow(), Deadline::nodes(100));
     }
-    expect_same(first, used.plan(owned.problem, narrow(), budget));
+    test::expect_same(first, used.plan(owned.problem, narrow(), budget));
     ASSERT_FALSE(HasFailure()) << "repetition " << i;
   }
 }
@@ -131,8 +120,8 @@ TEST(RefiningBeam, StoppedByTheClockIsReplayedByNodes) {
     for (std::int64_t budget_ns = 3'000; budget_ns < 3'000'000; budget_ns *= 2) {
       const SearchResult by_clock =
           search.plan(owned.problem, narrow(), Deadline::at(monotonic_ns() + budget_ns));
-      expect_same(by_clock, search.plan(owned.problem, narrow(),
-                                        Deadline::nodes(by_clock.replay_budget_nodes())));
+      test::expect_same(by_clock, search.plan(owned.problem, narrow(),
+                                              Deadline::nodes(by_clock.replay_budget_nodes())));
       stopped += by_clock.stop_reason == StopReason::kDeadline ? 1 : 0;
     }
   }

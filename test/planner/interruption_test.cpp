@@ -7,6 +7,7 @@
 
 #include "planner/search/arvi.hpp"
 #include "test/planner/random_problem.hpp"
+#include "test/planner/same_result.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -36,26 +37,6 @@ SearchProblem tracking_problem(std::uint64_t seed) {
 }
 
 ReducedOptions anytime() { return {}; }
-
-void expect_same(const SearchResult& a, const SearchResult& b) {
-  EXPECT_EQ(a.found, b.found);
-  EXPECT_EQ(a.controls, b.controls);
-  EXPECT_EQ(a.poses, b.poses);
-  EXPECT_EQ(a.cost, b.cost);  // to the bit
-  EXPECT_EQ(a.moving_steps, b.moving_steps);
-  EXPECT_EQ(a.lower_bound, b.lower_bound);
-  EXPECT_EQ(a.epsilon, b.epsilon);
-  EXPECT_EQ(a.delta_m, b.delta_m);
-  EXPECT_EQ(a.passes, b.passes);
-  EXPECT_EQ(a.nodes_generated, b.nodes_generated);
-  EXPECT_EQ(a.nodes_expanded, b.nodes_expanded);
-  EXPECT_EQ(a.work_nodes, b.work_nodes);
-  ASSERT_EQ(a.history.size(), b.history.size());
-  for (std::size_t i = 0; i < a.history.size(); ++i) {
-    EXPECT_EQ(a.history[i].cost, b.history[i].cost);
-    EXPECT_EQ(a.history[i].work_nodes, b.history[i].work_nodes);
-  }
-}
 
 TEST(Interruption, HasAPlanAtEveryBudgetAndABetterOneWithMore) {
   ReducedValueIteration search(small_capacity());
@@ -92,7 +73,7 @@ TEST(Interruption, ByTheClockIsReplayedByNodes) {
           search.plan(problem, anytime(), Deadline::at(monotonic_ns() + budget_ns));
       const SearchResult& replayed =
           search.plan(problem, anytime(), Deadline::nodes(by_clock.replay_budget_nodes()));
-      expect_same(by_clock, replayed);
+      test::expect_same(by_clock, replayed);
       EXPECT_EQ(by_clock.stop_reason, replayed.stop_reason);
       stopped += by_clock.stop_reason == StopReason::kDeadline ? 1 : 0;
     }
@@ -107,7 +88,7 @@ TEST(Interruption, ReplaysASearchThatEndedByItself) {
     const SearchResult unlimited = search.plan(owned.problem, anytime(), Deadline::never());
     const SearchResult& replayed =
         search.plan(owned.problem, anytime(), Deadline::nodes(unlimited.replay_budget_nodes()));
-    expect_same(unlimited, replayed);
+    test::expect_same(unlimited, replayed);
     EXPECT_EQ(unlimited.stop_reason, replayed.stop_reason) << "seed " << seed;
   }
 }
@@ -122,7 +103,7 @@ TEST(Interruption, IsBitIdenticalOverAThousandRepetitions) {
     if (i % 10 == 0) {  // what was planned before must leave no trace
       used.plan(other, anytime(), Deadline::nodes(100 + i));
     }
-    expect_same(first, used.plan(problem, anytime(), Deadline::nodes(1'000)));
+    test::expect_same(first, used.plan(problem, anytime(), Deadline::nodes(1'000)));
     ASSERT_FALSE(HasFailure()) << "repetition " << i;
   }
 }

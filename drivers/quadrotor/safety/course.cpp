@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/angle.hpp"
+
 namespace vantage::drivers {
 
 BrakeWay BrakeWay::along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
@@ -42,6 +44,9 @@ PlanPoint BrakeWay::at(double t_s) const {
   } else {
     out.position_world_m += start_.velocity_world_mps * gone_s;
   }
+  if (u > 0.0 && u < brake_s_) {
+    out.acceleration_world_mps2 = -out.velocity_world_mps / brake_s_;
+  }
   out.velocity_world_mps *= rate;
   out.yaw_rate_radps *= rate;
   return out;
@@ -66,6 +71,11 @@ void Course::follow(const HeldPlan& plan, Time now) {
 }
 
 void Course::begin(const HeldPlan& plan) {
+  has_past_ = mode_ == Mode::kPlan;
+  if (has_past_) {
+    past_ = plan_;
+    past_lag_s_ = lag_s_;
+  }
   mode_ = Mode::kPlan;
   plan_ = plan;
   lag_s_ = 0.0;
@@ -101,7 +111,7 @@ void Course::advance(Time now, double dt_s, double rate) {
 
 double Course::elapsed_s(Time now) const { return to_seconds(now - plan_.start_time) - lag_s_; }
 
-PlanPoint Course::at(Time time) const {
+PlanPoint Course::planned_at(Time time, double lag_s) const {
   if (has_next_ && time >= next_.start_time) {
     return point_at(next_, to_seconds(time - next_.start_time));
   }
@@ -109,7 +119,10 @@ PlanPoint Course::at(Time time) const {
     case Mode::kStand:
       return from_;
     case Mode::kPlan:
-      return point_at(plan_, elapsed_s(time));
+      if (has_past_ && time < plan_.start_time) {
+        return point_at(past_, to_seconds(time - past_.start_time) - past_lag_s_);
+      }
+      return point_at(plan_, to_seconds(time - plan_.start_time) - lag_s);
     case Mode::kBrake:
       return way_.at(to_seconds(time - begin_));
     case Mode::kShift: {
@@ -129,8 +142,35 @@ PlanPoint Course::at(Time time) const {
   return from_;
 }
 
-PlanPoint Course::on_time(Time time) const {
-  return mode_ == Mode::kPlan ? point_at(plan_, to_seconds(time - plan_.start_time)) : at(time);
+PlanPoint Course::smoothed_at(Time time, double lag_s) const {
+  constexpr int kIntervals = 16;
+  PlanPoint out = planned_at(time, lag_s);
+  const bool is_near_next = has_next_ && time + from_seconds(half_window_s_) >= next_.start_time;
+  if (!(half_window_s_ > 0.0) || (mode_ != Mode::kPlan && !is_near_next)) {
+    return out;
+  }
+  // Trapezoids over the window: places, and yaw as turned since its beginning.
+  const PlanPoint first = planned_at(time - from_seconds(half_window_s_), lag_s);
+  PlanPoint last = first;
+  Eigen::Vector3d sum_m = 0.5 * first.position_world_m;
+  double turned_rad = 0.0;
+  double sum_rad = 0.0;
+  for (int i = 1; i <= kIntervals; ++i) {
+    const double at_s = half_window_s_ * (2.0 * i / kIntervals - 1.0);
+    const PlanPoint here = planned_at(time + from_seconds(at_s), lag_s);
+    const double weight = i < kIntervals ? 1.0 : 0.5;
+    turned_rad += wrap_to_pi(here.yaw_rad - last.yaw_rad);
+    sum_m += weight * here.position_world_m;
+    sum_rad += weight * turned_rad;
+    last = here;
+  }
+  const double window_s = 2.0 * half_window_s_;
+  out.position_world_m = sum_m / kIntervals;
+  out.velocity_world_mps = (last.position_world_m - first.position_world_m) / window_s;
+  out.acceleration_world_mps2 = (last.velocity_world_mps - first.velocity_world_mps) / window_s;
+  out.yaw_rad = wrap_to_pi(first.yaw_rad + sum_rad / kIntervals);
+  out.yaw_rate_radps = turned_rad / window_s;
+  return out;
 }
 
 bool Course::has_plan(Time now) const {

@@ -35,12 +35,22 @@ class BrakeWay {
 
 /// What one vehicle is asked to fly in the plane: a plan and the one to follow it, or a stop and
 /// the hover after it, or a shift from one hover to the next. Heights are not its business.
+///
+/// Plans change their speed at once, which nothing that flies can do. What is asked is therefore
+/// the mean of the planned places within `half_window_s` before and after: it begins to slow before
+/// the plan does, its velocity and acceleration are differences of planned places, and the speed v
+/// changes within the window, at v / (2 half_window_s). It cuts a corner of speeds by at most
+/// v half_window_s / 4, and a circle's radius by the factor sin(ω half_window_s)/(ω half_window_s).
 class Course {
  public:
+  explicit Course(double half_window_s) : half_window_s_(half_window_s) {}
+
   /// Stands at a place.
   void stand(const Eigen::Vector3d& position_m, double yaw_rad, Time now);
   /// Puts a checked plan on the course, from its start time on.
   void follow(const HeldPlan& plan, Time now);
+  /// Forgets a plan that has not begun.
+  void forget_next() { has_next_ = false; }
   /// Stops from what it is doing, and forgets every plan.
   void stop(const BrakeWay& way, Time now);
   /// After a stop: moves its hover to `to_m` at `speed_mps`.
@@ -48,9 +58,11 @@ class Course {
   /// Time goes on by `dt_s`; the plan's own clock at `rate` of it, in [0, 1].
   void advance(Time now, double dt_s, double rate);
 
-  [[nodiscard]] PlanPoint at(Time time) const;
+  [[nodiscard]] PlanPoint at(Time time) const { return smoothed_at(time, lag_s_); }
   /// The same as if the plan's clock had never been slowed.
-  [[nodiscard]] PlanPoint on_time(Time time) const;
+  [[nodiscard]] PlanPoint on_time(Time time) const { return smoothed_at(time, 0.0); }
+  /// What the plan itself says, with its jumps.
+  [[nodiscard]] PlanPoint planned_at(Time time) const { return planned_at(time, lag_s_); }
   /// True while a plan is being flown that has not come to its hover.
   [[nodiscard]] bool has_plan(Time now) const;
   /// A stop or shift is over.
@@ -63,7 +75,10 @@ class Course {
  private:
   enum class Mode { kStand, kPlan, kBrake, kShift };
   void begin(const HeldPlan& plan);
+  [[nodiscard]] PlanPoint planned_at(Time time, double lag_s) const;
+  [[nodiscard]] PlanPoint smoothed_at(Time time, double lag_s) const;
 
+  double half_window_s_;
   Mode mode_ = Mode::kStand;
   Time begin_{};
   PlanPoint from_;  ///< of kStand and kShift
@@ -74,6 +89,9 @@ class Course {
   double lag_s_ = 0.0;
   bool has_next_ = false;
   HeldPlan next_;
+  bool has_past_ = false;
+  HeldPlan past_;  ///< flown before plan_, with no stop between
+  double past_lag_s_ = 0.0;
 };
 
 }  // namespace vantage::drivers

@@ -80,7 +80,7 @@ PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
     }
     const Time when = std::max(now, held.start_time);
     const PlanPoint planned = point_at(held, to_seconds(when - held.start_time));
-    const PlanPoint expected = p.course.at(when);
+    const PlanPoint expected = p.course.planned_at(when);
     Eigen::Vector3d gap_m = planned.position_world_m - expected.position_world_m;
     gap_m.z() = planned.position_world_m.z() - p.height_ref_m;
     const double turn_rad = std::abs(wrap_to_pi(planned.yaw_rad - expected.yaw_rad));
@@ -196,6 +196,16 @@ GuardOutput FlightGuard::tick(Time now) {
   p.ladder = step_ladder(p.ladder, p.in, p.limits);
   if (p.ladder.state != before) {
     p.change(before, now);
+  }
+  if (p.ladder.state == FlightState::kHold && !p.may_take_plans()) {
+    // A plan that was taken while nothing forbade it must not begin once something does.
+    p.course.forget_next();
+    if (p.course.is_on_plan()) {
+      p.course.stop(p.brake_way(now, 0.0), now);
+    }
+  }
+  if (p.ladder.state == FlightState::kHold) {
+    p.move_off(now);
   }
   if (p.ladder.state == FlightState::kLand) {
     p.land(now, dt_s);

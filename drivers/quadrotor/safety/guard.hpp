@@ -38,7 +38,9 @@ struct FlightSetpoint {
   };
   Kind kind = Kind::kNone;
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
+  /// Velocity and acceleration are those of a tenth of a second later, when they will be answered.
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();
   double yaw_rad = 0.0;
   double yaw_rate_radps = 0.0;
 };

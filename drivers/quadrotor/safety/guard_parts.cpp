@@ -12,7 +12,10 @@ using models::FlightState;
 
 namespace {
 
+constexpr double kTiltS = 0.1;           // until an autopilot that is told to accelerate does
+constexpr double kSwerveMps = 0.6;       // off the course's velocity: it is pushed, not steered
 constexpr double kShiftMps = 0.4;        // to a landing spot
+constexpr double kMoveOffMps = 0.2;      // from what is too near
 constexpr double kShiftPatienceS = 6.0;  // then it comes down where it is
 constexpr double kOverSpotM = 0.25;
 constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while nothing measures it
@@ -20,9 +23,10 @@ constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while 
 }  // namespace
 
 bool FlightGuard::Parts::keeps_to_course(Time now) const {
+  const PlanPoint asked = course.at(now);
   return course.is_on_plan() && pose_age_s(now) < limits.pose_age_land_s &&
-         (pose.predict_m(now, kPredictS) - course.at(now).position_world_m).norm() <=
-             limits.tracking_hold_m;
+         (pose.velocity_world_mps() - asked.velocity_world_mps).norm() <= kSwerveMps &&
+         (pose.predict_m(now, kPredictS) - asked.position_world_m).norm() <= limits.tracking_hold_m;
 }
 
 BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
@@ -135,6 +139,17 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
   }
 }
 
+// Who hovers where a gust would make it touch something moves away from it.
+void FlightGuard::Parts::move_off(Time now) {
+  if (!course.is_standing(now) || in.pose_age_s > limits.pose_age_warn_s || !in.estimator_good) {
+    return;
+  }
+  const Eigen::Vector3d hover_m = course.at(now).position_world_m;
+  if (const auto spot_m = clear_spot(hover_m, fleet.bodies(now, limits), limits)) {
+    course.shift(*spot_m, kMoveOffMps, now);
+  }
+}
+
 // Stops, moves to where it may come down, comes down.
 void FlightGuard::Parts::land(Time now, double dt_s) {
   const bool has_patience = to_seconds(now - landing_since) < kShiftPatienceS &&
@@ -190,10 +205,12 @@ FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
       break;
   }
   const PlanPoint asked = course.at(now);
+  const PlanPoint soon = course.at(now + from_seconds(kTiltS));
   out.kind = FlightSetpoint::Kind::kTrack;
   out.position_world_m = asked.position_world_m;
   out.position_world_m.z() = height_ref_m;
-  out.velocity_world_mps = asked.velocity_world_mps;
+  out.velocity_world_mps = soon.velocity_world_mps;
+  out.acceleration_world_mps2 = soon.acceleration_world_mps2;
   out.yaw_rad = asked.yaw_rad;
   out.yaw_rate_radps = asked.yaw_rate_radps;
   return out;

@@ -19,13 +19,18 @@ inline constexpr double kPredictS = 0.1;  ///< how far the own pose is carried o
 /// What a FlightGuard remembers, and what it does at each tick.
 struct FlightGuard::Parts {
   Parts(const models::Scenario& scenario, const std::string& robot, const SafetyLimits& given)
-      : name(robot), limits(given), fleet(scenario, robot) {}
+      : name(robot),
+        limits(given),
+        fleet(scenario, robot),
+        // Speeds then change no faster than the vehicle brakes.
+        course(given.vehicle.speed_max_mps / (2.0 * given.vehicle.brake_mps2)) {}
 
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
   [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
   [[nodiscard]] bool keeps_to_course(Time now) const;
   void look(Time now);
   void change(models::FlightState before, Time now);
+  void move_off(Time now);
   void land(Time now, double dt_s);
   void move_height(double dt_s);
   [[nodiscard]] FlightSetpoint setpoint(Time now) const;

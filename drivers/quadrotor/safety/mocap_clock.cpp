@@ -21,7 +21,7 @@ bool MocapClock::on_frame(Time stamp, Time arrival, std::int64_t number) {
     period_s_ = counts && period_s > 0.0 && period_s < kLatencyMaxS ? period_s : period_s_;
     latency_s_ = as_before_s;
   } else {
-    const double gap_s = has_frame_ ? std::max(0.0, to_seconds(arrival - arrival_)) : 0.0;
+    const double gap_s = has_frame_ ? to_seconds(arrival - arrival_) : 0.0;
     const double due_s = counts ? period_s_ * static_cast<double>(frames) : 0.0;
     latency_s_ = std::clamp(latency_s_ + gap_s - due_s, 0.0, kLatencyMaxS);
     apart_s_ = raw_s - latency_s_;

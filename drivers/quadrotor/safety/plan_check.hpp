@@ -47,6 +47,7 @@ struct HeldPlan {
 struct PlanPoint {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();  ///< where a course knows it
   double yaw_rad = 0.0;
   double yaw_rate_radps = 0.0;
 };

@@ -34,6 +34,7 @@ struct Fault {
   /// It only strikes who flies on and is seen. Beside a fault that changes the state it may find
   /// nothing to strike; then only what must never happen is asked.
   bool needs_quiet = false;
+  bool strikes_by_plans = false;  ///< a plan that does not come, or is refused, delays it
 };
 
 /// All of them, by number.

@@ -9,6 +9,7 @@
 namespace vantage::test {
 namespace {
 
+constexpr double kRoundS = 1.0;      // from plan to plan on the bench
 constexpr double kFloorS = 10.0;     // limit of a stage that waits for the floor
 constexpr std::size_t kOneIn = 4;    // pairs flown by default
 constexpr std::size_t kSample = 11;  // which of them; a seed
@@ -26,17 +27,22 @@ struct Exception {
 constexpr Exception kNoneSurvives[] = {
     {"driven at the fence", "driven through the fence",
      "the pushes follow one another: 0.75 s at 1.3 m/s and more, and 0.65 m to the fence"},
+    {"driven through the fence", "attitude beyond 60°", "motors off, it goes on as it was pushed"},
 };
 
 // No collision and no breach of the fence, as always; but the reaction of each alone is not asked.
 constexpr Exception kOneHidesTheOther[] = {
     {"only bad plans from then on", "stopped leader wakes up",
      "the second planner's plans are good"},
+    {"every plan after its deadline", "stopped leader wakes up",
+     "the second planner's plans are in time"},
     {"operator station lost", "second station beats beside the first",
      "the second station takes charge"},
     {"operator station lost", kSaysFollow, "the second station takes charge"},
     {"operator silent for 2 s", "second station beats beside the first",
      "the second station takes charge and says follow"},
+    {"latency 5 to 155 ms", "mocap clock drifts by 1 %",
+     "a clock that gains 1 % hides a tenth of a second of latency within ten seconds"},
     {"outage 0.5 s", "own process stops for 0.4 s",
      "most of the outage is over before the process sees anything"},
 };
@@ -69,11 +75,13 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
   const int needed = goes_on ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
   EXPECT_GE(severity_of(outcome.end), needed)
       << fault.name << " ends in " << models::name_of(outcome.end) << " with " << other.name;
+  // What one plan was to do, the next one does when the other fault takes the first away.
+  const double later_s = fault.strikes_by_plans && other.strikes_by_plans ? kRoundS : 0.0;
   for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
     EXPECT_GE(outcome.stage_s[s], 0.0)
         << fault.name << " never reaches " << models::name_of(fault.stages[s].state) << " with "
         << other.name;
-    EXPECT_LE(outcome.stage_s[s], fault.stages[s].within_s + other.delays_s + 1e-9)
+    EXPECT_LE(outcome.stage_s[s], fault.stages[s].within_s + other.delays_s + later_s + 1e-9)
         << fault.name << " is late with " << other.name;
   }
 }
