@@ -10,6 +10,8 @@ import sys
 
 WIDTH = {"int8_t": 1, "byte": 1, "boolean": 1, "int16_t": 2, "int32_t": 4, "float": 4,
          "int64_t": 8, "double": 8}
+NUMBER = {"boolean": "kBoolean", "byte": "kByte", "int8_t": "kInt8", "int16_t": "kInt16",
+          "int32_t": "kInt32", "int64_t": "kInt64", "float": "kFloat", "double": "kDouble"}
 INTEGERS = {"int8_t", "int16_t", "int32_t", "int64_t"}
 FIELD = re.compile(r"(\w+)\s+(\w+)((?:\[\w+\])*)$")
 
@@ -55,7 +57,7 @@ def in_order(structs):
 
 
 def field_text(structs, fields, index):
-    kind, _, dims = fields[index]
+    kind, own_name, dims = fields[index]
     names = [name for _, name, _ in fields[:index]]
     if len(dims) > 2:
         raise SystemExit(f"{kind}: more than two dimensions")
@@ -64,7 +66,9 @@ def field_text(structs, fields, index):
     what = ("kString" if kind == "string" else "kStruct" if kind in structs
             else "kInteger" if kind in INTEGERS else "kBytes")
     nested = f"&k_{kind}" if kind in structs else "nullptr"
-    return f"    {{WireKind::{what}, {least_bytes(structs, kind)}, {nested}, {{{{{', '.join(shape)}}}}}}},"
+    number = NUMBER.get(kind, "kNone")
+    return (f"    {{WireKind::{what}, {least_bytes(structs, kind)}, {nested}, "
+            f"{{{{{', '.join(shape)}}}}}, \"{own_name}\", WireNumber::{number}, {len(dims)}}},")
 
 
 def main():

@@ -13,6 +13,18 @@
 namespace vantage::bus {
 
 enum class WireKind : std::uint8_t { kBytes, kInteger, kString, kStruct };
+/// What the bytes of one element mean; kNone for strings and structs.
+enum class WireNumber : std::uint8_t {
+  kNone,
+  kBoolean,
+  kByte,
+  kInt8,
+  kInt16,
+  kInt32,
+  kInt64,
+  kFloat,
+  kDouble
+};
 
 struct WireSchema;
 
@@ -26,7 +38,10 @@ struct WireField {
   WireKind kind;
   std::int32_t least_bytes;     ///< that one element takes; exactly so for kBytes and kInteger
   const WireSchema* nested;     ///< of a kStruct
-  std::array<WireDim, 2> dims;  ///< {1, −1} twice for a scalar
+  std::array<WireDim, 2> dims;  ///< {1, −1} where there is none
+  std::string_view name;
+  WireNumber number;
+  std::int32_t rank;  ///< how many of `dims` there are: 0 for a scalar
 };
 
 /// Layout of one wire type after its fingerprint. The tables are generated from lcmtypes/ at build

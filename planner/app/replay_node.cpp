@@ -94,8 +94,10 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& lo
   if (!gather(logged, inputs)) {
     return Outcome::kIncomplete;
   }
-  auto plan = logged.late ? planner_.plan_without_search(inputs)
-                          : planner_.plan(inputs, Deadline::nodes(logged.nodes));
+  auto plan = planner_.plan(inputs, Deadline::nodes(logged.nodes));
+  if (logged.late) {  // after a search whose result came too late
+    plan = planner_.plan_without_search(inputs);
+  }
   if (!plan) {
     return Outcome::kDifferent;
   }

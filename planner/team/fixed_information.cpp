@@ -1,5 +1,7 @@
 #include "planner/team/fixed_information.hpp"
 
+#include "planner/team/look.hpp"
+
 namespace vantage::planner {
 
 std::vector<std::vector<models::PositionMatrix>> fixed_information(
@@ -23,12 +25,7 @@ std::vector<std::vector<models::PositionMatrix>> fixed_information(
         }
         const models::Viewpoint from{models::at(teammate.trajectory, when).world_from_body,
                                      teammate.trajectory.height_m};
-        if (models::in_view(teammate.sensor, from, position_m) &&
-            (problem.world == nullptr ||
-             models::line_of_sight(*problem.world, from.world_from_body.position_m(),
-                                   position_m.head<2>()))) {
-          fixed[m][t] += models::information(teammate.sensor, from, position_m);
-        }
+        fixed[m][t] += look(problem.world, {&teammate.sensor, 1}, from, position_m);
       }
     }
   }

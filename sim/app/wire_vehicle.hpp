@@ -9,9 +9,9 @@
 #include "models/exchange/messages.hpp"
 #include "models/scenario/scenario.hpp"
 #include "models/wire/mavlink/parser.hpp"
-#include "sim/autopilot/autopilot_socket.hpp"
 #include "sim/app/latency_record.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
+#include "sim/autopilot/autopilot_socket.hpp"
 #include "sim/vehicle.hpp"
 
 namespace vantage::sim {

@@ -34,3 +34,5 @@ done
 kill -TERM "$estimator" "$planner"; wait "$estimator" "$planner"
 kill -TERM "$logger"; wait "$logger" || true
 "$bin/replay_check" "$dir/flight.lcmlog" "$dir/again.lcmlog" "$robot" $((seconds / 2))
+# And what a person would type: the same nodes on the log alone.
+"$bin/vantage" log replay "$dir/flight.lcmlog" --node "planner:$robot" --node "estimator:$robot"

@@ -1,85 +1,61 @@
 // replay_check ORIGINAL.lcmlog REPLAYED.lcmlog ROBOT MIN_COUNT
 //
 // Compares what one robot's estimator and planner said in a trial with what fresh processes said of
-// the same inputs (published under REPLAY_): beliefs by step to 1e-9, plans by round bit for bit.
+// the same inputs (published under REPLAY_): beliefs by step, plans by round, bit for bit.
 // Exit code 0 when at least MIN_COUNT of each were compared and none differs.
 
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <string>
 
-#include <lcm/lcm-cpp.hpp>
-
-#include "bus/convert.hpp"
-#include "estimator/app/replay_node.hpp"
-#include "planner/app/replay_node.hpp"
+#include "core/process.hpp"
+#include "logs/file/log_index.hpp"
+#include "tools/replay/output_comparison.hpp"
 
 namespace {
 
 using namespace vantage;  // NOLINT(google-build-using-namespace): a test's main alone
 
-struct Said {
-  std::map<std::int64_t, models::RobotBelief> beliefs;  // by step
-  std::map<std::int64_t, models::RobotPlan> plans;      // by round
-};
-
-template <class Wire>
-bool decode(const lcm::LogEvent& event, Wire& wire) {
-  return wire.decode(event.data, 0, event.datalen) == event.datalen;
-}
-
-Said read(const std::string& path, const std::string& prefix, const std::string& robot) {
-  lcm::LogFile log(path, "r");
-  Said said;
-  if (!log.good()) {
-    std::printf("cannot read %s\n", path.c_str());
-    std::exit(2);
-  }
-  while (const lcm::LogEvent* event = log.readNextEvent()) {
-    if (event->channel == prefix + "BELIEF_" + robot) {
-      vantage_lcm::belief_t wire;
-      if (decode(*event, wire)) {
-        said.beliefs[wire.step] = bus::from_wire(wire).value();
-      }
-    } else if (event->channel == prefix + "PLAN_" + robot) {
-      vantage_lcm::plan_t wire;
-      if (decode(*event, wire)) {
-        said.plans[wire.round] = bus::from_wire(wire).value();
+bool is_same(const logs::IndexedLog& original, const logs::IndexedLog& replayed,
+             const std::string& channel, int least) {
+  tools::OutputComparison comparison;
+  const auto for_each_on = [](const logs::IndexedLog& log, const std::string& name,
+                              const auto& visit) {
+    logs::LogScan scan = log.scan();
+    while (const auto event = scan.next()) {
+      if (event->channel == name) {
+        visit(event->data);
       }
     }
+  };
+  for_each_on(original, channel, [&](const auto& data) { comparison.add_logged(data); });
+  for_each_on(replayed, "REPLAY_" + channel,
+              [&](const auto& data) { comparison.add_replayed(data); });
+  std::printf("%s: %ld of %ld replayed, %ld different, %ld unexpected\n", channel.c_str(),
+              comparison.replayed(), comparison.logged(), comparison.different(),
+              comparison.unexpected());
+  if (comparison.first_difference()) {
+    for (const std::string& line : tools::describe(*comparison.first_difference())) {
+      std::printf("  %s\n", line.c_str());
+    }
   }
-  return said;
+  return comparison.is_exact() && comparison.replayed() >= least;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 5) {
-    std::printf("usage: replay_check ORIGINAL REPLAYED ROBOT MIN_COUNT\n");
-    return 2;
-  }
-  const Said logged = read(argv[1], "", argv[3]);
-  const Said replayed = read(argv[2], "REPLAY_", argv[3]);
-  const int least = std::atoi(argv[4]);
-  int beliefs = 0;
-  int plans = 0;
-  int different = 0;
-  for (const auto& [step, belief] : replayed.beliefs) {
-    const auto original = logged.beliefs.find(step);
-    ++beliefs;
-    different +=
-        original != logged.beliefs.end() && estimator::same_content(belief, original->second, 1e-9)
-            ? 0
-            : 1;
-  }
-  for (const auto& [round, plan] : replayed.plans) {
-    const auto original = logged.plans.find(round);
-    ++plans;
-    different +=
-        original != logged.plans.end() && planner::is_same_decision(plan, original->second) ? 0 : 1;
-  }
-  std::printf("%s: %d of %zu beliefs and %d of %zu plans replayed, %d different\n", argv[3],
-              beliefs, logged.beliefs.size(), plans, logged.plans.size(), different);
-  return different == 0 && beliefs >= least && plans >= least ? 0 : 1;
+  return run_process("replay_check", [&]() -> int {
+    if (argc != 5) {
+      std::printf("usage: replay_check ORIGINAL REPLAYED ROBOT MIN_COUNT\n");
+      return 2;
+    }
+    const logs::IndexedLog original(argv[1]);
+    const logs::IndexedLog replayed(argv[2]);
+    const std::string robot = argv[3];
+    const int least = std::atoi(argv[4]);
+    const bool beliefs = is_same(original, replayed, "BELIEF_" + robot, least);
+    const bool plans = is_same(original, replayed, "PLAN_" + robot, least);
+    return beliefs && plans ? 0 : 1;
+  });
 }

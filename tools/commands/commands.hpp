@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/scenario/overrides.hpp"
+#include "tools/view/web_server.hpp"
 
 namespace vantage::tools {
 
@@ -20,9 +21,16 @@ void add_check_command(CLI::App& root, Runner& run);
 void add_console_command(CLI::App& root, Runner& run);
 void add_plan_command(CLI::App& root, Runner& run);
 void add_doctor_command(CLI::App& root, Runner& run);
+void add_experiment_command(CLI::App& root, Runner& run);
+void add_view_command(CLI::App& root, Runner& run);
+void add_log_command(CLI::App& root, Runner& run);
 
 /// --seed, --duration-s, --planner, --communication-range-m and --nodes, shared by all that run a
 /// trial.
 void add_override_options(CLI::App& command, Overrides& overrides);
+/// --port and --bind of what is shown in the browser.
+void add_web_options(CLI::App& command, WebOptions& web);
+/// Prints where to look.
+void announce_view(const WebServer& server, const std::string& what);
 
 }  // namespace vantage::tools

@@ -7,6 +7,7 @@
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/trial/recipe.hpp"
+#include "tools/view/live_view.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -16,6 +17,8 @@ struct DemoArguments {
   std::string directory = "demo-out";
   Overrides overrides;
   bool as_json = false;
+  bool is_shown = false;
+  WebOptions web;
 };
 
 int run(DemoArguments arguments) {
@@ -27,6 +30,15 @@ int run(DemoArguments arguments) {
   options.directory = arguments.directory;
   options.quiet = arguments.as_json;
   options.live_table = is_terminal() && !options.quiet;
+  if (arguments.is_shown) {
+    options.attach = [&](bus::InProcessHub& hub) {
+      auto view = std::make_shared<LiveView>(hub.connect(), arguments.web);
+      if (!arguments.as_json) {
+        announce_view(view->server(), "while the demo lasts");
+      }
+      return view;
+    };
+  }
   const DemoResult result = run_demo(scenario, trial_recipes(scenario), options, stop_requested);
   if (!arguments.as_json) {
     print_line("");
@@ -36,6 +48,7 @@ int run(DemoArguments arguments) {
     print_line("log      " + result.log_path);
     print_line("picture  " + result.svg_path);
     print_line("         " + (result.png_path.empty() ? result.png_error : result.png_path));
+    print_line("look     vantage view " + result.log_path);
   }
   for (const std::string& failure : result.failures) {
     print_line("failed: " + failure);
@@ -54,11 +67,14 @@ void add_demo_command(CLI::App& root, Runner& chosen) {
       ->capture_default_str();
   add_override_options(*command, arguments->overrides);
   command->add_flag("--json", arguments->as_json, "print one JSON object at the end, no table");
+  command->add_flag("--view", arguments->is_shown, "show it in the browser meanwhile");
+  add_web_options(*command, arguments->web);
   command->footer(
       "Lasts 60 s unless told otherwise; Ctrl-C ends it early with the same summary.\n"
       "Exit code 1 when anything collided or failed.\n"
       "Examples:\n"
       "  vantage demo\n"
+      "  vantage demo --view\n"
       "  vantage demo --duration-s 300 --planner lawn_mower --out lawn");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }

@@ -17,6 +17,9 @@ int main(int argc, char** argv) {
     vantage::tools::add_plan_command(app, run);
     vantage::tools::add_console_command(app, run);
     vantage::tools::add_doctor_command(app, run);
+    vantage::tools::add_experiment_command(app, run);
+    vantage::tools::add_view_command(app, run);
+    vantage::tools::add_log_command(app, run);
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

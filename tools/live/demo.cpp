@@ -79,6 +79,7 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
   const bus::SystemClock clock;
   bus::InProcessHub hub;
   Recorder recorder(hub.connect(), clock, result.log_path);
+  const std::shared_ptr<void> watcher = options.attach ? options.attach(hub) : nullptr;
   const auto own_transport = hub.connect();
   bus::Bus own_bus(*own_transport, bus::random_run_id());
   Announcer announcer(own_bus, scenario, "demo");

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "bus/transport.hpp"
 #include "logs/metrics/trial_summary.hpp"
 #include "models/scenario/scenario.hpp"
 #include "tools/trial/recipe.hpp"
@@ -14,6 +16,9 @@ struct DemoOptions {
   std::string directory = "demo-out";  ///< made when absent; log and pictures go there
   bool live_table = false;             ///< redraw in place; else a line each 5 s
   bool quiet = false;
+  /// Called with the trial's bus before anything is published on it; what it returns lives until
+  /// the trial is over. For someone to watch.
+  std::function<std::shared_ptr<void>(bus::InProcessHub&)> attach;
 };
 
 struct DemoResult {

@@ -155,6 +155,9 @@ GuardOutput FlightGuard::tick(Time now) {
       p.course.stop(p.brake_way(now, 0.0), now);
     }
   }
+  if (p.ladder.state == FlightState::kHold) {
+    p.move_off(now);
+  }
   if (p.ladder.state == FlightState::kLand) {
     p.land(now, dt_s);
   } else if (is_airborne(p.ladder.state)) {

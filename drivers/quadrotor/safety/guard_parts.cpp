@@ -16,6 +16,7 @@ namespace {
 constexpr double kTiltS = 0.1;           // until an autopilot that is told to accelerate does
 constexpr double kSwerveMps = 0.6;       // off the course's velocity: it is pushed, not steered
 constexpr double kShiftMps = 0.4;        // to a landing spot
+constexpr double kMoveOffMps = 0.2;      // from what is too near
 constexpr double kShiftPatienceS = 6.0;  // then it comes down where it is
 constexpr double kOverSpotM = 0.25;
 constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while nothing measures it
@@ -132,6 +133,17 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
   if (state == FlightState::kLand && before != FlightState::kLand) {
     landing_since = now;
     has_spot = false;
+  }
+}
+
+// Who hovers where a gust would make it touch something moves away from it.
+void FlightGuard::Parts::move_off(Time now) {
+  if (!course.is_standing(now) || in.pose_age_s > limits.pose_age_warn_s || !in.estimator_good) {
+    return;
+  }
+  const Eigen::Vector3d hover_m = course.at(now).position_world_m;
+  if (const auto spot_m = clear_spot(hover_m, fleet.bodies(now, limits), limits)) {
+    course.shift(*spot_m, kMoveOffMps, now);
   }
 }
 

@@ -32,6 +32,7 @@ struct FlightGuard::Parts {
   [[nodiscard]] bool keeps_to_course(Time now) const;
   void look(Time now);
   void change(models::FlightState before, Time now);
+  void move_off(Time now);
   void land(Time now, double dt_s);
   void move_height(double dt_s);
   [[nodiscard]] FlightSetpoint setpoint(Time now) const;

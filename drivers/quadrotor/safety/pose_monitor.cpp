@@ -100,12 +100,17 @@ void PoseMonitor::begin(const Pose3& pose, Time now) {
   accepted_ = 1;
 }
 
-// Position as measured; velocity by an α–β filter with the memory stated above.
+// Position as measured; velocity by an α–β filter with the memory stated above, which changes no
+// faster than a body can: a small jump of the pose is not taken for a flight at many metres a
+// second.
 void PoseMonitor::update(const Pose3& pose, Time now) {
   const double gap_s = age_s(now);
   if (gap_s > 0.0) {
     const Eigen::Vector3d measured_mps = (pose.translation_m - pose_.translation_m) / gap_s;
-    velocity_mps_ += -std::expm1(-gap_s / kVelocityMemoryS) * (measured_mps - velocity_mps_);
+    const Eigen::Vector3d change_mps =
+        -std::expm1(-gap_s / kVelocityMemoryS) * (measured_mps - velocity_mps_);
+    const double change_max_mps = kUnknownAccelerationMps2 * gap_s;
+    velocity_mps_ += change_mps * std::min(1.0, change_max_mps / std::max(1e-9, change_mps.norm()));
   }
   if (!is_same(pose, pose_)) {
     identical_since_ = now;

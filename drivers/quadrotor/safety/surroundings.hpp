@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -47,5 +48,12 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
 /// from above, and is one to give way to.
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
                        const SafetyLimits& limits);
+
+/// Where a vehicle that hovers too near the fence or an obstacle had better hover: the nearest of
+/// some places 0.15 m clear of both, no nearer to other bodies than it should be. Nothing when it
+/// is clear by 0.05 m already, or no such place is within 0.6 m.
+std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
+                                          std::span<const OtherBody> others,
+                                          const SafetyLimits& limits);
 
 }  // namespace vantage::drivers

@@ -27,6 +27,7 @@ struct Exception {
 constexpr Exception kNoneSurvives[] = {
     {"driven at the fence", "driven through the fence",
      "the pushes follow one another: 0.75 s at 1.3 m/s and more, and 0.65 m to the fence"},
+    {"driven through the fence", "attitude beyond 60°", "motors off, it goes on as it was pushed"},
 };
 
 // No collision and no breach of the fence, as always; but the reaction of each alone is not asked.

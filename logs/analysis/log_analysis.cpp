@@ -1,0 +1,192 @@
+#include "logs/analysis/log_analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "logs/analysis/origin_times.hpp"
+#include "logs/file/message_visit.hpp"
+#include "logs/metrics/trial_metrics.hpp"
+
+namespace vantage::logs {
+namespace {
+
+constexpr std::int64_t kEventsPerReport = 1000;
+
+class Analyst {
+ public:
+  Analyst(const models::Scenario& scenario, Time start)
+      : metrics_(scenario, start), start_(start) {}
+
+  /// The channel and the instant of logging of what comes next.
+  void now(std::string_view channel, Time logged) {
+    channel_ = channel;
+    logged_ = logged;
+  }
+
+  void on(const models::TruthFrame& truth) { metrics_.on_truth(truth); }
+  void on(const models::ContactReport& contact) { metrics_.on_contact(contact); }
+  void on(const models::VehicleStatus& status) { metrics_.on_vehicle(status); }
+  void on(const models::ProcessHealth& health) { metrics_.on_health(health); }
+  void on(const models::AttackNotice& /*attack*/) {}
+  void on(const models::OperatorCommand& /*command*/) {}
+  void on(const models::ScenarioNotice& /*notice*/) {}
+
+  void on(const models::MocapFrame& frame) {
+    latencies_s_["capture → arrival"].push_back(to_seconds(frame.arrival - frame.stamp.time));
+    latencies_s_["capture → log"].push_back(to_seconds(logged_ - frame.stamp.time));
+  }
+
+  void on(const models::DetectionSet& look) {
+    looks_.add({std::string(channel_), look.stamp.run_id, look.stamp.sequence}, look.stamp.time);
+  }
+
+  void on(const models::RobotBelief& belief) {
+    metrics_.on_belief(belief);
+    const models::InputRef name{std::string(channel_), belief.stamp.run_id, belief.stamp.sequence};
+    beliefs_.add(name, belief.stamp.time);
+    if (const auto look = looks_.newest(belief.inputs)) {
+      latencies_s_["look → belief"].push_back(to_seconds(logged_ - *look));
+      looks_of_beliefs_.add(name, *look);
+    }
+    note_course(belief.step);
+  }
+
+  void on(const models::RobotPlan& plan) {
+    metrics_.on_plan(plan);
+    if (const auto belief = beliefs_.newest(plan.inputs)) {
+      latencies_s_["belief → plan"].push_back(to_seconds(plan.finish - *belief));
+    }
+    if (const auto look = looks_of_beliefs_.newest(plan.inputs)) {
+      latencies_s_["look → plan"].push_back(to_seconds(plan.finish - *look));
+    }
+    DeadlineRecord& record = analysis_.deadlines[plan.robot];
+    ++record.plans;
+    record.late += plan.late ? 1 : 0;
+    record.fallbacks += plan.source == models::PlanSource::kSearched ? 0 : 1;
+    const double margin_s = to_seconds(plan.deadline - plan.finish);
+    margins_s_[plan.robot].push_back(margin_s);
+    searches_s_[plan.robot].push_back(to_seconds(plan.finish - plan.slot_start));
+    const double gap_nat = plan.cost - plan.lower_bound;
+    analysis_.plans.push_back({to_seconds(logged_ - start_), plan.robot, margin_s,
+                               std::isfinite(gap_nat) ? std::optional(gap_nat) : std::nullopt});
+  }
+
+  LogAnalysis finish(const LogSurvey& survey) {
+    std::int64_t lost = 0;
+    for (const auto& [name, channel] : survey.channels) {
+      if (channel.messages_lost > 0) {
+        analysis_.lost[name] = channel.messages_lost;
+        lost += channel.messages_lost;
+      }
+    }
+    analysis_.summary = metrics_.finish(survey.last);
+    analysis_.summary.messages_lost = std::max(analysis_.summary.messages_lost, lost);
+    for (auto& [name, values_s] : latencies_s_) {
+      analysis_.latencies[name] = spread_of(std::move(values_s));
+    }
+    for (auto& [robot, record] : analysis_.deadlines) {
+      record.margin = spread_of(std::move(margins_s_[robot]));
+      record.search = spread_of(std::move(searches_s_[robot]));
+    }
+    return std::move(analysis_);
+  }
+
+ private:
+  /// Steps are judged one late; what is known now is of the step before.
+  void note_course(std::int64_t step) {
+    if (step <= newest_step_) {
+      return;
+    }
+    newest_step_ = step;
+    CoursePoint point;
+    point.at_s = to_seconds(logged_ - start_);
+    double squared_m2 = 0.0;
+    int known = 0;
+    for (const TargetStatus& target : metrics_.targets()) {
+      point.entropy_nats += target.entropy_nats;
+      point.discovered += target.discovered_s ? 1 : 0;
+      if (target.error_m) {
+        squared_m2 += *target.error_m * *target.error_m;
+        ++known;
+      }
+    }
+    const auto targets = static_cast<double>(std::max<std::size_t>(1, metrics_.targets().size()));
+    point.entropy_nats /= targets;
+    if (known > 0) {
+      point.rmse_m = std::sqrt(squared_m2 / known);
+    }
+    analysis_.course.push_back(point);
+  }
+
+  TrialMetrics metrics_;
+  Time start_;
+  std::string_view channel_;
+  Time logged_{};
+  OriginTimes looks_;
+  OriginTimes beliefs_;
+  OriginTimes looks_of_beliefs_;
+  std::int64_t newest_step_ = -1;
+  std::map<std::string, std::vector<double>> latencies_s_;
+  std::map<std::string, std::vector<double>> margins_s_;
+  std::map<std::string, std::vector<double>> searches_s_;
+  LogAnalysis analysis_;
+};
+
+nlohmann::ordered_json to_json(const Spread& spread) {
+  return {{"count", spread.count}, {"mean_s", spread.mean_s},   {"median_s", spread.median_s},
+          {"p95_s", spread.p95_s}, {"worst_s", spread.worst_s}, {"least_s", spread.least_s}};
+}
+
+}  // namespace
+
+Spread spread_of(std::vector<double> values_s) {
+  if (values_s.empty()) {
+    return {};
+  }
+  std::sort(values_s.begin(), values_s.end());
+  const auto at_share = [&](double share) {
+    return values_s[static_cast<std::size_t>(share * static_cast<double>(values_s.size() - 1))];
+  };
+  double sum_s = 0.0;
+  for (const double value_s : values_s) {
+    sum_s += value_s;
+  }
+  return {std::ssize(values_s), sum_s / static_cast<double>(values_s.size()),
+          at_share(0.5),        at_share(0.95),
+          values_s.back(),      values_s.front()};
+}
+
+LogAnalysis analyse_log(const IndexedLog& log, const models::Scenario& scenario,
+                        const std::function<void(double)>& progress) {
+  Analyst analyst(scenario, log.survey().first);
+  LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    analyst.now(event->channel, event->time);
+    visit_message(*event, [&](const auto& message) { analyst.on(message); });
+    if (progress && scan.counts().events % kEventsPerReport == 0) {
+      progress(static_cast<double>(event->offset) / static_cast<double>(log.bytes().size()));
+    }
+  }
+  if (progress) {
+    progress(1.0);
+  }
+  return analyst.finish(log.survey());
+}
+
+nlohmann::ordered_json to_json(const LogAnalysis& analysis) {
+  nlohmann::ordered_json json = to_json(analysis.summary);
+  for (const auto& [name, spread] : analysis.latencies) {
+    json["latencies"][name] = to_json(spread);
+  }
+  for (const auto& [robot, record] : analysis.deadlines) {
+    json["deadlines"][robot] = {{"plans", record.plans},
+                                {"late", record.late},
+                                {"fallbacks", record.fallbacks},
+                                {"margin", to_json(record.margin)},
+                                {"search", to_json(record.search)}};
+  }
+  json["lost"] = analysis.lost;
+  return json;
+}
+
+}  // namespace vantage::logs

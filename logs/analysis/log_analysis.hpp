@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "logs/file/log_index.hpp"
+#include "logs/metrics/trial_summary.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::logs {
+
+/// How a measured duration is spread.
+struct Spread {
+  std::int64_t count = 0;
+  double mean_s = 0.0;
+  double median_s = 0.0;
+  double p95_s = 0.0;
+  double worst_s = 0.0;  ///< greatest
+  double least_s = 0.0;
+};
+/// Of all zeros for no values.
+Spread spread_of(std::vector<double> values_s);
+
+/// A planner against its deadlines.
+struct DeadlineRecord {
+  std::int64_t plans = 0;
+  std::int64_t late = 0;
+  std::int64_t fallbacks = 0;  ///< did not come from their own slot's search
+  Spread margin;               ///< deadline − finish; negative: late
+  Spread search;               ///< slot start → finish
+};
+
+/// One instant of the trial's course. Seconds since the log's first event.
+struct CoursePoint {
+  double at_s = 0.0;
+  std::optional<double> rmse_m;  ///< of the targets known, by the team's estimates
+  double entropy_nats = 0.0;     ///< mean over all targets
+  int discovered = 0;
+};
+struct PlanPoint {
+  double at_s = 0.0;
+  std::string robot;
+  double margin_s = 0.0;
+  std::optional<double> gap_nat;  ///< cost − lower bound, where both are known
+};
+
+struct LogAnalysis {
+  TrialSummary summary;
+  /// Ways through the stack, each from the first instant named to the last:
+  /// "capture → arrival" and "capture → log" (VICON), "look → belief" (newest measurement of a
+  /// belief, until that was logged), "belief → plan" and "look → plan" (until the plan's finish).
+  std::map<std::string, Spread> latencies;
+  std::map<std::string, DeadlineRecord> deadlines;  ///< by robot
+  std::map<std::string, std::int64_t> lost;         ///< messages missing in the log, by channel
+  std::vector<CoursePoint> course;                  ///< one a judged estimator step
+  std::vector<PlanPoint> plans;
+};
+
+/// Judges a log as a trial: RMSE, entropy, discovery (against TRUTH, where there is one),
+/// deadlines, loss and latencies. One pass.
+LogAnalysis analyse_log(const IndexedLog& log, const models::Scenario& scenario,
+                        const std::function<void(double)>& progress = {});
+
+/// Everything but the course.
+nlohmann::ordered_json to_json(const LogAnalysis& analysis);
+
+}  // namespace vantage::logs

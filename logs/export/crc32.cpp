@@ -1,0 +1,30 @@
+#include "logs/export/crc32.hpp"
+
+#include <array>
+
+namespace vantage::logs {
+namespace {
+
+constexpr std::array<std::uint32_t, 256> kTable = [] {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t i = 0; i < table.size(); ++i) {
+    std::uint32_t remainder = i;
+    for (int bit = 0; bit < 8; ++bit) {
+      remainder = (remainder >> 1U) ^ ((remainder & 1U) != 0 ? 0xEDB88320U : 0U);
+    }
+    table[i] = remainder;
+  }
+  return table;
+}();
+
+}  // namespace
+
+std::uint32_t crc32(std::string_view bytes, std::uint32_t before) {
+  std::uint32_t remainder = ~before;
+  for (const char byte : bytes) {
+    remainder = (remainder >> 8U) ^ kTable[(remainder ^ static_cast<unsigned char>(byte)) & 0xFFU];
+  }
+  return ~remainder;
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,74 @@
+#include "logs/export/mcap_export.hpp"
+
+#include "logs/export/mcap_writer.hpp"
+#include "logs/file/message_visit.hpp"
+#include "logs/foxglove/stream.hpp"
+#include "logs/json/wire_json.hpp"
+
+namespace vantage::logs {
+namespace {
+
+constexpr std::int64_t kEventsPerReport = 1000;
+
+std::string dumped(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+class McapSink : public foxglove::Sink {
+ public:
+  explicit McapSink(McapWriter& writer) : writer_(writer) {}
+
+  bool wants(const std::string& topic, foxglove::Schema schema, bool /*is_state*/) override {
+    topics_[topic] = writer_.topic(topic, foxglove::name_of(schema), foxglove::json_schema(schema));
+    return true;
+  }
+  void write(const std::string& topic, Time time, const foxglove::Json& content) override {
+    writer_.write(topics_.at(topic), time, time,
+                  content.dump(-1, ' ', false, foxglove::Json::error_handler_t::replace));
+  }
+
+ private:
+  McapWriter& writer_;
+  std::map<std::string, std::uint16_t> topics_;
+};
+
+}  // namespace
+
+McapExportCounts export_mcap(const IndexedLog& log, const std::string& path,
+                             ChannelFilter& channels, bool with_scene,
+                             const std::function<void(double)>& progress) {
+  McapWriter writer(path);
+  McapSink sink(writer);
+  foxglove::Stream scene(sink);
+  McapExportCounts counts;
+  LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    if (progress && scan.counts().events % kEventsPerReport == 0) {
+      progress(static_cast<double>(event->offset) / static_cast<double>(log.bytes().size()));
+    }
+    const bus::WireSchema* schema = type_of(event->data);
+    const auto json = message_json(event->data);
+    if (schema == nullptr || !json) {
+      ++counts.not_exported;
+      continue;
+    }
+    if (channels.takes(event->channel)) {
+      const std::uint16_t topic =
+          writer.topic(std::string(event->channel), "vantage_lcm." + std::string(schema->name),
+                       dumped(json_schema(*schema)));
+      const Time valid = from_utime(json->at("utime").get<std::int64_t>());
+      writer.write(topic, event->time, valid, dumped(*json));
+    }
+    if (with_scene) {
+      visit_message(*event, [&](const auto& message) { scene.on(message, event->time); });
+    }
+  }
+  counts.is_written = writer.finish();
+  counts.messages = writer.messages();
+  if (progress) {
+    progress(1.0);
+  }
+  return counts;
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,252 @@
+#include "logs/export/mcap_writer.hpp"
+
+#include <algorithm>
+
+#include "core/check.hpp"
+#include "logs/export/crc32.hpp"
+
+namespace vantage::logs {
+namespace {
+
+constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20U;
+
+enum Opcode : std::uint8_t {
+  kHeader = 0x01,
+  kFooter = 0x02,
+  kSchema = 0x03,
+  kChannel = 0x04,
+  kMessage = 0x05,
+  kChunk = 0x06,
+  kMessageIndex = 0x07,
+  kChunkIndex = 0x08,
+  kStatistics = 0x0B,
+  kSummaryOffset = 0x0E,
+  kDataEnd = 0x0F
+};
+
+/// Little-endian numbers and length-prefixed text, one after the other.
+class Content {
+ public:
+  template <class Number>
+  Content& number(Number value) {
+    for (std::size_t i = 0; i < sizeof(Number); ++i) {
+      bytes_.push_back(static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i)));
+    }
+    return *this;
+  }
+  Content& text(std::string_view value) {
+    number(static_cast<std::uint32_t>(value.size()));
+    bytes_ += value;
+    return *this;
+  }
+  Content& long_bytes(std::string_view value) {
+    number(static_cast<std::uint64_t>(value.size()));
+    bytes_ += value;
+    return *this;
+  }
+  Content& raw(std::string_view value) {
+    bytes_ += value;
+    return *this;
+  }
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+std::string record(Opcode opcode, const Content& content) {
+  return Content().number(opcode).long_bytes(content.bytes()).bytes();
+}
+
+std::uint64_t nanoseconds(Time time) { return static_cast<std::uint64_t>(to_utime(time)) * 1000U; }
+
+}  // namespace
+
+void McapWriter::TimeSpan::add(std::uint64_t time_ns) {
+  first_ns = is_empty ? time_ns : std::min(first_ns, time_ns);
+  last_ns = is_empty ? time_ns : std::max(last_ns, time_ns);
+  is_empty = false;
+}
+
+McapWriter::McapWriter(const std::string& path) : out_(path, std::ios::binary) {
+  if (!out_) {
+    throw StartupError(path + ": cannot be written");
+  }
+  put(kMagic);
+  put(record(kHeader, Content().text("").text("vantage")));
+}
+
+McapWriter::~McapWriter() { static_cast<void>(finish()); }
+
+void McapWriter::put(std::string_view bytes) {
+  out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  written_bytes_ += bytes.size();
+  data_crc_ = crc32(bytes, data_crc_);
+}
+
+std::string McapWriter::schema_record(std::size_t index) const {
+  const Schema& schema = schemas_[index];
+  return record(kSchema, Content()
+                             .number(static_cast<std::uint16_t>(index + 1))
+                             .text(schema.name)
+                             .text("jsonschema")
+                             .text(schema.text));
+}
+
+std::string McapWriter::topic_record(std::size_t index) const {
+  const Topic& topic = topics_[index];
+  return record(kChannel, Content()
+                              .number(static_cast<std::uint16_t>(index))
+                              .number(topic.schema)
+                              .text(topic.name)
+                              .text("json")
+                              .number(std::uint32_t{0}));  // no metadata
+}
+
+std::uint16_t McapWriter::topic(const std::string& name, const std::string& schema_name,
+                                const std::string& schema_text) {
+  const auto known = std::find_if(topics_.begin(), topics_.end(),
+                                  [&](const Topic& each) { return each.name == name; });
+  if (known != topics_.end()) {
+    return static_cast<std::uint16_t>(known - topics_.begin());
+  }
+  auto schema = std::find_if(schemas_.begin(), schemas_.end(),
+                             [&](const Schema& each) { return each.name == schema_name; });
+  if (schema == schemas_.end()) {
+    schemas_.push_back({schema_name, schema_text});
+    schema = schemas_.end() - 1;
+    chunk_ += schema_record(schemas_.size() - 1);
+  }
+  topics_.push_back({name, static_cast<std::uint16_t>(schema - schemas_.begin() + 1), 0});
+  chunk_ += topic_record(topics_.size() - 1);
+  return static_cast<std::uint16_t>(topics_.size() - 1);
+}
+
+void McapWriter::write(std::uint16_t topic, Time logged, Time published, std::string_view json) {
+  const std::uint64_t logged_ns = nanoseconds(logged);
+  chunk_times_[topic].emplace_back(logged_ns, chunk_.size());
+  chunk_span_.add(logged_ns);
+  chunk_ += record(kMessage, Content()
+                                 .number(topic)
+                                 .number(static_cast<std::uint32_t>(topics_[topic].messages))
+                                 .number(logged_ns)
+                                 .number(nanoseconds(published))
+                                 .raw(json));
+  ++topics_[topic].messages;
+  ++messages_;
+  if (chunk_.size() >= kChunkBytes) {
+    close_chunk();
+  }
+}
+
+void McapWriter::close_chunk() {
+  if (chunk_.empty()) {
+    return;
+  }
+  const std::uint64_t chunk_start = written_bytes_;
+  put(record(kChunk, Content()
+                         .number(chunk_span_.first_ns)
+                         .number(chunk_span_.last_ns)
+                         .number(static_cast<std::uint64_t>(chunk_.size()))
+                         .number(crc32(chunk_))
+                         .text("")  // not compressed
+                         .long_bytes(chunk_)));
+  const std::uint64_t index_start = written_bytes_;
+  Content offsets;
+  for (const auto& [topic, times] : chunk_times_) {
+    offsets.number(topic).number(written_bytes_);
+    Content entries;
+    for (const auto& [time_ns, offset] : times) {
+      entries.number(time_ns).number(offset);
+    }
+    put(record(kMessageIndex, Content().number(topic).text(entries.bytes())));
+  }
+  chunk_index_records_.push_back(
+      record(kChunkIndex, Content()
+                              .number(chunk_span_.first_ns)
+                              .number(chunk_span_.last_ns)
+                              .number(chunk_start)
+                              .number(index_start - chunk_start)
+                              .text(offsets.bytes())
+                              .number(written_bytes_ - index_start)
+                              .text("")
+                              .number(static_cast<std::uint64_t>(chunk_.size()))
+                              .number(static_cast<std::uint64_t>(chunk_.size()))));
+  if (!chunk_span_.is_empty) {
+    span_.add(chunk_span_.first_ns);
+    span_.add(chunk_span_.last_ns);
+  }
+  chunk_.clear();
+  chunk_times_.clear();
+  chunk_span_ = {};
+}
+
+std::string McapWriter::statistics_record() const {
+  Content counts;
+  for (std::size_t i = 0; i < topics_.size(); ++i) {
+    counts.number(static_cast<std::uint16_t>(i)).number(topics_[i].messages);
+  }
+  return record(kStatistics, Content()
+                                 .number(messages_)
+                                 .number(static_cast<std::uint16_t>(schemas_.size()))
+                                 .number(static_cast<std::uint32_t>(topics_.size()))
+                                 .number(std::uint32_t{0})  // attachments
+                                 .number(std::uint32_t{0})  // metadata
+                                 .number(static_cast<std::uint32_t>(chunk_index_records_.size()))
+                                 .number(span_.first_ns)
+                                 .number(span_.last_ns)
+                                 .text(counts.bytes()));
+}
+
+bool McapWriter::finish() {
+  if (is_finished_) {
+    return out_.good();
+  }
+  is_finished_ = true;
+  close_chunk();
+  put(record(kDataEnd, Content().number(data_crc_)));
+
+  const std::uint64_t summary_start = written_bytes_;
+  std::string summary;
+  std::string offsets;
+  const auto add_group = [&](Opcode opcode, const std::vector<std::string>& records) {
+    const std::uint64_t start = summary_start + summary.size();
+    for (const std::string& each : records) {
+      summary += each;
+    }
+    const std::uint64_t length = summary_start + summary.size() - start;
+    if (length > 0) {
+      offsets += record(kSummaryOffset, Content().number(opcode).number(start).number(length));
+    }
+  };
+  std::vector<std::string> schemas;
+  for (std::size_t i = 0; i < schemas_.size(); ++i) {
+    schemas.push_back(schema_record(i));
+  }
+  std::vector<std::string> topics;
+  for (std::size_t i = 0; i < topics_.size(); ++i) {
+    topics.push_back(topic_record(i));
+  }
+  add_group(kSchema, schemas);
+  add_group(kChannel, topics);
+  add_group(kStatistics, {statistics_record()});
+  add_group(kChunkIndex, chunk_index_records_);
+
+  // The checksum covers the summary and the footer up to the checksum itself.
+  constexpr std::uint64_t kFooterBytes = 8 + 8 + 4;
+  const std::string until_crc = summary + offsets +
+                                Content()
+                                    .number(kFooter)
+                                    .number(kFooterBytes)
+                                    .number(summary_start)
+                                    .number(summary_start + summary.size())
+                                    .bytes();
+  put(until_crc);
+  put(Content().number(crc32(until_crc)).bytes());
+  put(kMagic);
+  out_.flush();
+  return out_.good();
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,84 @@
+#include "logs/file/log_event.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace vantage::logs {
+namespace {
+
+constexpr std::array<std::uint8_t, 4> kSyncBytes{0xED, 0xA1, 0xDA, 0x01};
+
+void append_big_endian(std::uint64_t value, std::size_t width, std::vector<std::uint8_t>& out) {
+  for (std::size_t i = width; i-- > 0;) {
+    out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  }
+}
+
+bool is_name(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint8_t kFirstPrintable = 0x20;
+  constexpr std::uint8_t kDelete = 0x7F;
+  return std::all_of(bytes.begin(), bytes.end(),
+                     [](std::uint8_t b) { return b >= kFirstPrintable && b != kDelete; });
+}
+
+}  // namespace
+
+std::uint64_t read_big_endian(const std::uint8_t* bytes, std::size_t width) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < width; ++i) {
+    value = (value << 8U) | bytes[i];
+  }
+  return value;
+}
+
+std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t offset) {
+  if (offset > log.size() || log.size() - offset < kEventHeaderBytes) {
+    return std::nullopt;
+  }
+  const std::uint8_t* header = log.data() + offset;
+  if (std::memcmp(header, kSyncBytes.data(), kSyncBytes.size()) != 0) {
+    return std::nullopt;
+  }
+  LogEvent event;
+  event.number = static_cast<std::int64_t>(read_big_endian(header + 4, 8));
+  const auto utime = static_cast<std::int64_t>(read_big_endian(header + 12, 8));
+  const std::size_t channel_bytes = read_big_endian(header + 20, 4);
+  const std::size_t data_bytes = read_big_endian(header + 24, 4);
+  const std::size_t left = log.size() - offset - kEventHeaderBytes;
+  if (event.number < 0 || utime < 0 || channel_bytes < 1 || channel_bytes > kChannelBytesMax ||
+      channel_bytes > left || data_bytes > left - channel_bytes) {
+    return std::nullopt;
+  }
+  const auto channel = log.subspan(offset + kEventHeaderBytes, channel_bytes);
+  if (!is_name(channel)) {
+    return std::nullopt;
+  }
+  event.time = from_utime(utime);
+  event.channel = {reinterpret_cast<const char*>(channel.data()), channel_bytes};
+  event.data = log.subspan(offset + kEventHeaderBytes + channel_bytes, data_bytes);
+  return event;
+}
+
+std::size_t find_sync(std::span<const std::uint8_t> log, std::size_t offset) {
+  if (offset >= log.size()) {
+    return log.size();
+  }
+  const void* found =
+      memmem(log.data() + offset, log.size() - offset, kSyncBytes.data(), kSyncBytes.size());
+  return found == nullptr
+             ? log.size()
+             : static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - log.data());
+}
+
+void append_event(const LogEvent& event, std::vector<std::uint8_t>& out) {
+  out.insert(out.end(), kSyncBytes.begin(), kSyncBytes.end());
+  append_big_endian(static_cast<std::uint64_t>(event.number), 8, out);
+  append_big_endian(static_cast<std::uint64_t>(to_utime(event.time)), 8, out);
+  append_big_endian(event.channel.size(), 4, out);
+  append_big_endian(event.data.size(), 4, out);
+  out.insert(out.end(), event.channel.begin(), event.channel.end());
+  out.insert(out.end(), event.data.begin(), event.data.end());
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "logs/file/log_scan.hpp"
+
+namespace vantage::logs {
+
+/// One channel of a log.
+struct ChannelSurvey {
+  std::string type;  ///< of the first message; empty when it is none of the house's
+  std::int64_t events = 0;
+  std::uint64_t data_bytes = 0;
+  Time first{};
+  Time last{};
+  Duration gap_max{};              ///< longest time between two neighbouring events
+  Time gap_at{};                   ///< when it began
+  std::int64_t messages_lost = 0;  ///< sequence numbers missing, of the house's messages
+  std::int64_t other_types = 0;    ///< events whose type is not `type`
+};
+
+/// A stretch of about a mebibyte of a log, from the header of an event on.
+struct LogBlock {
+  std::size_t offset = 0;
+  std::int64_t first_event = 0;  ///< how many events come before it
+  Time time_min{};
+  Time time_max{};
+};
+
+/// Everything that one pass over a log tells.
+struct LogSurvey {
+  std::uint64_t size_bytes = 0;
+  ScanCounts scan;
+  std::vector<DamagedStretch> stretches;  ///< the first of them
+  Time first{};                           ///< least event time
+  Time last{};                            ///< greatest
+  std::int64_t numbers_missing = 0;  ///< gaps in the logger's count (as after filtering or loss)
+  std::int64_t number_restarts = 0;  ///< places where it goes back (logs put together)
+  std::int64_t times_backward = 0;   ///< events earlier than the one before
+  Duration backward_max{};
+  bool begins_with_scenario = false;
+  std::map<std::string, ChannelSurvey> channels;
+  std::vector<LogBlock> blocks;
+
+  [[nodiscard]] double duration_s() const { return to_seconds(last - first); }
+  [[nodiscard]] bool is_whole() const { return scan.stretches == 0 && scan.doubtful == 0; }
+};
+
+/// Reads all of `log`. `progress` hears the share that is done, about a hundred times.
+LogSurvey survey_log(std::span<const std::uint8_t> log,
+                     const std::function<void(double)>& progress = {});
+
+/// Where the first event, in file order, that is not earlier than `time` begins; log.size() when
+/// there is none. `survey` must be of `log`. Cost: the blocks, then at most about one of them read.
+std::size_t seek_offset(std::span<const std::uint8_t> log, const LogSurvey& survey, Time time);
+
+}  // namespace vantage::logs

@@ -1,0 +1,94 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "logs/foxglove/values.hpp"
+
+namespace vantage::logs::foxglove {
+namespace {
+
+std::string reasons_of(const models::VehicleStatus& status) {
+  return status.reasons.empty() ? "" : fmt::format(": {}", fmt::join(status.reasons, ", "));
+}
+
+}  // namespace
+
+Event event_of(const models::ContactReport& contact) {
+  const bool is_collision = contact.kind == models::ContactKind::kCollision;
+  return {contact.stamp.time, is_collision ? LogLevel::kFatal : LogLevel::kWarning,
+          is_collision ? "collision" : "near_miss",
+          fmt::format("{} and {} {} ({:.2f} m)", contact.body_a, contact.body_b,
+                      is_collision ? "collided" : "came too near", contact.distance_m)};
+}
+
+std::optional<Event> event_of(const models::RobotPlan& plan) {
+  if (plan.late) {
+    return Event{plan.finish, LogLevel::kWarning, "late",
+                 fmt::format("{}: plan of round {} was {:.1f} ms late", plan.robot, plan.round,
+                             1e3 * to_seconds(plan.finish - plan.deadline))};
+  }
+  if (plan.source != models::PlanSource::kSearched) {
+    return Event{plan.finish, LogLevel::kWarning, "fallback",
+                 fmt::format("{}: plan of round {} is {}", plan.robot, plan.round,
+                             models::name_of(plan.source))};
+  }
+  return std::nullopt;
+}
+
+std::optional<Event> event_of(const models::VehicleStatus* before,
+                              const models::VehicleStatus& status) {
+  const bool is_calm = status.reasons.empty() && (status.state == models::FlightState::kIdle ||
+                                                  status.state == models::FlightState::kFollow);
+  if (before == nullptr ? is_calm
+                        : before->state == status.state && before->reasons == status.reasons) {
+    return std::nullopt;
+  }
+  const bool is_killed = status.state == models::FlightState::kKilled;
+  return Event{
+      status.stamp.time,
+      is_killed ? LogLevel::kError
+      : is_calm ? LogLevel::kInfo
+                : LogLevel::kWarning,
+      "safety",
+      fmt::format("{}: {}{}", status.robot, models::name_of(status.state), reasons_of(status))};
+}
+
+std::optional<Event> event_of(const models::AttackNotice* before,
+                              const models::AttackNotice& attack) {
+  std::vector<std::string> jammed = attack.jammed;
+  std::vector<std::string> known = before == nullptr ? std::vector<std::string>{} : before->jammed;
+  std::sort(jammed.begin(), jammed.end());
+  std::sort(known.begin(), known.end());
+  if (jammed == known) {
+    return std::nullopt;
+  }
+  return Event{attack.stamp.time, jammed.empty() ? LogLevel::kInfo : LogLevel::kWarning, "attack",
+               jammed.empty() ? std::string("no sensor is jammed any more")
+                              : fmt::format("jammed: {}", fmt::join(jammed, ", "))};
+}
+
+std::optional<Event> event_of(const models::ProcessHealth* before,
+                              const models::ProcessHealth& health) {
+  const auto event = [&](LogLevel level, const char* what) {
+    return Event{health.stamp.time, level, "health", health.process + ": " + what};
+  };
+  if (before != nullptr && before->stamp.run_id != health.stamp.run_id) {
+    return event(LogLevel::kWarning, "was started anew");
+  }
+  if (before != nullptr && before->state == health.state) {
+    return std::nullopt;
+  }
+  switch (health.state) {
+    case models::ProcessState::kDegraded:
+      return event(LogLevel::kWarning, "degraded: something was dropped or missed");
+    case models::ProcessState::kStopping:
+      return event(LogLevel::kInfo, "stops");
+    default:
+      return before != nullptr && before->state == models::ProcessState::kDegraded
+                 ? std::optional(event(LogLevel::kInfo, "runs well again"))
+                 : std::nullopt;
+  }
+}
+
+}  // namespace vantage::logs::foxglove

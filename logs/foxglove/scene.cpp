@@ -1,0 +1,263 @@
+#include "logs/foxglove/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+namespace vantage::logs::foxglove {
+namespace {
+
+// Of a lightness that shows on white and on black.
+constexpr Colour kWall{0.50, 0.53, 0.58, 1.0};
+constexpr Colour kObstacle{0.55, 0.57, 0.62, 0.85};
+constexpr Colour kRegion{0.72, 0.55, 0.20, 0.25};
+constexpr Colour kRobot{0.13, 0.48, 0.88, 1.0};
+constexpr Colour kJammed{0.88, 0.16, 0.16, 1.0};
+constexpr Colour kTarget{0.16, 0.60, 0.33, 1.0};
+constexpr Colour kEstimate{0.66, 0.34, 0.78, 1.0};
+constexpr Colour kLate{0.95, 0.50, 0.08, 1.0};
+constexpr Colour kFallback{0.55, 0.55, 0.55, 1.0};
+constexpr double kLabel_px = 13.0;
+constexpr int kFanPieces = 48;
+
+Colour fade(Colour colour, double alpha) {
+  colour.a = alpha;
+  return colour;
+}
+
+Json metadata(const std::string& key, const std::string& value) {
+  return {{"key", key}, {"value", value}};
+}
+
+std::vector<Eigen::Vector3d> corners(const models::Rectangle& r, double z_m) {
+  return {{r.min_m.x(), r.min_m.y(), z_m},
+          {r.max_m.x(), r.min_m.y(), z_m},
+          {r.max_m.x(), r.max_m.y(), z_m},
+          {r.min_m.x(), r.max_m.y(), z_m}};
+}
+
+Json box_on_ground(const models::Rectangle& footprint, double height_m, const Colour& colour) {
+  const Eigen::Vector2d centre = 0.5 * (footprint.min_m + footprint.max_m);
+  const Eigen::Vector2d size = footprint.max_m - footprint.min_m;
+  return cube({{centre.x(), centre.y(), 0.5 * height_m}, Eigen::Quaterniond::Identity()},
+              {size.x(), size.y(), height_m}, colour);
+}
+
+// The footprint of what a sensor sees, on the ground, in the body's frame.
+std::vector<Eigen::Vector3d> field_of_view(const models::SensorModel& sensor, double height_m) {
+  const double half_rad = 0.5 * std::min(sensor.fov_rad, 2.0 * kPi);
+  std::vector<Eigen::Vector3d> arc;
+  for (int i = 0; i <= kFanPieces; ++i) {
+    const double angle_rad = -half_rad + 2.0 * half_rad * i / kFanPieces;
+    arc.emplace_back(sensor.range_max_m * std::cos(angle_rad),
+                     sensor.range_max_m * std::sin(angle_rad), -height_m);
+  }
+  return arc;
+}
+
+Json robot_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
+  const Colour colour = is_jammed ? kJammed : kRobot;
+  const double radius_m = robot.limits.radius_m;
+  Json out = entity("robot/" + robot.name, robot.name, time, true);
+  out["cylinders"].push_back(cylinder({}, {2.0 * radius_m, 2.0 * radius_m, 0.08}, colour));
+  out["triangles"].push_back(triangles({{1.7 * radius_m, 0, 0.05},
+                                        {0.8 * radius_m, 0.6 * radius_m, 0.05},
+                                        {0.8 * radius_m, -0.6 * radius_m, 0.05}},
+                                       colour));
+  const Eigen::Vector3d foot(0, 0, -robot.height_m);
+  out["lines"].push_back(
+      line(LineType::kList, {Eigen::Vector3d::Zero(), foot}, 1.0, fade(colour, 0.5)));
+  out["texts"].push_back(label(robot.name, {0, 0, 0.25}, kLabel_px, colour));
+  out["metadata"].push_back(
+      metadata("sensor_range_m", fmt::format("{:g}", robot.sensor.range_max_m)));
+  out["metadata"].push_back(metadata("jammed", is_jammed ? "yes" : "no"));
+  return out;
+}
+
+Json view_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
+  const Colour colour = is_jammed ? kJammed : kRobot;
+  Json out = entity("view/" + robot.name, robot.name, time, true);
+  const std::vector<Eigen::Vector3d> arc = field_of_view(robot.sensor, robot.height_m);
+  const Eigen::Vector3d foot(0, 0, -robot.height_m);
+  std::vector<Eigen::Vector3d> fan;
+  for (std::size_t i = 0; i + 1 < arc.size(); ++i) {
+    fan.insert(fan.end(), {foot, arc[i], arc[i + 1]});
+  }
+  out["triangles"].push_back(triangles(fan, fade(colour, is_jammed ? 0.25 : 0.12)));
+  std::vector<Eigen::Vector3d> edge = arc;
+  if (robot.sensor.fov_rad < 2.0 * kPi - 1e-6) {
+    edge.insert(edge.begin(), foot);
+    edge.push_back(foot);
+  }
+  out["lines"].push_back(line(LineType::kStrip, edge, is_jammed ? 2.5 : 1.5, fade(colour, 0.8)));
+  return out;
+}
+
+}  // namespace
+
+Json world_scene(const models::World& world, Time time) {
+  Json bounds = entity("world/bounds", kWorldFrame, time, false);
+  bounds["lines"].push_back(line(LineType::kLoop, corners(world.bounds, 0.0), 2.0, kWall));
+  bounds["lines"].push_back(
+      line(LineType::kLoop, corners(world.bounds, world.ceiling_m), 1.0, fade(kWall, 0.35)));
+  std::vector<Json> entities{std::move(bounds)};
+  for (std::size_t i = 0; i < world.obstacles.size(); ++i) {
+    const models::Obstacle& obstacle = world.obstacles[i];
+    entities.push_back(entity(fmt::format("obstacle:{}", i), kWorldFrame, time, false));
+    entities.back()["cubes"].push_back(
+        box_on_ground(obstacle.footprint, obstacle.height_m, kObstacle));
+  }
+  for (const models::Region& region : world.regions) {
+    entities.push_back(entity("region/" + region.name, kWorldFrame, time, false));
+    entities.back()["cubes"].push_back(box_on_ground(region.footprint, 0.01, kRegion));
+  }
+  return scene_update(std::move(entities));
+}
+
+Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed,
+                  Time time) {
+  std::vector<Json> entities;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    entities.push_back(robot_entity(robot, jammed.contains(robot.name), time));
+  }
+  return scene_update(std::move(entities));
+}
+
+Json views_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time) {
+  std::vector<Json> entities;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    entities.push_back(view_entity(robot, jammed.contains(robot.name), time));
+  }
+  return scene_update(std::move(entities));
+}
+
+Json targets_scene(const models::Scenario& scenario, Time time) {
+  std::vector<Json> entities;
+  for (const models::TargetSpec& target : scenario.targets) {
+    Json out = entity("target/" + target.name, target.name, time, true);
+    const double diameter_m = 2.0 * target.radius_m;
+    out["cylinders"].push_back(cylinder({{0, 0, 0.05}, Eigen::Quaterniond::Identity()},
+                                        {diameter_m, diameter_m, 0.1}, kTarget));
+    out["texts"].push_back(label(target.name, {0, 0, 0.3}, kLabel_px, kTarget));
+    out["metadata"].push_back(metadata("target_id", std::to_string(target.id)));
+    entities.push_back(std::move(out));
+  }
+  return scene_update(std::move(entities));
+}
+
+Json plan_scene(const models::RobotPlan& plan, double step_s) {
+  const models::Trajectory& way = plan.trajectory;
+  const double length_s = to_seconds(models::end_time(way) - way.start_time);
+  const int pieces = std::max(1, static_cast<int>(std::ceil(length_s / step_s)));
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i <= pieces; ++i) {
+    const Time at = way.start_time + from_seconds(length_s * i / pieces);
+    const Pose2 pose = models::at(way, at).world_from_body;
+    points.emplace_back(pose.x_m, pose.y_m, way.height_m);
+  }
+  const bool is_searched = plan.source == models::PlanSource::kSearched;
+  const Colour colour = plan.late ? kLate : is_searched ? kRobot : kFallback;
+  Json out = entity("plan/" + plan.robot, kWorldFrame, plan.stamp.time, false);
+  out["lines"].push_back(line(LineType::kStrip, points, 2.5, colour));
+  out["spheres"].push_back(cube({points.back(), Eigen::Quaterniond::Identity()},
+                                Eigen::Vector3d::Constant(0.12), colour));
+  out["metadata"].push_back(metadata("round", std::to_string(plan.round)));
+  out["metadata"].push_back(metadata("source", models::name_of(plan.source)));
+  out["metadata"].push_back(metadata("late", plan.late ? "yes" : "no"));
+  return scene_update({std::move(out)});
+}
+
+std::vector<Eigen::Vector3d> ellipse(const PositionEstimate& estimate, int count) {
+  const Eigen::Matrix2d covariance = estimate.covariance_m2.topLeftCorner<2, 2>();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(covariance);
+  const Eigen::Vector2d sigma = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const double z_m = estimate.mean_m.size() > 2 ? estimate.mean_m(2) : 0.0;
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i) {
+    const double angle_rad = 2.0 * kPi * i / count;
+    const Eigen::Vector2d unit(std::cos(angle_rad), std::sin(angle_rad));
+    const Eigen::Vector2d p = estimate.mean_m.head<2>() +
+                              kEllipseRadius * (axes.eigenvectors() * sigma.cwiseProduct(unit));
+    points.emplace_back(p.x(), p.y(), z_m);
+  }
+  return points;
+}
+
+Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>& estimates,
+                     const std::vector<std::string>& gone, Time time) {
+  std::vector<Json> entities;
+  for (const EstimateView& view : estimates) {
+    const PositionEstimate& estimate = view.estimate;
+    Json out = entity(prefix + "/" + view.name, kWorldFrame, time, false);
+    std::vector<Eigen::Vector3d> edge = ellipse(estimate, 48);
+    const double z_m = edge.front().z() + 0.02;
+    for (Eigen::Vector3d& point : edge) {
+      point.z() = z_m;
+    }
+    const double x_m = estimate.mean_m(0);
+    const double y_m = estimate.mean_m(1);
+    out["lines"].push_back(line(LineType::kLoop, edge, 2.0, kEstimate));
+    constexpr double kCross_m = 0.1;
+    out["lines"].push_back(line(LineType::kList,
+                                {{x_m - kCross_m, y_m, z_m},
+                                 {x_m + kCross_m, y_m, z_m},
+                                 {x_m, y_m - kCross_m, z_m},
+                                 {x_m, y_m + kCross_m, z_m}},
+                                2.0, kEstimate));
+    constexpr double kSmall_px = 11.0;
+    out["texts"].push_back(label(view.name, {x_m, y_m, z_m}, kSmall_px, kEstimate));
+    out["metadata"].push_back(metadata("target_id", std::to_string(view.target_id)));
+    out["metadata"].push_back(metadata("robot", estimate.robot));
+    out["metadata"].push_back(metadata("sigma_m", fmt::format("{:.3f}", estimate.sigma_m())));
+    if (view.error_m) {
+      out["metadata"].push_back(metadata("error_m", fmt::format("{:.3f}", *view.error_m)));
+    }
+    entities.push_back(std::move(out));
+  }
+  Json update = scene_update(std::move(entities));
+  for (const std::string& name : gone) {
+    update["deletions"].push_back(
+        {{"timestamp", to_json(time)}, {"type", 0}, {"id", prefix + "/" + name}});
+  }
+  return update;
+}
+
+Json track_entity(const std::string& body, const std::vector<Eigen::Vector3d>& points,
+                  bool is_robot, Time time) {
+  Json out = entity("track/" + body, kWorldFrame, time, false);
+  out["lines"].push_back(
+      line(LineType::kStrip, points, 1.5, fade(is_robot ? kRobot : kTarget, 0.55)));
+  return out;
+}
+
+Json measurement_scene(const models::DetectionSet& detections, const models::SensorModel& sensor,
+                       int position_dim) {
+  const models::Viewpoint& from = detections.viewpoint;
+  const Eigen::Vector3d eye(from.world_from_body.x_m, from.world_from_body.y_m, from.height_m);
+  std::vector<Eigen::Vector3d> points;
+  for (const models::Detection& detection : detections.detections) {
+    // What another sensor than the scenario's measured cannot be drawn.
+    if (detection.measurement.z.size() != sensor.measurement_dim(position_dim)) {
+      continue;
+    }
+    const auto seen = models::position_from(sensor, from, detection.measurement.z, position_dim);
+    if (seen) {
+      points.push_back(eye);
+      points.emplace_back((*seen)(0), (*seen)(1), seen->size() > 2 ? (*seen)(2) : 0.0);
+    }
+  }
+  Json out = entity("measurement/" + detections.robot, kWorldFrame, detections.stamp.time, false);
+  out["lifetime"] = to_json(Duration{std::chrono::milliseconds(400)});
+  if (!points.empty()) {
+    out["lines"].push_back(line(LineType::kList, points, 1.5, kLate));
+  }
+  out["metadata"].push_back(metadata("jammed", detections.jammed ? "yes" : "no"));
+  out["metadata"].push_back(metadata("detections", std::to_string(detections.detections.size())));
+  return scene_update({std::move(out)});
+}
+
+}  // namespace vantage::logs::foxglove

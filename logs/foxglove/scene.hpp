@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "logs/foxglove/parts.hpp"
+#include "logs/metrics/team_estimate.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+// What vantage's values look like: foxglove.SceneUpdate messages, in metres. Bodies are drawn in
+// frames of their own name ("Q1"), which foxglove.FrameTransforms move; so a body is described once
+// and not at each mocap frame. Pure.
+
+namespace vantage::logs::foxglove {
+
+/// An ellipse of 2-D probability 0.95 has this Mahalanobis radius, √(−2 ln 0.05).
+inline constexpr double kEllipseRadius = 2.447746830680816;
+
+/// Bounds, obstacles and regions.
+Json world_scene(const models::World& world, Time time);
+
+/// Every robot; the `jammed` in red.
+Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time);
+
+/// What each robot's sensor can see of the ground when nothing stands in its way; red when jammed.
+Json views_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time);
+
+/// Every target as it really is (in the frame that mocap or truth gives it).
+Json targets_scene(const models::Scenario& scenario, Time time);
+
+/// One committed trajectory: its line at its height, a mark where it ends. Grey when it was not
+/// searched but shifted or braked, orange when it was late.
+/// @param step_s  between points of the line, > 0
+Json plan_scene(const models::RobotPlan& plan, double step_s = 0.1);
+
+/// One target as somebody knows it.
+struct EstimateView {
+  int target_id = 0;
+  std::string name;
+  PositionEstimate estimate;
+  std::optional<double> error_m;  ///< against the truth
+};
+
+/// Ellipses of probability 0.95 and means, one entity `<prefix>/<name>` each; metadata say who
+/// knows it and how well. `gone` are those that nobody knows (any more).
+Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>& estimates,
+                     const std::vector<std::string>& gone, Time time);
+
+/// The boundary of {p : (p − μ)ᵀ Σ⁻¹ (p − μ) = kEllipseRadius²} of the first two coordinates, in
+/// `count` points, at the third coordinate of the mean (0 for a planar one).
+std::vector<Eigen::Vector3d> ellipse(const PositionEstimate& estimate, int count);
+
+/// Where a body has been, oldest first.
+Json track_entity(const std::string& body, const std::vector<Eigen::Vector3d>& points,
+                  bool is_robot, Time time);
+
+/// Lines from a sensor to what it saw. Detections that tell no position alone (range or bearing
+/// only), or that another kind of sensor made, are left out.
+Json measurement_scene(const models::DetectionSet& detections, const models::SensorModel& sensor,
+                       int position_dim);
+
+}  // namespace vantage::logs::foxglove

@@ -1,0 +1,322 @@
+#include "logs/foxglove/stream.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bus/scenario_yaml.hpp"
+#include "core/check.hpp"
+#include "logs/foxglove/scene.hpp"
+
+namespace vantage::logs::foxglove {
+namespace {
+
+constexpr Duration kTrackLength = std::chrono::seconds(20);
+constexpr Duration kTrackPeriod = std::chrono::milliseconds(500);
+constexpr Duration kTrackPointPeriod = std::chrono::milliseconds(200);
+constexpr double kTrackPoint_m = 0.02;
+constexpr Duration kMocapSilence = std::chrono::seconds(1);
+
+const char* name_of(models::OperatorAction action) {
+  constexpr const char* kNames[] = {"heartbeat", "arm",  "take off",      "follow",
+                                    "hold",      "land", "emergency stop"};
+  return kNames[static_cast<int>(action)];
+}
+
+}  // namespace
+
+void Stream::put(const std::string& topic, Schema schema, Time heard, const auto& make,
+                 bool is_state) {
+  if (sink_.wants(topic, schema, is_state)) {
+    sink_.write(topic, heard, make());
+  }
+}
+
+void Stream::put_event(const std::optional<Event>& event, Time heard) {
+  if (event) {
+    put("/events", Schema::kLog, heard, [&] { return log_json(*event); });
+  }
+}
+
+void Stream::on(const models::ScenarioNotice& notice, Time heard) {
+  if (scenario_ && scenario_->source_text == notice.yaml) {
+    return;
+  }
+  try {
+    scenario_ = bus::parse_scenario(notice.yaml, "SCENARIO");
+  } catch (const StartupError& error) {
+    ++scenarios_refused_;
+    put_event(Event{heard, LogLevel::kError, "scenario", error.what()}, heard);
+    return;
+  }
+  scenario_->source_text = notice.yaml;
+  metrics_.emplace(*scenario_, heard);
+  estimates_.clear();
+  newest_step_ = -1;
+  const Time time = notice.stamp.time;
+  put(
+      "/scenario", Schema::kScenario, heard, [&] { return scenario_json(notice, *scenario_); },
+      true);
+  put(
+      "/world", Schema::kSceneUpdate, heard, [&] { return world_scene(scenario_->world, time); },
+      true);
+  put(
+      "/targets", Schema::kSceneUpdate, heard, [&] { return targets_scene(*scenario_, time); },
+      true);
+  put_robots(heard, time);
+}
+
+void Stream::put_robots(Time heard, Time time) {
+  if (!scenario_) {
+    return;
+  }
+  const std::set<std::string> jammed =
+      attack_ ? std::set(attack_->jammed.begin(), attack_->jammed.end()) : std::set<std::string>{};
+  put(
+      "/robots", Schema::kSceneUpdate, heard,
+      [&] { return robots_scene(*scenario_, jammed, time); }, true);
+  put(
+      "/views", Schema::kSceneUpdate, heard, [&] { return views_scene(*scenario_, jammed, time); },
+      true);
+}
+
+void Stream::on(const models::MocapFrame& frame, Time heard) {
+  last_mocap_ = frame.stamp.time;
+  put("/transforms", Schema::kFrameTransforms, heard, [&] { return frame_transforms(frame); });
+  for (const models::MocapBody& body : frame.bodies) {
+    if (!body.occluded) {
+      follow(body.name, body.world_from_body.translation_m, frame.stamp.time);
+    }
+  }
+  put_tracks(heard, frame.stamp.time);
+  flush_estimates(heard);
+}
+
+void Stream::on(const models::TruthFrame& truth, Time heard) {
+  if (metrics_) {
+    metrics_->on_truth(truth);
+  }
+  put("/truth/transforms", Schema::kFrameTransforms, heard,
+      [&] { return frame_transforms(truth, "truth/"); });
+  // Without motion capture on the bus (a log that was filtered) the truth moves the bodies.
+  if (!last_mocap_ || truth.stamp.time - *last_mocap_ > kMocapSilence) {
+    put("/transforms", Schema::kFrameTransforms, heard,
+        [&] { return frame_transforms(truth, ""); });
+    for (const models::TruthBody& body : truth.bodies) {
+      follow(body.name, body.world_from_body.translation_m, truth.stamp.time);
+    }
+    put_tracks(heard, truth.stamp.time);
+  }
+  flush_estimates(heard);
+}
+
+void Stream::on(const models::DetectionSet& detections, Time heard) {
+  const models::RobotSpec* robot = scenario_ ? scenario_->find_robot(detections.robot) : nullptr;
+  if (robot != nullptr) {
+    put("/measurement/" + detections.robot, Schema::kSceneUpdate, heard, [&] {
+      return measurement_scene(detections, robot->sensor,
+                               scenario_->estimator.target_model.position_dim);
+    });
+  }
+}
+
+void Stream::on(const models::RobotBelief& belief, Time heard) {
+  put_grid(belief, heard);
+  if (!scenario_) {
+    return;
+  }
+  metrics_->on_belief(belief);
+  if (belief.step > newest_step_ || belief.step + 10 < newest_step_) {
+    flush_estimates(heard);
+    newest_step_ = belief.step;
+    estimates_.clear();
+    put(
+        "/team", Schema::kTeam, heard, [&] { return team_json(*metrics_, belief.stamp.time); },
+        true);
+  }
+  const int dim = scenario_->estimator.target_model.position_dim;
+  std::vector<EstimateView> own;
+  for (const models::TargetBelief& target : belief.targets) {
+    const auto estimate = position_estimate(target, belief.robot, belief.stamp.time, dim);
+    if (estimate) {
+      own.push_back({target.target_id, target_name(target.target_id), *estimate, std::nullopt});
+      const auto known = estimates_.find(target.target_id);
+      if (known == estimates_.end() ||
+          estimate->entropy_nats < known->second.estimate.entropy_nats) {
+        estimates_[target.target_id] = own.back();
+      }
+    }
+  }
+  estimates_time_ = belief.stamp.time;
+  put_estimates("/belief/" + belief.robot, "belief/" + belief.robot, own, heard);
+}
+
+void Stream::flush_estimates(Time heard) {
+  if (!estimates_time_) {
+    return;
+  }
+  std::vector<EstimateView> views;
+  for (auto& [id, view] : estimates_) {
+    const auto index = static_cast<std::size_t>(id);
+    if (id >= 0 && index < metrics_->targets().size()) {
+      view.error_m = metrics_->targets()[index].error_m;
+    }
+    views.push_back(view);
+  }
+  put_estimates("/estimates", "estimate", views, heard);
+  estimates_time_.reset();
+}
+
+void Stream::put_estimates(const std::string& topic, const std::string& prefix,
+                           const std::vector<EstimateView>& views, Time heard) {
+  put(
+      topic, Schema::kSceneUpdate, heard,
+      [&] {
+        std::set<std::string> shown;
+        for (const EstimateView& view : views) {
+          shown.insert(view.name);
+        }
+        // All of them and not only those of before: who missed a message must not keep a ghost.
+        std::vector<std::string> gone;
+        for (const models::TargetSpec& target : scenario_->targets) {
+          if (!shown.contains(target.name)) {
+            gone.push_back(target.name);
+          }
+        }
+        return estimates_scene(prefix, views, gone, heard);
+      },
+      true);
+}
+
+void Stream::put_grid(const models::RobotBelief& belief, Time heard) {
+  if (belief.grid.size() == 0 || std::ssize(belief.last_seen_utime) != belief.grid.size()) {
+    return;
+  }
+  put("/belief/" + belief.robot + "/grid", Schema::kGrid, heard,
+      [&] { return visibility_grid(belief.grid, belief.last_seen_utime, belief.stamp.time); });
+  if (!(belief.grid == grid_)) {
+    grid_ = belief.grid;
+    last_seen_utime_.assign(belief.last_seen_utime.size(), models::VisibilityGrid::kNeverSeen);
+  }
+  std::transform(last_seen_utime_.begin(), last_seen_utime_.end(), belief.last_seen_utime.begin(),
+                 last_seen_utime_.begin(),
+                 [](std::int64_t a, std::int64_t b) { return std::max(a, b); });
+  if (belief.step != grid_step_) {
+    grid_step_ = belief.step;
+    put("/grid", Schema::kGrid, heard,
+        [&] { return visibility_grid(grid_, last_seen_utime_, belief.stamp.time); });
+  }
+}
+
+void Stream::on(const models::RobotPlan& plan, Time heard) {
+  if (metrics_) {
+    metrics_->on_plan(plan);
+  }
+  put(
+      "/plan/" + plan.robot, Schema::kSceneUpdate, heard, [&] { return plan_scene(plan); }, true);
+  put(
+      "/plan/" + plan.robot + "/status", Schema::kPlan, heard, [&] { return plan_json(plan); },
+      true);
+  put_event(event_of(plan), heard);
+}
+
+void Stream::on(const models::VehicleStatus& status, Time heard) {
+  if (metrics_) {
+    metrics_->on_vehicle(status);
+  }
+  put(
+      "/vehicle/" + status.robot, Schema::kVehicle, heard, [&] { return vehicle_json(status); },
+      true);
+  const auto before = vehicles_.find(status.robot);
+  put_event(event_of(before == vehicles_.end() ? nullptr : &before->second, status), heard);
+  vehicles_[status.robot] = status;
+}
+
+void Stream::on(const models::ProcessHealth& health, Time heard) {
+  if (metrics_) {
+    metrics_->on_health(health);
+  }
+  put(
+      "/health/" + health.process, Schema::kHealth, heard, [&] { return health_json(health); },
+      true);
+  const auto before = processes_.find(health.process);
+  put_event(event_of(before == processes_.end() ? nullptr : &before->second, health), heard);
+  processes_[health.process] = health;
+}
+
+void Stream::on(const models::ContactReport& contact, Time heard) {
+  if (metrics_) {
+    metrics_->on_contact(contact);
+  }
+  put_event(event_of(contact), heard);
+}
+
+void Stream::on(const models::AttackNotice& attack, Time heard) {
+  put(
+      "/attack", Schema::kAttack, heard, [&] { return attack_json(attack); }, true);
+  const auto event = event_of(attack_ ? &*attack_ : nullptr, attack);
+  put_event(event, heard);
+  attack_ = attack;
+  if (event) {
+    put_robots(heard, attack.stamp.time);
+  }
+}
+
+void Stream::on(const models::OperatorCommand& command, Time heard) {
+  if (command.action == models::OperatorAction::kHeartbeat) {
+    return;
+  }
+  const bool is_stop = command.action == models::OperatorAction::kEmergencyStop;
+  put_event(Event{command.stamp.time, is_stop ? LogLevel::kError : LogLevel::kInfo, "command",
+                  fmt::format("operator: {} {}", name_of(command.action),
+                              command.robot.empty() ? "all" : command.robot)},
+            heard);
+}
+
+void Stream::follow(const std::string& body, const Eigen::Vector3d& position_m, Time time) {
+  Track& points = tracks_[body];
+  if (!points.empty()) {
+    const auto& [last_time, last_m] = points.back();
+    if (time < last_time) {
+      points.clear();  // another run
+    } else if (time - last_time < kTrackPointPeriod ||
+               (position_m - last_m).norm() < kTrackPoint_m) {
+      return;
+    }
+  }
+  points.emplace_back(time, position_m);
+  while (points.front().first < time - kTrackLength) {
+    points.pop_front();
+  }
+}
+
+void Stream::put_tracks(Time heard, Time time) {
+  if (next_tracks_ && time < *next_tracks_ && time >= *next_tracks_ - kTrackPeriod) {
+    return;
+  }
+  next_tracks_ = time + kTrackPeriod;
+  put("/tracks", Schema::kSceneUpdate, heard, [&] {
+    std::vector<Json> entities;
+    for (const auto& [body, track] : tracks_) {
+      std::vector<Eigen::Vector3d> points;
+      for (const auto& [when, position_m] : track) {
+        points.push_back(position_m);
+      }
+      const bool is_robot = scenario_ && scenario_->find_robot(body) != nullptr;
+      entities.push_back(track_entity(body, points, is_robot, time));
+    }
+    return scene_update(std::move(entities));
+  });
+}
+
+std::string Stream::target_name(int target_id) const {
+  for (const models::TargetSpec& target : scenario_->targets) {
+    if (target.id == target_id) {
+      return target.name;
+    }
+  }
+  return fmt::format("target {}", target_id);
+}
+
+}  // namespace vantage::logs::foxglove

@@ -1,0 +1,204 @@
+#include "logs/foxglove/values.hpp"
+
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace vantage::logs::foxglove {
+namespace {
+
+constexpr int kFloat32 = 7;  // foxglove.PackedElementField
+
+void set_if_finite(Json& object, const char* key, double value) {
+  if (std::isfinite(value)) {
+    object[key] = value;
+  }
+}
+
+Json transform(Time time, const std::string& child, const Pose3& world_from_child) {
+  return {{"timestamp", to_json(time)},
+          {"parent_frame_id", kWorldFrame},
+          {"child_frame_id", child},
+          {"translation", to_json(world_from_child.translation_m)},
+          {"rotation", to_json(world_from_child.rotation)}};
+}
+
+Json point(const Eigen::Vector2d& p_m) { return Json::array({p_m.x(), p_m.y()}); }
+
+const char* name_of(models::ProcessState state) {
+  switch (state) {
+    case models::ProcessState::kStarting:
+      return "starting";
+    case models::ProcessState::kRunning:
+      return "running";
+    case models::ProcessState::kDegraded:
+      return "degraded";
+    case models::ProcessState::kStopping:
+      return "stopping";
+  }
+  return "";
+}
+
+}  // namespace
+
+Json frame_transforms(const models::MocapFrame& frame) {
+  Json list = Json::array();
+  for (const models::MocapBody& body : frame.bodies) {
+    if (!body.occluded) {
+      list.push_back(transform(frame.stamp.time, body.name, body.world_from_body));
+    }
+  }
+  return {{"transforms", std::move(list)}};
+}
+
+Json frame_transforms(const models::TruthFrame& truth, const std::string& prefix) {
+  Json list = Json::array();
+  for (const models::TruthBody& body : truth.bodies) {
+    list.push_back(transform(truth.stamp.time, prefix + body.name, body.world_from_body));
+  }
+  return {{"transforms", std::move(list)}};
+}
+
+Json visibility_grid(const models::GridGeometry& grid,
+                     const std::vector<std::int64_t>& last_seen_utime, Time time) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(last_seen_utime.size() * 4);
+  for (const std::int64_t seen : last_seen_utime) {
+    const bool is_seen = seen != models::VisibilityGrid::kNeverSeen;
+    const float age_s = is_seen ? static_cast<float>(to_seconds(time - from_utime(seen))) : -1.0F;
+    const auto word = std::bit_cast<std::uint32_t>(age_s);
+    for (unsigned shift = 0; shift < 32; shift += 8) {
+      bytes.push_back(static_cast<std::uint8_t>(word >> shift & 0xFFU));
+    }
+  }
+  const Pose3 corner{{grid.origin_m.x(), grid.origin_m.y(), 0.0}, Eigen::Quaterniond::Identity()};
+  return {{"timestamp", to_json(time)},
+          {"frame_id", kWorldFrame},
+          {"pose", to_json(corner)},
+          {"column_count", grid.columns},
+          {"cell_size", {{"x", grid.resolution_m}, {"y", grid.resolution_m}}},
+          {"row_stride", 4 * grid.columns},
+          {"cell_stride", 4},
+          {"fields", Json::array({{{"name", "age_s"}, {"offset", 0}, {"type", kFloat32}}})},
+          {"data", base64(bytes)}};
+}
+
+Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario& scenario) {
+  const models::Rectangle& bounds = scenario.world.bounds;
+  Json robots = Json::array();
+  for (const models::RobotSpec& robot : scenario.robots) {
+    robots.push_back({{"name", robot.name},
+                      {"height_m", robot.height_m},
+                      {"radius_m", robot.limits.radius_m},
+                      {"sensor_range_m", robot.sensor.range_max_m},
+                      {"fov_rad", robot.sensor.fov_rad}});
+  }
+  Json targets = Json::array();
+  for (const models::TargetSpec& target : scenario.targets) {
+    targets.push_back({{"name", target.name}, {"id", target.id}, {"radius_m", target.radius_m}});
+  }
+  return {{"timestamp", to_json(notice.stamp.time)},
+          {"name", scenario.name},
+          {"version", notice.version},
+          {"process", notice.process},
+          {"yaml", notice.yaml},
+          {"duration_s", scenario.duration_s},
+          {"ceiling_m", scenario.world.ceiling_m},
+          {"bounds", {{"min_m", point(bounds.min_m)}, {"max_m", point(bounds.max_m)}}},
+          {"robots", std::move(robots)},
+          {"targets", std::move(targets)}};
+}
+
+Json plan_json(const models::RobotPlan& plan) {
+  Json out{{"timestamp", to_json(plan.stamp.time)},
+           {"robot", plan.robot},
+           {"round", plan.round},
+           {"source", models::name_of(plan.source)},
+           {"passes", plan.passes},
+           {"nodes", plan.nodes},
+           {"margin_s", to_seconds(plan.deadline - plan.finish)},
+           {"late", plan.late}};
+  set_if_finite(out, "cost_nat", plan.cost);
+  set_if_finite(out, "lower_bound_nat", plan.lower_bound);
+  set_if_finite(out, "gap_nat", plan.cost - plan.lower_bound);
+  set_if_finite(out, "epsilon", plan.epsilon);
+  set_if_finite(out, "delta_m", plan.delta_m);
+  return out;
+}
+
+Json vehicle_json(const models::VehicleStatus& status) {
+  return {{"timestamp", to_json(status.stamp.time)},
+          {"robot", status.robot},
+          {"state", models::name_of(status.state)},
+          {"battery_share", status.battery_share},
+          {"plan_round", status.plan_round},
+          {"setpoint",
+           {{"x_m", status.setpoint.x_m},
+            {"y_m", status.setpoint.y_m},
+            {"yaw_rad", status.setpoint.yaw_rad},
+            {"height_m", status.setpoint_height_m}}},
+          {"reasons", status.reasons}};
+}
+
+Json health_json(const models::ProcessHealth& health) {
+  Json counters = Json::array();
+  std::int64_t lost = 0;
+  for (const models::NamedCount& counter : health.counters) {
+    counters.push_back({{"name", counter.name}, {"count", counter.count}});
+    lost += counter.name.ends_with(".lost") ? counter.count : 0;
+  }
+  return {{"timestamp", to_json(health.stamp.time)},
+          {"process", health.process},
+          {"state", name_of(health.state)},
+          {"loops", health.loops},
+          {"loop_worst_s", health.loop_worst_s},
+          {"deadlines_missed", health.deadlines_missed},
+          {"messages_lost", lost},
+          {"counters", std::move(counters)}};
+}
+
+Json attack_json(const models::AttackNotice& attack) {
+  return {{"timestamp", to_json(attack.stamp.time)}, {"jammed", attack.jammed}};
+}
+
+Json team_json(const TrialMetrics& metrics, Time time) {
+  double entropy_nats = 0.0;
+  double squares_m2 = 0.0;
+  std::int64_t errors = 0;
+  std::int64_t known = 0;
+  for (const TargetStatus& target : metrics.targets()) {
+    entropy_nats += target.entropy_nats;
+    known += target.estimate ? 1 : 0;
+    if (target.error_m) {
+      squares_m2 += *target.error_m * *target.error_m;
+      ++errors;
+    }
+  }
+  Json out{{"timestamp", to_json(time)},
+           {"known", known},
+           {"targets", metrics.targets().size()},
+           {"collisions", metrics.collisions()},
+           {"separation_violations", metrics.separation_violations()},
+           {"rounds", metrics.rounds()},
+           {"rounds_late", metrics.rounds_late()},
+           {"messages_lost", metrics.messages_lost()}};
+  if (!metrics.targets().empty()) {
+    set_if_finite(out, "entropy_nats",
+                  entropy_nats / static_cast<double>(metrics.targets().size()));
+  }
+  if (errors > 0) {
+    set_if_finite(out, "rmse_m", std::sqrt(squares_m2 / static_cast<double>(errors)));
+  }
+  return out;
+}
+
+Json log_json(const Event& event) {
+  return {{"timestamp", to_json(event.time)},
+          {"level", static_cast<int>(event.level)},
+          {"message", event.text},
+          {"name", event.kind},
+          {"file", ""},
+          {"line", 0}};
+}
+
+}  // namespace vantage::logs::foxglove

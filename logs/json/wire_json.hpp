@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include <nlohmann/json.hpp>
+
+#include "bus/wire_walk.hpp"
+
+// Every message of the house as JSON with the names of its .lcm file, from the layouts that are
+// generated from those files: a new type needs nothing here.
+
+namespace vantage::logs {
+
+/// The message in `data` (fingerprint included) as an object whose members stand in wire order;
+/// nullopt when it is none of the house's or not well formed. Numbers that are not finite are null,
+/// as JSON has none; text that is not UTF-8 has its bad bytes replaced when it is dumped with
+/// error_handler_t::replace.
+std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> data);
+
+/// The JSON schema (draft 2020-12) of message_json()'s answers for messages of type `schema`.
+nlohmann::ordered_json json_schema(const bus::WireSchema& schema);
+
+}  // namespace vantage::logs

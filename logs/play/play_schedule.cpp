@@ -1,0 +1,48 @@
+#include "logs/play/play_schedule.hpp"
+
+#include <cmath>
+
+namespace vantage::logs {
+namespace {
+
+constexpr double kNsPerUs = 1e3;
+
+}  // namespace
+
+Time PlaySchedule::position(std::int64_t now_ns) const {
+  if (is_paused_) {
+    return position_;
+  }
+  const double passed_us = static_cast<double>(now_ns - since_ns_) / kNsPerUs * speed_;
+  return position_ + Duration{std::llround(passed_us)};
+}
+
+std::int64_t PlaySchedule::due_ns(Time time) const {
+  const double ahead_us = static_cast<double>((time - position_).count()) / speed_;
+  return since_ns_ + std::llround(ahead_us * kNsPerUs);
+}
+
+void PlaySchedule::resume(std::int64_t now_ns) {
+  if (is_paused_) {
+    since_ns_ = now_ns;
+    is_paused_ = false;
+  }
+}
+
+void PlaySchedule::pause(std::int64_t now_ns) {
+  position_ = position(now_ns);
+  is_paused_ = true;
+}
+
+void PlaySchedule::seek(Time position, std::int64_t now_ns) {
+  position_ = position;
+  since_ns_ = now_ns;
+}
+
+void PlaySchedule::set_speed(double speed, std::int64_t now_ns) {
+  position_ = position(now_ns);
+  since_ns_ = now_ns;
+  speed_ = speed;
+}
+
+}  // namespace vantage::logs

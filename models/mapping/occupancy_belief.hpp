@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "models/world/grid.hpp"
+
+namespace vantage::models {
+
+/// p = 1/(1 + e^−l) and back, l = log(p/(1 − p)).
+double probability_of(double log_odds);
+double log_odds_of(double probability);
+/// −p log p − (1 − p) log(1 − p), nats; 0 at 0 and at 1.
+double binary_entropy_nats(double probability);
+
+/// What is believed of a grid whose cells are occupied or free, independently of each other.
+///
+/// A cell whose log-odds stand at the clamp is *settled*: nothing is learnt by looking at it again,
+/// and occupancy() calls it 0 or 1. Without that, a team keeps staring at what it knows, since
+/// the little that is left of every known cell adds up over many beams.
+/// Source: dissertation 4 F.2; Moravec and Elfes (1985); the clamp: Hornung et al., OctoMap (2013).
+class OccupancyBelief {
+ public:
+  /// Every cell at probability 1/2. @param clamp_log_odds > 0
+  OccupancyBelief(const GridGeometry& geometry, double clamp_log_odds);
+
+  /// l ← clamp(l + Δ). Commutes with itself until the clamp is reached.
+  void add_log_odds(int cell, double delta);
+
+  [[nodiscard]] double log_odds(int cell) const { return log_odds_[at(cell)]; }
+  /// Probability that `cell` is occupied, in [0, 1]; exactly 0 or 1 when it is settled.
+  [[nodiscard]] double occupancy(int cell) const { return occupancy_[at(cell)]; }
+  [[nodiscard]] bool is_settled(int cell) const {
+    return occupancy(cell) == 0.0 || occupancy(cell) == 1.0;
+  }
+  /// Entropy of one cell by its log-odds (a settled one keeps that of the clamp), nats.
+  [[nodiscard]] double entropy_nats(int cell) const;
+  /// Σ over the cells, nats. O(cells).
+  [[nodiscard]] double entropy_nats() const;
+  [[nodiscard]] const GridGeometry& geometry() const { return geometry_; }
+
+ private:
+  static std::size_t at(int cell) { return static_cast<std::size_t>(cell); }
+
+  GridGeometry geometry_;
+  double clamp_log_odds_ = 0.0;
+  std::vector<double> log_odds_;
+  std::vector<double> occupancy_;
+};
+
+}  // namespace vantage::models

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "models/world/grid.hpp"
+
+namespace vantage::models {
+
+/// Walks the cells that a ray crosses, nearest first, each once.
+///
+///   for (RayWalk walk(geometry, from_m, bearing_rad, 1.5); walk.next();) { use walk.cell(); }
+///
+/// Starts in the cell that holds `from_m` (nowhere when that is outside the grid) and ends at
+/// `range_max_m` or at the grid's edge. Spans are closed at enter_m and open at exit_m, they tile
+/// [0, end). A ray through a corner crosses one of the two cells beside it, by a span of length 0
+/// or a rounding. No allocation, O(1) a cell.
+/// Source: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing (1987).
+class RayWalk {
+ public:
+  RayWalk(const GridGeometry& geometry, const Eigen::Vector2d& from_m, double bearing_rad,
+          double range_max_m);
+
+  /// Goes to the next cell (to the first, at first); false when the ray has ended.
+  bool next();
+  [[nodiscard]] int cell() const { return row_ * columns_ + column_; }
+  /// Where along the ray the cell begins, m.
+  [[nodiscard]] double enter_m() const { return enter_m_; }
+  /// Where along the ray the cell, or the ray itself, ends, m.
+  [[nodiscard]] double exit_m() const;
+
+ private:
+  int columns_ = 0;
+  int rows_ = 0;
+  int column_ = 0;
+  int row_ = 0;
+  int column_step_ = 0;
+  int row_step_ = 0;
+  bool begun_ = false;
+  bool ended_ = false;
+  double enter_m_ = 0.0;
+  double next_column_m_ = 0.0;  ///< along the ray, to the edge of the next column
+  double next_row_m_ = 0.0;
+  double column_pitch_m_ = 0.0;  ///< along the ray, from one column to the next
+  double row_pitch_m_ = 0.0;
+  double range_max_m_ = 0.0;
+};
+
+}  // namespace vantage::models

@@ -1,0 +1,233 @@
+#include "planner/team/decision/candidate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/check.hpp"
+#include "planner/search/belief_table.hpp"
+#include "planner/search/crossing_index.hpp"
+#include "planner/search/motion_table.hpp"
+#include "planner/team/look.hpp"
+
+namespace vantage::planner {
+namespace {
+
+double state_cost(const EnergyModel& energy, const models::World* world,
+                  const Eigen::Vector2d& at_m) {
+  double cost = 0.0;
+  if (world == nullptr) {
+    return cost;
+  }
+  for (const models::Region& region : world->regions) {
+    const bool pays = std::find(energy.regions.begin(), energy.regions.end(), region.name) !=
+                      energy.regions.end();
+    cost += pays && region.footprint.contains(at_m) ? region.cost_per_step : 0.0;
+  }
+  return cost;
+}
+
+double control_cost(const EnergyModel& energy, const models::UnicycleControl& control) {
+  if (control.speed_mps != 0.0) {
+    return energy.move_cost;
+  }
+  return control.yaw_rate_radps != 0.0 ? energy.turn_cost : energy.rest_cost;
+}
+
+// Packed covariance of every target at the end of a trajectory.
+using LastBlocks = std::vector<double>;
+
+// Candidates of one problem, whose predicted means are worked out once.
+class CandidateMaker {
+ public:
+  CandidateMaker(const SearchProblem& problem, const EnergyModel& energy)
+      : problem_(problem),
+        energy_(energy),
+        beliefs_(static_cast<int>(problem.targets.size()), problem.horizon_steps) {
+    beliefs_.reset(problem);
+    for (const models::SensorModel& sensor : problem.sensors) {
+      range_max_m_ = std::max(range_max_m_, sensor.range_max_m);
+    }
+  }
+
+  [[nodiscard]] Candidate make(std::vector<int> controls, std::vector<Pose2> poses) const {
+    Candidate candidate;
+    candidate.energy_cost = energy_.price_nats * energy_used(energy_, problem_, controls, poses);
+    for (int m = 0; m < beliefs_.target_count(); ++m) {
+      const bool spatial = beliefs_.layout(m) == BlockLayout::kSpatial;
+      for (std::size_t t = 0; t < poses.size(); ++t) {
+        const Eigen::Vector3d& mean_m = beliefs_.mean_m(m, static_cast<int>(t) + 1);
+        if ((mean_m.head<2>() - poses[t].position_m()).squaredNorm() >=
+            range_max_m_ * range_max_m_) {
+          continue;  // no sensor reaches it: ranges are never shorter than on the ground
+        }
+        const models::PositionVector target_m = mean_m.head(spatial ? 3 : 2);
+        const models::PositionMatrix M =
+            look(problem_.world, problem_.sensors, {poses[t], problem_.height_m}, target_m);
+        if (M.isZero(0.0)) {
+          continue;
+        }
+        Look seen{static_cast<std::uint16_t>(m), static_cast<std::uint16_t>(t + 1), {}};
+        pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar, M, seen.information.m);
+        candidate.looks.push_back(seen);
+      }
+    }
+    candidate.controls = std::move(controls);
+    candidate.poses = std::move(poses);
+    return candidate;
+  }
+
+  // What is believed at the end of `candidate` alone.
+  [[nodiscard]] LastBlocks last_blocks(const Candidate& candidate) const {
+    LastBlocks blocks(static_cast<std::size_t>(beliefs_.target_count()) * kMaxPacked);
+    const Look* look = candidate.looks.data();
+    const Look* const end = look + candidate.looks.size();
+    for (int m = 0; m < beliefs_.target_count(); ++m) {
+      double* block = &blocks[static_cast<std::size_t>(m) * kMaxPacked];
+      const bool is_seen = look != end && look->target == m;
+      const int first = is_seen ? look->step - 1 : problem_.horizon_steps;
+      std::copy_n(beliefs_.open_loop(m, first), packed_size(beliefs_.layout(m)), block);
+      for (int t = first + 1; t <= problem_.horizon_steps; ++t) {
+        beliefs_.predict_into(m, t, block, block);
+        if (look != end && look->target == m && look->step == t) {
+          update(beliefs_.layout(m), look->information.m, block, block);
+          ++look;
+        }
+      }
+    }
+    return blocks;
+  }
+
+  // Whether every block of `a`, plus εI, dominates that of `b`.
+  [[nodiscard]] bool is_redundant(const LastBlocks& a, double epsilon, const LastBlocks& b) const {
+    for (int m = 0; m < beliefs_.target_count(); ++m) {
+      const std::size_t at = static_cast<std::size_t>(m) * kMaxPacked;
+      if (!dominates(beliefs_.layout(m), &a[at], epsilon, &b[at])) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  const SearchProblem& problem_;
+  const EnergyModel& energy_;
+  BeliefTable beliefs_;
+  double range_max_m_ = 0.0;
+};
+
+std::vector<Candidate> ordered_by(const std::vector<NodeId>& places,
+                                  std::vector<Candidate> candidates) {
+  std::vector<std::size_t> order(places.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
+  std::vector<Candidate> ordered;
+  ordered.reserve(order.size());
+  for (const std::size_t i : order) {
+    ordered.push_back(std::move(candidates[i]));
+  }
+  return ordered;
+}
+
+}  // namespace
+
+double energy_used(const EnergyModel& energy, const SearchProblem& problem,
+                   const std::vector<int>& controls, const std::vector<Pose2>& poses) {
+  double used = 0.0;
+  Pose2 at = problem.start;
+  for (std::size_t t = 0; t < controls.size(); ++t) {
+    used += control_cost(energy, problem.controls[static_cast<std::size_t>(controls[t])]) +
+            state_cost(energy, problem.world, at.position_m());
+    at = poses[t];
+  }
+  return used;
+}
+
+Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
+                         std::vector<int> controls) {
+  require_valid(problem);
+  require(controls.size() == static_cast<std::size_t>(problem.horizon_steps),
+          "candidate: one control for every step");
+  std::vector<Pose2> poses;
+  Pose2 at = problem.start;
+  for (const int c : controls) {
+    require(c >= 0 && c < static_cast<int>(problem.controls.size()),
+            "candidate: controls are indices into the problem's");
+    at = models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)], problem.step_s);
+    poses.push_back(at);
+  }
+  return CandidateMaker(problem, energy).make(std::move(controls), std::move(poses));
+}
+
+Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
+                         const SearchResult& result) {
+  require_valid(problem);
+  require(result.found && result.poses.size() == static_cast<std::size_t>(problem.horizon_steps),
+          "candidate: a pose for every step");
+  return CandidateMaker(problem, energy).make(result.controls, result.poses);
+}
+
+std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
+                                              const EnergyModel& energy,
+                                              ReducedValueIteration& search,
+                                              const CandidateOptions& options) {
+  require(std::isfinite(options.epsilon) && std::isfinite(options.delta_m),
+          "candidates: epsilon and delta_m must be finite");
+  ReducedOptions pass;
+  pass.search = ReducedSearch::kSinglePass;
+  pass.epsilon = options.epsilon;
+  pass.delta_m = options.delta_m;
+  pass.yaw_weight_m_per_rad = options.yaw_weight_m_per_rad;
+  search.plan(problem, pass, Deadline::never());
+
+  MotionTable motion(static_cast<int>(problem.controls.size()), problem.horizon_steps,
+                     static_cast<int>(problem.teammates.size()));
+  motion.reset(problem);
+  const Tree& tree = search.tree();
+  std::vector<NodeId> leaves;
+  for (NodeId id = 0; id < static_cast<NodeId>(tree.node_count()); ++id) {
+    const Node& node = tree[id];
+    if (node.depth == problem.horizon_steps &&
+        motion.can_stop(node.world_from_body, node.control, node.depth)) {
+      leaves.push_back(id);
+    }
+  }
+  std::stable_sort(leaves.begin(), leaves.end(),
+                   [&](NodeId a, NodeId b) { return tree[a].cost < tree[b].cost; });
+
+  const CandidateMaker maker(problem, energy);
+  const PoseMetric metric{options.yaw_weight_m_per_rad};
+  CrossingIndex index(leaves.size());
+  index.reset(options.delta_m);
+  std::vector<Candidate> candidates;
+  std::vector<LastBlocks> blocks;  // of each candidate
+  std::vector<NodeId> places;      // of each candidate in the tree
+  for (const NodeId leaf : leaves) {
+    const Node& last = tree[leaf];
+    std::vector<int> controls(last.depth);
+    std::vector<Pose2> poses(last.depth);
+    for (NodeId id = leaf; tree[id].parent != kNoNode; id = tree[id].parent) {
+      controls[tree[id].depth - 1U] = tree[id].control;
+      poses[tree[id].depth - 1U] = tree[id].world_from_body;
+    }
+    Candidate candidate = maker.make(std::move(controls), std::move(poses));
+    LastBlocks own = maker.last_blocks(candidate);
+    bool is_redundant = false;
+    index.near(last.world_from_body, [&](std::uint32_t kept) {
+      is_redundant = metric.squared(candidates[kept].poses.back(), last.world_from_body) <=
+                         options.delta_m * options.delta_m &&
+                     maker.is_redundant(own, options.epsilon, blocks[kept]);
+      return !is_redundant;
+    });
+    if (!is_redundant) {
+      index.insert(last.world_from_body, static_cast<std::uint32_t>(candidates.size()));
+      candidates.push_back(std::move(candidate));
+      blocks.push_back(std::move(own));
+      places.push_back(leaf);
+    }
+  }
+  return ordered_by(places, std::move(candidates));
+}
+
+}  // namespace vantage::planner

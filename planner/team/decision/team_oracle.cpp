@@ -1,0 +1,126 @@
+#include "planner/team/decision/team_oracle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/check.hpp"
+#include "planner/team/decision/team_set.hpp"
+
+namespace vantage::planner {
+namespace {
+
+// The part of a team's problem that predicting its targets takes.
+SearchProblem prediction_of(const TeamProblem& problem) {
+  SearchProblem prediction;
+  prediction.controls = {{0.0, 0.0}};
+  prediction.horizon_steps = problem.horizon_steps;
+  prediction.step_s = problem.step_s;
+  prediction.targets = problem.targets;
+  prediction.cost = CostKind::kLogDet;
+  require_valid(prediction);
+  return prediction;
+}
+
+}  // namespace
+
+TeamOracle::TeamOracle(const TeamProblem& problem)
+    : problem_(&problem),
+      beliefs_(static_cast<int>(problem.targets.size()), problem.horizon_steps) {
+  beliefs_.reset(prediction_of(problem));
+  begin_.push_back(0);
+  for (std::size_t robot = 0; robot < problem.candidates.size(); ++robot) {
+    double dearest = 0.0;
+    for (const Candidate& candidate : problem.candidates[robot]) {
+      candidates_.push_back(&candidate);
+      robot_of_.push_back(static_cast<int>(robot));
+      dearest = std::max(dearest, candidate.energy_cost);
+    }
+    begin_.push_back(static_cast<CandidateId>(candidates_.size()));
+    offset_ += dearest;
+  }
+  check();
+  TeamSet nobody(*this);
+  by_value_.resize(candidates_.size());
+  std::iota(by_value_.begin(), by_value_.end(), 0);
+  for (const CandidateId id : by_value_) {
+    alone_.push_back(nobody.value_with(id));
+  }
+  for (int robot = 0; robot < robot_count(); ++robot) {
+    std::stable_sort(by_value_.begin() + begin(robot), by_value_.begin() + end(robot),
+                     [this](CandidateId a, CandidateId b) { return alone(a) > alone(b); });
+  }
+}
+
+void TeamOracle::check() const {
+  for (const Candidate* candidate : candidates_) {
+    require(candidate->energy_cost >= 0.0 && std::isfinite(candidate->energy_cost),
+            "team: a candidate's energy_cost must be ≥ 0");
+    const Look* last = nullptr;
+    for (const Look& look : candidate->looks) {
+      require(
+          look.target < target_count() && look.step >= 1 && look.step <= problem_->horizon_steps,
+          "team: a look must be at a target, at a step of the horizon");
+      require(last == nullptr || last->target < look.target ||
+                  (last->target == look.target && last->step < look.step),
+              "team: looks are ordered by target, then step");
+      last = &look;
+    }
+  }
+}
+
+std::span<const CandidateId> TeamOracle::by_value(int robot) const {
+  return {by_value_.data() + begin(robot), index(end(robot) - begin(robot))};
+}
+
+TeamOracle::Course TeamOracle::start_of(int target) const {
+  Course course;
+  std::copy_n(beliefs_.open_loop(target, 0), packed_size(beliefs_.layout(target)), course.block);
+  return course;
+}
+
+double TeamOracle::follow(int target, int from, Course course, std::span<Looks> looks,
+                          Course* kept) const {
+  const BlockLayout layout = beliefs_.layout(target);
+  const int entries = layout == BlockLayout::kSpatial ? 6 : 3;
+  const bool is_mutual = problem_->measure == InformationMeasure::kMutual;
+  int last = kept != nullptr || !is_mutual ? problem_->horizon_steps : 0;
+  for (Looks& of_robot : looks) {
+    while (!of_robot.empty() && of_robot.front().step <= from) {
+      of_robot = of_robot.subspan(1);
+    }
+    last = of_robot.empty() ? last : std::max<int>(last, of_robot.back().step);
+  }
+  for (int t = from + 1; t <= last; ++t) {
+    beliefs_.predict_into(target, t, course.block, course.block);
+    PackedInformation M;
+    bool is_seen = false;
+    for (Looks& of_robot : looks) {
+      if (of_robot.empty() || of_robot.front().step != t) {
+        continue;
+      }
+      for (int i = 0; i < entries; ++i) {
+        M.m[i] += of_robot.front().information.m[i];
+      }
+      of_robot = of_robot.subspan(1);
+      is_seen = true;
+    }
+    if (is_seen) {
+      if (is_mutual) {
+        course.gained.multiply(gain(layout, M.m, course.block));
+      }
+      update(layout, M.m, course.block, course.block);
+      course.is_seen = true;
+    }
+    if (!is_mutual && course.is_seen) {
+      course.gained.multiply(beliefs_.open_loop_measure(target, t) /
+                             determinant(layout, course.block));
+    }
+    if (kept != nullptr) {
+      kept[t] = course;
+    }
+  }
+  return 0.5 * course.gained.log();
+}
+
+}  // namespace vantage::planner

@@ -1,0 +1,111 @@
+#include "logs/export/csv.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "bus/convert.hpp"
+#include "test/bus/message_types.hpp"
+#include "test/bus/sample_messages.hpp"
+#include "test/logs/file_support.hpp"
+
+namespace vantage::logs {
+namespace {
+
+const bus::WireSchema& schema_of(const char* name) { return *bus::find_wire_schema(name); }
+
+/// Cells of each line, quotes undone.
+std::vector<std::vector<std::string>> parsed(const std::string& text) {
+  std::vector<std::vector<std::string>> lines;
+  std::vector<std::string> line{""};
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (is_quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"') {
+      line.back() += text[++i];
+    } else if (c == '"') {
+      is_quoted = !is_quoted;
+    } else if (!is_quoted && c == ',') {
+      line.emplace_back();
+    } else if (!is_quoted && c == '\r') {
+      ++i;
+      lines.push_back(line);
+      line = {""};
+    } else {
+      line.back() += c;
+    }
+  }
+  return lines;
+}
+
+TEST(CsvTable, LaysElementsOutInLines) {
+  vantage_lcm::vicon_frame_t frame{};
+  frame.utime = 5;
+  frame.sequence = 7;
+  frame.num_bodies = 2;
+  frame.bodies.resize(2);
+  frame.bodies[0].name = "Q1";
+  frame.bodies[1].name = "a \"b\", c";
+  frame.bodies[1].position_world_m[2] = 1.25;
+  frame.bodies[1].occluded = true;
+  const CsvTable table(schema_of("vicon_frame_t"));
+  const auto lines = parsed(table.header() + table.lines(from_utime(9), test::encoded(frame)));
+  ASSERT_EQ(lines.size(), 3U);
+  const auto cell = [&](std::size_t line, const std::string& column) {
+    const auto at = std::find(lines[0].begin(), lines[0].end(), column);
+    return at == lines[0].end() ? "no such column"
+                                : lines[line][static_cast<std::size_t>(at - lines[0].begin())];
+  };
+  EXPECT_EQ(lines[0][0], "log_utime");
+  EXPECT_EQ(lines[2][0], "9");
+  EXPECT_EQ(cell(1, "sequence"), "7");
+  EXPECT_EQ(cell(2, "sequence"), "7");
+  EXPECT_EQ(cell(1, "bodies.name"), "Q1");
+  EXPECT_EQ(cell(2, "bodies.name"), "a \"b\", c");
+  EXPECT_EQ(cell(2, "bodies.position_world_m_2"), "1.25");
+  EXPECT_EQ(cell(2, "bodies.occluded"), "true");
+}
+
+TEST(CsvTable, GivesAMessageWithoutElementsOneLine) {
+  vantage_lcm::vicon_frame_t frame{};
+  const CsvTable table(schema_of("vicon_frame_t"));
+  const auto lines = parsed(table.lines(from_utime(9), test::encoded(frame)));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].back(), "");
+}
+
+TEST(CsvTable, LeavesWhatIsNotFiniteEmpty) {
+  vantage_lcm::plan_t plan{};
+  plan.cost_nat = std::numeric_limits<double>::quiet_NaN();
+  const CsvTable table(schema_of("plan_t"));
+  const auto lines = parsed(table.header() + table.lines(from_utime(9), test::encoded(plan)));
+  const auto at = std::find(lines[0].begin(), lines[0].end(), "cost_nat") - lines[0].begin();
+  EXPECT_EQ(lines[1][static_cast<std::size_t>(at)], "");
+}
+
+TEST(CsvTable, RefusesOtherTypes) {
+  const CsvTable table(schema_of("plan_t"));
+  EXPECT_EQ(table.lines(from_utime(9), test::encoded(vantage_lcm::attack_t{})), "");
+}
+
+template <class Message>
+class CsvOf : public ::testing::Test {};
+TYPED_TEST_SUITE(CsvOf, vantage::test::MessageTypes);
+
+TYPED_TEST(CsvOf, HasAsManyCellsInEveryLineAsInItsHeader) {
+  const CsvTable table(schema_of(bus::WireOf<TypeParam>::getTypeName()));
+  const std::size_t columns = parsed(table.header()).at(0).size();
+  vantage::test::Sampler sampler(5);
+  for (int i = 0; i < 100; ++i) {
+    const auto bytes = vantage::test::encoded(vantage::test::sample<TypeParam>(sampler));
+    const auto lines = parsed(table.lines(from_utime(1), bytes));
+    EXPECT_GE(lines.size(), 1U);
+    for (const auto& line : lines) {
+      EXPECT_EQ(line.size(), columns);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vantage::logs

@@ -1,0 +1,154 @@
+#include "logs/edit/edit.hpp"
+
+#include <algorithm>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
+
+#include "core/check.hpp"
+#include "logs/record/log_writer.hpp"
+#include "test/logs/file_support.hpp"
+
+namespace vantage::logs {
+namespace {
+
+using test::Bytes;
+
+/// (µs, channel, first byte of the data)
+using Kept = std::vector<std::tuple<std::int64_t, std::string, int>>;
+
+class Edit : public ::testing::Test {
+ protected:
+  IndexedLog log_of(const std::string& name, const Kept& events) {
+    Bytes bytes;
+    std::int64_t number = 0;
+    for (const auto& [utime, channel, value] : events) {
+      const Bytes data{static_cast<std::uint8_t>(value)};
+      append_event({number++, from_utime(utime), channel, data}, bytes);
+    }
+    test::write_file(folder_.file(name), bytes);
+    return IndexedLog(folder_.file(name));
+  }
+  static EventSink into(Kept& kept) {
+    return [&kept](const LogEvent& event) {
+      kept.emplace_back(to_utime(event.time), event.channel, event.data[0]);
+      return true;
+    };
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Edit, CutsTheHalfOpenPartAndPutsTheScenarioFirst) {
+  const IndexedLog log = log_of("a", {{0, "SCENARIO", 1},
+                                      {5'000'000, "SCENARIO", 2},
+                                      {6'000'000, "A", 3},
+                                      {7'000'000, "B", 4},
+                                      {8'000'000, "A", 5}});
+  EditRules rules;
+  rules.from = from_utime(6'500'000);
+  rules.to = from_utime(8'000'000);
+  Kept kept;
+  const EditCounts counts = edit_log(log, rules, into(kept));
+  EXPECT_EQ(kept, (Kept{{6'500'000, "SCENARIO", 2}, {7'000'000, "B", 4}}));
+  EXPECT_EQ(counts.written, 2);
+}
+
+TEST_F(Edit, FindsTheScenarioOfALogThatHasItOnlyOnce) {
+  const IndexedLog log = log_of("a", {{0, "SCENARIO", 1}, {90'000'000, "A", 2}});
+  EditRules rules;
+  rules.from = from_utime(80'000'000);
+  Kept kept;
+  edit_log(log, rules, into(kept));
+  EXPECT_EQ(kept, (Kept{{80'000'000, "SCENARIO", 1}, {90'000'000, "A", 2}}));
+}
+
+TEST_F(Edit, KeepsEveryEventOfThePartWhenTimesGoBack) {
+  const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}, {20, "A", 3}, {40, "A", 4}});
+  EditRules rules;
+  rules.from = from_utime(15);
+  rules.to = from_utime(25);
+  Kept kept;
+  edit_log(log, rules, into(kept));
+  EXPECT_EQ(kept, (Kept{{20, "A", 3}}));
+}
+
+TEST_F(Edit, TakesAndLeavesWholeNames) {
+  const IndexedLog log = log_of("a", {{1, "VICON", 1}, {2, "VICON_RAW", 2}, {3, "PLAN_Q1", 3}});
+  EditRules rules;
+  rules.channels = ChannelFilter({"VICON", "PLAN_.*"}, {"PLAN_Q2"});
+  Kept kept;
+  const EditCounts counts = edit_log(log, rules, into(kept));
+  EXPECT_EQ(kept, (Kept{{1, "VICON", 1}, {3, "PLAN_Q1", 3}}));
+  EXPECT_EQ(counts.left_out, 1);
+  EXPECT_THROW(ChannelFilter({"("}, {}), UsageError);
+}
+
+TEST_F(Edit, RenamesWholeNamesAndPrefixes) {
+  const IndexedLog log =
+      log_of("a", {{1, "VICON", 1}, {2, "VICON_RAW", 2}, {3, "PLAN_Q1", 3}, {4, "A", 4}});
+  EditRules rules;
+  rules.names = ChannelRenames({"VICON=MOCAP", "PLAN_*=OLD_PLAN_*", "A=" + std::string(64, 'A')});
+  Kept kept;
+  const EditCounts counts = edit_log(log, rules, into(kept));
+  EXPECT_EQ(kept, (Kept{{1, "MOCAP", 1}, {2, "VICON_RAW", 2}, {3, "OLD_PLAN_Q1", 3}}));
+  EXPECT_EQ(counts.name_too_long, 1);
+  EXPECT_THROW(ChannelRenames({"VICON"}), UsageError);
+  EXPECT_THROW(ChannelRenames({"VICON*=X"}), UsageError);
+  EXPECT_THROW(ChannelRenames({"=X"}), UsageError);
+}
+
+TEST_F(Edit, MergesByTimeAndKeepsEachLogsOrder) {
+  const IndexedLog a = log_of("a", {{10, "A", 1}, {30, "A", 2}, {30, "A", 3}, {50, "A", 4}});
+  const IndexedLog b = log_of("b", {{10, "B", 5}, {20, "B", 6}, {30, "B", 7}});
+  const IndexedLog none = log_of("c", {});
+  Kept kept;
+  const EditCounts counts = merge_logs({&a, &none, &b}, into(kept));
+  EXPECT_EQ(kept, (Kept{{10, "A", 1},
+                        {10, "B", 5},
+                        {20, "B", 6},
+                        {30, "A", 2},
+                        {30, "A", 3},
+                        {30, "B", 7},
+                        {50, "A", 4}}));
+  EXPECT_EQ(counts.written, 7);
+}
+
+TEST_F(Edit, MendsATornLogIntoOneThatLcmReads) {
+  const Kept events{{10, "A", 1}, {20, "B", 2}, {30, "A", 3}, {40, "B", 4}};
+  log_of("whole", events);
+  Bytes torn = test::read_file(folder_.file("whole"));
+  const std::size_t size = torn.size() / 4;
+  torn[size] = 0;                // the second one's sync word
+  torn.resize(torn.size() - 1);  // the fourth one's data
+  test::write_file(folder_.file("torn"), torn);
+  const IndexedLog log(folder_.file("torn"));
+  EditRules rules;
+  {
+    LogWriter writer(folder_.file("mended"));
+    edit_log(log, rules, [&](const LogEvent& event) {
+      return writer.write(event.time, event.channel, event.data);
+    });
+  }
+  lcm::LogFile mended(folder_.file("mended"), "r");
+  Kept read;
+  while (const lcm::LogEvent* event = mended.readNextEvent()) {
+    read.emplace_back(event->timestamp, event->channel,
+                      *static_cast<const std::uint8_t*>(event->data));
+  }
+  EXPECT_EQ(read, (Kept{{10, "A", 1}, {30, "A", 3}}));
+  EXPECT_TRUE(survey_log(test::read_file(folder_.file("mended"))).is_whole());
+}
+
+TEST_F(Edit, CountsWhatCouldNotBeWritten) {
+  const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}});
+  EditRules rules;
+  const EditCounts counts = edit_log(log, rules, [](const LogEvent&) { return false; });
+  EXPECT_EQ(counts.failed, 2);
+  EXPECT_EQ(counts.written, 0);
+}
+
+}  // namespace
+}  // namespace vantage::logs

@@ -1,0 +1,140 @@
+// MCAP files of ours, read by @mcap/core, which has no code in common with the writer.
+
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "logs/export/crc32.hpp"
+#include "logs/export/mcap_export.hpp"
+#include "logs/export/mcap_writer.hpp"
+#include "logs/record/log_writer.hpp"
+#include "test/bus/message_types.hpp"
+#include "test/bus/sample_messages.hpp"
+#include "test/logs/file_support.hpp"
+
+namespace vantage::logs {
+namespace {
+
+const std::string kPeer = std::string(VANTAGE_SOURCE_DIR) + "/test/logs/mcap_peer";
+
+TEST(Crc32, IsThatOfTheStandardsCheckValue) {
+  EXPECT_EQ(crc32("123456789"), 0xCBF43926U);
+  EXPECT_EQ(crc32("6789", crc32("12345")), 0xCBF43926U);
+}
+
+TEST(McapWriter, RefusesAPathThatCannotBeWritten) {
+  EXPECT_THROW(McapWriter("/nonexistent/folder/x.mcap"), StartupError);
+}
+
+class McapPeer : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(kPeer + "/node_modules/@mcap/core")) {
+      GTEST_SKIP() << "@mcap/core is not installed: npm ci --prefix test/logs/mcap_peer";
+    }
+  }
+  /// What the peer prints of `path`; "" when it refuses it.
+  std::string read(const std::string& path) const {
+    const std::string out = folder_.file("out");
+    const std::string command = "node " + kPeer + "/peer.mjs " + path + " > " + out;
+    if (std::system(command.c_str()) != 0) {
+      return "";
+    }
+    const test::Bytes bytes = test::read_file(out);
+    return {bytes.begin(), bytes.end()};
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(McapPeer, ReadsEveryMessageOfSeveralChunksInTheOrderOfTime) {
+  const std::string path = folder_.file("a.mcap");
+  const std::string schema = R"({"type":"object","properties":{"i":{"type":"integer"}}})";
+  constexpr int kMessages = 40'000;
+  std::ostringstream expected;
+  {
+    McapWriter writer(path);
+    const auto even = writer.topic("/even", "vantage.Number", schema);
+    const auto odd = writer.topic("/odd", "vantage.Number", schema);
+    EXPECT_EQ(writer.topic("/even", "vantage.Number", schema), even);
+    expected << "summary /even vantage.Number " << kMessages / 2 << "\n"
+             << "summary /odd vantage.Number " << kMessages / 2 << "\n";
+    for (int i = 0; i < kMessages; ++i) {
+      const Time time = from_utime(1'700'000'000'000'000 + 1'000 * i);
+      const std::string json = "{\"i\":" + std::to_string(i) + "}";
+      writer.write(i % 2 == 0 ? even : odd, time, time, json);
+      expected << "message " << (i % 2 == 0 ? "/even " : "/odd ") << to_utime(time) << "000 "
+               << json << "\n";
+    }
+    EXPECT_EQ(writer.messages(), static_cast<std::uint64_t>(kMessages));
+    EXPECT_TRUE(writer.finish());
+  }
+  EXPECT_GT(std::filesystem::file_size(path), 2U << 20U);
+  EXPECT_TRUE(read(path) == expected.str());
+}
+
+TEST_F(McapPeer, ReadsAFileWithoutMessages) {
+  const std::string path = folder_.file("empty.mcap");
+  { const McapWriter writer(path); }
+  EXPECT_EQ(read(path), "\n");
+}
+
+TEST_F(McapPeer, NoticesADamagedFile) {
+  const std::string path = folder_.file("bad.mcap");
+  {
+    McapWriter writer(path);
+    const auto topic = writer.topic("/a", "A", R"({"type":"object","properties":{"i":{}}})");
+    writer.write(topic, from_utime(1), from_utime(1), R"({"i":12345})");
+  }
+  test::Bytes bytes = test::read_file(path);
+  ASSERT_NE(read(path), "");
+  bytes[60] ^= 1U;
+  test::write_file(path, bytes);
+  EXPECT_EQ(read(path), "");
+}
+
+TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
+  const std::string log_path = folder_.file("a.lcmlog");
+  constexpr int kOfEach = 20;
+  {
+    LogWriter log(log_path);
+    vantage::test::Sampler sampler(9);
+    std::int64_t utime = 1'700'000'000'000'000;
+    const auto add = [&]<class Message>(const std::string& channel) {
+      for (int i = 0; i < kOfEach; ++i) {
+        log.write(from_utime(utime += 1'000), channel,
+                  vantage::test::encoded(vantage::test::sample<Message>(sampler)));
+      }
+    };
+    add.template operator()<models::MocapFrame>("VICON");
+    add.template operator()<models::DetectionSet>("MEASUREMENT_Q1");
+    add.template operator()<models::RobotBelief>("BELIEF_Q1");
+    add.template operator()<models::RobotPlan>("PLAN_Q1");
+    add.template operator()<models::VehicleStatus>("QUADROTOR_Q1");
+    add.template operator()<models::OperatorCommand>("COMMAND");
+    add.template operator()<models::TruthFrame>("TRUTH");
+    add.template operator()<models::ContactReport>("COLLISION");
+    add.template operator()<models::AttackNotice>("ATTACK");
+    add.template operator()<models::ProcessHealth>("HEALTH_SIM");
+    add.template operator()<models::ScenarioNotice>("SCENARIO");
+    log.write(from_utime(utime), "FOREIGN", test::Bytes{1, 2, 3});
+  }
+  const IndexedLog log(log_path);
+  ChannelFilter all;
+  const McapExportCounts counts = export_mcap(log, folder_.file("a.mcap"), all, true);
+  EXPECT_TRUE(counts.is_written);
+  EXPECT_EQ(counts.not_exported, 1);
+  const std::string said = read(folder_.file("a.mcap"));
+  for (const char* line :
+       {"summary VICON vantage_lcm.vicon_frame_t 20\n", "summary PLAN_Q1 vantage_lcm.plan_t 20\n",
+        "summary SCENARIO vantage_lcm.scenario_t 20\n"}) {
+    EXPECT_NE(said.find(line), std::string::npos) << line;
+  }
+  EXPECT_GE(counts.messages, 11U * kOfEach);
+}
+
+}  // namespace
+}  // namespace vantage::logs

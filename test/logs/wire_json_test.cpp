@@ -1,0 +1,105 @@
+#include "logs/json/wire_json.hpp"
+
+#include <limits>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "bus/wire_walk.hpp"
+#include "test/bus/message_types.hpp"
+#include "test/bus/sample_messages.hpp"
+
+namespace vantage::logs {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Every value of `json` is of the kind that `schema` says, and no member is unknown or missing.
+void expect_fits(const Json& schema, const Json& json, const std::string& path) {
+  const std::string type = schema.at("type");
+  if (type == "object") {
+    ASSERT_TRUE(json.is_object()) << path;
+    EXPECT_EQ(json.size(), schema.at("properties").size()) << path;
+    for (const auto& [name, value] : json.items()) {
+      ASSERT_TRUE(schema.at("properties").contains(name)) << path << "." << name;
+      expect_fits(schema.at("properties").at(name), value, path + "." + name);
+    }
+  } else if (type == "array") {
+    ASSERT_TRUE(json.is_array()) << path;
+    for (const Json& element : json) {
+      expect_fits(schema.at("items"), element, path + "[]");
+    }
+  } else if (type == "number") {
+    EXPECT_TRUE(json.is_number_float() || json.is_null()) << path << json;
+  } else {
+    EXPECT_TRUE(type == "integer"   ? json.is_number_integer()
+                : type == "boolean" ? json.is_boolean()
+                                    : json.is_string())
+        << path << json;
+  }
+}
+
+template <class Message>
+class MessageJson : public ::testing::Test {};
+TYPED_TEST_SUITE(MessageJson, test::MessageTypes);
+
+TYPED_TEST(MessageJson, FitsItsSchemaWhateverTheMessage) {
+  test::Sampler sampler(7);
+  for (int i = 0; i < 200; ++i) {
+    const TypeParam message = test::sample<TypeParam>(sampler);
+    const auto json = message_json(test::encoded(message));
+    ASSERT_TRUE(json.has_value());
+    const auto* schema = bus::find_wire_schema(bus::WireOf<TypeParam>::getTypeName());
+    expect_fits(json_schema(*schema), *json, std::string(schema->name));
+    EXPECT_EQ(json->at("utime"), to_utime(message.stamp.time));
+    EXPECT_EQ(json->at("run_id"), message.stamp.run_id);
+    EXPECT_EQ(json->at("sequence"), message.stamp.sequence);
+  }
+}
+
+TEST(MessageJsonOfAPlan, SaysEveryNumberExactly) {
+  test::Sampler sampler(3);
+  for (int i = 0; i < 100; ++i) {
+    models::RobotPlan plan = test::sample<models::RobotPlan>(sampler);
+    plan.lower_bound = -std::numeric_limits<double>::infinity();
+    const Json json = Json::parse(message_json(test::encoded(plan))->dump());
+    ASSERT_EQ(json.at("segments").size(), plan.trajectory.segments.size());
+    for (std::size_t k = 0; k < plan.trajectory.segments.size(); ++k) {
+      EXPECT_EQ(json.at("segments")[k].at("speed_mps").template get<double>(),
+                plan.trajectory.segments[k].control.speed_mps);
+    }
+    EXPECT_EQ(json.at("robot"), plan.robot);
+    EXPECT_TRUE(json.at("lower_bound_nat").is_null());
+    EXPECT_EQ(json.at("late"), plan.late);
+  }
+}
+
+TEST(MessageJsonOfABelief, LaysMatricesOutInRows) {
+  vantage_lcm::belief_t belief{};
+  vantage_lcm::target_belief_t target{};
+  target.target_id = 4;
+  target.dim = 2;
+  target.information_vector = {1.0, 2.0};
+  target.information_matrix = {{3.0, 4.0}, {4.0, 5.0}};
+  belief.num_targets = 1;
+  belief.targets = {target};
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(belief.getEncodedSize()));
+  belief.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  const auto json = message_json(bytes);
+  ASSERT_TRUE(json.has_value());
+  EXPECT_EQ(json->at("targets")[0].at("information_matrix"), (Json{{3.0, 4.0}, {4.0, 5.0}}));
+}
+
+TEST(MessageJsonOfNothing, IsRefused) {
+  EXPECT_FALSE(message_json({}).has_value());
+  test::Sampler sampler(3);
+  auto bytes = test::encoded(test::sample<models::MocapFrame>(sampler));
+  bytes.pop_back();
+  EXPECT_FALSE(message_json(bytes).has_value());
+  bytes[0] ^= 1U;
+  EXPECT_FALSE(message_json(bytes).has_value());
+}
+
+}  // namespace
+}  // namespace vantage::logs

@@ -1,0 +1,206 @@
+#include "planner/team/decision/resilient.hpp"
+
+#include <bit>
+#include <map>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "planner/team/decision/attack.hpp"
+#include "planner/team/decision/exhaustive.hpp"
+#include "planner/team/decision/team_set.hpp"
+#include "test/planner/decision/team_instance.hpp"
+#include "test/planner/random_problem.hpp"
+
+namespace vantage::planner {
+namespace {
+
+constexpr std::uint64_t kInstances = 600;
+constexpr double kRounding = 1e-9;
+
+double value_of(const TeamOracle& oracle, const Choice& choice) {
+  TeamSet team(oracle);
+  team.become(choice);
+  return team.value();
+}
+
+// κ of J restricted to the trajectories of `choice`, at most that of the whole ground set.
+double curvature(const TeamOracle& oracle, const Choice& choice) {
+  TeamSet team(oracle);
+  team.become(choice);
+  double least = 1.0;
+  for (int robot = 0; robot < oracle.robot_count(); ++robot) {
+    const CandidateId id = choice[static_cast<std::size_t>(robot)];
+    if (id != kNoCandidate && oracle.alone(id) > kRounding) {
+      least = std::min(least, (team.value() - team.value_without(robot)) / oracle.alone(id));
+    }
+  }
+  return 1.0 - least;
+}
+
+// Total curvature c over the whole ground set, candidates of one robot together included.
+double total_curvature(const TeamProblem& problem, const TeamOracle& oracle) {
+  const auto n = static_cast<unsigned>(oracle.candidate_count());
+  std::vector<double> values(std::size_t{1} << n);
+  for (std::size_t set = 0; set < values.size(); ++set) {
+    std::vector<const Candidate*> chosen;
+    for (unsigned v = 0; v < n; ++v) {
+      if ((set >> v & 1U) != 0) {
+        chosen.push_back(&oracle.candidate(static_cast<CandidateId>(v)));
+      }
+    }
+    values[set] = test::plain_value(problem, chosen);
+  }
+  double least = 1.0;
+  for (unsigned v = 0; v < n; ++v) {
+    double lowest = std::numeric_limits<double>::infinity();
+    double highest = 0.0;
+    for (std::size_t set = 0; set < values.size(); ++set) {
+      if ((set >> v & 1U) == 0) {
+        const double gain = values[set | std::size_t{1} << v] - values[set];
+        lowest = std::min(lowest, gain);
+        highest = std::max(highest, gain);
+      }
+    }
+    least = highest > kRounding ? std::min(least, lowest / highest) : least;
+  }
+  return 1.0 - least;
+}
+
+TEST(PlanResiliently, KeepsTheBoundsOfTheTheoremForMutualInformation) {
+  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+    const TeamProblem problem = test::random_instance(seed, {4, 3, 0.0}, {});
+    const TeamOracle oracle(problem);
+    for (int attacks = 0; attacks <= oracle.robot_count(); ++attacks) {
+      const double best = exhaustive_max_min(oracle, attacks).value;
+      const auto bound_of = [&](const TeamDecision& plan) {
+        return std::max(1.0 - curvature(oracle, plan.choice), 1.0 / (1.0 + attacks)) * best;
+      };
+      const TeamDecision exact = plan_resiliently(oracle, attacks, SubSolver::kExhaustive);
+      const double left = worst_attack(oracle, exact.choice, attacks).value;
+      EXPECT_GE(left, bound_of(exact) - kRounding) << "seed " << seed << " attacks " << attacks;
+      EXPECT_LE(left, best + kRounding);
+      if (attacks == 0) {
+        EXPECT_NEAR(left, best, kRounding);
+      }
+      const TeamDecision descent = plan_resiliently(oracle, attacks, SubSolver::kCoordinateDescent);
+      EXPECT_GE(worst_attack(oracle, descent.choice, attacks).value,
+                0.5 * bound_of(descent) - kRounding);
+    }
+  }
+}
+
+TEST(PlanResiliently, KeepsTheBoundOfTotalCurvatureForLogDet) {
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    const TeamProblem problem =
+        test::random_instance(seed, {4, 3, 0.0, 7}, InformationMeasure::kLogDet);
+    const TeamOracle oracle(problem);
+    const double kept = 1.0 - total_curvature(problem, oracle);
+    for (int attacks = 0; attacks <= oracle.robot_count(); ++attacks) {
+      const TeamDecision exact = plan_resiliently(oracle, attacks, SubSolver::kExhaustive);
+      EXPECT_GE(worst_attack(oracle, exact.choice, attacks).value,
+                kept * kept * exhaustive_max_min(oracle, attacks).value - kRounding)
+          << "seed " << seed << " attacks " << attacks;
+    }
+  }
+}
+
+TEST(PlanResiliently, LeavesMoreThanPlanningForNoAttackOnAverage) {
+  double resilient = 0.0;
+  double plain = 0.0;
+  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+    const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
+    const TeamOracle oracle(problem);
+    const auto left_by = [&](int planned_for) {
+      return worst_attack(oracle,
+                          plan_resiliently(oracle, planned_for, SubSolver::kExhaustive).choice, 2)
+          .value;
+    };
+    resilient += left_by(2);
+    plain += left_by(0);
+  }
+  EXPECT_GT(resilient, plain);
+}
+
+TEST(PlanRoundResiliently, AsksInTheOrderOfTheAlgorithm) {
+  using Call = std::pair<int, std::vector<int>>;
+  const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
+  std::vector<Call> calls;
+  const auto plan = [&](int robot, const std::vector<int>& beside) {
+    calls.emplace_back(robot, beside);
+    return values[static_cast<std::size_t>(robot)];
+  };
+  EXPECT_EQ(plan_round_resiliently(4, 1, plan), (std::vector<int>{1}));
+  EXPECT_EQ(calls, (std::vector<Call>{{0, {}}, {1, {}}, {2, {}}, {3, {}}, {2, {0}}, {3, {0, 2}}}));
+  calls.clear();
+  EXPECT_TRUE(plan_round_resiliently(3, 0, plan).empty());
+  EXPECT_EQ(calls, (std::vector<Call>{{0, {}}, {1, {0}}, {2, {0, 1}}}));
+  calls.clear();
+  EXPECT_EQ(plan_round_resiliently(2, 5, plan), (std::vector<int>{0, 1}));
+  EXPECT_EQ(calls.size(), 2U);
+}
+
+TEST(BaitRobots, AreTheOnesWorthMostAndTheLowerOfEquals) {
+  const std::vector<double> values = {1.0, 3.0, 2.0, 3.0, 2.0};
+  EXPECT_EQ(bait_robots(values, 0), (std::vector<int>{}));
+  EXPECT_EQ(bait_robots(values, 1), (std::vector<int>{1}));
+  EXPECT_EQ(bait_robots(values, 3), (std::vector<int>{1, 2, 3}));
+  EXPECT_EQ(bait_robots(values, 9), (std::vector<int>{0, 1, 2, 3, 4}));
+}
+
+TEST(Attack, OfTheGreedyKindIsNeverWorseThanTheWorst) {
+  int apart = 0;
+  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+    const TeamProblem problem = test::random_instance(seed, {5, 3, 0.0}, {});
+    const TeamOracle oracle(problem);
+    const Choice choice = test::random_choice(oracle, seed);
+    for (int attacks = 0; attacks <= 4; ++attacks) {
+      const Attack worst = worst_attack(oracle, choice, attacks);
+      const Attack greedy = greedy_attack(oracle, choice, attacks);
+      for (const Attack& attack : {worst, greedy}) {
+        EXPECT_LE(static_cast<int>(attack.robots.size()), attacks);
+        Choice left = choice;
+        for (const int robot : attack.robots) {
+          left[static_cast<std::size_t>(robot)] = kNoCandidate;
+        }
+        EXPECT_EQ(value_of(oracle, left), attack.value);
+      }
+      EXPECT_GE(greedy.value, worst.value);
+      EXPECT_LE(worst.value, value_of(oracle, choice));
+      if (attacks <= 1) {
+        EXPECT_EQ(greedy.value, worst.value);
+      }
+      apart += greedy.value > worst.value + kRounding ? 1 : 0;
+    }
+  }
+  EXPECT_GT(apart, 0);
+}
+
+TEST(Attack, AtRandomHitsEverySetAlike) {
+  std::mt19937_64 rng(11);
+  std::map<std::vector<int>, int> counts;
+  const int draws = 20'000;
+  for (int i = 0; i < draws; ++i) {
+    ++counts[random_attack(5, 2, rng)];
+  }
+  ASSERT_EQ(counts.size(), 10U);
+  double chi2 = 0.0;
+  for (const auto& [robots, count] : counts) {
+    EXPECT_LT(robots[0], robots[1]);
+    chi2 += (count - draws / 10.0) * (count - draws / 10.0) / (draws / 10.0);
+  }
+  EXPECT_LT(chi2, 27.9);  // χ² with 9 degrees of freedom, 99.9 %
+  EXPECT_EQ(random_attack(3, 3, rng), (std::vector<int>{0, 1, 2}));
+}
+
+TEST(Attack, ByScriptLastsFromItsBeginningUntilItsEnd) {
+  const std::vector<AttackInterval> script = {{2, 5, {1, 0}}, {4, 6, {1, 3}}};
+  EXPECT_EQ(scripted_attack(script, 1), (std::vector<int>{}));
+  EXPECT_EQ(scripted_attack(script, 2), (std::vector<int>{0, 1}));
+  EXPECT_EQ(scripted_attack(script, 4), (std::vector<int>{0, 1, 3}));
+  EXPECT_EQ(scripted_attack(script, 5), (std::vector<int>{1, 3}));
+  EXPECT_EQ(scripted_attack(script, 6), (std::vector<int>{}));
+}
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,269 @@
+#include "planner/mapping/mapping_search.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "planner/mapping/resilient_mapping.hpp"
+#include "test/planner/mapping/random_map.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using models::GridGeometry;
+using models::OccupancyBelief;
+
+const GridGeometry kGrid{{0.0, 0.0}, 0.25, 32, 32};
+
+// A random map, what is needed to plan on it and a team that stands close together.
+struct Bench {
+  Bench(test::Random& random, int horizon_steps, double frontier_nats_per_m,
+        BeamDependence dependence = BeamDependence::kBestOfCell)
+      : belief(test::random_map(random, kGrid, 0.01)),
+        views(belief, {16, 2.0 * kPi, 0.0, 1.5, 0.01}, views_options(dependence)),
+        drive(belief, {}) {
+    options.controls = {{0.0, 1.0}, {1.0, 0.0}, {1.0, 1.5}, {2.0, -1.0}};
+    options.horizon_steps = horizon_steps;
+    options.frontier_nats_per_m = frontier_nats_per_m;
+    for (int i = 0; i < 4; ++i) {
+      starts.push_back(
+          {random.uniform(3.0, 5.0), random.uniform(3.0, 5.0), random.uniform(-kPi, kPi)});
+    }
+  }
+  static ViewOptions views_options(BeamDependence dependence) {
+    ViewOptions options;
+    options.dependence = dependence;
+    return options;
+  }
+
+  OccupancyBelief belief;
+  ViewTable views;
+  DriveMap drive;
+  MappingSearchOptions options;
+  std::vector<Pose2> starts;
+};
+
+// All routes that may be driven, in the order of the controls.
+std::vector<MapRoute> all_routes(const Bench& bench, const Pose2& start) {
+  std::vector<MapRoute> routes{{start, {}, {}, 0.0, 0}};
+  for (int t = 0; t < bench.options.horizon_steps; ++t) {
+    std::vector<MapRoute> longer;
+    for (const MapRoute& route : routes) {
+      const Pose2 at = route.poses.empty() ? start : route.poses.back();
+      for (std::size_t c = 0; c < bench.options.controls.size(); ++c) {
+        if (bench.drive.is_free(at, bench.options.controls[c], bench.options.step_s)) {
+          longer.push_back(route);
+          longer.back().controls.push_back(static_cast<int>(c));
+          longer.back().poses.push_back(
+              models::step_unicycle(at, bench.options.controls[c], bench.options.step_s));
+        }
+      }
+    }
+    routes = std::move(longer);
+  }
+  return routes;
+}
+
+std::vector<const MapRoute*> pointers(const std::vector<MapRoute>& routes) {
+  std::vector<const MapRoute*> result;
+  for (const MapRoute& route : routes) {
+    result.push_back(&route);
+  }
+  return result;
+}
+
+TEST(MappingSearch, FindsTheBestOfAllRoutes) {
+  test::Random random(4701);
+  for (int i = 0; i < 40; ++i) {
+    const BeamDependence dependence =
+        i % 2 == 0 ? BeamDependence::kBestOfCell : BeamDependence::kDropBeams;
+    Bench bench(random, 3, 0.5, dependence);
+    MappingSearch search(bench.views, bench.drive, bench.options);
+    const MapRoute mate = search.plan(bench.starts[0], {});
+    const std::vector<const MapRoute*> fixed{&mate};
+    const MapRoute plan = search.plan(bench.starts[1], fixed);
+    const auto worth = [&](const MapRoute& route) {
+      return search.value(std::vector<const MapRoute*>{&mate, &route}) - search.value(fixed) -
+             0.5 * std::min(16.0, bench.drive.to_frontier_m(route.poses.back().position_m()));
+    };
+    double best_nats = -std::numeric_limits<double>::infinity();
+    for (const MapRoute& route : all_routes(bench, bench.starts[1])) {
+      best_nats = std::max(best_nats, worth(route));
+    }
+    ASSERT_NEAR(worth(plan), best_nats, 1e-9) << i;
+    ASSERT_NEAR(plan.gain_nats,
+                search.value(std::vector<const MapRoute*>{&mate, &plan}) - search.value(fixed),
+                1e-9);
+  }
+}
+
+TEST(MappingSearch, PlansTheSameAgain) {
+  test::Random random(4702);
+  Bench bench(random, 3, 0.5);
+  MappingSearch search(bench.views, bench.drive, bench.options);
+  const MapRoute first = search.plan(bench.starts[0], {});
+  search.plan(bench.starts[1], std::vector<const MapRoute*>{&first});
+  const MapRoute again = search.plan(bench.starts[0], {});
+  EXPECT_EQ(first.controls, again.controls);
+  EXPECT_EQ(first.gain_nats, again.gain_nats);
+}
+
+TEST(MappingSearch, ValuesATeamWhateverItsOrderAndNobodyAtNothing) {
+  test::Random random(4703);
+  Bench bench(random, 2, 0.5);
+  MappingSearch search(bench.views, bench.drive, bench.options);
+  const std::vector<MapRoute> routes =
+      search.coordinate_descent(bench.starts, std::vector<int>{0, 1, 2, 3});
+  std::vector<const MapRoute*> team = pointers(routes);
+  const double value_nats = search.value(team);
+  double sum_nats = 0.0;
+  for (const MapRoute& route : routes) {
+    sum_nats += route.gain_nats;
+  }
+  EXPECT_NEAR(value_nats, sum_nats, 1e-9);
+  std::reverse(team.begin(), team.end());
+  EXPECT_NEAR(search.value(team), value_nats, 1e-9);
+  EXPECT_EQ(search.value({}), 0.0);
+  EXPECT_EQ(search.value(std::vector<const MapRoute*>{nullptr, nullptr}), 0.0);
+}
+
+TEST(MappingSearch, LeavesToTeammatesWhatTheySee) {
+  test::Random random(4704);
+  Bench bench(random, 3, 0.0);
+  MappingSearch search(bench.views, bench.drive, bench.options);
+  const MapRoute first = search.plan(bench.starts[0], {});
+  const MapRoute twin = search.plan(bench.starts[0], std::vector<const MapRoute*>{&first});
+  EXPECT_NE(twin.controls, first.controls);
+  EXPECT_LT(twin.gain_nats, first.gain_nats);
+}
+
+TEST(MappingSearch, KeepsApartFromTheTeammatesItPlansAgainst) {
+  test::Random random(4705);
+  for (int i = 0; i < 20; ++i) {
+    Bench bench(random, 3, 0.5);
+    bench.options.separation_m = 0.5;
+    MappingSearch search(bench.views, bench.drive, bench.options);
+    const std::vector<MapRoute> routes =
+        search.coordinate_descent(std::span(bench.starts).first(2), std::vector<int>{0, 1});
+    if (routes[1].controls.empty()) {
+      continue;  // hemmed in: it stands still and says so
+    }
+    for (std::size_t t = 0; t < 3; ++t) {
+      ASSERT_GE((routes[0].poses[t].position_m() - routes[1].poses[t].position_m()).norm(), 0.5);
+    }
+  }
+}
+
+TEST(MappingSearch, StandsStillWhereNothingIsAllowed) {
+  OccupancyBelief belief(kGrid, 3.0);
+  for (int cell = 0; cell < kGrid.size(); ++cell) {
+    belief.add_log_odds(cell, 9.0);
+  }
+  ViewTable views(belief, {16, 2.0 * kPi, 0.0, 1.5, 0.01}, {});
+  const DriveMap drive(belief, {});
+  MappingSearchOptions options;
+  options.controls = {{1.0, 0.0}};
+  const MapRoute route = MappingSearch(views, drive, options).plan({4.0, 4.0, 1.0}, {});
+  EXPECT_TRUE(route.controls.empty());
+  ASSERT_EQ(route.poses.size(), 4U);
+  EXPECT_EQ(route.poses[3], (Pose2{4.0, 4.0, 1.0}));
+  options.controls.clear();
+  EXPECT_THROW(MappingSearch(views, drive, options), UsageError);
+}
+
+TEST(CoordinateDescent, IsAtLeastHalfOfTheBestTeamOnAMap) {
+  test::Random random(4706);
+  double worst_ratio = 1.0;
+  for (int i = 0; i < 25; ++i) {
+    Bench bench(random, 2, 0.0);
+    MappingSearch search(bench.views, bench.drive, bench.options);
+    const auto starts = std::span(bench.starts).first(2);
+    const std::vector<MapRoute> greedy = search.coordinate_descent(starts, std::vector<int>{0, 1});
+    double best_nats = 0.0;
+    for (const MapRoute& a : all_routes(bench, starts[0])) {
+      for (const MapRoute& b : all_routes(bench, starts[1])) {
+        best_nats = std::max(best_nats, search.value(std::vector<const MapRoute*>{&a, &b}));
+      }
+    }
+    const double greedy_nats = search.value(pointers(greedy));
+    ASSERT_LE(greedy_nats, best_nats + 1e-9);
+    ASSERT_GE(greedy_nats, 0.5 * best_nats);
+    worst_ratio = std::min(worst_ratio, best_nats > 0.0 ? greedy_nats / best_nats : 1.0);
+  }
+  EXPECT_LT(worst_ratio, 1.0) << "the instances are too easy to say anything";
+}
+
+TEST(ResilientMapping, WithoutAttacksIsCoordinateDescent) {
+  test::Random random(4707);
+  Bench bench(random, 2, 0.5);
+  MappingSearch search(bench.views, bench.drive, bench.options);
+  const std::vector<MapRoute> plain =
+      search.coordinate_descent(bench.starts, std::vector<int>{0, 1, 2, 3});
+  const std::vector<MapRoute> resilient = plan_mapping_resiliently(search, bench.starts, 0);
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_EQ(resilient[i].controls, plain[i].controls);
+  }
+}
+
+TEST(ResilientMapping, KeepsTheBestAloneAndPlansTheRestWithoutThem) {
+  test::Random random(4708);
+  for (int i = 0; i < 20; ++i) {
+    Bench bench(random, 2, 0.5);
+    MappingSearch search(bench.views, bench.drive, bench.options);
+    std::vector<MapRoute> alone;
+    std::vector<int> order{0, 1, 2, 3};
+    for (const Pose2& start : bench.starts) {
+      alone.push_back(search.plan(start, {}));
+    }
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+      return alone[static_cast<std::size_t>(a)].gain_nats >
+             alone[static_cast<std::size_t>(b)].gain_nats;
+    });
+    std::vector<int> rest{order[2], order[3]};
+    std::sort(rest.begin(), rest.end());
+    const std::vector<MapRoute> without = search.coordinate_descent(bench.starts, rest);
+    const std::vector<MapRoute> plan = plan_mapping_resiliently(search, bench.starts, 2);
+    for (std::size_t robot = 0; robot < 4; ++robot) {
+      const bool is_bait =
+          std::find(rest.begin(), rest.end(), static_cast<int>(robot)) == rest.end();
+      EXPECT_EQ(plan[robot].controls, (is_bait ? alone : without)[robot].controls);
+    }
+  }
+}
+
+TEST(ResilientMapping, KeepsItsGuaranteeAgainstTheWorstAttack) {
+  test::Random random(4709);
+  for (int i = 0; i < 6; ++i) {
+    Bench bench(random, 1, 0.0);
+    MappingSearch search(bench.views, bench.drive, bench.options);
+    const auto starts = std::span(bench.starts).first(3);
+    const auto after_attack_nats = [&](std::vector<const MapRoute*> team) {
+      double least_nats = std::numeric_limits<double>::infinity();
+      for (const MapRoute*& lost : team) {
+        const MapRoute* const kept = std::exchange(lost, nullptr);
+        least_nats = std::min(least_nats, search.value(team));
+        lost = kept;
+      }
+      return least_nats;
+    };
+    double best_nats = 0.0;
+    for (const MapRoute& a : all_routes(bench, starts[0])) {
+      for (const MapRoute& b : all_routes(bench, starts[1])) {
+        for (const MapRoute& c : all_routes(bench, starts[2])) {
+          best_nats = std::max(best_nats, after_attack_nats({&a, &b, &c}));
+        }
+      }
+    }
+    const std::vector<MapRoute> plan = plan_mapping_resiliently(search, starts, 1);
+    // Theorem 1 with α = 1 and coordinate descent: ½ · 1/(1 + α).
+    ASSERT_GE(after_attack_nats(pointers(plan)), 0.25 * best_nats);
+  }
+}
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,155 @@
+#include "tools/replay/log_replay.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "bus/convert.hpp"
+#include "bus/wire_walk.hpp"
+#include "core/check.hpp"
+#include "logs/record/log_writer.hpp"
+#include "test/logs/file_support.hpp"
+#include "tools/log/log_scenario.hpp"
+#include "tools/scenario/overrides.hpp"
+#include "tools/trial/trial.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using logs::test::Bytes;
+using logs::test::TemporaryFolder;
+
+/// A trial of 8 s and its log, flown once for all tests.
+class ReplayLog : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    Overrides overrides;
+    overrides.seed = 5;
+    overrides.duration_s = 8.0;
+    overrides.node_budget = 300;
+    const models::Scenario scenario =
+        load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
+    TrialOptions options;
+    options.log_path = folder_->file("trial.lcmlog");
+    run_trial(scenario, trial_recipes(scenario), options);
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static std::string trial() { return folder_->file("trial.lcmlog"); }
+
+  /// The trial's log with each event changed by `edit`, or left out where that says false.
+  static std::string edited(const std::function<bool(std::string_view, Bytes&)>& edit) {
+    const logs::IndexedLog log(trial());
+    std::string path = folder_->file("edited.lcmlog");
+    logs::LogWriter writer(path);
+    logs::LogScan scan = log.scan();
+    while (const auto event = scan.next()) {
+      Bytes data(event->data.begin(), event->data.end());
+      if (edit(event->channel, data)) {
+        writer.write(event->time, event->channel, data);
+      }
+    }
+    return path;
+  }
+
+  static ReplayReport replay(const std::string& path, const std::string& node) {
+    const logs::IndexedLog log(path);
+    const models::Scenario scenario = scenario_of(log);
+    return replay_log(log, scenario, parse_replay_target(node, scenario));
+  }
+
+  static std::unique_ptr<TemporaryFolder> folder_;
+};
+std::unique_ptr<TemporaryFolder> ReplayLog::folder_;
+
+TEST_F(ReplayLog, MakesEveryPlanAndBeliefOfATrialAgainToTheBit) {
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport plans = replay(trial(), std::string("planner:") + robot);
+    EXPECT_TRUE(plans.outputs.is_exact()) << robot;
+    EXPECT_GE(plans.outputs.replayed(), 7) << robot;
+    EXPECT_EQ(plans.not_replayed(), 0) << robot;
+    const ReplayReport beliefs = replay(trial(), std::string("estimator:") + robot);
+    EXPECT_TRUE(beliefs.outputs.is_exact()) << robot;
+    EXPECT_GE(beliefs.outputs.replayed(), 15) << robot;
+    EXPECT_EQ(beliefs.not_replayed(), 0) << robot;
+  }
+}
+
+TEST_F(ReplayLog, NamesTheFirstMemberThatDiffers) {
+  int seen = 0;
+  const std::string path = edited([&](std::string_view channel, Bytes& data) {
+    if (channel == "PLAN_Q2" && ++seen == 4) {
+      auto wire = bus::decode_wire<vantage_lcm::plan_t>(data).value();
+      wire.segments.at(1).speed_mps += 1e-12;
+      data = logs::test::encoded(wire);
+    }
+    return true;
+  });
+  const ReplayReport report = replay(path, "planner:Q2");
+  EXPECT_FALSE(report.outputs.is_exact());
+  ASSERT_TRUE(report.outputs.first_difference().has_value());
+  EXPECT_EQ(report.outputs.first_difference()->member, "segments[1].speed_mps");
+  EXPECT_NE(report.outputs.first_difference()->logged, report.outputs.first_difference()->replayed);
+  EXPECT_FALSE(report.outputs.first_difference()->inputs.empty());
+}
+
+TEST_F(ReplayLog, NoticesAnotherInput) {
+  int seen = 0;
+  const std::string path = edited([&](std::string_view channel, Bytes& data) {
+    if (channel == "MEASUREMENT_Q1") {
+      auto wire = bus::decode_wire<vantage_lcm::measurement_t>(data).value();
+      if (wire.num_detections > 0 && ++seen == 1) {
+        wire.detections[0].z[0] += 1e-9;
+        data = logs::test::encoded(wire);
+      }
+    }
+    return true;
+  });
+  ASSERT_GE(seen, 1);
+  EXPECT_GE(replay(path, "estimator:Q1").outputs.different(), 1);
+}
+
+TEST_F(ReplayLog, SaysWhatCouldNotBeMadeAgain) {
+  int seen = 0;
+  const std::string path = edited(
+      [&](std::string_view channel, Bytes&) { return channel != "BELIEF_Q1" || ++seen != 10; });
+  const ReplayReport plans = replay(path, "planner:Q1");
+  EXPECT_EQ(plans.outputs.different(), 0);
+  EXPECT_GE(plans.not_replayed(), 0);
+  EXPECT_LE(plans.not_replayed(), 1);
+  const ReplayReport beliefs = replay(path, "estimator:Q1");
+  EXPECT_EQ(beliefs.outputs.different(), 0);
+  EXPECT_EQ(beliefs.not_replayed(), 1) << "the step after the lost one goes on from the log";
+}
+
+TEST_F(ReplayLog, RefusesNodesThatAreNot) {
+  const logs::IndexedLog log(trial());
+  const models::Scenario scenario = scenario_of(log);
+  EXPECT_THROW(parse_replay_target("planner", scenario), UsageError);
+  EXPECT_THROW(parse_replay_target("sim:Q1", scenario), UsageError);
+  EXPECT_THROW(parse_replay_target("planner:Q9", scenario), UsageError);
+}
+
+TEST(OutputComparison, IsNotExactWhenNothingWasCompared) {
+  EXPECT_FALSE(OutputComparison().is_exact());
+}
+
+TEST(OutputComparison, TellsBitsApartThatReadTheSame) {
+  vantage_lcm::plan_t plan{};
+  plan.robot = "Q1";
+  OutputComparison comparison;
+  comparison.add_logged(logs::test::encoded(plan));
+  plan.run_id = 5;
+  plan.sequence = 9;
+  comparison.add_replayed(logs::test::encoded(plan));
+  EXPECT_TRUE(comparison.is_exact()) << "who published it does not matter";
+  plan.height_m = -0.0;
+  comparison.add_replayed(logs::test::encoded(plan));
+  EXPECT_EQ(comparison.different(), 1);
+}
+
+}  // namespace
+}  // namespace vantage::tools

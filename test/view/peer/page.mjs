@@ -1,0 +1,120 @@
+// page.mjs http://HOST:PORT log|live [FOLDER]: drives the page in headless Chromium, as a person
+// would; fails on any error in its console. Leaves screenshots in FOLDER.
+
+import assert from "node:assert";
+import { chromium } from "playwright-core";
+
+const [url, kind, folder] = process.argv.slice(2);
+const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const kPatience_ms = 60_000;
+
+const browser = await chromium.launch({
+  executablePath,
+  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+});
+const complaints = [];
+
+async function open(width, height, scheme) {
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
+  page.setDefaultTimeout(kPatience_ms);
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("requestfailed", (request) => complaints.push(`${request.url()} failed`));
+  page.on("request", (request) => request.url().startsWith(url) || request.url().startsWith("data:") || complaints.push(`asks for ${request.url()}`));
+  await page.goto(url);
+  await page.waitForFunction(() => window.vantage?.stats().entities > 10);
+  return page;
+}
+
+const now = (page) => page.evaluate(() => window.vantage.state.now);
+const shot = (page, name) => folder && page.screenshot({ path: `${folder}/${kind}_${name}.png` });
+const until = (page, condition, argument) => page.waitForFunction(condition, argument);
+
+async function check_log(page) {
+  assert.equal(await page.locator("#link").textContent(), "log");
+  await until(page, () => window.vantage.stats().series.every((count) => count > 0));
+
+  // Plays, and pauses where it is told to.
+  await page.click("#play");
+  await until(page, () => window.vantage.state.now > 1 && window.vantage.state.is_playing);
+  await page.keyboard.press("Space");
+  await until(page, () => !window.vantage.state.is_playing);
+  const held = await now(page);
+  const where = await page.evaluate(() => window.vantage.position("robot/Q1"));
+
+  // Seeks by the bar, by keys and by an event; the scene follows.
+  const bar = await page.locator("#timeline").boundingBox();
+  await page.mouse.click(bar.x + bar.width * 0.75, bar.y + bar.height / 2);
+  await until(page, () => Math.abs(window.vantage.state.now - 45) < 1);
+  await until(page, (x) => Math.abs(window.vantage.position("robot/Q1")[0] - x) > 0.01, where[0]);
+  await page.keyboard.press("ArrowLeft");
+  await until(page, () => Math.abs(window.vantage.state.now - 44) < 1);
+  await page.keyboard.press("Home");
+  await until(page, () => window.vantage.state.now < 0.1);
+  assert(held > 1);
+
+  // Goes as fast as it is told.
+  await page.selectOption("#speed", "10");
+  await page.keyboard.press("Space");
+  await until(page, () => window.vantage.state.now > 20);
+  await page.keyboard.press("Space");
+  await until(page, () => !window.vantage.state.is_playing);
+}
+
+async function check_toggles(page) {
+  const entities = () => page.evaluate(() => window.vantage.stats().entities);
+  const before = await entities();
+  await page.click('[data-layer="plans"]');
+  await until(page, (count) => window.vantage.stats().entities < count, before);
+  assert.equal(await page.getAttribute('[data-layer="plans"]', "aria-pressed"), "false");
+  const without = await entities();
+  await page.keyboard.press("p");
+  await until(page, (count) => window.vantage.stats().entities > count, without);
+  const theme = await page.evaluate(() => document.documentElement.dataset.theme);
+  await page.keyboard.press("d");
+  assert.notEqual(await page.evaluate(() => document.documentElement.dataset.theme), theme);
+  await page.keyboard.press("d");
+  await page.keyboard.press("?");
+  assert(await page.locator("#help").isVisible());
+  await page.keyboard.press("Escape");
+  await page.locator("#help").waitFor({ state: "hidden" });
+}
+
+async function check_inspection(page) {
+  await page.keyboard.press("1");
+  await until(page, () => document.getElementById("stage").dataset.view === "plan");
+  const spot = await page.evaluate(() => window.vantage.pixel("robot/Q2"));
+  await page.mouse.click(spot[0], spot[1]);
+  await page.locator("#inspect").waitFor();
+  const text = await page.locator("#inspect").textContent();
+  assert.match(text, /robot\/Q2/);
+  assert.match(text, /lower bound/);
+  await shot(page, "inspect");
+  await page.keyboard.press("Escape");
+  await page.locator("#inspect").waitFor({ state: "hidden" });
+  await page.keyboard.press("3");
+}
+
+for (const [width, height, scheme, name] of [
+  [1920, 1080, "light", "1080p_light"],
+  [1920, 1080, "dark", "1080p_dark"],
+  [768, 1024, "light", "768"],
+]) {
+  const page = await open(width, height, scheme);
+  if (name === "1080p_light") {
+    if (kind === "log") await check_log(page);
+    await check_toggles(page);
+    await check_inspection(page);
+  }
+  await page.waitForTimeout(kind === "live" ? 8000 : 1500); // for the picture: charts with something in them
+  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert(overflow <= 0, `${name}: ${overflow} px too wide`);
+  await shot(page, name);
+  if (width < 1000 && folder) {
+    await page.screenshot({ path: `${folder}/${kind}_${name}_whole.png`, fullPage: true });
+  }
+  await page.close();
+}
+await browser.close();
+assert.deepEqual([...new Set(complaints)], []);
+console.log("ok");

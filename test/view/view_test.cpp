@@ -1,0 +1,474 @@
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "core/check.hpp"
+#include "logs/record/log_writer.hpp"
+#include "tools/view/broker.hpp"
+#include "tools/view/log_index.hpp"
+#include "tools/view/log_view.hpp"
+#include "tools/view/outbox.hpp"
+#include "tools/view/playback.hpp"
+#include "tools/view/protocol.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using logs::foxglove::Schema;
+using nlohmann::json;
+
+Frame flow(std::size_t bytes) {
+  return {Frame::Kind::kFlow, false, 1, std::string(bytes, 'x'), nullptr};
+}
+Frame state(std::uint32_t id, const std::string& content) {
+  return {Frame::Kind::kState, false, id, content, nullptr};
+}
+Frame control(const std::string& content) {
+  return {Frame::Kind::kControl, true, 0, content, nullptr};
+}
+
+/// The bytes of a playback control request, as a client makes them.
+std::string playback_request(std::uint8_t command, float speed, bool had_seek,
+                             std::uint64_t seek_ns, const std::string& id) {
+  std::string out("\x03", 1);
+  const auto put = [&](std::uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) {
+      out.push_back(static_cast<char>(value >> (8 * i) & 0xFFU));
+    }
+  };
+  put(command, 1);
+  put(std::bit_cast<std::uint32_t>(speed), 4);
+  put(had_seek ? 1 : 0, 1);
+  put(seek_ns, 8);
+  put(id.size(), 4);
+  return out + id;
+}
+
+TEST(ServerInfoText, OffersPlaybackOfALogAlone) {
+  const json live = json::parse(server_info_text({"a", "s", std::nullopt}, true));
+  EXPECT_EQ(live["op"], "serverInfo");
+  EXPECT_TRUE(live["capabilities"].empty());
+  const json log = json::parse(
+      server_info_text({"a", "s", std::pair(from_utime(1'500'000), from_utime(61'000'000))}, true));
+  EXPECT_EQ(log["capabilities"], json({"time", "playbackControl"}));
+  const json old =
+      json::parse(server_info_text({"a", "s", std::pair(from_utime(0), from_utime(1))}, false));
+  EXPECT_EQ(old["capabilities"], json({"time"})) << "the older subprotocol has no playback";
+  EXPECT_EQ(log["dataStartTime"], json({{"sec", 1}, {"nsec", 500'000'000}}));
+}
+
+TEST(MessageHead, IsOpcodeSubscriptionAndNanosecondsLittleEndian) {
+  const std::string head = message_head(0x01020304, from_utime(1));
+  EXPECT_EQ(head, std::string("\x01\x04\x03\x02\x01\xE8\x03\0\0\0\0\0\0", 13));
+}
+
+TEST(ParseBinary, ReadsAPlaybackRequest) {
+  const Request request = parse_binary(playback_request(0, 2.5F, true, 7'000'000'000, "ab"));
+  const auto& control = std::get<PlaybackControl>(request);
+  EXPECT_TRUE(control.play);
+  EXPECT_EQ(control.speed, 2.5F);
+  EXPECT_EQ(control.seek, from_utime(7'000'000));
+  EXPECT_EQ(control.request_id, "ab");
+}
+
+TEST(ParseBinary, RefusesEveryTornOrImpossibleRequest) {
+  const std::string whole = playback_request(1, 1.0F, false, 0, "id");
+  ASSERT_TRUE(std::holds_alternative<PlaybackControl>(parse_binary(whole)));
+  for (std::size_t size = 1; size < whole.size(); ++size) {
+    EXPECT_TRUE(std::holds_alternative<Malformed>(parse_binary(whole.substr(0, size)))) << size;
+  }
+  EXPECT_TRUE(std::holds_alternative<Malformed>(parse_binary(whole + "x")));
+  EXPECT_TRUE(std::holds_alternative<Malformed>(
+      parse_binary(playback_request(0, std::nanf(""), false, 0, ""))));
+  EXPECT_TRUE(
+      std::holds_alternative<Malformed>(parse_binary(playback_request(2, 1.0F, false, 0, ""))));
+  EXPECT_TRUE(std::holds_alternative<Declined>(parse_binary("")));
+}
+
+TEST(ParseText, SurvivesWhatNoViewerShouldSend) {
+  for (const char* text :
+       {"", "{", "[]", "{\"op\":7}", R"({"op":"subscribe","subscriptions":3})",
+        R"({"op":"subscribe","subscriptions":[1]})",
+        R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":5000000000,"channelId":1}]})",
+        R"({"op":"unsubscribe","subscriptionIds":["a"]})"}) {
+    EXPECT_TRUE(std::holds_alternative<Malformed>(parse_text(text))) << text;
+  }
+  EXPECT_TRUE(std::holds_alternative<Declined>(parse_text(R"({"op":"advertise"})")));
+  const Request good =
+      parse_text(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":4294967295}]})");
+  EXPECT_EQ(std::get<Subscribe>(good).pairs.front(),
+            (std::pair<std::uint32_t, std::uint32_t>(0, 4294967295U)));
+}
+
+TEST(OffersOurProtocol, FindsItInAList) {
+  EXPECT_TRUE(offers_our_protocol("foxglove.sdk.v1"));
+  EXPECT_TRUE(offers_our_protocol("chat, foxglove.websocket.v1"));
+  EXPECT_FALSE(offers_our_protocol("foxglove.websocket.v2"));
+  EXPECT_FALSE(offers_our_protocol(""));
+}
+
+TEST(Outbox, DropsTheOldestFlowAndNeverControl) {
+  Outbox outbox(100);
+  outbox.push(control("hello"));
+  for (int i = 0; i < 50; ++i) {
+    outbox.push(flow(10));
+  }
+  EXPECT_EQ(outbox.dropped(), 40);
+  EXPECT_LE(outbox.bytes(), 105U);
+  EXPECT_EQ(outbox.pop()->head, "hello");
+  int left = 0;
+  while (outbox.pop()) {
+    ++left;
+  }
+  EXPECT_EQ(left, 10);
+  EXPECT_EQ(outbox.bytes(), 0U);
+}
+
+TEST(Outbox, KeepsOnlyTheNewestOfAState) {
+  Outbox outbox(100);
+  for (int i = 0; i < 1000; ++i) {
+    outbox.push(state(1, "old"));
+    outbox.push(state(2, "other"));
+  }
+  outbox.push(state(1, "new"));
+  EXPECT_EQ(outbox.pop()->head, "other");
+  EXPECT_EQ(outbox.pop()->head, "new");
+  EXPECT_FALSE(outbox.pop());
+  EXPECT_EQ(outbox.dropped(), 0);
+}
+
+TEST(Outbox, LetsOneFrameThroughHoweverLarge) {
+  Outbox outbox(100);
+  outbox.push(flow(500));
+  EXPECT_EQ(outbox.pop()->size(), 500U);
+}
+
+TEST(Outbox, GivesUpOnAViewerThatNeverReads) {
+  Outbox outbox(100, 3);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_FALSE(outbox.is_hopeless());
+    outbox.push(control("x"));
+  }
+  EXPECT_TRUE(outbox.is_hopeless());
+}
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+TEST(PlaybackClock, GoesAtItsSpeedAndStopsAtTheEnd) {
+  PlaybackClock clock(from_utime(0), from_utime(10'000'000));
+  EXPECT_EQ(clock.state(5).status, PlaybackStatus::kPaused);
+  clock.control({true, 2.0F, std::nullopt, ""}, 0);
+  EXPECT_EQ(clock.position(3 * kSecond_ns), from_utime(6'000'000));
+  EXPECT_EQ(clock.state(9 * kSecond_ns).status, PlaybackStatus::kEnded);
+  EXPECT_EQ(clock.position(9 * kSecond_ns), from_utime(10'000'000));
+}
+
+TEST(PlaybackClock, KeepsItsPlaceOverAPauseAndAChangeOfSpeed) {
+  PlaybackClock clock(from_utime(0), from_utime(100'000'000));
+  clock.control({true, 1.0F, std::nullopt, ""}, 0);
+  clock.control({false, 1.0F, std::nullopt, ""}, 2 * kSecond_ns);
+  EXPECT_EQ(clock.position(50 * kSecond_ns), from_utime(2'000'000));
+  clock.control({true, 4.0F, std::nullopt, ""}, 50 * kSecond_ns);
+  EXPECT_EQ(clock.position(51 * kSecond_ns), from_utime(6'000'000));
+}
+
+TEST(PlaybackClock, SeeksWithinTheLogAndAnswersTheRequest) {
+  PlaybackClock clock(from_utime(0), from_utime(10'000'000));
+  const PlaybackState state = clock.control({false, 1.0F, from_utime(99'000'000), "r7"}, 0);
+  EXPECT_EQ(state.time, from_utime(10'000'000));
+  EXPECT_TRUE(state.did_seek);
+  EXPECT_EQ(state.request_id, "r7");
+  const PlaybackState again = clock.control({true, 1.0F, std::nullopt, "r8"}, 0);
+  EXPECT_EQ(again.time, from_utime(0)) << "play at the end begins anew";
+  EXPECT_TRUE(again.did_seek);
+}
+
+/// A file that is gone with the test.
+class LogFile {
+ public:
+  LogFile() {
+    static int made = 0;
+    path_ = (std::filesystem::temp_directory_path() /
+             ("view_test_" + std::to_string(getpid()) + "_" + std::to_string(made++) + ".lcmlog"))
+                .string();
+  }
+  ~LogFile() { std::filesystem::remove(path_); }
+  LogFile(const LogFile&) = delete;
+  LogFile& operator=(const LogFile&) = delete;
+  LogFile(LogFile&&) = delete;
+  LogFile& operator=(LogFile&&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+void write_events(const std::string& path, int count) {
+  logs::LogWriter writer(path);
+  for (int i = 0; i < count; ++i) {
+    const std::vector<std::uint8_t> bytes(static_cast<std::size_t>(i % 7), std::uint8_t(i));
+    writer.write(from_utime(1000 * i), i % 3 == 0 ? "RARE" : "OFTEN", bytes);
+  }
+}
+
+TEST(LogIndex, FindsEveryEventByTimeAndTheNewestOfEachChannel) {
+  const LogFile file;
+  write_events(file.path(), 100);
+  LogIndex log(file.path());
+  ASSERT_EQ(log.size(), 100U);
+  EXPECT_EQ(log.bytes_damaged(), 0);
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    const LogEvent event = log.read(i);
+    EXPECT_EQ(log.first_at(event.time), i);
+    EXPECT_EQ(event.channel, i % 3 == 0 ? "RARE" : "OFTEN");
+    EXPECT_EQ(event.bytes, std::vector<std::uint8_t>(i % 7, std::uint8_t(i)));
+  }
+  EXPECT_EQ(log.newest_before(50), (std::vector<std::size_t>{48, 49}));
+  EXPECT_EQ(log.newest_before(1), (std::vector<std::size_t>{0}));
+  EXPECT_EQ(log.first_at(from_utime(1'000'000'000)), log.size());
+}
+
+TEST(LogIndex, SkipsADamagedStretchAndATornEnd) {
+  const LogFile file;
+  write_events(file.path(), 100);
+  const auto size = std::filesystem::file_size(file.path());
+  std::filesystem::resize_file(file.path(), size - 3);
+  std::fstream damaged(file.path(), std::ios::in | std::ios::out | std::ios::binary);
+  damaged.seekp(0);
+  damaged.write("garbage", 7);
+  damaged.close();
+  const LogIndex log(file.path());
+  EXPECT_EQ(log.size(), 98U);
+  EXPECT_GT(log.bytes_damaged(), 0);
+}
+
+TEST(LogIndex, RefusesWhatIsNoLog) {
+  const LogFile file;
+  std::ofstream(file.path()) << "not a log at all, only a line of text that is long enough";
+  EXPECT_THROW(LogIndex{file.path()}, StartupError);
+  EXPECT_THROW(LogIndex{"/nonexistent"}, StartupError);
+}
+
+json pop_text(Client& client) {
+  const auto frame = client.wait_pop();
+  EXPECT_TRUE(frame && frame->is_text);
+  return frame ? json::parse(frame->head) : json();
+}
+
+void put(Broker& broker, const std::string& topic, int value, bool is_state) {
+  if (broker.wants(topic, Schema::kTeam, is_state)) {
+    broker.write(topic, from_utime(value), json{{"known", value}});
+  }
+}
+
+TEST(Broker, TellsANewcomerWhatThereIsAndTheStates) {
+  Broker broker({"test", "s", std::nullopt});
+  put(broker, "/state", 1, true);
+  put(broker, "/flow", 2, false);
+  const auto client = broker.connect(true);
+  EXPECT_EQ(pop_text(*client)["op"], "serverInfo");
+  const json advertised = pop_text(*client);
+  ASSERT_EQ(advertised["channels"].size(), 2U);
+  EXPECT_EQ(advertised["channels"][0]["topic"], "/state");
+  broker.on_request(*client, Subscribe{{{7, 1}, {8, 2}}});
+  const auto frame = client->wait_pop();
+  EXPECT_EQ(frame->head, message_head(7, from_utime(1)));
+  EXPECT_EQ(*frame->body, R"({"known":1})");
+  put(broker, "/flow", 3, false);
+  EXPECT_EQ(client->wait_pop()->head, message_head(8, from_utime(3)));
+  broker.disconnect(client);
+  EXPECT_FALSE(client->wait_pop());
+}
+
+TEST(Broker, WantsAFlowOnlyWhileSomebodyWatches) {
+  Broker broker({"test", "s", std::nullopt});
+  EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
+  EXPECT_TRUE(broker.wants("/state", Schema::kTeam, true));
+  const auto client = broker.connect(true);
+  broker.on_request(*client, Subscribe{{{1, 1}}});
+  EXPECT_TRUE(broker.wants("/flow", Schema::kTeam, false));
+  broker.on_request(*client, Unsubscribe{{1}});
+  EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
+  broker.on_request(*client, Subscribe{{{2, 1}}});
+  broker.disconnect(client);
+  EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
+}
+
+TEST(Broker, AdvertisesATopicToThoseAlreadyThere) {
+  Broker broker({"test", "s", std::nullopt});
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  pop_text(*client);
+  put(broker, "/new", 1, true);
+  put(broker, "/new", 2, true);
+  const json advertised = pop_text(*client);
+  EXPECT_EQ(advertised["channels"][0]["topic"], "/new");
+  EXPECT_EQ(advertised["channels"][0]["schemaName"], "vantage.Team");
+  broker.disconnect(client);
+}
+
+TEST(Broker, RefusesDoubleAndUnknownSubscriptionsAndChangesNothing) {
+  Broker broker({"test", "s", std::nullopt});
+  put(broker, "/flow", 1, false);
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  pop_text(*client);
+  broker.on_request(*client, Subscribe{{{1, 1}, {1, 1}, {2, 9}, {3, 0}}});
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(pop_text(*client)["level"], 2);
+  }
+  broker.on_request(*client, Declined{"advertise"});
+  EXPECT_EQ(pop_text(*client)["level"], 1);
+  broker.on_request(*client, PlaybackControl{});
+  EXPECT_TRUE(broker.take_controls().empty()) << "a live bus cannot be sought in";
+  broker.disconnect(client);
+}
+
+TEST(Broker, HoldsBackTheWayToAnInstantAndSendsWhereItLed) {
+  Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
+  put(broker, "/flow", 1, false);
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  pop_text(*client);
+  broker.on_request(*client, Subscribe{{{1, 1}}});
+  EXPECT_EQ(client->wait_pop()->head, message_head(1, from_utime(1)));
+  broker.hold();
+  put(broker, "/flow", 2, false);
+  put(broker, "/flow", 3, false);
+  broker.release();
+  EXPECT_EQ(client->wait_pop()->head, message_head(1, from_utime(3)));
+  broker.disconnect(client);
+}
+
+TEST(Broker, TellsANewcomerWhereThePlayerIs) {
+  Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9'000'000))});
+  const PlaybackState state{PlaybackStatus::kPlaying, from_utime(1'000'000), 2.0F, true, "r"};
+  broker.broadcast_playback(state);
+  broker.broadcast_time(from_utime(5'000'000));
+  for (const bool speaks_sdk : {true, false}) {
+    const auto client = broker.connect(speaks_sdk);
+    pop_text(*client);
+    pop_text(*client);
+    EXPECT_EQ(client->wait_pop()->head, time_frame(from_utime(5'000'000)));
+    if (speaks_sdk) {
+      EXPECT_EQ(
+          client->wait_pop()->head,
+          playback_state_frame({PlaybackStatus::kPlaying, from_utime(5'000'000), 2.0F, false, ""}));
+    }
+    client->push(control("{}"));
+    EXPECT_TRUE(pop_text(*client).empty()) << "nothing else";
+    broker.disconnect(client);
+  }
+}
+
+TEST(Broker, CountsWhatASlowViewerMissesAndTellsIt) {
+  Broker broker({"test", "s", std::nullopt});
+  put(broker, "/flow", 0, false);
+  const auto client = broker.connect(true);
+  broker.on_request(*client, Subscribe{{{1, 1}}});
+  const json large{{"yaml", std::string(1U << 20U, 'x')}};
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(broker.wants("/flow", Schema::kTeam, false));
+    broker.write("/flow", from_utime(i), large);
+  }
+  EXPECT_GE(broker.dropped(), 12);
+  EXPECT_LE(broker.dropped(), 13);
+  broker.disconnect(client);
+  EXPECT_GE(broker.dropped(), 12) << "also after it has gone";
+}
+
+TEST(LogView, ShowsTheSameInstantHoweverItCameThere) {
+  const LogFile file;
+  if (std::system(("xz -dkc " + std::string(VANTAGE_SOURCE_DIR) +
+                   "/logs/sample/lab_60s.lcmlog.xz > " + file.path() + " 2>/dev/null")
+                      .c_str()) != 0) {
+    GTEST_SKIP() << "no xz";
+  }
+  LogIndex log(file.path());
+  const Time instant = log.start() + std::chrono::seconds(40);
+  const auto newest = [&](bool goes_back_first) {
+    Broker broker({"test", "s", std::pair(log.start(), log.end())});
+    LogView view(log, broker);
+    const auto client = broker.connect(true);
+    const auto ask = [&](Time to) {
+      const auto requests = parse_binary(
+          playback_request(1, 1.0F, true, static_cast<std::uint64_t>(to_utime(to)) * 1000, "x"));
+      broker.on_request(*client, requests);
+      view.tick(0);
+    };
+    if (goes_back_first) {
+      ask(log.end());
+      ask(log.start());
+    }
+    ask(instant);
+    // What a newcomer is told of the scene is what the log says of that instant.
+    const auto newcomer = broker.connect(true);
+    pop_text(*newcomer);
+    const json advertised = pop_text(*newcomer);
+    Subscribe all;
+    std::map<std::uint32_t, std::string> topics;
+    for (const json& channel : advertised["channels"]) {
+      topics[channel["id"].get<std::uint32_t>()] = channel["topic"];
+      all.pairs.emplace_back(channel["id"], channel["id"]);
+    }
+    broker.on_request(*newcomer, all);
+    newcomer->push(control("{}"));
+    std::map<std::string, std::string> content;
+    for (auto frame = newcomer->wait_pop(); frame && !frame->is_text;
+         frame = newcomer->wait_pop()) {
+      if (frame->head[0] != 1) {
+        continue;  // time and playback
+      }
+      const auto id = static_cast<unsigned char>(frame->head[1]);
+      content[topics.at(id)] = *frame->body;
+    }
+    broker.disconnect(client);
+    broker.disconnect(newcomer);
+    return content;
+  };
+  const auto straight = newest(false);
+  const auto roundabout = newest(true);
+  EXPECT_GT(straight.size(), 15U);
+  for (const char* topic : {"/transforms", "/plan/Q1", "/estimates", "/grid", "/vehicle/Q2"}) {
+    ASSERT_TRUE(straight.contains(topic)) << topic;
+  }
+  EXPECT_EQ(straight, roundabout);
+}
+
+TEST(LogHistory, HoldsTheNumbersOfTheWholeLogInOrder) {
+  const LogFile file;
+  if (std::system(("xz -dkc " + std::string(VANTAGE_SOURCE_DIR) +
+                   "/logs/sample/lab_60s.lcmlog.xz > " + file.path() + " 2>/dev/null")
+                      .c_str()) != 0) {
+    GTEST_SKIP() << "no xz";
+  }
+  LogIndex log(file.path());
+  Broker broker({"test", "s", std::pair(log.start(), log.end())});
+  const json history = json::parse(log_history(log, broker));
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  EXPECT_GT(pop_text(*client)["channels"].size(), 30U) << "a newcomer is told of every topic";
+  broker.disconnect(client);
+  std::map<std::string, int> records;
+  std::int64_t last = 0;
+  for (const json& record : history) {
+    ++records[record[0]];
+    EXPECT_GE(record[1].get<std::int64_t>(), last);
+    last = record[1];
+  }
+  EXPECT_NEAR(records["/team"], 120, 3);           // two steps a second
+  EXPECT_NEAR(records["/plan/Q1/status"], 60, 3);  // a round a second
+  EXPECT_NEAR(records["/vehicle/Q3"], 60, 3);
+}
+
+}  // namespace
+}  // namespace vantage::tools

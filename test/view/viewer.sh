@@ -1,0 +1,49 @@
+#!/bin/sh
+# viewer.sh channels|page log|live VANTAGE SOURCE_DIR: `vantage view` on the sample log, or
+# `vantage demo --view`, read by Foxglove's own client or driven in headless Chromium. Screenshots go
+# to $VANTAGE_SHOTS when it is set. Exit code 77: what it needs is not there.
+what=$1
+kind=$2
+vantage=$3
+source=$4
+peer=$source/test/view/peer
+
+skip() {
+  echo "skipped: $1"
+  exit 77
+}
+[ -d "$peer/node_modules/ws" ] || skip "npm has not fetched the clients (tools/setup)"
+if [ "$what" = page ]; then
+  command -v "${CHROMIUM:-chromium}" >/dev/null || skip "no chromium"
+fi
+
+folder=$(mktemp -d)
+server=
+trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; rm -rf "$folder"' EXIT
+if [ "$kind" = log ]; then
+  xz -dkc "$source/logs/sample/lab_60s.lcmlog.xz" >"$folder/lab.lcmlog" || skip "no xz"
+  "$vantage" view "$folder/lab.lcmlog" --port 0 >"$folder/out" 2>&1 &
+else
+  "$vantage" demo --scenario "$source/config/lab.yaml" --duration-s 600 --out "$folder" \
+    --view --port 0 >"$folder/out" 2>&1 &
+fi
+server=$!
+tries=0
+until url=$(grep -o 'http://[0-9.:]*' "$folder/out"); do
+  tries=$((tries + 1))
+  if [ $tries -gt 300 ] || ! kill -0 $server 2>/dev/null; then
+    cat "$folder/out"
+    exit 1
+  fi
+  sleep 0.1
+done
+
+case $what in
+  channels) node "$peer/channels.mjs" "ws${url#http}" 30 ;;
+  page)
+    if grep -q 'not built' "$folder/out"; then
+      skip "the page was not built"
+    fi
+    node "$peer/page.mjs" "$url" "$kind" "${VANTAGE_SHOTS:-}"
+    ;;
+esac

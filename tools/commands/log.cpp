@@ -1,0 +1,16 @@
+#include "tools/log/log_commands.hpp"
+
+namespace vantage::tools {
+
+void add_log_command(CLI::App& root, Runner& run) {
+  CLI::App* log = root.add_subcommand("log", "Look at, mend and use LCM event logs.");
+  log->require_subcommand(1);
+  add_log_look_commands(*log, run);
+  add_log_edit_commands(*log, run);
+  add_log_metrics_commands(*log, run);
+  add_log_replay_command(*log, run);
+  add_log_export_command(*log, run);
+  add_log_play_command(*log, run);
+}
+
+}  // namespace vantage::tools

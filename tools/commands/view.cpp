@@ -1,0 +1,82 @@
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "bus/transport.hpp"
+#include "core/process.hpp"
+#include "tools/commands/commands.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/view/live_view.hpp"
+
+namespace vantage::tools {
+namespace {
+
+constexpr auto kWait = std::chrono::milliseconds(50);
+
+struct ViewArguments {
+  std::string log;
+  std::string url;
+  bool is_playing = false;
+  WebOptions web;
+};
+
+int run(const ViewArguments& arguments) {
+  if (!arguments.log.empty()) {
+    serve_log(
+        arguments.log, arguments.web, arguments.is_playing,
+        [&](const WebServer& server) { announce_view(server, arguments.log); }, stop_requested);
+    return 0;
+  }
+  const LiveView view(bus::open_transport(arguments.url), arguments.web);
+  announce_view(view.server(), "live");
+  while (!stop_requested() && view.failure().empty()) {
+    std::this_thread::sleep_for(kWait);
+  }
+  if (!view.failure().empty()) {
+    throw std::runtime_error(view.failure());
+  }
+  return 0;
+}
+
+}  // namespace
+
+void announce_view(const WebServer& server, const std::string& what) {
+  print_line("view     " + server.url() + "   (" + what + ")");
+  if (!server.has_page()) {
+    print_line("         the page was not built (no npm); for Foxglove and Lichtblick:");
+  }
+  print_line("         Foxglove, Lichtblick: ws" + server.url().substr(4));
+}
+
+void add_web_options(CLI::App& command, WebOptions& web) {
+  web.page_folder = VANTAGE_PAGE_FOLDER;
+  command.add_option("--port", web.port, "port to serve on; 0: any free one")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command.add_option("--bind", web.bind, "address to serve on; 0.0.0.0: every one of this host")
+      ->capture_default_str();
+  command.add_option("--page", web.page_folder,
+                     "folder of the built page, instead of this build's");
+}
+
+void add_view_command(CLI::App& root, Runner& chosen) {
+  CLI::App* command =
+      root.add_subcommand("view", "Show what is on the bus, or in a log, in the browser.");
+  auto arguments = std::make_shared<ViewArguments>();
+  auto* log = command->add_option("log", arguments->log, "LCM log to play; live without one");
+  command->add_option("--url", arguments->url, "LCM URL to listen to")->excludes(log);
+  command->add_flag("--play", arguments->is_playing, "play the log at once")->needs(log);
+  add_web_options(*command, arguments->web);
+  command->footer(
+      "Serves a page of its own and the Foxglove WebSocket protocol on one port; Foxglove and\n"
+      "Lichtblick connect to it as they are. Only shows: nothing reaches the bus from there.\n"
+      "Ends with Ctrl-C.\n"
+      "Examples:\n"
+      "  vantage view\n"
+      "  vantage view demo-out/lab.lcmlog\n"
+      "  vantage view --url 'udpm://239.255.76.67:7667?ttl=1' --bind 0.0.0.0 --port 8080");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "models/world/world.hpp"
+#include "planner/search/arvi.hpp"
+#include "planner/team/decision/team_oracle.hpp"
+
+namespace vantage::tools {
+
+/// What the text of the dissertation leaves open about its scenario 1.
+struct EnergyTrialOptions {
+  double prior_position_sigma_m = 1.0;
+  double prior_velocity_sigma_mps = 1.0;
+  double acceleration_q = 0.1;  ///< m²/s³, of the targets
+  /// Of the metric in which δ = 2 m is meant: such that N of ten robots comes near the text's
+  /// 12500.
+  double yaw_weight_m_per_rad = 1.7;
+};
+
+/// One draw of "multi-robot dynamic target tracking": n ground robots and as many targets in a
+/// square of 40 m (n = 2) to 60 m (n = 10), the i-th robot i times as dear to move as the first.
+/// Source: dissertation 3 D.2, Table 3.1.
+struct EnergyTrial {
+  std::unique_ptr<models::World> world;        ///< that the robots' problems point to
+  std::vector<planner::SearchProblem> robots;  ///< what each robot's candidates solve
+  planner::TeamProblem team;
+};
+
+/// Where robots and targets are drawn by `seed` and `n` alone: the same on every machine.
+EnergyTrial draw_energy_trial(int n, std::uint64_t seed, const EnergyTrialOptions& options,
+                              planner::ReducedValueIteration& search);
+
+/// `team` with the best `share` of each robot's candidates by value alone, at least one each.
+planner::TeamProblem best_share(const planner::TeamOracle& oracle, double share);
+
+}  // namespace vantage::tools

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace vantage::tools {
+
+/// One row of Table 4.1, and how it is run.
+struct TrackingSetting {
+  int robots = 10;
+  int targets = 10;
+  int attacks = 2;  ///< α: of the attacker, and what a resilient team plans for
+  int task_steps = 500;
+  int plan_steps = 25;                   ///< T_PLAN = T_REPLAN
+  std::int64_t nodes_per_plan = 20'000;  ///< of one robot's search
+  // What the text leaves open.
+  double prior_position_sigma_m = 1.0;
+  double prior_velocity_sigma_mps = 0.1;
+  /// With which a look that finds nothing moves a belief away; 0: such looks are not used, and
+  /// robots go on looking where a lost target is not.
+  double detection_probability = 0.9;
+};
+
+/// What a run was like after each step.
+struct TrackingRun {
+  std::vector<double> rmse_m;        ///< √ mean over targets of the squared position error
+  std::vector<double> entropy_nats;  ///< mean over targets
+};
+
+/// Tracking in a square of 64 m while the attacker takes away, for each planning period, the
+/// sensors of those α robots without which the team's plans would bring least (greedily found);
+/// robots that measure share everything. Resilient: RAIN; else coordinate descent. Targets, their
+/// priors and the robots' starts depend on `seed` alone, not on how the team plans.
+/// Source: dissertation 4 F.1.
+TrackingRun track_under_attack(const TrackingSetting& setting, bool is_resilient,
+                               std::uint64_t seed);
+
+}  // namespace vantage::tools

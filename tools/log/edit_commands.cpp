@@ -1,0 +1,161 @@
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/check.hpp"
+#include "logs/edit/edit.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/log/log_commands.hpp"
+
+namespace vantage::tools {
+namespace {
+
+struct EditArguments {
+  std::string input;
+  std::vector<std::string> inputs;  ///< of merge
+  std::string output;
+  bool force = false;
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+  std::vector<std::string> include;
+  std::vector<std::string> exclude;
+  std::vector<std::string> renames;
+  bool strict = false;
+};
+
+int report(const EditArguments& arguments, const logs::EditCounts& counts) {
+  print_line(fmt::format("{}: {} events", arguments.output, counts.written));
+  if (counts.name_too_long > 0) {
+    fmt::print(stderr, "{} events left out: their new name is longer than 63 bytes\n",
+               counts.name_too_long);
+  }
+  if (counts.failed > 0) {
+    fmt::print(stderr, "{} events could not be written\n", counts.failed);
+  }
+  return counts.failed + counts.name_too_long == 0 ? 0 : 1;
+}
+
+logs::EditRules rules_for(const EditArguments& arguments, const logs::IndexedLog& log) {
+  logs::EditRules rules;
+  rules.channels = logs::ChannelFilter(arguments.include, arguments.exclude);
+  rules.names = logs::ChannelRenames(arguments.renames);
+  rules.drops_doubtful = arguments.strict;
+  if (arguments.from_s) {
+    rules.from = log.survey().first + from_seconds(*arguments.from_s);
+  }
+  if (arguments.to_s) {
+    rules.to = log.survey().first + from_seconds(*arguments.to_s);
+  }
+  require(rules.from < rules.to, "--from-s must be less than --to-s");
+  return rules;
+}
+
+int edit(const EditArguments& arguments) {
+  const logs::IndexedLog log(arguments.input, progress_line("reading"));
+  logs::EditRules rules = rules_for(arguments, log);
+  OutputLog output(arguments.output, {arguments.input}, arguments.force);
+  return report(arguments, logs::edit_log(log, rules, output.sink()));
+}
+
+int repair(const EditArguments& arguments) {
+  const logs::IndexedLog log(arguments.input, progress_line("reading"));
+  const logs::ScanCounts& scan = log.survey().scan;
+  print_line(fmt::format("{}: {} stretches given up ({} bytes), {} doubtful events {}",
+                         arguments.input, scan.stretches, scan.bytes_damaged, scan.doubtful,
+                         arguments.strict ? "left out" : "kept"));
+  return edit(arguments);
+}
+
+int merge(const EditArguments& arguments) {
+  std::vector<std::unique_ptr<logs::IndexedLog>> opened;
+  std::vector<const logs::IndexedLog*> inputs;
+  for (const std::string& path : arguments.inputs) {
+    opened.push_back(std::make_unique<logs::IndexedLog>(path, progress_line("reading " + path)));
+    inputs.push_back(opened.back().get());
+  }
+  OutputLog output(arguments.output, arguments.inputs, arguments.force);
+  return report(arguments, logs::merge_logs(inputs, output.sink()));
+}
+
+class Adder {
+ public:
+  Adder(CLI::App& log, Runner& chosen, const char* name, const char* what, const char* footer,
+        int (*action)(const EditArguments&))
+      : command_(*log.add_subcommand(name, what)), arguments_(std::make_shared<EditArguments>()) {
+    command_.footer(footer);
+    command_.add_flag("--force", arguments_->force, "write over an existing file");
+    command_.callback([&chosen, arguments = arguments_, action] {
+      chosen = [arguments, action] { return action(*arguments); };
+    });
+  }
+  Adder& one_input() {
+    command_.add_option("log", arguments_->input, "LCM event log")->required();
+    command_.add_option("output", arguments_->output, "the new log")->required();
+    return *this;
+  }
+  CLI::App& command() { return command_; }
+  EditArguments& arguments() { return *arguments_; }
+
+ private:
+  CLI::App& command_;
+  std::shared_ptr<EditArguments> arguments_;
+};
+
+}  // namespace
+
+void add_log_edit_commands(CLI::App& log, Runner& run) {
+  Adder repair_command(log, run, "repair", "Write what is intact of a damaged log to a new one.",
+                       "Torn tails, wrong lengths, overwritten and lost stretches: every intact\n"
+                       "event behind them is found again. Events are numbered anew.\n"
+                       "Example:\n"
+                       "  vantage log repair torn.lcmlog whole.lcmlog",
+                       repair);
+  repair_command.one_input().command().add_flag(
+      "--strict", repair_command.arguments().strict,
+      "leave out events whose data may have lost their end");
+
+  Adder slice(log, run, "slice", "Write the part of a log between two instants to a new one.",
+              "The part begins with the newest SCENARIO from before it. Seconds count from the\n"
+              "log's first event.\n"
+              "Example:\n"
+              "  vantage log slice flight.lcmlog minute.lcmlog --from-s 60 --to-s 120",
+              edit);
+  slice.one_input();
+  slice.command().add_option("--from-s", slice.arguments().from_s, "where it begins");
+  slice.command().add_option("--to-s", slice.arguments().to_s, "where it ends (not included)");
+
+  Adder filter(log, run, "filter", "Write some of a log's channels to a new one.",
+               "Expressions match the whole name: write '.*VICON.*', '(A|B)'.\n"
+               "Examples:\n"
+               "  vantage log filter flight.lcmlog plans.lcmlog --channels 'PLAN_.*' SCENARIO\n"
+               "  vantage log filter flight.lcmlog small.lcmlog --without VICON",
+               edit);
+  filter.one_input();
+  filter.command().add_option("--channels", filter.arguments().include, "the ones to keep");
+  filter.command().add_option("--without", filter.arguments().exclude, "the ones to leave out");
+
+  Adder rename(log, run, "rename", "Write a log with other channel names to a new one.",
+               "Examples:\n"
+               "  vantage log rename flight.lcmlog other.lcmlog --rule VICON=MOCAP\n"
+               "  vantage log rename flight.lcmlog other.lcmlog --rule 'PLAN_*=OLD_PLAN_*'",
+               edit);
+  rename.one_input();
+  rename.command()
+      .add_option("--rule", rename.arguments().renames, "OLD=NEW or OLD*=NEW*; the first fits")
+      ->required();
+
+  Adder merge_command(log, run, "merge", "Write several logs into one, in the order of time.",
+                      "Example:\n"
+                      "  vantage log merge host1.lcmlog host2.lcmlog --out both.lcmlog",
+                      merge);
+  merge_command.command()
+      .add_option("logs", merge_command.arguments().inputs, "LCM event logs")
+      ->required()
+      ->expected(2, 64);
+  merge_command.command()
+      .add_option("--out", merge_command.arguments().output, "the new log")
+      ->required();
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "logs/edit/edit.hpp"
+#include "logs/record/log_writer.hpp"
+#include "tools/commands/commands.hpp"
+
+namespace vantage::tools {
+
+// Each adds its subcommands to `vantage log`.
+void add_log_look_commands(CLI::App& log, Runner& run);  ///< info, check
+void add_log_edit_commands(CLI::App& log, Runner& run);  ///< repair, slice, filter, rename, merge
+void add_log_replay_command(CLI::App& log, Runner& run);
+void add_log_export_command(CLI::App& log, Runner& run);
+void add_log_metrics_commands(CLI::App& log, Runner& run);  ///< metrics, plot
+void add_log_play_command(CLI::App& log, Runner& run);
+
+/// A progress line on stderr named `what` when that is a terminal, else nothing.
+std::function<void(double)> progress_line(const std::string& what);
+
+/// A log to be written, never one of `inputs`.
+class OutputLog {
+ public:
+  /// @throws StartupError when `path` is one of `inputs`, exists (without `force`), or cannot be
+  ///         written.
+  OutputLog(const std::string& path, const std::vector<std::string>& inputs, bool force);
+  logs::EventSink sink();
+
+ private:
+  static std::string checked(const std::string& path, const std::vector<std::string>& inputs,
+                             bool force);
+  logs::LogWriter writer_;
+};
+
+}  // namespace vantage::tools

@@ -1,0 +1,135 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bus/transport.hpp"
+#include "core/check.hpp"
+#include "core/process.hpp"
+#include "logs/play/player.hpp"
+#include "tools/console/terminal.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/log/log_commands.hpp"
+
+namespace vantage::tools {
+namespace {
+
+struct PlayArguments {
+  std::string log;
+  std::string url;
+  double speed = 1.0;
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+  std::vector<std::string> include;
+  std::vector<std::string> exclude;
+  std::vector<std::string> renames;
+  bool loops = false;
+  bool starts_paused = false;
+  bool as_json = false;
+};
+
+logs::PlayOptions options_of(const PlayArguments& arguments, const logs::IndexedLog& log) {
+  logs::PlayOptions options;
+  options.speed = arguments.speed;
+  options.loops = arguments.loops;
+  options.starts_paused = arguments.starts_paused;
+  options.rules.channels = logs::ChannelFilter(arguments.include, arguments.exclude);
+  options.rules.names = logs::ChannelRenames(arguments.renames);
+  if (arguments.from_s) {
+    options.rules.from = log.survey().first + from_seconds(*arguments.from_s);
+  }
+  if (arguments.to_s) {
+    options.rules.to = log.survey().first + from_seconds(*arguments.to_s);
+  }
+  require(options.rules.from < options.rules.to, "--from-s must be less than --to-s");
+  return options;
+}
+
+/// Lines, or keys with the arrows' three characters put together.
+std::optional<std::string> read_wish(Terminal& terminal) {
+  std::optional<std::string> text = terminal.read();
+  if (text == "\x1b" && terminal.is_interactive()) {
+    for (int i = 0; i < 2; ++i) {
+      *text += terminal.read().value_or("");
+    }
+  }
+  return text;
+}
+
+int run(const PlayArguments& arguments) {
+  const logs::IndexedLog log(arguments.log, progress_line("reading"));
+  const auto transport = bus::open_transport(arguments.url);
+  logs::Player player(log, options_of(arguments, log), logs::monotonic_timer(),
+                      [&](const logs::LogEvent& event) {
+                        return transport->publish(std::string(event.channel), event.data);
+                      });
+  Terminal terminal;
+  const auto command = [&]() -> std::optional<logs::PlayCommand> {
+    while (const auto text = read_wish(terminal)) {
+      if (auto wish = logs::parse_play_command(*text)) {
+        return wish;
+      }
+      if (!terminal.is_interactive()) {
+        fmt::print(stderr, "play: do not understand '{}'\n", *text);
+      }
+    }
+    return std::nullopt;
+  };
+  Screen screen;
+  const bool shows = is_terminal() && !arguments.as_json;
+  const auto on_position = [&](const logs::PlaySchedule& schedule, Time position) {
+    if (shows) {
+      screen.redraw({fmt::format(
+          "{:8.2f} of {:.2f} s   × {:g}{}", to_seconds(position - log.survey().first),
+          log.survey().duration_s(), schedule.speed(), schedule.is_paused() ? "   paused" : "")});
+    }
+  };
+  const logs::PlayReport report = player.run(command, stop_requested, on_position);
+  if (arguments.as_json) {
+    print_line(nlohmann::ordered_json{{"published", report.published},
+                                      {"failed", report.failed},
+                                      {"passes", report.passes},
+                                      {"late_mean_us", report.late_mean_us},
+                                      {"late_worst_us", report.late_worst_us},
+                                      {"late_over_1_ms", report.late_over_1_ms}}
+                   .dump());
+  } else {
+    print_line(fmt::format("{} messages, late by {:.0f} µs on average, {:.0f} µs at worst",
+                           report.published, report.late_mean_us, report.late_worst_us));
+  }
+  if (report.failed > 0) {
+    fmt::print(stderr, "{} messages could not be published\n", report.failed);
+  }
+  return report.failed == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+void add_log_play_command(CLI::App& log, Runner& chosen) {
+  CLI::App* command = log.add_subcommand("play", "Publish a log's messages again, at their pace.");
+  auto arguments = std::make_shared<PlayArguments>();
+  command->add_option("log", arguments->log, "LCM event log")->required();
+  command->add_option("--url", arguments->url, "LCM URL; $LCM_DEFAULT_URL when not given");
+  command->add_option("--speed", arguments->speed, "1: as it was")
+      ->check(CLI::Range(1.0 / 64.0, 64.0))
+      ->capture_default_str();
+  command->add_option("--from-s", arguments->from_s, "where to begin, since the first event");
+  command->add_option("--to-s", arguments->to_s, "where to end (not included)");
+  command->add_option("--channels", arguments->include, "the ones to play (whole names)");
+  command->add_option("--without", arguments->exclude, "the ones not to play");
+  command->add_option("--rename", arguments->renames, "OLD=NEW or OLD*=NEW*; the first fits");
+  command->add_flag("--loop", arguments->loops, "begin again at the end");
+  command->add_flag("--paused", arguments->starts_paused, "wait for space (or 'resume')");
+  command->add_flag("--json", arguments->as_json, "print one JSON object at the end");
+  command->footer(
+      "Keys: space pause, arrows or f b 5 s on and back, + - speed, q quit. Without a terminal,\n"
+      "lines: pause, resume, seek S, step S, speed X, quit.\n"
+      "After going back, vantage's own processes take what they hear for old and refuse it; start\n"
+      "them anew. Viewers and other LCM programs do not mind.\n"
+      "Examples:\n"
+      "  vantage log play flight.lcmlog --speed 2 --from-s 30\n"
+      "  vantage log play flight.lcmlog --channels VICON --rename VICON=MOCAP --loop");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace vantage::tools

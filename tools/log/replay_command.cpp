@@ -1,0 +1,108 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/live/screen.hpp"
+#include "tools/log/log_commands.hpp"
+#include "tools/log/log_scenario.hpp"
+#include "tools/replay/log_replay.hpp"
+
+namespace vantage::tools {
+namespace {
+
+struct ReplayArguments {
+  std::string log;
+  std::vector<std::string> nodes;
+  bool as_json = false;
+};
+
+using Json = nlohmann::ordered_json;
+
+bool is_good(const ReplayReport& report) { return report.outputs.is_exact(); }
+
+Json to_json(const std::string& node, const ReplayReport& report) {
+  const OutputComparison& outputs = report.outputs;
+  Json json{{"node", node},
+            {"exact", is_good(report)},
+            {"logged", outputs.logged()},
+            {"replayed", outputs.replayed()},
+            {"different", outputs.different()},
+            {"unexpected", outputs.unexpected()},
+            {"not_replayed", report.not_replayed()},
+            {"first_difference", nullptr}};
+  if (const auto& first = outputs.first_difference()) {
+    json["first_difference"] = {{"index", first->index},       {"utime", to_utime(first->time)},
+                                {"member", first->member},     {"logged", first->logged},
+                                {"replayed", first->replayed}, {"inputs", first->inputs}};
+  }
+  return json;
+}
+
+void print(const std::string& node, const ReplayReport& report) {
+  const OutputComparison& outputs = report.outputs;
+  print_line(fmt::format("{}: {} of {} outputs made again, {} different{}", node,
+                         outputs.replayed(), outputs.logged(), outputs.different(),
+                         is_good(report) ? ": exact" : ""));
+  if (outputs.unexpected() > 0) {
+    print_line(fmt::format("  {} outputs that the log does not have", outputs.unexpected()));
+  }
+  if (report.not_replayed() > 0) {
+    print_line(fmt::format("  {} not made again: an input that they name is not in the log",
+                           report.not_replayed()));
+  }
+  if (outputs.first_difference()) {
+    for (const std::string& line : describe(*outputs.first_difference())) {
+      print_line("  " + line);
+    }
+  }
+}
+
+int run(ReplayArguments arguments) {
+  const logs::IndexedLog log(arguments.log, progress_line("reading"));
+  const models::Scenario scenario = scenario_of(log);
+  if (arguments.nodes.empty()) {
+    for (const models::RobotSpec& robot : scenario.robots) {
+      arguments.nodes.push_back("estimator:" + robot.name);
+      arguments.nodes.push_back("planner:" + robot.name);
+    }
+  }
+  bool all_good = true;
+  Json all = Json::array();
+  for (const std::string& node : arguments.nodes) {
+    const ReplayReport report =
+        replay_log(log, scenario, parse_replay_target(node, scenario), progress_line(node));
+    all_good &= is_good(report);
+    if (arguments.as_json) {
+      all.push_back(to_json(node, report));
+    } else {
+      print(node, report);
+    }
+  }
+  if (arguments.as_json) {
+    print_line(Json{{"log", arguments.log}, {"exact", all_good}, {"nodes", all}}.dump());
+  }
+  return all_good ? 0 : 1;
+}
+
+}  // namespace
+
+void add_log_replay_command(CLI::App& log, Runner& chosen) {
+  CLI::App* command = log.add_subcommand(
+      "replay", "Let planners and estimators decide again on logged inputs, and compare.");
+  auto arguments = std::make_shared<ReplayArguments>();
+  command->add_option("log", arguments->log, "LCM event log")->required();
+  command->add_option("--node", arguments->nodes,
+                      "planner:ROBOT or estimator:ROBOT; all of them when not given");
+  command->add_flag("--json", arguments->as_json, "print one JSON object");
+  command->footer(
+      "Every plan and belief names the messages it was made from and the nodes it cost; the same\n"
+      "code makes it again from these, in virtual time, and every bit is compared.\n"
+      "Exit code 0: all equal; 1: some differ, or none could be made again.\n"
+      "Examples:\n"
+      "  vantage log replay flight.lcmlog\n"
+      "  vantage log replay flight.lcmlog --node planner:Q1 --json");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,125 @@
+#include "tools/replay/output_comparison.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "logs/json/wire_json.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// After the fingerprint and utime: run id and sequence.
+constexpr std::size_t kOriginBegin = 16;
+constexpr std::size_t kOriginEnd = 32;
+
+std::optional<std::int64_t> index_of(const Json& message) {
+  for (const char* name : {"round", "step"}) {
+    if (const auto found = message.find(name); found != message.end()) {
+      return found->get<std::int64_t>();
+    }
+  }
+  return std::nullopt;
+}
+
+/// Calls `visit` with each innermost value that the two do not share.
+void for_each_difference(const Json& a, const Json& b, const std::string& path, const auto& visit) {
+  if (a.type() == b.type() && a.is_object()) {
+    for (const auto& [name, value] : a.items()) {
+      for_each_difference(value, b.value(name, Json()), path.empty() ? name : path + "." + name,
+                          visit);
+    }
+  } else if (a.type() == b.type() && a.is_array() && a.size() == b.size()) {
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      for_each_difference(a[i], b[i], fmt::format("{}[{}]", path, i), visit);
+    }
+  } else if (a != b) {
+    visit(path, a, b);
+  }
+}
+
+OutputDifference difference_of(std::int64_t index, const Json& logged, const Json& replayed) {
+  OutputDifference out;
+  out.index = index;
+  out.time = from_utime(logged.at("utime").get<std::int64_t>());
+  for_each_difference(logged, replayed, "",
+                      [&](const std::string& path, const Json& a, const Json& b) {
+                        if (path == "run_id" || path == "sequence") {
+                          return;
+                        }
+                        if (++out.members_different == 1) {
+                          out.member = path;
+                          out.logged = a.dump();
+                          out.replayed = b.dump();
+                        }
+                      });
+  if (out.members_different == 0) {
+    out.member = "(bits)";
+  }
+  for (const Json& input : logged.at("inputs")) {
+    out.inputs.push_back(fmt::format("{} {}/{}", input.at("channel").get<std::string>(),
+                                     input.at("run_id").get<std::int64_t>(),
+                                     input.at("sequence").get<std::int64_t>()));
+  }
+  return out;
+}
+
+}  // namespace
+
+void OutputComparison::add_logged(std::span<const std::uint8_t> message) {
+  const auto json = logs::message_json(message);
+  const auto index = json ? index_of(*json) : std::nullopt;
+  if (!index) {
+    ++unreadable_;
+    return;
+  }
+  ++logged_count_;
+  logged_[*index] = Bytes(message.begin(), message.end());
+}
+
+void OutputComparison::add_replayed(std::span<const std::uint8_t> message) {
+  const auto json = logs::message_json(message);
+  const auto index = json ? index_of(*json) : std::nullopt;
+  if (!index) {
+    ++unreadable_;
+    return;
+  }
+  ++replayed_;
+  const auto found = logged_.find(*index);
+  if (found == logged_.end()) {
+    ++unexpected_;
+    return;
+  }
+  const Bytes& logged = found->second;
+  const auto same = [&](std::size_t begin, std::size_t end) {
+    return std::equal(logged.begin() + static_cast<std::ptrdiff_t>(begin),
+                      logged.begin() + static_cast<std::ptrdiff_t>(end),
+                      message.begin() + static_cast<std::ptrdiff_t>(begin));
+  };
+  if (logged.size() == message.size() && same(0, kOriginBegin) && same(kOriginEnd, logged.size())) {
+    return;
+  }
+  ++different_;
+  if (!first_ || *index < first_->index) {
+    first_ = difference_of(*index, *logs::message_json(logged), *json);
+  }
+}
+
+std::vector<std::string> describe(const OutputDifference& difference) {
+  std::vector<std::string> out;
+  out.push_back(fmt::format("first difference: number {}, valid for {} µs, {} members differ",
+                            difference.index, to_utime(difference.time),
+                            difference.members_different));
+  out.push_back(fmt::format("  {}", difference.member));
+  out.push_back(fmt::format("    logged    {}", difference.logged));
+  out.push_back(fmt::format("    replayed  {}", difference.replayed));
+  out.emplace_back("  made from");
+  for (const std::string& input : difference.inputs) {
+    out.push_back("    " + input);
+  }
+  return out;
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,72 @@
+#include "tools/view/live_view.hpp"
+
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
+#include "core/deadline.hpp"
+#include "tools/view/feed.hpp"
+#include "tools/view/log_view.hpp"
+
+namespace vantage::tools {
+namespace {
+
+constexpr auto kWait = std::chrono::milliseconds(50);
+constexpr auto kTick = std::chrono::milliseconds(10);
+
+std::string new_session() { return fmt::format("{:016x}", bus::random_run_id()); }
+
+}  // namespace
+
+LiveView::LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& options)
+    : transport_(std::move(transport)),
+      broker_({"vantage", new_session(), std::nullopt}),
+      server_(broker_, options),
+      thread_([this] { listen(); }) {}
+
+LiveView::~LiveView() {
+  is_over_ = true;
+  thread_.join();
+}
+
+void LiveView::listen() {
+  try {
+    const bus::SystemClock clock;
+    Feed feed(*transport_, clock, broker_);
+    while (!is_over_ && feed.handle(kWait) != bus::kSourceEnded) {
+    }
+  } catch (const std::exception& error) {
+    const std::lock_guard lock(mutex_);
+    failure_ = error.what();
+  }
+}
+
+std::string LiveView::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+void serve_log(const std::string& path, const WebOptions& options, bool is_playing,
+               const std::function<void(const WebServer&)>& ready,
+               const std::function<bool()>& stop) {
+  LogIndex log(path);
+  Broker broker({"vantage " + path, new_session(), std::pair(log.start(), log.end())});
+  WebOptions with_history = options;
+  with_history.history = [text = log_history(log, broker)] { return text; };
+  LogView view(log, broker);
+  if (is_playing) {
+    view.play(monotonic_ns());
+  }
+  const WebServer server(broker, with_history);
+  ready(server);
+  while (!stop()) {
+    view.tick(monotonic_ns());
+    std::this_thread::sleep_for(kTick);
+  }
+}
+
+}  // namespace vantage::tools

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "bus/transport.hpp"
+#include "tools/view/broker.hpp"
+#include "tools/view/web_server.hpp"
+
+namespace vantage::tools {
+
+/// Serves what is on a bus until it is destroyed: one thread listens, the web server's do the rest.
+class LiveView {
+ public:
+  /// @throws StartupError when the address cannot be had.
+  LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& options);
+  ~LiveView();
+  LiveView(const LiveView&) = delete;
+  LiveView& operator=(const LiveView&) = delete;
+  LiveView(LiveView&&) = delete;
+  LiveView& operator=(LiveView&&) = delete;
+
+  [[nodiscard]] const WebServer& server() const { return server_; }
+  [[nodiscard]] const Broker& broker() const { return broker_; }
+  /// Why it does not listen any more; empty while it does.
+  [[nodiscard]] std::string failure() const;
+
+ private:
+  void listen();
+
+  std::unique_ptr<bus::Transport> transport_;
+  Broker broker_;
+  WebServer server_;
+  std::atomic<bool> is_over_ = false;
+  mutable std::mutex mutex_;  ///< of failure_
+  std::string failure_;
+  std::thread thread_;
+};
+
+/// Serves a log from its start, paused unless `is_playing`, until `stop` says so; `ready` is told
+/// the server first.
+/// @throws StartupError when the log cannot be read or the address cannot be had.
+void serve_log(const std::string& path, const WebOptions& options, bool is_playing,
+               const std::function<void(const WebServer&)>& ready,
+               const std::function<bool()>& stop);
+
+}  // namespace vantage::tools

@@ -1,0 +1,210 @@
+// Strip charts of the numbers on the stream.
+
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+
+const kWindow_s = 120; // of a live view
+const kPoints = 20000; // a series at most
+const kColours = ["#2f7fe0", "#d9822b", "#2f9e5b", "#b455c9", "#c94040", "#1d9ba8", "#8a7f2c", "#7a6ff0"];
+
+const colours = new Map(); // by name, the same in every chart
+function colour(name) {
+  if (!colours.has(name)) colours.set(name, kColours[colours.size % kColours.length]);
+  return colours.get(name);
+}
+
+const number = (x) => (typeof x === "number" && Number.isFinite(x) ? x : null);
+const robot_of = (topic) => topic.split("/")[2];
+
+/** What is charted: `take` gives [series, value] of a record, or nothing. */
+const kCharts = [
+  { key: "entropy", title: "entropy [nat]", topic: /^\/team$/, take: (r) => ["team", number(r.entropy_nats)] },
+  { key: "rmse", title: "RMSE [m]", topic: /^\/team$/, take: (r) => ["team", number(r.rmse_m)], zero: true },
+  {
+    key: "margin",
+    title: "deadline margin [ms]",
+    topic: /^\/plan\/[^/]+\/status$/,
+    take: (r, topic) => [robot_of(topic), number(r.margin_s * 1e3)],
+    zero: true,
+  },
+  {
+    key: "gap",
+    title: "gap to bound [nat]",
+    topic: /^\/plan\/[^/]+\/status$/,
+    take: (r, topic) => [robot_of(topic), number(r.gap_nat)],
+    zero: true,
+  },
+  { key: "lost", title: "messages lost", topic: /^\/team$/, take: (r) => ["all", number(r.messages_lost)], zero: true },
+  {
+    key: "battery",
+    title: "battery [%]",
+    topic: /^\/vehicle\//,
+    take: (r, topic) => [robot_of(topic), number(r.battery_share * 100)],
+    range: [0, 105],
+  },
+];
+
+class Chart {
+  constructor(box, spec, source) {
+    this.spec = spec;
+    this.source = source;
+    this.series = new Map(); // name → {t, v}
+    this.box = document.createElement("figure");
+    this.box.dataset.chart = spec.key;
+    this.caption = document.createElement("figcaption");
+    this.caption.textContent = spec.title;
+    this.body = document.createElement("div");
+    this.box.append(this.caption, this.body);
+    box.append(this.box);
+  }
+
+  add(topic, time, record) {
+    if (!this.spec.topic.test(topic)) return;
+    const [name, value] = this.spec.take(record, topic);
+    if (value === null) return;
+    if (!this.series.has(name)) {
+      this.series.set(name, { t: [], v: [] });
+      this.plot?.destroy();
+      this.plot = null;
+    }
+    const line = this.series.get(name);
+    if (line.t.length > 0 && time < line.t.at(-1)) line.t.length = line.v.length = 0;
+    line.t.push(time);
+    line.v.push(value);
+    if (line.t.length > kPoints) {
+      line.t.splice(0, kPoints / 10);
+      line.v.splice(0, kPoints / 10);
+    }
+    this.is_stale = true;
+  }
+
+  names() {
+    return [...this.series.keys()].sort();
+  }
+
+  make() {
+    const style = getComputedStyle(document.documentElement);
+    const ink = style.getPropertyValue("--quiet").trim();
+    const lines = style.getPropertyValue("--line").trim();
+    const axis = { stroke: ink, font: "11px system-ui", gap: 3, grid: { stroke: lines, width: 1 }, ticks: { stroke: lines, width: 1, size: 4 } };
+    const { zero, range } = this.spec;
+    this.plot = new uPlot(
+      {
+        width: Math.max(80, this.body.clientWidth),
+        height: Math.max(60, this.body.clientHeight),
+        legend: { show: false },
+        cursor: { y: false, drag: { x: false, y: false } },
+        scales: {
+          x: { time: false, range: () => this.source.window() },
+          y: {
+            range: (_, low, high) => {
+              if (range) return range;
+              if (low === null) return [0, 1];
+              if (zero) [low, high] = [Math.min(0, low), Math.max(0, high)];
+              const pad = Math.max(1e-6, 0.08 * (high - low || Math.abs(high) || 1));
+              return [low < 0 || !zero ? low - pad : 0, high + pad];
+            },
+          },
+        },
+        axes: [
+          { ...axis, size: 24, space: 45 },
+          { ...axis, size: 46, space: 24 },
+        ],
+        series: [
+          {},
+          ...this.names().map((name) => ({
+            label: name,
+            stroke: colour(name),
+            width: 1.5,
+            spanGaps: true,
+            points: { show: false },
+          })),
+        ],
+        hooks: { draw: [(plot) => this.draw_now(plot)] },
+      },
+      this.table(),
+      this.body,
+    );
+    this.caption.replaceChildren(this.spec.title, ...this.legend());
+  }
+
+  legend() {
+    const names = this.names();
+    if (names.length < 2 || names.length > 6) return [];
+    return names.map((name) => {
+      const label = document.createElement("span");
+      label.textContent = name;
+      label.style.color = colour(name);
+      return label;
+    });
+  }
+
+  table() {
+    const lines = this.names().map((name) => this.series.get(name));
+    return lines.length === 0 ? [[], []] : uPlot.join(lines.map((line) => [line.t, line.v]));
+  }
+
+  draw_now(plot) {
+    const now = this.source.now();
+    if (now === null) return;
+    const x = plot.valToPos(now, "x", true);
+    plot.ctx.save();
+    plot.ctx.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue("--head").trim();
+    plot.ctx.lineWidth = 1.5 * devicePixelRatio;
+    plot.ctx.beginPath();
+    plot.ctx.moveTo(x, plot.bbox.top);
+    plot.ctx.lineTo(x, plot.bbox.top + plot.bbox.height);
+    plot.ctx.stroke();
+    plot.ctx.restore();
+  }
+
+  refresh() {
+    if (this.series.size === 0) return;
+    if (!this.plot) {
+      this.make();
+    } else if (this.is_stale) {
+      this.plot.setData(this.table());
+    } else {
+      this.plot.setScale("x", { min: 0, max: 1 }); // asks for the window again
+    }
+    this.is_stale = false;
+  }
+
+  resize() {
+    this.plot?.setSize({ width: this.body.clientWidth, height: this.body.clientHeight });
+  }
+
+  restyle() {
+    this.plot?.destroy();
+    this.plot = null;
+    this.refresh();
+  }
+}
+
+export class Charts {
+  /** @param source {now, window}: in seconds since the start */
+  constructor(box, source) {
+    const charts = kCharts.map((spec) => new Chart(box, spec, source));
+    this.charts = charts;
+    new ResizeObserver(() => charts.forEach((chart) => chart.resize())).observe(box);
+    setInterval(() => !document.hidden && charts.forEach((chart) => chart.refresh()), 500);
+  }
+
+  add(topic, time, record) {
+    this.charts.forEach((chart) => chart.add(topic, time, record));
+  }
+
+  clear() {
+    for (const chart of this.charts) {
+      chart.series.clear();
+      chart.plot?.destroy();
+      chart.plot = null;
+    }
+  }
+
+  restyle() {
+    this.charts.forEach((chart) => chart.restyle());
+  }
+}
+
+export const live_window = (now) => [Math.max(0, now - kWindow_s), Math.max(now, 10)];

@@ -1,0 +1,110 @@
+// The Foxglove WebSocket protocol, client side: what arrives becomes calls of `on`.
+
+const kMessage = 0x01;
+const kTime = 0x02;
+const kPlayback = 0x05;
+const kRetry_ms = 1500;
+
+const seconds_of = (nanoseconds) => Number(nanoseconds / 1000n) / 1e6;
+export const seconds = (time) => time.sec + time.nsec * 1e-9;
+
+export class Connection {
+  /** @param on {open, close, info, channel, record, time, playback, status} */
+  constructor(url, on) {
+    this.url = url;
+    this.on = on;
+    this.channels = new Map(); // by topic
+    this.subscriptions = new Map(); // topic by subscription id
+    this.next_id = 1;
+    this.requests = 0;
+    this.connect();
+  }
+
+  connect() {
+    this.socket = new WebSocket(this.url, ["foxglove.sdk.v1", "foxglove.websocket.v1"]);
+    this.socket.binaryType = "arraybuffer";
+    this.socket.onopen = () => this.on.open();
+    this.socket.onmessage = (event) =>
+      typeof event.data === "string"
+        ? this.hear_text(JSON.parse(event.data))
+        : this.hear_binary(new DataView(event.data));
+    this.socket.onclose = () => {
+      this.channels.clear();
+      this.subscriptions.clear();
+      this.on.close();
+      setTimeout(() => this.connect(), kRetry_ms);
+    };
+  }
+
+  hear_text(message) {
+    if (message.op === "serverInfo") {
+      this.on.info({
+        name: message.name,
+        session: message.sessionId,
+        range: message.dataStartTime && [seconds(message.dataStartTime), seconds(message.dataEndTime)],
+      });
+    } else if (message.op === "advertise") {
+      for (const channel of message.channels) {
+        this.channels.set(channel.topic, channel);
+        this.on.channel(channel.topic);
+      }
+    } else if (message.op === "status") {
+      this.on.status(message);
+    }
+  }
+
+  hear_binary(view) {
+    const kind = view.getUint8(0);
+    if (kind === kMessage) {
+      const topic = this.subscriptions.get(view.getUint32(1, true));
+      if (topic !== undefined) {
+        const text = new TextDecoder().decode(new Uint8Array(view.buffer, 13));
+        this.on.record(topic, seconds_of(view.getBigUint64(5, true)), JSON.parse(text));
+      }
+    } else if (kind === kTime) {
+      this.on.time(seconds_of(view.getBigUint64(1, true)));
+    } else if (kind === kPlayback) {
+      this.on.playback({
+        status: ["playing", "paused", "buffering", "ended"][view.getUint8(1)],
+        time: seconds_of(view.getBigUint64(2, true)),
+        speed: view.getFloat32(10, true),
+        sought: view.getUint8(14) !== 0,
+      });
+    }
+  }
+
+  /** Subscribes to a known topic, or gives it up; what is already so stays so. */
+  want(topic, is_wanted) {
+    const channel = this.channels.get(topic);
+    const known = [...this.subscriptions].find(([, name]) => name === topic);
+    if (channel === undefined || is_wanted === (known !== undefined)) return;
+    if (is_wanted) {
+      const id = this.next_id++;
+      this.subscriptions.set(id, topic);
+      this.send({ op: "subscribe", subscriptions: [{ id, channelId: channel.id }] });
+    } else {
+      this.subscriptions.delete(known[0]);
+      this.send({ op: "unsubscribe", subscriptionIds: [known[0]] });
+    }
+  }
+
+  /** Commands the player of a log. `seek`: seconds since the epoch, or undefined. */
+  play(is_playing, speed, seek) {
+    const id = new TextEncoder().encode(`page-${++this.requests}`);
+    const frame = new DataView(new ArrayBuffer(19 + id.length));
+    frame.setUint8(0, 0x03);
+    frame.setUint8(1, is_playing ? 0 : 1);
+    frame.setFloat32(2, speed, true);
+    frame.setUint8(6, seek === undefined ? 0 : 1);
+    frame.setBigUint64(7, BigInt(Math.round((seek ?? 0) * 1e6)) * 1000n, true);
+    frame.setUint32(15, id.length, true);
+    new Uint8Array(frame.buffer, 19).set(id);
+    this.send(frame.buffer);
+  }
+
+  send(message) {
+    if (this.socket.readyState === WebSocket.OPEN) {
+      this.socket.send(message instanceof ArrayBuffer ? message : JSON.stringify(message));
+    }
+  }
+}

@@ -1,0 +1,149 @@
+// What is told in words: vehicles, processes, events, and the thing that was clicked.
+
+const kEventsShown = 200;
+
+export function make(tag, className, text) {
+  const element = document.createElement(tag);
+  if (className) element.className = className;
+  if (text !== undefined) element.textContent = text;
+  return element;
+}
+
+/** Rows by key in a box, made once and written again. */
+class Table {
+  constructor(box) {
+    this.box = box;
+    this.rows = new Map();
+  }
+
+  row(key) {
+    if (!this.rows.has(key)) {
+      const row = make("div", "row");
+      row.dataset.key = key;
+      this.rows.set(key, row);
+      const later = [...this.rows.keys()].sort().find((other) => other > key);
+      this.box.insertBefore(row, later ? this.rows.get(later) : null);
+    }
+    return this.rows.get(key);
+  }
+
+  clear() {
+    this.rows.clear();
+    this.box.replaceChildren();
+  }
+}
+
+const kGood = { follow: "good", idle: "calm", hold: "warn", land: "warn", killed: "bad" };
+
+export class Vehicles {
+  constructor(box) {
+    this.table = new Table(box);
+    this.plans = new Map();
+    this.states = new Map();
+  }
+
+  on_state(state) {
+    this.states.set(state.robot, state);
+    this.write(state.robot);
+  }
+
+  on_plan(plan) {
+    this.plans.set(plan.robot, plan);
+    this.write(plan.robot);
+  }
+
+  write(robot) {
+    const row = this.table.row(robot);
+    const state = this.states.get(robot);
+    const plan = this.plans.get(robot);
+    const head = make("div", "line");
+    head.append(make("b", "", robot));
+    if (state) {
+      const badge = make("span", "badge", state.state);
+      badge.dataset.state = kGood[state.state] ?? "calm";
+      head.append(badge, make("span", "quiet", `${Math.round(100 * state.battery_share)} %`));
+    }
+    if (plan) {
+      const how = plan.late ? "late" : plan.source;
+      const note = make("span", "quiet", `${how}, ${(1e3 * plan.margin_s).toFixed(0)} ms spare`);
+      if (plan.late || plan.source !== "searched") note.classList.add("warn");
+      head.append(note);
+    }
+    row.replaceChildren(head);
+    for (const reason of state?.reasons ?? []) row.append(make("div", "reason", reason));
+  }
+
+  clear() {
+    this.table.clear();
+    this.plans.clear();
+    this.states.clear();
+  }
+}
+
+const kProcess = { running: "good", starting: "calm", stopping: "calm", degraded: "warn" };
+
+export class Processes {
+  constructor(box) {
+    this.table = new Table(box);
+  }
+
+  on_health(health) {
+    const row = this.table.row(health.process);
+    const badge = make("span", "badge", health.state);
+    badge.dataset.state = kProcess[health.state] ?? "calm";
+    const line = make("div", "line");
+    const notes = [`worst loop ${(1e3 * health.loop_worst_s).toFixed(1)} ms`];
+    if (health.deadlines_missed > 0) notes.push(`${health.deadlines_missed} late`);
+    if (health.messages_lost > 0) notes.push(`${health.messages_lost} lost`);
+    line.append(make("b", "", health.process), badge, make("span", "quiet", notes.join(", ")));
+    row.replaceChildren(line);
+    row.title = health.counters.map((each) => `${each.name}: ${each.count}`).join("\n");
+  }
+
+  clear() {
+    this.table.clear();
+  }
+}
+
+export class Events {
+  /** @param on_seek called with a time when an event is clicked */
+  constructor(box, on_seek) {
+    this.box = box;
+    this.on_seek = on_seek;
+  }
+
+  add(event) {
+    const item = make("li", "event");
+    item.dataset.kind = event.kind;
+    item.append(make("time", "", `${event.since.toFixed(1)} s`), make("b", "", event.kind.replace("_", " ")), make("span", "", event.text));
+    item.onclick = () => this.on_seek(event.since);
+    this.box.prepend(item);
+    while (this.box.children.length > kEventsShown) this.box.lastChild.remove();
+  }
+
+  clear() {
+    this.box.replaceChildren();
+  }
+}
+
+/** Shows one entity: its metadata and where it is. */
+export function write_inspect(box, id, found, extra) {
+  box.hidden = id === null;
+  if (id === null) return;
+  const head = make("div", "line");
+  const close = make("button", "", "×");
+  close.title = "Close (Esc)";
+  close.dataset.close = "yes";
+  head.append(make("b", "", id), make("span", "space"), close);
+  const list = make("dl");
+  const put = (key, value) => list.append(make("dt", "", key), make("dd", "", value));
+  if (found) {
+    const { x, y, z } = found.position;
+    put("at", `${x.toFixed(2)}, ${y.toFixed(2)}, ${z.toFixed(2)} m`);
+    found.entity.metadata.forEach(({ key, value }) => put(key.replaceAll("_", " "), value));
+  } else {
+    put("gone", "not on the bus any more");
+  }
+  extra.forEach(([key, value]) => put(key, value));
+  box.replaceChildren(head, list);
+}

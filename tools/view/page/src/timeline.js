@@ -1,0 +1,106 @@
+// The bar below: where we are in a log, what happened when, and the player's keys.
+
+const kLive_s = 300; // shown of a live view
+export const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20];
+
+export class Timeline {
+  /** @param on {seek(since), play(is_playing), speed(value)} */
+  constructor(on) {
+    this.on = on;
+    this.bar = document.getElementById("timeline");
+    this.marks = document.getElementById("marks");
+    this.head = document.getElementById("head");
+    this.clock = document.getElementById("clock");
+    this.button = document.getElementById("play");
+    this.speeds = document.getElementById("speed");
+    this.speeds.replaceChildren(...kSpeeds.map((speed) => new Option(`${speed}×`, speed, speed === 1, speed === 1)));
+    this.events = [];
+    this.length_s = null; // live
+    this.now = 0;
+    this.is_playing = false;
+    this.button.onclick = () => on.play(!this.is_playing);
+    this.speeds.onchange = () => {
+      on.speed(Number(this.speeds.value));
+      this.speeds.blur(); // the keys are the page's again
+    };
+    const seek = (event) => {
+      const box = this.bar.getBoundingClientRect();
+      const share = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
+      on.seek(share * this.length_s);
+    };
+    this.bar.onpointerdown = (event) => {
+      if (this.length_s === null) return;
+      this.bar.setPointerCapture(event.pointerId);
+      seek(event);
+      let last = performance.now();
+      this.bar.onpointermove = (move) => {
+        if (performance.now() - last > 80) {
+          last = performance.now();
+          seek(move);
+        }
+      };
+      this.bar.onpointerup = (up) => {
+        this.bar.onpointermove = this.bar.onpointerup = null;
+        seek(up);
+      };
+    };
+  }
+
+  /** A log of `length_s`, or live when null. */
+  set_length(length_s) {
+    this.length_s = length_s;
+    document.body.dataset.mode = length_s === null ? "live" : "log";
+    document.getElementById("length").textContent = length_s === null ? "" : `${length_s.toFixed(1)} s`;
+    this.draw_marks();
+  }
+
+  set_now(since) {
+    this.now = since;
+    const [from, to] = this.window();
+    this.head.style.left = `${(100 * (since - from)) / (to - from)}%`;
+    this.clock.textContent = `${since.toFixed(1)} s`;
+    this.bar.setAttribute("aria-valuenow", since.toFixed(1));
+    if (this.length_s === null && since - (this.drawn_at ?? -1) > 1) this.draw_marks();
+  }
+
+  set_playing(is_playing, speed) {
+    this.is_playing = is_playing;
+    this.button.textContent = is_playing ? "⏸" : "▶";
+    this.button.setAttribute("aria-label", is_playing ? "Pause" : "Play");
+    if (speed !== undefined) {
+      const nearest = kSpeeds.reduce((a, b) => (Math.abs(b - speed) < Math.abs(a - speed) ? b : a));
+      this.speeds.value = String(nearest);
+    }
+  }
+
+  window() {
+    return this.length_s === null ? [Math.max(0, this.now - kLive_s), Math.max(this.now, 10)] : [0, this.length_s];
+  }
+
+  add_event(event) {
+    this.events.push(event);
+    if (this.events.length > 5000) this.events.shift();
+    this.draw_mark(event);
+  }
+
+  draw_marks() {
+    this.drawn_at = this.now;
+    this.marks.replaceChildren();
+    this.events.forEach((event) => this.draw_mark(event));
+  }
+
+  draw_mark(event) {
+    const [from, to] = this.window();
+    if (event.since < from || event.since > to) return;
+    const mark = document.createElement("i");
+    mark.dataset.kind = event.kind;
+    mark.style.left = `${(100 * (event.since - from)) / (to - from)}%`;
+    mark.title = `${event.since.toFixed(1)} s ${event.text}`;
+    this.marks.append(mark);
+  }
+
+  clear() {
+    this.events = [];
+    this.draw_marks();
+  }
+}

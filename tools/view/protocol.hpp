@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/time.hpp"
+#include "logs/foxglove/schema.hpp"
+
+// The Foxglove WebSocket protocol, bytes ↔ values. Pure. Text frames are JSON objects with "op",
+// binary frames begin with an opcode byte and are little-endian after it.
+// Source: docs/spec.md of foxglove/ws-protocol, and the playback control of foxglove-sdk.
+
+namespace vantage::tools {
+
+/// The subprotocols, newest first. They differ in playback control, which only the first knows.
+inline constexpr const char* kSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
+
+struct ServerInfo {
+  std::string name;
+  std::string session_id;  ///< of this start: clients tell a reconnection from a new server by it
+  /// First and last instant of a log, which can then be played and sought in; none: live.
+  std::optional<std::pair<Time, Time>> range;
+};
+
+struct ChannelInfo {
+  std::uint32_t id = 0;
+  std::string topic;
+  logs::foxglove::Schema schema{};
+};
+
+enum class StatusLevel { kInfo = 0, kWarning = 1, kError = 2 };
+
+enum class PlaybackStatus : std::uint8_t { kPlaying = 0, kPaused = 1, kBuffering = 2, kEnded = 3 };
+
+struct PlaybackState {
+  PlaybackStatus status = PlaybackStatus::kPaused;
+  Time time{};
+  float speed = 1.0F;
+  bool did_seek = false;
+  std::string request_id;  ///< of the request that it answers; empty for none
+};
+
+/// Text frames.
+std::string server_info_text(const ServerInfo& info, bool speaks_sdk);
+std::string advertise_text(std::span<const ChannelInfo> channels);
+std::string status_text(StatusLevel level, const std::string& message, const std::string& id);
+
+/// Binary frames. The head of message data is followed by the payload.
+std::string message_head(std::uint32_t subscription_id, Time time);
+std::string time_frame(Time time);
+std::string playback_state_frame(const PlaybackState& state);
+
+/// What a client asks for.
+struct Subscribe {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< subscription id, channel id
+};
+struct Unsubscribe {
+  std::vector<std::uint32_t> ids;
+};
+struct PlaybackControl {
+  bool play = false;
+  float speed = 1.0F;
+  std::optional<Time> seek;
+  std::string request_id;
+};
+/// Well-formed, but nothing for a server that only shows.
+struct Declined {
+  std::string what;
+};
+/// Breaks the protocol.
+struct Malformed {
+  std::string why;
+};
+using Request = std::variant<Subscribe, Unsubscribe, PlaybackControl, Declined, Malformed>;
+
+Request parse_text(std::string_view frame);
+Request parse_binary(std::string_view frame);
+
+/// True when a client that offers `header` (a comma-separated list) is understood.
+bool offers_our_protocol(std::string_view header);
+
+}  // namespace vantage::tools

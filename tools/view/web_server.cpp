@@ -1,0 +1,243 @@
+#include "tools/view/web_server.hpp"
+
+#include <filesystem>
+#include <string_view>
+#include <thread>
+
+#include <civetweb.h>
+#include <fmt/format.h>
+
+#include "core/check.hpp"
+
+namespace vantage::tools {
+namespace {
+
+constexpr std::size_t kClientsMax = 24;
+constexpr const char* kThreads = "32";  // each viewer holds one; the rest serves files
+constexpr int kOpcodeMask = 0x0F;
+constexpr std::size_t kRequestBytesMax = 1U << 20U;
+
+constexpr const char* kNoPage =
+    "<!doctype html><meta charset=utf-8><title>vantage</title>"
+    "<p>This vantage was built without its page (npm was not there). "
+    "<code>tools/setup</code> fetches what it is made of; then build again. "
+    "Foxglove and Lichtblick can connect to this address all the same, by <code>ws://</code>.";
+
+/// One viewer's connection: what its handlers are called with.
+struct Connection {
+  std::shared_ptr<Client> client;
+  std::thread writer;
+  std::string text;  ///< a message that comes in several frames
+  int opcode = 0;    ///< of its first frame
+
+  void write_all(mg_connection* socket) const {
+    while (std::optional<Frame> frame = client->wait_pop()) {
+      const int kind = frame->is_text ? MG_WEBSOCKET_OPCODE_TEXT : MG_WEBSOCKET_OPCODE_BINARY;
+      std::string bytes = std::move(frame->head);
+      if (frame->body) {
+        bytes += *frame->body;
+      }
+      if (mg_websocket_write(socket, kind, bytes.data(), bytes.size()) <= 0) {
+        client->close();
+      }
+    }
+  }
+};
+
+std::string content_policy() {
+  // The page comes from here and talks to here: nothing from the network is ever loaded.
+  return "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+         "connect-src 'self' ws: wss:";
+}
+
+void answer(mg_connection* socket, const char* type, const std::string& body) {
+  mg_printf(socket,
+            "HTTP/1.1 200 OK\r\nContent-Type: %s\r\nContent-Length: %zu\r\n"
+            "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n"
+            "Connection: close\r\n\r\n",
+            type, body.size());
+  mg_write(socket, body.data(), body.size());
+}
+
+// By hand: civetweb writes no headers of its own to who asked for a WebSocket.
+int refuse(mg_connection* socket, int code, const char* reason, const char* why) {
+  mg_printf(socket,
+            "HTTP/1.1 %d %s\r\nContent-Type: text/plain\r\nContent-Length: %zu\r\n"
+            "Connection: close\r\n\r\n%s",
+            code, reason, std::string_view(why).size(), why);
+  return code;
+}
+
+}  // namespace
+
+struct WebServer::State {
+  State(Broker& of, WebOptions with) : broker(of), options(std::move(with)) {}
+
+  Broker& broker;
+  WebOptions options;
+  mg_context* context = nullptr;
+  bool has_page = false;
+  int port = 0;
+
+  static State& of(const mg_connection* socket) {
+    return *static_cast<State*>(mg_get_user_context_data(socket));
+  }
+  static Connection* connection(const mg_connection* socket) {
+    return static_cast<Connection*>(mg_get_user_connection_data(socket));
+  }
+
+  // Refuses, with an answer, what civetweb would only hang up on. 0: it may go on.
+  static int on_begin(mg_connection* socket) {
+    const std::string_view method = mg_get_request_info(socket)->request_method;
+    if (method != "GET" && method != "HEAD") {
+      return refuse(socket, 405, "Method Not Allowed", "this server only shows");
+    }
+    if (mg_get_header(socket, "Upgrade") == nullptr) {
+      return 0;
+    }
+    const char* offered = mg_get_header(socket, "Sec-WebSocket-Protocol");
+    if (offered == nullptr || !offers_our_protocol(offered)) {
+      return refuse(socket, 400, "Bad Request",
+                    "subprotocol must be foxglove.sdk.v1 or foxglove.websocket.v1");
+    }
+    if (of(socket).broker.clients() >= kClientsMax) {
+      return refuse(socket, 503, "Service Unavailable", "too many viewers");
+    }
+    return 0;
+  }
+
+  static int on_connect(const mg_connection* /*socket*/, void* /*state*/) { return 0; }
+
+  static void on_ready(mg_connection* socket, void* state) {
+    auto* connection = new Connection;  // deleted by on_close, which civetweb always calls
+    const char* protocol = mg_get_request_info(socket)->acceptedWebSocketSubprotocol;
+    const bool speaks_sdk = protocol != nullptr && std::string_view(protocol) == kSubprotocols[0];
+    connection->client = static_cast<State*>(state)->broker.connect(speaks_sdk);
+    mg_set_user_connection_data(socket, connection);
+    connection->writer = std::thread([connection, socket] { connection->write_all(socket); });
+  }
+
+  static int on_data(mg_connection* socket, int bits, char* bytes, std::size_t size, void* state) {
+    Connection* viewer = connection(socket);
+    const int opcode = bits & kOpcodeMask;
+    if (viewer == nullptr || opcode == MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE ||
+        viewer->client->is_closed()) {
+      return 0;
+    }
+    if (opcode > MG_WEBSOCKET_OPCODE_BINARY) {
+      return 1;  // ping and pong: civetweb answers
+    }
+    if (opcode != MG_WEBSOCKET_OPCODE_CONTINUATION) {
+      viewer->text.clear();
+      viewer->opcode = opcode;
+    }
+    if (viewer->text.size() + size > kRequestBytesMax) {
+      return 0;
+    }
+    viewer->text.append(bytes, size);
+    constexpr int kLastFrame = 0x80;
+    if ((bits & kLastFrame) != 0) {
+      const Request request = viewer->opcode == MG_WEBSOCKET_OPCODE_TEXT
+                                  ? parse_text(viewer->text)
+                                  : parse_binary(viewer->text);
+      static_cast<State*>(state)->broker.on_request(*viewer->client, request);
+      viewer->text.clear();
+    }
+    return 1;
+  }
+
+  static void on_close(const mg_connection* socket, void* state) {
+    const std::unique_ptr<Connection> viewer(connection(socket));
+    if (viewer) {
+      mg_set_user_connection_data(socket, nullptr);
+      static_cast<State*>(state)->broker.disconnect(viewer->client);
+      viewer->writer.join();
+    }
+  }
+
+  static int on_history(mg_connection* socket, void* state) {
+    const auto& history = static_cast<State*>(state)->options.history;
+    answer(socket, "application/json", history ? history() : "[]");
+    return 200;
+  }
+
+  static int on_no_page(mg_connection* socket, void* /*state*/) {
+    answer(socket, "text/html; charset=utf-8", kNoPage);
+    return 200;
+  }
+
+  static int on_message(const mg_connection* /*socket*/, const char* /*text*/) { return 1; }
+};
+
+WebServer::WebServer(Broker& broker, const WebOptions& options)
+    : state_(std::make_unique<State>(broker, options)) {
+  state_->has_page =
+      !options.page_folder.empty() &&
+      std::filesystem::exists(std::filesystem::path(options.page_folder) / "index.html");
+  const std::string address = fmt::format("{}:{}", options.bind, options.port);
+  const std::string headers = "Content-Security-Policy: " + content_policy() + "\r\n";
+  const char* settings[] = {"listening_ports",
+                            address.c_str(),
+                            "num_threads",
+                            kThreads,
+                            "request_timeout_ms",
+                            "10000",
+                            "websocket_timeout_ms",
+                            "20000",
+                            "enable_websocket_ping_pong",
+                            "yes",
+                            "enable_directory_listing",
+                            "no",
+                            "cgi_pattern",
+                            "",
+                            "ssi_pattern",
+                            "",
+                            "static_file_max_age",
+                            "0",
+                            "tcp_nodelay",
+                            "1",
+                            "additional_header",
+                            headers.c_str(),
+                            state_->has_page ? "document_root" : nullptr,
+                            options.page_folder.c_str(),
+                            nullptr};
+  mg_callbacks callbacks{};
+  callbacks.begin_request = &State::on_begin;
+  callbacks.log_message = &State::on_message;
+  mg_init_library(0);
+  state_->context = mg_start(&callbacks, state_.get(), settings);
+  if (state_->context == nullptr) {
+    mg_exit_library();
+    throw StartupError("cannot serve on " + address +
+                       ": the port is taken or the address not ours");
+  }
+  mg_server_port ports[4] = {};
+  if (mg_get_server_ports(state_->context, 4, ports) > 0) {
+    state_->port = ports[0].port;
+  }
+  static const char* subprotocols[] = {kSubprotocols[0], kSubprotocols[1]};
+  static mg_websocket_subprotocols accepted{2, subprotocols};
+  mg_set_websocket_handler_with_subprotocols(state_->context, "/", &accepted, &State::on_connect,
+                                             &State::on_ready, &State::on_data, &State::on_close,
+                                             state_.get());
+  mg_set_request_handler(state_->context, "/api/history", &State::on_history, state_.get());
+  if (!state_->has_page) {
+    mg_set_request_handler(state_->context, "/", &State::on_no_page, state_.get());
+  }
+}
+
+WebServer::~WebServer() {
+  mg_stop(state_->context);
+  mg_exit_library();
+}
+
+int WebServer::port() const { return state_->port; }
+
+std::string WebServer::url() const {
+  const bool is_any = state_->options.bind == "0.0.0.0";
+  return fmt::format("http://{}:{}", is_any ? "127.0.0.1" : state_->options.bind, state_->port);
+}
+
+bool WebServer::has_page() const { return state_->has_page; }
+
+}  // namespace vantage::tools
