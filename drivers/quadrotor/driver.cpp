@@ -104,6 +104,9 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
       next_pose_ = std::max(next_pose_ + kPosePeriod, now);
       link_.send_pose(*tracker_.state(), now);
     }
+    if (now - last_setpoint_ >= kSetpointSpacing) {
+      fly(now);
+    }
   }
 }
 
@@ -129,7 +132,6 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
 
 void QuadrotorDriver::tick(Time now) {
   if (now >= next_setpoint_) {
-    next_setpoint_ = std::max(next_setpoint_ + kSetpointPeriod, now + kSetpointPeriod / 2);
     fly(now);
   }
   link_.tick(now);
@@ -161,6 +163,8 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
 }
 
 void QuadrotorDriver::fly(Time now) {
+  last_setpoint_ = now;
+  next_setpoint_ = now + kSetpointPeriod + kPoseGrace;
   orders_ = guard_.tick(now);
   has_news_ = has_news_ || orders_.changed;
   sequence_.set_goal(goal(orders_));

@@ -25,7 +25,11 @@ namespace vantage::drivers {
 /// same bytes.
 class QuadrotorDriver {
  public:
+  /// Set-points leave with a pose, as soon as this is over since the last one, so that they are
+  /// told from a pose that is new; and without poses by the clock.
+  static constexpr Duration kSetpointSpacing{15'000};
   static constexpr Duration kSetpointPeriod{20'000};  ///< 50 Hz
+  static constexpr Duration kPoseGrace{3'000};        ///< that the clock waits longer for a pose
   static constexpr Duration kPosePeriod{20'000};      ///< poses are forwarded no faster
 
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
@@ -71,6 +75,7 @@ class QuadrotorDriver {
   Steering steering_;
   GuardOutput orders_;
   std::optional<double> ground_m_;  ///< height of the body when it was last seen unarmed
+  Time last_setpoint_{};
   Time next_setpoint_{};
   Time next_pose_{};
   std::optional<Time> heartbeat_reported_;
