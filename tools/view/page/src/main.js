@@ -278,7 +278,7 @@ show_view(innerWidth < 1000 ? "plan" : "both");
 // For tests: what is on the screen, as numbers.
 window.vantage = {
   state,
-  stats: () => ({ entities: world.entities(), frames: world.frames_drawn, series: charts.charts.map((c) => c.series.size) }),
+  stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.charts.map((c) => c.series.size) }),
   position: (id) => world.find(id)?.position.toArray() ?? null,
   pixel: (id) => world.pixel(id),
 };

@@ -288,6 +288,10 @@ export class World {
   entities() {
     return [...this.layers.values()].reduce((sum, layer) => sum + layer.size, 0);
   }
+
+  sizes() {
+    return Object.fromEntries([...this.layers].map(([topic, layer]) => [topic, layer.size]));
+  }
 }
 
 /** Where an entity of the world frame is: the mean of its first line; of others their origin. */
