@@ -135,7 +135,7 @@ class Noise {
       is_command ? static_cast<void>(std::ranges::copy(kWorkedCommand, bytes_.begin()))
                  : static_cast<void>(std::ranges::copy(kWorkedTelemetry, bytes_.begin()));
       bytes_[random_() % bytes] = static_cast<std::uint8_t>(random_());
-      bytes -= random_() % 8 == 0 ? 1 : 0;
+      bytes -= random_() % 8 == 0 ? 1U : 0U;
     } else if (kind == 1) {
       const std::array<std::uint8_t, 4> header = {'V', 'R', 1,
                                                   static_cast<std::uint8_t>(1 + random_() % 2)};

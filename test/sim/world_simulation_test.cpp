@@ -125,8 +125,8 @@ TEST(WorldSimulation, ReportsAVehicleThatFallsOnARoverBelow) {
 /// A vehicle of the caller's, that moves as it is told.
 class Puppet : public Vehicle {
  public:
-  explicit Puppet(std::string name, const Eigen::Vector3d& centre_m)
-      : centre_m(centre_m), name_(std::move(name)) {}
+  explicit Puppet(std::string name, const Eigen::Vector3d& start_m)
+      : centre_m(start_m), name_(std::move(name)) {}
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] double radius_m() const override { return 0.25; }
   [[nodiscard]] Pose3 world_from_body() const override {

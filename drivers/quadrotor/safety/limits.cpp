@@ -35,6 +35,8 @@ SafetyLimits limits_for(const models::Scenario& scenario, const std::string& rob
   limits.separation_hold_m =
       contact_m + 0.5 * std::max(0.02, scenario.planner.separation_m - contact_m);
   limits.landing_clearance_m = contact_m + 0.2;
+  // Nearer than this the planner finds no way out, and it would hover there for ever.
+  limits.hover_clearance_m = std::max(0.05, scenario.planner.obstacle_margin_m);
   const double round_s = scenario.planner.execute_steps * scenario.planner.step_s;
   limits.plan_age_hold_s = std::max(limits.plan_age_hold_s, round_s + 0.5);
   limits.plan_silent_warn_s = limits.plan_age_hold_s;

@@ -51,6 +51,7 @@ struct SafetyLimits {
   double plan_separation_m = 0.6;
   double other_pose_growth_mps = 0.5;  ///< how fast an unseen body's tube widens
   double other_pose_growth_max_m = 0.5;
+  double hover_clearance_m = 0.1;    ///< from the fence and obstacles, or it moves off
   double landing_clearance_m = 0.7;  ///< from bodies below
 
   // The vehicle.

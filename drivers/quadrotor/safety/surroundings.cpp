@@ -143,15 +143,14 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
 std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
                                           std::span<const OtherBody> others,
                                           const SafetyLimits& limits) {
-  constexpr double kTooNearM = 0.05;
-  constexpr double kClearM = 0.15;
+  constexpr double kSpareM = 0.05;
   constexpr double kRingM = 0.05;
   constexpr int kRings = 12;
   constexpr int kBearings = 24;
   const auto edge_m = [&limits](const Eigen::Vector3d& p_m) {
     return std::min(fence_edge_m(p_m, limits), obstacle_edge_m(p_m, limits));
   };
-  if (edge_m(hover_m) >= kTooNearM) {
+  if (edge_m(hover_m) >= limits.hover_clearance_m) {
     return std::nullopt;
   }
   for (int ring = 1; ring <= kRings; ++ring) {
@@ -162,9 +161,9 @@ std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
       const bool is_apart = std::all_of(others.begin(), others.end(), [&](const OtherBody& body) {
         const double now_m = (hover_m - body.position_world_m).norm();
         return (spot_m - body.position_world_m).norm() >=
-               std::min(now_m, limits.separation_hold_m + kClearM);
+               std::min(now_m, limits.separation_hold_m + kSpareM);
       });
-      if (is_apart && edge_m(spot_m) >= kClearM) {
+      if (is_apart && edge_m(spot_m) >= limits.hover_clearance_m + kSpareM) {
         return spot_m;
       }
     }

@@ -50,8 +50,8 @@ bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherB
                        const SafetyLimits& limits);
 
 /// Where a vehicle that hovers too near the fence or an obstacle had better hover: the nearest of
-/// some places 0.15 m clear of both, no nearer to other bodies than it should be. Nothing when it
-/// is clear by 0.05 m already, or no such place is within 0.6 m.
+/// some places clear of both by hover_clearance_m and 0.05 m, no nearer to other bodies than it
+/// should be. Nothing when it is clear by hover_clearance_m already, or no such place is near.
 std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
                                           std::span<const OtherBody> others,
                                           const SafetyLimits& limits);

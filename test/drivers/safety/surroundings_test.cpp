@@ -30,11 +30,11 @@ TEST(ClearSpot, IsClearNearAndLeavesAloneWhoIsClear) {
     const Eigen::Vector3d hover_m(random.uniform(-4.0, 4.0), random.uniform(-2.2, 2.2), 1.0);
     const double before_m = clearance_m(hover_m, limits);
     const auto spot_m = clear_spot(hover_m, {}, limits);
-    if (before_m >= 0.05) {
+    if (before_m >= limits.hover_clearance_m) {
       EXPECT_FALSE(spot_m.has_value());
     } else if (before_m > -0.25) {  // 0.4 m to go at most, and 0.6 looked through
       ASSERT_TRUE(spot_m.has_value()) << hover_m.transpose();
-      EXPECT_GE(clearance_m(*spot_m, limits), 0.15);
+      EXPECT_GE(clearance_m(*spot_m, limits), limits.hover_clearance_m + 0.05);
       EXPECT_LE((*spot_m - hover_m).norm(), 0.6 + 1e-9);
       EXPECT_EQ(spot_m->z(), hover_m.z());
       ++moved;
@@ -84,7 +84,7 @@ TEST(FlightGuard, DoesNotHoverWhereAGustWouldMakeItTouchSomething) {
     EXPECT_GT(clearance_m(vehicle.position_m, limits), 0.0);
   }
   EXPECT_EQ(vehicle.out.state, models::FlightState::kHold);
-  EXPECT_GT(clearance_m(vehicle.position_m, limits), 0.1);
+  EXPECT_GT(clearance_m(vehicle.position_m, limits), limits.hover_clearance_m);
   bench.room().says = models::OperatorAction::kFollow;
   for (const double until_s = bench.time_s() + 5.0; bench.time_s() < until_s;) {
     bench.tick();
