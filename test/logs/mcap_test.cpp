@@ -34,7 +34,7 @@ class McapPeer : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(kPeer + "/node_modules/@mcap/core")) {
-      GTEST_SKIP() << "@mcap/core is not installed: npm ci --prefix test/logs/mcap_peer";
+      GTEST_SKIP() << "@mcap/core is not installed: tools/setup";
     }
   }
   /// What the peer prints of `path`; "" when it refuses it.

@@ -83,7 +83,7 @@ class Peer : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!fs::exists(kPeer + "/node_modules/node-mavlink")) {
-      GTEST_SKIP() << "node-mavlink is not installed: npm ci --prefix test/models/mavlink/peer";
+      GTEST_SKIP() << "node-mavlink is not installed: tools/setup";
     }
     folder_ = fs::temp_directory_path() / ("vantage_mavlink_" + std::to_string(::getpid()));
     fs::create_directories(folder_);
