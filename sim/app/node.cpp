@@ -7,6 +7,8 @@
 
 #include "bus/channels.hpp"
 #include "core/check.hpp"
+#include "sim/app/wire_quadrotor.hpp"
+#include "sim/app/wire_rover.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -33,8 +35,13 @@ std::vector<std::unique_ptr<WireVehicle>> wires_of(const models::Scenario& scena
       throw StartupError("robot " + robot.name + " has device 'wire', which needs real time" +
                          kCure);
     }
-    const auto system_id = static_cast<std::uint8_t>(i % 250 + 1);
-    wires.push_back(std::make_unique<WireVehicle>(robot, system_id, scenario.seed + i, start));
+    if (robot.rover) {
+      const auto boot = static_cast<std::uint32_t>(to_utime(start) / 1'000'000);
+      wires.push_back(std::make_unique<WireRover>(robot, boot, start));
+    } else {
+      const auto system_id = static_cast<std::uint8_t>(i % 250 + 1);
+      wires.push_back(std::make_unique<WireQuadrotor>(robot, system_id, scenario.seed + i, start));
+    }
   }
   return wires;
 }

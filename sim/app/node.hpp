@@ -27,7 +27,7 @@ namespace vantage::sim {
 /// The world stands at the last instant published; it is stepped to each next one (a mocap capture,
 /// a truth frame, a status report) when the mocap latency has passed after it, so a frame is on the
 /// bus when a real one would be. What is published does not depend on how often tick() is called,
-/// only on the plans and commands that were heard before it. With an autopilot on the wire the
+/// only on the plans and commands that were heard before it. With a vehicle on the wire the
 /// world keeps up with the clock instead, in steps of 5 ms, and frames wait for the latency to
 /// pass.
 class SimNode : public bus::Node {

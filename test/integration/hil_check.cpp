@@ -1,8 +1,9 @@
-// hil_check LOG
+// hil_check LOG [ROBOT…]
 //
 // Reads the log of a trial with devices on the wire: did every vehicle take off, follow plans of
-// the team and land; did anything touch; is VICON without a gap. Prints what it saw, and how late
-// poses and set-points came to the autopilots. Exit code 0 when all is well.
+// the team and land; did anything touch; is VICON without a gap. The robots named need not leave
+// their heights (ground robots, `direct` ones): they must follow plans and get about. Prints what
+// it saw, and how late poses and set-points came to the autopilots. Exit code 0 when all is well.
 
 #include <algorithm>
 #include <cstdio>
@@ -24,6 +25,8 @@ struct Flight {
   std::set<std::int64_t> rounds;  // followed
   double highest_m = 0.0;
   double last_m = 0.0;
+  std::optional<Eigen::Vector2d> first_m;
+  double farthest_m = 0.0;  // from there
   FlightState state = FlightState::kIdle;
 };
 
@@ -71,6 +74,9 @@ void take(const lcm::LogEvent& event, Seen& seen) {
           Flight& flight = seen.flights[body.name];
           flight.last_m = body.world_from_body.translation_m.z();
           flight.highest_m = std::max(flight.highest_m, flight.last_m);
+          const Eigen::Vector2d at_m = body.world_from_body.translation_m.head<2>();
+          flight.first_m = flight.first_m.value_or(at_m);
+          flight.farthest_m = std::max(flight.farthest_m, (at_m - *flight.first_m).norm());
         }
       }
     }
@@ -91,7 +97,7 @@ void take(const lcm::LogEvent& event, Seen& seen) {
   }
 }
 
-bool judge(const Seen& seen) {
+bool judge(const Seen& seen, const std::set<std::string>& level) {
   bool is_good = seen.collisions == 0 && seen.frames > 0 && seen.frame_gaps == 0 &&
                  seen.frames_lost_on_lcm == 0 && !seen.flights.empty();
   std::printf("%lld collisions; VICON: %lld frames, %lld gaps, %lld lost on LCM\n",
@@ -100,10 +106,12 @@ bool judge(const Seen& seen) {
               static_cast<long long>(seen.frames_lost_on_lcm));
   for (const auto& [robot, flight] : seen.flights) {
     const bool has_landed = flight.state == FlightState::kIdle && flight.last_m < 0.1;
-    std::printf("%s: up to %.2f m, %zu rounds followed, %s at %.2f m\n", robot.c_str(),
-                flight.highest_m, flight.rounds.size(), models::name_of(flight.state),
-                flight.last_m);
-    is_good = is_good && flight.highest_m > 0.8 && !flight.rounds.empty() && has_landed;
+    std::printf("%s: up to %.2f m, %zu rounds followed, %.2f m away, %s at %.2f m\n", robot.c_str(),
+                flight.highest_m, flight.rounds.size(), flight.farthest_m,
+                models::name_of(flight.state), flight.last_m);
+    const bool has_flown = flight.highest_m > 0.8 && has_landed;
+    is_good = is_good && !flight.rounds.empty() && flight.farthest_m > 0.5 &&
+              (has_flown || level.count(robot) > 0);
   }
   for (const auto& [name, count] : seen.counters) {
     if (name.ends_with("_us")) {
@@ -116,8 +124,8 @@ bool judge(const Seen& seen) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::printf("usage: hil_check LOG\n");
+  if (argc < 2) {
+    std::printf("usage: hil_check LOG [ROBOT...]\n");
     return 2;
   }
   lcm::LogFile log(argv[1], "r");
@@ -129,5 +137,5 @@ int main(int argc, char** argv) {
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     take(*event, seen);
   }
-  return judge(seen) ? 0 : 1;
+  return judge(seen, std::set<std::string>(argv + 2, argv + argc)) ? 0 : 1;
 }

@@ -81,7 +81,10 @@ TEST(ProcessPlan, StartsARoversOwnDriver) {
   EXPECT_NE(std::find(names.begin(), names.end(), "rover Q1"), names.end());
   EXPECT_EQ(std::find(names.begin(), names.end(), "quadrotor Q1"), names.end());
   scenario.robots[0].device = models::DeviceSource::kWire;
-  EXPECT_EQ(device_faults(scenario).size(), 1u);
+  EXPECT_TRUE(device_faults(scenario).empty());
+  const auto on_wire = names_of(process_plan(scenario, {".", "s.yaml", ""}));
+  EXPECT_NE(std::find(on_wire.begin(), on_wire.end(), "rover Q1"), on_wire.end());
+  EXPECT_NE(std::find(on_wire.begin(), on_wire.end(), "sim"), on_wire.end());
 }
 
 TEST(DeviceFaults, NameARealRobotThatNobodySeesAndADriverWithoutAnAutopilot) {

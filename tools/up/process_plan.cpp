@@ -31,11 +31,6 @@ std::vector<std::string> device_faults(const models::Scenario& scenario) {
                     " is real, and a simulated mocap system does not see it: "
                     "mocap needs device 'real'");
     }
-    if (robot.rover && robot.device == DeviceSource::kWire) {
-      out.push_back("robot " + robot.name +
-                    " is a rover, and the simulator drives none on the wire: "
-                    "device must be 'real' or 'direct'");
-    }
     const bool has_autopilot = robot.autopilot && !robot.autopilot->url.empty();
     if (has_driver(robot) && !has_autopilot && !robot.rover) {
       out.push_back("robot " + robot.name + " has device '" + (is_real ? "real" : "wire") +

@@ -1,4 +1,4 @@
-#include "sim/app/wire_vehicle.hpp"
+#include "sim/app/wire_quadrotor.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -18,7 +18,7 @@ constexpr int kReadsMax = 64;  // in one exchange: a flood must not stop the wor
 const models::AutopilotSpec& autopilot_of(const models::RobotSpec& robot) {
   if (!robot.autopilot || robot.autopilot->url.empty()) {
     throw StartupError("robot " + robot.name +
-                       " has device 'wire': it needs an `autopilot` with a `url`");
+                       " has device 'wire': it needs an `autopilot` or a `rover` with a `url`");
   }
   if (!robot.autopilot->key_file.empty()) {
     throw StartupError("robot " + robot.name +
@@ -55,20 +55,20 @@ void add(const std::string& name, const LatencyRecord& record,
 
 }  // namespace
 
-WireVehicle::WireVehicle(const models::RobotSpec& robot, std::uint8_t system_id, std::uint64_t seed,
-                         Time start)
+WireQuadrotor::WireQuadrotor(const models::RobotSpec& robot, std::uint8_t system_id,
+                             std::uint64_t seed, Time start)
     : name_(robot.name),
       radius_m_(robot.limits.radius_m),
       emulator_(spec_of(robot, system_id, seed), step_at_or_before(start)),
       socket_(autopilot_of(robot).url),
       stepped_(step_at_or_before(start)) {}
 
-void WireVehicle::step(Time now, double dt_s) {
+void WireQuadrotor::step(Time now, double dt_s) {
   stepped_ = std::max(stepped_, step_at_or_before(now + from_seconds(dt_s)));
   emulator_.advance_to(stepped_);
 }
 
-void WireVehicle::exchange(Time now) {
+void WireQuadrotor::exchange(Time now) {
   // Within the step that it stands at, or the emulator would leave steps out.
   const Time heard = std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
   for (int i = 0; i < kReadsMax; ++i) {
@@ -85,7 +85,7 @@ void WireVehicle::exchange(Time now) {
   }
 }
 
-void WireVehicle::measure(const wire::Frame& frame, Time arrival) {
+void WireQuadrotor::measure(const wire::Frame& frame, Time arrival) {
   std::optional<std::uint64_t> capture_us;
   if (const auto odometry = wire::unpack<wire::Odometry>(frame)) {
     capture_us = odometry->time_usec;
@@ -100,7 +100,7 @@ void WireVehicle::measure(const wire::Frame& frame, Time arrival) {
   }
 }
 
-std::vector<models::NamedCount> WireVehicle::counters() const {
+std::vector<models::NamedCount> WireQuadrotor::counters() const {
   std::vector<models::NamedCount> out;
   const std::string prefix = "wire." + name_ + ".";
   add(prefix + "pose", pose_age_, out);

@@ -1,4 +1,4 @@
-#include "sim/app/wire_vehicle.hpp"
+#include "sim/app/wire_quadrotor.hpp"
 
 #include <array>
 #include <vector>
@@ -81,10 +81,10 @@ models::RobotSpec robot_at(const std::string& url) {
   return robot;
 }
 
-TEST(WireVehicle, StandsAtItsStartAndSpeaksToTheDriversPort) {
+TEST(WireQuadrotor, StandsAtItsStartAndSpeaksToTheDriversPort) {
   DriverPort port;
   const models::RobotSpec robot = robot_at(port.url());
-  WireVehicle vehicle(robot, 7, 1, kStart);
+  WireQuadrotor vehicle(robot, 7, 1, kStart);
   Time now = kStart;
   std::vector<wire::Frame> heard;
   for (int k = 0; k < 410; ++k, now += Duration{5'000}) {
@@ -105,9 +105,9 @@ TEST(WireVehicle, StandsAtItsStartAndSpeaksToTheDriversPort) {
   EXPECT_EQ(heartbeats, 3);  // at 1 Hz, in 2.05 s
 }
 
-TEST(WireVehicle, HearsItsDriverAndMeasuresHowOldThePosesAre) {
+TEST(WireQuadrotor, HearsItsDriverAndMeasuresHowOldThePosesAre) {
   DriverPort port;
-  WireVehicle vehicle(robot_at(port.url()), 1, 1, kStart);
+  WireQuadrotor vehicle(robot_at(port.url()), 1, 1, kStart);
   vehicle.step(kStart, 0.005);
   vehicle.exchange(kStart + Duration{5'000});
   ASSERT_FALSE(port.frames().empty());
@@ -133,15 +133,15 @@ TEST(WireVehicle, HearsItsDriverAndMeasuresHowOldThePosesAre) {
   EXPECT_GT(age_us, 365LL * 86'400 * 1'000'000);
 }
 
-TEST(WireVehicle, RefusesWhatCannotBeSimulatedOnTheWire) {
+TEST(WireQuadrotor, RefusesWhatCannotBeSimulatedOnTheWire) {
   models::RobotSpec robot = test::lab_scenario().robots[0];
-  EXPECT_THROW(WireVehicle(robot, 1, 1, kStart), StartupError);  // no autopilot
+  EXPECT_THROW(WireQuadrotor(robot, 1, 1, kStart), StartupError);  // no autopilot
   for (const char* url : {"", "serial:/dev/ttyUSB0:921600", "udp://127.0.0.1", "udp://:0"}) {
-    EXPECT_THROW(WireVehicle(robot_at(url), 1, 1, kStart), StartupError) << url;
+    EXPECT_THROW(WireQuadrotor(robot_at(url), 1, 1, kStart), StartupError) << url;
   }
   robot = robot_at("udp://127.0.0.1:14540");
   robot.autopilot->key_file = "key";
-  EXPECT_THROW(WireVehicle(robot, 1, 1, kStart), StartupError);
+  EXPECT_THROW(WireQuadrotor(robot, 1, 1, kStart), StartupError);
 }
 
 TEST(LatencyRecord, GivesPercentilesToTheWidthOfABin) {

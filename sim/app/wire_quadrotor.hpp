@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+#include "models/wire/mavlink/parser.hpp"
+#include "sim/app/latency_record.hpp"
+#include "sim/app/wire_vehicle.hpp"
+#include "sim/autopilot/autopilot_emulator.hpp"
+#include "sim/autopilot/autopilot_socket.hpp"
+
+namespace vantage::sim {
+
+/// A quadrotor on the wire: an emulated autopilot, whose airframe is the vehicle's truth. It stands
+/// on the ground at the robot's start until the driver at the other end flies it.
+class WireQuadrotor : public WireVehicle {
+ public:
+  /// @throws StartupError for a robot without an `autopilot`, with one that cannot be emulated, or
+  ///         a port that cannot be had.
+  WireQuadrotor(const models::RobotSpec& robot, std::uint8_t system_id, std::uint64_t seed,
+                Time start);
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] double radius_m() const override { return radius_m_; }
+  [[nodiscard]] Pose3 world_from_body() const override { return emulator_.world_from_body(); }
+  [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override {
+    return emulator_.velocity_world_mps();
+  }
+  void step(Time now, double dt_s) override;
+
+  void exchange(Time now) override;
+
+  [[nodiscard]] const AutopilotEmulator& emulator() const { return emulator_; }
+  /// What went wrong, and how old what the driver sends is when it arrives here:
+  /// `.pose_…_us` from the capture that an external pose states to its arrival, `.setpoint_…_us`
+  /// from the capture of the newest such pose to the arrival of a set-point.
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+
+ private:
+  void measure(const models::mavlink::Frame& frame, Time arrival);
+
+  std::string name_;
+  double radius_m_;
+  AutopilotEmulator emulator_;
+  AutopilotSocket socket_;
+  Time stepped_;  ///< the emulator stands here
+  models::mavlink::Parser watcher_;
+  Time newest_capture_{};
+  LatencyRecord pose_age_;
+  LatencyRecord setpoint_age_;
+  std::array<std::uint8_t, 2048> buffer_{};
+};
+
+}  // namespace vantage::sim

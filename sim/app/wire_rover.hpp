@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+#include "sim/app/wire_vehicle.hpp"
+#include "sim/rover/rover_endpoint.hpp"
+
+namespace vantage::sim {
+
+/// A ground robot on the wire: an emulated rover behind the protocol of docs/rover.md. Its body is
+/// at the height of its markers.
+class WireRover : public WireVehicle {
+ public:
+  /// @param boot  told in its telemetry; another one at each start
+  /// @throws StartupError for a robot without a `rover`, or a port that cannot be had.
+  WireRover(const models::RobotSpec& robot, std::uint32_t boot, Time start);
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] double radius_m() const override { return radius_m_; }
+  [[nodiscard]] Pose3 world_from_body() const override;
+  [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override;
+  void step(Time now, double dt_s) override;
+  void exchange(Time now) override;
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+
+  [[nodiscard]] const RoverEmulator& emulator() const { return endpoint_.emulator(); }
+
+ private:
+  std::string name_;
+  double radius_m_;
+  double height_m_;
+  RoverEndpoint endpoint_;
+  Time stepped_;  ///< the emulator stands here
+};
+
+}  // namespace vantage::sim
