@@ -18,7 +18,7 @@
 // Is a plan always there on time? Many plans at each budget, against the clock: how much CPU time
 // the search goes on using after its deadline, and how late it returns by the wall. The CPU clock
 // of the thread is read at the deadline by a timer's signal, so that being preempted does not count
-// as work.
+// as work. Beside each, the same with a thread that only watches the clock: the machine's own part.
 
 namespace vantage::bench {
 namespace {
@@ -95,6 +95,66 @@ std::vector<planner::SearchProblem> problems_of(const std::vector<tools::Plannin
   return problems;
 }
 
+struct Outcome {
+  bool is_missing = false;
+  bool ended_at_deadline = true;
+};
+
+struct Lateness {
+  std::size_t missing = 0;
+  std::size_t early = 0;
+  Spread cpu;
+  Spread wall;
+};
+
+/// `work(i, end_ns)` once for each of `runs`, to end at the deadline that it is given.
+template <class Work>
+Lateness lateness_of(std::size_t runs, double budget_ms, DeadlineTimer& timer, const Work& work) {
+  Lateness out;
+  for (std::size_t i = 0; i < runs; ++i) {
+    const std::int64_t end_ns = monotonic_ns() + std::llround(1e6 * budget_ms);
+    timer.set(end_ns);
+    const Outcome outcome = work(i, end_ns);
+    const std::int64_t cpu_ns = thread_cpu_ns();
+    const std::int64_t now_ns = monotonic_ns();
+    timer.stop();
+    const std::int64_t cpu_then_ns = cpu_at_deadline_ns.load(std::memory_order_relaxed);
+    out.missing += outcome.is_missing ? 1 : 0;
+    if (now_ns < end_ns || !outcome.ended_at_deadline) {
+      ++out.early;
+      continue;
+    }
+    out.wall.us.push_back(1e-3 * static_cast<double>(now_ns - end_ns));
+    // A signal that came after the return: the work was over before its deadline was noticed.
+    out.cpu.us.push_back(cpu_then_ns == 0 || cpu_then_ns > cpu_ns
+                             ? 0.0
+                             : 1e-3 * static_cast<double>(cpu_ns - cpu_then_ns));
+  }
+  std::sort(out.cpu.us.begin(), out.cpu.us.end());
+  std::sort(out.wall.us.begin(), out.wall.us.end());
+  return out;
+}
+
+void print(double budget_ms, const std::string& what, const Lateness& late) {
+  const auto over =
+      std::count_if(late.cpu.us.begin(), late.cpu.us.end(), [](double us) { return us > 50.0; });
+  fmt::print(
+      "{:>9} {:>6} {:>7} {:>7} {:>6} | {:>7.1f} {:>7.1f} {:>7.1f} {:>8.1f} {:>6} | {:>9.1f} "
+      "{:>9.1f} {:>9.1f} {:>9.1f}\n",
+      budget_ms, what, late.wall.us.size() + late.early, late.missing, late.early, late.cpu.at(0.5),
+      late.cpu.at(0.99), late.cpu.at(0.999), late.cpu.at(1.0), over, late.wall.at(0.5),
+      late.wall.at(0.99), late.wall.at(0.999), late.wall.at(1.0));
+  std::fflush(stdout);
+}
+
+// What the machine alone does: asks the clock until the deadline, and nothing else. Its lateness is
+// the timer's signal, interrupts charged to the thread, and time stolen by a hypervisor.
+Outcome idle_until(std::int64_t end_ns) {
+  while (monotonic_ns() < end_ns) {
+  }
+  return {};
+}
+
 void run(const Arguments& arguments) {
   const std::vector<tools::PlanningProblem> tracking = hundred_problems();
   std::vector<ObstructedProblem> obstructed;
@@ -109,47 +169,21 @@ void run(const Arguments& arguments) {
       {});
   apply(arguments.real_time);
   fmt::print(
-      "{:>9} {:>6} {:>8} {:>6} {:>6} | {:>7} {:>7} {:>7} {:>8} {:>6} | {:>9} {:>9} {:>9} {:>9}\n",
-      "budget_ms", "plans", "missing", "early", "late", "cpu p50", "p99", "p99.9", "max_us", "> 50",
+      "{:>9} {:>6} {:>7} {:>7} {:>6} | {:>7} {:>7} {:>7} {:>8} {:>6} | {:>9} {:>9} {:>9} {:>9}\n",
+      "budget_ms", "what", "plans", "missing", "early", "cpu p50", "p99", "p99.9", "max_us", "> 50",
       "wall p50", "p99", "p99.9", "max_us");
   DeadlineTimer timer;
   for (const double budget_ms : arguments.budgets_ms) {
     const std::size_t runs = budget_ms <= 20.0 ? arguments.short_runs : arguments.long_runs;
-    Spread cpu;
-    Spread wall;
-    std::size_t missing = 0;
-    std::size_t early = 0;
-    for (std::size_t i = 0; i < runs; ++i) {
-      const planner::SearchProblem& problem = problems[i % problems.size()];
-      const std::int64_t end_ns = monotonic_ns() + std::llround(1e6 * budget_ms);
-      timer.set(end_ns);
-      const planner::SearchResult& result = search->search(problem, Deadline::at(end_ns));
-      const std::int64_t cpu_ns = thread_cpu_ns();
-      const std::int64_t now_ns = monotonic_ns();
-      timer.stop();
-      const std::int64_t cpu_then_ns = cpu_at_deadline_ns.load(std::memory_order_relaxed);
-      missing += result.found ? 0 : 1;
-      if (now_ns < end_ns || result.stop_reason != planner::StopReason::kDeadline) {
-        ++early;
-        continue;
-      }
-      wall.us.push_back(1e-3 * static_cast<double>(now_ns - end_ns));
-      // A signal that came after the return: the search was over before its deadline was noticed.
-      cpu.us.push_back(cpu_then_ns == 0 || cpu_then_ns > cpu_ns
-                           ? 0.0
-                           : 1e-3 * static_cast<double>(cpu_ns - cpu_then_ns));
-    }
-    std::sort(cpu.us.begin(), cpu.us.end());
-    std::sort(wall.us.begin(), wall.us.end());
-    const auto over =
-        std::count_if(cpu.us.begin(), cpu.us.end(), [](double us) { return us > 50.0; });
-    fmt::print(
-        "{:>9} {:>6} {:>8} {:>6} {:>6} | {:>7.1f} {:>7.1f} {:>7.1f} {:>8.1f} {:>6} | {:>9.1f} "
-        "{:>9.1f} "
-        "{:>9.1f} {:>9.1f}\n",
-        budget_ms, runs, missing, early, wall.us.size(), cpu.at(0.5), cpu.at(0.99), cpu.at(0.999),
-        cpu.at(1.0), over, wall.at(0.5), wall.at(0.99), wall.at(0.999), wall.at(1.0));
-    std::fflush(stdout);
+    print(budget_ms, arguments.algorithm,
+          lateness_of(runs, budget_ms, timer, [&](std::size_t i, std::int64_t end_ns) {
+            const planner::SearchProblem& problem = problems[i % problems.size()];
+            const planner::SearchResult& result = search->search(problem, Deadline::at(end_ns));
+            return Outcome{!result.found, result.stop_reason == planner::StopReason::kDeadline};
+          }));
+    print(budget_ms, "none",
+          lateness_of(runs, budget_ms, timer,
+                      [](std::size_t, std::int64_t end_ns) { return idle_until(end_ns); }));
   }
 }
 
