@@ -101,15 +101,17 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
       break;
     case ReducedSearch::kAnytime: {
       bool more = pass(kInfinity, kInfinity, true);
-      if (more) {  // now that there is a plan
-        const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
-        moving_bound = bound.cost;
-        more = !bound.expired;
-        progress = more ? progress : Progress::kDeadline;
-      }
+      bool bounded = false;
       double scale = 1.0;
       for (int i = 0; more && i < options.halvings; ++i, scale *= 0.5) {
         more = pass(options.epsilon * scale, options.delta_m * scale, true);
+        if (more && !bounded && result_.work_nodes >= RootBound::kWorthAfter) {
+          bounded = true;
+          const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
+          moving_bound = bound.cost;
+          more = !bound.expired;
+          progress = more ? progress : Progress::kDeadline;
+        }
       }
       if (more) {
         pass(0.0, 0.0, true);

@@ -113,6 +113,7 @@ void RefiningBeam::run_passes(const BeamOptions& options, const Deadline& deadli
   double width = 1.0;
   double cell_m = options.cell_m;
   double cell_rad = options.cell_rad;
+  bool bounded = false;
   bool split = false;  // every child a cell of its own, now that all of them fit
   for (int k = 0; k < kPassesMax; ++k) {
     const double narrowed = k % 2 == 0 ? options.alternation : 1.0;
@@ -144,7 +145,8 @@ void RefiningBeam::run_passes(const BeamOptions& options, const Deadline& deadli
       if (exhaustive) {
         return;
       }
-      if (k == 0) {  // now that there is a plan
+      if (!bounded && result_.found && result_.work_nodes >= RootBound::kWorthAfter) {
+        bounded = true;
         const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
         moving_bound_ = bound.cost;
         if (bound.expired) {

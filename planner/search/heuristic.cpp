@@ -307,6 +307,7 @@ InformationHeuristic::Parts InformationHeuristic::cost_to_go(const Pose2& at, in
         near = way(k).nearest_m < sight_m(m) + (k - depth) * step_m_ + kRounding_m;
       }
       if (!near) {
+        apart_cost += is_apart ? least : 0.0;
         continue;
       }
       least = rest(m, depth, touched ? blocks.packed + slot : beliefs_->open_loop(m, depth), way);

@@ -7,7 +7,9 @@
 namespace vantage::planner {
 
 RootBound::RootBound(int targets_max, int horizon_max, int states_max)
-    : heuristic_(targets_max, horizon_max), sequencing_(targets_max, horizon_max, states_max) {}
+    : heuristic_(targets_max, horizon_max),
+      sequencing_(targets_max, horizon_max, states_max),
+      near_(targets_max, horizon_max) {}
 
 double RootBound::of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs) {
   heuristic_.reset(problem, beliefs);
@@ -15,22 +17,41 @@ double RootBound::of_any_plan(const SearchProblem& problem, const BeliefTable& b
   start_ = problem.start;
   const auto parts = heuristic_.cost_to_go(start_, 0, {}, sequencing_.takes_part().data());
   others_ = parts.all - parts.apart;
+  near_.reset(problem, beliefs, heuristic_);
+  not_moving_ =
+      near_.is_empty()
+          ? parts.all
+          : parts.all - heuristic_.cost_to_go(start_, 0, {}, near_.takes_part().data()).apart;
   double floors = 0.0;
   for (int k = 1; k <= problem.horizon_steps; ++k) {
     floors += heuristic_.stage_floor(k);
   }
+  reach_ = parts.all;
   any_plan_ = std::max(parts.all, floors);
   return any_plan_;
 }
 
-SequencingBound::Answer RootBound::of_moving_plan(const Deadline& deadline,
-                                                  std::int64_t& work_nodes) {
-  if (sequencing_.is_empty() || !std::isfinite(any_plan_)) {
-    return {any_plan_, false};
+RootBound::Answer RootBound::of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes) {
+  Answer best{any_plan_, false};
+  if (!std::isfinite(any_plan_)) {
+    return best;
   }
-  const auto answer = sequencing_.cost_to_go(start_, 0, {}, std::numeric_limits<double>::infinity(),
-                                             deadline, work_nodes);
-  return {std::max(any_plan_, others_ + answer.cost), answer.expired};
+  double sequenced = 0.0;  // above the others
+  if (!sequencing_.is_empty()) {
+    const auto answer = sequencing_.cost_to_go(
+        start_, 0, {}, std::numeric_limits<double>::infinity(), deadline, work_nodes);
+    best = {std::max(best.cost, others_ + answer.cost), answer.expired};
+    bool disjoint = true;
+    for (std::size_t m = 0; m < near_.takes_part().size(); ++m) {
+      disjoint = disjoint && (near_.takes_part()[m] == 0 || sequencing_.takes_part()[m] == 0);
+    }
+    sequenced = disjoint ? std::max(0.0, others_ + answer.cost - reach_) : 0.0;
+  }
+  if (!near_.is_empty() && !best.expired) {
+    const auto answer = near_.cost(deadline, work_nodes);
+    best = {std::max(best.cost, not_moving_ + sequenced + answer.cost), answer.expired};
+  }
+  return best;
 }
 
 }  // namespace vantage::planner

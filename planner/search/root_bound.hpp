@@ -4,6 +4,7 @@
 
 #include "core/deadline.hpp"
 #include "planner/search/heuristic.hpp"
+#include "planner/search/near_bound.hpp"
 #include "planner/search/sequencing_bound.hpp"
 
 namespace vantage::planner {
@@ -12,6 +13,9 @@ namespace vantage::planner {
 /// Allocates nothing after construction.
 class RootBound {
  public:
+  /// of_moving_plan() is worth its time once so many nodes of work are done.
+  static constexpr std::int64_t kWorthAfter = 50'000;
+
   RootBound(int targets_max, int horizon_max, int states_max = 300);
 
   /// Tables a problem and gives what no plan can cost less than, also one that stops and hovers on
@@ -20,17 +24,24 @@ class RootBound {
   double of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs);
 
   /// What no plan can cost less than that takes every step from the controls, of the problem last
-  /// tabled: no less than of_any_plan(), for the robot cannot look everywhere at once. Up to
-  /// `states_max` / 3 µs; when the deadline comes, what is bounded so far, and the search has to
-  /// stop at once. Adds to `work_nodes` what it expands.
-  SequencingBound::Answer of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
+  /// tabled: no less than of_any_plan(), for the robot cannot look everywhere at once, nor be right
+  /// beside every target. Up to `states_max` / 3 µs and some ms; when the deadline comes, what is
+  /// bounded so far, and the search has to stop at once. Adds to `work_nodes` what it expands.
+  struct Answer {
+    double cost = 0.0;
+    bool expired = false;
+  };
+  Answer of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
 
  private:
   InformationHeuristic heuristic_;
   SequencingBound sequencing_;
+  NearBound near_;
   Pose2 start_;
   double any_plan_ = 0.0;
-  double others_ = 0.0;  ///< of the targets that take no part in a sequence
+  double reach_ = 0.0;       ///< h at the root
+  double others_ = 0.0;      ///< of the targets that take no part in a sequence
+  double not_moving_ = 0.0;  ///< of those that take no part in near_
 };
 
 }  // namespace vantage::planner
