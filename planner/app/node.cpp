@@ -37,6 +37,12 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
       bus_.subscribe<models::RobotPlan>(bus::plan_channel(other.name), [this](const auto& m) {
         inputs_.team_plans.insert_or_assign(m.robot, m);
       });
+      bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel(other.name),
+                                            [this, name = other.name](const auto& m) {
+                                              if (m.robot == name) {
+                                                inputs_.team_statuses.insert_or_assign(name, m);
+                                              }
+                                            });
     }
   }
 }
@@ -65,6 +71,9 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
   }
   for (const auto& [teammate, plan] : inputs.team_plans) {
     add(bus::plan_channel(teammate).name, plan.stamp);
+  }
+  for (const auto& [teammate, status] : inputs.team_statuses) {
+    add(bus::quadrotor_channel(teammate).name, status.stamp);
   }
   if (inputs.attack) {
     add(bus::kAttack.name, inputs.attack->stamp);
@@ -107,6 +116,7 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
           {"fallbacks_shifted", counts.fallbacks_shifted},
           {"fallbacks_braking", counts.fallbacks_braking},
           {"off_plan", counts.off_plan},
+          {"turns_away", counts.turns_away},
           {"plan_checks_failed", counts.checks_failed},
           {"rounds_without_pose", counts.no_pose},
           {"unusable_beliefs", counts.unusable_beliefs}};

@@ -64,6 +64,9 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
                                                 waiting_.push_back(m);
                                               }
                                             });
+    bus_.subscribe_named<models::VehicleStatus>(
+        bus::quadrotor_channel(each.name),
+        [this](const std::string& name, const auto& m) { statuses_.add(name, m); });
   }
 }
 
@@ -76,6 +79,8 @@ bool PlannerReplayNode::gather(const models::RobotPlan& logged, PlanInputs& inpu
       inputs.mocap = *frame;
     } else if (const auto* attack = attacks_.find(name)) {
       inputs.attack = *attack;
+    } else if (const auto* status = statuses_.find(name)) {
+      inputs.team_statuses.insert_or_assign(status->robot, *status);
     } else if (const auto* plan = plans_.find(name)) {
       if (plan->robot == robot_) {
         inputs.own_plan = *plan;

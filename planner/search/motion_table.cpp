@@ -58,6 +58,7 @@ MotionTable::MotionTable(int controls_max, int horizon_max, int teammates_max) {
   primitives_.reserve(static_cast<std::size_t>(controls_max));
   teammate_pieces_.reserve(static_cast<std::size_t>(3 * horizon_max * teammates_max * kPieces));
   step_ways_m_.reserve(static_cast<std::size_t>(3 * horizon_max * teammates_max));
+  kept_m_.reserve(static_cast<std::size_t>(teammates_max));
 }
 
 void MotionTable::reset(const SearchProblem& problem) {
@@ -89,6 +90,10 @@ void MotionTable::reset(const SearchProblem& problem) {
 
   teammate_pieces_.clear();
   step_ways_m_.clear();
+  kept_m_.clear();
+  for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
+    kept_m_.push_back(kept_separation_m(problem, i));
+  }
   int steps = problem.horizon_steps + 1;
   for (const models::Trajectory& teammate : problem.teammates) {
     const double left_s = to_seconds(models::end_time(teammate) - problem.start_time);
@@ -187,7 +192,7 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
     const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_) +
                                                     static_cast<std::size_t>(depth * kPieces)];
     // Far enough apart that one step cannot bring them together: both move at most this far.
-    const double far_m = problem_->separation_m + primitive.length_m +
+    const double far_m = kept_m_[i] + primitive.length_m +
                          step_ways_m_[i * static_cast<std::size_t>(pieces_each_ / kPieces) +
                                       static_cast<std::size_t>(depth)];
     if ((pieces[0].from_m - start).squaredNorm() > far_m * far_m) {
@@ -200,7 +205,7 @@ bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
                               from.y_m + sin_yaw * p.x() + cos_yaw * p.y(), problem_->height_m);
       const double nearest_m = models::closest_approach_m(a, b, pieces[k].from_m, pieces[k].to_m) -
                                primitive.sagitta_m - pieces[k].slack_m;
-      if (nearest_m < problem_->separation_m) {
+      if (nearest_m < kept_m_[i]) {
         return false;
       }
       a = b;
@@ -238,7 +243,7 @@ bool MotionTable::can_stop_at(const Pose2& at, double speed_mps, int depth) cons
       const Eigen::Vector3d b = along(++since * piece_s);
       if (models::closest_approach_m(a, b, pieces[k].from_m, pieces[k].to_m) - slack_m -
               pieces[k].slack_m <
-          problem_->separation_m) {
+          kept_m_[i]) {
         return false;
       }
       a = b;

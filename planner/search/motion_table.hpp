@@ -99,6 +99,7 @@ class MotionTable {
   int pieces_each_ = 0;                         ///< of one teammate: until everybody hovers
   std::vector<TeammatePiece> teammate_pieces_;  ///< [teammate][depth][piece]
   std::vector<double> step_ways_m_;             ///< [teammate][depth]: at most, in one step
+  std::vector<double> kept_m_;                  ///< [teammate]: kept_separation_m
 };
 
 /// True when a disc of `radius_m` carried along `control` for `duration_s` stays clear of the

@@ -145,4 +145,15 @@ double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
   return cost;
 }
 
+double kept_separation_m(const SearchProblem& problem, std::size_t i) {
+  // Steps are checked by chords, whose rounding must not forbid every way out.
+  constexpr double kChords_m = 0.01;
+  const models::Trajectory& teammate = problem.teammates[i];
+  Eigen::Vector3d away_m;
+  away_m << models::at(teammate, problem.start_time).world_from_body.position_m() -
+                problem.start.position_m(),
+      teammate.height_m - problem.height_m;
+  return std::min(problem.separation_m, std::max(0.0, away_m.norm() - kChords_m));
+}
+
 }  // namespace vantage::planner

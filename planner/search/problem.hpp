@@ -50,13 +50,18 @@ struct SearchProblem {
   const models::DistanceField* field = nullptr;  ///< of `world`; null: slower, same answers
   double clearance_m = 0.0;                      ///< the disc around the robot that must be free
 
-  /// Teammates' committed motion, to be kept at `separation_m` in space.
+  /// Teammates' committed motion, to be kept at `separation_m` in space; kept_separation_m() says
+  /// what that means for a robot that starts nearer.
   std::vector<models::Trajectory> teammates;
   double separation_m = 0.0;
   /// Deceleration of the stop that must be possible, clear and apart at the end; 0: none demanded.
   double brake_mps2 = 0.0;
   double start_speed_mps = 0.0;  ///< at `start`, for the stop of a plan that moves no more
 };
+
+/// What a plan keeps from teammate i: `separation_m` or, if it is nearer when the plan starts, that
+/// distance less a centimetre. Whoever has come too near may leave, and comes no nearer.
+double kept_separation_m(const SearchProblem& problem, std::size_t i);
 
 /// Throws UsageError naming the rule that `problem` breaks: sizes, finite numbers, positive steps,
 /// forward controls, definite symmetric priors, information for every step. A search checks this

@@ -22,7 +22,7 @@ SearchCapacity capacity_for(const models::Scenario& scenario) {
   capacity.targets_max = static_cast<int>(scenario.targets.size()) +
                          std::max(0, scenario.planner.exploration.landmarks_max);
   capacity.horizon_max = scenario.planner.horizon_steps;
-  capacity.teammates_max = static_cast<int>(scenario.robots.size());
+  capacity.teammates_max = 2 * static_cast<int>(scenario.robots.size());  // plans and hovers
   return capacity;
 }
 
@@ -124,6 +124,22 @@ std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& input
   return teammates;
 }
 
+std::vector<models::Trajectory> RobotPlanner::hovers_of_those_who_wait(
+    const PlanInputs& inputs) const {
+  std::vector<models::Trajectory> hovers;
+  for (const auto& [name, status] : inputs.team_statuses) {
+    const models::RobotSpec* robot = scenario_.find_robot(name);
+    const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(name) : nullptr;
+    // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
+    if (status.state != models::FlightState::kFollow && robot != nullptr && body != nullptr &&
+        !body->occluded && name != spec_->name) {
+      hovers.push_back(
+          hover_at(flatten(body->world_from_body), robot->height_m, inputs.slot.activation));
+    }
+  }
+  return hovers;
+}
+
 void RobotPlanner::add_targets(const models::RobotBelief& belief, Time start) {
   const models::TargetModel& model = scenario_.estimator.target_model;
   const double ahead_s = to_seconds(start - belief.stamp.time);
@@ -184,6 +200,9 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
   for (const FixedTeammate& teammate : teammates) {
     problem_.teammates.push_back(teammate.trajectory);
   }
+  for (const models::Trajectory& hover : hovers_of_those_who_wait(inputs)) {
+    problem_.teammates.push_back(hover);
+  }
   problem_.fixed_information = fixed_information(problem_, teammates);
 }
 
@@ -214,16 +233,50 @@ const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadlin
   return search_.plan(problem_, options, deadline);
 }
 
+bool RobotPlanner::keeps_apart(const models::Trajectory& trajectory, double rounding_m) const {
+  for (std::size_t i = 0; i < problem_.teammates.size(); ++i) {
+    if (!models::keeps_separation(trajectory, problem_.teammates[i], trajectory.start_time,
+                                  kept_separation_m(problem_, i) - rounding_m)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool RobotPlanner::is_safe(const models::Trajectory& trajectory) const {
   // The search's own margins are tighter than these by rounding and by its finer pieces.
   constexpr double kRounding_m = 0.02;
   return models::is_clear(scenario_.world, trajectory, trajectory.start_time,
                           problem_.clearance_m - kRounding_m) &&
-         std::all_of(problem_.teammates.begin(), problem_.teammates.end(),
-                     [&](const models::Trajectory& teammate) {
-                       return models::keeps_separation(trajectory, teammate, trajectory.start_time,
-                                                       problem_.separation_m - kRounding_m);
-                     });
+         keeps_apart(trajectory, kRounding_m);
+}
+
+std::optional<std::size_t> RobotPlanner::too_near() const {
+  std::optional<std::size_t> nearest;
+  double least_m = problem_.separation_m;
+  for (std::size_t i = 0; i < problem_.teammates.size(); ++i) {
+    const double kept_m = kept_separation_m(problem_, i);
+    if (kept_m < least_m) {
+      least_m = kept_m;
+      nearest = i;
+    }
+  }
+  return nearest;
+}
+
+void RobotPlanner::turn_away_from(std::size_t teammate, models::RobotPlan& plan) {
+  constexpr double kTurn_rad = kPi / 4.0;
+  constexpr double kYawRate_radps = 1.5;
+  const Eigen::Vector2d from_m =
+      models::at(problem_.teammates[teammate], problem_.start_time).world_from_body.position_m();
+  const Eigen::Vector2d away_m = problem_.start.position_m() - from_m;
+  const double off_rad = wrap_to_pi(std::atan2(away_m.y(), away_m.x()) - problem_.start.yaw_rad);
+  const double rate_radps = std::min(kYawRate_radps, spec_->limits.yaw_rate_max_radps);
+  plan.source = models::PlanSource::kBraking;
+  plan.trajectory = hover_at(problem_.start, spec_->height_m, problem_.start_time);
+  plan.trajectory.segments = {
+      {{0.0, off_rad < -kTurn_rad ? -rate_radps : rate_radps}, kTurn_rad / rate_radps, 0.0}};
+  ++counts_.turns_away;
 }
 
 void RobotPlanner::fall_back(const models::Trajectory& committed, models::RobotPlan& plan) {
@@ -249,6 +302,13 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
   models::RobotPlan plan = blank_plan(inputs);
   const SearchResult& result = search(inputs, deadline);
   plan.nodes = result.replay_budget_nodes();
+  const bool rests = std::all_of(committed->segments.begin(), committed->segments.end(),
+                                 [](const auto& each) { return each.control.speed_mps == 0.0; });
+  const std::optional<std::size_t> crowder = rests ? too_near() : std::nullopt;
+  if (crowder && !(result.found && result.moving_steps > 0)) {
+    turn_away_from(*crowder, plan);
+    return plan;
+  }
   if (result.found) {
     plan.trajectory = to_trajectory(problem_, result);
     if (is_safe(plan.trajectory)) {

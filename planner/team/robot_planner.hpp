@@ -22,6 +22,7 @@ struct PlanInputs {
   std::optional<models::MocapFrame> mocap;              ///< where everybody is
   std::optional<models::RobotPlan> own_plan;            ///< last one published
   std::map<std::string, models::RobotPlan> team_plans;  ///< newest of each teammate
+  std::map<std::string, models::VehicleStatus> team_statuses;  ///< do they follow their plans?
   std::optional<models::AttackNotice> attack;
 };
 
@@ -31,6 +32,7 @@ struct PlannerCounts {
   std::int64_t fallbacks_braking = 0;
   std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
   std::int64_t checks_failed = 0;  ///< searched plans that the closing check refused
+  std::int64_t turns_away = 0;     ///< at rest too near a teammate, with no way out straight ahead
   std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
   std::int64_t unusable_beliefs = 0;
 };
@@ -40,8 +42,9 @@ struct PlannerCounts {
 ///
 /// The robot plans from where its committed plan has it at t_{k+1}, against the teammates' newest
 /// plans (their information and their swept motion). A teammate that is silent is taken to go on
-/// with its last plan, whose end is a hover. The ladder: the best complete plan; else the last one
-/// shifted and checked again; else braking to a hover.
+/// with its last plan, whose end is a hover; from one that says it does not follow plans its own
+/// place is kept free as well. The ladder: the best complete plan; else the last one shifted and
+/// checked again; else braking to a hover.
 class RobotPlanner {
  public:
   RobotPlanner(const models::Scenario& scenario, const std::string& robot);
@@ -65,11 +68,20 @@ class RobotPlanner {
   /// The motion that the robot is committed to, cut to start at t_{k+1}.
   std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
   [[nodiscard]] std::vector<FixedTeammate> fixed_teammates(const PlanInputs& inputs) const;
+  /// Where teammates hover or stand that do not follow plans.
+  [[nodiscard]] std::vector<models::Trajectory> hovers_of_those_who_wait(
+      const PlanInputs& inputs) const;
   void set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed);
   void add_targets(const models::RobotBelief& belief, Time start);
   void add_landmarks(const models::RobotBelief& belief, Time start);
   const SearchResult& search(const PlanInputs& inputs, const Deadline& deadline);
+  [[nodiscard]] bool keeps_apart(const models::Trajectory& trajectory, double rounding_m) const;
   [[nodiscard]] bool is_safe(const models::Trajectory& trajectory) const;
+  /// The nearest teammate that is nearer than asked for, by index; nullopt: none.
+  [[nodiscard]] std::optional<std::size_t> too_near() const;
+  /// On the spot, by an eighth of a turn: away from the teammate or, once it faces away, on and on,
+  /// until some heading has a way out. Turning moves no disc, so it is safe wherever hovering is.
+  void turn_away_from(std::size_t teammate, models::RobotPlan& plan);
   /// Shifted or braking, whichever is first safe.
   void fall_back(const models::Trajectory& committed, models::RobotPlan& plan);
 

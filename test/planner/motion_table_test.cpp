@@ -261,11 +261,12 @@ TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
     ++found;
     stopped_early += result.moving_steps < problem.horizon_steps ? 1 : 0;
     const models::Trajectory plan = to_trajectory(problem, result);
-    for (const models::Trajectory& teammate : problem.teammates) {
+    for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
+      const models::Trajectory& teammate = problem.teammates[i];
+      const double kept_m = kept_separation_m(problem, i);
       const double sampled_m = sampled_separation_m(plan, teammate, problem.start_time);
-      EXPECT_GE(sampled_m, problem.separation_m - 1e-5) << "seed " << seed;
-      EXPECT_TRUE(
-          models::keeps_separation(plan, teammate, problem.start_time, problem.separation_m - 1e-5))
+      EXPECT_GE(sampled_m, kept_m - 1e-5) << "seed " << seed;
+      EXPECT_TRUE(models::keeps_separation(plan, teammate, problem.start_time, kept_m - 1e-5))
           << "seed " << seed;
       close += sampled_m < problem.separation_m + 0.3 ? 1 : 0;
     }
@@ -286,6 +287,42 @@ TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
   EXPECT_GT(found, 80);
   EXPECT_GT(stopped_early, 3);
   EXPECT_GT(close, 20);
+}
+
+TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {
+  ReducedValueIteration search({20'000, 200'000, 4, 8, 4});
+  std::mt19937_64 rng(5);
+  for (int i = 0; i < 40; ++i) {
+    SearchProblem problem;
+    problem.start_time = from_utime(1'700'000'000'000'000);
+    const double to_rad = uniform(rng, -kPi, kPi);
+    problem.start = {0.0, 0.0, to_rad + uniform(rng, -1.0, 1.0)};
+    problem.height_m = 1.5;
+    problem.controls = models::lab_primitives();
+    problem.horizon_steps = 6;
+    problem.separation_m = 1.0;
+    problem.brake_mps2 = 2.0;
+    problem.sensors = {models::SensorModel{}};
+    problem.targets = {
+        {{models::TargetKind::kStatic, 2, 0.0},
+         {3.0 * Eigen::Vector2d(std::cos(to_rad), std::sin(to_rad)), Eigen::Matrix2d::Identity()}}};
+    models::Trajectory hover;  // behind it and above
+    hover.start_time = problem.start_time;
+    hover.height_m = 2.0;
+    hover.start = {-0.6 * std::cos(to_rad), -0.6 * std::sin(to_rad), 0.0};
+    problem.teammates = {hover};
+    const double now_m = std::hypot(0.6, 0.5);
+    EXPECT_NEAR(kept_separation_m(problem, 0), now_m - 0.01, 1e-12);
+    const SearchResult& result = search.plan(problem, {}, Deadline::nodes(20'000));
+    ASSERT_TRUE(result.found) << i;
+    EXPECT_EQ(result.moving_steps, problem.horizon_steps) << i;
+    const models::Trajectory plan = to_trajectory(problem, result);
+    EXPECT_GE(sampled_separation_m(plan, hover, problem.start_time), now_m - 0.01 - 1e-9);
+    hover.start.x_m *= 2.0;
+    hover.start.y_m *= 2.0;
+    problem.teammates = {hover};
+    EXPECT_EQ(kept_separation_m(problem, 0), problem.separation_m);  // as asked, from afar
+  }
 }
 
 // A teammate that turns a full circle within one step ends where it began: its chord is no
@@ -314,6 +351,7 @@ TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
     problem.start_time = from_utime(1'700'000'000'000'000);
     problem.horizon_steps = 2;
     problem.controls = {{0.0, 0.0}, {1.0, 0.0}};
+    problem.start.x_m = 100.0;  // not nearer than asked from the start
     models::Trajectory teammate;
     teammate.start_time = problem.start_time;
     teammate.start = {-1.5, 0.0, 0.0};

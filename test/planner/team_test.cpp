@@ -275,6 +275,98 @@ TEST(RobotPlanner, DecidesTheSameFromTheSameInputs) {
   }
 }
 
+// A teammate on the ground plans flights and does not fly them yet.
+TEST(RobotPlanner, KeepsThePlaceOfATeammateThatDoesNotFollowFree) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.world.obstacles.clear();
+  scenario.robots.resize(2);
+  scenario.robots[0].start = {-1.5, 0.0, 0.0};
+  scenario.robots[1].start = {0.0, 0.0, kPi / 2};
+  const RoundSchedule schedule(scenario.planner, 0, 2);
+  PlanInputs inputs;
+  inputs.slot = schedule.slot(kFirstRound);
+  inputs.mocap.emplace().stamp.time = inputs.slot.begin;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    inputs.mocap->bodies.push_back({robot.name, lift(robot.start, 0.0), false});
+  }
+  // What is to be seen is beyond the teammate, which says that it will be far away.
+  inputs.belief.emplace().stamp.time = inputs.slot.begin;
+  const models::Gaussian guess{Eigen::Vector2d(1.2, 0.0), 0.3 * Eigen::Matrix2d::Identity()};
+  inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
+  const std::string other = scenario.robots[1].name;
+  models::RobotPlan away;
+  away.robot = other;
+  away.trajectory = hover_at({0.0, 3.0, 0.0}, scenario.robots[1].height_m, inputs.slot.activation);
+  inputs.team_plans[other] = away;
+
+  const double asked_m =
+      scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m;
+  const Eigen::Vector3d place_m(0.0, 0.0, scenario.robots[1].height_m);
+  std::map<models::FlightState, double> nearest_m;
+  for (const models::FlightState state :
+       {models::FlightState::kFollow, models::FlightState::kIdle}) {
+    inputs.team_statuses[other].state = state;
+    RobotPlanner planner(scenario, scenario.robots[0].name);
+    const auto plan = planner.plan(inputs, Deadline::nodes(50'000));
+    ASSERT_TRUE(plan.has_value());
+    EXPECT_EQ(plan->source, models::PlanSource::kSearched);
+    nearest_m[state] = 1e9;
+    for (double s = 0.0; s < 8.0; s += 0.01) {
+      const Eigen::Vector2d at_m =
+          models::at(plan->trajectory, plan->trajectory.start_time + from_seconds(s))
+              .world_from_body.position_m();
+      nearest_m[state] = std::min(
+          nearest_m[state],
+          (Eigen::Vector3d(at_m.x(), at_m.y(), scenario.robots[0].height_m) - place_m).norm());
+    }
+  }
+  EXPECT_LT(nearest_m[models::FlightState::kFollow], asked_m - 0.1);  // through where it stands
+  EXPECT_GE(nearest_m[models::FlightState::kIdle], asked_m - 0.02);
+}
+
+// However it faces a teammate that has come too near and stays, it turns and leaves.
+TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.world.obstacles.clear();
+  scenario.robots.resize(2);
+  scenario.robots[0].height_m = scenario.robots[1].height_m = 1.0;
+  const double asked_m =
+      scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m;
+  const RoundSchedule schedule(scenario.planner, 0, 2);
+  for (int i = 0; i < 8; ++i) {
+    scenario.robots[0].start = {0.75 * asked_m, 0.0, wrap_to_pi(i * kPi / 4.0)};
+    scenario.robots[1].start = {0.0, 0.0, 0.0};
+    RobotPlanner planner(scenario, scenario.robots[0].name);
+    PlanInputs inputs;
+    double apart_m = 0.0;
+    for (std::int64_t round = kFirstRound; round < kFirstRound + 15; ++round) {
+      inputs.slot = schedule.slot(round);
+      Pose2 at = scenario.robots[0].start;
+      if (inputs.own_plan && inputs.own_plan->trajectory.start_time <= inputs.slot.begin) {
+        at = models::at(inputs.own_plan->trajectory, inputs.slot.begin).world_from_body;
+      }
+      inputs.mocap.emplace().stamp.time = inputs.slot.begin;
+      inputs.mocap->bodies = {{scenario.robots[0].name, lift(at, 1.0), false},
+                              {scenario.robots[1].name, lift(Pose2{}, 1.0), false}};
+      inputs.belief.emplace().stamp.time = inputs.slot.begin;
+      const models::Gaussian guess{Eigen::Vector2d(3.0, 1.0), 0.3 * Eigen::Matrix2d::Identity()};
+      inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
+      const auto plan = planner.plan(inputs, Deadline::nodes(20'000));
+      ASSERT_TRUE(plan.has_value());
+      for (double s = 0.0; s < 8.0; s += 0.01) {
+        const Pose2 there =
+            models::at(plan->trajectory, plan->trajectory.start_time + from_seconds(s))
+                .world_from_body;
+        ASSERT_GE(there.position_m().norm(), 0.75 * asked_m - 0.03) << "heading " << i;
+      }
+      apart_m = plan->trajectory.start.position_m().norm();
+      inputs.own_plan = plan;
+    }
+    EXPECT_GE(apart_m, asked_m - 0.02) << "heading " << i;
+    EXPECT_LE(planner.counts().turns_away, 6) << "heading " << i;
+  }
+}
+
 // Two robots between two targets: planning after each other, they do not both go to the same one.
 TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
   models::Scenario scenario = test::lab_scenario();
