@@ -155,6 +155,7 @@ void read_planner(Mapping& from, models::PlannerSpec& planner) {
   using models::PlanAlgorithm;
   from.word("algorithm", planner.algorithm,
             {{"arvi", PlanAlgorithm::kArvi},
+             {"beam", PlanAlgorithm::kBeam},
              {"rvi", PlanAlgorithm::kRvi},
              {"greedy", PlanAlgorithm::kGreedy},
              {"random_walk", PlanAlgorithm::kRandomWalk},

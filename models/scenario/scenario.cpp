@@ -7,8 +7,9 @@
 namespace vantage::models {
 namespace {
 
-constexpr std::array<std::pair<PlanAlgorithm, const char*>, 5> kAlgorithmNames{{
+constexpr std::array<std::pair<PlanAlgorithm, const char*>, 6> kAlgorithmNames{{
     {PlanAlgorithm::kArvi, "arvi"},
+    {PlanAlgorithm::kBeam, "beam"},
     {PlanAlgorithm::kRvi, "rvi"},
     {PlanAlgorithm::kGreedy, "greedy"},
     {PlanAlgorithm::kRandomWalk, "random_walk"},

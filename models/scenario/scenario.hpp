@@ -100,9 +100,10 @@ struct ExplorationSpec {
   int landmarks_max = 12;           ///< the nearest to the robot are used
 };
 
-enum class PlanAlgorithm { kArvi, kRvi, kGreedy, kRandomWalk, kLawnMower };
+enum class PlanAlgorithm { kArvi, kBeam, kRvi, kGreedy, kRandomWalk, kLawnMower };
 
-/// As scenario files and flags write it: "arvi", "rvi", "greedy", "random_walk", "lawn_mower".
+/// As scenario files and flags write it: "arvi", "beam", "rvi", "greedy", "random_walk",
+/// "lawn_mower".
 const char* name_of(PlanAlgorithm algorithm);
 std::optional<PlanAlgorithm> parse_algorithm(const std::string& name);
 

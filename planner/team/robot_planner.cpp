@@ -44,9 +44,12 @@ std::uint64_t walk_seed(std::uint64_t seed, int robot_index, std::int64_t round)
 }  // namespace
 
 RobotPlanner::RobotPlanner(const models::Scenario& scenario, const std::string& robot)
-    : scenario_(scenario),
-      field_(scenario.world, field_resolution_m(scenario.world)),
-      search_(capacity_for(scenario)) {
+    : scenario_(scenario), field_(scenario.world, field_resolution_m(scenario.world)) {
+  if (scenario_.planner.algorithm == models::PlanAlgorithm::kBeam) {
+    beam_.emplace(capacity_for(scenario_));
+  } else {
+    reduced_.emplace(capacity_for(scenario_));
+  }
   spec_ = scenario_.find_robot(robot);
   require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
   robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
@@ -220,6 +223,8 @@ const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadlin
     case models::PlanAlgorithm::kLawnMower:
       baseline_ = plan_through(problem_, sweep_, sweep_next_);
       return baseline_;
+    case models::PlanAlgorithm::kBeam:
+      return beam_->plan(problem_, {}, deadline);
     case models::PlanAlgorithm::kGreedy:
       options.search = ReducedSearch::kGreedy;
       break;
@@ -230,7 +235,7 @@ const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadlin
       options.search = ReducedSearch::kAnytime;
       break;
   }
-  return search_.plan(problem_, options, deadline);
+  return reduced_->plan(problem_, options, deadline);
 }
 
 bool RobotPlanner::keeps_apart(const models::Trajectory& trajectory, double rounding_m) const {

@@ -10,6 +10,7 @@
 #include "models/exchange/messages.hpp"
 #include "models/scenario/scenario.hpp"
 #include "planner/search/arvi.hpp"
+#include "planner/search/beam.hpp"
 #include "planner/team/fixed_information.hpp"
 #include "planner/team/round.hpp"
 
@@ -18,10 +19,10 @@ namespace vantage::planner {
 /// Everything that one robot's plan of one round is made from. Absent: not heard (yet).
 struct PlanInputs {
   RoundSchedule::Slot slot;
-  std::optional<models::RobotBelief> belief;            ///< own
-  std::optional<models::MocapFrame> mocap;              ///< where everybody is
-  std::optional<models::RobotPlan> own_plan;            ///< last one published
-  std::map<std::string, models::RobotPlan> team_plans;  ///< newest of each teammate
+  std::optional<models::RobotBelief> belief;                   ///< own
+  std::optional<models::MocapFrame> mocap;                     ///< where everybody is
+  std::optional<models::RobotPlan> own_plan;                   ///< last one published
+  std::map<std::string, models::RobotPlan> team_plans;         ///< newest of each teammate
   std::map<std::string, models::VehicleStatus> team_statuses;  ///< do they follow their plans?
   std::optional<models::AttackNotice> attack;
 };
@@ -89,7 +90,9 @@ class RobotPlanner {
   const models::RobotSpec* spec_ = nullptr;  ///< of this robot, in scenario_
   int robot_index_ = 0;
   models::DistanceField field_;
-  ReducedValueIteration search_;
+  /// One of them, by the scenario's algorithm.
+  std::optional<ReducedValueIteration> reduced_;
+  std::optional<RefiningBeam> beam_;
   SearchProblem problem_;
   SearchResult baseline_;
   std::vector<Eigen::Vector2d> sweep_;

@@ -271,6 +271,7 @@ TEST(ParseScenario, KnowsEveryWordOfTheStructs) {
         .planner.algorithm;
   };
   EXPECT_EQ(algorithm("arvi"), PlanAlgorithm::kArvi);
+  EXPECT_EQ(algorithm("beam"), PlanAlgorithm::kBeam);
   EXPECT_EQ(algorithm("rvi"), PlanAlgorithm::kRvi);
   EXPECT_EQ(algorithm("greedy"), PlanAlgorithm::kGreedy);
   EXPECT_EQ(algorithm("random_walk"), PlanAlgorithm::kRandomWalk);

@@ -247,6 +247,7 @@ TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
 
 INSTANTIATE_TEST_SUITE_P(Planner, TeamSafety,
                          ::testing::Values(models::PlanAlgorithm::kArvi,
+                                           models::PlanAlgorithm::kBeam,
                                            models::PlanAlgorithm::kGreedy,
                                            models::PlanAlgorithm::kRandomWalk,
                                            models::PlanAlgorithm::kLawnMower),

@@ -39,7 +39,7 @@ void add_override_options(CLI::App& command, Overrides& overrides) {
       ->check(CLI::PositiveNumber);
   command
       .add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's")
-      ->check(CLI::IsMember({"arvi", "rvi", "greedy", "random_walk", "lawn_mower"}));
+      ->check(CLI::IsMember({"arvi", "beam", "rvi", "greedy", "random_walk", "lawn_mower"}));
   command.add_option("--communication-range-m", overrides.communication_range_m,
                      "communication range instead of the scenario's; 0: none is heard");
   command
