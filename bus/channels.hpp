@@ -40,5 +40,8 @@ inline Channel<models::VehicleStatus> quadrotor_channel(const std::string& robot
 inline Channel<models::ProcessHealth> health_channel(const std::string& process) {
   return {"HEALTH_" + process};
 }
+inline Channel<models::HostReport> host_channel(const std::string& host) {
+  return {"HOST_" + host};
+}
 
 }  // namespace vantage::bus

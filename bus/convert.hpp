@@ -8,6 +8,7 @@
 #include "vantage_lcm/collision_t.hpp"
 #include "vantage_lcm/command_t.hpp"
 #include "vantage_lcm/health_t.hpp"
+#include "vantage_lcm/host_t.hpp"
 #include "vantage_lcm/measurement_t.hpp"
 #include "vantage_lcm/plan_t.hpp"
 #include "vantage_lcm/quadrotor_t.hpp"
@@ -54,6 +55,9 @@ std::optional<models::AttackNotice> from_wire(const vantage_lcm::attack_t& wire)
 
 vantage_lcm::health_t to_wire(const models::ProcessHealth& health);
 std::optional<models::ProcessHealth> from_wire(const vantage_lcm::health_t& wire);
+
+vantage_lcm::host_t to_wire(const models::HostReport& report);
+std::optional<models::HostReport> from_wire(const vantage_lcm::host_t& wire);
 
 vantage_lcm::scenario_t to_wire(const models::ScenarioNotice& notice);
 std::optional<models::ScenarioNotice> from_wire(const vantage_lcm::scenario_t& wire);

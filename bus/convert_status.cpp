@@ -1,7 +1,7 @@
 #include "bus/convert_parts.hpp"
 
 // How things are and what is asked of them: QUADROTOR_R, COMMAND, COLLISION, ATTACK, HEALTH_*,
-// SCENARIO.
+// HOST_*, SCENARIO.
 
 namespace vantage::bus {
 
@@ -142,6 +142,44 @@ std::optional<models::ProcessHealth> from_wire(const vantage_lcm::health_t& wire
     health.counters.push_back({counter.name, counter.count});
   }
   return health;
+}
+
+vantage_lcm::host_t to_wire(const models::HostReport& report) {
+  vantage_lcm::host_t wire{};
+  stamp_to(report.stamp, wire);
+  wire.host = report.host;
+  wire.num_processes = count_of(report.processes.size());
+  for (const models::SupervisedProcess& process : report.processes) {
+    vantage_lcm::supervised_t& out = wire.processes.emplace_back();
+    out.name = process.name;
+    out.phase = static_cast<std::int32_t>(process.phase);
+    out.restarts = process.restarts;
+    out.down_s = process.down_s;
+    out.cpu_share = process.cpu_share;
+    out.memory_bytes = process.memory_bytes;
+    out.last_end = process.last_end;
+  }
+  return wire;
+}
+
+std::optional<models::HostReport> from_wire(const vantage_lcm::host_t& wire) {
+  const auto stamp = stamp_from(wire);
+  if (!stamp || !is_text(wire.host) || !is_count(wire.num_processes, wire.processes.size())) {
+    return std::nullopt;
+  }
+  models::HostReport report{*stamp, wire.host, {}};
+  report.processes.reserve(wire.processes.size());
+  for (const vantage_lcm::supervised_t& process : wire.processes) {
+    const auto phase = enumerator_from(process.phase, models::SupervisedPhase::kEnded);
+    if (!phase || !is_text(process.name) || !is_text(process.last_end) || process.restarts < 0 ||
+        !are_finite(process.down_s, process.cpu_share) || process.down_s < 0.0 ||
+        process.cpu_share < 0.0 || process.memory_bytes < 0) {
+      return std::nullopt;
+    }
+    report.processes.push_back({process.name, *phase, process.restarts, process.down_s,
+                                process.cpu_share, process.memory_bytes, process.last_end});
+  }
+  return report;
 }
 
 vantage_lcm::scenario_t to_wire(const models::ScenarioNotice& notice) {

@@ -31,9 +31,10 @@ bool wait_for(int fd, Duration timeout) {
 
 }  // namespace
 
-HealthReporter::HealthReporter(Bus& bus, const Node& node)
+HealthReporter::HealthReporter(Bus& bus, const Node& node, Usage usage)
     : bus_(bus),
       node_(node),
+      usage_(std::move(usage)),
       trouble_reported_(trouble()),
       trouble_last_second_(trouble_reported_) {}
 
@@ -76,6 +77,11 @@ void HealthReporter::publish(Time now, models::ProcessState state) {
   for (models::NamedCount& counter : node_.counters()) {
     health.counters.push_back(std::move(counter));
   }
+  if (usage_) {
+    for (models::NamedCount& counter : usage_()) {
+      health.counters.push_back(std::move(counter));
+    }
+  }
   health.loops = loops_;
   health.loop_worst_s = loop_worst_s_;
   health.deadlines_missed = node_.deadlines_missed();
@@ -85,8 +91,9 @@ void HealthReporter::publish(Time now, models::ProcessState state) {
   next_on_change_ = now + kReportOnChangePeriod;
 }
 
-void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop) {
-  HealthReporter health(bus, node);
+void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop,
+              const Usage& usage) {
+  HealthReporter health(bus, node, usage);
   health.publish(clock.now(), models::ProcessState::kStarting);
   while (!stop()) {
     Duration wait = std::clamp(node.next_tick() - clock.now(), Duration{0}, kStopPollPeriod);

@@ -39,12 +39,16 @@ class Node {
   [[nodiscard]] virtual std::int64_t deadlines_missed() const { return 0; }
 };
 
+/// What a process takes of its machine, by name (bus/process_usage).
+using Usage = std::function<std::vector<models::NamedCount>()>;
+
 /// Publishes HEALTH_<name> each second and when a counter other than those of plain traffic
 /// changed (at most ten times a second). The caller says how long each loop took. The state is
 /// "degraded" while something was dropped or missed since the report of the last full second.
 class HealthReporter {
  public:
-  HealthReporter(Bus& bus, const Node& node);
+  /// @param usage  more counters, of the machine rather than the node; may be empty
+  HealthReporter(Bus& bus, const Node& node, Usage usage = {});
   void on_loop(Time now, double loop_s);
   /// Reports now, whatever the time.
   void publish(Time now, models::ProcessState state);
@@ -55,6 +59,7 @@ class HealthReporter {
 
   Bus& bus_;
   const Node& node_;
+  Usage usage_;
   Time next_{};                        ///< report due
   Time next_on_change_{};              ///< not before this
   std::int64_t trouble_reported_ = 0;  ///< by the newest report
@@ -66,6 +71,7 @@ class HealthReporter {
 /// Runs `node` on `bus` in real time until stop() or until its log is at its end, then publishes a
 /// last HEALTH. Messages are handled while it waits for next_tick() (see also Node::wakes_on());
 /// stop() is asked at least every 50 ms. What a handler or the node throws comes out here.
-void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop);
+void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop,
+              const Usage& usage = {});
 
 }  // namespace vantage::bus

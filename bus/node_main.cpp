@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "bus/process_usage.hpp"
 #include "bus/scenario_yaml.hpp"
 #include "bus/transport.hpp"
 #include "core/check.hpp"
@@ -66,7 +67,7 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     const SystemClock clock;
     apply(real_time);  // after the network's own threads, before the node prepares its memory
     const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);
-    run_node(bus, *node, clock, stop_requested);
+    run_node(bus, *node, clock, stop_requested, usage_counters);
     return 0;
   });
 }

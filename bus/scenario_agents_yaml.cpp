@@ -22,14 +22,9 @@ constexpr std::size_t kPrimitivesMax = 64;
 constexpr double kSpeedMaxMps = 50.0;
 constexpr double kYawRateMaxRadps = 20.0;
 
-bool is_channel_name(const std::string& name) {
-  return std::all_of(name.begin(), name.end(),
-                     [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
-}
-
 /// A name that no body has yet: it is a channel's suffix and a mocap subject at once.
 void check_name(Mapping& from, const std::string& name, const Scenario& scenario) {
-  if (!is_channel_name(name)) {
+  if (!is_channel_suffix(name)) {
     from.refuse("name", "must be of A-Z and 0-9 only, is '" + name + "'");
   }
   const auto has_name = [&](const auto& body) { return body.name == name; };
@@ -263,7 +258,7 @@ void read_target_count(Mapping& from, Scenario& scenario) {
                       .id = id,
                       .start = std::nullopt,
                       .radius_m = radius_m};
-    if (!is_channel_name(target.name)) {
+    if (!is_channel_suffix(target.name)) {
       from.refuse("name_prefix", "must be of A-Z and 0-9 only, is '" + prefix + "'");
     }
     if (scenario.find_robot(target.name) != nullptr) {
@@ -274,6 +269,11 @@ void read_target_count(Mapping& from, Scenario& scenario) {
 }
 
 }  // namespace
+
+bool is_channel_suffix(const std::string& name) {
+  return std::all_of(name.begin(), name.end(),
+                     [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
+}
 
 void read_device(Mapping& from, models::DeviceSource& device) {
   from.word("device", device,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "bus/yaml_mapping.hpp"
 #include "models/scenario/scenario.hpp"
 
@@ -7,6 +9,9 @@ namespace vantage::bus {
 
 /// Widest coordinate and longest length that a scenario may hold.
 inline constexpr double kLengthMaxM = 10'000.0;
+
+/// Of A-Z and 0-9 only: what may stand behind `PLAN_` and the like.
+bool is_channel_suffix(const std::string& name);
 
 void read_device(Mapping& from, models::DeviceSource& device);
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "bus/scenario_agents_yaml.hpp"
+#include "bus/scenario_hosts_yaml.hpp"
 #include "bus/scenario_mocap_yaml.hpp"
 #include "bus/yaml_document.hpp"
 #include "bus/yaml_mapping.hpp"
@@ -205,7 +206,7 @@ void read_name(Mapping& top, std::string& name) {
 
 void read_scenario(Mapping& top, Scenario& scenario) {
   top.expect({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
-              "target_truth", "estimator", "planner", "network", "mocap"});
+              "target_truth", "estimator", "planner", "network", "mocap", "hosts"});
   for (const char* key : {"name", "world", "robots", "targets"}) {
     top.require(key);
   }
@@ -230,6 +231,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   }
   top.section("network", [&](Mapping& from) { read_network(from, scenario.network); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
+  read_hosts(top, scenario);
 }
 
 }  // namespace

@@ -10,15 +10,16 @@
 namespace vantage {
 namespace {
 
-std::atomic<bool> stop_flag{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "written from a signal handler");
+std::atomic<int> stop_count{0};
+static_assert(std::atomic<int>::is_always_lock_free, "written from a signal handler");
 
-void on_signal(int /*signal*/) { stop_flag = true; }
+void on_signal(int /*signal*/) { ++stop_count; }
 
 }  // namespace
 
-bool stop_requested() { return stop_flag; }
-void request_stop() { stop_flag = true; }
+bool stop_requested() { return stop_count > 0; }
+int stop_requests() { return stop_count; }
+void request_stop() { ++stop_count; }
 
 int run_process(const std::string& name, const std::function<int()>& body) {
   struct sigaction action {};

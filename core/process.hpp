@@ -12,6 +12,8 @@ int run_process(const std::string& name, const std::function<int()>& body);
 
 /// True once the process has been asked to end. Safe to call from any thread.
 bool stop_requested();
+/// How often it has been asked: a second Ctrl-C may mean "now". Safe to call from any thread.
+int stop_requests();
 /// Asks the process to end, as SIGTERM would.
 void request_stop();
 

@@ -91,4 +91,23 @@ std::optional<Event> event_of(const models::ProcessHealth* before,
   }
 }
 
+std::optional<Event> event_of(const models::HostReport* before, const models::HostReport& report) {
+  const auto is_given_up = [](const models::SupervisedProcess& process) {
+    return process.phase == models::SupervisedPhase::kGivenUp;
+  };
+  for (const models::SupervisedProcess& process : report.processes) {
+    const bool was_known =
+        before != nullptr &&
+        std::any_of(before->processes.begin(), before->processes.end(), [&](const auto& known) {
+          return known.name == process.name && is_given_up(known);
+        });
+    if (is_given_up(process) && !was_known) {
+      return Event{
+          report.stamp.time, LogLevel::kError, "health",
+          fmt::format("{} on {} was given up ({})", process.name, report.host, process.last_end)};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace vantage::logs::foxglove

@@ -245,6 +245,12 @@ void Stream::on(const models::ProcessHealth& health, Time heard) {
   processes_[health.process] = health;
 }
 
+void Stream::on(const models::HostReport& report, Time heard) {
+  const auto before = hosts_.find(report.host);
+  put_event(event_of(before == hosts_.end() ? nullptr : &before->second, report), heard);
+  hosts_[report.host] = report;
+}
+
 void Stream::on(const models::ContactReport& contact, Time heard) {
   if (metrics_) {
     metrics_->on_contact(contact);

@@ -61,6 +61,7 @@ class Stream {
   void on(const models::RobotPlan& plan, Time heard);
   void on(const models::VehicleStatus& status, Time heard);
   void on(const models::ProcessHealth& health, Time heard);
+  void on(const models::HostReport& report, Time heard);
   void on(const models::ContactReport& contact, Time heard);
   void on(const models::AttackNotice& attack, Time heard);
   /// Commands of people (heartbeats are not worth a line).
@@ -92,6 +93,7 @@ class Stream {
   std::optional<models::AttackNotice> attack_;
   std::map<std::string, models::VehicleStatus> vehicles_;
   std::map<std::string, models::ProcessHealth> processes_;
+  std::map<std::string, models::HostReport> hosts_;
   std::map<std::string, Track> tracks_;
   std::optional<Time> next_tracks_;
   std::map<int, EstimateView> estimates_;  ///< best of the newest step, by target

@@ -65,5 +65,7 @@ std::optional<Event> event_of(const models::AttackNotice* before,
 /// A process that stops, degrades, recovers or was started anew.
 std::optional<Event> event_of(const models::ProcessHealth* before,
                               const models::ProcessHealth& health);
+/// The first process that its supervisor has given up since `before`.
+std::optional<Event> event_of(const models::HostReport* before, const models::HostReport& report);
 
 }  // namespace vantage::logs::foxglove

@@ -128,12 +128,12 @@ void TrialMetrics::on_health(const models::ProcessHealth& health) {
   for (const models::NamedCount& counter : health.counters) {
     lost += counter.name.ends_with(".lost") ? counter.count : 0;
   }
-  lost_[health.process] = lost;
+  lost_[{health.process, health.stamp.run_id}] = lost;
 }
 
 std::int64_t TrialMetrics::messages_lost() const {
   std::int64_t total = 0;
-  for (const auto& [process, lost] : lost_) {
+  for (const auto& [run, lost] : lost_) {
     total += lost;
   }
   return total;

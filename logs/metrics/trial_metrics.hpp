@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -43,7 +44,8 @@ class TrialMetrics {
   void on_plan(const models::RobotPlan& plan);
   void on_contact(const models::ContactReport& contact);
   void on_vehicle(const models::VehicleStatus& status);
-  /// Messages that a process reports lost: its newest counters whose name ends in ".lost".
+  /// Messages that a process reports lost: its newest counters whose name ends in ".lost", added up
+  /// over its runs: a process that was started again counts from 0.
   void on_health(const models::ProcessHealth& health);
 
   /// Judges what is still pending and sums up. `messages_lost` overrides what HEALTH said, for
@@ -97,7 +99,7 @@ class TrialMetrics {
   std::set<std::int64_t> rounds_late_;
   std::int64_t plans_ = 0;
   std::int64_t fallbacks_ = 0;
-  std::map<std::string, std::int64_t> lost_;  ///< by process
+  std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run
 };
 
 }  // namespace vantage::logs

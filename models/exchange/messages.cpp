@@ -26,6 +26,20 @@ const char* name_of(FlightState state) {
   return "?";
 }
 
+const char* name_of(SupervisedPhase phase) {
+  switch (phase) {
+    case SupervisedPhase::kRunning:
+      return "running";
+    case SupervisedPhase::kWaiting:
+      return "waiting";
+    case SupervisedPhase::kGivenUp:
+      return "given up";
+    case SupervisedPhase::kEnded:
+      return "ended";
+  }
+  return "?";
+}
+
 const char* name_of(PlanSource source) {
   switch (source) {
     case PlanSource::kSearched:

@@ -195,6 +195,29 @@ struct ProcessHealth {
   std::int64_t deadlines_missed = 0;
 };
 
+enum class SupervisedPhase { kRunning, kWaiting, kGivenUp, kEnded };
+
+/// "running", "waiting", "given up", "ended".
+const char* name_of(SupervisedPhase phase);
+
+/// One process as its supervisor knows it.
+struct SupervisedProcess {
+  std::string name;  ///< as `vantage up` calls it: "planner Q1"
+  SupervisedPhase phase = SupervisedPhase::kRunning;
+  int restarts = 0;
+  double down_s = 0.0;     ///< not running, since its first start
+  double cpu_share = 0.0;  ///< of one core, over the last second or so
+  std::int64_t memory_bytes = 0;
+  std::string last_end;  ///< "exit 1", "signal 9"; empty: it never ended
+};
+
+/// What one supervisor runs on its host (HOST_<host>), 1 Hz and on change.
+struct HostReport {
+  Stamp stamp;
+  std::string host;
+  std::vector<SupervisedProcess> processes;
+};
+
 /// The first event of every log (SCENARIO).
 struct ScenarioNotice {
   Stamp stamp;

@@ -46,4 +46,12 @@ const RobotSpec* Scenario::find_robot(const std::string& robot) const {
   return found == robots.end() ? nullptr : &*found;
 }
 
+bool Scenario::runs_on(const std::string& host, const std::string& part) const {
+  const auto names = [&](const HostSpec& spec) {
+    return std::find(spec.runs.begin(), spec.runs.end(), part) != spec.runs.end();
+  };
+  const auto runner = std::find_if(hosts.begin(), hosts.end(), names);
+  return hosts.empty() || (runner == hosts.end() ? hosts.front() : *runner).name == host;
+}
+
 }  // namespace vantage::models

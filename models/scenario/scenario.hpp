@@ -7,6 +7,7 @@
 
 #include "models/motion/unicycle.hpp"
 #include "models/scenario/device_source.hpp"
+#include "models/scenario/host_spec.hpp"
 #include "models/scenario/mocap_spec.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
@@ -142,7 +143,11 @@ struct Scenario {
   PlannerSpec planner;
   NetworkSpec network;
   MocapSpec mocap;
+  std::vector<HostSpec> hosts;  ///< none: all runs on one
 
+  /// Whether `host` runs `part` (a robot's name, kSimPart, …). What no host names runs on the
+  /// first; without hosts everything runs everywhere.
+  [[nodiscard]] bool runs_on(const std::string& host, const std::string& part) const;
   [[nodiscard]] const RobotSpec* find_robot(const std::string& robot) const;
 };
 

@@ -375,6 +375,27 @@ TEST(FromWireHealth, RefusesWhatCannotBeTrue) {
       good, [](wire::health_t& w) { w.num_counters = 0; }, "counters beyond the count");
 }
 
+TEST(FromWireHost, RefusesWhatCannotBeTrue) {
+  const auto good =
+      rich_wire<models::HostReport>([](const auto& m) { return !m.processes.empty(); });
+  expect_refused<wire::host_t>(
+      good, [](wire::host_t& w) { w.processes[0].phase = 4; }, "unknown phase");
+  expect_refused<wire::host_t>(
+      good, [](wire::host_t& w) { w.processes[0].restarts = -1; }, "negative restarts");
+  expect_refused<wire::host_t>(
+      good, [](wire::host_t& w) { w.processes[0].down_s = -1.0; }, "negative time");
+  expect_refused<wire::host_t>(
+      good, [](wire::host_t& w) { w.processes[0].cpu_share = kNan; }, "NaN share");
+  expect_refused<wire::host_t>(
+      good, [](wire::host_t& w) { w.processes[0].memory_bytes = -1; }, "negative memory");
+  expect_refused<wire::host_t>(
+      good, [](wire::host_t& w) { w.processes[0].last_end.assign(257, 'e'); }, "long end");
+  expect_refused<wire::host_t>(
+      good, [](wire::host_t& w) { w.host = "\xFF"; }, "not UTF-8");
+  expect_refused<wire::host_t>(
+      good, [](wire::host_t& w) { w.num_processes = 0; }, "processes beyond the count");
+}
+
 TEST(FromWireScenario, AllowsALongFileButNotAnEndlessOne) {
   const auto good = rich_wire<models::ScenarioNotice>([](const auto&) { return true; });
   expect_accepted<wire::scenario_t>(

@@ -14,7 +14,7 @@ using MessageTypes =
     ::testing::Types<models::MocapFrame, models::DetectionSet, models::RobotBelief,
                      models::RobotPlan, models::VehicleStatus, models::OperatorCommand,
                      models::TruthFrame, models::ContactReport, models::AttackNotice,
-                     models::ProcessHealth, models::ScenarioNotice>;
+                     models::ProcessHealth, models::HostReport, models::ScenarioNotice>;
 
 /// The bytes that go out for `message`.
 template <class Message>

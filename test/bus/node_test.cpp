@@ -154,7 +154,9 @@ TEST_F(Health, IsReportedAtOnceWhenSomethingWasDroppedAndDegradedForThatSecond) 
 }
 
 TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {
-  HealthReporter reporter(bus_, node_);
+  HealthReporter reporter(bus_, node_, [] {
+    return std::vector<models::NamedCount>{{"process.memory_bytes", 4096}};
+  });
   node_.stale_inputs = 7;
   reporter.on_loop(start_, 0.004);
   reporter.on_loop(start_ + milliseconds(1), 0.2);
@@ -170,6 +172,7 @@ TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {
   }
   EXPECT_EQ(counters["stale_inputs"], 7);
   EXPECT_EQ(counters["transport.messages_sent"], 1);
+  EXPECT_EQ(counters["process.memory_bytes"], 4096);
 }
 
 }  // namespace

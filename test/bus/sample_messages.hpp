@@ -202,6 +202,17 @@ inline models::ProcessHealth sample(Sampler& s) {
 }
 
 template <>
+inline models::HostReport sample(Sampler& s) {
+  models::HostReport report{s.stamp(), s.text("LAB"), {}};
+  for (int i = s.small(0, 5); i > 0; --i) {
+    report.processes.push_back(
+        {s.text("planner Q"), static_cast<models::SupervisedPhase>(s.small(0, 3)), s.small(0, 9),
+         s.real(0, 60), s.real(0, 2), s.whole(0, 1'000'000'000), s.text("signal ")});
+  }
+  return report;
+}
+
+template <>
 inline models::ScenarioNotice sample(Sampler& s) {
   return {s.stamp(), s.text("name: two rovers\nseed: "), s.text("0.1."), s.text("demo")};
 }
@@ -233,6 +244,10 @@ class Flat {
   void add(const models::Viewpoint& x) { all(x.world_from_body, x.height_m); }
   void add(const models::InputRef& x) { all(x.channel, x.run_id, x.sequence); }
   void add(const models::NamedCount& x) { all(x.name, x.count); }
+  void add(const models::SupervisedProcess& x) {
+    all(x.name, static_cast<int>(x.phase), x.restarts, x.down_s, x.cpu_share, x.memory_bytes,
+        x.last_end);
+  }
   void add(const models::MocapBody& x) { all(x.name, x.world_from_body, x.occluded); }
   void add(const models::PlanSegment& x) {
     all(x.control.speed_mps, x.control.yaw_rate_radps, x.duration_s, x.brake_mps2);
@@ -299,6 +314,7 @@ class Flat {
     all(x.process, static_cast<int>(x.state), x.counters, x.loops, x.loop_worst_s,
         x.deadlines_missed);
   }
+  void fields(const models::HostReport& x) { all(x.host, x.processes); }
   void fields(const models::ScenarioNotice& x) { all(x.yaml, x.version, x.process); }
 
   std::vector<std::string> list_;

@@ -247,6 +247,27 @@ TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
             "lab.yaml:4: robots: must list at least 1 and at most 64 robots, lists 0");
 }
 
+TEST(ParseScenario, RefusesHostsThatCannotBe) {
+  const std::string base = "name: x\n" + kWorld + kRobot + kTargets + "hosts:\n";
+  EXPECT_EQ(refusal_of(base + "  - {name: lab1, runs: []}\n"),
+            "lab.yaml:6: hosts[0].name: must be of A-Z and 0-9 only, is 'lab1'");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB}\n"),
+            "lab.yaml:6: hosts[0]: missing required key runs");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, run: []}\n"),
+            "lab.yaml:6: hosts[0].run: unknown key; did you mean runs?");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [A, B]}\n"),
+            "lab.yaml:6: hosts[0].runs[1]: must be a robot of the scenario, sim, vicon or logger; "
+            "is 'B'");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [A]}\n  - {name: AIR, runs: [A]}\n"),
+            "lab.yaml:7: hosts[1].runs[0]: 'A' runs on LAB already");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [sim, sim]}\n"),
+            "lab.yaml:6: hosts[0].runs[1]: 'sim' runs on LAB already");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: []}\n  - {name: LAB, runs: []}\n"),
+            "lab.yaml:7: hosts[1].name: is taken: a host before is called LAB");
+  EXPECT_EQ(refusal_of("name: x\n" + kWorld + kRobot + kTargets + "hosts: []\n"),
+            "lab.yaml:5: hosts: must list at least 1 and at most 32 hosts, lists 0");
+}
+
 TEST(LoadScenario, RefusesPathsThatAreNoFile) {
   const auto refusal = [](const std::string& path) -> std::string {
     try {

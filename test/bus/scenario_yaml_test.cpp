@@ -244,6 +244,27 @@ targets: {count: 1}
   EXPECT_THROW(parse_scenario(both, "both"), StartupError);
 }
 
+TEST(ParseScenario, ReadsWhatRunsOnWhichHost) {
+  const Scenario scenario = parse_scenario(R"(
+name: two
+world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
+robot_defaults: {primitives: lab, sensor: {kind: range}}
+robots:
+  - {name: A, start: {x_m: 2, y_m: 2}}
+  - {name: B, start: {x_m: 8, y_m: 8}}
+targets: {count: 1}
+hosts:
+  - {name: LAB, runs: [sim, logger, B]}
+  - {name: AIR1, runs: [A]}
+)",
+                                           "two");
+  ASSERT_EQ(scenario.hosts.size(), 2U);
+  EXPECT_EQ(scenario.hosts[0].name, "LAB");
+  EXPECT_EQ(scenario.hosts[0].runs, (std::vector<std::string>{"sim", "logger", "B"}));
+  EXPECT_EQ(scenario.hosts[1].runs, std::vector<std::string>{"A"});
+  EXPECT_TRUE(scenario.runs_on("LAB", models::kMocapPart)) << "named by none: the first";
+}
+
 TEST(ParseScenario, ReadsTargetsFromAList) {
   const std::string text = R"(
 name: listed

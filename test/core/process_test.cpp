@@ -43,6 +43,16 @@ TEST(RunProcess, HearsTheRequestToEnd) {
             0);
 }
 
+TEST(RunProcess, CountsTheRequests) {
+  EXPECT_EQ(exit_code_of([] {
+              const int before = stop_requests();
+              std::raise(SIGINT);
+              std::raise(SIGINT);
+              return stop_requests() - before;
+            }),
+            2);
+}
+
 TEST(RequestStop, IsHeardLikeASignal) {
   request_stop();
   EXPECT_TRUE(stop_requested());

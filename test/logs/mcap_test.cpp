@@ -119,6 +119,7 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
     add.template operator()<models::ContactReport>("COLLISION");
     add.template operator()<models::AttackNotice>("ATTACK");
     add.template operator()<models::ProcessHealth>("HEALTH_SIM");
+    add.template operator()<models::HostReport>("HOST_LAB");
     add.template operator()<models::ScenarioNotice>("SCENARIO");
     log.write(from_utime(utime), "FOREIGN", test::Bytes{1, 2, 3});
   }
@@ -133,7 +134,7 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
         "summary SCENARIO vantage_lcm.scenario_t 20\n"}) {
     EXPECT_NE(said.find(line), std::string::npos) << line;
   }
-  EXPECT_GE(counts.messages, 11U * kOfEach);
+  EXPECT_GE(counts.messages, 12U * kOfEach);
 }
 
 }  // namespace

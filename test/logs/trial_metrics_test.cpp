@@ -191,6 +191,19 @@ TEST(TrialMetrics, SumsTheNewestLossCountersOfEachProcess) {
   EXPECT_EQ(metrics.finish(at_s(1.0), 5).messages_lost, 5);
 }
 
+TEST(TrialMetrics, KeepsTheLossesOfARunThatWasReplaced) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  models::ProcessHealth health;
+  health.process = "PLANNER_Q1";
+  health.stamp.run_id = 1;
+  health.counters = {{"VICON.lost", 7}};
+  metrics.on_health(health);
+  health.stamp.run_id = 2;
+  health.counters = {{"VICON.lost", 1}};
+  metrics.on_health(health);
+  EXPECT_EQ(metrics.messages_lost(), 8);
+}
+
 TEST(TrialSummary, HasThePublishedKeysFirstAndInOrder) {
   const nlohmann::ordered_json json =
       to_json(TrialMetrics(scenario(), at_s(0.0)).finish(at_s(2.0)));

@@ -17,6 +17,18 @@ TEST(FindRobot, GivesTheOneOfThatNameOrNone) {
   EXPECT_EQ(Scenario{}.find_robot("Q1"), nullptr);
 }
 
+TEST(RunsOn, IsTheHostThatNamesItElseTheFirst) {
+  Scenario scenario;
+  EXPECT_TRUE(scenario.runs_on("LAB", "Q1")) << "without hosts all runs on any";
+  scenario.hosts = {{"LAB", {"sim", "Q2"}}, {"AIR", {"Q1"}}};
+  EXPECT_TRUE(scenario.runs_on("LAB", "Q2"));
+  EXPECT_FALSE(scenario.runs_on("LAB", "Q1"));
+  EXPECT_TRUE(scenario.runs_on("AIR", "Q1"));
+  EXPECT_TRUE(scenario.runs_on("LAB", kLoggerPart)) << "named by none";
+  EXPECT_FALSE(scenario.runs_on("AIR", kLoggerPart));
+  EXPECT_FALSE(scenario.runs_on("ELSE", "Q2"));
+}
+
 TEST(FindBody, GivesTheOneOfThatNameOrNone) {
   MocapFrame frame;
   frame.bodies.resize(2);

@@ -16,7 +16,7 @@ models::Scenario two_robots() {
 }
 
 TEST(ProcessPlan, HasOneSimulatorAndThreeProcessesARobot) {
-  const auto plan = process_plan(two_robots(), {"/opt/bin", "s.yaml", "udpm://x"});
+  const auto plan = process_plan(two_robots(), {"/opt/bin", "s.yaml", "udpm://x", ""});
   ASSERT_EQ(plan.size(), 7U);
   EXPECT_EQ(plan[0].name, "sim");
   EXPECT_EQ(plan[0].arguments, (std::vector<std::string>{"/opt/bin/vantage-sim", "--scenario",
@@ -33,7 +33,7 @@ TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
   for (models::RobotSpec& robot : scenario.robots) {
     robot.device = models::DeviceSource::kReal;
   }
-  const auto plan = process_plan(scenario, {".", "s.yaml", ""});
+  const auto plan = process_plan(scenario, {".", "s.yaml", "", ""});
   EXPECT_TRUE(std::none_of(plan.begin(), plan.end(),
                            [](const ProcessSpec& process) { return process.name == "sim"; }));
 }
@@ -58,16 +58,35 @@ std::vector<std::string> names_of(const std::vector<ProcessSpec>& plan) {
 
 TEST(ProcessPlan, StartsADriverForEachDeviceThatIsNotDirect) {
   models::Scenario scenario = on_the_wire();
-  EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", ""})),
+  EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", ""})),
             (std::vector<std::string>{"sim", "vicon", "quadrotor Q1", "quadrotor Q2", "sensor Q1",
                                       "sensor Q2", "estimator Q1", "estimator Q2", "planner Q1",
                                       "planner Q2"}));
   scenario.robots[0].device = models::DeviceSource::kDirect;
   scenario.mocap.device = models::DeviceSource::kDirect;
-  const auto mixed = process_plan(scenario, {".", "s.yaml", ""});
+  const auto mixed = process_plan(scenario, {".", "s.yaml", "", ""});
   EXPECT_EQ(mixed[1].name, "quadrotor Q2");
   EXPECT_EQ(mixed[1].arguments, (std::vector<std::string>{"./vantage-quadrotor", "--scenario",
                                                           "s.yaml", "--url", "", "--robot", "Q2"}));
+}
+
+TEST(ProcessPlan, StartsOnAHostWhatThisHostRuns) {
+  models::Scenario scenario = on_the_wire();
+  scenario.hosts = {{"LAB", {"sim", "Q2"}}, {"AIR", {"Q1"}}};
+  EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", "LAB"})),
+            (std::vector<std::string>{"sim", "vicon", "quadrotor Q2", "sensor Q2", "estimator Q2",
+                                      "planner Q2"}))
+      << "vicon, which none names, runs on the first";
+  EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", "AIR"})),
+            (std::vector<std::string>{"quadrotor Q1", "sensor Q1", "estimator Q1", "planner Q1"}));
+  EXPECT_EQ(process_plan(scenario, {".", "s.yaml", "", ""}).size(), 10U) << "all on one";
+}
+
+TEST(ProcessPlan, CallsTheSimulatorAndTheMocapDriverEssential) {
+  for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
+    EXPECT_EQ(process.is_essential, process.name == "sim" || process.name == "vicon")
+        << process.name;
+  }
 }
 
 TEST(ProcessPlan, StartsARoversOwnDriver) {
@@ -77,12 +96,12 @@ TEST(ProcessPlan, StartsARoversOwnDriver) {
   scenario.robots[0].autopilot.reset();
   scenario.robots[0].rover.emplace().url = "udpout://10.0.0.7:7700";
   EXPECT_TRUE(device_faults(scenario).empty());
-  const auto names = names_of(process_plan(scenario, {".", "s.yaml", ""}));
+  const auto names = names_of(process_plan(scenario, {".", "s.yaml", "", ""}));
   EXPECT_NE(std::find(names.begin(), names.end(), "rover Q1"), names.end());
   EXPECT_EQ(std::find(names.begin(), names.end(), "quadrotor Q1"), names.end());
   scenario.robots[0].device = models::DeviceSource::kWire;
   EXPECT_TRUE(device_faults(scenario).empty());
-  const auto on_wire = names_of(process_plan(scenario, {".", "s.yaml", ""}));
+  const auto on_wire = names_of(process_plan(scenario, {".", "s.yaml", "", ""}));
   EXPECT_NE(std::find(on_wire.begin(), on_wire.end(), "rover Q1"), on_wire.end());
   EXPECT_NE(std::find(on_wire.begin(), on_wire.end(), "sim"), on_wire.end());
 }

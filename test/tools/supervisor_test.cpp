@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <cstdio>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -51,46 +52,89 @@ TEST(Child, ThatCannotBeExecutedIsAnError) {
 
 TEST(Supervisor, RefusesToStartWhatDoesNotExist) {
   Supervisor supervisor;
-  EXPECT_THROW(supervisor.start({"ghost", {"/nonexistent/program"}}), StartupError);
+  EXPECT_THROW(supervisor.start({"ghost", {"/nonexistent/program"}}, 0), StartupError);
 }
+
+using models::SupervisedPhase;
+using Kind = SupervisorEvent::Kind;
 
 TEST(Supervisor, StartsADeadProcessAgainAfterItsBackOffAndNotBefore) {
   Supervisor supervisor;
-  supervisor.start({"brief", {"true"}});
+  int preparations = 0;
+  supervisor.start({"brief", {"true"}, false, [&] { ++preparations; }}, 0);
   ASSERT_TRUE(supervisor.find("brief")->wait(kLong));
-  EXPECT_EQ(supervisor.poll(0).size(), 1U);  // "ended"
-  EXPECT_EQ(supervisor.status()[0].phase, ProcessPhase::kWaiting);
-  EXPECT_TRUE(supervisor.poll(kSecond_ns / 5).empty());  // 0.25 s is the first back-off
+  const auto ended = supervisor.poll(kSecond_ns);
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_EQ(ended[0].kind, Kind::kEnded);
+  EXPECT_EQ(ended[0].words, "brief ended (exit 0); starting it again in 0.2 s");
+  EXPECT_EQ(supervisor.status(kSecond_ns)[0].phase, SupervisedPhase::kWaiting);
+  EXPECT_EQ(supervisor.status(kSecond_ns)[0].pid, 0);
+  EXPECT_TRUE(supervisor.poll(kSecond_ns + kSecond_ns / 10).empty());
   EXPECT_EQ(supervisor.restarts(), 0);
-  EXPECT_EQ(supervisor.poll(kSecond_ns / 4).size(), 1U);  // "started again"
+  EXPECT_EQ(preparations, 0);
+  const auto started = supervisor.poll(2 * kSecond_ns);
+  ASSERT_EQ(started.size(), 1U);
+  EXPECT_EQ(started[0].kind, Kind::kStarted);
+  EXPECT_EQ(started[0].words, "brief started again (restart 1, 1.0 s down in all)");
   EXPECT_EQ(supervisor.restarts(), 1);
-  EXPECT_EQ(supervisor.status()[0].phase, ProcessPhase::kRunning);
+  EXPECT_EQ(preparations, 1);
+  const SupervisedStatus status = supervisor.status(3 * kSecond_ns)[0];
+  EXPECT_EQ(status.phase, SupervisedPhase::kRunning);
+  EXPECT_EQ(status.down_s, 1.0);
+  EXPECT_EQ(status.last_end, "exit 0");
+  EXPECT_GT(status.pid, 0);
 }
 
 TEST(Supervisor, GivesUpAfterTheStatedNumberOfRestarts) {
   Supervisor supervisor(RestartPolicy{.restarts_max = 2});
-  supervisor.start({"brief", {"false"}});
+  supervisor.start({"brief", {"false"}, true}, 0);
   std::int64_t now_ns = 0;
+  std::vector<SupervisorEvent> last;
   for (int death = 0; death < 3; ++death) {
     ASSERT_TRUE(supervisor.find("brief")->wait(kLong));
-    supervisor.poll(now_ns);
+    last = supervisor.poll(now_ns);
     now_ns += 10 * kSecond_ns;
     supervisor.poll(now_ns);
   }
+  ASSERT_EQ(last.size(), 1U);
+  EXPECT_EQ(last[0].kind, Kind::kGivenUp);
+  EXPECT_EQ(last[0].words,
+            "brief ended (exit 1) and is given up: 2 restarts within 60 s did not help; nothing "
+            "goes on without it");
   EXPECT_TRUE(supervisor.any_given_up());
+  EXPECT_EQ(supervisor.lost_essential(), "brief");
   EXPECT_EQ(supervisor.restarts(), 2);
-  EXPECT_EQ(supervisor.status()[0].last_end, "exit 1");
+  EXPECT_EQ(supervisor.status(now_ns)[0].last_end, "exit 1");
   EXPECT_TRUE(supervisor.poll(now_ns + 100 * kSecond_ns).empty());
+}
+
+TEST(Supervisor, DoesNotCallAnyProcessEssential) {
+  Supervisor supervisor(RestartPolicy{.restarts_max = 0});
+  supervisor.start({"brief", {"false"}}, 0);
+  ASSERT_TRUE(supervisor.find("brief")->wait(kLong));
+  supervisor.poll(0);
+  EXPECT_TRUE(supervisor.any_given_up());
+  EXPECT_FALSE(supervisor.lost_essential());
+}
+
+TEST(Supervisor, StartsNothingAgainOnceAllWereToEnd) {
+  Supervisor supervisor;
+  supervisor.start({"brief", {"true"}}, 0);
+  ASSERT_TRUE(supervisor.find("brief")->wait(kLong));
+  supervisor.poll(0);
+  EXPECT_TRUE(supervisor.stop_all(milliseconds(0)).empty());
+  EXPECT_TRUE(supervisor.poll(100 * kSecond_ns).empty());
+  EXPECT_EQ(supervisor.status(0)[0].phase, SupervisedPhase::kEnded);
 }
 
 TEST(Supervisor, EndsEveryoneAndKillsThoseThatWillNot) {
   Supervisor supervisor;
-  supervisor.start({"polite", {"sleep", "1000"}});
+  supervisor.start({"polite", {"sleep", "1000"}}, 0);
   // It says so once it ignores the signal: only then may we send it.
   const std::string ready = ::testing::TempDir() + "vantage_stubborn_ready";
   ::remove(ready.c_str());
   supervisor.start(
-      {"stubborn", {"sh", "-c", "trap '' TERM; : > " + ready + "; while :; do sleep 1; done"}});
+      {"stubborn", {"sh", "-c", "trap '' TERM; : > " + ready + "; while :; do sleep 1; done"}}, 0);
   while (::access(ready.c_str(), F_OK) != 0) {
     ASSERT_FALSE(supervisor.find("stubborn")->wait(milliseconds(5)));
   }

@@ -1,14 +1,22 @@
 #include "tools/up/up.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
+#include <system_error>
+#include <vector>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "core/check.hpp"
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
+#include "tools/up/up_report.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -16,44 +24,104 @@ namespace {
 struct UpArguments {
   std::string scenario;
   Overrides overrides;
+  std::string host;
+  bool all_hosts = false;
   std::string log_path;
+  std::string log_folder;
   bool no_log = false;
   bool fly = false;
   bool has_virtual_targets = false;
   bool as_json = false;
+  RestartPolicy restarts;
 };
+
+void check_host(const models::Scenario& scenario, const UpArguments& arguments) {
+  std::vector<std::string> names;
+  for (const models::HostSpec& host : scenario.hosts) {
+    names.push_back(host.name);
+  }
+  if (arguments.host.empty()) {
+    if (!names.empty() && !arguments.all_hosts) {
+      throw StartupError(fmt::format(
+          "{} has the hosts {}: say with --host which one this is, or --all-hosts to run "
+          "everything here",
+          arguments.scenario, fmt::join(names, ", ")));
+    }
+    return;
+  }
+  if (std::find(names.begin(), names.end(), arguments.host) == names.end()) {
+    throw StartupError(fmt::format(
+        "--host must be one of the hosts of {} ({}), is '{}'", arguments.scenario,
+        names.empty() ? "it has none" : fmt::format("{}", fmt::join(names, ", ")), arguments.host));
+  }
+}
+
+std::string log_path(const models::Scenario& scenario, const UpArguments& arguments) {
+  const bool is_named = !arguments.log_path.empty() || !arguments.log_folder.empty();
+  const bool runs_logger =
+      arguments.host.empty() || scenario.runs_on(arguments.host, models::kLoggerPart);
+  if (is_named && !runs_logger) {
+    throw StartupError("host " + arguments.host +
+                       " does not run the logger; `hosts` says who does");
+  }
+  if (arguments.no_log || !runs_logger) {
+    return "";
+  }
+  if (!arguments.log_folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(arguments.log_folder, error);
+    const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+    return fmt::format("{}/{}-{:%Y%m%dT%H%M%SZ}.lcmlog", arguments.log_folder, scenario.name,
+                       fmt::gmtime(now));
+  }
+  return arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
+}
 
 int run(const UpArguments& arguments) {
   const models::Scenario scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+  check_host(scenario, arguments);
   UpOptions options;
   options.executables = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
   options.quiet = arguments.as_json;
+  options.live_table = is_terminal() && !options.quiet;
   options.fly = arguments.fly;
   options.has_virtual_targets = arguments.has_virtual_targets;
-  if (!arguments.no_log) {
-    options.log_path = arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
-  }
+  options.host = arguments.host;
+  options.log_path = log_path(scenario, arguments);
+  options.restarts = arguments.restarts;
+  options.skip_landing = [] { return stop_requests() > 1; };
   const UpResult result = run_up(scenario, options, stop_requested);
-  report_summary(scenario, result.summary, arguments.as_json);
-  if (!arguments.as_json && !options.log_path.empty()) {
-    print_line("log      " + options.log_path);
+  if (arguments.as_json) {
+    print_line(to_json(result).dump());
+  } else {
+    report_summary(scenario, result.summary, false);
+    if (!options.log_path.empty()) {
+      print_line("log      " + options.log_path);
+    }
   }
-  for (const std::string& name : result.killed) {
-    fmt::print(stderr, "vantage: {} did not end by itself and was killed\n", name);
+  for (const std::string& remark : remarks(result)) {
+    fmt::print(stderr, "vantage: {}\n", remark);
   }
-  if (result.restarts > 0) {
-    fmt::print(stderr, "vantage: {} restarts\n", result.restarts);
-  }
-  for (const std::string& name : result.never_flown) {
-    fmt::print(stderr, "vantage: {} has never followed a plan\n", name);
-  }
-  for (const std::string& name : result.left_flying) {
-    fmt::print(stderr, "vantage: {} had not landed when its driver was ended\n", name);
-  }
-  const bool is_good = !result.any_given_up && result.killed.empty() &&
-                       result.never_flown.empty() && result.left_flying.empty() &&
-                       result.summary.collisions == 0;
-  return is_good ? 0 : 1;
+  return is_good(result) ? 0 : 1;
+}
+
+void add_restart_options(CLI::App& command, RestartPolicy& restarts) {
+  command
+      .add_option("--restarts-max", restarts.restarts_max,
+                  "restarts of one process within the window; one that dies more often is given up")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--restart-window-s", restarts.window_s, "the window")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      .add_option("--backoff-first-s", restarts.backoff_first_s,
+                  "wait before the first restart; doubled with each death until it runs for 10 s")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--backoff-max-s", restarts.backoff_max_s, "the longest wait")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -65,25 +133,42 @@ void add_up_command(CLI::App& root, Runner& chosen) {
   command->add_option("scenario", arguments->scenario, "scenario file")->required();
   add_override_options(*command, arguments->overrides);
   command->add_option("--url", arguments->overrides.url, "LCM URL instead of the scenario's");
+  auto* host = command->add_option("--host", arguments->host,
+                                   "run only what the scenario's `hosts` say of this one");
+  command
+      ->add_flag("--all-hosts", arguments->all_hosts,
+                 "run what all of the scenario's hosts do here")
+      ->excludes(host);
   auto* log = command->add_option("--log", arguments->log_path,
-                                  "where lcm-logger writes; NAME.lcmlog when not given");
-  command->add_flag("--no-log", arguments->no_log, "do not record")->excludes(log);
+                                  "where lcm-logger writes, over what is there; NAME.lcmlog when "
+                                  "not given");
+  auto* folder = command->add_option("--log-folder", arguments->log_folder,
+                                     "write FOLDER/NAME-TIME.lcmlog, a new one each time");
+  folder->excludes(log);
+  command->add_flag("--no-log", arguments->no_log, "do not record")
+      ->excludes(log)
+      ->excludes(folder);
   command->add_flag("--fly", arguments->fly,
                     "be the operator: arm, take off, follow, and land at the end");
   command->add_flag("--virtual-targets", arguments->has_virtual_targets,
                     "simulate the targets though every device is real");
-  command->add_flag("--json", arguments->as_json, "print one JSON object at the end");
+  add_restart_options(*command, arguments->restarts);
+  command->add_flag("--json", arguments->as_json,
+                    "print one JSON object at the end; what happens meanwhile goes to stderr");
   command->footer(
-      "Ends after the scenario's duration or with Ctrl-C; all processes are gone 2 s later. With\n"
-      "--fly both mean: land everything first. Without it robots on the wire and real ones wait "
-      "for\n"
-      "`vantage console`.\n"
-      "Exit code 1 when a process had to be given up or killed, anything collided, or a robot of\n"
-      "--fly did not fly or did not land.\n"
+      "Ends after the scenario's duration or with Ctrl-C or SIGTERM; all processes are gone 2 s\n"
+      "later. With --fly all mean: land everything first; a second Ctrl-C does not wait for that.\n"
+      "Without it robots on the wire and real ones wait for `vantage console`.\n"
+      "A process that dies is started again. The trial ends when the simulator or the mocap\n"
+      "driver is given up; without any other process it goes on.\n"
+      "Exit code 1 when a process was given up or killed, the simulator was started again (the\n"
+      "world begins anew), the log lacks its end, another host flew another scenario, anything\n"
+      "collided, or a robot of --fly did not fly or did not land. 2 when it could not start.\n"
       "Examples:\n"
       "  vantage up config/lab.yaml\n"
       "  vantage up config/lab.yaml --duration-s 60 --log flight.lcmlog\n"
       "  vantage up config/lab-hil.yaml --fly\n"
+      "  vantage up trial.yaml --host AIR --log-folder /var/log/vantage\n"
       "  vantage up config/lab.yaml --url 'udpm://239.255.76.67:7700?ttl=1' --no-log");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }

@@ -3,11 +3,42 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace vantage::tools {
 
-void Screen::redraw(const std::vector<std::string>& lines) {
+std::string cut_to(const std::string& line, std::size_t columns) {
+  std::size_t characters = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool begins_one = (static_cast<unsigned char>(line[i]) & 0xC0U) != 0x80U;
+    if (begins_one && characters++ == columns) {
+      return line.substr(0, i);
+    }
+  }
+  return line;
+}
+
+std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t rows,
+                             std::size_t columns) {
+  std::vector<std::string> out = lines;
+  // The cursor needs a row of its own.
+  if (rows > 2 && lines.size() > rows - 1) {
+    out.resize(rows - 2);
+    out.push_back(fmt::format("... {} more lines", lines.size() - (rows - 2)));
+  }
+  if (columns > 0) {
+    for (std::string& line : out) {
+      line = cut_to(line, columns);
+    }
+  }
+  return out;
+}
+
+void Screen::redraw(const std::vector<std::string>& all_lines) {
+  winsize size{};
+  ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);  // leaves zeros when it is no terminal
+  const std::vector<std::string> lines = fit(all_lines, size.ws_row, size.ws_col);
   std::string out;
   if (lines_drawn_ > 0) {
     out += fmt::format("\x1b[{}A", lines_drawn_);  // cursor up

@@ -6,7 +6,16 @@
 
 namespace vantage::tools {
 
-/// Lines on standard output that are replaced by the next ones, without scrolling.
+/// The first `columns` characters (code points) of UTF-8 text.
+std::string cut_to(const std::string& line, std::size_t columns);
+
+/// As many lines as fit on a screen, the last saying how many are missing; each cut to the width:
+/// a line that wraps or scrolls could not be replaced. 0 rows or columns: no limit is known.
+std::vector<std::string> fit(const std::vector<std::string>& lines, std::size_t rows,
+                             std::size_t columns);
+
+/// Lines on standard output that are replaced by the next ones, without scrolling; cut to the
+/// terminal's size.
 class Screen {
  public:
   void redraw(const std::vector<std::string>& lines);

@@ -1,60 +1,74 @@
 #include "tools/supervisor/supervisor.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "core/check.hpp"
 
 namespace vantage::tools {
 
-void Supervisor::start(const ProcessSpec& spec) {
+using models::SupervisedPhase;
+using Kind = SupervisorEvent::Kind;
+
+void Supervisor::start(const ProcessSpec& spec, Nanoseconds monotonic_ns) {
   Result<Child> child = Child::start(spec.arguments);
   if (!child.ok()) {
     throw StartupError("cannot start " + spec.name + ": " + child.error().message);
   }
-  Supervised process;
-  process.spec = spec;
-  process.status.name = spec.name;
-  process.child.emplace(std::move(child).value());
+  Supervised process{spec, RestartSchedule(policy_), std::move(child).value()};
+  process.schedule.on_start(monotonic_ns);
   processes_.push_back(std::move(process));
 }
 
-std::string Supervisor::on_end(Supervised& process, const std::string& how,
-                               Nanoseconds now_ns) const {
+SupervisorEvent Supervisor::on_end(Supervised& process, const std::string& how,
+                                   Nanoseconds now_ns) {
   process.child.reset();
-  process.status.last_end = how;
-  if (process.status.restarts >= policy_.restarts_max) {
-    process.status.phase = ProcessPhase::kGivenUp;
-    return process.spec.name + " ended (" + how + "); given up after " +
-           std::to_string(process.status.restarts) + " restarts";
+  process.last_end = how;
+  const auto restart_at_ns = process.schedule.on_end(now_ns);
+  if (!restart_at_ns) {
+    process.phase = SupervisedPhase::kGivenUp;
+    const RestartPolicy& policy = process.schedule.policy();
+    return {process.spec.name, Kind::kGivenUp,
+            fmt::format("{} ended ({}) and is given up: {} restarts within {:g} s did not help{}",
+                        process.spec.name, how, policy.restarts_max, policy.window_s,
+                        process.spec.is_essential ? "; nothing goes on without it" : "")};
   }
-  const double backoff_s =
-      std::min(policy_.backoff_first_s * std::exp2(process.status.restarts), policy_.backoff_max_s);
-  process.restart_at_ns = now_ns + static_cast<Nanoseconds>(backoff_s * 1e9);
-  process.status.phase = ProcessPhase::kWaiting;
-  return process.spec.name + " ended (" + how + "); starting it again soon";
+  process.phase = SupervisedPhase::kWaiting;
+  process.restart_at_ns = *restart_at_ns;
+  return {process.spec.name, Kind::kEnded,
+          fmt::format("{} ended ({}); starting it again in {:.1f} s", process.spec.name, how,
+                      static_cast<double>(*restart_at_ns - now_ns) * 1e-9)};
 }
 
-std::vector<std::string> Supervisor::poll(Nanoseconds monotonic_ns) {
-  std::vector<std::string> events;
+SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {
+  if (process.spec.before_restart) {
+    process.spec.before_restart();
+  }
+  process.schedule.on_start(now_ns);
+  Result<Child> child = Child::start(process.spec.arguments);
+  if (!child.ok()) {
+    return on_end(process, child.error().message, now_ns);
+  }
+  process.child.emplace(std::move(child).value());
+  process.phase = SupervisedPhase::kRunning;
+  return {process.spec.name, Kind::kStarted,
+          fmt::format("{} started again (restart {}, {:.1f} s down in all)", process.spec.name,
+                      process.schedule.restarts(), process.schedule.down_s(now_ns))};
+}
+
+std::vector<SupervisorEvent> Supervisor::poll(Nanoseconds monotonic_ns) {
+  std::vector<SupervisorEvent> events;
   for (Supervised& process : processes_) {
     if (process.child) {
       if (const auto ended = process.child->wait(std::chrono::milliseconds(0))) {
         events.push_back(on_end(process, ended->describe(), monotonic_ns));
       }
-    } else if (process.status.phase == ProcessPhase::kWaiting &&
+    } else if (process.phase == SupervisedPhase::kWaiting &&
                monotonic_ns >= process.restart_at_ns) {
-      ++process.status.restarts;
-      Result<Child> child = Child::start(process.spec.arguments);
-      if (child.ok()) {
-        process.child.emplace(std::move(child).value());
-        process.status.phase = ProcessPhase::kRunning;
-        events.push_back(process.spec.name + " started again");
-      } else {
-        events.push_back(on_end(process, child.error().message, monotonic_ns));
-      }
+      events.push_back(restart(process, monotonic_ns));
     }
   }
   return events;
@@ -69,6 +83,9 @@ std::vector<std::string> Supervisor::stop_all(std::chrono::milliseconds patience
   }
   const auto deadline = std::chrono::steady_clock::now() + patience;
   for (auto process = processes_.rbegin(); process != processes_.rend(); ++process) {
+    if (process->phase == SupervisedPhase::kWaiting) {
+      process->phase = SupervisedPhase::kEnded;
+    }
     if (!process->child) {
       continue;
     }
@@ -78,17 +95,19 @@ std::vector<std::string> Supervisor::stop_all(std::chrono::milliseconds patience
     if (!ended) {
       killed.push_back(process->spec.name);
     }
-    process->status.last_end = ended ? ended->describe() : "killed";
+    process->last_end = ended ? ended->describe() : "killed";
     process->child.reset();  // kills and reaps what is left
+    process->phase = SupervisedPhase::kEnded;
   }
-  processes_.clear();
   return killed;
 }
 
-std::vector<SupervisedStatus> Supervisor::status() const {
+std::vector<SupervisedStatus> Supervisor::status(Nanoseconds monotonic_ns) const {
   std::vector<SupervisedStatus> out;
   for (const Supervised& process : processes_) {
-    out.push_back(process.status);
+    out.push_back({process.spec.name, process.phase, process.schedule.restarts(),
+                   process.schedule.down_s(monotonic_ns), process.last_end,
+                   process.child ? process.child->pid() : 0, process.spec.is_essential});
   }
   return out;
 }
@@ -96,15 +115,24 @@ std::vector<SupervisedStatus> Supervisor::status() const {
 int Supervisor::restarts() const {
   int total = 0;
   for (const Supervised& process : processes_) {
-    total += process.status.restarts;
+    total += process.schedule.restarts();
   }
   return total;
 }
 
 bool Supervisor::any_given_up() const {
   return std::any_of(processes_.begin(), processes_.end(), [](const Supervised& process) {
-    return process.status.phase == ProcessPhase::kGivenUp;
+    return process.phase == SupervisedPhase::kGivenUp;
   });
+}
+
+std::optional<std::string> Supervisor::lost_essential() const {
+  for (const Supervised& process : processes_) {
+    if (process.spec.is_essential && process.phase == SupervisedPhase::kGivenUp) {
+      return process.spec.name;
+    }
+  }
+  return std::nullopt;
 }
 
 Child* Supervisor::find(const std::string& name) {

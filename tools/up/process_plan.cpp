@@ -46,6 +46,9 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
     return std::vector<std::string>{places.executables + "/" + program, "--scenario",
                                     places.scenario_path, "--url", places.url};
   };
+  const auto runs = [&](const std::string& part) {
+    return places.host.empty() || scenario.runs_on(places.host, part);
+  };
   std::vector<ProcessSpec> out;
   const auto add_for = [&](const std::string& program, const std::string& robot) {
     ProcessSpec process{program + " " + robot, command("vantage-" + program)};
@@ -56,25 +59,25 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
       places.has_virtual_targets || scenario.mocap.device != DeviceSource::kReal ||
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
                   [](const auto& robot) { return robot.device != DeviceSource::kReal; });
-  if (is_simulated) {
-    out.push_back({"sim", command("vantage-sim")});
+  if (is_simulated && runs(models::kSimPart)) {
+    out.push_back({kSimProcess, command("vantage-sim"), true});
   }
-  if (scenario.mocap.device != DeviceSource::kDirect) {
-    out.push_back({"vicon", command("vantage-vicon")});
+  if (scenario.mocap.device != DeviceSource::kDirect && runs(models::kMocapPart)) {
+    out.push_back({"vicon", command("vantage-vicon"), true});
   }
   for (const std::string& robot : robots_with_driver(scenario)) {
-    add_for(scenario.find_robot(robot)->rover ? "rover" : "quadrotor", robot);
+    if (runs(robot)) {
+      add_for(scenario.find_robot(robot)->rover ? "rover" : "quadrotor", robot);
+    }
   }
   for (const std::string program : {"sensor", "estimator", "planner"}) {
     for (const models::RobotSpec& robot : scenario.robots) {
-      add_for(program, robot.name);
+      if (runs(robot.name)) {
+        add_for(program, robot.name);
+      }
     }
   }
   return out;
-}
-
-ProcessSpec logger_process(const std::string& url, const std::string& log_path) {
-  return {"lcm-logger", {"lcm-logger", "--quiet", "--force", "--lcm-url=" + url, log_path}};
 }
 
 }  // namespace vantage::tools

@@ -1,25 +1,30 @@
 #include "tools/up/up.hpp"
 
+#include <algorithm>
 #include <chrono>
-#include <cstdlib>
+#include <deque>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <system_error>
+#include <utility>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "bus/bus.hpp"
 #include "bus/clock.hpp"
+#include "bus/process_usage.hpp"
 #include "bus/transport.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
-#include "tools/console/console.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/observe/announcer.hpp"
 #include "tools/observe/observer.hpp"
 #include "tools/picture/picture.hpp"
-#include "tools/up/flight_program.hpp"
+#include "tools/up/host_board.hpp"
+#include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
 
 namespace vantage::tools {
@@ -27,7 +32,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr auto kLandingPatience = std::chrono::seconds(60);
+constexpr Duration kLandingPatience = std::chrono::seconds(60);
+constexpr Duration kReportPeriod = std::chrono::seconds(1);
+constexpr Duration kTablePeriod = milliseconds(500);
+constexpr Duration kLinePeriod = std::chrono::seconds(5);
+constexpr std::size_t kRecentEvents = 6;
+// All of the end together stays below two seconds.
+constexpr milliseconds kTeamPatience{1200};
+constexpr Duration kDrainPatience = milliseconds(200);
+constexpr Duration kSealPatience = milliseconds(300);
+constexpr milliseconds kLoggerPatience{250};
 
 /// A scenario file that lives as long as the processes that read it.
 class TemporaryScenario {
@@ -51,73 +65,270 @@ class TemporaryScenario {
   std::filesystem::path path_;
 };
 
-// The logger writes what it hears, so it listens once its file is no longer empty; until then
-// SCENARIO is repeated, which also makes it the first event.
-void start_logger(Supervisor& logger, const std::string& url, const std::string& log_path,
-                  Announcer& announcer, const bus::Clock& clock) {
-  std::error_code error;
-  std::filesystem::remove(log_path, error);
-  logger.start(logger_process(url, log_path));
-  constexpr auto kPatience = std::chrono::seconds(5);
-  const Time give_up = clock.now() + kPatience;
-  while (true) {
-    announcer.publish(clock.now());
-    if (const auto ended = logger.find("lcm-logger")->wait(milliseconds(50))) {
-      throw StartupError("lcm-logger ended at once (" + ended->describe() + "); can it write " +
-                         log_path + " and use " + url + "?");
+/// Tells the person in front of it how things are: a table in place, or lines.
+class Teller {
+ public:
+  explicit Teller(const UpOptions& options) : options_(options) {}
+
+  void say(const std::string& words) {
+    if (options_.live_table) {
+      recent_.push_back("! " + words);
+      if (recent_.size() > kRecentEvents) {
+        recent_.pop_front();
+      }
+    } else if (options_.quiet) {
+      fmt::print(stderr, "! {}\n", words);
+    } else {
+      print_line("! " + words);
     }
-    const auto size = std::filesystem::file_size(log_path, error);
-    if (!error && size > 0) {
+  }
+
+  void show(Time now, const models::Scenario& scenario, const logs::TrialMetrics& metrics,
+            double elapsed_s, const HostBoard& board) {
+    if (options_.quiet || now < next_) {
       return;
     }
-    if (clock.now() > give_up) {
-      throw StartupError("lcm-logger hears nothing on " + url);
+    if (options_.live_table) {
+      std::vector<std::string> lines = status_table(scenario, metrics, elapsed_s);
+      lines.emplace_back();
+      for (std::string& row : board.table(now)) {
+        lines.push_back(std::move(row));
+      }
+      lines.emplace_back();
+      lines.insert(lines.end(), recent_.begin(), recent_.end());
+      screen_.redraw(lines);
+      next_ = now + kTablePeriod;
+    } else {
+      const std::string hosts = board.line(now);
+      print_line(status_line(metrics, elapsed_s) + (hosts.empty() ? "" : "   " + hosts));
+      next_ = now + kLinePeriod;
+    }
+  }
+
+ private:
+  const UpOptions& options_;
+  Screen screen_;
+  std::deque<std::string> recent_;
+  Time next_{};
+};
+
+/// The trial while it runs. Members in the order of starting, which no process depends on, except
+/// that the log is first and, destroyed in reverse also when starting fails half-way, last to go.
+class Up {
+ public:
+  Up(const models::Scenario& scenario, const UpOptions& options);
+  UpResult run(const std::function<bool()>& stop);
+
+ private:
+  [[nodiscard]] bool announces() const {
+    return options_.host.empty() || scenario_.runs_on(options_.host, models::kLoggerPart);
+  }
+  void listen();
+  void turn();
+  void take(const std::vector<SupervisorEvent>& events);
+  [[nodiscard]] std::vector<SupervisedStatus> statuses() const;
+  models::HostReport report(Time now);
+  void land();
+  void stop_all();
+  void seal_log();
+  void tell(const std::optional<std::string>& words) {
+    if (words && !words->empty()) {
+      teller_.say(*words);
+    }
+  }
+
+  const models::Scenario& scenario_;
+  const UpOptions& options_;
+  const std::string host_;
+  const std::unique_ptr<bus::Transport> transport_;
+  bus::Bus bus_;
+  const bus::SystemClock clock_;
+  Announcer announcer_;
+  const TemporaryScenario file_;
+  std::unique_ptr<LogKeeper> keeper_;
+  const Time start_;
+  TrialObserver observer_;
+  HostBoard board_;
+  UsageMeter meter_;
+  Teller teller_;
+  std::unique_ptr<Pilot> pilot_;
+  Supervisor team_;
+  Time next_report_{};
+  UpResult result_;
+};
+
+Up::Up(const models::Scenario& scenario, const UpOptions& options)
+    : scenario_(scenario),
+      options_(options),
+      host_(options.host.empty() ? kOnlyHost : options.host),
+      transport_(bus::open_transport(scenario.network.url)),
+      bus_(*transport_, bus::random_run_id()),
+      announcer_(bus_, scenario, "up"),
+      file_(scenario.source_text),
+      keeper_(options.log_path.empty()
+                  ? nullptr
+                  : std::make_unique<LogKeeper>(scenario.network.url, options.log_path,
+                                                options.restarts, announcer_, clock_)),
+      start_(clock_.now()),
+      observer_(bus_, scenario, start_),
+      board_(scenario, host_, bus_.run_id(), start_),
+      teller_(options),
+      pilot_(options.fly ? std::make_unique<Pilot>(bus_, scenario, start_) : nullptr),
+      team_(options.restarts) {
+  listen();
+  if (announces()) {
+    announcer_.publish(start_);
+  }
+  const ProcessPlaces places{options.executables, file_.path(), scenario.network.url, options.host,
+                             options.has_virtual_targets};
+  for (const ProcessSpec& process : process_plan(scenario, places)) {
+    team_.start(process, monotonic_ns());
+  }
+}
+
+void Up::listen() {
+  bus_.subscribe<models::HostReport>(bus::host_channel("*"), [this](const auto& heard) {
+    tell(board_.on_report(heard, clock_.now()));
+  });
+  bus_.subscribe<models::ScenarioNotice>(bus::kScenario, [this](const auto& notice) {
+    if (notice.yaml != scenario_.source_text && !std::exchange(result_.has_other_scenario, true)) {
+      teller_.say("another scenario file, or other options, are flown on this network (by " +
+                  notice.process + ", version " + notice.version + ")");
+    }
+  });
+}
+
+std::vector<SupervisedStatus> Up::statuses() const {
+  const std::int64_t now_ns = monotonic_ns();
+  std::vector<SupervisedStatus> out = team_.status(now_ns);
+  if (keeper_) {
+    const auto logger = keeper_->supervisor().status(now_ns);
+    out.insert(out.end(), logger.begin(), logger.end());
+  }
+  return out;
+}
+
+models::HostReport Up::report(Time now) {
+  models::HostReport report;
+  report.stamp.time = now;
+  report.host = host_;
+  for (const SupervisedStatus& status : statuses()) {
+    models::SupervisedProcess process{
+        status.name, status.phase, status.restarts, status.down_s, 0.0, 0, status.last_end};
+    std::optional<UsageMeter::Reading> reading;
+    if (const auto usage = status.pid > 0 ? bus::usage_of(status.pid) : std::nullopt) {
+      reading = UsageMeter::Reading{usage->cpu_us, usage->memory_bytes};
+    }
+    meter_.fill(status, reading, now, process);
+    report.processes.push_back(std::move(process));
+  }
+  return report;
+}
+
+void Up::take(const std::vector<SupervisorEvent>& events) {
+  for (const SupervisorEvent& event : events) {
+    teller_.say(event.words);
+    next_report_ = {};
+    if (event.name == kSimProcess && event.kind == SupervisorEvent::Kind::kStarted) {
+      ++result_.world_restarts;
+      teller_.say("the simulated world begins anew: robots and targets are back at their starts");
     }
   }
 }
 
-/// The operator of an unattended trial, on the bus.
-class Pilot {
- public:
-  Pilot(bus::Bus& bus, const std::vector<std::string>& robots, Time start)
-      : desk_(bus, true, start), program_(robots) {
-    bus.subscribe<models::VehicleStatus>(
-        bus::quadrotor_channel("*"),
-        [this](const models::VehicleStatus& status) { program_.on_status(status); });
-    bus.subscribe<models::OperatorCommand>(
-        bus::kCommand, [this, own = bus.run_id()](const models::OperatorCommand& command) {
-          if (command.stamp.run_id != own) {
-            program_.on_other_station(command);
-          }
-        });
+void Up::turn() {
+  bus_.handle(milliseconds(pilot_ ? 10 : 50));
+  const Time now = clock_.now();
+  if (announces()) {
+    announcer_.tick(now);
   }
-
-  void tick(Time now) {
-    if (desk_.tick(now) && !desk_.station().beats()) {
-      print_line(std::string("! operator: ") + explain(desk_.station().role()));
-    }
-    if (desk_.station().role() == Station::Role::kListening) {
-      return;
-    }
-    for (const FlightProgram::Order& order : program_.due(now)) {
-      desk_.send(now, order.action, order.robot);  // refused while another station is in charge
-    }
+  if (pilot_) {
+    tell(pilot_->tick(now));
   }
-  [[nodiscard]] FlightProgram& program() { return program_; }
+  take(team_.poll(monotonic_ns()));
+  if (keeper_) {
+    take(keeper_->poll(monotonic_ns()));
+  }
+  for (const std::string& words : board_.fallen_silent(now)) {
+    teller_.say(words);
+  }
+  if (now >= next_report_) {
+    bus_.publish(bus::host_channel(host_), report(now));
+    next_report_ = now + kReportPeriod;
+  }
+  teller_.show(now, scenario_, observer_.metrics(), to_seconds(now - start_), board_);
+}
 
- private:
-  OperatorDesk desk_;
-  FlightProgram program_;
-};
-
-std::unique_ptr<Pilot> pilot_for(const models::Scenario& scenario, bus::Bus& bus, Time start) {
-  for (const models::RobotSpec& robot : scenario.robots) {
-    if (robot.device == models::DeviceSource::kReal) {
-      throw StartupError("robot " + robot.name +
-                         " is real: a person arms it, with `vantage console`, not --fly");
+// Without the simulator there is no vehicle left to land.
+void Up::land() {
+  FlightProgram& program = pilot_->program();
+  program.bring_down();
+  teller_.say("landing; a second Ctrl-C does not wait for it");
+  const Time give_up = clock_.now() + kLandingPatience;
+  while (!program.is_down() && clock_.now() < give_up && team_.lost_essential() != kSimProcess &&
+         !(options_.skip_landing && options_.skip_landing())) {
+    turn();
+  }
+  result_.left_flying = program.not_down();
+  for (const std::string& robot : robots_with_driver(scenario_)) {
+    if (program.have_flown().count(robot) == 0) {
+      result_.never_flown.push_back(robot);
     }
   }
-  return std::make_unique<Pilot>(bus, robots_with_driver(scenario), start);
+}
+
+// The log is complete when what is published last, after all others have ended, has come into it.
+// The logger writes what it holds when it hears more, hence the repetition.
+void Up::seal_log() {
+  models::HostReport last = report(clock_.now());
+  const models::InputRef name = bus_.publish(bus::host_channel(host_), last);
+  last.stamp.run_id = name.run_id;
+  last.stamp.sequence = name.sequence;
+  const auto wire = bus::to_wire(last);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire.getEncodedSize()));
+  wire.encode(bytes.data(), 0, wire.getEncodedSize());
+  const Time give_up = clock_.now() + kSealPatience;
+  while (!keeper_->holds(bytes) && clock_.now() < give_up) {
+    bus_.handle(milliseconds(20));
+    bus_.publish(bus::host_channel(host_), report(clock_.now()));
+  }
+  for (std::string& name_killed : keeper_->stop(kLoggerPatience)) {
+    result_.killed.push_back(std::move(name_killed));
+  }
+  result_.log = keeper_->outcome();
+  result_.log.is_to_the_end = keeper_->holds(bytes);
+}
+
+void Up::stop_all() {
+  const Time begin = clock_.now();
+  result_.processes = statuses();
+  result_.killed = team_.stop_all(kTeamPatience);
+  // The last HEALTH of each; other hosts may go on talking for ever.
+  const Time give_up = clock_.now() + kDrainPatience;
+  while (bus_.handle(milliseconds(50)) > 0 && clock_.now() < give_up) {
+  }
+  if (keeper_) {
+    seal_log();
+  }
+  result_.stop_s = to_seconds(clock_.now() - begin);
+}
+
+UpResult Up::run(const std::function<bool()>& stop) {
+  const Time end = start_ + from_seconds(scenario_.duration_s);
+  while (!stop() && clock_.now() < end && !team_.lost_essential()) {
+    turn();
+  }
+  result_.summary = observer_.metrics().finish(clock_.now());
+  if (pilot_) {
+    land();
+  }
+  stop_all();
+  const logs::TrialMetrics& heard = observer_.metrics();
+  result_.summary.collisions = heard.collisions();
+  result_.summary.separation_violations = heard.separation_violations();
+  result_.summary.messages_lost =
+      heard.messages_lost() + bus_.messages_lost() + transport_->stats().queue_overflows;
+  return std::move(result_);
 }
 
 }  // namespace
@@ -127,80 +338,7 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
   if (const auto faults = device_faults(scenario); !faults.empty()) {
     throw StartupError(faults.front());
   }
-  const std::string& url = scenario.network.url;
-  const auto transport = bus::open_transport(url);
-  bus::Bus bus(*transport, bus::random_run_id());
-  const bus::SystemClock clock;
-  Announcer announcer(bus, scenario, "up");
-  const TemporaryScenario file(scenario.source_text);
-
-  // Destroyed in reverse order, also when starting fails half-way: the logger is last to go.
-  Supervisor logger(RestartPolicy{.restarts_max = 0});
-  if (!options.log_path.empty()) {
-    start_logger(logger, url, options.log_path, announcer, clock);
-  }
-  const Time start = clock.now();
-  TrialObserver observer(bus, scenario, start);
-  announcer.publish(start);
-  const std::unique_ptr<Pilot> pilot = options.fly ? pilot_for(scenario, bus, start) : nullptr;
-  Supervisor team(options.restarts);
-  for (const ProcessSpec& process : process_plan(
-           scenario, {options.executables, file.path(), url, options.has_virtual_targets})) {
-    team.start(process);
-  }
-
-  const auto turn = [&] {
-    bus.handle(milliseconds(pilot ? 10 : 50));
-    announcer.tick(clock.now());
-    if (pilot) {
-      pilot->tick(clock.now());
-    }
-    for (const auto& events : {team.poll(monotonic_ns()), logger.poll(monotonic_ns())}) {
-      for (const std::string& event : events) {
-        print_line("! " + event);
-      }
-    }
-  };
-  const Time end = start + from_seconds(scenario.duration_s);
-  Time next_line = start;
-  while (!stop() && clock.now() < end) {
-    turn();
-    if (!options.quiet && clock.now() >= next_line) {
-      print_line(status_line(observer.metrics(), to_seconds(clock.now() - start)));
-      next_line += std::chrono::seconds(5);
-    }
-  }
-
-  UpResult result;
-  result.summary = observer.metrics().finish(clock.now());
-  if (pilot) {
-    FlightProgram& program = pilot->program();
-    program.bring_down();
-    const Time give_up = clock.now() + kLandingPatience;
-    while (!program.is_down() && clock.now() < give_up) {
-      turn();
-    }
-    result.left_flying = program.not_down();
-    for (const std::string& robot : robots_with_driver(scenario)) {
-      if (program.have_flown().count(robot) == 0) {
-        result.never_flown.push_back(robot);
-      }
-    }
-  }
-  result.restarts = team.restarts();
-  result.any_given_up = team.any_given_up() || logger.any_given_up();
-  result.killed = team.stop_all(milliseconds(1500));
-  while (bus.handle(milliseconds(50)) > 0) {  // the last HEALTH of each
-  }
-  for (const std::string& name : logger.stop_all(milliseconds(500))) {
-    result.killed.push_back(name);
-  }
-  const logs::TrialMetrics& heard = observer.metrics();
-  result.summary.collisions = heard.collisions();
-  result.summary.separation_violations = heard.separation_violations();
-  result.summary.messages_lost =
-      heard.messages_lost() + bus.messages_lost() + transport->stats().queue_overflows;
-  return result;
+  return Up(scenario, options).run(stop);
 }
 
 }  // namespace vantage::tools

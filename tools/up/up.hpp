@@ -7,34 +7,44 @@
 #include "logs/metrics/trial_summary.hpp"
 #include "models/scenario/scenario.hpp"
 #include "tools/supervisor/supervisor.hpp"
+#include "tools/up/log_keeper.hpp"
 
 namespace vantage::tools {
 
 struct UpOptions {
   std::string executables;  ///< the folder of the vantage-* programs
   std::string log_path;     ///< empty: no log
+  std::string host;         ///< the one of scenario.hosts to run; empty: everything there is
   bool quiet = false;
+  bool live_table = false;           ///< redraw a table in place; else a line each 5 s
   bool fly = false;                  ///< arm, take off and follow at the start, land at the end
   bool has_virtual_targets = false;  ///< simulate the targets though every device is real
   RestartPolicy restarts;
+  /// Asked during the landings: true leaves what still flies to the autopilots' own fail-safes.
+  std::function<bool()> skip_landing;
 };
 
 struct UpResult {
   logs::TrialSummary summary;
-  int restarts = 0;
-  bool any_given_up = false;
+  std::vector<SupervisedStatus> processes;  ///< at the end; the logger's is the last
+  LogOutcome log;
+  int world_restarts = 0;                ///< of the simulator: the world began anew
+  bool has_other_scenario = false;       ///< another host flies another scenario file
+  double stop_s = 0.0;                   ///< from the end (of the landings) until all were gone
   std::vector<std::string> killed;       ///< that did not end in time by themselves
   std::vector<std::string> never_flown;  ///< vehicles to be flown that followed no plan
   std::vector<std::string> left_flying;  ///< vehicles that were not at rest at the end
 };
 
 /// Flies a scenario with one process for each node of this host, over scenario.network.url, until
-/// scenario.duration_s is over or `stop`; restarts what dies. The log begins with SCENARIO.
+/// scenario.duration_s is over, `stop`, or an essential process is given up; starts again what
+/// dies. The log begins with SCENARIO and ends with what was published last. What runs is
+/// published on HOST_<host>, other hosts are heard there, and either may come and go.
 ///
 /// With `fly` it is the operator of the vehicles that have drivers: its commands and its heartbeat
 /// are in the log, any other station may still hold, land or stop a vehicle, and the end (`stop`
-/// just so) waits for the landings. What happens during these counts as a contact, not as part of
-/// the trial.
+/// just so) waits for the landings, at most 60 s. What happens during these counts as a contact,
+/// not as part of the trial.
 /// @throws StartupError when the network, the logger or a program cannot be used, the devices do
 ///         not fit together, or `fly` is asked for a real robot: these are armed by a person.
 UpResult run_up(const models::Scenario& scenario, const UpOptions& options,

@@ -18,6 +18,7 @@ Feed::Feed(bus::Transport& transport, const bus::Clock& clock, logs::foxglove::S
   listen(bus::plan_channel("*"));
   listen(bus::quadrotor_channel("*"));
   listen(bus::health_channel("*"));
+  listen(bus::host_channel("*"));
   listen(bus::kCollision);
   listen(bus::kAttack);
   listen(bus::kCommand);

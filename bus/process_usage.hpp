@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/exchange/messages.hpp"
+
+namespace vantage::bus {
+
+/// What one process has taken of its machine.
+struct ProcessUsage {
+  std::int64_t cpu_us = 0;             ///< processor time of all its threads since its start
+  std::int64_t memory_bytes = 0;       ///< resident now
+  std::int64_t memory_most_bytes = 0;  ///< resident, the most so far; 0: not known
+};
+
+/// From the text of /proc/PID/stat; nullopt when it is none. `memory_most_bytes` is not in it.
+/// @param ticks_per_s  of the processor time in it, sysconf(_SC_CLK_TCK)
+std::optional<ProcessUsage> usage_from_stat(std::string_view stat, std::int64_t ticks_per_s,
+                                            std::int64_t page_bytes);
+
+/// Of the process `pid` on this machine; nullopt when it is gone. Reads one file: about 20 µs.
+/// Processor time in steps of a clock tick (10 ms).
+std::optional<ProcessUsage> usage_of(int pid);
+
+/// Of this process, as HEALTH carries it: process.cpu_us, process.memory_bytes,
+/// process.memory_most_bytes.
+std::vector<models::NamedCount> usage_counters();
+
+}  // namespace vantage::bus

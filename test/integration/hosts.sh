@@ -1,0 +1,58 @@
+#!/bin/bash
+# hosts.sh BIN_DIR SCENARIO: flies SCENARIO as two hosts. One is ended and started anew, then killed
+# and started anew; the other must say so, restart nothing, and all must go on planning. To be run
+# in a network of its own: in_network.sh hosts.sh …
+set -euo pipefail
+bin=$1 scenario=$2
+dir=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
+url='udpm://239.255.76.67:7667?ttl=0'
+. "$(dirname "$0")/up_support.sh"
+cat "$scenario" - > "$dir/two.yaml" <<'YAML'
+hosts:
+  - {name: LAB, runs: [sim, logger, Q1]}
+  - {name: AIR, runs: [Q2, Q3]}
+YAML
+
+start() {
+  "$bin/vantage" up "$dir/two.yaml" --duration-s 300 --url "$url" --host "$1" "${@:3}" --json \
+    > "$dir/$2.json" 2> "$dir/$2.err" &
+}
+said() { grep -q "$2" "$dir/$1.err"; }
+
+if "$bin/vantage" up "$dir/two.yaml" --no-log 2> "$dir/none.err"; then
+  fail "no host was named, and it ran"
+fi
+grep -q 'has the hosts LAB, AIR' "$dir/none.err" || fail "what is missing is not said"
+
+start_witness
+start AIR air1; air=$!  # nobody to hear yet: the order is free
+start LAB lab --log "$dir/flight.lcmlog"; lab=$!
+until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "not all plan"
+until_true 20 said lab 'host AIR is up' || fail "LAB does not know AIR"
+
+kill -TERM "$air"
+wait "$air" || fail "AIR ended with $?"
+until_true 20 said lab 'host AIR is silent' || fail "LAB does not miss AIR"
+start AIR air2; air=$!
+plans=$(plans_in "$dir/witness.lcmlog")
+until_true 20 said lab 'host AIR was started again' || fail "LAB does not see AIR again"
+until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all plan again"
+
+# A supervisor that is killed takes its processes with it: nothing is left that nobody supervises.
+planner=$(child_of "$air" 'vantage-planner .*--robot Q2')
+kill -9 "$air"
+wait "$air" || true
+gone() { ! kill -0 "$planner" 2>/dev/null; }
+until_true 20 gone || fail "a planner without a supervisor"
+start AIR air3; air=$!
+plans=$(plans_in "$dir/witness.lcmlog")
+until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all plan once more"
+
+kill -INT "$lab" "$air"
+wait "$air" || fail "AIR ended with $?"
+wait "$lab" || fail "LAB ended with $?"
+cat "$dir"/lab.err "$dir"/lab.json
+"$bin/vantage" log check "$dir/flight.lcmlog" || fail "the log is damaged"
+grep -q '"restarts":0' "$dir/lab.json" || fail "something was started again on LAB"
+"$bin/vantage" log info "$dir/flight.lcmlog" | grep -E 'HOST_(LAB|AIR)' || fail "no HOST_ channels"

@@ -1,0 +1,63 @@
+#!/bin/bash
+# kill9.sh BIN_DIR SCENARIO: flies SCENARIO and kills (signal 9) one process of each kind in turn,
+# the logger too. Each must be started again, all robots must go on planning, the log must be whole
+# and hold what was published last, and what was lost must be said. To be run in a network of its
+# own: in_network.sh kill9.sh …
+set -euo pipefail
+bin=$1 scenario=$2
+dir=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
+url='udpm://239.255.76.67:7667?ttl=0'
+. "$(dirname "$0")/up_support.sh"
+
+start_witness
+"$bin/vantage" up "$scenario" --duration-s 300 --url "$url" --log "$dir/flight.lcmlog" --json \
+  > "$dir/up.json" 2> "$dir/up.err" & up=$!
+until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
+
+kill_and_see() {
+  local pattern=$1 old new plans
+  old=$(child_of "$up" "$pattern")
+  [[ -n $old ]] || fail "no process '$pattern'"
+  kill -9 "$old"
+  new_one() { new=$(child_of "$up" "$pattern"); [[ -n $new && $new != "$old" ]]; }
+  until_true 20 new_one || fail "'$pattern' is not started again"
+  plans=$(plans_in "$dir/witness.lcmlog")
+  until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 ||
+    fail "not all plan after '$pattern' was killed: $plans, then $(plans_in "$dir/witness.lcmlog")"
+}
+kill_and_see 'vantage-sim '
+kill_and_see 'vantage-sensor .*--robot Q1'
+kill_and_see 'vantage-estimator .*--robot Q2'
+kill_and_see 'vantage-planner .*--robot Q3'
+kill_and_see 'lcm-logger '
+
+status=0
+kill -INT "$up"
+wait "$up" || status=$?
+cat "$dir/up.err" "$dir/up.json"
+# The world began anew, so the trial as such is not good; nothing worse may have happened.
+[[ $status == 1 ]] || fail "vantage up ended with $status, not 1"
+"$bin/vantage" log check "$dir/flight.lcmlog" || fail "the log is damaged"
+python3 - "$dir/up.json" <<'PYTHON' || fail "the report is wrong"
+import json, sys
+report = json.loads(open(sys.argv[1]).readlines()[-1])
+fallen = {p["name"]: p for p in report["processes"]}
+assert set(fallen) == {"sim", "sensor Q1", "estimator Q2", "planner Q3", "lcm-logger"}, fallen
+for name, process in fallen.items():
+    assert process["restarts"] == 1 and process["last_end"] == "signal 9", process
+    assert 0 < process["down_s"] < 10, process
+assert report["restarts"] == 5 and report["given_up"] == [] and report["killed"] == []
+assert report["world_restarts"] == 1
+assert report["log"]["restarts"] == 1 and report["log"]["is_to_the_end"]
+assert report["log"]["unrecorded_s"] > 0
+print("stopped in", report["stop_s"], "s; not recorded for", report["log"]["unrecorded_s"], "s;",
+      report["plans_missing"], "plans missing of", report["rounds"], "rounds of 3")
+PYTHON
+# What the witness has and the log has not was sent while there was no logger.
+"$bin/vantage" log export "$dir/flight.lcmlog" --to csv --out "$dir/csv" --channels 'HEALTH_.*'
+for counter in process.cpu_us process.memory_bytes process.memory_most_bytes; do
+  grep -q "$counter" "$dir"/csv/HEALTH_PLANNER_Q1.csv || fail "HEALTH has no $counter"
+done
+kill -TERM "$witness"
+echo "plans heard: $(plans_in "$dir/witness.lcmlog"); recorded: $(plans_in "$dir/flight.lcmlog")"

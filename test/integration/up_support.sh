@@ -1,0 +1,48 @@
+# Sourced by tests of `vantage up`: $bin, $dir and $up (its process) are set by then.
+fail() {
+  echo "$(basename "$0"): $1" >&2
+  cat "$dir"/*.err >&2
+  exit 1
+}
+
+# until_true SECONDS COMMAND…: waits for COMMAND to succeed.
+until_true() {
+  local tries=$(($1 * 10))
+  shift
+  while ! "$@"; do
+    ((tries-- > 0)) || return 1
+    sleep 0.1
+  done
+}
+
+# The child of process $1 whose command line matches $2; nothing while there is none.
+child_of() { pgrep -P "$1" -f "$2" || true; }
+
+# How many events each PLAN_ channel has in the log $1: "Q1 12 Q2 12 Q3 11".
+plans_in() {
+  "$bin/vantage" log info "$1" --json | python3 -c '
+import json, sys
+channels = json.load(sys.stdin)["channels"]
+counts = {name: c["events"] for name, c in channels.items() if name.startswith("PLAN_")}
+print(" ".join(f"{name[5:]} {count}" for name, count in sorted(counts.items())))'
+}
+
+# Whether each of the robots $3… has at least two plans more in log $1 than in the words $2.
+plans_go_on() {
+  local log=$1 before=" $2 " now robot was is
+  now=" $(plans_in "$log") "
+  for robot in "${@:3}"; do
+    was=0
+    [[ $before =~ " $robot "([0-9]+) ]] && was=${BASH_REMATCH[1]}
+    [[ $now =~ " $robot "([0-9]+) ]] || return 1
+    is=${BASH_REMATCH[1]}
+    ((is >= was + 2)) || return 1
+  done
+}
+
+# A witness of its own: what a logger that nobody kills hears of the plans.
+start_witness() {
+  lcm-logger --quiet --force --channel='PLAN_.*' --lcm-url="$url" "$dir/witness.lcmlog" &
+  witness=$!
+  until_true 10 test -e "$dir/witness.lcmlog" || fail "no witness"
+}

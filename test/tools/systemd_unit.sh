@@ -1,0 +1,17 @@
+#!/bin/bash
+# systemd_unit.sh UNIT VANTAGE: the unit example is one that systemd accepts. Exit code 77: no
+# systemd-analyze here.
+set -euo pipefail
+command -v systemd-analyze > /dev/null || { echo "skipped: no systemd-analyze"; exit 77; }
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+# Its program and user need not be installed here.
+sed -e "s,/usr/local/bin/vantage,$2," -e 's/^User=.*/User=root/' "$1" > "$dir/vantage.service"
+words=$(systemd-analyze verify --recursive-errors=no "$dir/vantage.service" 2>&1) || {
+  echo "$words"
+  exit 1
+}
+# What it does not understand it only warns of.
+if grep -F vantage.service <<< "$words"; then
+  exit 1
+fi

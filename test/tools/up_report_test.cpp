@@ -1,0 +1,73 @@
+#include "tools/up/up_report.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vantage::tools {
+namespace {
+
+using models::SupervisedPhase;
+
+UpResult with(const SupervisedStatus& process) {
+  UpResult result;
+  result.processes = {{"planner Q1"}, process};
+  return result;
+}
+
+TEST(UpReport, IsSilentAboutATrialInWhichNothingHappened) {
+  const UpResult result = with({"sensor Q1"});
+  EXPECT_TRUE(is_good(result));
+  EXPECT_TRUE(remarks(result).empty());
+  EXPECT_TRUE(to_json(result)["processes"].empty());
+}
+
+TEST(UpReport, NamesARestartThoughItSpoilsNothing) {
+  SupervisedStatus sensor{"sensor Q1"};
+  sensor.restarts = 2;
+  sensor.down_s = 0.7;
+  sensor.last_end = "signal 9";
+  const UpResult result = with(sensor);
+  EXPECT_TRUE(is_good(result));
+  EXPECT_EQ(remarks(result),
+            std::vector<std::string>{"sensor Q1: 2 restarts, 0.7 s down, running at the end"});
+  const auto json = to_json(result);
+  EXPECT_EQ(json["restarts"], 2);
+  ASSERT_EQ(json["processes"].size(), 1U);
+  EXPECT_EQ(json["processes"][0]["name"], "sensor Q1");
+  EXPECT_EQ(json["processes"][0]["last_end"], "signal 9");
+}
+
+TEST(UpReport, IsNotGoodWhenSomethingWasGivenUp) {
+  SupervisedStatus sensor{"sensor Q1"};
+  sensor.phase = SupervisedPhase::kGivenUp;
+  sensor.last_end = "exit 1";
+  const UpResult result = with(sensor);
+  EXPECT_FALSE(is_good(result));
+  EXPECT_EQ(remarks(result).at(0), "sensor Q1: 0 restarts, 0.0 s down, given up (exit 1)");
+  EXPECT_EQ(to_json(result)["given_up"][0], "sensor Q1");
+}
+
+TEST(UpReport, IsNotGoodWhenTheWorldOrTheLogIsNotOne) {
+  UpResult result;
+  result.world_restarts = 1;
+  EXPECT_FALSE(is_good(result));
+  EXPECT_NE(remarks(result).at(0).find("began anew 1 times"), std::string::npos);
+  result = {};
+  result.log.is_to_the_end = false;
+  EXPECT_FALSE(is_good(result));
+  result = {};
+  result.has_other_scenario = true;
+  EXPECT_FALSE(is_good(result));
+}
+
+TEST(UpReport, SaysWhatALoggerThatDiedHasLost) {
+  UpResult result;
+  result.log = {"a.lcmlog", 1, 0.75, 120, true};
+  EXPECT_TRUE(is_good(result));
+  EXPECT_EQ(remarks(result).at(0),
+            "log: nothing recorded for 0.75 s, 120 bytes of a torn event cut off; event numbers "
+            "begin again");
+  EXPECT_EQ(to_json(result)["log"]["unrecorded_s"], 0.75);
+}
+
+}  // namespace
+}  // namespace vantage::tools

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bus/clock.hpp"
+#include "tools/observe/announcer.hpp"
+#include "tools/supervisor/supervisor.hpp"
+
+namespace vantage::tools {
+
+/// lcm-logger appending to `log_path`.
+ProcessSpec logger_process(const std::string& url, const std::string& log_path);
+
+/// What became of a trial's log.
+struct LogOutcome {
+  std::string path;  ///< empty: nothing was to be recorded
+  int restarts = 0;
+  double unrecorded_s = 0.0;        ///< from the last event before each death to the first after it
+  std::uint64_t bytes_dropped = 0;  ///< of events that a death of the logger cut in two
+  bool is_to_the_end = true;        ///< what was published last is in it
+};
+
+/// Keeps lcm-logger writing one file. When the logger dies the event it was writing is cut off and
+/// the next logger appends, so the file stays whole; its event numbers begin again there.
+class LogKeeper {
+ public:
+  /// Removes what is at `path`, starts the logger and returns once it hears the bus: SCENARIO,
+  /// repeated until then, is the first event.
+  /// @throws StartupError when the logger cannot run, write, or hear.
+  LogKeeper(const std::string& url, const std::string& path, const RestartPolicy& policy,
+            Announcer& announcer, const bus::Clock& clock);
+  LogKeeper(const LogKeeper&) = delete;
+  LogKeeper& operator=(const LogKeeper&) = delete;
+  LogKeeper(LogKeeper&&) = delete;
+  LogKeeper& operator=(LogKeeper&&) = delete;
+  ~LogKeeper() = default;
+
+  /// As Supervisor::poll().
+  std::vector<SupervisorEvent> poll(Supervisor::Nanoseconds monotonic_ns);
+  /// Whether `bytes`, published last of all, have come into the file.
+  [[nodiscard]] bool holds(std::span<const std::uint8_t> bytes) const;
+  /// Ends the logger, which first writes what it has heard; what had to be killed.
+  std::vector<std::string> stop(std::chrono::milliseconds patience);
+
+  [[nodiscard]] const Supervisor& supervisor() const { return supervisor_; }
+  [[nodiscard]] LogOutcome outcome() const;
+
+ private:
+  void prepare_restart();
+  void note_first_event();
+
+  std::string path_;
+  Supervisor supervisor_;
+  LogOutcome outcome_;
+  std::optional<Time> last_before_;  ///< while the first event after a restart is awaited
+  std::uint64_t size_before_bytes_ = 0;
+};
+
+}  // namespace vantage::tools

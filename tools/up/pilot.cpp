@@ -1,0 +1,41 @@
+#include "tools/up/pilot.hpp"
+
+#include "core/check.hpp"
+#include "tools/up/process_plan.hpp"
+
+namespace vantage::tools {
+
+Pilot::Pilot(bus::Bus& bus, const models::Scenario& scenario, Time start)
+    : desk_(bus, true, start), program_(robots_with_driver(scenario)) {
+  for (const models::RobotSpec& robot : scenario.robots) {
+    if (robot.device == models::DeviceSource::kReal) {
+      throw StartupError("robot " + robot.name +
+                         " is real: a person arms it, with `vantage console`, not --fly");
+    }
+  }
+  bus.subscribe<models::VehicleStatus>(
+      bus::quadrotor_channel("*"),
+      [this](const models::VehicleStatus& status) { program_.on_status(status); });
+  bus.subscribe<models::OperatorCommand>(
+      bus::kCommand, [this, own = bus.run_id()](const models::OperatorCommand& command) {
+        if (command.stamp.run_id != own) {
+          program_.on_other_station(command);
+        }
+      });
+}
+
+std::string Pilot::tick(Time now) {
+  std::string news;
+  if (desk_.tick(now) && !desk_.station().beats()) {
+    news = std::string("operator: ") + explain(desk_.station().role());
+  }
+  if (desk_.station().role() == Station::Role::kListening) {
+    return news;
+  }
+  for (const FlightProgram::Order& order : program_.due(now)) {
+    desk_.send(now, order.action, order.robot);  // refused while another station is in charge
+  }
+  return news;
+}
+
+}  // namespace vantage::tools

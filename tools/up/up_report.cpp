@@ -1,0 +1,110 @@
+#include "tools/up/up_report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace vantage::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using models::SupervisedPhase;
+
+bool is_given_up(const SupervisedStatus& process) {
+  return process.phase == SupervisedPhase::kGivenUp;
+}
+
+bool has_fallen(const SupervisedStatus& process) {
+  return process.restarts > 0 || process.down_s > 0.0 || is_given_up(process);
+}
+
+Json to_json(const SupervisedStatus& process) {
+  return {{"name", process.name},
+          {"restarts", process.restarts},
+          {"down_s", process.down_s},
+          {"given_up", is_given_up(process)},
+          {"essential", process.is_essential},
+          {"last_end", process.last_end}};
+}
+
+}  // namespace
+
+bool is_good(const UpResult& result) {
+  return std::none_of(result.processes.begin(), result.processes.end(), is_given_up) &&
+         result.killed.empty() && result.never_flown.empty() && result.left_flying.empty() &&
+         result.world_restarts == 0 && !result.has_other_scenario && result.log.is_to_the_end &&
+         result.summary.collisions == 0;
+}
+
+std::vector<std::string> remarks(const UpResult& result) {
+  std::vector<std::string> out;
+  for (const SupervisedStatus& process : result.processes) {
+    if (has_fallen(process)) {
+      out.push_back(fmt::format(
+          "{}: {} restarts, {:.1f} s down, {}", process.name, process.restarts, process.down_s,
+          is_given_up(process) ? "given up (" + process.last_end + ")"
+                               : std::string(models::name_of(process.phase)) + " at the end"));
+    }
+  }
+  if (result.world_restarts > 0) {
+    out.push_back(fmt::format(
+        "the simulated world began anew {} times: robots and targets went back to their starts, "
+        "and the numbers above are of several worlds",
+        result.world_restarts));
+  }
+  if (result.log.restarts > 0) {
+    out.push_back(
+        fmt::format("log: nothing recorded for {:.2f} s, {} bytes of a torn event cut "
+                    "off; event numbers begin again",
+                    result.log.unrecorded_s, result.log.bytes_dropped));
+  }
+  if (!result.log.is_to_the_end) {
+    out.push_back("log: what was published last is not in it");
+  }
+  if (result.has_other_scenario) {
+    out.push_back("another host flew another scenario file");
+  }
+  for (const std::string& name : result.killed) {
+    out.push_back(name + " did not end by itself and was killed");
+  }
+  for (const std::string& name : result.never_flown) {
+    out.push_back(name + " has never followed a plan");
+  }
+  for (const std::string& name : result.left_flying) {
+    out.push_back(name + " had not landed when its driver was ended");
+  }
+  return out;
+}
+
+Json to_json(const UpResult& result) {
+  Json out = logs::to_json(result.summary);
+  Json processes = Json::array();
+  Json given_up = Json::array();
+  int restarts = 0;
+  for (const SupervisedStatus& process : result.processes) {
+    restarts += process.restarts;
+    if (has_fallen(process)) {
+      processes.push_back(to_json(process));
+    }
+    if (is_given_up(process)) {
+      given_up.push_back(process.name);
+    }
+  }
+  out["restarts"] = restarts;
+  out["given_up"] = std::move(given_up);
+  out["processes"] = std::move(processes);
+  out["world_restarts"] = result.world_restarts;
+  out["log"] = {{"path", result.log.path},
+                {"restarts", result.log.restarts},
+                {"unrecorded_s", result.log.unrecorded_s},
+                {"bytes_dropped", result.log.bytes_dropped},
+                {"is_to_the_end", result.log.is_to_the_end}};
+  out["killed"] = result.killed;
+  out["never_flown"] = result.never_flown;
+  out["left_flying"] = result.left_flying;
+  out["other_scenario"] = result.has_other_scenario;
+  out["stop_s"] = result.stop_s;
+  return out;
+}
+
+}  // namespace vantage::tools
