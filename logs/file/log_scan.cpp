@@ -11,8 +11,22 @@ namespace {
 /// are not negative, so their differences do not overflow.)
 constexpr std::int64_t kNear = 10'000;
 constexpr std::size_t kSyncBytes = 4;
+/// So many events in a row with other numbers are the log's own: it was put together of several.
+constexpr int kStrangersMax = 64;
+/// Sync words looked at inside one event: so a file of nothing but headers takes linear time.
+constexpr int kInsideMax = 200;
 
 bool is_near(std::int64_t number, std::int64_t other) { return std::abs(other - number) <= kNear; }
+
+bool runs_on(const std::optional<LogEvent>& event, std::int64_t number) {
+  return event && event->number == number + 1;
+}
+
+std::int64_t median(std::vector<std::int64_t> numbers) {
+  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+  std::nth_element(numbers.begin(), middle, numbers.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -20,29 +34,62 @@ LogScan::LogScan(std::span<const std::uint8_t> log, Witness witness, std::size_t
     : log_(log), witness_(std::move(witness)), position_(offset), end_of_last_(offset) {}
 
 // A log inside of data comes to light when the event around it is damaged; its numbers must not be
-// taken for the log's own. So the majority says what these are.
+// taken for the log's own. So the majority says what these are. What lies inside an event that its
+// own successor follows has no vote.
 std::int64_t LogScan::usual_number(std::size_t offset) const {
   constexpr std::size_t kHeadersAhead = 64;
-  const auto recent = std::min(kRecent, static_cast<std::size_t>(counts_.events));
-  std::vector<std::int64_t> numbers(recent_numbers_.begin(),
-                                    recent_numbers_.begin() + static_cast<std::ptrdiff_t>(recent));
-  for (std::size_t at = find_sync(log_, offset);
-       at < log_.size() && numbers.size() < recent + kHeadersAhead;
-       at = find_sync(log_, at + kSyncBytes)) {
-    if (const auto event = event_at(log_, at)) {
+  std::vector<std::int64_t> numbers = usual_numbers_;
+  const std::size_t recent = numbers.size();
+  std::size_t at = find_sync(log_, offset);
+  while (at < log_.size() && numbers.size() < recent + kHeadersAhead) {
+    const std::optional<LogEvent> event = event_at(log_, at);
+    std::size_t next = at + kSyncBytes;
+    if (event) {
       numbers.push_back(event->number);
+      const std::size_t end = at + event->size_bytes();
+      next = runs_on(event_at(log_, end), event->number) ? end : next;
     }
+    at = find_sync(log_, next);
   }
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return *middle;
+  return median(std::move(numbers));
+}
+
+void LogScan::remember(std::int64_t number, std::size_t offset) {
+  last_number_ = number;
+  const std::int64_t usual = usual_numbers_.empty() ? usual_number(offset) : median(usual_numbers_);
+  const bool is_stranger = !is_near(usual, number);
+  strangers_ = is_stranger ? strangers_ + 1 : 0;
+  if (is_stranger && strangers_ < kStrangersMax) {
+    return;
+  }
+  if (is_stranger) {
+    usual_numbers_.clear();
+    strangers_ = 0;
+  } else if (usual_numbers_.size() == kRecent) {
+    usual_numbers_.erase(usual_numbers_.begin());
+  }
+  usual_numbers_.push_back(number);
+}
+
+bool LogScan::reaches_the_end(std::size_t at) const {
+  std::optional<LogEvent> event = event_at(log_, at);
+  for (int links = 0; event && links < kInsideMax; ++links) {
+    at += event->size_bytes();
+    if (at == log_.size()) {
+      return true;
+    }
+    const std::optional<LogEvent> next = event_at(log_, at);
+    event = runs_on(next, event->number) ? next : std::nullopt;
+  }
+  return false;
 }
 
 bool LogScan::swallows(const LogEvent& event, std::size_t offset, bool is_followed) const {
   const std::size_t end = offset + event.size_bytes();
   std::optional<std::int64_t> usual;
-  for (std::size_t at = find_sync(log_, offset + kSyncBytes); at < end;
-       at = find_sync(log_, at + kSyncBytes)) {
+  int inside = 0;
+  for (std::size_t at = find_sync(log_, offset + kSyncBytes); at < end && inside < kInsideMax;
+       at = find_sync(log_, at + kSyncBytes), ++inside) {
     const std::optional<LogEvent> inner = event_at(log_, at);
     if (!inner) {
       continue;
@@ -55,8 +102,8 @@ bool LogScan::swallows(const LogEvent& event, std::size_t offset, bool is_follow
       return true;
     }
     const std::size_t inner_end = at + inner->size_bytes();
-    const std::optional<LogEvent> behind = event_at(log_, inner_end);
-    if (!is_followed && inner_end > end && behind && is_near(inner->number, behind->number)) {
+    if (!is_followed && inner_end > end && runs_on(event_at(log_, inner_end), inner->number) &&
+        (!is_near(*usual, event.number) || reaches_the_end(at))) {
       return true;
     }
   }
@@ -66,14 +113,13 @@ bool LogScan::swallows(const LogEvent& event, std::size_t offset, bool is_follow
 LogScan::Verdict LogScan::judge(const LogEvent& event, std::size_t offset) const {
   const std::size_t end = offset + event.size_bytes();
   const std::optional<LogEvent> follower = event_at(log_, end);
-  const std::size_t last = (static_cast<std::size_t>(counts_.events) + kRecent - 1) % kRecent;
-  const bool runs_on = (counts_.events == 0 || event.number == recent_numbers_[last] + 1) &&
-                       follower && follower->number == event.number + 1;
+  const bool is_in_order =
+      (counts_.events == 0 || event.number == last_number_ + 1) && runs_on(follower, event.number);
   const Testimony testimony = witness_ ? witness_(event) : Testimony::kNone;
   if (testimony == Testimony::kDamaged) {
     return Verdict::kRefused;
   }
-  if (testimony == Testimony::kWhole || (runs_on && end_of_last_ == offset)) {
+  if (testimony == Testimony::kWhole || (is_in_order && end_of_last_ == offset)) {
     return Verdict::kSound;
   }
   const bool is_followed = follower || end == log_.size();
@@ -106,7 +152,7 @@ std::optional<PlacedEvent> LogScan::next() {
     }
     close_stretch(position_);
     PlacedEvent placed{*event, position_, verdict == Verdict::kDoubtful};
-    recent_numbers_[static_cast<std::size_t>(counts_.events) % kRecent] = event->number;
+    remember(event->number, position_);
     ++counts_.events;
     counts_.doubtful += placed.is_doubtful ? 1 : 0;
     position_ += event->size_bytes();

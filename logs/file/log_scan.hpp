@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -51,12 +50,13 @@ struct ScanCounts {
 ///  - the witness says that its data are damaged; else, unless the witness says they are whole,
 ///  - a header inside its data has a number near its own, or near those that are usual hereabouts
 ///    while its own is not (it swallows these), or
-///  - it has no header behind it, and one inside it that has the next behind it reaches beyond its
-///  end.
+///  - it has no header behind it, and one inside it that has its successor behind it reaches beyond
+///    its end (of unusual numbers: when its successors go on to the end of the file).
 /// So sync words, headers and even whole logs inside data do not split an event, and a wrong length
-/// swallows nothing. Every intact event comes out, except one whose data hold a log that runs on
-/// from its own number while a neighbour is damaged, and one that begins inside the wrong length of
-/// another while everything that could betray this is damaged too.
+/// swallows nothing. An event is intact when all of its bytes are there. Every intact one comes out
+/// except where the bytes say two things: its data hold a log that runs on from its own number
+/// while a neighbour is damaged; or it begins inside the wrong length of another that both
+/// neighbours' numbers vouch for, so that nothing looks damaged there.
 class LogScan {
  public:
   explicit LogScan(std::span<const std::uint8_t> log, Witness witness = {}, std::size_t offset = 0);
@@ -78,13 +78,19 @@ class LogScan {
   [[nodiscard]] Verdict judge(const LogEvent& event, std::size_t offset) const;
   [[nodiscard]] bool swallows(const LogEvent& event, std::size_t offset, bool is_followed) const;
   [[nodiscard]] std::int64_t usual_number(std::size_t offset) const;
+  /// True when the event at `at` and its successors, one number after the other, fill the file.
+  [[nodiscard]] bool reaches_the_end(std::size_t at) const;
+  /// Learns from an event that was taken.
+  void remember(std::int64_t number, std::size_t offset);
   void close_stretch(std::size_t end);
 
   std::span<const std::uint8_t> log_;
   Witness witness_;
   std::size_t position_ = 0;
-  std::size_t end_of_last_ = 0;  ///< of the last event taken, or where the scan began
-  std::array<std::int64_t, kRecent> recent_numbers_{};  ///< of the last events taken, a ring
+  std::size_t end_of_last_ = 0;              ///< of the last event taken, or where the scan began
+  std::int64_t last_number_ = 0;             ///< of the last event taken
+  std::vector<std::int64_t> usual_numbers_;  ///< of the last events that are near each other
+  int strangers_ = 0;                        ///< events taken since whose numbers are not
   ScanCounts counts_;
   std::vector<DamagedStretch> stretches_;
 };

@@ -11,6 +11,9 @@ namespace {
 using Rng = std::mt19937_64;
 using Bytes = std::vector<std::uint8_t>;
 
+constexpr std::size_t kSyncBytes = 4;
+constexpr std::size_t kSectorBytes = 512;
+constexpr std::size_t kPageBytes = 4096;
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
 
 std::size_t upto(Rng& rng, std::size_t most) {
@@ -110,7 +113,7 @@ void accident(const MadeLog& log, std::vector<Traced>& bytes, Rng& rng) {
   const std::size_t size = std::min(bytes.size() - at, upto(rng, 300));
   const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(at);
   const auto to = from + static_cast<std::ptrdiff_t>(size);
-  switch (upto(rng, 7)) {
+  switch (upto(rng, 8)) {
     case 0:
       set(bytes[at], static_cast<std::uint8_t>(bytes[at].value ^ (1U << upto(rng, 7))));
       break;
@@ -139,6 +142,15 @@ void accident(const MadeLog& log, std::vector<Traced>& bytes, Rng& rng) {
     case 6: {
       const std::vector<Traced> twice(from, to);
       bytes.insert(to, twice.begin(), twice.end());
+      break;
+    }
+    case 7: {
+      const std::size_t block = bytes.size() > 16 * kPageBytes ? kPageBytes : kSectorBytes;
+      const std::size_t begin = at / block * block;
+      const std::size_t end = std::min(bytes.size(), begin + block);
+      std::for_each(bytes.begin() + static_cast<std::ptrdiff_t>(begin),
+                    bytes.begin() + static_cast<std::ptrdiff_t>(end),
+                    [](Traced& byte) { set(byte, 0); });
       break;
     }
     default:
@@ -174,19 +186,28 @@ DamagedLog damage(const MadeLog& log, Rng& rng) {
     accident(log, bytes, rng);
   }
   DamagedLog out;
+  const auto stands = [&](std::size_t at, std::size_t origin, std::size_t size) {
+    bool is_intact = at + size <= bytes.size();
+    for (std::size_t i = 0; is_intact && i < size; ++i) {
+      is_intact = bytes[at + i].origin == origin + i;
+    }
+    return is_intact;
+  };
   for (std::size_t at = 0; at < bytes.size(); ++at) {
+    const std::size_t origin = bytes[at].origin;
     out.bytes.push_back(bytes[at].value);
+    const bool was_sync = origin != Traced::kNew && origin + kSyncBytes <= log.bytes.size() &&
+                          read_big_endian(&log.bytes[origin], kSyncBytes) == kSyncWord;
+    if (was_sync && stands(at, origin, kSyncBytes)) {
+      out.headers.insert(at);
+    }
     const auto event = std::lower_bound(log.begins.begin(), log.begins.end(), bytes[at].origin);
     if (event == log.begins.end() || *event != bytes[at].origin || event + 1 == log.begins.end()) {
       continue;
     }
     const std::size_t size = *(event + 1) - *event;
-    bool is_intact = at + size <= bytes.size();
-    for (std::size_t i = 0; is_intact && i < size; ++i) {
-      is_intact = bytes[at + i].origin == *event + i;
-    }
-    if (is_intact) {
-      out.intact.insert(at);
+    if (stands(at, *event, size)) {
+      out.intact.emplace(at, size);
     }
   }
   return out;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <random>
 #include <set>
 #include <vector>
@@ -19,12 +20,15 @@ MadeLog random_log(std::mt19937_64& rng, int events);
 /// A log after accidents, and where its untouched events are now.
 struct DamagedLog {
   std::vector<std::uint8_t> bytes;
-  std::set<std::size_t> intact;  ///< offsets of events all of whose bytes are there, in order
+  /// Offsets and sizes of events all of whose bytes are there, in order.
+  std::map<std::size_t, std::size_t> intact;
+  /// Offsets of sync words that were there before: of events, and of the traps in their data.
+  std::set<std::size_t> headers;
 };
 
-/// Up to six accidents of eight kinds: flipped bits, overwritten stretches, stretches set to 0,
-/// lost stretches, inserted junk, a cut tail, stretches twice, and lengths that lie (also so that
-/// they end exactly where some later event begins).
+/// Up to six accidents of nine kinds: flipped bits, overwritten stretches, stretches set to 0,
+/// whole blocks of the disk set to 0, lost stretches, inserted junk, a cut tail, stretches twice,
+/// and lengths that lie (also so that they end exactly where some later event begins).
 DamagedLog damage(const MadeLog& log, std::mt19937_64& rng);
 
 }  // namespace vantage::logs::test

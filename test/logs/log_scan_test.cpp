@@ -1,7 +1,7 @@
 #include "logs/file/log_scan.hpp"
 
+#include <map>
 #include <random>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -80,33 +80,80 @@ TEST(LogScan, ReadsAWholeLogWithTrapsInItsData) {
   }
 }
 
-TEST(LogScan, RecoversEveryIntactEventOfTwoThousandDamagedLogs) {
+/// Scans a log after accidents: every intact event comes out whole, everything that comes out
+/// begins where a header was, nothing overlaps and every byte is accounted for. Returns how many
+/// were intact.
+std::int64_t expect_recovery(const test::DamagedLog& damaged, std::uint64_t seed) {
+  LogScan scan(damaged.bytes);
+  std::map<std::size_t, std::size_t> found;
+  std::size_t end = 0;
+  std::uint64_t covered = 0;
+  for (const PlacedEvent& event : all_events(scan)) {
+    EXPECT_GE(event.offset, end) << "seed " << seed << ": events overlap";
+    EXPECT_TRUE(damaged.headers.contains(event.offset))
+        << "seed " << seed << ": invented an event at byte " << event.offset;
+    end = event.offset + event.size_bytes();
+    covered += event.size_bytes();
+    found.emplace(event.offset, event.size_bytes());
+  }
+  EXPECT_EQ(covered + scan.counts().bytes_damaged, damaged.bytes.size()) << "seed " << seed;
+  for (const auto& [offset, size] : damaged.intact) {
+    const auto event = found.find(offset);
+    EXPECT_TRUE(event != found.end() && event->second == size)
+        << "seed " << seed << ", event at byte " << offset;
+  }
+  return std::ssize(damaged.intact);
+}
+
+TEST(LogScan, RecoversEveryIntactEventOfTwoThousandDamagedLogsAndInventsNone) {
   std::int64_t intact = 0;
-  std::int64_t besides = 0;
   for (std::uint64_t seed = 0; seed < 2000; ++seed) {
     std::mt19937_64 rng(seed);
     const test::MadeLog log = test::random_log(rng, 40);
-    const test::DamagedLog damaged = test::damage(log, rng);
-    LogScan scan(damaged.bytes);
-    std::set<std::size_t> found;
-    std::size_t end = 0;
-    std::uint64_t covered = 0;
-    for (const PlacedEvent& event : all_events(scan)) {
-      ASSERT_GE(event.offset, end) << "seed " << seed << ": events overlap";
-      end = event.offset + event.size_bytes();
-      covered += event.size_bytes();
-      found.insert(event.offset);
-      besides += damaged.intact.contains(event.offset) ? 0 : 1;
-    }
-    EXPECT_EQ(covered + scan.counts().bytes_damaged, damaged.bytes.size()) << "seed " << seed;
-    for (const std::size_t offset : damaged.intact) {
-      EXPECT_TRUE(found.contains(offset)) << "seed " << seed << ", event at byte " << offset;
-    }
-    intact += std::ssize(damaged.intact);
+    intact += expect_recovery(test::damage(log, rng), seed);
   }
-  RecordProperty("intact", static_cast<int>(intact));
-  RecordProperty("besides", static_cast<int>(besides));
   EXPECT_GT(intact, 60'000);
+}
+
+TEST(LogScan, RecoversEveryIntactEventOfLongLogsWithPagesOfZeros) {
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    std::mt19937_64 rng(seed);
+    const test::MadeLog log = test::random_log(rng, 1000);
+    expect_recovery(test::damage(log, rng), seed);
+  }
+}
+
+// Found among 17 000 damaged logs: intact events whose data hold pieces of logs, beside damage.
+// Those pieces outnumbered the log's own events near its ends, or were all that was found behind a
+// damaged stretch, and were taken for the log's own; or a length in one ended by chance at a header
+// in another.
+TEST(LogScan, IsNotMisledByLogsInsideDataBesideDamage) {
+  for (const unsigned seed :
+       {4316U, 5998U, 6592U, 10045U, 11019U, 13965U, 14089U, 15142U, 15699U, 16847U}) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 rng(seed);
+    const test::MadeLog log = test::random_log(rng, 40);
+    expect_recovery(test::damage(log, rng), seed);
+  }
+}
+
+// Each header promises all that follows, with a number far from every other: looking inside each
+// for what it swallows must not take quadratic time (the test's time limit is the bound).
+TEST(LogScan, EndsOnAFileOfNothingButHeaders) {
+  std::mt19937_64 rng(5);
+  constexpr std::size_t kEvents = 100'000;
+  constexpr std::size_t kSize = kEventHeaderBytes + 1;
+  Bytes bytes;
+  for (std::size_t i = 0; i < kEvents; ++i) {
+    const auto number = static_cast<std::int64_t>(rng() >> 1U);
+    append_event({number, from_utime(1), "A", {}}, bytes);
+    const std::size_t length = (kEvents - 1 - i) * kSize - i % 2;
+    for (std::size_t byte = 0; byte < 4 && i + 1 < kEvents; ++byte) {
+      bytes[i * kSize + 24 + byte] = static_cast<std::uint8_t>(length >> (8 * (3 - byte)));
+    }
+  }
+  LogScan scan(bytes);
+  EXPECT_GE(all_events(scan).size(), 1U);
 }
 
 TEST(LogScan, EndsOnNoiseAndOnLogsCutAnywhere) {
