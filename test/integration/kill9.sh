@@ -48,6 +48,7 @@ for name, process in fallen.items():
     assert process["restarts"] == 1 and process["last_end"] == "signal 9", process
     assert 0 < process["down_s"] < 10, process
 assert report["restarts"] == 5 and report["given_up"] == [] and report["killed"] == []
+assert report["ended_badly"] == []
 assert report["world_restarts"] == 1
 assert report["log"]["restarts"] == 1 and report["log"]["is_to_the_end"]
 assert report["log"]["unrecorded_s"] > 0

@@ -15,8 +15,17 @@ models::Scenario two_hosts() {
   return scenario;
 }
 
+models::SupervisedProcess process_of(const std::string& name,
+                                     SupervisedPhase phase = SupervisedPhase::kRunning) {
+  models::SupervisedProcess process;
+  process.name = name;
+  process.phase = phase;
+  return process;
+}
+
 models::HostReport report_of(const std::string& host, std::int64_t run_id,
-                             std::vector<models::SupervisedProcess> processes = {{"sim"}}) {
+                             std::vector<models::SupervisedProcess> processes = {
+                                 process_of("sim")}) {
   models::HostReport report;
   report.stamp.run_id = run_id;
   report.host = host;
@@ -88,7 +97,8 @@ TEST(HostBoard, HasNothingToSayOfOneHostThatIsWell) {
   EXPECT_EQ(board.line(at_s(0.0)), "");
   board.on_report(report_of(kOnlyHost, 1), at_s(1.0));
   EXPECT_EQ(board.line(at_s(1.0)), "");
-  board.on_report(report_of(kOnlyHost, 1, {{"sim", SupervisedPhase::kGivenUp}}), at_s(2.0));
+  board.on_report(report_of(kOnlyHost, 1, {process_of("sim", SupervisedPhase::kGivenUp)}),
+                  at_s(2.0));
   EXPECT_EQ(board.line(at_s(2.0)), "LOCAL 0/1");
 }
 

@@ -55,6 +55,10 @@ TEST(UpReport, IsNotGoodWhenTheWorldOrTheLogIsNotOne) {
   result.log.is_to_the_end = false;
   EXPECT_FALSE(is_good(result));
   result = {};
+  result.ended_badly = {"sim (signal 6)"};
+  EXPECT_FALSE(is_good(result));
+  EXPECT_EQ(remarks(result).at(0), "sim (signal 6) did not end well");
+  result = {};
   result.has_other_scenario = true;
   EXPECT_FALSE(is_good(result));
 }

@@ -25,9 +25,9 @@ struct SupervisedStatus {
   std::string name;
   models::SupervisedPhase phase = models::SupervisedPhase::kRunning;
   int restarts = 0;
-  double down_s = 0.0;   ///< not running, since its first start
-  std::string last_end;  ///< how it last ended; empty: it never did
-  pid_t pid = 0;         ///< 0 while it is not running
+  double down_s = 0.0;        ///< not running, since its first start
+  std::string last_end = {};  ///< how it last ended; empty: it never did
+  pid_t pid = 0;              ///< 0 while it is not running
   bool is_essential = false;
 };
 

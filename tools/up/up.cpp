@@ -303,6 +303,14 @@ void Up::stop_all() {
   const Time begin = clock_.now();
   result_.processes = statuses();
   result_.killed = team_.stop_all(kTeamPatience);
+  const auto ended = team_.status(monotonic_ns());
+  for (std::size_t i = 0; i < ended.size(); ++i) {
+    const std::string& how = ended[i].last_end;
+    const bool is_fine = how == "exit 0" || how == "signal 15" || how == "killed";
+    if (result_.processes[i].pid > 0 && !is_fine) {
+      result_.ended_badly.push_back(ended[i].name + " (" + how + ")");
+    }
+  }
   // The last HEALTH of each; other hosts may go on talking for ever.
   const Time give_up = clock_.now() + kDrainPatience;
   while (bus_.handle(milliseconds(50)) > 0 && clock_.now() < give_up) {

@@ -32,6 +32,7 @@ struct UpResult {
   bool has_other_scenario = false;       ///< another host flies another scenario file
   double stop_s = 0.0;                   ///< from the end (of the landings) until all were gone
   std::vector<std::string> killed;       ///< that did not end in time by themselves
+  std::vector<std::string> ended_badly;  ///< asked to end, crashed or failed: "sim (signal 6)"
   std::vector<std::string> never_flown;  ///< vehicles to be flown that followed no plan
   std::vector<std::string> left_flying;  ///< vehicles that were not at rest at the end
 };

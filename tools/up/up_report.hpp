@@ -17,8 +17,8 @@ bool is_good(const UpResult& result);
 std::vector<std::string> remarks(const UpResult& result);
 
 /// The summary's keys, then `log`, `processes` (those that ended during the trial), `restarts`,
-/// `given_up`, `world_restarts`, `killed`, `never_flown`, `left_flying`, `other_scenario`,
-/// `stop_s`.
+/// `given_up`, `world_restarts`, `killed`, `ended_badly`, `never_flown`, `left_flying`,
+/// `other_scenario`, `stop_s`.
 nlohmann::ordered_json to_json(const UpResult& result);
 
 }  // namespace vantage::tools
