@@ -37,7 +37,10 @@ struct Connection {
       if (frame->body) {
         bytes += *frame->body;
       }
-      if (mg_websocket_write(socket, kind, bytes.data(), bytes.size()) <= 0) {
+      // A viewer that reads nothing for the time that a write may take gets a part of a message:
+      // nothing may follow it, or it would be read as the rest.
+      const int written = mg_websocket_write(socket, kind, bytes.data(), bytes.size());
+      if (written < 0 || static_cast<std::size_t>(written) != bytes.size()) {
         client->close();
       }
     }
@@ -180,8 +183,8 @@ WebServer::WebServer(Broker& broker, const WebOptions& options)
                             address.c_str(),
                             "num_threads",
                             kThreads,
-                            "request_timeout_ms",
-                            "10000",
+                            "request_timeout_ms",  // also of a write
+                            "30000",
                             "websocket_timeout_ms",
                             "20000",
                             "enable_websocket_ping_pong",
