@@ -38,10 +38,13 @@ LogScan::LogScan(std::span<const std::uint8_t> log, Witness witness, std::size_t
 // own successor follows has no vote.
 std::int64_t LogScan::usual_number(std::size_t offset) const {
   constexpr std::size_t kHeadersAhead = 64;
+  constexpr std::size_t kBytesAhead = std::size_t{1}
+                                      << 20U;  // what is far costs a read of the disk
+  const auto ahead = log_.first(offset + std::min(kBytesAhead, log_.size() - offset));
   std::vector<std::int64_t> numbers = usual_numbers_;
   const std::size_t recent = numbers.size();
-  std::size_t at = find_sync(log_, offset);
-  while (at < log_.size() && numbers.size() < recent + kHeadersAhead) {
+  std::size_t at = find_sync(ahead, offset);
+  while (at < ahead.size() && numbers.size() < recent + kHeadersAhead) {
     const std::optional<LogEvent> event = event_at(log_, at);
     std::size_t next = at + kSyncBytes;
     if (event) {
@@ -49,14 +52,15 @@ std::int64_t LogScan::usual_number(std::size_t offset) const {
       const std::size_t end = at + event->size_bytes();
       next = runs_on(event_at(log_, end), event->number) ? end : next;
     }
-    at = find_sync(log_, next);
+    at = find_sync(ahead, next);
   }
   return median(std::move(numbers));
 }
 
-void LogScan::remember(std::int64_t number, std::size_t offset) {
+void LogScan::remember(std::int64_t number) {
   last_number_ = number;
-  const std::int64_t usual = usual_numbers_.empty() ? usual_number(offset) : median(usual_numbers_);
+  const std::int64_t usual =
+      usual_numbers_.empty() ? usual_number(position_) : median(usual_numbers_);
   const bool is_stranger = !is_near(usual, number);
   strangers_ = is_stranger ? strangers_ + 1 : 0;
   if (is_stranger && strangers_ < kStrangersMax) {
@@ -152,7 +156,7 @@ std::optional<PlacedEvent> LogScan::next() {
     }
     close_stretch(position_);
     PlacedEvent placed{*event, position_, verdict == Verdict::kDoubtful};
-    remember(event->number, position_);
+    remember(event->number);
     ++counts_.events;
     counts_.doubtful += placed.is_doubtful ? 1 : 0;
     position_ += event->size_bytes();

@@ -80,8 +80,8 @@ class LogScan {
   [[nodiscard]] std::int64_t usual_number(std::size_t offset) const;
   /// True when the event at `at` and its successors, one number after the other, fill the file.
   [[nodiscard]] bool reaches_the_end(std::size_t at) const;
-  /// Learns from an event that was taken.
-  void remember(std::int64_t number, std::size_t offset);
+  /// Learns from the event at position_, which is being taken.
+  void remember(std::int64_t number);
   void close_stretch(std::size_t end);
 
   std::span<const std::uint8_t> log_;

@@ -26,7 +26,7 @@ struct ChannelSurvey {
   std::int64_t other_types = 0;    ///< events whose type is not `type`
 };
 
-/// A stretch of about a mebibyte of a log, from the header of an event on.
+/// A stretch of about 256 KiB of a log, from the header of an event on.
 struct LogBlock {
   std::size_t offset = 0;
   std::int64_t first_event = 0;  ///< how many events come before it

@@ -1,0 +1,58 @@
+#!/bin/bash
+# replay_trials.sh [TRIALS [STRESSED [SECONDS [SCENARIO]]]]: flies TRIALS real-time trials of SCENARIO
+# with one process each (`vantage up`), seeds 1 and on, the last STRESSED of them beside stress-ng on
+# every core, and makes every plan and every belief again from the logs (`vantage log replay`).
+# Prints a table; exit code 1 unless every output is equal to the last bit. (10, 2, 30 s, the lab.)
+# Runs in a network of its own: nothing reaches or survives outside.
+# BIN: the folder of the programs, build/release/bin unless set.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+if [[ -z "${REPLAY_INSIDE:-}" ]]; then
+  REPLAY_INSIDE=yes exec test/integration/in_network.sh "$PWD/tools/dev/replay_trials.sh" "$@"
+fi
+trials=${1:-10} stressed=${2:-2} seconds=${3:-30} scenario=${4:-config/lab.yaml}
+bin=${BIN:-build/release/bin}
+dir=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
+url='udpm://239.255.76.67:7667?ttl=0'
+if ((stressed > 0)) && ! command -v stress-ng >/dev/null; then
+  echo "stress-ng is not installed (apt-get install stress-ng)" >&2
+  exit 2
+fi
+
+echo "| trial | beside | rounds | late | messages lost | plans: logged | made again | different | not judged | beliefs: logged | made again | different | not judged |"
+echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+status=0
+for trial in $(seq "$trials"); do
+  beside=- stress=
+  if ((trial > trials - stressed)); then
+    beside="stress-ng, $(nproc) cores"
+    stress-ng --cpu "$(nproc)" --timeout $((seconds + 10)) >/dev/null 2>&1 & stress=$!
+  fi
+  # Exit code 1 (say, a near collision) is no matter here: what was logged counts.
+  "$bin/vantage" up "$scenario" --seed "$trial" --duration-s "$seconds" --url "$url" --json \
+    --log "$dir/flight.lcmlog" >"$dir/up.json" 2>"$dir/up.err" || (($? == 1))
+  if [[ -n "$stress" ]]; then
+    kill "$stress" 2>/dev/null || true
+    wait "$stress" || true
+  fi
+  "$bin/vantage" log replay "$dir/flight.lcmlog" --json >"$dir/replay.json" 2>/dev/null || status=1
+  python3 - "$trial" "$beside" "$dir/up.json" "$dir/replay.json" <<'PYTHON'
+import json
+import sys
+
+trial, beside, up, replay = sys.argv[1:]
+up, replay = (json.load(open(path)) for path in (up, replay))
+cells = [trial, beside, up["rounds"], up["rounds_late"], up["messages_lost"]]
+for kind in "planner", "estimator":
+    nodes = [node for node in replay["nodes"] if node["node"].startswith(kind)]
+    cells += [sum(node[key] for node in nodes)
+              for key in ("logged", "replayed", "different", "not_replayed")]
+print("| " + " | ".join(map(str, cells)) + " |")
+for node in replay["nodes"]:
+    if node["first_difference"] or node["unexpected"]:
+        print(node, file=sys.stderr)
+PYTHON
+  rm -f "$dir"/flight.lcmlog*
+done
+exit $status
