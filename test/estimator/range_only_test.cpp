@@ -110,7 +110,7 @@ TEST(RangeOnlyFilter, RefusesWhatIsNoRange) {
 }
 
 TEST(RangeOnlyFilter, FindsTheRealBeaconsOfPlaza) {
-  const std::string folder = std::string(VANTAGE_DATA_DIR) + "/plaza1/";
+  const std::string folder = VANTAGE_DATA_DIR "/plaza1/";
   const auto poses = read_csv(folder + "groundtruth.csv");
   const auto ranges = read_csv(folder + "ranges.csv");
   const auto beacons = read_csv(folder + "beacons.csv");

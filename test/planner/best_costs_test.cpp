@@ -59,7 +59,7 @@ TEST_F(BestCostsFile, RefusesWhatItCannotReadAndLeavesItAsItIs) {
 
 // The list in the repository: every cost is what its controls score.
 TEST(BestCostsList, IsWhatItsControlsScore) {
-  const BestCosts best(std::string(VANTAGE_SOURCE_DIR) + "/test/bench/best_costs.csv");
+  const BestCosts best(VANTAGE_SOURCE_DIR "/test/bench/best_costs.csv");
   for (const tools::PlanningProblem& drawn : hundred_problems()) {
     const BestCosts::Entry* entry = best.find(drawn.name);
     ASSERT_NE(entry, nullptr) << drawn.name;
