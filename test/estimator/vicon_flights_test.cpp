@@ -54,7 +54,7 @@ double acceleration_density(const Track3& track) {
 class ViconFlights : public ::testing::TestWithParam<models::SensorKind> {};
 
 TEST_P(ViconFlights, AreTrackedAsWellAsTheFilterSays) {
-  const std::string folder = std::string(VANTAGE_DATA_DIR) + "/vicon_flights/";
+  const std::string folder = VANTAGE_DATA_DIR "/vicon_flights/";
   const Track3 observer = test::read_csv(folder + "v1_01.csv");
   const std::vector<Track3> targets = {test::read_csv(folder + "v1_02.csv"),
                                        test::read_csv(folder + "v1_03.csv")};

@@ -68,7 +68,7 @@ class Supervisor {
     RestartSchedule schedule;
     std::optional<Child> child;
     models::SupervisedPhase phase = models::SupervisedPhase::kRunning;
-    std::string last_end;
+    std::string last_end = {};
     Nanoseconds restart_at_ns = 0;
   };
   static SupervisorEvent on_end(Supervised& process, const std::string& how, Nanoseconds now_ns);
