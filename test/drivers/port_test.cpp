@@ -105,7 +105,7 @@ TEST(UdpPort, HearsOneSenderUntilItIsSilent) {
 
 TEST(UdpPort, SpeaksFirstWhenToldTo) {
   const Socket vehicle;
-  const auto port = open_port("udpout://localhost:" + std::to_string(vehicle.port()));
+  const auto port = open_port("udpout://127.0.0.1:" + std::to_string(vehicle.port()));
   port->write(Bytes{4, 5}, kNow);
   EXPECT_EQ(vehicle.receive(), (Bytes{4, 5}));
 }
