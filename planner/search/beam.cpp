@@ -145,7 +145,7 @@ void RefiningBeam::run_passes(const BeamOptions& options, const Deadline& deadli
       if (exhaustive) {
         return;
       }
-      if (!bounded && result_.found && result_.work_nodes >= RootBound::kWorthAfter) {
+      if (!bounded && result_.found && result_.work_nodes >= RootBound::kWorthAfterNodes) {
         bounded = true;
         const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
         moving_bound_ = bound.cost;

@@ -42,8 +42,8 @@ struct BeamOptions {
 ///
 /// Guarantees: the cost never rises with the budget; asks the deadline at each expansion and at
 /// every few hundred candidates; allocates nothing in plan() while the problem fits the capacity.
-/// Sound but without a bound of its own until it is exhaustive: lower_bound is RootBound's, worked
-/// out after the first pass.
+/// Sound but without a bound of its own until it is exhaustive: lower_bound is RootBound's, that of
+/// moving plans once the search has done RootBound::kWorthAfterNodes of work.
 class RefiningBeam {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding_m = 1e-6;
-constexpr double kRadii_m[] = {0.5, 0.2, 0.1};
-constexpr int kAskEvery = 64;
-constexpr std::int64_t kStepsMax = 60'000;
+constexpr double kRadii_m[] = {0.5, 0.2, 0.1};  // discs tried, largest first
+constexpr int kAskEvery = 64;                   // steps of recursion between looks at the deadline
+constexpr std::int64_t kStepsMax = 60'000;      // of recursion, for one size of discs
 
 }  // namespace
 

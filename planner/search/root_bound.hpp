@@ -13,8 +13,8 @@ namespace vantage::planner {
 /// Allocates nothing after construction.
 class RootBound {
  public:
-  /// of_moving_plan() is worth its time once so many nodes of work are done.
-  static constexpr std::int64_t kWorthAfter = 50'000;
+  /// of_moving_plan() is worth its time once a search has done so much work.
+  static constexpr std::int64_t kWorthAfterNodes = 50'000;
 
   RootBound(int targets_max, int horizon_max, int states_max = 300);
 
@@ -25,8 +25,9 @@ class RootBound {
 
   /// What no plan can cost less than that takes every step from the controls, of the problem last
   /// tabled: no less than of_any_plan(), for the robot cannot look everywhere at once, nor be right
-  /// beside every target. Up to `states_max` / 3 µs and some ms; when the deadline comes, what is
-  /// bounded so far, and the search has to stop at once. Adds to `work_nodes` what it expands.
+  /// beside every target. Up to `states_max` / 3 µs, and what NearBound takes (a bounded number of
+  /// steps); when the deadline comes, what is bounded so far, and the search has to stop at once.
+  /// Adds to `work_nodes` what it expands.
   struct Answer {
     double cost = 0.0;
     bool expired = false;
