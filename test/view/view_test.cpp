@@ -1,19 +1,15 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
-#include "core/check.hpp"
-#include "logs/record/log_writer.hpp"
+#include "logs/file/event_table.hpp"
+#include "test/logs/file_support.hpp"
 #include "tools/view/broker.hpp"
-#include "tools/view/log_index.hpp"
 #include "tools/view/log_view.hpp"
 #include "tools/view/outbox.hpp"
 #include "tools/view/playback.hpp"
@@ -192,72 +188,6 @@ TEST(PlaybackClock, SeeksWithinTheLogAndAnswersTheRequest) {
   EXPECT_TRUE(again.did_seek);
 }
 
-/// A file that is gone with the test.
-class LogFile {
- public:
-  LogFile() {
-    static int made = 0;
-    path_ = (std::filesystem::temp_directory_path() /
-             ("view_test_" + std::to_string(getpid()) + "_" + std::to_string(made++) + ".lcmlog"))
-                .string();
-  }
-  ~LogFile() { std::filesystem::remove(path_); }
-  LogFile(const LogFile&) = delete;
-  LogFile& operator=(const LogFile&) = delete;
-  LogFile(LogFile&&) = delete;
-  LogFile& operator=(LogFile&&) = delete;
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-void write_events(const std::string& path, int count) {
-  logs::LogWriter writer(path);
-  for (int i = 0; i < count; ++i) {
-    const std::vector<std::uint8_t> bytes(static_cast<std::size_t>(i % 7), std::uint8_t(i));
-    writer.write(from_utime(1000 * i), i % 3 == 0 ? "RARE" : "OFTEN", bytes);
-  }
-}
-
-TEST(LogIndex, FindsEveryEventByTimeAndTheNewestOfEachChannel) {
-  const LogFile file;
-  write_events(file.path(), 100);
-  LogIndex log(file.path());
-  ASSERT_EQ(log.size(), 100U);
-  EXPECT_EQ(log.bytes_damaged(), 0);
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    const LogEvent event = log.read(i);
-    EXPECT_EQ(log.first_at(event.time), i);
-    EXPECT_EQ(event.channel, i % 3 == 0 ? "RARE" : "OFTEN");
-    EXPECT_EQ(event.bytes, std::vector<std::uint8_t>(i % 7, std::uint8_t(i)));
-  }
-  EXPECT_EQ(log.newest_before(50), (std::vector<std::size_t>{48, 49}));
-  EXPECT_EQ(log.newest_before(1), (std::vector<std::size_t>{0}));
-  EXPECT_EQ(log.first_at(from_utime(1'000'000'000)), log.size());
-}
-
-TEST(LogIndex, SkipsADamagedStretchAndATornEnd) {
-  const LogFile file;
-  write_events(file.path(), 100);
-  const auto size = std::filesystem::file_size(file.path());
-  std::filesystem::resize_file(file.path(), size - 3);
-  std::fstream damaged(file.path(), std::ios::in | std::ios::out | std::ios::binary);
-  damaged.seekp(0);
-  damaged.write("garbage", 7);
-  damaged.close();
-  const LogIndex log(file.path());
-  EXPECT_EQ(log.size(), 98U);
-  EXPECT_GT(log.bytes_damaged(), 0);
-}
-
-TEST(LogIndex, RefusesWhatIsNoLog) {
-  const LogFile file;
-  std::ofstream(file.path()) << "not a log at all, only a line of text that is long enough";
-  EXPECT_THROW(LogIndex{file.path()}, StartupError);
-  EXPECT_THROW(LogIndex{"/nonexistent"}, StartupError);
-}
-
 json pop_text(Client& client) {
   const auto frame = client.wait_pop();
   EXPECT_TRUE(frame && frame->is_text);
@@ -386,14 +316,19 @@ TEST(Broker, CountsWhatASlowViewerMissesAndTellsIt) {
   EXPECT_GE(broker.dropped(), 12) << "also after it has gone";
 }
 
+bool unpack_sample(const std::string& path) {
+  return std::system(("xz -dkc " + std::string(VANTAGE_SOURCE_DIR) +
+                      "/logs/sample/lab_60s.lcmlog.xz > " + path + " 2>/dev/null")
+                         .c_str()) == 0;
+}
+
 TEST(LogView, ShowsTheSameInstantHoweverItCameThere) {
-  const LogFile file;
-  if (std::system(("xz -dkc " + std::string(VANTAGE_SOURCE_DIR) +
-                   "/logs/sample/lab_60s.lcmlog.xz > " + file.path() + " 2>/dev/null")
-                      .c_str()) != 0) {
+  const logs::test::TemporaryFolder folder;
+  if (!unpack_sample(folder.file("lab.lcmlog"))) {
     GTEST_SKIP() << "no xz";
   }
-  LogIndex log(file.path());
+  const logs::IndexedLog indexed(folder.file("lab.lcmlog"));
+  const logs::EventTable log(indexed);
   const Time instant = log.start() + std::chrono::seconds(40);
   const auto newest = [&](bool goes_back_first) {
     Broker broker({"test", "s", std::pair(log.start(), log.end())});
@@ -445,13 +380,12 @@ TEST(LogView, ShowsTheSameInstantHoweverItCameThere) {
 }
 
 TEST(LogHistory, HoldsTheNumbersOfTheWholeLogInOrder) {
-  const LogFile file;
-  if (std::system(("xz -dkc " + std::string(VANTAGE_SOURCE_DIR) +
-                   "/logs/sample/lab_60s.lcmlog.xz > " + file.path() + " 2>/dev/null")
-                      .c_str()) != 0) {
+  const logs::test::TemporaryFolder folder;
+  if (!unpack_sample(folder.file("lab.lcmlog"))) {
     GTEST_SKIP() << "no xz";
   }
-  LogIndex log(file.path());
+  const logs::IndexedLog indexed(folder.file("lab.lcmlog"));
+  const logs::EventTable log(indexed);
   Broker broker({"test", "s", std::pair(log.start(), log.end())});
   const json history = json::parse(log_history(log, broker));
   const auto client = broker.connect(true);

@@ -7,6 +7,7 @@
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
+#include "tools/log/log_commands.hpp"
 #include "tools/view/live_view.hpp"
 
 namespace vantage::tools {
@@ -23,8 +24,9 @@ struct ViewArguments {
 
 int run(const ViewArguments& arguments) {
   if (!arguments.log.empty()) {
+    const logs::IndexedLog log(arguments.log, progress_line("reading"));
     serve_log(
-        arguments.log, arguments.web, arguments.is_playing,
+        log, arguments.web, arguments.is_playing,
         [&](const WebServer& server) { announce_view(server, arguments.log); }, stop_requested);
     return 0;
   }

@@ -50,14 +50,14 @@ std::string LiveView::failure() const {
   return failure_;
 }
 
-void serve_log(const std::string& path, const WebOptions& options, bool is_playing,
+void serve_log(const logs::IndexedLog& log, const WebOptions& options, bool is_playing,
                const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop) {
-  LogIndex log(path);
-  Broker broker({"vantage " + path, new_session(), std::pair(log.start(), log.end())});
+  const logs::EventTable events(log);
+  Broker broker({"vantage " + log.path(), new_session(), std::pair(events.start(), events.end())});
   WebOptions with_history = options;
-  with_history.history = [text = log_history(log, broker)] { return text; };
-  LogView view(log, broker);
+  with_history.history = [text = log_history(events, broker)] { return text; };
+  LogView view(events, broker);
   if (is_playing) {
     view.play(monotonic_ns());
   }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "bus/transport.hpp"
+#include "logs/file/log_index.hpp"
 #include "tools/view/broker.hpp"
 #include "tools/view/web_server.hpp"
 
@@ -43,8 +44,8 @@ class LiveView {
 
 /// Serves a log from its start, paused unless `is_playing`, until `stop` says so; `ready` is told
 /// the server first.
-/// @throws StartupError when the log cannot be read or the address cannot be had.
-void serve_log(const std::string& path, const WebOptions& options, bool is_playing,
+/// @throws StartupError when there is no event in the log, or the address cannot be had.
+void serve_log(const logs::IndexedLog& log, const WebOptions& options, bool is_playing,
                const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop);
 

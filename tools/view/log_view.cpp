@@ -7,7 +7,7 @@ namespace {
 
 constexpr Duration kLeadUp = std::chrono::seconds(20);  // as long as a track
 constexpr std::int64_t kTimePeriod_ns = 50'000'000;
-constexpr std::int64_t kHistoryBytesMax = std::int64_t{256} << 20U;
+constexpr std::size_t kHistoryBytesMax = std::size_t{256} << 20U;
 
 /// Writes down what charts and marks need.
 class History : public logs::foxglove::Sink {
@@ -52,7 +52,7 @@ class History : public logs::foxglove::Sink {
 
 }  // namespace
 
-std::string log_history(LogIndex& log, logs::foxglove::Sink& audience) {
+std::string log_history(const logs::EventTable& log, logs::foxglove::Sink& audience) {
   if (log.file_bytes() > kHistoryBytesMax) {
     return "[]";
   }
@@ -63,15 +63,15 @@ std::string log_history(LogIndex& log, logs::foxglove::Sink& audience) {
   History history(clock, audience);
   Feed feed(*endpoint, clock, history);
   for (std::size_t i = 0; i < log.size(); ++i) {
-    const LogEvent event = log.read(i);
+    const logs::LogEvent event = log.read(i);
     clock.set(event.time);
-    source->publish(event.channel, event.bytes);
+    source->publish(std::string(event.channel), event.data);
     feed.handle(std::chrono::microseconds(0));
   }
   return history.text();
 }
 
-LogView::LogView(LogIndex& log, Broker& broker)
+LogView::LogView(const logs::EventTable& log, Broker& broker)
     : log_(log), broker_(broker), playback_(log.start(), log.end()), clock_(log.start()) {
   go_to(log.start());
   broker_.broadcast_playback(playback_.state(0));
@@ -99,9 +99,9 @@ void LogView::go_to(Time position) {
 }
 
 void LogView::feed(std::size_t index) {
-  const LogEvent event = log_.read(index);
+  const logs::LogEvent event = log_.read(index);
   clock_.set(event.time);
-  source_->publish(event.channel, event.bytes);
+  source_->publish(std::string(event.channel), event.data);
   feed_->handle(std::chrono::microseconds(0));
 }
 

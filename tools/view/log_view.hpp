@@ -6,9 +6,9 @@
 
 #include "bus/clock.hpp"
 #include "bus/transport.hpp"
+#include "logs/file/event_table.hpp"
 #include "tools/view/broker.hpp"
 #include "tools/view/feed.hpp"
-#include "tools/view/log_index.hpp"
 #include "tools/view/playback.hpp"
 
 namespace vantage::tools {
@@ -17,12 +17,12 @@ namespace vantage::tools {
 /// whole, for charts and marks (at most one record a second and topic of vehicles and processes).
 /// "[]" for a log above 256 MiB, which would take too long. `audience` is asked whether it wants
 /// each topic there is, so that it knows all of them, and is told nothing else.
-std::string log_history(LogIndex& log, logs::foxglove::Sink& audience);
+std::string log_history(const logs::EventTable& log, logs::foxglove::Sink& audience);
 
 /// Plays a log to a broker, as its viewers command. One thread.
 class LogView {
  public:
-  LogView(LogIndex& log, Broker& broker);
+  LogView(const logs::EventTable& log, Broker& broker);
 
   /// Begins to play at its own speed.
   void play(std::int64_t now_ns) { playback_.control({true, 1.0F, std::nullopt, ""}, now_ns); }
@@ -35,7 +35,7 @@ class LogView {
   void go_to(Time position);
   void feed(std::size_t index);
 
-  LogIndex& log_;
+  const logs::EventTable& log_;
   Broker& broker_;
   PlaybackClock playback_;
   bus::VirtualClock clock_;
