@@ -21,7 +21,7 @@ constexpr Colour kEstimate{0.66, 0.34, 0.78, 1.0};
 constexpr Colour kLate{0.95, 0.50, 0.08, 1.0};
 constexpr Colour kFallback{0.55, 0.55, 0.55, 1.0};
 constexpr double kLabel_px = 13.0;
-constexpr int kFanPieces = 48;
+constexpr int kFanPieces = 32;
 
 Colour fade(Colour colour, double alpha) {
   colour.a = alpha;
@@ -193,7 +193,7 @@ Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>&
   for (const EstimateView& view : estimates) {
     const PositionEstimate& estimate = view.estimate;
     Json out = entity(prefix + "/" + view.name, kWorldFrame, time, false);
-    std::vector<Eigen::Vector3d> edge = ellipse(estimate, 48);
+    std::vector<Eigen::Vector3d> edge = ellipse(estimate, 32);
     const double z_m = edge.front().z() + 0.02;
     for (Eigen::Vector3d& point : edge) {
       point.z() = z_m;

@@ -16,6 +16,8 @@ constexpr Duration kTrackLength = std::chrono::seconds(20);
 constexpr Duration kTrackPeriod = std::chrono::milliseconds(500);
 constexpr Duration kTrackPointPeriod = std::chrono::milliseconds(200);
 constexpr double kTrackPoint_m = 0.02;
+constexpr double kTrackBend_m = 0.01;
+constexpr Duration kTrackPieceMax = std::chrono::seconds(2);
 constexpr Duration kMocapSilence = std::chrono::seconds(1);
 
 const char* name_of(models::OperatorAction action) {
@@ -289,6 +291,16 @@ void Stream::follow(const std::string& body, const Eigen::Vector3d& position_m, 
     } else if (time - last_time < kTrackPointPeriod ||
                (position_m - last_m).norm() < kTrackPoint_m) {
       return;
+    }
+  }
+  if (points.size() >= 2) {
+    // A point that lies between its neighbours says nothing: most of a way is straight.
+    const auto& [from_time, from_m] = points[points.size() - 2];
+    const Eigen::Vector3d way_m = position_m - from_m;
+    const Eigen::Vector3d to_last_m = points.back().second - from_m;
+    const double along = std::clamp(to_last_m.dot(way_m) / way_m.squaredNorm(), 0.0, 1.0);
+    if (time - from_time <= kTrackPieceMax && (to_last_m - along * way_m).norm() <= kTrackBend_m) {
+      points.pop_back();
     }
   }
   points.emplace_back(time, position_m);

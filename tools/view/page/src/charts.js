@@ -5,6 +5,7 @@ import "uplot/dist/uPlot.min.css";
 
 const kWindow_s = 120; // of a live view
 const kPoints = 20000; // a series at most
+const kRefresh_ms = 500; // of each chart
 const kColours = ["#2f7fe0", "#d9822b", "#2f9e5b", "#b455c9", "#c94040", "#1d9ba8", "#8a7f2c", "#7a6ff0"];
 
 const colours = new Map(); // by name, the same in every chart
@@ -187,7 +188,9 @@ export class Charts {
     const charts = kCharts.map((spec) => new Chart(box, spec, source));
     this.charts = charts;
     new ResizeObserver(() => charts.forEach((chart) => chart.resize())).observe(box);
-    setInterval(() => !document.hidden && charts.forEach((chart) => chart.refresh()), 500);
+    // One after the other: all at once is a pause that one sees.
+    let turn = 0;
+    setInterval(() => !document.hidden && charts[turn++ % charts.length].refresh(), kRefresh_ms / charts.length);
   }
 
   add(topic, time, record) {

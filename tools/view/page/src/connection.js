@@ -4,6 +4,9 @@ const kMessage = 0x01;
 const kTime = 0x02;
 const kPlayback = 0x05;
 const kRetry_ms = 1500;
+/** Each record of these shows the whole of its topic, so of those that come between two pictures
+    only the newest is read. */
+const kPictures = new Set(["foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Grid"]);
 
 const seconds_of = (nanoseconds) => Number(nanoseconds / 1000n) / 1e6;
 export const seconds = (time) => time.sec + time.nsec * 1e-9;
@@ -15,6 +18,7 @@ export class Connection {
     this.on = on;
     this.channels = new Map(); // by topic
     this.subscriptions = new Map(); // topic by subscription id
+    this.waiting = new Map(); // newest picture not yet read, by topic
     this.next_id = 1;
     this.requests = 0;
     this.connect();
@@ -31,6 +35,7 @@ export class Connection {
     this.socket.onclose = () => {
       this.channels.clear();
       this.subscriptions.clear();
+      this.waiting.clear();
       this.on.close();
       setTimeout(() => this.connect(), kRetry_ms);
     };
@@ -57,9 +62,13 @@ export class Connection {
     const kind = view.getUint8(0);
     if (kind === kMessage) {
       const topic = this.subscriptions.get(view.getUint32(1, true));
-      if (topic !== undefined) {
-        const text = new TextDecoder().decode(new Uint8Array(view.buffer, 13));
-        this.on.record(topic, seconds_of(view.getBigUint64(5, true)), JSON.parse(text));
+      if (topic === undefined) return;
+      if (kPictures.has(this.channels.get(topic)?.schemaName)) {
+        if (this.waiting.size === 0) requestAnimationFrame(() => this.read_waiting());
+        this.waiting.delete(topic); // behind those that came before it
+        this.waiting.set(topic, view);
+      } else {
+        this.read(topic, view);
       }
     } else if (kind === kTime) {
       this.on.time(seconds_of(view.getBigUint64(1, true)));
@@ -73,6 +82,17 @@ export class Connection {
     }
   }
 
+  read(topic, view) {
+    const text = new TextDecoder().decode(new Uint8Array(view.buffer, 13));
+    this.on.record(topic, seconds_of(view.getBigUint64(5, true)), JSON.parse(text));
+  }
+
+  read_waiting() {
+    const waiting = [...this.waiting];
+    this.waiting.clear();
+    waiting.forEach(([topic, view]) => this.read(topic, view));
+  }
+
   /** Subscribes to a known topic, or gives it up; what is already so stays so. */
   want(topic, is_wanted) {
     const channel = this.channels.get(topic);
@@ -84,6 +104,7 @@ export class Connection {
       this.send({ op: "subscribe", subscriptions: [{ id, channelId: channel.id }] });
     } else {
       this.subscriptions.delete(known[0]);
+      this.waiting.delete(topic);
       this.send({ op: "unsubscribe", subscriptionIds: [known[0]] });
     }
   }

@@ -1,6 +1,7 @@
 // What is told in words: vehicles, processes, events, and the thing that was clicked.
 
 const kEventsShown = 200;
+const kRefresh_ms = 200;
 
 export function make(tag, className, text) {
   const element = document.createElement(tag);
@@ -9,11 +10,22 @@ export function make(tag, className, text) {
   return element;
 }
 
-/** Rows by key in a box, made once and written again. */
+/** Rows by key in a box, made once and written again: five times a second, whatever comes. */
 class Table {
-  constructor(box) {
+  /** @param write called with a row and its key */
+  constructor(box, write) {
     this.box = box;
     this.rows = new Map();
+    this.changed = new Set();
+    setInterval(() => {
+      if (document.hidden) return;
+      this.changed.forEach((key) => write(this.row(key), key));
+      this.changed.clear();
+    }, kRefresh_ms);
+  }
+
+  change(key) {
+    this.changed.add(key);
   }
 
   row(key) {
@@ -29,6 +41,7 @@ class Table {
 
   clear() {
     this.rows.clear();
+    this.changed.clear();
     this.box.replaceChildren();
   }
 }
@@ -37,23 +50,22 @@ const kGood = { follow: "good", idle: "calm", hold: "warn", land: "warn", killed
 
 export class Vehicles {
   constructor(box) {
-    this.table = new Table(box);
+    this.table = new Table(box, (row, robot) => this.write(row, robot));
     this.plans = new Map();
     this.states = new Map();
   }
 
   on_state(state) {
     this.states.set(state.robot, state);
-    this.write(state.robot);
+    this.table.change(state.robot);
   }
 
   on_plan(plan) {
     this.plans.set(plan.robot, plan);
-    this.write(plan.robot);
+    this.table.change(plan.robot);
   }
 
-  write(robot) {
-    const row = this.table.row(robot);
+  write(row, robot) {
     const state = this.states.get(robot);
     const plan = this.plans.get(robot);
     const head = make("div", "line");
@@ -84,11 +96,16 @@ const kProcess = { running: "good", starting: "calm", stopping: "calm", degraded
 
 export class Processes {
   constructor(box) {
-    this.table = new Table(box);
+    this.table = new Table(box, (row, process) => this.write(row, this.healths.get(process)));
+    this.healths = new Map();
   }
 
   on_health(health) {
-    const row = this.table.row(health.process);
+    this.healths.set(health.process, health);
+    this.table.change(health.process);
+  }
+
+  write(row, health) {
     const badge = make("span", "badge", health.state);
     badge.dataset.state = kProcess[health.state] ?? "calm";
     const line = make("div", "line");
@@ -102,6 +119,7 @@ export class Processes {
 
   clear() {
     this.table.clear();
+    this.healths.clear();
   }
 }
 

@@ -65,7 +65,7 @@ export class Timeline {
 
   set_playing(is_playing, speed) {
     this.is_playing = is_playing;
-    this.button.textContent = is_playing ? "⏸" : "▶";
+    this.button.textContent = is_playing ? "❚❚" : "▶";
     this.button.setAttribute("aria-label", is_playing ? "Pause" : "Play");
     if (speed !== undefined) {
       const nearest = kSpeeds.reduce((a, b) => (Math.abs(b - speed) < Math.abs(a - speed) ? b : a));

@@ -2,7 +2,8 @@
 
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { dispose, make_entity, make_grid } from "./primitives.js";
+import { Batches, dispose, is_software_drawn, make_anchor, make_grid } from "./primitives.js";
+import { Names } from "./names.js";
 
 const kWorld = "world";
 const kMargin = 1.12;
@@ -10,16 +11,19 @@ const kMargin = 1.12;
 export class World {
   constructor(stage, on_pick) {
     this.stage = stage;
-    this.names = document.getElementById("names");
-    this.pen = this.names.getContext("2d");
-    this.renderer = new THREE.WebGLRenderer({ canvas: document.getElementById("world"), antialias: true });
+    this.is_plain = is_software_drawn(); // then each pixel counts
+    this.names = new Names(document.getElementById("names"), this.is_plain);
+    this.renderer = new THREE.WebGLRenderer({ canvas: document.getElementById("world"), antialias: !this.is_plain });
+    this.renderer.debug.checkShaderErrors = import.meta.env.DEV; // to ask waits for the graphics
     this.scene = new THREE.Scene();
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x888888, 2.2));
     const sun = new THREE.DirectionalLight(0xffffff, 1.2);
     sun.position.set(3, -5, 10);
     this.scene.add(sun);
     this.frames = new Map();
-    this.layers = new Map(); // topic → Map(id → group)
+    this.layers = new Map(); // topic → Map(id → anchor, or grid)
+    this.batches = new Map(); // topic → what is seen of its entities
+    this.changed = new Set(); // topics whose batches are to be made anew
     this.view = "both";
     this.bounds = { min_m: [-5, -5], max_m: [5, 5], ceiling_m: 3 };
 
@@ -89,6 +93,7 @@ export class World {
     if (layer.has(id)) {
       dispose(layer.get(id));
       layer.delete(id);
+      this.changed.add(topic);
     }
   }
 
@@ -96,6 +101,7 @@ export class World {
     this.remove(topic, id);
     this.layer(topic).set(id, group);
     this.frame(frame).add(group);
+    this.changed.add(topic);
     this.is_stale = true;
   }
 
@@ -105,13 +111,26 @@ export class World {
       ids.forEach((id) => this.remove(topic, id));
     }
     for (const entity of scene.entities) {
-      this.put(topic, entity.id, make_entity(entity), entity.frame_id);
+      this.put(topic, entity.id, make_anchor(entity), entity.frame_id);
     }
     this.is_stale = true;
   }
 
   update_grid(topic, grid) {
     this.put(topic, "grid", make_grid(grid), grid.frame_id);
+  }
+
+  /** Makes what is seen of changed topics, once however much has come, and puts all in place. */
+  make_batches() {
+    for (const topic of this.changed) {
+      this.batches.get(topic)?.dispose();
+      const anchors = [...(this.layers.get(topic)?.values() ?? [])];
+      const entities = anchors.map((anchor) => anchor.userData.entity).filter(Boolean);
+      this.batches.set(topic, new Batches(this.scene, entities, (id) => this.frame(id), this.is_plain));
+    }
+    this.changed.clear();
+    this.scene.updateMatrixWorld();
+    this.batches.forEach((batches) => batches.follow());
   }
 
   /** Takes a topic off the screen. */
@@ -156,11 +175,10 @@ export class World {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.stage;
-    const ratio = Math.min(window.devicePixelRatio, 2);
+    const ratio = this.is_plain ? 1 : Math.min(window.devicePixelRatio, 2);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
-    this.names.width = width * ratio;
-    this.names.height = height * ratio;
+    this.names.resize(width, height, ratio);
     this.is_stale = true;
   }
 
@@ -176,9 +194,8 @@ export class World {
     this.frames_drawn += 1;
     const style = getComputedStyle(document.documentElement);
     this.renderer.setClearColor(style.getPropertyValue("--stage").trim());
-    const ratio = this.renderer.getPixelRatio();
-    this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    this.pen.clearRect(0, 0, this.names.width, this.names.height);
+    this.make_batches();
+    this.names.begin(style.getPropertyValue("--halo").trim());
     this.renderer.setScissorTest(true);
     const stage_height = this.stage.clientHeight;
     for (const eye of this.eyes()) {
@@ -197,36 +214,26 @@ export class World {
       this.renderer.setViewport(at.x, bottom, at.width, at.height);
       this.renderer.setScissor(at.x, bottom, at.width, at.height);
       this.renderer.render(this.scene, camera);
-      this.write_names(eye, at, style.getPropertyValue("--halo").trim());
+      this.write_names(eye, at);
     }
   }
 
-  write_names(eye, at, halo) {
+  write_names(eye, at) {
     const point = new THREE.Vector3();
-    this.pen.save();
-    this.pen.beginPath();
-    this.pen.rect(at.x, at.y, at.width, at.height);
-    this.pen.clip();
-    this.pen.textAlign = "center";
-    this.pen.lineWidth = 3;
-    this.pen.strokeStyle = halo;
-    for (const layer of this.layers.values()) {
-      for (const group of layer.values()) {
-        if (!group.parent?.visible) continue;
-        for (const text of group.userData.entity?.texts ?? []) {
-          const { x, y, z } = text.pose.position;
-          group.localToWorld(point.set(x, y, z)).project(eye.camera);
-          if (Math.abs(point.z) > 1) continue;
-          const left = at.x + (0.5 + point.x / 2) * at.width;
-          const top = at.y + (0.5 - point.y / 2) * at.height - 8;
-          this.pen.font = `600 ${text.font_size}px system-ui, sans-serif`;
-          this.pen.fillStyle = `rgb(${["r", "g", "b"].map((c) => Math.round(255 * text.color[c]))})`;
-          this.pen.strokeText(text.text, left, top);
-          this.pen.fillText(text.text, left, top);
+    this.names.within(at, () => {
+      for (const layer of this.layers.values()) {
+        for (const group of layer.values()) {
+          if (!group.parent?.visible) continue;
+          for (const text of group.userData.entity?.texts ?? []) {
+            point.copy(text.pose.position).applyMatrix4(group.matrixWorld).project(eye.camera);
+            if (Math.abs(point.z) > 1) continue;
+            const left = at.x + (0.5 + point.x / 2) * at.width;
+            const top = at.y + (0.5 - point.y / 2) * at.height - 8;
+            this.names.write(text, left, top);
+          }
         }
       }
-    }
-    this.pen.restore();
+    });
   }
 
   listen_for_clicks(on_pick) {
