@@ -12,13 +12,16 @@ namespace {
 
 constexpr double kRounding = 1e-9;  // of a gain, nats: far above the error of a sum
 
-// The robot's best candidate beside `team`, of which it has none; kNoCandidate when none adds.
-CandidateId best_beside(const TeamOracle& oracle, TeamSet& team, int robot, bool lazy) {
+// The robot's best candidate beside `team`, of which it has none, as far as the deadline lets it
+// look; kNoCandidate when none adds.
+CandidateId best_beside(const TeamOracle& oracle, TeamSet& team, int robot, bool lazy,
+                        const Deadline& deadline) {
   const double before = team.value();
   double best_value = before;
   CandidateId best = kNoCandidate;
   for (const CandidateId id : oracle.by_value(robot)) {
-    if (lazy && oracle.alone(id) < best_value - before - kRounding) {
+    if ((lazy && oracle.alone(id) < best_value - before - kRounding) ||
+        deadline.expired(team.calls())) {
       break;
     }
     const double value = team.value_with(id);
@@ -32,7 +35,8 @@ CandidateId best_beside(const TeamOracle& oracle, TeamSet& team, int robot, bool
 
 }  // namespace
 
-TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& options) {
+TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& options,
+                                const Deadline& deadline) {
   std::vector<int> order = options.order;
   if (order.empty()) {
     order.resize(static_cast<std::size_t>(oracle.robot_count()));
@@ -41,7 +45,7 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
   const bool lazy = options.lazy && oracle.is_submodular();
   TeamSet team(oracle);
   TeamDecision decision;
-  for (int round = 0; round < options.rounds_max; ++round) {
+  for (int round = 0; round < options.rounds_max && decision.finished; ++round) {
     const std::int64_t adopted_before = decision.adopted;
     for (const int robot : order) {
       require(robot >= 0 && robot < oracle.robot_count(), "coordinate descent: no such robot");
@@ -50,7 +54,7 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
       if (had != kNoCandidate) {
         team.drop(robot);
       }
-      const CandidateId best = best_beside(oracle, team, robot, lazy);
+      const CandidateId best = best_beside(oracle, team, robot, lazy, deadline);
       if (best != kNoCandidate) {
         team.add(best);
       }
@@ -62,6 +66,10 @@ TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& 
       }
       decision.adopted += team.choice()[static_cast<std::size_t>(robot)] != had ? 1 : 0;
       ++decision.messages;
+      decision.finished = !deadline.expired(team.calls());
+      if (!decision.finished) {
+        break;
+      }
     }
     if (decision.adopted == adopted_before) {
       break;

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/deadline.hpp"
 #include "planner/team/decision/decision.hpp"
 
 namespace vantage::planner {
@@ -18,9 +19,12 @@ struct DescentOptions {
 /// Coordinate descent: each robot in turn takes the candidate that adds most to what those before
 /// it took, or none where every one would take away. Later rounds let each choose again with all
 /// others fixed; J never falls. Ties go to the better one alone, then to the lowest number.
-/// For monotone submodular J: J ≥ ½ J*, in every order.
+/// For monotone submodular J: J ≥ ½ J*, in every order. The deadline counts oracle calls as nodes;
+/// when it comes the robot whose turn it is takes the best it has found, or keeps what it had if
+/// that was better, and those after it keep what they have.
 /// Source: dissertation 3 B and D; Atanasov et al. 2015. Cost: ≤ N oracle calls a round.
-TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& options);
+TeamDecision coordinate_descent(const TeamOracle& oracle, const DescentOptions& options,
+                                const Deadline& deadline = Deadline::never());
 
 /// Greedy over the whole team: again and again the candidate of any robot without one that adds
 /// most, while that is something. The same bound; needs no order. Lazily by stale gains (Minoux)

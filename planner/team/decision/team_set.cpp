@@ -99,6 +99,16 @@ double TeamSet::value_without(int robot) {
   return sum_with(choice_[index(robot)], robot);
 }
 
+double TeamSet::information_gain(CandidateId id) {
+  ++calls_;
+  double gain = 0.0;
+  for_each_target(oracle_->candidate(id), [&](int m, TeamOracle::Looks looks) {
+    const Seer added{oracle_->robot_of(id), looks};
+    gain += value_of_target(m, -1, added, looks.front().step, false) - values_[index(m)];
+  });
+  return gain;
+}
+
 void TeamSet::change(CandidateId id, int left_out) {
   value_ = sum_with(id, left_out);
   const int adder = left_out < 0 ? oracle_->robot_of(id) : -1;

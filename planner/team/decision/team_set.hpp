@@ -36,6 +36,8 @@ class TeamSet {
   double value_with(CandidateId id);
   /// J(S \ {what `robot` has}): one oracle call. Precondition: it has one.
   double value_without(int robot);
+  /// I(S ∪ {id}) − I(S), nats, also where its robot has another: one oracle call.
+  double information_gain(CandidateId id);
   /// Oracle calls so far.
   [[nodiscard]] std::int64_t calls() const { return calls_; }
 

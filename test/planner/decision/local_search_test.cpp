@@ -8,6 +8,7 @@
 #include "planner/team/decision/coordinate_descent.hpp"
 #include "planner/team/decision/distributed_local_search.hpp"
 #include "planner/team/decision/exhaustive.hpp"
+#include "planner/team/decision/team_bound.hpp"
 #include "planner/team/decision/team_set.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
@@ -120,6 +121,54 @@ TEST(CoordinateDescent, NeverFallsWhenItGoesRoundAgain) {
     }
   }
   EXPECT_GT(improved, 0);
+}
+
+TEST(CoordinateDescent, IsNeverWorseWithMoreTimeAndKeepsToIt) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const TeamProblem problem = test::random_instance(seed, {5, 5, 2.0}, {});
+    const TeamOracle oracle(problem);
+    const TeamDecision whole = coordinate_descent(oracle, {{}, 9, true});
+    double last = 0.0;
+    for (std::int64_t budget = 0; budget <= whole.oracle_calls; ++budget) {
+      const TeamDecision cut = coordinate_descent(oracle, {{}, 9, true}, Deadline::nodes(budget));
+      EXPECT_LE(cut.oracle_calls, budget);
+      EXPECT_FALSE(cut.finished);
+      EXPECT_GE(cut.value, last);
+      last = cut.value;
+    }
+    const TeamDecision all =
+        coordinate_descent(oracle, {{}, 9, true}, Deadline::nodes(whole.oracle_calls + 1));
+    EXPECT_TRUE(all.finished);
+    EXPECT_EQ(all.choice, whole.choice);
+  }
+}
+
+TEST(ValueBound, IsAboveEveryChoiceFromWhateverChoice) {
+  double gap = 0.0;
+  double gap_alone = 0.0;
+  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+    const TeamProblem problem = test::random_instance(seed, {4, 4, 2.0}, {});
+    const TeamOracle oracle(problem);
+    const double best = exhaustive_optimum(oracle, all_robots(oracle)).value;
+    const TeamDecision decision = coordinate_descent(oracle, {{}, 9, true});
+    const Choice nothing(decision.choice.size(), kNoCandidate);
+    for (const Choice& choice : {decision.choice, nothing, test::random_choice(oracle, seed)}) {
+      EXPECT_GE(value_bound(oracle, choice), best - kRounding) << "seed " << seed;
+    }
+    gap += value_bound(oracle, decision.choice) - best;
+    gap_alone += value_bound(oracle, nothing) - best;
+    if (oracle.robot_count() == 1) {
+      EXPECT_NEAR(value_bound(oracle, nothing), best, kRounding);
+    }
+  }
+  EXPECT_LT(gap, 0.9 * gap_alone) << "what a choice tells makes it tighter";
+}
+
+TEST(ValueBound, RefusesInformationThatIsNotSubmodular) {
+  const TeamProblem problem = test::random_instance(1, {3, 3, 0.0}, InformationMeasure::kLogDet);
+  const TeamOracle oracle(problem);
+  const Choice nothing(static_cast<std::size_t>(oracle.robot_count()), kNoCandidate);
+  EXPECT_THROW(value_bound(oracle, nothing), UsageError);
 }
 
 TEST(LocalSearch, KeepsItsBoundOnInformationLessCosts) {

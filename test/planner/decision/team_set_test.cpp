@@ -41,6 +41,25 @@ TEST(TeamSet, IsWorthWhatThePlainRecursionSaysWhateverWasAddedAndDropped) {
   }
 }
 
+TEST(TeamSet, GainsWhatTheUnionTellsAlsoWhereTheRobotHasAnother) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (const InformationMeasure measure : kMeasures) {
+      const TeamProblem problem = test::random_instance(seed, {4, 5, 1.0}, measure);
+      const TeamOracle oracle(problem);
+      TeamSet team(oracle);
+      team.become(test::random_choice(oracle, seed));
+      auto chosen = test::chosen_of(oracle, team.choice());
+      const double before = plain_value(problem, chosen);
+      for (CandidateId id = 0; id < oracle.candidate_count(); ++id) {
+        chosen.push_back(&oracle.candidate(id));
+        const double cost = oracle.candidate(id).energy_cost;
+        EXPECT_NEAR(team.information_gain(id), plain_value(problem, chosen) + cost - before, 1e-9);
+        chosen.pop_back();
+      }
+    }
+  }
+}
+
 TEST(TeamSet, IsWorthTheSameToTheBitWhicheverWayItCameAbout) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     for (const InformationMeasure measure : kMeasures) {
