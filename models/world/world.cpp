@@ -80,6 +80,33 @@ double clearance_m(const World& world, const Eigen::Vector2d& p_m) {
   return clearance;
 }
 
+NearbyObstacles nearby_obstacles(const World& world, const Eigen::Vector2d& p_m, double reach_m) {
+  NearbyObstacles nearby;
+  for (std::size_t i = 0; i < world.obstacles.size(); ++i) {
+    const Rectangle& box = world.obstacles[i].footprint;
+    if ((box.min_m - p_m).maxCoeff() < reach_m && (p_m - box.max_m).maxCoeff() < reach_m) {
+      if (nearby.count == NearbyObstacles::kMax) {
+        nearby.is_complete = false;
+        break;
+      }
+      nearby.indices[nearby.count++] = static_cast<std::uint32_t>(i);
+    }
+  }
+  return nearby;
+}
+
+double clearance_m(const World& world, const NearbyObstacles& nearby, const Eigen::Vector2d& p_m) {
+  if (!nearby.is_complete) {
+    return clearance_m(world, p_m);
+  }
+  double clearance = -signed_distance_m(world.bounds, p_m);
+  for (std::size_t i = 0; i < nearby.count; ++i) {
+    clearance =
+        std::min(clearance, signed_distance_m(world.obstacles[nearby.indices[i]].footprint, p_m));
+  }
+  return clearance;
+}
+
 bool line_of_sight(const World& world, const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) {
   return std::none_of(
       world.obstacles.begin(), world.obstacles.end(),
@@ -110,8 +137,15 @@ double swept_clearance_m(const World& world, const Eigen::Vector2d& a_m,
   // The bounds are convex, so the segment comes nearest to the walls at one of its ends.
   double clearance =
       -std::max(signed_distance_m(world.bounds, a_m), signed_distance_m(world.bounds, b_m));
+  const Eigen::Vector2d low_m = a_m.cwiseMin(b_m);
+  const Eigen::Vector2d high_m = a_m.cwiseMax(b_m);
   for (const Obstacle& obstacle : world.obstacles) {
-    clearance = std::min(clearance, segment_distance_m(obstacle.footprint, a_m, b_m));
+    const Rectangle& box = obstacle.footprint;
+    const double apart_m =
+        std::max((box.min_m - high_m).maxCoeff(), (low_m - box.max_m).maxCoeff());
+    if (apart_m < clearance) {  // as above
+      clearance = std::min(clearance, segment_distance_m(box, a_m, b_m));
+    }
   }
   return clearance;
 }

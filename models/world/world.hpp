@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -39,6 +40,19 @@ struct World {
 /// Distance from `p_m` to the nearest obstacle or wall, exactly; negative inside an obstacle or
 /// outside the bounds. Obstacles count whatever their height.
 double clearance_m(const World& world, const Eigen::Vector2d& p_m);
+
+/// Some of a world's obstacles, by index, as many as matter around one place.
+struct NearbyObstacles {
+  static constexpr std::size_t kMax = 16;
+  std::size_t count = 0;
+  bool is_complete = true;  ///< false: there were more, and none can be left out
+  std::uint32_t indices[kMax] = {};
+};
+/// Those that come within `reach_m` of `p_m`, by their bounding boxes: the others change no
+/// clearance below reach_m − d within d of there.
+NearbyObstacles nearby_obstacles(const World& world, const Eigen::Vector2d& p_m, double reach_m);
+/// As above, of `nearby` and the walls alone.
+double clearance_m(const World& world, const NearbyObstacles& nearby, const Eigen::Vector2d& p_m);
 
 /// True when the closed segment from `a_m` to `b_m` passes through the interior of no obstacle.
 bool line_of_sight(const World& world, const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m);

@@ -103,8 +103,8 @@ class MotionTable {
 };
 
 /// True when a disc of `radius_m` carried along `control` for `duration_s` stays clear of the
-/// world. Exact to 1e-6 m: halves the arc until each part is clear by its middle's clearance or
-/// touches. No allocation; cost grows with the closeness of obstacles.
+/// world. Exact for a straight line; to 1e-6 m for an arc, which is halved until each part is clear
+/// by its middle's clearance or touches. No allocation; cost grows with the closeness of obstacles.
 bool arc_is_clear(const models::World& world, const Pose2& from,
                   const models::UnicycleControl& control, double duration_s, double radius_m);
 

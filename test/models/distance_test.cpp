@@ -75,6 +75,32 @@ TEST(Clearance, ChangesNoFasterThanOneMoves) {
   }
 }
 
+TEST(NearbyObstacles, AreAllThatMatterForAClearanceAroundThere) {
+  test::Random random(35);
+  int left_out = 0;
+  int too_many = 0;
+  for (int i = 0; i < 2'000; ++i) {
+    const World world = random_world(random, i % 2 == 0 ? 12 : 40);
+    const Eigen::Vector2d centre_m = random.vector<2>(0.0, 10.0);
+    const double reach_m = random.uniform(0.2, 4.0);
+    const NearbyObstacles nearby = nearby_obstacles(world, centre_m, reach_m);
+    left_out += nearby.count < world.obstacles.size() ? 1 : 0;
+    too_many += nearby.is_complete ? 0 : 1;
+    for (int k = 0; k < 10; ++k) {
+      const Eigen::Vector2d p_m = centre_m + random.vector<2>(-1.0, 1.0) * reach_m;
+      const double limit_m = reach_m - (p_m - centre_m).norm();
+      const double known_m = clearance_m(world, nearby, p_m);
+      const double true_m = clearance_m(world, p_m);
+      ASSERT_GE(known_m, true_m);
+      if (true_m < limit_m) {
+        ASSERT_EQ(known_m, true_m);
+      }
+    }
+  }
+  EXPECT_GT(left_out, 1000);
+  EXPECT_GT(too_many, 0);
+}
+
 TEST(LineOfSight, AgreesWithPointsSampledAlongIt) {
   test::Random random(33);
   int hidden = 0;
