@@ -1,21 +1,28 @@
 #!/usr/bin/env python3
 """run_commands.py BIN_DIR SOURCE_DIR: what README.md and docs/*.md tell people to type.
 
-Every line of a fenced block that begins with `vantage` must name a command that exists, with flags
-that its --help knows. Every block below the line `<!-- run -->` is run as it stands, by `sh -e` in a
-folder of its own that has config/ and logs/ in it, with BIN_DIR in its PATH.
+Every line of a fenced block that begins with `vantage` must name a program and a command that exist,
+with flags that its --help knows. Every block below the line `<!-- run -->` is run as it stands, by
+`sh -e`; of one below `<!-- run 4 s -->` each line is run by itself in a network of its own, and after
+so long, if it has not ended, told to by Ctrl-C's signal: it must end in either case, and well.
+They run in a folder that has config/ and logs/ in it, flight.lcmlog (the sample log, also as
+demo-out/lab.lcmlog) and torn.lcmlog (a part of it that ends within an event), with BIN_DIR in PATH.
 """
 import os
 import pathlib
 import re
 import shlex
+import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 
-RUN = "<!-- run -->"
 TIMEOUT_S = 120
-BLOCK = re.compile(r"^(?P<mark>" + RUN + r"\n+)?```(?P<language>\w*)\n(?P<text>.*?)^```$", re.M | re.S)
+END_TIMEOUT_S = 20
+BLOCK = re.compile(r"^(?:(?P<mark><!-- run(?: (?P<span_s>\d+) s)? -->)\n+)?"
+                   r"```(?P<language>\w*)\n(?P<text>.*?)^```$", re.M | re.S)
+LINE = re.compile(r"^(?:\w+\$ )?(?:build/release/bin/)?(?P<command>vantage[-\w]* .*)$")
 
 
 def words_of(line):
@@ -30,46 +37,90 @@ def words_of(line):
     return words
 
 
-class Vantage:
-    def __init__(self, program):
-        self.program = program
+class Commands:
+    def __init__(self, binaries):
+        self.binaries = binaries
         self.helps = {}
 
     def help_of(self, path):
-        """What `vantage PATH --help` prints; None when there is no such command."""
+        """What `PATH --help` prints; None when there is no such program or command."""
         if path not in self.helps:
-            done = subprocess.run([self.program, *path, "--help"], capture_output=True, text=True)
-            self.helps[path] = done.stdout if done.returncode == 0 else None
+            program = self.binaries / path[0]
+            self.helps[path] = None
+            if program.exists():
+                done = subprocess.run([program, *path[1:], "--help"], capture_output=True, text=True)
+                self.helps[path] = done.stdout if done.returncode == 0 else None
         return self.helps[path]
 
     def complaints(self, words):
-        path = tuple(words[1:2])
-        if path == ("log",) and len(words) > 2 and not words[2].startswith("-"):
+        path = tuple(words[:2]) if words[0] == "vantage" else tuple(words[:1])
+        if path == ("vantage", "log") and len(words) > 2 and not words[2].startswith("-"):
             path += (words[2],)
-        if path and path[0].startswith("-") or any(word.isupper() for word in path):
+        if path[-1].startswith("-") or any(word.isupper() for word in path):
             return []  # `vantage --help`, `vantage COMMAND`
         known = self.help_of(path)
         if known is None:
-            return [f"there is no 'vantage {' '.join(path)}'"]
-        flags = [word.split("=")[0] for word in words if word.startswith("--")]
-        return [f"'vantage {' '.join(path)}' knows no {flag}" for flag in flags
+            return [f"there is no '{' '.join(path)}'"]
+        flags = [word.strip("[]").split("=")[0] for word in words if word.lstrip("[").startswith("--")]
+        return [f"'{' '.join(path)}' knows no {flag}" for flag in flags
                 if not re.search(re.escape(flag) + r"\b", known)]
 
 
-def run_block(text, binaries, source):
-    with tempfile.TemporaryDirectory() as folder:
-        for name in ("config", "logs"):
-            os.symlink(source / name, pathlib.Path(folder) / name)
+def fill(folder, source):
+    """Puts there what a run finds in its folder."""
+    for name in ("config", "logs"):
+        os.symlink(source / name, folder / name)
+    unpacked = subprocess.run(["xz", "-dkc", source / "logs/sample/lab_60s.lcmlog.xz"],
+                              capture_output=True, check=True)
+    (folder / "flight.lcmlog").write_bytes(unpacked.stdout)
+    (folder / "torn.lcmlog").write_bytes(unpacked.stdout[:2 * len(unpacked.stdout) // 3])
+    (folder / "demo-out").mkdir()
+    shutil.copy(folder / "flight.lcmlog", folder / "demo-out/lab.lcmlog")
+
+
+def run_block(text, folder, environment):
+    done = subprocess.run(["sh", "-e", "-c", text], cwd=folder, env=environment, text=True,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, timeout=TIMEOUT_S)
+    return [] if done.returncode == 0 else [f"exit code {done.returncode}:\n{done.stdout}"]
+
+
+def run_for(line, span_s, folder, environment, source):
+    """Complaints of a command that runs until it is told to end."""
+    network = source / "test/integration/in_network.sh"
+    with subprocess.Popen([network, "sh", "-c", "exec " + line], cwd=folder, env=environment,
+                          text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT) as process:
+        try:
+            said, _ = process.communicate(timeout=span_s)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGINT)
+            try:
+                said, _ = process.communicate(timeout=END_TIMEOUT_S)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                return [f"'{line}' does not end at Ctrl-C:\n{process.communicate()[0]}"]
+        if process.returncode in (0, 77):
+            return []
+        return [f"'{line}': exit code {process.returncode}:\n{said}"]
+
+
+def run(block, binaries, source):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        fill(folder, source)
         environment = dict(os.environ, PATH=f"{binaries}:{os.environ['PATH']}")
-        done = subprocess.run(["sh", "-e", "-c", text], cwd=folder, env=environment, text=True,
-                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, timeout=TIMEOUT_S)
-        return [] if done.returncode == 0 else [f"exit code {done.returncode}:\n{done.stdout}"]
+        if block["span_s"] is None:
+            return run_block(block["text"], folder, environment)
+        return [complaint
+                for line in block["text"].splitlines() if LINE.match(line)
+                for complaint in run_for(LINE.match(line)["command"], int(block["span_s"]), folder,
+                                         environment, source)]
 
 
 def main():
     binaries, source = (pathlib.Path(each).resolve() for each in sys.argv[1:3])
-    vantage = Vantage(str(binaries / "vantage"))
+    commands = Commands(binaries)
     complaints, lines, blocks = [], 0, 0
     for page in [source / "README.md", *sorted((source / "docs").rglob("*.md"))]:
         text = page.read_text()
@@ -79,12 +130,13 @@ def main():
             at = f"{page.relative_to(source)}:{text[:block.start()].count(chr(10)) + 1}"
             found = []
             for line in block["text"].replace("\\\n", " ").splitlines():
-                if line.startswith(("vantage ", "build/release/bin/vantage ")):
+                match = LINE.match(line)
+                if match:
                     lines += 1
-                    found += vantage.complaints(words_of(line))
+                    found += commands.complaints(words_of(match["command"]))
             if block["mark"]:
                 blocks += 1
-                found += run_block(block["text"], binaries, source)
+                found += run(block, binaries, source)
             complaints += [f"{at}: {each}" for each in found]
     print(f"{lines} command lines looked up, {blocks} blocks run")
     print("\n".join(complaints), file=sys.stderr)

@@ -1,12 +1,13 @@
 #!/bin/bash
-# hosts.sh BIN_DIR SCENARIO: flies SCENARIO as two hosts. One is ended and started anew, then killed
-# and started anew; the other must say so, restart nothing, and all must go on planning. To be run
-# in a network of its own: in_network.sh hosts.sh …
+# hosts.sh BIN_DIR SCENARIO: flies SCENARIO as two hosts with a cable between them. One is ended and
+# started anew, then killed and started anew, then the cable is drawn and put back; the other must
+# say so, restart nothing, and all must go on planning. To be run in a network of its own:
+# in_network.sh hosts.sh …
 set -euo pipefail
 bin=$1 scenario=$2
 dir=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
-url='udpm://239.255.76.67:7667?ttl=0'
+url='udpm://239.255.76.67:7667?ttl=1'
 . "$(dirname "$0")/up_support.sh"
 cat "$scenario" - > "$dir/two.yaml" <<'YAML'
 hosts:
@@ -14,9 +15,25 @@ hosts:
   - {name: AIR, runs: [Q2, Q3]}
 YAML
 
+# AIR is a network of its own; this one is LAB's.
+unshare -n sleep 600 &
+air_network=$!
+in_air=(nsenter --target "$air_network" --net)
+until_true 10 ip link add lab type veth peer name air netns "$air_network" 2>/dev/null ||
+  fail "no cable"
+ip address add 192.0.2.1/24 dev lab
+ip link set lab up
+ip route replace 224.0.0.0/4 dev lab
+"${in_air[@]}" sh -e -c 'ip link set lo up
+  ip address add 192.0.2.2/24 dev air
+  ip link set air up
+  ip route add 224.0.0.0/4 dev air'
+
 start() {
-  "$bin/vantage" up "$dir/two.yaml" --duration-s 300 --url "$url" --host "$1" "${@:3}" --json \
-    > "$dir/$2.json" 2> "$dir/$2.err" &
+  local on=()
+  [[ $1 != AIR ]] || on=("${in_air[@]}")
+  "${on[@]}" "$bin/vantage" up "$dir/two.yaml" --duration-s 300 --url "$url" --host "$1" "${@:3}" \
+    --json > "$dir/$2.json" 2> "$dir/$2.err" &
 }
 said() { grep -q "$2" "$dir/$1.err"; }
 
@@ -48,6 +65,15 @@ until_true 20 gone || fail "a planner without a supervisor"
 start AIR air3; air=$!
 plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "not all plan once more"
+
+# Without the cable each goes on alone; with it they find each other again.
+"${in_air[@]}" ip link set air down
+until_true 20 said air3 'host LAB is silent' || fail "AIR does not miss LAB"
+"${in_air[@]}" sh -e -c 'ip link set air up; ip route add 224.0.0.0/4 dev air'
+until_true 20 said air3 'host LAB is heard again' || fail "AIR does not hear LAB again"
+plans=$(plans_in "$dir/witness.lcmlog")
+until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 ||
+  fail "not all plan after the cable"
 
 kill -INT "$lab" "$air"
 wait "$air" || fail "AIR ended with $?"

@@ -87,7 +87,8 @@ int run(const ExportArguments& arguments) {
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
   logs::ChannelFilter channels(arguments.include, {});
   std::error_code error;
-  if (!arguments.force && std::filesystem::exists(arguments.output, error)) {
+  if (!arguments.force && std::filesystem::exists(arguments.output, error) &&
+      !std::filesystem::is_empty(arguments.output, error)) {
     throw StartupError(arguments.output + ": exists; --force writes over it");
   }
   if (arguments.format == "csv") {
