@@ -34,6 +34,9 @@ inline Channel<models::RobotBelief> belief_channel(const std::string& robot) {
 inline Channel<models::RobotPlan> plan_channel(const std::string& robot) {
   return {"PLAN_" + robot};
 }
+inline Channel<models::PlanProposal> proposal_channel(const std::string& robot) {
+  return {"PROPOSAL_" + robot};
+}
 inline Channel<models::VehicleStatus> quadrotor_channel(const std::string& robot) {
   return {"QUADROTOR_" + robot};
 }

@@ -11,6 +11,7 @@
 #include "vantage_lcm/host_t.hpp"
 #include "vantage_lcm/measurement_t.hpp"
 #include "vantage_lcm/plan_t.hpp"
+#include "vantage_lcm/proposal_t.hpp"
 #include "vantage_lcm/quadrotor_t.hpp"
 #include "vantage_lcm/scenario_t.hpp"
 #include "vantage_lcm/truth_t.hpp"
@@ -37,6 +38,9 @@ std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire);
 
 vantage_lcm::plan_t to_wire(const models::RobotPlan& plan);
 std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire);
+
+vantage_lcm::proposal_t to_wire(const models::PlanProposal& proposal);
+std::optional<models::PlanProposal> from_wire(const vantage_lcm::proposal_t& wire);
 
 vantage_lcm::quadrotor_t to_wire(const models::VehicleStatus& status);
 std::optional<models::VehicleStatus> from_wire(const vantage_lcm::quadrotor_t& wire);

@@ -111,4 +111,21 @@ std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire) {
   return plan;
 }
 
+vantage_lcm::proposal_t to_wire(const models::PlanProposal& proposal) {
+  vantage_lcm::proposal_t wire{};
+  stamp_to(proposal.stamp, wire);
+  wire.value_nat = proposal.value_nats;
+  wire.plan = to_wire(proposal.plan);
+  return wire;
+}
+
+std::optional<models::PlanProposal> from_wire(const vantage_lcm::proposal_t& wire) {
+  const auto stamp = stamp_from(wire);
+  auto plan = from_wire(wire.plan);
+  if (!stamp || !plan || !are_finite(wire.value_nat) || wire.value_nat < 0.0) {
+    return std::nullopt;
+  }
+  return models::PlanProposal{*stamp, wire.value_nat, std::move(*plan)};
+}
+
 }  // namespace vantage::bus

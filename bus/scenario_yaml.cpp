@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "bus/scenario_agents_yaml.hpp"
+#include "bus/scenario_attacks_yaml.hpp"
 #include "bus/scenario_hosts_yaml.hpp"
 #include "bus/scenario_mocap_yaml.hpp"
 #include "bus/yaml_document.hpp"
@@ -172,6 +173,7 @@ void read_planner(Mapping& from, models::PlannerSpec& planner) {
   from.number("epsilon_initial", planner.epsilon_initial, at_least(0.0));
   from.number("delta_initial_m", planner.delta_initial_m, at_least(0.0));
   from.number("yaw_weight_m_per_rad", planner.yaw_weight_m_per_rad, at_least(0.0));
+  from.integer("attacks_max", planner.attacks_max, 0, 1000);
   from.number("separation_m", planner.separation_m, above_to(0.0, kLengthMaxM));
   from.number("obstacle_margin_m", planner.obstacle_margin_m, from_to(0.0, kLengthMaxM));
   from.number("tracking_tolerance_m", planner.tracking_tolerance_m, above_to(0.0, kLengthMaxM));
@@ -206,7 +208,7 @@ void read_name(Mapping& top, std::string& name) {
 
 void read_scenario(Mapping& top, Scenario& scenario) {
   top.expect({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
-              "target_truth", "estimator", "planner", "network", "mocap", "hosts"});
+              "target_truth", "estimator", "planner", "network", "mocap", "attacks", "hosts"});
   for (const char* key : {"name", "world", "robots", "targets"}) {
     top.require(key);
   }
@@ -231,6 +233,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   }
   top.section("network", [&](Mapping& from) { read_network(from, scenario.network); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
+  read_attacks(top, scenario);
   read_hosts(top, scenario);
 }
 

@@ -120,6 +120,14 @@ struct RobotPlan {
   std::vector<InputRef> inputs;
 };
 
+/// What one robot would do if it were the only one that looks (PROPOSAL_R), in the first half of a
+/// round of a team that expects attacks.
+struct PlanProposal {
+  Stamp stamp;              ///< time: when the plan would start, t_{k+1}
+  double value_nats = 0.0;  ///< information that it alone gains; 0: nothing was found
+  RobotPlan plan;
+};
+
 enum class FlightState { kIdle, kFollow, kHold, kLand, kKilled };
 
 /// "idle", "follow", "hold", "land", "killed".

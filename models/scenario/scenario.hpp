@@ -119,6 +119,7 @@ struct PlannerSpec {
   double epsilon_initial = 1.0;    ///< of the first finite pass; halved each pass
   double delta_initial_m = 1.0;
   double yaw_weight_m_per_rad = 0.3;  ///< metric on SE(2): hypot(distance, weight · |Δyaw|)
+  int attacks_max = 0;  ///< α: so many sensors may be jammed at once; > 0: the team plans by RAIN
   double separation_m = 0.6;          ///< least distance between two vehicles, always, in space
   double obstacle_margin_m = 0.1;     ///< beyond the vehicle's radius
   double tracking_tolerance_m = 0.2;  ///< allowed distance between a vehicle and its plan
@@ -128,6 +129,13 @@ struct PlannerSpec {
 struct NetworkSpec {
   double communication_range_m = 0.0;  ///< beliefs from farther robots are discarded; ≤ 0: none
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
+};
+
+/// For a while the sensors of some robots see nothing: what the simulator does to the team.
+struct AttackSpec {
+  double from_s = 0.0;  ///< since the simulator's start
+  double to_s = 0.0;
+  std::vector<std::string> robots;
 };
 
 struct Scenario {
@@ -143,6 +151,7 @@ struct Scenario {
   PlannerSpec planner;
   NetworkSpec network;
   MocapSpec mocap;
+  std::vector<AttackSpec> attacks;
   std::vector<HostSpec> hosts;  ///< none: all runs on one
 
   /// Whether `host` runs `part` (a robot's name, kSimPart, …). What no host names runs on the

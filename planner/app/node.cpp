@@ -33,6 +33,14 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
   for (const models::RobotSpec& other : scenario.robots) {
+    if (scenario.planner.attacks_max > 0 && other.name != robot) {
+      bus_.subscribe<models::PlanProposal>(bus::proposal_channel(other.name),
+                                           [this, name = other.name](const auto& m) {
+                                             if (m.plan.robot == name) {
+                                               inputs_.proposals.insert_or_assign(name, m);
+                                             }
+                                           });
+    }
     if (other.name != robot) {
       bus_.subscribe<models::RobotPlan>(bus::plan_channel(other.name), [this](const auto& m) {
         inputs_.team_plans.insert_or_assign(m.robot, m);
@@ -75,6 +83,11 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
   for (const auto& [teammate, status] : inputs.team_statuses) {
     add(bus::quadrotor_channel(teammate).name, status.stamp);
   }
+  for (const auto& [proposer, proposal] : inputs.proposals) {
+    if (proposal.plan.round == inputs.slot.round) {
+      add(bus::proposal_channel(proposer).name, proposal.stamp);
+    }
+  }
   if (inputs.attack) {
     add(bus::kAttack.name, inputs.attack->stamp);
   }
@@ -89,6 +102,32 @@ void PlannerNode::tick(Time now) {
     return;
   }
   inputs_.slot = slot_;
+  if (slot_.is_proposal) {
+    propose(now);
+  } else {
+    plan(now);
+  }
+  slot_ = schedule_.next_slot(std::max(now, slot_.begin));
+}
+
+void PlannerNode::propose(Time now) {
+  std::optional<models::PlanProposal> proposal = planner_.propose(inputs_, deadline_of(now));
+  const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - closing_of(slot_);
+  if (finish > slot_.end) {
+    ++late_;  // others choose the bait without it
+    return;
+  }
+  if (proposal) {
+    proposal->plan.finish = finish;
+    proposal->plan.inputs = names_of(inputs_, robot_);
+    const models::InputRef published = bus_.publish(bus::proposal_channel(robot_), *proposal);
+    proposal->stamp.run_id = published.run_id;
+    proposal->stamp.sequence = published.sequence;
+    inputs_.proposals.insert_or_assign(robot_, std::move(*proposal));
+  }
+}
+
+void PlannerNode::plan(Time now) {
   std::optional<models::RobotPlan> plan = planner_.plan(inputs_, deadline_of(now));
   const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - closing_of(slot_);
   const bool late = finish > slot_.end;
@@ -106,7 +145,6 @@ void PlannerNode::tick(Time now) {
     plan->stamp.sequence = published.sequence;
     inputs_.own_plan = std::move(plan);
   }
-  slot_ = schedule_.next_slot(std::max(now, slot_.begin));
 }
 
 std::vector<models::NamedCount> PlannerNode::counters() const {
@@ -117,6 +155,7 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
           {"fallbacks_braking", counts.fallbacks_braking},
           {"off_plan", counts.off_plan},
           {"turns_away", counts.turns_away},
+          {"rounds_as_bait", counts.baits},
           {"plan_checks_failed", counts.checks_failed},
           {"rounds_without_pose", counts.no_pose},
           {"unusable_beliefs", counts.unusable_beliefs}};

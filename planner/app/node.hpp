@@ -15,7 +15,8 @@
 namespace vantage::planner {
 
 /// Joins a RobotPlanner to the bus: BELIEF_R, VICON, teammates' PLAN_* and ATTACK in, PLAN_R out,
-/// once a round in this robot's slot.
+/// once a round in this robot's slot; in a team that expects attacks PROPOSAL_* besides, in and
+/// out.
 ///
 /// Under a clock that is not real time the budget is planner.node_budget nodes.
 class PlannerNode : public bus::Node {
@@ -31,6 +32,8 @@ class PlannerNode : public bus::Node {
 
  private:
   [[nodiscard]] Deadline deadline_of(Time now) const;
+  void propose(Time now);
+  void plan(Time now);
 
   bus::Bus& bus_;
   const bus::Clock& clock_;

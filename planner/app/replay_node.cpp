@@ -64,6 +64,9 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
                                                 waiting_.push_back(m);
                                               }
                                             });
+    bus_.subscribe_named<models::PlanProposal>(
+        bus::proposal_channel(each.name),
+        [this](const std::string& name, const auto& m) { proposals_.add(name, m); });
     bus_.subscribe_named<models::VehicleStatus>(
         bus::quadrotor_channel(each.name),
         [this](const std::string& name, const auto& m) { statuses_.add(name, m); });
@@ -79,6 +82,8 @@ bool PlannerReplayNode::gather(const models::RobotPlan& logged, PlanInputs& inpu
       inputs.mocap = *frame;
     } else if (const auto* attack = attacks_.find(name)) {
       inputs.attack = *attack;
+    } else if (const auto* proposal = proposals_.find(name)) {
+      inputs.proposals.insert_or_assign(proposal->plan.robot, *proposal);
     } else if (const auto* status = statuses_.find(name)) {
       inputs.team_statuses.insert_or_assign(status->robot, *status);
     } else if (const auto* plan = plans_.find(name)) {

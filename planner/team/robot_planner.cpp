@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 
 #include "core/check.hpp"
 #include "models/belief/exploration.hpp"
+#include "planner/search/belief_table.hpp"
 #include "planner/team/baseline.hpp"
+#include "planner/team/decision/resilient.hpp"
 #include "planner/team/trajectory_tools.hpp"
 
 namespace vantage::planner {
@@ -39,6 +42,17 @@ std::uint64_t walk_seed(std::uint64_t seed, int robot_index, std::int64_t round)
   std::uint32_t words[2];
   sequence.generate(std::begin(words), std::end(words));
   return (std::uint64_t{words[1]} << 32U) | words[0];
+}
+
+// Σ_{t=1}^{T} of the stage costs when nobody of the search looks.
+double cost_without_looks(const SearchProblem& problem) {
+  BeliefTable beliefs(static_cast<int>(problem.targets.size()), problem.horizon_steps);
+  beliefs.reset(problem);
+  double cost = 0.0;
+  for (int t = 1; t <= problem.horizon_steps; ++t) {
+    cost += beliefs.open_loop_cost(t);
+  }
+  return cost;
 }
 
 }  // namespace
@@ -101,7 +115,23 @@ std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInput
   return hover_at(flatten(body->world_from_body), spec_->height_m, inputs.slot.activation);
 }
 
-std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& inputs) const {
+std::vector<int> RobotPlanner::bait_of(const PlanInputs& inputs) const {
+  std::vector<double> values(scenario_.robots.size(), 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto proposal = inputs.proposals.find(scenario_.robots[i].name);
+    if (proposal != inputs.proposals.end() && proposal->second.plan.round == inputs.slot.round) {
+      values[i] = proposal->second.value_nats;
+    }
+  }
+  std::vector<int> bait = bait_robots(values, scenario_.planner.attacks_max);
+  bait.erase(std::remove_if(bait.begin(), bait.end(),
+                            [&](int i) { return values[static_cast<std::size_t>(i)] <= 0.0; }),
+             bait.end());
+  return bait;
+}
+
+std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& inputs,
+                                                         const std::vector<int>& unseeing) const {
   std::vector<FixedTeammate> teammates;
   for (const models::RobotSpec& robot : scenario_.robots) {
     if (robot.name == spec_->name) {
@@ -109,9 +139,11 @@ std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& input
     }
     FixedTeammate teammate;
     teammate.sensor = robot.sensor;
+    const auto index = static_cast<int>(&robot - scenario_.robots.data());
     teammate.jammed =
-        inputs.attack && std::find(inputs.attack->jammed.begin(), inputs.attack->jammed.end(),
-                                   robot.name) != inputs.attack->jammed.end();
+        std::find(unseeing.begin(), unseeing.end(), index) != unseeing.end() ||
+        (inputs.attack && std::find(inputs.attack->jammed.begin(), inputs.attack->jammed.end(),
+                                    robot.name) != inputs.attack->jammed.end());
     const auto plan = inputs.team_plans.find(robot.name);
     if (plan != inputs.team_plans.end()) {
       teammate.trajectory = plan->second.trajectory;
@@ -176,7 +208,8 @@ void RobotPlanner::add_landmarks(const models::RobotBelief& belief, Time start) 
   }
 }
 
-void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed) {
+void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed,
+                                  const std::vector<int>& unseeing) {
   const models::PlannerSpec& planner = scenario_.planner;
   problem_.start_time = inputs.slot.activation;
   problem_.start = committed.start;
@@ -198,7 +231,7 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
     add_targets(*inputs.belief, inputs.slot.activation);
     add_landmarks(*inputs.belief, inputs.slot.activation);
   }
-  const std::vector<FixedTeammate> teammates = fixed_teammates(inputs);
+  const std::vector<FixedTeammate> teammates = fixed_teammates(inputs, unseeing);
   problem_.teammates.clear();
   for (const FixedTeammate& teammate : teammates) {
     problem_.teammates.push_back(teammate.trajectory);
@@ -296,6 +329,30 @@ void RobotPlanner::fall_back(const models::Trajectory& committed, models::RobotP
   ++counts_.fallbacks_braking;
 }
 
+bool RobotPlanner::take(const SearchResult& result, models::RobotPlan& plan) {
+  if (!result.found) {
+    return false;
+  }
+  plan.trajectory = to_trajectory(problem_, result);
+  if (!is_safe(plan.trajectory)) {
+    ++counts_.checks_failed;
+    return false;
+  }
+  plan.source = models::PlanSource::kSearched;
+  plan.cost = result.cost;
+  plan.lower_bound = result.lower_bound;
+  plan.epsilon = result.epsilon;
+  plan.delta_m = result.delta_m;
+  plan.passes = result.passes;
+  return true;
+}
+
+std::vector<int> RobotPlanner::all_robots() const {
+  std::vector<int> all(scenario_.robots.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
 std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
                                                     const Deadline& deadline) {
   const std::optional<models::Trajectory> committed = committed_motion(inputs);
@@ -303,8 +360,24 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
     ++counts_.no_pose;
     return std::nullopt;
   }
-  set_up_problem(inputs, *committed);
+  const std::vector<int> bait = bait_of(inputs);
+  const bool is_bait = std::find(bait.begin(), bait.end(), robot_index_) != bait.end();
+  set_up_problem(inputs, *committed, is_bait ? all_robots() : bait);
   models::RobotPlan plan = blank_plan(inputs);
+  if (is_bait) {
+    ++counts_.baits;
+    const models::RobotPlan& proposed = inputs.proposals.at(spec_->name).plan;
+    if (proposed.source == models::PlanSource::kSearched && is_safe(proposed.trajectory)) {
+      plan.source = proposed.source;
+      plan.trajectory = proposed.trajectory;
+      plan.cost = proposed.cost;
+      plan.lower_bound = proposed.lower_bound;
+      plan.epsilon = proposed.epsilon;
+      plan.delta_m = proposed.delta_m;
+      plan.passes = proposed.passes;
+      return plan;
+    }
+  }
   const SearchResult& result = search(inputs, deadline);
   plan.nodes = result.replay_budget_nodes();
   const bool rests = std::all_of(committed->segments.begin(), committed->segments.end(),
@@ -314,21 +387,30 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
     turn_away_from(*crowder, plan);
     return plan;
   }
-  if (result.found) {
-    plan.trajectory = to_trajectory(problem_, result);
-    if (is_safe(plan.trajectory)) {
-      plan.source = models::PlanSource::kSearched;
-      plan.cost = result.cost;
-      plan.lower_bound = result.lower_bound;
-      plan.epsilon = result.epsilon;
-      plan.delta_m = result.delta_m;
-      plan.passes = result.passes;
-      return plan;
-    }
-    ++counts_.checks_failed;
+  if (!take(result, plan)) {
+    fall_back(*committed, plan);
   }
-  fall_back(*committed, plan);
   return plan;
+}
+
+std::optional<models::PlanProposal> RobotPlanner::propose(const PlanInputs& inputs,
+                                                          const Deadline& deadline) {
+  const std::optional<models::Trajectory> committed = committed_motion(inputs);
+  if (!committed) {
+    ++counts_.no_pose;
+    return std::nullopt;
+  }
+  set_up_problem(inputs, *committed, all_robots());
+  models::PlanProposal proposal{{}, 0.0, blank_plan(inputs)};
+  proposal.stamp.time = inputs.slot.activation;
+  const SearchResult& result = search(inputs, deadline);
+  proposal.plan.nodes = result.replay_budget_nodes();
+  if (take(result, proposal.plan)) {
+    proposal.value_nats = std::max(0.0, cost_without_looks(problem_) - result.cost);
+  } else {
+    fall_back(*committed, proposal.plan);
+  }
+  return proposal;
 }
 
 std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInputs& inputs) {
@@ -337,7 +419,7 @@ std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInp
     ++counts_.no_pose;
     return std::nullopt;
   }
-  set_up_problem(inputs, *committed);
+  set_up_problem(inputs, *committed, bait_of(inputs));
   models::RobotPlan plan = blank_plan(inputs);
   fall_back(*committed, plan);
   return plan;

@@ -24,6 +24,7 @@ struct PlanInputs {
   std::optional<models::RobotPlan> own_plan;                   ///< last one published
   std::map<std::string, models::RobotPlan> team_plans;         ///< newest of each teammate
   std::map<std::string, models::VehicleStatus> team_statuses;  ///< do they follow their plans?
+  std::map<std::string, models::PlanProposal> proposals;       ///< newest of each robot, own too
   std::optional<models::AttackNotice> attack;
 };
 
@@ -34,6 +35,7 @@ struct PlannerCounts {
   std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
   std::int64_t checks_failed = 0;  ///< searched plans that the closing check refused
   std::int64_t turns_away = 0;     ///< at rest too near a teammate, with no way out straight ahead
+  std::int64_t baits = 0;          ///< rounds in which this robot was bait
   std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
   std::int64_t unusable_beliefs = 0;
 };
@@ -46,12 +48,21 @@ struct PlannerCounts {
 /// with its last plan, whose end is a hover; from one that says it does not follow plans its own
 /// place is kept free as well. The ladder: the best complete plan; else the last one shifted and
 /// checked again; else braking to a hover.
+///
+/// In a team that expects attacks (planner.attacks_max = α > 0) each robot first proposes what it
+/// would do alone. The α proposals of greatest value are the bait: those robots do as they
+/// proposed, and the others plan as if the bait saw nothing. Source: dissertation Alg. 9, 10
+/// (RAIN).
 class RobotPlanner {
  public:
   RobotPlanner(const models::Scenario& scenario, const std::string& robot);
 
   /// The plan of this slot. nullopt while the robot's pose was never known.
   std::optional<models::RobotPlan> plan(const PlanInputs& inputs, const Deadline& deadline);
+
+  /// What the robot would do in this slot's round if it were the only one that looks; the
+  /// teammates' committed motions are kept clear of. nullopt while its pose was never known.
+  std::optional<models::PlanProposal> propose(const PlanInputs& inputs, const Deadline& deadline);
 
   /// What to publish instead when the search ended after its slot: teammates may already count on
   /// the old plan, which every other committed plan is compatible with.
@@ -68,11 +79,19 @@ class RobotPlanner {
   [[nodiscard]] models::RobotPlan blank_plan(const PlanInputs& inputs) const;
   /// The motion that the robot is committed to, cut to start at t_{k+1}.
   std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
-  [[nodiscard]] std::vector<FixedTeammate> fixed_teammates(const PlanInputs& inputs) const;
+  /// The bait of the slot's round among the proposals that were heard, ascending by index.
+  [[nodiscard]] std::vector<int> bait_of(const PlanInputs& inputs) const;
+  /// The teammates; those of `unseeing` robots tell nothing.
+  [[nodiscard]] std::vector<FixedTeammate> fixed_teammates(const PlanInputs& inputs,
+                                                           const std::vector<int>& unseeing) const;
   /// Where teammates hover or stand that do not follow plans.
   [[nodiscard]] std::vector<models::Trajectory> hovers_of_those_who_wait(
       const PlanInputs& inputs) const;
-  void set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed);
+  void set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed,
+                      const std::vector<int>& unseeing);
+  [[nodiscard]] std::vector<int> all_robots() const;
+  /// Makes `plan` of what a search found; false when that is nothing, or not safe.
+  bool take(const SearchResult& result, models::RobotPlan& plan);
   void add_targets(const models::RobotBelief& belief, Time start);
   void add_landmarks(const models::RobotBelief& belief, Time start);
   const SearchResult& search(const PlanInputs& inputs, const Deadline& deadline);

@@ -15,6 +15,7 @@ namespace {
 
 constexpr Duration kTruthPeriod{50'000};
 constexpr Duration kStatusPeriod{100'000};
+constexpr Duration kAttackPeriod{1'000'000};
 constexpr Duration kCatchUpPause{1'000};
 constexpr Duration kExchangePeriod = WorldSimulation::kStep;
 constexpr const char* kCure = ": fly it with `vantage up`, or say 'direct'";
@@ -181,6 +182,7 @@ void SimNode::publish_instant(Time instant) {
     next_capture_ += world_.camera().period();
   }
   publish_statuses(instant, instant == next_status_);
+  publish_attack(instant);
   if (instant == next_status_) {
     next_status_ += kStatusPeriod;
   }
@@ -217,6 +219,27 @@ void SimNode::publish_statuses(Time instant, bool is_due) {
       bus_.publish(bus::quadrotor_channel(quadrotor.name()), quadrotor.status(instant));
       said_[i] = {quadrotor.state(), round};
     }
+  }
+}
+
+void SimNode::publish_attack(Time instant) {
+  if (scenario_.attacks.empty()) {
+    return;
+  }
+  models::AttackNotice notice;
+  notice.stamp.time = instant;
+  const double since_s = to_seconds(instant - start_);
+  for (const models::AttackSpec& attack : scenario_.attacks) {
+    if (since_s >= attack.from_s && since_s < attack.to_s) {
+      notice.jammed.insert(notice.jammed.end(), attack.robots.begin(), attack.robots.end());
+    }
+  }
+  std::sort(notice.jammed.begin(), notice.jammed.end());
+  notice.jammed.erase(std::unique(notice.jammed.begin(), notice.jammed.end()), notice.jammed.end());
+  if (!attack_ || attack_->jammed != notice.jammed || instant >= next_attack_) {
+    bus_.publish(bus::kAttack, notice);
+    next_attack_ = instant + kAttackPeriod;
+    attack_ = std::move(notice);
   }
 }
 

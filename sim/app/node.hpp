@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,8 @@ class SimNode : public bus::Node {
   void on_plan(const std::string& channel, const models::RobotPlan& plan);
   void publish_instant(Time instant);
   void publish_statuses(Time instant, bool is_due);
+  /// ATTACK: who is jammed at `instant` by the scenario, once a second and on change.
+  void publish_attack(Time instant);
   void deliver_frames(Time now);
   void serve_wires(Time now);
   [[nodiscard]] Time next_instant() const;
@@ -76,8 +79,10 @@ class SimNode : public bus::Node {
   Time next_status_;
   Time next_exchange_;  ///< with what is on the wire
   Time last_tick_;
-  std::deque<models::MocapFrame> frames_;  ///< captured, and not yet out
-  std::vector<Said> said_;                 ///< what each vehicle last reported
+  std::deque<models::MocapFrame> frames_;       ///< captured, and not yet out
+  std::optional<models::AttackNotice> attack_;  ///< as last said
+  Time next_attack_{};
+  std::vector<Said> said_;  ///< what each vehicle last reported
   std::int64_t late_ticks_ = 0;
   std::int64_t chunks_ = 0;
   std::int64_t not_finite_ = 0;

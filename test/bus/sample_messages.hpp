@@ -146,6 +146,11 @@ inline models::RobotPlan sample(Sampler& s) {
 }
 
 template <>
+inline models::PlanProposal sample(Sampler& s) {
+  return {s.stamp(), s.real(0, 99), sample<models::RobotPlan>(s)};
+}
+
+template <>
 inline models::VehicleStatus sample(Sampler& s) {
   models::VehicleStatus status{
       s.stamp(),       s.text("Q"), static_cast<models::FlightState>(s.small(0, 4)),
@@ -299,6 +304,10 @@ class Flat {
         x.trajectory.height_m, x.trajectory.segments, x.horizon_steps, x.step_s, x.cost,
         x.lower_bound, x.epsilon, x.delta_m, x.passes, x.nodes, x.slot_start, x.deadline, x.finish,
         x.late, x.inputs);
+  }
+  void fields(const models::PlanProposal& x) {
+    all(x.value_nats, x.plan.stamp.time);
+    fields(x.plan);
   }
   void fields(const models::VehicleStatus& x) {
     all(x.robot, static_cast<int>(x.state), x.battery_share, x.setpoint, x.setpoint_height_m,

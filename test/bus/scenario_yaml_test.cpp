@@ -265,6 +265,38 @@ hosts:
   EXPECT_TRUE(scenario.runs_on("LAB", models::kMocapPart)) << "named by none: the first";
 }
 
+TEST(ParseScenario, ReadsAttacksAndHowManyTheTeamExpects) {
+  const std::string text = R"(
+name: jammed
+world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
+robot_defaults: {primitives: lab, sensor: {kind: range}}
+robots:
+  - {name: A, start: {x_m: 2, y_m: 2}}
+  - {name: B, start: {x_m: 8, y_m: 8}}
+targets: {count: 1}
+planner: {attacks_max: 1}
+attacks:
+  - {from_s: 10, to_s: 20.5, robots: [B]}
+  - {to_s: 5, robots: [A, B]}
+)";
+  const Scenario scenario = parse_scenario(text, "jammed");
+  EXPECT_EQ(scenario.planner.attacks_max, 1);
+  ASSERT_EQ(scenario.attacks.size(), 2U);
+  EXPECT_EQ(scenario.attacks[0].from_s, 10.0);
+  EXPECT_EQ(scenario.attacks[0].to_s, 20.5);
+  EXPECT_EQ(scenario.attacks[0].robots, std::vector<std::string>{"B"});
+  EXPECT_EQ(scenario.attacks[1].from_s, 0.0);
+  const auto refused = [&](const std::string& what, const std::string& by) {
+    std::string changed = text;
+    changed.replace(changed.find(what), what.size(), by);
+    EXPECT_THROW(parse_scenario(changed, "jammed"), StartupError) << by;
+  };
+  refused("attacks_max: 1", "attacks_max: 2");  // nobody is left
+  refused("to_s: 20.5", "to_s: 10");            // no span
+  refused("robots: [B]", "robots: [C]");        // no such robot
+  refused("to_s: 5, robots", "robots");         // no end
+}
+
 TEST(ParseScenario, ReadsTargetsFromAList) {
   const std::string text = R"(
 name: listed

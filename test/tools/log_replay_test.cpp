@@ -78,6 +78,37 @@ TEST_F(ReplayLog, MakesEveryPlanAndBeliefOfATrialAgainToTheBit) {
   }
 }
 
+TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
+  Overrides overrides;
+  overrides.seed = 2;
+  overrides.duration_s = 8.0;
+  overrides.node_budget = 300;
+  models::Scenario scenario =
+      load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-attack.yaml", overrides);
+  ASSERT_EQ(scenario.planner.attacks_max, 1);
+  TrialOptions options;
+  options.log_path = folder_->file("attack.lcmlog");
+  run_trial(scenario, trial_recipes(scenario), options);
+  int proposals = 0;
+  int jammed_looks = 0;
+  const logs::IndexedLog log(options.log_path);
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    proposals += event->channel.starts_with("PROPOSAL_") ? 1 : 0;
+    if (event->channel == "MEASUREMENT_Q1") {
+      jammed_looks += bus::decode_wire<vantage_lcm::measurement_t>(event->data)->jammed;
+    }
+  }
+  EXPECT_GE(proposals, 3 * 7);
+  EXPECT_GE(jammed_looks, 4);
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport plans = replay(options.log_path, std::string("planner:") + robot);
+    EXPECT_TRUE(plans.outputs.is_exact()) << robot;
+    EXPECT_GE(plans.outputs.replayed(), 7) << robot;
+    EXPECT_EQ(plans.not_replayed(), 0) << robot;
+  }
+}
+
 TEST_F(ReplayLog, NamesTheFirstMemberThatDiffers) {
   int seen = 0;
   const std::string path = edited([&](std::string_view channel, Bytes& data) {
