@@ -5,7 +5,7 @@ set output out."/decision_ratios.png"
 set grid lc rgb "#dddddd"
 set key top left samplen 2
 set xlabel "value / exhaustive optimum"; set ylabel "share of the instances at or below"
-set yrange [0:1]
+set yrange [0:0.12]
 ratios(measure, method) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" { print $4 }' %s/decision_ratios.csv | sort -g | awk '{ r[NR] = $1 } END { for (i = 1; i <= NR; ++i) print r[i], i / NR }'", measure, method, in)
 colour(i) = i == 1 ? "#0072B2" : i == 2 ? "#E69F00" : i == 3 ? "#CC79A7" : "#009E73"
 name(measure) = measure eq "mutual" ? "mutual information" : "log det"
