@@ -81,7 +81,7 @@ TEST(TrackedTargets, AreKnownAsWellAsTheFilterSays) {
 TEST(TrackedTargets, AreThoughtKnownWhereEachLookCountsAsIfItWereTheFirst) {
   TargetSetting setting;
   setting.detection_probability = 0.9;
-  EXPECT_GT(consistency_of_sentries(setting, 20).nees_unseen, 8.0);
+  EXPECT_GT(consistency_of_sentries(setting, 5).nees_unseen, 8.0);
 }
 
 TEST(TrackedTargets, AreWithinDecimetresWhereNothingLimitsTheSight) {

@@ -18,12 +18,12 @@ struct TrackingSetting {
   // What the text leaves open.
   double start_side_m = 64.0;  ///< robots and targets start in a square of this side in the middle
   double prior_position_sigma_m = 1.0;
-  double prior_velocity_sigma_mps = 0.1;
-  double detection_probability = 0.05;  ///< see TargetSetting
+  double prior_velocity_sigma_mps = 0.02;  ///< they start at rest: what one step adds, √(q τ)
+  double detection_probability = 0.05;     ///< see TargetSetting
   /// Plans count no look from nearer than this. A bearing from r tells 1/r² about a target exactly
   /// where it is expected, but it is there only to the belief's decimetres: plans would stay for
   /// information that no look then brings.
-  double plan_range_min_m = 2.0;
+  double plan_range_min_m = 3.0;
 };
 
 /// What a run was like after each step.

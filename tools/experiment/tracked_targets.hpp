@@ -26,7 +26,7 @@ struct TargetSetting {
   double q_m2ps3 = 0.001;      ///< density of the white acceleration
   double step_s = 0.5;
   double prior_position_sigma_m = 1.0;
-  double prior_velocity_sigma_mps = 0.1;
+  double prior_velocity_sigma_mps = 0.02;
   /// With which a look that finds nothing moves a belief away; 0: such looks are not used. Looks
   /// of successive steps are nearly the same look, which a Gaussian cannot remember: far below the
   /// sensor's own probability, or the filter grows sure of where targets are not.
