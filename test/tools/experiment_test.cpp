@@ -80,6 +80,33 @@ TEST(TrackUnderAttack, IsTheSameForBothWhereNobodyIsAttacked) {
   ASSERT_EQ(cd.rmse_m.size(), 30U);
 }
 
+// Errors of each target over time, and how well they are foreseen, where nobody is attacked.
+TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
+  TrackingSetting setting;
+  setting.robots = 8;
+  setting.targets = 4;
+  setting.attacks = 0;
+  setting.task_steps = 250;
+  double nees = 0.0;
+  constexpr std::uint64_t kSeeds = 2;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const TrackingRun run = track_under_attack(setting, false, seed);
+    ASSERT_EQ(run.targets.size(), 250U);
+    for (std::size_t m = 0; m < 4; ++m) {
+      double squared_m2 = 0.0;
+      int seen = 0;
+      for (const std::vector<TargetStep>& targets : run.targets) {
+        squared_m2 += targets[m].error_m * targets[m].error_m;
+        nees += targets[m].nees;
+        seen += targets[m].is_seen ? 1 : 0;
+      }
+      EXPECT_LT(std::sqrt(squared_m2 / 250.0), 1.0) << "seed " << seed << ", target " << m;
+      EXPECT_GT(seen, 50) << "seed " << seed << ", target " << m;
+    }
+  }
+  EXPECT_NEAR(nees / (4.0 * 250.0 * kSeeds), 4.0, 0.8);
+}
+
 TEST(TrackUnderAttack, LearnsNothingWhereAllAreAttacked) {
   TrackingSetting setting;
   setting.robots = 2;

@@ -3,12 +3,6 @@
 #include <cmath>
 #include <random>
 
-#include <Eigen/Cholesky>
-
-#include "estimator/confinement.hpp"
-#include "estimator/missed_detection.hpp"
-#include "estimator/track.hpp"
-#include "models/belief/gaussian.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/world/grid.hpp"
 #include "planner/search/beam.hpp"
@@ -22,6 +16,8 @@ namespace {
 constexpr double kSide_m = 64.0;
 constexpr double kStep_s = 0.5;
 constexpr double kFieldResolution_m = 0.5;
+// Of a beam's width: with less, plans of 25 steps stay with the target they begin at.
+constexpr double kBreadth = 0.6;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -36,29 +32,21 @@ models::SensorModel tracking_sensor() {
   return sensor;
 }
 
-// Gaussian noise with the covariance `W`, which may be singular.
-models::StateVector draw(const models::StateMatrix& W, std::mt19937_64& rng) {
-  std::normal_distribution<double> normal;
-  const Eigen::LDLT<models::StateMatrix> root(W);
-  models::StateVector white(W.rows());
-  for (Eigen::Index i = 0; i < white.size(); ++i) {
-    white(i) = normal(rng);
-  }
-  const models::StateVector scaled = root.vectorD().cwiseMax(0.0).cwiseSqrt().cwiseProduct(white);
-  return root.transpositionsP().transpose() * (root.matrixL() * scaled).eval();
+models::World square_world() {
+  models::World world;
+  world.bounds = {{0.0, 0.0}, {kSide_m, kSide_m}};
+  return world;
 }
 
-// A target that leaves the square comes back the way it would from a mirror.
-void reflect(models::StateVector& state) {
-  for (int axis = 0; axis < 2; ++axis) {
-    for (const double wall_m : {0.0, kSide_m}) {
-      const bool is_beyond = wall_m == 0.0 ? state(axis) < wall_m : state(axis) > wall_m;
-      if (is_beyond) {
-        state(axis) = 2.0 * wall_m - state(axis);
-        state(axis + 2) = -state(axis + 2);
-      }
-    }
-  }
+TargetSetting target_setting(const TrackingSetting& setting) {
+  TargetSetting of_targets;
+  of_targets.count = setting.targets;
+  of_targets.start_side_m = setting.start_side_m;
+  of_targets.step_s = kStep_s;
+  of_targets.prior_position_sigma_m = setting.prior_position_sigma_m;
+  of_targets.prior_velocity_sigma_mps = setting.prior_velocity_sigma_mps;
+  of_targets.detection_probability = setting.detection_probability;
+  return of_targets;
 }
 
 class TrackingTask {
@@ -66,33 +54,22 @@ class TrackingTask {
   TrackingTask(const TrackingSetting& setting, bool is_resilient, std::uint64_t seed)
       : setting_(setting),
         is_resilient_(is_resilient),
-        truth_rng_(3 * seed),
-        noise_rng_(3 * seed + 1),
-        model_{models::TargetKind::kDoubleIntegrator, 2, 0.001},
-        A_(model_.transition(kStep_s)),
-        W_(model_.process_noise(kStep_s)),
+        world_(square_world()),
+        field_(world_, kFieldResolution_m),
+        targets_(target_setting(setting), world_, 2 * seed),
         search_(capacity(setting)) {
-    world_.bounds = {{0.0, 0.0}, {kSide_m, kSide_m}};
-    field_ = models::DistanceField(world_, kFieldResolution_m);
-    std::uniform_real_distribution<double> place(0.0, kSide_m);
+    std::mt19937_64 rng(2 * seed + 1);
+    std::uniform_real_distribution<double> off_m(-0.5 * setting.start_side_m,
+                                                 0.5 * setting.start_side_m);
     std::uniform_real_distribution<double> heading(-kPi, kPi);
-    models::StateMatrix prior = models::StateMatrix::Zero(4, 4);
-    prior.diagonal().head(2).setConstant(std::pow(setting.prior_position_sigma_m, 2));
-    prior.diagonal().tail(2).setConstant(std::pow(setting.prior_velocity_sigma_mps, 2));
-    for (int m = 0; m < setting.targets; ++m) {
-      models::StateVector state = models::StateVector::Zero(4);
-      state(0) = place(truth_rng_);
-      state(1) = place(truth_rng_);
-      truth_.push_back(state);
-      beliefs_.push_back({state + draw(prior, truth_rng_), prior});
-    }
     for (int i = 0; i < setting.robots; ++i) {
-      const double x_m = place(truth_rng_);
-      const double y_m = place(truth_rng_);
-      poses_.push_back({x_m, y_m, heading(truth_rng_)});
+      const double x_m = 0.5 * kSide_m + off_m(rng);
+      const double y_m = 0.5 * kSide_m + off_m(rng);
+      poses_.push_back({x_m, y_m, heading(rng)});
     }
     problems_.resize(poses_.size());
     plans_.resize(poses_.size());
+    attacked_.assign(poses_.size(), 0);
   }
 
   TrackingRun run() {
@@ -101,8 +78,11 @@ class TrackingTask {
       if (step % setting_.plan_steps == 0) {
         plan();
       }
-      move(step % setting_.plan_steps);
-      observe();
+      for (std::size_t i = 0; i < poses_.size(); ++i) {
+        poses_[i] = plans_[i].poses[index(step % setting_.plan_steps)];
+      }
+      targets_.move();
+      targets_.look(tracking_sensor(), poses_, attacked_);
       note(run);
     }
     return run;
@@ -114,6 +94,12 @@ class TrackingTask {
             setting.plan_steps, 0};
   }
 
+  [[nodiscard]] models::SensorModel planned_sensor() const {
+    models::SensorModel sensor = tracking_sensor();
+    sensor.range_min_m = setting_.plan_range_min_m;
+    return sensor;
+  }
+
   void set_up_problems() {
     for (std::size_t i = 0; i < problems_.size(); ++i) {
       planner::SearchProblem& problem = problems_[i];
@@ -121,12 +107,12 @@ class TrackingTask {
       problem.controls = models::standard_primitives();
       problem.horizon_steps = setting_.plan_steps;
       problem.step_s = kStep_s;
-      problem.sensors = {tracking_sensor()};
+      problem.sensors = {planned_sensor()};
       problem.world = &world_;
       problem.field = &field_;
       problem.targets.clear();
-      for (const models::Gaussian& belief : beliefs_) {
-        problem.targets.push_back({model_, belief});
+      for (const models::Gaussian& belief : targets_.beliefs()) {
+        problem.targets.push_back({targets_.model(), belief});
       }
       problem.fixed_information.clear();
     }
@@ -137,10 +123,12 @@ class TrackingTask {
     std::vector<planner::FixedTeammate> teammates;
     for (const int other : beside) {
       teammates.push_back({planner::to_trajectory(problems_[index(other)], plans_[index(other)]),
-                           tracking_sensor(), false});
+                           planned_sensor(), false});
     }
     problem.fixed_information = planner::fixed_information(problem, teammates);
-    plans_[index(robot)] = search_.plan(problem, {}, Deadline::nodes(setting_.nodes_per_plan));
+    planner::BeamOptions options;
+    options.breadth = kBreadth;
+    plans_[index(robot)] = search_.plan(problem, options, Deadline::nodes(setting_.nodes_per_plan));
     planner::SearchProblem blind = problem;
     blind.sensors.clear();
     const planner::SearchResult& plan = plans_[index(robot)];
@@ -163,80 +151,38 @@ class TrackingTask {
       everybody.push_back(static_cast<planner::CandidateId>(i));
     }
     const planner::TeamOracle oracle(team);
-    attacked_.assign(plans_.size(), false);
+    attacked_.assign(plans_.size(), 0);
     for (const int robot : planner::greedy_attack(oracle, everybody, setting_.attacks).robots) {
-      attacked_[index(robot)] = true;
-    }
-  }
-
-  void move(int step_of_plan) {
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      poses_[i] = plans_[i].poses[index(step_of_plan)];
-    }
-    for (models::StateVector& state : truth_) {
-      state = A_ * state + draw(W_, truth_rng_);
-      reflect(state);
-    }
-    for (models::Gaussian& belief : beliefs_) {
-      belief = estimator::reflect(models::predict(belief, A_, W_), world_.bounds);
-    }
-  }
-
-  void observe() {
-    const models::SensorModel sensor = tracking_sensor();
-    for (std::size_t m = 0; m < truth_.size(); ++m) {
-      const models::PositionVector target_m = truth_[m].head(2);
-      // Those that should have seen it and did not say where it is not, before the others are
-      // heard.
-      for (std::size_t i = 0; i < poses_.size(); ++i) {
-        const models::Viewpoint from{poses_[i], 0.0};
-        if (!attacked_[i] && !models::in_view(sensor, from, target_m)) {
-          beliefs_[m] = estimator::missed_detection(beliefs_[m], sensor, from, world_,
-                                                    setting_.detection_probability);
-        }
-      }
-      std::optional<models::Information> information = models::to_information(beliefs_[m]);
-      for (std::size_t i = 0; information && i < poses_.size(); ++i) {
-        const models::Viewpoint from{poses_[i], 0.0};
-        if (attacked_[i] || !models::in_view(sensor, from, target_m)) {
-          continue;
-        }
-        const models::Measurement z = models::sample(sensor, from, target_m, noise_rng_);
-        static_cast<void>(estimator::measure(*information, sensor, from, z, 0.0));
-      }
-      const auto updated = information ? models::to_gaussian(*information) : std::nullopt;
-      beliefs_[m] = updated.value_or(beliefs_[m]);
+      attacked_[index(robot)] = 1;
     }
   }
 
   void note(TrackingRun& run) const {
+    const std::vector<TargetStep> steps = targets_.steps();
+    const auto count = static_cast<double>(steps.size());
     double squared_m2 = 0.0;
-    double entropy_nats = 0.0;
-    for (std::size_t m = 0; m < truth_.size(); ++m) {
-      squared_m2 += (truth_[m] - beliefs_[m].mean).head<2>().squaredNorm();
-      entropy_nats += models::entropy_nats(beliefs_[m]);
+    for (const TargetStep& step : steps) {
+      squared_m2 += step.error_m * step.error_m;
     }
-    const auto targets = static_cast<double>(truth_.size());
-    run.rmse_m.push_back(std::sqrt(squared_m2 / targets));
-    run.entropy_nats.push_back(entropy_nats / targets);
+    double entropy_nats = 0.0;
+    for (const models::Gaussian& belief : targets_.beliefs()) {
+      entropy_nats += models::entropy_nats(belief);
+    }
+    run.rmse_m.push_back(std::sqrt(squared_m2 / count));
+    run.entropy_nats.push_back(entropy_nats / count);
+    run.targets.push_back(steps);
   }
 
   TrackingSetting setting_;
   bool is_resilient_;
-  std::mt19937_64 truth_rng_;
-  std::mt19937_64 noise_rng_;
-  models::TargetModel model_;
-  models::StateMatrix A_;
-  models::StateMatrix W_;
   models::World world_;
   models::DistanceField field_;
+  TrackedTargets targets_;
   planner::RefiningBeam search_;
-  std::vector<models::StateVector> truth_;
-  std::vector<models::Gaussian> beliefs_;
   std::vector<Pose2> poses_;
   std::vector<planner::SearchProblem> problems_;
   std::vector<planner::SearchResult> plans_;
-  std::vector<bool> attacked_;
+  std::vector<char> attacked_;
 };
 
 }  // namespace

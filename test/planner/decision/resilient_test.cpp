@@ -148,32 +148,41 @@ TEST(BaitRobots, AreTheOnesWorthMostAndTheLowerOfEquals) {
   EXPECT_EQ(bait_robots(values, 9), (std::vector<int>{0, 1, 2, 3, 4}));
 }
 
-TEST(Attack, OfTheGreedyKindIsNeverWorseThanTheWorst) {
-  int apart = 0;
-  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
-    const TeamProblem problem = test::random_instance(seed, {5, 3, 0.0}, {});
-    const TeamOracle oracle(problem);
-    const Choice choice = test::random_choice(oracle, seed);
-    for (int attacks = 0; attacks <= 4; ++attacks) {
-      const Attack worst = worst_attack(oracle, choice, attacks);
-      const Attack greedy = greedy_attack(oracle, choice, attacks);
-      for (const Attack& attack : {worst, greedy}) {
-        EXPECT_LE(static_cast<int>(attack.robots.size()), attacks);
-        Choice left = choice;
-        for (const int robot : attack.robots) {
-          left[static_cast<std::size_t>(robot)] = kNoCandidate;
+// What the experiments call worst case, held against all attacks there are.
+TEST(Attack, OfTheGreedyKindIsNeverWorseThanTheWorstAndNearlyAlwaysIsIt) {
+  int all_apart = 0;
+  for (const InformationMeasure measure :
+       {InformationMeasure::kMutual, InformationMeasure::kLogDet}) {
+    int several = 0;
+    int apart = 0;
+    for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+      const TeamProblem problem = test::random_instance(seed, {5, 3, 0.0}, measure);
+      const TeamOracle oracle(problem);
+      const Choice choice = test::random_choice(oracle, seed);
+      for (int attacks = 0; attacks <= 4; ++attacks) {
+        const Attack worst = worst_attack(oracle, choice, attacks);
+        const Attack greedy = greedy_attack(oracle, choice, attacks);
+        for (const Attack& attack : {worst, greedy}) {
+          EXPECT_LE(static_cast<int>(attack.robots.size()), attacks);
+          Choice left = choice;
+          for (const int robot : attack.robots) {
+            left[static_cast<std::size_t>(robot)] = kNoCandidate;
+          }
+          EXPECT_EQ(value_of(oracle, left), attack.value);
         }
-        EXPECT_EQ(value_of(oracle, left), attack.value);
+        EXPECT_GE(greedy.value, worst.value);
+        EXPECT_LE(worst.value, value_of(oracle, choice));
+        if (attacks <= 1) {
+          EXPECT_EQ(greedy.value, worst.value);
+        }
+        several += attacks > 1 ? 1 : 0;
+        apart += greedy.value > worst.value + kRounding ? 1 : 0;
       }
-      EXPECT_GE(greedy.value, worst.value);
-      EXPECT_LE(worst.value, value_of(oracle, choice));
-      if (attacks <= 1) {
-        EXPECT_EQ(greedy.value, worst.value);
-      }
-      apart += greedy.value > worst.value + kRounding ? 1 : 0;
     }
+    EXPECT_LT(apart, several / 100);
+    all_apart += apart;
   }
-  EXPECT_GT(apart, 0);
+  EXPECT_GT(all_apart, 0);
 }
 
 TEST(Attack, AtRandomHitsEverySetAlike) {
