@@ -1,27 +1,16 @@
 #include "tools/experiment/experiment.hpp"
 
 #include <cmath>
+#include <set>
 
 #include <gtest/gtest.h>
 
 #include "planner/team/decision/team_set.hpp"
 #include "tools/experiment/energy_trial.hpp"
 #include "tools/experiment/resilient_tracking.hpp"
-#include "tools/experiment/sample.hpp"
 
 namespace vantage::tools {
 namespace {
-
-TEST(Sample, HasTheMeanDeviationAndIntervalOfATextbook) {
-  Sample sample;
-  for (const double value : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) {
-    sample.add(value);
-  }
-  EXPECT_DOUBLE_EQ(sample.mean(), 5.0);
-  EXPECT_NEAR(sample.deviation(), std::sqrt(32.0 / 7.0), 1e-12);
-  EXPECT_NEAR(sample.half_interval(), 2.365 * std::sqrt(32.0 / 7.0 / 8.0), 1e-12);
-  EXPECT_EQ(Sample().mean(), 0.0);
-}
 
 TEST(EnergyTrial, IsDrawnByItsSeedAlone) {
   planner::ReducedValueIteration search({100'000, 4'000'000, 16, 16, 1});
@@ -53,17 +42,37 @@ TEST(BestShare, KeepsTheBestOfEachRobot) {
   }
 }
 
-TEST(Experiments, WriteTheSameFilesAgainButForTheTimes) {
-  ExperimentOptions options;
-  options.smoke = true;
+// Every unit kind of every experiment is a function of its seed: run in another order, in a thread
+// that has run others before.
+TEST(Experiments, HaveUnitsThatAreFunctionsOfTheirSeed) {
   for (const Experiment& experiment : all_experiments()) {
-    ExperimentResult one = experiment.run(options);
-    ExperimentResult again = experiment.run(options);
-    one.files.erase("times.csv");
-    again.files.erase("times.csv");
-    EXPECT_FALSE(one.files.empty());
-    EXPECT_EQ(one.files, again.files) << experiment.name;
-    EXPECT_FALSE(one.report.empty());
+    const Sweep sweep = experiment.make({0, true});
+    ASSERT_EQ(sweep.plan.trials, 2) << experiment.name;
+    const std::size_t last = sweep.plan.settings.size() - 1;
+    const UnitRows one = sweep.run(0, 3);
+    const UnitRows other = sweep.run(0, 4);
+    sweep.run(last, 3);
+    EXPECT_EQ(sweep.run(0, 3).tables, one.tables) << experiment.name;
+    EXPECT_NE(other.tables, one.tables) << experiment.name;
+    for (const auto& [table, rows] : one.tables) {
+      ASSERT_TRUE(sweep.plan.tables.contains(table)) << experiment.name << " " << table;
+      const std::size_t columns = cells_of(sweep.plan.tables.at(table)).size();
+      for (const std::string& row : rows) {
+        ASSERT_EQ(cells_of(row).size(), columns) << experiment.name << " " << table;
+      }
+    }
+  }
+}
+
+TEST(Experiments, HaveSettingsOfTheirOwnNames) {
+  for (const Experiment& experiment : all_experiments()) {
+    const SweepPlan plan = experiment.make({}).plan;
+    std::set<std::string> cells;
+    for (const Setting& setting : plan.settings) {
+      EXPECT_EQ(cells_of(setting.cells).size(), cells_of(plan.setting_columns).size());
+      EXPECT_TRUE(cells.insert(setting.cells).second) << experiment.name << " " << setting.cells;
+    }
+    EXPECT_EQ(experiment.make({3, false}).plan.trials, 3);
   }
 }
 
