@@ -31,9 +31,9 @@ struct Method {
   const char* name;
   double nodes_per_s;
 };
-constexpr Method kAStar{"astar", 1.0e6};
-constexpr Method kArvi{"arvi", 1.0e6};
-constexpr Method kAegis{"aegis", 1.0e6};
+constexpr Method kAStar{"astar", 1.5e6};
+constexpr Method kArvi{"arvi", 5.0e6};
+constexpr Method kAegis{"aegis", 1.5e6};
 constexpr std::array<Method, 3> kMethods = {kAStar, kArvi, kAegis};
 
 // How large the pictures' trees may be.

@@ -94,7 +94,7 @@ std::string resilient_mapping_figures() {
   colour(planner) = planner eq "rain" ? "#0072B2" : "#D55E00"
   called(planner) = planner eq "rain" ? "RAIN" : "coordinate descent"
   set key inside top right
-  set xlabel "time [s]"; set ylabel "map entropy [nats], mean and its 95 % interval"
+  set xlabel "time [s]"; set ylabel "map entropy [nats], 95 % interval"
   set yrange [0:*]
   set multiplot layout 2,2
   do for [world in "squares corridors"] {
@@ -123,13 +123,13 @@ const char* const kMappingWorld = R"gp(
 std::string active_mapping_figures() {
   const std::string world = kMappingWorld;
   return figure("active-mapping-heat-map", "900,820", world + R"gp(
-  set datafile separator whitespace
+  set datafile separator whitespace; set style fill solid
   set title "Least cost-to-go h(x, y) by Thm 6 over T = 12 steps [m²]"
   set palette defined (0 "#08306b", 0.5 "#6baed6", 1 "#ffffe0")
   plot "heat_map.txt" matrix using (0.05*$1+0.025):(0.05*$2+0.025):3 with image notitle, \
        "landmarks.txt" with points pt 7 ps 1.4 lc rgb "#D55E00" title "landmarks"
 )gp") + figure("active-mapping-trees", "1650,620", world + R"gp(
-  set datafile separator whitespace
+  set datafile separator whitespace; set style fill solid
   set palette defined (1 "#c6dbef", 6 "#4292c6", 12 "#08306b")
   set cbrange [1:12]; set cblabel "depth"
   set multiplot layout 1,3
@@ -140,7 +140,7 @@ std::string active_mapping_figures() {
          "landmarks.txt" with points pt 7 ps 1.3 lc rgb "#009E73" notitle
   }
 )gp") + figure("active-mapping-moving", "1650,620", R"gp(
-  set datafile separator whitespace
+  set datafile separator whitespace; set style fill solid
   set xrange [0:10]; set yrange [0:10]; set size ratio -1
   set xlabel "x [m]"; set ylabel "y [m]"
   set palette defined (1 "#c6dbef", 3 "#4292c6", 6 "#08306b")

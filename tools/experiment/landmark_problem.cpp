@@ -12,8 +12,8 @@ double uniform(std::mt19937_64& rng, double low, double high) {
 
 Eigen::Vector2d anywhere_free(std::mt19937_64& rng, const models::World& world) {
   while (true) {
-    const double x_m = uniform(rng, 0.0, 10.0);
-    const Eigen::Vector2d at_m(x_m, uniform(rng, 0.0, 10.0));
+    const double y_m = uniform(rng, 0.0, 10.0);
+    const Eigen::Vector2d at_m(uniform(rng, 0.0, 10.0), y_m);
     if (models::clearance_m(world, at_m) > 0.05) {
       return at_m;
     }

@@ -12,7 +12,7 @@ namespace vantage::tools {
 /// Nodes of work a second of ARVI on tracking problems on the reference machine (one core of a
 /// 2-core virtual machine, release preset): a slot of T_ARVI / n seconds is as many nodes, so that
 /// a trial is the same on every machine.
-inline constexpr double kReferenceNodesPerS = 1.0e6;
+inline constexpr double kReferenceNodesPerS = 6.0e6;
 
 /// A scenario of config/ and what an experiment changes in it.
 struct TeamTrial {

@@ -84,9 +84,7 @@ void add_heat_map_rows(UnitRows& rows, const planner::SearchProblem& problem, do
     std::string row;
     for (double x_m = bounds.min_m.x() + 0.5 * resolution_m; x_m < bounds.max_m.x();
          x_m += resolution_m) {
-      const bool is_free = models::clearance_m(*problem.world, {x_m, y_m}) > 0.0;
-      row +=
-          is_free ? fmt::format("{:.4f} ", heuristic.cost_to_go({x_m, y_m, 0.0}, 0, {})) : "nan ";
+      row += fmt::format("{:.4f} ", heuristic.cost_to_go({x_m, y_m, 0.0}, 0, {}));
     }
     rows.tables["heat_map"].push_back(row);
   }

@@ -20,8 +20,8 @@ double cost_per_path(const planner::Tree& tree, int horizon_steps);
 void add_tree_rows(UnitRows& rows, const planner::SearchProblem& problem, const planner::Tree& tree,
                    const planner::SearchResult& result, std::size_t nodes_max);
 
-/// Adds h(x, y) of the root's beliefs over the world by Thm 6 to the table "heat_map"; nan inside
-/// obstacles.
+/// Adds h(x, y) of the root's beliefs over the world by Thm 6 to the table "heat_map"; inside
+/// obstacles as well, which the pictures cover.
 void add_heat_map_rows(UnitRows& rows, const planner::SearchProblem& problem, double resolution_m);
 
 /// tree_PROBLEM_METHOD.txt (polylines "x y depth", the plan's as a second block) for each setting
