@@ -51,7 +51,7 @@ until [[ $(cat "$work"/killed/rows/*.jsonl 2> /dev/null | wc -l) -ge 2 ]]; do
   kill -0 "$pid" 2> /dev/null || break
 done
 kill -9 "$pid" 2> /dev/null || true
-wait "$pid" || true
+wait "$pid" 2> /dev/null || true
 lines=$(cat "$work"/killed/rows/*.jsonl | wc -l)
 printf '{"setting":"3","trial":1,"rows":{"tri' >> "$(echo "$work"/killed/rows/*.jsonl)"
 "$vantage" experiment dls-objective --smoke --out "$work/killed" > "$work/out"
@@ -78,3 +78,11 @@ code=0
 "$vantage" experiment dls-objective --smoke --seed 2 --out "$work/shards" 2> "$work/err" || code=$?
 [[ $code == 2 ]] || fail "another seed's directory gave exit code $code"
 grep -q 'another seed' "$work/err" || fail "it said: $(cat "$work/err")"
+
+# A share that is none.
+for shard in 0/3 4/3 3 1/0 1/3x; do
+  code=0
+  "$vantage" experiment dls-objective --smoke --shard "$shard" --out "$work/none" 2> "$work/err" || code=$?
+  [[ $code == 2 ]] && grep -q 'is not i/n' "$work/err" || fail "--shard $shard: exit code $code"
+done
+[[ ! -e "$work/none" ]] || fail "a refused command made its directory"

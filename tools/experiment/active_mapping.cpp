@@ -21,6 +21,7 @@ using planner::SearchResult;
 
 constexpr int kStarts = 100;  // as the dissertation
 constexpr std::array<double, 2> kBudgets_s = {0.01, 0.1};
+constexpr double kProof_s = 1.0;  // of A* alone: the source gave it ten
 constexpr double kEpsilon = 1.0;  // as in Fig. 2.5
 constexpr double kDelta_m = 0.1;
 constexpr double kHeatMap_m = 0.05;
@@ -147,6 +148,8 @@ std::vector<MappingCase> all_cases(const Drawing& drawing) {
           [method, budget_s](std::uint64_t seed) { return run_start(method, budget_s, seed); });
     }
   }
+  add(fmt::format("free-{}s,{}", kProof_s, kAStar.name), false,
+      [](std::uint64_t seed) { return run_start(kAStar, kProof_s, seed); });
   for (const char* method : {"astar", "arvi", "aegis"}) {
     const std::int64_t nodes =
         std::string(method) == "arvi" ? drawing.arvi_nodes : drawing.moving_nodes;
@@ -206,6 +209,7 @@ std::string places_of(const SearchProblem& problem) {
 void compare(const std::map<std::string, PlanSamples>& samples, Summary& summary) {
   const PlanSamples& astar = samples.at("free-0.1s,astar");
   const PlanSamples& arvi = samples.at("free-0.1s,arvi");
+  const PlanSamples& long_astar = samples.at(fmt::format("free-{}s,astar", kProof_s));
   summary.compared = {
       compare_number("mean cost per path in the tree of A*, 0.1 s", astar.per_path, 2.67, "m²"),
       compare_number("mean cost per path in the tree of ARVI, 0.1 s", arvi.per_path, 3.14, "m²"),
@@ -214,10 +218,11 @@ void compare(const std::map<std::string, PlanSamples>& samples, Summary& summary
           astar.per_path.mean() < arvi.per_path.mean() ? "A* below ARVI" : "ARVI below A*",
           "A* below ARVI (caption; the prose says the opposite)",
           astar.per_path.mean() < arvi.per_path.mean()),
-      compare_claim("starts whose optimum A* proves within 0.1 s",
-                    fmt::format("{} of {}", astar.proven, astar.cost.size()),
+      compare_claim("starts whose optimum A* finds and proves",
+                    fmt::format("{} of {} in {} s ({} in 0.1 s)", long_astar.proven,
+                                long_astar.cost.size(), kProof_s, astar.proven),
                     "all, in less than 10 s",
-                    static_cast<std::size_t>(astar.proven) == astar.cost.size()),
+                    static_cast<std::size_t>(long_astar.proven) == long_astar.cost.size()),
       compare_claim(
           "landmarks that the optimum of the known start sees",
           fmt::format("{:.0f} of 6, cost {:.4f}, proven: {}", samples.at("known,astar").seen.mean(),

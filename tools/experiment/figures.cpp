@@ -125,7 +125,7 @@ std::string active_mapping_figures() {
   return figure("active-mapping-heat-map", "900,820", world + R"gp(
   set datafile separator whitespace; set style fill solid
   set title "Least cost-to-go h(x, y) by Thm 6 over T = 12 steps [m²]"
-  set palette defined (0 "#08306b", 0.5 "#6baed6", 1 "#ffffe0")
+  set palette defined (0 "#08306b", 0.5 "#6baed6", 1 "#ffffe0"); set cbrange [2:16]
   plot "heat_map.txt" matrix using (0.05*$1+0.025):(0.05*$2+0.025):3 with image notitle, \
        "landmarks.txt" with points pt 7 ps 1.4 lc rgb "#D55E00" title "landmarks"
 )gp") + figure("active-mapping-trees", "1650,620", world + R"gp(
@@ -159,10 +159,10 @@ std::string active_mapping_figures() {
   width = 0.05
   bin(x) = width*(floor(x/width)+0.5)
   set style fill solid 0.45 border; set boxwidth width
-  pick(m, v) = (strcol(1) eq "free-0.1s" && strcol(2) eq m && column(7) < 1e9) ? bin(v) : 1/0
-  plot "plans.csv" using (pick("astar", $9)):(1.0) smooth frequency with boxes lc rgb "#0072B2" title "A*", \
-       "" using (pick("arvi", $9)):(1.0) smooth frequency with boxes lc rgb "#D55E00" title "ARVI", \
-       "" using (pick("aegis", $9)):(1.0) smooth frequency with points pt 5 ps 1.2 lc rgb "#009E73" title "AEGIS"
+  paths(m) = sprintf("< awk -F, '$1 == \"free-0.1s\" && $2 == \"%s\" && $7 != \"inf\" {print $9}' plans.csv", m)
+  plot paths("astar") using (bin($1)):(1.0) smooth frequency with boxes lc rgb "#0072B2" title "A*", \
+       paths("arvi") using (bin($1)):(1.0) smooth frequency with boxes lc rgb "#D55E00" title "ARVI", \
+       paths("aegis") using (bin($1)):(1.0) smooth frequency with points pt 5 ps 1.2 lc rgb "#009E73" title "AEGIS"
 )gp");
 }
 

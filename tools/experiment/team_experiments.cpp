@@ -127,7 +127,7 @@ Sweep sweep_of(TeamSweep team, const Extent& extent) {
   for (TeamCase& of : team.cases) {
     if (extent.is_smoke) {
       of.trial.duration_s = kSmoke_s;
-      of.trial.planning_time_s *= 0.1;
+      of.trial.planning_time_s *= 0.02;
     }
     sweep.plan.settings.push_back({of.cells});
   }
