@@ -8,6 +8,7 @@
 #include "test/planner/exhaustive_oracle.hpp"
 #include "test/planner/full_tree.hpp"
 #include "test/planner/mapping_problem.hpp"
+#include "test/planner/random_problem.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -175,7 +176,7 @@ TEST(SequencingBound, BoundsHowEverManyTargetsThereAre) {
   SequencingBound sequencing(64, 12, 1'000);
   BeliefTable beliefs(64, 12);
   for (const int landmarks : {1, 8, 16, 40}) {
-    const OwnedProblem owned = test::random_landmark_problem(7, landmarks);
+    const tools::LandmarkProblem owned = test::random_landmark_problem(7, landmarks);
     beliefs.reset(owned.problem);
     heuristic.reset(owned.problem, beliefs);
     sequencing.reset(owned.problem, beliefs, heuristic);
@@ -208,7 +209,7 @@ double regularised_score(const SearchProblem& problem, const std::vector<Pose2>&
 }
 
 TEST(Mapping, IsSolvedWithItsProof) {
-  const OwnedProblem owned = test::known_mapping_problem();
+  const tools::LandmarkProblem owned = test::known_mapping_problem();
   BestFirstSearch search({50'000, 1'000'000, 8, 12, 1});
   const SearchResult& result = search.plan(owned.problem, {}, Deadline::nodes(200'000));
   EXPECT_EQ(result.stop_reason, StopReason::kFinished);
@@ -220,7 +221,7 @@ TEST(Mapping, IsSolvedWithItsProof) {
 TEST(Mapping, IsSolvedFromOtherStartsAndByTheorem6Alike) {
   BestFirstSearch search({400'000, 4'000'000, 8, 12, 1});
   for (const std::uint64_t seed : {6U, 9U}) {
-    const OwnedProblem owned = test::random_mapping_problem(seed);
+    const tools::LandmarkProblem owned = tools::random_start_problem(seed);
     BestFirstOptions options;
     const SearchResult by_sequence = search.plan(owned.problem, options, Deadline::never());
     options.bound = NodeBound::kReach;
@@ -232,7 +233,7 @@ TEST(Mapping, IsSolvedFromOtherStartsAndByTheorem6Alike) {
 }
 
 TEST(Mapping, HasABoundBelowTheOptimumAtEveryBudget) {
-  const OwnedProblem owned = test::known_mapping_problem();
+  const tools::LandmarkProblem owned = test::known_mapping_problem();
   BestFirstSearch search({50'000, 1'000'000, 8, 12, 1});
   for (std::int64_t budget_nodes = 200; budget_nodes < 60'000; budget_nodes *= 2) {
     for (const double w : {1.0, 1.5}) {

@@ -1,27 +1,19 @@
 #include "tools/experiment/experiment.hpp"
 
 #include <cmath>
+#include <set>
 
 #include <gtest/gtest.h>
 
 #include "planner/team/decision/team_set.hpp"
 #include "tools/experiment/energy_trial.hpp"
+#include "tools/experiment/mapping_rows.hpp"
 #include "tools/experiment/resilient_tracking.hpp"
-#include "tools/experiment/sample.hpp"
+#include "tools/experiment/team_trial.hpp"
+#include "tools/experiment/tree_rows.hpp"
 
 namespace vantage::tools {
 namespace {
-
-TEST(Sample, HasTheMeanDeviationAndIntervalOfATextbook) {
-  Sample sample;
-  for (const double value : {2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0}) {
-    sample.add(value);
-  }
-  EXPECT_DOUBLE_EQ(sample.mean(), 5.0);
-  EXPECT_NEAR(sample.deviation(), std::sqrt(32.0 / 7.0), 1e-12);
-  EXPECT_NEAR(sample.half_interval(), 2.365 * std::sqrt(32.0 / 7.0 / 8.0), 1e-12);
-  EXPECT_EQ(Sample().mean(), 0.0);
-}
 
 TEST(EnergyTrial, IsDrawnByItsSeedAlone) {
   planner::ReducedValueIteration search({100'000, 4'000'000, 16, 16, 1});
@@ -53,18 +45,64 @@ TEST(BestShare, KeepsTheBestOfEachRobot) {
   }
 }
 
-TEST(Experiments, WriteTheSameFilesAgainButForTheTimes) {
-  ExperimentOptions options;
-  options.smoke = true;
+TEST(Experiments, HaveSettingsOfTheirOwnNames) {
   for (const Experiment& experiment : all_experiments()) {
-    ExperimentResult one = experiment.run(options);
-    ExperimentResult again = experiment.run(options);
-    one.files.erase("times.csv");
-    again.files.erase("times.csv");
-    EXPECT_FALSE(one.files.empty());
-    EXPECT_EQ(one.files, again.files) << experiment.name;
-    EXPECT_FALSE(one.report.empty());
+    const SweepPlan plan = experiment.make({}).plan;
+    std::set<std::string> cells;
+    for (const Setting& setting : plan.settings) {
+      EXPECT_EQ(cells_of(setting.cells).size(), cells_of(plan.setting_columns).size());
+      EXPECT_TRUE(cells.insert(setting.cells).second) << experiment.name << " " << setting.cells;
+    }
+    EXPECT_EQ(experiment.make({3, false}).plan.trials, 3);
   }
+}
+
+TEST(TeamTrial, IsTheScenarioWithWhatTheExperimentChanges) {
+  TeamTrial trial;
+  trial.file = "field.yaml";
+  trial.robots = 10;
+  trial.targets = 25;
+  trial.duration_s = 300.0;
+  trial.range_sigma_m = 0.3;
+  trial.bearing_sigma_deg = 10.0;
+  trial.communication_range_m = 30.0;
+  trial.planning_time_s = 0.2;
+  const models::Scenario scenario = scenario_of(trial, 7);
+  EXPECT_EQ(scenario.seed, 7U);
+  EXPECT_EQ(scenario.duration_s, 300.0);
+  EXPECT_EQ(scenario.targets.size(), 25U);
+  EXPECT_EQ(scenario.network.communication_range_m, 30.0);
+  EXPECT_EQ(scenario.planner.node_budget,
+            static_cast<std::int64_t>(kReferenceNodesPerS * 0.2 / 10.0));
+  ASSERT_EQ(scenario.robots.size(), 10U);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(scenario.robots[i].sensor.range_sigma_m, 0.3);
+    EXPECT_NEAR(scenario.robots[i].sensor.bearing_sigma_rad, radians(10.0), 1e-12);
+    for (std::size_t k = 0; k < i; ++k) {
+      EXPECT_GT(
+          (scenario.robots[i].start.position_m() - scenario.robots[k].start.position_m()).norm(),
+          2.0 * scenario.planner.separation_m);
+    }
+  }
+}
+
+TEST(TreeFiles, HaveTheTreeInTheFirstBlockAndThePlanInTheSecond) {
+  SweepPlan plan;
+  plan.settings = {{"known,astar"}};
+  plan.tables = {{"motions", "part,depth,points_m"}, {"heat_map", "cost_to_go"}};
+  std::map<Unit, UnitRows> done;
+  done[{0, 0}].tables["motions"] = {"tree,1,0 0 1 0", "tree,2,1 0 2 1", "plan,1,0 0 1 0"};
+  const auto files = tree_files(plan, tables_of(plan, done));
+  EXPECT_EQ(files.at("tree_known_astar.txt"), "0 0 1\n1 0 1\n\n1 0 2\n2 1 2\n\n\n0 0 1\n1 0 1\n");
+}
+
+TEST(MapRows, KeepWhatIsFreeOccupiedAndUnknown) {
+  models::OccupancyBelief map(models::GridGeometry::covering({{0.0, 0.0}, {0.6, 0.2}}, 0.2), 4.6);
+  map.add_log_odds(0, -9.0);
+  map.add_log_odds(2, 9.0);
+  UnitRows rows;
+  add_map_rows(rows, "end", map);
+  EXPECT_EQ(rows.tables.at("maps"), std::vector<std::string>{"end,0,0iz"});
 }
 
 TEST(TrackUnderAttack, IsTheSameForBothWhereNobodyIsAttacked) {

@@ -1,51 +1,102 @@
+#include "tools/experiment/experiment.hpp"
+
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "core/check.hpp"
+#include "core/process.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/experiment/experiment_files.hpp"
 #include "tools/live/screen.hpp"
+#include "tools/observe/announcer.hpp"
+#include "tools/sweep/report_page.hpp"
+#include "tools/sweep/sweep_run.hpp"
 
 namespace vantage::tools {
 namespace {
 
 struct ExperimentArguments {
   std::string name;
-  std::string directory;
-  ExperimentOptions options;
+  std::string shard;
+  std::uint64_t seed = 1;
+  Extent extent;
+  SweepOptions options;
 };
 
-void show_progress(double share) {
-  fmt::print(stderr, "\rexperiment {:3.0f} %", 100.0 * share);
-  if (share >= 1.0) {
-    fmt::print(stderr, "\r                \r");
+// "2/8": the second of eight.
+Shard shard_of(const std::string& text) {
+  Shard shard;
+  char end = '\0';
+  if (std::sscanf(text.c_str(), "%d/%d%c", &shard.number, &shard.of, &end) != 2 || shard.of < 1 ||
+      shard.number < 1 || shard.number > shard.of) {
+    throw StartupError("--shard: '" + text + "' is not i/n with 1 ≤ i ≤ n");
+  }
+  return shard;
+}
+
+// On one line of a terminal. A second Ctrl-C drops the units that run: their rows are not begun.
+void show_progress(const SweepProgress& progress) {
+  if (stop_requests() > 1) {
+    fmt::print(stderr, "\n");
+    std::_Exit(1);
+  }
+  if (::isatty(STDERR_FILENO) == 1) {
+    fmt::print(stderr, "\r\033[K{}", progress_text(progress));
   }
 }
 
-int run(ExperimentArguments arguments) {
+int tell(const ExperimentArguments& arguments, const SweepIdentity& identity,
+         const SweepOutcome& outcome) {
   if (::isatty(STDERR_FILENO) == 1) {
-    arguments.options.progress = show_progress;
+    fmt::print(stderr, "\r\033[K");
   }
-  for (const Experiment& experiment : all_experiments()) {
-    if (experiment.name != arguments.name) {
-      continue;
-    }
-    const std::string directory =
-        arguments.directory.empty() ? "experiments/" + arguments.name : arguments.directory;
-    for (const std::string& line : run_experiment(experiment, arguments.options, directory)) {
-      print_line(line);
-    }
+  for (const std::string& line : outcome.lines) {
+    print_line(line);
+  }
+  const std::string command =
+      command_of(identity, arguments.extent.trials) + " --out " + arguments.options.directory;
+  if (outcome.is_stopped) {
+    fmt::print(stderr, "stopped with {} of {} units done; their rows are kept. To go on: {}{}\n",
+               outcome.progress.done, outcome.progress.units, command,
+               arguments.shard.empty() ? "" : " --shard " + arguments.shard);
+    return 1;
+  }
+  if (arguments.options.shard) {
+    print_line(fmt::format("shard {}: {} units done. When all shards are: {}", arguments.shard,
+                           outcome.progress.done, command));
   }
   return 0;
+}
+
+int run(ExperimentArguments arguments) {
+  const std::vector<Experiment>& all = all_experiments();
+  const auto experiment = std::find_if(
+      all.begin(), all.end(), [&](const Experiment& each) { return each.name == arguments.name; });
+  if (!arguments.shard.empty()) {
+    arguments.options.shard = shard_of(arguments.shard);
+  }
+  if (arguments.options.directory.empty()) {
+    arguments.options.directory = "experiments/" + arguments.name;
+  }
+  arguments.options.stop = stop_requested;
+  arguments.options.progress = show_progress;
+  const Sweep sweep = experiment->make(arguments.extent);
+  arguments.extent.trials = sweep.plan.trials;
+  const SweepIdentity identity{arguments.name, version(), arguments.seed,
+                               arguments.extent.is_smoke};
+  return tell(arguments, identity, run_sweep(sweep, identity, experiment->what, arguments.options));
 }
 
 }  // namespace
 
 void add_experiment_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
-      "experiment", "Repeat an experiment of the dissertation: CSV, manifest and figures.");
+      "experiment", "Repeat an experiment of the dissertation: CSV, figures and a report.");
   auto arguments = std::make_shared<ExperimentArguments>();
   std::vector<std::string> names;
   std::string footer = "Experiments:\n";
@@ -55,22 +106,31 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   }
   command->add_option("name", arguments->name, "which")->required()->check(CLI::IsMember(names));
   command
-      ->add_option("--trials", arguments->options.trials,
+      ->add_option("--trials", arguments->extent.trials,
                    "of each setting; when not given, as many as the dissertation ran")
       ->check(CLI::Range(1, 1'000'000));
-  command
-      ->add_option("--seed", arguments->options.seed,
-                   "of the first trial; the next one's is 1 more")
+  command->add_option("--seed", arguments->seed, "of the first trial; the next one's is 1 more")
       ->capture_default_str();
-  command->add_option("--out", arguments->directory,
+  command->add_option("--jobs", arguments->options.jobs, "threads; about 0.7 GB each")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_option("--shard", arguments->shard,
+                      "i/n: run the i-th of n shares only, and write its rows; i from 1");
+  command->add_option("--out", arguments->options.directory,
                       "directory of the results; experiments/NAME when not given");
-  command->add_flag("--smoke", arguments->options.smoke,
-                    "two trials of the smallest settings: does it run at all");
-  command->footer(footer +
-                  "The same seed gives the same files, but for times.csv.\n"
-                  "Examples:\n"
-                  "  vantage experiment dls-savings --out results/dls-savings\n"
-                  "  vantage experiment dls-objective --trials 10 --seed 7");
+  command->add_flag("--smoke", arguments->extent.is_smoke,
+                    "two trials of shortened horizons: does it run at all");
+  command->footer(
+      footer +
+      "The same seed gives the same files whatever the jobs, shards and interruptions,\n"
+      "but for the times. Ctrl-C or a crash keeps what is done: the same command goes "
+      "on.\n"
+      "Examples:\n"
+      "  vantage experiment dls-savings --jobs 2 --out results/dls-savings\n"
+      "  vantage experiment dls-objective --trials 10 --seed 7\n"
+      "  parallel vantage experiment resilient-mapping --out rm --shard {}/8 ::: $(seq "
+      "8)\n"
+      "  vantage experiment resilient-mapping --out rm");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }
 

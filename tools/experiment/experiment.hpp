@@ -1,46 +1,34 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <map>
-#include <string>
 #include <vector>
 
+#include "tools/sweep/sweep.hpp"
+
 namespace vantage::tools {
-
-/// How much of an experiment is run.
-struct ExperimentOptions {
-  int trials = 0;  ///< of each setting; 0: as the dissertation
-  std::uint64_t seed = 1;
-  bool smoke = false;  ///< two trials, the smallest settings: does it run at all
-  /// Told the share that is done, in [0, 1]; may be empty.
-  std::function<void(double)> progress;
-};
-
-/// What an experiment found.
-struct ExperimentResult {
-  std::map<std::string, std::string> files;  ///< CSV by name; what is in "times.csv" differs from
-                                             ///< run to run, all else never does
-  std::string figure;                        ///< gnuplot, to be run among the files
-  std::vector<std::string> report;           ///< what to tell at the end
-  std::map<std::string, double> settings;    ///< for the manifest
-};
 
 /// One experiment of the dissertation that a command reproduces.
 struct Experiment {
   const char* name;
   const char* what;
-  ExperimentResult (*run)(const ExperimentOptions& options);
+  Sweep (*make)(const Extent& extent);
 };
 const std::vector<Experiment>& all_experiments();
 
-// The experiments themselves. Each row of a CSV is a function of (seed, trial) alone.
-
+/// Fig. 2.2 to 2.5: A*, ARVI and AEGIS from a hundred starts.
+Sweep active_mapping(const Extent& extent);
+/// Fig. 3.3 a–c, d–f, g–i: tracking against communication range, planning time and noise.
+Sweep tracking_communication(const Extent& extent);
+Sweep tracking_time(const Extent& extent);
+Sweep tracking_noise(const Extent& extent);
+/// Fig. 3.4: the lab's trial, simulated, and three planners that do not think ahead.
+Sweep hardware(const Extent& extent);
 /// Fig. 3.6: oracle calls and proposals of distributed local search, naive, lazy, warm and both.
-ExperimentResult run_dls_savings(const ExperimentOptions& options);
+Sweep dls_savings(const Extent& extent);
 /// Fig. 3.7: J of distributed local search against coordinate descent in both orders.
-ExperimentResult run_dls_objective(const ExperimentOptions& options);
+Sweep dls_objective(const Extent& extent);
 /// Table 4.1 and Fig. 4.3: tracking under worst-case attacks, RAIN against coordinate descent.
-ExperimentResult run_resilient_tracking(const ExperimentOptions& options);
+Sweep resilient_tracking(const Extent& extent);
+/// Fig. 4.4 and 4.5: mapping under attack, RAIN against coordinate descent.
+Sweep resilient_mapping(const Extent& extent);
 
 }  // namespace vantage::tools

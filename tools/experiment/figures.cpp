@@ -3,10 +3,10 @@
 namespace vantage::tools {
 namespace {
 
-// Draws draw_all() as `name`.svg and `name`.png; the script says how large and what.
+// Draws `plots` as `name`.svg and `name`.png.
 std::string figure(const std::string& name, const std::string& size, const std::string& plots) {
   // Lines are not drawn across what a filter within gnuplot leaves out: awk picks the rows.
-  return "rows(m) = sprintf(\"< awk -F, '$2 == \\\"%s\\\"' summary.csv\", m)\n"
+  return "reset\nrows(m) = sprintf(\"< awk -F, '$2 == \\\"%s\\\"' summary.csv\", m)\n"
          "set datafile separator ','\nset grid lc rgb '#dddddd'\n"
          "set style fill transparent solid 0.15 noborder\n"
          "do for [kind in 'svg png'] {\n"
@@ -46,7 +46,7 @@ std::string dls_objective_figure() {
 
 std::string resilient_tracking_figure() {
   return figure("resilient-tracking", "1100,760", R"gp(
-  steps(a, m) = sprintf("< awk -F, '$3 == %s && $4 == \"%s\"' steps.csv", a, m)
+  steps(a, m) = sprintf("< awk -F, '$3 == %s && $4 == \"%s\"' curves.csv", a, m)
   colour(m) = m eq 'rain' ? '#009E73' : '#D55E00'
   set multiplot layout 2,2
   set key top left samplen 2
@@ -59,6 +59,130 @@ std::string resilient_tracking_figure() {
     plot for [m in '"cd" "rain"'] steps(a, m) using (0.5 * $5):6 with lines lw 2 lc rgb colour(m) title m
   }
 )gp");
+}
+
+std::string resilient_mapping_figures() {
+  return figure("resilient-mapping-maps", "1500,1020", R"gp(
+  set datafile separator whitespace
+  unset multiplot; set size; set xrange [*:*]; set yrange [*:*]
+  stats "squares_ways.txt" using 1 nooutput; last_squares = int(STATS_max)
+  stats "corridors_ways.txt" using 1 nooutput; last_corridors = int(STATS_max)
+  set palette defined (0 "white", 0.5 "#b0b0b0", 1 "black"); set cbrange [0:1]; unset colorbox
+  set size ratio -1; set xrange [0:16]; set yrange [0:16]
+  set xlabel "x [m]"; set ylabel "y [m]"
+  set key outside bottom center horizontal
+  set multiplot layout 2,3
+  do for [world in "squares corridors"] {
+    last = world eq "squares" ? last_squares : last_corridors; half = last / 2
+    do for [map in "truth half end"] {
+      set title map eq "truth" ? world.": truth" : map eq "half" ? sprintf("RAIN, 2 of 6 attacked: after %d s", half) : sprintf("after %d s", last)
+      if (map eq "truth") {
+        plot world."_truth.txt" matrix using (0.2*$1+0.1):(0.2*$2+0.1):3 with image notitle
+      } else {
+        until = map eq "half" ? half : last
+        since = map eq "half" ? 0 : half
+        ways = world."_ways.txt"
+        plot world."_".map.".txt" matrix using (0.2*$1+0.1):(0.2*$2+0.1):3 with image notitle, \
+          for [i=0:5] ways index i using ($1 >= since && $1 <= until ? $2 : 1/0):3 with lines lw 1 lc rgb "#56B4E9" notitle, \
+          for [i=0:5] ways index i using ($1 >= since && $1 <= until && $4 == 0 ? $2 : 1/0):3 with points pt 7 ps 0.5 lc rgb "#0072B2" title (i == 0 ? "saw" : ""), \
+          for [i=0:5] ways index i using ($1 >= since && $1 <= until && $4 == 1 ? $2 : 1/0):3 with points pt 7 ps 0.5 lc rgb "#D55E00" title (i == 0 ? "attacked" : "")
+      }
+    }
+  }
+)gp") + figure("resilient-mapping-entropy", "1300,860", R"gp(
+  curve(world, attack, planner) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" && $3 == 2 && $4 == \"plain\" && $5 == \"%s\"' curves.csv", world, attack, planner)
+  colour(planner) = planner eq "rain" ? "#0072B2" : "#D55E00"
+  called(planner) = planner eq "rain" ? "RAIN" : "coordinate descent"
+  set key inside top right
+  set xlabel "time [s]"; set ylabel "map entropy [nats], 95 % interval"
+  set yrange [0:*]
+  set multiplot layout 2,2
+  do for [world in "squares corridors"] {
+    do for [attack in "worst random"] {
+      set title world.", 2 of 6 robots attacked at a time, ".attack
+      plot for [p in "descent rain"] curve(world, attack, p) using 6:($7 - $8):($7 + $8) with filledcurves lc rgb colour(p) notitle, \
+           for [p in "descent rain"] curve(world, attack, p) using 6:7 with lines lw 2 lc rgb colour(p) title called(p)
+    }
+  }
+)gp");
+}
+
+namespace {
+
+// What the pictures of active mapping share: the boxes of the world and its size.
+const char* const kMappingWorld = R"gp(
+  set xrange [0:10]; set yrange [0:10]; set size ratio -1
+  set xlabel "x [m]"; set ylabel "y [m]"
+  set object 1 rectangle from 3.885,0.825 to 5.925,2.865 front fillcolor rgb "#8b939c" fillstyle solid noborder
+  set object 2 rectangle from 3.885,3.885 to 5.925,5.925 front fillcolor rgb "#8b939c" fillstyle solid noborder
+  set object 3 rectangle from 3.885,6.945 to 5.925,8.975 front fillcolor rgb "#8b939c" fillstyle solid noborder
+)gp";
+
+}  // namespace
+
+std::string active_mapping_figures() {
+  const std::string world = kMappingWorld;
+  return figure("active-mapping-heat-map", "900,820", world + R"gp(
+  set datafile separator whitespace; set style fill solid
+  set title "Least cost-to-go h(x, y) by Thm 6 over T = 12 steps [m²]"
+  set palette defined (0 "#08306b", 0.5 "#6baed6", 1 "#ffffe0"); set cbrange [2:16]
+  plot "heat_map.txt" matrix using (0.05*$1+0.025):(0.05*$2+0.025):3 with image notitle, \
+       "landmarks.txt" with points pt 7 ps 1.4 lc rgb "#D55E00" title "landmarks"
+)gp") + figure("active-mapping-trees", "1650,620", world + R"gp(
+  set datafile separator whitespace; set style fill solid
+  set palette defined (1 "#c6dbef", 6 "#4292c6", 12 "#08306b")
+  set cbrange [1:12]; set cblabel "depth"
+  set multiplot layout 1,3
+  do for [name in "astar arvi aegis"] {
+    set title (name eq "astar" ? "A*" : name eq "arvi" ? "ARVI (its first nodes)" : "AEGIS (ε = 1, δ = 0.1)")
+    plot "tree_known_".name.".txt" index 0 using 1:2:3 with lines lc palette lw 0.6 notitle, \
+         "" index 1 using 1:2 with lines lc rgb "#D55E00" lw 3 notitle, \
+         "landmarks.txt" with points pt 7 ps 1.3 lc rgb "#009E73" notitle
+  }
+)gp") + figure("active-mapping-moving", "1650,620", R"gp(
+  set datafile separator whitespace; set style fill solid
+  set xrange [0:10]; set yrange [0:10]; set size ratio -1
+  set xlabel "x [m]"; set ylabel "y [m]"
+  set palette defined (1 "#c6dbef", 3 "#4292c6", 6 "#08306b")
+  set cbrange [1:6]; set cblabel "depth"
+  set multiplot layout 1,3
+  do for [name in "rvi astar aegis"] {
+    set title (name eq "rvi" ? "RVI (ε = 1, δ = 0.1)" : name eq "astar" ? "A*" : "AEGIS (ε = 1, δ = 0.1)")
+    plot "tree_moving_".name.".txt" index 0 using 1:2:3 with lines lc palette lw 0.6 notitle, \
+         "" index 1 using 1:2 with lines lc rgb "#D55E00" lw 3 notitle, \
+         "moving_target.txt" with points pt 7 ps 1.3 lc rgb "#009E73" notitle
+  }
+)gp") + figure("active-mapping-paths", "900,560", R"gp(
+  set title "Mean cost of a path of the search tree a step, free starts, 0.1 s each"
+  set xlabel "mean over the tree of g(n)/t(n) [m²]"; set ylabel "starts"
+  set yrange [0:*]
+  width = 0.05
+  bin(x) = width*(floor(x/width)+0.5)
+  set style fill solid 0.45 border; set boxwidth width
+  paths(m) = sprintf("< awk -F, '$1 == \"free-0.1s\" && $2 == \"%s\" && $7 != \"inf\" {print $9}' plans.csv", m)
+  plot paths("astar") using (bin($1)):(1.0) smooth frequency with boxes lc rgb "#0072B2" title "A*", \
+       paths("arvi") using (bin($1)):(1.0) smooth frequency with boxes lc rgb "#D55E00" title "ARVI", \
+       paths("aegis") using (bin($1)):(1.0) smooth frequency with points pt 5 ps 1.2 lc rgb "#009E73" title "AEGIS"
+)gp");
+}
+
+std::string team_figure(const std::string& name, const std::string& axis,
+                        const std::string& columns) {
+  const bool is_pair = columns.find(',') != std::string::npos;
+  // After the number, the setting's columns and the trials come pairs of a mean and its interval.
+  const std::string label = is_pair ? "strcol(2).', '.strcol(3)" : "strcol(2)";
+  const int first = is_pair ? 5 : 4;
+  const auto panel = [&](int measure, const std::string& what) {
+    return "  set ylabel '" + what +
+           "'\n  plot 'summary.csv' using 1:" + std::to_string(first + 2 * measure) + ":" +
+           std::to_string(first + 2 * measure + 1) + ":xtic(" + label +
+           ") every ::1 with yerrorlines lw 2 pt 7 lc rgb '#0072B2' notitle\n";
+  };
+  return figure(name, "1000,700",
+                "  set multiplot layout 2,2\n  set offsets 0.3, 0.3, 0, 0\n  set xlabel '" + axis +
+                    "'\n" + panel(0, "RMSE of a robot [m]") +
+                    panel(1, "entropy of a robot [nats]") + panel(2, "discovery by a robot [s]") +
+                    panel(4, "RMSE of the team [m]"));
 }
 
 }  // namespace vantage::tools

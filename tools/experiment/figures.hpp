@@ -9,5 +9,12 @@ namespace vantage::tools {
 std::string dls_savings_figure();
 std::string dls_objective_figure();
 std::string resilient_tracking_figure();
+/// Maps of the first trial of RAIN with two attacks (Fig. 4.4), and entropy over time (Fig. 4.5).
+std::string resilient_mapping_figures();
+/// The heuristic (Fig. 2.3), search trees (2.2, 2.5) and the cost of their paths (2.4).
+std::string active_mapping_figures();
+/// Means with their intervals of a sweep of team trials (Fig. 3.3, 3.4). `columns` name a setting.
+std::string team_figure(const std::string& name, const std::string& axis,
+                        const std::string& columns);
 
 }  // namespace vantage::tools

@@ -1,12 +1,13 @@
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "tools/experiment/experiment.hpp"
 #include "tools/experiment/figures.hpp"
 #include "tools/experiment/resilient_tracking.hpp"
-#include "tools/experiment/sample.hpp"
+#include "tools/sweep/compare.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -18,30 +19,37 @@ struct TableRow {
   int robots;
   int targets;
   int attacks;
-  double mean_cd;
-  double mean_rain;
-  double peak_cd;
-  double peak_rain;
+  std::array<double, 2> mean_m;  ///< CD, RAIN
+  std::array<double, 2> peak_m;
+
+  /// The pictures show ten robots and ten targets.
+  [[nodiscard]] bool is_drawn() const { return robots == 10 && targets == 10; }
 };
 
-constexpr std::array<TableRow, 9> kTable = {{{5, 10, 1, 0.28, 0.19, 9.62, 2.09},
-                                             {5, 10, 2, 1.47, 0.68, 26.07, 15.71},
-                                             {5, 10, 4, 10.67, 4.9, 225.47, 103.82},
-                                             {10, 5, 2, 0.35, 0.14, 57.65, 1.87},
-                                             {10, 5, 4, 0.39, 0.28, 6.66, 3.17},
-                                             {10, 5, 6, 2.07, 0.65, 93.27, 15.63},
-                                             {10, 10, 2, 0.13, 0.08, 1.4, 1.32},
-                                             {10, 10, 4, 0.24, 0.23, 4.19, 2.66},
-                                             {10, 10, 6, 4.39, 1.2, 69.77, 26.4}}};
+constexpr std::array<const char*, 2> kMethods = {"cd", "rain"};
 
-// All runs of one row by one way to plan.
-struct RowResult {
-  Sample mean_m;
-  Sample peak_m;
-  Sample entropy_nats;
-  std::vector<double> rmse_sum_m;  ///< per step, over runs
-  std::vector<double> entropy_sum_nats;
-};
+constexpr std::array<TableRow, 9> kTable = {{{5, 10, 1, {0.28, 0.19}, {9.62, 2.09}},
+                                             {5, 10, 2, {1.47, 0.68}, {26.07, 15.71}},
+                                             {5, 10, 4, {10.67, 4.9}, {225.47, 103.82}},
+                                             {10, 5, 2, {0.35, 0.14}, {57.65, 1.87}},
+                                             {10, 5, 4, {0.39, 0.28}, {6.66, 3.17}},
+                                             {10, 5, 6, {2.07, 0.65}, {93.27, 15.63}},
+                                             {10, 10, 2, {0.13, 0.08}, {1.4, 1.32}},
+                                             {10, 10, 4, {0.24, 0.23}, {4.19, 2.66}},
+                                             {10, 10, 6, {4.39, 1.2}, {69.77, 26.4}}}};
+
+// Settings are the rows, each by both methods.
+const TableRow& row_of(std::size_t setting) { return kTable[setting / 2]; }
+bool is_rain(std::size_t setting) { return setting % 2 == 1; }
+
+TrackingSetting setting_of(const Extent& extent) {
+  TrackingSetting setting;
+  if (extent.is_smoke) {
+    setting.task_steps = 2 * setting.plan_steps;
+    setting.nodes_per_plan = 2'000;
+  }
+  return setting;
+}
 
 double mean_of(const std::vector<double>& values) {
   Sample sample;
@@ -51,124 +59,144 @@ double mean_of(const std::vector<double>& values) {
   return sample.mean();
 }
 
-void add_to(std::vector<double>& sums, const std::vector<double>& values) {
-  sums.resize(values.size(), 0.0);
-  for (std::size_t t = 0; t < values.size(); ++t) {
-    sums[t] += values[t];
+UnitRows run_unit(TrackingSetting setting, std::size_t index, std::uint64_t seed) {
+  const TableRow& row = row_of(index);
+  setting.robots = row.robots;
+  setting.targets = row.targets;
+  setting.attacks = row.attacks;
+  const TrackingRun run = track_under_attack(setting, is_rain(index), seed);
+  UnitRows rows;
+  rows.tables["runs"] = {fmt::format("{:.6f},{:.6f},{:.6f}", mean_of(run.rmse_m),
+                                     *std::max_element(run.rmse_m.begin(), run.rmse_m.end()),
+                                     mean_of(run.entropy_nats))};
+  for (std::size_t t = 0; row.is_drawn() && t < run.rmse_m.size(); ++t) {
+    rows.tables["steps"].push_back(
+        fmt::format("{},{:.6f},{:.6f}", t + 1, run.rmse_m[t], run.entropy_nats[t]));
   }
+  return rows;
 }
 
-class TrackingSweep {
- public:
-  explicit TrackingSweep(const ExperimentOptions& options) : options_(options) {
-    runs_ = options.smoke ? 2 : options.trials > 0 ? options.trials : kRuns;
-    rows_ = options.smoke ? 1 : kTable.size();
-    setting_.task_steps = options.smoke ? 2 * setting_.plan_steps : setting_.task_steps;
-  }
+struct RowSamples {
+  std::array<Sample, 2> mean_m;  ///< CD, RAIN
+  std::array<Sample, 2> peak_m;
+};
 
-  ExperimentResult run() {
-    for (std::size_t row = 0; row < rows_; ++row) {
-      RowResult cd = run_row(kTable[row], false);
-      RowResult rain = run_row(kTable[row], true);
-      table_ += table_line(kTable[row], cd, rain);
-      lines_.push_back(report_line(kTable[row], cd, rain));
-      note_steps(kTable[row], "cd", cd);
-      note_steps(kTable[row], "rain", rain);
-    }
-    ExperimentResult result;
-    result.files = {{"runs.csv", run_lines_}, {"steps.csv", steps_}, {"table.csv", table_}};
-    result.settings = {{"runs", runs_},
-                       {"task_steps", setting_.task_steps},
-                       {"plan_steps", setting_.plan_steps},
-                       {"nodes_per_plan", static_cast<double>(setting_.nodes_per_plan)},
-                       {"prior_position_sigma_m", setting_.prior_position_sigma_m},
-                       {"prior_velocity_sigma_mps", setting_.prior_velocity_sigma_mps},
-                       {"detection_probability", setting_.detection_probability}};
-    if (!options_.smoke) {
-      result.figure = resilient_tracking_figure();
-    }
-    result.report = lines_;
-    return result;
+std::array<RowSamples, kTable.size()> samples_of(const Tables& tables) {
+  std::array<RowSamples, kTable.size()> samples;
+  for (const Record& record : tables.at("runs")) {
+    RowSamples& of_row = samples[record.unit.setting / 2];
+    const std::size_t method = is_rain(record.unit.setting) ? 1 : 0;
+    of_row.mean_m[method].add(record.number(0));
+    of_row.peak_m[method].add(record.number(1));
   }
+  return samples;
+}
 
- private:
-  RowResult run_row(const TableRow& row, bool is_resilient) {
-    RowResult result;
-    TrackingSetting setting = setting_;
-    setting.robots = row.robots;
-    setting.targets = row.targets;
-    setting.attacks = row.attacks;
-    for (int i = 0; i < runs_; ++i) {
-      const TrackingRun run =
-          track_under_attack(setting, is_resilient, options_.seed + static_cast<std::uint64_t>(i));
-      const double mean_m = mean_of(run.rmse_m);
-      const double peak_m = *std::max_element(run.rmse_m.begin(), run.rmse_m.end());
-      result.mean_m.add(mean_m);
-      result.peak_m.add(peak_m);
-      result.entropy_nats.add(mean_of(run.entropy_nats));
-      add_to(result.rmse_sum_m, run.rmse_m);
-      add_to(result.entropy_sum_nats, run.entropy_nats);
-      run_lines_ +=
-          fmt::format("{},{},{},{},{},{:.6f},{:.6f},{:.6f}\n", row.robots, row.targets, row.attacks,
-                      is_resilient ? "rain" : "cd", i, mean_m, peak_m, mean_of(run.entropy_nats));
-      if (options_.progress) {
-        options_.progress(static_cast<double>(++done_) /
-                          (2.0 * static_cast<double>(rows_) * runs_));
-      }
-    }
-    return result;
-  }
-
-  static std::string table_line(const TableRow& row, const RowResult& cd, const RowResult& rain) {
-    return fmt::format(
-        "{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{},{},{}\n",
-        row.robots, row.targets, row.attacks, cd.mean_m.mean(), cd.mean_m.half_interval(),
-        rain.mean_m.mean(), rain.mean_m.half_interval(), cd.peak_m.mean(),
-        cd.peak_m.half_interval(), rain.peak_m.mean(), rain.peak_m.half_interval(), row.mean_cd,
-        row.mean_rain, row.peak_cd, row.peak_rain);
-  }
-
-  static std::string report_line(const TableRow& row, const RowResult& cd, const RowResult& rain) {
-    return fmt::format(
-        "n = {:2}, M = {:2}, α = {}: mean RMSE {:.2f} ± {:.2f} m of CD, {:.2f} ± {:.2f} of RAIN "
-        "(printed {} and {}); peak {:.2f} ± {:.2f} and {:.2f} ± {:.2f} (printed {} and {})",
-        row.robots, row.targets, row.attacks, cd.mean_m.mean(), cd.mean_m.half_interval(),
-        rain.mean_m.mean(), rain.mean_m.half_interval(), row.mean_cd, row.mean_rain,
-        cd.peak_m.mean(), cd.peak_m.half_interval(), rain.peak_m.mean(),
-        rain.peak_m.half_interval(), row.peak_cd, row.peak_rain);
-  }
-
-  // The pictures show ten robots and ten targets.
-  void note_steps(const TableRow& row, const char* method, const RowResult& result) {
-    if (row.robots != 10 || row.targets != 10) {
-      return;
-    }
-    for (std::size_t t = 0; t < result.rmse_sum_m.size(); ++t) {
-      steps_ += fmt::format("{},{},{},{},{},{:.6f},{:.6f}\n", row.robots, row.targets, row.attacks,
-                            method, t + 1, result.rmse_sum_m[t] / runs_,
-                            result.entropy_sum_nats[t] / runs_);
-    }
-  }
-
-  ExperimentOptions options_;
-  TrackingSetting setting_;
-  int runs_ = 0;
-  std::size_t rows_ = 0;
-  int done_ = 0;
-  std::string run_lines_ =
-      "robots,targets,attacks,method,run,mean_rmse_m,peak_rmse_m,mean_entropy_nats\n";
-  std::string steps_ = "robots,targets,attacks,method,step,rmse_m,entropy_nats\n";
-  std::string table_ =
+std::string table_csv(const std::array<RowSamples, kTable.size()>& samples) {
+  std::string text =
       "robots,targets,attacks,mean_cd_m,mean_cd_ci95,mean_rain_m,mean_rain_ci95,peak_cd_m,"
       "peak_cd_ci95,peak_rain_m,peak_rain_ci95,printed_mean_cd,printed_mean_rain,printed_peak_cd,"
       "printed_peak_rain\n";
-  std::vector<std::string> lines_;
-};
+  for (std::size_t i = 0; i < kTable.size(); ++i) {
+    const TableRow& row = kTable[i];
+    text += fmt::format("{},{},{}", row.robots, row.targets, row.attacks);
+    for (const auto* of : {&samples[i].mean_m, &samples[i].peak_m}) {
+      for (const Sample& sample : *of) {
+        text += fmt::format(",{:.4f},{:.4f}", sample.mean(), sample.half_interval());
+      }
+    }
+    text +=
+        fmt::format(",{},{},{},{}\n", row.mean_m[0], row.mean_m[1], row.peak_m[0], row.peak_m[1]);
+  }
+  return text;
+}
+
+// Means over the runs, step by step, of what is drawn.
+std::string curves_csv(const Tables& tables) {
+  std::map<std::pair<std::size_t, int>, std::pair<Sample, Sample>> curves;
+  for (const Record& record : tables.at("steps")) {
+    auto& [rmse_m, entropy_nats] =
+        curves[{record.unit.setting, static_cast<int>(record.number(0))}];
+    rmse_m.add(record.number(1));
+    entropy_nats.add(record.number(2));
+  }
+  std::string text = "robots,targets,attacks,method,step,rmse_m,entropy_nats\n";
+  for (const auto& [at, means] : curves) {
+    const TableRow& row = row_of(at.first);
+    text += fmt::format("{},{},{},{},{},{:.6f},{:.6f}\n", row.robots, row.targets, row.attacks,
+                        kMethods[is_rain(at.first) ? 1 : 0], at.second, means.first.mean(),
+                        means.second.mean());
+  }
+  return text;
+}
+
+Summary summarise(const Tables& tables) {
+  const auto samples = samples_of(tables);
+  Summary summary;
+  summary.files = {{"table.csv", table_csv(samples)}, {"curves.csv", curves_csv(tables)}};
+  summary.figure_script = resilient_tracking_figure();
+  summary.figures = {"resilient-tracking"};
+  int better = 0;
+  for (std::size_t i = 0; i < kTable.size(); ++i) {
+    const TableRow& row = kTable[i];
+    const RowSamples& ours = samples[i];
+    const std::string name =
+        fmt::format("n = {}, M = {}, α = {}", row.robots, row.targets, row.attacks);
+    for (const std::size_t method : {0U, 1U}) {
+      const char* called = method == 0 ? "CD" : "RAIN";
+      summary.compared.push_back(compare_number(fmt::format("{}: mean RMSE of {}", name, called),
+                                                ours.mean_m[method], row.mean_m[method], "m"));
+      summary.compared.push_back(compare_number(fmt::format("{}: peak RMSE of {}", name, called),
+                                                ours.peak_m[method], row.peak_m[method], "m"));
+    }
+    better += ours.mean_m[1].mean() < ours.mean_m[0].mean() &&
+                      ours.peak_m[1].mean() < ours.peak_m[0].mean()
+                  ? 1
+                  : 0;
+    summary.lines.push_back(fmt::format(
+        "{}: mean RMSE {} m of CD, {} of RAIN (printed {} and {}); peak {} and {} (printed {} and "
+        "{})",
+        name, mean_text(ours.mean_m[0]), mean_text(ours.mean_m[1]), row.mean_m[0], row.mean_m[1],
+        mean_text(ours.peak_m[0]), mean_text(ours.peak_m[1]), row.peak_m[0], row.peak_m[1]));
+  }
+  summary.compared.push_back(compare_claim("mean and peak RMSE of RAIN below those of CD",
+                                           fmt::format("in {} rows of {}", better, kTable.size()),
+                                           "in every row",
+                                           better == static_cast<int>(kTable.size())));
+  summary.choices = {
+      "The targets' prior, the nodes of a search and what a look that finds nothing says are not "
+      "printed: see the settings below.",
+      "The attacker's worst case is approximated greedily, as in the source."};
+  return summary;
+}
 
 }  // namespace
 
-ExperimentResult run_resilient_tracking(const ExperimentOptions& options) {
-  return TrackingSweep(options).run();
+Sweep resilient_tracking(const Extent& extent) {
+  const TrackingSetting setting = setting_of(extent);
+  Sweep sweep;
+  sweep.plan.setting_columns = "robots,targets,attacks,method";
+  for (const TableRow& row : kTable) {
+    for (const char* method : kMethods) {
+      sweep.plan.settings.push_back(
+          {fmt::format("{},{},{},{}", row.robots, row.targets, row.attacks, method)});
+    }
+  }
+  sweep.plan.trials = extent.trials_or(kRuns);
+  sweep.plan.parameters = {
+      {"task_steps", std::to_string(setting.task_steps)},
+      {"plan_steps", std::to_string(setting.plan_steps)},
+      {"nodes_per_plan", std::to_string(setting.nodes_per_plan)},
+      {"prior_position_sigma_m", fmt::format("{}", setting.prior_position_sigma_m)},
+      {"prior_velocity_sigma_mps", fmt::format("{}", setting.prior_velocity_sigma_mps)},
+      {"detection_probability", fmt::format("{}", setting.detection_probability)}};
+  sweep.plan.tables = {{"runs", "mean_rmse_m,peak_rmse_m,mean_entropy_nats"},
+                       {"steps", "step,rmse_m,entropy_nats"}};
+  sweep.run = [setting](std::size_t index, std::uint64_t seed) {
+    return run_unit(setting, index, seed);
+  };
+  sweep.summarise = summarise;
+  return sweep;
 }
 
 }  // namespace vantage::tools

@@ -1,4 +1,4 @@
-#include "tools/experiment/sample.hpp"
+#include "tools/sweep/sample.hpp"
 
 #include <array>
 #include <cmath>

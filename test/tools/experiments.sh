@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# experiments.sh VANTAGE: every experiment runs, whole and in shards, and goes on after kill -9.
+set -euo pipefail
+vantage=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+  echo "experiments.sh: $*" >&2
+  exit 1
+}
+
+# All that must not depend on how it was run.
+same() {
+  diff -r -x rows -x manifest.json -x 'times.*' "$1" "$2" || fail "$1 and $2 differ"
+}
+
+mapfile -t names < <("$vantage" experiment --help | sed -n '/^Experiments:/,/^The same/p' |
+  sed -n 's/^  \([a-z-]*\) .*/\1/p')
+((${#names[@]} >= 4)) || fail "the help names only: ${names[*]}"
+
+for name in "${names[@]}"; do
+  begin=$SECONDS
+  "$vantage" experiment "$name" --smoke --jobs 2 --out "$work/$name" > "$work/out"
+  echo "$name: $((SECONDS - begin)) s"
+  for file in report.md manifest.json times.csv; do
+    [[ -s "$work/$name/$file" ]] || fail "$name: no $file"
+  done
+  # Each picture that the report shows is there, where gnuplot is.
+  if command -v gnuplot > /dev/null; then
+    for png in $(sed -n 's/^!\[.*\](\(.*\))$/\1/p' "$work/$name/report.md"); do
+      [[ -s "$work/$name/$png" && -s "$work/$name/${png%.png}.svg" ]] || fail "$name: no $png"
+    done
+    grep -q '^figures in' "$work/out" || fail "$name: $(cat "$work/out")"
+  fi
+done
+
+# Shards, on one machine or many: the same bytes, and nothing is run in collecting.
+for i in 1 2 3; do
+  "$vantage" experiment dls-objective --smoke --shard "$i/3" --out "$work/shards" > "$work/out"
+  grep -q "^shard $i/3: 2 units done" "$work/out" || fail "shard $i: $(cat "$work/out")"
+done
+"$vantage" experiment dls-objective --smoke --out "$work/shards" > "$work/out"
+[[ $(find "$work/shards/rows" -type f | wc -l) == 3 ]] || fail "collecting ran something"
+same "$work/dls-objective" "$work/shards"
+
+# Killed as soon as a row is there: the same command goes on, to the same bytes.
+"$vantage" experiment dls-objective --smoke --out "$work/killed" > "$work/out" &
+pid=$!
+until [[ $(cat "$work"/killed/rows/*.jsonl 2> /dev/null | wc -l) -ge 2 ]]; do
+  kill -0 "$pid" 2> /dev/null || break
+done
+kill -9 "$pid" 2> /dev/null || true
+wait "$pid" 2> /dev/null || true
+lines=$(cat "$work"/killed/rows/*.jsonl | wc -l)
+printf '{"setting":"3","trial":1,"rows":{"tri' >> "$(echo "$work"/killed/rows/*.jsonl)"
+"$vantage" experiment dls-objective --smoke --out "$work/killed" > "$work/out"
+again=$(cat "$(ls -t "$work"/killed/rows/*.jsonl | head -1)" | wc -l)
+# Both files begin with a line about the process; six units in all.
+((lines == 7 || lines - 1 + again - 1 == 6)) || fail "$lines lines before and $again after"
+same "$work/dls-objective" "$work/killed"
+
+# Ctrl-C ends it with rows kept and says how to go on.
+"$vantage" experiment dls-objective --seed 9 --out "$work/stopped" > "$work/out" 2> "$work/err" &
+pid=$!
+until [[ -n "$(ls "$work"/stopped/rows 2> /dev/null)" ]]; do
+  kill -0 "$pid" || fail "it ended by itself: $(cat "$work/err")"
+done
+kill -INT "$pid"
+code=0
+wait "$pid" || code=$?
+[[ $code == 1 ]] || fail "Ctrl-C gave exit code $code"
+grep -q 'rows are kept. To go on: vantage experiment dls-objective --seed 9 --trials 50 --out' \
+  "$work/err" || fail "Ctrl-C said: $(cat "$work/err")"
+
+# Another run's directory is refused, by the rule's name.
+code=0
+"$vantage" experiment dls-objective --smoke --seed 2 --out "$work/shards" 2> "$work/err" || code=$?
+[[ $code == 2 ]] || fail "another seed's directory gave exit code $code"
+grep -q 'another seed' "$work/err" || fail "it said: $(cat "$work/err")"
+
+# A share that is none.
+for shard in 0/3 4/3 3 1/0 1/3x; do
+  code=0
+  "$vantage" experiment dls-objective --smoke --shard "$shard" --out "$work/none" 2> "$work/err" || code=$?
+  [[ $code == 2 ]] && grep -q 'is not i/n' "$work/err" || fail "--shard $shard: exit code $code"
+done
+[[ ! -e "$work/none" ]] || fail "a refused command made its directory"

@@ -1,0 +1,143 @@
+#include "tools/sweep/sweep_run.hpp"
+
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "core/check.hpp"
+#include "tools/supervisor/child.hpp"
+#include "tools/sweep/report_page.hpp"
+#include "tools/sweep/row_files.hpp"
+#include "tools/sweep/worker_pool.hpp"
+
+namespace vantage::tools {
+namespace {
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void write_file(const std::string& directory, const std::string& name, const std::string& text) {
+  const std::string path = std::filesystem::path(directory) / name;
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  if (!file.flush()) {
+    throw StartupError(path + ": cannot be written");
+  }
+}
+
+// Runs the script with gnuplot; what to tell of it.
+std::string draw(const std::string& directory, const std::string& script) {
+  const std::string enter = "cd '" + directory + "'";
+  const std::string path = std::filesystem::absolute(std::filesystem::path(directory) / script);
+  Result<Child> child = Child::start({"gnuplot", "-e", enter, path});
+  if (!child.ok()) {
+    return "no figures: gnuplot is not installed (apt install gnuplot-nox)";
+  }
+  const std::optional<ChildExit> ended = std::move(child).value().wait(std::chrono::seconds(120));
+  return ended && ended->is_success() ? "figures in " + directory
+                                      : "no figures: gnuplot failed on " + path;
+}
+
+UnitRows run_unit(const Sweep& sweep, const Unit& unit, std::uint64_t seed) {
+  const double start_s = thread_cpu_s();
+  try {
+    UnitRows rows = sweep.run(unit.setting, seed + static_cast<std::uint64_t>(unit.trial));
+    rows.times_s.emplace_back("unit", thread_cpu_s() - start_s);
+    return rows;
+  } catch (const std::exception& error) {
+    throw std::runtime_error(fmt::format("setting '{}', trial {}: {}",
+                                         sweep.plan.settings[unit.setting].cells, unit.trial,
+                                         error.what()));
+  }
+}
+
+std::vector<std::string> collect(const Sweep& sweep, const SweepIdentity& identity,
+                                 const std::string& what, const std::string& directory) {
+  const StoredRows stored = read_rows(directory, sweep.plan);
+  const Tables tables = tables_of(sweep.plan, stored.done);
+  const Summary summary = sweep.summarise(tables);
+  for (const auto& [name, records] : tables) {
+    write_file(directory, name + ".csv", csv_of(sweep.plan, name, records));
+  }
+  for (const auto& [name, text] : summary.files) {
+    write_file(directory, name, text);
+  }
+  write_file(directory, "report.md", report_page(identity, what, sweep.plan, summary));
+  std::vector<std::string> lines = summary.lines;
+  std::string times;
+  for (const std::string& line : summary.time_lines) {
+    lines.push_back(line);
+    times += line + "\n";
+  }
+  write_file(directory, "times.txt", times);
+  finish_manifest(directory, identity, sweep.plan, stored.processes);
+  if (!summary.figure_script.empty()) {
+    const std::string script = identity.experiment + ".gp";
+    write_file(directory, script, summary.figure_script);
+    lines.push_back(draw(directory, script));
+  }
+  lines.push_back(fmt::format("report in {}/report.md", directory));
+  return lines;
+}
+
+// The units of the share that no file has, and how far that leaves us.
+std::vector<Unit> units_left(const Sweep& sweep, const Shard& shard, const StoredRows& stored,
+                             SweepProgress& progress) {
+  std::vector<Unit> left;
+  for (const Unit& unit : units_of(sweep.plan, shard)) {
+    ++progress.units;
+    if (stored.done.contains(unit)) {
+      ++progress.done;
+    } else {
+      left.push_back(unit);
+    }
+  }
+  progress.done_before = progress.done;
+  return left;
+}
+
+}  // namespace
+
+SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const std::string& what,
+                       const SweepOptions& options) {
+  claim_directory(options.directory, identity, sweep.plan);
+  const Shard shard = options.shard.value_or(Shard{});
+  SweepOutcome outcome;
+  SweepProgress& progress = outcome.progress;
+  const std::vector<Unit> left =
+      units_left(sweep, shard, read_rows(options.directory, sweep.plan), progress);
+  if (!left.empty()) {
+    RowWriter writer(options.directory, this_process(options.jobs, shard));
+    const auto start = std::chrono::steady_clock::now();
+    const auto tell = [&] {
+      progress.elapsed_s =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      progress.is_stopping = options.stop && options.stop();
+      if (options.progress) {
+        options.progress(progress);
+      }
+    };
+    run_units(
+        left, {options.jobs, options.stop, tell},
+        [&](const Unit& unit) { return run_unit(sweep, unit, identity.seed); },
+        [&](const Unit& unit, const UnitRows& rows) {
+          writer.append(unit_line(sweep.plan, unit, rows));
+          ++progress.done;
+          tell();
+        });
+  }
+  outcome.is_stopped = progress.done < progress.units;
+  if (!outcome.is_stopped && !options.shard) {
+    outcome.lines = collect(sweep, identity, what, options.directory);
+  }
+  return outcome;
+}
+
+}  // namespace vantage::tools
