@@ -19,8 +19,11 @@ YAML
 unshare -n sleep 600 &
 air_network=$!
 in_air=(nsenter --target "$air_network" --net)
-until_true 10 ip link add lab type veth peer name air netns "$air_network" 2>/dev/null ||
-  fail "no cable"
+has_own_network() {
+  [[ "$(readlink /proc/$air_network/ns/net)" != "$(readlink /proc/self/ns/net)" ]]
+}
+until_true 10 has_own_network || fail "AIR has no network of its own"
+ip link add lab type veth peer name air netns "$air_network"
 ip address add 192.0.2.1/24 dev lab
 ip link set lab up
 ip route replace 224.0.0.0/4 dev lab

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -76,8 +77,9 @@ struct Searches {
 // One for each thread, since 1 GB takes longer to prepare than a search; what was searched last
 // does not matter to what is found next.
 Searches& searches() {
-  thread_local Searches own;
-  return own;
+  // On the heap: a thread's own variables take room on the stack of every thread of the program.
+  thread_local const auto own = std::make_unique<Searches>();
+  return *own;
 }
 
 int seen_by(const SearchProblem& problem, const std::vector<Pose2>& poses) {

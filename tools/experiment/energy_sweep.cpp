@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <memory>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -73,8 +74,10 @@ UnitRows run_trial_of(
     int robots, std::uint64_t seed,
     const std::function<std::vector<Decided>(const planner::TeamOracle&)>& decide) {
   // One for each thread, since its 0.6 GB take longer to prepare than a trial; what it found last
-  // does not matter to what it finds next.
-  thread_local planner::ReducedValueIteration search(kCapacity);
+  // does not matter to what it finds next. On the heap: a thread's own variables take room on the
+  // stack of every thread of the program.
+  thread_local const auto own = std::make_unique<planner::ReducedValueIteration>(kCapacity);
+  planner::ReducedValueIteration& search = *own;
   UnitRows rows;
   const double start_s = thread_cpu_s();
   const EnergyTrial drawn = draw_energy_trial(robots, seed, EnergyTrialOptions{}, search);
