@@ -87,6 +87,7 @@ async function check_toggles(page) {
 async function check_inspection(page) {
   await page.keyboard.press("1");
   await until(page, () => document.getElementById("stage").dataset.view === "plan");
+  await until(page, () => window.vantage.pixel("robot/Q2") !== null);
   const spot = await page.evaluate(() => window.vantage.pixel("robot/Q2"));
   await page.mouse.click(spot[0], spot[1]);
   await page.locator("#inspect").waitFor();
