@@ -152,9 +152,16 @@ class TrackingTask {
     }
     const planner::TeamOracle oracle(team);
     attacked_.assign(plans_.size(), 0);
-    for (const int robot : planner::greedy_attack(oracle, everybody, setting_.attacks).robots) {
+    for (const int robot : attack(oracle, everybody)) {
       attacked_[index(robot)] = 1;
     }
+  }
+
+  [[nodiscard]] std::vector<int> attack(const planner::TeamOracle& oracle,
+                                        const planner::Choice& plans) const {
+    return setting_.attacker == Attacker::kGreedy
+               ? planner::greedy_attack(oracle, plans, setting_.attacks).robots
+               : planner::attack_on_best_alone(oracle, plans, setting_.attacks).robots;
   }
 
   void note(TrackingRun& run) const {

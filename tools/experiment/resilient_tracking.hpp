@@ -7,11 +7,18 @@
 
 namespace vantage::tools {
 
+/// Whom the attacker takes, knowing the team's plans.
+enum class Attacker {
+  kGreedy,     ///< one after another the robot without which the team's plans are left worth least
+  kBestAlone,  ///< the robots whose plans alone are worth most: whom RAIN expects him to take
+};
+
 /// One row of Table 4.1, and how it is run.
 struct TrackingSetting {
   int robots = 10;
   int targets = 10;
   int attacks = 2;  ///< α: of the attacker, and what a resilient team plans for
+  Attacker attacker = Attacker::kGreedy;
   int task_steps = 500;
   int plan_steps = 25;                    ///< T_PLAN = T_REPLAN
   std::int64_t nodes_per_plan = 100'000;  ///< of one robot's search
@@ -33,11 +40,10 @@ struct TrackingRun {
   std::vector<std::vector<TargetStep>> targets;  ///< [step][target]
 };
 
-/// Tracking in a square of 64 m while the attacker takes away, for each planning period, the
-/// sensors of those α robots without which the team's plans would bring least (greedily found);
-/// robots that measure share everything. Resilient: RAIN; else coordinate descent. Targets, their
-/// priors and the robots' starts depend on `seed` alone, not on how the team plans.
-/// Source: dissertation 4 F.1.
+/// Tracking in a square of 64 m while the attacker takes away the sensors of α robots, chosen anew
+/// for each planning period; robots that measure share everything. Resilient: RAIN; else coordinate
+/// descent. Targets, their priors and the robots' starts depend on `seed` alone, not on how the
+/// team plans. Source: dissertation 4 F.1.
 TrackingRun track_under_attack(const TrackingSetting& setting, bool is_resilient,
                                std::uint64_t seed);
 

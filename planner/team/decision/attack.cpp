@@ -83,6 +83,29 @@ Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks
   return attack;
 }
 
+Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int attacks_max) {
+  Attack attack;
+  for (int robot = 0; robot < oracle.robot_count(); ++robot) {
+    if (has(choice, robot)) {
+      attack.robots.push_back(robot);
+    }
+  }
+  std::ranges::stable_sort(attack.robots, std::ranges::greater{}, [&](int robot) {
+    return oracle.alone(choice[static_cast<std::size_t>(robot)]);
+  });
+  const auto count = static_cast<std::size_t>(std::max(attacks_max, 0));
+  attack.robots.resize(std::min(count, attack.robots.size()));
+  std::ranges::sort(attack.robots);
+  TeamSet team(oracle);
+  team.become(choice);
+  for (const int robot : attack.robots) {
+    team.drop(robot);
+  }
+  attack.value = team.value();
+  attack.oracle_calls = team.calls();
+  return attack;
+}
+
 std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rng) {
   std::vector<int> robots(static_cast<std::size_t>(robot_count));
   std::iota(robots.begin(), robots.end(), 0);

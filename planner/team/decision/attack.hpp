@@ -24,6 +24,11 @@ Attack worst_attack(const TeamOracle& oracle, const Choice& choice, int attacks_
 /// Source: dissertation 4 F (greedy approximation of the worst case).
 Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
+/// The attack on the `attacks_max` robots whose trajectories alone are worth most; of equals the
+/// lower numbers. It is the one that RTP's bait is laid for, and takes no account of what others
+/// see as well. Cost: α oracle calls.
+Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int attacks_max);
+
 /// `attacks` different robots of `robot_count`, every such set equally likely; ascending. The
 /// same on every machine. Precondition: 0 ≤ attacks ≤ robot_count.
 std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rng);

@@ -122,6 +122,55 @@ TEST(PlanResiliently, LeavesMoreThanPlanningForNoAttackOnAverage) {
   EXPECT_GT(resilient, plain);
 }
 
+TEST(AttackOnBestAlone, TakesThoseOfWhomEachAloneIsWorthMost) {
+  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+    const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
+    const TeamOracle oracle(problem);
+    const Choice choice = test::random_choice(oracle, seed);
+    for (int attacks = 0; attacks <= oracle.robot_count(); ++attacks) {
+      const Attack attack = attack_on_best_alone(oracle, choice, attacks);
+      Choice left = choice;
+      double least_taken = std::numeric_limits<double>::infinity();
+      for (const int robot : attack.robots) {
+        CandidateId& taken = left[static_cast<std::size_t>(robot)];
+        ASSERT_NE(taken, kNoCandidate);
+        least_taken = std::min(least_taken, oracle.alone(taken));
+        taken = kNoCandidate;
+      }
+      const auto chosen_left = test::chosen_of(oracle, left);
+      EXPECT_EQ(std::ssize(attack.robots),
+                std::min(std::ssize(test::chosen_of(oracle, choice)), std::ptrdiff_t{attacks}));
+      for (const CandidateId id : left) {
+        EXPECT_TRUE(id == kNoCandidate || oracle.alone(id) <= least_taken);
+      }
+      EXPECT_NEAR(attack.value, test::plain_value(problem, chosen_left), 1e-9);
+    }
+  }
+}
+
+// The bait keep the best that they can do alone, and nobody else can do better.
+TEST(AttackOnBestAlone, TakesTheBait) {
+  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+    const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
+    const TeamOracle oracle(problem);
+    const TeamDecision plan = plan_resiliently(oracle, 2, SubSolver::kExhaustive);
+    std::vector<double> best_alone;
+    for (int robot = 0; robot < oracle.robot_count(); ++robot) {
+      const auto candidates = oracle.by_value(robot);
+      best_alone.push_back(candidates.empty() ? 0.0 : oracle.alone(candidates.front()));
+    }
+    std::ranges::sort(best_alone, std::ranges::greater{});
+    std::vector<double> taken;
+    for (const int robot : attack_on_best_alone(oracle, plan.choice, 2).robots) {
+      taken.push_back(oracle.alone(plan.choice[static_cast<std::size_t>(robot)]));
+    }
+    std::ranges::sort(taken, std::ranges::greater{});
+    for (std::size_t k = 0; k < taken.size(); ++k) {
+      EXPECT_EQ(taken[k], best_alone[k]) << "seed " << seed;
+    }
+  }
+}
+
 TEST(PlanRoundResiliently, AsksInTheOrderOfTheAlgorithm) {
   using Call = std::pair<int, std::vector<int>>;
   const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
