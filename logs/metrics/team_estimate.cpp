@@ -17,6 +17,11 @@ double PositionEstimate::sigma_m() const {
   return std::sqrt(covariance_m2.trace() / static_cast<double>(covariance_m2.rows()));
 }
 
+double PositionEstimate::nees(const models::PositionVector& true_m) const {
+  const models::PositionVector error_m = mean_m - true_m;
+  return error_m.dot(covariance_m2.llt().solve(error_m));
+}
+
 std::optional<PositionEstimate> position_estimate(const models::TargetBelief& belief,
                                                   const std::string& robot, Time time,
                                                   int position_dim) {

@@ -22,6 +22,9 @@ struct PositionEstimate {
 
   /// Root of the mean variance of the coordinates.
   [[nodiscard]] double sigma_m() const;
+  /// Normalised squared error eᵀ Σ⁻¹ e of the position against the true one; the number of
+  /// coordinates in the mean where the estimator is consistent.
+  [[nodiscard]] double nees(const models::PositionVector& true_m) const;
 };
 
 /// nullopt when the information matrix cannot be inverted.

@@ -90,7 +90,9 @@ void TrialMetrics::judge(const Step& step) {
     }
     const auto truth_m = truth_.target_position_m(static_cast<int>(i), estimate->time);
     if (truth_m) {
-      const double squared_m2 = (estimate->mean_m - truth_m->head(position_dim_)).squaredNorm();
+      const models::PositionVector true_m = truth_m->head(position_dim_);
+      const double squared_m2 = (estimate->mean_m - true_m).squaredNorm();
+      nees_sum_ += estimate->nees(true_m);
       status.error_m = std::sqrt(squared_m2);
       sums_[i].squared_error_m2 += squared_m2;
       ++sums_[i].errors;
@@ -151,10 +153,12 @@ TrialSummary TrialMetrics::finish(Time end, std::optional<std::int64_t> messages
   out.min_separation_m = truth_.min_separation_m();
   const auto steps = static_cast<double>(std::max<std::int64_t>(steps_, 1));
   double entropy_sum_nats = 0.0;
+  std::int64_t errors = 0;
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const TargetSums& sums = sums_[i];
     out.discovery_time_s.push_back(targets_[i].discovered_s);
     out.discovered += targets_[i].discovered_s ? 1 : 0;
+    errors += sums.errors;
     out.rmse_per_target_m.push_back(
         sums.errors > 0
             ? std::optional(std::sqrt(sums.squared_error_m2 / static_cast<double>(sums.errors)))
@@ -168,6 +172,7 @@ TrialSummary TrialMetrics::finish(Time end, std::optional<std::int64_t> messages
   }
   if (steps_with_error_ > 0) {
     out.rmse_m = rmse_sum_m_ / static_cast<double>(steps_with_error_);
+    out.position_nees = nees_sum_ / static_cast<double>(errors);
   }
   out.undiscovered_share = steps_ > 0 ? unknown_share_sum_ / steps : 1.0;
   out.per_robot = robot_sums_.means(out.duration_s);

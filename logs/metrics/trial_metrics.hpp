@@ -91,6 +91,7 @@ class TrialMetrics {
   std::int64_t steps_ = 0;
   std::int64_t steps_with_error_ = 0;
   double rmse_sum_m_ = 0.0;
+  double nees_sum_ = 0.0;
   double unknown_share_sum_ = 0.0;
 
   std::int64_t collisions_ = 0;

@@ -42,6 +42,7 @@ Json to_json(const TrialSummary& summary) {
   out["undiscovered_share"] = summary.undiscovered_share;
   out["rmse_per_target_m"] = optional_numbers(summary.rmse_per_target_m);
   out["entropy_per_target"] = summary.entropy_per_target_nats;
+  out["position_nees"] = optional_number(summary.position_nees);
   nlohmann::ordered_json per_robot;
   per_robot["rmse_m"] = optional_number(summary.per_robot.rmse_m);
   per_robot["entropy"] = summary.per_robot.entropy_nats;

@@ -35,6 +35,10 @@ struct TrialSummary {
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets nobody knows
   std::vector<std::optional<double>> rmse_per_target_m;  ///< over the time it was known
   std::vector<double> entropy_per_target_nats;
+  /// Mean over the same estimates as the RMSE of eᵀ Σ⁻¹ e of the position: the number of
+  /// coordinates where the estimator knows how wrong it is, more where it is too sure. Of each
+  /// step the robot that is surest is judged, so a little more is to be expected.
+  std::optional<double> position_nees;
   RobotMeans per_robot;  ///< the same, each robot judged by its own belief; mean over the robots
 };
 

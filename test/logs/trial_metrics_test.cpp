@@ -143,6 +143,18 @@ TEST(TrialMetrics, AveragesTheRmseOverTime) {
   EXPECT_NEAR(*summary.rmse_per_target_m[0], std::sqrt(5.0), 1e-9);
 }
 
+TEST(TrialMetrics, SaysWhetherTheEstimatorKnowsHowWrongItIs) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(5.0));
+  metrics.on_belief(belief("Q1", 0.5, {target(0, 1.0, 1.0, 0.5)}));  // off by 2 σ
+  metrics.on_belief(belief("Q1", 1.0, {target(0, 2.0, 3.0, 3.0), target(1, 5, 5, 1.0)}));  // 1, 0
+  const TrialSummary summary = metrics.finish(at_s(5.0));
+  ASSERT_TRUE(summary.position_nees);
+  EXPECT_NEAR(*summary.position_nees, (4.0 + 1.0 + 0.0) / 3.0, 1e-9);
+  EXPECT_FALSE(TrialMetrics(scenario(), at_s(0.0)).finish(at_s(1.0)).position_nees);
+}
+
 TEST(TrialMetrics, CountsRoundsPlansAndFallbacks) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   models::RobotPlan plan;
