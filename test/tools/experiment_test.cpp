@@ -28,6 +28,78 @@ TEST(EnergyTrial, IsDrawnByItsSeedAlone) {
   }
 }
 
+TEST(HeterogeneousTrial, ChargesEachRobotItsControlsAndItsOwnKindOfGround) {
+  planner::ReducedValueIteration search({100'000, 4'000'000, 16, 20, 1});
+  HeterogeneousTrialOptions options;
+  options.price_nats = 0.3;
+  int in_both = 0;
+  for (std::uint64_t seed = 1001; seed <= 1010; ++seed) {
+    const EnergyTrial trial = draw_heterogeneous_trial(seed, options, search);
+    ASSERT_EQ(trial.robots.size(), 3U);
+    ASSERT_EQ(trial.team.targets.size(), 10U);
+    for (std::size_t robot = 0; robot < 3; ++robot) {
+      const bool is_flying = robot == 2;
+      const planner::SearchProblem& problem = trial.robots[robot];
+      const Pose2& start = problem.start;
+      EXPECT_EQ(problem.sensors[0].range_max_m, is_flying ? 20.0 : 15.0);
+      EXPECT_TRUE(start.x_m < 30.0 || (start.x_m < 40.0 && start.y_m < 40.0)) << "in mud or wind";
+      ASSERT_GT(trial.team.candidates[robot].size(), 1U);
+      for (const planner::Candidate& candidate : trial.team.candidates[robot]) {
+        ASSERT_EQ(candidate.controls.size(), 20U);
+        double cost = 0.0;
+        for (std::size_t t = 0; t < 20; ++t) {
+          const Pose2& at = t == 0 ? start : candidate.poses[t - 1];
+          const auto& u = problem.controls[static_cast<std::size_t>(candidate.controls[t])];
+          const bool in_mud = at.x_m >= 40.0 && at.y_m <= 60.0;
+          const bool in_wind = at.x_m >= 30.0 && at.y_m >= 40.0;
+          const double rest = is_flying ? 2.0 : 0.0;
+          const double turn = is_flying ? 2.0 : 1.0;
+          const double move = is_flying ? 4.0 : 2.0;
+          cost += u.speed_mps > 0.0 ? move : u.yaw_rate_radps != 0.0 ? turn : rest;
+          cost += (is_flying ? in_wind : in_mud) ? 3.0 : 0.0;
+          in_both += in_mud && in_wind ? 1 : 0;
+        }
+        ASSERT_NEAR(candidate.energy_cost, 0.3 * cost, 1e-12) << "seed " << seed;
+      }
+    }
+  }
+  EXPECT_GT(in_both, 0);
+}
+
+TEST(HeterogeneousTrial, IsTheSameAtEveryPriceButForTheEnergy) {
+  planner::ReducedValueIteration search({100'000, 4'000'000, 16, 20, 1});
+  HeterogeneousTrialOptions options;
+  const EnergyTrial free = draw_heterogeneous_trial(1001, options, search);
+  options.price_nats = 0.5;
+  const EnergyTrial dear = draw_heterogeneous_trial(1001, options, search);
+  for (std::size_t robot = 0; robot < 3; ++robot) {
+    ASSERT_EQ(free.team.candidates[robot].size(), dear.team.candidates[robot].size());
+    for (std::size_t i = 0; i < free.team.candidates[robot].size(); ++i) {
+      EXPECT_EQ(free.team.candidates[robot][i].controls, dear.team.candidates[robot][i].controls);
+      EXPECT_EQ(free.team.candidates[robot][i].energy_cost, 0.0);
+    }
+  }
+}
+
+// J = I − r C in every row, so that J is the information alone where r = 0.
+TEST(Heterogeneous, HasRowsWhoseValueIsInformationLessPricedEnergy) {
+  const Sweep sweep = heterogeneous({0, true});
+  for (std::size_t setting = 0; setting < sweep.plan.settings.size(); ++setting) {
+    const double price_nats = std::stod(sweep.plan.settings[setting].cells);
+    double energy_of_all = 0.0;
+    for (std::uint64_t seed = 1001; seed <= 1010; ++seed) {
+      const UnitRows rows = sweep.run(setting, seed);
+      for (const std::string& row : rows.tables.at("trials")) {
+        const std::vector<std::string> cells = cells_of(row);
+        const double energy = std::stod(cells[3]) + std::stod(cells[4]);
+        EXPECT_NEAR(std::stod(cells[1]), std::stod(cells[2]) - price_nats * energy, 1e-6) << row;
+        energy_of_all += energy;
+      }
+    }
+    EXPECT_GT(energy_of_all, 0.0) << "nobody moved";
+  }
+}
+
 TEST(BestShare, KeepsTheBestOfEachRobot) {
   planner::ReducedValueIteration search({100'000, 4'000'000, 16, 16, 1});
   const EnergyTrial trial = draw_energy_trial(2, 1, {}, search);

@@ -86,3 +86,11 @@ for shard in 0/3 4/3 3 1/0 1/3x; do
   [[ $code == 2 ]] && grep -q 'is not i/n' "$work/err" || fail "--shard $shard: exit code $code"
 done
 [[ ! -e "$work/none" ]] || fail "a refused command made its directory"
+
+# Slurm is asked for where there is none: in words, and nothing is run.
+code=0
+PATH=/nonexistent "$vantage" experiment dls-objective --smoke --slurm --out "$work/slurm" \
+  2> "$work/err" || code=$?
+[[ $code == 2 ]] && grep -q 'sbatch: No such file .*--slurm is for a machine' "$work/err" ||
+  fail "without Slurm: exit code $code, $(cat "$work/err")"
+[[ ! -e "$work/slurm/rows" ]] || fail "it ran units"

@@ -27,6 +27,15 @@ TEST(Child, TellsHowItEnded) {
   EXPECT_EQ(bad.wait(kLong)->describe(), "exit 3");
 }
 
+TEST(Ask, TellsWhatWasSaidAndHowItEnded) {
+  const Result<Answer> answer = ask({"sh", "-c", "echo one; echo two >&2; exit 3"});
+  ASSERT_TRUE(answer.ok());
+  EXPECT_EQ(answer.value().text, "one\ntwo\n");
+  EXPECT_EQ(answer.value().exit.code, 3);
+  EXPECT_EQ(ask({"seq", "100000"}).value().text.size(), 588895U);  // more than a pipe holds
+  EXPECT_FALSE(ask({"/nonexistent/program"}).ok());
+}
+
 TEST(Child, IsEndedByASignal) {
   Child child = std::move(Child::start({"sleep", "1000"})).value();
   EXPECT_FALSE(child.wait(milliseconds(0)));

@@ -15,6 +15,7 @@
 #include "tools/live/screen.hpp"
 #include "tools/observe/announcer.hpp"
 #include "tools/sweep/report_page.hpp"
+#include "tools/sweep/slurm_run.hpp"
 #include "tools/sweep/sweep_run.hpp"
 
 namespace vantage::tools {
@@ -26,6 +27,9 @@ struct ExperimentArguments {
   std::uint64_t seed = 1;
   Extent extent;
   SweepOptions options;
+  bool is_on_slurm = false;
+  bool is_left_alone = false;
+  SlurmOptions slurm;
 };
 
 // "2/8": the second of eight.
@@ -39,22 +43,25 @@ Shard shard_of(const std::string& text) {
   return shard;
 }
 
-// On one line of a terminal. A second Ctrl-C drops the units that run: their rows are not begun.
+// On one line of a terminal, whose text it replaces.
+void show_line(const std::string& text) {
+  if (::isatty(STDERR_FILENO) == 1) {
+    fmt::print(stderr, "\r\033[K{}", text);
+  }
+}
+
+// A second Ctrl-C drops the units that run: their rows are not begun.
 void show_progress(const SweepProgress& progress) {
   if (stop_requests() > 1) {
     fmt::print(stderr, "\n");
     std::_Exit(1);
   }
-  if (::isatty(STDERR_FILENO) == 1) {
-    fmt::print(stderr, "\r\033[K{}", progress_text(progress));
-  }
+  show_line(progress_text(progress));
 }
 
 int tell(const ExperimentArguments& arguments, const SweepIdentity& identity,
          const SweepOutcome& outcome) {
-  if (::isatty(STDERR_FILENO) == 1) {
-    fmt::print(stderr, "\r\033[K");
-  }
+  show_line("");
   for (const std::string& line : outcome.lines) {
     print_line(line);
   }
@@ -73,6 +80,33 @@ int tell(const ExperimentArguments& arguments, const SweepIdentity& identity,
   return 0;
 }
 
+// Exit code 1: interrupted, or jobs ended without all of their units.
+int run_as_jobs(ExperimentArguments& arguments, const SweepIdentity& identity, const Sweep& sweep,
+                const char* what) {
+  SlurmOptions& slurm = arguments.slurm;
+  slurm.command = {std::filesystem::read_symlink("/proc/self/exe").string(), "experiment",
+                   identity.experiment, "--seed", std::to_string(identity.seed)};
+  const std::vector<std::string> extent =
+      identity.is_smoke
+          ? std::vector<std::string>{"--smoke"}
+          : std::vector<std::string>{"--trials", std::to_string(arguments.extent.trials)};
+  slurm.command.insert(slurm.command.end(), extent.begin(), extent.end());
+  const std::string directory = std::filesystem::absolute(arguments.options.directory).string();
+  slurm.command.insert(slurm.command.end(),
+                       {"--jobs", std::to_string(arguments.options.jobs), "--out", directory});
+  slurm.cores_per_task = arguments.options.jobs;
+  slurm.is_waiting = !arguments.is_left_alone;
+  slurm.tell = [](const std::string& line) {
+    show_line("");
+    print_line(line);
+  };
+  slurm.progress = [](const SweepProgress& progress, const std::string& jobs) {
+    show_line(progress_text(progress) + "; " + jobs);
+  };
+  const SlurmEnd end = run_on_slurm(sweep, identity, what, arguments.options, slurm);
+  return end == SlurmEnd::kCollected || (end == SlurmEnd::kSubmitted && !slurm.is_waiting) ? 0 : 1;
+}
+
 int run(ExperimentArguments arguments) {
   const std::vector<Experiment>& all = all_experiments();
   const auto experiment = std::find_if(
@@ -89,6 +123,9 @@ int run(ExperimentArguments arguments) {
   arguments.extent.trials = sweep.plan.trials;
   const SweepIdentity identity{arguments.name, version(), arguments.seed,
                                arguments.extent.is_smoke};
+  if (arguments.is_on_slurm) {
+    return run_as_jobs(arguments, identity, sweep, experiment->what);
+  }
   return tell(arguments, identity, run_sweep(sweep, identity, experiment->what, arguments.options));
 }
 
@@ -114,8 +151,23 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   command->add_option("--jobs", arguments->options.jobs, "threads; about 0.7 GB each")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  command->add_option("--shard", arguments->shard,
-                      "i/n: run the i-th of n shares only, and write its rows; i from 1");
+  CLI::Option* shard =
+      command->add_option("--shard", arguments->shard,
+                          "i/n: run the i-th of n shares only, and write its rows; i from 1");
+  CLI::Option* slurm =
+      command
+          ->add_flag("--slurm", arguments->is_on_slurm,
+                     "as an array of Slurm jobs, which share --out: submits them, waits, collects")
+          ->excludes(shard);
+  command->add_option("--shards", arguments->slurm.shards, "of --slurm: jobs in the array")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str()
+      ->needs(slurm);
+  command->add_flag("--no-wait", arguments->is_left_alone, "of --slurm: only submit")->needs(slurm);
+  command
+      ->add_option("--sbatch", arguments->slurm.sbatch,
+                   "of --slurm: an option for sbatch, as --sbatch=--time=2:00:00; repeatable")
+      ->needs(slurm);
   command->add_option("--out", arguments->options.directory,
                       "directory of the results; experiments/NAME when not given");
   command->add_flag("--smoke", arguments->extent.is_smoke,
@@ -130,7 +182,9 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
       "  vantage experiment dls-objective --trials 10 --seed 7\n"
       "  parallel vantage experiment resilient-mapping --out rm --shard {}/8 ::: $(seq "
       "8)\n"
-      "  vantage experiment resilient-mapping --out rm");
+      "  vantage experiment resilient-mapping --out rm\n"
+      "  vantage experiment resilient-tracking --out rt --slurm --shards 20 "
+      "--sbatch=--time=2:00:00");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/experiment/energy_sweep.hpp"
+#include "tools/experiment/energy_trial.hpp"
 #include "tools/experiment/experiment.hpp"
 #include "tools/experiment/figures.hpp"
 #include "tools/sweep/compare.hpp"

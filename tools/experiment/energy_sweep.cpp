@@ -1,47 +1,21 @@
 #include "tools/experiment/energy_sweep.hpp"
 
 #include <algorithm>
-#include <ctime>
-#include <memory>
-#include <numeric>
 
 #include <fmt/format.h>
 
-#include "planner/team/decision/coordinate_descent.hpp"
-#include "planner/team/decision/distributed_local_search.hpp"
-#include "planner/team/decision/team_set.hpp"
+#include "tools/experiment/energy_trial.hpp"
+#include "tools/sweep/cpu_time.hpp"
 
 namespace vantage::tools {
 namespace {
 
-using planner::TeamDecision;
 using planner::TeamOracle;
 
 constexpr int kTrials = 50;  // as the dissertation
 constexpr int kRobotsMin = 2;
 constexpr int kRobotsMax = 10;
 constexpr int kRobotsMaxSmoke = 4;
-
-const planner::SearchCapacity kCapacity{2'000'000, 60'000'000, 16, 16, 1};
-
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-Decided decided(const std::string& method, const TeamOracle& oracle, const TeamDecision& decision,
-                double start_s) {
-  Decided out;
-  out.cpu_s = thread_cpu_s() - start_s;
-  out.method = method;
-  out.value = decision.value;
-  const double candidates = std::max(1, oracle.candidate_count());
-  out.calls_per_candidate = 1.0 + static_cast<double>(decision.oracle_calls) / candidates;
-  out.adopted = static_cast<double>(decision.adopted);
-  out.messages = static_cast<double>(decision.messages);
-  return out;
-}
 
 // Seconds of one oracle call that keeps nothing from call to call: every target from the first step
 // on, for full teams of random candidates.
@@ -73,14 +47,9 @@ double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
 UnitRows run_trial_of(
     int robots, std::uint64_t seed,
     const std::function<std::vector<Decided>(const planner::TeamOracle&)>& decide) {
-  // One for each thread, since its 0.6 GB take longer to prepare than a trial; what it found last
-  // does not matter to what it finds next. On the heap: a thread's own variables take room on the
-  // stack of every thread of the program.
-  thread_local const auto own = std::make_unique<planner::ReducedValueIteration>(kCapacity);
-  planner::ReducedValueIteration& search = *own;
   UnitRows rows;
   const double start_s = thread_cpu_s();
-  const EnergyTrial drawn = draw_energy_trial(robots, seed, EnergyTrialOptions{}, search);
+  const EnergyTrial drawn = draw_energy_trial(robots, seed, EnergyTrialOptions{}, own_search());
   const double drawn_s = thread_cpu_s();
   const TeamOracle oracle(drawn.team);
   rows.times_s = {{"trajectories", drawn_s - start_s}, {"each alone", thread_cpu_s() - drawn_s}};
@@ -97,25 +66,6 @@ UnitRows run_trial_of(
 }  // namespace
 
 int robots_of(std::size_t setting) { return kRobotsMin + static_cast<int>(setting); }
-
-Decided local_search(const std::string& method, const TeamOracle& oracle, bool lazy,
-                     bool warm_start) {
-  const double start_s = thread_cpu_s();
-  return decided(method, oracle,
-                 distributed_local_search(oracle, {1.0, lazy, warm_start}, Deadline::never()),
-                 start_s);
-}
-
-Decided descent(const std::string& method, const TeamOracle& oracle, bool dearest_first) {
-  const double start_s = thread_cpu_s();
-  planner::DescentOptions options;
-  options.order.resize(static_cast<std::size_t>(oracle.robot_count()));
-  std::iota(options.order.begin(), options.order.end(), 0);
-  if (dearest_first) {
-    std::reverse(options.order.begin(), options.order.end());
-  }
-  return decided(method, oracle, coordinate_descent(oracle, options), start_s);
-}
 
 Sweep energy_sweep(const Extent& extent,
                    std::function<std::vector<Decided>(const planner::TeamOracle&)> decide,

@@ -5,24 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "tools/experiment/energy_trial.hpp"
+#include "tools/experiment/energy_decision.hpp"
 #include "tools/sweep/sample.hpp"
 #include "tools/sweep/sweep.hpp"
 
 namespace vantage::tools {
-
-/// What one way to decide took and found in one trial.
-struct Decided {
-  std::string method;
-  double value = 0.0;                ///< J, nats
-  double calls_per_candidate = 0.0;  ///< the valuing of each one alone included
-  double adopted = 0.0;
-  double messages = 0.0;
-  double cpu_s = 0.0;
-};
-Decided local_search(const std::string& method, const planner::TeamOracle& oracle, bool lazy,
-                     bool warm_start);
-Decided descent(const std::string& method, const planner::TeamOracle& oracle, bool dearest_first);
 
 /// Teams of 2 … 10 robots of draw_energy_trial (2 … 4 in a smoke run), each trial by every method
 /// of `decide`.

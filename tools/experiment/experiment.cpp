@@ -16,6 +16,8 @@ const std::vector<Experiment>& all_experiments() {
        "Oracle calls and proposals that lazy search and a warm start save (Fig. 3.6)", dls_savings},
       {"dls-objective", "Distributed local search against coordinate descent (Fig. 3.7)",
        dls_objective},
+      {"heterogeneous", "Two UGVs and a UAV: information against energy (Fig. 3.8, 3.9)",
+       heterogeneous},
       {"resilient-tracking",
        "Tracking under attack, RAIN against coordinate descent (Table 4.1, Fig. 4.3)",
        resilient_tracking},

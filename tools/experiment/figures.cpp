@@ -1,5 +1,7 @@
 #include "tools/experiment/figures.hpp"
 
+#include <fmt/format.h>
+
 namespace vantage::tools {
 namespace {
 
@@ -41,6 +43,43 @@ std::string dls_objective_figure() {
   plot for [m in '"cd dear first" "cd cheap first" "dls"'] rows(m) using 1:($4 - $6):($4 + $6) with filledcurves lc rgb colour(m) notitle, \
        for [m in '"cd dear first" "cd cheap first" "dls"'] rows(m) using 1:4 with linespoints pt 7 ps 0.6 lw 2 lc rgb colour(m) title m, \
        rows('dls best 10 %') using 1:4 with points pt 2 ps 1.3 lw 2 lc rgb colour('dls best 10 %') title 'dls best 10 %'
+)gp");
+}
+
+std::string heterogeneous_figures(const models::World& world, const std::string& titles) {
+  std::string regions;
+  for (std::size_t i = 0; i < world.regions.size(); ++i) {
+    const models::Rectangle& at = world.regions[i].footprint;
+    regions += fmt::format(
+        "  set object {0} rectangle from {2},{3} to {4},{5} behind fillcolor rgb '{6}' "
+        "fillstyle transparent solid 0.25 noborder\n"
+        "  set label {0} '{1}' at {7},{8} font ',13' textcolor rgb '{6}'\n",
+        i + 1, world.regions[i].name, at.min_m.x(), at.min_m.y(), at.max_m.x(), at.max_m.y(),
+        i == 0 ? "#8B5A2B" : "#56B4E9", at.max_m.x() - 14.0,
+        i == 0 ? at.min_m.y() + 5.0 : at.max_m.y() - 5.0);
+  }
+  return figure("heterogeneous", "760,560", R"gp(
+  colour(m) = m eq 'dls' ? '#009E73' : m eq 'cd uav first' ? '#E69F00' : '#8B5A2B'
+  called(m) = m eq 'dls' ? 'DLS' : m eq 'cd uav first' ? 'CD, UAV first' : 'CD, UGVs first'
+  set key bottom right; set xrange [0:*]; set yrange [0:*]
+  set xlabel 'energy C / r, mean and its 95 % interval'; set ylabel 'information I  [nats], mean and its 95 % interval'
+  plot for [m in '"cd ugvs first" "cd uav first" "dls"'] rows(m) using 7:5:8:6 with xyerrorbars pt 0 lw 0.7 lc rgb colour(m) notitle, \
+       for [m in '"cd ugvs first" "cd uav first" "dls"'] rows(m) using 7:5 with linespoints pt 7 ps 0.7 lw 2 lc rgb colour(m) title called(m), \
+       rows('dls') using 7:5:(int(100 * $1 + 0.5) % 10 == 0 ? 'r = '.strcol(1) : '') with labels right offset -0.8,0.8 font ',10' textcolor rgb colour('dls') notitle
+)gp") + figure("heterogeneous-ways", "1500,600", regions + "  titles = '" + titles + R"gp('
+  set datafile separator whitespace; unset grid
+  set xrange [0:100]; set yrange [0:100]; set size ratio -1
+  set xlabel 'x [m]'; set ylabel 'y [m]'
+  set key outside bottom center horizontal
+  colour(robot) = word('#0072B2 #56259E #D55E00', robot + 1)
+  set multiplot layout 1,3
+  do for [k=0:2] {
+    set title word(titles, k + 1)
+    plot for [robot=0:2] 'ways.txt' index 3 * k + robot using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb colour(robot) title (robot == 2 ? 'UAV' : 'UGV '.(robot + 1)), \
+         for [robot=0:2] '' index 3 * k + robot using 1:2 every ::0::0 with points pt 5 ps 1.6 lc rgb colour(robot) notitle, \
+         'targets.txt' index k using 1:($3 > 0 ? $2 : 1/0) with points pt 3 ps 1.4 lw 2 lc rgb 'black' title 'target', \
+         '' index k using 1:($3 == 0 ? $2 : 1/0) with points pt 6 ps 1.4 lw 1.5 lc rgb 'black' title 'never seen'
+  }
 )gp");
 }
 

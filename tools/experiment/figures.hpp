@@ -2,12 +2,17 @@
 
 #include <string>
 
+#include "models/world/world.hpp"
+
 // gnuplot scripts, each run in the directory of its experiment's files; SVG and PNG come out.
 
 namespace vantage::tools {
 
 std::string dls_savings_figure();
 std::string dls_objective_figure();
+/// Information over energy (Fig. 3.8), and the ways that each method chose in one trial in `world`
+/// (Fig. 3.9) under `titles`, each in quotes.
+std::string heterogeneous_figures(const models::World& world, const std::string& titles);
 std::string resilient_tracking_figure();
 /// Maps of the first trial of RAIN with two attacks (Fig. 4.4), and entropy over time (Fig. 4.5).
 std::string resilient_mapping_figures();

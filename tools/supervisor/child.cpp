@@ -1,5 +1,6 @@
 #include "tools/supervisor/child.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -19,13 +20,17 @@ namespace vantage::tools {
 namespace {
 
 // Runs in the forked child: nothing here may allocate or lock.
-[[noreturn]] void become(const char* const* arguments, int report_fd, pid_t parent) {
+[[noreturn]] void become(const char* const* arguments, int report_fd, int output, pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (::getppid() != parent) {
     ::_exit(127);
   }
   ::signal(SIGPIPE, SIG_DFL);
+  if (output >= 0) {
+    ::dup2(output, STDOUT_FILENO);
+    ::dup2(output, STDERR_FILENO);
+  }
   ::execvp(arguments[0], const_cast<char* const*>(arguments));  // NOLINT: exec only reads
   const int error = errno;
   [[maybe_unused]] const auto written = ::write(report_fd, &error, sizeof(error));
@@ -38,7 +43,7 @@ std::string ChildExit::describe() const {
   return signal != 0 ? "signal " + std::to_string(signal) : "exit " + std::to_string(code);
 }
 
-Result<Child> Child::start(const std::vector<std::string>& arguments) {
+Result<Child> Child::start(const std::vector<std::string>& arguments, int output) {
   require(!arguments.empty(), "a process to start has a name");
   std::vector<const char*> pointers;
   for (const std::string& argument : arguments) {
@@ -53,7 +58,7 @@ Result<Child> Child::start(const std::vector<std::string>& arguments) {
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid == 0) {
-    become(pointers.data(), pipe_fds[1], parent);
+    become(pointers.data(), pipe_fds[1], output, parent);
   }
   ::close(pipe_fds[1]);
   int error = pid < 0 ? errno : 0;
@@ -113,6 +118,33 @@ void Child::send(int signal) {
   if (pid_ > 0 && !exit_) {
     ::kill(pid_, signal);
   }
+}
+
+Result<Answer> ask(const std::vector<std::string>& arguments) {
+  std::array<int, 2> pipe_fds{};
+  if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0) {
+    return Error{std::string("pipe: ") + std::strerror(errno)};
+  }
+  Result<Child> child = Child::start(arguments, pipe_fds[1]);
+  ::close(pipe_fds[1]);
+  Answer answer;
+  std::array<char, 4096> part{};
+  ssize_t count = 0;
+  while ((count = ::read(pipe_fds[0], part.data(), part.size())) > 0 ||
+         (count < 0 && errno == EINTR)) {
+    answer.text.append(part.data(), static_cast<std::size_t>(std::max<ssize_t>(0, count)));
+  }
+  ::close(pipe_fds[0]);
+  if (!child.ok()) {
+    return child.error();
+  }
+  Child running = std::move(child).value();
+  std::optional<ChildExit> ended;
+  while (!ended) {
+    ended = running.wait(std::chrono::seconds(1));
+  }
+  answer.exit = *ended;
+  return answer;
 }
 
 }  // namespace vantage::tools

@@ -26,8 +26,9 @@ struct ChildExit {
 class Child {
  public:
   /// Starts `arguments[0]`, searched in PATH when it has no slash. The Error is that of exec
-  /// (no such file), not only of fork.
-  static Result<Child> start(const std::vector<std::string>& arguments);
+  /// (no such file), not only of fork. What it writes, errors included, goes to `output` unless
+  /// that is negative.
+  static Result<Child> start(const std::vector<std::string>& arguments, int output = -1);
 
   Child(Child&& other) noexcept;
   Child& operator=(Child&& other) noexcept;
@@ -48,5 +49,13 @@ class Child {
   int pidfd_ = -1;
   std::optional<ChildExit> exit_;
 };
+
+/// What a short command said, and how it ended.
+struct Answer {
+  ChildExit exit;
+  std::string text;  ///< output and errors as they came
+};
+/// Waits for `arguments` to end. The Error is that of Child::start.
+Result<Answer> ask(const std::vector<std::string>& arguments);
 
 }  // namespace vantage::tools

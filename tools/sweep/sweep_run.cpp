@@ -1,7 +1,6 @@
 #include "tools/sweep/sweep_run.hpp"
 
 #include <chrono>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -10,18 +9,13 @@
 
 #include "core/check.hpp"
 #include "tools/supervisor/child.hpp"
+#include "tools/sweep/cpu_time.hpp"
 #include "tools/sweep/report_page.hpp"
 #include "tools/sweep/row_files.hpp"
 #include "tools/sweep/worker_pool.hpp"
 
 namespace vantage::tools {
 namespace {
-
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 void write_file(const std::string& directory, const std::string& name, const std::string& text) {
   const std::string path = std::filesystem::path(directory) / name;

@@ -1,0 +1,139 @@
+#!/usr/bin/env bash
+# slurm.sh VANTAGE, within in_slurm.sh: a sweep as an array of jobs, whole, left alone, cancelled,
+# gone on with and refused.
+set -euo pipefail
+vantage=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+  echo "slurm.sh: $*" >&2
+  sed 's/^/  /' "$work/out" >&2
+  exit 1
+}
+
+# run CODE DIRECTORY OPTION…: what it says is in $work/out.
+run() {
+  local expected=$1 directory=$2 code=0
+  shift 2
+  "$vantage" experiment heterogeneous --smoke --out "$work/$directory" "$@" > "$work/out" 2>&1 ||
+    code=$?
+  [[ $code == "$expected" ]] || fail "exit code $code of: $directory $*"
+}
+
+says() { grep -q -- "$1" "$work/out" || fail "it does not say '$1'"; }
+# Numbers of the jobs that were submitted.
+array() { sed -n 's/^submitted: job \([0-9]*\) .*/\1/p' "$work/out"; }
+collector() { sed -n 's/^submitted: .* job \([0-9]*\) that collects.*/\1/p' "$work/out"; }
+until_queue_is_empty() {
+  for ((k = 0; k < 600; ++k)); do
+    [[ -n "$(squeue --noheader)" ]] || return 0
+    sleep 0.1
+  done
+  fail "jobs stay in the queue: $(squeue)"
+}
+until_told() {
+  for ((k = 0; k < 100; ++k)); do
+    ! grep -q -- "$1" "$work/out" || return 0
+    sleep 0.1
+  done
+  fail "it does not say '$1'"
+}
+same() {
+  diff -r -x rows -x slurm -x manifest.json -x 'times.*' "$work/whole" "$work/$1" ||
+    fail "$1 differs from a run without Slurm"
+}
+row_files() { find "$work/$1/rows" -type f | wc -l; }
+
+run 0 whole
+
+# Waited for: each shard once, and the same bytes.
+run 0 waited --slurm --shards 3
+says "^submitted: job [0-9]* of shards 1-3 of 3, "
+[[ $(row_files waited) == 3 ]] || fail "$(row_files waited) processes wrote rows"
+same waited
+
+# All is done: again it submits nothing.
+run 0 waited --slurm --shards 3
+[[ -z "$(array)" && -z "$(squeue --noheader)" ]] || fail "it submitted what was done"
+same waited
+
+# Left alone: collected by the cluster.
+run 0 alone --slurm --shards 2 --no-wait
+says "left to run; results will be in "
+until_queue_is_empty
+[[ $(row_files alone) == 2 ]] || fail "$(row_files alone) processes wrote rows"
+same alone
+
+# In the queue: not submitted a second time; Ctrl-C ends the waiting alone and names the jobs.
+run 0 held --slurm --shards 3 --no-wait --sbatch=--hold
+array=$(array) collector=$(collector)
+run 0 held --slurm --no-wait
+says "^jobs $array and $collector are in the queue: nothing is submitted"
+"$vantage" experiment heterogeneous --smoke --out "$work/held" --slurm > "$work/out" 2>&1 &
+pid=$!
+until_told "nothing is submitted"
+kill -INT "$pid"
+code=0
+wait "$pid" || code=$?
+[[ $code == 1 ]] || fail "Ctrl-C gave exit code $code"
+says "To cancel: scancel $array $collector"
+[[ $(squeue --noheader --array | wc -l) == 4 ]] || fail "Ctrl-C took jobs: $(squeue --array)"
+
+# A task is cancelled, the others run: it is named, and only its shard is submitted again.
+scancel "${array}_2"
+scontrol release "$array" "$collector"
+run 1 held --slurm
+says "^shard 2 lacks units: .*it did not begin"
+[[ $(grep -c "lacks units" "$work/out") == 1 ]] || fail "other shards are named"
+says "^the same command submits what lacks"
+until_queue_is_empty
+run 0 held --slurm --shards 3
+says "^submitted: job [0-9]* of shards 2 of 3, "
+[[ $(row_files held) == 3 ]] || fail "$(row_files held) processes wrote rows"
+same held
+
+# A shard that fails is told with its last words: it finds a directory of another run.
+run 0 broken --slurm --shards 2 --no-wait --sbatch=--hold
+array=$(array) collector=$(collector)
+cp "$work/broken/manifest.json" "$work/kept"
+"$vantage" experiment heterogeneous --smoke --out "$work/broken" --slurm > "$work/out" 2>&1 &
+pid=$!
+until_told "nothing is submitted"
+sed -i 's/"seed": 1/"seed": 7/' "$work/broken/manifest.json"
+scontrol release "$array" "$collector"
+code=0
+wait "$pid" || code=$?
+[[ $code == 1 ]] || fail "shards that failed gave exit code $code"
+says "^shard 1 lacks units: FAILED; .*/shard_1.log ends: .*another seed"
+mv "$work/kept" "$work/broken/manifest.json"
+run 0 broken --slurm --shards 2
+same broken
+
+# What Slurm does not take is refused in its own words; nothing is left in the queue.
+run 2 refused --slurm --shards 2 --sbatch=--partition=none
+says "Slurm did not take the job: .*invalid partition specified: none"
+run 2 refused --slurm --shards 6  # in_slurm.sh allows numbers up to 4
+says "Slurm did not take the job: .*[Ii]nvalid job array"
+[[ -z "$(squeue --noheader)" ]] || fail "something was submitted"
+
+# Nor when it takes the array alone; nor is anything submitted while the queue cannot be asked.
+mkdir "$work/bin"
+PATH="$work/bin:$PATH"
+# in_the_way PROGRAM CASE WORDS: with CASE among its arguments it fails.
+in_the_way() {
+  printf '#!/bin/sh\ncase "$*" in *%s*) echo "%s" >&2; exit 1;; esac\nexec %s "$@"\n' \
+    "$2" "$3" "$(command -v "$1")" > "$work/bin/$1.new"
+  chmod +x "$work/bin/$1.new"
+  mv "$work/bin/$1.new" "$work/bin/$1"
+}
+in_the_way sbatch --dependency 'sbatch: error: full'
+run 2 refused --slurm --shards 2 --sbatch=--hold
+says "did not take the job: sbatch: error: full (that collects; job [0-9]* is cancelled)"
+until_queue_is_empty
+rm "$work/bin/sbatch"
+hash -r
+in_the_way squeue --states=all 'squeue: error: no controller'
+run 2 refused --slurm --shards 2
+says "cannot be asked: squeue: error: no controller; nothing is submitted"
+echo "slurm.sh: all good"
