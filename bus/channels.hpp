@@ -37,6 +37,9 @@ inline Channel<models::RobotPlan> plan_channel(const std::string& robot) {
 inline Channel<models::PlanProposal> proposal_channel(const std::string& robot) {
   return {"PROPOSAL_" + robot};
 }
+inline Channel<models::TeamProposal> team_proposal_channel(const std::string& robot) {
+  return {"TEAM_PROPOSAL_" + robot};
+}
 inline Channel<models::VehicleStatus> quadrotor_channel(const std::string& robot) {
   return {"QUADROTOR_" + robot};
 }

@@ -14,6 +14,7 @@
 #include "vantage_lcm/proposal_t.hpp"
 #include "vantage_lcm/quadrotor_t.hpp"
 #include "vantage_lcm/scenario_t.hpp"
+#include "vantage_lcm/team_proposal_t.hpp"
 #include "vantage_lcm/truth_t.hpp"
 #include "vantage_lcm/vicon_frame_t.hpp"
 
@@ -41,6 +42,9 @@ std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire);
 
 vantage_lcm::proposal_t to_wire(const models::PlanProposal& proposal);
 std::optional<models::PlanProposal> from_wire(const vantage_lcm::proposal_t& wire);
+
+vantage_lcm::team_proposal_t to_wire(const models::TeamProposal& proposal);
+std::optional<models::TeamProposal> from_wire(const vantage_lcm::team_proposal_t& wire);
 
 vantage_lcm::quadrotor_t to_wire(const models::VehicleStatus& status);
 std::optional<models::VehicleStatus> from_wire(const vantage_lcm::quadrotor_t& wire);

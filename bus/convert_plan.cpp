@@ -2,7 +2,7 @@
 
 #include "bus/convert_parts.hpp"
 
-// What robots will do: PLAN_R.
+// What robots will do: PLAN_R, and what they propose.
 
 namespace vantage::bus {
 
@@ -24,8 +24,45 @@ bool is_quality(const vantage_lcm::plan_t& wire) {
   return has_cost && has_bound && wire.epsilon >= 0.0 && wire.delta_m >= 0.0;  // no NaN
 }
 
+/// The fields that every wire type with a trajectory has; the time is the message's.
+template <class Wire>
+void trajectory_to(const models::Trajectory& trajectory, Wire& wire) {
+  wire.start_x_world_m = trajectory.start.x_m;
+  wire.start_y_world_m = trajectory.start.y_m;
+  wire.start_yaw_world_rad = trajectory.start.yaw_rad;
+  wire.height_m = trajectory.height_m;
+  wire.num_segments = count_of(trajectory.segments.size());
+  wire.segments.resize(trajectory.segments.size());
+  for (std::size_t i = 0; i < trajectory.segments.size(); ++i) {
+    const models::PlanSegment& segment = trajectory.segments[i];
+    wire.segments[i].speed_mps = segment.control.speed_mps;
+    wire.segments[i].yaw_rate_radps = segment.control.yaw_rate_radps;
+    wire.segments[i].duration_s = segment.duration_s;
+    wire.segments[i].brake_mps2 = segment.brake_mps2;
+  }
+}
+
+template <class Wire>
+std::optional<models::Trajectory> trajectory_from(const Wire& wire, Time start_time) {
+  const auto start =
+      pose2_from(wire.start_x_world_m, wire.start_y_world_m, wire.start_yaw_world_rad);
+  if (!start || !are_finite(wire.height_m) || !is_count(wire.num_segments, wire.segments.size())) {
+    return std::nullopt;
+  }
+  models::Trajectory trajectory{start_time, *start, wire.height_m, {}};
+  trajectory.segments.reserve(wire.segments.size());
+  for (const vantage_lcm::plan_segment_t& segment : wire.segments) {
+    if (!is_segment(segment)) {
+      return std::nullopt;
+    }
+    trajectory.segments.push_back(
+        {{segment.speed_mps, segment.yaw_rate_radps}, segment.duration_s, segment.brake_mps2});
+  }
+  return trajectory;
+}
+
 bool are_numbers_possible(const vantage_lcm::plan_t& wire) {
-  return is_quality(wire) && are_finite(wire.height_m, wire.step_s) && wire.step_s > 0.0 &&
+  return is_quality(wire) && are_finite(wire.step_s) && wire.step_s > 0.0 &&
          wire.horizon_steps >= 0 && wire.passes >= 0 && wire.nodes >= 0 &&
          is_utime(wire.slot_start_utime) && is_utime(wire.deadline_utime) &&
          is_utime(wire.finish_utime) && is_boolean(wire.late);
@@ -39,19 +76,7 @@ vantage_lcm::plan_t to_wire(const models::RobotPlan& plan) {
   wire.robot = plan.robot;
   wire.round = plan.round;
   wire.source = static_cast<std::int32_t>(plan.source);
-  wire.start_x_world_m = plan.trajectory.start.x_m;
-  wire.start_y_world_m = plan.trajectory.start.y_m;
-  wire.start_yaw_world_rad = plan.trajectory.start.yaw_rad;
-  wire.height_m = plan.trajectory.height_m;
-  wire.num_segments = count_of(plan.trajectory.segments.size());
-  wire.segments.resize(plan.trajectory.segments.size());
-  for (std::size_t i = 0; i < plan.trajectory.segments.size(); ++i) {
-    const models::PlanSegment& segment = plan.trajectory.segments[i];
-    wire.segments[i].speed_mps = segment.control.speed_mps;
-    wire.segments[i].yaw_rate_radps = segment.control.yaw_rate_radps;
-    wire.segments[i].duration_s = segment.duration_s;
-    wire.segments[i].brake_mps2 = segment.brake_mps2;
-  }
+  trajectory_to(plan.trajectory, wire);
   wire.horizon_steps = plan.horizon_steps;
   wire.step_s = plan.step_s;
   wire.cost_nat = plan.cost;
@@ -71,12 +96,11 @@ vantage_lcm::plan_t to_wire(const models::RobotPlan& plan) {
 
 std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire) {
   const auto stamp = stamp_from(wire);
-  const auto start =
-      pose2_from(wire.start_x_world_m, wire.start_y_world_m, wire.start_yaw_world_rad);
   const auto source = enumerator_from(wire.source, models::PlanSource::kBraking);
   auto inputs = inputs_from(wire.num_inputs, wire.inputs);
-  if (!stamp || !start || !source || !inputs || !is_text(wire.robot) ||
-      !are_numbers_possible(wire) || !is_count(wire.num_segments, wire.segments.size())) {
+  // The wire has one time for the message and its trajectory.
+  auto trajectory = stamp ? trajectory_from(wire, stamp->time) : std::nullopt;
+  if (!trajectory || !source || !inputs || !is_text(wire.robot) || !are_numbers_possible(wire)) {
     return std::nullopt;
   }
   models::RobotPlan plan;
@@ -84,17 +108,7 @@ std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire) {
   plan.robot = wire.robot;
   plan.round = wire.round;
   plan.source = *source;
-  plan.trajectory.start_time = stamp->time;  // the wire has one time for both
-  plan.trajectory.start = *start;
-  plan.trajectory.height_m = wire.height_m;
-  plan.trajectory.segments.reserve(wire.segments.size());
-  for (const vantage_lcm::plan_segment_t& segment : wire.segments) {
-    if (!is_segment(segment)) {
-      return std::nullopt;
-    }
-    plan.trajectory.segments.push_back(
-        {{segment.speed_mps, segment.yaw_rate_radps}, segment.duration_s, segment.brake_mps2});
-  }
+  plan.trajectory = std::move(*trajectory);
   plan.horizon_steps = wire.horizon_steps;
   plan.step_s = wire.step_s;
   plan.cost = wire.cost_nat;
@@ -126,6 +140,52 @@ std::optional<models::PlanProposal> from_wire(const vantage_lcm::proposal_t& wir
     return std::nullopt;
   }
   return models::PlanProposal{*stamp, wire.value_nat, std::move(*plan)};
+}
+
+vantage_lcm::team_proposal_t to_wire(const models::TeamProposal& proposal) {
+  vantage_lcm::team_proposal_t wire{};
+  stamp_to(proposal.stamp, wire);
+  wire.robot = proposal.robot;
+  wire.round = proposal.round;
+  wire.value_nat = proposal.value_nats;
+  wire.num_choices = count_of(proposal.choices.size());
+  for (const models::TeamChoice& choice : proposal.choices) {
+    vantage_lcm::team_choice_t& out = wire.choices.emplace_back();
+    out.robot = choice.robot;
+    trajectory_to(choice.trajectory, out);
+    out.information_nat = choice.information_nats;
+    out.energy_nat = choice.energy_nats;
+  }
+  wire.num_history = count_of(proposal.history.size());
+  wire.history = proposal.history;
+  wire.nodes = proposal.nodes;
+  wire.num_inputs = count_of(proposal.inputs.size());
+  wire.inputs = inputs_to(proposal.inputs);
+  return wire;
+}
+
+std::optional<models::TeamProposal> from_wire(const vantage_lcm::team_proposal_t& wire) {
+  const auto stamp = stamp_from(wire);
+  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  if (!stamp || !inputs || !is_text(wire.robot) || !are_finite(wire.value_nat) || wire.nodes < 0 ||
+      !is_count(wire.num_choices, wire.choices.size()) ||
+      !is_count(wire.num_history, wire.history.size())) {
+    return std::nullopt;
+  }
+  models::TeamProposal proposal{*stamp, wire.robot,   wire.round, wire.value_nat,
+                                {},     wire.history, wire.nodes, std::move(*inputs)};
+  for (const vantage_lcm::team_choice_t& choice : wire.choices) {
+    auto trajectory = trajectory_from(choice, stamp->time);
+    const bool is_new = proposal.find(choice.robot) == nullptr;
+    if (!trajectory || !is_new || !is_text(choice.robot) ||
+        !are_finite(choice.information_nat, choice.energy_nat) || choice.information_nat < 0.0 ||
+        choice.energy_nat < 0.0) {
+      return std::nullopt;
+    }
+    proposal.choices.push_back(
+        {choice.robot, std::move(*trajectory), choice.information_nat, choice.energy_nat});
+  }
+  return proposal;
 }
 
 }  // namespace vantage::bus

@@ -147,6 +147,23 @@ void read_primitives(Mapping& from, const models::VehicleLimits& limits,
   }
 }
 
+void read_energy(Mapping& from, const models::World& world, models::EnergySpec& energy) {
+  from.number("price_nats", energy.price_nats, at_least(0.0));
+  from.number("rest_cost", energy.rest_cost, at_least(0.0));
+  from.number("turn_cost", energy.turn_cost, at_least(0.0));
+  from.number("move_cost", energy.move_cost, at_least(0.0));
+  if (const std::optional<Value> regions = from.find("regions")) {
+    for (const Value& item : regions->items()) {
+      const std::string name = item.text();
+      const auto has_name = [&](const models::Region& region) { return region.name == name; };
+      if (std::none_of(world.regions.begin(), world.regions.end(), has_name)) {
+        item.refuse("must be the name of one of world.regions, is '" + name + "'");
+      }
+      energy.regions.push_back(name);
+    }
+  }
+}
+
 void read_autopilot(Mapping& from, models::AutopilotSpec& autopilot) {
   constexpr int kSystemIdMax = 255;
   from.require("dialect");
@@ -210,6 +227,8 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   read_primitives(from, robot.limits, robot.primitives);
   from.require("sensor");
   from.section("sensor", [&](Mapping& sensor) { read_sensor(sensor, robot.sensor); });
+  from.section("energy",
+               [&](Mapping& energy) { read_energy(energy, scenario.world, robot.energy); });
   read_device(from, robot.device);
   from.section("autopilot",
                [&](Mapping& autopilot) { read_autopilot(autopilot, robot.autopilot.emplace()); });

@@ -153,6 +153,22 @@ void check_round(Mapping& from, const models::PlannerSpec& planner) {
   }
 }
 
+void check_team(Mapping& from, const models::PlannerSpec& planner) {
+  using models::PlanAlgorithm;
+  if (planner.team_algorithm != models::TeamAlgorithm::kLocalSearch) {
+    return;
+  }
+  if (planner.algorithm != PlanAlgorithm::kArvi && planner.algorithm != PlanAlgorithm::kRvi) {
+    from.refuse("algorithm", fmt::format("must be arvi or rvi, which make the candidates of "
+                                         "team_algorithm: local_search; is {}",
+                                         models::name_of(planner.algorithm)));
+  }
+  if (planner.attacks_max > 0) {
+    from.refuse("attacks_max", fmt::format("must be 0 with team_algorithm: local_search, is {}",
+                                           planner.attacks_max));
+  }
+}
+
 void read_planner(Mapping& from, models::PlannerSpec& planner) {
   using models::PlanAlgorithm;
   from.word("algorithm", planner.algorithm,
@@ -173,6 +189,10 @@ void read_planner(Mapping& from, models::PlannerSpec& planner) {
   from.number("epsilon_initial", planner.epsilon_initial, at_least(0.0));
   from.number("delta_initial_m", planner.delta_initial_m, at_least(0.0));
   from.number("yaw_weight_m_per_rad", planner.yaw_weight_m_per_rad, at_least(0.0));
+  from.word("team_algorithm", planner.team_algorithm,
+            {{"coordinate_descent", models::TeamAlgorithm::kCoordinateDescent},
+             {"local_search", models::TeamAlgorithm::kLocalSearch}});
+  from.integer("candidates_max", planner.candidates_max, 1, 10'000);
   from.integer("attacks_max", planner.attacks_max, 0, 1000);
   from.number("separation_m", planner.separation_m, above_to(0.0, kLengthMaxM));
   from.number("obstacle_margin_m", planner.obstacle_margin_m, from_to(0.0, kLengthMaxM));
@@ -180,6 +200,7 @@ void read_planner(Mapping& from, models::PlannerSpec& planner) {
   from.section("exploration",
                [&](Mapping& exploration) { read_exploration(exploration, planner.exploration); });
   check_round(from, planner);
+  check_team(from, planner);
 }
 
 void read_network(Mapping& from, models::NetworkSpec& network) {

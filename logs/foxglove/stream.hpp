@@ -60,6 +60,7 @@ class Stream {
   void on(const models::RobotBelief& belief, Time heard);
   void on(const models::RobotPlan& plan, Time heard);
   void on(const models::PlanProposal& /*proposal*/, Time /*heard*/) {}  // the plans are shown
+  void on(const models::TeamProposal& /*proposal*/, Time /*heard*/) {}
   void on(const models::VehicleStatus& status, Time heard);
   void on(const models::ProcessHealth& health, Time heard);
   void on(const models::HostReport& report, Time heard);

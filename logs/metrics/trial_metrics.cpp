@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "models/scenario/energy_cost.hpp"
+
 namespace vantage::logs {
 namespace {
 
@@ -14,7 +16,10 @@ constexpr std::int64_t kStepsOfGrace = 2;
 }  // namespace
 
 TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
-    : start_(start),
+    : world_(scenario.world),
+      specs_(scenario.robots),
+      execute_steps_(scenario.planner.execute_steps),
+      start_(start),
       step_us_(from_seconds(scenario.planner.step_s).count()),
       position_dim_(scenario.estimator.target_model.position_dim),
       prior_entropy_nats_(
@@ -115,6 +120,20 @@ void TrialMetrics::on_plan(const models::RobotPlan& plan) {
   ++plans_;
   fallbacks_ += plan.source == models::PlanSource::kSearched ? 0 : 1;
   robots_[plan.robot].plan = plan;
+  summary_.energy_nats += energy_nats(plan);
+}
+
+double TrialMetrics::energy_nats(const models::RobotPlan& plan) const {
+  const auto spec = std::find_if(specs_.begin(), specs_.end(),
+                                 [&](const auto& each) { return each.name == plan.robot; });
+  double used = 0.0;
+  for (int step = 0; spec != specs_.end() && step < execute_steps_; ++step) {
+    const models::TrajectoryPoint point =
+        models::at(plan.trajectory, plan.trajectory.start_time + Duration{step * step_us_});
+    used += spec->energy.price_nats * models::step_cost(spec->energy, &world_, point.control,
+                                                        point.world_from_body.position_m());
+  }
+  return used;
 }
 
 void TrialMetrics::on_contact(const models::ContactReport& contact) {

@@ -75,6 +75,12 @@ class TrialMetrics {
   void judge(const Step& step);
   void discover(const models::RobotBelief& belief);
 
+  /// What the steps of `plan` until the next one cost, priced.
+  [[nodiscard]] double energy_nats(const models::RobotPlan& plan) const;
+
+  const models::World world_;
+  const std::vector<models::RobotSpec> specs_;
+  const int execute_steps_;
   const Time start_;
   const std::int64_t step_us_;
   const int position_dim_;

@@ -39,6 +39,7 @@ Json to_json(const TrialSummary& summary) {
   out["algorithm"] = summary.algorithm;
   out["plans"] = summary.plans;
   out["plans_missing"] = summary.plans_missing;
+  out["energy"] = summary.energy_nats;
   out["undiscovered_share"] = summary.undiscovered_share;
   out["rmse_per_target_m"] = optional_numbers(summary.rmse_per_target_m);
   out["entropy_per_target"] = summary.entropy_per_target_nats;

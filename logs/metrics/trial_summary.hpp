@@ -31,7 +31,9 @@ struct TrialSummary {
   std::string scenario;
   std::string algorithm;
   std::int64_t plans = 0;
-  std::int64_t plans_missing = 0;   ///< rounds · robots − plans
+  std::int64_t plans_missing = 0;  ///< rounds · robots − plans
+  /// What the planned motion costs all robots until the next plan, priced (models/scenario).
+  double energy_nats = 0.0;
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets nobody knows
   std::vector<std::optional<double>> rmse_per_target_m;  ///< over the time it was known
   std::vector<double> entropy_per_target_nats;

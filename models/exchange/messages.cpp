@@ -52,4 +52,11 @@ const char* name_of(PlanSource source) {
   return "?";
 }
 
+const TeamChoice* TeamProposal::find(const std::string& of_robot) const {
+  const auto found = std::find_if(choices.begin(), choices.end(), [&](const TeamChoice& choice) {
+    return choice.robot == of_robot;
+  });
+  return found == choices.end() ? nullptr : &*found;
+}
+
 }  // namespace vantage::models

@@ -128,6 +128,31 @@ struct PlanProposal {
   RobotPlan plan;
 };
 
+/// What one robot is to do in a solution of the team.
+struct TeamChoice {
+  std::string robot;
+  Trajectory trajectory;
+  double information_nats = 0.0;  ///< that it alone gains, as its own robot counts it
+  double energy_nats = 0.0;       ///< what its motion costs
+};
+
+/// The team's solution after a local operation (TEAM_PROPOSAL_R), whole, so that it is understood
+/// by whoever has missed those before it.
+struct TeamProposal {
+  Stamp stamp;        ///< time: when the trajectories would start, t_{k+1}
+  std::string robot;  ///< who proposes
+  std::int64_t round = 0;
+  /// J = I − C: that of the solution improved on plus the rise as the proposer counts it.
+  double value_nats = 0.0;
+  std::vector<TeamChoice> choices;    ///< at most one a robot; who is not in it rests
+  std::vector<std::int64_t> history;  ///< fingerprints of the solutions that led here, this last
+  std::int64_t nodes = 0;             ///< the node budget that repeats the search for candidates
+  /// What the candidates were made from; last the proposal that this one improves on, if any.
+  std::vector<InputRef> inputs;
+
+  [[nodiscard]] const TeamChoice* find(const std::string& of_robot) const;
+};
+
 enum class FlightState { kIdle, kFollow, kHold, kLand, kKilled };
 
 /// "idle", "follow", "hold", "land", "killed".

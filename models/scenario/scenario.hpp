@@ -7,6 +7,7 @@
 
 #include "models/motion/unicycle.hpp"
 #include "models/scenario/device_source.hpp"
+#include "models/scenario/energy_spec.hpp"
 #include "models/scenario/host_spec.hpp"
 #include "models/scenario/mocap_spec.hpp"
 #include "models/sensor/sensor.hpp"
@@ -51,6 +52,7 @@ struct RobotSpec {
   std::vector<UnicycleControl> primitives;
   VehicleLimits limits;
   SensorModel sensor;
+  EnergySpec energy;
   DeviceSource device = DeviceSource::kDirect;
   std::optional<AutopilotSpec> autopilot;
   std::optional<RoverSpec> rover;  ///< then it is a ground robot
@@ -108,6 +110,12 @@ enum class PlanAlgorithm { kArvi, kBeam, kRvi, kGreedy, kRandomWalk, kLawnMower 
 const char* name_of(PlanAlgorithm algorithm);
 std::optional<PlanAlgorithm> parse_algorithm(const std::string& name);
 
+/// How the robots of a team agree on their plans.
+enum class TeamAlgorithm {
+  kCoordinateDescent,  ///< one after another, each against the newest plans of the others
+  kLocalSearch,        ///< by proposals to one solution (docs/decisions/0006)
+};
+
 struct PlannerSpec {
   PlanAlgorithm algorithm = PlanAlgorithm::kArvi;
   int horizon_steps = 12;          ///< T
@@ -119,6 +127,8 @@ struct PlannerSpec {
   double epsilon_initial = 1.0;    ///< of the first finite pass; halved each pass
   double delta_initial_m = 1.0;
   double yaw_weight_m_per_rad = 0.3;  ///< metric on SE(2): hypot(distance, weight · |Δyaw|)
+  TeamAlgorithm team_algorithm = TeamAlgorithm::kCoordinateDescent;
+  int candidates_max = 200;  ///< trajectories of each robot that a local search chooses from
   int attacks_max = 0;  ///< α: so many sensors may be jammed at once; > 0: the team plans by RAIN
   double separation_m = 0.6;          ///< least distance between two vehicles, always, in space
   double obstacle_margin_m = 0.1;     ///< beyond the vehicle's radius

@@ -17,6 +17,11 @@ Duration closing_of(const RoundSchedule::Slot& slot) {
 
 constexpr std::int64_t kDefaultNodeBudget = 20'000;
 
+// A local search looks at what it has heard so often, and works so long in between.
+constexpr Duration kExchangePeriod{5'000};
+constexpr std::int64_t kExchangeWork_ns = 3'000'000;
+constexpr std::int64_t kExchangeCalls = 5'000;
+
 }  // namespace
 
 PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
@@ -33,6 +38,15 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
   for (const models::RobotSpec& other : scenario.robots) {
+    if (scenario.planner.team_algorithm == models::TeamAlgorithm::kLocalSearch &&
+        other.name != robot) {
+      bus_.subscribe<models::TeamProposal>(bus::team_proposal_channel(other.name),
+                                           [this, name = other.name](const auto& m) {
+                                             if (m.robot == name) {
+                                               hear(m);
+                                             }
+                                           });
+    }
     if (scenario.planner.attacks_max > 0 && other.name != robot) {
       bus_.subscribe<models::PlanProposal>(bus::proposal_channel(other.name),
                                            [this, name = other.name](const auto& m) {
@@ -88,6 +102,9 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
       add(bus::proposal_channel(proposer).name, proposal.stamp);
     }
   }
+  if (inputs.solution && inputs.solution->round == inputs.slot.round) {
+    add(bus::team_proposal_channel(inputs.solution->robot).name, inputs.solution->stamp);
+  }
   if (inputs.attack) {
     add(bus::kAttack.name, inputs.attack->stamp);
   }
@@ -95,6 +112,11 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
 }
 
 void PlannerNode::tick(Time now) {
+  if (now < slot_.begin) {
+    exchange(now);
+    return;
+  }
+  next_exchange_ = Time::max();
   if (now >= slot_.end) {  // the whole slot was slept through
     ++slots_skipped_;
     ++late_;
@@ -102,7 +124,9 @@ void PlannerNode::tick(Time now) {
     return;
   }
   inputs_.slot = slot_;
-  if (slot_.is_proposal) {
+  if (slot_.is_proposal && spec_.team_algorithm == models::TeamAlgorithm::kLocalSearch) {
+    begin_exchange(now);
+  } else if (slot_.is_proposal) {
     propose(now);
   } else {
     plan(now);
@@ -124,6 +148,57 @@ void PlannerNode::propose(Time now) {
     proposal->stamp.run_id = published.run_id;
     proposal->stamp.sequence = published.sequence;
     inputs_.proposals.insert_or_assign(robot_, std::move(*proposal));
+  }
+}
+
+void PlannerNode::begin_exchange(Time now) {
+  inputs_.solution.reset();
+  // Candidates have a third of the time, proposals the rest.
+  Deadline deadline =
+      Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget : kDefaultNodeBudget);
+  if (clock_.is_real_time()) {
+    const Duration left = std::max(slot_.begin + (slot_.end - slot_.begin) / 3 - now, Duration{0});
+    deadline = Deadline::either(deadline.budget_nodes(), monotonic_ns() + left.count() * 1'000);
+  }
+  if (!planner_.begin_exchange(inputs_, deadline)) {
+    return;
+  }
+  exchange_inputs_ = names_of(inputs_, robot_);
+  for (const auto& [teammate, proposal] : overheard_) {
+    hear(proposal);
+  }
+  exchange_end_ = slot_.end - closing_of(slot_);  // the last proposals have time to arrive
+  next_exchange_ = now + kExchangePeriod;
+}
+
+void PlannerNode::hear(const models::TeamProposal& proposal) {
+  overheard_.insert_or_assign(proposal.robot, proposal);
+  if (planner_.exchange().hear(proposal)) {
+    inputs_.solution = proposal;
+  }
+}
+
+void PlannerNode::exchange(Time now) {
+  next_exchange_ = now + kExchangePeriod;
+  if (now >= exchange_end_) {
+    next_exchange_ = Time::max();
+    return;
+  }
+  const Deadline deadline = clock_.is_real_time() && spec_.node_budget == 0
+                                ? Deadline::at(monotonic_ns() + kExchangeWork_ns)
+                                : Deadline::nodes(kExchangeCalls);
+  std::optional<models::TeamProposal> proposal = planner_.exchange().improve(deadline);
+  if (proposal) {
+    proposal->inputs = exchange_inputs_;
+    if (inputs_.solution) {
+      const models::Stamp& base = inputs_.solution->stamp;
+      proposal->inputs.push_back(
+          {bus::team_proposal_channel(inputs_.solution->robot).name, base.run_id, base.sequence});
+    }
+    const models::InputRef published = bus_.publish(bus::team_proposal_channel(robot_), *proposal);
+    proposal->stamp.run_id = published.run_id;
+    proposal->stamp.sequence = published.sequence;
+    inputs_.solution = std::move(proposal);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,7 +17,7 @@ namespace vantage::planner {
 
 /// Joins a RobotPlanner to the bus: BELIEF_R, VICON, teammates' PLAN_* and ATTACK in, PLAN_R out,
 /// once a round in this robot's slot; in a team that expects attacks PROPOSAL_* besides, in and
-/// out.
+/// out; in one that plans by local search TEAM_PROPOSAL_*.
 ///
 /// Under a clock that is not real time the budget is planner.node_budget nodes.
 class PlannerNode : public bus::Node {
@@ -25,7 +26,7 @@ class PlannerNode : public bus::Node {
               const std::string& robot);
 
   [[nodiscard]] std::string name() const override { return "PLANNER_" + robot_; }
-  [[nodiscard]] Time next_tick() const override { return slot_.begin; }
+  [[nodiscard]] Time next_tick() const override { return std::min(slot_.begin, next_exchange_); }
   void tick(Time now) override;
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
@@ -33,6 +34,11 @@ class PlannerNode : public bus::Node {
  private:
   [[nodiscard]] Deadline deadline_of(Time now) const;
   void propose(Time now);
+  /// Local search: begins the exchange of the slot's round.
+  void begin_exchange(Time now);
+  /// Searches for a while, publishes what it has found.
+  void exchange(Time now);
+  void hear(const models::TeamProposal& proposal);
   void plan(Time now);
 
   bus::Bus& bus_;
@@ -43,6 +49,11 @@ class PlannerNode : public bus::Node {
   RoundSchedule schedule_;
   RoundSchedule::Slot slot_;
   PlanInputs inputs_;
+  // Of an exchange:
+  Time next_exchange_ = Time::max();
+  Time exchange_end_{};
+  std::vector<models::InputRef> exchange_inputs_;          ///< what the candidates were made from
+  std::map<std::string, models::TeamProposal> overheard_;  ///< newest of each teammate
   std::int64_t late_ = 0;
   std::int64_t slots_skipped_ = 0;
 };

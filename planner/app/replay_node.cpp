@@ -1,5 +1,6 @@
 #include "planner/app/replay_node.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 
@@ -9,7 +10,7 @@ namespace vantage::planner {
 namespace {
 
 constexpr Duration kPeriod{20'000};
-constexpr std::size_t kWaitingMax = 8;
+constexpr std::size_t kWaitingMax = 32;
 
 bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
@@ -42,6 +43,17 @@ bool is_same_decision(const models::RobotPlan& a, const models::RobotPlan& b) {
          same_bits(a.delta_m, b.delta_m) && a.passes == b.passes;
 }
 
+bool is_same_decision(const models::TeamProposal& a, const models::TeamProposal& b) {
+  return a.robot == b.robot && a.round == b.round && same_bits(a.value_nats, b.value_nats) &&
+         a.history == b.history &&
+         std::equal(a.choices.begin(), a.choices.end(), b.choices.begin(), b.choices.end(),
+                    [](const models::TeamChoice& x, const models::TeamChoice& y) {
+                      return x.robot == y.robot && same_motion(x.trajectory, y.trajectory) &&
+                             same_bits(x.information_nats, y.information_nats) &&
+                             same_bits(x.energy_nats, y.energy_nats);
+                    });
+}
+
 PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
                                      const models::Scenario& scenario, const std::string& robot)
     : bus_(bus),
@@ -67,15 +79,23 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
     bus_.subscribe_named<models::PlanProposal>(
         bus::proposal_channel(each.name),
         [this](const std::string& name, const auto& m) { proposals_.add(name, m); });
+    bus_.subscribe_named<models::TeamProposal>(bus::team_proposal_channel(each.name),
+                                               [this](const std::string& name, const auto& m) {
+                                                 team_proposals_.add(name, m);
+                                                 if (m.robot == robot_) {
+                                                   waiting_.push_back(m);
+                                                 }
+                                               });
     bus_.subscribe_named<models::VehicleStatus>(
         bus::quadrotor_channel(each.name),
         [this](const std::string& name, const auto& m) { statuses_.add(name, m); });
   }
 }
 
-bool PlannerReplayNode::gather(const models::RobotPlan& logged, PlanInputs& inputs) const {
-  inputs.slot = schedule_.slot(logged.round);
-  for (const models::InputRef& name : logged.inputs) {
+bool PlannerReplayNode::gather(std::int64_t round, const std::vector<models::InputRef>& names,
+                               PlanInputs& inputs) const {
+  inputs.slot = schedule_.slot(round);
+  for (const models::InputRef& name : names) {
     if (const auto* belief = beliefs_.find(name)) {
       inputs.belief = *belief;
     } else if (const auto* frame = frames_.find(name)) {
@@ -84,6 +104,8 @@ bool PlannerReplayNode::gather(const models::RobotPlan& logged, PlanInputs& inpu
       inputs.attack = *attack;
     } else if (const auto* proposal = proposals_.find(name)) {
       inputs.proposals.insert_or_assign(proposal->plan.robot, *proposal);
+    } else if (const auto* solution = team_proposals_.find(name)) {
+      inputs.solution = *solution;
     } else if (const auto* status = statuses_.find(name)) {
       inputs.team_statuses.insert_or_assign(status->robot, *status);
     } else if (const auto* plan = plans_.find(name)) {
@@ -101,7 +123,7 @@ bool PlannerReplayNode::gather(const models::RobotPlan& logged, PlanInputs& inpu
 
 PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& logged) {
   PlanInputs inputs;
-  if (!gather(logged, inputs)) {
+  if (!gather(logged.round, logged.inputs, inputs)) {
     return Outcome::kIncomplete;
   }
   auto plan = planner_.plan(inputs, Deadline::nodes(logged.nodes));
@@ -118,10 +140,31 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& lo
   return is_same_decision(*plan, logged) ? Outcome::kSame : Outcome::kDifferent;
 }
 
+PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::TeamProposal& logged) {
+  PlanInputs inputs;
+  if (!gather(logged.round, logged.inputs, inputs)) {
+    return Outcome::kIncomplete;
+  }
+  if (!planner_.begin_exchange(inputs, Deadline::nodes(logged.nodes)) ||
+      (inputs.solution && !planner_.exchange().hear(*inputs.solution))) {
+    return Outcome::kDifferent;
+  }
+  auto proposal = planner_.exchange().improve(Deadline::never());
+  if (!proposal) {
+    return Outcome::kDifferent;
+  }
+  proposal->nodes = logged.nodes;
+  proposal->inputs = logged.inputs;
+  bus_.publish(bus::team_proposal_channel(robot_), *proposal);
+  return is_same_decision(*proposal, logged) ? Outcome::kSame : Outcome::kDifferent;
+}
+
 void PlannerReplayNode::tick(Time now) {
   next_ = now + kPeriod;
   while (!waiting_.empty()) {
-    switch (replay(waiting_.front())) {
+    const Outcome outcome =
+        std::visit([this](const auto& logged) { return replay(logged); }, waiting_.front());
+    switch (outcome) {
       case Outcome::kSame:
         ++same_;
         break;

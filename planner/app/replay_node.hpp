@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "bus/bus.hpp"
@@ -13,8 +14,9 @@
 
 namespace vantage::planner {
 
-/// Plans again what a log says was planned: each logged PLAN_R names its inputs and its node
-/// budget, so the same planner must come to the same plan. Publishes its own under the bus's
+/// Plans again what a log says was planned: each logged PLAN_R (and, of a local search, each
+/// TEAM_PROPOSAL_R) names its inputs and its node budget, so the same planner must come to the
+/// same. Publishes its own under the bus's
 /// prefix and counts the differences.
 class PlannerReplayNode : public bus::Node {
  public:
@@ -28,8 +30,10 @@ class PlannerReplayNode : public bus::Node {
 
  private:
   enum class Outcome { kSame, kDifferent, kIncomplete };
-  [[nodiscard]] bool gather(const models::RobotPlan& logged, PlanInputs& inputs) const;
+  [[nodiscard]] bool gather(std::int64_t round, const std::vector<models::InputRef>& names,
+                            PlanInputs& inputs) const;
   Outcome replay(const models::RobotPlan& logged);
+  Outcome replay(const models::TeamProposal& logged);
 
   bus::Bus& bus_;
   std::string robot_;
@@ -42,14 +46,16 @@ class PlannerReplayNode : public bus::Node {
   bus::InputStore<models::VehicleStatus> statuses_{4'000};
   bus::InputStore<models::PlanProposal> proposals_{512};
   bus::InputStore<models::AttackNotice> attacks_{64};
-  std::deque<models::RobotPlan> waiting_;
+  bus::InputStore<models::TeamProposal> team_proposals_{2'000};
+  std::deque<std::variant<models::RobotPlan, models::TeamProposal>> waiting_;
   std::int64_t same_ = 0;
   std::int64_t different_ = 0;
   std::int64_t incomplete_ = 0;
 };
 
-/// True when both plans are the same motion for the same reasons: everything but stamps, times of
-/// computing and inputs, bit for bit.
+/// True when both plans, or proposals, are the same motion for the same reasons: everything but
+/// stamps, times of computing and inputs, bit for bit.
 bool is_same_decision(const models::RobotPlan& a, const models::RobotPlan& b);
+bool is_same_decision(const models::TeamProposal& a, const models::TeamProposal& b);
 
 }  // namespace vantage::planner

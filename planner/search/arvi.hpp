@@ -59,6 +59,8 @@ class ReducedValueIteration {
   const SearchResult& plan(const SearchProblem& problem, const ReducedOptions& options,
                            const Deadline& deadline);
 
+  /// What the last plan() returned.
+  [[nodiscard]] const SearchResult& result() const { return result_; }
   /// Everything the last search computed, for pictures and tests.
   [[nodiscard]] const Tree& tree() const { return tree_; }
 

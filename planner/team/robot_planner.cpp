@@ -55,18 +55,32 @@ double cost_without_looks(const SearchProblem& problem) {
   return cost;
 }
 
+bool is_local_search(const models::PlannerSpec& planner) {
+  return planner.team_algorithm == models::TeamAlgorithm::kLocalSearch;
+}
+
+// Whether its plans are chosen from candidates, by what they tell and cost.
+bool chooses_candidates(const models::PlannerSpec& planner, const models::RobotSpec& robot) {
+  const bool has_tree = planner.algorithm == models::PlanAlgorithm::kArvi ||
+                        planner.algorithm == models::PlanAlgorithm::kRvi;
+  return is_local_search(planner) ||
+         (has_tree && planner.attacks_max == 0 && robot.energy.price_nats > 0.0);
+}
+
 }  // namespace
 
 RobotPlanner::RobotPlanner(const models::Scenario& scenario, const std::string& robot)
     : scenario_(scenario), field_(scenario.world, field_resolution_m(scenario.world)) {
-  if (scenario_.planner.algorithm == models::PlanAlgorithm::kBeam) {
+  spec_ = scenario_.find_robot(robot);
+  require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
+  robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
+  if (chooses_candidates(scenario_.planner, *spec_)) {
+    exchange_ = std::make_unique<TeamExchange>(scenario_, robot_index_, capacity_for(scenario_));
+  } else if (scenario_.planner.algorithm == models::PlanAlgorithm::kBeam) {
     beam_.emplace(capacity_for(scenario_));
   } else {
     reduced_.emplace(capacity_for(scenario_));
   }
-  spec_ = scenario_.find_robot(robot);
-  require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
-  robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
   const double margin_m = spec_->limits.radius_m + scenario_.planner.obstacle_margin_m + 0.25;
   sweep_ = lawn_mower_waypoints(scenario_.world.bounds, robot_index_, robot_count(),
                                 1.6 * spec_->sensor.range_max_m, margin_m);
@@ -359,6 +373,10 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
   if (!committed) {
     ++counts_.no_pose;
     return std::nullopt;
+  }
+  if (exchange_) {
+    return is_local_search(scenario_.planner) ? plan_of_solution(inputs, *committed)
+                                              : plan_by_worth(inputs, *committed, deadline);
   }
   const std::vector<int> bait = bait_of(inputs);
   const bool is_bait = std::find(bait.begin(), bait.end(), robot_index_) != bait.end();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "planner/search/beam.hpp"
 #include "planner/team/fixed_information.hpp"
 #include "planner/team/round.hpp"
+#include "planner/team/team_exchange.hpp"
 
 namespace vantage::planner {
 
@@ -25,6 +27,7 @@ struct PlanInputs {
   std::map<std::string, models::RobotPlan> team_plans;         ///< newest of each teammate
   std::map<std::string, models::VehicleStatus> team_statuses;  ///< do they follow their plans?
   std::map<std::string, models::PlanProposal> proposals;       ///< newest of each robot, own too
+  std::optional<models::TeamProposal> solution;                ///< best known of a local search
   std::optional<models::AttackNotice> attack;
 };
 
@@ -36,6 +39,7 @@ struct PlannerCounts {
   std::int64_t checks_failed = 0;  ///< searched plans that the closing check refused
   std::int64_t turns_away = 0;     ///< at rest too near a teammate, with no way out straight ahead
   std::int64_t baits = 0;          ///< rounds in which this robot was bait
+  std::int64_t rests = 0;          ///< rounds in which no motion was worth its energy
   std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
   std::int64_t unusable_beliefs = 0;
 };
@@ -53,6 +57,12 @@ struct PlannerCounts {
 /// would do alone. The α proposals of greatest value are the bait: those robots do as they
 /// proposed, and the others plan as if the bait saw nothing. Source: dissertation Alg. 9, 10
 /// (RAIN).
+///
+/// In a team that plans by local search (planner.team_algorithm) robots exchange proposals instead,
+/// begin_exchange() … improve(), and each plan does what the solution of its inputs gives the
+/// robot: a motion, which passes the closing check or falls back, or rest. Without a solution the
+/// last plan goes on. A robot that pays for its energy (energy.price_nats > 0) weighs it in
+/// coordinate descent too, where no attacks are expected. Source: docs/decisions/0006.
 class RobotPlanner {
  public:
   RobotPlanner(const models::Scenario& scenario, const std::string& robot);
@@ -63,6 +73,12 @@ class RobotPlanner {
   /// What the robot would do in this slot's round if it were the only one that looks; the
   /// teammates' committed motions are kept clear of. nullopt while its pose was never known.
   std::optional<models::PlanProposal> propose(const PlanInputs& inputs, const Deadline& deadline);
+
+  /// Local search: begins the round of this slot, with candidates that are found by `deadline`.
+  /// false while the robot's pose was never known: then nothing is heard or proposed.
+  bool begin_exchange(const PlanInputs& inputs, const Deadline& deadline);
+  /// Precondition: the team plans by local search.
+  [[nodiscard]] TeamExchange& exchange() { return *exchange_; }
 
   /// What to publish instead when the search ended after its slot: teammates may already count on
   /// the old plan, which every other committed plan is compatible with.
@@ -102,6 +118,14 @@ class RobotPlanner {
   /// On the spot, by an eighth of a turn: away from the teammate or, once it faces away, on and on,
   /// until some heading has a way out. Turning moves no disc, so it is safe wherever hovering is.
   void turn_away_from(std::size_t teammate, models::RobotPlan& plan);
+  void begin_candidates(const PlanInputs& inputs, const Deadline& deadline);
+  /// Coordinate descent over candidates, what they cost included.
+  models::RobotPlan plan_by_worth(const PlanInputs& inputs, const models::Trajectory& committed,
+                                  const Deadline& deadline);
+  /// Stops and rests; false where that is not safe.
+  bool rest(const models::Trajectory& committed, models::RobotPlan& plan);
+  /// What `inputs.solution` gives this robot, checked.
+  models::RobotPlan plan_of_solution(const PlanInputs& inputs, const models::Trajectory& committed);
   /// Shifted or braking, whichever is first safe.
   void fall_back(const models::Trajectory& committed, models::RobotPlan& plan);
 
@@ -112,6 +136,7 @@ class RobotPlanner {
   /// One of them, by the scenario's algorithm.
   std::optional<ReducedValueIteration> reduced_;
   std::optional<RefiningBeam> beam_;
+  std::unique_ptr<TeamExchange> exchange_;  ///< where plans are chosen from candidates
   SearchProblem problem_;
   SearchResult baseline_;
   std::vector<Eigen::Vector2d> sweep_;

@@ -10,7 +10,8 @@ RoundSchedule::RoundSchedule(const models::PlannerSpec& spec, int robot_index, i
       budget_(from_seconds(spec.team_budget_s)),
       robot_index_(robot_index),
       robot_count_(robot_count),
-      has_proposals_(spec.attacks_max > 0) {
+      is_exchange_(spec.team_algorithm == models::TeamAlgorithm::kLocalSearch),
+      has_proposals_(is_exchange_ || spec.attacks_max > 0) {
   require(robot_count >= 1 && robot_index >= 0 && robot_index < robot_count,
           "planning round: robot_index must be in [0, robot_count)");
   require(round_.count() > 0, "planning round: execute_steps · step_s must be > 0");
@@ -36,6 +37,10 @@ RoundSchedule::Slot RoundSchedule::slot(std::int64_t round) const {
 
 RoundSchedule::Slot RoundSchedule::proposal_slot(std::int64_t round) const {
   Slot slot = part_of(round, Duration{0}, budget_ / 2);
+  if (is_exchange_) {
+    slot.begin = slot.activation - margin_ - budget_;
+    slot.end = slot.begin + budget_ / 2;
+  }
   slot.is_proposal = true;
   return slot;
 }

@@ -15,7 +15,8 @@ namespace vantage::planner {
 ///
 /// In a team that expects attacks the first half of the budget is parted alike for proposals, the
 /// second half for plans: when the first plan is made, all have told what they would do alone.
-/// Source: docs/decisions/0003; dissertation 3 (coordinate descent on a network).
+/// In a team that plans by local search all robots exchange proposals at once in the first half.
+/// Source: docs/decisions/0003, 0006; dissertation 3 (coordinate descent on a network).
 class RoundSchedule {
  public:
   /// @param robot_index in [0, robot_count)
@@ -32,7 +33,7 @@ class RoundSchedule {
   [[nodiscard]] Slot next_slot(Time now) const;
   /// This robot's slot of round k for its plan.
   [[nodiscard]] Slot slot(std::int64_t round) const;
-  /// The one for its proposal. Precondition: the team expects attacks.
+  /// The one for its proposals. Precondition: the team expects attacks or plans by local search.
   [[nodiscard]] Slot proposal_slot(std::int64_t round) const;
   [[nodiscard]] Duration round_length() const { return round_; }
 
@@ -44,6 +45,7 @@ class RoundSchedule {
   Duration budget_{};
   int robot_index_ = 0;
   int robot_count_ = 1;
+  bool is_exchange_ = false;  ///< the first half is everybody's
   bool has_proposals_ = false;
 };
 

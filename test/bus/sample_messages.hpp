@@ -151,6 +151,32 @@ inline models::PlanProposal sample(Sampler& s) {
 }
 
 template <>
+inline models::TeamProposal sample(Sampler& s) {
+  models::TeamProposal proposal;
+  proposal.stamp = s.stamp();
+  proposal.robot = s.text("Q");
+  proposal.round = s.whole(0, 1000);
+  proposal.value_nats = s.real();
+  for (int i = s.small(0, 4); i > 0; --i) {
+    models::TeamChoice choice;
+    choice.robot = "Q" + std::to_string(i);
+    choice.trajectory = {proposal.stamp.time, s.pose2(), s.real(0, 3), {}};
+    for (int k = s.small(0, 4); k > 0; --k) {
+      choice.trajectory.segments.push_back({{s.real(), s.real()}, s.real(0, 2), s.real(0, 3)});
+    }
+    choice.information_nats = s.real(0, 99);
+    choice.energy_nats = s.real(0, 99);
+    proposal.choices.push_back(choice);
+  }
+  for (int i = s.small(0, 5); i > 0; --i) {
+    proposal.history.push_back(s.whole(0, std::int64_t{1} << 62));
+  }
+  proposal.nodes = s.whole(0, 1'000'000'000);
+  proposal.inputs = s.inputs();
+  return proposal;
+}
+
+template <>
 inline models::VehicleStatus sample(Sampler& s) {
   models::VehicleStatus status{
       s.stamp(),       s.text("Q"), static_cast<models::FlightState>(s.small(0, 4)),
@@ -257,6 +283,10 @@ class Flat {
   void add(const models::PlanSegment& x) {
     all(x.control.speed_mps, x.control.yaw_rate_radps, x.duration_s, x.brake_mps2);
   }
+  void add(const models::TeamChoice& x) {
+    all(x.robot, x.trajectory.start_time, x.trajectory.start, x.trajectory.height_m,
+        x.trajectory.segments, x.information_nats, x.energy_nats);
+  }
   void add(const models::Detection& x) {
     add(x.target_id);
     add_matrix(x.measurement.z);
@@ -308,6 +338,9 @@ class Flat {
   void fields(const models::PlanProposal& x) {
     all(x.value_nats, x.plan.stamp.time);
     fields(x.plan);
+  }
+  void fields(const models::TeamProposal& x) {
+    all(x.robot, x.round, x.value_nats, x.choices, x.history, x.nodes, x.inputs);
   }
   void fields(const models::VehicleStatus& x) {
     all(x.robot, static_cast<int>(x.state), x.battery_share, x.setpoint, x.setpoint_height_m,

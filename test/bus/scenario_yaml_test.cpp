@@ -297,6 +297,52 @@ attacks:
   refused("to_s: 5, robots", "robots");         // no end
 }
 
+TEST(ParseScenario, ReadsWhatMotionCostsAndHowTheTeamAgrees) {
+  const std::string text = R"(name: energy
+world:
+  bounds: {min_m: [0, 0], max_m: [10, 10]}
+  regions:
+    - {name: mud, footprint: {min_m: [1, 1], max_m: [2, 2]}, cost_per_step: 3}
+    - {name: wind, footprint: {min_m: [3, 1], max_m: [4, 2]}, cost_per_step: 1.5}
+robot_defaults:
+  primitives: lab
+  sensor: {kind: position}
+  energy: {price_nats: 0.5, turn_cost: 1, move_cost: 2, regions: [mud]}
+robots:
+  - {name: A, start: {x_m: 2, y_m: 5}}
+  - {name: B, start: {x_m: 8, y_m: 8}, energy: {rest_cost: 2, move_cost: 4, regions: [wind, mud]}}
+targets: {count: 1}
+planner: {team_algorithm: local_search, candidates_max: 50, algorithm: rvi}
+)";
+  const Scenario scenario = parse_scenario(text, "energy");
+  EXPECT_EQ(scenario.planner.team_algorithm, models::TeamAlgorithm::kLocalSearch);
+  EXPECT_EQ(scenario.planner.candidates_max, 50);
+  const models::EnergySpec& a = scenario.robots[0].energy;
+  EXPECT_EQ(a.price_nats, 0.5);
+  EXPECT_EQ(a.rest_cost, 0.0);
+  EXPECT_EQ(a.turn_cost, 1.0);
+  EXPECT_EQ(a.move_cost, 2.0);
+  EXPECT_EQ(a.regions, std::vector<std::string>{"mud"});
+  const models::EnergySpec& b = scenario.robots[1].energy;
+  EXPECT_EQ(b.price_nats, 0.5);
+  EXPECT_EQ(b.rest_cost, 2.0);
+  EXPECT_EQ(b.turn_cost, 1.0);
+  EXPECT_EQ(b.move_cost, 4.0);
+  EXPECT_EQ(b.regions, (std::vector<std::string>{"wind", "mud"}));
+  const auto refused = [&](const std::string& what, const std::string& by) {
+    std::string changed = text;
+    changed.replace(changed.find(what), what.size(), by);
+    EXPECT_THROW(parse_scenario(changed, "energy"), StartupError) << by;
+  };
+  refused("regions: [mud]", "regions: [sand]");
+  refused("price_nats: 0.5", "price_nats: -0.5");
+  refused("move_cost: 2", "move_cost: -1");
+  refused("candidates_max: 50", "candidates_max: 0");
+  refused("algorithm: rvi", "algorithm: beam");
+  refused("algorithm: rvi", "attacks_max: 1");
+  refused("local_search", "global_search");
+}
+
 TEST(ParseScenario, ReadsTargetsFromAList) {
   const std::string text = R"(
 name: listed

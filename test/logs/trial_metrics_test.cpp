@@ -176,6 +176,23 @@ TEST(TrialMetrics, CountsRoundsPlansAndFallbacks) {
   EXPECT_EQ(summary.plans_missing, 1);
 }
 
+TEST(TrialMetrics, CountsWhatPlannedMotionCostsUntilTheNextPlan) {
+  models::Scenario world = scenario();
+  world.planner.execute_steps = 3;
+  world.world.regions = {{"wind", {{0.4, -1.0}, {0.9, 1.0}}, 5.0}};
+  world.robots[0].energy = {0.5, 0.0, 1.0, 2.0, {"wind"}};
+  TrialMetrics metrics(world, at_s(0.0));
+  models::RobotPlan plan;
+  plan.robot = "Q1";
+  plan.trajectory.start_time = at_s(1.0);
+  // Along x at 1 m/s for two steps, the second of which begins in the wind; a turn; rest.
+  plan.trajectory.segments = {{{1.0, 0.0}, 1.0, 0.0}, {{0.0, 1.0}, 0.5, 0.0}};
+  metrics.on_plan(plan);
+  plan.robot = "Q2";  // pays nothing
+  metrics.on_plan(plan);
+  EXPECT_DOUBLE_EQ(metrics.finish(at_s(1.0)).energy_nats, 0.5 * (2.0 + (2.0 + 5.0) + 1.0));
+}
+
 TEST(TrialMetrics, TellsCollisionsFromNearMisses) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   models::ContactReport contact;

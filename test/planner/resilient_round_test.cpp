@@ -14,7 +14,7 @@
 namespace vantage::planner {
 namespace {
 
-constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
+using test::first_inputs;
 
 TEST(RoundSchedule, HearsAllProposalsBeforeTheFirstPlan) {
   models::PlannerSpec spec;
@@ -35,31 +35,6 @@ TEST(RoundSchedule, HearsAllProposalsBeforeTheFirstPlan) {
       EXPECT_EQ(schedule.next_slot(slot.begin).is_proposal, !is_proposal);
     }
   }
-}
-
-// What robot `index` hears in a round: everybody at their starts, and five targets as `seed` says.
-PlanInputs first_inputs(const models::Scenario& scenario, std::size_t index, unsigned seed) {
-  PlanInputs inputs;
-  inputs.slot = RoundSchedule(scenario.planner, static_cast<int>(index),
-                              static_cast<int>(scenario.robots.size()))
-                    .slot(kFirstRound);
-  models::MocapFrame mocap;
-  mocap.stamp.time = inputs.slot.begin;
-  for (const models::RobotSpec& robot : scenario.robots) {
-    mocap.bodies.push_back({robot.name, lift(robot.start, robot.height_m), false});
-  }
-  inputs.mocap = mocap;
-  models::RobotBelief belief;
-  belief.stamp.time = inputs.slot.begin;
-  std::mt19937_64 rng(seed);
-  for (int id = 0; id < 5; ++id) {
-    const double x_m = std::uniform_real_distribution(-4.0, 4.0)(rng);
-    const double y_m = std::uniform_real_distribution(-2.0, 2.0)(rng);
-    const models::Gaussian guess{Eigen::Vector2d(x_m, y_m), 0.3 * Eigen::Matrix2d::Identity()};
-    belief.targets.push_back({id, *models::to_information(guess), inputs.slot.begin});
-  }
-  inputs.belief = belief;
-  return inputs;
 }
 
 // The information that `trajectory`'s looks give of the problem's targets, summed: 0 when none.

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <random>
+
 #include "models/scenario/scenario.hpp"
+#include "planner/team/robot_planner.hpp"
+#include "planner/team/round.hpp"
 
 namespace vantage::planner::test {
 
@@ -31,6 +35,33 @@ inline models::Scenario lab_scenario() {
   scenario.planner.execute_steps = 2;
   scenario.planner.node_budget = 1'500;
   return scenario;
+}
+
+/// What robot `index` hears in its first round: everybody at their starts, and five targets as
+/// `seed` says.
+inline PlanInputs first_inputs(const models::Scenario& scenario, std::size_t index, unsigned seed) {
+  PlanInputs inputs;
+  constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
+  inputs.slot = RoundSchedule(scenario.planner, static_cast<int>(index),
+                              static_cast<int>(scenario.robots.size()))
+                    .slot(kFirstRound);
+  models::MocapFrame mocap;
+  mocap.stamp.time = inputs.slot.begin;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    mocap.bodies.push_back({robot.name, lift(robot.start, robot.height_m), false});
+  }
+  inputs.mocap = mocap;
+  models::RobotBelief belief;
+  belief.stamp.time = inputs.slot.begin;
+  std::mt19937_64 rng(seed);
+  for (int id = 0; id < 5; ++id) {
+    const double x_m = std::uniform_real_distribution(-4.0, 4.0)(rng);
+    const double y_m = std::uniform_real_distribution(-2.0, 2.0)(rng);
+    const models::Gaussian guess{Eigen::Vector2d(x_m, y_m), 0.3 * Eigen::Matrix2d::Identity()};
+    belief.targets.push_back({id, *models::to_information(guess), inputs.slot.begin});
+  }
+  inputs.belief = belief;
+  return inputs;
 }
 
 }  // namespace vantage::planner::test

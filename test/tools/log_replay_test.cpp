@@ -1,6 +1,7 @@
 #include "tools/replay/log_replay.hpp"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -106,6 +107,32 @@ TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
     EXPECT_TRUE(plans.outputs.is_exact()) << robot;
     EXPECT_GE(plans.outputs.replayed(), 7) << robot;
     EXPECT_EQ(plans.not_replayed(), 0) << robot;
+  }
+}
+
+TEST_F(ReplayLog, MakesThePlansAndProposalsOfALocalSearchAgain) {
+  Overrides overrides;
+  overrides.seed = 2;
+  overrides.duration_s = 14.0;
+  overrides.node_budget = 1000;
+  models::Scenario scenario =
+      load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-energy.yaml", overrides);
+  ASSERT_EQ(scenario.planner.team_algorithm, models::TeamAlgorithm::kLocalSearch);
+  TrialOptions options;
+  options.log_path = folder_->file("energy.lcmlog");
+  run_trial(scenario, trial_recipes(scenario), options);
+  std::map<std::string, int> said;
+  const logs::IndexedLog log(options.log_path);
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    said[std::string(event->channel)]++;
+  }
+  for (const std::string robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport outputs = replay(options.log_path, "planner:" + robot);
+    EXPECT_TRUE(outputs.outputs.is_exact()) << robot;
+    EXPECT_GE(said["TEAM_PROPOSAL_" + robot], 4) << robot;
+    EXPECT_EQ(outputs.outputs.replayed(), said["PLAN_" + robot] + said["TEAM_PROPOSAL_" + robot]);
+    EXPECT_EQ(outputs.not_replayed(), 0) << robot;
   }
 }
 

@@ -1,5 +1,6 @@
 #include "tools/replay/log_replay.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -35,17 +36,24 @@ ReplayTarget parse_replay_target(const std::string& text, const models::Scenario
 ReplayReport replay_log(const logs::IndexedLog& log, const models::Scenario& scenario,
                         const ReplayTarget& target, const std::function<void(double)>& progress) {
   const bool is_planner = target.kind == ReplayTarget::Kind::kPlanner;
-  const std::string output =
-      is_planner ? bus::plan_channel(target.robot).name : bus::belief_channel(target.robot).name;
+  std::vector<std::string> outputs;
+  if (is_planner) {
+    outputs.push_back(bus::plan_channel(target.robot).name);
+    outputs.push_back(bus::team_proposal_channel(target.robot).name);
+  } else {
+    outputs.push_back(bus::belief_channel(target.robot).name);
+  }
   ReplayReport report;
   bus::VirtualClock clock(log.survey().first);
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto ear = hub.connect();
-  ear->subscribe(kPrefix + output,
-                 [&](std::string_view /*channel*/, std::span<const std::uint8_t> message) {
-                   report.outputs.add_replayed(message);
-                 });
+  for (const std::string& output : outputs) {
+    ear->subscribe(kPrefix + output,
+                   [&](std::string_view /*channel*/, std::span<const std::uint8_t> message) {
+                     report.outputs.add_replayed(message);
+                   });
+  }
   const auto endpoint = hub.connect();
   bus::Bus bus(*endpoint, kRunId, kPrefix);
   std::unique_ptr<bus::Node> node;
@@ -67,7 +75,7 @@ ReplayReport replay_log(const logs::IndexedLog& log, const models::Scenario& sce
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     clock.set(std::max(clock.now(), event->time));
-    if (event->channel == output) {
+    if (std::find(outputs.begin(), outputs.end(), event->channel) != outputs.end()) {
       report.outputs.add_logged(event->data);
     }
     source->publish(std::string(event->channel), event->data);

@@ -15,10 +15,15 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kOriginBegin = 16;
 constexpr std::size_t kOriginEnd = 32;
 
-std::optional<std::int64_t> index_of(const Json& message) {
+/// Round or step, and the fingerprint of the solution that a proposal is of.
+std::optional<std::pair<std::int64_t, std::int64_t>> index_of(const Json& message) {
+  std::int64_t solution = 0;
+  if (const auto history = message.find("history"); history != message.end() && !history->empty()) {
+    solution = history->back().get<std::int64_t>();
+  }
   for (const char* name : {"round", "step"}) {
     if (const auto found = message.find(name); found != message.end()) {
-      return found->get<std::int64_t>();
+      return std::pair(found->get<std::int64_t>(), solution);
     }
   }
   return std::nullopt;
@@ -102,8 +107,8 @@ void OutputComparison::add_replayed(std::span<const std::uint8_t> message) {
     return;
   }
   ++different_;
-  if (!first_ || *index < first_->index) {
-    first_ = difference_of(*index, *logs::message_json(logged), *json);
+  if (!first_ || index->first < first_->index) {
+    first_ = difference_of(index->first, *logs::message_json(logged), *json);
   }
 }
 

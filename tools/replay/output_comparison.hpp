@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -24,10 +25,11 @@ struct OutputDifference {
 };
 
 /// Compares what a node said in a flight with what it says of the same inputs: plans by round,
-/// beliefs by step, every byte of the message except who published it when (run id and sequence).
+/// beliefs by step, proposals of a local search by round and solution, every byte of the message
+/// except who published it when (run id and sequence).
 class OutputComparison {
  public:
-  /// Messages as they travel. Others than plans and beliefs are counted as unreadable.
+  /// Messages as they travel. Others than these are counted as unreadable.
   void add_logged(std::span<const std::uint8_t> message);
   void add_replayed(std::span<const std::uint8_t> message);
 
@@ -45,7 +47,8 @@ class OutputComparison {
 
  private:
   using Bytes = std::vector<std::uint8_t>;
-  std::map<std::int64_t, Bytes> logged_;  ///< newest of that index (a node may be started anew)
+  /// Newest of that index and solution (a node may be started anew); 0: of no solution.
+  std::map<std::pair<std::int64_t, std::int64_t>, Bytes> logged_;
   std::int64_t logged_count_ = 0;
   std::int64_t replayed_ = 0;
   std::int64_t different_ = 0;

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/check.hpp"
+#include "models/scenario/energy_cost.hpp"
 #include "planner/search/belief_table.hpp"
 #include "planner/search/crossing_index.hpp"
 #include "planner/search/motion_table.hpp"
@@ -12,27 +13,6 @@
 
 namespace vantage::planner {
 namespace {
-
-double state_cost(const EnergyModel& energy, const models::World* world,
-                  const Eigen::Vector2d& at_m) {
-  double cost = 0.0;
-  if (world == nullptr) {
-    return cost;
-  }
-  for (const models::Region& region : world->regions) {
-    const bool pays = std::find(energy.regions.begin(), energy.regions.end(), region.name) !=
-                      energy.regions.end();
-    cost += pays && region.footprint.contains(at_m) ? region.cost_per_step : 0.0;
-  }
-  return cost;
-}
-
-double control_cost(const EnergyModel& energy, const models::UnicycleControl& control) {
-  if (control.speed_mps != 0.0) {
-    return energy.move_cost;
-  }
-  return control.yaw_rate_radps != 0.0 ? energy.turn_cost : energy.rest_cost;
-}
 
 // Packed covariance of every target at the end of a trajectory.
 using LastBlocks = std::vector<double>;
@@ -116,6 +96,23 @@ class CandidateMaker {
   double range_max_m_ = 0.0;
 };
 
+struct Leaf {
+  double order = 0.0;  ///< the least first
+  NodeId id = kNoNode;
+};
+
+// What the way to `leaf` costs, nats.
+double energy_of(const Tree& tree, NodeId leaf, const SearchProblem& problem,
+                 const EnergyModel& energy) {
+  double used = 0.0;
+  for (NodeId id = leaf; tree[id].parent != kNoNode; id = tree[id].parent) {
+    used += models::step_cost(energy, problem.world,
+                              problem.controls[static_cast<std::size_t>(tree[id].control)],
+                              tree[tree[id].parent].world_from_body.position_m());
+  }
+  return energy.price_nats * used;
+}
+
 std::vector<Candidate> ordered_by(const std::vector<NodeId>& places,
                                   std::vector<Candidate> candidates) {
   std::vector<std::size_t> order(places.size());
@@ -137,8 +134,9 @@ double energy_used(const EnergyModel& energy, const SearchProblem& problem,
   double used = 0.0;
   Pose2 at = problem.start;
   for (std::size_t t = 0; t < controls.size(); ++t) {
-    used += control_cost(energy, problem.controls[static_cast<std::size_t>(controls[t])]) +
-            state_cost(energy, problem.world, at.position_m());
+    used +=
+        models::step_cost(energy, problem.world,
+                          problem.controls[static_cast<std::size_t>(controls[t])], at.position_m());
     at = poses[t];
   }
   return used;
@@ -168,33 +166,55 @@ Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy
   return CandidateMaker(problem, energy).make(result.controls, result.poses);
 }
 
+Candidate make_candidate(const SearchProblem& problem, const models::SensorModel* sensor,
+                         const models::Trajectory& trajectory, double energy_cost) {
+  SearchProblem seen = problem;
+  seen.height_m = trajectory.height_m;
+  seen.sensors.clear();
+  if (sensor != nullptr) {
+    seen.sensors.push_back(*sensor);
+  }
+  std::vector<Pose2> poses;
+  for (int t = 1; t <= problem.horizon_steps; ++t) {
+    const Duration passed = from_seconds(static_cast<double>(t) * problem.step_s);
+    poses.push_back(models::at(trajectory, problem.start_time + passed).world_from_body);
+  }
+  Candidate candidate = CandidateMaker(seen, {}).make({}, std::move(poses));
+  candidate.energy_cost = energy_cost;
+  return candidate;
+}
+
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,
-                                              const CandidateOptions& options) {
+                                              const CandidateOptions& options,
+                                              const Deadline& deadline) {
   require(std::isfinite(options.epsilon) && std::isfinite(options.delta_m),
           "candidates: epsilon and delta_m must be finite");
   ReducedOptions pass;
-  pass.search = ReducedSearch::kSinglePass;
+  pass.search = options.is_anytime ? ReducedSearch::kAnytime : ReducedSearch::kSinglePass;
   pass.epsilon = options.epsilon;
   pass.delta_m = options.delta_m;
   pass.yaw_weight_m_per_rad = options.yaw_weight_m_per_rad;
-  search.plan(problem, pass, Deadline::never());
+  search.plan(problem, pass, deadline);
 
   MotionTable motion(static_cast<int>(problem.controls.size()), problem.horizon_steps,
                      static_cast<int>(problem.teammates.size()));
   motion.reset(problem);
   const Tree& tree = search.tree();
-  std::vector<NodeId> leaves;
+  std::vector<Leaf> leaves;
   for (NodeId id = 0; id < static_cast<NodeId>(tree.node_count()); ++id) {
     const Node& node = tree[id];
     if (node.depth == problem.horizon_steps &&
         motion.can_stop(node.world_from_body, node.control, node.depth)) {
-      leaves.push_back(id);
+      leaves.push_back(
+          {options.is_anytime ? 0.5 * node.cost + energy_of(tree, id, problem, energy) : node.cost,
+           id});
     }
   }
   std::stable_sort(leaves.begin(), leaves.end(),
-                   [&](NodeId a, NodeId b) { return tree[a].cost < tree[b].cost; });
+                   [](const Leaf& a, const Leaf& b) { return a.order < b.order; });
+  leaves.resize(std::min(leaves.size(), options.leaves_max));
 
   const CandidateMaker maker(problem, energy);
   const PoseMetric metric{options.yaw_weight_m_per_rad};
@@ -203,7 +223,10 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
   std::vector<Candidate> candidates;
   std::vector<LastBlocks> blocks;  // of each candidate
   std::vector<NodeId> places;      // of each candidate in the tree
-  for (const NodeId leaf : leaves) {
+  for (const auto& [order, leaf] : leaves) {
+    if (candidates.size() == options.candidates_max) {
+      break;
+    }
     const Node& last = tree[leaf];
     std::vector<int> controls(last.depth);
     std::vector<Pose2> poses(last.depth);

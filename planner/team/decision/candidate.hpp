@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <limits>
 #include <vector>
 
+#include "core/deadline.hpp"
+#include "models/scenario/energy_spec.hpp"
 #include "planner/search/arvi.hpp"
 #include "planner/search/block_kernels.hpp"
 #include "planner/search/problem.hpp"
@@ -23,17 +25,11 @@ struct Candidate {
   std::vector<Pose2> poses;   ///< at each step's end
   std::vector<Look> looks;    ///< by target, then step; only those that see something
   double energy_cost = 0.0;   ///< r_i C_i ≥ 0, nats
+  /// What it gains of things that only its own robot knows of, ≥ 0, nats: counted whole.
+  double unshared_nats = 0.0;
 };
 
-/// What moving costs a robot, C_i = Σ_{t=0}^{T−1} (c_ctrl(u_t) + c_state(x_t)), and its price.
-/// Source: dissertation eq. 3.14, 3.19, Table 3.1.
-struct EnergyModel {
-  double price_nats = 0.0;           ///< r_i: nats of information that one unit of cost is worth
-  double rest_cost = 0.0;            ///< a step with neither speed nor yaw rate
-  double turn_cost = 0.0;            ///< a step with a yaw rate alone
-  double move_cost = 0.0;            ///< any step with a speed
-  std::vector<std::string> regions;  ///< names of the world's regions whose cost_per_step it pays
-};
+using EnergyModel = models::EnergySpec;
 
 /// C_i of `controls` from the problem's start through `poses`, without its price. The state of each
 /// step is where the step begins. Precondition: as many poses as controls.
@@ -48,23 +44,37 @@ Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy
 Candidate make_candidate(const SearchProblem& problem, const EnergyModel& energy,
                          const SearchResult& result);
 
+/// The candidate that a teammate's `trajectory` is to the beliefs of `problem`, seen through
+/// `sensor`; nullptr: a robot that sees nothing.
+Candidate make_candidate(const SearchProblem& problem, const models::SensorModel* sensor,
+                         const models::Trajectory& trajectory, double energy_cost);
+
 /// How the candidate trajectories of a robot are found.
 struct CandidateOptions {
   double epsilon = 1.0;  ///< of the reduced value iteration's one pass
   double delta_m = 2.0;
   double yaw_weight_m_per_rad = 0.3;
+  /// Anytime passes from (ε, δ) on instead of one, and the leaves by ascending ½ J_T plus the cost
+  /// of their energy instead of J_T: a set that is good whenever the deadline comes.
+  bool is_anytime = false;
+  std::size_t leaves_max = kNoLimit;      ///< that are looked at, in that order
+  std::size_t candidates_max = kNoLimit;  ///< that are kept
+
+  static constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 };
 
-/// The complete trajectories that one pass of reduced value iteration leaves, in the order of its
-/// tree; those that cannot stop where a stop is demanded are left out. The last depth is reduced as
-/// all others are: of leaves that δ-cross and are ε-redundant the cheaper one stays, so the best
-/// plan of the search always does. `search` must be large enough for `problem`: a pass that was cut
-/// short gives what it reached.
+/// The complete trajectories that reduced value iteration leaves, in the order of its tree; those
+/// that cannot stop where a stop is demanded are left out. The last depth is reduced as all others
+/// are: of leaves that δ-cross and are ε-redundant the cheaper one stays, so the best plan of the
+/// search always does. `search` must be large enough for `problem`: a pass that was cut short gives
+/// what it reached. The deadline is the search's; what follows takes at most leaves_max times the
+/// targets and steps.
 /// @throws UsageError as ReducedValueIteration::plan does, or when ε or δ is not finite
 /// Source: dissertation 3 D (Mᵢ from reduced value iteration).
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,
-                                              const CandidateOptions& options);
+                                              const CandidateOptions& options,
+                                              const Deadline& deadline = Deadline::never());
 
 }  // namespace vantage::planner

@@ -7,10 +7,12 @@
 
 namespace vantage::planner {
 
-ImprovementRule::ImprovementRule(const TeamOracle& oracle, double alpha)
+ImprovementRule::ImprovementRule(const TeamOracle& oracle, double alpha, double least_rise)
     : factor_(1.0 + alpha / std::pow(std::max(1, oracle.candidate_count()), 4)),
-      offset_(oracle.offset()) {
+      offset_(oracle.offset()),
+      least_rise_(least_rise) {
   require(alpha > 0.0 && std::isfinite(alpha), "local search: alpha must be > 0");
+  require(least_rise >= 0.0 && std::isfinite(least_rise), "local search: least_rise must be ≥ 0");
 }
 
 bool is_preferred(const Proposal& a, const Proposal& b) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -25,17 +26,22 @@ struct TeamDecision {
 class ImprovementRule {
  public:
   /// @param alpha > 0
-  ImprovementRule(const TeamOracle& oracle, double alpha);
+  /// @param least_rise ≥ 0, nats: smaller rises of J do not count
+  ImprovementRule(const TeamOracle& oracle, double alpha, double least_rise = 0.0);
   /// Whether J = `after` improves on J = `before`.
   [[nodiscard]] bool improves(double before, double after) const {
-    return after > before && after + offset_ >= factor_ * (before + offset_);
+    return after > before && after >= before + least_rise_ &&
+           after + offset_ >= factor_ * (before + offset_);
   }
   /// A J that everything that improves on `before` reaches, to rounding.
-  [[nodiscard]] double least(double before) const { return factor_ * (before + offset_) - offset_; }
+  [[nodiscard]] double least(double before) const {
+    return std::max(before + least_rise_, factor_ * (before + offset_) - offset_);
+  }
 
  private:
   double factor_;
   double offset_;
+  double least_rise_;
 };
 
 /// A local operation on the team's solution: (d, NOP), (NOP, a) or (d, a).

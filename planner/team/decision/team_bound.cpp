@@ -19,7 +19,8 @@ double value_bound(const TeamOracle& oracle, const Choice& choice) {
       if (oracle.alone(id) <= most) {
         break;  // nor do those after it add more
       }
-      most = std::max(most, team.information_gain(id) - oracle.candidate(id).energy_cost);
+      most = std::max(most, team.information_gain(id) + oracle.candidate(id).unshared_nats -
+                                oracle.candidate(id).energy_cost);
     }
     beside += most;
     if (!oracle.by_value(robot).empty()) {

@@ -56,6 +56,8 @@ void TeamOracle::check() const {
   for (const Candidate* candidate : candidates_) {
     require(candidate->energy_cost >= 0.0 && std::isfinite(candidate->energy_cost),
             "team: a candidate's energy_cost must be ≥ 0");
+    require(candidate->unshared_nats >= 0.0 && std::isfinite(candidate->unshared_nats),
+            "team: a candidate's unshared_nats must be ≥ 0");
     const Look* last = nullptr;
     for (const Look& look : candidate->looks) {
       require(

@@ -83,7 +83,7 @@ double TeamSet::sum_with(CandidateId id, int left_out) {
   for (int robot = 0; robot < oracle_->robot_count(); ++robot) {
     const CandidateId chosen = robot == adder ? id : choice_[index(robot)];
     if (chosen != kNoCandidate && robot != left_out) {
-      total -= oracle_->candidate(chosen).energy_cost;
+      total += oracle_->candidate(chosen).unshared_nats - oracle_->candidate(chosen).energy_cost;
     }
   }
   return total;
