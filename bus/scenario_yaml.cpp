@@ -11,6 +11,7 @@
 #include "bus/scenario_agents_yaml.hpp"
 #include "bus/scenario_attacks_yaml.hpp"
 #include "bus/scenario_hosts_yaml.hpp"
+#include "bus/scenario_mapping_yaml.hpp"
 #include "bus/scenario_mocap_yaml.hpp"
 #include "bus/yaml_document.hpp"
 #include "bus/yaml_mapping.hpp"
@@ -155,6 +156,9 @@ void check_round(Mapping& from, const models::PlannerSpec& planner) {
 
 void read_planner(Mapping& from, models::PlannerSpec& planner) {
   using models::PlanAlgorithm;
+  using models::PlanObjective;
+  from.word("objective", planner.objective,
+            {{"tracking", PlanObjective::kTracking}, {"mapping", PlanObjective::kMapping}});
   from.word("algorithm", planner.algorithm,
             {{"arvi", PlanAlgorithm::kArvi},
              {"beam", PlanAlgorithm::kBeam},
@@ -208,8 +212,9 @@ void read_name(Mapping& top, std::string& name) {
 
 void read_scenario(Mapping& top, Scenario& scenario) {
   top.expect({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
-              "target_truth", "estimator", "planner", "network", "mocap", "attacks", "hosts"});
-  for (const char* key : {"name", "world", "robots", "targets"}) {
+              "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
+              "hosts"});
+  for (const char* key : {"name", "world", "robots"}) {
     top.require(key);
   }
   top.finish();
@@ -221,6 +226,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   }
   top.section("world", [&](Mapping& from) { read_world(from, scenario.world); });
   top.section("planner", [&](Mapping& from) { read_planner(from, scenario.planner); });
+  read_mapping_spec(top, scenario);
   read_robots(top, scenario);
   read_targets(top, scenario);
   top.section("target_truth",

@@ -35,6 +35,8 @@ struct TrialSummary {
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets nobody knows
   std::vector<std::optional<double>> rmse_per_target_m;  ///< over the time it was known
   std::vector<double> entropy_per_target_nats;
+  /// Of the robots' last maps, mean over those that have one; none where nobody maps.
+  std::optional<double> map_entropy_nats;
   RobotMeans per_robot;  ///< the same, each robot judged by its own belief; mean over the robots
 };
 

@@ -8,6 +8,7 @@
 #include "models/motion/unicycle.hpp"
 #include "models/scenario/device_source.hpp"
 #include "models/scenario/host_spec.hpp"
+#include "models/scenario/mapping_spec.hpp"
 #include "models/scenario/mocap_spec.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
@@ -109,6 +110,7 @@ const char* name_of(PlanAlgorithm algorithm);
 std::optional<PlanAlgorithm> parse_algorithm(const std::string& name);
 
 struct PlannerSpec {
+  PlanObjective objective = PlanObjective::kTracking;
   PlanAlgorithm algorithm = PlanAlgorithm::kArvi;
   int horizon_steps = 12;          ///< T
   double step_s = 0.5;             ///< τ
@@ -151,6 +153,7 @@ struct Scenario {
   PlannerSpec planner;
   NetworkSpec network;
   MocapSpec mocap;
+  MappingSpec mapping;  ///< of the objective kMapping
   std::vector<AttackSpec> attacks;
   std::vector<HostSpec> hosts;  ///< none: all runs on one
 
