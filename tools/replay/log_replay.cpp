@@ -37,15 +37,21 @@ ReplayReport replay_log(const logs::IndexedLog& log, const models::Scenario& sce
   const bool is_planner = target.kind == ReplayTarget::Kind::kPlanner;
   const std::string output =
       is_planner ? bus::plan_channel(target.robot).name : bus::belief_channel(target.robot).name;
+  // An estimator's second output; nobody publishes it where nobody maps.
+  const std::string map = is_planner ? "" : bus::map_channel(target.robot).name;
   ReplayReport report;
   bus::VirtualClock clock(log.survey().first);
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto ear = hub.connect();
-  ear->subscribe(kPrefix + output,
-                 [&](std::string_view /*channel*/, std::span<const std::uint8_t> message) {
-                   report.outputs.add_replayed(message);
-                 });
+  for (const std::string& channel : {output, map}) {
+    if (!channel.empty()) {
+      ear->subscribe(kPrefix + channel,
+                     [&](std::string_view /*channel*/, std::span<const std::uint8_t> message) {
+                       report.outputs.add_replayed(message);
+                     });
+    }
+  }
   const auto endpoint = hub.connect();
   bus::Bus bus(*endpoint, kRunId, kPrefix);
   std::unique_ptr<bus::Node> node;
@@ -67,7 +73,7 @@ ReplayReport replay_log(const logs::IndexedLog& log, const models::Scenario& sce
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     clock.set(std::max(clock.now(), event->time));
-    if (event->channel == output) {
+    if (event->channel == output || event->channel == map) {
       report.outputs.add_logged(event->data);
     }
     source->publish(std::string(event->channel), event->data);

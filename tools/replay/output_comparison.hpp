@@ -24,10 +24,11 @@ struct OutputDifference {
 };
 
 /// Compares what a node said in a flight with what it says of the same inputs: plans by round,
-/// beliefs by step, every byte of the message except who published it when (run id and sequence).
+/// beliefs and maps by step, every byte of the message except who published it when (run id and
+/// sequence).
 class OutputComparison {
  public:
-  /// Messages as they travel. Others than plans and beliefs are counted as unreadable.
+  /// Messages as they travel. Others than these are counted as unreadable.
   void add_logged(std::span<const std::uint8_t> message);
   void add_replayed(std::span<const std::uint8_t> message);
 
@@ -45,7 +46,13 @@ class OutputComparison {
 
  private:
   using Bytes = std::vector<std::uint8_t>;
-  std::map<std::int64_t, Bytes> logged_;  ///< newest of that index (a node may be started anew)
+  struct Key {
+    std::uint64_t type = 0;  ///< fingerprint
+    std::int64_t index = 0;
+    friend auto operator<=>(const Key&, const Key&) = default;
+  };
+  static std::optional<Key> key_of(std::span<const std::uint8_t> message);
+  std::map<Key, Bytes> logged_;  ///< newest of that index (a node may be started anew)
   std::int64_t logged_count_ = 0;
   std::int64_t replayed_ = 0;
   std::int64_t different_ = 0;
