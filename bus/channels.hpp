@@ -31,6 +31,10 @@ inline Channel<models::DetectionSet> measurement_channel(const std::string& robo
 inline Channel<models::RobotBelief> belief_channel(const std::string& robot) {
   return {"BELIEF_" + robot};
 }
+inline Channel<models::RangeScan> scan_channel(const std::string& robot) {
+  return {"SCAN_" + robot};
+}
+inline Channel<models::RobotMap> map_channel(const std::string& robot) { return {"MAP_" + robot}; }
 inline Channel<models::RobotPlan> plan_channel(const std::string& robot) {
   return {"PLAN_" + robot};
 }

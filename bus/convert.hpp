@@ -9,10 +9,12 @@
 #include "vantage_lcm/command_t.hpp"
 #include "vantage_lcm/health_t.hpp"
 #include "vantage_lcm/host_t.hpp"
+#include "vantage_lcm/map_t.hpp"
 #include "vantage_lcm/measurement_t.hpp"
 #include "vantage_lcm/plan_t.hpp"
 #include "vantage_lcm/proposal_t.hpp"
 #include "vantage_lcm/quadrotor_t.hpp"
+#include "vantage_lcm/scan_t.hpp"
 #include "vantage_lcm/scenario_t.hpp"
 #include "vantage_lcm/team_proposal_t.hpp"
 #include "vantage_lcm/truth_t.hpp"
@@ -36,6 +38,12 @@ std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& 
 
 vantage_lcm::belief_t to_wire(const models::RobotBelief& belief);
 std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire);
+
+vantage_lcm::scan_t to_wire(const models::RangeScan& scan);
+std::optional<models::RangeScan> from_wire(const vantage_lcm::scan_t& wire);
+
+vantage_lcm::map_t to_wire(const models::RobotMap& map);
+std::optional<models::RobotMap> from_wire(const vantage_lcm::map_t& wire);
 
 vantage_lcm::plan_t to_wire(const models::RobotPlan& plan);
 std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 
 #include "bus/convert_parts.hpp"
@@ -46,24 +47,6 @@ std::optional<models::TargetBelief> target_from(const vantage_lcm::target_belief
     return std::nullopt;
   }
   return target;
-}
-
-std::optional<models::GridGeometry> grid_from(const vantage_lcm::belief_t& wire) {
-  if (!are_finite(wire.grid_origin_x_m, wire.grid_origin_y_m, wire.grid_resolution_m) ||
-      wire.grid_resolution_m <= 0.0 || wire.grid_columns < 0 || wire.grid_rows < 0 ||
-      !is_count(wire.num_cells, wire.last_seen_utime.size(), kCellsMax) ||
-      std::int64_t{wire.grid_columns} * wire.grid_rows != wire.num_cells) {
-    return std::nullopt;
-  }
-  for (const std::int64_t utime : wire.last_seen_utime) {
-    if (!is_utime(utime)) {
-      return std::nullopt;
-    }
-  }
-  return models::GridGeometry{{wire.grid_origin_x_m, wire.grid_origin_y_m},
-                              wire.grid_resolution_m,
-                              wire.grid_columns,
-                              wire.grid_rows};
 }
 
 }  // namespace
@@ -130,11 +113,7 @@ vantage_lcm::belief_t to_wire(const models::RobotBelief& belief) {
     wire.targets[i].information_matrix = rows_to(target.information.matrix, dim);
     wire.targets[i].last_seen_utime = to_utime(target.last_seen);
   }
-  wire.grid_origin_x_m = belief.grid.origin_m.x();
-  wire.grid_origin_y_m = belief.grid.origin_m.y();
-  wire.grid_resolution_m = belief.grid.resolution_m;
-  wire.grid_columns = belief.grid.columns;
-  wire.grid_rows = belief.grid.rows;
+  grid_to(belief.grid, wire);
   wire.num_cells = count_of(belief.last_seen_utime.size());
   wire.last_seen_utime = belief.last_seen_utime;
   wire.num_inputs = count_of(belief.inputs.size());
@@ -145,10 +124,11 @@ vantage_lcm::belief_t to_wire(const models::RobotBelief& belief) {
 std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire) {
   const auto stamp = stamp_from(wire);
   const auto viewpoint = viewpoint_from(wire);
-  const auto grid = grid_from(wire);
+  const auto grid = grid_from(wire, wire.last_seen_utime.size());
   auto inputs = inputs_from(wire.num_inputs, wire.inputs);
   if (!stamp || !viewpoint || !grid || !inputs || !is_text(wire.robot) || wire.step < 0 ||
-      wire.degree < 0 || !is_count(wire.num_targets, wire.targets.size())) {
+      wire.degree < 0 || !is_count(wire.num_targets, wire.targets.size()) ||
+      !std::all_of(wire.last_seen_utime.begin(), wire.last_seen_utime.end(), is_utime)) {
     return std::nullopt;
   }
   models::RobotBelief belief;

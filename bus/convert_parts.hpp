@@ -100,4 +100,28 @@ std::optional<models::Viewpoint> viewpoint_from(const Wire& wire) {
   return models::Viewpoint{*pose, wire.height_m};
 }
 
+template <class Wire>
+void grid_to(const models::GridGeometry& grid, Wire& wire) {
+  wire.grid_origin_x_m = grid.origin_m.x();
+  wire.grid_origin_y_m = grid.origin_m.y();
+  wire.grid_resolution_m = grid.resolution_m;
+  wire.grid_columns = grid.columns;
+  wire.grid_rows = grid.rows;
+}
+
+/// `cells`: how many elements of each cell's array there are.
+template <class Wire>
+std::optional<models::GridGeometry> grid_from(const Wire& wire, std::size_t cells) {
+  if (!are_finite(wire.grid_origin_x_m, wire.grid_origin_y_m, wire.grid_resolution_m) ||
+      wire.grid_resolution_m <= 0.0 || wire.grid_columns < 0 || wire.grid_rows < 0 ||
+      !is_count(wire.num_cells, cells, kCellsMax) ||
+      std::int64_t{wire.grid_columns} * wire.grid_rows != wire.num_cells) {
+    return std::nullopt;
+  }
+  return models::GridGeometry{{wire.grid_origin_x_m, wire.grid_origin_y_m},
+                              wire.grid_resolution_m,
+                              wire.grid_columns,
+                              wire.grid_rows};
+}
+
 }  // namespace vantage::bus::parts

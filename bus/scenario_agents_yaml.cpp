@@ -321,7 +321,10 @@ void read_robots(Mapping& top, Scenario& scenario) {
 }
 
 void read_targets(Mapping& top, Scenario& scenario) {
-  const std::optional<Value> targets = top.find_required("targets");
+  // Who maps needs none.
+  const std::optional<Value> targets = scenario.planner.objective == models::PlanObjective::kMapping
+                                           ? top.find("targets")
+                                           : top.find_required("targets");
   if (!targets) {
     return;
   }

@@ -11,6 +11,7 @@
 #include "bus/scenario_agents_yaml.hpp"
 #include "bus/scenario_attacks_yaml.hpp"
 #include "bus/scenario_hosts_yaml.hpp"
+#include "bus/scenario_mapping_yaml.hpp"
 #include "bus/scenario_mocap_yaml.hpp"
 #include "bus/yaml_document.hpp"
 #include "bus/yaml_mapping.hpp"
@@ -158,6 +159,9 @@ void check_team(Mapping& from, const models::PlannerSpec& planner) {
   if (planner.team_algorithm != models::TeamAlgorithm::kLocalSearch) {
     return;
   }
+  if (planner.objective != models::PlanObjective::kTracking) {
+    from.refuse("team_algorithm", "local_search needs objective: tracking");
+  }
   if (planner.algorithm != PlanAlgorithm::kArvi && planner.algorithm != PlanAlgorithm::kRvi) {
     from.refuse("algorithm", fmt::format("must be arvi or rvi, which make the candidates of "
                                          "team_algorithm: local_search; is {}",
@@ -171,6 +175,9 @@ void check_team(Mapping& from, const models::PlannerSpec& planner) {
 
 void read_planner(Mapping& from, models::PlannerSpec& planner) {
   using models::PlanAlgorithm;
+  using models::PlanObjective;
+  from.word("objective", planner.objective,
+            {{"tracking", PlanObjective::kTracking}, {"mapping", PlanObjective::kMapping}});
   from.word("algorithm", planner.algorithm,
             {{"arvi", PlanAlgorithm::kArvi},
              {"beam", PlanAlgorithm::kBeam},
@@ -229,8 +236,9 @@ void read_name(Mapping& top, std::string& name) {
 
 void read_scenario(Mapping& top, Scenario& scenario) {
   top.expect({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
-              "target_truth", "estimator", "planner", "network", "mocap", "attacks", "hosts"});
-  for (const char* key : {"name", "world", "robots", "targets"}) {
+              "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
+              "hosts"});
+  for (const char* key : {"name", "world", "robots"}) {
     top.require(key);
   }
   top.finish();
@@ -242,6 +250,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   }
   top.section("world", [&](Mapping& from) { read_world(from, scenario.world); });
   top.section("planner", [&](Mapping& from) { read_planner(from, scenario.planner); });
+  read_mapping_spec(top, scenario);
   read_robots(top, scenario);
   read_targets(top, scenario);
   top.section("target_truth",

@@ -25,12 +25,11 @@ void OccupancyFusion::mark(int cell, Mark as) {
 }
 
 // True when the beam met something within the grid.
-bool OccupancyFusion::mark_beam(const models::OccupancyBelief& belief, const Pose2& world_from_body,
+bool OccupancyFusion::mark_beam(const models::GridGeometry& geometry, const Pose2& world_from_body,
                                 int beam, double range_m) {
   const bool may_hit = range_m < sensor_.no_hit_range_m();
   const double bearing_rad = world_from_body.yaw_rad + sensor_.bearing_rad(beam);
-  models::RayWalk walk(belief.geometry(), world_from_body.position_m(), bearing_rad,
-                       sensor_.range_max_m);
+  models::RayWalk walk(geometry, world_from_body.position_m(), bearing_rad, sensor_.range_max_m);
   while (walk.next()) {
     if (may_hit && walk.exit_m() > range_m + 2.0 * sensor_.sigma_m) {
       if (walk.enter_m() > 0.0) {
@@ -45,33 +44,48 @@ bool OccupancyFusion::mark_beam(const models::OccupancyBelief& belief, const Pos
   return false;
 }
 
-ScanCounts OccupancyFusion::fuse(const Pose2& world_from_body, std::span<const double> ranges_m,
-                                 models::OccupancyBelief& belief) {
+ScanCounts OccupancyFusion::mark_scan(const models::GridGeometry& geometry,
+                                      const Pose2& world_from_body,
+                                      std::span<const double> ranges_m) {
   ScanCounts counts;
+  touched_.clear();
   if (ranges_m.size() != static_cast<std::size_t>(sensor_.beams) ||
-      belief.geometry().index_of(world_from_body.position_m()) < 0 ||
+      geometry.index_of(world_from_body.position_m()) < 0 ||
       !std::isfinite(world_from_body.yaw_rad)) {
     counts.ignored = static_cast<std::int64_t>(ranges_m.size());
     return counts;
   }
-  marks_.assign(static_cast<std::size_t>(belief.geometry().size()), Mark::kNone);
-  touched_.clear();
+  marks_.assign(static_cast<std::size_t>(geometry.size()), Mark::kNone);
   const double least_m = sensor_.range_min_m > 0.0 ? sensor_.range_min_m - 3.0 * sensor_.sigma_m
                                                    : -3.0 * sensor_.sigma_m;
   for (int beam = 0; beam < sensor_.beams; ++beam) {
     const double range_m = ranges_m[static_cast<std::size_t>(beam)];
     if (!std::isfinite(range_m) || range_m < least_m) {
       ++counts.ignored;
-    } else if (mark_beam(belief, world_from_body, beam, range_m)) {
+    } else if (mark_beam(geometry, world_from_body, beam, range_m)) {
       ++counts.hits;
     } else {
       ++counts.misses;
     }
   }
+  return counts;
+}
+
+ScanCounts OccupancyFusion::fuse(const Pose2& world_from_body, std::span<const double> ranges_m,
+                                 models::OccupancyBelief& belief) {
+  const ScanCounts counts = mark_scan(belief.geometry(), world_from_body, ranges_m);
   for (const int cell : touched_) {
-    belief.add_log_odds(cell, marks_[static_cast<std::size_t>(cell)] == Mark::kHit
-                                  ? inverse_.hit_log_odds
-                                  : inverse_.miss_log_odds);
+    belief.add_log_odds(cell, is_hit(cell) ? inverse_.hit_log_odds : inverse_.miss_log_odds);
+  }
+  return counts;
+}
+
+ScanCounts OccupancyFusion::count(const models::GridGeometry& geometry,
+                                  const Pose2& world_from_body, std::span<const double> ranges_m,
+                                  models::Looks& looks) {
+  const ScanCounts counts = mark_scan(geometry, world_from_body, ranges_m);
+  for (const int cell : touched_) {
+    models::add_look(looks, cell, is_hit(cell));
   }
   return counts;
 }

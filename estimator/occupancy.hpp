@@ -7,6 +7,7 @@
 #include "core/pose.hpp"
 #include "models/mapping/beam.hpp"
 #include "models/mapping/beam_information.hpp"
+#include "models/mapping/looks.hpp"
 #include "models/mapping/occupancy_belief.hpp"
 
 namespace vantage::estimator {
@@ -36,16 +37,25 @@ class OccupancyFusion {
   /// `ranges_m` has one entry a beam (otherwise all of the scan is ignored and counted).
   ScanCounts fuse(const Pose2& world_from_body, std::span<const double> ranges_m,
                   models::OccupancyBelief& belief);
+  /// The same scan as looks, to be added up and merged.
+  ScanCounts count(const models::GridGeometry& geometry, const Pose2& world_from_body,
+                   std::span<const double> ranges_m, models::Looks& looks);
 
  private:
   enum class Mark : std::uint8_t { kNone, kMiss, kHit };
   void mark(int cell, Mark as);
-  bool mark_beam(const models::OccupancyBelief& belief, const Pose2& world_from_body, int beam,
+  bool mark_beam(const models::GridGeometry& geometry, const Pose2& world_from_body, int beam,
                  double range_m);
+  /// Fills touched_ and the marks of the cells in it.
+  ScanCounts mark_scan(const models::GridGeometry& geometry, const Pose2& world_from_body,
+                       std::span<const double> ranges_m);
+  [[nodiscard]] bool is_hit(int cell) const {
+    return marks_[static_cast<std::size_t>(cell)] == Mark::kHit;
+  }
 
   models::BeamSensor sensor_;
   models::InverseBeamModel inverse_;
-  std::vector<Mark> marks_;   // per cell, all kNone between calls
+  std::vector<Mark> marks_;   // per cell, of the last scan
   std::vector<int> touched_;  // the cells that are not
 };
 

@@ -17,18 +17,18 @@ const models::RobotSpec& robot_of(const models::Scenario& scenario, const std::s
 std::uint32_t low_word(std::uint64_t bits) { return static_cast<std::uint32_t>(bits); }
 std::uint32_t high_word(std::uint64_t bits) { return static_cast<std::uint32_t>(bits >> 32U); }
 
-std::mt19937_64 noise_of(std::uint64_t seed, const std::string& robot, int target_id, Time time) {
+}  // namespace
+
+std::mt19937_64 noise_of(std::uint64_t seed, const std::string& robot, int stream, Time time) {
   const auto utime = static_cast<std::uint64_t>(to_utime(time));
   std::vector<std::uint32_t> words{low_word(seed), high_word(seed), low_word(utime),
-                                   high_word(utime), static_cast<std::uint32_t>(target_id)};
+                                   high_word(utime), static_cast<std::uint32_t>(stream)};
   for (const char letter : robot) {
     words.push_back(static_cast<unsigned char>(letter));
   }
   std::seed_seq sequence(words.begin(), words.end());
   return std::mt19937_64(sequence);
 }
-
-}  // namespace
 
 models::MocapFrame interpolate(const models::MocapFrame& before, const models::MocapFrame& after,
                                Time time) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace vantage::drivers {
 /// before.stamp.time ≤ time ≤ after.stamp.time.
 models::MocapFrame interpolate(const models::MocapFrame& before, const models::MocapFrame& after,
                                Time time);
+
+/// Noise that is a function of these alone: `stream` is a target's id, or kScanStream.
+std::mt19937_64 noise_of(std::uint64_t seed, const std::string& robot, int stream, Time time);
+inline constexpr int kScanStream = -1;
 
 /// A sensor that a lab does not have: it makes the measurements that one robot's sensor would,
 /// from everyone's poses.

@@ -40,6 +40,9 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
           [this, sender = teammate.name](const auto& belief) { on_belief(sender, belief); });
     }
   }
+  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+    map_.emplace(bus, scenario, robot);
+  }
 }
 
 std::string EstimatorNode::name() const { return "ESTIMATOR_" + robot_; }
@@ -110,7 +113,11 @@ void EstimatorNode::tick(Time now) {
   }
   instants_missed_ += (t - next_instant_) / step_;
   next_instant_ = t + step_;
-  bus_.publish(bus::belief_channel(robot_), make_step(filter_, t, steps_++, gather(t)));
+  const models::RobotBelief made = make_step(filter_, t, steps_++, gather(t));
+  const models::InputRef published = bus_.publish(bus::belief_channel(robot_), made);
+  if (map_) {
+    map_->step(made, published);
+  }
 
   // A belief counts as stale once; what a silent teammate said last is then let go.
   const Duration age_max = from_seconds(filter_.spec().belief_age_max_s);
@@ -127,6 +134,10 @@ std::vector<models::NamedCount> EstimatorNode::counters() const {
     if (own.count != 0) {
       all.push_back(own);
     }
+  }
+  if (map_) {
+    const std::vector<models::NamedCount> of_map = map_->counters();
+    all.insert(all.end(), of_map.begin(), of_map.end());
   }
   return all;
 }

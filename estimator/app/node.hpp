@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bus/bus.hpp"
 #include "bus/clock.hpp"
 #include "bus/node.hpp"
+#include "estimator/app/map_step.hpp"
 #include "estimator/app/step_material.hpp"
 #include "estimator/distributed_filter.hpp"
 #include "models/scenario/scenario.hpp"
@@ -16,7 +18,7 @@
 namespace vantage::estimator {
 
 /// Joins a DistributedFilter to the bus: MEASUREMENT_R, VICON and the teammates' BELIEF_* in,
-/// BELIEF_R out.
+/// BELIEF_R out; in a scenario that maps, MAP_R after it.
 ///
 /// A step is of the instant t = kτ of the absolute time, and is made a tenth of τ later so that
 /// the measurement of that instant has come; its message says `utime` = t, `step` = steps made
@@ -56,6 +58,7 @@ class EstimatorNode : public bus::Node {
   std::deque<Heard<models::DetectionSet>> looks_;             ///< not used yet
   std::deque<Heard<OwnPose>> poses_;                          ///< newest last
   std::map<std::string, Heard<models::RobotBelief>> newest_;  ///< by teammate
+  std::optional<MapPublisher> map_;                           ///< of a scenario that maps
   std::int64_t instants_missed_ = 0;
   std::int64_t looks_overflowed_ = 0;
   std::int64_t misaddressed_ = 0;

@@ -79,6 +79,9 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
   }
   bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot_),
                                       [this](const auto& belief) { on_logged(belief); });
+  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+    map_.emplace(bus, scenario, robot);
+  }
 }
 
 std::string EstimatorReplayNode::name() const { return "REPLAY_ESTIMATOR_" + robot_; }
@@ -92,6 +95,9 @@ void EstimatorReplayNode::tick(Time now) {
   next_tick_ = now + kTick;
   ticks_waited_ = logged_.empty() ? 0 : ticks_waited_ + 1;
   work();
+  if (map_) {
+    map_->tick();
+  }
 }
 
 void EstimatorReplayNode::work() {
@@ -158,6 +164,10 @@ std::vector<models::NamedCount> EstimatorReplayNode::counters() const {
     if (own.count != 0) {
       all.push_back(own);
     }
+  }
+  if (map_) {
+    const std::vector<models::NamedCount> of_map = map_->counters();
+    all.insert(all.end(), of_map.begin(), of_map.end());
   }
   return all;
 }

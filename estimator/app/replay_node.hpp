@@ -10,6 +10,7 @@
 #include "bus/clock.hpp"
 #include "bus/input_store.hpp"
 #include "bus/node.hpp"
+#include "estimator/app/map_step.hpp"
 #include "estimator/app/step_material.hpp"
 #include "estimator/distributed_filter.hpp"
 #include "models/scenario/scenario.hpp"
@@ -65,6 +66,7 @@ class EstimatorReplayNode : public bus::Node {
   std::int64_t steps_rebased_ = 0;
   std::int64_t inputs_missing_ = 0;
   std::int64_t differences_ = 0;
+  std::optional<MapReplayer> map_;  ///< of a scenario that maps
 };
 
 /// True when the two say the same of the same targets and cells, numbers within

@@ -30,6 +30,8 @@ class Analyst {
   void on(const models::AttackNotice& /*attack*/) {}
   void on(const models::PlanProposal& /*proposal*/) {}
   void on(const models::TeamProposal& /*proposal*/) {}
+  void on(const models::RangeScan& /*scan*/) {}
+  void on(const models::RobotMap& map) { metrics_.on_map(map); }
   void on(const models::OperatorCommand& /*command*/) {}
   void on(const models::HostReport& /*report*/) {}
   void on(const models::ScenarioNotice& /*notice*/) {}

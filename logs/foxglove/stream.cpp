@@ -211,6 +211,16 @@ void Stream::put_grid(const models::RobotBelief& belief, Time heard) {
   }
 }
 
+void Stream::on(const models::RobotMap& map, Time heard) {
+  if (!scenario_ || map.grid.size() == 0) {
+    return;
+  }
+  metrics_->on_map(map);
+  for (const std::string& topic : {std::string("/map"), "/map/" + map.robot}) {
+    put(topic, Schema::kGrid, heard, [&] { return occupancy_grid(map, scenario_->mapping); });
+  }
+}
+
 void Stream::on(const models::RobotPlan& plan, Time heard) {
   if (metrics_) {
     metrics_->on_plan(plan);

@@ -48,6 +48,8 @@ class Sink {
 ///   /world /robots /views /targets   foxglove.SceneUpdate   once, and on change
 ///   /plan/P /measurement/P /belief/P /estimates /tracks   foxglove.SceneUpdate
 ///   /grid /belief/P/grid          foxglove.Grid       when each cell was last seen, by all and P
+///   /map /map/P                   foxglove.Grid       occupancy, as the last heard and as P knows
+///   it
 class Stream {
  public:
   explicit Stream(Sink& sink) : sink_(sink) {}
@@ -58,6 +60,8 @@ class Stream {
   void on(const models::TruthFrame& truth, Time heard);
   void on(const models::DetectionSet& detections, Time heard);
   void on(const models::RobotBelief& belief, Time heard);
+  void on(const models::RangeScan& /*scan*/, Time /*heard*/) {}  // the map shows what it told
+  void on(const models::RobotMap& map, Time heard);
   void on(const models::RobotPlan& plan, Time heard);
   void on(const models::PlanProposal& /*proposal*/, Time /*heard*/) {}  // the plans are shown
   void on(const models::TeamProposal& /*proposal*/, Time /*heard*/) {}

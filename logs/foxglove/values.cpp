@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "models/mapping/looks.hpp"
+
 namespace vantage::logs::foxglove {
 namespace {
 
@@ -39,6 +41,28 @@ const char* name_of(models::ProcessState state) {
   return "";
 }
 
+Json float_grid(const models::GridGeometry& grid, const char* field,
+                const std::vector<float>& values, Time time) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(values.size() * 4);
+  for (const float value : values) {
+    const auto word = std::bit_cast<std::uint32_t>(value);
+    for (unsigned shift = 0; shift < 32; shift += 8) {
+      bytes.push_back(static_cast<std::uint8_t>(word >> shift & 0xFFU));
+    }
+  }
+  const Pose3 corner{{grid.origin_m.x(), grid.origin_m.y(), 0.0}, Eigen::Quaterniond::Identity()};
+  return {{"timestamp", to_json(time)},
+          {"frame_id", kWorldFrame},
+          {"pose", to_json(corner)},
+          {"column_count", grid.columns},
+          {"cell_size", {{"x", grid.resolution_m}, {"y", grid.resolution_m}}},
+          {"row_stride", 4 * grid.columns},
+          {"cell_stride", 4},
+          {"fields", Json::array({{{"name", field}, {"offset", 0}, {"type", kFloat32}}})},
+          {"data", base64(bytes)}};
+}
+
 }  // namespace
 
 Json frame_transforms(const models::MocapFrame& frame) {
@@ -61,26 +85,23 @@ Json frame_transforms(const models::TruthFrame& truth, const std::string& prefix
 
 Json visibility_grid(const models::GridGeometry& grid,
                      const std::vector<std::int64_t>& last_seen_utime, Time time) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(last_seen_utime.size() * 4);
+  std::vector<float> ages_s;
+  ages_s.reserve(last_seen_utime.size());
   for (const std::int64_t seen : last_seen_utime) {
     const bool is_seen = seen != models::VisibilityGrid::kNeverSeen;
-    const float age_s = is_seen ? static_cast<float>(to_seconds(time - from_utime(seen))) : -1.0F;
-    const auto word = std::bit_cast<std::uint32_t>(age_s);
-    for (unsigned shift = 0; shift < 32; shift += 8) {
-      bytes.push_back(static_cast<std::uint8_t>(word >> shift & 0xFFU));
-    }
+    ages_s.push_back(is_seen ? static_cast<float>(to_seconds(time - from_utime(seen))) : -1.0F);
   }
-  const Pose3 corner{{grid.origin_m.x(), grid.origin_m.y(), 0.0}, Eigen::Quaterniond::Identity()};
-  return {{"timestamp", to_json(time)},
-          {"frame_id", kWorldFrame},
-          {"pose", to_json(corner)},
-          {"column_count", grid.columns},
-          {"cell_size", {{"x", grid.resolution_m}, {"y", grid.resolution_m}}},
-          {"row_stride", 4 * grid.columns},
-          {"cell_stride", 4},
-          {"fields", Json::array({{{"name", "age_s"}, {"offset", 0}, {"type", kFloat32}}})},
-          {"data", base64(bytes)}};
+  return float_grid(grid, "age_s", ages_s, time);
+}
+
+Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec) {
+  const models::OccupancyBelief belief = models::belief_of(map.grid, map.team_looks, spec);
+  std::vector<float> occupancies;
+  occupancies.reserve(map.team_looks.size());
+  for (int cell = 0; cell < map.grid.size(); ++cell) {
+    occupancies.push_back(static_cast<float>(belief.occupancy(cell)));
+  }
+  return float_grid(map.grid, "occupancy", occupancies, map.stamp.time);
 }
 
 Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario& scenario) {

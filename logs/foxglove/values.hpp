@@ -25,6 +25,10 @@ Json frame_transforms(const models::TruthFrame& truth, const std::string& prefix
 Json visibility_grid(const models::GridGeometry& grid,
                      const std::vector<std::int64_t>& last_seen_utime, Time time);
 
+/// How likely each cell is occupied, as `map`'s robot knows it: one f32 field "occupancy", 0 and 1
+/// where that is settled.
+Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec);
+
 /// vantage.Scenario.
 Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario& scenario);
 /// vantage.Plan: margin_s = deadline − finish, gap_nat = cost − lower bound.

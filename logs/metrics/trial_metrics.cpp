@@ -28,7 +28,9 @@ TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
       robot_sums_(static_cast<int>(scenario.targets.size()), position_dim_, prior_entropy_nats_) {
   summary_.seed = scenario.seed;
   summary_.scenario = scenario.name;
-  summary_.algorithm = models::name_of(scenario.planner.algorithm);
+  summary_.algorithm = scenario.planner.objective == models::PlanObjective::kMapping
+                           ? "mapping"
+                           : models::name_of(scenario.planner.algorithm);
   summary_.targets = static_cast<int>(scenario.targets.size());
   for (const models::TargetSpec& target : scenario.targets) {
     TargetStatus& status = targets_.emplace_back();
@@ -110,6 +112,21 @@ void TrialMetrics::judge(const Step& step) {
     ++steps_with_error_;
   }
   unknown_share_sum_ += targets_.empty() ? 0.0 : unknown / static_cast<double>(targets_.size());
+}
+
+void TrialMetrics::on_map(const models::RobotMap& map) {
+  map_entropies_nats_[map.robot] = map.entropy_nats;
+}
+
+std::optional<double> TrialMetrics::map_entropy_nats() const {
+  if (map_entropies_nats_.empty()) {
+    return std::nullopt;
+  }
+  double sum_nats = 0.0;
+  for (const auto& [robot, entropy_nats] : map_entropies_nats_) {
+    sum_nats += entropy_nats;
+  }
+  return sum_nats / static_cast<double>(map_entropies_nats_.size());
 }
 
 void TrialMetrics::on_plan(const models::RobotPlan& plan) {
@@ -198,6 +215,7 @@ TrialSummary TrialMetrics::finish(Time end, std::optional<std::int64_t> messages
   out.rounds = rounds();
   out.rounds_late = rounds_late();
   out.fallbacks = fallbacks_;
+  out.map_entropy_nats = map_entropy_nats();
   out.plans = plans_;
   out.plans_missing = std::max<std::int64_t>(0, rounds() * std::ssize(robots_) - plans_);
   out.messages_lost = messages_lost.value_or(this->messages_lost());

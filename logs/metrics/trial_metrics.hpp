@@ -41,6 +41,7 @@ class TrialMetrics {
 
   void on_truth(const models::TruthFrame& frame);
   void on_belief(const models::RobotBelief& belief);
+  void on_map(const models::RobotMap& map);
   void on_plan(const models::RobotPlan& plan);
   void on_contact(const models::ContactReport& contact);
   void on_vehicle(const models::VehicleStatus& status);
@@ -54,6 +55,8 @@ class TrialMetrics {
 
   [[nodiscard]] const std::vector<TargetStatus>& targets() const { return targets_; }
   [[nodiscard]] const std::map<std::string, RobotStatus>& robots() const { return robots_; }
+  /// Mean over the robots' newest maps; none where nobody maps.
+  [[nodiscard]] std::optional<double> map_entropy_nats() const;
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
   [[nodiscard]] std::int64_t separation_violations() const { return separation_violations_; }
   [[nodiscard]] std::int64_t rounds() const { return std::ssize(rounds_); }
@@ -106,6 +109,7 @@ class TrialMetrics {
   std::set<std::int64_t> rounds_late_;
   std::int64_t plans_ = 0;
   std::int64_t fallbacks_ = 0;
+  std::map<std::string, double> map_entropies_nats_;                   ///< newest, by robot
   std::map<std::pair<std::string, std::int64_t>, std::int64_t> lost_;  ///< by process and run
 };
 

@@ -51,6 +51,7 @@ Json to_json(const TrialSummary& summary) {
   per_robot["discovery_time_s"] = summary.per_robot.discovery_time_s;
   per_robot["undiscovered_share"] = summary.per_robot.undiscovered_share;
   out["per_robot"] = std::move(per_robot);
+  out["map_entropy"] = optional_number(summary.map_entropy_nats);
   return out;
 }
 

@@ -41,6 +41,8 @@ struct TrialSummary {
   /// coordinates where the estimator knows how wrong it is, more where it is too sure. Of each
   /// step the robot that is surest is judged, so a little more is to be expected.
   std::optional<double> position_nees;
+  /// Of the robots' last maps, mean over those that have one; none where nobody maps.
+  std::optional<double> map_entropy_nats;
   RobotMeans per_robot;  ///< the same, each robot judged by its own belief; mean over the robots
 };
 

@@ -88,6 +88,32 @@ struct RobotBelief {
   std::vector<InputRef> inputs;               ///< what this step consumed, in that order
 };
 
+/// One scan of a robot's range finder (SCAN_R).
+struct RangeScan {
+  Stamp stamp;
+  std::string robot;
+  Viewpoint viewpoint;             ///< where it is taken to have scanned from
+  bool jammed = false;             ///< an attacked range finder did not scan: no ranges
+  double field_of_view_rad = 0.0;  ///< in (0, 2π]; beams as BeamSensor has them
+  double range_max_m = 0.0;        ///< a reading of about this much met nothing
+  std::vector<double> ranges_m;    ///< by beam
+  std::vector<InputRef> inputs;
+};
+
+/// What one robot knows of which cells are occupied (MAP_R). Looks of a cell: scans that met
+/// something in it less scans that passed through it.
+struct RobotMap {
+  Stamp stamp;
+  std::string robot;
+  std::int64_t step = 0;  ///< index of the estimator step that made it
+  Viewpoint viewpoint;
+  GridGeometry grid;
+  std::vector<std::int16_t> own_looks;   ///< per cell, by this run's own scans
+  std::vector<std::int16_t> team_looks;  ///< per cell, own and of each teammate what was heard
+  double entropy_nats = 0.0;             ///< of the map that team_looks makes
+  std::vector<InputRef> inputs;          ///< belief (its pose), own map before, scans, team's maps
+};
+
 /// How a published plan came about; lower is better.
 enum class PlanSource {
   kSearched = 0,  ///< the best complete plan of this slot's search

@@ -9,6 +9,7 @@
 #include "models/scenario/device_source.hpp"
 #include "models/scenario/energy_spec.hpp"
 #include "models/scenario/host_spec.hpp"
+#include "models/scenario/mapping_spec.hpp"
 #include "models/scenario/mocap_spec.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
@@ -117,6 +118,7 @@ enum class TeamAlgorithm {
 };
 
 struct PlannerSpec {
+  PlanObjective objective = PlanObjective::kTracking;
   PlanAlgorithm algorithm = PlanAlgorithm::kArvi;
   int horizon_steps = 12;          ///< T
   double step_s = 0.5;             ///< τ
@@ -161,6 +163,7 @@ struct Scenario {
   PlannerSpec planner;
   NetworkSpec network;
   MocapSpec mocap;
+  MappingSpec mapping;  ///< of the objective kMapping
   std::vector<AttackSpec> attacks;
   std::vector<HostSpec> hosts;  ///< none: all runs on one
 

@@ -1,4 +1,5 @@
-// vantage-planner: BELIEF_R, VICON, PLAN_* and ATTACK in, PLAN_R out; one process per robot.
+// vantage-planner: BELIEF_R (or MAP_R), VICON, PLAN_* and ATTACK in, PLAN_R out; one process per
+// robot.
 
 #include <memory>
 

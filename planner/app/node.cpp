@@ -35,6 +35,10 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
       slot_(schedule_.next_slot(clock.now())) {
   bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot),
                                       [this](const auto& m) { inputs_.belief = m; });
+  if (spec_.objective == models::PlanObjective::kMapping) {
+    bus_.subscribe<models::RobotMap>(bus::map_channel(robot),
+                                     [this](const auto& m) { inputs_.map = m; });
+  }
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
   for (const models::RobotSpec& other : scenario.robots) {
@@ -84,6 +88,9 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
   };
   if (inputs.belief) {
     add(bus::belief_channel(robot).name, inputs.belief->stamp);
+  }
+  if (inputs.map) {
+    add(bus::map_channel(robot).name, inputs.map->stamp);
   }
   if (inputs.mocap) {
     add(bus::kVicon.name, inputs.mocap->stamp);

@@ -15,9 +15,9 @@
 
 namespace vantage::planner {
 
-/// Joins a RobotPlanner to the bus: BELIEF_R, VICON, teammates' PLAN_* and ATTACK in, PLAN_R out,
-/// once a round in this robot's slot; in a team that expects attacks PROPOSAL_* besides, in and
-/// out; in one that plans by local search TEAM_PROPOSAL_*.
+/// Joins a RobotPlanner to the bus: BELIEF_R (and MAP_R where the team maps), VICON, teammates'
+/// PLAN_* and ATTACK in, PLAN_R out, once a round in this robot's slot; in a team that expects
+/// attacks PROPOSAL_* besides, in and out; in one that plans by local search TEAM_PROPOSAL_*.
 ///
 /// Under a clock that is not real time the budget is planner.node_budget nodes.
 class PlannerNode : public bus::Node {

@@ -64,6 +64,11 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
   bus_.subscribe_named<models::RobotBelief>(
       bus::belief_channel(robot),
       [this](const std::string& name, const auto& m) { beliefs_.add(name, m); });
+  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+    bus_.subscribe_named<models::RobotMap>(
+        bus::map_channel(robot),
+        [this](const std::string& name, const auto& m) { maps_.add(name, m); });
+  }
   bus_.subscribe_named<models::MocapFrame>(
       bus::kVicon, [this](const std::string& name, const auto& m) { frames_.add(name, m); });
   bus_.subscribe_named<models::AttackNotice>(
@@ -98,6 +103,8 @@ bool PlannerReplayNode::gather(std::int64_t round, const std::vector<models::Inp
   for (const models::InputRef& name : names) {
     if (const auto* belief = beliefs_.find(name)) {
       inputs.belief = *belief;
+    } else if (const auto* map = maps_.find(name)) {
+      inputs.map = *map;
     } else if (const auto* frame = frames_.find(name)) {
       inputs.mocap = *frame;
     } else if (const auto* attack = attacks_.find(name)) {

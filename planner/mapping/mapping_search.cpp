@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/check.hpp"
 #include "models/world/world.hpp"
@@ -56,35 +57,122 @@ double MappingSearch::end_cost_nats(const Pose2& at) const {
          std::min(farthest_m_, drive_->to_frontier_m(at.position_m()));
 }
 
+bool MappingSearch::is_over() {
+  path_.is_cut = path_.is_cut || deadline_->expired(path_.tried);
+  path_.tried += path_.is_cut ? 0 : 1;
+  return path_.is_cut;
+}
+
+bool MappingSearch::may_drive(const Pose2& from, int control, const Pose2& to,
+                              std::size_t step) const {
+  if (options_.may_drive) {
+    return options_.may_drive(from, control, static_cast<int>(step));
+  }
+  return drive_->is_free(from, options_.controls[static_cast<std::size_t>(control)],
+                         options_.step_s) &&
+         is_apart(from, to, step);
+}
+
+bool MappingSearch::may_end(const Pose2& at, int control, std::size_t steps) const {
+  return !options_.may_end || options_.may_end(at, control, static_cast<int>(steps));
+}
+
+void MappingSearch::push(int control, const Pose2& to) {
+  path_.controls.push_back(control);
+  path_.poses.push_back(to);
+}
+
+void MappingSearch::pop(std::size_t mark) {
+  path_.controls.pop_back();
+  path_.poses.pop_back();
+  coverage_.take_back(mark);
+}
+
+MapRoute MappingSearch::greedy_route(const Pose2& start) {
+  const std::size_t root = coverage_.mark();
+  MapRoute route;
+  route.start = start;
+  Pose2 at = start;
+  for (std::size_t step = 0; step < static_cast<std::size_t>(options_.horizon_steps); ++step) {
+    const bool is_last = step + 1 == static_cast<std::size_t>(options_.horizon_steps);
+    double best_nats = -std::numeric_limits<double>::infinity();
+    int best_control = -1;
+    for (int c = 0; c < static_cast<int>(options_.controls.size()) && !is_over(); ++c) {
+      const Pose2 next = models::step_unicycle(at, options_.controls[static_cast<std::size_t>(c)],
+                                               options_.step_s);
+      if (!may_drive(at, c, next, step) || (is_last && !may_end(next, c, step + 1))) {
+        continue;
+      }
+      const std::size_t mark = coverage_.mark();
+      const double nats =
+          coverage_.add(views_->view(next), views_->options()) - end_cost_nats(next);
+      coverage_.take_back(mark);
+      if (nats > best_nats) {
+        best_nats = nats;
+        best_control = c;
+      }
+    }
+    if (best_control < 0 || path_.is_cut) {
+      coverage_.take_back(root);
+      return {};
+    }
+    at = models::step_unicycle(at, options_.controls[static_cast<std::size_t>(best_control)],
+                               options_.step_s);
+    route.gain_nats += coverage_.add(views_->view(at), views_->options());
+    route.controls.push_back(best_control);
+    route.poses.push_back(at);
+  }
+  coverage_.take_back(root);
+  route.worth_nats = route.gain_nats - end_cost_nats(at);
+  return route;
+}
+
+void MappingSearch::offer_stop(int control, double gain_nats) {
+  const Pose2& at = path_.poses.back();
+  const double worth_nats = gain_nats - end_cost_nats(at);
+  const bool is_better =
+      path_.poses.size() > stop_.controls.size() ||
+      (path_.poses.size() == stop_.controls.size() && worth_nats > stop_.worth_nats);
+  if (is_better && may_end(at, control, path_.poses.size())) {
+    stop_ = path_;
+    stop_.gain_nats = gain_nats;
+    stop_.worth_nats = worth_nats;
+  }
+}
+
 void MappingSearch::expand(const Pose2& at, double so_far_nats) {
   const std::size_t step = path_.poses.size();
   const bool is_last = step + 1 == static_cast<std::size_t>(options_.horizon_steps);
-  for (std::size_t c = 0; c < options_.controls.size(); ++c) {
-    const models::UnicycleControl& control = options_.controls[c];
-    const Pose2 next = models::step_unicycle(at, control, options_.step_s);
+  for (int c = 0; c < static_cast<int>(options_.controls.size()); ++c) {
+    if (is_over()) {
+      return;
+    }
+    const Pose2 next =
+        models::step_unicycle(at, options_.controls[static_cast<std::size_t>(c)], options_.step_s);
     const BeamView& view = views_->view(next);
     const double end_nats = is_last ? end_cost_nats(next) : 0.0;
     if (is_last && so_far_nats + view.nats - end_nats <= best_worth_nats_) {
       continue;  // not even if nothing of the view were known already
     }
-    if (!drive_->is_free(at, control, options_.step_s) || !is_apart(at, next, step)) {
+    if (!may_drive(at, c, next, step) || (is_last && !may_end(next, c, step + 1))) {
       continue;
     }
     ++path_.nodes;
     const std::size_t mark = coverage_.mark();
     const double gain_nats = so_far_nats + coverage_.add(view, views_->options());
-    path_.controls.push_back(static_cast<int>(c));
-    path_.poses.push_back(next);
+    push(c, next);
     if (!is_last) {
+      if (options_.may_end && best_.poses.empty()) {
+        offer_stop(c, gain_nats);
+      }
       expand(next, gain_nats);
     } else if (gain_nats - end_nats > best_worth_nats_) {
       best_worth_nats_ = gain_nats - end_nats;
       best_ = path_;
       best_.gain_nats = gain_nats;
+      best_.worth_nats = best_worth_nats_;
     }
-    path_.controls.pop_back();
-    path_.poses.pop_back();
-    coverage_.take_back(mark);
+    pop(mark);
   }
 }
 
@@ -96,26 +184,39 @@ double MappingSearch::cover(const MapRoute& route) {
   return gain_nats;
 }
 
-MapRoute MappingSearch::plan(const Pose2& start, std::span<const MapRoute* const> fixed) {
+MapRoute MappingSearch::plan(const Pose2& start, std::span<const MapRoute* const> fixed,
+                             const Deadline& deadline) {
   for (const MapRoute* route : fixed) {
     if (route != nullptr) {
       cover(*route);
     }
   }
   fixed_ = fixed;
+  deadline_ = &deadline;
   path_ = {};
   path_.start = start;
   best_ = {};
+  stop_ = {};
   best_worth_nats_ = -std::numeric_limits<double>::infinity();
+  MapRoute greedy = greedy_route(start);
   expand(start, 0.0);
+  if (path_.is_cut && !greedy.poses.empty() && greedy.worth_nats > best_worth_nats_) {
+    best_ = std::move(greedy);
+  }
   if (best_.poses.empty()) {
-    best_.poses.assign(static_cast<std::size_t>(options_.horizon_steps), start);
+    best_ = std::move(stop_);
+    const Pose2 end = best_.poses.empty() ? start : best_.poses.back();
+    best_.poses.resize(static_cast<std::size_t>(options_.horizon_steps), end);
     best_.gain_nats = cover(best_);
+    best_.worth_nats = best_.gain_nats - end_cost_nats(end);
   }
   best_.start = start;
   best_.nodes = path_.nodes;
+  best_.tried = path_.tried;
+  best_.is_cut = path_.is_cut;
   coverage_.take_back(0);
   fixed_ = {};
+  deadline_ = nullptr;
   return best_;
 }
 

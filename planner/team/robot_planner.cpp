@@ -74,7 +74,9 @@ RobotPlanner::RobotPlanner(const models::Scenario& scenario, const std::string& 
   spec_ = scenario_.find_robot(robot);
   require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
   robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
-  if (chooses_candidates(scenario_.planner, *spec_)) {
+  if (scenario_.planner.objective == models::PlanObjective::kMapping) {
+    mapping_.emplace(scenario_);
+  } else if (chooses_candidates(scenario_.planner, *spec_)) {
     exchange_ = std::make_unique<TeamExchange>(scenario_, robot_index_, capacity_for(scenario_));
   } else if (scenario_.planner.algorithm == models::PlanAlgorithm::kBeam) {
     beam_.emplace(capacity_for(scenario_));
@@ -241,7 +243,7 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
   problem_.separation_m = planner.separation_m + 2.0 * planner.tracking_tolerance_m;
   problem_.brake_mps2 = spec_->limits.brake_mps2;
   problem_.targets.clear();
-  if (inputs.belief) {
+  if (inputs.belief && !mapping_) {
     add_targets(*inputs.belief, inputs.slot.activation);
     add_landmarks(*inputs.belief, inputs.slot.activation);
   }
@@ -254,9 +256,16 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
     problem_.teammates.push_back(hover);
   }
   problem_.fixed_information = fixed_information(problem_, teammates);
+  if (mapping_) {
+    mapping_->set_up(problem_, inputs.map, teammates);
+  }
 }
 
 const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadline& deadline) {
+  if (mapping_) {
+    baseline_ = mapping_->search(problem_, deadline);
+    return baseline_;
+  }
   const models::PlannerSpec& planner = scenario_.planner;
   ReducedOptions options;
   options.epsilon = planner.epsilon_initial;
@@ -424,7 +433,8 @@ std::optional<models::PlanProposal> RobotPlanner::propose(const PlanInputs& inpu
   const SearchResult& result = search(inputs, deadline);
   proposal.plan.nodes = result.replay_budget_nodes();
   if (take(result, proposal.plan)) {
-    proposal.value_nats = std::max(0.0, cost_without_looks(problem_) - result.cost);
+    proposal.value_nats = mapping_ ? mapping_->gain_nats()
+                                   : std::max(0.0, cost_without_looks(problem_) - result.cost);
   } else {
     fall_back(*committed, proposal.plan);
   }

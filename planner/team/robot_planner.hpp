@@ -10,6 +10,7 @@
 #include "core/deadline.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/scenario/scenario.hpp"
+#include "planner/mapping/map_planner.hpp"
 #include "planner/search/arvi.hpp"
 #include "planner/search/beam.hpp"
 #include "planner/team/fixed_information.hpp"
@@ -22,6 +23,7 @@ namespace vantage::planner {
 struct PlanInputs {
   RoundSchedule::Slot slot;
   std::optional<models::RobotBelief> belief;                   ///< own
+  std::optional<models::RobotMap> map;                         ///< own, of a scenario that maps
   std::optional<models::MocapFrame> mocap;                     ///< where everybody is
   std::optional<models::RobotPlan> own_plan;                   ///< last one published
   std::map<std::string, models::RobotPlan> team_plans;         ///< newest of each teammate
@@ -52,6 +54,9 @@ struct PlannerCounts {
 /// with its last plan, whose end is a hover; from one that says it does not follow plans its own
 /// place is kept free as well. The ladder: the best complete plan; else the last one shifted and
 /// checked again; else braking to a hover.
+///
+/// What the search gains is the scenario's planner.objective: the targets' beliefs or the map. All
+/// else is the same for both.
 ///
 /// In a team that expects attacks (planner.attacks_max = α > 0) each robot first proposes what it
 /// would do alone. The α proposals of greatest value are the bait: those robots do as they
@@ -133,7 +138,8 @@ class RobotPlanner {
   const models::RobotSpec* spec_ = nullptr;  ///< of this robot, in scenario_
   int robot_index_ = 0;
   models::DistanceField field_;
-  /// One of them, by the scenario's algorithm.
+  /// One of them, by the scenario's objective and algorithm.
+  std::optional<MapPlanner> mapping_;
   std::optional<ReducedValueIteration> reduced_;
   std::optional<RefiningBeam> beam_;
   std::unique_ptr<TeamExchange> exchange_;  ///< where plans are chosen from candidates

@@ -116,6 +116,33 @@ inline models::RobotBelief sample(Sampler& s) {
 }
 
 template <>
+inline models::RangeScan sample(Sampler& s) {
+  models::RangeScan scan{s.stamp(),        s.text("Q"), s.viewpoint(), s.coin(), s.real(0.1, 6.28),
+                         s.real(0.5, 9.0), {},          s.inputs()};
+  for (int i = scan.jammed ? 0 : s.small(1, 9); i > 0; --i) {
+    scan.ranges_m.push_back(s.real(-0.1, 9.0));
+  }
+  return scan;
+}
+
+template <>
+inline models::RobotMap sample(Sampler& s) {
+  models::RobotMap map;
+  map.stamp = s.stamp();
+  map.robot = s.text("Q");
+  map.step = s.whole(0, 1000);
+  map.viewpoint = s.viewpoint();
+  map.grid = {{s.real(), s.real()}, s.real(0.1, 1.0), s.small(1, 9), s.small(1, 9)};
+  for (int i = 0; i < map.grid.size(); ++i) {
+    map.own_looks.push_back(static_cast<std::int16_t>(s.small(-32768, 32767)));
+    map.team_looks.push_back(static_cast<std::int16_t>(s.small(-32768, 32767)));
+  }
+  map.entropy_nats = s.real(0, 999);
+  map.inputs = s.inputs();
+  return map;
+}
+
+template <>
 inline models::RobotPlan sample(Sampler& s) {
   models::RobotPlan plan;
   plan.stamp = s.stamp();
@@ -263,6 +290,7 @@ class Flat {
   void add(double x) { list_.push_back(std::to_string(std::bit_cast<std::uint64_t>(x))); }
   void add(std::int64_t x) { list_.push_back(std::to_string(x)); }
   void add(int x) { add(std::int64_t{x}); }
+  void add(std::int16_t x) { add(std::int64_t{x}); }
   void add(bool x) { list_.emplace_back(x ? "yes" : "no"); }
   void add(Time x) { add(to_utime(x)); }
   void add(const std::string& x) { list_.push_back(x); }
@@ -328,6 +356,15 @@ class Flat {
     all(x.robot, x.step, x.viewpoint, x.degree, x.targets);
     add_matrix(x.grid.origin_m);
     all(x.grid.resolution_m, x.grid.columns, x.grid.rows, x.last_seen_utime, x.inputs);
+  }
+  void fields(const models::RangeScan& x) {
+    all(x.robot, x.viewpoint, x.jammed, x.field_of_view_rad, x.range_max_m, x.ranges_m, x.inputs);
+  }
+  void fields(const models::RobotMap& x) {
+    all(x.robot, x.step, x.viewpoint);
+    add_matrix(x.grid.origin_m);
+    all(x.grid.resolution_m, x.grid.columns, x.grid.rows, x.own_looks, x.team_looks, x.entropy_nats,
+        x.inputs);
   }
   void fields(const models::RobotPlan& x) {
     all(x.robot, x.round, static_cast<int>(x.source), x.trajectory.start_time, x.trajectory.start,

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,10 +24,15 @@ struct Bench {
   std::unique_ptr<bus::Transport> mocap_side = hub.connect();
   bus::Bus sensor_bus{*sensor_side, 11};
   bus::Bus bus{*mocap_side, 22};
-  SensorNode node{sensor_bus, clock, test::lab_scenario(), "Q1"};
+  SensorNode node;
   std::vector<models::DetectionSet> measured;
+  std::vector<models::RangeScan> scanned;
 
-  Bench() {
+  explicit Bench(const models::Scenario& scenario = test::lab_scenario())
+      : node(sensor_bus, clock, scenario, "Q1") {
+    bus.subscribe<models::RangeScan>(
+        bus::scan_channel("Q1"),
+        [this](const models::RangeScan& scan) { scanned.push_back(scan); });
     bus.subscribe<models::DetectionSet>(
         bus::measurement_channel("Q1"),
         [this](const models::DetectionSet& set) { measured.push_back(set); });
@@ -136,6 +142,47 @@ TEST(SensorNode, MeasuresNothingWhileItIsJammed) {
   ASSERT_EQ(bench.measured[1].inputs.size(), 2u);
   EXPECT_EQ(bench.measured[1].inputs[1].channel, "ATTACK");
   EXPECT_FALSE(bench.measured[2].jammed);
+}
+
+models::Scenario mapping_scenario() {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.planner.objective = models::PlanObjective::kMapping;
+  scenario.mapping.scanner = {4, 2.0 * kPi, 0.0, 2.5, 0.001};
+  return scenario;
+}
+
+TEST(SensorNode, ScansTheWorldAroundTheRobotWhereTheTeamMapsUnlessItIsJammed) {
+  Bench bench(mapping_scenario());
+  bench.send_frame(Duration{0});
+  bench.send_attack({"Q1"});
+  bench.send_frame(Duration{500'000});
+  ASSERT_EQ(bench.scanned.size(), 2u);
+  const models::RangeScan& scan = bench.scanned[0];
+  EXPECT_EQ(scan.stamp.time, kStart);
+  EXPECT_EQ(scan.robot, "Q1");
+  EXPECT_EQ(scan.viewpoint.world_from_body.x_m, 1.0);
+  EXPECT_FALSE(scan.jammed);
+  ASSERT_EQ(scan.ranges_m.size(), 4u);  // 4 × 8 m, seen from (1, 4); a wall 1 m behind
+  EXPECT_EQ(scan.range_max_m, 2.5);
+  const models::BeamSensor scanner = mapping_scenario().mapping.scanner;
+  for (int beam = 0; beam < 4; ++beam) {
+    const bool is_behind = std::abs(std::abs(scanner.bearing_rad(beam)) - kPi) < 1e-9;
+    const bool is_right = std::abs(scanner.bearing_rad(beam) + kPi / 2) < 1e-9;
+    const double wanted_m = is_behind ? 1.0 : is_right ? 1.0 : 2.5;  // a box from y = 2.5 to 3
+    EXPECT_NEAR(scan.ranges_m[static_cast<std::size_t>(beam)], wanted_m, 0.01) << beam;
+  }
+  ASSERT_EQ(scan.inputs.size(), 1u);
+  EXPECT_TRUE(bench.scanned[1].jammed);
+  EXPECT_TRUE(bench.scanned[1].ranges_m.empty());
+  ASSERT_EQ(bench.scanned[1].inputs.size(), 2u);
+  EXPECT_EQ(bench.scanned[1].inputs[1].channel, "ATTACK");
+
+  Bench again(mapping_scenario());
+  again.send_frame(Duration{0});
+  EXPECT_EQ(again.scanned.at(0).ranges_m, scan.ranges_m) << "noise of the instant alone";
+  Bench tracker;
+  tracker.send_frame(Duration{0});
+  EXPECT_TRUE(tracker.scanned.empty());
 }
 
 TEST(SensorNode, RefusesAStrangerAndAStepThatIsNone) {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "models/mapping/beam_scan.hpp"
 #include "models/mapping/ray_walk.hpp"
-#include "sim/sensor/beam_scan.hpp"
 #include "test/support/random.hpp"
 
 namespace vantage::estimator {
@@ -59,7 +59,7 @@ TEST(OccupancyFusion, LetsAHitWinOverTheMissesOfTheSameScan) {
   OccupancyBelief belief(GridGeometry::covering(world.bounds, 0.2), 20.0);
   test::Random random(4801);
   const Pose2 at{2.03, 1.51, 0.3};
-  const std::vector<double> ranges_m = sim::beam_scan(world, kScanner, at, random.engine());
+  const std::vector<double> ranges_m = models::beam_scan(world, kScanner, at, random.engine());
   OccupancyFusion(kScanner, {}).fuse(at, ranges_m, belief);
   // The wall's row of cells is grazed by beams that end farther along it.
   int hits = 0;
@@ -83,7 +83,7 @@ TEST(OccupancyFusion, DrawsTheTrueMapFromManyPlaces) {
   for (int i = 0; i < 150; ++i) {
     const Pose2 at{random.uniform(0.1, 5.9), random.uniform(0.1, 5.9), random.uniform(-kPi, kPi)};
     if (models::clearance_m(world, at.position_m()) > 0.2) {
-      fusion.fuse(at, sim::beam_scan(world, kScanner, at, random.engine()), belief);
+      fusion.fuse(at, models::beam_scan(world, kScanner, at, random.engine()), belief);
     }
   }
   EXPECT_LT(belief.entropy_nats(), 0.35 * entropy_nats);
@@ -105,7 +105,7 @@ TEST(OccupancyFusion, DoesNotDependOnTheOrderOfScansBelowTheClamp) {
   std::vector<std::vector<double>> scans;
   for (int i = 0; i < 12; ++i) {
     poses.push_back({random.uniform(2.3, 3.8), random.uniform(0.2, 3.8), random.uniform(-3, 3)});
-    scans.push_back(sim::beam_scan(world, kScanner, poses.back(), random.engine()));
+    scans.push_back(models::beam_scan(world, kScanner, poses.back(), random.engine()));
   }
   OccupancyBelief forward(GridGeometry::covering(world.bounds, 0.2), 1e3);
   OccupancyBelief backward = forward;

@@ -252,6 +252,18 @@ TEST(VisibilityGrid, IsLittleEndianFloatsOfAge) {
   EXPECT_EQ(made["pose"]["position"]["y"], -2.0);
 }
 
+TEST(OccupancyGrid, SaysWhatTheTeamsLooksMake) {
+  models::RobotMap map;
+  map.grid = {{-1.0, -2.0}, 0.5, 3, 1};
+  map.own_looks = {0, 0, 0};
+  map.team_looks = {0, 9, -9};
+  const Json made = occupancy_grid(map, {});
+  // 0.5f, 1.0f and 0.0f
+  EXPECT_EQ(made["data"],
+            base64(std::vector<std::uint8_t>{0, 0, 0, 0x3F, 0, 0, 0x80, 0x3F, 0, 0, 0, 0}));
+  EXPECT_EQ(made["fields"][0]["name"], "occupancy");
+}
+
 TEST(PlanJson, LeavesOutWhatIsNotFinite) {
   models::RobotPlan plan;
   plan.cost = std::nan("");

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -76,6 +77,50 @@ TEST_F(ReplayLog, MakesEveryPlanAndBeliefOfATrialAgainToTheBit) {
     EXPECT_TRUE(beliefs.outputs.is_exact()) << robot;
     EXPECT_GE(beliefs.outputs.replayed(), 15) << robot;
     EXPECT_EQ(beliefs.not_replayed(), 0) << robot;
+  }
+}
+
+TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
+  Overrides overrides;
+  overrides.duration_s = 12.0;
+  overrides.node_budget = 300;
+  const models::Scenario scenario =
+      load_scenario_with(VANTAGE_SOURCE_DIR "/config/mapping.yaml", overrides);
+  TrialOptions options;
+  options.log_path = folder_->file("mapping.lcmlog");
+  const logs::TrialSummary summary = run_trial(scenario, trial_recipes(scenario), options).summary;
+  EXPECT_EQ(summary.plans_missing, 0);
+  EXPECT_EQ(summary.collisions, 0);
+  EXPECT_EQ(summary.separation_violations, 0);
+  ASSERT_TRUE(summary.map_entropy_nats);
+  int jammed_scans = 0;
+  std::map<std::string, std::vector<double>> entropies_nats;
+  const logs::IndexedLog log(options.log_path);
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    if (event->channel == "SCAN_Q1") {
+      jammed_scans += bus::decode_wire<vantage_lcm::scan_t>(event->data)->jammed;
+    }
+    if (event->channel.starts_with("MAP_")) {
+      entropies_nats[std::string(event->channel)].push_back(
+          bus::decode_wire<vantage_lcm::map_t>(event->data)->entropy_nat);
+    }
+  }
+  EXPECT_GE(jammed_scans, 6) << "from 8 s on";
+  ASSERT_EQ(entropies_nats.size(), 3U);
+  for (const auto& [channel, of_robot] : entropies_nats) {
+    EXPECT_GE(of_robot.size(), 22U);
+    EXPECT_LT(of_robot.back(), 0.8 * of_robot.front()) << channel;
+  }
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport plans = replay(options.log_path, std::string("planner:") + robot);
+    EXPECT_TRUE(plans.outputs.is_exact()) << robot;
+    EXPECT_GE(plans.outputs.replayed(), 11) << robot;
+    EXPECT_EQ(plans.not_replayed(), 0) << robot;
+    const ReplayReport knowledge = replay(options.log_path, std::string("estimator:") + robot);
+    EXPECT_TRUE(knowledge.outputs.is_exact()) << robot;
+    EXPECT_GE(knowledge.outputs.replayed(), 2 * 22) << robot << ": beliefs and maps";
+    EXPECT_EQ(knowledge.not_replayed(), 0) << robot;
   }
 }
 

@@ -6,9 +6,9 @@
 
 #include "core/check.hpp"
 #include "estimator/occupancy.hpp"
+#include "models/mapping/beam_scan.hpp"
 #include "planner/search/motion_table.hpp"
 #include "sim/random.hpp"
-#include "sim/sensor/beam_scan.hpp"
 
 namespace vantage::experiment {
 namespace {
@@ -130,7 +130,7 @@ class MappingTrial {
   void look(const std::vector<int>& attacked, MappingOutcome& outcome) {
     for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
       const std::vector<double> ranges_m =
-          sim::beam_scan(setup_.world, setup_.scanner, poses_[robot], noise_);
+          models::beam_scan(setup_.world, setup_.scanner, poses_[robot], noise_);
       if (!std::binary_search(attacked.begin(), attacked.end(), static_cast<int>(robot))) {
         fusion_.fuse(poses_[robot], ranges_m, map_);
       }

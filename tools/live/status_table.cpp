@@ -63,14 +63,16 @@ std::vector<std::string> status_table(const models::Scenario& scenario,
 }
 
 std::string status_line(const logs::TrialMetrics& metrics, double elapsed_s) {
+  const std::optional<double> map_nats = metrics.map_entropy_nats();
   int found = 0;
   for (const logs::TargetStatus& target : metrics.targets()) {
     found += target.discovered_s ? 1 : 0;
   }
   return fmt::format(
-      "{:6.1f} s   found {}/{}   rounds {}   late {}   collisions {}   messages lost {}", elapsed_s,
-      found, metrics.targets().size(), metrics.rounds(), metrics.rounds_late(),
-      metrics.collisions(), metrics.messages_lost());
+      "{:6.1f} s   found {}/{}   rounds {}   late {}   collisions {}   messages lost {}{}",
+      elapsed_s, found, metrics.targets().size(), metrics.rounds(), metrics.rounds_late(),
+      metrics.collisions(), metrics.messages_lost(),
+      map_nats ? fmt::format("   map {:.0f} nat", *map_nats) : "");
 }
 
 std::vector<std::string> summary_table(const models::Scenario& scenario,
@@ -96,6 +98,9 @@ std::vector<std::string> summary_table(const models::Scenario& scenario,
       summary.rounds, summary.rounds_late, summary.fallbacks, summary.plans_missing,
       summary.collisions, summary.separation_violations, cell(summary.min_separation_m, 2, "m"),
       summary.messages_lost));
+  if (summary.map_entropy_nats) {
+    out.push_back(fmt::format("map entropy at the end {:.0f} nat", *summary.map_entropy_nats));
+  }
   return out;
 }
 

@@ -17,6 +17,10 @@ TrialObserver::TrialObserver(bus::Bus& bus, const models::Scenario& scenario, Ti
     metrics_.on_plan(plan);
     recorder_.on_plan(plan);
   });
+  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+    bus.subscribe<models::RobotMap>(bus::map_channel("*"),
+                                    [this](const models::RobotMap& map) { metrics_.on_map(map); });
+  }
   bus.subscribe<models::ContactReport>(
       bus::kCollision,
       [this](const models::ContactReport& contact) { metrics_.on_contact(contact); });

@@ -42,6 +42,7 @@ ReplayReport replay_log(const logs::IndexedLog& log, const models::Scenario& sce
     outputs.push_back(bus::team_proposal_channel(target.robot).name);
   } else {
     outputs.push_back(bus::belief_channel(target.robot).name);
+    outputs.push_back(bus::map_channel(target.robot).name);
   }
   ReplayReport report;
   bus::VirtualClock clock(log.survey().first);

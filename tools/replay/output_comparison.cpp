@@ -11,23 +11,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t kFingerprintBytes = 8;
 /// After the fingerprint and utime: run id and sequence.
 constexpr std::size_t kOriginBegin = 16;
 constexpr std::size_t kOriginEnd = 32;
-
-/// Round or step, and the fingerprint of the solution that a proposal is of.
-std::optional<std::pair<std::int64_t, std::int64_t>> index_of(const Json& message) {
-  std::int64_t solution = 0;
-  if (const auto history = message.find("history"); history != message.end() && !history->empty()) {
-    solution = history->back().get<std::int64_t>();
-  }
-  for (const char* name : {"round", "step"}) {
-    if (const auto found = message.find(name); found != message.end()) {
-      return std::pair(found->get<std::int64_t>(), solution);
-    }
-  }
-  return std::nullopt;
-}
 
 /// Calls `visit` with each innermost value that the two do not share.
 void for_each_difference(const Json& a, const Json& b, const std::string& path, const auto& visit) {
@@ -73,26 +60,44 @@ OutputDifference difference_of(std::int64_t index, const Json& logged, const Jso
 
 }  // namespace
 
-void OutputComparison::add_logged(std::span<const std::uint8_t> message) {
+std::optional<OutputComparison::Key> OutputComparison::key_of(
+    std::span<const std::uint8_t> message) {
   const auto json = logs::message_json(message);
-  const auto index = json ? index_of(*json) : std::nullopt;
-  if (!index) {
+  for (const char* name : {"round", "step"}) {
+    if (!json || !json->contains(name)) {
+      continue;
+    }
+    Key key;
+    for (std::size_t i = 0; i < kFingerprintBytes; ++i) {
+      key.type = key.type << 8U | message[i];
+    }
+    key.index = json->at(name).get<std::int64_t>();
+    if (const auto history = json->find("history"); history != json->end() && !history->empty()) {
+      key.solution = history->back().get<std::int64_t>();
+    }
+    return key;
+  }
+  return std::nullopt;
+}
+
+void OutputComparison::add_logged(std::span<const std::uint8_t> message) {
+  const auto key = key_of(message);
+  if (!key) {
     ++unreadable_;
     return;
   }
   ++logged_count_;
-  logged_[*index] = Bytes(message.begin(), message.end());
+  logged_[*key] = Bytes(message.begin(), message.end());
 }
 
 void OutputComparison::add_replayed(std::span<const std::uint8_t> message) {
-  const auto json = logs::message_json(message);
-  const auto index = json ? index_of(*json) : std::nullopt;
-  if (!index) {
+  const auto key = key_of(message);
+  if (!key) {
     ++unreadable_;
     return;
   }
   ++replayed_;
-  const auto found = logged_.find(*index);
+  const auto found = logged_.find(*key);
   if (found == logged_.end()) {
     ++unexpected_;
     return;
@@ -107,8 +112,8 @@ void OutputComparison::add_replayed(std::span<const std::uint8_t> message) {
     return;
   }
   ++different_;
-  if (!first_ || index->first < first_->index) {
-    first_ = difference_of(index->first, *logs::message_json(logged), *json);
+  if (!first_ || key->index < first_->index) {
+    first_ = difference_of(key->index, *logs::message_json(logged), *logs::message_json(message));
   }
 }
 

@@ -25,8 +25,8 @@ struct OutputDifference {
 };
 
 /// Compares what a node said in a flight with what it says of the same inputs: plans by round,
-/// beliefs by step, proposals of a local search by round and solution, every byte of the message
-/// except who published it when (run id and sequence).
+/// beliefs and maps by step, proposals of a local search by round and solution, every byte of the
+/// message except who published it when (run id and sequence).
 class OutputComparison {
  public:
   /// Messages as they travel. Others than these are counted as unreadable.
@@ -47,8 +47,14 @@ class OutputComparison {
 
  private:
   using Bytes = std::vector<std::uint8_t>;
-  /// Newest of that index and solution (a node may be started anew); 0: of no solution.
-  std::map<std::pair<std::int64_t, std::int64_t>, Bytes> logged_;
+  struct Key {
+    std::uint64_t type = 0;  ///< fingerprint
+    std::int64_t index = 0;
+    std::int64_t solution = 0;  ///< fingerprint of the one that a proposal is of, else 0
+    friend auto operator<=>(const Key&, const Key&) = default;
+  };
+  static std::optional<Key> key_of(std::span<const std::uint8_t> message);
+  std::map<Key, Bytes> logged_;  ///< newest of that key (a node may be started anew)
   std::int64_t logged_count_ = 0;
   std::int64_t replayed_ = 0;
   std::int64_t different_ = 0;

@@ -1,5 +1,5 @@
 // vantage-sensor: measurements of one robot, made from mocap poses. VICON and ATTACK in,
-// MEASUREMENT_R out; one process per robot.
+// MEASUREMENT_R (and SCAN_R where the team maps) out; one process per robot.
 
 #include <memory>
 

@@ -28,6 +28,9 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const models::Sce
       step_(from_seconds(scenario.planner.step_s)),
       next_tick_(clock.now() + kIdle) {
   require(step_ > Duration{0}, "planner: step_s must be positive");
+  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+    scanner_.emplace(scenario, robot);
+  }
   bus_.subscribe<models::MocapFrame>(bus::kVicon,
                                      [this](const models::MocapFrame& frame) { on_frame(frame); });
   bus_.subscribe<models::AttackNotice>(
@@ -74,6 +77,11 @@ void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::In
   }
   if (jammed) {
     inputs.push_back(ref_to(bus::kAttack.name, attack_->stamp));
+  }
+  if (scanner_) {
+    models::RangeScan scan = scanner_->scan(seen->stamp.time, seen->viewpoint, jammed);
+    scan.inputs = inputs;
+    bus_.publish(bus::scan_channel(robot_), std::move(scan));
   }
   seen->inputs = std::move(inputs);
   bus_.publish(bus::measurement_channel(robot_), std::move(*seen));

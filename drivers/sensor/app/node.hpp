@@ -10,12 +10,14 @@
 #include "bus/node.hpp"
 #include "core/time.hpp"
 #include "drivers/sensor/pose_sensor.hpp"
+#include "drivers/sensor/range_scanner.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
-/// vantage-sensor of one robot on the bus: VICON and ATTACK in, MEASUREMENT_R out.
+/// vantage-sensor of one robot on the bus: VICON and ATTACK in, MEASUREMENT_R out and, in a
+/// scenario that maps, SCAN_R.
 ///
 /// A measurement is of the instants kτ, k whole, τ = planner.step_s, counted from the epoch: as
 /// soon as the first frame captured at or after kτ is there, the bodies are put between it and the
@@ -39,6 +41,7 @@ class SensorNode : public bus::Node {
   bus::Bus& bus_;
   std::string robot_;
   PoseSensor sensor_;
+  std::optional<RangeScanner> scanner_;  ///< of a scenario that maps
   Duration step_;
   Time next_tick_;
   std::optional<models::MocapFrame> last_;

@@ -11,7 +11,7 @@ const by_id = (id) => document.getElementById(id);
 
 /** Switchable parts of the picture: topics by pattern, a key, shown at first or not. */
 const kLayers = [
-  { name: "map", topic: /^\/grid$/, key: "g", shown: true },
+  { name: "map", topic: /^\/(grid|map)$/, key: "g", shown: true },
   { name: "views", topic: /^\/views$/, key: "f", shown: true },
   { name: "plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
   { name: "tracks", topic: /^\/tracks$/, key: "t", shown: true },
@@ -103,7 +103,7 @@ const takers = [
   [/^\/vehicle\//, (record) => vehicles.on_state(record)],
   [/^\/health\//, (record) => processes.on_health(record)],
   [/^\/plan\/[^/]+\/status$/, (record) => vehicles.on_plan(record)],
-  [/^\/grid$/, (record, topic) => world.update_grid(topic, record)],
+  [/^\/(grid|map)$/, (record, topic) => world.update_grid(topic, record)],
   [/./, (record, topic) => record.entities && world.update(topic, record)],
 ];
 

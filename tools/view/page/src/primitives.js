@@ -233,17 +233,24 @@ export function dispose(group) {
 
 const kFade_s = 30;
 
-/** When each cell was last seen, as a coloured floor: fresh is strong, never is nothing. */
+/** Colour and opacity of a cell, by the field that a grid has. */
+const kCellColours = {
+  age_s: (age_s) => [30, 150, 160, age_s < 0 ? 0 : Math.round(105 * Math.max(0.08, 1 - age_s / kFade_s))],
+  occupancy: (p) => (p < 0.5 ? [240, 240, 230, Math.round(200 * (1 - 2 * p))] : [40, 30, 60, Math.round(230 * (2 * p - 1))]),
+};
+
+/** A grid as a coloured floor: when each cell was last seen (fresh is strong, never is nothing), or
+ * what stands there (free is light, occupied dark, unknown nothing). */
 export function make_grid(grid) {
+  const colour = kCellColours[grid.fields[0].name];
   const bytes = Uint8Array.from(atob(grid.data), (c) => c.charCodeAt(0));
   const view = new DataView(bytes.buffer);
   const rows = Math.floor(bytes.length / grid.row_stride);
   const pixels = new Uint8Array(4 * rows * grid.column_count);
   for (let row = 0; row < rows; ++row) {
     for (let column = 0; column < grid.column_count; ++column) {
-      const age_s = view.getFloat32(row * grid.row_stride + column * grid.cell_stride, true);
-      const freshness = age_s < 0 ? 0 : Math.max(0.08, 1 - age_s / kFade_s);
-      pixels.set([30, 150, 160, Math.round(105 * freshness)], 4 * (row * grid.column_count + column));
+      const value = view.getFloat32(row * grid.row_stride + column * grid.cell_stride, true);
+      pixels.set(colour(value), 4 * (row * grid.column_count + column));
     }
   }
   const texture = new THREE.DataTexture(pixels, grid.column_count, rows);

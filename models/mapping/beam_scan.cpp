@@ -1,11 +1,11 @@
-#include "sim/sensor/beam_scan.hpp"
+#include "models/mapping/beam_scan.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-namespace vantage::sim {
+namespace vantage::models {
 namespace {
 
 // Where along the ray it is inside the rectangle: empty when begin > end.
@@ -14,7 +14,7 @@ struct Stretch {
   double end_m = std::numeric_limits<double>::infinity();
 };
 
-Stretch inside(const models::Rectangle& box, const Eigen::Vector2d& from_m,
+Stretch inside(const Rectangle& box, const Eigen::Vector2d& from_m,
                const Eigen::Vector2d& direction) {
   Stretch stretch;
   for (int axis = 0; axis < 2; ++axis) {
@@ -37,14 +37,13 @@ Stretch inside(const models::Rectangle& box, const Eigen::Vector2d& from_m,
 
 }  // namespace
 
-double ray_distance_m(const models::World& world, const Eigen::Vector2d& from_m,
-                      double bearing_rad) {
+double ray_distance_m(const World& world, const Eigen::Vector2d& from_m, double bearing_rad) {
   const Eigen::Vector2d direction(std::cos(bearing_rad), std::sin(bearing_rad));
   if (!world.bounds.contains(from_m)) {
     return 0.0;
   }
   double distance_m = inside(world.bounds, from_m, direction).end_m;
-  for (const models::Obstacle& obstacle : world.obstacles) {
+  for (const Obstacle& obstacle : world.obstacles) {
     const Stretch stretch = inside(obstacle.footprint, from_m, direction);
     if (stretch.begin_m <= stretch.end_m && stretch.end_m >= 0.0) {
       distance_m = std::min(distance_m, std::max(0.0, stretch.begin_m));
@@ -53,7 +52,7 @@ double ray_distance_m(const models::World& world, const Eigen::Vector2d& from_m,
   return std::max(0.0, distance_m);
 }
 
-std::vector<double> beam_scan(const models::World& world, const models::BeamSensor& sensor,
+std::vector<double> beam_scan(const World& world, const BeamSensor& sensor,
                               const Pose2& world_from_body, std::mt19937_64& random) {
   std::normal_distribution<double> noise_m(0.0, sensor.sigma_m);
   std::vector<double> ranges_m;
@@ -66,4 +65,4 @@ std::vector<double> beam_scan(const models::World& world, const models::BeamSens
   return ranges_m;
 }
 
-}  // namespace vantage::sim
+}  // namespace vantage::models

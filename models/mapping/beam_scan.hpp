@@ -7,17 +7,16 @@
 #include "models/mapping/beam.hpp"
 #include "models/world/world.hpp"
 
-namespace vantage::sim {
+namespace vantage::models {
 
 /// Distance from `from_m` along `bearing_rad` to the first obstacle or wall of the bounds, exactly;
 /// 0 inside an obstacle or outside the bounds. Closed form, O(obstacles). It knows no grid, so a
 /// map that is made from it is not made by its own assumptions.
-double ray_distance_m(const models::World& world, const Eigen::Vector2d& from_m,
-                      double bearing_rad);
+double ray_distance_m(const World& world, const Eigen::Vector2d& from_m, double bearing_rad);
 
 /// One reading of every beam from `world_from_body`: N(mean_range_m(distance), σ²).
 /// Source: dissertation 4.13.
-std::vector<double> beam_scan(const models::World& world, const models::BeamSensor& sensor,
+std::vector<double> beam_scan(const World& world, const BeamSensor& sensor,
                               const Pose2& world_from_body, std::mt19937_64& random);
 
-}  // namespace vantage::sim
+}  // namespace vantage::models

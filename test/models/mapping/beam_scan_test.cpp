@@ -1,4 +1,4 @@
-#include "sim/sensor/beam_scan.hpp"
+#include "models/mapping/beam_scan.hpp"
 
 #include <cmath>
 
@@ -6,7 +6,7 @@
 
 #include "test/support/random.hpp"
 
-namespace vantage::sim {
+namespace vantage::models {
 namespace {
 
 const models::World kWorld{{{0.0, 0.0}, {8.0, 6.0}},
@@ -63,4 +63,4 @@ TEST(BeamScan, ReadsDistancesWithinTheSensorsRangeAndItsEndsOtherwise) {
 }
 
 }  // namespace
-}  // namespace vantage::sim
+}  // namespace vantage::models

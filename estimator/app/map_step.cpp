@@ -1,0 +1,189 @@
+#include "estimator/app/map_step.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+
+#include "bus/channels.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+constexpr std::size_t kScansWaiting = 64;
+constexpr std::size_t kMapsKeptPerRobot = 16;
+constexpr std::size_t kStepsWaiting = 3;
+constexpr int kTicksWaiting = 20;
+
+template <class Content>
+const Content* content_of(const std::optional<Heard<Content>>& heard) {
+  return heard ? heard->content.get() : nullptr;
+}
+
+}  // namespace
+
+MapPublisher::MapPublisher(bus::Bus& bus, const models::Scenario& scenario,
+                           const std::string& robot)
+    : bus_(bus), robot_(robot), map_(scenario, robot) {
+  bus_.subscribe<models::RangeScan>(bus::scan_channel(robot), [this](const auto& scan) {
+    if (scan.robot != robot_) {
+      ++misaddressed_;
+      return;
+    }
+    if (scans_.size() == kScansWaiting) {
+      scans_.pop_front();
+      ++scans_overflowed_;
+    }
+    scans_.push_back({name_of(bus::scan_channel(robot_).name, scan.stamp),
+                      std::make_shared<const models::RangeScan>(scan)});
+  });
+  for (const models::RobotSpec& teammate : scenario.robots) {
+    if (teammate.name != robot) {
+      bus_.subscribe<models::RobotMap>(
+          bus::map_channel(teammate.name), [this, sender = teammate.name](const auto& map) {
+            if (map.robot != sender) {
+              ++misaddressed_;
+              return;
+            }
+            newest_[sender] = {name_of(bus::map_channel(sender).name, map.stamp),
+                               std::make_shared<const models::RobotMap>(map)};
+          });
+    }
+  }
+}
+
+void MapPublisher::step(const models::RobotBelief& belief, const models::InputRef& name) {
+  for (const auto& [teammate, heard] : newest_) {
+    if (map_.hears(belief, *heard.content)) {
+      taken_[{teammate, heard.ref.run_id}] = heard;
+    }
+  }
+  std::vector<models::InputRef> names{name};
+  MapInput input;
+  input.belief = &belief;
+  input.before = content_of(own_);
+  if (own_) {
+    names.push_back(own_->ref);
+  }
+  const auto later = std::stable_partition(scans_.begin(), scans_.end(), [&](const auto& scan) {
+    return scan.content->stamp.time <= belief.stamp.time;
+  });
+  std::vector<const models::RangeScan*> scans;
+  for (auto scan = scans_.begin(); scan != later; ++scan) {
+    scans.push_back(scan->content.get());
+    names.push_back(scan->ref);
+  }
+  std::vector<const models::RobotMap*> teammates;
+  for (const auto& [run, heard] : taken_) {
+    teammates.push_back(heard.content.get());
+    names.push_back(heard.ref);
+  }
+  input.scans = scans;
+  input.teammates = teammates;
+  models::RobotMap made = map_.step(input);
+  made.inputs = std::move(names);
+  scans_.erase(scans_.begin(), later);
+  const models::InputRef published = bus_.publish(bus::map_channel(robot_), made);
+  own_ = {published, std::make_shared<const models::RobotMap>(std::move(made))};
+}
+
+std::vector<models::NamedCount> MapPublisher::counters() const {
+  std::vector<models::NamedCount> all = map_.counters().named();
+  for (const models::NamedCount& own :
+       {models::NamedCount{"map.misaddressed", misaddressed_},
+        models::NamedCount{"map.scans_overflowed", scans_overflowed_}}) {
+    if (own.count != 0) {
+      all.push_back(own);
+    }
+  }
+  return all;
+}
+
+MapReplayer::MapReplayer(bus::Bus& bus, const models::Scenario& scenario, const std::string& robot)
+    : bus_(bus),
+      robot_(robot),
+      map_(scenario, robot),
+      maps_(kMapsKeptPerRobot * std::max<std::size_t>(1, scenario.robots.size())) {
+  bus_.subscribe_named<models::RangeScan>(bus::scan_channel(robot),
+                                          [this](const std::string& channel, const auto& scan) {
+                                            scans_.add(channel, scan);
+                                            work();
+                                          });
+  bus_.subscribe_named<models::RobotBelief>(bus::belief_channel(robot),
+                                            [this](const std::string& channel, const auto& belief) {
+                                              beliefs_.add(channel, belief);
+                                              work();
+                                            });
+  for (const models::RobotSpec& each : scenario.robots) {
+    bus_.subscribe_named<models::RobotMap>(
+        bus::map_channel(each.name),
+        [this, is_own = each.name == robot](const std::string& channel, const auto& map) {
+          maps_.add(channel, map);
+          if (is_own) {
+            logged_.push_back(map);
+          }
+          work();
+        });
+  }
+}
+
+bool MapReplayer::redo(const models::RobotMap& logged) {
+  MapInput input;
+  std::vector<const models::RangeScan*> scans;
+  std::vector<const models::RobotMap*> teammates;
+  std::vector<std::pair<models::InputRef, models::RobotMap>> standing;
+  for (const models::InputRef& name : logged.inputs) {
+    const auto stood = std::find_if(standing_.begin(), standing_.end(),
+                                    [&](const auto& each) { return each.first == name; });
+    const models::RobotMap* map = stood != standing_.end() ? &stood->second : maps_.find(name);
+    if (const auto* scan = scans_.find(name)) {
+      scans.push_back(scan);
+    } else if (const auto* belief = beliefs_.find(name)) {
+      input.belief = belief;
+    } else if (map != nullptr && map->robot == robot_) {
+      input.before = map;
+    } else if (map != nullptr) {
+      teammates.push_back(map);
+      standing.emplace_back(name, *map);
+    } else {
+      return false;
+    }
+  }
+  if (input.belief == nullptr) {
+    return false;
+  }
+  input.scans = scans;
+  input.teammates = teammates;
+  models::RobotMap made = map_.step(input);
+  made.inputs = logged.inputs;
+  bus_.publish(bus::map_channel(robot_), made);
+  standing_ = std::move(standing);
+  return true;
+}
+
+void MapReplayer::work() {
+  while (!logged_.empty()) {
+    if (!redo(logged_.front())) {
+      if (logged_.size() <= kStepsWaiting && ticks_waited_ < kTicksWaiting) {
+        return;  // an input may still be on its way
+      }
+      ++incomplete_;
+    }
+    ticks_waited_ = 0;
+    logged_.pop_front();
+  }
+}
+
+void MapReplayer::tick() {
+  ticks_waited_ = logged_.empty() ? 0 : ticks_waited_ + 1;
+  work();
+}
+
+std::vector<models::NamedCount> MapReplayer::counters() const {
+  std::vector<models::NamedCount> all = map_.counters().named();
+  if (incomplete_ != 0) {
+    all.push_back({"map.replay_inputs_missing", incomplete_});
+  }
+  return all;
+}
+
+}  // namespace vantage::estimator

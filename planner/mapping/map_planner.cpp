@@ -1,0 +1,101 @@
+#include "planner/mapping/map_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vantage::planner {
+namespace {
+
+int controls_max(const models::Scenario& scenario) {
+  std::size_t most = 1;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    most = std::max(most, robot.primitives.size());
+  }
+  return static_cast<int>(most);
+}
+
+}  // namespace
+
+MapPlanner::MapPlanner(const models::Scenario& scenario)
+    : spec_(scenario.mapping),
+      geometry_(models::map_geometry(scenario.world, spec_)),
+      planned_(spec_.scanner),
+      motion_(controls_max(scenario), scenario.planner.horizon_steps,
+              2 * static_cast<int>(scenario.robots.size())) {
+  planned_.beams = spec_.planned_beams;
+  models::require_valid(planned_);
+}
+
+void MapPlanner::set_up(const SearchProblem& problem, const std::optional<models::RobotMap>& map,
+                        const std::vector<FixedTeammate>& teammates) {
+  const auto cells = static_cast<std::size_t>(geometry_.size());
+  looks_.assign(cells, 0);
+  if (map && map->grid == geometry_ && map->team_looks.size() == cells) {
+    looks_ = map->team_looks;
+  } else if (map) {
+    ++unusable_maps_;
+  }
+  MapRoute own_start;
+  own_start.poses = {problem.start};
+  fixed_ = {own_start};
+  for (const FixedTeammate& teammate : teammates) {
+    if (teammate.jammed) {
+      continue;
+    }
+    MapRoute route;
+    for (int t = 0; t <= problem.horizon_steps; ++t) {
+      const Time when = problem.start_time + from_seconds(t * problem.step_s);
+      route.poses.push_back(models::at(teammate.trajectory, when).world_from_body);
+    }
+    fixed_.push_back(std::move(route));
+  }
+}
+
+SearchResult MapPlanner::search(const SearchProblem& problem, const Deadline& deadline) {
+  const models::OccupancyBelief belief = models::belief_of(geometry_, looks_, spec_);
+  ViewTable views(belief, planned_, {});
+  DriveOptions drive_options;
+  // Only for ways to the frontier; what may be driven is the problem's.
+  drive_options.radius_m = std::max(problem.clearance_m, 0.5 * spec_.resolution_m);
+  const DriveMap drive(belief, drive_options);
+  motion_.reset(problem);
+
+  MappingSearchOptions options;
+  options.controls = problem.controls;
+  options.horizon_steps = problem.horizon_steps;
+  options.step_s = problem.step_s;
+  options.frontier_nats_per_m = spec_.frontier_nats_per_m;
+  options.may_drive = [&](const Pose2& from, int control, int steps) {
+    return motion_.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), control, steps);
+  };
+  options.may_end = [&](const Pose2& at, int control, int steps) {
+    return control < 0 ? motion_.can_stop_from_start() : motion_.can_stop(at, control, steps);
+  };
+  MappingSearch search(views, drive, options);
+  std::vector<const MapRoute*> fixed;
+  for (const MapRoute& route : fixed_) {
+    fixed.push_back(&route);
+  }
+  const MapRoute route = search.plan(problem.start, fixed, deadline);
+
+  SearchResult result;
+  result.found = !route.controls.empty() || motion_.can_stop_from_start();
+  result.controls = route.controls;
+  result.poses = route.poses;
+  result.moving_steps = static_cast<int>(route.controls.size());
+  result.cost = -route.worth_nats;
+  const bool is_best = !route.is_cut && result.moving_steps == problem.horizon_steps;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  result.lower_bound = is_best ? result.cost : -kInfinity;
+  result.epsilon = is_best ? 0.0 : kInfinity;
+  result.delta_m = is_best ? 0.0 : kInfinity;
+  result.passes = is_best ? 1 : 0;
+  result.nodes_generated = route.nodes;
+  result.work_nodes = route.tried;
+  result.stop_reason = route.is_cut ? StopReason::kDeadline : StopReason::kFinished;
+  gain_nats_ = result.found ? std::max(0.0, route.gain_nats) : 0.0;
+  return result;
+}
+
+}  // namespace vantage::planner

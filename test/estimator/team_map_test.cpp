@@ -1,0 +1,148 @@
+#include "estimator/team_map.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "models/mapping/beam_scan.hpp"
+#include "test/support/random.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+models::Scenario mapping_scenario() {
+  models::Scenario scenario;
+  scenario.world.bounds = {{0.0, 0.0}, {8.0, 6.0}};
+  scenario.world.obstacles = {{{{2.0, 2.0}, {3.0, 4.0}}, 3.0}, {{{5.0, 1.0}, {7.0, 2.0}}, 3.0}};
+  for (const char* name : {"Q1", "Q2", "Q3"}) {
+    models::RobotSpec robot;
+    robot.name = name;
+    scenario.robots.push_back(robot);
+  }
+  scenario.planner.objective = models::PlanObjective::kMapping;
+  scenario.planner.step_s = 0.5;
+  scenario.network.communication_range_m = 3.0;
+  return scenario;
+}
+
+models::RangeScan scan_of(const models::Scenario& scenario, test::Random& random) {
+  Pose2 pose;
+  do {
+    pose = {random.uniform(0.1, 7.9), random.uniform(0.1, 5.9), random.uniform(-kPi, kPi)};
+  } while (models::clearance_m(scenario.world, pose.position_m()) < 0.1);
+  models::RangeScan scan;
+  scan.stamp.time = kStart;
+  scan.viewpoint = {pose, 1.0};
+  scan.field_of_view_rad = scenario.mapping.scanner.field_of_view_rad;
+  scan.range_max_m = scenario.mapping.scanner.range_max_m;
+  scan.ranges_m =
+      models::beam_scan(scenario.world, scenario.mapping.scanner, pose, random.engine());
+  return scan;
+}
+
+models::RobotBelief belief_at(int step, const Pose2& pose = {}) {
+  models::RobotBelief belief;
+  belief.stamp.time = kStart + step * Duration{500'000};
+  belief.step = step;
+  belief.viewpoint = {pose, 1.0};
+  return belief;
+}
+
+// One robot's map after steps that each count the scans of `parts` in turn.
+models::RobotMap map_of(TeamMap& team_map, const std::vector<std::vector<models::RangeScan>>& parts,
+                        const std::vector<const models::RobotMap*>& teammates = {}) {
+  models::RobotMap map;
+  for (int step = 0; step < static_cast<int>(parts.size()); ++step) {
+    std::vector<const models::RangeScan*> scans;
+    for (const models::RangeScan& scan : parts[static_cast<std::size_t>(step)]) {
+      scans.push_back(&scan);
+    }
+    const models::RobotBelief belief = belief_at(step);
+    map = team_map.step({&belief, step == 0 ? nullptr : &map, scans, teammates});
+  }
+  return map;
+}
+
+TEST(TeamMap, IsThatOfAllScansInAnyOrderWhoeverTookThem) {
+  const models::Scenario scenario = mapping_scenario();
+  test::Random random(5301);
+  std::vector<models::RangeScan> scans;
+  for (int i = 0; i < 60; ++i) {
+    scans.push_back(scan_of(scenario, random));
+  }
+  TeamMap alone(scenario, "Q1");
+  const models::RobotMap all = map_of(alone, {scans});
+  for (int shuffle = 0; shuffle < 5; ++shuffle) {
+    std::shuffle(scans.begin(), scans.end(), random.engine());
+    std::vector<std::vector<models::RangeScan>> parts(3);
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      parts[i % 3].push_back(scans[i]);
+    }
+    TeamMap q1(scenario, "Q1");
+    TeamMap q2(scenario, "Q2");
+    TeamMap q3(scenario, "Q3");
+    const models::RobotMap of_2 = map_of(q2, {parts[1], {}});
+    const models::RobotMap of_3 = map_of(q3, {{}, parts[2]});
+    const models::RobotMap of_1 = map_of(q1, {parts[0], {}, {}}, {&of_3, &of_2});
+    EXPECT_EQ(of_1.team_looks, all.own_looks);
+    EXPECT_EQ(of_1.entropy_nats, all.entropy_nats);
+  }
+  EXPECT_LT(all.entropy_nats, 0.7 * 1200 * std::log(2.0)) << "they told something";
+}
+
+TEST(TeamMap, CountsATeammateOnceHoweverOftenItIsHeard) {
+  const models::Scenario scenario = mapping_scenario();
+  test::Random random(5302);
+  TeamMap q1(scenario, "Q1");
+  TeamMap q2(scenario, "Q2");
+  const models::RobotMap of_2 = map_of(q2, {{scan_of(scenario, random)}});
+  const models::RobotMap once = map_of(q1, {{}}, {&of_2});
+  const models::RobotMap thrice = map_of(q1, {{}, {}, {}}, {&of_2});
+  EXPECT_EQ(thrice.team_looks, once.team_looks);
+  EXPECT_EQ(once.team_looks, of_2.own_looks);
+  EXPECT_EQ(once.own_looks, models::Looks(once.own_looks.size(), 0)) << "nobody passes on others'";
+}
+
+TEST(TeamMap, LearnsNothingOfJammedOrStrangeScans) {
+  const models::Scenario scenario = mapping_scenario();
+  test::Random random(5303);
+  TeamMap team_map(scenario, "Q1");
+  const models::RobotMap nothing = map_of(team_map, {{}});
+  models::RangeScan jammed = scan_of(scenario, random);
+  jammed.jammed = true;  // its ranges are still there: nobody may believe them
+  models::RangeScan other = scan_of(scenario, random);
+  other.ranges_m.pop_back();
+  models::RangeScan outside = scan_of(scenario, random);
+  outside.viewpoint.world_from_body.x_m = -1.0;
+  const models::RobotMap map = map_of(team_map, {{jammed, other, outside}});
+  EXPECT_EQ(map.own_looks, nothing.own_looks);
+  EXPECT_EQ(team_map.counters().jammed_scans, 1);
+  EXPECT_EQ(team_map.counters().malformed_scans, 2);
+  EXPECT_NEAR(nothing.entropy_nats, 40 * 30 * std::log(2.0), 1e-6);
+}
+
+TEST(TeamMap, TakesUpWhatComesFromNearAndNowAndOfTheSameGround) {
+  const models::Scenario scenario = mapping_scenario();
+  TeamMap q1(scenario, "Q1");
+  TeamMap q2(scenario, "Q2");
+  models::RobotMap theirs = map_of(q2, {{}});
+  theirs.viewpoint = {{3.0, 0.0, 0.0}, 1.0};
+  EXPECT_TRUE(q1.hears(belief_at(0), theirs)) << "3 m";
+  EXPECT_FALSE(q1.hears(belief_at(0, {-0.1, 0.0, 0.0}), theirs)) << "3.1 m";
+  EXPECT_TRUE(q1.hears(belief_at(3), theirs));
+  EXPECT_FALSE(q1.hears(belief_at(4), theirs)) << "of four steps ago";
+  theirs.stamp.time += Duration{1};
+  EXPECT_FALSE(q1.hears(belief_at(0), theirs)) << "of the future";
+  EXPECT_TRUE(q1.hears(belief_at(1), theirs));
+  theirs.grid.resolution_m *= 2.0;
+  EXPECT_FALSE(q1.hears(belief_at(1), theirs)) << "of another grid";
+  EXPECT_THROW(TeamMap(scenario, "Q9"), UsageError);
+}
+
+}  // namespace
+}  // namespace vantage::estimator

@@ -1,0 +1,70 @@
+#include "models/mapping/looks.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "test/support/random.hpp"
+
+namespace vantage::models {
+namespace {
+
+const GridGeometry kGrid{{0.0, 0.0}, 0.5, 4, 3};
+
+TEST(Looks, AddUpTheSameInAnyOrderWhereClampedLogOddsDoNot) {
+  test::Random random(5101);
+  struct Look {
+    int cell = 0;
+    bool met = false;
+  };
+  std::vector<Look> looks;
+  for (int i = 0; i < 400; ++i) {
+    looks.push_back({random.integer(0, kGrid.size() - 1), random.coin()});
+  }
+  Looks in_order(12, 0);
+  for (const Look& look : looks) {
+    add_look(in_order, look.cell, look.met);
+  }
+  Looks in_parts(12, 0);
+  std::reverse(looks.begin(), looks.end());
+  for (std::size_t part = 0; part < 4; ++part) {
+    Looks some(12, 0);
+    for (std::size_t i = part; i < looks.size(); i += 4) {
+      add_look(some, looks[i].cell, looks[i].met);
+    }
+    add_looks(in_parts, some);
+  }
+  EXPECT_EQ(in_parts, in_order);
+  EXPECT_THROW(add_looks(in_parts, Looks(11, 0)), UsageError);
+}
+
+TEST(Looks, StayAtTheLimits) {
+  using Limits = std::numeric_limits<std::int16_t>;
+  Looks looks{Limits::max(), Limits::min()};
+  add_look(looks, 0, true);
+  add_look(looks, 1, false);
+  EXPECT_EQ(looks, (Looks{Limits::max(), Limits::min()}));
+  add_looks(looks, Looks{1, -1});
+  EXPECT_EQ(looks, (Looks{Limits::max(), Limits::min()}));
+}
+
+TEST(Looks, MakeTheBeliefOfSoManyUpdates) {
+  const MappingSpec spec;
+  const Looks looks{0, 1, -1, 2, -2, 30, -30, 0, 0, 0, 0, 0};
+  const OccupancyBelief belief = belief_of(kGrid, looks, spec);
+  const double clamp = log_odds_of(0.99);
+  for (int cell = 0; cell < kGrid.size(); ++cell) {
+    const double wanted = looks[static_cast<std::size_t>(cell)] * log_odds_of(0.95);
+    EXPECT_DOUBLE_EQ(belief.log_odds(cell), std::clamp(wanted, -clamp, clamp)) << cell;
+  }
+  EXPECT_TRUE(belief.is_settled(3));
+  EXPECT_FALSE(belief.is_settled(2));
+  EXPECT_THROW(static_cast<void>(belief_of(kGrid, Looks(11, 0), spec)), UsageError);
+}
+
+}  // namespace
+}  // namespace vantage::models

@@ -1,0 +1,296 @@
+#include "planner/mapping/map_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "planner/team/robot_planner.hpp"
+#include "planner/team/trajectory_tools.hpp"
+#include "test/planner/team_scenario.hpp"
+#include "test/support/random.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using vantage::test::Random;
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
+
+models::Scenario mapping_scenario() {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.targets.clear();
+  scenario.planner.objective = models::PlanObjective::kMapping;
+  scenario.planner.horizon_steps = 4;
+  scenario.mapping.scanner.beams = 24;
+  scenario.mapping.planned_beams = 24;
+  return scenario;
+}
+
+// Some cells known, most not.
+models::RobotMap map_in_patches(const models::Scenario& scenario, Random& random) {
+  models::RobotMap map;
+  map.grid = models::map_geometry(scenario.world, scenario.mapping);
+  for (int cell = 0; cell < map.grid.size(); ++cell) {
+    const bool is_known = random.uniform(0.0, 1.0) < 0.4;
+    map.team_looks.push_back(static_cast<std::int16_t>(is_known ? random.integer(-3, 1) : 0));
+  }
+  map.own_looks = map.team_looks;
+  return map;
+}
+
+// Robot 0 of the lab somewhere, moving, with two teammates that go on.
+struct Bench {
+  Bench(const models::Scenario& lab, Random& random)
+      : scenario(lab), field(scenario.world, 0.05), map(map_in_patches(scenario, random)) {
+    const models::RobotSpec& robot = scenario.robots[0];
+    problem.start_time = kStart;
+    problem.start = {random.uniform(-3.4, 3.4), random.uniform(-1.4, 1.4),
+                     random.uniform(-kPi, kPi)};
+    problem.start_speed_mps = 1.0;
+    problem.height_m = 1.0;
+    problem.controls = robot.primitives;
+    problem.horizon_steps = scenario.planner.horizon_steps;
+    problem.step_s = scenario.planner.step_s;
+    problem.world = &scenario.world;
+    problem.field = &field;
+    problem.clearance_m = robot.limits.radius_m + scenario.planner.obstacle_margin_m;
+    problem.separation_m = 1.0;
+    problem.brake_mps2 = robot.limits.brake_mps2;
+    for (int i = 0; i < 2; ++i) {
+      FixedTeammate mate;
+      mate.trajectory = hover_at(
+          {random.uniform(-3.4, 3.4), random.uniform(-1.4, 1.4), random.uniform(-kPi, kPi)},
+          1.5 + 0.5 * i, kStart);
+      mate.trajectory.segments = {{{1.0, 1.0}, 1.5, 0.0}};
+      mate.jammed = i == 1;
+      teammates.push_back(mate);
+      problem.teammates.push_back(mate.trajectory);
+    }
+  }
+
+  models::Scenario scenario;
+  models::DistanceField field;
+  models::RobotMap map;
+  SearchProblem problem;
+  std::vector<FixedTeammate> teammates;
+};
+
+// Where scans are taken anyway: at the own start, and by the teammate that is not jammed.
+std::vector<MapRoute> fixed_routes(const Bench& bench) {
+  std::vector<MapRoute> routes(2);
+  routes[0].poses = {bench.problem.start};
+  for (int t = 0; t <= bench.problem.horizon_steps; ++t) {
+    const Time when = kStart + from_seconds(t * bench.problem.step_s);
+    routes[1].poses.push_back(models::at(bench.teammates[0].trajectory, when).world_from_body);
+  }
+  return routes;
+}
+
+TEST(MapPlanner, FindsTheBestOfAllSafeRoutesOnWhatTheMapSays) {
+  Random random(5401);
+  const models::Scenario scenario = mapping_scenario();
+  int compared = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Bench bench(scenario, random);
+    const SearchProblem& problem = bench.problem;
+    MapPlanner planner(scenario);
+    planner.set_up(problem, bench.map, bench.teammates);
+    const SearchResult result = planner.search(problem, Deadline::never());
+
+    const models::OccupancyBelief belief =
+        models::belief_of(bench.map.grid, bench.map.team_looks, scenario.mapping);
+    ViewTable views(belief, scenario.mapping.scanner, {});
+    DriveOptions drive_options;
+    drive_options.radius_m = problem.clearance_m;
+    const DriveMap drive(belief, drive_options);
+    MappingSearch search(views, drive, {});
+    const std::vector<MapRoute> fixed = fixed_routes(bench);
+    const auto gain = [&](const MapRoute& route) {
+      const std::vector<const MapRoute*> before{&fixed[0], &fixed[1]};
+      const std::vector<const MapRoute*> all{&fixed[0], &fixed[1], &route};
+      return search.value(all) - search.value(before);
+    };
+    const double farthest_m = 0.2 * (bench.map.grid.columns + bench.map.grid.rows);
+    const auto worth = [&](const MapRoute& route) {
+      return gain(route) -
+             0.5 * std::min(farthest_m, drive.to_frontier_m(route.poses.back().position_m()));
+    };
+
+    MotionTable motion(static_cast<int>(problem.controls.size()), problem.horizon_steps, 2);
+    motion.reset(problem);
+    double best_nats = -std::numeric_limits<double>::infinity();
+    MapRoute route;
+    const auto try_all = [&](const auto& self, const Pose2& at) -> void {
+      const int depth = static_cast<int>(route.poses.size());
+      for (int c = 0; c < static_cast<int>(problem.controls.size()); ++c) {
+        const Pose2 next = models::step_unicycle(at, problem.controls[static_cast<std::size_t>(c)],
+                                                 problem.step_s);
+        if (!motion.is_free(at, std::cos(at.yaw_rad), std::sin(at.yaw_rad), c, depth)) {
+          continue;
+        }
+        route.poses.push_back(next);
+        if (depth + 1 < problem.horizon_steps) {
+          self(self, next);
+        } else if (motion.can_stop(next, c, depth + 1)) {
+          best_nats = std::max(best_nats, worth(route));
+        }
+        route.poses.pop_back();
+      }
+    };
+    try_all(try_all, problem.start);
+    if (!std::isfinite(best_nats)) {
+      EXPECT_LT(result.moving_steps, problem.horizon_steps) << i;
+      EXPECT_EQ(result.lower_bound, -std::numeric_limits<double>::infinity());
+      continue;
+    }
+    ++compared;
+    ASSERT_TRUE(result.found);
+    EXPECT_EQ(result.moving_steps, problem.horizon_steps);
+    EXPECT_NEAR(-result.cost, best_nats, 1e-9) << i;
+    EXPECT_EQ(result.lower_bound, result.cost);
+    route.poses = result.poses;
+    EXPECT_NEAR(worth(route), best_nats, 1e-9);
+    EXPECT_NEAR(planner.gain_nats(), gain(route), 1e-9);
+  }
+  EXPECT_GE(compared, 15);
+}
+
+TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
+  Random random(5402);
+  const models::Scenario scenario = mapping_scenario();
+  int improved = 0;
+  for (int i = 0; i < 5; ++i) {
+    const Bench bench(scenario, random);
+    MapPlanner planner(scenario);
+    planner.set_up(bench.problem, bench.map, bench.teammates);
+    const SearchResult whole = planner.search(bench.problem, Deadline::never());
+    double last_cost = std::numeric_limits<double>::infinity();
+    for (std::int64_t nodes = 0; nodes < whole.work_nodes; nodes += 1 + nodes / 4) {
+      const SearchResult cut = planner.search(bench.problem, Deadline::nodes(nodes));
+      EXPECT_LE(cut.work_nodes, nodes);
+      EXPECT_EQ(cut.stop_reason, StopReason::kDeadline);
+      EXPECT_EQ(cut.lower_bound, -std::numeric_limits<double>::infinity()) << "nothing proven";
+      if (cut.moving_steps == bench.problem.horizon_steps) {
+        EXPECT_LE(cut.cost, last_cost);
+        improved += cut.cost < last_cost ? 1 : 0;
+        last_cost = cut.cost;
+      } else {
+        EXPECT_TRUE(std::isinf(last_cost)) << "a complete plan was lost";
+      }
+      const SearchResult again =
+          planner.search(bench.problem, Deadline::nodes(cut.replay_budget_nodes()));
+      EXPECT_EQ(again.controls, cut.controls);
+      EXPECT_EQ(again.cost, cut.cost);
+      EXPECT_EQ(again.work_nodes, cut.work_nodes);
+    }
+    const SearchResult again =
+        planner.search(bench.problem, Deadline::nodes(whole.replay_budget_nodes()));
+    EXPECT_EQ(again.controls, whole.controls);
+    EXPECT_EQ(again.stop_reason, StopReason::kFinished);
+    if (whole.moving_steps == bench.problem.horizon_steps) {
+      EXPECT_LE(whole.cost, last_cost);
+    }
+  }
+  EXPECT_GE(improved, 5);
+}
+
+PlanInputs first_inputs(const models::Scenario& scenario, std::size_t index) {
+  PlanInputs inputs;
+  inputs.slot = RoundSchedule(scenario.planner, static_cast<int>(index),
+                              static_cast<int>(scenario.robots.size()))
+                    .slot(kFirstRound);
+  models::MocapFrame mocap;
+  mocap.stamp.time = inputs.slot.begin;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    mocap.bodies.push_back({robot.name, lift(robot.start, robot.height_m), false});
+  }
+  inputs.mocap = mocap;
+  return inputs;
+}
+
+TEST(RobotPlanner, MapsWithTheSameLadder) {
+  const models::Scenario scenario = mapping_scenario();
+  const double clearance_m =
+      scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
+  Random random(5403);
+  for (int i = 0; i < 20; ++i) {
+    std::map<std::string, models::RobotPlan> plans;
+    for (std::size_t index = 0; index < 3; ++index) {
+      RobotPlanner planner(scenario, scenario.robots[index].name);
+      PlanInputs inputs = first_inputs(scenario, index);
+      inputs.map = map_in_patches(scenario, random);
+      inputs.team_plans = plans;
+      const auto plan = planner.plan(inputs, Deadline::nodes(i % 2 == 0 ? 2'000 : 7));
+      ASSERT_TRUE(plan);
+      EXPECT_TRUE(models::is_clear(scenario.world, plan->trajectory, plan->trajectory.start_time,
+                                   clearance_m - 0.02));
+      for (const auto& [name, other] : plans) {
+        EXPECT_TRUE(models::keeps_separation(plan->trajectory, other.trajectory,
+                                             plan->trajectory.start_time,
+                                             scenario.planner.separation_m));
+      }
+      EXPECT_LE(plan->nodes, 2'001);
+      plans[scenario.robots[index].name] = *plan;
+      // Whoever was too late goes on as committed.
+      const auto instead = planner.plan_without_search(inputs);
+      ASSERT_TRUE(instead);
+      EXPECT_NE(instead->source, models::PlanSource::kSearched);
+    }
+  }
+}
+
+TEST(RobotPlanner, CountsOnTheScansOfTeammatesThatSeeAndNotOnTheBait) {
+  models::Scenario scenario = mapping_scenario();
+  scenario.planner.attacks_max = 1;
+  const Deadline deadline = Deadline::nodes(20'000);
+  // Q2 will go where Q1 would like to go: it stays apart by height alone.
+  scenario.robots[1].start = scenario.robots[0].start;
+  scenario.robots[1].height_m = 2.5;
+  PlanInputs inputs = first_inputs(scenario, 0);
+  RobotPlanner planner(scenario, "Q1");
+  const auto alone = planner.propose(inputs, deadline);
+  ASSERT_TRUE(alone);
+  EXPECT_GT(alone->value_nats, 0.0);
+  RobotPlanner mate(scenario, "Q2");
+  const auto theirs = mate.plan(first_inputs(scenario, 1), deadline);
+  ASSERT_TRUE(theirs);
+  inputs.team_plans["Q2"] = *theirs;
+  const auto beside = planner.plan(inputs, deadline);
+  EXPECT_GT(beside->cost, alone->plan.cost) << "Q2 sees some of it";
+
+  inputs.attack = models::AttackNotice{{}, {"Q2"}};
+  EXPECT_EQ(planner.plan(inputs, deadline)->cost, alone->plan.cost) << "Q2 is jammed";
+  inputs.attack.reset();
+  auto bait = *alone;
+  bait.plan.robot = "Q2";
+  bait.plan.round = inputs.slot.round;
+  inputs.proposals["Q2"] = bait;
+  EXPECT_EQ(planner.plan(inputs, deadline)->cost, alone->plan.cost) << "Q2 is the bait";
+  inputs.proposals.clear();
+  inputs.proposals["Q1"] = *alone;
+  const auto kept = planner.plan(inputs, deadline);
+  EXPECT_EQ(kept->nodes, 0) << "the bait does as it proposed";
+  EXPECT_EQ(kept->cost, alone->plan.cost);
+}
+
+TEST(RobotPlanner, PlansOnNoMapOfAnotherGround) {
+  const models::Scenario scenario = mapping_scenario();
+  RobotPlanner planner(scenario, "Q1");
+  const Deadline deadline = Deadline::nodes(20'000);
+  PlanInputs inputs = first_inputs(scenario, 0);
+  const auto unknown = planner.plan(inputs, deadline);
+  ASSERT_TRUE(unknown);
+  inputs.map = models::RobotMap{};
+  inputs.map->grid = {{0.0, 0.0}, 0.2, 2, 2};
+  inputs.map->team_looks = {-9, -9, -9, -9};
+  EXPECT_EQ(planner.plan(inputs, deadline)->cost, unknown->cost);
+}
+
+}  // namespace
+}  // namespace vantage::planner
