@@ -1,46 +1,159 @@
-// frames.mjs http://HOST:PORT [SECONDS]: how often the page draws while a log plays, in headless
-// Chromium on its software GL: a figure of a machine that does nothing else. Prints one line of JSON.
+// frames.mjs http://HOST:PORT [SECONDS [FLAGS…]]: how many pictures a second the page draws while a
+// log plays, while it stands and both views are drawn anew again and again, and while the 3-D view is
+// turned; and what each picture costs each of Chromium's processes. FLAGS are Chromium's own. A figure
+// of a machine that does nothing else. Prints a line of JSON for each; SHOT=FILE keeps a screenshot.
+//
+// A picture is a callback of requestAnimationFrame in which the page painted at least one view; as
+// many callbacks are asked for all the time, so that a slow compositor is seen in both numbers.
+// Chromium is driven through its debugging port and not by playwright, which has all that arrives on
+// a WebSocket repeated to itself: a quarter of a core.
 
-import { chromium } from "playwright-core";
+import { spawn } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import WebSocket from "ws";
 
-const [url, seconds = "10"] = process.argv.slice(2);
-const browser = await chromium.launch({
-  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-});
-const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-page.setDefaultTimeout(120_000);
-await page.goto(url);
-await page.waitForFunction(() => window.vantage?.stats().entities > 10);
-await page.click("#play");
-await page.waitForFunction(() => window.vantage.state.now > 2);
-const result = await page.evaluate(async (span_s) => {
-  const drawn = () => window.vantage.stats().frames;
-  const begin = { at_ms: performance.now(), drawn: drawn(), now: window.vantage.state.now };
-  const gaps_ms = [];
-  let asked = 0;
-  let last_ms = begin.at_ms;
-  await new Promise((resolve) => {
+const [url, seconds = "8", ...flags] = process.argv.slice(2);
+const folder = mkdtempSync(`${tmpdir()}/frames.`);
+const browser = spawn(process.env.CHROMIUM ?? "/usr/bin/chromium", [
+  "--headless", "--no-sandbox", "--remote-debugging-port=0", `--user-data-dir=${folder}`, "--no-first-run",
+  "--disable-extensions", "--disable-background-networking", "--disable-component-update", "--mute-audio",
+  "--window-size=1280,800", ...flags, "about:blank",
+]);
+
+const gone = new Promise((resolve) => browser.on("close", resolve)); // with all its processes
+process.on("uncaughtExceptionMonitor", () => browser.kill());
+
+/** Calls to a debugging address. */
+class Debugged {
+  static async open(address) {
+    const socket = new WebSocket(address);
+    await new Promise((resolve, reject) => socket.on("open", resolve).on("error", reject));
+    return new Debugged(socket);
+  }
+
+  constructor(socket) {
+    this.socket = socket;
+    this.calls = new Map();
+    socket.on("message", (text) => {
+      const { id, result, error } = JSON.parse(text);
+      const call = this.calls.get(id);
+      if (call) error ? call.reject(new Error(error.message)) : call.resolve(result);
+      this.calls.delete(id);
+    });
+  }
+
+  call(method, params = {}) {
+    const id = (this.last = (this.last ?? 0) + 1);
+    this.socket.send(JSON.stringify({ id, method, params }));
+    return new Promise((resolve, reject) => this.calls.set(id, { resolve, reject }));
+  }
+
+  async evaluate(expression) {
+    const { result, exceptionDetails } = await this.call("Runtime.evaluate", {
+      expression, awaitPromise: true, returnByValue: true,
+    });
+    if (exceptionDetails) throw new Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
+    return result.value;
+  }
+}
+
+const wait_ms = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+/** Processor seconds by kind of process. */
+async function processors(whole) {
+  const used = {};
+  for (const { type, cpuTime } of (await whole.call("SystemInfo.getProcessInfo")).processInfo) {
+    used[type.replace(/.*\./, "")] = (used[type.replace(/.*\./, "")] ?? 0) + cpuTime;
+  }
+  return used;
+}
+
+async function measure(whole, page, what) {
+  const before = await processors(whole);
+  const counted = await page.evaluate(`new Promise((resolve) => {
+    const begin = { at_ms: performance.now(), frames: vantage.stats().frames, now: vantage.state.now };
+    const gaps_ms = [];
+    let last_ms = begin.at_ms;
     const tick = () => {
       const at_ms = performance.now();
-      asked += 1;
       gaps_ms.push(at_ms - last_ms);
       last_ms = at_ms;
-      if (at_ms - begin.at_ms > 1000 * span_s) resolve();
-      else requestAnimationFrame(tick);
+      if (at_ms - begin.at_ms < ${1000 * Number(seconds)}) return requestAnimationFrame(tick);
+      const took_s = (at_ms - begin.at_ms) / 1000;
+      gaps_ms.sort((a, b) => a - b);
+      resolve({
+        pictures: vantage.stats().frames - begin.frames,
+        pictures_per_s: (vantage.stats().frames - begin.frames) / took_s,
+        callbacks_per_s: gaps_ms.length / took_s,
+        gap_p95_ms: gaps_ms[Math.floor(0.95 * gaps_ms.length)],
+        log_s_per_s: (vantage.state.now - begin.now) / took_s,
+        entities: vantage.stats().entities,
+      });
     };
     requestAnimationFrame(tick);
+  })`);
+  const after = await processors(whole);
+  const cost_ms = {};
+  for (const kind of Object.keys(after)) {
+    cost_ms[kind] = Number(((1000 * (after[kind] - (before[kind] ?? 0))) / Math.max(1, counted.pictures)).toFixed(1));
+  }
+  for (const [key, value] of Object.entries(counted)) counted[key] = Number(value.toFixed(2));
+  console.log(JSON.stringify({ what, ...counted, processor_ms_a_picture: cost_ms }));
+}
+
+async function turn(page, during) {
+  const box = await page.evaluate(`(({ x, y }) => ({ x, y }))(document.getElementById("space-area").getBoundingClientRect())`);
+  const mouse = (type, step) => page.call("Input.dispatchMouseEvent", {
+    type, x: box.x + 100 + (step % 200), y: box.y + 150 + (step % 200) / 4, button: "left", buttons: 1, clickCount: 1,
   });
-  const took_s = (performance.now() - begin.at_ms) / 1000;
-  gaps_ms.sort((a, b) => a - b);
-  return {
-    animation_frames_per_s: asked / took_s,
-    drawn_per_s: (drawn() - begin.drawn) / took_s,
-    gap_p95_ms: gaps_ms[Math.floor(0.95 * gaps_ms.length)],
-    log_s_per_s: (window.vantage.state.now - begin.now) / took_s,
-    entities: window.vantage.stats().entities,
+  await mouse("mousePressed", 0);
+  let is_over = false;
+  const over = during().finally(() => (is_over = true));
+  for (let step = 1; !is_over; ++step) await mouse("mouseMoved", step);
+  await mouse("mouseReleased", 0);
+  await over;
+}
+
+try {
+  const address = await new Promise((resolve, reject) => {
+    let said = "";
+    browser.on("error", reject).on("exit", () => reject(new Error(said)));
+    browser.stderr.on("data", (text) => {
+      said += text;
+      const found = said.match(/ws:\/\/[^\s]+/);
+      if (found) resolve(found[0]);
+    });
+  });
+  const whole = await Debugged.open(address);
+  const { targetId } = await whole.call("Target.createTarget", { url });
+  const page = await Debugged.open(address.replace(/browser\/.*/, `page/${targetId}`));
+  await page.call("Emulation.setDeviceMetricsOverride", { width: 1280, height: 800, deviceScaleFactor: 1, mobile: false });
+  const until = async (condition) => {
+    while (!(await page.evaluate(condition))) await wait_ms(50);
   };
-}, Number(seconds));
-if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT });
-console.log(JSON.stringify(result));
-await browser.close();
+  await until("window.vantage?.stats().entities > 10");
+  await page.evaluate(`document.dispatchEvent(new KeyboardEvent("keydown", { key: "Home" }))`);
+  await until("vantage.state.now < 1");
+  await page.evaluate(`document.getElementById("play").click()`);
+  await until("vantage.state.now > 4"); // the team is on its way
+  await measure(whole, page, "playing");
+  await page.evaluate(`document.getElementById("play").click()`);
+  await until("!vantage.state.is_playing");
+  await wait_ms(500);
+  await page.evaluate(`window.again = setInterval(() => vantage.draw_again(), 4), 0`);
+  await measure(whole, page, "standing, both views drawn anew");
+  await page.evaluate("clearInterval(again)");
+  await turn(page, () => measure(whole, page, "standing, the 3-D view turned"));
+  if (process.env.SHOT) {
+    const { data } = await page.call("Page.captureScreenshot");
+    writeFileSync(process.env.SHOT, Buffer.from(data, "base64"));
+  }
+  await whole.call("Browser.close");
+} catch (error) {
+  browser.kill();
+  throw error;
+} finally {
+  await gone;
+  rmSync(folder, { recursive: true, force: true });
+}

@@ -14,14 +14,14 @@ const browser = await chromium.launch({
 });
 const complaints = [];
 
-async function open(width, height, scheme) {
+async function open(width, height, scheme, draw) {
   const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
   page.setDefaultTimeout(kPatience_ms);
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("requestfailed", (request) => complaints.push(`${request.url()} failed`));
   page.on("request", (request) => request.url().startsWith(url) || request.url().startsWith("data:") || complaints.push(`asks for ${request.url()}`));
-  await page.goto(url);
+  await page.goto(`${url}/${draw}`);
   await page.waitForFunction(() => window.vantage?.stats().entities > 10);
   return page;
 }
@@ -29,6 +29,23 @@ async function open(width, height, scheme) {
 const now = (page) => page.evaluate(() => window.vantage.state.now);
 const shot = (page, name) => folder && page.screenshot({ path: `${folder}/${kind}_${name}.png` });
 const until = (page, condition, argument) => page.waitForFunction(condition, argument);
+
+/** How many targets are green where the plan view says that they are. */
+async function targets_seen() {
+  const next_picture = () => new Promise((resolve) => requestAnimationFrame(resolve));
+  await next_picture();
+  vantage.draw_again();
+  await next_picture(); // what the graphics drew is there until it ends
+  const canvas = document.getElementById(document.getElementById("stage").dataset.drawn === "gl" ? "world" : "names");
+  const sheet = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+  sheet.drawImage(canvas, 0, 0);
+  const box = canvas.getBoundingClientRect();
+  return ["R1", "R2", "R3", "R4", "R5"].filter((name) => {
+    const [x, y] = vantage.pixel(`target/${name}`);
+    const [r, g, b] = sheet.getImageData(x - box.left, y - box.top + 3, 1, 1).data;
+    return g > r + 60 && g > b + 30;
+  }).length;
+}
 
 async function check_log(page) {
   assert.equal(await page.locator("#link").textContent(), "log");
@@ -100,18 +117,24 @@ async function check_inspection(page) {
   await page.keyboard.press("3");
 }
 
-for (const [width, height, scheme, name] of [
-  [1920, 1080, "light", "1080p_light"],
-  [1920, 1080, "dark", "1080p_dark"],
-  [768, 1024, "light", "768"],
+// Here a processor draws the graphics, so that the page paints unless it is told not to.
+for (const [width, height, scheme, name, draw] of [
+  [1920, 1080, "light", "1080p_light", ""],
+  [1920, 1080, "dark", "1080p_dark", ""],
+  [768, 1024, "light", "768", ""],
+  [768, 1024, "dark", "768_dark", "?draw=canvas"],
+  [1280, 800, "light", "gl", "?draw=gl"],
 ]) {
-  const page = await open(width, height, scheme);
+  const page = await open(width, height, scheme, draw);
+  const drawn = await page.evaluate(() => document.getElementById("stage").dataset.drawn);
+  assert.equal(drawn, draw === "?draw=gl" ? "gl" : "flat");
   if (name === "1080p_light") {
     if (kind === "log") await check_log(page);
     await check_toggles(page);
     await check_inspection(page);
   }
   await page.waitForTimeout(kind === "live" ? 8000 : 1500); // for the picture: charts with something in them
+  assert(await page.evaluate(targets_seen) > 0, `${name}: no target in the picture`);
   const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   assert(overflow <= 0, `${name}: ${overflow} px too wide`);
   await shot(page, name);

@@ -121,11 +121,13 @@ class Chart {
             points: { show: false },
           })),
         ],
-        hooks: { draw: [(plot) => this.draw_now(plot)] },
       },
       this.table(),
       this.body,
     );
+    this.mark = document.createElement("div");
+    this.mark.className = "now";
+    this.plot.over.append(this.mark);
     this.caption.replaceChildren(this.spec.title, ...this.legend());
   }
 
@@ -145,29 +147,25 @@ class Chart {
     return lines.length === 0 ? [[], []] : uPlot.join(lines.map((line) => [line.t, line.v]));
   }
 
-  draw_now(plot) {
+  /** Marks where we are in a log. Over the plot, so that it need not be drawn again for that. */
+  mark_now() {
     const now = this.source.now();
-    if (now === null) return;
-    const x = plot.valToPos(now, "x", true);
-    plot.ctx.save();
-    plot.ctx.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue("--head").trim();
-    plot.ctx.lineWidth = 1.5 * devicePixelRatio;
-    plot.ctx.beginPath();
-    plot.ctx.moveTo(x, plot.bbox.top);
-    plot.ctx.lineTo(x, plot.bbox.top + plot.bbox.height);
-    plot.ctx.stroke();
-    plot.ctx.restore();
+    this.mark.hidden = now === null;
+    if (now !== null) this.mark.style.transform = `translateX(${Math.round(this.plot.valToPos(now, "x"))}px)`;
   }
 
   refresh() {
     if (this.series.size === 0) return;
+    const window = this.source.window().join();
     if (!this.plot) {
       this.make();
     } else if (this.is_stale) {
       this.plot.setData(this.table());
-    } else {
+    } else if (window !== this.window) {
       this.plot.setScale("x", { min: 0, max: 1 }); // asks for the window again
     }
+    this.mark_now();
+    this.window = window;
     this.is_stale = false;
   }
 

@@ -64,7 +64,6 @@ export class Connection {
       const topic = this.subscriptions.get(view.getUint32(1, true));
       if (topic === undefined) return;
       if (kPictures.has(this.channels.get(topic)?.schemaName)) {
-        if (this.waiting.size === 0) requestAnimationFrame(() => this.read_waiting());
         this.waiting.delete(topic); // behind those that came before it
         this.waiting.set(topic, view);
       } else {
@@ -87,6 +86,7 @@ export class Connection {
     this.on.record(topic, seconds_of(view.getBigUint64(5, true)), JSON.parse(text));
   }
 
+  /** Tells what waits: to be called before each picture. */
   read_waiting() {
     const waiting = [...this.waiting];
     this.waiting.clear();

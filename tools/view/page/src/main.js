@@ -35,7 +35,10 @@ const state = {
   picked: null,
 };
 
-const world = new World(by_id("stage"), (id) => pick(id));
+/** How the world is drawn, where the address says so (?draw=gl or ?draw=canvas). */
+const kDraw = { gl: false, canvas: true }[new URLSearchParams(location.search).get("draw")] ?? null;
+
+const world = new World(by_id("stage"), (id) => pick(id), kDraw);
 const vehicles = new Vehicles(by_id("vehicles"));
 const processes = new Processes(by_id("processes"));
 const events = new Events(by_id("events"), (since) => seek(since));
@@ -228,7 +231,7 @@ for (const button of by_id("views").children) button.onclick = () => show_view(b
 
 function set_theme(theme) {
   document.documentElement.dataset.theme = theme;
-  world.is_stale = true;
+  world.set_stale();
   charts.restyle();
 }
 
@@ -275,10 +278,18 @@ by_id("help").append(make("h2", "", "Keys"), list);
 set_theme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 show_view(innerWidth < 1000 ? "plan" : "both");
 
+function loop() {
+  requestAnimationFrame(loop); // not called while nobody sees the page
+  connection.read_waiting();
+  if (world.is_stale()) world.draw();
+}
+loop();
+
 // For tests: what is on the screen, as numbers.
 window.vantage = {
   state,
   stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.charts.map((c) => c.series.size) }),
   position: (id) => world.find(id)?.position.toArray() ?? null,
   pixel: (id) => world.pixel(id),
+  draw_again: () => world.set_stale(),
 };

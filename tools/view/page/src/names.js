@@ -1,80 +1,93 @@
-// Names in the picture: a canvas over it. Each name is drawn with its halo once and stamped from
-// then on, since writing text is slow.
+// Names in the picture, on a canvas. Each name is drawn with its halo once and stamped from then on,
+// since writing text is slow.
 
 const kPad = 3;
 const kKeptMax = 2000;
 
 export class Names {
-  /** @param is_plain write in memory, where the graphics are no faster */
-  constructor(canvas, is_plain) {
+  /** @param options of the canvas's context, for the stamps as well */
+  constructor(canvas, options) {
     this.canvas = canvas;
-    this.options = { willReadFrequently: is_plain };
-    this.pen = canvas.getContext("2d", this.options);
+    this.options = options;
+    this.pen = canvas.getContext("2d", options);
     this.ratio = 1;
     this.halo = "";
-    this.stamps = new Map();
+    this.stamps = new Map(); // by what they say and how
+    this.known = new WeakMap(); // by text annotation
   }
 
   resize(width, height, ratio) {
     this.canvas.width = width * ratio;
     this.canvas.height = height * ratio;
     this.ratio = ratio;
+    this.forget();
+  }
+
+  forget() {
+    this.stamps.forEach(({ image }) => image.close());
     this.stamps.clear();
+    this.known = new WeakMap();
   }
 
   /** Begins a picture. */
   begin(halo) {
-    if (halo !== this.halo || this.stamps.size > kKeptMax) this.stamps.clear();
+    if (halo !== this.halo || this.stamps.size > kKeptMax) this.forget();
     this.halo = halo;
-    this.pen.setTransform(1, 0, 0, 1, 0, 0);
-    this.pen.clearRect(0, 0, this.canvas.width, this.canvas.height);
   }
 
-  /** What `draw` writes stays inside an area. */
-  within(area, draw) {
-    const [x, y, width, height] = [area.x, area.y, area.width, area.height].map((v) => v * this.ratio);
-    this.pen.save();
-    this.pen.beginPath();
-    this.pen.rect(x, y, width, height);
-    this.pen.clip();
-    draw();
-    this.pen.restore();
+  /** A new picture in an area: what `draw` draws with the pen, in the stage's pixels, stays inside. */
+  within(at, draw) {
+    const { pen } = this;
+    pen.save();
+    pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    pen.beginPath();
+    pen.rect(at.x, at.y, at.width, at.height);
+    pen.clip();
+    pen.clearRect(at.x, at.y, at.width, at.height);
+    draw(pen);
+    pen.restore();
   }
 
   /** A text annotation with its base line's middle at a place. */
   write(text, left, top) {
     const stamp = this.stamp_of(text);
+    this.pen.setTransform(1, 0, 0, 1, 0, 0);
     this.pen.drawImage(
-      stamp.canvas,
-      Math.round(left * this.ratio - stamp.canvas.width / 2),
+      stamp.image,
+      Math.round(left * this.ratio - stamp.image.width / 2),
       Math.round(top * this.ratio - stamp.ascent),
     );
   }
 
-  stamp_of({ text, font_size, color }) {
-    const fill = `rgb(${["r", "g", "b"].map((c) => Math.round(255 * color[c]))})`;
-    const key = `${font_size} ${fill} ${text}`;
-    if (!this.stamps.has(key)) this.stamps.set(key, this.make_stamp(text, font_size, fill));
-    return this.stamps.get(key);
+  stamp_of(annotation) {
+    let stamp = this.known.get(annotation);
+    if (!stamp) {
+      const { text, font_size, color } = annotation;
+      const fill = `rgb(${["r", "g", "b"].map((c) => Math.round(255 * color[c]))})`;
+      const key = `${font_size} ${fill} ${text}`;
+      if (!this.stamps.has(key)) this.stamps.set(key, this.make_stamp(text, font_size, fill));
+      stamp = this.stamps.get(key);
+      this.known.set(annotation, stamp);
+    }
+    return stamp;
   }
 
   make_stamp(text, font_size, fill) {
-    const canvas = document.createElement("canvas");
-    const pen = canvas.getContext("2d", this.options);
     const font = `600 ${font_size * this.ratio}px system-ui, sans-serif`;
-    pen.font = font;
+    this.pen.font = font;
     const pad = kPad * this.ratio;
-    const size = pen.measureText(text);
+    const size = this.pen.measureText(text);
     const ascent = Math.ceil(size.actualBoundingBoxAscent) + pad;
-    canvas.width = Math.ceil(size.width) + 2 * pad;
-    canvas.height = ascent + Math.ceil(size.actualBoundingBoxDescent) + pad;
-    pen.font = font; // a canvas forgets it with its size
+    const height = ascent + Math.ceil(size.actualBoundingBoxDescent) + pad;
+    const canvas = new OffscreenCanvas(Math.ceil(size.width) + 2 * pad, height);
+    const pen = canvas.getContext("2d", this.options);
+    pen.font = font;
     pen.lineJoin = "round";
     pen.lineWidth = 3 * this.ratio;
     pen.strokeStyle = this.halo;
     pen.fillStyle = fill;
     pen.strokeText(text, pad, ascent);
     pen.fillText(text, pad, ascent);
-    return { canvas, ascent };
+    return { image: canvas.transferToImageBitmap(), ascent };
   }
 }

@@ -10,16 +10,24 @@ export function make(tag, className, text) {
   return element;
 }
 
-/** Rows by key in a box, made once and written again: five times a second, whatever comes. */
+/** Rows by key in a box, made once; written again, five times a second whatever comes, where what
+    they say is another. */
 class Table {
-  /** @param write called with a row and its key */
-  constructor(box, write) {
+  /** @param make_row gives the elements of a key's row, and the title of it */
+  constructor(box, make_row) {
     this.box = box;
     this.rows = new Map();
     this.changed = new Set();
     setInterval(() => {
       if (document.hidden) return;
-      this.changed.forEach((key) => write(this.row(key), key));
+      for (const key of this.changed) {
+        const { elements, title } = make_row(key);
+        const row = this.row(key);
+        const said = elements.map((element) => element.outerHTML).join("");
+        if (said !== row.said) row.replaceChildren(...elements);
+        row.said = said;
+        row.title = title;
+      }
       this.changed.clear();
     }, kRefresh_ms);
   }
@@ -50,7 +58,7 @@ const kGood = { follow: "good", idle: "calm", hold: "warn", land: "warn", killed
 
 export class Vehicles {
   constructor(box) {
-    this.table = new Table(box, (row, robot) => this.write(row, robot));
+    this.table = new Table(box, (robot) => this.row(robot));
     this.plans = new Map();
     this.states = new Map();
   }
@@ -65,7 +73,7 @@ export class Vehicles {
     this.table.change(plan.robot);
   }
 
-  write(row, robot) {
+  row(robot) {
     const state = this.states.get(robot);
     const plan = this.plans.get(robot);
     const head = make("div", "line");
@@ -81,8 +89,8 @@ export class Vehicles {
       if (plan.late || plan.source !== "searched") note.classList.add("warn");
       head.append(note);
     }
-    row.replaceChildren(head);
-    for (const reason of state?.reasons ?? []) row.append(make("div", "reason", reason));
+    const reasons = (state?.reasons ?? []).map((reason) => make("div", "reason", reason));
+    return { elements: [head, ...reasons], title: "" };
   }
 
   clear() {
@@ -96,7 +104,7 @@ const kProcess = { running: "good", starting: "calm", stopping: "calm", degraded
 
 export class Processes {
   constructor(box) {
-    this.table = new Table(box, (row, process) => this.write(row, this.healths.get(process)));
+    this.table = new Table(box, (process) => this.row(this.healths.get(process)));
     this.healths = new Map();
   }
 
@@ -105,7 +113,7 @@ export class Processes {
     this.table.change(health.process);
   }
 
-  write(row, health) {
+  row(health) {
     const badge = make("span", "badge", health.state);
     badge.dataset.state = kProcess[health.state] ?? "calm";
     const line = make("div", "line");
@@ -113,8 +121,7 @@ export class Processes {
     if (health.deadlines_missed > 0) notes.push(`${health.deadlines_missed} late`);
     if (health.messages_lost > 0) notes.push(`${health.messages_lost} lost`);
     line.append(make("b", "", health.process), badge, make("span", "quiet", notes.join(", ")));
-    row.replaceChildren(line);
-    row.title = health.counters.map((each) => `${each.name}: ${each.count}`).join("\n");
+    return { elements: [line], title: health.counters.map((each) => `${each.name}: ${each.count}`).join("\n") };
   }
 
   clear() {

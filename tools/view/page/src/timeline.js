@@ -57,9 +57,12 @@ export class Timeline {
   set_now(since) {
     this.now = since;
     const [from, to] = this.window();
-    this.head.style.left = `${(100 * (since - from)) / (to - from)}%`;
-    this.clock.textContent = `${since.toFixed(1)} s`;
-    this.bar.setAttribute("aria-valuenow", since.toFixed(1));
+    this.head.style.transform = `translateX(${(100 * (since - from)) / (to - from)}%)`;
+    const text = since.toFixed(1);
+    if (text !== this.bar.getAttribute("aria-valuenow")) {
+      this.bar.setAttribute("aria-valuenow", text);
+      this.clock.textContent = `${text} s`;
+    }
     if (this.length_s === null && since - (this.drawn_at ?? -1) > 1) this.draw_marks();
   }
 

@@ -2,28 +2,36 @@
 
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { Batches, dispose, is_software_drawn, make_anchor, make_grid } from "./primitives.js";
+import { FlatPicture } from "./flat_picture.js";
+import { GlPicture } from "./gl_picture.js";
 import { Names } from "./names.js";
 
 const kWorld = "world";
 const kMargin = 1.12;
 
+/** Whether the graphics draw faster than we paint: not those of a virtual machine or a remote desktop,
+    which a processor draws, and not none. */
+function has_graphics() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return gl !== null && !/swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
 export class World {
-  constructor(stage, on_pick) {
+  /** @param is_flat painted and not drawn by the graphics; null: whatever is faster here */
+  constructor(stage, on_pick, is_flat) {
     this.stage = stage;
-    this.is_plain = is_software_drawn(); // then each pixel counts
-    this.names = new Names(document.getElementById("names"), this.is_plain);
-    this.renderer = new THREE.WebGLRenderer({ canvas: document.getElementById("world"), antialias: !this.is_plain });
-    this.renderer.debug.checkShaderErrors = import.meta.env.DEV; // to ask waits for the graphics
-    this.scene = new THREE.Scene();
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x888888, 2.2));
-    const sun = new THREE.DirectionalLight(0xffffff, 1.2);
-    sun.position.set(3, -5, 10);
-    this.scene.add(sun);
-    this.frames = new Map();
-    this.layers = new Map(); // topic → Map(id → anchor, or grid)
-    this.batches = new Map(); // topic → what is seen of its entities
-    this.changed = new Set(); // topics whose batches are to be made anew
+    this.is_flat = is_flat ?? !has_graphics();
+    stage.dataset.drawn = this.is_flat ? "flat" : "gl";
+    // A painted picture is on the canvas of the names, which the graphics should not touch.
+    this.names = new Names(document.getElementById("names"), { willReadFrequently: this.is_flat });
+    this.picture = this.is_flat ? new FlatPicture() : new GlPicture(document.getElementById("world"));
+    this.fixed = { matrix: new THREE.Matrix4(), is_placed: true, is_fixed: true };
+    this.frames = new Map(); // by id: {matrix, is_placed, is_fixed}
+    this.layers = new Map(); // topic → Map(id → {frame, entity} or {frame, grid})
+    this.changed = new Set(); // topics that the picture does not yet show as they are
     this.view = "both";
     this.bounds = { min_m: [-5, -5], max_m: [5, 5], ceiling_m: 3 };
 
@@ -34,7 +42,7 @@ export class World {
     for (const eye of [this.plan, this.space]) {
       eye.camera.up.set(0, 0, 1);
       eye.controls = new OrbitControls(eye.camera, eye.area);
-      eye.controls.addEventListener("change", () => (this.is_stale = true));
+      eye.controls.addEventListener("change", () => (eye.is_stale = true));
     }
     this.plan.controls.enableRotate = false;
     this.plan.controls.mouseButtons = { LEFT: THREE.MOUSE.PAN, MIDDLE: THREE.MOUSE.DOLLY, RIGHT: THREE.MOUSE.PAN };
@@ -43,12 +51,17 @@ export class World {
     this.listen_for_clicks(on_pick);
     new ResizeObserver(() => this.resize()).observe(stage);
     this.frames_drawn = 0;
-    const loop = () => {
-      requestAnimationFrame(loop);
-      if (this.is_stale && !document.hidden) this.draw();
-    };
     this.fit();
-    loop();
+  }
+
+  /** Whether what is on the screen is not what there is. */
+  is_stale() {
+    return this.eyes().some((eye) => eye.is_stale);
+  }
+
+  /** All is to be drawn anew. */
+  set_stale() {
+    this.plan.is_stale = this.space.is_stale = true;
   }
 
   eyes() {
@@ -62,25 +75,21 @@ export class World {
   }
 
   frame(id) {
-    if (id === kWorld) return this.scene;
+    if (id === kWorld) return this.fixed;
     if (!this.frames.has(id)) {
-      const group = new THREE.Group();
-      group.visible = false; // until somebody says where it is
-      this.frames.set(id, group);
-      this.scene.add(group);
+      this.frames.set(id, { matrix: new THREE.Matrix4(), is_placed: false, is_fixed: false });
     }
     return this.frames.get(id);
   }
 
   move(transforms) {
-    for (const each of transforms) {
-      const group = this.frame(each.child_frame_id);
-      const { translation: p, rotation: q } = each;
-      group.position.set(p.x, p.y, p.z);
-      group.quaternion.set(q.x, q.y, q.z, q.w);
-      group.visible = true;
+    const [position, rotation, one] = [new THREE.Vector3(), new THREE.Quaternion(), new THREE.Vector3(1, 1, 1)];
+    for (const { child_frame_id, translation, rotation: q } of transforms) {
+      const frame = this.frame(child_frame_id);
+      frame.matrix.compose(position.copy(translation), rotation.set(q.x, q.y, q.z, q.w), one);
+      frame.is_placed = true;
     }
-    this.is_stale = true;
+    this.set_stale();
   }
 
   layer(topic) {
@@ -89,20 +98,12 @@ export class World {
   }
 
   remove(topic, id) {
-    const layer = this.layer(topic);
-    if (layer.has(id)) {
-      dispose(layer.get(id));
-      layer.delete(id);
-      this.changed.add(topic);
-    }
+    if (this.layer(topic).delete(id)) this.changed.add(topic);
   }
 
-  put(topic, id, group, frame) {
-    this.remove(topic, id);
-    this.layer(topic).set(id, group);
-    this.frame(frame).add(group);
+  put(topic, id, item) {
+    this.layer(topic).set(id, item);
     this.changed.add(topic);
-    this.is_stale = true;
   }
 
   update(topic, scene) {
@@ -111,39 +112,26 @@ export class World {
       ids.forEach((id) => this.remove(topic, id));
     }
     for (const entity of scene.entities) {
-      this.put(topic, entity.id, make_anchor(entity), entity.frame_id);
+      this.put(topic, entity.id, { frame: this.frame(entity.frame_id), entity });
     }
-    this.is_stale = true;
+    this.set_stale();
   }
 
   update_grid(topic, grid) {
-    this.put(topic, "grid", make_grid(grid), grid.frame_id);
-  }
-
-  /** Makes what is seen of changed topics, once however much has come, and puts all in place. */
-  make_batches() {
-    for (const topic of this.changed) {
-      this.batches.get(topic)?.dispose();
-      const anchors = [...(this.layers.get(topic)?.values() ?? [])];
-      const entities = anchors.map((anchor) => anchor.userData.entity).filter(Boolean);
-      this.batches.set(topic, new Batches(this.scene, entities, (id) => this.frame(id), this.is_plain));
-    }
-    this.changed.clear();
-    this.scene.updateMatrixWorld();
-    this.batches.forEach((batches) => batches.follow());
+    this.put(topic, "grid", { frame: this.frame(grid.frame_id), grid });
+    this.set_stale();
   }
 
   /** Takes a topic off the screen. */
   clear(topic) {
-    for (const id of [...this.layer(topic).keys()]) this.remove(topic, id);
     this.layers.delete(topic);
-    this.is_stale = true;
+    this.changed.add(topic);
+    this.set_stale();
   }
 
   /** Takes everything off. */
   clear_all() {
     [...this.layers.keys()].forEach((topic) => this.clear(topic));
-    for (const group of this.frames.values()) group.removeFromParent();
     this.frames.clear();
   }
 
@@ -175,33 +163,33 @@ export class World {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = this.stage;
-    const ratio = this.is_plain ? 1 : Math.min(window.devicePixelRatio, 2);
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height, false);
-    this.names.resize(width, height, ratio);
-    this.is_stale = true;
-  }
-
-  /** Where an eye's area is on the stage. */
-  area(eye) {
     const stage = this.stage.getBoundingClientRect();
-    const box = eye.area.getBoundingClientRect();
-    return { x: box.left - stage.left, y: box.top - stage.top, width: box.width, height: box.height };
+    for (const eye of [this.plan, this.space]) {
+      const box = eye.area.getBoundingClientRect();
+      const x = Math.round(box.left - stage.left - this.stage.clientLeft);
+      const y = Math.round(box.top - stage.top - this.stage.clientTop);
+      eye.at = { x, y, width: Math.round(box.width), height: Math.round(box.height) }; // on the stage
+    }
+    const ratio = this.is_flat ? 1 : Math.min(window.devicePixelRatio, 2);
+    this.picture.resize(width, height, ratio);
+    this.names.resize(width, height, ratio);
+    this.set_stale();
   }
 
   draw() {
-    this.is_stale = false;
     this.frames_drawn += 1;
+    for (const topic of this.changed) {
+      this.picture.set(topic, [...(this.layers.get(topic)?.values() ?? [])]);
+    }
+    this.changed.clear();
     const style = getComputedStyle(document.documentElement);
-    this.renderer.setClearColor(style.getPropertyValue("--stage").trim());
-    this.make_batches();
+    this.picture.begin(style.getPropertyValue("--stage").trim());
     this.names.begin(style.getPropertyValue("--halo").trim());
-    this.renderer.setScissorTest(true);
-    const stage_height = this.stage.clientHeight;
     for (const eye of this.eyes()) {
-      const at = this.area(eye);
+      if (this.picture.is_kept && !eye.is_stale) continue;
+      eye.is_stale = false;
+      const { camera, at } = eye;
       if (at.width < 2 || at.height < 2) continue;
-      const { camera } = eye;
       if (camera.isOrthographicCamera) {
         const half = eye.half_height;
         const aspect = at.width / at.height;
@@ -210,30 +198,28 @@ export class World {
         camera.aspect = at.width / at.height;
       }
       camera.updateProjectionMatrix();
-      const bottom = stage_height - at.y - at.height;
-      this.renderer.setViewport(at.x, bottom, at.width, at.height);
-      this.renderer.setScissor(at.x, bottom, at.width, at.height);
-      this.renderer.render(this.scene, camera);
-      this.write_names(eye, at);
+      camera.updateMatrixWorld();
+      this.names.within(at, (pen) => {
+        this.picture.draw(camera, at, pen);
+        this.write_names(camera, at);
+      });
     }
   }
 
-  write_names(eye, at) {
+  write_names(camera, at) {
     const point = new THREE.Vector3();
-    this.names.within(at, () => {
-      for (const layer of this.layers.values()) {
-        for (const group of layer.values()) {
-          if (!group.parent?.visible) continue;
-          for (const text of group.userData.entity?.texts ?? []) {
-            point.copy(text.pose.position).applyMatrix4(group.matrixWorld).project(eye.camera);
-            if (Math.abs(point.z) > 1) continue;
-            const left = at.x + (0.5 + point.x / 2) * at.width;
-            const top = at.y + (0.5 - point.y / 2) * at.height - 8;
-            this.names.write(text, left, top);
-          }
+    for (const layer of this.layers.values()) {
+      for (const { frame, entity } of layer.values()) {
+        if (!frame.is_placed || !entity) continue;
+        for (const text of entity.texts) {
+          point.copy(text.pose.position).applyMatrix4(frame.matrix).project(camera);
+          if (Math.abs(point.z) > 1) continue;
+          const left = at.x + (0.5 + point.x / 2) * at.width;
+          const top = at.y + (0.5 - point.y / 2) * at.height - 8;
+          this.names.write(text, left, top);
         }
       }
-    });
+    }
   }
 
   listen_for_clicks(on_pick) {
@@ -255,10 +241,9 @@ export class World {
     let best = null;
     let best_px = 28;
     for (const layer of this.layers.values()) {
-      for (const group of layer.values()) {
-        const entity = group.userData.entity;
-        if (!entity || entity.metadata.length === 0 || !group.parent?.visible) continue;
-        group.localToWorld(point.copy(centre_of(entity))).project(eye.camera);
+      for (const { frame, entity } of layer.values()) {
+        if (!entity || entity.metadata.length === 0 || !frame.is_placed) continue;
+        point.copy(centre_of(entity)).applyMatrix4(frame.matrix).project(eye.camera);
         const left = box.left + (0.5 + point.x / 2) * box.width;
         const top = box.top + (0.5 - point.y / 2) * box.height;
         const distance_px = Math.hypot(event.clientX - left, event.clientY - top);
@@ -275,9 +260,8 @@ export class World {
   find(id) {
     for (const layer of this.layers.values()) {
       if (layer.has(id)) {
-        const group = layer.get(id);
-        const at = group.localToWorld(centre_of(group.userData.entity));
-        return { entity: group.userData.entity, position: at };
+        const { frame, entity } = layer.get(id);
+        return { entity, position: centre_of(entity).applyMatrix4(frame.matrix) };
       }
     }
     return null;

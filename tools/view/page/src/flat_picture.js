@@ -1,0 +1,168 @@
+// The world painted on a 2-D canvas, far things first: where a processor draws the graphics, or there
+// are none, this is many times faster than WebGL.
+//
+// Things are painted by height, the farthest from the eye's first, which is exact for what lies level
+// (fields of view, ellipses, plans, discs); and before each obstacle all that is behind it. A line of
+// which an obstacle hides only a part is hidden or seen as its middle is.
+
+import * as THREE from "three";
+import { Line, Surface, edges_of } from "./outline.js";
+import { corners_of, lines_of, matrix_of, pixels_of } from "./shapes.js";
+import { Ball, Block, Disc } from "./solids.js";
+
+const kLevel_m = 0.02; // heights closer than this are one
+const kLow_m = 0.1; // what is lower hides nothing
+const kCrowd = 250; // things
+const kFar_m = 1e5; // where the eye of a parallel view is
+
+/** What a camera sees in an area of the stage. */
+class View {
+  constructor(camera, at) {
+    this.at = at;
+    const [half_width, half_height] = [at.width / 2, at.height / 2];
+    /** Pixels of the stage, times the distance, from metres of the world. */
+    this.stage_from_world = new THREE.Matrix4()
+      .set(half_width, 0, 0, at.x + half_width, 0, -half_height, 0, at.y + half_height, 0, 0, 1, 0, 0, 0, 0, 1)
+      .multiply(camera.projectionMatrix)
+      .multiply(camera.matrixWorldInverse);
+    const backward = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 2);
+    this.eye = new THREE.Vector3().setFromMatrixPosition(camera.matrixWorld);
+    if (camera.isOrthographicCamera) this.eye.addScaledVector(backward, kFar_m);
+    this.scale = half_height * camera.projectionMatrix.elements[5];
+    this.frames = new Map();
+  }
+
+  /** Pixels from metres of a frame. */
+  through(frame) {
+    if (!this.frames.has(frame)) {
+      this.frames.set(frame, new THREE.Matrix4().multiplyMatrices(this.stage_from_world, frame.matrix).elements);
+    }
+    return this.frames.get(frame);
+  }
+
+  distance_to(point) {
+    const e = this.stage_from_world.elements;
+    return e[3] * point.x + e[7] * point.y + e[11] * point.z + e[15];
+  }
+
+  /** Pixels a metre there; negative behind the eye. */
+  pixels_at(point) {
+    return this.scale / this.distance_to(point);
+  }
+}
+
+/** A grid as a coloured floor, kept as it was painted until it or the view is another. */
+class Floor {
+  constructor(frame, grid) {
+    this.frame = frame;
+    const { pixels, columns, rows } = pixels_of(grid);
+    this.colours = new Uint32Array(pixels.buffer);
+    this.columns = columns;
+    this.rows = rows;
+    this.matrix = matrix_of(grid).scale(new THREE.Vector3(grid.cell_size.x, grid.cell_size.y, 1));
+    this.painted = new Map(); // by camera: {key, canvas}
+  }
+
+  paint(pen, view, camera) {
+    const e = new THREE.Matrix4().fromArray(view.through(this.frame)).multiply(this.matrix).elements;
+    const key = [...e, view.at.width, view.at.height].join();
+    if (this.painted.get(camera)?.key !== key) {
+      this.painted.set(camera, { key, canvas: this.make(e, view.at) });
+    }
+    pen.drawImage(this.painted.get(camera).canvas, view.at.x, view.at.y);
+  }
+
+  /** Each pixel has the colour of the cell that it shows. */
+  make(e, at) {
+    const stage_from_cells = new THREE.Matrix3().set(e[0], e[4], e[12], e[1], e[5], e[13], e[3], e[7], e[15]);
+    const m = stage_from_cells.invert().elements;
+    const canvas = document.createElement("canvas");
+    canvas.width = at.width;
+    canvas.height = at.height;
+    const pen = canvas.getContext("2d", { willReadFrequently: true });
+    const image = pen.createImageData(at.width, at.height);
+    const out = new Uint32Array(image.data.buffer);
+    for (let row = 0, i = 0; row < at.height; ++row) {
+      const y = at.y + row + 0.5;
+      let column_part = m[0] * (at.x + 0.5) + m[3] * y + m[6];
+      let row_part = m[1] * (at.x + 0.5) + m[4] * y + m[7];
+      let nearness = m[2] * (at.x + 0.5) + m[5] * y + m[8];
+      for (let column = 0; column < at.width; ++column, ++i) {
+        const c = Math.floor(column_part / nearness);
+        const r = Math.floor(row_part / nearness);
+        if (nearness > 0 && c >= 0 && c < this.columns && r >= 0 && r < this.rows) {
+          out[i] = this.colours[r * this.columns + c];
+        }
+        column_part += m[0];
+        row_part += m[1];
+        nearness += m[2];
+      }
+    }
+    pen.putImageData(image, 0, 0);
+    return canvas;
+  }
+}
+
+function things_of({ frame, entity, grid }) {
+  if (grid) return [new Floor(frame, grid)];
+  const line = (shape) => new Line(frame, lines_of(shape), shape);
+  const surface = (shape) => new Surface(frame, edges_of(corners_of(shape)), shape);
+  return [
+    ...entity.triangles.filter((shape) => shape.points.length >= 3).map(surface),
+    ...entity.lines.filter((shape) => shape.points.length >= 2).map(line),
+    ...entity.cubes.map((shape) => new Block(frame, shape)),
+    ...entity.cylinders.map((shape) => new Disc(frame, shape)),
+    ...entity.spheres.map((shape) => new Ball(frame, shape)),
+  ];
+}
+
+const from_far = (a, b) => a.level - b.level || a.rank - b.rank || b.distance - a.distance;
+
+export class FlatPicture {
+  constructor() {
+    this.is_kept = true; // what was painted before stays
+    this.things = new Map(); // by topic
+  }
+
+  resize() {}
+
+  /** Shows these of a topic, and nothing else of it. */
+  set(topic, items) {
+    this.things.set(topic, items.flatMap(things_of));
+  }
+
+  begin() {}
+
+  draw(camera, at, pen) {
+    const view = new View(camera, at);
+    const floors = [];
+    const blocks = [];
+    const others = [];
+    for (const things of this.things.values()) {
+      for (const thing of things) {
+        if (!thing.frame.is_placed) continue;
+        if (thing instanceof Floor) {
+          floors.push(thing);
+          continue;
+        }
+        thing.at = (thing.at ?? new THREE.Vector3()).copy(thing.centre).applyMatrix4(thing.frame.matrix);
+        thing.distance = view.distance_to(thing.at);
+        thing.level = -Math.round(Math.abs(thing.at.z - view.eye.z) / kLevel_m);
+        (thing instanceof Block && thing.height_m > kLow_m ? blocks : others).push(thing);
+      }
+    }
+    view.is_crowded = others.length > kCrowd;
+    floors.forEach((floor) => floor.paint(pen, view, camera));
+    blocks.sort((a, b) => view.eye.distanceToSquared(b.at) - view.eye.distanceToSquared(a.at));
+    blocks.forEach((block) => block.look(view));
+    const turns = [...blocks.map((block) => ({ block, before: [] })), { before: [] }];
+    for (const thing of others) {
+      turns.find(({ block }) => !block || block.is_before(thing.at)).before.push(thing);
+    }
+    const paint = (thing) => thing.paint(pen, view.through(thing.frame), view);
+    for (const { block, before } of turns) {
+      before.sort(from_far).forEach(paint);
+      if (block) paint(block);
+    }
+  }
+}

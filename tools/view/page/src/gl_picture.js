@@ -1,0 +1,229 @@
+// The world drawn by the graphics: three.js on WebGL.
+
+import * as THREE from "three";
+import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
+import { corners_of, lines_of, matrix_of, pixels_of } from "./shapes.js";
+
+const colour_of = (c) => new THREE.Color().setRGB(c.r, c.g, c.b, THREE.SRGBColorSpace);
+
+const materials = new Map(); // by class, then by its options
+
+/** A material, the same for the same words: a new one costs the graphics more than its object. */
+function material_of(kind, options) {
+  if (!materials.has(kind)) materials.set(kind, new Map());
+  const known = materials.get(kind);
+  const key = JSON.stringify(options);
+  if (!known.has(key)) known.set(key, new kind(options));
+  return known.get(key);
+}
+
+function surface(alpha, kind, options) {
+  return material_of(kind, { transparent: alpha < 1, opacity: alpha, depthWrite: alpha >= 1, ...options });
+}
+
+function make_triangles({ color }, positions, colours) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
+  geometry.setAttribute("color", new THREE.Float32BufferAttribute(colours, 3));
+  const options = { vertexColors: true, side: THREE.DoubleSide };
+  const object = new THREE.Mesh(geometry, surface(color.a, THREE.MeshBasicMaterial, options));
+  return { object, buffer: geometry.attributes.position };
+}
+
+function make_lines({ color, thickness, scale_invariant }, positions, colours) {
+  const geometry = new LineSegmentsGeometry();
+  geometry.setPositions(positions);
+  geometry.setColors(colours);
+  const options = { vertexColors: true, linewidth: thickness, worldUnits: !scale_invariant };
+  const material = surface(color.a, LineMaterial, options);
+  return { object: new LineSegments2(geometry, material), buffer: geometry.attributes.instanceStart.data };
+}
+
+/** Corners of one kind in one object, which follow the frames that they are of. */
+class Corners {
+  constructor(shape, make) {
+    this.shape = shape;
+    this.make = make;
+    this.pieces = []; // {frame, corners}
+    this.colours = [];
+  }
+
+  add(frame, corners, color) {
+    const { r, g, b } = colour_of(color);
+    this.pieces.push({ frame, corners });
+    corners.forEach(() => this.colours.push(r, g, b));
+  }
+
+  finish() {
+    const flat = this.pieces.flatMap(({ corners }) => corners.flatMap((c) => [c.x, c.y, c.z]));
+    const { object, buffer } = this.make(this.shape, flat, this.colours);
+    this.object = object;
+    this.buffer = buffer;
+    this.moves = this.pieces.some(({ frame }) => !frame.is_fixed);
+  }
+
+  follow() {
+    if (!this.moves) return;
+    const at = new THREE.Vector3();
+    let next = 0;
+    for (const { frame, corners } of this.pieces) {
+      for (const corner of corners) {
+        // Of a frame that nobody has placed yet all corners fall together: nothing is seen.
+        if (frame.is_placed) at.copy(corner).applyMatrix4(frame.matrix);
+        at.toArray(this.buffer.array, next);
+        next += 3;
+      }
+    }
+    this.buffer.needsUpdate = true;
+  }
+
+  dispose() {
+    this.object.removeFromParent();
+    this.object.geometry.dispose();
+  }
+}
+
+/** Bodies of one kind in one object. */
+class Bodies {
+  constructor(geometry, alpha) {
+    this.geometry = geometry;
+    this.alpha = alpha;
+    this.pieces = []; // {frame, matrix, colour}
+  }
+
+  add(frame, shape) {
+    this.pieces.push({ frame, matrix: matrix_of(shape), colour: colour_of(shape.color) });
+  }
+
+  finish() {
+    const material = surface(this.alpha, THREE.MeshLambertMaterial, {});
+    this.object = new THREE.InstancedMesh(this.geometry, material, this.pieces.length);
+    this.pieces.forEach(({ colour }, i) => this.object.setColorAt(i, colour));
+  }
+
+  follow() {
+    const world = new THREE.Matrix4();
+    this.pieces.forEach(({ frame, matrix }, i) => {
+      world.multiplyMatrices(frame.matrix, matrix);
+      if (!frame.is_placed) world.makeScale(0, 0, 0);
+      this.object.setMatrixAt(i, world);
+    });
+    this.object.instanceMatrix.needsUpdate = true;
+  }
+
+  dispose() {
+    this.object.removeFromParent();
+    this.object.dispose(); // its own buffers; the geometry is everyone's
+  }
+}
+
+/** A grid as a coloured floor. */
+class Floor {
+  constructor(frame, grid) {
+    this.frame = frame;
+    const { pixels, columns, rows } = pixels_of(grid);
+    this.texture = new THREE.DataTexture(pixels, columns, rows);
+    this.texture.colorSpace = THREE.SRGBColorSpace;
+    this.texture.magFilter = THREE.NearestFilter;
+    this.texture.needsUpdate = true;
+    const [width, height] = [columns * grid.cell_size.x, rows * grid.cell_size.y];
+    const material = new THREE.MeshBasicMaterial({ map: this.texture, transparent: true, depthWrite: false });
+    const geometry = new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0);
+    this.matrix = matrix_of(grid);
+    this.object = new THREE.Mesh(geometry, material);
+    this.object.matrixAutoUpdate = false;
+  }
+
+  follow() {
+    this.object.visible = this.frame.is_placed;
+    this.object.matrix.multiplyMatrices(this.frame.matrix, this.matrix);
+  }
+
+  dispose() {
+    this.object.removeFromParent();
+    this.object.geometry.dispose();
+    this.object.material.dispose();
+    this.texture.dispose();
+  }
+}
+
+const cube = new THREE.BoxGeometry(1, 1, 1);
+const sphere = new THREE.SphereGeometry(0.5, 16, 12);
+const cylinder = new THREE.CylinderGeometry(0.5, 0.5, 1, 24).rotateX(Math.PI / 2);
+
+/** What is seen of many items, an object for each kind: what a crowd costs is their number. */
+function batches_of(items) {
+  const batches = new Map();
+  const batch = (key, make) => {
+    if (!batches.has(key)) batches.set(key, make());
+    return batches.get(key);
+  };
+  for (const { frame, entity, grid } of items) {
+    if (grid) batch("floor", () => new Floor(frame, grid));
+    if (!entity) continue;
+    const add_bodies = (shapes, geometry) =>
+      shapes.forEach((shape) =>
+        batch(`${geometry.uuid} ${shape.color.a}`, () => new Bodies(geometry, shape.color.a)).add(frame, shape));
+    const add_corners = (shapes, name, make, corners) =>
+      shapes.forEach((shape) =>
+        batch(`${name} ${shape.thickness} ${shape.scale_invariant} ${shape.color.a}`, () => new Corners(shape, make))
+          .add(frame, corners(shape), shape.color));
+    add_bodies(entity.cubes, cube);
+    add_bodies(entity.spheres, sphere);
+    add_bodies(entity.cylinders, cylinder);
+    add_corners(entity.triangles, "triangles", make_triangles, corners_of);
+    add_corners(entity.lines, "lines", make_lines, segments_of);
+  }
+  batches.forEach((each) => each.finish?.());
+  return [...batches.values()];
+}
+
+/** The corners of a shape's lines, two a piece. */
+const segments_of = (shape) =>
+  lines_of(shape).flatMap((line) => line.slice(1).flatMap((corner, i) => [line[i], corner]));
+
+export class GlPicture {
+  constructor(canvas) {
+    this.is_kept = false; // what was drawn before the last picture is gone
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    this.renderer.debug.checkShaderErrors = import.meta.env.DEV; // to ask waits for the graphics
+    this.renderer.setScissorTest(true);
+    this.scene = new THREE.Scene();
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x888888, 2.2));
+    const sun = new THREE.DirectionalLight(0xffffff, 1.2);
+    sun.position.set(3, -5, 10);
+    this.scene.add(sun);
+    this.batches = new Map(); // by topic
+  }
+
+  resize(width, height, ratio) {
+    this.height = height;
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+  }
+
+  /** Shows these of a topic, and nothing else of it. */
+  set(topic, items) {
+    this.batches.get(topic)?.forEach((each) => each.dispose());
+    this.batches.set(topic, batches_of(items));
+    for (const { object } of this.batches.get(topic)) {
+      object.frustumCulled = false; // it is everywhere
+      this.scene.add(object);
+    }
+  }
+
+  /** Begins a picture: puts everything where its frame is now. */
+  begin(background) {
+    this.renderer.setClearColor(background);
+    this.batches.forEach((batches) => batches.forEach((each) => each.follow()));
+  }
+
+  draw(camera, at) {
+    const bottom = this.height - at.y - at.height;
+    this.renderer.setViewport(at.x, bottom, at.width, at.height);
+    this.renderer.setScissor(at.x, bottom, at.width, at.height);
+    this.renderer.render(this.scene, camera);
+  }
+}
