@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "planner/team/decision/team_set.hpp"
+#include "tools/experiment/energy_decision.hpp"
 #include "tools/experiment/energy_trial.hpp"
 #include "tools/experiment/mapping_rows.hpp"
 #include "tools/experiment/resilient_tracking.hpp"
@@ -16,10 +17,9 @@ namespace vantage::tools {
 namespace {
 
 TEST(EnergyTrial, IsDrawnByItsSeedAlone) {
-  planner::ReducedValueIteration search({100'000, 4'000'000, 16, 16, 1});
-  const EnergyTrial one = draw_energy_trial(2, 5, {}, search);
-  const EnergyTrial again = draw_energy_trial(2, 5, {}, search);
-  const EnergyTrial other = draw_energy_trial(2, 6, {}, search);
+  const EnergyTrial one = draw_energy_trial(2, 5, {}, own_search());
+  const EnergyTrial again = draw_energy_trial(2, 5, {}, own_search());
+  const EnergyTrial other = draw_energy_trial(2, 6, {}, own_search());
   EXPECT_EQ(one.robots[0].start.x_m, again.robots[0].start.x_m);
   EXPECT_NE(one.robots[0].start.x_m, other.robots[0].start.x_m);
   ASSERT_EQ(one.team.candidates[1].size(), again.team.candidates[1].size());
@@ -29,12 +29,11 @@ TEST(EnergyTrial, IsDrawnByItsSeedAlone) {
 }
 
 TEST(HeterogeneousTrial, ChargesEachRobotItsControlsAndItsOwnKindOfGround) {
-  planner::ReducedValueIteration search({100'000, 4'000'000, 16, 20, 1});
   HeterogeneousTrialOptions options;
   options.price_nats = 0.3;
   int in_both = 0;
   for (std::uint64_t seed = 1001; seed <= 1010; ++seed) {
-    const EnergyTrial trial = draw_heterogeneous_trial(seed, options, search);
+    const EnergyTrial trial = draw_heterogeneous_trial(seed, options, own_search());
     ASSERT_EQ(trial.robots.size(), 3U);
     ASSERT_EQ(trial.team.targets.size(), 10U);
     for (std::size_t robot = 0; robot < 3; ++robot) {
@@ -67,11 +66,10 @@ TEST(HeterogeneousTrial, ChargesEachRobotItsControlsAndItsOwnKindOfGround) {
 }
 
 TEST(HeterogeneousTrial, IsTheSameAtEveryPriceButForTheEnergy) {
-  planner::ReducedValueIteration search({100'000, 4'000'000, 16, 20, 1});
   HeterogeneousTrialOptions options;
-  const EnergyTrial free = draw_heterogeneous_trial(1001, options, search);
+  const EnergyTrial free = draw_heterogeneous_trial(1001, options, own_search());
   options.price_nats = 0.5;
-  const EnergyTrial dear = draw_heterogeneous_trial(1001, options, search);
+  const EnergyTrial dear = draw_heterogeneous_trial(1001, options, own_search());
   for (std::size_t robot = 0; robot < 3; ++robot) {
     ASSERT_EQ(free.team.candidates[robot].size(), dear.team.candidates[robot].size());
     for (std::size_t i = 0; i < free.team.candidates[robot].size(); ++i) {
@@ -101,8 +99,7 @@ TEST(Heterogeneous, HasRowsWhoseValueIsInformationLessPricedEnergy) {
 }
 
 TEST(BestShare, KeepsTheBestOfEachRobot) {
-  planner::ReducedValueIteration search({100'000, 4'000'000, 16, 16, 1});
-  const EnergyTrial trial = draw_energy_trial(2, 1, {}, search);
+  const EnergyTrial trial = draw_energy_trial(2, 1, {}, own_search());
   const planner::TeamOracle oracle(trial.team);
   const planner::TeamProblem best = best_share(oracle, 0.1);
   const planner::TeamOracle of_best(best);
@@ -130,15 +127,14 @@ TEST(Experiments, HaveSettingsOfTheirOwnNames) {
 }
 
 TEST(TeamTrial, IsTheScenarioWithWhatTheExperimentChanges) {
-  TeamTrial trial;
-  trial.file = "field.yaml";
-  trial.robots = 10;
-  trial.targets = 25;
-  trial.duration_s = 300.0;
-  trial.range_sigma_m = 0.3;
-  trial.bearing_sigma_deg = 10.0;
-  trial.communication_range_m = 30.0;
-  trial.planning_time_s = 0.2;
+  const TeamTrial trial{.file = "field.yaml",
+                        .communication_range_m = 30.0,
+                        .planning_time_s = 0.2,
+                        .range_sigma_m = 0.3,
+                        .bearing_sigma_deg = 10.0,
+                        .robots = 10,
+                        .targets = 25,
+                        .duration_s = 300.0};
   const models::Scenario scenario = scenario_of(trial, 7);
   EXPECT_EQ(scenario.seed, 7U);
   EXPECT_EQ(scenario.duration_s, 300.0);
@@ -178,12 +174,8 @@ TEST(MapRows, KeepWhatIsFreeOccupiedAndUnknown) {
 }
 
 TEST(TrackUnderAttack, IsTheSameForBothWhereNobodyIsAttacked) {
-  TrackingSetting setting;
-  setting.robots = 2;
-  setting.targets = 3;
-  setting.attacks = 0;
-  setting.task_steps = 30;
-  setting.nodes_per_plan = 2'000;
+  const TrackingSetting setting{
+      .robots = 2, .targets = 3, .attacks = 0, .task_steps = 30, .nodes_per_plan = 2'000};
   const TrackingRun cd = track_under_attack(setting, false, 4);
   const TrackingRun rain = track_under_attack(setting, true, 4);
   EXPECT_EQ(cd.rmse_m, rain.rmse_m);
@@ -192,11 +184,7 @@ TEST(TrackUnderAttack, IsTheSameForBothWhereNobodyIsAttacked) {
 
 // Errors of each target over time, and how well they are foreseen, where nobody is attacked.
 TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
-  TrackingSetting setting;
-  setting.robots = 8;
-  setting.targets = 4;
-  setting.attacks = 0;
-  setting.task_steps = 250;
+  const TrackingSetting setting{.robots = 8, .targets = 4, .attacks = 0, .task_steps = 250};
   double nees = 0.0;
   constexpr std::uint64_t kSeeds = 2;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
@@ -218,12 +206,8 @@ TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
 }
 
 TEST(TrackUnderAttack, LearnsNothingWhereAllAreAttacked) {
-  TrackingSetting setting;
-  setting.robots = 2;
-  setting.targets = 2;
-  setting.attacks = 2;
-  setting.task_steps = 50;
-  setting.nodes_per_plan = 2'000;
+  const TrackingSetting setting{
+      .robots = 2, .targets = 2, .attacks = 2, .task_steps = 50, .nodes_per_plan = 2'000};
   const TrackingRun run = track_under_attack(setting, true, 4);
   for (std::size_t t = 1; t < run.entropy_nats.size(); ++t) {
     EXPECT_GE(run.entropy_nats[t], run.entropy_nats[t - 1] - 1e-9);

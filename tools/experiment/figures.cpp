@@ -148,50 +148,58 @@ std::string resilient_mapping_figures() {
 
 namespace {
 
-// What the pictures of active mapping share: the boxes of the world and its size.
-const char* const kMappingWorld = R"gp(
+// What the pictures of active mapping share: the size of the world, and the boxes of the one that
+// has some.
+const char* const kMappingArea = R"gp(
   set xrange [0:10]; set yrange [0:10]; set size ratio -1
   set xlabel "x [m]"; set ylabel "y [m]"
+  set datafile separator whitespace; set style fill solid
+)gp";
+const char* const kMappingBoxes = R"gp(
   set object 1 rectangle from 3.885,0.825 to 5.925,2.865 front fillcolor rgb "#8b939c" fillstyle solid noborder
   set object 2 rectangle from 3.885,3.885 to 5.925,5.925 front fillcolor rgb "#8b939c" fillstyle solid noborder
   set object 3 rectangle from 3.885,6.945 to 5.925,8.975 front fillcolor rgb "#8b939c" fillstyle solid noborder
 )gp";
 
+// Search trees tree_`kind`_NAME.txt of three planners beside each other, by depth; each is called
+// as in `titles`, and plans for what is at the places in `targets`.
+std::string tree_panels(const std::string& kind, const std::string& names,
+                        const std::string& titles, int depth, const std::string& targets) {
+  return fmt::format(R"gp(
+  set palette defined (1 "#c6dbef", {3} "#4292c6", {4} "#08306b")
+  set cbrange [1:{4}]; set cblabel "depth"
+  titles = '{2}'
+  set multiplot layout 1,3
+  do for [k=1:3] {{
+    set title word(titles, k)
+    plot "tree_{0}_".word("{1}", k).".txt" index 0 using 1:2:3 with lines lc palette lw 0.6 notitle, \
+         "" index 1 using 1:2 with lines lc rgb "#D55E00" lw 3 notitle, \
+         "{5}" with points pt 7 ps 1.3 lc rgb "#009E73" notitle
+  }}
+)gp",
+                     kind, names, titles, depth / 2, depth, targets);
+}
+
 }  // namespace
 
 std::string active_mapping_figures() {
-  const std::string world = kMappingWorld;
-  return figure("active-mapping-heat-map", "900,820", world + R"gp(
-  set datafile separator whitespace; set style fill solid
+  const std::string area = kMappingArea;
+  return figure("active-mapping-heat-map", "900,820", area + kMappingBoxes + R"gp(
   set title "Least cost-to-go h(x, y) by Thm 6 over T = 12 steps [m²]"
   set palette defined (0 "#08306b", 0.5 "#6baed6", 1 "#ffffe0"); set cbrange [2:16]
   plot "heat_map.txt" matrix using (0.05*$1+0.025):(0.05*$2+0.025):3 with image notitle, \
        "landmarks.txt" with points pt 7 ps 1.4 lc rgb "#D55E00" title "landmarks"
-)gp") + figure("active-mapping-trees", "1650,620", world + R"gp(
-  set datafile separator whitespace; set style fill solid
-  set palette defined (1 "#c6dbef", 6 "#4292c6", 12 "#08306b")
-  set cbrange [1:12]; set cblabel "depth"
-  set multiplot layout 1,3
-  do for [name in "astar arvi aegis"] {
-    set title (name eq "astar" ? "A*" : name eq "arvi" ? "ARVI (its first nodes)" : "AEGIS (ε = 1, δ = 0.1)")
-    plot "tree_known_".name.".txt" index 0 using 1:2:3 with lines lc palette lw 0.6 notitle, \
-         "" index 1 using 1:2 with lines lc rgb "#D55E00" lw 3 notitle, \
-         "landmarks.txt" with points pt 7 ps 1.3 lc rgb "#009E73" notitle
-  }
-)gp") + figure("active-mapping-moving", "1650,620", R"gp(
-  set datafile separator whitespace; set style fill solid
-  set xrange [0:10]; set yrange [0:10]; set size ratio -1
-  set xlabel "x [m]"; set ylabel "y [m]"
-  set palette defined (1 "#c6dbef", 3 "#4292c6", 6 "#08306b")
-  set cbrange [1:6]; set cblabel "depth"
-  set multiplot layout 1,3
-  do for [name in "rvi astar aegis"] {
-    set title (name eq "rvi" ? "RVI (ε = 1, δ = 0.1)" : name eq "astar" ? "A*" : "AEGIS (ε = 1, δ = 0.1)")
-    plot "tree_moving_".name.".txt" index 0 using 1:2:3 with lines lc palette lw 0.6 notitle, \
-         "" index 1 using 1:2 with lines lc rgb "#D55E00" lw 3 notitle, \
-         "moving_target.txt" with points pt 7 ps 1.3 lc rgb "#009E73" notitle
-  }
-)gp") + figure("active-mapping-paths", "900,560", R"gp(
+)gp") +
+         figure("active-mapping-trees", "1650,620",
+                area + kMappingBoxes +
+                    tree_panels("known", "astar arvi aegis",
+                                R"gp("A*" "ARVI (its first nodes)" "AEGIS (ε = 1, δ = 0.1)")gp", 12,
+                                "landmarks.txt")) +
+         figure("active-mapping-moving", "1650,620",
+                area + tree_panels("moving", "rvi astar aegis",
+                                   R"gp("RVI (ε = 1, δ = 0.1)" "A*" "AEGIS (ε = 1, δ = 0.1)")gp", 6,
+                                   "moving_target.txt")) +
+         figure("active-mapping-paths", "900,560", R"gp(
   set title "Mean cost of a path of the search tree a step, free starts, 0.1 s each"
   set xlabel "mean over the tree of g(n)/t(n) [m²]"; set ylabel "starts"
   set yrange [0:*]

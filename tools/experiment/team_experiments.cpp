@@ -167,10 +167,8 @@ Sweep tracking_communication(const Extent& extent) {
   sweep.axis = "communication range [m]";
   sweep.figure = "tracking-communication";
   for (const int range_m : {0, 5, 10, 20, 30, 100}) {
-    TeamTrial trial;
-    trial.file = "field.yaml";
-    trial.communication_range_m = range_m;
-    sweep.cases.push_back({std::to_string(range_m), trial});
+    sweep.cases.push_back(
+        {std::to_string(range_m), {.file = "field.yaml", .communication_range_m = range_m}});
   }
   sweep.trends = {{kRmse, "RMSE of a robot", "m", "falls with the communication range"},
                   {kEntropy, "entropy of a robot", "nats", "falls with it"},
@@ -185,16 +183,15 @@ Sweep tracking_time(const Extent& extent) {
   sweep.axis = "T_{ARVI} [s]";
   sweep.figure = "tracking-time";
   for (const double time_s : {0.05, 0.1, 0.2, 0.5, 1.0}) {
-    TeamTrial trial;
-    trial.file = "field.yaml";
-    trial.robots = 10;
-    trial.targets = 25;
-    trial.duration_s = 300.0;
-    trial.range_sigma_m = 0.3;
-    trial.bearing_sigma_deg = 10.0;
-    trial.communication_range_m = 30.0;
-    trial.planning_time_s = time_s;
-    sweep.cases.push_back({fmt::format("{}", time_s), trial});
+    sweep.cases.push_back({fmt::format("{}", time_s),
+                           {.file = "field.yaml",
+                            .communication_range_m = 30.0,
+                            .planning_time_s = time_s,
+                            .range_sigma_m = 0.3,
+                            .bearing_sigma_deg = 10.0,
+                            .robots = 10,
+                            .targets = 25,
+                            .duration_s = 300.0}});
   }
   sweep.trends = {{kRmse, "RMSE of a robot", "m", "falls with the planning time"},
                   {kEntropy, "entropy of a robot", "nats", "falls with it"}};
@@ -210,14 +207,13 @@ Sweep tracking_noise(const Extent& extent) {
   constexpr std::array<std::array<double, 2>, 4> kNoise = {
       {{0.15, 5.0}, {0.3, 10.0}, {0.6, 20.0}, {1.2, 40.0}}};
   for (const auto& [range_sigma_m, bearing_sigma_deg] : kNoise) {
-    TeamTrial trial;
-    trial.file = "field.yaml";
-    trial.robots = 8;
-    trial.targets = 16;
-    trial.range_sigma_m = range_sigma_m;
-    trial.bearing_sigma_deg = bearing_sigma_deg;
-    trial.communication_range_m = 30.0;
-    sweep.cases.push_back({fmt::format("{},{}", range_sigma_m, bearing_sigma_deg), trial});
+    sweep.cases.push_back({fmt::format("{},{}", range_sigma_m, bearing_sigma_deg),
+                           {.file = "field.yaml",
+                            .communication_range_m = 30.0,
+                            .range_sigma_m = range_sigma_m,
+                            .bearing_sigma_deg = bearing_sigma_deg,
+                            .robots = 8,
+                            .targets = 16}});
   }
   sweep.is_improving = false;
   sweep.trends = {{kRmse, "RMSE of a robot", "m", "rises with the noise"},
@@ -234,10 +230,7 @@ Sweep hardware(const Extent& extent) {
   sweep.figure = "hardware";
   // From the last of the list to the first the text says nothing; ARVI is what it flew.
   for (const char* planner : {"random_walk", "lawn_mower", "greedy", "arvi"}) {
-    TeamTrial trial;
-    trial.file = "lab.yaml";
-    trial.planner = planner;
-    sweep.cases.push_back({planner, trial});
+    sweep.cases.push_back({planner, {.file = "lab.yaml", .planner = planner}});
   }
   sweep.trends = {{kTeamRmse, "RMSE of the team", "m", "a low tracking error (no number)"},
                   {kTeamEntropy, "entropy of the team", "nats", "none"}};

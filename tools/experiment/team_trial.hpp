@@ -17,14 +17,14 @@ inline constexpr double kReferenceNodesPerS = 6.0e6;
 /// A scenario of config/ and what an experiment changes in it.
 struct TeamTrial {
   std::string file;  ///< "field.yaml"
-  std::optional<std::string> planner;
-  std::optional<double> communication_range_m;
+  std::optional<std::string> planner = {};
+  std::optional<double> communication_range_m = {};
   double planning_time_s = 0.5;  ///< T_ARVI, of the whole team
-  std::optional<double> range_sigma_m;
-  std::optional<double> bearing_sigma_deg;
-  std::optional<int> robots;  ///< on a circle around the centre, looking outward
-  std::optional<int> targets;
-  std::optional<double> duration_s;
+  std::optional<double> range_sigma_m = {};
+  std::optional<double> bearing_sigma_deg = {};
+  std::optional<int> robots = {};  ///< on a circle around the centre, looking outward
+  std::optional<int> targets = {};
+  std::optional<double> duration_s = {};
 };
 
 /// The text of a scenario file that comes with vantage. @throws StartupError when it is not there

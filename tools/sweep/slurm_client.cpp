@@ -44,8 +44,7 @@ bool SlurmQueue::is_collector_live() const { return !collector.empty() && is_liv
 
 std::string SlurmQueue::describe() const {
   const auto running = count_of(*this, [](const std::string& state) { return state == "RUNNING"; });
-  return fmt::format("tasks: {} running, {} waiting", running,
-                     count_of(*this, is_live) - running);
+  return fmt::format("tasks: {} running, {} waiting", running, count_of(*this, is_live) - running);
 }
 
 std::string submit_job(const std::vector<std::string>& options, const std::string& script) {
