@@ -65,8 +65,8 @@ struct PlannerCounts {
 ///
 /// In a team that plans by local search (planner.team_algorithm) robots exchange proposals instead,
 /// begin_exchange() … improve(), and each plan does what the solution of its inputs gives the
-/// robot: a motion, which passes the closing check or falls back, or rest. Without a solution the
-/// last plan goes on. A robot that pays for its energy (energy.price_nats > 0) weighs it in
+/// robot: a motion, which passes the closing check or falls back, or rest: so does a robot
+/// without any. A robot that pays for its energy (energy.price_nats > 0) weighs it in
 /// coordinate descent too, where no attacks are expected. Source: docs/decisions/0006.
 class RobotPlanner {
  public:
@@ -123,7 +123,8 @@ class RobotPlanner {
   /// On the spot, by an eighth of a turn: away from the teammate or, once it faces away, on and on,
   /// until some heading has a way out. Turning moves no disc, so it is safe wherever hovering is.
   void turn_away_from(std::size_t teammate, models::RobotPlan& plan);
-  void begin_candidates(const PlanInputs& inputs, const Deadline& deadline);
+  void begin_candidates(const PlanInputs& inputs, const models::Trajectory& committed,
+                        const Deadline& deadline);
   /// Coordinate descent over candidates, what they cost included.
   models::RobotPlan plan_by_worth(const PlanInputs& inputs, const models::Trajectory& committed,
                                   const Deadline& deadline);

@@ -13,13 +13,15 @@ bool RobotPlanner::begin_exchange(const PlanInputs& inputs, const Deadline& dead
     return false;
   }
   set_up_problem(inputs, *committed, all_robots());
-  begin_candidates(inputs, deadline);
+  begin_candidates(inputs, *committed, deadline);
   return true;
 }
 
-void RobotPlanner::begin_candidates(const PlanInputs& inputs, const Deadline& deadline) {
+void RobotPlanner::begin_candidates(const PlanInputs& inputs, const models::Trajectory& committed,
+                                    const Deadline& deadline) {
   TeamExchange::Start start;
   start.round = inputs.slot.round;
+  start.rest = stop_from(committed, committed.start_time, spec_->limits.brake_mps2);
   start.is_safe = [this](const models::Trajectory& motion) { return is_safe(motion); };
   if (inputs.attack) {
     start.jammed = inputs.attack->jammed;
@@ -39,7 +41,7 @@ models::RobotPlan RobotPlanner::plan_by_worth(const PlanInputs& inputs,
                                               const Deadline& deadline) {
   set_up_problem(inputs, committed, {});
   models::RobotPlan plan = blank_plan(inputs);
-  begin_candidates(inputs, deadline);
+  begin_candidates(inputs, committed, deadline);
   plan.nodes = exchange_->nodes();
   std::vector<models::TeamChoice> others;
   std::size_t teammate = 0;  // those of the team come first, in the scenario's order
@@ -48,11 +50,10 @@ models::RobotPlan RobotPlanner::plan_by_worth(const PlanInputs& inputs,
       others.push_back({robot.name, problem_.teammates[teammate++], 0.0, 0.0});
     }
   }
-  const bool has_any = exchange_->candidate_count() > 0;
   if (const auto best = exchange_->best_beside(others)) {
     plan.source = models::PlanSource::kSearched;
     plan.trajectory = best->trajectory;
-  } else if (!has_any || !rest(committed, plan)) {
+  } else if (!rest(committed, plan)) {
     fall_back(committed, plan);
   }
   return plan;
@@ -62,9 +63,9 @@ models::RobotPlan RobotPlanner::plan_of_solution(const PlanInputs& inputs,
                                                  const models::Trajectory& committed) {
   set_up_problem(inputs, committed, {});
   models::RobotPlan plan = blank_plan(inputs);
-  const bool is_known = inputs.solution && inputs.solution->round == inputs.slot.round &&
-                        inputs.solution->stamp.time == inputs.slot.activation;
-  const models::TeamChoice* own = is_known ? inputs.solution->find(spec_->name) : nullptr;
+  const bool is_of_this_round = inputs.solution && inputs.solution->round == inputs.slot.round &&
+                                inputs.solution->stamp.time == inputs.slot.activation;
+  const models::TeamChoice* own = is_of_this_round ? inputs.solution->find(spec_->name) : nullptr;
   if (own != nullptr) {
     const double off_m = (own->trajectory.start.position_m() - committed.start.position_m()).norm();
     if (off_m <= scenario_.planner.tracking_tolerance_m && is_safe(own->trajectory)) {
@@ -73,7 +74,7 @@ models::RobotPlan RobotPlanner::plan_of_solution(const PlanInputs& inputs,
       return plan;
     }
     ++counts_.checks_failed;
-  } else if (is_known && rest(committed, plan)) {
+  } else if (rest(committed, plan)) {
     return plan;
   }
   fall_back(committed, plan);

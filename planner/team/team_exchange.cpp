@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "models/scenario/energy_cost.hpp"
+
 namespace vantage::planner {
 namespace {
 
@@ -77,8 +79,7 @@ void TeamExchange::begin(const SearchProblem& problem, const Start& start,
   for (const models::RobotSpec& each : robots_) {
     setup.robots.push_back(each.name);
   }
-  for (Candidate& candidate : found) {
-    models::Trajectory motion = motion_of(problem_, candidate);
+  const auto add = [&](models::Trajectory motion, Candidate candidate) {
     if (start.is_safe(motion)) {
       if (is_jammed(spec.name)) {
         candidate.looks.clear();
@@ -86,8 +87,15 @@ void TeamExchange::begin(const SearchProblem& problem, const Start& start,
       setup.own.push_back({spec.name, std::move(motion), 0.0, 0.0});
       setup.problem.candidates[static_cast<std::size_t>(robot_)].push_back(std::move(candidate));
     }
+  };
+  add(start.rest, make_candidate(problem_, &spec.sensor, start.rest,
+                                 spec.energy.price_nats * problem_.horizon_steps *
+                                     models::step_cost(spec.energy, problem_.world, {0.0, 0.0},
+                                                       problem_.start.position_m())));
+  for (Candidate& candidate : found) {
+    models::Trajectory motion = motion_of(problem_, candidate);
+    add(std::move(motion), std::move(candidate));
   }
-  candidate_count_ = static_cast<std::int64_t>(setup.own.size());
   setup.effect_of = [this](const models::TeamChoice& choice) { return effect_of(choice); };
   setup.keep_apart = [this](const models::TeamChoice& a, const models::TeamChoice& b) {
     return models::keeps_separation(a.trajectory, b.trajectory, problem_.start_time,

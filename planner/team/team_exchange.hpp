@@ -28,6 +28,8 @@ class TeamExchange {
   /// What a round begins with, besides the problem.
   struct Start {
     std::int64_t round = 0;
+    /// Stopping and hovering: a candidate too, for it may see something.
+    models::Trajectory rest;
     std::vector<std::string> jammed;  ///< robots that see nothing
     /// The closing check of a motion of this robot.
     std::function<bool(const models::Trajectory&)> is_safe;
@@ -47,7 +49,6 @@ class TeamExchange {
   /// nullopt when each would take away. Ends the round.
   std::optional<models::TeamChoice> best_beside(const std::vector<models::TeamChoice>& others);
 
-  [[nodiscard]] std::int64_t candidate_count() const { return candidate_count_; }
   /// Of the search for the candidates: the node budget that repeats it.
   [[nodiscard]] std::int64_t nodes() const { return nodes_; }
 
@@ -66,7 +67,6 @@ class TeamExchange {
   std::vector<std::string> jammed_;
   std::int64_t round_ = 0;
   std::int64_t nodes_ = 0;
-  std::int64_t candidate_count_ = 0;
   std::optional<LocalSearchSession> session_;
 };
 

@@ -150,7 +150,7 @@ TEST(RobotPlanner, FliesWhatTheTeamAgreedOn) {
         EXPECT_EQ(models::at(plan.trajectory, Time::max()).world_from_body.x_m,
                   models::at(choice->trajectory, Time::max()).world_from_body.x_m);
         EXPECT_GT(choice->information_nats, choice->energy_nats) << "worth its energy alone";
-        ++flown;
+        flown += choice->energy_nats > 0.0 ? 1 : 0;
       } else {
         EXPECT_TRUE(plan.trajectory.segments.empty()) << "it stood and rests";
         ++rests;
@@ -242,7 +242,7 @@ TEST(RobotPlanner, WeighsItsEnergyInCoordinateDescentToo) {
   scenario.planner.team_algorithm = models::TeamAlgorithm::kCoordinateDescent;
   const Deadline deadline = Deadline::nodes(scenario.planner.node_budget);
   int moving = 0;
-  for (unsigned seed = 0; seed < 10; ++seed) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
     std::vector<double> ways_m;
     for (const double price_nats : {1e-9, 1e6}) {
       scenario.robots[0].energy.price_nats = price_nats;
@@ -262,34 +262,39 @@ TEST(RobotPlanner, WeighsItsEnergyInCoordinateDescentToo) {
     moving += ways_m[0] > 0.5 ? 1 : 0;
     EXPECT_EQ(ways_m[1], 0.0) << "nothing is worth that";
   }
-  EXPECT_GE(moving, 5);
+  EXPECT_GE(moving, 4);
 }
 
-TEST(RobotPlanner, GoesOnWithItsPlanWithoutASolutionAndRestsWhereOthersKnowNothingOfIt) {
+TEST(RobotPlanner, RestsWithoutASolutionOfThisRoundOrAPlaceInIt) {
   const models::Scenario scenario = energy_scenario();
-  Round round(scenario, 3);
-  round.exchange(0.0);
-  round.plan();
-  RobotPlanner alone(scenario, "Q1");
-  PlanInputs inputs = round.inputs_of(0);
-  inputs.own_plan = round.plans_.at("Q1");
-  inputs.slot.round += 1;
-  inputs.slot.activation += from_seconds(1.0);
-  ASSERT_TRUE(inputs.solution);  // of the last round: as good as none
-  const auto plan = alone.plan(inputs, Deadline::never());
-  ASSERT_TRUE(plan);
-  EXPECT_EQ(plan->source, models::PlanSource::kShifted);
-  inputs.solution->round += 1;
-  inputs.solution->stamp.time = inputs.slot.activation;
-  std::erase_if(inputs.solution->choices, [](const auto& each) { return each.robot == "Q1"; });
-  const auto rest = alone.plan(inputs, Deadline::never());
-  ASSERT_TRUE(rest);
-  EXPECT_EQ(alone.counts().rests, 1);
-  EXPECT_LE((models::at(rest->trajectory, Time::max()).world_from_body.position_m() -
-             rest->trajectory.start.position_m())
-                .norm(),
-            0.26)
-      << "v² / 2a";
+  int moving = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    Round round(scenario, seed);
+    round.exchange(0.0);
+    round.plan();
+    PlanInputs inputs = round.inputs_of(0);
+    inputs.own_plan = round.plans_.at("Q1");
+    inputs.slot.round += 1;
+    inputs.slot.activation += from_seconds(1.0);
+    for (const bool is_of_this_round : {false, true}) {
+      if (is_of_this_round) {
+        inputs.solution->round += 1;
+        inputs.solution->stamp.time = inputs.slot.activation;
+        std::erase_if(inputs.solution->choices,
+                      [](const auto& each) { return each.robot == "Q1"; });
+      }
+      RobotPlanner planner(scenario, "Q1");
+      const auto plan = planner.plan(inputs, Deadline::never());
+      ASSERT_TRUE(plan);
+      EXPECT_EQ(planner.counts().rests, 1);
+      const double way_m = (models::at(plan->trajectory, Time::max()).world_from_body.position_m() -
+                            plan->trajectory.start.position_m())
+                               .norm();
+      EXPECT_LE(way_m, 0.26) << "v² / 2a";
+      moving += way_m > 0.1 ? 1 : 0;
+    }
+  }
+  EXPECT_GE(moving, 1);
 }
 
 }  // namespace
