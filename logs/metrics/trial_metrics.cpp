@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "models/scenario/energy_cost.hpp"
+#include "models/scenario/search_name.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -28,9 +29,7 @@ TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
       robot_sums_(static_cast<int>(scenario.targets.size()), position_dim_, prior_entropy_nats_) {
   summary_.seed = scenario.seed;
   summary_.scenario = scenario.name;
-  summary_.algorithm = scenario.planner.objective == models::PlanObjective::kMapping
-                           ? "mapping"
-                           : models::name_of(scenario.planner.algorithm);
+  summary_.algorithm = models::search_name(scenario.planner);
   summary_.targets = static_cast<int>(scenario.targets.size());
   for (const models::TargetSpec& target : scenario.targets) {
     TargetStatus& status = targets_.emplace_back();

@@ -8,6 +8,7 @@
 #include "drivers/quadrotor/safety/limits.hpp"
 #include "drivers/quadrotor/safety/plan_check.hpp"
 #include "models/plan/plan.hpp"
+#include "models/scenario/search_name.hpp"
 #include "models/world/world.hpp"
 #include "tools/up/process_plan.hpp"
 
@@ -68,8 +69,8 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
                                  ? fmt::format("{} nodes a slot", planner.node_budget)
                                  : fmt::format("{:g} s for the team", planner.team_budget_s);
   out.push_back(fmt::format("planner {}: horizon {} x {:g} s, a round each {:g} s, {}",
-                            models::name_of(planner.algorithm), planner.horizon_steps,
-                            planner.step_s, round_s, budget));
+                            models::search_name(planner), planner.horizon_steps, planner.step_s,
+                            round_s, budget));
 }
 
 void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "models/scenario/search_name.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -40,8 +42,7 @@ std::vector<std::string> status_table(const models::Scenario& scenario,
                                       const logs::TrialMetrics& metrics, double elapsed_s) {
   std::vector<std::string> out;
   out.push_back(fmt::format("{} with {}   {:.0f} s of {:g} s", scenario.name,
-                            models::name_of(scenario.planner.algorithm), elapsed_s,
-                            scenario.duration_s));
+                            models::search_name(scenario.planner), elapsed_s, scenario.duration_s));
   out.emplace_back();
   out.push_back(fmt::format("{:<8} {:>10} {:>9} {:>9} {:>14}  {}", "target", "found at", "error",
                             "sigma", "entropy", "best known by"));

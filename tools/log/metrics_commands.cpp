@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "logs/analysis/log_analysis.hpp"
+#include "models/scenario/search_name.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/log/log_commands.hpp"
@@ -67,7 +68,7 @@ int plot(const MetricsArguments& arguments) {
   const std::string script = std::filesystem::path(arguments.output).replace_extension(".gp");
   const std::string title =
       fmt::format("{}: {} with {}", std::filesystem::path(arguments.log).filename().string(),
-                  scenario.name, models::name_of(scenario.planner.algorithm));
+                  scenario.name, models::search_name(scenario.planner));
   const Result<std::string> drawn =
       draw_plot(plot_script(analysis, title, arguments.output), script, arguments.output);
   if (!drawn.ok()) {
