@@ -131,8 +131,9 @@ double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
         M += problem.fixed_information[m][t];
       }
       const models::PositionVector mean_m = belief.mean.head(p);
-      if (problem.world == nullptr ||
-          models::line_of_sight(*problem.world, poses[t].position_m(), mean_m.head<2>())) {
+      if (const models::World* const world = sight_world(problem);
+          world == nullptr ||
+          models::line_of_sight(*world, poses[t].position_m(), mean_m.head<2>())) {
         for (const models::SensorModel& sensor : problem.sensors) {
           M += models::information(sensor, {poses[t], problem.height_m}, mean_m);
         }

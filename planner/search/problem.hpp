@@ -49,6 +49,7 @@ struct SearchProblem {
   const models::World* world = nullptr;          ///< null: unbounded and empty
   const models::DistanceField* field = nullptr;  ///< of `world`; null: slower, same answers
   double clearance_m = 0.0;                      ///< the disc around the robot that must be free
+  bool obstacles_block_sight = true;             ///< false: sensors see over or through them
 
   /// Teammates' committed motion, to be kept at `separation_m` in space; kept_separation_m() says
   /// what that means for a robot that starts nearer.
@@ -58,6 +59,11 @@ struct SearchProblem {
   double brake_mps2 = 0.0;
   double start_speed_mps = 0.0;  ///< at `start`, for the stop of a plan that moves no more
 };
+
+/// What stands between sensors and targets: the world, or null.
+inline const models::World* sight_world(const SearchProblem& problem) {
+  return problem.obstacles_block_sight ? problem.world : nullptr;
+}
 
 /// What a plan keeps from teammate i: `separation_m` or, if it is nearer when the plan starts, that
 /// distance less a centimetre. Whoever has come too near may leave, and comes no nearer.

@@ -44,7 +44,8 @@ void SightTable::reset(const SearchProblem& problem) {
     range_max_m_ = std::max(range_max_m_, model.range_max_m);
     sensors_.push_back(sensor);
   }
-  has_obstacles_ = problem.world != nullptr && !problem.world->obstacles.empty();
+  const models::World* const world = sight_world(problem);
+  has_obstacles_ = world != nullptr && !world->obstacles.empty();
 }
 
 bool SightTable::look_planar(const Sensor& sensor, double dx_m, double dy_m, double cos_yaw,

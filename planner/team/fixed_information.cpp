@@ -25,7 +25,7 @@ std::vector<std::vector<models::PositionMatrix>> fixed_information(
         }
         const models::Viewpoint from{models::at(teammate.trajectory, when).world_from_body,
                                      teammate.trajectory.height_m};
-        fixed[m][t] += look(problem.world, {&teammate.sensor, 1}, from, position_m);
+        fixed[m][t] += look(sight_world(problem), {&teammate.sensor, 1}, from, position_m);
       }
     }
   }

@@ -93,7 +93,7 @@ std::vector<models::Gaussian> look_from(const planner::SearchProblem& problem,
         belief.covariance = models::update_covariance(belief.covariance, fixed);
       }
     }
-    if (problem.world == nullptr ||
+    if (problem.world == nullptr || !problem.obstacles_block_sight ||
         models::line_of_sight(*problem.world, pose.position_m(), mean_m.head<2>())) {
       for (const models::SensorModel& sensor : problem.sensors) {
         belief.covariance = models::update_covariance(

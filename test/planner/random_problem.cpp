@@ -155,6 +155,7 @@ OwnedProblem random_problem(std::uint64_t seed) {
   }
   if (pick(rng, 0, 2) > 0) {
     add_world(rng, owned);
+    problem.obstacles_block_sight = seed % 4 != 0;
   }
   if (pick(rng, 0, 2) == 0) {
     add_fixed_information(rng, problem);

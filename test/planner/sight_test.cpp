@@ -85,7 +85,7 @@ TEST(SightTable, TellsWhatTheModelsTellOneByOne) {
       const models::PositionMatrix M =
           from_models(owned.problem, at, target_m.head(spatial ? 3 : 2));
       const bool hidden =
-          owned.problem.world != nullptr &&
+          sight_world(owned.problem) != nullptr &&
           !models::line_of_sight(*owned.problem.world, at.position_m(), target_m.head<2>());
       PackedInformation packed;
       const bool seen =
@@ -112,7 +112,8 @@ TEST(SightTable, SeesByTheFieldWhatItSeesWithout) {
   int hidden = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     const OwnedProblem owned = test::random_problem(seed);
-    if (owned.field == nullptr || owned.world->obstacles.empty()) {
+    if (owned.field == nullptr || owned.world->obstacles.empty() ||
+        sight_world(owned.problem) == nullptr) {
       continue;
     }
     sight.reset(owned.problem);

@@ -63,7 +63,7 @@ class CandidateMaker {
         }
         const models::PositionVector target_m = mean_m.head(spatial ? 3 : 2);
         const models::PositionMatrix M =
-            look(problem_.world, problem_.sensors, {poses[t], problem_.height_m}, target_m);
+            look(sight_world(problem_), problem_.sensors, {poses[t], problem_.height_m}, target_m);
         if (M.isZero(0.0)) {
           continue;
         }
