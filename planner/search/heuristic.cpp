@@ -85,7 +85,7 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
         stays && (target.model.q == 0.0 || target.model.kind == models::TargetKind::kStatic);
     only_own_looks_.push_back(still && !fixed ? 1 : 0);
   }
-  ways_.reset(problem.world, points_);
+  ways_.reset(sight_world(problem), points_);  // sight that passes cuts them short
   slots_.assign(index(targets), -1);
 
   open_loop_rests_.assign(index(targets) * index(horizon_ + 1), 0.0);

@@ -23,6 +23,10 @@ const std::vector<Experiment>& all_experiments() {
        resilient_tracking},
       {"resilient-mapping", "Mapping under attack, RAIN against coordinate descent (Fig. 4.4, 4.5)",
        resilient_mapping},
+      {"surveillance", "Watching a camp under attack, RAIN against coordinate descent (Fig. 4.7)",
+       surveillance},
+      {"resilient-hardware", "Two robots, two targets, one sensor always jammed (Fig. 4.9)",
+       resilient_hardware},
   };
   return experiments;
 }

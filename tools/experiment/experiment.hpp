@@ -32,5 +32,9 @@ Sweep heterogeneous(const Extent& extent);
 Sweep resilient_tracking(const Extent& extent);
 /// Fig. 4.4 and 4.5: mapping under attack, RAIN against coordinate descent.
 Sweep resilient_mapping(const Extent& extent);
+/// Fig. 4.7: a camp watched over under attack, planned anew every 1 to 10 steps.
+Sweep surveillance(const Extent& extent);
+/// Fig. 4.9: two robots and two targets, one robot jammed at all times, simulated.
+Sweep resilient_hardware(const Extent& extent);
 
 }  // namespace vantage::tools

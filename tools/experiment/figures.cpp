@@ -213,6 +213,63 @@ std::string active_mapping_figures() {
 )gp");
 }
 
+std::string surveillance_figures() {
+  return figure("surveillance-intervals", "1000,760", R"gp(
+  by(m) = sprintf("< awk -F, '$2 == 2 && $3 == \"%s\"' summary.csv", m)
+  colour(m) = m eq 'rain' ? '#009E73' : '#D55E00'
+  called(m) = m eq 'rain' ? 'RAIN' : 'coordinate descent'
+  set multiplot layout 2,2
+  set key bottom left samplen 2
+  set xlabel 'T_{REPLAN} [steps]'; set xrange [0.5:10.5]; set xtics 1
+  set ylabel 'steps, mean of trials, 95 % interval'; set yrange [0:*]
+  array what[4] = ['between two observations', 'with the waits at both ends', 'the same, by landmark', 'since the last observation']
+  do for [k=1:4] {
+    set title what[k]
+    plot for [m in 'cd rain'] by(m) using 1:(column(3 + 2 * k)):(column(4 + 2 * k)) with yerrorlines pt 7 ps 0.6 lw 2 lc rgb colour(m) title called(m)
+  }
+)gp") + figure("surveillance-camp", "1500,640", R"gp(
+  set datafile separator whitespace
+  boxes(kind) = sprintf("< awk '$1 == \"%s\"' boxes.txt", kind)
+  of(m, i) = sprintf("< awk '$1 == %d && $2 <= 100' ways_%s.txt", i, m)
+  array hue[5] = ['#0072B2', '#009E73', '#CC79A7', '#E69F00', '#56B4E9']
+  set multiplot layout 1,2
+  set size ratio -1; set xrange [0:120]; set yrange [0:90]
+  set xlabel "x [m]"; set ylabel "y [m]"; set key outside bottom center horizontal
+  do for [m in "cd rain"] {
+    set title (m eq "cd" ? "coordinate descent" : "RAIN").", 2 of 5 attacked, T_{REPLAN} = 5: the first 100 steps"
+    plot boxes("building") using 2:3:2:4:3:5 with boxxyerror fs solid 0.5 noborder lc rgb "#888888" title "buildings", \
+      boxes("tree") using 2:3:2:4:3:5 with boxxyerror fs solid 0.6 noborder lc rgb "#3a7d34" title "trees", \
+      for [i=0:4] of(m, i) using 3:4 with lines lw 1.5 lc rgb hue[i + 1] title sprintf("robot %d", i + 1), \
+      for [i=0:4] of(m, i) using 3:($5 == 1 ? $4 : 1/0) with points pt 7 ps 0.35 lc rgb "#D55E00" title (i == 0 ? "attacked" : ""), \
+      "landmarks.txt" using 1:2 with points pt 2 ps 1.2 lw 2 lc rgb "black" title "landmarks"
+  }
+)gp");
+}
+
+std::string resilient_hardware_figure() {
+  return figure("resilient-hardware", "1200,900", R"gp(
+  set datafile separator whitespace
+  of(m, i) = sprintf("< awk '$1 == %d' ways_first_%s.txt", i, m)
+  called(m) = m eq "cd" ? "without resilience" : "RAIN"
+  set multiplot layout 3,2
+  do for [m in "cd rain"] {
+    set title called(m).", robot 1 jammed"
+    set size ratio -1; set xrange [-4:4]; set yrange [-2:2]; set xlabel "x [m]"; set ylabel "y [m]"
+    set key outside bottom center horizontal; set object 1 circle at -2,0 size 1 fs empty border lc rgb "#009E73"; set object 2 circle at 2,0 size 1 fs empty border lc rgb "#009E73"
+    plot of(m, 0) using 3:4 with lines lw 1.5 lc rgb "#D55E00" title "robot 1", of(m, 1) using 3:4 with lines lw 1.5 lc rgb "#0072B2" title "robot 2", \
+      "+" using (-2):(0) every 1000 with points pt 7 ps 1.5 lc rgb "#009E73" title "targets", "+" using (2):(0) every 1000 with points pt 7 ps 1.5 lc rgb "#009E73" notitle
+  }
+  unset object 1; unset object 2
+  set size noratio; set xrange [0:120]; set yrange [0:8]; set xlabel "time [s]"
+  do for [i=0:1] { do for [m in "cd rain"] {
+    set title called(m).sprintf(": robot %d%s", i + 1, i == 0 ? ", jammed" : "")
+    set ylabel "distance [m]"; set key inside top right horizontal
+    plot of(m, i) using (0.5 * $2):5 with lines lw 2 lc rgb "#0072B2" title "to the left target", of(m, i) using (0.5 * $2):6 with lines lw 2 lc rgb "#E69F00" title "to the right", \
+      1 with lines dt 2 lc rgb "#666666" title "range"
+  } }
+)gp");
+}
+
 std::string team_figure(const std::string& name, const std::string& axis,
                         const std::string& columns) {
   const bool is_pair = columns.find(',') != std::string::npos;

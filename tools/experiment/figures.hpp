@@ -22,4 +22,10 @@ std::string active_mapping_figures();
 std::string team_figure(const std::string& name, const std::string& axis,
                         const std::string& columns);
 
+/// Of surveillance: the measures against T_REPLAN from summary.csv, α = 2; the camp and the ways of
+/// one trial.
+std::string surveillance_figures();
+/// Of resilient-hardware: ways of one trial and distances to both targets, both planners.
+std::string resilient_hardware_figure();
+
 }  // namespace vantage::tools
