@@ -37,9 +37,8 @@ inline models::Scenario lab_scenario() {
   return scenario;
 }
 
-/// What robot `index` hears in its first round: everybody at their starts, and five targets as
-/// `seed` says.
-inline PlanInputs first_inputs(const models::Scenario& scenario, std::size_t index, unsigned seed) {
+/// What robot `index` hears in its first round: everybody at their starts.
+inline PlanInputs first_inputs(const models::Scenario& scenario, std::size_t index) {
   PlanInputs inputs;
   constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
   inputs.slot = RoundSchedule(scenario.planner, static_cast<int>(index),
@@ -51,6 +50,12 @@ inline PlanInputs first_inputs(const models::Scenario& scenario, std::size_t ind
     mocap.bodies.push_back({robot.name, lift(robot.start, robot.height_m), false});
   }
   inputs.mocap = mocap;
+  return inputs;
+}
+
+/// The same, and five targets as `seed` says.
+inline PlanInputs first_inputs(const models::Scenario& scenario, std::size_t index, unsigned seed) {
+  PlanInputs inputs = first_inputs(scenario, index);
   models::RobotBelief belief;
   belief.stamp.time = inputs.slot.begin;
   std::mt19937_64 rng(seed);

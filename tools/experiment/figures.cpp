@@ -215,7 +215,7 @@ std::string active_mapping_figures() {
 
 std::string surveillance_figures() {
   return figure("surveillance-intervals", "1000,760", R"gp(
-  by(m) = sprintf("< awk -F, '$2 == 2 && $3 == \"%s\"' summary.csv", m)
+  by(m) = sprintf("< awk -F, '$1 == \"greedy\" && $3 == 2 && $4 == \"%s\"' summary.csv", m)
   colour(m) = m eq 'rain' ? '#009E73' : '#D55E00'
   called(m) = m eq 'rain' ? 'RAIN' : 'coordinate descent'
   set multiplot layout 2,2
@@ -225,7 +225,7 @@ std::string surveillance_figures() {
   array what[4] = ['between two observations', 'with the waits at both ends', 'the same, by landmark', 'since the last observation']
   do for [k=1:4] {
     set title what[k]
-    plot for [m in 'cd rain'] by(m) using 1:(column(3 + 2 * k)):(column(4 + 2 * k)) with yerrorlines pt 7 ps 0.6 lw 2 lc rgb colour(m) title called(m)
+    plot for [m in 'cd rain'] by(m) using 2:(column(4 + 2 * k)):(column(5 + 2 * k)) with yerrorlines pt 7 ps 0.6 lw 2 lc rgb colour(m) title called(m)
   }
 )gp") + figure("surveillance-camp", "1500,640", R"gp(
   set datafile separator whitespace

@@ -7,7 +7,6 @@
 #include "models/belief/gaussian.hpp"
 #include "models/world/grid.hpp"
 #include "planner/search/arvi.hpp"
-#include "planner/team/decision/attack.hpp"
 #include "planner/team/decision/resilient.hpp"
 #include "planner/team/fixed_information.hpp"
 
@@ -177,7 +176,9 @@ class LandmarkWatch {
       team.candidates.push_back({planner::make_candidate(robot.problem, {}, robot.plan)});
     }
     const planner::TeamOracle oracle(team);
-    for (const int robot : planner::greedy_attack(oracle, everybody, setting_.attacks).robots) {
+    const planner::Attack attack =
+        planner::attack_by(setting_.attacker, oracle, everybody, setting_.attacks);
+    for (const int robot : attack.robots) {
       attacked_[index(robot)] = 1;
     }
   }

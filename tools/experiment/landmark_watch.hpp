@@ -11,6 +11,7 @@
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 #include "models/world/world.hpp"
+#include "planner/team/decision/attack.hpp"
 
 namespace vantage::tools {
 
@@ -29,8 +30,9 @@ struct WatchSetting {
   int plan_steps = 10;
   int replan_steps = 10;  ///< ≤ plan_steps
   int attacks = 0;        ///< α of a resilient team, and how many sensors are taken
-  /// The robot whose sensor is always taken; −1: those `attacks` whose plans, at each planning,
-  /// would bring most (greedily found), until the next planning.
+  planner::Attacker attacker = planner::Attacker::kGreedy;
+  /// The robot whose sensor is always taken; −1: those `attacks` that the attacker chooses at each
+  /// planning, until the next.
   int jammed_robot = -1;
   double delta_m = 2.0;  ///< of the reduced value iteration that makes the plans
 };

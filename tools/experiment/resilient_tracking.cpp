@@ -6,7 +6,6 @@
 #include "models/motion/unicycle.hpp"
 #include "models/world/grid.hpp"
 #include "planner/search/beam.hpp"
-#include "planner/team/decision/attack.hpp"
 #include "planner/team/decision/resilient.hpp"
 #include "planner/team/fixed_information.hpp"
 
@@ -152,16 +151,11 @@ class TrackingTask {
     }
     const planner::TeamOracle oracle(team);
     attacked_.assign(plans_.size(), 0);
-    for (const int robot : attack(oracle, everybody)) {
+    const planner::Attack attack =
+        planner::attack_by(setting_.attacker, oracle, everybody, setting_.attacks);
+    for (const int robot : attack.robots) {
       attacked_[index(robot)] = 1;
     }
-  }
-
-  [[nodiscard]] std::vector<int> attack(const planner::TeamOracle& oracle,
-                                        const planner::Choice& plans) const {
-    return setting_.attacker == Attacker::kGreedy
-               ? planner::greedy_attack(oracle, plans, setting_.attacks).robots
-               : planner::attack_on_best_alone(oracle, plans, setting_.attacks).robots;
   }
 
   void note(TrackingRun& run) const {

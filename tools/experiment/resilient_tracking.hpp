@@ -3,22 +3,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "planner/team/decision/attack.hpp"
 #include "tools/experiment/tracked_targets.hpp"
 
 namespace vantage::tools {
-
-/// Whom the attacker takes, knowing the team's plans.
-enum class Attacker {
-  kGreedy,     ///< one after another the robot without which the team's plans are left worth least
-  kBestAlone,  ///< the robots whose plans alone are worth most: whom RAIN expects him to take
-};
 
 /// One row of Table 4.1, and how it is run.
 struct TrackingSetting {
   int robots = 10;
   int targets = 10;
   int attacks = 2;  ///< α: of the attacker, and what a resilient team plans for
-  Attacker attacker = Attacker::kGreedy;
+  planner::Attacker attacker = planner::Attacker::kGreedy;
   int task_steps = 500;
   int plan_steps = 25;                    ///< T_PLAN = T_REPLAN
   std::int64_t nodes_per_plan = 100'000;  ///< of one robot's search

@@ -1,8 +1,10 @@
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
+#include "tools/experiment/attackers.hpp"
 #include "tools/experiment/camp_world.hpp"
 #include "tools/experiment/experiment.hpp"
 #include "tools/experiment/figures.hpp"
@@ -22,30 +24,34 @@ constexpr double kSmokeDelta_m = 4.0;
 
 // Settings come in pairs: coordinate descent, RAIN.
 struct WatchCase {
+  NamedAttacker attacker;
   int replan_steps;
   int attacks;
   bool is_rain;
   [[nodiscard]] std::string cells() const {
-    return fmt::format("{},{},{}", replan_steps, attacks, is_rain ? "rain" : "cd");
+    return fmt::format("{},{},{},{}", attacker.name, replan_steps, attacks,
+                       is_rain ? "rain" : "cd");
   }
   [[nodiscard]] bool is_drawn() const {
-    return replan_steps == kDrawnReplan && attacks == kAttacks;
+    return attacker.attacker == kAttackers.front().attacker && replan_steps == kDrawnReplan &&
+           attacks == kAttacks;
   }
 };
 
+// For each attacker all values of T_REPLAN; then other numbers of attacks, by the first attacker.
 std::vector<WatchCase> all_cases() {
-  std::vector<std::array<int, 2>> pairs;
-  for (int replan_steps = 1; replan_steps <= kReplanMax; ++replan_steps) {
-    pairs.push_back({replan_steps, kAttacks});
-  }
-  for (const int attacks : {kAttacks - 1, kAttacks + 1}) {
-    pairs.push_back({kDrawnReplan, attacks});
-  }
   std::vector<WatchCase> cases;
-  for (const auto& [replan_steps, attacks] : pairs) {
-    cases.push_back({replan_steps, attacks, false});
-    cases.push_back({replan_steps, attacks, true});
+  const auto add = [&](const NamedAttacker& attacker, int replan_steps, int attacks) {
+    cases.push_back({attacker, replan_steps, attacks, false});
+    cases.push_back({attacker, replan_steps, attacks, true});
+  };
+  for (const NamedAttacker& attacker : kAttackers) {
+    for (int replan_steps = 1; replan_steps <= kReplanMax; ++replan_steps) {
+      add(attacker, replan_steps, kAttacks);
+    }
   }
+  add(kAttackers.front(), kDrawnReplan, kAttacks - 1);
+  add(kAttackers.front(), kDrawnReplan, kAttacks + 1);
   return cases;
 }
 
@@ -62,6 +68,7 @@ constexpr std::array<std::pair<Measure, const char*>, 4> kCompared = {
 
 WatchSetting setting_of(const WatchCase& of, bool is_smoke) {
   WatchSetting setting = surveillance_setting(of.replan_steps, of.attacks);
+  setting.attacker = of.attacker.attacker;
   if (is_smoke) {
     setting.task_steps = kSmokeSteps;
     setting.delta_m = kSmokeDelta_m;
@@ -125,7 +132,7 @@ std::vector<Runs> runs_of(const Tables& tables, std::size_t settings) {
 }
 
 std::string summary_csv(const std::vector<WatchCase>& cases, const std::vector<Runs>& runs) {
-  std::string text = "replan_steps,attacks,method,trials";
+  std::string text = "attacker,replan_steps,attacks,method,trials";
   for (const std::string& column : cells_of(kColumns)) {
     text += fmt::format(",{0},{0}_ci95", column);
   }
@@ -171,10 +178,12 @@ std::map<std::string, std::string> way_files(const Tables& tables,
   return files;
 }
 
-void compare(const std::vector<WatchCase>& cases, const std::vector<Runs>& runs, Summary& summary) {
-  for (const auto& [measure, what] : kCompared) {
+// `runs` of one attacker: pairs by T_REPLAN.
+void compare(const NamedAttacker& attacker, std::span<const Runs> runs, Summary& summary) {
+  for (const auto& [measure, called] : kCompared) {
+    const std::string what = fmt::format("attacked: {}: {}", attacker.text, called);
     int better = 0;
-    for (std::size_t i = 0; i < 2 * kReplanMax; i += 2) {
+    for (std::size_t i = 0; i < runs.size(); i += 2) {
       better += share_less(runs[i], runs[i + 1], measure) > 0.0 ? 1 : 0;
     }
     summary.compared.push_back(
@@ -185,14 +194,18 @@ void compare(const std::vector<WatchCase>& cases, const std::vector<Runs>& runs,
     summary.compared.push_back(compare_claim(fmt::format("{}: less by RAIN at T_REPLAN = 1", what),
                                              fmt::format("{:.1f} %", at_one), "≥ 24 %",
                                              at_one >= 24.0));
-    const double at_last = share_less(runs[2 * kReplanMax - 2], runs[2 * kReplanMax - 1], measure);
+    const double at_last = share_less(runs[runs.size() - 2], runs.back(), measure);
     summary.compared.push_back(compare_claim(
         fmt::format("{}: RAIN's gain at T_REPLAN = 10 above that at 1", what),
         fmt::format("{:.1f} % and {:.1f} %", at_last, at_one), "it grows", at_last > at_one));
   }
+}
+
+void add_lines(const std::vector<WatchCase>& cases, const std::vector<Runs>& runs,
+               Summary& summary) {
   for (std::size_t i = 0; i + 1 < cases.size(); i += 2) {
-    std::string line =
-        fmt::format("T_REPLAN = {}, α = {}:", cases[i].replan_steps, cases[i].attacks);
+    std::string line = fmt::format("T_REPLAN = {}, α = {}, attacked: {}:", cases[i].replan_steps,
+                                   cases[i].attacks, cases[i].attacker.text);
     for (const auto& [measure, what] : kCompared) {
       line += fmt::format(" {} {} (CD), {} (RAIN), by trial {} less ({:.0f} %);", what,
                           mean_text(sample_of(runs[i][measure])),
@@ -212,7 +225,11 @@ Summary summarise(const Tables& tables) {
   summary.files["summary.csv"] = summary_csv(cases, runs);
   summary.figure_script = surveillance_figures();
   summary.figures = {"surveillance-intervals", "surveillance-camp"};
-  compare(cases, runs, summary);
+  constexpr std::size_t kOfAttacker = 2 * kReplanMax;
+  for (std::size_t i = 0; i < kAttackers.size(); ++i) {
+    compare(kAttackers[i], std::span(runs).subspan(i * kOfAttacker, kOfAttacker), summary);
+  }
+  add_lines(cases, runs, summary);
   summary.choices = {
       "Robots and attacks are not printed: five as in the picture, two of them attacked "
       "(\"some\"); "
@@ -220,7 +237,8 @@ Summary summarise(const Tables& tables) {
       "The camp is ours: 120 × 90 m, fifteen buildings with a landmark each, 24 trees.",
       "σ of the range is not printed: that of the tracking, 0.15 m; prior of 1 m.",
       "Plans hold each landmark's k as it is when they are made.",
-      "The attacker chooses at each planning by what the whole plans would bring, greedily.",
+      "The attacker chooses at each planning by what the whole plans would bring, greedily; "
+      "all is run as well with one who takes the robots whose plans alone are worth most.",
       "Steps without an end are counted as said for each measure: see landmark_watch.hpp."};
   return summary;
 }
@@ -229,7 +247,7 @@ Summary summarise(const Tables& tables) {
 
 Sweep surveillance(const Extent& extent) {
   Sweep sweep;
-  sweep.plan.setting_columns = "replan_steps,attacks,method";
+  sweep.plan.setting_columns = "attacker,replan_steps,attacks,method";
   const std::vector<WatchCase> cases = all_cases();
   for (const WatchCase& of : cases) {
     sweep.plan.settings.push_back({of.cells()});

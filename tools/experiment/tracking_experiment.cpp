@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/experiment/attackers.hpp"
 #include "tools/experiment/experiment.hpp"
 #include "tools/experiment/figures.hpp"
 #include "tools/experiment/resilient_tracking.hpp"
@@ -37,16 +38,6 @@ constexpr std::array<TableRow, 9> kTable = {{{5, 10, 1, {0.28, 0.19}, {9.62, 2.0
                                              {10, 10, 2, {0.13, 0.08}, {1.4, 1.32}},
                                              {10, 10, 4, {0.24, 0.23}, {4.19, 2.66}},
                                              {10, 10, 6, {4.39, 1.2}, {69.77, 26.4}}}};
-
-struct AttackerName {
-  Attacker attacker;
-  const char* name;
-  const char* text;
-};
-
-constexpr std::array<AttackerName, 2> kAttackers = {
-    {{Attacker::kGreedy, "greedy", "greatest loss to the team, greedily"},
-     {Attacker::kBestAlone, "best_alone", "robots whose plans alone are worth most"}}};
 
 // Settings are the attackers, for each the rows, each by both methods.
 std::size_t attacker_of(std::size_t setting) { return setting / (2 * kTable.size()); }
@@ -82,7 +73,7 @@ UnitRows run_unit(TrackingSetting setting, std::size_t index, std::uint64_t seed
   rows.tables["runs"] = {fmt::format("{:.6f},{:.6f},{:.6f}", mean_of(run.rmse_m),
                                      *std::max_element(run.rmse_m.begin(), run.rmse_m.end()),
                                      mean_of(run.entropy_nats))};
-  const bool is_drawn = row.is_drawn() && setting.attacker == Attacker::kGreedy;
+  const bool is_drawn = row.is_drawn() && setting.attacker == planner::Attacker::kGreedy;
   for (std::size_t t = 0; is_drawn && t < run.rmse_m.size(); ++t) {
     rows.tables["steps"].push_back(
         fmt::format("{},{:.6f},{:.6f}", t + 1, run.rmse_m[t], run.entropy_nats[t]));
@@ -151,7 +142,7 @@ bool is_rain_better(const RowSamples& row) {
   return row.mean_m[1].mean() < row.mean_m[0].mean() && row.peak_m[1].mean() < row.peak_m[0].mean();
 }
 
-void compare_table(const TableSamples& samples, const AttackerName& attacker, Summary& summary) {
+void compare_table(const TableSamples& samples, const NamedAttacker& attacker, Summary& summary) {
   for (std::size_t i = 0; i < kTable.size(); ++i) {
     const TableRow& row = kTable[i];
     const RowSamples& ours = samples[i];
@@ -160,7 +151,7 @@ void compare_table(const TableSamples& samples, const AttackerName& attacker, Su
     for (const std::size_t method : {0U, 1U}) {
       const char* called = method == 0 ? "CD" : "RAIN";
       // The printed attacker is the greedy one.
-      if (attacker.attacker == Attacker::kGreedy) {
+      if (attacker.attacker == planner::Attacker::kGreedy) {
         summary.compared.push_back(compare_number(fmt::format("{}: mean RMSE of {}", name, called),
                                                   ours.mean_m[method], row.mean_m[method], "m"));
         summary.compared.push_back(compare_number(fmt::format("{}: peak RMSE of {}", name, called),
@@ -205,7 +196,7 @@ Sweep resilient_tracking(const Extent& extent) {
   const TrackingSetting setting = setting_of(extent);
   Sweep sweep;
   sweep.plan.setting_columns = "attacker,robots,targets,attacks,method";
-  for (const AttackerName& attacker : kAttackers) {
+  for (const NamedAttacker& attacker : kAttackers) {
     for (const TableRow& row : kTable) {
       for (const char* method : kMethods) {
         sweep.plan.settings.push_back({fmt::format("{},{},{},{},{}", attacker.name, row.robots,

@@ -106,6 +106,12 @@ Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int 
   return attack;
 }
 
+Attack attack_by(Attacker attacker, const TeamOracle& oracle, const Choice& choice,
+                 int attacks_max) {
+  return attacker == Attacker::kGreedy ? greedy_attack(oracle, choice, attacks_max)
+                                       : attack_on_best_alone(oracle, choice, attacks_max);
+}
+
 std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rng) {
   std::vector<int> robots(static_cast<std::size_t>(robot_count));
   std::iota(robots.begin(), robots.end(), 0);

@@ -29,6 +29,15 @@ Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks
 /// see as well. Cost: α oracle calls.
 Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
+/// Who takes sensors, knowing the team's plans.
+enum class Attacker {
+  kGreedy,     ///< greedy_attack
+  kBestAlone,  ///< attack_on_best_alone
+};
+
+Attack attack_by(Attacker attacker, const TeamOracle& oracle, const Choice& choice,
+                 int attacks_max);
+
 /// `attacks` different robots of `robot_count`, every such set equally likely; ascending. The
 /// same on every machine. Precondition: 0 ≤ attacks ≤ robot_count.
 std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rng);

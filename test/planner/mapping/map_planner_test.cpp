@@ -20,7 +20,6 @@ namespace {
 using vantage::test::Random;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
-constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
 
 models::Scenario mapping_scenario() {
   models::Scenario scenario = test::lab_scenario();
@@ -200,20 +199,6 @@ TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
   EXPECT_GE(improved, 5);
 }
 
-PlanInputs first_inputs(const models::Scenario& scenario, std::size_t index) {
-  PlanInputs inputs;
-  inputs.slot = RoundSchedule(scenario.planner, static_cast<int>(index),
-                              static_cast<int>(scenario.robots.size()))
-                    .slot(kFirstRound);
-  models::MocapFrame mocap;
-  mocap.stamp.time = inputs.slot.begin;
-  for (const models::RobotSpec& robot : scenario.robots) {
-    mocap.bodies.push_back({robot.name, lift(robot.start, robot.height_m), false});
-  }
-  inputs.mocap = mocap;
-  return inputs;
-}
-
 TEST(RobotPlanner, MapsWithTheSameLadder) {
   const models::Scenario scenario = mapping_scenario();
   const double clearance_m =
@@ -223,7 +208,7 @@ TEST(RobotPlanner, MapsWithTheSameLadder) {
     std::map<std::string, models::RobotPlan> plans;
     for (std::size_t index = 0; index < 3; ++index) {
       RobotPlanner planner(scenario, scenario.robots[index].name);
-      PlanInputs inputs = first_inputs(scenario, index);
+      PlanInputs inputs = test::first_inputs(scenario, index);
       inputs.map = map_in_patches(scenario, random);
       inputs.team_plans = plans;
       const auto plan = planner.plan(inputs, Deadline::nodes(i % 2 == 0 ? 2'000 : 7));
@@ -252,13 +237,13 @@ TEST(RobotPlanner, CountsOnTheScansOfTeammatesThatSeeAndNotOnTheBait) {
   // Q2 will go where Q1 would like to go: it stays apart by height alone.
   scenario.robots[1].start = scenario.robots[0].start;
   scenario.robots[1].height_m = 2.5;
-  PlanInputs inputs = first_inputs(scenario, 0);
+  PlanInputs inputs = test::first_inputs(scenario, 0);
   RobotPlanner planner(scenario, "Q1");
   const auto alone = planner.propose(inputs, deadline);
   ASSERT_TRUE(alone);
   EXPECT_GT(alone->value_nats, 0.0);
   RobotPlanner mate(scenario, "Q2");
-  const auto theirs = mate.plan(first_inputs(scenario, 1), deadline);
+  const auto theirs = mate.plan(test::first_inputs(scenario, 1), deadline);
   ASSERT_TRUE(theirs);
   inputs.team_plans["Q2"] = *theirs;
   const auto beside = planner.plan(inputs, deadline);
@@ -283,7 +268,7 @@ TEST(RobotPlanner, PlansOnNoMapOfAnotherGround) {
   const models::Scenario scenario = mapping_scenario();
   RobotPlanner planner(scenario, "Q1");
   const Deadline deadline = Deadline::nodes(20'000);
-  PlanInputs inputs = first_inputs(scenario, 0);
+  PlanInputs inputs = test::first_inputs(scenario, 0);
   const auto unknown = planner.plan(inputs, deadline);
   ASSERT_TRUE(unknown);
   inputs.map = models::RobotMap{};

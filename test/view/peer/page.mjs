@@ -41,7 +41,9 @@ async function targets_seen() {
   sheet.drawImage(canvas, 0, 0);
   const box = canvas.getBoundingClientRect();
   return ["R1", "R2", "R3", "R4", "R5"].filter((name) => {
-    const [x, y] = vantage.pixel(`target/${name}`);
+    const at = vantage.pixel(`target/${name}`);
+    if (at === null) return false;
+    const [x, y] = at;
     const [r, g, b] = sheet.getImageData(x - box.left, y - box.top + 3, 1, 1).data;
     return g > r + 60 && g > b + 30;
   }).length;
@@ -134,7 +136,10 @@ for (const [width, height, scheme, name, draw] of [
     await check_inspection(page);
   }
   await page.waitForTimeout(kind === "live" ? 8000 : 1500); // for the picture: charts with something in them
-  assert(await page.evaluate(targets_seen) > 0, `${name}: no target in the picture`);
+  // Live, none may be known yet.
+  await page.waitForFunction(targets_seen, null, { timeout: 30000 }).catch((error) => {
+    throw new Error(`${name}: no target in the picture`, { cause: error });
+  });
   const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   assert(overflow <= 0, `${name}: ${overflow} px too wide`);
   await shot(page, name);
