@@ -70,7 +70,7 @@ TEST(MappingTrial, LearnsNothingWhileEveryRobotIsAttacked) {
   EXPECT_EQ(outcome.steps.back().entropy_nats, outcome.steps.front().entropy_nats);
 }
 
-TEST(AttackedRobots, AtWorstLeaveNoMoreThanARandomAttack) {
+TEST(AttackedRobots, AreChosenAsTheKindOfAttackSays) {
   const MappingSetup setup = small_setup();
   const models::OccupancyBelief map(models::GridGeometry::covering(setup.world.bounds, 0.2), 4.0);
   planner::ViewTable views(map, {16, 2.0 * kPi, 0.0, 1.5, 0.01}, {});
@@ -97,6 +97,15 @@ TEST(AttackedRobots, AtWorstLeaveNoMoreThanARandomAttack) {
     ASSERT_LE(worst_nats, left_nats(attacked) + 1e-9);
   }
   EXPECT_TRUE(attacked_robots(AttackKind::kNone, 1, routes, search, random).empty());
+  const std::vector<int> best = attacked_robots(AttackKind::kBestAlone, 1, routes, search, random);
+  ASSERT_EQ(best.size(), 1U);
+  const auto alone_nats = [&](std::size_t robot) {
+    const planner::MapRoute* const route = &routes[robot];
+    return search.value({&route, 1});
+  };
+  for (std::size_t robot = 0; robot < routes.size(); ++robot) {
+    EXPECT_LE(alone_nats(robot), alone_nats(static_cast<std::size_t>(best[0])));
+  }
 }
 
 TEST(MappingWorlds, HaveWaysEverywhereForARobot) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "planner/team/decision/attack.hpp"
+#include "planner/team/decision/resilient.hpp"
 
 namespace vantage::experiment {
 namespace {
@@ -37,6 +38,16 @@ std::vector<int> worst_robots(int attacks, const std::vector<planner::MapRoute>&
   return attacked;
 }
 
+std::vector<int> best_alone_robots(int attacks, const std::vector<planner::MapRoute>& routes,
+                                   planner::MappingSearch& search) {
+  std::vector<double> values_nats;
+  for (const planner::MapRoute& route : routes) {
+    const planner::MapRoute* const alone = &route;
+    values_nats.push_back(search.value({&alone, 1}));
+  }
+  return planner::bait_robots(values_nats, attacks);
+}
+
 }  // namespace
 
 std::vector<int> attacked_robots(AttackKind kind, int attacks,
@@ -49,6 +60,8 @@ std::vector<int> attacked_robots(AttackKind kind, int attacks,
     attacked = planner::random_attack(robots, count, random);
   } else if (kind == AttackKind::kWorstCase) {
     attacked = worst_robots(count, routes, search);
+  } else if (kind == AttackKind::kBestAlone) {
+    attacked = best_alone_robots(count, routes, search);
   }
   std::sort(attacked.begin(), attacked.end());
   return attacked;

@@ -11,6 +11,7 @@ enum class AttackKind {
   kNone,
   kRandom,     ///< every set of α robots is as likely
   kWorstCase,  ///< the robots whose loss costs the plans most, one after another
+  kBestAlone,  ///< the robots whose plans alone are worth most: those that RTP expects to lose
 };
 
 /// The robots (by index, ascending) that will not see anything over the routes of this planning
