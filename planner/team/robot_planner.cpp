@@ -126,6 +126,7 @@ std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInput
     }
   }
   if (!has_pose) {
+    ++counts_.no_pose;
     return std::nullopt;
   }
   return hover_at(flatten(body->world_from_body), spec_->height_m, inputs.slot.activation);
@@ -380,7 +381,6 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
                                                     const Deadline& deadline) {
   const std::optional<models::Trajectory> committed = committed_motion(inputs);
   if (!committed) {
-    ++counts_.no_pose;
     return std::nullopt;
   }
   if (exchange_) {
@@ -424,7 +424,6 @@ std::optional<models::PlanProposal> RobotPlanner::propose(const PlanInputs& inpu
                                                           const Deadline& deadline) {
   const std::optional<models::Trajectory> committed = committed_motion(inputs);
   if (!committed) {
-    ++counts_.no_pose;
     return std::nullopt;
   }
   set_up_problem(inputs, *committed, all_robots());
@@ -444,7 +443,6 @@ std::optional<models::PlanProposal> RobotPlanner::propose(const PlanInputs& inpu
 std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInputs& inputs) {
   const std::optional<models::Trajectory> committed = committed_motion(inputs);
   if (!committed) {
-    ++counts_.no_pose;
     return std::nullopt;
   }
   set_up_problem(inputs, *committed, bait_of(inputs));

@@ -98,7 +98,8 @@ class RobotPlanner {
 
  private:
   [[nodiscard]] models::RobotPlan blank_plan(const PlanInputs& inputs) const;
-  /// The motion that the robot is committed to, cut to start at t_{k+1}.
+  /// The motion that the robot is committed to, cut to start at t_{k+1}; nullopt, and counted,
+  /// while its pose was never known.
   std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
   /// The bait of the slot's round among the proposals that were heard, ascending by index.
   [[nodiscard]] std::vector<int> bait_of(const PlanInputs& inputs) const;

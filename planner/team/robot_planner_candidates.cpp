@@ -9,7 +9,6 @@ bool RobotPlanner::begin_exchange(const PlanInputs& inputs, const Deadline& dead
   exchange_->end();
   const std::optional<models::Trajectory> committed = committed_motion(inputs);
   if (!committed) {
-    ++counts_.no_pose;
     return false;
   }
   set_up_problem(inputs, *committed, all_robots());
