@@ -34,6 +34,13 @@ bool close(const Eigen::MatrixBase<A>& a, const Eigen::MatrixBase<B>& b, double 
          ((a - b).array().abs() <= tolerance * (1.0 + b.array().abs())).all();
 }
 
+// Whether a look belongs to a step that is not known since the filter continued from the log.
+bool reaches_behind(const StepMaterial& material, const std::optional<Time>& rebased_to) {
+  return rebased_to &&
+         std::any_of(material.looks.begin(), material.looks.end(),
+                     [&](const auto& look) { return look.content->stamp.time <= *rebased_to; });
+}
+
 }  // namespace
 
 bool same_content(const models::RobotBelief& a, const models::RobotBelief& b, double tolerance) {
@@ -142,13 +149,15 @@ void EstimatorReplayNode::redo(const models::RobotBelief& logged) {
   last_done_ = logged.stamp;
   last_step_ = logged.step;
   inputs_missing_ += missing;
-  if (missing > 0 || !(first || next)) {
+  if (missing > 0 || !(first || next) || reaches_behind(material, rebased_to_)) {
     ++steps_rebased_;
     filter_.rebase(logged);
+    rebased_to_ = logged.stamp.time;
     return;
   }
   if (first) {
     filter_ = DistributedFilter(spec_);
+    rebased_to_.reset();
   }
   const models::RobotBelief made = make_step(filter_, logged.stamp.time, logged.step, material);
   ++steps_redone_;

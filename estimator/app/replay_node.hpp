@@ -24,7 +24,9 @@ namespace vantage::estimator {
 /// A step waits for inputs that are still to come until three later ones wait behind it or two
 /// seconds of ticks have passed. When inputs are missing for good, or steps are missing from the
 /// log, nothing is published for that step and the filter continues from the logged content, so
-/// that one loss does not spoil the rest; the first step heard is such a one unless it is step 0.
+/// that one loss does not spoil the rest; the first step heard is such a one unless it is step 0,
+/// and so is a step with a look that belongs before the last such one: the steps to be done again
+/// with it are not known.
 class EstimatorReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.
@@ -60,6 +62,7 @@ class EstimatorReplayNode : public bus::Node {
   std::deque<models::RobotBelief> logged_;  ///< not done yet
   std::optional<models::Stamp> last_done_;
   std::int64_t last_step_ = -1;
+  std::optional<Time> rebased_to_;  ///< where the filter last continued from the log
   Time next_tick_{};
   int ticks_waited_ = 0;
   std::int64_t steps_redone_ = 0;

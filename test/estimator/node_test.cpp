@@ -310,6 +310,19 @@ TEST_F(Replay, GoesOnFromTheLogWhenAnInputIsMissing) {
   EXPECT_TRUE(same_content(player.made.front(), beliefs_in(log_).front(), 1e-9));
 }
 
+TEST_F(Replay, MakesNoOtherBeliefsWhateverTheLogLost) {
+  fly(40);
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    std::mt19937_64 random(seed);
+    std::vector<Logged> holed = log_;
+    std::erase_if(holed, [&](const Logged&) { return random() % 20 == 0; });
+    Player player(scenario_);
+    player.play(holed);
+    EXPECT_EQ(player.node.differences(), 0) << "seed " << seed;
+    EXPECT_GT(player.node.steps_redone(), 10) << "seed " << seed;
+  }
+}
+
 TEST_F(Replay, NoticesABeliefThatDoesNotFollowFromItsInputs) {
   fly(10);
   scenario_.estimator.target_model.q *= 1.001;  // not the code that flew
