@@ -8,7 +8,7 @@
 
 #include "core/check.hpp"
 #include "models/wire/rover/packet.hpp"
-#include "sim/autopilot/autopilot_socket.hpp"
+#include "sim/vehicle_socket.hpp"
 #include "test/sim/lab_scenario.hpp"
 
 namespace vantage::sim {
@@ -57,7 +57,7 @@ TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
   const std::string port = port_of_this_test(1);
   // Both ends of the wire have the same socket: a driver that waits is a rover that speaks first.
   WireRover rover(robot_at("udpout://127.0.0.1:" + port), 1, kStart);
-  AutopilotSocket driver("udp://127.0.0.1:" + port);
+  VehicleSocket driver("udp://127.0.0.1:" + port);
   wire::Command command;
   command.robot = 7;
   command.session = 41;

@@ -1,4 +1,4 @@
-#include "sim/autopilot/autopilot_socket.hpp"
+#include "sim/vehicle_socket.hpp"
 
 #include <array>
 #include <cerrno>
@@ -73,12 +73,12 @@ Time arrival_of(msghdr& message) {
 
 }  // namespace
 
-AutopilotSocket::AutopilotSocket(const std::string& driver_url) {
+VehicleSocket::VehicleSocket(const std::string& driver_url) {
   constexpr const char* kDriverWaits = "udp://";
   constexpr const char* kDriverSpeaks = "udpout://";
   const bool speaks_first = driver_url.starts_with(kDriverWaits);
   if (!speaks_first && !driver_url.starts_with(kDriverSpeaks)) {
-    throw StartupError("autopilot '" + driver_url +
+    throw StartupError("vehicle '" + driver_url +
                        "': a simulated one is reached by udp:// or udpout:// only");
   }
   const sockaddr_in address =
@@ -97,12 +97,12 @@ AutopilotSocket::AutopilotSocket(const std::string& driver_url) {
   }
 }
 
-AutopilotSocket::~AutopilotSocket() { close(fd_); }
+VehicleSocket::~VehicleSocket() { close(fd_); }
 
-std::optional<AutopilotSocket::Datagram> AutopilotSocket::read(std::span<std::uint8_t> buffer) {
+std::optional<VehicleSocket::Datagram> VehicleSocket::read() {
   while (true) {
     sockaddr_in from{};
-    iovec place{buffer.data(), buffer.size()};
+    iovec place{buffer_.data(), buffer_.size()};
     alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(timespec))> extra{};
     msghdr message{};
     message.msg_name = &from;
@@ -120,12 +120,12 @@ std::optional<AutopilotSocket::Datagram> AutopilotSocket::read(std::span<std::ui
     }
     driver_ = from;
     if (got > 0) {
-      return Datagram{static_cast<std::size_t>(got), arrival_of(message)};
+      return Datagram{{buffer_.data(), static_cast<std::size_t>(got)}, arrival_of(message)};
     }
   }
 }
 
-void AutopilotSocket::write(std::span<const std::uint8_t> datagram) {
+void VehicleSocket::write(std::span<const std::uint8_t> datagram) {
   if (!driver_) {
     return;
   }
