@@ -7,7 +7,7 @@
 
 #include "core/address.hpp"
 #include "core/check.hpp"
-#include "drivers/quadrotor/port.hpp"
+#include "drivers/vehicle/port.hpp"
 
 namespace vantage::drivers {
 namespace {
