@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "bus/udpm/packet.hpp"
+#include "core/address.hpp"
 #include "core/check.hpp"
 
 namespace vantage::bus::udpm {
@@ -34,11 +35,6 @@ void require_option(int fd, int level, int name, const Option& value, const char
   if (!set_option(fd, level, name, value)) {
     throw StartupError(std::string("LCM udpm: cannot set ") + what + ": " + reason());
   }
-}
-
-/// The C API's word for an address of any family.
-const sockaddr* as_sockaddr(const sockaddr_in& address) {
-  return reinterpret_cast<const sockaddr*>(&address);
 }
 
 int open_udp() { return socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0); }

@@ -1,17 +1,15 @@
 #include "drivers/vicon/socket_link.hpp"
 
 #include <cerrno>
-#include <memory>
 #include <system_error>
 #include <utility>
 
-#include <arpa/inet.h>
-#include <netdb.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 
+#include "core/address.hpp"
 #include "core/check.hpp"
 
 namespace vantage::drivers::vicon {
@@ -21,11 +19,6 @@ constexpr std::size_t kReadBytes = std::size_t{1} << 16U;  // no datagram is lon
 constexpr int kReceiveBufferBytes = 4 << 20;               // 4 s of 100 bodies at 100 Hz
 
 std::string reason(int error) { return std::system_category().message(error); }
-
-/// The C API's word for an address of any family.
-const sockaddr* as_sockaddr(const sockaddr_in& address) {
-  return reinterpret_cast<const sockaddr*>(&address);
-}
 
 void set_option(int fd, int level, int name, int value) {
   setsockopt(fd, level, name, &value, sizeof value);  // best effort: none is vital
@@ -37,21 +30,6 @@ void enlarge_receive_buffer(int fd) {
   if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {
     set_option(fd, SOL_SOCKET, SO_RCVBUF, bytes);
   }
-}
-
-bool resolve(const std::string& host, sockaddr_in& address, std::string& why) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found);
-  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, &freeaddrinfo);
-  if (error != 0 || found == nullptr) {
-    why = "no such host (" + std::string(gai_strerror(error)) + "); check mocap.host";
-    return false;
-  }
-  address.sin_addr = reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr;
-  return true;
 }
 
 }  // namespace
@@ -115,10 +93,7 @@ void SocketLink::open_datagram(Moment now) {
   socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);  // others may hear a broadcast as well
   enlarge_receive_buffer(socket_.fd());
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(driver_.port()));
-  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  const sockaddr_in address = address_of(INADDR_ANY, driver_.port());
   if (bind(socket_.fd(), as_sockaddr(address), sizeof address) != 0) {
     fail("cannot listen: " + reason(errno));
     return;
@@ -128,18 +103,15 @@ void SocketLink::open_datagram(Moment now) {
 }
 
 void SocketLink::open_stream(Moment now) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(driver_.port()));
-  std::string why;
-  if (!resolve(driver_.host(), address, why)) {
-    fail(why);
+  const Result<sockaddr_in> address = find_host(driver_.host(), driver_.port());
+  if (!address.ok()) {
+    fail(address.error().message + "; check mocap.host");
     return;
   }
   socket_.reset(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   set_option(socket_.fd(), IPPROTO_TCP, TCP_NODELAY, 1);
   enlarge_receive_buffer(socket_.fd());
-  if (connect(socket_.fd(), as_sockaddr(address), sizeof address) == 0) {
+  if (connect(socket_.fd(), as_sockaddr(address.value()), sizeof address.value()) == 0) {
     watch(EPOLLIN);
     driver_.on_opened(now);
   } else if (errno == EINPROGRESS) {

@@ -295,82 +295,6 @@ const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadlin
   return reduced_->plan(problem_, options, deadline);
 }
 
-bool RobotPlanner::keeps_apart(const models::Trajectory& trajectory, double rounding_m) const {
-  for (std::size_t i = 0; i < problem_.teammates.size(); ++i) {
-    if (!models::keeps_separation(trajectory, problem_.teammates[i], trajectory.start_time,
-                                  kept_separation_m(problem_, i) - rounding_m)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-bool RobotPlanner::is_safe(const models::Trajectory& trajectory) const {
-  // The search's own margins are tighter than these by rounding and by its finer pieces.
-  constexpr double kRounding_m = 0.02;
-  return models::is_clear(scenario_.world, trajectory, trajectory.start_time,
-                          problem_.clearance_m - kRounding_m) &&
-         keeps_apart(trajectory, kRounding_m);
-}
-
-std::optional<std::size_t> RobotPlanner::too_near() const {
-  std::optional<std::size_t> nearest;
-  double least_m = problem_.separation_m;
-  for (std::size_t i = 0; i < problem_.teammates.size(); ++i) {
-    const double kept_m = kept_separation_m(problem_, i);
-    if (kept_m < least_m) {
-      least_m = kept_m;
-      nearest = i;
-    }
-  }
-  return nearest;
-}
-
-void RobotPlanner::turn_away_from(std::size_t teammate, models::RobotPlan& plan) {
-  constexpr double kTurn_rad = kPi / 4.0;
-  constexpr double kYawRate_radps = 1.5;
-  const Eigen::Vector2d from_m =
-      models::at(problem_.teammates[teammate], problem_.start_time).world_from_body.position_m();
-  const Eigen::Vector2d away_m = problem_.start.position_m() - from_m;
-  const double off_rad = wrap_to_pi(std::atan2(away_m.y(), away_m.x()) - problem_.start.yaw_rad);
-  const double rate_radps = std::min(kYawRate_radps, spec_->limits.yaw_rate_max_radps);
-  plan.source = models::PlanSource::kBraking;
-  plan.trajectory = hover_at(problem_.start, spec_->height_m, problem_.start_time);
-  plan.trajectory.segments = {
-      {{0.0, off_rad < -kTurn_rad ? -rate_radps : rate_radps}, kTurn_rad / rate_radps, 0.0}};
-  ++counts_.turns_away;
-}
-
-void RobotPlanner::fall_back(const models::Trajectory& committed, models::RobotPlan& plan) {
-  if (is_safe(committed)) {
-    plan.source = models::PlanSource::kShifted;
-    plan.trajectory = committed;
-    ++counts_.fallbacks_shifted;
-    return;
-  }
-  plan.source = models::PlanSource::kBraking;
-  plan.trajectory = stop_from(committed, committed.start_time, spec_->limits.brake_mps2);
-  ++counts_.fallbacks_braking;
-}
-
-bool RobotPlanner::take(const SearchResult& result, models::RobotPlan& plan) {
-  if (!result.found) {
-    return false;
-  }
-  plan.trajectory = to_trajectory(problem_, result);
-  if (!is_safe(plan.trajectory)) {
-    ++counts_.checks_failed;
-    return false;
-  }
-  plan.source = models::PlanSource::kSearched;
-  plan.cost = result.cost;
-  plan.lower_bound = result.lower_bound;
-  plan.epsilon = result.epsilon;
-  plan.delta_m = result.delta_m;
-  plan.passes = result.passes;
-  return true;
-}
-
 std::vector<int> RobotPlanner::all_robots() const {
   std::vector<int> all(scenario_.robots.size());
   std::iota(all.begin(), all.end(), 0);
@@ -393,15 +317,7 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
   models::RobotPlan plan = blank_plan(inputs);
   if (is_bait) {
     ++counts_.baits;
-    const models::RobotPlan& proposed = inputs.proposals.at(spec_->name).plan;
-    if (proposed.source == models::PlanSource::kSearched && is_safe(proposed.trajectory)) {
-      plan.source = proposed.source;
-      plan.trajectory = proposed.trajectory;
-      plan.cost = proposed.cost;
-      plan.lower_bound = proposed.lower_bound;
-      plan.epsilon = proposed.epsilon;
-      plan.delta_m = proposed.delta_m;
-      plan.passes = proposed.passes;
+    if (take(inputs.proposals.at(spec_->name).plan, plan)) {
       return plan;
     }
   }

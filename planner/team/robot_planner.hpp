@@ -114,6 +114,8 @@ class RobotPlanner {
   [[nodiscard]] std::vector<int> all_robots() const;
   /// Makes `plan` of what a search found; false when that is nothing, or not safe.
   bool take(const SearchResult& result, models::RobotPlan& plan);
+  /// Makes `plan` of what was proposed; false when that was not searched, or is not safe now.
+  bool take(const models::RobotPlan& proposed, models::RobotPlan& plan) const;
   void add_targets(const models::RobotBelief& belief, Time start);
   void add_landmarks(const models::RobotBelief& belief, Time start);
   const SearchResult& search(const PlanInputs& inputs, const Deadline& deadline);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <span>
 
 #include "core/check.hpp"
 #include "models/wire/mavlink/messages.hpp"
@@ -12,8 +11,6 @@ namespace vantage::sim {
 namespace {
 
 namespace wire = models::mavlink;
-
-constexpr int kReadsMax = 64;  // in one exchange: a flood must not stop the world
 
 const models::AutopilotSpec& autopilot_of(const models::RobotSpec& robot) {
   if (!robot.autopilot || robot.autopilot->url.empty()) {
@@ -71,15 +68,10 @@ void WireQuadrotor::step(Time now, double dt_s) {
 void WireQuadrotor::exchange(Time now) {
   // Within the step that it stands at, or the emulator would leave steps out.
   const Time heard = std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
-  for (int i = 0; i < kReadsMax; ++i) {
-    const std::optional<AutopilotSocket::Datagram> datagram = socket_.read(buffer_);
-    if (!datagram) {
-      break;
-    }
-    const std::span<const std::uint8_t> bytes(buffer_.data(), datagram->bytes);
-    watcher_.feed(bytes, [&](const wire::Frame& frame) { measure(frame, datagram->arrival); });
+  socket_.read_each([&](auto bytes, Time arrival) {
+    watcher_.feed(bytes, [&](const wire::Frame& frame) { measure(frame, arrival); });
     emulator_.receive(bytes, heard);
-  }
+  });
   for (const std::vector<std::uint8_t>& datagram : emulator_.take_output()) {
     socket_.write(datagram);
   }

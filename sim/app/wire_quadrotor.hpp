@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,7 +11,7 @@
 #include "sim/app/latency_record.hpp"
 #include "sim/app/wire_vehicle.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
-#include "sim/autopilot/autopilot_socket.hpp"
+#include "sim/vehicle_socket.hpp"
 
 namespace vantage::sim {
 
@@ -47,13 +46,12 @@ class WireQuadrotor : public WireVehicle {
   std::string name_;
   double radius_m_;
   AutopilotEmulator emulator_;
-  AutopilotSocket socket_;
+  VehicleSocket socket_;
   Time stepped_;  ///< the emulator stands here
   models::mavlink::Parser watcher_;
   Time newest_capture_{};
   LatencyRecord pose_age_;
   LatencyRecord setpoint_age_;
-  std::array<std::uint8_t, 2048> buffer_{};
 };
 
 }  // namespace vantage::sim

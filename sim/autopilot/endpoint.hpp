@@ -1,12 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 
 #include "core/time.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
-#include "sim/autopilot/autopilot_socket.hpp"
+#include "sim/vehicle_socket.hpp"
 
 namespace vantage::sim {
 
@@ -14,7 +13,7 @@ namespace vantage::sim {
 /// that waits (udp://[HOST]:PORT), and waits for one that speaks first (udpout://HOST:PORT).
 class AutopilotEndpoint {
  public:
-  /// @throws StartupError as AutopilotSocket does.
+  /// @throws StartupError as VehicleSocket does.
   AutopilotEndpoint(const AutopilotEmulatorSpec& spec, const std::string& driver_url, Time boot);
 
   /// Takes what has arrived, flies on to `now`, sends what became due. Never waits.
@@ -26,8 +25,7 @@ class AutopilotEndpoint {
 
  private:
   AutopilotEmulator emulator_;
-  AutopilotSocket socket_;
-  std::array<std::uint8_t, 2048> buffer_{};
+  VehicleSocket socket_;
 };
 
 }  // namespace vantage::sim

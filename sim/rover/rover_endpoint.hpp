@@ -1,12 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 
 #include "core/time.hpp"
-#include "sim/autopilot/autopilot_socket.hpp"
 #include "sim/rover/rover_emulator.hpp"
+#include "sim/vehicle_socket.hpp"
 
 namespace vantage::sim {
 
@@ -14,7 +13,7 @@ namespace vantage::sim {
 /// speaks first (udpout://HOST:PORT), and speaks to one that waits (udp://[HOST]:PORT).
 class RoverEndpoint {
  public:
-  /// @throws StartupError as AutopilotSocket does.
+  /// @throws StartupError as VehicleSocket does.
   RoverEndpoint(const RoverEmulatorSpec& spec, const std::string& driver_url, Time start);
 
   /// Takes what has arrived, drives on to `now`, sends what became due. Never waits.
@@ -26,8 +25,7 @@ class RoverEndpoint {
 
  private:
   RoverEmulator emulator_;
-  AutopilotSocket socket_;
-  std::array<std::uint8_t, 2048> buffer_{};
+  VehicleSocket socket_;
 };
 
 }  // namespace vantage::sim

@@ -12,6 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "core/address.hpp"
 #include "core/check.hpp"
 #include "models/wire/vicon/vrpn.hpp"
 #include "sim/vicon/datastream_peer.hpp"
@@ -23,10 +24,6 @@ namespace {
 constexpr int kSocketFlags = SOCK_NONBLOCK | SOCK_CLOEXEC;
 
 std::string reason() { return std::system_category().message(errno); }
-
-const sockaddr* as_sockaddr(const sockaddr_in& address) {
-  return reinterpret_cast<const sockaddr*>(&address);
-}
 
 sockaddr_in address_of(const std::string& host, int port) {
   sockaddr_in address{};

@@ -13,6 +13,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "core/cpu_time.hpp"
 #include "core/real_time.hpp"
 #include "test/bench/field_problem.hpp"
 #include "test/bench/tracking_family.hpp"
@@ -41,12 +42,6 @@ struct Arguments {
 constexpr std::int64_t kPreempted_ns = 5'000;  // of a plan's time the thread had no core
 
 std::atomic<std::int64_t> cpu_at_deadline_ns{0};
-
-std::int64_t thread_cpu_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1'000'000'000 * static_cast<std::int64_t>(now.tv_sec) + now.tv_nsec;
-}
 
 void on_deadline(int) { cpu_at_deadline_ns.store(thread_cpu_ns(), std::memory_order_relaxed); }
 

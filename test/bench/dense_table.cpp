@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <limits>
 
+#include "core/cpu_time.hpp"
 #include "planner/search/arvi.hpp"
 #include "test/bench/dense_reference.hpp"
 #include "test/bench/field_problem.hpp"
@@ -26,19 +26,13 @@ constexpr Row kRows[] = {
 };
 constexpr std::uint64_t kProblems = 8;
 
-double cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 template <class Work>
 double least_cpu_s(int repetitions, const Work& work) {
   double least_s = std::numeric_limits<double>::infinity();
   for (int i = 0; i < repetitions; ++i) {
-    const double begin_s = cpu_s();
+    const double begin_s = thread_cpu_s();
     work();
-    least_s = std::min(least_s, cpu_s() - begin_s);
+    least_s = std::min(least_s, thread_cpu_s() - begin_s);
   }
   return least_s;
 }

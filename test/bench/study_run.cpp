@@ -2,49 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
+#include "core/cpu_time.hpp"
 #include "planner/search/arvi.hpp"
 
 namespace vantage::bench {
 
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 StudyMethod make_method(const std::string& name, const planner::BeamOptions& beam,
                         const planner::SearchCapacity& capacity) {
+  using Found = const planner::SearchResult&;
   if (name == "beam") {
     auto search = std::make_shared<planner::RefiningBeam>(capacity);
-    return {name,
-            [ search, beam ](const auto& problem, const Deadline& deadline)
-                -> const auto& {return search->plan(problem, beam, deadline);
+    return {name, [search, beam](const auto& problem, const Deadline& deadline) -> Found {
+              return search->plan(problem, beam, deadline);
+            }};
   }
-};
-}  // namespace vantage::bench
-if (name == "rvi") {
-  auto search = std::make_shared<planner::ReducedValueIteration>(capacity);
-  planner::ReducedOptions options;
-  options.search = planner::ReducedSearch::kSinglePass;
-  options.epsilon = std::numeric_limits<double>::infinity();
-  options.delta_m = 0.663;
-  options.yaw_weight_m_per_rad = 0.0;
-  return {name,
-          [ search, options ](const auto& problem, const Deadline& deadline)
-              -> const auto& {return search->plan(problem, options, deadline);
-}
-}
-;
-}
-std::shared_ptr<tools::Search> search = tools::algorithm_called(name).make(capacity, {});
-return {name,
-        [search](const auto& problem,
-                 const Deadline& deadline) -> const auto& {return search->search(problem, deadline);
-}
-}
-;
+  if (name == "rvi") {
+    auto search = std::make_shared<planner::ReducedValueIteration>(capacity);
+    planner::ReducedOptions options;
+    options.search = planner::ReducedSearch::kSinglePass;
+    options.epsilon = std::numeric_limits<double>::infinity();
+    options.delta_m = 0.663;
+    options.yaw_weight_m_per_rad = 0.0;
+    return {name, [search, options](const auto& problem, const Deadline& deadline) -> Found {
+              return search->plan(problem, options, deadline);
+            }};
+  }
+  std::shared_ptr<tools::Search> search = tools::algorithm_called(name).make(capacity, {});
+  return {name, [search](const auto& problem, const Deadline& deadline) -> Found {
+            return search->search(problem, deadline);
+          }};
 }
 
 StudyRun run_within(const tools::PlanningProblem& drawn, const StudyMethod& method, double budget_s,

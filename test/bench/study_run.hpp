@@ -41,7 +41,4 @@ struct StudyRun {
 StudyRun run_within(const tools::PlanningProblem& drawn, const StudyMethod& method, double budget_s,
                     double& nodes_per_s);
 
-/// CPU time of this thread, s.
-double thread_cpu_s();
-
 }  // namespace vantage::bench

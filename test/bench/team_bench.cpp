@@ -1,4 +1,3 @@
-#include <ctime>
 #include <exception>
 #include <functional>
 #include <string>
@@ -7,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "core/cpu_time.hpp"
 #include "planner/team/decision/coordinate_descent.hpp"
 #include "planner/team/decision/distributed_local_search.hpp"
 #include "planner/team/decision/resilient.hpp"
@@ -24,12 +24,6 @@ struct Arguments {
   std::uint64_t seed = 1;
   double budget_s = 0.5;
 };
-
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // The text's prices are 1 … n: of a hundred robots most would stand still. Here all are 1.
 void make_prices_equal(planner::TeamProblem& team) {

@@ -1,10 +1,6 @@
-// The node with its sockets: virtual time, real datagrams on the loopback, an in-process bus.
-
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -15,6 +11,8 @@
 #include "drivers/quadrotor/app/node.hpp"
 #include "sim/autopilot/endpoint.hpp"
 #include "test/drivers/flight_bench.hpp"
+#include "test/drivers/vehicle_node_bench.hpp"
+#include "test/support/udp_port.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -22,65 +20,16 @@ namespace {
 using models::AutopilotDialect;
 using models::OperatorAction;
 using test::FlightBench;
+using test::port_of_this_test;
 
-struct NodeBench {
-  explicit NodeBench(AutopilotDialect dialect, const std::string& url)
-      : scenario(FlightBench::scenario_for(dialect)),
-        node(node_bus, clock, scenario, "Q1", open_port(url)),
-        vehicle(FlightBench::vehicle_for(dialect), url, FlightBench::kStart) {
-    lab.subscribe<models::VehicleStatus>(
-        bus::quadrotor_channel("Q1"),
-        [this](const models::VehicleStatus& heard) { statuses.push_back(heard); });
-  }
-
-  void say(OperatorAction action) {
-    models::OperatorCommand command;
-    command.stamp.time = clock.now();
-    command.action = action;
-    lab.publish(bus::kCommand, command);
-  }
-
-  bool run_until(const std::function<bool()>& done, double seconds) {
-    const Time end = clock.now() + from_seconds(seconds);
-    for (; clock.now() < end && !done(); ++steps) {
-      clock.set(clock.now() + Duration{5'000});
-      vehicle.run_to(clock.now());
-      if (steps % 2 == 0) {
-        models::MocapFrame frame;
-        frame.stamp.time = frame.arrival = clock.now();
-        frame.frame_number = steps;
-        models::MocapBody body;
-        body.name = "Q1";
-        body.world_from_body = vehicle.emulator().world_from_body();
-        body.world_from_body.translation_m.x() += 1e-4 * std::sin(static_cast<double>(steps));
-        frame.bodies.push_back(body);
-        lab.publish(bus::kVicon, frame);
-      }
-      if (steps % 40 == 0) {
-        say(OperatorAction::kHeartbeat);
-      }
-      node_bus.handle(std::chrono::microseconds(0));
-      if (clock.now() >= node.next_tick()) {
-        node.tick(clock.now());
-      }
-      lab.handle(std::chrono::microseconds(0));
-    }
-    return done();
-  }
+struct NodeBench : test::VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint> {
+  NodeBench(AutopilotDialect dialect, const std::string& url)
+      : VehicleNodeBench(FlightBench::scenario_for(dialect), FlightBench::vehicle_for(dialect), url,
+                         FlightBench::kStart, [](const sim::AutopilotEndpoint& quadrotor) {
+                           return quadrotor.emulator().world_from_body();
+                         }) {}
   bool is_armed() const { return vehicle.emulator().controller().is_armed(); }
   double height_m() const { return vehicle.emulator().world_from_body().translation_m.z(); }
-
-  bus::InProcessHub hub;
-  bus::VirtualClock clock{FlightBench::kStart};
-  std::unique_ptr<bus::Transport> node_side = hub.connect();
-  std::unique_ptr<bus::Transport> lab_side = hub.connect();
-  bus::Bus node_bus{*node_side, 11};
-  bus::Bus lab{*lab_side, 22};
-  models::Scenario scenario;
-  QuadrotorNode node;
-  sim::AutopilotEndpoint vehicle;
-  std::vector<models::VehicleStatus> statuses;
-  std::int64_t steps = 0;
 };
 
 void fly(NodeBench& bench) {
@@ -88,17 +37,13 @@ void fly(NodeBench& bench) {
       [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0));
   bench.say(OperatorAction::kArm);
   ASSERT_TRUE(bench.run_until([&] { return bench.is_armed(); }, 40.0));
-  bench.run_until([] { return false; }, 1.5);
+  bench.run(1.5);
   bench.say(OperatorAction::kTakeOff);
   ASSERT_TRUE(bench.run_until([&] { return bench.height_m() > 0.9; }, 15.0));
   EXPECT_EQ(bench.statuses.back().state, models::FlightState::kHold);
   EXPECT_GT(bench.statuses.back().battery_share, 0.9);
   bench.say(OperatorAction::kLand);
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 30.0));
-}
-
-std::string port_of_this_test(int offset) {
-  return std::to_string(20'000 + (getpid() * 4 + offset) % 20'000);
 }
 
 TEST(QuadrotorNode, FliesAVehicleThatSpeaksToItsPort) {

@@ -6,19 +6,17 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include "drivers/quadrotor/port.hpp"
 #include "drivers/rover/link.hpp"
+#include "drivers/vehicle/port.hpp"
+#include "test/support/udp_port.hpp"
 
 namespace vantage::drivers {
 namespace {
 
-constexpr Time kStart = from_utime(1'700'000'000'000'000);
+using test::port_of_this_test;
 
-std::string port_of_this_test(int offset) {
-  return std::to_string(20'000 + (getpid() * 4 + offset) % 20'000);
-}
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 /// A second of commands at 50 Hz; true when the rover drove and said so.
 void drive(const std::string& url) {

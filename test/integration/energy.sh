@@ -3,12 +3,8 @@
 # robot jammed from 4 s on and another's planner killed (signal 9). It must be started again, all
 # robots must go on proposing and planning, nothing may come too near, and the log must give every
 # plan and every proposal again. To be run in a network of its own: in_network.sh energy.sh …
-set -euo pipefail
-bin=$1 scenario=$2 seconds=$3
-dir=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
-url='udpm://239.255.76.67:7667?ttl=0'
 . "$(dirname "$0")/up_support.sh"
+seconds=$3
 sed 's/from_s: [0-9]*/from_s: 4/' "$scenario" > "$dir/scenario.yaml"
 
 start_witness

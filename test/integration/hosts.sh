@@ -3,12 +3,8 @@
 # started anew, then killed and started anew, then the cable is drawn and put back; the other must
 # say so, restart nothing, and all must go on planning. To be run in a network of its own:
 # in_network.sh hosts.sh …
-set -euo pipefail
-bin=$1 scenario=$2
-dir=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
-url='udpm://239.255.76.67:7667?ttl=1'
 . "$(dirname "$0")/up_support.sh"
+url='udpm://239.255.76.67:7667?ttl=1'  # over the cable
 cat "$scenario" - > "$dir/two.yaml" <<'YAML'
 hosts:
   - {name: LAB, runs: [sim, logger, Q1]}

@@ -3,11 +3,6 @@
 # the logger too. Each must be started again, all robots must go on planning, the log must be whole
 # and hold what was published last, and what was lost must be said. To be run in a network of its
 # own: in_network.sh kill9.sh …
-set -euo pipefail
-bin=$1 scenario=$2
-dir=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
-url='udpm://239.255.76.67:7667?ttl=0'
 . "$(dirname "$0")/up_support.sh"
 
 start_witness

@@ -3,12 +3,8 @@
 # robot; one planner is killed (signal 9) on the way. All must go on planning, the map must become
 # surer, and every plan, belief and map of the log must come out again to the bit. To be run in a
 # network of its own: in_network.sh mapping.sh …
-set -euo pipefail
-bin=$1 scenario=$2 seconds=$3
-dir=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
-url='udpm://239.255.76.67:7667?ttl=0'
 . "$(dirname "$0")/up_support.sh"
+seconds=$3
 
 start_witness
 "$bin/vantage" up "$scenario" --duration-s "$seconds" --url "$url" --log "$dir/flight.lcmlog" \

@@ -2,12 +2,9 @@
 # replay.sh BIN_DIR SCENARIO SECONDS: flies SCENARIO with one process each and lcm-logger, kills
 # everything, replays the log with lcm-logplayer into one estimator and one planner started afresh,
 # and compares. To be run in a network of its own: in_network.sh replay.sh …
-set -euo pipefail
-bin=$1 scenario=$2 seconds=$3
-dir=$(mktemp -d)
-trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
+. "$(dirname "$0")/up_support.sh"
+seconds=$3
 robot=Q2
-url='udpm://239.255.76.67:7667?ttl=0'
 
 "$bin/vantage" up "$scenario" --duration-s "$seconds" --url "$url" --log "$dir/flight.lcmlog" --json \
   > "$dir/up.json"

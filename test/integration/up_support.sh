@@ -1,4 +1,12 @@
-# Sourced by tests of `vantage up`: $bin, $dir and $up (its process) are set by then.
+# Sourced first by tests of `vantage up`, whose arguments are BIN_DIR SCENARIO …: sets $bin, $scenario,
+# $url of a bus that stays on this machine, and $dir, a folder that is gone at the end with all that
+# was started.
+set -euo pipefail
+bin=$1 scenario=$2
+url='udpm://239.255.76.67:7667?ttl=0'
+dir=$(mktemp -d)
+trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$dir"' EXIT
+
 fail() {
   echo "$(basename "$0"): $1" >&2
   cat "$dir"/*.err >&2

@@ -4,23 +4,20 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "core/check.hpp"
 #include "models/wire/rover/packet.hpp"
-#include "sim/autopilot/autopilot_socket.hpp"
+#include "sim/vehicle_socket.hpp"
 #include "test/sim/lab_scenario.hpp"
+#include "test/support/udp_port.hpp"
 
 namespace vantage::sim {
 namespace {
 
 namespace wire = models::rover;
+using test::port_of_this_test;
 
 constexpr Time kStart = from_utime(1'700'000'000'003'000);
-
-std::string port_of_this_test(int offset) {
-  return std::to_string(20'000 + (getpid() * 4 + offset) % 20'000);
-}
 
 models::RobotSpec robot_at(const std::string& url) {
   models::RobotSpec robot = test::lab_scenario().robots[1];
@@ -57,7 +54,7 @@ TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
   const std::string port = port_of_this_test(1);
   // Both ends of the wire have the same socket: a driver that waits is a rover that speaks first.
   WireRover rover(robot_at("udpout://127.0.0.1:" + port), 1, kStart);
-  AutopilotSocket driver("udp://127.0.0.1:" + port);
+  VehicleSocket driver("udp://127.0.0.1:" + port);
   wire::Command command;
   command.robot = 7;
   command.session = 41;

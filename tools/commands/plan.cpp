@@ -1,9 +1,9 @@
-#include <ctime>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "core/cpu_time.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/picture/picture.hpp"
@@ -27,12 +27,6 @@ struct PlanArguments {
   bool as_json = false;
 };
 
-std::int64_t thread_cpu_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1'000'000'000 * static_cast<std::int64_t>(now.tv_sec) + now.tv_nsec;
-}
-
 int run(const PlanArguments& arguments) {
   const PlanningProblem planning = load_problem(arguments.problem);
   PlanOutcome outcome;
@@ -48,14 +42,14 @@ int run(const PlanArguments& arguments) {
       capacity_for(algorithm, planning.problem, arguments.memory_mb << 20, nodes_max),
       arguments.options);
 
-  const std::int64_t cpu_start_ns = thread_cpu_ns();
+  const double cpu_start_s = thread_cpu_s();
   const std::int64_t start_ns = monotonic_ns();
   const Deadline deadline =
       arguments.nodes ? Deadline::nodes(*arguments.nodes)
                       : Deadline::at(start_ns + static_cast<std::int64_t>(1e9 * budget_s));
   outcome.result = search->search(planning.problem, deadline);
   outcome.elapsed_s = 1e-9 * static_cast<double>(monotonic_ns() - start_ns);
-  outcome.cpu_s = 1e-9 * static_cast<double>(thread_cpu_ns() - cpu_start_ns);
+  outcome.cpu_s = thread_cpu_s() - cpu_start_s;
   outcome.peak_bytes = search->peak_bytes();
 
   if (!arguments.svg_path.empty()) {

@@ -4,13 +4,12 @@
 #include <array>
 #include <cerrno>
 
-#include <netdb.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 
 #include "bus/clock.hpp"
-#include "core/check.hpp"
+#include "core/address.hpp"
 #include "core/deadline.hpp"
 #include "drivers/vicon/descriptor.hpp"
 #include "drivers/vicon/driver.hpp"
@@ -26,24 +25,11 @@ using models::vicon::Speaker;
 constexpr int kConnect_ms = 1500;
 constexpr int kGreeting_ms = 1500;
 
-sockaddr_in address_of(const std::string& host) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  addrinfo* found = nullptr;
-  if (getaddrinfo(host.c_str(), nullptr, &hints, &found) != 0 || found == nullptr) {
-    throw StartupError("no such host: " + host);
-  }
-  const sockaddr_in address = *reinterpret_cast<const sockaddr_in*>(found->ai_addr);
-  freeaddrinfo(found);
-  return address;
-}
-
 /// Who accepts at `port`, and how he begins.
 void probe(sockaddr_in address, ViconPort& port) {
   address.sin_port = htons(static_cast<std::uint16_t>(port.port));
   const Descriptor line(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (connect(line.fd(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
-      errno != EINPROGRESS) {
+  if (connect(line.fd(), as_sockaddr(address), sizeof address) != 0 && errno != EINPROGRESS) {
     return;
   }
   pollfd polled{line.fd(), POLLOUT, 0};
@@ -144,7 +130,7 @@ Observation observe(const models::MocapSpec& spec, Duration listen) {
 
 std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<int>& tcp_ports,
                                      int udp_port, Duration listen) {
-  const sockaddr_in address = address_of(host);
+  const sockaddr_in address = require_host(host, 0);
   std::vector<ViconPort> out;
   models::MocapSpec spec;
   spec.host = host;

@@ -4,9 +4,9 @@
 #include <memory>
 #include <numeric>
 
+#include "core/cpu_time.hpp"
 #include "planner/team/decision/coordinate_descent.hpp"
 #include "planner/team/decision/distributed_local_search.hpp"
-#include "tools/sweep/cpu_time.hpp"
 
 namespace vantage::tools {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "core/cpu_time.hpp"
 #include "tools/experiment/energy_trial.hpp"
-#include "tools/sweep/cpu_time.hpp"
 
 namespace vantage::tools {
 namespace {

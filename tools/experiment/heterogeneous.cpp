@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
+#include "core/cpu_time.hpp"
 #include "planner/team/decision/team_set.hpp"
 #include "tools/experiment/energy_decision.hpp"
 #include "tools/experiment/energy_trial.hpp"
 #include "tools/experiment/experiment.hpp"
 #include "tools/experiment/heterogeneous_summary.hpp"
-#include "tools/sweep/cpu_time.hpp"
 
 namespace vantage::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "core/cpu_time.hpp"
 #include "tools/supervisor/child.hpp"
-#include "tools/sweep/cpu_time.hpp"
 #include "tools/sweep/report_page.hpp"
 #include "tools/sweep/row_files.hpp"
 #include "tools/sweep/worker_pool.hpp"

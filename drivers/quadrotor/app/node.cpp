@@ -3,17 +3,20 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <utility>
+#include <vector>
 
-#include "bus/channels.hpp"
 #include "core/check.hpp"
-#include "core/deadline.hpp"
 
 namespace vantage::drivers {
 namespace {
 
 constexpr Duration kTickPeriod = std::chrono::milliseconds(5);
-constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
-constexpr int kReadsMax = 64;  // in one tick: a flood must not keep set-points waiting
+
+std::string key_file_of(const models::Scenario& scenario, const std::string& robot) {
+  const models::RobotSpec* spec = scenario.find_robot(robot);
+  return spec != nullptr && spec->autopilot ? spec->autopilot->key_file : "";
+}
 
 }  // namespace
 
@@ -37,82 +40,32 @@ std::optional<models::mavlink::SigningKey> load_key(const std::string& file) {
 QuadrotorNode::QuadrotorNode(bus::Bus& bus, const bus::Clock& clock,
                              const models::Scenario& scenario, const std::string& robot,
                              std::unique_ptr<Port> port)
-    : bus_(bus),
-      clock_(clock),
-      robot_(robot),
-      driver_(
-          scenario, robot, limits_for(scenario, robot),
-          load_key(scenario.find_robot(robot) != nullptr && scenario.find_robot(robot)->autopilot
-                       ? scenario.find_robot(robot)->autopilot->key_file
-                       : "")),
-      port_(std::move(port)),
-      started_(clock.now()),
-      started_ns_(monotonic_ns()),
-      next_tick_(started_) {
-  bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const models::MocapFrame& frame) {
-    const Time now = steady_now();
-    driver_.on_mocap(frame, now);
-    send_output(now);
-  });
-  // Several planners may speak on one robot's channel; flight safety knows which one to heed.
-  bus::Channel<models::RobotPlan> plans = bus::plan_channel("*");
-  plans.is_shared = true;
-  bus_.subscribe<models::RobotPlan>(
-      plans, [this](const models::RobotPlan& plan) { driver_.on_plan(plan, steady_now()); });
-  bus_.subscribe<models::OperatorCommand>(bus::kCommand,
-                                          [this](const models::OperatorCommand& command) {
-                                            const Time now = steady_now();
-                                            driver_.on_command(command, now);
-                                            driver_.tick(now);
-                                            send_output(now);
-                                          });
-  bus_.subscribe<models::ScenarioNotice>(
-      bus::kScenario, [this, own = scenario.source_text](const models::ScenarioNotice& notice) {
-        driver_.on_map(notice.yaml == own);
-      });
+    : VehicleNode("QUADROTOR_" + robot, kTickPeriod, bus, clock, scenario, robot, std::move(port),
+                  load_key(key_file_of(scenario, robot))) {}
+
+void QuadrotorNode::on_mocap(const models::MocapFrame& frame, Time now) {
+  driver().on_mocap(frame, now);
+  send_output(now);
 }
 
-Time QuadrotorNode::steady_now() const {
-  return clock_.is_real_time() ? started_ + Duration{(monotonic_ns() - started_ns_) / 1000}
-                               : clock_.now();
+void QuadrotorNode::on_command(const models::OperatorCommand& command, Time now) {
+  driver().on_command(command, now);
+  act(now);
 }
 
-void QuadrotorNode::tick(Time now) {
-  next_tick_ = now + kTickPeriod;
-  const Time steady = steady_now();
-  for (int i = 0; i < kReadsMax; ++i) {
-    const std::size_t got = port_->read(buffer_, steady);
-    if (got == 0) {
-      break;
-    }
-    driver_.receive({buffer_.data(), got}, port_->is_datagram(), steady);
-  }
-  driver_.tick(steady);
-  send_output(steady);
-  if (driver_.take_news() || steady >= next_status_) {
-    next_status_ = steady + kStatusPeriod;
-    publish_status(steady);
-  }
+void QuadrotorNode::receive(std::span<const std::uint8_t> bytes, Time now) {
+  driver().receive(bytes, port().is_datagram(), now);
+}
+
+void QuadrotorNode::act(Time now) {
+  driver().tick(now);
+  send_output(now);
 }
 
 void QuadrotorNode::send_output(Time now) {
-  for (const WireMessage& message : driver_.take_output()) {
-    port_->write(message, now);
+  for (const WireMessage& message : driver().take_output()) {
+    port().write(message, now);
   }
-}
-
-void QuadrotorNode::publish_status(Time now) {
-  models::VehicleStatus status = driver_.status(now);
-  status.stamp.time = clock_.now();
-  bus_.publish(bus::quadrotor_channel(robot_), std::move(status));
-}
-
-std::vector<models::NamedCount> QuadrotorNode::counters() const {
-  std::vector<models::NamedCount> out = driver_.counters();
-  for (models::NamedCount& counter : port_->counters()) {
-    out.push_back(std::move(counter));
-  }
-  return out;
 }
 
 }  // namespace vantage::drivers

@@ -1,20 +1,13 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
-#include "core/time.hpp"
 #include "drivers/quadrotor/driver.hpp"
-#include "drivers/quadrotor/port.hpp"
-#include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "drivers/vehicle/app/vehicle_node.hpp"
 
 namespace vantage::drivers {
 
@@ -22,36 +15,20 @@ namespace vantage::drivers {
 /// @throws StartupError for a file that cannot be read or is not 32 bytes long.
 std::optional<models::mavlink::SigningKey> load_key(const std::string& file);
 
-/// vantage-quadrotor of one robot on the bus: VICON, PLAN_*, COMMAND and SCENARIO in, QUADROTOR_R
-/// out at 10 Hz and on change; MAVLink on its port, looked at each 5 ms.
-class QuadrotorNode : public bus::Node {
+/// vantage-quadrotor of one robot on the bus. MAVLink on its port, looked at each 5 ms; a pose is
+/// forwarded at once, and a command obeyed at once.
+class QuadrotorNode : public VehicleNode<QuadrotorDriver> {
  public:
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
   QuadrotorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
                 const std::string& robot, std::unique_ptr<Port> port);
 
-  [[nodiscard]] std::string name() const override { return "QUADROTOR_" + robot_; }
-  [[nodiscard]] Time next_tick() const override { return next_tick_; }
-  void tick(Time now) override;
-  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
-
  private:
-  /// The stack's time carried on by the machine's monotonic clock, so that a clock that is set
-  /// does not move a vehicle.
-  [[nodiscard]] Time steady_now() const;
+  void on_mocap(const models::MocapFrame& frame, Time now) override;
+  void on_command(const models::OperatorCommand& command, Time now) override;
+  void receive(std::span<const std::uint8_t> bytes, Time now) override;
+  void act(Time now) override;
   void send_output(Time now);
-  void publish_status(Time now);
-
-  bus::Bus& bus_;
-  const bus::Clock& clock_;
-  std::string robot_;
-  QuadrotorDriver driver_;
-  std::unique_ptr<Port> port_;
-  Time started_;
-  std::int64_t started_ns_;
-  Time next_tick_;
-  Time next_status_{};
-  std::array<std::uint8_t, 2048> buffer_{};
 };
 
 }  // namespace vantage::drivers

@@ -1,4 +1,4 @@
-#include "sim/autopilot/autopilot_socket.hpp"
+#include "sim/vehicle_socket.hpp"
 
 #include <array>
 #include <cerrno>
@@ -6,22 +6,16 @@
 #include <cstring>
 #include <system_error>
 
-#include <arpa/inet.h>
-#include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "core/address.hpp"
 #include "core/check.hpp"
 
 namespace vantage::sim {
 namespace {
 
-struct Address {
-  std::string host;
-  std::uint16_t port = 0;
-};
-
-Address parse(const std::string& url, std::size_t scheme_length) {
+sockaddr_in address_in(const std::string& url, std::size_t scheme_length) {
   const std::string rest = url.substr(scheme_length);
   const std::size_t colon = rest.rfind(':');
   int port = 0;
@@ -31,33 +25,9 @@ Address parse(const std::string& url, std::size_t scheme_length) {
   if (port < 1 || port > 65535) {
     throw StartupError(url + ": a port from 1 to 65535 is expected after the last ':'");
   }
-  return {rest.substr(0, colon), static_cast<std::uint16_t>(port)};
-}
-
-sockaddr_in resolve(const Address& address) {
-  sockaddr_in out{};
-  out.sin_family = AF_INET;
-  out.sin_port = htons(address.port);
-  out.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (!address.host.empty() && address.host != "0.0.0.0") {
-    addrinfo hints{};
-    hints.ai_family = AF_INET;
-    addrinfo* found = nullptr;
-    const int error = getaddrinfo(address.host.c_str(), nullptr, &hints, &found);
-    if (error != 0) {
-      throw StartupError("host " + address.host + ": " + gai_strerror(error));
-    }
-    sockaddr_in first{};
-    std::memcpy(&first, found->ai_addr, sizeof first);
-    out.sin_addr = first.sin_addr;
-    freeaddrinfo(found);
-  }
-  return out;
-}
-
-/// The C API's word for an address of any family.
-const sockaddr* as_sockaddr(const sockaddr_in& address) {
-  return reinterpret_cast<const sockaddr*>(&address);
+  const std::string host = rest.substr(0, colon);
+  return host.empty() || host == "0.0.0.0" ? address_of(INADDR_LOOPBACK, port)
+                                           : require_host(host, port);
 }
 
 Time arrival_of(msghdr& message) {
@@ -73,16 +43,16 @@ Time arrival_of(msghdr& message) {
 
 }  // namespace
 
-AutopilotSocket::AutopilotSocket(const std::string& driver_url) {
+VehicleSocket::VehicleSocket(const std::string& driver_url) {
   constexpr const char* kDriverWaits = "udp://";
   constexpr const char* kDriverSpeaks = "udpout://";
   const bool speaks_first = driver_url.starts_with(kDriverWaits);
   if (!speaks_first && !driver_url.starts_with(kDriverSpeaks)) {
-    throw StartupError("autopilot '" + driver_url +
+    throw StartupError("vehicle '" + driver_url +
                        "': a simulated one is reached by udp:// or udpout:// only");
   }
   const sockaddr_in address =
-      resolve(parse(driver_url, std::strlen(speaks_first ? kDriverWaits : kDriverSpeaks)));
+      address_in(driver_url, std::strlen(speaks_first ? kDriverWaits : kDriverSpeaks));
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int on = 1;
   if (fd_ < 0 || setsockopt(fd_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0) {
@@ -97,12 +67,12 @@ AutopilotSocket::AutopilotSocket(const std::string& driver_url) {
   }
 }
 
-AutopilotSocket::~AutopilotSocket() { close(fd_); }
+VehicleSocket::~VehicleSocket() { close(fd_); }
 
-std::optional<AutopilotSocket::Datagram> AutopilotSocket::read(std::span<std::uint8_t> buffer) {
+std::optional<VehicleSocket::Datagram> VehicleSocket::read() {
   while (true) {
     sockaddr_in from{};
-    iovec place{buffer.data(), buffer.size()};
+    iovec place{buffer_.data(), buffer_.size()};
     alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(timespec))> extra{};
     msghdr message{};
     message.msg_name = &from;
@@ -120,12 +90,12 @@ std::optional<AutopilotSocket::Datagram> AutopilotSocket::read(std::span<std::ui
     }
     driver_ = from;
     if (got > 0) {
-      return Datagram{static_cast<std::size_t>(got), arrival_of(message)};
+      return Datagram{{buffer_.data(), static_cast<std::size_t>(got)}, arrival_of(message)};
     }
   }
 }
 
-void AutopilotSocket::write(std::span<const std::uint8_t> datagram) {
+void VehicleSocket::write(std::span<const std::uint8_t> datagram) {
   if (!driver_) {
     return;
   }

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
-#include "drivers/quadrotor/port.hpp"
+#include "drivers/vehicle/port.hpp"
 
 namespace vantage::drivers {
 namespace {

@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/port.hpp"
+#include "drivers/vehicle/port.hpp"
 
 #include <charconv>
 #include <optional>

@@ -2,13 +2,12 @@
 #include <optional>
 #include <system_error>
 
-#include <arpa/inet.h>
-#include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "core/address.hpp"
 #include "core/check.hpp"
-#include "drivers/quadrotor/port.hpp"
+#include "drivers/vehicle/port.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -16,31 +15,6 @@ namespace {
 constexpr Duration kSilence = std::chrono::seconds(3);
 
 std::string reason() { return std::system_category().message(errno); }
-
-/// The C API's word for an address of any family.
-const sockaddr* as_sockaddr(const sockaddr_in& address) {
-  return reinterpret_cast<const sockaddr*>(&address);
-}
-
-sockaddr_in resolve(const std::string& host, std::uint16_t port) {
-  sockaddr_in out{};
-  out.sin_family = AF_INET;
-  out.sin_addr.s_addr = htonl(INADDR_ANY);
-  if (!host.empty()) {
-    addrinfo hints{};
-    hints.ai_family = AF_INET;
-    hints.ai_socktype = SOCK_DGRAM;
-    addrinfo* found = nullptr;
-    const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found);
-    if (error != 0) {
-      throw StartupError("host " + host + ": " + gai_strerror(error));
-    }
-    out.sin_addr = reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr;
-    freeaddrinfo(found);
-  }
-  out.sin_port = htons(port);
-  return out;
-}
 
 bool is_same(const sockaddr_in& a, const sockaddr_in& b) {
   return a.sin_port == b.sin_port && a.sin_addr.s_addr == b.sin_addr.s_addr;
@@ -54,7 +28,8 @@ class UdpPort : public Port {
       throw StartupError("cannot make a UDP socket: " + reason());
     }
     try {
-      const sockaddr_in address = resolve(host, port);
+      const sockaddr_in address =
+          host.empty() ? address_of(INADDR_ANY, port) : require_host(host, port);
       if (speaks_first) {
         peer_ = address;
         is_peer_fixed_ = true;

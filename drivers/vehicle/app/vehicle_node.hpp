@@ -1,0 +1,129 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/channels.hpp"
+#include "bus/clock.hpp"
+#include "bus/node.hpp"
+#include "core/deadline.hpp"
+#include "core/time.hpp"
+#include "drivers/quadrotor/safety/limits.hpp"
+#include "drivers/vehicle/port.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::drivers {
+
+/// The process of one vehicle on the bus, whatever its kind: VICON, PLAN_*, COMMAND and SCENARIO
+/// in, QUADROTOR_R out at 10 Hz and on change; its port looked at each tick. A kind says what its
+/// driver does with what arrives, and how it acts. Driver(scenario, robot, limits, own) has
+/// on_plan, on_map, take_news, status and counters.
+///
+/// `now` is the stack's time carried on by the machine's monotonic clock, so that a clock that is
+/// set does not move a vehicle.
+template <class Driver>
+class VehicleNode : public bus::Node {
+ public:
+  [[nodiscard]] std::string name() const override { return name_; }
+  [[nodiscard]] Time next_tick() const override { return next_tick_; }
+  void tick(Time now) override {
+    next_tick_ = now + tick_period_;
+    const Time steady = steady_now();
+    for (int i = 0; i < kReadsMax; ++i) {
+      const std::size_t got = port_->read(buffer_, steady);
+      if (got == 0) {
+        break;
+      }
+      receive({buffer_.data(), got}, steady);
+    }
+    act(steady);
+    if (driver_.take_news() || steady >= next_status_) {
+      next_status_ = steady + kStatusPeriod;
+      models::VehicleStatus status = driver_.status(steady);
+      status.stamp.time = clock_.now();
+      bus_.publish(bus::quadrotor_channel(robot_), std::move(status));
+    }
+  }
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override {
+    std::vector<models::NamedCount> out = driver_.counters();
+    for (models::NamedCount& counter : port_->counters()) {
+      out.push_back(std::move(counter));
+    }
+    return out;
+  }
+
+ protected:
+  /// @param name  of the process on HEALTH_<name>
+  /// @param own   the last argument of the Driver, after scenario, robot and limits
+  template <class Own>
+  VehicleNode(const std::string& name, Duration tick_period, bus::Bus& bus, const bus::Clock& clock,
+              const models::Scenario& scenario, const std::string& robot,
+              std::unique_ptr<Port> port, const Own& own)
+      : bus_(bus),
+        clock_(clock),
+        name_(name),
+        robot_(robot),
+        driver_(scenario, robot, limits_for(scenario, robot), own),
+        port_(std::move(port)),
+        tick_period_(tick_period),
+        started_(clock.now()),
+        started_ns_(monotonic_ns()),
+        next_tick_(started_) {
+    bus_.subscribe<models::MocapFrame>(
+        bus::kVicon, [this](const models::MocapFrame& frame) { on_mocap(frame, steady_now()); });
+    // Several planners may speak on one robot's channel; the driver knows which one to heed.
+    bus::Channel<models::RobotPlan> plans = bus::plan_channel("*");
+    plans.is_shared = true;
+    bus_.subscribe<models::RobotPlan>(plans, [this](const models::RobotPlan& plan) {
+      static_cast<void>(driver_.on_plan(plan, steady_now()));  // counted there
+    });
+    bus_.subscribe<models::OperatorCommand>(
+        bus::kCommand,
+        [this](const models::OperatorCommand& command) { on_command(command, steady_now()); });
+    bus_.subscribe<models::ScenarioNotice>(
+        bus::kScenario, [this, text = scenario.source_text](const models::ScenarioNotice& notice) {
+          driver_.on_map(notice.yaml == text);
+        });
+  }
+
+  virtual void on_mocap(const models::MocapFrame& frame, Time now) = 0;
+  virtual void on_command(const models::OperatorCommand& command, Time now) = 0;
+  /// What the port has read.
+  virtual void receive(std::span<const std::uint8_t> bytes, Time now) = 0;
+  /// Does and sends what is due.
+  virtual void act(Time now) = 0;
+
+  [[nodiscard]] Driver& driver() { return driver_; }
+  [[nodiscard]] Port& port() { return *port_; }
+
+ private:
+  static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
+  static constexpr int kReadsMax = 64;  ///< in one tick: a flood must not keep the vehicle waiting
+
+  [[nodiscard]] Time steady_now() const {
+    return clock_.is_real_time() ? started_ + Duration{(monotonic_ns() - started_ns_) / 1000}
+                                 : clock_.now();
+  }
+
+  bus::Bus& bus_;
+  const bus::Clock& clock_;
+  std::string name_;
+  std::string robot_;
+  Driver driver_;
+  std::unique_ptr<Port> port_;
+  Duration tick_period_;
+  Time started_;
+  std::int64_t started_ns_;
+  Time next_tick_;
+  Time next_status_{};
+  std::array<std::uint8_t, 2048> buffer_{};
+};
+
+}  // namespace vantage::drivers

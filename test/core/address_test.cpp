@@ -1,0 +1,44 @@
+#include "core/address.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+
+namespace vantage {
+namespace {
+
+constexpr in_addr_t kDocumentation = 0xC0000207;  // 192.0.2.7
+
+TEST(FindHost, ReadsANumber) {
+  const Result<sockaddr_in> found = find_host("192.0.2.7", 14540);
+  ASSERT_TRUE(found.ok());
+  const sockaddr_in expected = address_of(kDocumentation, 14540);
+  EXPECT_EQ(found.value().sin_family, AF_INET);
+  EXPECT_EQ(found.value().sin_addr.s_addr, expected.sin_addr.s_addr);
+  EXPECT_EQ(found.value().sin_port, expected.sin_port);
+}
+
+TEST(FindHost, KnowsThisMachine) {
+  EXPECT_EQ(require_host("localhost", 0).sin_addr.s_addr,
+            address_of(INADDR_LOOPBACK, 0).sin_addr.s_addr);
+}
+
+// No name has a blank, so nobody is asked.
+TEST(FindHost, SaysWhichHostThereIsNot) {
+  const Result<sockaddr_in> found = find_host("no such", 80);
+  ASSERT_FALSE(found.ok());
+  EXPECT_TRUE(found.error().message.starts_with("no such host: no such ("))
+      << found.error().message;
+  EXPECT_THROW(require_host("no such", 80), StartupError);
+}
+
+TEST(AddressOf, IsInTheNetworksByteOrder) {
+  const sockaddr_in address = address_of(kDocumentation, 0x1234);
+  const auto* bytes = reinterpret_cast<const unsigned char*>(&address.sin_addr);
+  EXPECT_EQ(bytes[0], 192);
+  EXPECT_EQ(bytes[3], 7);
+  EXPECT_EQ(reinterpret_cast<const unsigned char*>(&address.sin_port)[0], 0x12);
+}
+
+}  // namespace
+}  // namespace vantage

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include <unistd.h>
+
+namespace vantage::test {
+
+/// A UDP port for the `number`-th wire of this process, `number` in [0, 3].
+inline std::string port_of_this_test(int number) {
+  return std::to_string(20'000 + (getpid() * 4 + number) % 20'000);
+}
+
+}  // namespace vantage::test
