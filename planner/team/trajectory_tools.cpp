@@ -39,4 +39,14 @@ models::Trajectory hover_at(const Pose2& pose, double height_m, Time start) {
   return hover;
 }
 
+bool is_of_plan_length(const models::Trajectory& motion, int horizon_steps, double step_s) {
+  const int steps_max = 4 * horizon_steps;
+  double motion_s = 0.0;
+  for (const models::PlanSegment& segment : motion.segments) {
+    motion_s += segment.duration_s;
+  }
+  return motion.segments.size() <= static_cast<std::size_t>(steps_max) &&
+         motion_s <= steps_max * step_s;
+}
+
 }  // namespace vantage::planner
