@@ -37,6 +37,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
     : bus_(bus),
       clock_(clock),
       spec_(scenario.planner),
+      robots_(scenario.robots),
       robot_(robot),
       planner_(scenario, robot),
       schedule_(scenario.planner, planner_.robot_index(), planner_.robot_count()),
@@ -85,7 +86,7 @@ void PlannerNode::subscribe_to(const bus::Channel<Message>& channel, const std::
 
 void PlannerNode::take_plan(const models::RobotPlan& plan) {
   const double ahead_s = to_seconds(plan.trajectory.start_time - clock_.now());
-  if (is_of_plan_length(plan.trajectory, spec_.horizon_steps, spec_.step_s) &&
+  if (is_of_plan_length(plan.trajectory, spec_, robots_) &&
       ahead_s <= 4.0 * spec_.horizon_steps * spec_.step_s) {
     inputs_.team_plans.insert_or_assign(plan.robot, plan);
   } else {

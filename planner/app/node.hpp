@@ -53,6 +53,7 @@ class PlannerNode : public bus::Node {
   bus::Bus& bus_;
   const bus::Clock& clock_;
   models::PlannerSpec spec_;
+  std::vector<models::RobotSpec> robots_;
   std::string robot_;
   RobotPlanner planner_;
   RoundSchedule schedule_;

@@ -131,7 +131,7 @@ bool TeamExchange::hear(const models::TeamProposal& proposal) {
   }
   const bool are_plans = std::all_of(
       proposal.choices.begin(), proposal.choices.end(), [&](const models::TeamChoice& choice) {
-        return is_of_plan_length(choice.trajectory, problem_.horizon_steps, problem_.step_s);
+        return is_of_plan_length(choice.trajectory, planner_, robots_);
       });
   if (!are_plans || !session_->can_be(proposal)) {
     ++refused_;

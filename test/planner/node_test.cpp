@@ -149,6 +149,25 @@ TEST_F(PlannerNodeTest, GoesOnWhateverATeammateCallsAPlan) {
   EXPECT_TRUE(names(plans_[0], good));
 }
 
+TEST_F(PlannerNodeTest, TakesAPlanWhoseStopIsLongerThanItsHorizon) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.planner.horizon_steps = 1;
+  scenario.planner.execute_steps = 1;
+  scenario.planner.step_s = 1.0;
+  scenario.robots[1].limits.speed_max_mps = 2.0;
+  scenario.robots[1].limits.brake_mps2 = 0.5;
+  start(scenario);
+  models::RobotPlan plan = plan_of("Q2");
+  plan.trajectory.segments = {{{2.0, 0.0}, 1.0, 0.0}, models::brake(2.0, 0.5).front()};
+  world_.publish(bus::plan_channel("Q2"), plan);
+  deliver();
+  EXPECT_EQ(count("unusable_plans"), 0);
+  plan.trajectory.segments.back().duration_s = 8.0;
+  world_.publish(bus::plan_channel("Q2"), plan);
+  deliver();
+  EXPECT_EQ(count("unusable_plans"), 1);
+}
+
 TEST_F(PlannerNodeTest, GoesOnWithoutABeliefThatCannotBe) {
   const auto plan_on = [&](const models::RobotBelief& belief) {
     RobotPlanner planner(test::lab_scenario(), "Q1");
