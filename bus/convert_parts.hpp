@@ -25,6 +25,11 @@ inline constexpr std::size_t kItemsMax = 10'000;  ///< targets, segments, bodies
 inline constexpr std::size_t kCellsMax = 1'000'000;
 /// The year 2286, in µs. Differences of two such times never overflow.
 inline constexpr std::int64_t kUtimeMax = 10'000'000'000'000'000;
+/// Of a motion: farther from the origin, longer, faster (m/s, rad/s, m/s²) nothing here moves. What
+/// is worked out of one within these stays finite.
+inline constexpr double kPlaceMax_m = 1e6;
+inline constexpr double kMotionMax_s = 3600.0;
+inline constexpr double kRateMax = 1e3;
 inline constexpr double kAsymmetryMax = 1e-9;  ///< relative to the largest entry
 inline constexpr double kQuaternionNormErrorMax = 1e-3;
 

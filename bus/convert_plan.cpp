@@ -10,9 +10,12 @@ using namespace parts;  // NOLINT(google-build-using-namespace): this room's own
 
 namespace {
 
+// No NaN passes these.
+bool is_within(double value, double largest) { return std::abs(value) <= largest; }
+
 bool is_segment(const vantage_lcm::plan_segment_t& segment) {
-  return are_finite(segment.speed_mps, segment.yaw_rate_radps, segment.duration_s,
-                    segment.brake_mps2) &&
+  return is_within(segment.speed_mps, kRateMax) && is_within(segment.yaw_rate_radps, kRateMax) &&
+         is_within(segment.brake_mps2, kRateMax) && is_within(segment.duration_s, kMotionMax_s) &&
          segment.duration_s >= 0.0 && segment.brake_mps2 >= 0.0;
 }
 
@@ -46,13 +49,17 @@ template <class Wire>
 std::optional<models::Trajectory> trajectory_from(const Wire& wire, Time start_time) {
   const auto start =
       pose2_from(wire.start_x_world_m, wire.start_y_world_m, wire.start_yaw_world_rad);
-  if (!start || !are_finite(wire.height_m) || !is_count(wire.num_segments, wire.segments.size())) {
+  if (!start || !is_within(start->x_m, kPlaceMax_m) || !is_within(start->y_m, kPlaceMax_m) ||
+      !is_within(wire.height_m, kPlaceMax_m) ||
+      !is_count(wire.num_segments, wire.segments.size())) {
     return std::nullopt;
   }
   models::Trajectory trajectory{start_time, *start, wire.height_m, {}};
   trajectory.segments.reserve(wire.segments.size());
+  double motion_s = 0.0;
   for (const vantage_lcm::plan_segment_t& segment : wire.segments) {
-    if (!is_segment(segment)) {
+    motion_s += segment.duration_s;
+    if (!is_segment(segment) || motion_s > kMotionMax_s) {
       return std::nullopt;
     }
     trajectory.segments.push_back(

@@ -16,10 +16,10 @@ constexpr Duration kReportPeriod = std::chrono::seconds(1);
 constexpr Duration kReportOnChangePeriod = std::chrono::milliseconds(100);
 constexpr Duration kStopPollPeriod = std::chrono::milliseconds(50);
 
-/// Traffic and measured durations: what changes without anything being wrong.
+/// Traffic, measured durations and kinds of rounds: what changes without anything being wrong.
 bool is_plain_traffic(std::string_view counter) {
   return counter == "transport.messages_sent" || counter == "transport.messages_received" ||
-         counter.ends_with(".fresh") || counter.ends_with("_us");
+         counter.ends_with(".fresh") || counter.ends_with("_us") || counter.ends_with("_rounds");
 }
 
 /// Whether `fd` became readable within `timeout`.

@@ -40,6 +40,12 @@ TeamMap::TeamMap(const models::Scenario& scenario, const std::string& robot)
   require(scenario.find_robot(robot) != nullptr, "the scenario has no robot '" + robot + "'");
 }
 
+bool TeamMap::is_of_this_grid(const models::RobotMap& theirs) {
+  const bool is = theirs.grid == geometry_;
+  counters_.malformed_maps += is ? 0 : 1;
+  return is;
+}
+
 bool TeamMap::hears(const models::RobotBelief& own, const models::RobotMap& theirs) const {
   const Duration age = own.stamp.time - theirs.stamp.time;
   return theirs.grid == geometry_ && age >= Duration{0} && age <= age_max_ &&
@@ -77,14 +83,13 @@ models::RobotMap TeamMap::step(const MapInput& input) {
   for (const models::RangeScan* scan : input.scans) {
     count(*scan, map.own_looks);
   }
-  map.team_looks = map.own_looks;
+  std::vector<std::span<const std::int16_t>> all{map.own_looks};
   for (const models::RobotMap* theirs : input.teammates) {
-    if (theirs->grid == geometry_) {
-      models::add_looks(map.team_looks, theirs->own_looks);
-    } else {
-      ++counters_.malformed_maps;
+    if (is_of_this_grid(*theirs)) {
+      all.emplace_back(theirs->own_looks);
     }
   }
+  map.team_looks = models::sum_of(all);
   map.entropy_nats = models::belief_of(geometry_, map.team_looks, spec_).entropy_nats();
   return map;
 }

@@ -46,6 +46,9 @@ class TeamMap {
   /// Content of MAP_R; run id, sequence and inputs are the caller's. Precondition: a belief.
   models::RobotMap step(const MapInput& input);
 
+  /// Whether `theirs` can be added up with this map; counted when not.
+  bool is_of_this_grid(const models::RobotMap& theirs);
+
   /// Whether a robot that knows `own` takes up `theirs`: of this grid, no older than three steps,
   /// and sent from within the communication range.
   [[nodiscard]] bool hears(const models::RobotBelief& own, const models::RobotMap& theirs) const;

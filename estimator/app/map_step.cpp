@@ -44,6 +44,9 @@ MapPublisher::MapPublisher(bus::Bus& bus, const models::Scenario& scenario,
               ++misaddressed_;
               return;
             }
+            if (!map_.is_of_this_grid(map)) {
+              return;
+            }
             newest_[sender] = {name_of(bus::map_channel(sender).name, map.stamp),
                                std::make_shared<const models::RobotMap>(map)};
           });
@@ -51,12 +54,30 @@ MapPublisher::MapPublisher(bus::Bus& bus, const models::Scenario& scenario,
   }
 }
 
-void MapPublisher::step(const models::RobotBelief& belief, const models::InputRef& name) {
+void MapPublisher::take_up(const models::RobotBelief& belief) {
   for (const auto& [teammate, heard] : newest_) {
-    if (map_.hears(belief, *heard.content)) {
-      taken_[{teammate, heard.ref.run_id}] = heard;
+    if (!map_.hears(belief, *heard.content)) {
+      continue;
+    }
+    taken_[{teammate, heard.ref.run_id}] = heard;
+    const auto is_of_mate = [&mate = teammate](const auto& each) {
+      return each.first.first == mate;
+    };
+    if (std::count_if(taken_.begin(), taken_.end(), is_of_mate) > kRunsKept) {
+      taken_.erase(
+          std::min_element(taken_.begin(), taken_.end(), [&](const auto& a, const auto& b) {
+            const bool is_a_of_mate = is_of_mate(a);
+            return is_a_of_mate != is_of_mate(b)
+                       ? is_a_of_mate
+                       : a.second.content->stamp.time < b.second.content->stamp.time;
+          }));
+      ++runs_forgotten_;
     }
   }
+}
+
+void MapPublisher::step(const models::RobotBelief& belief, const models::InputRef& name) {
+  take_up(belief);
   std::vector<models::InputRef> names{name};
   MapInput input;
   input.belief = &belief;
@@ -90,6 +111,7 @@ std::vector<models::NamedCount> MapPublisher::counters() const {
   std::vector<models::NamedCount> all = map_.counters().named();
   for (const models::NamedCount& own :
        {models::NamedCount{"map.misaddressed", misaddressed_},
+        models::NamedCount{"map.runs_forgotten", runs_forgotten_},
         models::NamedCount{"map.scans_overflowed", scans_overflowed_}}) {
     if (own.count != 0) {
       all.push_back(own);

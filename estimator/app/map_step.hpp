@@ -29,7 +29,12 @@ class MapPublisher {
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
  private:
+  /// Runs of one teammate's estimator that are remembered: of more, those with the newest maps.
+  static constexpr std::ptrdiff_t kRunsKept = 16;
   using Run = std::pair<std::string, std::int64_t>;  ///< a robot, and a run of its estimator
+
+  /// Takes up what was heard in range.
+  void take_up(const models::RobotBelief& belief);
 
   bus::Bus& bus_;
   std::string robot_;
@@ -40,6 +45,7 @@ class MapPublisher {
   std::optional<Heard<models::RobotMap>> own_;
   std::int64_t scans_overflowed_ = 0;
   std::int64_t misaddressed_ = 0;
+  std::int64_t runs_forgotten_ = 0;
 };
 
 /// Makes the logged MAP_R again, each from the inputs that it names, under the bus's prefix.

@@ -1,6 +1,7 @@
 #include "models/mapping/looks.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 #include "core/check.hpp"
@@ -20,10 +21,16 @@ void add_look(Looks& looks, int cell, bool met_something) {
   count = limited(count + (met_something ? 1 : -1));
 }
 
-void add_looks(Looks& a, std::span<const std::int16_t> b) {
-  require(a.size() == b.size(), "looks of different grids cannot be added");
-  std::transform(a.begin(), a.end(), b.begin(), a.begin(),
-                 [](int x, int y) { return limited(x + y); });
+Looks sum_of(std::span<const std::span<const std::int16_t>> all) {
+  require(!all.empty(), "there must be looks to add up");
+  std::vector<int> sums(all.front().size(), 0);
+  for (const std::span<const std::int16_t> looks : all) {
+    require(looks.size() == sums.size(), "looks of different grids cannot be added");
+    std::transform(sums.begin(), sums.end(), looks.begin(), sums.begin(), std::plus<>());
+  }
+  Looks limited_sums(sums.size());
+  std::transform(sums.begin(), sums.end(), limited_sums.begin(), limited);
+  return limited_sums;
 }
 
 OccupancyBelief belief_of(const GridGeometry& geometry, std::span<const std::int16_t> looks,

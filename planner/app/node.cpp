@@ -1,8 +1,10 @@
 #include "planner/app/node.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/deadline.hpp"
+#include "planner/team/trajectory_tools.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -22,6 +24,12 @@ constexpr Duration kExchangePeriod{5'000};
 constexpr std::int64_t kExchangeWork_ns = 3'000'000;
 constexpr std::int64_t kExchangeCalls = 5'000;
 
+template <class Message>
+const std::string& robot_of(const Message& message) {
+  return message.robot;
+}
+const std::string& robot_of(const models::PlanProposal& proposal) { return proposal.plan.robot; }
+
 }  // namespace
 
 PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
@@ -29,47 +37,60 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
     : bus_(bus),
       clock_(clock),
       spec_(scenario.planner),
+      robots_(scenario.robots),
       robot_(robot),
       planner_(scenario, robot),
       schedule_(scenario.planner, planner_.robot_index(), planner_.robot_count()),
       slot_(schedule_.next_slot(clock.now())) {
-  bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot),
-                                      [this](const auto& m) { inputs_.belief = m; });
+  subscribe_to<models::RobotBelief>(bus::belief_channel(robot), robot,
+                                    [this](const auto& m) { inputs_.belief = m; });
   if (spec_.objective == models::PlanObjective::kMapping) {
-    bus_.subscribe<models::RobotMap>(bus::map_channel(robot),
-                                     [this](const auto& m) { inputs_.map = m; });
+    subscribe_to<models::RobotMap>(bus::map_channel(robot), robot,
+                                   [this](const auto& m) { inputs_.map = m; });
   }
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
   for (const models::RobotSpec& other : scenario.robots) {
-    if (scenario.planner.team_algorithm == models::TeamAlgorithm::kLocalSearch &&
-        other.name != robot) {
-      bus_.subscribe<models::TeamProposal>(bus::team_proposal_channel(other.name),
-                                           [this, name = other.name](const auto& m) {
-                                             if (m.robot == name) {
-                                               hear(m);
-                                             }
-                                           });
+    const std::string& name = other.name;
+    if (name == robot) {
+      continue;
     }
-    if (scenario.planner.attacks_max > 0 && other.name != robot) {
-      bus_.subscribe<models::PlanProposal>(bus::proposal_channel(other.name),
-                                           [this, name = other.name](const auto& m) {
-                                             if (m.plan.robot == name) {
-                                               inputs_.proposals.insert_or_assign(name, m);
-                                             }
-                                           });
+    if (spec_.team_algorithm == models::TeamAlgorithm::kLocalSearch) {
+      subscribe_to<models::TeamProposal>(bus::team_proposal_channel(name), name,
+                                         [this](const auto& m) { hear(m); });
     }
-    if (other.name != robot) {
-      bus_.subscribe<models::RobotPlan>(bus::plan_channel(other.name), [this](const auto& m) {
-        inputs_.team_plans.insert_or_assign(m.robot, m);
-      });
-      bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel(other.name),
-                                            [this, name = other.name](const auto& m) {
-                                              if (m.robot == name) {
-                                                inputs_.team_statuses.insert_or_assign(name, m);
-                                              }
-                                            });
+    if (spec_.attacks_max > 0) {
+      subscribe_to<models::PlanProposal>(
+          bus::proposal_channel(name), name,
+          [this, name](const auto& m) { inputs_.proposals.insert_or_assign(name, m); });
     }
+    subscribe_to<models::RobotPlan>(bus::plan_channel(name), name,
+                                    [this](const auto& m) { take_plan(m); });
+    subscribe_to<models::VehicleStatus>(
+        bus::quadrotor_channel(name), name,
+        [this, name](const auto& m) { inputs_.team_statuses.insert_or_assign(name, m); });
+  }
+}
+
+template <class Message>
+void PlannerNode::subscribe_to(const bus::Channel<Message>& channel, const std::string& robot,
+                               std::function<void(const Message&)> take) {
+  bus_.subscribe<Message>(channel, [this, robot, take = std::move(take)](const Message& m) {
+    if (robot_of(m) == robot) {
+      take(m);
+    } else {
+      ++misaddressed_;
+    }
+  });
+}
+
+void PlannerNode::take_plan(const models::RobotPlan& plan) {
+  const double ahead_s = to_seconds(plan.trajectory.start_time - clock_.now());
+  if (is_of_plan_length(plan.trajectory, spec_, robots_) &&
+      ahead_s <= 4.0 * spec_.horizon_steps * spec_.step_s) {
+    inputs_.team_plans.insert_or_assign(plan.robot, plan);
+  } else {
+    ++unusable_plans_;
   }
 }
 
@@ -237,10 +258,15 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
           {"fallbacks_braking", counts.fallbacks_braking},
           {"off_plan", counts.off_plan},
           {"turns_away", counts.turns_away},
-          {"rounds_as_bait", counts.baits},
+          {"bait_rounds", counts.baits},
+          {"rest_rounds", counts.rests},
           {"plan_checks_failed", counts.checks_failed},
           {"rounds_without_pose", counts.no_pose},
-          {"unusable_beliefs", counts.unusable_beliefs}};
+          {"misaddressed", misaddressed_},
+          {"unusable_beliefs", counts.unusable_beliefs},
+          {"unusable_maps", counts.unusable_maps},
+          {"unusable_plans", unusable_plans_},
+          {"proposals_refused", planner_.proposals_refused()}};
 }
 
 }  // namespace vantage::planner

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,10 +29,18 @@ class PlannerNode : public bus::Node {
   [[nodiscard]] std::string name() const override { return "PLANNER_" + robot_; }
   [[nodiscard]] Time next_tick() const override { return std::min(slot_.begin, next_exchange_); }
   void tick(Time now) override;
+  /// Those of the planner, and: slots_skipped, misaddressed (a robot's name inside a message is not
+  /// that of its channel), unusable_plans (of teammates: too long, or for the far future),
+  /// proposals_refused (of the round of a local search, that cannot be).
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
 
  private:
+  /// Calls take() with each message on `channel` that is of `robot`; counts the others.
+  template <class Message>
+  void subscribe_to(const bus::Channel<Message>& channel, const std::string& robot,
+                    std::function<void(const Message&)> take);
+  void take_plan(const models::RobotPlan& plan);
   [[nodiscard]] Deadline deadline_of(Time now) const;
   void propose(Time now);
   /// Local search: begins the exchange of the slot's round.
@@ -44,6 +53,7 @@ class PlannerNode : public bus::Node {
   bus::Bus& bus_;
   const bus::Clock& clock_;
   models::PlannerSpec spec_;
+  std::vector<models::RobotSpec> robots_;
   std::string robot_;
   RobotPlanner planner_;
   RoundSchedule schedule_;
@@ -56,6 +66,8 @@ class PlannerNode : public bus::Node {
   std::map<std::string, models::TeamProposal> overheard_;  ///< newest of each teammate
   std::int64_t late_ = 0;
   std::int64_t slots_skipped_ = 0;
+  std::int64_t misaddressed_ = 0;
+  std::int64_t unusable_plans_ = 0;
 };
 
 /// The messages that `inputs` consists of, by name, in a fixed order.

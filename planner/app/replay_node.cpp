@@ -74,23 +74,25 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
   bus_.subscribe_named<models::AttackNotice>(
       bus::kAttack, [this](const std::string& name, const auto& m) { attacks_.add(name, m); });
   for (const models::RobotSpec& each : scenario.robots) {
+    const bool is_own = each.name == robot;
     bus_.subscribe_named<models::RobotPlan>(bus::plan_channel(each.name),
-                                            [this](const std::string& name, const auto& m) {
+                                            [this, is_own](const std::string& name, const auto& m) {
                                               plans_.add(name, m);
-                                              if (m.robot == robot_) {
+                                              if (is_own && m.robot == robot_) {
                                                 waiting_.push_back(m);
                                               }
                                             });
     bus_.subscribe_named<models::PlanProposal>(
         bus::proposal_channel(each.name),
         [this](const std::string& name, const auto& m) { proposals_.add(name, m); });
-    bus_.subscribe_named<models::TeamProposal>(bus::team_proposal_channel(each.name),
-                                               [this](const std::string& name, const auto& m) {
-                                                 team_proposals_.add(name, m);
-                                                 if (m.robot == robot_) {
-                                                   waiting_.push_back(m);
-                                                 }
-                                               });
+    bus_.subscribe_named<models::TeamProposal>(
+        bus::team_proposal_channel(each.name),
+        [this, is_own](const std::string& name, const auto& m) {
+          team_proposals_.add(name, m);
+          if (is_own && m.robot == robot_) {
+            waiting_.push_back(m);
+          }
+        });
     bus_.subscribe_named<models::VehicleStatus>(
         bus::quadrotor_channel(each.name),
         [this](const std::string& name, const auto& m) { statuses_.add(name, m); });

@@ -59,6 +59,15 @@ bool is_local_search(const models::PlannerSpec& planner) {
   return planner.team_algorithm == models::TeamAlgorithm::kLocalSearch;
 }
 
+// Whether a search can work on it: what it multiplies of such numbers stays finite.
+bool is_searchable(const models::Gaussian& prior) {
+  constexpr double kLargest = 1e30;  // m or m/s, and their squares
+  return prior.mean.cwiseAbs().maxCoeff() <= kLargest &&
+         prior.covariance.cwiseAbs().maxCoeff() <= kLargest &&
+         models::log_det(prior.covariance) >=
+             -std::log(kLargest) * static_cast<double>(prior.mean.size());
+}
+
 // Whether its plans are chosen from candidates, by what they tell and cost.
 bool chooses_candidates(const models::PlannerSpec& planner, const models::RobotSpec& robot) {
   const bool has_tree = planner.algorithm == models::PlanAlgorithm::kArvi ||
@@ -198,23 +207,28 @@ void RobotPlanner::add_targets(const models::RobotBelief& belief, Time start) {
   const models::StateMatrix A = model.transition(ahead_s);
   const models::StateMatrix W = model.process_noise(ahead_s);
   for (const models::TargetBelief& target : belief.targets) {
-    const auto gaussian = target.information.vector.size() == model.dim()
+    const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
                               ? models::to_gaussian(target.information)
                               : std::nullopt;
-    if (!gaussian || problem_.targets.size() >= scenario_.targets.size()) {
+    const models::Gaussian prior = gaussian ? models::predict(*gaussian, A, W) : models::Gaussian{};
+    if (!gaussian || !is_searchable(prior) || problem_.targets.size() >= scenario_.targets.size()) {
       ++counts_.unusable_beliefs;
       continue;
     }
-    problem_.targets.push_back({model, models::predict(*gaussian, A, W)});
+    problem_.targets.push_back({model, prior});
   }
 }
 
 void RobotPlanner::add_landmarks(const models::RobotBelief& belief, Time start) {
   const models::ExplorationSpec& exploration = scenario_.planner.exploration;
+  if (exploration.landmarks_max <= 0) {
+    return;
+  }
   models::VisibilityGrid grid(scenario_.world, scenario_.estimator.grid_resolution_m,
                               scenario_.estimator.grid_memory_s);
-  if (exploration.landmarks_max <= 0 || !(belief.grid == grid.geometry()) ||
+  if (!(belief.grid == grid.geometry()) ||
       belief.last_seen_utime.size() != static_cast<std::size_t>(grid.geometry().size())) {
+    ++counts_.unusable_beliefs;
     return;
   }
   grid.set_last_seen(belief.last_seen_utime);
@@ -259,6 +273,7 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
   problem_.fixed_information = fixed_information(problem_, teammates);
   if (mapping_) {
     mapping_->set_up(problem_, inputs.map, teammates);
+    counts_.unusable_maps = mapping_->unusable_maps();
   }
 }
 

@@ -43,7 +43,10 @@ struct PlannerCounts {
   std::int64_t baits = 0;          ///< rounds in which this robot was bait
   std::int64_t rests = 0;          ///< rounds in which no motion was worth its energy
   std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
+  /// Targets that cannot be predicted (of a clock that was ahead, say) or that the scenario has
+  /// not, and grids of another geometry.
   std::int64_t unusable_beliefs = 0;
+  std::int64_t unusable_maps = 0;  ///< of another grid than the scenario's
 };
 
 /// One robot's share of a planning round, as a function of its inputs (and, for the sweeping
@@ -90,6 +93,10 @@ class RobotPlanner {
   std::optional<models::RobotPlan> plan_without_search(const PlanInputs& inputs);
 
   [[nodiscard]] const PlannerCounts& counts() const { return counts_; }
+  /// TEAM_PROPOSALs of a round that cannot be, since construction.
+  [[nodiscard]] std::int64_t proposals_refused() const {
+    return exchange_ ? exchange_->refused() : 0;
+  }
   [[nodiscard]] int robot_index() const { return robot_index_; }
   [[nodiscard]] int robot_count() const { return static_cast<int>(scenario_.robots.size()); }
 

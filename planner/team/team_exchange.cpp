@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "models/scenario/energy_cost.hpp"
+#include "planner/team/trajectory_tools.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -125,17 +126,18 @@ std::optional<models::TeamChoice> TeamExchange::best_beside(
 }
 
 bool TeamExchange::hear(const models::TeamProposal& proposal) {
-  // Longer ones than a horizon and a stop are no plans, and checking them could take for ever.
-  const double longest_s = 4.0 * problem_.horizon_steps * problem_.step_s;
+  if (!session_ || !session_->is_of_round(proposal)) {
+    return false;
+  }
   const bool are_plans = std::all_of(
       proposal.choices.begin(), proposal.choices.end(), [&](const models::TeamChoice& choice) {
-        double motion_s = 0.0;
-        for (const models::PlanSegment& segment : choice.trajectory.segments) {
-          motion_s += segment.duration_s;
-        }
-        return motion_s <= longest_s;
+        return is_of_plan_length(choice.trajectory, planner_, robots_);
       });
-  return session_ && are_plans && session_->hear(proposal);
+  if (!are_plans || !session_->can_be(proposal)) {
+    ++refused_;
+    return false;
+  }
+  return session_->hear(proposal);
 }
 
 std::optional<models::TeamProposal> TeamExchange::improve(const Deadline& deadline) {

@@ -49,6 +49,8 @@ class TeamExchange {
   /// nullopt when each would take away. Ends the round.
   std::optional<models::TeamChoice> best_beside(const std::vector<models::TeamChoice>& others);
 
+  /// Proposals of a round that was on which cannot be, since construction.
+  [[nodiscard]] std::int64_t refused() const { return refused_; }
   /// Of the search for the candidates: the node budget that repeats it.
   [[nodiscard]] std::int64_t nodes() const { return nodes_; }
 
@@ -67,6 +69,7 @@ class TeamExchange {
   std::vector<std::string> jammed_;
   std::int64_t round_ = 0;
   std::int64_t nodes_ = 0;
+  std::int64_t refused_ = 0;
   std::optional<LocalSearchSession> session_;
 };
 

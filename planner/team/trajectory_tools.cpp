@@ -1,5 +1,7 @@
 #include "planner/team/trajectory_tools.hpp"
 
+#include <algorithm>
+
 namespace vantage::planner {
 
 models::Trajectory rest_of(const models::Trajectory& trajectory, Time start) {
@@ -37,6 +39,21 @@ models::Trajectory hover_at(const Pose2& pose, double height_m, Time start) {
   hover.start = pose;
   hover.height_m = height_m;
   return hover;
+}
+
+bool is_of_plan_length(const models::Trajectory& motion, const models::PlannerSpec& planner,
+                       const std::vector<models::RobotSpec>& robots) {
+  const int steps_max = 4 * planner.horizon_steps;
+  double stop_s = 0.0;
+  for (const models::RobotSpec& robot : robots) {
+    stop_s = std::max(stop_s, robot.limits.speed_max_mps / robot.limits.brake_mps2);
+  }
+  double motion_s = 0.0;
+  for (const models::PlanSegment& segment : motion.segments) {
+    motion_s += segment.duration_s;
+  }
+  return motion.segments.size() <= static_cast<std::size_t>(steps_max) &&
+         motion_s <= steps_max * planner.step_s + stop_s;
 }
 
 }  // namespace vantage::planner

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <vector>
+
 #include "models/plan/plan.hpp"
+#include "models/scenario/scenario.hpp"
 
 namespace vantage::planner {
 
@@ -14,5 +17,11 @@ models::Trajectory stop_from(const models::Trajectory& trajectory, Time start, d
 
 /// Hovering at `pose` from `start` on.
 models::Trajectory hover_at(const Pose2& pose, double height_m, Time start);
+
+/// Whether `motion` can be a plan of one of `robots`: over within four horizons and the longest
+/// stop (a plan is one horizon and a stop), in no more segments than four horizons have steps. Work
+/// on longer ones could take for ever.
+bool is_of_plan_length(const models::Trajectory& motion, const models::PlannerSpec& planner,
+                       const std::vector<models::RobotSpec>& robots);
 
 }  // namespace vantage::planner

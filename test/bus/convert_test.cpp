@@ -274,6 +274,14 @@ TEST(FromWirePlan, RefusesWhatCannotBeTrue) {
   refused([](wire::plan_t& w) { w.segments[1].yaw_rate_radps = kInfinity; }, "infinite yaw rate");
   refused([](wire::plan_t& w) { w.segments[1].duration_s = -0.1; }, "negative duration");
   refused([](wire::plan_t& w) { w.segments[1].brake_mps2 = -0.1; }, "negative brake");
+  refused([](wire::plan_t& w) { w.start_y_world_m = -2e6; }, "place far away");
+  refused([](wire::plan_t& w) { w.height_m = 1e300; }, "height of a star");
+  refused([](wire::plan_t& w) { w.segments[1].speed_mps = -1e300; }, "speed beyond light");
+  refused([](wire::plan_t& w) { w.segments[1].yaw_rate_radps = 1e9; }, "yaw rate of a rotor");
+  refused([](wire::plan_t& w) { w.segments[1].brake_mps2 = 1e300; }, "brake of a wall");
+  refused([](wire::plan_t& w) { w.segments[1].duration_s = 1e12; }, "motion for ever");
+  refused([](wire::plan_t& w) { w.segments[1].duration_s = w.segments[2].duration_s = 1900.0; },
+          "motion of more than an hour");
   refused([](wire::plan_t& w) { w.step_s = 0.0; }, "no step");
   refused([](wire::plan_t& w) { w.step_s = kNan; }, "NaN step");
   refused([](wire::plan_t& w) { w.horizon_steps = -1; }, "negative horizon");

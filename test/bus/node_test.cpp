@@ -49,11 +49,12 @@ class Ticker : public Node {
     next_ = next_ + period_;
   }
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {
-    return {{"stale_inputs", stale_inputs}};
+    return {{"stale_inputs", stale_inputs}, {"rest_rounds", rest_rounds}};
   }
 
   std::vector<Time> ticks;
   std::int64_t stale_inputs = 0;
+  std::int64_t rest_rounds = 0;
 
  private:
   Time next_;
@@ -151,6 +152,8 @@ TEST_F(Health, IsReportedAtOnceWhenSomethingWasDroppedAndDegradedForThatSecond) 
   EXPECT_EQ(health_.back().state, models::ProcessState::kDegraded) << "in this second";
   EXPECT_EQ(loop(milliseconds(2'000)), 5U);
   EXPECT_EQ(health_.back().state, models::ProcessState::kRunning) << "nothing since";
+  ++node_.rest_rounds;
+  EXPECT_EQ(loop(milliseconds(2'500)), 5U) << "nothing is wrong with resting";
 }
 
 TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {

@@ -108,6 +108,23 @@ TEST(TeamMap, CountsATeammateOnceHoweverOftenItIsHeard) {
   EXPECT_EQ(once.own_looks, models::Looks(once.own_looks.size(), 0)) << "nobody passes on others'";
 }
 
+// A robot that hovers for hours brings its cells to the limits of a count.
+TEST(TeamMap, IsTheSameInAnyOrderOfTeammatesAtTheLimitsOfACountToo) {
+  const models::Scenario scenario = mapping_scenario();
+  TeamMap q1(scenario, "Q1");
+  const models::RobotMap blank = map_of(q1, {{}});
+  models::RobotMap far_up = blank;
+  models::RobotMap up = blank;
+  models::RobotMap down = blank;
+  far_up.own_looks[7] = 32'767;
+  up.own_looks[7] = 20'000;
+  down.own_looks[7] = -32'768;
+  const std::int16_t sum = 32'767 + 20'000 - 32'768;
+  EXPECT_EQ(map_of(q1, {{}}, {&far_up, &up, &down}).team_looks[7], sum);
+  EXPECT_EQ(map_of(q1, {{}}, {&down, &up, &far_up}).team_looks[7], sum);
+  EXPECT_EQ(map_of(q1, {{}}, {&far_up, &up}).team_looks[7], 32'767);
+}
+
 TEST(TeamMap, LearnsNothingOfJammedOrStrangeScans) {
   const models::Scenario scenario = mapping_scenario();
   test::Random random(5303);

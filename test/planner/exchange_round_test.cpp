@@ -220,7 +220,16 @@ TEST(RobotPlanner, HearsNoMotionThatIsNoPlan) {
   endless.choices[0].trajectory.segments.back().duration_s = 1e12;
   endless.history.back() = fingerprint(names, endless.choices);
   EXPECT_FALSE(fresh.exchange().hear(endless));
+  models::TeamProposal forged = said;
+  forged.history.back() ^= 1;
+  EXPECT_FALSE(fresh.exchange().hear(forged));
+  EXPECT_EQ(fresh.proposals_refused(), 2);
   EXPECT_TRUE(fresh.exchange().hear(said));
+  EXPECT_FALSE(fresh.exchange().hear(said)) << "no better than itself";
+  models::TeamProposal late = said;
+  --late.round;
+  EXPECT_FALSE(fresh.exchange().hear(late));
+  EXPECT_EQ(fresh.proposals_refused(), 2);
 }
 
 TEST(RobotPlanner, GivesAJammedRobotNothing) {

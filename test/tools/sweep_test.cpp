@@ -1,5 +1,7 @@
 #include <atomic>
 #include <cmath>
+#include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -7,6 +9,8 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/check.hpp"
@@ -275,6 +279,81 @@ TEST_F(Sweeps, RefuseRowsThatCannotBe) {
   twice.replace(twice.find("7.142857"), 8, "7.142858");
   std::ofstream(rows.parent_path() / "another.jsonl") << twice;
   EXPECT_NE(refusal_of([&] { run("a"); }).find("twice with different rows"), std::string::npos);
+}
+
+// Shards on machines of their own leave directories whose rows are copied together.
+TEST_F(Sweeps, RefuseRowsOfAnotherRunThatWereCopiedIn) {
+  const auto share = [&](const std::string& name, int number, const SweepIdentity& identity) {
+    SweepOptions options;
+    options.directory = dir(name);
+    options.shard = Shard{number, 2};
+    run_sweep(counting_sweep(runs_), identity, "Counting", options);
+    return fs::path(dir(name)) / "rows";
+  };
+  SweepIdentity newer = kIdentity;
+  newer.version = "1.0+abd";
+  const fs::path first = share("a", 1, kIdentity);
+  const fs::path second = share("b", 2, kIdentity);
+  const fs::path other = share("c", 2, newer);
+  fs::copy(other, first);
+  EXPECT_NE(refusal_of([&] { run("a"); }).find("another version: \"1.0+abd\""), std::string::npos);
+  fs::remove(first / only_rows_file(dir("c")).filename());
+  fs::copy(second, first);
+  EXPECT_EQ(refusal_of([&] { run("a"); }), "");
+}
+
+TEST_F(Sweeps, KeepLinesWholeWhenTheDiskTakesNoMore) {
+  run("whole");
+  const std::string all = text_of(only_rows_file(dir("whole")));
+  const std::size_t first = all.find('\n') + 1;
+  const std::size_t second = all.find('\n', first) + 1;
+  const std::size_t third = all.find('\n', second) + 1;
+  fs::create_directories(dir("full"));
+  const SweepPlan plan = counting_sweep(runs_).plan;
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const auto old_handler = ::signal(SIGXFSZ, SIG_IGN);
+  {
+    RowWriter writer(dir("full"), this_process(1, {}), kIdentity, plan);
+    const rlimit full{fs::file_size(only_rows_file(dir("full"))) + 20, before.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &full);
+    EXPECT_THROW(writer.append(all.substr(first, second - first - 1)), std::runtime_error);
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    writer.append(all.substr(second, third - second - 1));
+    writer.append(all.substr(first, second - first - 1));
+  }
+  ::signal(SIGXFSZ, old_handler);
+  const StoredRows stored = read_rows(dir("full"), plan, kIdentity);
+  EXPECT_EQ(stored.done.size(), 2U);
+  EXPECT_EQ(stored.torn, 0U);
+}
+
+// Processes that start together, some of which have begun their rows before others have looked.
+TEST_F(Sweeps, LetManyShardsBeginTogether) {
+  const SweepPlan plan = counting_sweep(runs_).plan;
+  for (int turn = 0; turn < 100; ++turn) {
+    const std::string directory = dir(fmt::format("t{}", turn));
+    std::vector<pid_t> shards;
+    for (int shard = 0; shard < 8; ++shard) {
+      const pid_t child = ::fork();
+      if (child == 0) {
+        try {
+          claim_directory(directory, kIdentity, plan);
+          RowWriter writer(directory, this_process(1, {shard + 1, 8}), kIdentity, plan);
+          ::_exit(0);
+        } catch (const std::exception& error) {
+          std::fprintf(stderr, "%s\n", error.what());
+        }
+        ::_exit(1);
+      }
+      shards.push_back(child);
+    }
+    for (const pid_t child : shards) {
+      int status = 0;
+      ::waitpid(child, &status, 0);
+      ASSERT_EQ(status, 0) << "turn " << turn;
+    }
+  }
 }
 
 TEST(Sample, HasTheMeanDeviationAndIntervalOfATextbook) {

@@ -5,8 +5,6 @@
 
 namespace vantage::tools {
 
-std::string version() { return VANTAGE_VERSION; }
-
 Announcer::Announcer(bus::Bus& bus, const models::Scenario& scenario, std::string process)
     : bus_(bus) {
   notice_.yaml = scenario.source_text;

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -33,13 +34,18 @@ nlohmann::ordered_json settings_json(const SweepPlan& plan) {
   return json;
 }
 
-nlohmann::ordered_json manifest_json(const SweepIdentity& identity, const SweepPlan& plan) {
+nlohmann::ordered_json identity_json(const SweepIdentity& identity, const SweepPlan& plan) {
   nlohmann::ordered_json json;
   json["experiment"] = identity.experiment;
   json["version"] = identity.version;
   json["seed"] = identity.seed;
   json["smoke"] = identity.is_smoke;
   json["settings_sha256"] = settings_hash(plan);
+  return json;
+}
+
+nlohmann::ordered_json manifest_json(const SweepIdentity& identity, const SweepPlan& plan) {
+  nlohmann::ordered_json json = identity_json(identity, plan);
   json["trials"] = plan.trials;
   json["settings"] = settings_json(plan);
   return json;
@@ -48,7 +54,8 @@ nlohmann::ordered_json manifest_json(const SweepIdentity& identity, const SweepP
 std::filesystem::path write_beside(const std::string& directory,
                                    const nlohmann::ordered_json& json) {
   const std::filesystem::path path =
-      std::filesystem::path(directory) / fmt::format("{}.{}", kName, ::getpid());
+      std::filesystem::path(directory) /
+      fmt::format("{}.{}.{}", kName, host_name(), ::getpid());  // nodes may share the directory
   std::ofstream file(path);
   file << json.dump(2) << '\n';
   if (!file.flush()) {
@@ -70,23 +77,17 @@ bool is_free(const std::string& directory) {
 void refuse_other(const std::string& directory, const SweepIdentity& identity,
                   const SweepPlan& plan) {
   const std::string path = std::filesystem::path(directory) / kName;
-  nlohmann::json there;
-  try {
-    std::ifstream file(path);
-    there = nlohmann::json::parse(file);
-  } catch (const std::exception&) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!nlohmann::json::accept(text.str())) {
     throw StartupError(path + ": not the manifest of an experiment; choose another --out");
   }
-  const auto ours = nlohmann::json(manifest_json(identity, plan));
-  for (const char* key : {"experiment", "version", "seed", "smoke", "settings_sha256"}) {
-    const nlohmann::json other =
-        there.is_object() && there.contains(key) ? there[key] : nlohmann::json();
-    if (other != ours[key]) {
-      throw StartupError(
-          fmt::format("{}: holds a run of another {}: {}, and this one is of {}; one directory "
-                      "holds one run: choose another --out",
-                      directory, key, other.dump(), ours[key].dump()));
-    }
+  const std::string difference = difference_of(text.str(), identity, plan);
+  if (!difference.empty()) {
+    throw StartupError(
+        fmt::format("{}: holds a run of {}; one directory holds one run: choose another --out",
+                    directory, difference));
   }
 }
 
@@ -105,6 +106,32 @@ std::string cpu_name() {
 
 std::string settings_hash(const SweepPlan& plan) { return text_hash(settings_json(plan).dump()); }
 
+std::string identity_text(const SweepIdentity& identity, const SweepPlan& plan) {
+  return identity_json(identity, plan).dump();
+}
+
+std::string difference_of(const std::string& theirs, const SweepIdentity& identity,
+                          const SweepPlan& plan) {
+  const auto there = nlohmann::json::parse(theirs);
+  const auto ours = identity_json(identity, plan);
+  for (const auto& [key, value] : ours.items()) {
+    const nlohmann::json other =
+        there.is_object() && there.contains(key) ? there[key] : nlohmann::json();
+    if (other != nlohmann::json(value)) {
+      return fmt::format("another {}: {}, and this one is of {}", key, other.dump(), value.dump());
+    }
+  }
+  return "";
+}
+
+std::string host_name() {
+  char name[256] = {};
+  if (::gethostname(name, sizeof(name) - 1) != 0) {
+    return "host";
+  }
+  return name;
+}
+
 std::string text_hash(const std::string& text) {
   std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
   const std::vector<unsigned char> bytes(text.begin(), text.end());
@@ -121,7 +148,8 @@ void claim_directory(const std::string& directory, const SweepIdentity& identity
   }
   const std::filesystem::path manifest = std::filesystem::path(directory) / kName;
   if (!std::filesystem::exists(manifest)) {
-    if (!is_free(directory)) {
+    // Another shard may have made it since, and begun its rows.
+    if (!is_free(directory) && !std::filesystem::exists(manifest)) {
       throw StartupError(directory +
                          ": is not empty and has no manifest.json; choose another --out");
     }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -14,17 +15,10 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "tools/sweep/manifest.hpp"
 
 namespace vantage::tools {
 namespace {
-
-std::string host_name() {
-  char name[256] = {};
-  if (::gethostname(name, sizeof(name) - 1) != 0) {
-    return "host";
-  }
-  return name;
-}
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -36,8 +30,15 @@ std::string text_of(const std::filesystem::path& path) {
   return std::move(text).str();
 }
 
-RowProcess process_of_line(const std::string& line) {
-  const auto json = nlohmann::json::parse(line).at("process");
+RowProcess process_of_line(const std::string& line, const SweepPlan& plan,
+                           const SweepIdentity& identity) {
+  const auto header = nlohmann::json::parse(line);
+  const auto& json = header.at("process");
+  const std::string difference =
+      difference_of(header.value("run", nlohmann::json()).dump(), identity, plan);
+  if (!difference.empty()) {
+    throw StartupError("rows of " + difference);
+  }
   RowProcess process;
   process.machine = json.at("machine").get<std::string>();
   process.cores = json.at("cores").get<int>();
@@ -63,7 +64,8 @@ void keep(StoredRows& stored, RowProcess& process, const SweepPlan& plan, const 
   }
 }
 
-void read_file(const std::filesystem::path& path, const SweepPlan& plan, StoredRows& stored) {
+void read_file(const std::filesystem::path& path, const SweepPlan& plan,
+               const SweepIdentity& identity, StoredRows& stored) {
   const std::string text = text_of(path);
   RowProcess process;
   std::size_t number = 1;
@@ -78,7 +80,7 @@ void read_file(const std::filesystem::path& path, const SweepPlan& plan, StoredR
     }
     try {
       if (number == 1) {
-        process = process_of_line(line);
+        process = process_of_line(line, plan, identity);
       } else {
         keep(stored, process, plan, line);
       }
@@ -121,7 +123,8 @@ std::pair<Unit, UnitRows> unit_of_line(const SweepPlan& plan, const std::string&
           std::move(rows)};
 }
 
-StoredRows read_rows(const std::string& directory, const SweepPlan& plan) {
+StoredRows read_rows(const std::string& directory, const SweepPlan& plan,
+                     const SweepIdentity& identity) {
   StoredRows stored;
   const std::filesystem::path folder = std::filesystem::path(directory) / "rows";
   std::vector<std::filesystem::path> paths;
@@ -134,12 +137,13 @@ StoredRows read_rows(const std::string& directory, const SweepPlan& plan) {
   }
   std::sort(paths.begin(), paths.end());
   for (const std::filesystem::path& path : paths) {
-    read_file(path, plan, stored);
+    read_file(path, plan, identity, stored);
   }
   return stored;
 }
 
-RowWriter::RowWriter(const std::string& directory, const RowProcess& process) {
+RowWriter::RowWriter(const std::string& directory, const RowProcess& process,
+                     const SweepIdentity& identity, const SweepPlan& plan) {
   const std::filesystem::path folder = std::filesystem::path(directory) / "rows";
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -158,10 +162,15 @@ RowWriter::RowWriter(const std::string& directory, const RowProcess& process) {
                      {"jobs", process.jobs},
                      {"shard", process.shard},
                      {"started", process.started}};
+  json["run"] = nlohmann::ordered_json::parse(identity_text(identity, plan));
   append(json.dump());
 }
 
-RowWriter::~RowWriter() { ::close(descriptor_); }
+RowWriter::~RowWriter() {
+  if (descriptor_ >= 0) {
+    ::close(descriptor_);
+  }
+}
 
 void RowWriter::append(const std::string& line) {
   const std::string text = line + "\n";
@@ -172,10 +181,16 @@ void RowWriter::append(const std::string& line) {
       continue;
     }
     if (count < 0) {
-      throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
+      const int why = errno;
+      // What other units append after half a line would be no line.
+      if (::ftruncate(descriptor_, whole_bytes_) != 0) {
+        ::close(std::exchange(descriptor_, -1));
+      }
+      throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(why));
     }
     written += static_cast<std::size_t>(count);
   }
+  whole_bytes_ += static_cast<off_t>(text.size());
 }
 
 }  // namespace vantage::tools

@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
+#include <sys/types.h>
+
 #include "tools/sweep/sweep.hpp"
 
 // Rows on disk: DIRECTORY/rows/*.jsonl, a file for each process that ran units. The first line
-// says which process, every further one is a whole unit.
+// says which process and of which run, every further one is a whole unit.
 
 namespace vantage::tools {
 
@@ -38,25 +40,29 @@ std::pair<Unit, UnitRows> unit_of_line(const SweepPlan& plan, const std::string&
 
 /// Reads all rows in `directory`; none where there are no files. A last line that is not whole is
 /// left out; trials beyond the plan's are, too.
-/// @throws StartupError when another line is not whole, or a unit is there twice with other rows
-StoredRows read_rows(const std::string& directory, const SweepPlan& plan);
+/// @throws StartupError when another line is not whole, a unit is there twice with other rows, or
+///   a file is of another run (it was copied there)
+StoredRows read_rows(const std::string& directory, const SweepPlan& plan,
+                     const SweepIdentity& identity);
 
 /// Appends to a file of its own. What append() has returned from outlives the process (not the
 /// loss of power).
 class RowWriter {
  public:
   /// @throws StartupError when the file cannot be made
-  RowWriter(const std::string& directory, const RowProcess& process);
+  RowWriter(const std::string& directory, const RowProcess& process, const SweepIdentity& identity,
+            const SweepPlan& plan);
   RowWriter(const RowWriter&) = delete;
   RowWriter& operator=(const RowWriter&) = delete;
   ~RowWriter();
 
-  /// @throws std::runtime_error when the disk takes no more
+  /// @throws std::runtime_error when the disk takes no more; then nothing is left of the line
   void append(const std::string& line);
 
  private:
   std::string path_;
   int descriptor_ = -1;
+  off_t whole_bytes_ = 0;
 };
 
 }  // namespace vantage::tools

@@ -56,7 +56,7 @@ class SlurmRun {
     if (!submitted_.array.empty() && is_in_queue()) {
       slurm_.tell(fmt::format("{} in the queue: nothing is submitted", submitted_.are()));
     } else {
-      const auto done = read_rows(options_.directory, sweep_.plan).done;
+      const auto done = read_rows(options_.directory, sweep_.plan, identity_).done;
       const std::vector<int> lacking = shards_lacking(sweep_.plan, slurm_.shards, done);
       if (lacking.empty()) {
         return collect();
@@ -166,7 +166,7 @@ class SlurmRun {
   SweepProgress progress_now() {
     SweepProgress progress;
     progress.units = units_of(sweep_.plan, {}).size();
-    progress.done = read_rows(options_.directory, sweep_.plan).done.size();
+    progress.done = read_rows(options_.directory, sweep_.plan, identity_).done.size();
     done_before_ = done_before_.value_or(progress.done);
     progress.done_before = *done_before_;
     progress.elapsed_s = std::chrono::duration<double>(Clock::now() - start_).count();
@@ -221,7 +221,7 @@ class SlurmRun {
   }
 
   SlurmEnd tell_lacking(const std::map<int, std::string>& last) const {
-    const auto done = read_rows(options_.directory, sweep_.plan).done;
+    const auto done = read_rows(options_.directory, sweep_.plan, identity_).done;
     for (const int shard : shards_lacking(sweep_.plan, submitted_.shards, done)) {
       const auto state = last.find(shard);
       const fs::path log = log_of(shard);

@@ -38,6 +38,15 @@ struct SweepPlan {
   std::map<std::string, std::string> tables;
 };
 
+/// What every process that works in one directory must agree on. How many trials are run is not of
+/// it: more of them go on from where fewer ended.
+struct SweepIdentity {
+  std::string experiment;
+  std::string version;
+  std::uint64_t seed = 1;
+  bool is_smoke = false;
+};
+
 /// The least that is run at once: one trial of one setting.
 struct Unit {
   std::size_t setting = 0;  ///< index into SweepPlan::settings

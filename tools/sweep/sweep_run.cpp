@@ -54,7 +54,7 @@ UnitRows run_unit(const Sweep& sweep, const Unit& unit, std::uint64_t seed) {
 
 std::vector<std::string> collect(const Sweep& sweep, const SweepIdentity& identity,
                                  const std::string& what, const std::string& directory) {
-  const StoredRows stored = read_rows(directory, sweep.plan);
+  const StoredRows stored = read_rows(directory, sweep.plan, identity);
   const Tables tables = tables_of(sweep.plan, stored.done);
   const Summary summary = sweep.summarise(tables);
   for (const auto& [name, records] : tables) {
@@ -106,9 +106,9 @@ SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const 
   SweepOutcome outcome;
   SweepProgress& progress = outcome.progress;
   const std::vector<Unit> left =
-      units_left(sweep, shard, read_rows(options.directory, sweep.plan), progress);
+      units_left(sweep, shard, read_rows(options.directory, sweep.plan, identity), progress);
   if (!left.empty()) {
-    RowWriter writer(options.directory, this_process(options.jobs, shard));
+    RowWriter writer(options.directory, this_process(options.jobs, shard), identity, sweep.plan);
     const auto start = std::chrono::steady_clock::now();
     const auto tell = [&] {
       progress.elapsed_s =

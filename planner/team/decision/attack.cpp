@@ -102,7 +102,7 @@ Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int 
     team.drop(robot);
   }
   attack.value = team.value();
-  attack.oracle_calls = team.calls();
+  attack.oracle_calls = static_cast<std::int64_t>(attack.robots.size());
   return attack;
 }
 

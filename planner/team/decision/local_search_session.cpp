@@ -95,9 +95,12 @@ int LocalSearchSession::index_of(const std::string& robot) const {
   return found == setup_.robots.end() ? -1 : static_cast<int>(found - setup_.robots.begin());
 }
 
-bool LocalSearchSession::hear(const models::TeamProposal& heard) {
-  if (heard.round != setup_.round || heard.stamp.time != setup_.activation ||
-      index_of(heard.robot) < 0 || heard.history.empty() || !(heard.value_nats > 0.0)) {
+bool LocalSearchSession::is_of_round(const models::TeamProposal& heard) const {
+  return heard.round == setup_.round && heard.stamp.time == setup_.activation;
+}
+
+bool LocalSearchSession::can_be(const models::TeamProposal& heard) const {
+  if (index_of(heard.robot) < 0 || heard.history.empty() || !(heard.value_nats > 0.0)) {
     return false;
   }
   for (const models::TeamChoice& choice : heard.choices) {
@@ -106,7 +109,11 @@ bool LocalSearchSession::hear(const models::TeamProposal& heard) {
       return false;
     }
   }
-  if (fingerprint(setup_.robots, heard.choices) != heard.history.back()) {
+  return fingerprint(setup_.robots, heard.choices) == heard.history.back();
+}
+
+bool LocalSearchSession::hear(const models::TeamProposal& heard) {
+  if (!is_of_round(heard) || !can_be(heard)) {
     return false;
   }
   const auto rank = [this](const models::TeamProposal& proposal) {
@@ -121,7 +128,7 @@ bool LocalSearchSession::hear(const models::TeamProposal& heard) {
 }
 
 const Candidate& LocalSearchSession::effect(const models::TeamChoice& choice) {
-  const std::int64_t key = fingerprint(choice);
+  const Said key(fingerprint(choice), choice.information_nats, choice.energy_nats);
   const auto known = effects_.find(key);
   return known != effects_.end() ? known->second
                                  : effects_.emplace(key, setup_.effect_of(choice)).first->second;

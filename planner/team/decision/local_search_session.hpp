@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/deadline.hpp"
@@ -67,6 +68,10 @@ class LocalSearchSession {
   /// not have (it has started again since), with a history that does not end in it.
   bool hear(const models::TeamProposal& heard);
 
+  /// Whether `heard` is of this round, and whether it can be what it says.
+  [[nodiscard]] bool is_of_round(const models::TeamProposal& heard) const;
+  [[nodiscard]] bool can_be(const models::TeamProposal& heard) const;
+
   /// The next proposal, which is held from then on; nullopt when there is none, or none yet: then
   /// is_searching(). `deadline` counts oracle calls of this call as nodes and is asked after each.
   /// Robot, round, time, value, choices and history are set.
@@ -90,8 +95,9 @@ class LocalSearchSession {
   const Candidate& effect(const models::TeamChoice& choice);
 
   SessionSetup setup_;
-  std::map<std::int64_t, std::size_t> own_;    ///< index by fingerprint
-  std::map<std::int64_t, Candidate> effects_;  ///< of teammates' choices, by fingerprint
+  std::map<std::int64_t, std::size_t> own_;               ///< index by fingerprint
+  using Said = std::tuple<std::int64_t, double, double>;  ///< fingerprint, information, energy
+  std::map<Said, Candidate> effects_;                     ///< of teammates' choices
   std::optional<models::TeamProposal> held_;
   Phase phase_ = Phase::kDone;
   std::int64_t calls_ = 0;

@@ -29,17 +29,13 @@ TEST(Looks, AddUpTheSameInAnyOrderWhereClampedLogOddsDoNot) {
   for (const Look& look : looks) {
     add_look(in_order, look.cell, look.met);
   }
-  Looks in_parts(12, 0);
+  std::vector<Looks> parts(4, Looks(12, 0));
   std::reverse(looks.begin(), looks.end());
-  for (std::size_t part = 0; part < 4; ++part) {
-    Looks some(12, 0);
-    for (std::size_t i = part; i < looks.size(); i += 4) {
-      add_look(some, looks[i].cell, looks[i].met);
-    }
-    add_looks(in_parts, some);
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    add_look(parts[i % 4], looks[i].cell, looks[i].met);
   }
-  EXPECT_EQ(in_parts, in_order);
-  EXPECT_THROW(add_looks(in_parts, Looks(11, 0)), UsageError);
+  EXPECT_EQ(sum_of({{parts[2], parts[0], parts[3], parts[1]}}), in_order);
+  EXPECT_THROW(sum_of({{parts[0], Looks(11, 0)}}), UsageError);
 }
 
 TEST(Looks, StayAtTheLimits) {
@@ -48,8 +44,10 @@ TEST(Looks, StayAtTheLimits) {
   add_look(looks, 0, true);
   add_look(looks, 1, false);
   EXPECT_EQ(looks, (Looks{Limits::max(), Limits::min()}));
-  add_looks(looks, Looks{1, -1});
-  EXPECT_EQ(looks, (Looks{Limits::max(), Limits::min()}));
+  const Looks same{1, -1};
+  const Looks other{-5, 5};
+  EXPECT_EQ(sum_of({{looks, same}}), looks);
+  EXPECT_EQ(sum_of({{looks, same, other}}), (Looks{Limits::max() - 4, Limits::min() + 4}));
 }
 
 TEST(Looks, MakeTheBeliefOfSoManyUpdates) {

@@ -383,5 +383,40 @@ TEST(LocalSearchSession, CountsWhatOnlyTheOwnerKnowsOf) {
   }
 }
 
+// What its own robot says of a motion may change: it has started again and believes otherwise.
+TEST(LocalSearchSession, CountsWhatTheSolutionThatItHoldsSaysOfAMotion) {
+  const auto session = [] {
+    SessionSetup setup;
+    setup.robots = {"Q1", "Q2"};
+    setup.round = kRound;
+    setup.activation = kActivation;
+    setup.problem.candidates.resize(2);
+    setup.effect_of = [](const models::TeamChoice& choice) {
+      Candidate effect;
+      effect.energy_cost = choice.energy_nats;
+      effect.unshared_nats = choice.information_nats;
+      return effect;
+    };
+    return std::make_unique<LocalSearchSession>(std::move(setup));
+  };
+  const auto said = [](double value_nats, double information_nats) {
+    models::TeamProposal proposal;
+    proposal.stamp.time = kActivation;
+    proposal.robot = "Q2";
+    proposal.round = kRound;
+    proposal.value_nats = value_nats;
+    proposal.choices = {{"Q2", {kActivation, {}, 1.0, {}}, information_nats, 1.0}};
+    proposal.history = {fingerprint({"Q1", "Q2"}, proposal.choices)};
+    return proposal;
+  };
+  const auto worthless = session();
+  EXPECT_TRUE(worthless->hear(said(1.0, 0.5)));
+  EXPECT_TRUE(worthless->improve(Deadline::never())) << "it costs more than it tells";
+  const auto both = session();
+  EXPECT_TRUE(both->hear(said(1.0, 0.5)));
+  EXPECT_TRUE(both->hear(said(2.0, 3.0)));
+  EXPECT_FALSE(both->improve(Deadline::never())) << "as one that has heard the second alone";
+}
+
 }  // namespace
 }  // namespace vantage::planner

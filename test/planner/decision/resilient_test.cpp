@@ -144,6 +144,7 @@ TEST(AttackOnBestAlone, TakesThoseOfWhomEachAloneIsWorthMost) {
         EXPECT_TRUE(id == kNoCandidate || oracle.alone(id) <= least_taken);
       }
       EXPECT_NEAR(attack.value, test::plain_value(problem, chosen_left), 1e-9);
+      EXPECT_EQ(attack.oracle_calls, std::ssize(attack.robots));
     }
   }
 }
