@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace vantage::logs::foxglove {
 namespace {
@@ -14,7 +15,13 @@ namespace {
 constexpr Colour kWall{0.50, 0.53, 0.58, 1.0};
 constexpr Colour kObstacle{0.55, 0.57, 0.62, 0.85};
 constexpr Colour kRegion{0.72, 0.55, 0.20, 0.25};
-constexpr Colour kRobot{0.13, 0.48, 0.88, 1.0};
+constexpr Colour of_bytes(int rgb) {
+  return {(rgb >> 16) / 255.0, (rgb >> 8 & 0xFF) / 255.0, (rgb & 0xFF) / 255.0, 1.0};
+}
+// The first four mean nothing else below; a fifth robot's resembles what is late, and so on.
+constexpr Colour kRobots[] = {of_bytes(0x2F7FE0), of_bytes(0x8A7F2C), of_bytes(0x1D9BA8),
+                              of_bytes(0x7A6FF0), of_bytes(0xD9822B), of_bytes(0xB455C9),
+                              of_bytes(0x2F9E5B), of_bytes(0xC94040)};
 constexpr Colour kJammed{0.88, 0.16, 0.16, 1.0};
 constexpr Colour kTarget{0.16, 0.60, 0.33, 1.0};
 constexpr Colour kEstimate{0.66, 0.34, 0.78, 1.0};
@@ -22,6 +29,9 @@ constexpr Colour kLate{0.95, 0.50, 0.08, 1.0};
 constexpr Colour kFallback{0.55, 0.55, 0.55, 1.0};
 constexpr double kLabel_px = 13.0;
 constexpr int kFanPieces = 32;
+constexpr double kPlanPiece_s = 0.1;
+constexpr double kDash_s = 0.2;
+constexpr double kPiecesMax = 10'000.0;
 
 Colour fade(Colour colour, double alpha) {
   colour.a = alpha;
@@ -58,8 +68,21 @@ std::vector<Eigen::Vector3d> field_of_view(const models::SensorModel& sensor, do
   return arc;
 }
 
-Json robot_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
-  const Colour colour = is_jammed ? kJammed : kRobot;
+// Where a trajectory is at its start, its end and between, at most `step_s` apart unless it is one
+// that only a stranger would send.
+std::vector<Eigen::Vector3d> points_of(const models::Trajectory& way, double step_s) {
+  const double length_s = to_seconds(models::end_time(way) - way.start_time);
+  const int pieces = static_cast<int>(std::clamp(std::ceil(length_s / step_s), 1.0, kPiecesMax));
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i <= pieces; ++i) {
+    const Time at = way.start_time + from_seconds(length_s * i / pieces);
+    const Pose2 pose = models::at(way, at).world_from_body;
+    points.emplace_back(pose.x_m, pose.y_m, way.height_m);
+  }
+  return points;
+}
+
+Json robot_entity(const models::RobotSpec& robot, const Colour& colour, bool is_jammed, Time time) {
   const double radius_m = robot.limits.radius_m;
   Json out = entity("robot/" + robot.name, robot.name, time, true);
   out["cylinders"].push_back(cylinder({}, {2.0 * radius_m, 2.0 * radius_m, 0.08}, colour));
@@ -77,8 +100,7 @@ Json robot_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
   return out;
 }
 
-Json view_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
-  const Colour colour = is_jammed ? kJammed : kRobot;
+Json view_entity(const models::RobotSpec& robot, const Colour& colour, bool is_jammed, Time time) {
   Json out = entity("view/" + robot.name, robot.name, time, true);
   const std::vector<Eigen::Vector3d> arc = field_of_view(robot.sensor, robot.height_m);
   const Eigen::Vector3d foot(0, 0, -robot.height_m);
@@ -96,7 +118,33 @@ Json view_entity(const models::RobotSpec& robot, bool is_jammed, Time time) {
   return out;
 }
 
+std::size_t index_of(const models::Scenario& scenario, const std::string& robot) {
+  const auto is_it = [&](const models::RobotSpec& each) { return each.name == robot; };
+  return static_cast<std::size_t>(
+      std::find_if(scenario.robots.begin(), scenario.robots.end(), is_it) -
+      scenario.robots.begin());
+}
+
+Colour colour_by_index(std::size_t index) { return kRobots[index % std::size(kRobots)]; }
+
+// make(robot, colour, is_jammed) of each.
+Json robots_as(const models::Scenario& scenario, const std::set<std::string>& jammed,
+               const auto& make) {
+  std::vector<Json> entities;
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    const bool is_jammed = jammed.contains(scenario.robots[i].name);
+    entities.push_back(
+        make(scenario.robots[i], is_jammed ? kJammed : colour_by_index(i), is_jammed));
+  }
+  return scene_update(std::move(entities));
+}
+
 }  // namespace
+
+std::optional<Colour> robot_colour(const models::Scenario& scenario, const std::string& robot) {
+  const std::size_t index = index_of(scenario, robot);
+  return index < scenario.robots.size() ? std::optional(colour_by_index(index)) : std::nullopt;
+}
 
 Json world_scene(const models::World& world, Time time) {
   Json bounds = entity("world/bounds", kWorldFrame, time, false);
@@ -119,19 +167,15 @@ Json world_scene(const models::World& world, Time time) {
 
 Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed,
                   Time time) {
-  std::vector<Json> entities;
-  for (const models::RobotSpec& robot : scenario.robots) {
-    entities.push_back(robot_entity(robot, jammed.contains(robot.name), time));
-  }
-  return scene_update(std::move(entities));
+  return robots_as(scenario, jammed, [&](const auto& robot, const Colour& colour, bool is_jammed) {
+    return robot_entity(robot, colour, is_jammed, time);
+  });
 }
 
 Json views_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time) {
-  std::vector<Json> entities;
-  for (const models::RobotSpec& robot : scenario.robots) {
-    entities.push_back(view_entity(robot, jammed.contains(robot.name), time));
-  }
-  return scene_update(std::move(entities));
+  return robots_as(scenario, jammed, [&](const auto& robot, const Colour& colour, bool is_jammed) {
+    return view_entity(robot, colour, is_jammed, time);
+  });
 }
 
 Json targets_scene(const models::Scenario& scenario, Time time) {
@@ -148,18 +192,10 @@ Json targets_scene(const models::Scenario& scenario, Time time) {
   return scene_update(std::move(entities));
 }
 
-Json plan_scene(const models::RobotPlan& plan, double step_s) {
-  const models::Trajectory& way = plan.trajectory;
-  const double length_s = to_seconds(models::end_time(way) - way.start_time);
-  const int pieces = std::max(1, static_cast<int>(std::ceil(length_s / step_s)));
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i <= pieces; ++i) {
-    const Time at = way.start_time + from_seconds(length_s * i / pieces);
-    const Pose2 pose = models::at(way, at).world_from_body;
-    points.emplace_back(pose.x_m, pose.y_m, way.height_m);
-  }
+Json plan_scene(const models::RobotPlan& plan, const Colour& of_robot) {
+  const std::vector<Eigen::Vector3d> points = points_of(plan.trajectory, kPlanPiece_s);
   const bool is_searched = plan.source == models::PlanSource::kSearched;
-  const Colour colour = plan.late ? kLate : is_searched ? kRobot : kFallback;
+  const Colour colour = plan.late ? kLate : is_searched ? of_robot : kFallback;
   Json out = entity("plan/" + plan.robot, kWorldFrame, plan.stamp.time, false);
   out["lines"].push_back(line(LineType::kStrip, points, 2.5, colour));
   out["spheres"].push_back(cube({points.back(), Eigen::Quaterniond::Identity()},
@@ -167,6 +203,30 @@ Json plan_scene(const models::RobotPlan& plan, double step_s) {
   out["metadata"].push_back(metadata("round", std::to_string(plan.round)));
   out["metadata"].push_back(metadata("source", models::name_of(plan.source)));
   out["metadata"].push_back(metadata("late", plan.late ? "yes" : "no"));
+  return scene_update({std::move(out)});
+}
+
+Json proposal_scene(const models::TeamProposal& proposal, const models::Scenario& scenario,
+                    Time heard) {
+  const std::size_t proposer = index_of(scenario, proposal.robot);
+  Json out = entity("proposal/" + proposal.robot, kWorldFrame, heard, false);
+  out["lifetime"] = to_json(proposal.stamp.time - heard);
+  std::vector<std::string> moved;
+  for (const models::TeamChoice& choice : proposal.choices) {
+    const std::vector<Eigen::Vector3d> points = points_of(choice.trajectory, kDash_s);
+    std::vector<Eigen::Vector3d> dashes;
+    for (std::size_t i = proposer % 2; i + 1 < points.size(); i += 2) {
+      dashes.insert(dashes.end(), {points[i], points[i + 1]});
+    }
+    if (!dashes.empty()) {
+      out["lines"].push_back(
+          line(LineType::kList, dashes, 1.5, fade(colour_by_index(proposer), 0.9)));
+    }
+    moved.push_back(choice.robot);
+  }
+  out["metadata"].push_back(metadata("round", std::to_string(proposal.round)));
+  out["metadata"].push_back(metadata("value_nat", fmt::format("{:.2f}", proposal.value_nats)));
+  out["metadata"].push_back(metadata("moves", fmt::format("{}", fmt::join(moved, ", "))));
   return scene_update({std::move(out)});
 }
 
@@ -227,10 +287,10 @@ Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>&
 }
 
 Json track_entity(const std::string& body, const std::vector<Eigen::Vector3d>& points,
-                  bool is_robot, Time time) {
+                  const std::optional<Colour>& of_robot, Time time) {
   Json out = entity("track/" + body, kWorldFrame, time, false);
   out["lines"].push_back(
-      line(LineType::kStrip, points, 1.5, fade(is_robot ? kRobot : kTarget, 0.55)));
+      line(LineType::kStrip, points, 1.5, fade(of_robot.value_or(kTarget), 0.55)));
   return out;
 }
 

@@ -20,10 +20,14 @@ namespace vantage::logs::foxglove {
 /// An ellipse of 2-D probability 0.95 has this Mahalanobis radius, √(−2 ln 0.05).
 inline constexpr double kEllipseRadius = 2.447746830680816;
 
+/// What tells one robot from another wherever it is drawn or charted: by its place in the scenario,
+/// whatever is heard first. Repeats after eight; nullopt of what is no robot of the scenario.
+std::optional<Colour> robot_colour(const models::Scenario& scenario, const std::string& robot);
+
 /// Bounds, obstacles and regions.
 Json world_scene(const models::World& world, Time time);
 
-/// Every robot; the `jammed` in red.
+/// Every robot in its colour; the `jammed` in red.
 Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time);
 
 /// What each robot's sensor can see of the ground when nothing stands in its way; red when jammed.
@@ -34,8 +38,14 @@ Json targets_scene(const models::Scenario& scenario, Time time);
 
 /// One committed trajectory: its line at its height, a mark where it ends. Grey when it was not
 /// searched but shifted or braked, orange when it was late.
-/// @param step_s  between points of the line, > 0
-Json plan_scene(const models::RobotPlan& plan, double step_s = 0.1);
+Json plan_scene(const models::RobotPlan& plan, const Colour& colour);
+
+/// A proposed solution of the team, all its trajectories as thin dashes in the proposer's colour,
+/// from when it was `heard` until they would start, the end of the round. Those of robots next to
+/// each other in the scenario fill each other's gaps where they agree.
+/// Preconditions: heard < proposal.stamp.time, the proposer is a robot of the scenario.
+Json proposal_scene(const models::TeamProposal& proposal, const models::Scenario& scenario,
+                    Time heard);
 
 /// One target as somebody knows it.
 struct EstimateView {
@@ -54,9 +64,9 @@ Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>&
 /// `count` points, at the third coordinate of the mean (0 for a planar one).
 std::vector<Eigen::Vector3d> ellipse(const PositionEstimate& estimate, int count);
 
-/// Where a body has been, oldest first.
+/// Where a body has been, oldest first. `of_robot`: the robot's colour; nullopt of a target.
 Json track_entity(const std::string& body, const std::vector<Eigen::Vector3d>& points,
-                  bool is_robot, Time time);
+                  const std::optional<Colour>& of_robot, Time time);
 
 /// Lines from a sensor to what it saw. Detections that tell no position alone (range or bearing
 /// only), or that another kind of sensor made, are left out.

@@ -133,6 +133,7 @@ Json ours(Schema schema) {
            {"ceiling_m", number()},
            {"bounds", rectangle},
            {"robots", list_of(object({{"name", text()},
+                                      {"color", colour()},
                                       {"height_m", number()},
                                       {"radius_m", number()},
                                       {"sensor_range_m", number()},

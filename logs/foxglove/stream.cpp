@@ -225,12 +225,23 @@ void Stream::on(const models::RobotPlan& plan, Time heard) {
   if (metrics_) {
     metrics_->on_plan(plan);
   }
-  put(
-      "/plan/" + plan.robot, Schema::kSceneUpdate, heard, [&] { return plan_scene(plan); }, true);
+  if (const auto colour = colour_of(plan.robot)) {
+    put(
+        "/plan/" + plan.robot, Schema::kSceneUpdate, heard,
+        [&] { return plan_scene(plan, *colour); }, true);
+  }
   put(
       "/plan/" + plan.robot + "/status", Schema::kPlan, heard, [&] { return plan_json(plan); },
       true);
   put_event(event_of(plan), heard);
+}
+
+void Stream::on(const models::TeamProposal& proposal, Time heard) {
+  if (colour_of(proposal.robot) && heard < proposal.stamp.time) {
+    put(
+        "/proposal/" + proposal.robot, Schema::kSceneUpdate, heard,
+        [&] { return proposal_scene(proposal, *scenario_, heard); }, true);
+  }
 }
 
 void Stream::on(const models::VehicleStatus& status, Time heard) {
@@ -331,11 +342,14 @@ void Stream::put_tracks(Time heard, Time time) {
       for (const auto& [when, position_m] : track) {
         points.push_back(position_m);
       }
-      const bool is_robot = scenario_ && scenario_->find_robot(body) != nullptr;
-      entities.push_back(track_entity(body, points, is_robot, time));
+      entities.push_back(track_entity(body, points, colour_of(body), time));
     }
     return scene_update(std::move(entities));
   });
+}
+
+std::optional<Colour> Stream::colour_of(const std::string& robot) const {
+  return scenario_ ? robot_colour(*scenario_, robot) : std::nullopt;
 }
 
 std::string Stream::target_name(int target_id) const {

@@ -46,7 +46,7 @@ class Sink {
 ///   /events                       foxglove.Log        collisions, late plans, attacks, safety …
 ///   /transforms /truth/transforms foxglove.FrameTransforms   world → body, mocap and truth
 ///   /world /robots /views /targets   foxglove.SceneUpdate   once, and on change
-///   /plan/P /measurement/P /belief/P /estimates /tracks   foxglove.SceneUpdate
+///   /plan/P /proposal/P /measurement/P /belief/P /estimates /tracks   foxglove.SceneUpdate
 ///   /grid /belief/P/grid          foxglove.Grid       when each cell was last seen, by all and P
 ///   /map /map/P                   foxglove.Grid       occupancy, as the last heard and as P knows
 ///   it
@@ -64,7 +64,7 @@ class Stream {
   void on(const models::RobotMap& map, Time heard);
   void on(const models::RobotPlan& plan, Time heard);
   void on(const models::PlanProposal& /*proposal*/, Time /*heard*/) {}  // the plans are shown
-  void on(const models::TeamProposal& /*proposal*/, Time /*heard*/) {}
+  void on(const models::TeamProposal& proposal, Time heard);
   void on(const models::VehicleStatus& status, Time heard);
   void on(const models::ProcessHealth& health, Time heard);
   void on(const models::HostReport& report, Time heard);
@@ -90,6 +90,8 @@ class Stream {
   void put_grid(const models::RobotBelief& belief, Time heard);
   void follow(const std::string& body, const Eigen::Vector3d& position_m, Time time);
   void put_tracks(Time heard, Time time);
+  /// nullopt: no robot of the scenario, or none was heard.
+  [[nodiscard]] std::optional<Colour> colour_of(const std::string& robot) const;
   /// Precondition: a scenario was heard.
   [[nodiscard]] std::string target_name(int target_id) const;
 

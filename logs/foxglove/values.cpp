@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "logs/foxglove/scene.hpp"
 #include "models/mapping/looks.hpp"
 
 namespace vantage::logs::foxglove {
@@ -109,6 +110,7 @@ Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario&
   Json robots = Json::array();
   for (const models::RobotSpec& robot : scenario.robots) {
     robots.push_back({{"name", robot.name},
+                      {"color", to_json(robot_colour(scenario, robot.name).value())},
                       {"height_m", robot.height_m},
                       {"radius_m", robot.limits.radius_m},
                       {"sensor_range_m", robot.sensor.range_max_m},

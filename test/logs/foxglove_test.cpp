@@ -135,6 +135,7 @@ TEST(JsonSchema, DescribesEverythingThatAnyMessageBecomes) {
   feed_samples<models::DetectionSet>(stream, sampler, 20);
   feed_samples<models::RobotBelief>(stream, sampler, 20);
   feed_samples<models::RobotPlan>(stream, sampler, 20);
+  feed_samples<models::TeamProposal>(stream, sampler, 20);
   feed_samples<models::VehicleStatus>(stream, sampler, 20);
   feed_samples<models::ProcessHealth>(stream, sampler, 20);
   feed_samples<models::ContactReport>(stream, sampler, 20);
@@ -209,7 +210,7 @@ TEST(PlanScene, BeginsAndEndsWhereTheTrajectoryDoes) {
   plan.trajectory.height_m = 1.5;
   plan.trajectory.segments = {
       {{1.0, 1.0}, 0.7, 0.0}, {{1.0, -3.0}, 0.5, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};
-  const Json points = plan_scene(plan)["entities"][0]["lines"][0]["points"];
+  const Json points = plan_scene(plan, {})["entities"][0]["lines"][0]["points"];
   const Pose2 end = models::at(plan.trajectory, models::end_time(plan.trajectory)).world_from_body;
   EXPECT_EQ(points.front(), to_json(Eigen::Vector3d(1.0, 2.0, 1.5)));
   EXPECT_NEAR(points.back()["x"].get<double>(), end.x_m, 1e-6);
@@ -334,14 +335,121 @@ TEST(Stream, PaintsAJammedSensorRedUntilItIsFree) {
   stream.on(models::AttackNotice{{}, {}}, Time{});
   const std::vector<Json> scenes = notebook.of("/robots");
   ASSERT_EQ(scenes.size(), 3U);
-  const auto redness = [](const Json& scene, std::size_t robot) {
-    const Json colour = scene["entities"][robot]["cylinders"][0]["color"];
-    return colour["r"].get<double>() - colour["b"].get<double>();
+  const auto colour = [](const Json& scene, std::size_t robot) {
+    return scene["entities"][robot]["cylinders"][0]["color"];
   };
-  EXPECT_LT(redness(scenes[0], 1), 0.0);
-  EXPECT_GT(redness(scenes[1], 1), 0.0);
-  EXPECT_LT(redness(scenes[1], 0), 0.0);
-  EXPECT_LT(redness(scenes[2], 1), 0.0);
+  const Json red = colour(scenes[1], 1);
+  EXPECT_GT(red["r"].get<double>(), 4.0 * red["g"].get<double>());
+  EXPECT_EQ(colour(scenes[0], 1), to_json(*robot_colour(lab(), "Q2")));
+  EXPECT_EQ(colour(scenes[1], 0), to_json(*robot_colour(lab(), "Q1")));
+  EXPECT_EQ(colour(scenes[2], 1), colour(scenes[0], 1));
+}
+
+TEST(RobotColour, IsOneForEachOfEightAndTheSameWhereverTheRobotIsDrawn) {
+  models::Scenario eight = lab();
+  eight.robots.resize(8);
+  std::set<std::string> met;
+  for (std::size_t i = 0; i < 8; ++i) {
+    eight.robots[i].name = "Q" + std::to_string(8 - i);
+  }
+  for (const models::RobotSpec& robot : eight.robots) {
+    met.insert(to_json(*robot_colour(eight, robot.name)).dump());
+  }
+  EXPECT_EQ(met.size(), 8U);
+  EXPECT_FALSE(robot_colour(eight, "R1"));
+
+  const models::Scenario scenario = lab();
+  const Json colour = to_json(*robot_colour(scenario, "Q3"));
+  EXPECT_EQ(scenario_json(lab_notice(), scenario)["robots"][2]["color"], colour);
+  EXPECT_EQ(robots_scene(scenario, {}, Time{})["entities"][2]["cylinders"][0]["color"], colour);
+  const auto opaque = [](Json drawn) {
+    drawn["a"] = 1.0;
+    return drawn;
+  };
+  Notebook notebook;
+  Stream stream(notebook);
+  models::RobotPlan plan;
+  plan.robot = "Q3";
+  plan.source = models::PlanSource::kSearched;
+  stream.on(plan, Time{});
+  EXPECT_TRUE(notebook.of("/plan/Q3").empty()) << "nobody knows its colour yet";
+  stream.on(lab_notice(), Time{});
+  stream.on(plan, Time{});
+  models::MocapFrame frame;
+  frame.bodies = {{"Q3", {{1, 2, 3}, Eigen::Quaterniond::Identity()}, false}};
+  stream.on(frame, Time{});
+  for (const char* topic : {"/plan/Q3", "/tracks"}) {
+    const Json line = notebook.of(topic).at(0)["entities"][0]["lines"][0];
+    EXPECT_EQ(opaque(line["color"]), colour) << topic;
+  }
+  const Json view = notebook.of("/views").at(0)["entities"][2]["lines"][0];
+  EXPECT_EQ(opaque(view["color"]), colour);
+}
+
+models::TeamProposal proposal_of(const std::string& robot, Time end_of_round) {
+  models::TeamProposal proposal;
+  proposal.robot = robot;
+  proposal.stamp.time = end_of_round;
+  for (const char* mover : {"Q1", "Q2"}) {
+    models::Trajectory way{end_of_round, {0.5, 0.0, 0.3}, 1.5, {{{1.0, 0.4}, 3.0, 0.0}}};
+    proposal.choices.push_back({mover, way, 1.0, 0.1});
+  }
+  return proposal;
+}
+
+TEST(ProposalScene, LiesOnItsTrajectoriesAndLastsToTheEndOfTheRound) {
+  const Time heard = from_utime(5'000'000);
+  const models::TeamProposal proposal = proposal_of("Q2", from_utime(5'400'000));
+  const models::Scenario scenario = lab();
+  const Json made = proposal_scene(proposal, scenario, heard)["entities"][0];
+  EXPECT_EQ(made["id"], "proposal/Q2");
+  EXPECT_EQ(made["timestamp"], to_json(heard));
+  EXPECT_EQ(made["lifetime"], to_json(from_seconds(0.4)));
+  ASSERT_EQ(made["lines"].size(), 2U);
+  const Json& lines = made["lines"][0];
+  EXPECT_EQ(lines["color"]["r"], robot_colour(scenario, "Q2")->r);
+  ASSERT_EQ(lines["type"], 2);
+  // On the circle about (0.5 − 2.5 sin 0.3, 2.5 cos 0.3), v / ω = 2.5 m.
+  const Eigen::Vector2d centre(0.5 - 2.5 * std::sin(0.3), 2.5 * std::cos(0.3));
+  double drawn_m = 0.0;
+  for (std::size_t i = 0; i < lines["points"].size(); i += 2) {
+    const auto at = [&](std::size_t k) {
+      return Eigen::Vector2d(lines["points"][k]["x"].get<double>(),
+                             lines["points"][k]["y"].get<double>());
+    };
+    EXPECT_NEAR((at(i) - centre).norm(), 2.5, 1e-6);
+    drawn_m += (at(i + 1) - at(i)).norm();
+  }
+  EXPECT_NEAR(drawn_m, 1.5, 0.25) << "half of its 3 m, to a dash";
+}
+
+TEST(ProposalScene, FillsTheGapsOfTheNextRobotsWhereTheyAgree) {
+  const models::Scenario scenario = lab();
+  std::set<std::string> begins;
+  std::size_t dashes = 0;
+  for (const char* robot : {"Q1", "Q2"}) {
+    const models::TeamProposal proposal = proposal_of(robot, from_utime(1));
+    const Json scene = proposal_scene(proposal, scenario, Time{});
+    const Json points = scene["entities"][0]["lines"][0]["points"];
+    for (std::size_t i = 0; i < points.size(); i += 2, ++dashes) {
+      begins.insert(points[i].dump());
+    }
+  }
+  EXPECT_EQ(begins.size(), dashes);
+  EXPECT_EQ(dashes, 15U);
+}
+
+TEST(Stream, ShowsProposalsThatComeBeforeTheEndOfTheirRound) {
+  Notebook notebook;
+  Stream stream(notebook);
+  const Time end = from_utime(2'000'000);
+  stream.on(proposal_of("Q1", end), from_utime(1'000'000));  // of a team that nobody knows yet
+  stream.on(lab_notice(), from_utime(1'000'000));
+  stream.on(proposal_of("stranger", end), from_utime(1'000'000));
+  stream.on(proposal_of("Q1", end), end);
+  EXPECT_TRUE(notebook.of("/proposal/Q1").empty());
+  stream.on(proposal_of("Q1", end), from_utime(1'999'999));
+  EXPECT_EQ(notebook.of("/proposal/Q1").size(), 1U);
 }
 
 TEST(Stream, ShowsTheBestInformedRobotAndTakesAwayWhatIsForgotten) {

@@ -136,9 +136,8 @@ TEST(Supervisor, StartsNothingAgainOnceAllWereToEnd) {
   EXPECT_EQ(supervisor.status(0)[0].phase, SupervisedPhase::kEnded);
 }
 
-TEST(Supervisor, EndsEveryoneAndKillsThoseThatWillNot) {
-  Supervisor supervisor;
-  supervisor.start({"polite", {"sleep", "1000"}}, 0);
+/// Starts one that does not end by SIGTERM.
+void start_stubborn(Supervisor& supervisor) {
   // It says so once it ignores the signal: only then may we send it.
   const std::string ready = ::testing::TempDir() + "vantage_stubborn_ready";
   ::remove(ready.c_str());
@@ -147,6 +146,26 @@ TEST(Supervisor, EndsEveryoneAndKillsThoseThatWillNot) {
   while (::access(ready.c_str(), F_OK) != 0) {
     ASSERT_FALSE(supervisor.find("stubborn")->wait(milliseconds(5)));
   }
+}
+
+TEST(Supervisor, KillsThoseThatWillNotEndOnceItIsInAHurry) {
+  Supervisor supervisor;
+  supervisor.start({"polite", {"sleep", "1000"}}, 0);
+  start_stubborn(supervisor);
+  const pid_t stubborn = supervisor.find("stubborn")->pid();
+  // Not before the polite one has ended, and long before patience is.
+  const auto hurry = [&] { return supervisor.find("polite")->wait(milliseconds(0)).has_value(); };
+  EXPECT_EQ(supervisor.stop_all(std::chrono::hours(1), hurry),
+            std::vector<std::string>{"stubborn"});
+  EXPECT_EQ(::kill(stubborn, 0), -1);
+  EXPECT_EQ(supervisor.status(0)[0].last_end, "signal 15");
+  EXPECT_EQ(supervisor.status(0)[1].last_end, "killed");
+}
+
+TEST(Supervisor, EndsEveryoneAndKillsThoseThatWillNot) {
+  Supervisor supervisor;
+  supervisor.start({"polite", {"sleep", "1000"}}, 0);
+  start_stubborn(supervisor);
   const pid_t polite = supervisor.find("polite")->pid();
   const pid_t stubborn = supervisor.find("stubborn")->pid();
   EXPECT_EQ(supervisor.stop_all(milliseconds(300)), std::vector<std::string>{"stubborn"});

@@ -36,6 +36,18 @@ TEST(UpReport, NamesARestartThoughItSpoilsNothing) {
   EXPECT_EQ(json["processes"][0]["last_end"], "signal 9");
 }
 
+TEST(UpReport, SaysWhyAProcessWasKilled) {
+  UpResult result;
+  result.killed = {"sim"};
+  EXPECT_FALSE(is_good(result));
+  EXPECT_EQ(remarks(result).at(0), "sim did not end by itself and was killed");
+  result = {};
+  result.cut_short = {"sim"};
+  EXPECT_FALSE(is_good(result));
+  EXPECT_EQ(remarks(result).at(0), "sim was killed at once, as asked by one more Ctrl-C");
+  EXPECT_EQ(to_json(result)["cut_short"].size(), 1U);
+}
+
 TEST(UpReport, IsNotGoodWhenSomethingWasGivenUp) {
   SupervisedStatus sensor{"sensor Q1"};
   sensor.phase = SupervisedPhase::kGivenUp;

@@ -1,6 +1,6 @@
 #!/bin/sh
-# viewer.sh channels|page log|live VANTAGE SOURCE_DIR: `vantage view` on the sample log, or
-# `vantage demo --view`, read by Foxglove's own client or driven in headless Chromium. Screenshots go
+# viewer.sh channels|page log|live|proposals VANTAGE SOURCE_DIR: `vantage view` on the sample log,
+# `vantage demo --view`, or `vantage view` on a log of a team that plans by local search, read by Foxglove's own client or driven in headless Chromium. Screenshots go
 # to $VANTAGE_SHOTS when it is set. Exit code 77: what it needs is not there.
 what=$1
 kind=$2
@@ -22,6 +22,10 @@ server=
 trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; rm -rf "$folder"' EXIT
 if [ "$kind" = log ]; then
   xz -dkc "$source/logs/sample/lab_60s.lcmlog.xz" >"$folder/lab.lcmlog" || skip "no xz"
+  "$vantage" view "$folder/lab.lcmlog" --port 0 >"$folder/out" 2>&1 &
+elif [ "$kind" = proposals ]; then
+  "$vantage" trial "$source/config/lab-energy.yaml" --duration-s 8 --log "$folder/lab.lcmlog" \
+    >"$folder/trial.out" 2>&1 || { cat "$folder/trial.out"; exit 1; }
   "$vantage" view "$folder/lab.lcmlog" --port 0 >"$folder/out" 2>&1 &
 else
   "$vantage" demo --scenario "$source/config/lab.yaml" --duration-s 600 --out "$folder" \

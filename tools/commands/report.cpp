@@ -14,6 +14,7 @@ namespace vantage::tools {
 
 void report_summary(const models::Scenario& scenario, const logs::TrialSummary& summary,
                     bool as_json) {
+  clear_echo();
   if (as_json) {
     print_line(logs::to_json(summary).dump());
     return;

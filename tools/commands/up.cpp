@@ -89,9 +89,10 @@ int run(const UpArguments& arguments) {
   options.host = arguments.host;
   options.log_path = log_path(scenario, arguments);
   options.restarts = arguments.restarts;
-  options.skip_landing = [] { return stop_requests() > 1; };
+  options.stop_requests = stop_requests;
   const UpResult result = run_up(scenario, options, stop_requested);
   if (arguments.as_json) {
+    clear_echo();
     print_line(to_json(result).dump());
   } else {
     report_summary(scenario, result.summary, false);
@@ -158,6 +159,8 @@ void add_up_command(CLI::App& root, Runner& chosen) {
   command->footer(
       "Ends after the scenario's duration or with Ctrl-C or SIGTERM; all processes are gone 2 s\n"
       "later. With --fly all mean: land everything first; a second Ctrl-C does not wait for that.\n"
+      "Once they are asked to end, one more Ctrl-C kills them at once; the log is whole all the "
+      "same.\n"
       "Without it robots on the wire and real ones wait for `vantage console`.\n"
       "A process that dies is started again. The trial ends when the simulator or the mocap\n"
       "driver is given up; without any other process it goes on.\n"

@@ -54,6 +54,14 @@ void Screen::redraw(const std::vector<std::string>& all_lines) {
 
 bool is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
 
+void clear_echo() {
+  std::FILE* terminal = is_terminal() ? stdout : ::isatty(STDERR_FILENO) == 1 ? stderr : nullptr;
+  if (terminal != nullptr) {
+    fmt::print(terminal, "\r\x1b[K");
+    std::fflush(terminal);
+  }
+}
+
 void print_line(const std::string& line) {
   std::fwrite(line.data(), 1, line.size(), stdout);
   std::fputc('\n', stdout);

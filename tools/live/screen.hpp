@@ -26,6 +26,9 @@ class Screen {
 
 /// True when standard output is a terminal.
 bool is_terminal();
+/// Takes away what the terminal shows of keys pressed (^C) where the next line begins. Nothing
+/// where neither standard output nor standard error is a terminal.
+void clear_echo();
 /// Writes one line to standard output and flushes it.
 void print_line(const std::string& line);
 

@@ -9,6 +9,28 @@
 #include "core/check.hpp"
 
 namespace vantage::tools {
+namespace {
+
+using std::chrono::milliseconds;
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+constexpr milliseconds kHurryPeriod{20};
+
+// A signal may end a single wait before its time.
+std::optional<ChildExit> wait_until(Child& child, SteadyTime deadline,
+                                    const std::function<bool()>& hurry) {
+  while (true) {
+    const auto left =
+        std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
+    const bool is_over = left.count() <= 0 || (hurry && hurry());
+    const auto ended = child.wait(is_over ? milliseconds(0) : std::min(left, kHurryPeriod));
+    if (ended || is_over) {
+      return ended;
+    }
+  }
+}
+
+}  // namespace
 
 using models::SupervisedPhase;
 using Kind = SupervisorEvent::Kind;
@@ -74,7 +96,8 @@ std::vector<SupervisorEvent> Supervisor::poll(Nanoseconds monotonic_ns) {
   return events;
 }
 
-std::vector<std::string> Supervisor::stop_all(std::chrono::milliseconds patience) {
+std::vector<std::string> Supervisor::stop_all(milliseconds patience,
+                                              const std::function<bool()>& hurry) {
   std::vector<std::string> killed;
   for (auto process = processes_.rbegin(); process != processes_.rend(); ++process) {
     if (process->child) {
@@ -89,9 +112,7 @@ std::vector<std::string> Supervisor::stop_all(std::chrono::milliseconds patience
     if (!process->child) {
       continue;
     }
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
-        deadline - std::chrono::steady_clock::now());
-    const auto ended = process->child->wait(std::max(left, std::chrono::milliseconds(0)));
+    const auto ended = wait_until(*process->child, deadline, hurry);
     if (!ended) {
       killed.push_back(process->spec.name);
     }

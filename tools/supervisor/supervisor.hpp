@@ -51,8 +51,10 @@ class Supervisor {
   /// Reaps the dead and starts again those whose back-off is over; what happened, in that order.
   std::vector<SupervisorEvent> poll(Nanoseconds monotonic_ns);
   /// SIGTERM to all in reverse order of starting, waits for them, SIGKILL to those still alive
-  /// after `patience`; what had to be killed. Nothing is started again after that.
-  std::vector<std::string> stop_all(std::chrono::milliseconds patience);
+  /// after `patience` or once `hurry`, asked all the time, says so; what had to be killed. Nothing
+  /// is started again after that.
+  std::vector<std::string> stop_all(std::chrono::milliseconds patience,
+                                    const std::function<bool()>& hurry = {});
 
   [[nodiscard]] std::vector<SupervisedStatus> status(Nanoseconds monotonic_ns) const;
   [[nodiscard]] int restarts() const;

@@ -78,6 +78,9 @@ bool LogKeeper::holds(std::span<const std::uint8_t> bytes) const { return ends_w
 
 std::vector<std::string> LogKeeper::stop(milliseconds patience) {
   auto killed = supervisor_.stop_all(patience);
+  if (!killed.empty()) {
+    outcome_.bytes_dropped += trim_log(path_).dropped_bytes;
+  }
   note_first_event();
   return killed;
 }

@@ -44,7 +44,8 @@ class LogKeeper {
   std::vector<SupervisorEvent> poll(Supervisor::Nanoseconds monotonic_ns);
   /// Whether `bytes`, published last of all, have come into the file.
   [[nodiscard]] bool holds(std::span<const std::uint8_t> bytes) const;
-  /// Ends the logger, which first writes what it has heard; what had to be killed.
+  /// Ends the logger, which first writes what it has heard; what had to be killed. The file is
+  /// whole in either case. @throws StartupError when what a killed one left cannot be cut off.
   std::vector<std::string> stop(std::chrono::milliseconds patience);
 
   [[nodiscard]] const Supervisor& supervisor() const { return supervisor_; }

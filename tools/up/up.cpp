@@ -154,6 +154,7 @@ class Up {
   std::unique_ptr<Pilot> pilot_;
   Supervisor team_;
   Time next_report_{};
+  int requests_heeded_ = 1;  ///< to end; any more is in a hurry
   UpResult result_;
 };
 
@@ -266,9 +267,10 @@ void Up::land() {
   teller_.say("landing; a second Ctrl-C does not wait for it");
   const Time give_up = clock_.now() + kLandingPatience;
   while (!program.is_down() && clock_.now() < give_up && team_.lost_essential() != kSimProcess &&
-         !(options_.skip_landing && options_.skip_landing())) {
+         options_.stop_requests() <= requests_heeded_) {
     turn();
   }
+  requests_heeded_ = std::clamp(options_.stop_requests(), requests_heeded_, 2);
   result_.left_flying = program.not_down();
   for (const std::string& robot : robots_with_driver(scenario_)) {
     if (program.have_flown().count(robot) == 0) {
@@ -300,9 +302,15 @@ void Up::seal_log() {
 }
 
 void Up::stop_all() {
+  clear_echo();  // what the processes say at their end begins a line, too
   const Time begin = clock_.now();
   result_.processes = statuses();
-  result_.killed = team_.stop_all(kTeamPatience);
+  bool is_hurried = false;
+  std::vector<std::string> killed = team_.stop_all(kTeamPatience, [&] {
+    is_hurried = options_.stop_requests() > requests_heeded_;
+    return is_hurried;
+  });
+  (is_hurried ? result_.cut_short : result_.killed) = std::move(killed);
   const auto ended = team_.status(monotonic_ns());
   for (std::size_t i = 0; i < ended.size(); ++i) {
     const std::string& how = ended[i].last_end;

@@ -20,8 +20,10 @@ struct UpOptions {
   bool fly = false;                  ///< arm, take off and follow at the start, land at the end
   bool has_virtual_targets = false;  ///< simulate the targets though every device is real
   RestartPolicy restarts;
-  /// Asked during the landings: true leaves what still flies to the autopilots' own fail-safes.
-  std::function<bool()> skip_landing;
+  /// How often it has been asked to end. The second request does not wait for landings: it leaves
+  /// what still flies to the autopilots' own fail-safes. The next one after these, or the second
+  /// where there is nothing to land, kills the processes that have not ended yet.
+  std::function<int()> stop_requests = [] { return 0; };
 };
 
 struct UpResult {
@@ -32,6 +34,7 @@ struct UpResult {
   bool has_other_scenario = false;       ///< another host flies another scenario file
   double stop_s = 0.0;                   ///< from the end (of the landings) until all were gone
   std::vector<std::string> killed;       ///< that did not end in time by themselves
+  std::vector<std::string> cut_short;    ///< killed because one more request left them no time
   std::vector<std::string> ended_badly;  ///< asked to end, crashed or failed: "sim (signal 6)"
   std::vector<std::string> never_flown;  ///< vehicles to be flown that followed no plan
   std::vector<std::string> left_flying;  ///< vehicles that were not at rest at the end

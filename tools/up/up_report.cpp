@@ -31,9 +31,9 @@ Json to_json(const SupervisedStatus& process) {
 
 bool is_good(const UpResult& result) {
   return std::none_of(result.processes.begin(), result.processes.end(), is_given_up) &&
-         result.killed.empty() && result.ended_badly.empty() && result.never_flown.empty() &&
-         result.left_flying.empty() && result.world_restarts == 0 && !result.has_other_scenario &&
-         result.log.is_to_the_end && result.summary.collisions == 0;
+         result.killed.empty() && result.cut_short.empty() && result.ended_badly.empty() &&
+         result.never_flown.empty() && result.left_flying.empty() && result.world_restarts == 0 &&
+         !result.has_other_scenario && result.log.is_to_the_end && result.summary.collisions == 0;
 }
 
 std::vector<std::string> remarks(const UpResult& result) {
@@ -66,6 +66,9 @@ std::vector<std::string> remarks(const UpResult& result) {
   }
   for (const std::string& name : result.killed) {
     out.push_back(name + " did not end by itself and was killed");
+  }
+  for (const std::string& name : result.cut_short) {
+    out.push_back(name + " was killed at once, as asked by one more Ctrl-C");
   }
   for (const std::string& name : result.ended_badly) {
     out.push_back(name + " did not end well");
@@ -103,6 +106,7 @@ Json to_json(const UpResult& result) {
                 {"bytes_dropped", result.log.bytes_dropped},
                 {"is_to_the_end", result.log.is_to_the_end}};
   out["killed"] = result.killed;
+  out["cut_short"] = result.cut_short;
   out["ended_badly"] = result.ended_badly;
   out["never_flown"] = result.never_flown;
   out["left_flying"] = result.left_flying;

@@ -16,6 +16,7 @@ Feed::Feed(bus::Transport& transport, const bus::Clock& clock, logs::foxglove::S
   listen(bus::measurement_channel("*"));
   listen(bus::belief_channel("*"));
   listen(bus::plan_channel("*"));
+  listen(bus::team_proposal_channel("*"));
   listen(bus::quadrotor_channel("*"));
   listen(bus::health_channel("*"));
   listen(bus::host_channel("*"));

@@ -6,13 +6,6 @@ import "uplot/dist/uPlot.min.css";
 const kWindow_s = 120; // of a live view
 const kPoints = 20000; // a series at most
 const kRefresh_ms = 500; // of each chart
-const kColours = ["#2f7fe0", "#d9822b", "#2f9e5b", "#b455c9", "#c94040", "#1d9ba8", "#8a7f2c", "#7a6ff0"];
-
-const colours = new Map(); // by name, the same in every chart
-function colour(name) {
-  if (!colours.has(name)) colours.set(name, kColours[colours.size % kColours.length]);
-  return colours.get(name);
-}
 
 const number = (x) => (typeof x === "number" && Number.isFinite(x) ? x : null);
 const robot_of = (topic) => topic.split("/")[2];
@@ -46,9 +39,11 @@ const kCharts = [
 ];
 
 class Chart {
-  constructor(box, spec, source) {
+  /** @param colours by robot, the same in every chart; what is of no robot has the ink's */
+  constructor(box, spec, source, colours) {
     this.spec = spec;
     this.source = source;
+    this.colours = colours;
     this.series = new Map(); // name → {t, v}
     this.box = document.createElement("figure");
     this.box.dataset.chart = spec.key;
@@ -83,6 +78,10 @@ class Chart {
     return [...this.series.keys()].sort();
   }
 
+  colour(name) {
+    return this.colours.get(name) ?? getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
+  }
+
   make() {
     const style = getComputedStyle(document.documentElement);
     const ink = style.getPropertyValue("--quiet").trim();
@@ -115,7 +114,7 @@ class Chart {
           {},
           ...this.names().map((name) => ({
             label: name,
-            stroke: colour(name),
+            stroke: this.colour(name),
             width: 1.5,
             spanGaps: true,
             points: { show: false },
@@ -137,7 +136,7 @@ class Chart {
     return names.map((name) => {
       const label = document.createElement("span");
       label.textContent = name;
-      label.style.color = colour(name);
+      label.style.color = this.colour(name);
       return label;
     });
   }
@@ -183,7 +182,8 @@ class Chart {
 export class Charts {
   /** @param source {now, window}: in seconds since the start */
   constructor(box, source) {
-    const charts = kCharts.map((spec) => new Chart(box, spec, source));
+    this.colours = new Map();
+    const charts = kCharts.map((spec) => new Chart(box, spec, source, this.colours));
     this.charts = charts;
     new ResizeObserver(() => charts.forEach((chart) => chart.resize())).observe(box);
     // One after the other: all at once is a pause that one sees.
@@ -195,7 +195,16 @@ export class Charts {
     this.charts.forEach((chart) => chart.add(topic, time, record));
   }
 
+  /** @param colours [robot, colour] of each */
+  set_colours(colours) {
+    if (colours.every(([robot, colour]) => this.colours.get(robot) === colour)) return;
+    this.colours.clear();
+    colours.forEach(([robot, colour]) => this.colours.set(robot, colour));
+    this.restyle();
+  }
+
   clear() {
+    this.colours.clear();
     for (const chart of this.charts) {
       chart.series.clear();
       chart.plot?.destroy();

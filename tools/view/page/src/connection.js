@@ -93,6 +93,11 @@ export class Connection {
     waiting.forEach(([topic, view]) => this.read(topic, view));
   }
 
+  /** The player went elsewhere: what waits is of before. */
+  forget_waiting() {
+    this.waiting.clear();
+  }
+
   /** Subscribes to a known topic, or gives it up; what is already so stays so. */
   want(topic, is_wanted) {
     const channel = this.channels.get(topic);

@@ -3,6 +3,7 @@
 import "./style.css";
 import { Charts, live_window } from "./charts.js";
 import { Connection } from "./connection.js";
+import { css_of } from "./outline.js";
 import { Events, Processes, Vehicles, make, write_inspect } from "./panels.js";
 import { Timeline, kSpeeds } from "./timeline.js";
 import { World } from "./world.js";
@@ -14,6 +15,7 @@ const kLayers = [
   { name: "map", topic: /^\/(grid|map)$/, key: "g", shown: true },
   { name: "views", topic: /^\/views$/, key: "f", shown: true },
   { name: "plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
+  { name: "proposals", topic: /^\/proposal\/[^/]+$/, key: "s", shown: true },
   { name: "tracks", topic: /^\/tracks$/, key: "t", shown: true },
   { name: "estimates", topic: /^\/estimates$/, key: "e", shown: true },
   { name: "truth", topic: /^\/targets$/, key: "o", shown: true },
@@ -98,6 +100,7 @@ const takers = [
     by_id("scenario").textContent = `${record.name} · ${record.robots.length} robots · ${record.targets.length} targets`;
     by_id("empty").hidden = true;
     world.set_bounds(record);
+    charts.set_colours(record.robots.map(({ name, color }) => [name, css_of(color)]));
   }],
   [/^\/attack$/, (record) => {
     by_id("jammed").hidden = record.jammed.length === 0;
@@ -130,6 +133,10 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
   status: (status) => status.level > 0 && set_badge(status.message, "warn"),
   time: (time) => set_now(time),
   playback: (now) => {
+    if (now.sought) {
+      connection.forget_waiting();
+      world.expire(Infinity);
+    }
     state.is_playing = now.status === "playing";
     state.speed = now.speed;
     timeline.set_playing(state.is_playing, now.speed);
@@ -281,6 +288,7 @@ show_view(innerWidth < 1000 ? "plan" : "both");
 function loop() {
   requestAnimationFrame(loop); // not called while nobody sees the page
   connection.read_waiting();
+  if (state.now !== null) world.expire(state.start + state.now);
   if (world.is_stale()) world.draw();
 }
 loop();
@@ -289,6 +297,10 @@ loop();
 window.vantage = {
   state,
   stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.charts.map((c) => c.series.size) }),
+  colours: () => ({
+    world: Object.fromEntries(world.shown("/robots").map(({ frame_id, cylinders }) => [frame_id, css_of(cylinders[0].color)])),
+    charts: charts.charts.map((chart) => Object.fromEntries((chart.plot?.series ?? []).slice(1).map(({ label, stroke }) => [label, stroke()]))),
+  }),
   position: (id) => world.find(id)?.position.toArray() ?? null,
   pixel: (id) => world.pixel(id),
   draw_again: () => world.set_stale(),

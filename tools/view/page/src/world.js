@@ -2,6 +2,7 @@
 
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { seconds } from "./connection.js";
 import { FlatPicture } from "./flat_picture.js";
 import { GlPicture } from "./gl_picture.js";
 import { Names } from "./names.js";
@@ -32,6 +33,7 @@ export class World {
     this.frames = new Map(); // by id: {matrix, is_placed, is_fixed}
     this.layers = new Map(); // topic → Map(id → {frame, entity} or {frame, grid})
     this.changed = new Set(); // topics that the picture does not yet show as they are
+    this.passing = new Set(); // {topic, id, item, until} of what is shown for a while only
     this.view = "both";
     this.bounds = { min_m: [-5, -5], max_m: [5, 5], ceiling_m: 3 };
 
@@ -112,9 +114,26 @@ export class World {
       ids.forEach((id) => this.remove(topic, id));
     }
     for (const entity of scene.entities) {
-      this.put(topic, entity.id, { frame: this.frame(entity.frame_id), entity });
+      const item = { frame: this.frame(entity.frame_id), entity };
+      this.put(topic, entity.id, item);
+      const lifetime_s = seconds(entity.lifetime); // 0: for ever
+      if (lifetime_s > 0) {
+        this.passing.add({ topic, id: entity.id, item, until: seconds(entity.timestamp) + lifetime_s });
+      }
     }
     this.set_stale();
+  }
+
+  /** Takes off what was to be shown until `now` [s since the epoch] at most. */
+  expire(now) {
+    for (const passing of this.passing) {
+      if (now < passing.until) continue;
+      this.passing.delete(passing);
+      const { topic, id, item } = passing;
+      if (this.layers.get(topic)?.get(id) !== item) continue; // another one took its place
+      this.remove(topic, id);
+      this.set_stale();
+    }
   }
 
   update_grid(topic, grid) {
@@ -133,6 +152,7 @@ export class World {
   clear_all() {
     [...this.layers.keys()].forEach((topic) => this.clear(topic));
     this.frames.clear();
+    this.passing.clear();
   }
 
   set_bounds(scenario) {
@@ -278,6 +298,11 @@ export class World {
 
   entities() {
     return [...this.layers.values()].reduce((sum, layer) => sum + layer.size, 0);
+  }
+
+  /** The entities of a topic. */
+  shown(topic) {
+    return [...(this.layers.get(topic)?.values() ?? [])].map(({ entity }) => entity);
   }
 
   sizes() {

@@ -1,0 +1,43 @@
+#!/bin/bash
+# setup_once.sh SOURCE_DIR: `tools/setup --once` asks npm for what it could not fetch only once for
+# the same package files, and says what goes without; tools/setup asks again. On a copy, with stand-ins
+# for npm, which never fetches, and for Debian's programs, which have everything.
+set -euo pipefail
+source=$1
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+
+mkdir -p "$dir/bin" "$dir/tools"
+cp "$source/tools/setup" "$dir/tools"
+folders=(test/models/mavlink/peer test/logs/mcap_peer test/view/peer tools/view/page)
+for folder in "${folders[@]}"; do
+  mkdir -p "$dir/$folder"
+  cp "$source/$folder"/package*.json "$dir/$folder"
+done
+printf '#!/bin/sh\necho installed\n' > "$dir/bin/dpkg-query"
+printf '#!/bin/sh\nexit 1\n' > "$dir/bin/apt-get"
+printf '#!/bin/sh\necho "$*" >> "%s"\nexit 1\n' "$dir/asked" > "$dir/bin/npm"
+chmod +x "$dir"/bin/*
+
+# asks COUNT ARGUMENT…: setup with these arguments asks npm so often, and says so of what is missing.
+asks() {
+  local count=$1 said
+  shift
+  : > "$dir/asked"
+  said=$(PATH="$dir/bin:$PATH" "$dir/tools/setup" "$@")
+  if [[ $(wc -l < "$dir/asked") != "$count" || $(grep -c 'npm could not fetch' <<< "$said") != 4 ]]; then
+    printf 'setup %s: not %s times of 4:\n%s\n%s\n' "$*" "$count" "$(< "$dir/asked")" "$said" >&2
+    exit 1
+  fi
+}
+asks 4 --once
+asks 0 --once
+asks 4
+asks 0 --once
+touch -d '1 minute' "$dir/test/view/peer/package-lock.json" # changed since
+asks 1 --once
+touch -d '-1 minute' "$dir/test/view/peer/package-lock.json"
+for folder in "${folders[@]}"; do # npm has fetched all
+  touch "$dir/$folder/node_modules/.package-lock.json"
+done
+[[ -z $(PATH="$dir/bin:$PATH" "$dir/tools/setup" --once) ]]
