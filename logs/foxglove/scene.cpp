@@ -192,10 +192,10 @@ Json targets_scene(const models::Scenario& scenario, Time time) {
   return scene_update(std::move(entities));
 }
 
-Json plan_scene(const models::RobotPlan& plan, const Colour& of_robot) {
+Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_robot) {
   const std::vector<Eigen::Vector3d> points = points_of(plan.trajectory, kPlanPiece_s);
   const bool is_searched = plan.source == models::PlanSource::kSearched;
-  const Colour colour = plan.late ? kLate : is_searched ? of_robot : kFallback;
+  const Colour colour = plan.late ? kLate : is_searched ? of_robot.value_or(kRobots[0]) : kFallback;
   Json out = entity("plan/" + plan.robot, kWorldFrame, plan.stamp.time, false);
   out["lines"].push_back(line(LineType::kStrip, points, 2.5, colour));
   out["spheres"].push_back(cube({points.back(), Eigen::Quaterniond::Identity()},

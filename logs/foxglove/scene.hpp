@@ -38,7 +38,8 @@ Json targets_scene(const models::Scenario& scenario, Time time);
 
 /// One committed trajectory: its line at its height, a mark where it ends. Grey when it was not
 /// searched but shifted or braked, orange when it was late.
-Json plan_scene(const models::RobotPlan& plan, const Colour& colour);
+/// @param of_robot  the robot's colour; nullopt while no scenario tells it: the first one's
+Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_robot);
 
 /// A proposed solution of the team, all its trajectories as thin dashes in the proposer's colour,
 /// from when it was `heard` until they would start, the end of the round. Those of robots next to

@@ -225,11 +225,9 @@ void Stream::on(const models::RobotPlan& plan, Time heard) {
   if (metrics_) {
     metrics_->on_plan(plan);
   }
-  if (const auto colour = colour_of(plan.robot)) {
-    put(
-        "/plan/" + plan.robot, Schema::kSceneUpdate, heard,
-        [&] { return plan_scene(plan, *colour); }, true);
-  }
+  put(
+      "/plan/" + plan.robot, Schema::kSceneUpdate, heard,
+      [&] { return plan_scene(plan, colour_of(plan.robot)); }, true);
   put(
       "/plan/" + plan.robot + "/status", Schema::kPlan, heard, [&] { return plan_json(plan); },
       true);

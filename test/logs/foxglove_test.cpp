@@ -210,7 +210,7 @@ TEST(PlanScene, BeginsAndEndsWhereTheTrajectoryDoes) {
   plan.trajectory.height_m = 1.5;
   plan.trajectory.segments = {
       {{1.0, 1.0}, 0.7, 0.0}, {{1.0, -3.0}, 0.5, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};
-  const Json points = plan_scene(plan, {})["entities"][0]["lines"][0]["points"];
+  const Json points = plan_scene(plan, std::nullopt)["entities"][0]["lines"][0]["points"];
   const Pose2 end = models::at(plan.trajectory, models::end_time(plan.trajectory)).world_from_body;
   EXPECT_EQ(points.front(), to_json(Eigen::Vector3d(1.0, 2.0, 1.5)));
   EXPECT_NEAR(points.back()["x"].get<double>(), end.x_m, 1e-6);
