@@ -372,14 +372,14 @@ TEST(RobotColour, IsOneForEachOfEightAndTheSameWhereverTheRobotIsDrawn) {
   plan.robot = "Q3";
   plan.source = models::PlanSource::kSearched;
   stream.on(plan, Time{});
-  EXPECT_TRUE(notebook.of("/plan/Q3").empty()) << "nobody knows its colour yet";
+  EXPECT_EQ(notebook.of("/plan/Q3").size(), 1U) << "drawn, though nobody knows its colour yet";
   stream.on(lab_notice(), Time{});
   stream.on(plan, Time{});
   models::MocapFrame frame;
   frame.bodies = {{"Q3", {{1, 2, 3}, Eigen::Quaterniond::Identity()}, false}};
   stream.on(frame, Time{});
   for (const char* topic : {"/plan/Q3", "/tracks"}) {
-    const Json line = notebook.of(topic).at(0)["entities"][0]["lines"][0];
+    const Json line = notebook.of(topic).back()["entities"][0]["lines"][0];
     EXPECT_EQ(opaque(line["color"]), colour) << topic;
   }
   const Json view = notebook.of("/views").at(0)["entities"][2]["lines"][0];

@@ -70,6 +70,7 @@ run 0 held --slurm --shards 3 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 run 0 held --slurm --no-wait
 says "^jobs $array and $collector are in the queue: nothing is submitted"
+: > "$work/out"  # the run before it may have said the same
 "$vantage" experiment heterogeneous --smoke --out "$work/held" --slurm > "$work/out" 2>&1 &
 pid=$!
 until_told "nothing is submitted"
@@ -97,6 +98,7 @@ same held
 run 0 broken --slurm --shards 2 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 cp "$work/broken/manifest.json" "$work/kept"
+: > "$work/out"  # the run before it may have said the same
 "$vantage" experiment heterogeneous --smoke --out "$work/broken" --slurm > "$work/out" 2>&1 &
 pid=$!
 until_told "nothing is submitted"

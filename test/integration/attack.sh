@@ -1,10 +1,11 @@
 #!/bin/bash
-# energy.sh BIN_DIR SCENARIO SECONDS: flies SCENARIO, whose team plans by local search, with one
-# robot jammed from 4 s on and another's planner killed (signal 9). It must be started again, all
-# robots must go on proposing and planning, nothing may come too near, and the log must give every
-# plan and every proposal again. To be run in a network of its own: in_network.sh energy.sh …
+# attack.sh BIN_DIR SCENARIO SECONDS PROPOSALS: flies SCENARIO, whose robots propose on the channels
+# PROPOSALS_R before they plan, with one robot jammed from 4 s on and another's planner killed
+# (signal 9). It must be started again, all robots must go on proposing and planning, nothing may
+# come too near, and the log must give every plan and every proposal again. To be run in a network
+# of its own: in_network.sh attack.sh …
 . "$(dirname "$0")/up_support.sh"
-seconds=$3
+seconds=$3 proposals=$4
 sed 's/from_s: [0-9]*/from_s: 4/' "$scenario" > "$dir/scenario.yaml"
 
 start_witness
@@ -25,16 +26,16 @@ kill -TERM "$witness"
 
 "$bin/vantage" log check "$dir/flight.lcmlog" || fail "the log is damaged"
 "$bin/vantage" log info "$dir/flight.lcmlog" --json > "$dir/info.json"
-python3 - "$dir" <<'PYTHON' || fail "the flight is not as it should be"
+python3 - "$dir" "$proposals" <<'PYTHON' || fail "the flight is not as it should be"
 import json, sys
-dir = sys.argv[1]
+dir, proposals = sys.argv[1:]
 report = json.loads(open(dir + "/up.json").readlines()[-1])
 fallen = {p["name"]: p for p in report["processes"]}
 assert set(fallen) == {"planner Q2"} and fallen["planner Q2"]["restarts"] == 1, fallen
 assert report["collisions"] == 0 and report["separation_violations"] == 0, report
 events = {name: c["events"] for name, c in json.load(open(dir + "/info.json"))["channels"].items()}
 for robot in ("Q1", "Q2", "Q3"):
-    assert events["TEAM_PROPOSAL_" + robot] >= 1, events
+    assert events[f"{proposals}_{robot}"] >= 1, events
 assert events["ATTACK"] >= 1
 print({name: count for name, count in events.items() if "PLAN" in name or "PROPOSAL" in name})
 PYTHON
