@@ -139,7 +139,7 @@ TEST(Supervisor, StartsNothingAgainOnceAllWereToEnd) {
 /// Starts one that does not end by SIGTERM.
 void start_stubborn(Supervisor& supervisor) {
   // It says so once it ignores the signal: only then may we send it.
-  const std::string ready = ::testing::TempDir() + "vantage_stubborn_ready";
+  const std::string ready = ::testing::TempDir() + "vantage_stubborn_" + std::to_string(::getpid());
   ::remove(ready.c_str());
   supervisor.start(
       {"stubborn", {"sh", "-c", "trap '' TERM; : > " + ready + "; while :; do sleep 1; done"}}, 0);
