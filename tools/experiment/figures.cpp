@@ -276,15 +276,18 @@ std::string team_figure(const std::string& name, const std::string& axis,
   // After the number, the setting's columns and the trials come pairs of a mean and its interval.
   const std::string label = is_pair ? "strcol(2).', '.strcol(3)" : "strcol(2)";
   const int first = is_pair ? 5 : 4;
+  // A line between two planners would be between nothing.
+  const std::string style = columns == "planner" ? "yerrorbars" : "yerrorlines";
   const auto panel = [&](int measure, const std::string& what) {
     return "  set ylabel '" + what +
            "'\n  plot 'summary.csv' using 1:" + std::to_string(first + 2 * measure) + ":" +
-           std::to_string(first + 2 * measure + 1) + ":xtic(" + label +
-           ") every ::1 with yerrorlines lw 2 pt 7 lc rgb '#0072B2' notitle\n";
+           std::to_string(first + 2 * measure + 1) + ":xtic(" + label + ") every ::1 with " +
+           style + " lw 2 pt 7 lc rgb '#0072B2' notitle\n";
   };
   return figure(name, "1000,700",
-                "  set multiplot layout 2,2\n  set offsets 0.3, 0.3, 0, 0\n  set xlabel '" + axis +
-                    "'\n" + panel(0, "RMSE of a robot [m]") +
+                "  set multiplot layout 2,2\n  set offsets 0.3, 0.3, 0, 0\n  set xtics "
+                "noenhanced\n  set xlabel '" +
+                    axis + "'\n" + panel(0, "RMSE of a robot [m]") +
                     panel(1, "entropy of a robot [nats]") + panel(2, "discovery by a robot [s]") +
                     panel(4, "RMSE of the team [m]"));
 }
