@@ -1,0 +1,222 @@
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "logs/foxglove/scene.hpp"
+#include "logs/foxglove/stream.hpp"
+#include "logs/foxglove/values.hpp"
+#include "test/logs/foxglove_notebook.hpp"
+
+namespace vantage::logs::foxglove {
+namespace {
+
+models::TargetBelief known(int id, double x_m, double y_m, double sigma_m) {
+  models::TargetBelief belief;
+  belief.target_id = id;
+  belief.information.matrix = Eigen::Matrix2d::Identity() / (sigma_m * sigma_m);
+  belief.information.vector = belief.information.matrix * Eigen::Vector2d(x_m, y_m);
+  return belief;
+}
+
+models::RobotBelief belief_of(const std::string& robot, std::int64_t step,
+                              std::vector<models::TargetBelief> targets) {
+  models::RobotBelief belief;
+  belief.robot = robot;
+  belief.step = step;
+  belief.stamp.time = from_utime(1'000'000 + 500'000 * step);
+  belief.targets = std::move(targets);
+  return belief;
+}
+
+TEST(Stream, MakesNothingThatNobodyWants) {
+  Notebook notebook;
+  notebook.refused = {"/transforms", "/world"};
+  Stream stream(notebook);
+  stream.on(lab_notice(), Time{});
+  stream.on(models::MocapFrame{}, Time{});
+  EXPECT_TRUE(notebook.of("/transforms").empty());
+  EXPECT_TRUE(notebook.of("/world").empty());
+  EXPECT_EQ(notebook.of("/robots").size(), 1U);
+  EXPECT_TRUE(notebook.schemas.contains("/transforms")) << "but the topic is known";
+}
+
+TEST(Stream, PaintsAJammedSensorRedUntilItIsFree) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), Time{});
+  stream.on(models::AttackNotice{{}, {"Q2"}}, Time{});
+  stream.on(models::AttackNotice{{}, {"Q2"}}, Time{});
+  stream.on(models::AttackNotice{{}, {}}, Time{});
+  const std::vector<Json> scenes = notebook.of("/robots");
+  ASSERT_EQ(scenes.size(), 3U);
+  const auto colour = [](const Json& scene, std::size_t robot) {
+    return scene["entities"][robot]["cylinders"][0]["color"];
+  };
+  const Json red = colour(scenes[1], 1);
+  EXPECT_GT(red["r"].get<double>(), 4.0 * red["g"].get<double>());
+  EXPECT_EQ(colour(scenes[0], 1), to_json(*robot_colour(lab(), "Q2")));
+  EXPECT_EQ(colour(scenes[1], 0), to_json(*robot_colour(lab(), "Q1")));
+  EXPECT_EQ(colour(scenes[2], 1), colour(scenes[0], 1));
+}
+
+TEST(RobotColour, IsOneForEachOfEightAndTheSameWhereverTheRobotIsDrawn) {
+  models::Scenario eight = lab();
+  eight.robots.resize(8);
+  std::set<std::string> met;
+  for (std::size_t i = 0; i < 8; ++i) {
+    eight.robots[i].name = "Q" + std::to_string(8 - i);
+  }
+  for (const models::RobotSpec& robot : eight.robots) {
+    met.insert(to_json(*robot_colour(eight, robot.name)).dump());
+  }
+  EXPECT_EQ(met.size(), 8U);
+  EXPECT_FALSE(robot_colour(eight, "R1"));
+
+  const models::Scenario scenario = lab();
+  const Json colour = to_json(*robot_colour(scenario, "Q3"));
+  EXPECT_EQ(scenario_json(lab_notice(), scenario)["robots"][2]["color"], colour);
+  EXPECT_EQ(robots_scene(scenario, {}, Time{})["entities"][2]["cylinders"][0]["color"], colour);
+  const auto opaque = [](Json drawn) {
+    drawn["a"] = 1.0;
+    return drawn;
+  };
+  Notebook notebook;
+  Stream stream(notebook);
+  models::RobotPlan plan;
+  plan.robot = "Q3";
+  plan.source = models::PlanSource::kSearched;
+  stream.on(plan, Time{});
+  EXPECT_EQ(notebook.of("/plan/Q3").size(), 1U) << "drawn, though nobody knows its colour yet";
+  stream.on(lab_notice(), Time{});
+  stream.on(plan, Time{});
+  models::MocapFrame frame;
+  frame.bodies = {{"Q3", {{1, 2, 3}, Eigen::Quaterniond::Identity()}, false}};
+  stream.on(frame, Time{});
+  for (const char* topic : {"/plan/Q3", "/tracks"}) {
+    const Json line = notebook.of(topic).back()["entities"][0]["lines"][0];
+    EXPECT_EQ(opaque(line["color"]), colour) << topic;
+  }
+  const Json view = notebook.of("/views").at(0)["entities"][2]["lines"][0];
+  EXPECT_EQ(opaque(view["color"]), colour);
+}
+
+models::TeamProposal proposal_of(const std::string& robot, Time end_of_round) {
+  models::TeamProposal proposal;
+  proposal.robot = robot;
+  proposal.stamp.time = end_of_round;
+  for (const char* mover : {"Q1", "Q2"}) {
+    models::Trajectory way{end_of_round, {0.5, 0.0, 0.3}, 1.5, {{{1.0, 0.4}, 3.0, 0.0}}};
+    proposal.choices.push_back({mover, way, 1.0, 0.1});
+  }
+  return proposal;
+}
+
+TEST(ProposalScene, LiesOnItsTrajectoriesAndLastsToTheEndOfTheRound) {
+  const Time heard = from_utime(5'000'000);
+  const models::TeamProposal proposal = proposal_of("Q2", from_utime(5'400'000));
+  const models::Scenario scenario = lab();
+  const Json made = proposal_scene(proposal, scenario, heard)["entities"][0];
+  EXPECT_EQ(made["id"], "proposal/Q2");
+  EXPECT_EQ(made["timestamp"], to_json(heard));
+  EXPECT_EQ(made["lifetime"], to_json(from_seconds(0.4)));
+  ASSERT_EQ(made["lines"].size(), 2U);
+  const Json& lines = made["lines"][0];
+  EXPECT_EQ(lines["color"]["r"], robot_colour(scenario, "Q2")->r);
+  ASSERT_EQ(lines["type"], 2);
+  // On the circle about (0.5 − 2.5 sin 0.3, 2.5 cos 0.3), v / ω = 2.5 m.
+  const Eigen::Vector2d centre(0.5 - 2.5 * std::sin(0.3), 2.5 * std::cos(0.3));
+  double drawn_m = 0.0;
+  for (std::size_t i = 0; i < lines["points"].size(); i += 2) {
+    const auto at = [&](std::size_t k) {
+      return Eigen::Vector2d(lines["points"][k]["x"].get<double>(),
+                             lines["points"][k]["y"].get<double>());
+    };
+    EXPECT_NEAR((at(i) - centre).norm(), 2.5, 1e-6);
+    drawn_m += (at(i + 1) - at(i)).norm();
+  }
+  EXPECT_NEAR(drawn_m, 1.5, 0.25) << "half of its 3 m, to a dash";
+}
+
+TEST(ProposalScene, FillsTheGapsOfTheNextRobotsWhereTheyAgree) {
+  const models::Scenario scenario = lab();
+  std::set<std::string> begins;
+  std::size_t dashes = 0;
+  for (const char* robot : {"Q1", "Q2"}) {
+    const models::TeamProposal proposal = proposal_of(robot, from_utime(1));
+    const Json scene = proposal_scene(proposal, scenario, Time{});
+    const Json points = scene["entities"][0]["lines"][0]["points"];
+    for (std::size_t i = 0; i < points.size(); i += 2, ++dashes) {
+      begins.insert(points[i].dump());
+    }
+  }
+  EXPECT_EQ(begins.size(), dashes);
+  EXPECT_EQ(dashes, 15U);
+}
+
+TEST(Stream, ShowsProposalsThatComeBeforeTheEndOfTheirRound) {
+  Notebook notebook;
+  Stream stream(notebook);
+  const Time end = from_utime(2'000'000);
+  stream.on(proposal_of("Q1", end), from_utime(1'000'000));  // of a team that nobody knows yet
+  stream.on(lab_notice(), from_utime(1'000'000));
+  stream.on(proposal_of("stranger", end), from_utime(1'000'000));
+  stream.on(proposal_of("Q1", end), end);
+  EXPECT_TRUE(notebook.of("/proposal/Q1").empty());
+  stream.on(proposal_of("Q1", end), from_utime(1'999'999));
+  EXPECT_EQ(notebook.of("/proposal/Q1").size(), 1U);
+}
+
+TEST(Stream, ShowsTheBestInformedRobotAndTakesAwayWhatIsForgotten) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), Time{});
+  stream.on(belief_of("Q1", 0, {known(0, 1.0, 0.0, 0.5), known(3, 0.0, 0.0, 0.5)}), Time{});
+  stream.on(belief_of("Q2", 0, {known(0, 2.0, 0.0, 0.2)}), Time{});
+  stream.on(models::TruthFrame{}, Time{});
+  stream.on(belief_of("Q1", 1, {known(0, 1.0, 0.0, 0.5)}), Time{});
+  stream.on(models::TruthFrame{}, Time{});
+  const std::vector<Json> scenes = notebook.of("/estimates");
+  ASSERT_EQ(scenes.size(), 2U);
+  const Json& best = scenes[0]["entities"][0];
+  EXPECT_EQ(best["id"], "estimate/R1");
+  EXPECT_EQ(best["metadata"][1]["value"], "Q2");
+  EXPECT_EQ(scenes[0]["entities"].size(), 2U);
+  EXPECT_EQ(scenes[1]["entities"].size(), 1U);
+  std::set<std::string> deleted;
+  for (const Json& deletion : scenes[1]["deletions"]) {
+    deleted.insert(deletion["id"].get<std::string>());
+  }
+  EXPECT_EQ(deleted,
+            (std::set<std::string>{"estimate/R2", "estimate/R3", "estimate/R4", "estimate/R5"}));
+}
+
+TEST(Stream, MovesBodiesByTheTruthWhereNoMocapIsHeard) {
+  Notebook notebook;
+  Stream stream(notebook);
+  models::TruthFrame truth;
+  truth.bodies.push_back({"Q1", -1, {}, Eigen::Vector3d::Zero()});
+  stream.on(truth, Time{});
+  ASSERT_EQ(notebook.of("/transforms").size(), 1U);
+  EXPECT_EQ(notebook.of("/transforms")[0]["transforms"][0]["child_frame_id"], "Q1");
+  EXPECT_EQ(notebook.of("/truth/transforms")[0]["transforms"][0]["child_frame_id"], "truth/Q1");
+  stream.on(models::MocapFrame{}, Time{});
+  stream.on(truth, Time{});
+  EXPECT_EQ(notebook.of("/transforms").size(), 2U) << "the mocap's, not the truth's";
+  EXPECT_EQ(notebook.of("/truth/transforms").size(), 2U);
+}
+
+TEST(Stream, CountsAScenarioThatItCannotRead) {
+  Notebook notebook;
+  Stream stream(notebook);
+  models::ScenarioNotice notice;
+  notice.yaml = "name: [";
+  stream.on(notice, Time{});
+  EXPECT_EQ(stream.scenarios_refused(), 1);
+  EXPECT_EQ(notebook.of("/events").size(), 1U);
+  EXPECT_TRUE(notebook.of("/scenario").empty());
+}
+
+}  // namespace
+}  // namespace vantage::logs::foxglove
