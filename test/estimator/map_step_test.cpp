@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "bus/transport.hpp"
+#include "test/estimator/mapping_scenario.hpp"
 
 namespace vantage::estimator {
 namespace {
@@ -17,20 +18,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
-
-models::Scenario two_robots() {
-  models::Scenario scenario;
-  scenario.world.bounds = {{0.0, 0.0}, {8.0, 6.0}};
-  for (const char* name : {"Q1", "Q2"}) {
-    models::RobotSpec robot;
-    robot.name = name;
-    scenario.robots.push_back(robot);
-  }
-  scenario.planner.objective = models::PlanObjective::kMapping;
-  scenario.planner.step_s = 0.5;
-  scenario.network.communication_range_m = 3.0;
-  return scenario;
-}
 
 // The map's part of the estimator of Q1, and Q2 at the other end of a bus in one process.
 class MapPublisherTest : public ::testing::Test {
@@ -76,7 +63,7 @@ class MapPublisherTest : public ::testing::Test {
     return 0;
   }
 
-  models::Scenario scenario_ = two_robots();
+  models::Scenario scenario_ = test::mapping_scenario({"Q1", "Q2"});
   models::GridGeometry grid_ = models::map_geometry(scenario_.world, scenario_.mapping);
   bus::InProcessHub hub_;
   std::unique_ptr<bus::Transport> own_end_ = hub_.connect();

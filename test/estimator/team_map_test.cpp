@@ -8,6 +8,7 @@
 
 #include "core/check.hpp"
 #include "models/mapping/beam_scan.hpp"
+#include "test/estimator/mapping_scenario.hpp"
 #include "test/support/random.hpp"
 
 namespace vantage::estimator {
@@ -16,17 +17,8 @@ namespace {
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 models::Scenario mapping_scenario() {
-  models::Scenario scenario;
-  scenario.world.bounds = {{0.0, 0.0}, {8.0, 6.0}};
+  models::Scenario scenario = test::mapping_scenario({"Q1", "Q2", "Q3"});
   scenario.world.obstacles = {{{{2.0, 2.0}, {3.0, 4.0}}, 3.0}, {{{5.0, 1.0}, {7.0, 2.0}}, 3.0}};
-  for (const char* name : {"Q1", "Q2", "Q3"}) {
-    models::RobotSpec robot;
-    robot.name = name;
-    scenario.robots.push_back(robot);
-  }
-  scenario.planner.objective = models::PlanObjective::kMapping;
-  scenario.planner.step_s = 0.5;
-  scenario.network.communication_range_m = 3.0;
   return scenario;
 }
 
