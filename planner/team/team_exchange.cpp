@@ -84,6 +84,7 @@ void TeamExchange::begin(const SearchProblem& problem, const Start& start,
     if (start.is_safe(motion)) {
       if (is_jammed(spec.name)) {
         candidate.looks.clear();
+        candidate.mutual_nats.reset();
       }
       setup.own.push_back({spec.name, std::move(motion), 0.0, 0.0});
       setup.problem.candidates[static_cast<std::size_t>(robot_)].push_back(std::move(candidate));

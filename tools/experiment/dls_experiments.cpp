@@ -51,10 +51,12 @@ Summary summarise_savings(const Tables& tables) {
     summary.compared.push_back(compare_range(
         fmt::format("{} robots: proposals saved, of those adopted", n), fewer_adopted, 0, 60, "%"));
     summary.lines.push_back(fmt::format(
-        "{:2} robots, N = {:6.0f}: {:5.2f} N calls instead of {:5.2f} N ({:.1f} % fewer), "
+        "{:2} robots, N = {:6.0f}: {:5.3f} N calls instead of {:5.2f} N ({:.1f} % fewer; {:.1f} % "
+        "if valuing each candidate alone is N calls more for both), "
         "{:.2f} proposals adopted instead of {:.2f}, {:.1f} messages instead of {:.1f}",
         n, samples.candidates(n), both.calls.mean(), naive.calls.mean(), fewer_calls,
-        both.adopted.mean(), naive.adopted.mean(), both.messages.mean(), naive.messages.mean()));
+        fewer_percent(1.0 + both.calls.mean(), 1.0 + naive.calls.mean()), both.adopted.mean(),
+        naive.adopted.mean(), both.messages.mean(), naive.messages.mean()));
   }
   const int n = samples.team_sizes().back();
   const auto mean_s = [&](const char* part) { return samples.cpu_s(n, part).mean(); };

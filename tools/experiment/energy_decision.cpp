@@ -24,7 +24,8 @@ Decided decided(const std::string& method, const TeamOracle& oracle, const TeamD
   out.choice = decision.choice;
   out.value = decision.value;
   const double candidates = std::max(1, oracle.candidate_count());
-  out.calls_per_candidate = 1.0 + static_cast<double>(decision.oracle_calls) / candidates;
+  out.calls_per_candidate =
+      static_cast<double>(oracle.calls() + decision.oracle_calls) / candidates;
   out.adopted = static_cast<double>(decision.adopted);
   out.messages = static_cast<double>(decision.messages);
   return out;

@@ -11,8 +11,9 @@ namespace vantage::tools {
 struct Decided {
   std::string method;
   planner::Choice choice;
-  double value = 0.0;                ///< J, nats
-  double calls_per_candidate = 0.0;  ///< the valuing of each one alone included
+  double value = 0.0;  ///< J, nats
+  double calls_per_candidate =
+      0.0;  ///< valuing each one alone included, where it must be asked for
   double adopted = 0.0;
   double messages = 0.0;
   double cpu_s = 0.0;

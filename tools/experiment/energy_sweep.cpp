@@ -21,7 +21,7 @@ constexpr int kRobotsMaxSmoke = 4;
 // on, for full teams of random candidates.
 double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
   constexpr int kCalls = 300;
-  std::vector<TeamOracle::Looks> looks;
+  std::vector<planner::TargetCourses::Looks> looks;
   double sink = 0.0;
   const double start_s = thread_cpu_s();
   for (int call = 0; call < kCalls; ++call) {
@@ -37,7 +37,7 @@ double from_scratch_call_s(const TeamOracle& oracle, std::uint64_t seed) {
             [](const planner::Look& a, const planner::Look& b) { return a.target < b.target; });
         looks.emplace_back(begin, end);
       }
-      sink += oracle.follow(m, 0, oracle.start_of(m), looks, nullptr);
+      sink += oracle.courses().follow(m, 0, oracle.courses().unseen(m), looks, nullptr);
     }
   }
   // Used, so that nothing of it can be left out.
@@ -100,7 +100,8 @@ std::vector<std::string> energy_choices() {
       fmt::format("The metric of δ = 2 m is not printed: {:g} m/rad, with which ten robots come "
                   "near the printed N ≈ 12 500.",
                   options.yaw_weight_m_per_rad),
-      "Oracle calls count the N that value each candidate alone, for every method."};
+      "Oracle calls are those of the decision: what each candidate gains alone comes with its "
+      "search, which follows it to its end. With N calls more for every method: results."};
 }
 
 EnergySamples::EnergySamples(const Tables& tables) {

@@ -38,20 +38,27 @@ struct WatchCase {
   }
 };
 
-// For each attacker all values of T_REPLAN; then other numbers of attacks, by the first attacker.
+// What is compared over all values of T_REPLAN.
+struct Attacked {
+  NamedAttacker attacker;
+  int attacks;
+};
+constexpr std::array<Attacked, 3> kAttacked = {
+    {{kAttackers[0], kAttacks}, {kAttackers[1], kAttacks}, {kAttackers[0], kAttacks + 1}}};
+
+// For each of them all values of T_REPLAN; then one attack, by the first attacker.
 std::vector<WatchCase> all_cases() {
   std::vector<WatchCase> cases;
   const auto add = [&](const NamedAttacker& attacker, int replan_steps, int attacks) {
     cases.push_back({attacker, replan_steps, attacks, false});
     cases.push_back({attacker, replan_steps, attacks, true});
   };
-  for (const NamedAttacker& attacker : kAttackers) {
+  for (const auto& [attacker, attacks] : kAttacked) {
     for (int replan_steps = 1; replan_steps <= kReplanMax; ++replan_steps) {
-      add(attacker, replan_steps, kAttacks);
+      add(attacker, replan_steps, attacks);
     }
   }
   add(kAttackers.front(), kDrawnReplan, kAttacks - 1);
-  add(kAttackers.front(), kDrawnReplan, kAttacks + 1);
   return cases;
 }
 
@@ -178,10 +185,11 @@ std::map<std::string, std::string> way_files(const Tables& tables,
   return files;
 }
 
-// `runs` of one attacker: pairs by T_REPLAN.
-void compare(const NamedAttacker& attacker, std::span<const Runs> runs, Summary& summary) {
+// `runs` of one attacker and number of attacks: pairs by T_REPLAN.
+void compare(const Attacked& attacked, std::span<const Runs> runs, Summary& summary) {
   for (const auto& [measure, called] : kCompared) {
-    const std::string what = fmt::format("attacked: {}: {}", attacker.text, called);
+    const std::string what =
+        fmt::format("attacked: {}, α = {}: {}", attacked.attacker.text, attacked.attacks, called);
     int better = 0;
     for (std::size_t i = 0; i < runs.size(); i += 2) {
       better += share_less(runs[i], runs[i + 1], measure) > 0.0 ? 1 : 0;
@@ -225,15 +233,14 @@ Summary summarise(const Tables& tables) {
   summary.files["summary.csv"] = summary_csv(cases, runs);
   summary.figure_script = surveillance_figures();
   summary.figures = {"surveillance-intervals", "surveillance-camp"};
-  constexpr std::size_t kOfAttacker = 2 * kReplanMax;
-  for (std::size_t i = 0; i < kAttackers.size(); ++i) {
-    compare(kAttackers[i], std::span(runs).subspan(i * kOfAttacker, kOfAttacker), summary);
+  constexpr std::size_t kOfEach = 2 * kReplanMax;
+  for (std::size_t i = 0; i < kAttacked.size(); ++i) {
+    compare(kAttacked[i], std::span(runs).subspan(i * kOfEach, kOfEach), summary);
   }
   add_lines(cases, runs, summary);
   summary.choices = {
       "Robots and attacks are not printed: five as in the picture, two of them attacked "
-      "(\"some\"); "
-      "one and three beside it at T_REPLAN = 5.",
+      "(\"some\"), and three; one at T_REPLAN = 5.",
       "The camp is ours: 120 × 90 m, fifteen buildings with a landmark each, 24 trees.",
       "σ of the range is not printed: that of the tracking, 0.15 m; prior of 1 m.",
       "Plans hold each landmark's k as it is when they are made.",

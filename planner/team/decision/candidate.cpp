@@ -6,7 +6,6 @@
 
 #include "core/check.hpp"
 #include "models/scenario/energy_cost.hpp"
-#include "planner/search/belief_table.hpp"
 #include "planner/search/crossing_index.hpp"
 #include "planner/search/motion_table.hpp"
 #include "planner/team/look.hpp"
@@ -23,8 +22,9 @@ class CandidateMaker {
   CandidateMaker(const SearchProblem& problem, const EnergyModel& energy)
       : problem_(problem),
         energy_(energy),
-        beliefs_(static_cast<int>(problem.targets.size()), problem.horizon_steps) {
-    beliefs_.reset(problem);
+        courses_(problem, InformationMeasure::kMutual),
+        beliefs_(courses_.beliefs()),
+        kept_(static_cast<std::size_t>(problem.horizon_steps) + 1) {
     for (const models::SensorModel& sensor : problem.sensors) {
       range_max_m_ = std::max(range_max_m_, sensor.range_max_m);
     }
@@ -57,23 +57,23 @@ class CandidateMaker {
     return candidate;
   }
 
-  // What is believed at the end of `candidate` alone.
-  [[nodiscard]] LastBlocks last_blocks(const Candidate& candidate) const {
+  // Follows `candidate` alone to the end: what is believed there, and what it gained on the way.
+  LastBlocks follow(Candidate& candidate) {
     LastBlocks blocks(static_cast<std::size_t>(beliefs_.target_count()) * kMaxPacked);
-    const Look* look = candidate.looks.data();
-    const Look* const end = look + candidate.looks.size();
     for (int m = 0; m < beliefs_.target_count(); ++m) {
-      double* block = &blocks[static_cast<std::size_t>(m) * kMaxPacked];
-      const bool is_seen = look != end && look->target == m;
-      const int first = is_seen ? look->step - 1 : problem_.horizon_steps;
-      std::copy_n(beliefs_.open_loop(m, first), packed_size(beliefs_.layout(m)), block);
-      for (int t = first + 1; t <= problem_.horizon_steps; ++t) {
-        beliefs_.predict_into(m, t, block, block);
-        if (look != end && look->target == m && look->step == t) {
-          update(beliefs_.layout(m), look->information.m, block, block);
-          ++look;
-        }
-      }
+      std::copy_n(beliefs_.open_loop(m, problem_.horizon_steps), packed_size(beliefs_.layout(m)),
+                  &blocks[static_cast<std::size_t>(m) * kMaxPacked]);
+    }
+    double gained_nats = 0.0;
+    for_each_target(candidate.looks, [&](int m, TargetCourses::Looks looks) {
+      const int before = looks.front().step - 1;
+      gained_nats +=
+          courses_.follow(m, before, courses_.unseen(m, before), {&looks, 1}, kept_.data());
+      std::copy_n(kept_.back().block, packed_size(beliefs_.layout(m)),
+                  &blocks[static_cast<std::size_t>(m) * kMaxPacked]);
+    });
+    if (problem_.fixed_information.empty()) {
+      candidate.mutual_nats = gained_nats;
     }
     return blocks;
   }
@@ -92,7 +92,9 @@ class CandidateMaker {
  private:
   const SearchProblem& problem_;
   const EnergyModel& energy_;
-  BeliefTable beliefs_;
+  TargetCourses courses_;
+  const BeliefTable& beliefs_;
+  std::vector<TargetCourses::Course> kept_;  // scratch of follow(), by step
   double range_max_m_ = 0.0;
 };
 
@@ -216,7 +218,7 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                    [](const Leaf& a, const Leaf& b) { return a.order < b.order; });
   leaves.resize(std::min(leaves.size(), options.leaves_max));
 
-  const CandidateMaker maker(problem, energy);
+  CandidateMaker maker(problem, energy);
   const PoseMetric metric{options.yaw_weight_m_per_rad};
   CrossingIndex index(leaves.size());
   index.reset(options.delta_m);
@@ -235,7 +237,7 @@ std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
       poses[tree[id].depth - 1U] = tree[id].world_from_body;
     }
     Candidate candidate = maker.make(std::move(controls), std::move(poses));
-    LastBlocks own = maker.last_blocks(candidate);
+    LastBlocks own = maker.follow(candidate);
     bool is_redundant = false;
     index.near(last.world_from_body, [&](std::uint32_t kept) {
       is_redundant = metric.squared(candidates[kept].poses.back(), last.world_from_body) <=

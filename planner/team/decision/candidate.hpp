@@ -2,22 +2,16 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/deadline.hpp"
 #include "models/scenario/energy_spec.hpp"
 #include "planner/search/arvi.hpp"
-#include "planner/search/block_kernels.hpp"
 #include "planner/search/problem.hpp"
+#include "planner/team/decision/target_courses.hpp"
 
 namespace vantage::planner {
-
-/// What one look along a trajectory tells of one target.
-struct Look {
-  std::uint16_t target = 0;
-  std::uint16_t step = 0;  ///< 1 … T: on arrival there
-  PackedInformation information;
-};
 
 /// A trajectory that a robot may be given, as far as the team's choice is concerned.
 struct Candidate {
@@ -27,6 +21,10 @@ struct Candidate {
   double energy_cost = 0.0;   ///< r_i C_i ≥ 0, nats
   /// What it gains of things that only its own robot knows of, ≥ 0, nats: counted whole.
   double unshared_nats = 0.0;
+  /// I(y_{1:T}; z_{1:T}) of these looks alone at the targets it was made for, nats, where that came
+  /// with its making: a TeamOracle of the same targets need not ask for it. Who changes the looks
+  /// or the targets clears it.
+  std::optional<double> mutual_nats = std::nullopt;
 };
 
 using EnergyModel = models::EnergySpec;
@@ -66,9 +64,10 @@ struct CandidateOptions {
 /// The complete trajectories that reduced value iteration leaves, in the order of its tree; those
 /// that cannot stop where a stop is demanded are left out. The last depth is reduced as all others
 /// are: of leaves that δ-cross and are ε-redundant the cheaper one stays, so the best plan of the
-/// search always does. `search` must be large enough for `problem`: a pass that was cut short gives
-/// what it reached. The deadline is the search's; what follows takes at most leaves_max times the
-/// targets and steps.
+/// search always does. Whether leaves are redundant shows when each is followed to its end, and so
+/// does what it gains (mutual_nats, unless teammates' looks are fixed). `search` must be large
+/// enough for `problem`: a pass that was cut short gives what it reached. The deadline is the
+/// search's; what follows takes at most leaves_max times the targets and steps.
 /// @throws UsageError as ReducedValueIteration::plan does, or when ε or δ is not finite
 /// Source: dissertation 3 D (Mᵢ from reduced value iteration).
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,

@@ -12,7 +12,7 @@ namespace vantage::planner {
 struct TeamDecision {
   Choice choice;
   double value = 0.0;             ///< J, nats
-  std::int64_t oracle_calls = 0;  ///< beyond the candidate_count() that valued each one alone
+  std::int64_t oracle_calls = 0;  ///< beyond the TeamOracle::calls() that valued each one alone
   std::int64_t adopted = 0;       ///< changes of the team's solution that were agreed on
   std::int64_t messages = 0;      ///< broadcasts of all robots, those that propose nothing included
   bool finished = true;           ///< false: the deadline came first

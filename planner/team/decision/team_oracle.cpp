@@ -25,9 +25,7 @@ SearchProblem prediction_of(const TeamProblem& problem) {
 }  // namespace
 
 TeamOracle::TeamOracle(const TeamProblem& problem)
-    : problem_(&problem),
-      beliefs_(static_cast<int>(problem.targets.size()), problem.horizon_steps) {
-  beliefs_.reset(prediction_of(problem));
+    : problem_(&problem), courses_(prediction_of(problem), problem.measure) {
   begin_.push_back(0);
   for (std::size_t robot = 0; robot < problem.candidates.size(); ++robot) {
     double dearest = 0.0;
@@ -44,8 +42,12 @@ TeamOracle::TeamOracle(const TeamProblem& problem)
   by_value_.resize(candidates_.size());
   std::iota(by_value_.begin(), by_value_.end(), 0);
   for (const CandidateId id : by_value_) {
-    alone_.push_back(nobody.value_with(id));
+    const Candidate& of = candidate(id);
+    alone_.push_back(of.mutual_nats && is_submodular()
+                         ? *of.mutual_nats + (of.unshared_nats - of.energy_cost)
+                         : nobody.value_with(id));
   }
+  calls_ = nobody.calls();
   for (int robot = 0; robot < robot_count(); ++robot) {
     std::stable_sort(by_value_.begin() + begin(robot), by_value_.begin() + end(robot),
                      [this](CandidateId a, CandidateId b) { return alone(a) > alone(b); });
@@ -58,6 +60,9 @@ void TeamOracle::check() const {
             "team: a candidate's energy_cost must be ≥ 0");
     require(candidate->unshared_nats >= 0.0 && std::isfinite(candidate->unshared_nats),
             "team: a candidate's unshared_nats must be ≥ 0");
+    require(!candidate->mutual_nats ||
+                (*candidate->mutual_nats >= 0.0 && std::isfinite(*candidate->mutual_nats)),
+            "team: a candidate's mutual_nats must be ≥ 0");
     const Look* last = nullptr;
     for (const Look& look : candidate->looks) {
       require(
@@ -73,56 +78,6 @@ void TeamOracle::check() const {
 
 std::span<const CandidateId> TeamOracle::by_value(int robot) const {
   return {by_value_.data() + begin(robot), index(end(robot) - begin(robot))};
-}
-
-TeamOracle::Course TeamOracle::start_of(int target) const {
-  Course course;
-  std::copy_n(beliefs_.open_loop(target, 0), packed_size(beliefs_.layout(target)), course.block);
-  return course;
-}
-
-double TeamOracle::follow(int target, int from, Course course, std::span<Looks> looks,
-                          Course* kept) const {
-  const BlockLayout layout = beliefs_.layout(target);
-  const int entries = layout == BlockLayout::kSpatial ? 6 : 3;
-  const bool is_mutual = problem_->measure == InformationMeasure::kMutual;
-  int last = kept != nullptr || !is_mutual ? problem_->horizon_steps : 0;
-  for (Looks& of_robot : looks) {
-    while (!of_robot.empty() && of_robot.front().step <= from) {
-      of_robot = of_robot.subspan(1);
-    }
-    last = of_robot.empty() ? last : std::max<int>(last, of_robot.back().step);
-  }
-  for (int t = from + 1; t <= last; ++t) {
-    beliefs_.predict_into(target, t, course.block, course.block);
-    PackedInformation M;
-    bool is_seen = false;
-    for (Looks& of_robot : looks) {
-      if (of_robot.empty() || of_robot.front().step != t) {
-        continue;
-      }
-      for (int i = 0; i < entries; ++i) {
-        M.m[i] += of_robot.front().information.m[i];
-      }
-      of_robot = of_robot.subspan(1);
-      is_seen = true;
-    }
-    if (is_seen) {
-      if (is_mutual) {
-        course.gained.multiply(gain(layout, M.m, course.block));
-      }
-      update(layout, M.m, course.block, course.block);
-      course.is_seen = true;
-    }
-    if (!is_mutual && course.is_seen) {
-      course.gained.multiply(beliefs_.open_loop_measure(target, t) /
-                             determinant(layout, course.block));
-    }
-    if (kept != nullptr) {
-      kept[t] = course;
-    }
-  }
-  return 0.5 * course.gained.log();
 }
 
 }  // namespace vantage::planner

@@ -4,22 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "planner/search/belief_table.hpp"
-#include "planner/search/log_product.hpp"
 #include "planner/team/decision/candidate.hpp"
+#include "planner/team/decision/target_courses.hpp"
 
 namespace vantage::planner {
-
-/// How the information that a team's looks give is measured. Both are 0 without a look, never
-/// fall when a trajectory is added, and are in nats.
-enum class InformationMeasure {
-  /// I(y_{1:T}; z_{1:T}) = ½ Σ_t (log det Σᵖ_t − log det Σ_t), Σᵖ_t predicted with all looks
-  /// before t. Submodular: every guarantee of this room is for it.
-  kMutual,
-  /// ½ Σ_t (log det Σ⁰_t − log det Σ_t), Σ⁰_t without any look: the sum of I(y_t; z_{1:t}). What
-  /// single-robot searches maximise. Not submodular when targets move.
-  kLogDet,
-};
 
 /// Index of a candidate among all of the team's, robot after robot.
 using CandidateId = std::int32_t;
@@ -42,7 +30,8 @@ struct TeamProblem {
 /// candidate alone. Sets are valued by TeamSet.
 class TeamOracle {
  public:
-  /// Values every candidate alone: candidate_count() oracle calls. `problem` must outlive this.
+  /// Values each candidate alone that does not bring what it gains (Candidate::mutual_nats): one
+  /// oracle call for each. `problem` must outlive this.
   /// @throws UsageError when a look is out of range or order, or a cost is negative
   explicit TeamOracle(const TeamProblem& problem);
 
@@ -65,25 +54,11 @@ class TeamOracle {
     return problem_->measure == InformationMeasure::kMutual;
   }
   [[nodiscard]] const TeamProblem& problem() const { return *problem_; }
-  [[nodiscard]] int target_count() const { return beliefs_.target_count(); }
+  [[nodiscard]] int target_count() const { return courses_.beliefs().target_count(); }
 
-  /// One target's belief after a step, and what was gained of it until then.
-  struct Course {
-    double block[kMaxPacked] = {};
-    LogProduct gained;  ///< of e^{2 · nats}
-    bool is_seen = false;
-  };
-  /// One robot's looks at one target, by step.
-  using Looks = std::span<const Look>;
-
-  /// The course before the first step.
-  [[nodiscard]] Course start_of(int target) const;
-  /// Carries `course` from step `from` through the looks of several robots, added up in the order
-  /// given; returns the nats gained by the end. Where `kept` is not null the course after each
-  /// step t > from is written to kept[t]. A pure function of the looks, to the bit, whatever
-  /// `from` it is taken up at: that is why no search of this room can go in circles.
-  /// The spans of `looks` are used up.
-  double follow(int target, int from, Course course, std::span<Looks> looks, Course* kept) const;
+  [[nodiscard]] const TargetCourses& courses() const { return courses_; }
+  /// Oracle calls that valuing candidates alone took.
+  [[nodiscard]] std::int64_t calls() const { return calls_; }
 
  private:
   template <class Integer>
@@ -93,7 +68,8 @@ class TeamOracle {
   void check() const;
 
   const TeamProblem* problem_;
-  BeliefTable beliefs_;
+  TargetCourses courses_;
+  std::int64_t calls_ = 0;
   std::vector<CandidateId> begin_;  ///< per robot, and the end
   std::vector<int> robot_of_;
   std::vector<const Candidate*> candidates_;

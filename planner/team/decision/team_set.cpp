@@ -7,20 +7,6 @@ namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-// Calls of(target, looks) for every target that `candidate` sees, in order.
-template <class Of>
-void for_each_target(const Candidate& candidate, Of&& of) {
-  const std::vector<Look>& looks = candidate.looks;
-  for (std::size_t begin = 0; begin < looks.size();) {
-    std::size_t end = begin + 1;
-    while (end < looks.size() && looks[end].target == looks[begin].target) {
-      ++end;
-    }
-    of(static_cast<int>(looks[begin].target), TeamOracle::Looks(looks.data() + begin, end - begin));
-    begin = end;
-  }
-}
-
 }  // namespace
 
 TeamSet::TeamSet(const TeamOracle& oracle)
@@ -32,9 +18,9 @@ TeamSet::TeamSet(const TeamOracle& oracle)
       values_(index(oracle.target_count())) {
   scratch_.reserve(choice_.size() + 1);
   for (int m = 0; m < oracle.target_count(); ++m) {
-    std::fill_n(courses(m), depths_, TeamOracle::Course{});
-    courses(m)[0] = oracle.start_of(m);
-    values_[index(m)] = oracle.follow(m, 0, courses(m)[0], {}, courses(m));
+    std::fill_n(courses(m), depths_, TargetCourses::Course{});
+    courses(m)[0] = oracle.courses().unseen(m);
+    values_[index(m)] = oracle.courses().follow(m, 0, courses(m)[0], {}, courses(m));
   }
 }
 
@@ -61,19 +47,19 @@ double TeamSet::value_of_target(int target, int left_out, const Seer& added, int
   if (!is_added) {
     scratch_.push_back(added.looks);
   }
-  return oracle_->follow(target, first - 1, courses(target)[first - 1], scratch_,
-                         keep ? courses(target) : nullptr);
+  return oracle_->courses().follow(target, first - 1, courses(target)[first - 1], scratch_,
+                                   keep ? courses(target) : nullptr);
 }
 
 double TeamSet::sum_with(CandidateId id, int left_out) {
   const int adder = left_out < 0 ? oracle_->robot_of(id) : -1;
   double total = 0.0;
   int next = 0;
-  for_each_target(oracle_->candidate(id), [&](int m, TeamOracle::Looks looks) {
+  for_each_target(oracle_->candidate(id).looks, [&](int m, TargetCourses::Looks looks) {
     for (; next < m; ++next) {
       total += values_[index(next)];
     }
-    const Seer added{adder, adder >= 0 ? looks : TeamOracle::Looks{}};
+    const Seer added{adder, adder >= 0 ? looks : TargetCourses::Looks{}};
     total += value_of_target(m, left_out, added, looks.front().step, false);
     next = m + 1;
   });
@@ -102,7 +88,7 @@ double TeamSet::value_without(int robot) {
 double TeamSet::information_gain(CandidateId id) {
   ++calls_;
   double gain = 0.0;
-  for_each_target(oracle_->candidate(id), [&](int m, TeamOracle::Looks looks) {
+  for_each_target(oracle_->candidate(id).looks, [&](int m, TargetCourses::Looks looks) {
     const Seer added{oracle_->robot_of(id), looks};
     gain += value_of_target(m, -1, added, looks.front().step, false) - values_[index(m)];
   });
@@ -112,8 +98,8 @@ double TeamSet::information_gain(CandidateId id) {
 void TeamSet::change(CandidateId id, int left_out) {
   value_ = sum_with(id, left_out);
   const int adder = left_out < 0 ? oracle_->robot_of(id) : -1;
-  for_each_target(oracle_->candidate(id), [&](int m, TeamOracle::Looks looks) {
-    const Seer added{adder, adder >= 0 ? looks : TeamOracle::Looks{}};
+  for_each_target(oracle_->candidate(id).looks, [&](int m, TargetCourses::Looks looks) {
+    const Seer added{adder, adder >= 0 ? looks : TargetCourses::Looks{}};
     values_[index(m)] = value_of_target(m, left_out, added, looks.front().step, true);
     std::vector<Seer>& seers = seers_[index(m)];
     const auto at = std::find_if(seers.begin(), seers.end(), [&](const Seer& seer) {

@@ -44,9 +44,9 @@ class TeamSet {
  private:
   struct Seer {
     int robot = 0;
-    TeamOracle::Looks looks;
+    TargetCourses::Looks looks;
   };
-  [[nodiscard]] TeamOracle::Course* courses(int target) {
+  [[nodiscard]] TargetCourses::Course* courses(int target) {
     return &courses_[static_cast<std::size_t>(target) * depths_];
   }
   /// What target is worth once its seers are those of S but `left_out`, with `added` beside them;
@@ -61,10 +61,10 @@ class TeamSet {
   Choice choice_;
   double value_ = 0.0;
   std::int64_t calls_ = 0;
-  std::vector<std::vector<Seer>> seers_;     ///< per target, by robot
-  std::vector<TeamOracle::Course> courses_;  ///< [target][step]
-  std::vector<double> values_;               ///< per target, nats
-  std::vector<TeamOracle::Looks> scratch_;
+  std::vector<std::vector<Seer>> seers_;        ///< per target, by robot
+  std::vector<TargetCourses::Course> courses_;  ///< [target][step]
+  std::vector<double> values_;                  ///< per target, nats
+  std::vector<TargetCourses::Looks> scratch_;
 };
 
 }  // namespace vantage::planner

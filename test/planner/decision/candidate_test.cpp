@@ -81,6 +81,54 @@ TEST(CandidateTrajectories, AreWhatTheirControlsMake) {
   }
 }
 
+// What the search brings along is what the oracle would say, to the bit, and saves all its calls.
+TEST(CandidateTrajectories, BringWhatTheyGainAlone) {
+  ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
+  const EnergyModel energy{0.3, 0.0, 1.0, 2.0, {}};
+  int gaining = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const SearchProblem problem = open_problem(seed);
+    TeamProblem team = team_of(problem, InformationMeasure::kMutual);
+    team.candidates.push_back(candidate_trajectories(problem, energy, search, {1.0, 1.0, 0.3}));
+    const TeamOracle brought(team);
+    EXPECT_EQ(brought.calls(), 0);
+    TeamProblem bare = team;
+    for (Candidate& candidate : bare.candidates[0]) {
+      ASSERT_TRUE(candidate.mutual_nats.has_value());
+      gaining += *candidate.mutual_nats > 0.0 ? 1 : 0;
+      candidate.mutual_nats.reset();
+    }
+    const TeamOracle asked(bare);
+    EXPECT_EQ(asked.calls(), asked.candidate_count());
+    for (CandidateId id = 0; id < asked.candidate_count(); ++id) {
+      EXPECT_EQ(brought.alone(id), asked.alone(id)) << "seed " << seed;
+    }
+    team.measure = InformationMeasure::kLogDet;  // that is not what they bring
+    EXPECT_EQ(TeamOracle(team).calls(), asked.candidate_count());
+  }
+  EXPECT_GT(gaining, 100);
+}
+
+// A teammate's fixed looks take from what a trajectory gains here, not from what it gains alone.
+TEST(CandidateTrajectories, BringNothingWhereTeammatesAreFixed) {
+  ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
+  int made = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SearchProblem problem = test::random_problem(seed).problem;
+    problem.world = nullptr;
+    problem.field = nullptr;
+    if (problem.fixed_information.empty()) {
+      continue;
+    }
+    for (const Candidate& candidate :
+         candidate_trajectories(problem, {}, search, {1.0, 1.0, 0.3})) {
+      EXPECT_FALSE(candidate.mutual_nats.has_value());
+      ++made;
+    }
+  }
+  EXPECT_GT(made, 10);
+}
+
 // Mud from x = 3 m on; the six steps begin at 0, 2, 4, 6, 8 and 8 m.
 TEST(EnergyUsed, PaysForControlsAndForTheRegionsThatConcernTheRobot) {
   models::World world;

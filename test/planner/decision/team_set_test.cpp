@@ -1,5 +1,7 @@
 #include "planner/team/decision/team_set.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
@@ -155,6 +157,15 @@ TEST(TeamOracle, RefusesLooksThatAreOutOfOrderOrRange) {
   refuses({{0, static_cast<std::uint16_t>(problem.horizon_steps + 1), {}}}, 0.0);
   refuses({{0, 1, {}}, {0, 1, {}}}, 0.0);
   refuses({}, -1.0);
+}
+
+TEST(TeamOracle, RefusesAGainBroughtAlongThatIsNone) {
+  for (const double nats :
+       {-1e-3, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    TeamProblem problem = test::random_instance(2, {2, 2, 0.0}, {});
+    problem.candidates[0][0].mutual_nats = nats;
+    EXPECT_THROW(TeamOracle{problem}, UsageError);
+  }
 }
 
 }  // namespace
