@@ -24,10 +24,11 @@ std::string dls_savings_figure() {
   return figure("dls-savings", "1100,430", R"gp(
   colour(m) = m eq 'naive' ? '#0072B2' : m eq 'lazy' ? '#E69F00' : m eq 'warm' ? '#CC79A7' : '#009E73'
   set multiplot layout 1,2
-  set key top left samplen 2
+  set key center right samplen 2
   set xlabel 'robots'; set xrange [1.8:10.2]
   set ylabel 'oracle calls / N'; set logscale y; set yrange [0.003:30]
   plot for [m in '"naive" "lazy" "warm" "lazy + warm"'] rows(m) using 1:7 with linespoints pt 7 lw 2 lc rgb colour(m) title m
+  set key top left
   unset logscale y; set ylabel 'proposals adopted'; set yrange [0:*]
   plot for [m in '"naive" "lazy" "warm" "lazy + warm"'] rows(m) using 1:9 with linespoints pt 7 lw 2 lc rgb colour(m) title m
 )gp");
