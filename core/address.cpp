@@ -1,5 +1,6 @@
 #include "core/address.hpp"
 
+#include <charconv>
 #include <cstdint>
 #include <cstring>
 
@@ -8,6 +9,19 @@
 #include "core/check.hpp"
 
 namespace vantage {
+
+Result<HostAndPort> split_address(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  int port = 0;
+  if (colon != std::string_view::npos) {
+    const char* const last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data() + colon + 1, last, port);
+    if (error == std::errc() && end == last && port >= 1 && port <= 65535) {
+      return HostAndPort{std::string(text.substr(0, colon)), port};
+    }
+  }
+  return Error{"a port from 1 to 65535 is expected after the last ':'"};
+}
 
 Result<sockaddr_in> find_host(const std::string& host, int port) {
   addrinfo hints{};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -8,6 +9,15 @@
 #include "core/result.hpp"
 
 namespace vantage {
+
+/// A host, empty where any will do, and a port from 1 to 65535.
+struct HostAndPort {
+  std::string host;
+  int port = 0;
+};
+/// Parts "HOST:PORT" at its last ':'.
+/// Error: "a port from 1 to 65535 is expected after the last ':'".
+Result<HostAndPort> split_address(std::string_view text);
 
 /// The IPv4 address of `host`, a name or a number, with `port` in [0, 65535]. Waits for the name
 /// service, but not for a number.

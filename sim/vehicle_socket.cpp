@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <system_error>
 
@@ -16,16 +15,11 @@ namespace vantage::sim {
 namespace {
 
 sockaddr_in address_in(const std::string& url, std::size_t scheme_length) {
-  const std::string rest = url.substr(scheme_length);
-  const std::size_t colon = rest.rfind(':');
-  int port = 0;
-  if (colon != std::string::npos) {
-    std::from_chars(rest.data() + colon + 1, rest.data() + rest.size(), port);
+  const Result<HostAndPort> parts = split_address(url.substr(scheme_length));
+  if (!parts.ok()) {
+    throw StartupError(url + ": " + parts.error().message);
   }
-  if (port < 1 || port > 65535) {
-    throw StartupError(url + ": a port from 1 to 65535 is expected after the last ':'");
-  }
-  const std::string host = rest.substr(0, colon);
+  const auto& [host, port] = parts.value();
   return host.empty() || host == "0.0.0.0" ? address_of(INADDR_LOOPBACK, port)
                                            : require_host(host, port);
 }

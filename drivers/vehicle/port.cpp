@@ -3,6 +3,7 @@
 #include <charconv>
 #include <optional>
 
+#include "core/address.hpp"
 #include "core/check.hpp"
 
 namespace vantage::drivers {
@@ -17,17 +18,15 @@ std::optional<int> whole_number(const std::string& text) {
 
 std::unique_ptr<Port> open_udp_url(const std::string& url, const std::string& address,
                                    bool speaks_first) {
-  const std::size_t colon = address.rfind(':');
-  const auto port =
-      colon == std::string::npos ? std::nullopt : whole_number(address.substr(colon + 1));
-  if (!port || *port < 1 || *port > 65535) {
-    throw StartupError(url + ": a port from 1 to 65535 is expected after the last ':'");
+  const Result<HostAndPort> parts = split_address(address);
+  if (!parts.ok()) {
+    throw StartupError(url + ": " + parts.error().message);
   }
-  const std::string host = address.substr(0, colon);
+  const auto& [host, port] = parts.value();
   if (speaks_first && host.empty()) {
     throw StartupError(url + ": udpout:// needs a host to speak to");
   }
-  return open_udp_port(host, static_cast<std::uint16_t>(*port), speaks_first);
+  return open_udp_port(host, static_cast<std::uint16_t>(port), speaks_first);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "core/address.hpp"
 
+#include <tuple>
+
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
@@ -30,6 +32,24 @@ TEST(FindHost, SaysWhichHostThereIsNot) {
   EXPECT_TRUE(found.error().message.starts_with("no such host: no such ("))
       << found.error().message;
   EXPECT_THROW(require_host("no such", 80), StartupError);
+}
+
+TEST(SplitAddress, TakesTheLastColonAndAWholePort) {
+  for (const auto& [text, host, port] :
+       {std::tuple{"localhost:1", "localhost", 1}, std::tuple{":65535", "", 65535},
+        std::tuple{"fe80::1:14550", "fe80::1", 14550}}) {
+    const Result<HostAndPort> parts = split_address(text);
+    ASSERT_TRUE(parts.ok()) << text;
+    EXPECT_EQ(parts.value().host, host);
+    EXPECT_EQ(parts.value().port, port);
+  }
+  for (const char* text :
+       {"", "localhost", "localhost:", "localhost:0", "localhost:65536", "localhost:-1",
+        "localhost:14550x", "localhost: 14550", "localhost:99999999999"}) {
+    ASSERT_FALSE(split_address(text).ok()) << text;
+    EXPECT_EQ(split_address(text).error().message,
+              "a port from 1 to 65535 is expected after the last ':'");
+  }
 }
 
 TEST(AddressOf, IsInTheNetworksByteOrder) {

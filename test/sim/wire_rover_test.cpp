@@ -86,7 +86,8 @@ TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
 TEST(WireRover, RefusesWhatCannotBeSimulatedOnTheWire) {
   models::RobotSpec robot = test::lab_scenario().robots[0];
   EXPECT_THROW(WireRover(robot, 1, kStart), StartupError);  // no rover
-  for (const char* url : {"", "serial:/dev/ttyUSB0:921600", "udpout://127.0.0.1", "udpout://:0"}) {
+  for (const char* url :
+       {"", "serial:/dev/ttyUSB0:921600", "udpout://127.0.0.1", "udpout://:0", "udp://:14550x"}) {
     EXPECT_THROW(WireRover(robot_at(url), 1, kStart), StartupError) << url;
   }
 }
