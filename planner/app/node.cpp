@@ -52,6 +52,9 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
   for (const models::RobotSpec& other : scenario.robots) {
     const std::string& name = other.name;
+    subscribe_to<models::VehicleStatus>(
+        bus::quadrotor_channel(name), name,
+        [this, name](const auto& m) { inputs_.team_statuses.insert_or_assign(name, m); });
     if (name == robot) {
       continue;
     }
@@ -66,9 +69,6 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
     }
     subscribe_to<models::RobotPlan>(bus::plan_channel(name), name,
                                     [this](const auto& m) { take_plan(m); });
-    subscribe_to<models::VehicleStatus>(
-        bus::quadrotor_channel(name), name,
-        [this, name](const auto& m) { inputs_.team_statuses.insert_or_assign(name, m); });
   }
 }
 
@@ -262,6 +262,7 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
           {"rest_rounds", counts.rests},
           {"plan_checks_failed", counts.checks_failed},
           {"rounds_without_pose", counts.no_pose},
+          {"rounds_of_unknown_plan", counts.unknown_plan},
           {"misaddressed", misaddressed_},
           {"unusable_beliefs", counts.unusable_beliefs},
           {"unusable_maps", counts.unusable_maps},

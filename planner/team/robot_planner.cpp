@@ -138,7 +138,22 @@ std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInput
     ++counts_.no_pose;
     return std::nullopt;
   }
+  if (!inputs.own_plan && flies_unknown_plan(inputs)) {
+    ++counts_.unknown_plan;
+    return std::nullopt;
+  }
   return hover_at(flatten(body->world_from_body), spec_->height_m, inputs.slot.activation);
+}
+
+bool RobotPlanner::flies_unknown_plan(const PlanInputs& inputs) const {
+  const auto own = inputs.team_statuses.find(spec_->name);
+  if (own == inputs.team_statuses.end() || own->second.state != models::FlightState::kFollow ||
+      own->second.plan_round < 0) {
+    return false;
+  }
+  // A round more than its steps take: it brakes at their end, and its pose is of before t_{k+1}.
+  const std::int64_t rounds = inputs.slot.round - own->second.plan_round;
+  return rounds >= 0 && rounds * scenario_.planner.execute_steps <= scenario_.planner.horizon_steps;
 }
 
 std::vector<int> RobotPlanner::bait_of(const PlanInputs& inputs) const {

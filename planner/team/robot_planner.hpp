@@ -27,7 +27,7 @@ struct PlanInputs {
   std::optional<models::MocapFrame> mocap;                     ///< where everybody is
   std::optional<models::RobotPlan> own_plan;                   ///< last one published
   std::map<std::string, models::RobotPlan> team_plans;         ///< newest of each teammate
-  std::map<std::string, models::VehicleStatus> team_statuses;  ///< do they follow their plans?
+  std::map<std::string, models::VehicleStatus> team_statuses;  ///< do all follow their plans?
   std::map<std::string, models::PlanProposal> proposals;       ///< newest of each robot, own too
   std::optional<models::TeamProposal> solution;                ///< best known of a local search
   std::optional<models::AttackNotice> attack;
@@ -43,6 +43,7 @@ struct PlannerCounts {
   std::int64_t baits = 0;          ///< rounds in which this robot was bait
   std::int64_t rests = 0;          ///< rounds in which no motion was worth its energy
   std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
+  std::int64_t unknown_plan = 0;   ///< rounds in which it flew a plan of before a restart
   /// Targets that cannot be predicted (of a clock that was ahead, say) or that the scenario has
   /// not, and grids of another geometry.
   std::int64_t unusable_beliefs = 0;
@@ -57,6 +58,9 @@ struct PlannerCounts {
 /// with its last plan, whose end is a hover; from one that says it does not follow plans its own
 /// place is kept free as well. The ladder: the best complete plan; else the last one shifted and
 /// checked again; else braking to a hover.
+///
+/// A planner that was started anew does not know what its robot flies, but every teammate does: it
+/// waits until that plan has come to its hover, and plans from there.
 ///
 /// What the search gains is the scenario's planner.objective: the targets' beliefs or the map. All
 /// else is the same for both.
@@ -75,15 +79,16 @@ class RobotPlanner {
  public:
   RobotPlanner(const models::Scenario& scenario, const std::string& robot);
 
-  /// The plan of this slot. nullopt while the robot's pose was never known.
+  /// The plan of this slot. nullopt while the robot's pose was never known, and
+  /// while it flies a plan from before a restart.
   std::optional<models::RobotPlan> plan(const PlanInputs& inputs, const Deadline& deadline);
 
   /// What the robot would do in this slot's round if it were the only one that looks; the
-  /// teammates' committed motions are kept clear of. nullopt while its pose was never known.
+  /// teammates' committed motions are kept clear of. nullopt where plan() is.
   std::optional<models::PlanProposal> propose(const PlanInputs& inputs, const Deadline& deadline);
 
   /// Local search: begins the round of this slot, with candidates that are found by `deadline`.
-  /// false while the robot's pose was never known: then nothing is heard or proposed.
+  /// false where plan() is nullopt: then nothing is heard or proposed.
   bool begin_exchange(const PlanInputs& inputs, const Deadline& deadline);
   /// Precondition: the team plans by local search.
   [[nodiscard]] TeamExchange& exchange() { return *exchange_; }
@@ -106,8 +111,10 @@ class RobotPlanner {
  private:
   [[nodiscard]] models::RobotPlan blank_plan(const PlanInputs& inputs) const;
   /// The motion that the robot is committed to, cut to start at t_{k+1}; nullopt, and counted,
-  /// while its pose was never known.
+  /// while its pose was never known or it moves as nobody here knows.
   std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
+  /// The vehicle says that it follows a plan that can still be moving at t_{k+1}.
+  [[nodiscard]] bool flies_unknown_plan(const PlanInputs& inputs) const;
   /// The bait of the slot's round among the proposals that were heard, ascending by index.
   [[nodiscard]] std::vector<int> bait_of(const PlanInputs& inputs) const;
   /// The teammates; those of `unseeing` robots tell nothing.

@@ -325,6 +325,39 @@ TEST(RobotPlanner, KeepsThePlaceOfATeammateThatDoesNotFollowFree) {
   EXPECT_GE(nearest_m[models::FlightState::kIdle], asked_m - 0.02);
 }
 
+// Started anew, a planner does not know the plan that its robot flies and its teammates plan
+// around.
+TEST(RobotPlanner, WaitsForTheEndOfAPlanItDoesNotKnow) {
+  const models::Scenario scenario = test::lab_scenario();  // plans of 6 rounds
+  PlanInputs inputs = test::first_inputs(scenario, 0);
+  models::VehicleStatus& status = inputs.team_statuses["Q1"];
+  status.state = models::FlightState::kFollow;
+  const auto plans_in = [&](std::int64_t rounds_later) {
+    RobotPlanner planner(scenario, "Q1");
+    status.plan_round = inputs.slot.round - rounds_later;
+    const bool is_planned = planner.plan(inputs, Deadline::nodes(500)).has_value();
+    EXPECT_EQ(planner.propose(inputs, Deadline::nodes(500)).has_value(), is_planned);
+    EXPECT_EQ(planner.plan_without_search(inputs).has_value(), is_planned);
+    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 3);
+    EXPECT_EQ(planner.counts().no_pose, 0);
+    return is_planned;
+  };
+  for (std::int64_t rounds = 0; rounds <= 6; ++rounds) {
+    EXPECT_FALSE(plans_in(rounds)) << rounds;
+  }
+  EXPECT_TRUE(plans_in(7));
+  EXPECT_TRUE(plans_in(-1));  // a plan of a round to come cannot be: of another schedule
+
+  status.state = models::FlightState::kHold;  // it does not fly its plan
+  EXPECT_TRUE(plans_in(1));
+  status.state = models::FlightState::kFollow;
+  status.plan_round = -1;  // it has none yet
+  EXPECT_TRUE(RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500)).has_value());
+
+  inputs.own_plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
+  EXPECT_TRUE(plans_in(1));  // known
+}
+
 // However it faces a teammate that has come too near and stays, it turns and leaves.
 TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
   models::Scenario scenario = test::lab_scenario();
