@@ -17,6 +17,9 @@ Duration closing_of(const RoundSchedule::Slot& slot) {
   return std::min(kClosing, (slot.end - slot.begin) / 5);
 }
 
+// A planner that was started anew hears first what its vehicle is doing, which is said at 10 Hz.
+constexpr Duration kListening{350'000};
+
 constexpr std::int64_t kDefaultNodeBudget = 20'000;
 
 // A local search looks at what it has heard so often, and works so long in between.
@@ -41,7 +44,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
       robot_(robot),
       planner_(scenario, robot),
       schedule_(scenario.planner, planner_.robot_index(), planner_.robot_count()),
-      slot_(schedule_.next_slot(clock.now())) {
+      slot_(schedule_.next_slot(clock.now() + (clock.is_real_time() ? kListening : Duration{0}))) {
   subscribe_to<models::RobotBelief>(bus::belief_channel(robot), robot,
                                     [this](const auto& m) { inputs_.belief = m; });
   if (spec_.objective == models::PlanObjective::kMapping) {

@@ -100,8 +100,8 @@ void BeliefTable::reset(const SearchProblem& problem) {
   per_measures_.resize(cells);
   stage_costs_.assign(index(horizon + 1), 0.0);
 
-  has_fixed_ = !problem.fixed_information.empty();
-  if (has_fixed_) {
+  has_fixed_ = false;
+  if (!problem.fixed_information.empty()) {
     fixed_.assign(index(targets) * index(horizon), {});
     is_fixed_.assign(index(targets) * index(horizon), 0);
     for (int m = 0; m < targets; ++m) {
@@ -113,6 +113,7 @@ void BeliefTable::reset(const SearchProblem& problem) {
         pack(position_dim(m) == 3 ? BlockLayout::kSpatial : BlockLayout::kPlanar, M,
              fixed_[at(m, t)].m);
         is_fixed_[at(m, t)] = 1;
+        has_fixed_ = true;
       }
     }
   }

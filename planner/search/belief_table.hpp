@@ -43,6 +43,8 @@ class BeliefTable {
   void predict_into(int m, int t, const double* in, double* out) const;
 
   [[nodiscard]] CostKind cost() const { return cost_; }
+  /// Whether teammates are sure to tell anything.
+  [[nodiscard]] bool has_fixed() const { return has_fixed_; }
 
  private:
   [[nodiscard]] static std::size_t index(int m) { return static_cast<std::size_t>(m); }

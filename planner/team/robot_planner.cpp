@@ -135,11 +135,11 @@ std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInput
     }
   }
   if (!has_pose) {
-    ++counts_.no_pose;
+    counts_.no_pose += inputs.slot.is_proposal ? 0 : 1;
     return std::nullopt;
   }
   if (!inputs.own_plan && flies_unknown_plan(inputs)) {
-    ++counts_.unknown_plan;
+    counts_.unknown_plan += inputs.slot.is_proposal ? 0 : 1;
     return std::nullopt;
   }
   return hover_at(flatten(body->world_from_body), spec_->height_m, inputs.slot.activation);
@@ -151,9 +151,16 @@ bool RobotPlanner::flies_unknown_plan(const PlanInputs& inputs) const {
       own->second.plan_round < 0) {
     return false;
   }
-  // A round more than its steps take: it brakes at their end, and its pose is of before t_{k+1}.
   const std::int64_t rounds = inputs.slot.round - own->second.plan_round;
-  return rounds >= 0 && rounds * scenario_.planner.execute_steps <= scenario_.planner.horizon_steps;
+  if (rounds < 0) {
+    return false;  // of another schedule
+  }
+  // Seen when the slot begins, it must stand.
+  const models::PlannerSpec& planner = scenario_.planner;
+  const double since_s = static_cast<double>(rounds * planner.execute_steps) * planner.step_s -
+                         to_seconds(inputs.slot.activation - inputs.slot.begin);
+  return since_s < planner.horizon_steps * planner.step_s +
+                       spec_->limits.speed_max_mps / spec_->limits.brake_mps2;
 }
 
 std::vector<int> RobotPlanner::bait_of(const PlanInputs& inputs) const {

@@ -336,16 +336,25 @@ TEST(RobotPlanner, WaitsForTheEndOfAPlanItDoesNotKnow) {
     RobotPlanner planner(scenario, "Q1");
     status.plan_round = inputs.slot.round - rounds_later;
     const bool is_planned = planner.plan(inputs, Deadline::nodes(500)).has_value();
-    EXPECT_EQ(planner.propose(inputs, Deadline::nodes(500)).has_value(), is_planned);
+    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 1);
     EXPECT_EQ(planner.plan_without_search(inputs).has_value(), is_planned);
-    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 3);
+    PlanInputs before = inputs;
+    before.slot.is_proposal = true;
+    EXPECT_EQ(planner.propose(before, Deadline::nodes(500)).has_value(), is_planned);
+    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 2);  // of plans, not of proposals
     EXPECT_EQ(planner.counts().no_pose, 0);
     return is_planned;
   };
   for (std::int64_t rounds = 0; rounds <= 6; ++rounds) {
     EXPECT_FALSE(plans_in(rounds)) << rounds;
   }
+  EXPECT_TRUE(plans_in(8));
+  // It brakes for half a second after the steps of 6 s, and is seen when the slot begins.
+  inputs.slot.begin = inputs.slot.activation - from_seconds(0.49);
   EXPECT_TRUE(plans_in(7));
+  inputs.slot.begin = inputs.slot.activation - from_seconds(0.51);
+  EXPECT_FALSE(plans_in(7));
+  inputs.slot.begin = inputs.slot.activation;
   EXPECT_TRUE(plans_in(-1));  // a plan of a round to come cannot be: of another schedule
 
   status.state = models::FlightState::kHold;  // it does not fly its plan

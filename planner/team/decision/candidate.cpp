@@ -72,7 +72,7 @@ class CandidateMaker {
       std::copy_n(kept_.back().block, packed_size(beliefs_.layout(m)),
                   &blocks[static_cast<std::size_t>(m) * kMaxPacked]);
     });
-    if (problem_.fixed_information.empty()) {
+    if (!beliefs_.has_fixed()) {
       candidate.mutual_nats = gained_nats;
     }
     return blocks;

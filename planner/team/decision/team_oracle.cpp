@@ -60,8 +60,9 @@ void TeamOracle::check() const {
             "team: a candidate's energy_cost must be ≥ 0");
     require(candidate->unshared_nats >= 0.0 && std::isfinite(candidate->unshared_nats),
             "team: a candidate's unshared_nats must be ≥ 0");
+    constexpr double kRounding = 1e-9;
     require(!candidate->mutual_nats ||
-                (*candidate->mutual_nats >= 0.0 && std::isfinite(*candidate->mutual_nats)),
+                (*candidate->mutual_nats >= -kRounding && std::isfinite(*candidate->mutual_nats)),
             "team: a candidate's mutual_nats must be ≥ 0");
     const Look* last = nullptr;
     for (const Look& look : candidate->looks) {

@@ -113,20 +113,34 @@ TEST(CandidateTrajectories, BringWhatTheyGainAlone) {
 TEST(CandidateTrajectories, BringNothingWhereTeammatesAreFixed) {
   ReducedValueIteration search({20'000, 400'000, 16, 16, 4});
   int made = 0;
+  int zeroed = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     SearchProblem problem = test::random_problem(seed).problem;
     problem.world = nullptr;
     problem.field = nullptr;
-    if (problem.fixed_information.empty()) {
-      continue;
+    bool is_fixed = false;
+    for (auto& of_target : problem.fixed_information) {
+      for (models::PositionMatrix& M : of_target) {
+        is_fixed = is_fixed || !M.isZero(0.0);
+      }
     }
-    for (const Candidate& candidate :
-         candidate_trajectories(problem, {}, search, {1.0, 1.0, 0.3})) {
-      EXPECT_FALSE(candidate.mutual_nats.has_value());
-      ++made;
+    for (const Candidate& of : candidate_trajectories(problem, {}, search, {1.0, 1.0, 0.3})) {
+      EXPECT_EQ(of.mutual_nats.has_value(), !is_fixed);
+      made += is_fixed ? 1 : 0;
+    }
+    // Teammates who see nothing fix nothing, whatever room there is for it.
+    for (auto& of_target : problem.fixed_information) {
+      for (models::PositionMatrix& M : of_target) {
+        M.setZero();
+      }
+    }
+    for (const Candidate& of : candidate_trajectories(problem, {}, search, {1.0, 1.0, 0.3})) {
+      EXPECT_TRUE(of.mutual_nats.has_value());
+      zeroed += is_fixed ? 1 : 0;
     }
   }
   EXPECT_GT(made, 10);
+  EXPECT_GT(zeroed, 10);
 }
 
 // Mud from x = 3 m on; the six steps begin at 0, 2, 4, 6, 8 and 8 m.
