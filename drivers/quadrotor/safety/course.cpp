@@ -129,7 +129,8 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
       PlanPoint out = from_;
       const Eigen::Vector3d way_m = to_m_ - from_.position_world_m;
       const double length_m = way_m.norm();
-      const double gone_m = shift_mps_ * std::max(0.0, to_seconds(time - begin_));
+      // Half a window late: smoothed, it begins at rest.
+      const double gone_m = shift_mps_ * std::max(0.0, to_seconds(time - begin_) - half_window_s_);
       if (gone_m >= length_m) {
         out.position_world_m = to_m_;
       } else {
@@ -146,7 +147,8 @@ PlanPoint Course::smoothed_at(Time time, double lag_s) const {
   constexpr int kIntervals = 16;
   PlanPoint out = planned_at(time, lag_s);
   const bool is_near_next = has_next_ && time + from_seconds(half_window_s_) >= next_.start_time;
-  if (!(half_window_s_ > 0.0) || (mode_ != Mode::kPlan && !is_near_next)) {
+  const bool changes_speed = mode_ == Mode::kPlan || mode_ == Mode::kShift || is_near_next;
+  if (!(half_window_s_ > 0.0) || !changes_speed) {
     return out;
   }
   // Trapezoids over the window: places, and yaw as turned since its beginning.
@@ -185,8 +187,10 @@ bool Course::is_standing(Time now) const {
       return false;
     case Mode::kBrake:
       return to_seconds(now - begin_) >= way_.duration_s();
-    case Mode::kShift:
-      return at(now).position_world_m == to_m_;
+    case Mode::kShift: {
+      const double way_s = (to_m_ - from_.position_world_m).norm() / shift_mps_;
+      return to_seconds(now - begin_) >= way_s + 2.0 * half_window_s_;
+    }
   }
   return false;
 }

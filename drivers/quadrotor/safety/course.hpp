@@ -53,7 +53,7 @@ class Course {
   void forget_next() { has_next_ = false; }
   /// Stops from what it is doing, and forgets every plan.
   void stop(const BrakeWay& way, Time now);
-  /// After a stop: moves its hover to `to_m` at `speed_mps`.
+  /// After a stop: moves its hover to `to_m` at `speed_mps`, from rest to rest.
   void shift(const Eigen::Vector3d& to_m, double speed_mps, Time now);
   /// Time goes on by `dt_s`; the plan's own clock at `rate` of it, in [0, 1].
   void advance(Time now, double dt_s, double rate);

@@ -13,11 +13,12 @@ using models::FlightState;
 
 namespace {
 
-constexpr double kTiltS = 0.1;           // until an autopilot that is told to accelerate does
-constexpr double kSwerveMps = 0.6;       // off the course's velocity: it is pushed, not steered
-constexpr double kShiftMps = 0.4;        // to a landing spot
-constexpr double kMoveOffMps = 0.2;      // from what is too near
-constexpr double kShiftPatienceS = 6.0;  // then it comes down where it is
+constexpr double kTiltS = 0.1;            // until an autopilot that is told to accelerate does
+constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
+constexpr double kShiftMps = 0.4;         // to a landing spot
+constexpr double kMoveOffMps = 0.2;       // from what is too near
+constexpr double kShiftPatienceS = 6.0;   // then it comes down where it is
+constexpr double kAvoidPatienceS = 20.0;  // the same while somebody is below
 constexpr double kOverSpotM = 0.25;
 constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while nothing measures it
 
@@ -149,13 +150,15 @@ void FlightGuard::Parts::move_off(Time now) {
 
 // Stops, moves to where it may come down, comes down.
 void FlightGuard::Parts::land(Time now, double dt_s) {
-  const bool has_patience = to_seconds(now - landing_since) < kShiftPatienceS &&
-                            in.pose_age_s < limits.pose_age_kill_s && in.estimator_good;
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
+  const auto bodies = fleet.bodies(now, limits);
+  const bool is_free = !is_occupied_below(here_m, bodies, limits);
+  const double patience_s = is_free ? kShiftPatienceS : kAvoidPatienceS;
+  const bool has_patience = to_seconds(now - landing_since) < patience_s &&
+                            in.pose_age_s < limits.pose_age_kill_s && in.estimator_good;
   if (course.is_standing(now) && has_patience) {
     Eigen::Vector3d hover_m = course.at(now).position_world_m;
     hover_m.z() = here_m.z();
-    const auto bodies = fleet.bodies(now, limits);
     if (!has_spot || is_occupied_below(hover_m, bodies, limits)) {
       Eigen::Vector3d spot_m = landing_spot(hover_m, bodies, limits);
       spot_m.z() = course.at(now).position_world_m.z();
@@ -167,7 +170,7 @@ void FlightGuard::Parts::land(Time now, double dt_s) {
   }
   const bool is_there = has_spot && course.is_standing(now) &&
                         (here_m - course.at(now).position_world_m).head<2>().norm() < kOverSpotM;
-  if (is_there || !has_patience) {
+  if ((is_there && is_free) || !has_patience) {
     height_goal_m = -limits.descent_mps;  // through the floor: the ground ends it
     const double sink_m = limits.descent_mps * dt_s;
     height_ref_m = std::max({height_goal_m, height_ref_m - sink_m, in.height_m - 0.5});

@@ -13,6 +13,8 @@ namespace {
 constexpr int kSamples = 16;     // along the braking way
 constexpr double kLevelM = 0.3;  // within it, two heights are one
 constexpr double kFenceSpareM = 0.1;
+constexpr double kObstacleSpareM = 0.05;
+constexpr double kHoverSpareM = 0.05;  // beyond hover_clearance_m, where one goes to
 
 double tube_m(const OtherBody& body, const SafetyLimits& limits) {
   const double unseen_s = std::max(0.0, body.age_s - limits.pose_age_hold_s);
@@ -47,8 +49,8 @@ double closest_stop_m(const BrakeWay& way, const OtherBody& body,
   return least_m;
 }
 
-Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
-  const double margin_m = limits.vehicle.radius_m + kFenceSpareM;
+Eigen::Vector3d inside(const Eigen::Vector3d& p_m, double spare_m, const SafetyLimits& limits) {
+  const double margin_m = limits.vehicle.radius_m + spare_m;
   const models::Rectangle& bounds = limits.fence.bounds;
   Eigen::Vector3d out = p_m;
   for (int axis = 0; axis < 2; ++axis) {
@@ -63,7 +65,7 @@ bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                   std::span<const OtherBody> others, const SafetyLimits& limits) {
   for (int i = 0; i <= kSamples; ++i) {
     const Eigen::Vector3d p_m = from_m + (to_m - from_m) * (static_cast<double>(i) / kSamples);
-    if (obstacle_edge_m(p_m, limits) < 0.05) {
+    if (obstacle_edge_m(p_m, limits) < kObstacleSpareM) {
       return false;
     }
   }
@@ -124,16 +126,27 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
                              const SafetyLimits& limits) {
   constexpr int kRings = 6;
   constexpr int kBearings = 12;
-  const Eigen::Vector3d home_m = inside(hover_m, limits);
-  for (int ring = 0; ring <= kRings; ++ring) {
-    for (int bearing = 0; bearing < (ring == 0 ? 1 : kBearings); ++bearing) {
-      const double angle_rad = 2.0 * kPi * bearing / kBearings;
-      const double out_m = 0.25 * ring;
-      const Eigen::Vector3d spot_m =
-          home_m + out_m * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
-      if (inside(spot_m, limits) == spot_m && !is_occupied_below(spot_m, others, limits) &&
-          is_way_clear(hover_m, spot_m, others, limits)) {
-        return spot_m;
+  const Eigen::Vector3d home_m = inside(hover_m, kFenceSpareM, limits);
+  const auto is_free = [&](const Eigen::Vector3d& spot_m) {
+    return !is_occupied_below(spot_m, others, limits) &&
+           is_way_clear(hover_m, spot_m, others, limits);
+  };
+  if (is_free(home_m)) {
+    return home_m;
+  }
+  // Whoever moves strays: first where there is room for that, then where there is just enough.
+  const double roomy_m = limits.hover_clearance_m + kHoverSpareM;
+  for (const double spare_m : {std::max(roomy_m, kFenceSpareM), kFenceSpareM}) {
+    for (int ring = 1; ring <= kRings; ++ring) {
+      for (int bearing = 0; bearing < kBearings; ++bearing) {
+        const double angle_rad = 2.0 * kPi * bearing / kBearings;
+        const Eigen::Vector3d spot_m =
+            home_m + 0.25 * ring * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+        const bool has_room = inside(spot_m, spare_m, limits) == spot_m &&
+                              (spare_m < roomy_m || obstacle_edge_m(spot_m, limits) >= roomy_m);
+        if (has_room && is_free(spot_m)) {
+          return spot_m;
+        }
       }
     }
   }
@@ -143,7 +156,6 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
 std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
                                           std::span<const OtherBody> others,
                                           const SafetyLimits& limits) {
-  constexpr double kSpareM = 0.05;
   constexpr double kRingM = 0.05;
   constexpr int kRings = 12;
   constexpr int kBearings = 24;
@@ -161,9 +173,9 @@ std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
       const bool is_apart = std::all_of(others.begin(), others.end(), [&](const OtherBody& body) {
         const double now_m = (hover_m - body.position_world_m).norm();
         return (spot_m - body.position_world_m).norm() >=
-               std::min(now_m, limits.separation_hold_m + kSpareM);
+               std::min(now_m, limits.separation_hold_m + kHoverSpareM);
       });
-      if (is_apart && edge_m(spot_m) >= limits.hover_clearance_m + kSpareM) {
+      if (is_apart && edge_m(spot_m) >= limits.hover_clearance_m + kHoverSpareM) {
         return spot_m;
       }
     }

@@ -39,8 +39,9 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
                          std::span<const OtherBody> others, const SafetyLimits& limits);
 
 /// Where to come down from a hover at `hover_m`: there, or the nearest of some places around from
-/// where nothing is below, inside the fence and clear of obstacles, with the way there clear. The
-/// hover itself, brought inside the fence, when there is none.
+/// where nothing is below, inside the fence and clear of obstacles, with the way there clear: clear
+/// by hover_clearance_m and 0.05 m, or by less when there is no such place. The hover itself,
+/// brought inside the fence, when there is none at all.
 Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
                              const SafetyLimits& limits);
 

@@ -135,5 +135,31 @@ TEST(Course, GoesFromPlanToPlanWithoutAJump) {
   }
 }
 
+TEST(Course, ShiftsFromRestToRest) {
+  test::Random random(6);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::Vector3d from_m = random.vector<3>(-1.0, 1.0);
+    const Eigen::Vector3d to_m = random.vector<3>(-1.0, 1.0);
+    constexpr double kShiftMps = 0.4;
+    Course course(kHalfWindowS);
+    course.stand(from_m, 0.3, kStart);
+    course.shift(to_m, kShiftMps, kStart);
+    EXPECT_TRUE(test::is_near(course.at(kStart).position_world_m, from_m, 1e-12));
+    EXPECT_EQ(course.at(kStart).velocity_world_mps.norm(), 0.0);
+    Eigen::Vector3d last_mps = Eigen::Vector3d::Zero();
+    double t_s = 0.0;
+    for (; !course.is_standing(after(t_s)); t_s += 0.01) {
+      ASSERT_LT(t_s, 10.0);
+      const Eigen::Vector3d now_mps = course.at(after(t_s)).velocity_world_mps;
+      EXPECT_LE(now_mps.norm(), kShiftMps + 1e-9);
+      EXPECT_LE((now_mps - last_mps).norm(), 0.01 * kShiftMps / (2.0 * kHalfWindowS) + 1e-9);
+      last_mps = now_mps;
+    }
+    EXPECT_NEAR(t_s, (to_m - from_m).norm() / kShiftMps + 2.0 * kHalfWindowS, 0.011);
+    EXPECT_TRUE(test::is_near(course.at(after(t_s)).position_world_m, to_m, 1e-12));
+    EXPECT_LE(course.at(after(t_s)).velocity_world_mps.norm(), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::drivers

@@ -44,6 +44,8 @@ models::Scenario FlightBench::scenario() {
     robot.limits = {1.0, 3.0, kBrakeMps2, 0.25};
     out.robots.push_back(robot);
   }
+  out.targets.resize(1);
+  out.targets[0].name = "W1";
   return out;
 }
 
@@ -192,6 +194,12 @@ void FlightBench::spoil(models::MocapFrame& frame) {
       twin.world_from_body.translation_m.x() += 0.4;
       frame.bodies.push_back(twin);
     }
+  }
+  if (room_.walker_m) {
+    models::MocapBody walker;
+    walker.name = "W1";
+    walker.world_from_body.translation_m = *room_.walker_m;
+    frame.bodies.push_back(walker);
   }
   if (room_.ghost_body) {
     models::MocapBody ghost = honest[0];

@@ -1,0 +1,139 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "drivers/quadrotor/safety/plan_check.hpp"
+#include "drivers/quadrotor/safety/surroundings.hpp"
+#include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/random.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::FlightState;
+
+constexpr double kTouchM = 0.5;  // centre to centre
+
+double clearance_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
+  const Eigen::Vector2d level_m = p_m.head<2>();
+  return std::min(fence_distance_m(limits.fence, level_m),
+                  obstacle_distance_m(limits.fence, level_m)) -
+         limits.vehicle.radius_m;
+}
+
+SafetyLimits bench_limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
+
+TEST(LandingSpot, HasNobodyBelowAndRoomToStray) {
+  const SafetyLimits limits = bench_limits();
+  test::Random random(21);
+  int moved = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Eigen::Vector3d hover_m;
+    do {
+      hover_m = {random.uniform(-3.6, 3.6), random.uniform(-1.8, 1.8), 1.0};
+    } while (clearance_m(hover_m, limits) < 0.1);
+    std::vector<OtherBody> others(1);
+    others[0].position_world_m = {hover_m.x() + random.uniform(-1.0, 1.0),
+                                  hover_m.y() + random.uniform(-1.0, 1.0), 0.0};
+    const Eigen::Vector3d spot_m = landing_spot(hover_m, others, limits);
+    EXPECT_FALSE(is_occupied_below(spot_m, others, limits)) << hover_m.transpose();
+    if (spot_m != hover_m) {
+      EXPECT_GE(clearance_m(spot_m, limits), limits.hover_clearance_m + 0.05 - 1e-9);
+      ++moved;
+    }
+  }
+  EXPECT_GT(moved, 500);
+}
+
+// In a room too narrow for that it still goes aside; in one with no place at all it stays.
+TEST(LandingSpot, TakesLessRoomWhereThereIsNoMore) {
+  SafetyLimits limits = bench_limits();
+  limits.hover_clearance_m = 0.2;
+  limits.fence.obstacles.clear();
+  limits.fence.bounds = {{-3.0, -0.36}, {3.0, 0.36}};
+  const Eigen::Vector3d hover_m(0.0, 0.0, 1.0);
+  std::vector<OtherBody> others(1);
+  const Eigen::Vector3d spot_m = landing_spot(hover_m, others, limits);
+  EXPECT_GE(std::abs(spot_m.x()), limits.landing_clearance_m);
+  EXPECT_NEAR(spot_m.y(), 0.0, 1e-9);
+  limits.fence.bounds = {{-0.36, -0.36}, {0.36, 0.36}};
+  EXPECT_EQ(landing_spot(hover_m, others, limits), hover_m);
+}
+
+struct Landing {
+  double closest_m = 1e9;    ///< to the walker
+  double clearance_m = 1e9;  ///< of fence and obstacles
+  double took_s = 0.0;       ///< until it was idle; no more than it was given
+};
+
+/// Q1 is told to land; a walker is where `walk` says, by the seconds since then and Q1's place.
+Landing land_beside(test::FlightBench& bench, double give_s,
+                    const std::function<Eigen::Vector3d(double, const Eigen::Vector3d&)>& walk) {
+  test::Vehicle& vehicle = bench.vehicle("Q1");
+  const SafetyLimits limits = bench_limits();
+  Landing out;
+  const double start_s = bench.time_s();
+  bench.room().says = models::OperatorAction::kLand;
+  while (out.took_s < give_s) {
+    const Eigen::Vector3d walker_m = walk(out.took_s, vehicle.position_m);
+    bench.room().walker_m = walker_m;
+    bench.tick();
+    out.took_s = bench.time_s() - start_s;
+    out.closest_m = std::min(out.closest_m, (vehicle.position_m - walker_m).norm());
+    out.clearance_m = std::min(out.clearance_m, clearance_m(vehicle.position_m, limits));
+    if (vehicle.out.state == FlightState::kIdle) {
+      break;
+    }
+  }
+  return out;
+}
+
+Eigen::Vector3d below(const Eigen::Vector3d& vehicle_m) {
+  return {vehicle_m.x(), vehicle_m.y(), 0.0};
+}
+
+TEST(FlightGuard, DoesNotComeDownOnWhoStandsBelow) {
+  for (const double until_s : {6.4, 7.1, 8.3, 9.6, 10.2}) {
+    test::FlightBench bench(1);
+    bench.fly_up(until_s);
+    const Eigen::Vector3d place_m = below(bench.vehicle("Q1").position_m);
+    const Landing seen = land_beside(
+        bench, 30.0, [&](double, const Eigen::Vector3d&) -> Eigen::Vector3d { return place_m; });
+    EXPECT_GT(seen.closest_m, kTouchM) << until_s;
+    EXPECT_GT(seen.clearance_m, 0.1) << until_s;
+    EXPECT_LT(seen.took_s, 15.0) << until_s;
+  }
+}
+
+// Somebody walks along below it, wherever it goes, for longer than it looks for a place at all: it
+// stays up, and comes down when they have gone.
+TEST(FlightGuard, WaitsWhileSomebodyFollowsBelow) {
+  test::FlightBench bench(1);
+  bench.fly_up(6.4);
+  Eigen::Vector3d walker_m = below(bench.vehicle("Q1").position_m);
+  const Landing seen = land_beside(bench, 40.0, [&](double since_s, const Eigen::Vector3d& at_m) {
+    const Eigen::Vector3d goal_m = since_s < 12.0 ? below(at_m) : Eigen::Vector3d(3.5, 1.8, 0.0);
+    const Eigen::Vector3d way_m = goal_m - walker_m;
+    walker_m += way_m * std::min(1.0, 0.005 / std::max(1e-9, way_m.norm()));  // at 0.5 m/s
+    return walker_m;
+  });
+  EXPECT_GT(seen.closest_m, kTouchM);
+  EXPECT_GT(seen.took_s, 12.0);
+  EXPECT_LT(seen.took_s, 25.0);
+}
+
+// Nothing keeps a vehicle up for ever.
+TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
+  test::FlightBench bench(1);
+  bench.fly_up(6.4);
+  const Landing seen =
+      land_beside(bench, 40.0, [](double, const Eigen::Vector3d& at_m) { return below(at_m); });
+  EXPECT_GT(seen.took_s, 20.0);
+  EXPECT_LT(seen.took_s, 30.0);
+}
+
+}  // namespace
+}  // namespace vantage::drivers
