@@ -32,16 +32,25 @@ if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3)
 endif()
 
-# What nearly every file includes, compiled once.
+# vantage_precompiled(<name> <header>…): headers compiled once, for target_precompile_headers(…
+# REUSE_FROM <name>).
 # (CONFIGURE, not WRITE: a file that stays the same must not make everything be built again.)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp
   CONTENT "// carries the precompiled headers\n" @ONLY)
-add_library(vantage_precompiled OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
-set_target_properties(vantage_precompiled PROPERTIES CXX_EXTENSIONS OFF)
-target_link_libraries(vantage_precompiled PRIVATE vantage_build_flags Eigen3::Eigen)
-target_precompile_headers(vantage_precompiled PRIVATE
+function(vantage_precompiled name)
+  add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
+  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  target_link_libraries(${name} PRIVATE vantage_build_flags Eigen3::Eigen)
+  target_precompile_headers(${name} PRIVATE ${ARGN})
+endfunction()
+
+# What nearly every file includes; what every test includes besides; what commands do.
+set(vantage_common_headers
   <algorithm> <cmath> <cstdint> <functional> <map> <memory> <optional> <random> <string> <vector>
   <Eigen/Core> <Eigen/Geometry> <Eigen/LU>)
+vantage_precompiled(vantage_precompiled ${vantage_common_headers})
+vantage_precompiled(vantage_precompiled_command
+  ${vantage_common_headers} <filesystem> <CLI/CLI.hpp> <nlohmann/json.hpp>)
 
 # vantage_library(<name> HEADERS a.hpp SOURCES a.cpp DEPS vantage::core [PRIVATE_DEPS …])
 #
@@ -74,6 +83,7 @@ function(vantage_app name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  target_precompile_headers(${name} REUSE_FROM vantage_precompiled_command)
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} vantage_build_flags)
 endfunction()
 
@@ -90,7 +100,11 @@ function(vantage_test name)
   endif()
   add_executable(${name}_test ${ARG_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_EXTENSIONS OFF)
-  target_precompile_headers(${name}_test REUSE_FROM vantage_precompiled)
+  if(NOT TARGET vantage_precompiled_test)
+    vantage_precompiled(vantage_precompiled_test ${vantage_common_headers} <gtest/gtest.h>)
+    target_link_libraries(vantage_precompiled_test PRIVATE GTest::gtest)
+  endif()
+  target_precompile_headers(${name}_test REUSE_FROM vantage_precompiled_test)
   target_link_libraries(${name}_test
     PRIVATE ${ARG_DEPS} GTest::gtest_main vantage_build_flags)
   # Real measurements live beside the checkout, if at all; tests that want them skip without.
