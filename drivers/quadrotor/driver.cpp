@@ -152,7 +152,7 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
     case FlightState::kLand: {
       // Once the autopilot lands by itself it goes on doing so.
       const bool is_autopilots = out.setpoint.kind == FlightSetpoint::Kind::kBlindLand ||
-                                 !out.wants_armed || is_nearly_down() ||
+                                 !out.wants_armed || (out.is_sinking && is_nearly_down()) ||
                                  sequence_.goal() == FlightGoal::kLand;
       return is_autopilots ? FlightGoal::kLand : FlightGoal::kFly;
     }

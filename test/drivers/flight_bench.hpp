@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -124,6 +125,7 @@ class FlightBench {
   bool has_mocap = true;
   bool has_operator = true;
   bool is_wire_cut = false;
+  std::optional<Eigen::Vector3d> walker_m;  ///< where the scenario's first target is seen
   std::function<void(Time)> on_step;
   std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver, of the last step
 
@@ -165,6 +167,12 @@ class FlightBench {
     // A tenth of a millimetre of noise, so that no two poses are the same bits.
     body.world_from_body.translation_m.x() += 1e-4 * std::sin(static_cast<double>(ticks_));
     frame.bodies.push_back(body);
+    if (walker_m) {
+      body.name = scenario.targets.front().name;
+      body.world_from_body = {};
+      body.world_from_body.translation_m = *walker_m;
+      frame.bodies.push_back(body);
+    }
     waiting_.push_back(frame);
   }
   /// The frame captured a frame time ago.

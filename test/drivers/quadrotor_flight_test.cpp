@@ -34,6 +34,26 @@ TEST_P(Flight, TakesOffHoldsAndLands) {
   EXPECT_NEAR(bench.vehicle.world_from_body().translation_m.z(), FlightBench::kFloorM, 1e-9);
 }
 
+// Somebody walks in while it comes down, and stands there: it stops, goes aside, lands beside them.
+TEST_P(Flight, LandsBesideWhoWalksInBelow) {
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  bench.walker_m = Eigen::Vector3d(3.0, 2.0, 0.0);
+  bench.run(3.0);
+  bool walks = false;
+  double closest_m = 9.0;
+  bench.on_step = [&](Time) {
+    const Eigen::Vector3d at_m = bench.vehicle.world_from_body().translation_m;
+    const double away_m = (at_m - *bench.walker_m).head<2>().norm();
+    walks = (walks || at_m.z() < 0.7) && away_m > 0.3;
+    bench.walker_m->x() -= walks ? 0.5 * to_seconds(FlightBench::kTick) : 0.0;
+    closest_m = std::min(closest_m, (at_m - *bench.walker_m).norm());
+  };
+  bench.command(OperatorAction::kLand);
+  ASSERT_TRUE(bench.run_until([this] { return !bench.is_armed(); }, 60.0)) << bench.reasons();
+  EXPECT_LT(bench.walker_m->x(), 2.5);
+  EXPECT_GT(closest_m, 0.45);
+}
+
 /// A curve of 0.6 m/s through the room: straight, left, right, and a stop.
 models::RobotPlan curve(FlightBench& bench) {
   const Pose2 start = flatten(bench.vehicle.world_from_body());

@@ -168,6 +168,7 @@ GuardOutput FlightGuard::tick(Time now) {
   out.state = p.ladder.state;
   out.setpoint = p.setpoint(now);
   out.wants_armed = p.ladder.wants_armed;
+  out.is_sinking = p.ladder.state == FlightState::kLand && p.is_sinking;
   out.reasons =
       p.ladder.state == FlightState::kIdle ? arming_blocks(p.in, p.limits) : p.ladder.latched;
   out.changed = out.state != before || out.reasons != p.reasons;

@@ -57,6 +57,7 @@ struct GuardOutput {
   models::FlightState state = models::FlightState::kIdle;
   FlightSetpoint setpoint;
   bool wants_armed = false;  ///< arm the autopilot when false there, disarm it when false here
+  bool is_sinking = false;   ///< landing, over its place, and nobody below is waited for
   bool changed = false;      ///< state or reasons differ from the last tick
   Reasons reasons;           ///< what acts (in the air) or blocks arming (on the ground)
 };

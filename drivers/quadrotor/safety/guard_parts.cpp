@@ -17,8 +17,9 @@ constexpr double kTiltS = 0.1;            // until an autopilot that is told to 
 constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
 constexpr double kShiftMps = 0.4;         // to a landing spot
 constexpr double kMoveOffMps = 0.2;       // from what is too near
-constexpr double kShiftPatienceS = 6.0;   // then it comes down where it is
-constexpr double kAvoidPatienceS = 20.0;  // the same while somebody is below
+constexpr double kShiftPatienceS = 6.0;   // then it comes down beside its spot
+constexpr double kAvoidPatienceS = 20.0;  // then it comes down whoever is below
+constexpr double kDoubtS = 0.2;           // longer than one lost word of the estimator's
 constexpr double kOverSpotM = 0.25;
 constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while nothing measures it
 
@@ -96,6 +97,7 @@ void FlightGuard::Parts::look(Time now) {
   in.autopilot_obeys = autopilot.obeys;
   in.heartbeat_age_s = age(has_heartbeat, heartbeat_at);
   in.estimator_good = autopilot.estimator_good;
+  estimator_good_at = in.estimator_good ? now : estimator_good_at;
   in.estimate_error_m = feels && in.pose_age_s <= limits.pose_age_warn_s
                             ? (autopilot.position_world_m - here_m).norm()
                             : 0.0;
@@ -122,7 +124,9 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
     height_ref_m = pose.world_from_body().translation_m.z();
     height_goal_m = limits.take_off_height_m;
   }
-  if (before == FlightState::kFollow && is_airborne(state)) {
+  const bool lands = state == FlightState::kLand && before != FlightState::kLand;
+  const bool leaves_plan = before == FlightState::kFollow || (lands && course.is_on_plan());
+  if (leaves_plan && is_airborne(state)) {
     if (in.plan_ended && course.is_on_plan() && !course.has_next()) {
       // The plan's own hover, which was checked with it.
       const PlanPoint end = course.at(now);
@@ -131,9 +135,13 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
       course.stop(brake_way(now, 0.0), now);
     }
   }
-  if (state == FlightState::kLand && before != FlightState::kLand) {
-    landing_since = now;
+  if (lands) {
+    course.forget_next();
+    landing_since = spot_since = now;
+    landing_from_m = height_goal_m = height_ref_m;
     has_spot = false;
+    is_free_below = true;
+    is_sinking = false;
   }
 }
 
@@ -148,34 +156,50 @@ void FlightGuard::Parts::move_off(Time now) {
   }
 }
 
-// Stops, moves to where it may come down, comes down.
+bool FlightGuard::Parts::is_blind() const {
+  return in.pose_age_s > limits.pose_age_kill_s || to_seconds(in.now - estimator_good_at) > kDoubtS;
+}
+
+// Stops, moves to where it may come down, comes down; stops again when somebody walks in below.
 void FlightGuard::Parts::land(Time now, double dt_s) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
-  const auto bodies = fleet.bodies(now, limits);
-  const bool is_free = !is_occupied_below(here_m, bodies, limits);
-  const double patience_s = is_free ? kShiftPatienceS : kAvoidPatienceS;
-  const bool has_patience = to_seconds(now - landing_since) < patience_s &&
-                            in.pose_age_s < limits.pose_age_kill_s && in.estimator_good;
-  if (course.is_standing(now) && has_patience) {
-    Eigen::Vector3d hover_m = course.at(now).position_world_m;
-    hover_m.z() = here_m.z();
-    if (!has_spot || is_occupied_below(hover_m, bodies, limits)) {
+  const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
+  if (sees) {
+    const auto bodies = fleet.bodies(now, limits);
+    const Eigen::Vector3d asked_m = course.at(now).position_world_m;
+    const Eigen::Vector3d hover_m(asked_m.x(), asked_m.y(), here_m.z());
+    is_free_below =
+        !is_occupied_below(here_m, bodies, limits) && !is_occupied_below(hover_m, bodies, limits);
+    if (course.is_standing(now) && (!has_spot || !is_free_below)) {
       Eigen::Vector3d spot_m = landing_spot(hover_m, bodies, limits);
-      spot_m.z() = course.at(now).position_world_m.z();
-      if ((spot_m - course.at(now).position_world_m).norm() > 1e-6) {
+      spot_m.z() = asked_m.z();
+      if ((spot_m - asked_m).norm() > 1e-6) {
         course.shift(spot_m, kShiftMps, now);
+        spot_since = now;
       }
       has_spot = true;
     }
   }
-  const bool is_there = has_spot && course.is_standing(now) &&
-                        (here_m - course.at(now).position_world_m).head<2>().norm() < kOverSpotM;
-  if ((is_there && is_free) || !has_patience) {
+  const double off_m = (here_m - course.at(now).position_world_m).head<2>().norm();
+  const bool is_there = course.is_standing(now) && (has_spot || !sees) &&
+                        (off_m < kOverSpotM || to_seconds(now - spot_since) > kShiftPatienceS);
+  const bool gives_up = is_blind() || to_seconds(now - landing_since) > kAvoidPatienceS;
+  // Whoever comes near one that is as good as down must not make it go up.
+  const bool is_down = is_sinking && in.height_m < limits.safe_height_m;
+  if ((is_there && is_free_below) || is_down || gives_up) {
+    is_sinking = true;
     height_goal_m = -limits.descent_mps;  // through the floor: the ground ends it
     const double sink_m = limits.descent_mps * dt_s;
     height_ref_m = std::max({height_goal_m, height_ref_m - sink_m, in.height_m - 0.5});
     blind_height_m = std::max(0.0, blind_height_m - kBlindSinkShare * sink_m);
+    return;
   }
+  if (is_sinking) {  // what is asked was lower already; out of reach of who is below, if it can be
+    is_sinking = false;
+    height_ref_m = std::max(height_ref_m, in.height_m);
+    height_goal_m = std::max(height_ref_m, std::min(limits.landing_clearance_m, landing_from_m));
+  }
+  height_ref_m += std::clamp(height_goal_m - height_ref_m, 0.0, limits.climb_mps * dt_s);
 }
 
 void FlightGuard::Parts::move_height(double dt_s) {
@@ -195,7 +219,7 @@ FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
       out.kind = FlightSetpoint::Kind::kMotorsOff;
       return out;
     case FlightState::kLand:
-      if (!in.estimator_good || in.pose_age_s > limits.pose_age_kill_s) {
+      if (is_blind()) {
         out.kind = FlightSetpoint::Kind::kBlindLand;
         return out;
       }

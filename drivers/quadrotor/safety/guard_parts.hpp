@@ -30,6 +30,8 @@ struct FlightGuard::Parts {
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
   [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
   [[nodiscard]] bool keeps_to_course(Time now) const;
+  /// Landing, there is no position to steer by.
+  [[nodiscard]] bool is_blind() const;
   void look(Time now);
   void change(models::FlightState before, Time now);
   void move_off(Time now);
@@ -56,12 +58,16 @@ struct FlightGuard::Parts {
   double height_ref_m = 0.0;
   double height_goal_m = 0.0;
   double blind_height_m = 0.0;
-  Time landing_since{};
+  Time landing_since{}, spot_since{};
+  double landing_from_m = 0.0;
   bool has_spot = false;
+  bool is_free_below = true;
+  bool is_sinking = false;
 
   // What was heard.
   AutopilotReport autopilot;
-  Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{};
+  Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},
+      estimator_good_at{};
   bool has_heartbeat = false, has_telemetry = false, has_battery = false;
   double battery_share = 1.0;
   bool map_differs = false;

@@ -15,6 +15,7 @@ constexpr double kLevelM = 0.3;  // within it, two heights are one
 constexpr double kFenceSpareM = 0.1;
 constexpr double kObstacleSpareM = 0.05;
 constexpr double kHoverSpareM = 0.05;  // beyond hover_clearance_m, where one goes to
+constexpr double kBelowSpareM = 0.1;   // beyond landing_clearance_m, the same
 
 double tube_m(const OtherBody& body, const SafetyLimits& limits) {
   const double unseen_s = std::max(0.0, body.age_s - limits.pose_age_hold_s);
@@ -49,8 +50,8 @@ double closest_stop_m(const BrakeWay& way, const OtherBody& body,
   return least_m;
 }
 
-Eigen::Vector3d inside(const Eigen::Vector3d& p_m, double spare_m, const SafetyLimits& limits) {
-  const double margin_m = limits.vehicle.radius_m + spare_m;
+Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
+  const double margin_m = limits.vehicle.radius_m + kFenceSpareM;
   const models::Rectangle& bounds = limits.fence.bounds;
   Eigen::Vector3d out = p_m;
   for (int axis = 0; axis < 2; ++axis) {
@@ -114,11 +115,12 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
 }
 
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
-                       const SafetyLimits& limits) {
+                       const SafetyLimits& limits, double spare_m) {
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
     const Eigen::Vector3d away_m = position_m - body.position_world_m;
     const bool is_below = away_m.z() > kLevelM || (away_m.z() > -kLevelM && body.goes_first);
-    return is_below && away_m.head<2>().norm() < limits.landing_clearance_m;
+    const double needed_m = limits.landing_clearance_m + tube_m(body, limits) + spare_m;
+    return is_below && away_m.head<2>().norm() < needed_m;
   });
 }
 
@@ -126,9 +128,9 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
                              const SafetyLimits& limits) {
   constexpr int kRings = 6;
   constexpr int kBearings = 12;
-  const Eigen::Vector3d home_m = inside(hover_m, kFenceSpareM, limits);
+  const Eigen::Vector3d home_m = inside(hover_m, limits);
   const auto is_free = [&](const Eigen::Vector3d& spot_m) {
-    return !is_occupied_below(spot_m, others, limits) &&
+    return !is_occupied_below(spot_m, others, limits, kBelowSpareM) &&
            is_way_clear(hover_m, spot_m, others, limits);
   };
   if (is_free(home_m)) {
@@ -136,15 +138,16 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
   }
   // Whoever moves strays: first where there is room for that, then where there is just enough.
   const double roomy_m = limits.hover_clearance_m + kHoverSpareM;
-  for (const double spare_m : {std::max(roomy_m, kFenceSpareM), kFenceSpareM}) {
+  for (const bool is_roomy : {true, false}) {
     for (int ring = 1; ring <= kRings; ++ring) {
       for (int bearing = 0; bearing < kBearings; ++bearing) {
         const double angle_rad = 2.0 * kPi * bearing / kBearings;
         const Eigen::Vector3d spot_m =
             home_m + 0.25 * ring * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
-        const bool has_room = inside(spot_m, spare_m, limits) == spot_m &&
-                              (spare_m < roomy_m || obstacle_edge_m(spot_m, limits) >= roomy_m);
-        if (has_room && is_free(spot_m)) {
+        const double edge_m =
+            std::min(fence_edge_m(spot_m, limits), obstacle_edge_m(spot_m, limits));
+        if (inside(spot_m, limits) == spot_m && (!is_roomy || edge_m >= roomy_m) &&
+            is_free(spot_m)) {
           return spot_m;
         }
       }

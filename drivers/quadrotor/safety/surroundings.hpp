@@ -40,15 +40,16 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
 
 /// Where to come down from a hover at `hover_m`: there, or the nearest of some places around from
 /// where nothing is below, inside the fence and clear of obstacles, with the way there clear: clear
-/// by hover_clearance_m and 0.05 m, or by less when there is no such place. The hover itself,
-/// brought inside the fence, when there is none at all.
+/// by hover_clearance_m and 0.05 m, or by less when there is no such place. Places are 0.1 m
+/// farther from bodies below than is_occupied_below() asks. The hover itself, brought inside the
+/// fence, when there is none at all.
 Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
                              const SafetyLimits& limits);
 
-/// True when a body lies below `position_m` or beside it, nearer than landing_clearance_m seen
-/// from above, and is one to give way to.
+/// True when a body lies below `position_m` or beside it, nearer than landing_clearance_m and
+/// `spare_m` seen from above, and is one to give way to. Around one not seen lately is its tube.
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
-                       const SafetyLimits& limits);
+                       const SafetyLimits& limits, double spare_m = 0.0);
 
 /// Where a vehicle that hovers too near the fence or an obstacle had better hover: the nearest of
 /// some places clear of both by hover_clearance_m and 0.05 m, no nearer to other bodies than it

@@ -44,8 +44,9 @@ models::Scenario FlightBench::scenario() {
     robot.limits = {1.0, 3.0, kBrakeMps2, 0.25};
     out.robots.push_back(robot);
   }
-  out.targets.resize(1);
-  out.targets[0].name = "W1";
+  for (int i = 1; i <= 9; ++i) {
+    out.targets.emplace_back().name = "W" + std::to_string(i);
+  }
   return out;
 }
 
@@ -195,10 +196,10 @@ void FlightBench::spoil(models::MocapFrame& frame) {
       frame.bodies.push_back(twin);
     }
   }
-  if (room_.walker_m) {
+  for (std::size_t i = 0; i < room_.walkers_m.size(); ++i) {
     models::MocapBody walker;
-    walker.name = "W1";
-    walker.world_from_body.translation_m = *room_.walker_m;
+    walker.name = scenario_.targets.at(i).name;
+    walker.world_from_body.translation_m = room_.walkers_m[i];
     frame.bodies.push_back(walker);
   }
   if (room_.ghost_body) {

@@ -90,7 +90,7 @@ struct RoomKnobs {
   double frame_loss = 0.0;  ///< probability
   bool mocap_dead = false;
   bool ghost_body = false;
-  std::optional<Eigen::Vector3d> walker_m;  ///< where the scenario's only target is seen
+  std::vector<Eigen::Vector3d> walkers_m;  ///< where the scenario's first targets are seen
   bool operator_silent = false;
   bool second_station = false;                       ///< one that beats and says `follow`
   bool second_arms = false;                          ///< and `arm`

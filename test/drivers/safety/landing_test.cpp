@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/angle.hpp"
 #include "drivers/quadrotor/safety/plan_check.hpp"
 #include "drivers/quadrotor/safety/surroundings.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
@@ -39,7 +40,7 @@ TEST(LandingSpot, HasNobodyBelowAndRoomToStray) {
     others[0].position_world_m = {hover_m.x() + random.uniform(-1.0, 1.0),
                                   hover_m.y() + random.uniform(-1.0, 1.0), 0.0};
     const Eigen::Vector3d spot_m = landing_spot(hover_m, others, limits);
-    EXPECT_FALSE(is_occupied_below(spot_m, others, limits)) << hover_m.transpose();
+    EXPECT_FALSE(is_occupied_below(spot_m, others, limits, 0.1)) << hover_m.transpose();
     if (spot_m != hover_m) {
       EXPECT_GE(clearance_m(spot_m, limits), limits.hover_clearance_m + 0.05 - 1e-9);
       ++moved;
@@ -57,7 +58,7 @@ TEST(LandingSpot, TakesLessRoomWhereThereIsNoMore) {
   const Eigen::Vector3d hover_m(0.0, 0.0, 1.0);
   std::vector<OtherBody> others(1);
   const Eigen::Vector3d spot_m = landing_spot(hover_m, others, limits);
-  EXPECT_GE(std::abs(spot_m.x()), limits.landing_clearance_m);
+  EXPECT_GE(std::abs(spot_m.x()), limits.landing_clearance_m + 0.1);
   EXPECT_NEAR(spot_m.y(), 0.0, 1e-9);
   limits.fence.bounds = {{-0.36, -0.36}, {0.36, 0.36}};
   EXPECT_EQ(landing_spot(hover_m, others, limits), hover_m);
@@ -66,7 +67,9 @@ TEST(LandingSpot, TakesLessRoomWhereThereIsNoMore) {
 struct Landing {
   double closest_m = 1e9;    ///< to the walker
   double clearance_m = 1e9;  ///< of fence and obstacles
+  double way_m = 0.0;        ///< seen from above, from where it was told
   double took_s = 0.0;       ///< until it was idle; no more than it was given
+  double fell_m = 0.0;       ///< at most, since it stopped sinking until it sank again
 };
 
 /// Q1 is told to land; a walker is where `walk` says, by the seconds since then and Q1's place.
@@ -76,18 +79,24 @@ Landing land_beside(test::FlightBench& bench, double give_s,
   const SafetyLimits limits = bench_limits();
   Landing out;
   const double start_s = bench.time_s();
+  const Eigen::Vector3d start_m = vehicle.position_m;
+  double paused_m = 0.0;
   bench.room().says = models::OperatorAction::kLand;
   while (out.took_s < give_s) {
     const Eigen::Vector3d walker_m = walk(out.took_s, vehicle.position_m);
-    bench.room().walker_m = walker_m;
+    bench.room().walkers_m = {walker_m};
     bench.tick();
     out.took_s = bench.time_s() - start_s;
     out.closest_m = std::min(out.closest_m, (vehicle.position_m - walker_m).norm());
     out.clearance_m = std::min(out.clearance_m, clearance_m(vehicle.position_m, limits));
+    out.way_m = std::max(out.way_m, (vehicle.position_m - start_m).head<2>().norm());
+    paused_m = vehicle.out.is_sinking ? vehicle.position_m.z() : paused_m;
+    out.fell_m = std::max(out.fell_m, paused_m - vehicle.position_m.z());
     if (vehicle.out.state == FlightState::kIdle) {
       break;
     }
   }
+  EXPECT_TRUE(bench.violations().empty()) << bench.violations().front();
   return out;
 }
 
@@ -121,11 +130,73 @@ TEST(FlightGuard, WaitsWhileSomebodyFollowsBelow) {
     return walker_m;
   });
   EXPECT_GT(seen.closest_m, kTouchM);
+  EXPECT_GT(seen.clearance_m, 0.05);
   EXPECT_GT(seen.took_s, 12.0);
   EXPECT_LT(seen.took_s, 25.0);
 }
 
-// Nothing keeps a vehicle up for ever.
+// Somebody walks in when it is half down, from each side, and stands there: it stops its descent in
+// time, and goes on beside them.
+TEST(FlightGuard, StopsComingDownWhenSomebodyWalksIn) {
+  enum class Walker { kWaits, kWalks, kStands };
+  for (int side = 0; side < 8; ++side) {
+    test::FlightBench bench(1);
+    bench.fly_up(6.4);
+    const double angle_rad = 0.25 * kPi * side;
+    Eigen::Vector3d walker_m;
+    Walker walker = Walker::kWaits;
+    const Landing seen = land_beside(bench, 40.0, [&](double, const Eigen::Vector3d& at_m) {
+      if (walker == Walker::kWaits) {
+        walker_m = below(at_m) + Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+        walker = at_m.z() < 0.85 ? Walker::kWalks : Walker::kWaits;
+      } else if (walker == Walker::kWalks) {
+        const Eigen::Vector3d way_m = below(at_m) - walker_m;
+        walker_m += 0.005 * way_m.normalized();  // at 0.5 m/s
+        walker = way_m.norm() < 0.3 ? Walker::kStands : Walker::kWalks;
+      }
+      return walker_m;
+    });
+    EXPECT_EQ(walker, Walker::kStands) << side;
+    EXPECT_GT(seen.closest_m, kTouchM) << side;
+    EXPECT_GT(seen.clearance_m, 0.05) << side;
+    EXPECT_LT(seen.fell_m, 0.15) << side;
+    EXPECT_LT(seen.took_s, 30.0) << side;
+  }
+}
+
+// Somebody comes to take it up before its motors have stopped: it stays down.
+TEST(FlightGuard, StaysDownWhoeverComesNear) {
+  test::FlightBench bench(1);
+  bench.fly_up(6.4);
+  Eigen::Vector3d walker_m;
+  bool walks = false;
+  double highest_m = 0.0;
+  const Landing seen = land_beside(bench, 40.0, [&](double, const Eigen::Vector3d& at_m) {
+    walks = walks || at_m.z() < 0.14;
+    highest_m = walks ? std::max(highest_m, at_m.z()) : 0.0;
+    const Eigen::Vector3d beside_m(at_m.z() < 0.2 ? 0.75 : 0.9, 0.0, 0.0);
+    const Eigen::Vector3d way_m = below(at_m) - walker_m;
+    walker_m = walks ? Eigen::Vector3d(walker_m + 0.01 * way_m.normalized())
+                     : Eigen::Vector3d(below(at_m) + beside_m);
+    return walker_m;
+  });
+  EXPECT_LT(seen.closest_m, 0.65);
+  EXPECT_LT(highest_m, 0.14);
+  EXPECT_LT(seen.took_s, 15.0);
+}
+
+// A plan that was taken before `land` and would have begun after it does not begin.
+TEST(FlightGuard, ForgetsThePlanToComeWhenItLands) {
+  test::FlightBench bench(1);
+  bench.fly_up(3.93);  // plans of 3.9 s begin at 4.0 s
+  ASSERT_EQ(bench.vehicle("Q1").out.state, FlightState::kHold);
+  const Landing seen = land_beside(
+      bench, 20.0, [](double, const Eigen::Vector3d&) { return Eigen::Vector3d(3.5, 1.8, 0.0); });
+  EXPECT_LT(seen.way_m, 0.1);
+  EXPECT_LT(seen.took_s, 10.0);
+}
+
+// Nothing keeps a vehicle up for ever: not one who follows it, not a crowd that leaves no place.
 TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
   test::FlightBench bench(1);
   bench.fly_up(6.4);
@@ -133,6 +204,23 @@ TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
       land_beside(bench, 40.0, [](double, const Eigen::Vector3d& at_m) { return below(at_m); });
   EXPECT_GT(seen.took_s, 20.0);
   EXPECT_LT(seen.took_s, 30.0);
+
+  test::FlightBench crowded(1);
+  crowded.fly_up(6.4);
+  test::Vehicle& vehicle = crowded.vehicle("Q1");
+  const Eigen::Vector3d centre_m = below(vehicle.position_m);
+  const double start_s = crowded.time_s();
+  for (bool says = true; vehicle.out.state != FlightState::kIdle; says = false) {
+    ASSERT_LT(crowded.time_s(), 60.0);
+    if (says) {
+      crowded.room().says = models::OperatorAction::kLand;
+    }
+    for (int i = 0; i < 9; ++i) {
+      crowded.room().walkers_m.emplace_back(centre_m + Eigen::Vector3d(i % 3 - 1, i / 3 - 1, 0.0));
+    }
+    crowded.tick();
+    EXPECT_TRUE(vehicle.position_m.z() > 0.7 || crowded.time_s() > start_s + 20.0);
+  }
 }
 
 }  // namespace
