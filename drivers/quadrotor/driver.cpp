@@ -176,6 +176,7 @@ void QuadrotorDriver::fly(Time now) {
   situation.take_off_height_m = std::max(0.3, take_off_height_m_ - ground_m_.value_or(0.0));
   situation.height_error_m = std::abs(take_off_height_m_ - height_m);
   situation.is_low = body && ground_m_ && height_m - *ground_m_ < kLowM;
+  situation.is_landing = orders_.state == FlightState::kLand;
   situation.now = now;
   if (!sequence_.step(link_, situation)) {
     return;

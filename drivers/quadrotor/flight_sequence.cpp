@@ -135,7 +135,7 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   if (goal_ == FlightGoal::kArm) {
     return traits_.wants_proof_of_life;
   }
-  has_climbed_ = has_climbed_ || situation.height_error_m < kClimbedM;
+  has_climbed_ = has_climbed_ || situation.height_error_m < kClimbedM || situation.is_landing;
   if (has_climbed_) {
     return true;
   }

@@ -39,6 +39,7 @@ class FlightSequence {
     double take_off_height_m = 1.0;  ///< above where it stands
     bool is_low = false;             ///< it has not lifted, seen from outside
     double height_error_m = 0.0;     ///< of the body to the height it climbs to, ≥ 0
+    bool is_landing = false;         ///< a climb under way is not waited for
     Time now{};
   };
   /// Has the due command sent. Returns whether set-points are to be streamed now.

@@ -19,6 +19,7 @@ constexpr double kShiftMps = 0.4;         // to a landing spot
 constexpr double kMoveOffMps = 0.2;       // from what is too near
 constexpr double kShiftPatienceS = 6.0;   // then it comes down beside its spot
 constexpr double kAvoidPatienceS = 20.0;  // then it comes down whoever is below
+constexpr double kCommitM = 0.35;         // a landing that begins lower does not look around
 constexpr double kDoubtS = 0.2;           // longer than one lost word of the estimator's
 constexpr double kOverSpotM = 0.25;
 constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while nothing measures it
@@ -138,10 +139,11 @@ void FlightGuard::Parts::change(FlightState before, Time now) {
   if (lands) {
     course.forget_next();
     landing_since = spot_since = now;
-    landing_from_m = height_goal_m = height_ref_m;
     has_spot = false;
-    is_free_below = true;
     is_sinking = false;
+    // A climb ends here, and on the way up, near the ground, down is nearest.
+    height_ref_m = height_goal_m = std::min(height_ref_m, in.height_m);
+    is_committed = in.height_m < kCommitM;
   }
 }
 
@@ -160,46 +162,51 @@ bool FlightGuard::Parts::is_blind() const {
   return in.pose_age_s > limits.pose_age_kill_s || to_seconds(in.now - estimator_good_at) > kDoubtS;
 }
 
-// Stops, moves to where it may come down, comes down; stops again when somebody walks in below.
+// Stops, moves to where it may come down, comes down; stops again when somebody walks in below,
+// until it is committed: low, too late, or blind.
 void FlightGuard::Parts::land(Time now, double dt_s) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
-  if (sees) {
-    const auto bodies = fleet.bodies(now, limits);
-    const Eigen::Vector3d asked_m = course.at(now).position_world_m;
-    const Eigen::Vector3d hover_m(asked_m.x(), asked_m.y(), here_m.z());
-    is_free_below =
-        !is_occupied_below(here_m, bodies, limits) && !is_occupied_below(hover_m, bodies, limits);
-    if (course.is_standing(now) && (!has_spot || !is_free_below)) {
-      Eigen::Vector3d spot_m = landing_spot(hover_m, bodies, limits);
-      spot_m.z() = asked_m.z();
-      if ((spot_m - asked_m).norm() > 1e-6) {
+  const bool was_committed = is_committed;
+  is_committed = is_committed || (is_sinking && in.height_m < limits.safe_height_m) ||
+                 to_seconds(now - landing_since) > kAvoidPatienceS;
+  const auto bodies = fleet.bodies(now, limits);
+  const PlanPoint asked = course.at(now);
+  const Eigen::Vector3d hover_m(asked.position_world_m.x(), asked.position_world_m.y(), here_m.z());
+  const Eigen::Vector3d level_spot_m(spot_m.x(), spot_m.y(), here_m.z());
+  const bool is_below_us = is_occupied_below(here_m, bodies, limits);
+  const bool is_free = !is_below_us && !is_occupied_below(hover_m, bodies, limits);
+  if (is_committed) {
+    if (!was_committed && !course.is_standing(now)) {
+      course.stop(brake_way(now, 0.0), now);
+    }
+  } else if (sees && course.is_standing(now)) {
+    if (!has_spot || !is_free) {
+      spot_m = landing_spot(is_below_us ? here_m : hover_m, bodies, limits);
+      spot_m.z() = asked.position_world_m.z();
+      if ((spot_m - asked.position_world_m).norm() > 1e-6) {
         course.shift(spot_m, kShiftMps, now);
         spot_since = now;
       }
       has_spot = true;
     }
+  } else if (sees && has_spot && is_way_taken(hover_m, level_spot_m, bodies, limits)) {
+    course.stop(brake_way(now, 0.0), now);
+    has_spot = false;
   }
-  const double off_m = (here_m - course.at(now).position_world_m).head<2>().norm();
   const bool is_there = course.is_standing(now) && (has_spot || !sees) &&
-                        (off_m < kOverSpotM || to_seconds(now - spot_since) > kShiftPatienceS);
-  const bool gives_up = is_blind() || to_seconds(now - landing_since) > kAvoidPatienceS;
-  // Whoever comes near one that is as good as down must not make it go up.
-  const bool is_down = is_sinking && in.height_m < limits.safe_height_m;
-  if ((is_there && is_free_below) || is_down || gives_up) {
+                        ((here_m - course.at(now).position_world_m).head<2>().norm() < kOverSpotM ||
+                         to_seconds(now - spot_since) > kShiftPatienceS);
+  if ((is_there && is_free) || is_committed || is_blind()) {
     is_sinking = true;
     height_goal_m = -limits.descent_mps;  // through the floor: the ground ends it
     const double sink_m = limits.descent_mps * dt_s;
     height_ref_m = std::max({height_goal_m, height_ref_m - sink_m, in.height_m - 0.5});
     blind_height_m = std::max(0.0, blind_height_m - kBlindSinkShare * sink_m);
-    return;
-  }
-  if (is_sinking) {  // what is asked was lower already; out of reach of who is below, if it can be
+  } else if (is_sinking) {
     is_sinking = false;
-    height_ref_m = std::max(height_ref_m, in.height_m);
-    height_goal_m = std::max(height_ref_m, std::min(limits.landing_clearance_m, landing_from_m));
+    height_ref_m = std::max(height_ref_m, in.height_m);  // what is asked was lower already
   }
-  height_ref_m += std::clamp(height_goal_m - height_ref_m, 0.0, limits.climb_mps * dt_s);
 }
 
 void FlightGuard::Parts::move_height(double dt_s) {

@@ -59,10 +59,10 @@ struct FlightGuard::Parts {
   double height_goal_m = 0.0;
   double blind_height_m = 0.0;
   Time landing_since{}, spot_since{};
-  double landing_from_m = 0.0;
+  Eigen::Vector3d spot_m = Eigen::Vector3d::Zero();
   bool has_spot = false;
-  bool is_free_below = true;
   bool is_sinking = false;
+  bool is_committed = false;
 
   // What was heard.
   AutopilotReport autopilot;

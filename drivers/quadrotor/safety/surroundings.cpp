@@ -62,6 +62,15 @@ Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   return out;
 }
 
+// On the straight way the body, where it is, would be nearer than it should and than it is now.
+bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const OtherBody& body,
+           const SafetyLimits& limits) {
+  const Eigen::Vector3d& q_m = body.position_world_m;
+  const double now_m = (from_m - q_m).norm();
+  const double least_m = models::closest_approach_m(from_m, to_m, q_m, q_m);
+  return least_m < std::min(now_m, limits.separation_hold_m) - 1e-9;
+}
+
 bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                   std::span<const OtherBody> others, const SafetyLimits& limits) {
   for (int i = 0; i <= kSamples; ++i) {
@@ -70,12 +79,8 @@ bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
       return false;
     }
   }
-  return std::none_of(others.begin(), others.end(), [&](const OtherBody& body) {
-    const Eigen::Vector3d& q_m = body.position_world_m;
-    const double now_m = (from_m - q_m).norm();
-    const double least_m = models::closest_approach_m(from_m, to_m, q_m, q_m);
-    return least_m < std::min(now_m, limits.separation_hold_m) - 1e-9;
-  });
+  return std::none_of(others.begin(), others.end(),
+                      [&](const OtherBody& body) { return meets(from_m, to_m, body, limits); });
 }
 
 }  // namespace
@@ -121,6 +126,13 @@ bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherB
     const bool is_below = away_m.z() > kLevelM || (away_m.z() > -kLevelM && body.goes_first);
     const double needed_m = limits.landing_clearance_m + tube_m(body, limits) + spare_m;
     return is_below && away_m.head<2>().norm() < needed_m;
+  });
+}
+
+bool is_way_taken(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                  std::span<const OtherBody> others, const SafetyLimits& limits) {
+  return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
+    return body.goes_first && meets(from_m, to_m, body, limits);
   });
 }
 

@@ -46,6 +46,11 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
 Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
                              const SafetyLimits& limits);
 
+/// True when one to give way to is so near the straight way that going on would bring it nearer
+/// than separation_hold_m.
+bool is_way_taken(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                  std::span<const OtherBody> others, const SafetyLimits& limits);
+
 /// True when a body lies below `position_m` or beside it, nearer than landing_clearance_m and
 /// `spare_m` seen from above, and is one to give way to. Around one not seen lately is its tube.
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,

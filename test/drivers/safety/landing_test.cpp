@@ -64,10 +64,27 @@ TEST(LandingSpot, TakesLessRoomWhereThereIsNoMore) {
   EXPECT_EQ(landing_spot(hover_m, others, limits), hover_m);
 }
 
+TEST(LandingSpot, TheWayToItIsTakenByWhoGoesFirst) {
+  const SafetyLimits limits = bench_limits();
+  const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
+  const Eigen::Vector3d to_m(1.0, 0.0, 1.0);
+  std::vector<OtherBody> others(1);
+  others[0].position_world_m = {0.8, 0.3, 1.0};
+  EXPECT_TRUE(is_way_taken(from_m, to_m, others, limits));
+  others[0].goes_first = false;
+  EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
+  others[0].goes_first = true;
+  others[0].position_world_m.y() = limits.separation_hold_m + 0.01;
+  EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
+  others[0].position_world_m = {-0.1, 0.0, 1.0};  // behind: no nearer than it is now
+  EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
+}
+
 struct Landing {
   double closest_m = 1e9;    ///< to the walker
   double clearance_m = 1e9;  ///< of fence and obstacles
   double way_m = 0.0;        ///< seen from above, from where it was told
+  double late_mps = 0.0;     ///< fastest, seen from above, later than 21 s
   double took_s = 0.0;       ///< until it was idle; no more than it was given
   double fell_m = 0.0;       ///< at most, since it stopped sinking until it sank again
 };
@@ -91,6 +108,8 @@ Landing land_beside(test::FlightBench& bench, double give_s,
     out.clearance_m = std::min(out.clearance_m, clearance_m(vehicle.position_m, limits));
     out.way_m = std::max(out.way_m, (vehicle.position_m - start_m).head<2>().norm());
     paused_m = vehicle.out.is_sinking ? vehicle.position_m.z() : paused_m;
+    const double level_mps = vehicle.velocity_mps.head<2>().norm();
+    out.late_mps = std::max(out.late_mps, out.took_s > 21.0 ? level_mps : 0.0);
     out.fell_m = std::max(out.fell_m, paused_m - vehicle.position_m.z());
     if (vehicle.out.state == FlightState::kIdle) {
       break;
@@ -196,6 +215,57 @@ TEST(FlightGuard, ForgetsThePlanToComeWhenItLands) {
   EXPECT_LT(seen.took_s, 10.0);
 }
 
+// On the way up, near the ground, it goes down at once, whoever stands beside it.
+TEST(FlightGuard, EndsATakeOffAtOnce) {
+  for (const double up_to_m : {0.05, 0.1, 0.2, 0.3}) {
+    test::FlightBench bench(1);
+    bench.fly_up(0.95);
+    while (bench.vehicle("Q1").position_m.z() < up_to_m) {
+      ASSERT_LT(bench.time_s(), 5.0);
+      bench.tick();
+    }
+    double highest_m = 0.0;
+    const Landing seen = land_beside(bench, 20.0, [&](double, const Eigen::Vector3d& at_m) {
+      highest_m = std::max(highest_m, at_m.z());
+      return Eigen::Vector3d(at_m.x() + 0.6, at_m.y(), 0.0);
+    });
+    EXPECT_LT(highest_m, up_to_m + 0.15);
+    EXPECT_LT(seen.way_m, 0.05);
+    EXPECT_LT(seen.took_s, 5.0);
+  }
+}
+
+// Pushed to one side all the time, towards somebody who is just far enough from where it means to
+// be.
+TEST(FlightGuard, DoesNotStayUpBecauseItIsPushed) {
+  test::FlightBench bench(1);
+  bench.fly_up(6.4);
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
+  const Landing seen = land_beside(bench, 40.0, [&](double since_s, const Eigen::Vector3d& at_m) {
+    bench.vehicle("Q1").knobs.push_mps2 = {1.8, 0.0, 0.0};
+    place_m =
+        since_s < 2.0 ? Eigen::Vector3d(below(at_m) + Eigen::Vector3d(0.69, 0.0, 0.0)) : place_m;
+    return place_m;
+  });
+  EXPECT_GT(seen.closest_m, kTouchM);
+  EXPECT_LT(seen.took_s, 15.0);
+}
+
+// Not seen itself, it does not come down on somebody who is, as long as it can wait.
+TEST(FlightGuard, LooksBelowWithoutAPoseToo) {
+  test::FlightBench bench(1);
+  bench.fly_up(6.4);
+  test::Vehicle& vehicle = bench.vehicle("Q1");
+  const Eigen::Vector3d place_m = below(vehicle.position_m);
+  for (double lost_s = 0.0; lost_s < 1.45; lost_s += test::FlightBench::kTickS) {
+    vehicle.knobs.body = {test::BodyFault::kOccluded};
+    bench.room().walkers_m = {place_m};
+    bench.tick();
+    EXPECT_FALSE(vehicle.out.is_sinking) << lost_s;
+  }
+  EXPECT_EQ(vehicle.out.state, FlightState::kLand);
+}
+
 // Nothing keeps a vehicle up for ever: not one who follows it, not a crowd that leaves no place.
 TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
   test::FlightBench bench(1);
@@ -204,6 +274,7 @@ TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
       land_beside(bench, 40.0, [](double, const Eigen::Vector3d& at_m) { return below(at_m); });
   EXPECT_GT(seen.took_s, 20.0);
   EXPECT_LT(seen.took_s, 30.0);
+  EXPECT_LT(seen.late_mps, 0.1);
 
   test::FlightBench crowded(1);
   crowded.fly_up(6.4);
@@ -220,6 +291,7 @@ TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
     }
     crowded.tick();
     EXPECT_TRUE(vehicle.position_m.z() > 0.7 || crowded.time_s() > start_s + 20.0);
+    EXPECT_TRUE(vehicle.velocity_mps.head<2>().norm() < 0.1 || crowded.time_s() < start_s + 21.0);
   }
 }
 
