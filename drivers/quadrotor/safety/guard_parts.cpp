@@ -153,8 +153,8 @@ void FlightGuard::Parts::move_off(Time now) {
     return;
   }
   const Eigen::Vector3d hover_m = course.at(now).position_world_m;
-  if (const auto spot_m = clear_spot(hover_m, fleet.bodies(now, limits), limits)) {
-    course.shift(*spot_m, kMoveOffMps, now);
+  if (const auto clear_m = clear_spot(hover_m, fleet.bodies(now, limits), limits)) {
+    course.shift(*clear_m, kMoveOffMps, now);
   }
 }
 
