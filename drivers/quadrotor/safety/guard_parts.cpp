@@ -163,7 +163,7 @@ bool FlightGuard::Parts::is_blind() const {
 }
 
 // Stops, moves to where it may come down, comes down; stops again when somebody walks in below,
-// until it is committed: low, too late, or blind.
+// until it is committed, low or late, or blind.
 void FlightGuard::Parts::land(Time now, double dt_s) {
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   const bool sees = in.pose_age_s <= limits.pose_age_hold_s;

@@ -80,6 +80,15 @@ TEST(LandingSpot, TheWayToItIsTakenByWhoGoesFirst) {
   EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
 }
 
+TEST(LandingSpot, SomebodyNotSeenLatelyMayHaveComeNearer) {
+  const SafetyLimits limits = bench_limits();
+  std::vector<OtherBody> others(1);
+  others[0].position_world_m = {limits.landing_clearance_m + 0.3, 0.0, 0.0};
+  EXPECT_FALSE(is_occupied_below({0.0, 0.0, 1.0}, others, limits));
+  others[0].age_s = 2.0;
+  EXPECT_TRUE(is_occupied_below({0.0, 0.0, 1.0}, others, limits));
+}
+
 struct Landing {
   double closest_m = 1e9;    ///< to the walker
   double clearance_m = 1e9;  ///< of fence and obstacles
@@ -264,6 +273,23 @@ TEST(FlightGuard, LooksBelowWithoutAPoseToo) {
     EXPECT_FALSE(vehicle.out.is_sinking) << lost_s;
   }
   EXPECT_EQ(vehicle.out.state, FlightState::kLand);
+}
+
+// One word that the estimator is not good does not give the landing away; a fifth of a second does.
+TEST(FlightGuard, DoesNotGiveALandingAwayForOneBadWord) {
+  test::FlightBench bench(1);
+  bench.fly_up(6.4);
+  test::Vehicle& vehicle = bench.vehicle("Q1");
+  bench.room().says = models::OperatorAction::kLand;
+  bench.tick();
+  vehicle.knobs.estimator_bad = true;
+  bench.tick();
+  EXPECT_EQ(vehicle.out.setpoint.kind, FlightSetpoint::Kind::kTrack);
+  for (int i = 0; i < 25; ++i) {
+    vehicle.knobs.estimator_bad = true;
+    bench.tick();
+  }
+  EXPECT_EQ(vehicle.out.setpoint.kind, FlightSetpoint::Kind::kBlindLand);
 }
 
 // Nothing keeps a vehicle up for ever: not one who follows it, not a crowd that leaves no place.
