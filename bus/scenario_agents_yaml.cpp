@@ -182,6 +182,21 @@ void read_autopilot(Mapping& from, models::AutopilotSpec& autopilot) {
   }
 }
 
+void read_firmware(Mapping& from, models::FirmwareSpec& firmware) {
+  constexpr int kInstanceMax = 99;
+  from.text("binary", firmware.binary);
+  from.text("parameters", firmware.parameters);
+  from.text("serial", firmware.serial);
+  int instance = -1;
+  from.integer("instance", instance, 0, kInstanceMax);
+  if (instance >= 0) {
+    firmware.instance = instance;
+  }
+  if (!firmware.serial.empty() && !firmware.binary.empty()) {
+    from.refuse("serial", "is of a board, which runs its own firmware: leave `binary` out");
+  }
+}
+
 void read_rover(Mapping& from, models::RoverSpec& rover) {
   constexpr int kNumberMax = 65535;
   from.require("url");
@@ -232,6 +247,14 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   read_device(from, robot.device);
   from.section("autopilot",
                [&](Mapping& autopilot) { read_autopilot(autopilot, robot.autopilot.emplace()); });
+  from.section("firmware",
+               [&](Mapping& firmware) { read_firmware(firmware, robot.firmware.emplace()); });
+  if (robot.firmware && !robot.autopilot) {
+    from.refuse("firmware", "needs an `autopilot`, whose dialect says which firmware it is");
+  }
+  if (robot.firmware && robot.device != models::DeviceSource::kWire) {
+    from.refuse("firmware", "flies a simulated vehicle: it needs device 'wire'");
+  }
   from.section("rover", [&](Mapping& rover) { read_rover(rover, robot.rover.emplace()); });
   if (robot.rover && robot.autopilot) {
     from.refuse("rover", "a robot has an autopilot or is a rover, not both");

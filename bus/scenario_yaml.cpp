@@ -234,10 +234,17 @@ void read_name(Mapping& top, std::string& name) {
   }
 }
 
+void read_wind(Mapping& from, models::WindSpec& wind) {
+  constexpr double kWindMaxMps = 30.0;
+  from.number("x_mps", wind.x_mps, from_to(-kWindMaxMps, kWindMaxMps));
+  from.number("y_mps", wind.y_mps, from_to(-kWindMaxMps, kWindMaxMps));
+  from.number("gust_sigma_mps", wind.gust_sigma_mps, from_to(0.0, kWindMaxMps));
+}
+
 void read_scenario(Mapping& top, Scenario& scenario) {
   top.expect({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
               "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
-              "hosts"});
+              "hosts", "wind"});
   for (const char* key : {"name", "world", "robots"}) {
     top.require(key);
   }
@@ -249,6 +256,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
     scenario.seed = seed->unsigned_integer();
   }
   top.section("world", [&](Mapping& from) { read_world(from, scenario.world); });
+  top.section("wind", [&](Mapping& from) { read_wind(from, scenario.wind); });
   top.section("planner", [&](Mapping& from) { read_planner(from, scenario.planner); });
   read_mapping_spec(top, scenario);
   read_robots(top, scenario);

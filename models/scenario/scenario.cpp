@@ -54,4 +54,9 @@ bool Scenario::runs_on(const std::string& host, const std::string& part) const {
   return hosts.empty() || (runner == hosts.end() ? hosts.front() : *runner).name == host;
 }
 
+int Scenario::firmware_instance(const RobotSpec& robot) const {
+  const bool is_said = robot.firmware && robot.firmware->instance;
+  return is_said ? *robot.firmware->instance : static_cast<int>(&robot - robots.data());
+}
+
 }  // namespace vantage::models

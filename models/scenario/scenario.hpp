@@ -40,6 +40,15 @@ struct AutopilotSpec {
   std::string key_file;  ///< 32 bytes that sign every message; empty: unsigned
 };
 
+/// Real autopilot firmware that flies a simulated vehicle: what `device: wire` means for a robot
+/// that has it. Which firmware it is, its autopilot's dialect says.
+struct FirmwareSpec {
+  std::string binary;      ///< started and supervised by `vantage up`; empty: started by hand
+  std::string parameters;  ///< file that it starts with; empty: those of config/autopilot
+  std::optional<int> instance;  ///< its ports; the robot's place in the scenario when absent
+  std::string serial;           ///< DEVICE[:BAUD] of a board in hardware-in-the-loop mode (PX4)
+};
+
 /// How a ground robot's driver reaches its rover.
 struct RoverSpec {
   std::string url;  ///< udpout://HOST:PORT, or udp://[HOST]:PORT for one that speaks first
@@ -56,6 +65,7 @@ struct RobotSpec {
   EnergySpec energy;
   DeviceSource device = DeviceSource::kDirect;
   std::optional<AutopilotSpec> autopilot;
+  std::optional<FirmwareSpec> firmware;  ///< without one an emulated autopilot stands in
   std::optional<RoverSpec> rover;  ///< then it is a ground robot
 };
 
@@ -150,12 +160,20 @@ struct AttackSpec {
   std::vector<std::string> robots;
 };
 
+/// The air of a simulated lab.
+struct WindSpec {
+  double x_mps = 0.0;  ///< mean, along the world's axes
+  double y_mps = 0.0;
+  double gust_sigma_mps = 0.1;  ///< 1σ on each horizontal axis
+};
+
 struct Scenario {
   std::string name;
   std::string source_text;  ///< the file as read; goes into every log
   double duration_s = 300.0;
   std::uint64_t seed = 1;
   World world;
+  WindSpec wind;
   std::vector<RobotSpec> robots;
   std::vector<TargetSpec> targets;
   TargetTruthSpec target_truth;
@@ -171,6 +189,8 @@ struct Scenario {
   /// first; without hosts everything runs everywhere.
   [[nodiscard]] bool runs_on(const std::string& host, const std::string& part) const;
   [[nodiscard]] const RobotSpec* find_robot(const std::string& robot) const;
+  /// Which instance of its firmware flies `robot`, one of ours: it makes their ports differ.
+  [[nodiscard]] int firmware_instance(const RobotSpec& robot) const;
 };
 
 }  // namespace vantage::models

@@ -7,6 +7,7 @@
 
 #include "bus/channels.hpp"
 #include "core/check.hpp"
+#include "sim/app/wire_firmware.hpp"
 #include "sim/app/wire_quadrotor.hpp"
 #include "sim/app/wire_rover.hpp"
 
@@ -39,6 +40,9 @@ std::vector<std::unique_ptr<WireVehicle>> wires_of(const models::Scenario& scena
     if (robot.rover) {
       const auto boot = static_cast<std::uint32_t>(to_utime(start) / 1'000'000);
       wires.push_back(std::make_unique<WireRover>(robot, boot, start));
+    } else if (robot.firmware) {
+      wires.push_back(std::make_unique<WireFirmware>(
+          robot, scenario.wind, scenario.firmware_instance(robot), scenario.seed + i));
     } else {
       const auto system_id = static_cast<std::uint8_t>(i % 250 + 1);
       wires.push_back(std::make_unique<WireQuadrotor>(robot, system_id, scenario.seed + i, start));

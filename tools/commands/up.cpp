@@ -88,6 +88,10 @@ int run(const UpArguments& arguments) {
   options.has_virtual_targets = arguments.has_virtual_targets;
   options.host = arguments.host;
   options.log_path = log_path(scenario, arguments);
+  if (!options.log_path.empty()) {
+    const std::filesystem::path log(options.log_path);
+    options.firmware_folder = (log.parent_path() / log.stem()).string() + "-firmware";
+  }
   options.restarts = arguments.restarts;
   options.stop_requests = stop_requests;
   const UpResult result = run_up(scenario, options, stop_requested);

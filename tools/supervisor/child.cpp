@@ -20,18 +20,20 @@ namespace vantage::tools {
 namespace {
 
 // Runs in the forked child: nothing here may allocate or lock.
-[[noreturn]] void become(const char* const* arguments, int report_fd, int output, pid_t parent) {
+[[noreturn]] void become(const char* const* arguments, int report_fd, const ChildPlace& place, pid_t parent) {
   ::setpgid(0, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  ::prctl(PR_SET_PDEATHSIG, place.end_signal);
   if (::getppid() != parent) {
     ::_exit(127);
   }
   ::signal(SIGPIPE, SIG_DFL);
-  if (output >= 0) {
-    ::dup2(output, STDOUT_FILENO);
-    ::dup2(output, STDERR_FILENO);
+  if (place.output >= 0) {
+    ::dup2(place.output, STDOUT_FILENO);
+    ::dup2(place.output, STDERR_FILENO);
   }
-  ::execvp(arguments[0], const_cast<char* const*>(arguments));  // NOLINT: exec only reads
+  if (place.folder.empty() || ::chdir(place.folder.c_str()) == 0) {
+    ::execvp(arguments[0], const_cast<char* const*>(arguments));  // NOLINT: exec only reads
+  }
   const int error = errno;
   [[maybe_unused]] const auto written = ::write(report_fd, &error, sizeof(error));
   ::_exit(127);
@@ -43,7 +45,7 @@ std::string ChildExit::describe() const {
   return signal != 0 ? "signal " + std::to_string(signal) : "exit " + std::to_string(code);
 }
 
-Result<Child> Child::start(const std::vector<std::string>& arguments, int output) {
+Result<Child> Child::start(const std::vector<std::string>& arguments, const ChildPlace& place) {
   require(!arguments.empty(), "a process to start has a name");
   std::vector<const char*> pointers;
   for (const std::string& argument : arguments) {
@@ -58,7 +60,7 @@ Result<Child> Child::start(const std::vector<std::string>& arguments, int output
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid == 0) {
-    become(pointers.data(), pipe_fds[1], output, parent);
+    become(pointers.data(), pipe_fds[1], place, parent);
   }
   ::close(pipe_fds[1]);
   int error = pid < 0 ? errno : 0;
@@ -125,7 +127,7 @@ Result<Answer> ask(const std::vector<std::string>& arguments) {
   if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0) {
     return Error{std::string("pipe: ") + std::strerror(errno)};
   }
-  Result<Child> child = Child::start(arguments, pipe_fds[1]);
+  Result<Child> child = Child::start(arguments, {pipe_fds[1], "", SIGTERM});
   ::close(pipe_fds[1]);
   Answer answer;
   std::array<char, 4096> part{};

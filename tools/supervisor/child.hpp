@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,13 @@
 #include "core/result.hpp"
 
 namespace vantage::tools {
+
+/// Where a process runs and what ends it.
+struct ChildPlace {
+  int output = -1;        ///< descriptor for what it writes, errors included; negative: as ours
+  std::string folder;     ///< its working folder; empty: ours
+  int end_signal = SIGTERM;  ///< sent by the kernel should the supervisor die
+};
 
 /// How a process ended.
 struct ChildExit {
@@ -22,13 +30,13 @@ struct ChildExit {
 
 /// One process that we started; killed and reaped when the object goes. It is in a process group
 /// of its own, so that a Ctrl-C in the terminal reaches it only through its supervisor, and is
-/// sent SIGTERM by the kernel should the supervisor die.
+/// sent a signal by the kernel should the supervisor die.
 class Child {
  public:
   /// Starts `arguments[0]`, searched in PATH when it has no slash. The Error is that of exec
-  /// (no such file), not only of fork. What it writes, errors included, goes to `output` unless
-  /// that is negative.
-  static Result<Child> start(const std::vector<std::string>& arguments, int output = -1);
+  /// (no such file), not only of fork; a folder that cannot be entered is one, too.
+  static Result<Child> start(const std::vector<std::string>& arguments,
+                             const ChildPlace& place = {});
 
   Child(Child&& other) noexcept;
   Child& operator=(Child&& other) noexcept;

@@ -1,10 +1,16 @@
 #include "tools/supervisor/supervisor.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "core/check.hpp"
 
@@ -30,13 +36,29 @@ std::optional<ChildExit> wait_until(Child& child, SteadyTime deadline,
   }
 }
 
+Result<Child> start_child(const ProcessSpec& spec) {
+  if (spec.folder.empty()) {
+    return Child::start(spec.arguments, {-1, "", spec.end_signal});
+  }
+  std::error_code failed;
+  std::filesystem::create_directories(spec.folder, failed);
+  const std::string path = spec.folder + "/output.txt";
+  const int output = failed ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (output < 0) {
+    return Error{path + ": " + (failed ? failed.message() : std::strerror(errno))};
+  }
+  Result<Child> child = Child::start(spec.arguments, {output, spec.folder, spec.end_signal});
+  ::close(output);
+  return child;
+}
+
 }  // namespace
 
 using models::SupervisedPhase;
 using Kind = SupervisorEvent::Kind;
 
 void Supervisor::start(const ProcessSpec& spec, Nanoseconds monotonic_ns) {
-  Result<Child> child = Child::start(spec.arguments);
+  Result<Child> child = start_child(spec);
   if (!child.ok()) {
     throw StartupError("cannot start " + spec.name + ": " + child.error().message);
   }
@@ -70,7 +92,7 @@ SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {
     process.spec.before_restart();
   }
   process.schedule.on_start(now_ns);
-  Result<Child> child = Child::start(process.spec.arguments);
+  Result<Child> child = start_child(process.spec);
   if (!child.ok()) {
     return on_end(process, child.error().message, now_ns);
   }
@@ -101,7 +123,7 @@ std::vector<std::string> Supervisor::stop_all(milliseconds patience,
   std::vector<std::string> killed;
   for (auto process = processes_.rbegin(); process != processes_.rend(); ++process) {
     if (process->child) {
-      process->child->send(SIGTERM);
+      process->child->send(process->spec.end_signal);
     }
   }
   const auto deadline = std::chrono::steady_clock::now() + patience;

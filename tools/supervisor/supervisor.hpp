@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <csignal>
 #include <functional>
 #include <optional>
 #include <string>
@@ -19,6 +20,10 @@ struct ProcessSpec {
   bool is_essential = false;           ///< without it there is no point in going on
   /// Called before each start but the first.
   std::function<void()> before_restart = {};
+  /// Made if need be; the process works there, and what it writes goes into `output.txt`. Empty: it
+  /// works and writes where we do.
+  std::string folder = {};
+  int end_signal = SIGTERM;  ///< that ends it
 };
 
 struct SupervisedStatus {

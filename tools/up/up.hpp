@@ -15,6 +15,7 @@ struct UpOptions {
   std::string executables;  ///< the folder of the vantage-* programs
   std::string log_path;     ///< empty: no log
   std::string host;         ///< the one of scenario.hosts to run; empty: everything there is
+  std::string firmware_folder = "firmware";  ///< where firmware works and leaves what it writes
   bool quiet = false;
   bool live_table = false;           ///< redraw a table in place; else a line each 5 s
   bool fly = false;                  ///< arm, take off and follow at the start, land at the end

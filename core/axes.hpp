@@ -7,7 +7,7 @@
 // z up (FLU). An autopilot's local frame is the same world turned by half a revolution about x:
 // x as ours, y to the right, z down (FRD; what it calls north is our x). Bodies likewise.
 
-namespace vantage::drivers {
+namespace vantage {
 
 /// (x, −y, −z): either way, for positions, velocities and rates, of worlds and of bodies.
 inline Eigen::Vector3d turn_axes(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
@@ -20,4 +20,4 @@ inline Eigen::Quaterniond turn_axes(const Eigen::Quaterniond& q) {
 /// A yaw or yaw rate, which turns the other way seen along an axis that points down.
 inline double turn_yaw(double yaw) { return -yaw; }
 
-}  // namespace vantage::drivers
+}  // namespace vantage

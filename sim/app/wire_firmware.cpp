@@ -1,0 +1,53 @@
+#include "sim/app/wire_firmware.hpp"
+
+#include <memory>
+
+#include "core/check.hpp"
+#include "core/deadline.hpp"
+#include "sim/firmware/ardupilot_link.hpp"
+
+namespace vantage::sim {
+namespace {
+
+MultirotorParameters parameters_in(const models::WindSpec& wind) {
+  MultirotorParameters out;
+  out.wind_world_mps = {wind.x_mps, wind.y_mps, 0.0};
+  out.gust_sigma_mps = wind.gust_sigma_mps;
+  return out;
+}
+
+std::unique_ptr<FirmwareLink> link_to(const models::RobotSpec& robot, int instance) {
+  if (robot.autopilot->dialect == models::AutopilotDialect::kArdupilot) {
+    return std::make_unique<ArdupilotLink>(instance);
+  }
+  throw StartupError("robot " + robot.name + ": no firmware of this dialect can be flown here");
+}
+
+}  // namespace
+
+WireFirmware::WireFirmware(const models::RobotSpec& robot, const models::WindSpec& wind,
+                           int instance, std::uint64_t seed)
+    : name_(robot.name),
+      radius_m_(robot.limits.radius_m),
+      flight_(parameters_in(wind), SensorNoise{}, seed, robot.start, link_to(robot, instance)),
+      now_(flight_.at(monotonic_ns())) {}
+
+void WireFirmware::step(Time now, double dt_s) {
+  const std::int64_t wanted_ns =
+      has_clock_ ? to_utime(now + from_seconds(dt_s)) * 1'000 + monotonic_less_clock_ns_
+                 : monotonic_ns();
+  now_ = flight_.at(wanted_ns);
+}
+
+void WireFirmware::exchange(Time now) {
+  monotonic_less_clock_ns_ = monotonic_ns() - to_utime(now) * 1'000;
+  has_clock_ = true;
+}
+
+std::vector<models::NamedCount> WireFirmware::counters() const {
+  const FirmwareFlight::Counts counts = flight_.counts();
+  const std::string prefix = "wire." + name_ + ".firmware_";
+  return {{prefix + "silences", counts.silences}, {prefix + "resumed", counts.resumed}};
+}
+
+}  // namespace vantage::sim

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+#include "sim/app/wire_vehicle.hpp"
+#include "sim/firmware/firmware_flight.hpp"
+
+namespace vantage::sim {
+
+/// A quadrotor that unmodified autopilot firmware flies: its body is ours, and its firmware speaks
+/// with the driver itself. It stands on the ground at the robot's start.
+class WireFirmware : public WireVehicle {
+ public:
+  /// @param instance  of the firmware: its ports
+  /// @throws StartupError for a port that cannot be had.
+  WireFirmware(const models::RobotSpec& robot, const models::WindSpec& wind, int instance,
+               std::uint64_t seed);
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] double radius_m() const override { return radius_m_; }
+  [[nodiscard]] Pose3 world_from_body() const override { return now_.world_from_body; }
+  [[nodiscard]] Eigen::Vector3d velocity_world_mps() const override {
+    return now_.velocity_world_mps;
+  }
+  /// Looks where the body has got to: it moves by itself.
+  void step(Time now, double dt_s) override;
+  void exchange(Time now) override;
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+
+ private:
+  std::string name_;
+  double radius_m_;
+  FirmwareFlight flight_;
+  FirmwareFlight::Sample now_;
+  std::int64_t monotonic_less_clock_ns_ = 0;  ///< of the stack's clock
+  bool has_clock_ = false;
+};
+
+}  // namespace vantage::sim

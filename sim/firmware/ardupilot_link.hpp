@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include <netinet/in.h>
+
+#include "sim/firmware/firmware_link.hpp"
+
+namespace vantage::sim {
+
+/// ArduPilot's firmware by its JSON physics back end, over UDP (models/wire/sitl). It speaks first,
+/// and each of its datagrams is answered once.
+class ArdupilotLink : public FirmwareLink {
+ public:
+  /// Listens at 127.0.0.1, where firmware of `instance` speaks to: port 9002 + 10 instance.
+  /// @throws StartupError when the port cannot be had.
+  explicit ArdupilotLink(int instance);
+  ~ArdupilotLink() override;
+
+  /// 800 Hz: ArduPilot does not arm below 1.8 times its loop rate of 400 Hz.
+  [[nodiscard]] Duration period() const override { return Duration{1'250}; }
+  [[nodiscard]] bool is_lockstep() const override { return true; }
+  bool send(const FirmwareSensors& sensors) override;
+  std::optional<MotorCommand> receive(Duration timeout) override;
+
+ private:
+  int fd_ = -1;
+  std::optional<sockaddr_in> firmware_;
+  bool is_asked_ = false;  ///< it has spoken since it was last answered
+  std::array<std::uint8_t, 256> buffer_{};
+};
+
+}  // namespace vantage::sim

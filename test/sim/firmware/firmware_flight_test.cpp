@@ -1,0 +1,89 @@
+#include "sim/firmware/firmware_flight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+
+#include "core/deadline.hpp"
+#include "sim/firmware/ardupilot_link.hpp"
+
+namespace vantage::sim {
+namespace {
+
+/// Firmware that answers at once with fixed throttles, until it is told to fall silent.
+class Obedient : public FirmwareLink {
+ public:
+  struct Shared {
+    std::atomic<bool> is_silent{false};
+    std::atomic<double> throttle{0.0};
+    std::atomic<std::int64_t> told{0};
+    std::atomic<std::int64_t> disorders{0};  ///< sensors before the last were answered
+  };
+  explicit Obedient(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {}
+  [[nodiscard]] Duration period() const override { return Duration{2'500}; }
+  [[nodiscard]] bool is_lockstep() const override { return true; }
+  bool send(const FirmwareSensors& sensors) override {
+    shared_->disorders += owes_ || sensors.since_start <= last_ ? 1 : 0;
+    last_ = sensors.since_start;
+    owes_ = !shared_->is_silent;
+    ++shared_->told;
+    return owes_;
+  }
+  std::optional<MotorCommand> receive(Duration) override {
+    if (shared_->is_silent || (!owes_ && shared_->told > 0)) {
+      return std::nullopt;
+    }
+    owes_ = false;
+    const double u = shared_->throttle;
+    return MotorCommand{{u, u, u, u}};
+  }
+
+ private:
+  std::shared_ptr<Shared> shared_;
+  bool owes_ = false;
+  Duration last_{-1};
+};
+
+void wait_for(FirmwareFlight& flight, std::int64_t steps) {
+  while (flight.counts().steps < steps) {
+    std::this_thread::yield();
+  }
+}
+
+TEST(FirmwareFlight, EachSensorIsAnsweredBeforeTheNextAndTheBodyFlies) {
+  auto shared = std::make_shared<Obedient::Shared>();
+  shared->throttle = 0.8;
+  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));
+  wait_for(flight, 200);
+  EXPECT_EQ(shared->disorders, 0);
+  EXPECT_GT(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.2);
+}
+
+TEST(FirmwareFlight, FirmwareThatFallsSilentLosesItsMotorsAndTheBodyFalls) {
+  auto shared = std::make_shared<Obedient::Shared>();
+  shared->throttle = 0.8;
+  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));
+  wait_for(flight, 200);
+  shared->is_silent = true;
+  wait_for(flight, flight.counts().steps + 1200);
+  EXPECT_EQ(flight.counts().silences, 1);
+  EXPECT_NEAR(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.0, 0.05);
+}
+
+TEST(FirmwareFlight, PlacesBetweenSamplesLieBetweenThem) {
+  auto shared = std::make_shared<Obedient::Shared>();
+  shared->throttle = 0.8;
+  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));
+  wait_for(flight, 200);
+  const std::int64_t now_ns = monotonic_ns();
+  double last_m = -1.0;
+  for (std::int64_t back_ns = 100'000'000; back_ns >= 0; back_ns -= 1'000'000) {
+    const double z_m = flight.at(now_ns - back_ns).world_from_body.translation_m.z();
+    EXPECT_GE(z_m, last_m);  // it climbs all the time
+    last_m = z_m;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::sim

@@ -1,0 +1,85 @@
+#include "models/wire/sitl/json_physics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <vector>
+
+namespace vantage::models::sitl {
+namespace {
+
+// As ArduCopter 4.6.2 sent it: 1500 µs on the first output, 1000 on the others; frame 3.
+const std::vector<std::uint8_t> kRecorded = [] {
+  std::vector<std::uint8_t> out{0x1A, 0x48, 0xB0, 0x04, 3, 0, 0, 0, 0xDC, 0x05};
+  while (out.size() < 40) {
+    out.insert(out.end(), {0xE8, 0x03});
+  }
+  return out;
+}();
+
+TEST(JsonPhysics, ReadsTheFirmwaresOutputs) {
+  const auto outputs = parse_servo_outputs(kRecorded);
+  ASSERT_TRUE(outputs);
+  EXPECT_EQ(outputs->frame_rate_hz, 1200);
+  EXPECT_EQ(outputs->frame_count, 3U);
+  EXPECT_EQ(outputs->pulse_us[0], 1500);
+  EXPECT_EQ(outputs->pulse_us[15], 1000);
+  const auto bytes = format_servo_outputs(*outputs);
+  EXPECT_EQ(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), kRecorded);
+}
+
+TEST(JsonPhysics, TakesThirtyTwoOutputsToo) {
+  std::vector<std::uint8_t> wide = kRecorded;
+  wide[0] = 0x81;
+  wide[1] = 0x73;
+  wide.resize(72, 0);
+  const auto outputs = parse_servo_outputs(wide);
+  ASSERT_TRUE(outputs);
+  EXPECT_EQ(outputs->pulse_us[0], 1500);
+}
+
+TEST(JsonPhysics, RefusesEveryOtherLengthAndMagic) {
+  for (std::size_t length = 0; length < 80; ++length) {
+    std::vector<std::uint8_t> bytes = kRecorded;
+    bytes.resize(length, 0);
+    EXPECT_EQ(parse_servo_outputs(bytes).has_value(), length == 40) << length;
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    std::vector<std::uint8_t> bytes = kRecorded;
+    bytes[i] ^= 1U;
+    EXPECT_FALSE(parse_servo_outputs(bytes));
+  }
+}
+
+// The firmware's reader looks for a key, steps over the quote and the colon and reads with
+// "[%f, %f, %f]": a blank before the bracket is not read over.
+TEST(JsonPhysics, IsReadByAReaderLikeTheFirmwares) {
+  JsonSensors sensors;
+  sensors.time_s = 12.5;
+  sensors.gyro_body_radps = {0.1, -0.2, 1e-9};
+  sensors.specific_force_body_mps2 = {0.5, 0.0, -9.81};
+  sensors.position_local_m = {-3.0, 0.25, -1.5};
+  sensors.velocity_local_mps = {0.75, -0.5, 0.125};
+  sensors.local_from_body = Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5);
+  const std::string text = format_json_sensors(sensors);
+  ASSERT_EQ(text.front(), '\n');
+  ASSERT_EQ(text.back(), '\n');
+  const auto read3 = [&text](const char* key) {
+    Eigen::Vector3d v;
+    const std::size_t at = text.find(key);
+    EXPECT_NE(at, std::string::npos) << key;
+    const char* value = text.c_str() + at + std::string(key).size() + 2;
+    EXPECT_EQ(std::sscanf(value, "[%lf, %lf, %lf]", &v.x(), &v.y(), &v.z()), 3) << key;
+    return v;
+  };
+  EXPECT_EQ(read3("gyro"), sensors.gyro_body_radps);
+  EXPECT_EQ(read3("accel_body"), sensors.specific_force_body_mps2);
+  EXPECT_EQ(read3("position"), sensors.position_local_m);
+  EXPECT_EQ(read3("velocity"), sensors.velocity_local_mps);
+  EXPECT_NE(text.find("\"timestamp\":12.500000"), std::string::npos);
+  EXPECT_NE(text.find("\"quaternion\":[0.5,-0.5,0.5,-0.5]"), std::string::npos);
+  EXPECT_NE(text.find("\"no_time_sync\":1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace vantage::models::sitl
