@@ -116,6 +116,10 @@ models::RobotPlan RobotPlanner::blank_plan(const PlanInputs& inputs) const {
 std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInputs& inputs) {
   const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(spec_->name) : nullptr;
   const bool has_pose = body != nullptr && !body->occluded;
+  if (const auto hover = hover_off_plan(inputs)) {
+    ++counts_.off_plan;
+    return hover_at(*hover, spec_->height_m, inputs.slot.activation);
+  }
   if (inputs.own_plan) {
     const models::Trajectory& last = inputs.own_plan->trajectory;
     bool on_plan = true;
@@ -143,6 +147,25 @@ std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInput
     return std::nullopt;
   }
   return hover_at(flatten(body->world_from_body), spec_->height_m, inputs.slot.activation);
+}
+
+// A vehicle that holds stands where its driver stopped it, and will not come back to its plan by
+// itself: the next one must begin there, or it is refused for ever.
+std::optional<Pose2> RobotPlanner::hover_off_plan(const PlanInputs& inputs) const {
+  constexpr double kTurnMaxRad = 0.4;
+  const auto own = inputs.team_statuses.find(spec_->name);
+  if (!inputs.own_plan || own == inputs.team_statuses.end() ||
+      own->second.state != models::FlightState::kHold) {
+    return std::nullopt;
+  }
+  const models::Trajectory& last = inputs.own_plan->trajectory;
+  const Pose2& hover = own->second.setpoint;
+  const Time when = std::max(own->second.stamp.time, last.start_time);
+  const Pose2 planned = models::at(last, when).world_from_body;
+  const bool is_off =
+      (planned.position_m() - hover.position_m()).norm() > scenario_.planner.tracking_tolerance_m ||
+      std::abs(wrap_to_pi(planned.yaw_rad - hover.yaw_rad)) > kTurnMaxRad;
+  return is_off ? std::optional(hover) : std::nullopt;
 }
 
 bool RobotPlanner::flies_unknown_plan(const PlanInputs& inputs) const {

@@ -114,6 +114,7 @@ class RobotPlanner {
   /// while its pose was never known or it moves as nobody here knows.
   std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
   /// The vehicle says that it follows a plan that can still be moving when the slot begins.
+  [[nodiscard]] std::optional<Pose2> hover_off_plan(const PlanInputs& inputs) const;
   [[nodiscard]] bool flies_unknown_plan(const PlanInputs& inputs) const;
   /// The bait of the slot's round among the proposals that were heard, ascending by index.
   [[nodiscard]] std::vector<int> bait_of(const PlanInputs& inputs) const;
