@@ -1,9 +1,12 @@
 #include "tools/up/up.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
+#include <csignal>
 #include <deque>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -23,6 +26,7 @@
 #include "tools/observe/announcer.hpp"
 #include "tools/observe/observer.hpp"
 #include "tools/picture/picture.hpp"
+#include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
 #include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
@@ -42,6 +46,19 @@ constexpr milliseconds kTeamPatience{1200};
 constexpr Duration kDrainPatience = milliseconds(200);
 constexpr Duration kSealPatience = milliseconds(300);
 constexpr milliseconds kLoggerPatience{250};
+// HEALTH comes each second; what flies a vehicle speaks ten times a second, and is missed sooner.
+constexpr double kHungAfterS = 3.2;
+constexpr double kDriverHungAfterS = 0.8;
+
+Time monotonic_now() { return from_utime(monotonic_ns() / 1'000); }
+
+/// The name of a process on HEALTH_*.
+std::string health_name(std::string process) {
+  std::transform(process.begin(), process.end(), process.begin(), [](unsigned char c) {
+    return c == ' ' ? '_' : static_cast<char>(std::toupper(c));
+  });
+  return process;
+}
 
 /// A scenario file that lives as long as the processes that read it.
 class TemporaryScenario {
@@ -126,6 +143,8 @@ class Up {
   void listen();
   void turn();
   void take(const std::vector<SupervisorEvent>& events);
+  void watch(const std::vector<ProcessSpec>& processes);
+  void end_the_hung();
   [[nodiscard]] std::vector<SupervisedStatus> statuses() const;
   models::HostReport report(Time now);
   void land();
@@ -153,6 +172,8 @@ class Up {
   Teller teller_;
   std::unique_ptr<Pilot> pilot_;
   Supervisor team_;
+  Watchdog watchdog_;
+  std::map<std::string, std::string> by_health_;  ///< the process of each HEALTH name
   Time next_report_{};
   int requests_heeded_ = 1;  ///< to end; any more is in a hurry
   UpResult result_;
@@ -181,9 +202,43 @@ Up::Up(const models::Scenario& scenario, const UpOptions& options)
     announcer_.publish(start_);
   }
   const ProcessPlaces places{options.executables, file_.path(), scenario.network.url, options.host,
-                             options.has_virtual_targets};
-  for (const ProcessSpec& process : process_plan(scenario, places)) {
+                             options.has_virtual_targets, options.firmware_folder};
+  const std::vector<ProcessSpec> processes = process_plan(scenario, places);
+  watch(processes);
+  for (const ProcessSpec& process : processes) {
     team_.start(process, monotonic_ns());
+  }
+}
+
+void Up::watch(const std::vector<ProcessSpec>& processes) {
+  for (const ProcessSpec& process : processes) {
+    const bool is_driver = process.name.starts_with("quadrotor ") ||
+                           process.name.starts_with("rover ");
+    watchdog_.watch(process.name, is_driver ? kDriverHungAfterS : kHungAfterS);
+    by_health_[health_name(process.name)] = process.name;
+  }
+  const auto on_sign = [this](const std::string& name) {
+    if (const auto found = by_health_.find(name); found != by_health_.end()) {
+      watchdog_.on_sign(found->second, monotonic_now());
+    }
+  };
+  bus_.subscribe<models::ProcessHealth>(
+      bus::health_channel("*"),
+      [on_sign](const models::ProcessHealth& health) { on_sign(health.process); });
+  bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
+                                        [on_sign](const models::VehicleStatus& status) {
+                                          on_sign("QUADROTOR_" + status.robot);
+                                          on_sign("ROVER_" + status.robot);
+                                        });
+}
+
+// A process that hangs holds its place and does nothing: its end makes room for a new one.
+void Up::end_the_hung() {
+  for (const std::string& name : watchdog_.overdue(monotonic_now())) {
+    if (Child* const child = team_.find(name)) {
+      teller_.say(name + " gives no sign of life: ending it");
+      child->send(SIGKILL);
+    }
   }
 }
 
@@ -230,6 +285,7 @@ void Up::take(const std::vector<SupervisorEvent>& events) {
   for (const SupervisorEvent& event : events) {
     teller_.say(event.words);
     next_report_ = {};
+    watchdog_.on_start(event.name);
     if (event.name == kSimProcess && event.kind == SupervisorEvent::Kind::kStarted) {
       ++result_.world_restarts;
       teller_.say("the simulated world begins anew: robots and targets are back at their starts");
@@ -246,6 +302,7 @@ void Up::turn() {
   if (pilot_) {
     tell(pilot_->tick(now));
   }
+  end_the_hung();
   take(team_.poll(monotonic_ns()));
   if (keeper_) {
     take(keeper_->poll(monotonic_ns()));
@@ -314,7 +371,8 @@ void Up::stop_all() {
   const auto ended = team_.status(monotonic_ns());
   for (std::size_t i = 0; i < ended.size(); ++i) {
     const std::string& how = ended[i].last_end;
-    const bool is_fine = how == "exit 0" || how == "signal 15" || how == "killed";
+    const bool is_fine = how == "exit 0" || how == "signal 15" || how == "killed" ||
+                         ended[i].name.starts_with("firmware ");
     if (result_.processes[i].pid > 0 && !is_fine) {
       result_.ended_badly.push_back(ended[i].name + " (" + how + ")");
     }
