@@ -4,7 +4,7 @@
 #include <iterator>
 #include <limits>
 
-#include "drivers/quadrotor/axes.hpp"
+#include "core/axes.hpp"
 #include "models/wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
@@ -205,21 +205,21 @@ void AutopilotLink::send_setpoint(const Setpoint& setpoint, Time now) {
   target.target_system = system_id_;
   target.target_component = wire::kComponentAutopilot;
   target.coordinate_frame = wire::frame::kLocalNed;
-  if (setpoint.is_velocity) {
-    const Eigen::Vector3d velocity_mps = turn_axes(setpoint.velocity_world_mps);
-    target.type_mask = wire::mask::kVelocityAndYawRate;
-    target.vx = f32(velocity_mps.x());
-    target.vy = f32(velocity_mps.y());
-    target.vz = f32(velocity_mps.z());
-    target.yaw_rate = f32(turn_yaw(setpoint.yaw_rate_radps));
-  } else {
-    const Eigen::Vector3d position_m = turn_axes(setpoint.position_world_m);
-    target.type_mask = wire::mask::kPositionAndYaw;
-    target.x = f32(position_m.x());
-    target.y = f32(position_m.y());
-    target.z = f32(position_m.z());
-    target.yaw = f32(turn_yaw(setpoint.yaw_rad));
-  }
+  target.type_mask = wire::mask::kNothingIgnored;
+  const Eigen::Vector3d position_m = turn_axes(setpoint.position_world_m);
+  const Eigen::Vector3d velocity_mps = turn_axes(setpoint.velocity_world_mps);
+  const Eigen::Vector3d acceleration_mps2 = turn_axes(setpoint.acceleration_world_mps2);
+  target.x = f32(position_m.x());
+  target.y = f32(position_m.y());
+  target.z = f32(position_m.z());
+  target.vx = f32(velocity_mps.x());
+  target.vy = f32(velocity_mps.y());
+  target.vz = f32(velocity_mps.z());
+  target.afx = f32(acceleration_mps2.x());
+  target.afy = f32(acceleration_mps2.y());
+  target.afz = f32(acceleration_mps2.z());
+  target.yaw = f32(turn_yaw(setpoint.yaw_rad));
+  target.yaw_rate = f32(turn_yaw(setpoint.yaw_rate_radps));
   send(target, now);
 }
 

@@ -34,13 +34,15 @@ struct BodyState {
   std::uint8_t resets = 0;  ///< how often its pose has jumped
 };
 
-/// What a vehicle is to do now: be somewhere, or move somehow.
+/// What a vehicle is to do now: be at a place, moving and speeding up like this. Always all of it:
+/// ArduPilot starts its position controller anew with each change of kind, and what it did at that
+/// moment to brake it then goes on doing (docs/decisions/0008).
 struct Setpoint {
-  bool is_velocity = false;
-  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();    ///< unless is_velocity
-  double yaw_rad = 0.0;                                          ///< unless is_velocity
-  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< if is_velocity
-  double yaw_rate_radps = 0.0;                                   ///< if is_velocity
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();
+  double yaw_rad = 0.0;
+  double yaw_rate_radps = 0.0;
 };
 
 /// The conversation with one autopilot: what has to be said whatever the vehicle does (heartbeat,

@@ -39,7 +39,7 @@ DialectTraits px4() {
   out.follow_mode = px4_mode(6);
   out.land_mode = px4_mode(4, 6);
   out.wants_proof_of_life = true;
-  out.velocity_lag_s = 0.8;
+  out.lead_s = 0.1;
   out.streams = streams_with(stream<wire::EstimatorStatus>(5.0));
   return out;
 }
@@ -53,7 +53,7 @@ DialectTraits ardupilot() {
   out.follow_mode = 4;
   out.land_mode = 9;
   out.takes_off_by_command = true;
-  out.velocity_lag_s = 0.45;
+  out.lead_s = 0.1;
   out.needs_origin = true;
   out.streams = streams_with(stream<wire::EkfStatusReport>(5.0));
   return out;

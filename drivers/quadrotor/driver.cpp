@@ -31,6 +31,11 @@ const models::RobotSpec& robot_of(const models::Scenario& scenario, const std::s
   return *spec;
 }
 
+SafetyLimits with_lead(SafetyLimits limits, double lead_s) {
+  limits.setpoint_lead_s = lead_s;
+  return limits;
+}
+
 /// The later of two times that may not have been.
 std::optional<Time> later(std::optional<Time> a, std::optional<Time> b) {
   return !a ? b : !b ? a : std::optional(std::max(*a, *b));
@@ -46,10 +51,10 @@ QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::st
       take_off_height_m_(limits.take_off_height_m),
       link_(dialect_, static_cast<std::uint8_t>(robot_of(scenario, robot).autopilot->system_id),
             key),
-      guard_(scenario, robot, limits),
+      guard_(scenario, robot, with_lead(limits, traits_of(dialect_).lead_s)),
       tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
       sequence_(dialect_),
-      steering_(limits.vehicle, {.lead_s = traits_of(dialect_).velocity_lag_s}) {}
+      vehicle_(limits.vehicle) {}
 
 void QuadrotorDriver::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
   link_.receive(bytes, is_datagram, now);
@@ -184,7 +189,7 @@ void QuadrotorDriver::fly(Time now) {
   if (orders_.setpoint.kind == FlightSetpoint::Kind::kTrack) {
     const auto age = tracker_.age(now);
     const bool is_seen = age && to_seconds(*age) < kSeenS;
-    link_.send_setpoint(steering_.steer(orders_.setpoint, is_seen ? body : std::nullopt), now);
+    link_.send_setpoint(steer(orders_.setpoint, is_seen ? body : std::nullopt, vehicle_), now);
   } else if (body) {
     Setpoint here;  // on the ground: stay where you are
     here.position_world_m = body->world_from_body.translation_m;

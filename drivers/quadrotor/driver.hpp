@@ -72,7 +72,7 @@ class QuadrotorDriver {
   FlightGuard guard_;
   BodyTracker tracker_;
   FlightSequence sequence_;
-  Steering steering_;
+  models::VehicleLimits vehicle_;
   GuardOutput orders_;
   std::optional<double> ground_m_;  ///< height of the body when it was last seen unarmed
   Time last_setpoint_{};

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/quadrotor/axes.hpp"
+#include "core/axes.hpp"
 #include "drivers/quadrotor/dialect.hpp"
 #include "models/wire/mavlink/vocabulary.hpp"
 

@@ -173,6 +173,7 @@ void AutopilotEmulator::take_vision(const wire::VisionPositionEstimate& vision) 
 void AutopilotEmulator::take_target(const wire::SetPositionTargetLocalNed& message) {
   constexpr unsigned kPositionIgnored = 7;
   constexpr unsigned kVelocityIgnored = 56;
+  constexpr unsigned kAccelerationIgnored = 448;
   constexpr unsigned kForce = 512;
   constexpr unsigned kYawIgnored = 1024;
   constexpr unsigned kYawRateIgnored = 2048;
@@ -194,6 +195,9 @@ void AutopilotEmulator::take_target(const wire::SetPositionTargetLocalNed& messa
                      velocity_mps;
     }
     target.velocity_mps = velocity_mps;
+  }
+  if ((mask & kAccelerationIgnored) == 0) {
+    target.acceleration_mps2 = Eigen::Vector3d(message.afx, message.afy, message.afz);
   }
   if ((mask & kYawIgnored) == 0) {
     target.yaw_rad = static_cast<double>(message.yaw);

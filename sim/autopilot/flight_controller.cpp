@@ -157,6 +157,15 @@ void FlightController::take_target(const FlightTarget& target, Time now) {
   if (profile_.takes_off_by_command && airframe_.is_on_ground()) {
     return;
   }
+  // Another kind of target: the controller begins anew, and holds what it does at this moment to be
+  // what the wind asks for (ArduCopter 4.6, pva_control_start and init_xy_controller).
+  const bool is_other_kind = !target_ ||
+                             target.position_m.has_value() != target_->position_m.has_value() ||
+                             target.velocity_mps.has_value() != target_->velocity_mps.has_value();
+  if (profile_.keeps_braking_on_change && is_other_kind) {
+    integral_mps2_.head<2>() = commanded_mps2_.head<2>();
+    shaped_mps_ = airframe_.velocity_mps();
+  }
   climb_to_m_.reset();
   target_ = target;
 }
@@ -168,8 +177,11 @@ void FlightController::watch(Time now) {
       say(kCritical, "Failsafe activated: no offboard signal");
       enter_landing(now);
     } else if (target_ && target_->velocity_mps) {
-      target_->position_m.reset();
+      if (target_->position_m) {
+        *target_->position_m += profile_.setpoint_loss_s * *target_->velocity_mps;
+      }
       target_->velocity_mps = Eigen::Vector3d::Zero();
+      target_->acceleration_mps2.setZero();
       target_->yaw_rate_radps = 0.0;
     }
   }
@@ -229,7 +241,11 @@ std::optional<Eigen::Vector3d> FlightController::wanted_velocity_mps(Time now) c
       wanted = *target_->velocity_mps;
     }
     if (target_->position_m) {
-      wanted += towards(*target_->position_m);
+      const double since_s =
+          std::clamp(to_seconds(now - target_time_), 0.0, profile_.setpoint_loss_s);
+      const Eigen::Vector3d moved_m = profile_.carries_targets_on ? Eigen::Vector3d(since_s * wanted)
+                                                                  : Eigen::Vector3d::Zero();
+      wanted += towards(*target_->position_m + moved_m);
     }
     wanted = cut(wanted, profile_.speed_max_mps, profile_.climb_max_mps);
   }
@@ -241,9 +257,10 @@ double FlightController::wanted_yaw_rate_radps() const {
   if (!is_following() || !target_ || airframe_.is_on_ground()) {
     return 0.0;
   }
-  const double rate_radps = target_->yaw_rad
-                                ? kYawGainPerS * wrap_to_pi(*target_->yaw_rad - airframe_.yaw_rad())
-                                : target_->yaw_rate_radps;
+  double rate_radps = target_->yaw_rate_radps;
+  if (target_->yaw_rad) {
+    rate_radps += kYawGainPerS * wrap_to_pi(*target_->yaw_rad - airframe_.yaw_rad());
+  }
   return std::clamp(rate_radps, -kYawRateMaxRadps, kYawRateMaxRadps);
 }
 
@@ -251,13 +268,18 @@ void FlightController::control(const std::optional<Eigen::Vector3d>& wanted_mps,
   if (!wanted_mps) {
     shaped_mps_.setZero();
     integral_mps2_.setZero();
+    commanded_mps2_.setZero();
     airframe_.step(false, Eigen::Vector3d::Zero(), 0.0, dt_s);
     return;
   }
   const AutopilotProfile& p = profile_;
   Eigen::Vector3d shaped_rate = Eigen::Vector3d::Zero();
+  if (is_following() && target_ && !climb_to_m_) {
+    shaped_rate = target_->acceleration_mps2;
+  }
   if (p.velocity_shaping_s > 0.0) {
-    shaped_rate = cut((*wanted_mps - shaped_mps_) / p.velocity_shaping_s, p.acceleration_max_mps2,
+    shaped_rate = cut(shaped_rate + (*wanted_mps - shaped_mps_) / p.velocity_shaping_s,
+                      p.acceleration_max_mps2,
                       p.acceleration_max_mps2);
     shaped_mps_ += dt_s * shaped_rate;
   } else {
@@ -266,9 +288,11 @@ void FlightController::control(const std::optional<Eigen::Vector3d>& wanted_mps,
   const Eigen::Vector3d error_mps = shaped_mps_ - airframe_.velocity_mps();
   integral_mps2_ = cut(integral_mps2_ + dt_s * p.velocity_integral_per_s2 * error_mps,
                        kIntegralMaxMps2, kIntegralMaxMps2);
+  const Eigen::Vector3d gains(p.velocity_gain_per_s, p.velocity_gain_per_s, p.climb_gain_per_s);
   const Eigen::Vector3d acceleration_mps2 =
-      cut(p.feed_forward * shaped_rate + p.velocity_gain_per_s * error_mps + integral_mps2_,
+      cut(p.feed_forward * shaped_rate + gains.cwiseProduct(error_mps) + integral_mps2_,
           p.acceleration_max_mps2, 2.0 * p.acceleration_max_mps2);
+  commanded_mps2_ = acceleration_mps2;
   airframe_.step(true, acceleration_mps2, wanted_yaw_rate_radps(), dt_s);
 }
 

@@ -19,8 +19,9 @@ namespace vantage::sim {
 struct FlightTarget {
   std::optional<Eigen::Vector3d> position_m;
   std::optional<Eigen::Vector3d> velocity_mps;
+  Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();
   std::optional<double> yaw_rad;
-  double yaw_rate_radps = 0.0;  ///< without a yaw
+  double yaw_rate_radps = 0.0;
 };
 
 struct SpokenText {
@@ -100,6 +101,7 @@ class FlightController {
   Eigen::Vector3d landing_at_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d shaped_mps_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d integral_mps2_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d commanded_mps2_ = Eigen::Vector3d::Zero();
   std::string fault_;
   std::vector<SpokenText> texts_;
 };

@@ -14,6 +14,7 @@ AutopilotProfile px4() {
   out.flags_lost = 0x065;
   out.wants_proof_of_life = true;
   out.lands_on_setpoint_loss = true;
+  out.feed_forward = 1.0;
   return out;
 }
 
@@ -33,8 +34,11 @@ AutopilotProfile ardupilot() {
   out.refusal = 4;
   out.setpoint_loss_s = 3.0;
   out.takes_off_by_command = true;
+  out.carries_targets_on = true;
+  out.keeps_braking_on_change = true;
   out.velocity_shaping_s = 0.35;
   out.velocity_gain_per_s = 3.0;
+  out.climb_gain_per_s = 3.0;
   out.velocity_integral_per_s2 = 1.0;
   out.feed_forward = 1.0;
   out.position_gain_per_s = 1.0;

@@ -122,27 +122,32 @@ TEST(AutopilotLink, SendsPosesAsTheEstimatorsAcceptThem) {
   }
 }
 
-TEST(AutopilotLink, SendsSetPointsWithTheMasksThatWereFlown) {
-  Bench bench(AutopilotDialect::kArdupilot);
-  Setpoint place;
-  place.position_world_m = {1.0, 2.0, 3.0};
-  place.yaw_rad = 0.5;
-  Setpoint motion;
-  motion.is_velocity = true;
-  motion.velocity_world_mps = {0.1, 0.2, 0.3};
-  motion.yaw_rate_radps = -0.4;
-  bench.link.send_setpoint(place, kNow);
-  bench.link.send_setpoint(motion, kNow);
-  const auto targets = bench.said_of<wire::SetPositionTargetLocalNed>();
-  ASSERT_EQ(targets.size(), 2U);
-  EXPECT_EQ(targets[0].type_mask, 0x9F8);
-  EXPECT_EQ(targets[0].coordinate_frame, 1);
-  EXPECT_EQ(targets[0].target_system, 1);
-  EXPECT_EQ((std::vector{targets[0].x, targets[0].y, targets[0].z, targets[0].yaw}),
-            (std::vector{1.0F, -2.0F, -3.0F, -0.5F}));
-  EXPECT_EQ(targets[1].type_mask, 0x5C7);
-  EXPECT_EQ((std::vector{targets[1].vx, targets[1].vy, targets[1].vz, targets[1].yaw_rate}),
-            (std::vector{0.1F, -0.2F, -0.3F, 0.4F}));
+TEST(AutopilotLink, TellsPlaceVelocityAndAccelerationInEachSetPoint) {
+  for (const AutopilotDialect dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
+    Bench bench(dialect);
+    Setpoint moving;
+    moving.position_world_m = {1.0, 2.0, 3.0};
+    moving.velocity_world_mps = {0.1, 0.2, 0.3};
+    moving.acceleration_world_mps2 = {-0.5, 0.25, 0.125};
+    moving.yaw_rad = 0.5;
+    moving.yaw_rate_radps = -0.4;
+    Setpoint standing;
+    standing.position_world_m = {1.0, 2.0, 3.0};
+    bench.link.send_setpoint(moving, kNow);
+    bench.link.send_setpoint(standing, kNow);
+    const auto targets = bench.said_of<wire::SetPositionTargetLocalNed>();
+    ASSERT_EQ(targets.size(), 2U);
+    const wire::SetPositionTargetLocalNed& t = targets[0];
+    EXPECT_EQ(t.coordinate_frame, 1);
+    EXPECT_EQ(t.target_system, 1);
+    EXPECT_EQ((std::vector{t.x, t.y, t.z, t.yaw}), (std::vector{1.0F, -2.0F, -3.0F, -0.5F}));
+    EXPECT_EQ((std::vector{t.vx, t.vy, t.vz, t.yaw_rate}),
+              (std::vector{0.1F, -0.2F, -0.3F, 0.4F}));
+    EXPECT_EQ((std::vector{t.afx, t.afy, t.afz}), (std::vector{-0.5F, -0.25F, -0.125F}));
+    // One kind of set-point, whatever it asks for: no change of kind can upset an autopilot.
+    EXPECT_EQ(targets[0].type_mask, 0);
+    EXPECT_EQ(targets[1].type_mask, 0);
+  }
 }
 
 TEST(AutopilotLink, AnswersTheVehiclesClockAndMeasuresIt) {

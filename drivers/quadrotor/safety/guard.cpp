@@ -158,11 +158,14 @@ GuardOutput FlightGuard::tick(Time now) {
   if (p.ladder.state == FlightState::kHold) {
     p.move_off(now);
   }
+  const double height_before_m = p.height_ref_m;
   if (p.ladder.state == FlightState::kLand) {
     p.land(now, dt_s);
   } else if (is_airborne(p.ladder.state)) {
     p.move_height(dt_s);
   }
+  const double rate_mps = dt_s > 0.0 ? (p.height_ref_m - height_before_m) / dt_s : 0.0;
+  p.height_rate_mps = std::clamp(rate_mps, -p.limits.climb_mps, p.limits.climb_mps);
 
   GuardOutput out;
   out.state = p.ladder.state;
@@ -187,10 +190,10 @@ models::VehicleStatus FlightGuard::status(Time now) const {
   out.robot = p.name;
   out.state = p.ladder.state;
   out.battery_share = p.battery_share;
-  const FlightSetpoint asked = p.setpoint(now);
-  if (asked.kind == FlightSetpoint::Kind::kTrack) {
+  if (p.setpoint(now).kind == FlightSetpoint::Kind::kTrack) {
+    const PlanPoint asked = p.course.at(now);  // now, not when it will be answered
     out.setpoint = {asked.position_world_m.x(), asked.position_world_m.y(), asked.yaw_rad};
-    out.setpoint_height_m = std::max(0.0, asked.position_world_m.z());
+    out.setpoint_height_m = std::max(0.0, p.height_ref_m);
   } else {
     out.setpoint = flatten(p.pose.world_from_body());
   }

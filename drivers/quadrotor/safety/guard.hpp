@@ -32,13 +32,12 @@ struct AutopilotReport {
 struct FlightSetpoint {
   enum class Kind {
     kNone,       ///< idle on the ground: nothing; disarm when armed and not wanted
-    kTrack,      ///< be at position_world_m moving at velocity_world_mps
+    kTrack,      ///< be at position_world_m moving at velocity_world_mps, setpoint_lead_s from now
     kBlindLand,  ///< no position to steer by: the autopilot's own landing
     kMotorsOff,  ///< forced disarm, repeated each tick
   };
   Kind kind = Kind::kNone;
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
-  /// Velocity and acceleration are those of a tenth of a second later, when they will be answered.
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
   Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();
   double yaw_rad = 0.0;

@@ -13,7 +13,6 @@ using models::FlightState;
 
 namespace {
 
-constexpr double kTiltS = 0.1;            // until an autopilot that is told to accelerate does
 constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
 constexpr double kShiftMps = 0.4;         // to a landing spot
 constexpr double kMoveOffMps = 0.2;       // from what is too near
@@ -235,15 +234,16 @@ FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
     case FlightState::kHold:
       break;
   }
-  const PlanPoint asked = course.at(now);
-  const PlanPoint soon = course.at(now + from_seconds(kTiltS));
+  // One instant, so that place, velocity and acceleration fit together.
+  const PlanPoint soon = course.at(now + from_seconds(limits.setpoint_lead_s));
   out.kind = FlightSetpoint::Kind::kTrack;
-  out.position_world_m = asked.position_world_m;
-  out.position_world_m.z() = height_ref_m;
+  out.position_world_m = soon.position_world_m;
+  out.position_world_m.z() = height_ref_m + limits.setpoint_lead_s * height_rate_mps;
   out.velocity_world_mps = soon.velocity_world_mps;
+  out.velocity_world_mps.z() = height_rate_mps;
   out.acceleration_world_mps2 = soon.acceleration_world_mps2;
-  out.yaw_rad = asked.yaw_rad;
-  out.yaw_rate_radps = asked.yaw_rate_radps;
+  out.yaw_rad = soon.yaw_rad;
+  out.yaw_rate_radps = soon.yaw_rate_radps;
   return out;
 }
 

@@ -56,6 +56,7 @@ struct FlightGuard::Parts {
 
   // Heights.
   double height_ref_m = 0.0;
+  double height_rate_mps = 0.0;  ///< of height_ref_m, at the last tick
   double height_goal_m = 0.0;
   double blind_height_m = 0.0;
   Time landing_since{}, spot_since{};

@@ -52,6 +52,7 @@ constexpr std::uint8_t kLocalFrd = 20;
 
 /// type_mask of a position target: what is to be ignored.
 namespace mask {
+constexpr std::uint16_t kNothingIgnored = 0;
 constexpr std::uint16_t kPositionAndYaw = 0x9F8;
 constexpr std::uint16_t kVelocityAndYawRate = 0x5C7;
 }  // namespace mask
