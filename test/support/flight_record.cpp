@@ -1,0 +1,201 @@
+#include "test/support/flight_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "bus/convert.hpp"
+#include "bus/scenario_yaml.hpp"
+#include "models/world/world.hpp"
+
+namespace vantage::test {
+namespace {
+
+using models::FlightState;
+
+template <class Message, class Wire>
+std::optional<Message> decode(const lcm::LogEvent& event) {
+  Wire wire;
+  if (wire.decode(event.data, 0, event.datalen) != event.datalen) {
+    return std::nullopt;
+  }
+  return bus::from_wire(wire);
+}
+
+constexpr double kLowM = 0.5;  // a vehicle below it lands or takes off
+
+}  // namespace
+
+void FlightRecord::take(const lcm::LogEvent& event) {
+  if (event.channel == "SCENARIO" && !scenario_) {
+    if (const auto notice = decode<models::ScenarioNotice, vantage_lcm::scenario_t>(event)) {
+      scenario_ = bus::parse_scenario(notice->yaml, "SCENARIO");
+    }
+  } else if (event.channel == "TRUTH") {
+    if (const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event)) {
+      for (const models::TruthBody& body : truth->bodies) {
+        if (body.target_id < 0) {
+          robots_[body.name].truth.push_back({truth->stamp.time,
+                                              body.world_from_body.translation_m,
+                                              body.velocity_world_mps});
+        }
+      }
+    }
+  } else if (event.channel.starts_with("QUADROTOR_")) {
+    if (const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event)) {
+      robots_[status->robot].said.push_back(*status);
+    }
+  }
+}
+
+std::optional<Eigen::Vector3d> FlightRecord::place(const Robot& robot, Time time) const {
+  const auto later =
+      std::lower_bound(robot.truth.begin(), robot.truth.end(), time,
+                       [](const At& at, Time wanted) { return at.time < wanted; });
+  if (later == robot.truth.begin() || later == robot.truth.end()) {
+    return std::nullopt;
+  }
+  const At& before = *(later - 1);
+  const double share = to_seconds(time - before.time) / to_seconds(later->time - before.time);
+  return Eigen::Vector3d(before.position_m + share * (later->position_m - before.position_m));
+}
+
+CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) const {
+  CourseKept out;
+  const models::RobotSpec* const spec = scenario_ ? scenario_->find_robot(name) : nullptr;
+  const auto follows = [](const models::VehicleStatus& said) {
+    return said.state == FlightState::kFollow;
+  };
+  const auto first = std::find_if(robot.said.begin(), robot.said.end(), follows);
+  // The end: the last time it was told to land, when nothing followed after that.
+  const auto last_in_air =
+      std::find_if(robot.said.rbegin(), robot.said.rend(), [](const models::VehicleStatus& said) {
+        return said.state == FlightState::kFollow || said.state == FlightState::kHold;
+      });
+  if (spec == nullptr || first == robot.said.end()) {
+    return out;
+  }
+  const Time begin = first->stamp.time;
+  const Time end = last_in_air->stamp.time;
+  double following_s = 0.0;
+  double square_sum_m2 = 0.0;
+  int samples = 0;
+  for (auto said = first; said + 1 != robot.said.end() && said->stamp.time < end; ++said) {
+    const double lasted_s = to_seconds((said + 1)->stamp.time - said->stamp.time);
+    out.airborne_s += lasted_s;
+    following_s += follows(*said) ? lasted_s : 0.0;
+    for (const std::string& reason : said->reasons) {
+      out.reasons[reason] += lasted_s;
+    }
+    const auto here_m = place(robot, said->stamp.time);
+    if (!here_m) {
+      continue;
+    }
+    const Eigen::Vector3d asked_m(said->setpoint.x_m, said->setpoint.y_m, said->setpoint_height_m);
+    const double error_m = (*here_m - asked_m).norm();
+    if (follows(*said)) {
+      square_sum_m2 += error_m * error_m;
+      ++samples;
+      out.setpoint_error_max_m = std::max(out.setpoint_error_max_m, error_m);
+    } else if (said->state == FlightState::kHold) {
+      out.hold_error_max_m = std::max(out.hold_error_max_m, error_m);
+    }
+  }
+  out.follow_share = out.airborne_s > 0.0 ? following_s / out.airborne_s : 0.0;
+  out.setpoint_error_rms_m = samples > 0 ? std::sqrt(square_sum_m2 / samples) : 0.0;
+  out.separation_least_m = std::numeric_limits<double>::infinity();
+  for (const At& at : robot.truth) {
+    if (at.time < begin || at.position_m.z() < kLowM) {
+      continue;
+    }
+    out.speed_max_share =
+        std::max(out.speed_max_share, at.velocity_mps.head<2>().norm() / spec->limits.speed_max_mps);
+    out.outside_max_m = std::max(
+        out.outside_max_m, -models::clearance_m(scenario_->world, at.position_m.head<2>()));
+    for (const auto& [other_name, other] : robots_) {
+      if (other_name != name) {
+        if (const auto other_m = place(other, at.time)) {
+          out.separation_least_m =
+              std::min(out.separation_least_m, (*other_m - at.position_m).norm());
+        }
+      }
+    }
+  }
+  return out;
+}
+
+std::optional<Stop> FlightRecord::stop_at(const Robot& robot, std::size_t said) {
+  constexpr double kWatchedS = 2.5;
+  constexpr double kStayedS = 1.0;
+  constexpr double kStillMps = 0.1;
+  const models::VehicleStatus& first = robot.said[said];
+  const Time begin = first.stamp.time;
+  for (std::size_t i = said; i < robot.said.size(); ++i) {
+    const double since_s = to_seconds(robot.said[i].stamp.time - begin);
+    if (since_s > kStayedS) {
+      break;
+    }
+    if (robot.said[i].state != FlightState::kHold) {
+      return std::nullopt;
+    }
+  }
+  Stop out;
+  out.begin = begin;
+  out.reason = first.reasons.empty() ? "" : first.reasons.front();
+  const At* from = nullptr;
+  for (const At& at : robot.truth) {
+    const double since_s = to_seconds(at.time - begin);
+    if (since_s < 0.0 || since_s > kWatchedS) {
+      continue;
+    }
+    if (from == nullptr) {
+      from = &at;
+      out.speed_mps = at.velocity_mps.head<2>().norm();
+    }
+    out.distance_m = std::max(out.distance_m, (at.position_m - from->position_m).head<2>().norm());
+    if (at.velocity_mps.head<2>().norm() > kStillMps) {
+      out.still_after_s = since_s;
+    }
+  }
+  return from == nullptr ? std::nullopt : std::optional(out);
+}
+
+std::map<std::string, std::vector<Stop>> FlightRecord::stops() const {
+  std::map<std::string, std::vector<Stop>> out;
+  for (const auto& [name, robot] : robots_) {
+    for (std::size_t i = 1; i < robot.said.size(); ++i) {
+      if (robot.said[i - 1].state == FlightState::kFollow &&
+          robot.said[i].state == FlightState::kHold) {
+        if (const auto stop = stop_at(robot, i)) {
+          out[name].push_back(*stop);
+        }
+      }
+    }
+  }
+  return out;
+}
+
+std::map<std::string, CourseKept> FlightRecord::summaries() const {
+  std::map<std::string, CourseKept> out;
+  for (const auto& [name, robot] : robots_) {
+    out[name] = summary(name, robot);
+  }
+  return out;
+}
+
+std::string to_text(const std::string& robot, const CourseKept& kept) {
+  std::string out = fmt::format(
+      "{}: followed {:.1f} % of {:.1f} s; set-point error {:.3f} m rms, {:.2f} at most, {:.2f} in "
+      "hold; {:.2f} of the speed limit; {:.2f} m outside; {:.2f} m from others",
+      robot, 100.0 * kept.follow_share, kept.airborne_s, kept.setpoint_error_rms_m,
+      kept.setpoint_error_max_m, kept.hold_error_max_m, kept.speed_max_share, kept.outside_max_m,
+      kept.separation_least_m);
+  for (const auto& [reason, seconds] : kept.reasons) {
+    out += fmt::format("; {} {:.1f} s", reason, seconds);
+  }
+  return out;
+}
+
+}  // namespace vantage::test

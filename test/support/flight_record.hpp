@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::test {
+
+/// How one vehicle kept to what it was asked, from its first plan until it was told to land for
+/// good or the log ends. Judged on the truth.
+struct CourseKept {
+  double airborne_s = 0.0;
+  double follow_share = 0.0;          ///< of that time, in FOLLOW
+  double setpoint_error_rms_m = 0.0;  ///< in space, while following
+  double setpoint_error_max_m = 0.0;
+  double hold_error_max_m = 0.0;  ///< while holding
+  double speed_max_share = 0.0;   ///< of the limit, horizontally
+  double outside_max_m = 0.0;     ///< of the centre beyond the bounds or in an obstacle
+  double separation_least_m = 0.0;
+  std::map<std::string, double> reasons;  ///< seconds for which each was given, in the air
+};
+
+/// What became of one order or need to stop while it followed a plan.
+struct Stop {
+  Time begin{};
+  double speed_mps = 0.0;     ///< then, horizontally
+  double distance_m = 0.0;    ///< the farthest that it got from there within 2.5 s, horizontally
+  double still_after_s = 0.0; ///< until it was slower than 0.1 m/s for good
+  std::string reason;
+};
+
+/// Reads a log of a flight, event by event: SCENARIO, TRUTH and QUADROTOR_*.
+class FlightRecord {
+ public:
+  void take(const lcm::LogEvent& event);
+  [[nodiscard]] std::map<std::string, CourseKept> summaries() const;
+  /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
+  [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
+
+ private:
+  struct At {
+    Time time{};
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  };
+  struct Robot {
+    std::vector<At> truth;
+    std::vector<models::VehicleStatus> said;
+  };
+  [[nodiscard]] static std::optional<Stop> stop_at(const Robot& robot, std::size_t said);
+  [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
+  [[nodiscard]] CourseKept summary(const std::string& name, const Robot& robot) const;
+
+  std::optional<models::Scenario> scenario_;
+  std::map<std::string, Robot> robots_;
+};
+
+/// One line for people.
+std::string to_text(const std::string& robot, const CourseKept& kept);
+
+}  // namespace vantage::test
