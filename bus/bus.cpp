@@ -41,21 +41,21 @@ bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) 
   return transport_.publish(channel, bytes);
 }
 
-void Bus::add_subscription(const std::string& pattern, bool is_shared,
-                           std::function<void(Delivery&)> deliver) {
+void Bus::add_subscription(Subscription subscription) {
   bool is_new = true;
-  for (const Subscription& subscription : subscriptions_) {
-    is_new = is_new && subscription.pattern != pattern;
+  for (const Subscription& known : subscriptions_) {
+    is_new = is_new && known.pattern != subscription.pattern;
   }
   const std::size_t index = subscriptions_.size();
-  subscriptions_.push_back({pattern, is_shared, std::move(deliver)});
+  subscriptions_.push_back(std::move(subscription));
   if (is_new) {
-    transport_.subscribe(pattern, [self = std::weak_ptr<Bus*>(self_), index](
-                                      std::string_view name, std::span<const std::uint8_t> bytes) {
-      if (const auto bus = self.lock()) {
-        (*bus)->on_message(index, name, bytes);
-      }
-    });
+    transport_.subscribe(subscriptions_[index].pattern,
+                         [self = std::weak_ptr<Bus*>(self_), index](
+                             std::string_view name, std::span<const std::uint8_t> bytes) {
+                           if (const auto bus = self.lock()) {
+                             (*bus)->on_message(index, name, bytes);
+                           }
+                         });
   }
 }
 
@@ -73,6 +73,7 @@ void Bus::on_message(std::size_t subscription, std::string_view name,
   for (std::size_t i = subscription; i < subscriptions_.size(); ++i) {
     if (channel_matches(subscriptions_[i].pattern, name)) {
       delivery.is_shared = subscriptions_[i].is_shared;
+      delivery.lease = subscriptions_[i].lease;
       subscriptions_[i].deliver(delivery);
     }
   }
@@ -87,8 +88,11 @@ bool Bus::is_fresh(Delivery& delivery, const models::Stamp& stamp) {
       ++streams_refused_;
       delivery.is_fresh = false;
     } else {
-      const Arrival arrival = delivery.is_shared ? shared_streams_[delivery.name].judge(stamp)
-                                                 : streams_[delivery.name].judge(stamp);
+      const StreamRules rules{clock_ == nullptr ? std::nullopt : std::optional(clock_->now()),
+                              delivery.lease};
+      const Arrival arrival = delivery.is_shared
+                                  ? shared_streams_[delivery.name].judge(stamp, rules)
+                                  : streams_[delivery.name].judge(stamp, rules);
       delivery.is_fresh = arrival == Arrival::kFresh;
     }
   }
@@ -148,6 +152,7 @@ std::vector<models::NamedCount> Bus::counters() const {
     add_nonzero(counts, name + ".duplicates", stream.duplicates);
     add_nonzero(counts, name + ".reordered", stream.reordered);
     add_nonzero(counts, name + ".old_runs", stream.old_runs);
+    add_nonzero(counts, name + ".too_far_ahead", stream.too_far_ahead);
     add_nonzero(counts, name + ".restarts", stream.runs - 1);
   }
   return counts;
