@@ -21,6 +21,7 @@
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/observe/announcer.hpp"
+#include "tools/observe/neighbours.hpp"
 #include "tools/observe/observer.hpp"
 #include "tools/picture/picture.hpp"
 #include "tools/up/host_board.hpp"
@@ -42,6 +43,11 @@ constexpr milliseconds kTeamPatience{1200};
 constexpr Duration kDrainPatience = milliseconds(200);
 constexpr Duration kSealPatience = milliseconds(300);
 constexpr milliseconds kLoggerPatience{250};
+
+/// The trial's clock, handed on before the first process is started.
+struct HandedClock : bus::SteadyClock {
+  HandedClock() { hand_on(); }
+};
 
 /// A scenario file that lives as long as the processes that read it.
 class TemporaryScenario {
@@ -142,7 +148,7 @@ class Up {
   const std::string host_;
   const std::unique_ptr<bus::Transport> transport_;
   bus::Bus bus_;
-  const bus::SystemClock clock_;
+  const HandedClock clock_;
   Announcer announcer_;
   const TemporaryScenario file_;
   std::unique_ptr<LogKeeper> keeper_;
@@ -353,6 +359,16 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
                 const std::function<bool()>& stop) {
   if (const auto faults = device_faults(scenario); !faults.empty()) {
     throw StartupError(faults.front());
+  }
+  if (!options.beside_others) {
+    const auto transport = bus::open_transport(scenario.network.url);
+    const auto rivals =
+        rivals_of_up(scenario, options.host, hear_channels(*transport, kListenToNeighbours, stop));
+    if (!rivals.empty()) {
+      throw StartupError(rivals.front() +
+                         ": end it, use another network (--url), or start beside it with "
+                         "--beside-others");
+    }
   }
   return Up(scenario, options).run(stop);
 }
