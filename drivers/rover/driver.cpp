@@ -313,6 +313,9 @@ models::VehicleStatus RoverDriver::status(Time now) const {
   if (ladder_.state == FlightState::kHold && !ladder_.wants_follow) {
     out.reasons.emplace_back("operator");
   }
+  if (const char* const complaint = source_.complaint(now)) {
+    out.reasons.emplace_back(complaint);
+  }
   return out;
 }
 

@@ -39,7 +39,10 @@ bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
   }
   const NamedBody found = find_unique(frame, p.name);
   const bool airborne = is_airborne(p.ladder.state);
-  const BodyContext context{airborne, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
+  // A source that takes over after arming must show the vehicle where it is.
+  const bool is_candidate = standing == MocapSource::Standing::kCandidate;
+  const bool is_pinned = airborne || (is_candidate && p.autopilot.armed);
+  const BodyContext context{is_pinned, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
                             !airborne || p.in.height_m < p.limits.safe_height_m};
   PoseMonitor pose = p.pose;
   PoseVerdict verdict = PoseVerdict::kDuplicate;
@@ -47,7 +50,7 @@ bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
     verdict = pose.judge(found.body, context, p.limits, now);
   }
   ++p.pose_counts[static_cast<std::size_t>(verdict)];
-  if (standing == MocapSource::Standing::kCandidate) {
+  if (is_candidate) {
     if (verdict != PoseVerdict::kAccepted) {
       return false;
     }
@@ -216,6 +219,9 @@ models::VehicleStatus FlightGuard::status(Time now) const {
   }
   if (p.ladder.state == FlightState::kHold && out.reasons.empty()) {
     out.reasons.emplace_back("operator");
+  }
+  if (const char* const complaint = p.source.complaint(now)) {
+    out.reasons.emplace_back(complaint);
   }
   return out;
 }

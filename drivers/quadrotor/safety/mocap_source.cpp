@@ -24,6 +24,7 @@ MocapSource::Standing MocapSource::judge(const models::MocapFrame& frame, Time n
     const bool goes_on = frame.frame_number > number_ && frame.frame_number - number_ <= kGoesOnMax;
     if (!goes_on && !is_of_now(stamp, {}, now) && !is_of_now(stamp, ahead_, now)) {
       ++other_time_;
+      other_time_heard_ = now;
       return Standing::kRefused;
     }
     hear(frame, now);
@@ -31,6 +32,7 @@ MocapSource::Standing MocapSource::judge(const models::MocapFrame& frame, Time n
   }
   if (!is_of_now(stamp, {}, now)) {
     ++other_time_;
+    other_time_heard_ = now;
     return Standing::kRefused;
   }
   if (run_id_) {
@@ -49,6 +51,15 @@ void MocapSource::confirm(const models::MocapFrame& frame, Time now) {
   ahead_ = {};
   other_heard_.reset();
   hear(frame, now);
+}
+
+const char* MocapSource::complaint(Time now) const {
+  const auto is_recent = [now](const std::optional<Time>& heard) {
+    return heard && to_seconds(now - *heard) <= kFreshS;
+  };
+  return is_recent(other_heard_)        ? "a second source of VICON is refused"
+         : is_recent(other_time_heard_) ? "VICON stamped by another clock, or of a log, is refused"
+                                        : nullptr;
 }
 
 void MocapSource::count(std::vector<models::NamedCount>& out) const {

@@ -38,10 +38,8 @@ class MocapSource {
   /// A candidate's frame has passed.
   void confirm(const models::MocapFrame& frame, Time now);
 
-  /// True when another run spoke within the last kFreshS.
-  [[nodiscard]] bool is_contested(Time now) const {
-    return other_heard_ && to_seconds(now - *other_heard_) <= kFreshS;
-  }
+  /// Who is refused now, in words for people; nullptr: nobody was in the last kFreshS.
+  [[nodiscard]] const char* complaint(Time now) const;
   /// Appends what was refused: frames of other sources, frames of other times.
   void count(std::vector<models::NamedCount>& out) const;
 
@@ -51,9 +49,10 @@ class MocapSource {
 
   std::optional<std::int64_t> run_id_;
   Time heard_{};
-  std::int64_t number_ = 0;  ///< of its newest frame
-  Duration ahead_{};         ///< of our clock behind its own, since it was set
-  std::optional<Time> other_heard_;
+  std::int64_t number_ = 0;               ///< of its newest frame
+  Duration ahead_{};                      ///< of our clock behind its own, since it was set
+  std::optional<Time> other_heard_;       ///< another source beside it
+  std::optional<Time> other_time_heard_;  ///< a frame of another time
   std::int64_t others_refused_ = 0;
   std::int64_t other_time_ = 0;
   std::int64_t takeovers_ = 0;
