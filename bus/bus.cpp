@@ -1,5 +1,6 @@
 #include "bus/bus.hpp"
 
+#include <algorithm>
 #include <random>
 #include <utility>
 
@@ -45,6 +46,14 @@ void Bus::add_subscription(Subscription subscription) {
   bool is_new = true;
   for (const Subscription& known : subscriptions_) {
     is_new = is_new && known.pattern != subscription.pattern;
+  }
+  // A flood of other names must not take the place of a channel that was asked for by name.
+  if (!subscription.pattern.ends_with('*')) {
+    if (subscription.is_shared) {
+      shared_streams_.try_emplace(subscription.pattern);
+    } else {
+      streams_.try_emplace(subscription.pattern);
+    }
   }
   const std::size_t index = subscriptions_.size();
   subscriptions_.push_back(std::move(subscription));
@@ -121,7 +130,9 @@ std::map<std::string, StreamCounts> Bus::stream_counts() const {
     counts[name] = stream.counts();
   }
   for (const auto& [name, stream] : shared_streams_) {
-    counts[name] = stream.counts();
+    if (const StreamCounts shared = stream.counts(); shared.runs > 0) {
+      counts[name] = shared;
+    }
   }
   return counts;
 }
@@ -153,7 +164,7 @@ std::vector<models::NamedCount> Bus::counters() const {
     add_nonzero(counts, name + ".reordered", stream.reordered);
     add_nonzero(counts, name + ".old_runs", stream.old_runs);
     add_nonzero(counts, name + ".too_far_ahead", stream.too_far_ahead);
-    add_nonzero(counts, name + ".restarts", stream.runs - 1);
+    add_nonzero(counts, name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1));
   }
   return counts;
 }
