@@ -1,5 +1,6 @@
 #include "bus/bus.hpp"
 
+#include <algorithm>
 #include <random>
 #include <utility>
 
@@ -41,21 +42,29 @@ bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) 
   return transport_.publish(channel, bytes);
 }
 
-void Bus::add_subscription(const std::string& pattern, bool is_shared,
-                           std::function<void(Delivery&)> deliver) {
+void Bus::add_subscription(Subscription subscription) {
   bool is_new = true;
-  for (const Subscription& subscription : subscriptions_) {
-    is_new = is_new && subscription.pattern != pattern;
+  for (const Subscription& known : subscriptions_) {
+    is_new = is_new && known.pattern != subscription.pattern;
+  }
+  // A flood of other names must not take the place of a channel that was asked for by name.
+  if (!subscription.pattern.ends_with('*')) {
+    if (subscription.is_shared) {
+      shared_streams_.try_emplace(subscription.pattern);
+    } else {
+      streams_.try_emplace(subscription.pattern);
+    }
   }
   const std::size_t index = subscriptions_.size();
-  subscriptions_.push_back({pattern, is_shared, std::move(deliver)});
+  subscriptions_.push_back(std::move(subscription));
   if (is_new) {
-    transport_.subscribe(pattern, [self = std::weak_ptr<Bus*>(self_), index](
-                                      std::string_view name, std::span<const std::uint8_t> bytes) {
-      if (const auto bus = self.lock()) {
-        (*bus)->on_message(index, name, bytes);
-      }
-    });
+    transport_.subscribe(subscriptions_[index].pattern,
+                         [self = std::weak_ptr<Bus*>(self_), index](
+                             std::string_view name, std::span<const std::uint8_t> bytes) {
+                           if (const auto bus = self.lock()) {
+                             (*bus)->on_message(index, name, bytes);
+                           }
+                         });
   }
 }
 
@@ -73,6 +82,7 @@ void Bus::on_message(std::size_t subscription, std::string_view name,
   for (std::size_t i = subscription; i < subscriptions_.size(); ++i) {
     if (channel_matches(subscriptions_[i].pattern, name)) {
       delivery.is_shared = subscriptions_[i].is_shared;
+      delivery.lease = subscriptions_[i].lease;
       subscriptions_[i].deliver(delivery);
     }
   }
@@ -87,8 +97,11 @@ bool Bus::is_fresh(Delivery& delivery, const models::Stamp& stamp) {
       ++streams_refused_;
       delivery.is_fresh = false;
     } else {
-      const Arrival arrival = delivery.is_shared ? shared_streams_[delivery.name].judge(stamp)
-                                                 : streams_[delivery.name].judge(stamp);
+      const StreamRules rules{clock_ == nullptr ? std::nullopt : std::optional(clock_->now()),
+                              delivery.lease};
+      const Arrival arrival = delivery.is_shared
+                                  ? shared_streams_[delivery.name].judge(stamp, rules)
+                                  : streams_[delivery.name].judge(stamp, rules);
       delivery.is_fresh = arrival == Arrival::kFresh;
     }
   }
@@ -117,7 +130,9 @@ std::map<std::string, StreamCounts> Bus::stream_counts() const {
     counts[name] = stream.counts();
   }
   for (const auto& [name, stream] : shared_streams_) {
-    counts[name] = stream.counts();
+    if (const StreamCounts shared = stream.counts(); shared.runs > 0) {
+      counts[name] = shared;
+    }
   }
   return counts;
 }
@@ -148,7 +163,8 @@ std::vector<models::NamedCount> Bus::counters() const {
     add_nonzero(counts, name + ".duplicates", stream.duplicates);
     add_nonzero(counts, name + ".reordered", stream.reordered);
     add_nonzero(counts, name + ".old_runs", stream.old_runs);
-    add_nonzero(counts, name + ".restarts", stream.runs - 1);
+    add_nonzero(counts, name + ".too_far_ahead", stream.too_far_ahead);
+    add_nonzero(counts, name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1));
   }
   return counts;
 }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bus/channels.hpp"
+#include "bus/clock.hpp"
 #include "bus/convert.hpp"
 #include "bus/stream_monitor.hpp"
 #include "bus/transport.hpp"
@@ -28,8 +29,8 @@ std::int64_t random_run_id();
 /// Handlers run inside handle(), on the thread that called it. Every message carries the run id of
 /// its publisher and a sequence number per channel from 0, both set here; receivers count gaps,
 /// duplicates, reordering and old runs, and never see a duplicate, an overtaken message or one of
-/// a run that has been replaced (on a shared channel no run replaces another). Not thread-safe: one
-/// Bus, one thread.
+/// a run that has been replaced (on a shared channel no run replaces another), except those that
+/// pass every filter (passes_every_filter). Not thread-safe: one Bus, one thread.
 class Bus {
  public:
   /// @param publish_prefix  put before the name of every channel published on (for a replay
@@ -40,6 +41,10 @@ class Bus {
   Bus& operator=(const Bus&) = delete;
   Bus(Bus&&) = delete;
   Bus& operator=(Bus&&) = delete;
+
+  /// From now on runs are judged by when they were heard, too (a channel's lease). `clock` must
+  /// outlive the Bus; without one, as for what a log says, a run is replaced at once.
+  void keep_time(const Clock& clock) { clock_ = &clock; }
 
   /// Stamps `message` with this run's id and the channel's next sequence number, and sends it.
   /// The content's time is the caller's. Returns the name under which others may refer to it.
@@ -78,18 +83,19 @@ class Bus {
     std::span<const std::uint8_t> bytes;
     std::optional<bool> is_fresh = std::nullopt;  ///< once judged
     bool is_shared = false;                       ///< several publishers are expected
+    Duration lease{};                             ///< of the channel
     bool is_faulty = false;                       ///< does not decode or cannot be true: counted
   };
   struct Subscription {
     std::string pattern;
     bool is_shared = false;
+    Duration lease{};
     std::function<void(Delivery&)> deliver;
   };
 
   std::int64_t next_sequence(const std::string& channel);
   bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
-  void add_subscription(const std::string& pattern, bool is_shared,
-                        std::function<void(Delivery&)> deliver);
+  void add_subscription(Subscription subscription);
   void on_message(std::size_t subscription, std::string_view name,
                   std::span<const std::uint8_t> bytes);
   bool is_fresh(Delivery& delivery, const models::Stamp& stamp);
@@ -98,6 +104,7 @@ class Bus {
   void count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& counts);
 
   Transport& transport_;
+  const Clock* clock_ = nullptr;
   std::int64_t run_id_;
   std::string publish_prefix_;
   std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe

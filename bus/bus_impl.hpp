@@ -1,5 +1,6 @@
 #pragma once
 
+#include <type_traits>
 #include <utility>
 
 #include "bus/bus.hpp"
@@ -31,25 +32,26 @@ void Bus::subscribe(const Channel<Message>& channel, std::function<void(const Me
 template <class Message>
 void Bus::subscribe_named(const Channel<Message>& channel,
                           std::function<void(const std::string& name, const Message&)> handler) {
-  add_subscription(channel.name, channel.is_shared,
-                   [this, handler = std::move(handler)](Delivery& delivery) {
-                     if (delivery.is_fresh == false) {
-                       return;
-                     }
-                     const auto wire = decode_wire<WireOf<Message>>(delivery.bytes);
-                     if (!wire) {
-                       count_fault(delivery, decode_errors_);
-                       return;
-                     }
-                     const std::optional<Message> message = from_wire(*wire);
-                     if (!message) {
-                       count_fault(delivery, refused_);
-                       return;
-                     }
-                     if (is_fresh(delivery, message->stamp)) {
-                       handler(delivery.name, *message);
-                     }
-                   });
+  add_subscription({channel.name, channel.is_shared, channel.lease,
+                    [this, handler = std::move(handler)](Delivery& delivery) {
+                      constexpr bool kMayPass = std::is_same_v<Message, models::OperatorCommand>;
+                      if (delivery.is_fresh == false && !kMayPass) {
+                        return;
+                      }
+                      const auto wire = decode_wire<WireOf<Message>>(delivery.bytes);
+                      if (!wire) {
+                        count_fault(delivery, decode_errors_);
+                        return;
+                      }
+                      const std::optional<Message> message = from_wire(*wire);
+                      if (!message) {
+                        count_fault(delivery, refused_);
+                        return;
+                      }
+                      if (is_fresh(delivery, message->stamp) || passes_every_filter(*message)) {
+                        handler(delivery.name, *message);
+                      }
+                    }});
 }
 
 }  // namespace vantage::bus

@@ -64,7 +64,10 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     const auto transport =
         open_transport(arguments.url.empty() ? scenario.network.url : arguments.url);
     Bus bus(*transport, random_run_id(), arguments.publish_prefix);
-    const SystemClock clock;
+    const SteadyClock clock;
+    if (!arguments.replay) {
+      bus.keep_time(clock);
+    }
     apply(real_time);  // after the network's own threads, before the node prepares its memory
     const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);
     run_node(bus, *node, clock, stop_requested, usage_counters);

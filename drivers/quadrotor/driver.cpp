@@ -94,7 +94,9 @@ void QuadrotorDriver::report_autopilot(Time now) {
 }
 
 void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
-  guard_.on_mocap(frame, now);
+  if (!guard_.on_mocap(frame, now)) {
+    return;  // counted there
+  }
   const bool is_resting = !is_airborne(orders_.state);
   const BodyVerdict verdict = tracker_.see(frame, now, is_resting);
   if (verdict == BodyVerdict::kUnseen) {

@@ -46,21 +46,33 @@ RoverDriver::RoverDriver(const models::Scenario& scenario, const std::string& ro
 }
 
 void RoverDriver::on_mocap(const models::MocapFrame& frame, Time now) {
+  const MocapSource::Standing standing = source_.judge(frame, now);
+  if (standing == MocapSource::Standing::kRefused) {
+    return;
+  }
   const NamedBody found = find_unique(frame, name_);
   const bool drives = is_driving(ladder_.state);
   const bool is_moving = std::abs(control_.speed_mps) > kMovingMps;
+  PoseMonitor pose = pose_;
   PoseVerdict verdict = PoseVerdict::kDuplicate;
   if (found.is_unique) {
-    verdict = pose_.judge(found.body, {drives, is_moving, !is_moving}, limits_, now);
+    verdict = pose.judge(found.body, {drives, is_moving, !is_moving}, limits_, now);
   }
   ++pose_counts_[static_cast<std::size_t>(verdict)];
+  if (standing == MocapSource::Standing::kCandidate) {
+    if (verdict != PoseVerdict::kAccepted) {
+      return;
+    }
+    source_.confirm(frame, now);
+  }
+  pose_ = pose;
   clocks_set_ += clock_.on_frame(frame.stamp.time, frame.arrival, frame.frame_number) ? 0 : 1;
   fleet_.on_mocap(frame, limits_, now);
 }
 
 PlanVerdict RoverDriver::on_plan(const models::RobotPlan& plan, Time now) {
   if (plan.robot != name_) {
-    teammate_plans_refused_ += fleet_.on_plan(plan, limits_) ? 0 : 1;
+    (void)fleet_.on_plan(plan, limits_, now);  // counted there
     return PlanVerdict::kWrongVehicle;
   }
   return take(plan, now);
@@ -301,6 +313,9 @@ models::VehicleStatus RoverDriver::status(Time now) const {
   if (ladder_.state == FlightState::kHold && !ladder_.wants_follow) {
     out.reasons.emplace_back("operator");
   }
+  if (const char* const complaint = source_.complaint(now)) {
+    out.reasons.emplace_back(complaint);
+  }
   return out;
 }
 
@@ -314,10 +329,11 @@ std::vector<models::NamedCount> RoverDriver::counters() const {
   out.push_back({"mocap.clock_set", clocks_set_});
   out.push_back({"mocap.unknown_bodies", fleet_.unknown_bodies()});
   out.push_back({"mocap.others_refused", fleet_.poses_refused()});
-  out.push_back({"plan.teammate_refused", teammate_plans_refused_});
+  source_.count(out);
+  out.push_back({"plan.teammate_refused", fleet_.plans_refused()});
   out.push_back({"command.refused", commands_refused_});
   out.push_back({"planner.takeovers", plans_.lease().takeovers()});
-  out.push_back({"operator.handovers", authority_.handovers()});
+  authority_.count(out);
   return out;
 }
 

@@ -13,6 +13,7 @@
 #include "drivers/quadrotor/safety/fleet.hpp"
 #include "drivers/quadrotor/safety/guard.hpp"
 #include "drivers/quadrotor/safety/mocap_clock.hpp"
+#include "drivers/quadrotor/safety/mocap_source.hpp"
 #include "drivers/quadrotor/safety/plan_gate.hpp"
 #include "drivers/quadrotor/safety/pose_monitor.hpp"
 #include "drivers/rover/link.hpp"
@@ -83,6 +84,7 @@ class RoverDriver {
   SafetyLimits limits_;
   Fleet fleet_;
   PoseMonitor pose_;
+  MocapSource source_;
   MocapClock clock_;
   PlanGate plans_;
   OperatorAuthority authority_;
@@ -104,7 +106,6 @@ class RoverDriver {
   std::array<std::int64_t, kPoseVerdicts> pose_counts_{};
   std::int64_t clocks_set_ = 0;
   std::int64_t commands_refused_ = 0;
-  std::int64_t teammate_plans_refused_ = 0;
 };
 
 }  // namespace vantage::drivers

@@ -38,6 +38,10 @@ class ViconDriver {
   /// True when datagrams are to be heard at `port`; else a TCP connection is to be made.
   [[nodiscard]] bool is_datagram() const { return is_datagram_; }
   [[nodiscard]] const std::string& host() const { return spec_.host; }
+  /// True when datagrams are taken from host() alone: the scenario names another than the default.
+  [[nodiscard]] bool has_sender() const {
+    return is_datagram_ && spec_.host != models::MocapSpec{}.host;
+  }
   [[nodiscard]] int port() const { return spec_.actual_port(); }
 
   [[nodiscard]] bool wants_open(Moment now) const;

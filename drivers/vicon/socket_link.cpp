@@ -90,6 +90,14 @@ void SocketLink::open(Moment now) {
 }
 
 void SocketLink::open_datagram(Moment now) {
+  if (driver_.has_sender()) {
+    const Result<sockaddr_in> sender = find_host(driver_.host(), driver_.port());
+    if (!sender.ok()) {
+      fail(sender.error().message + "; check mocap.host");
+      return;
+    }
+    sender_ = sender.value().sin_addr.s_addr;
+  }
   socket_.reset(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   set_option(socket_.fd(), SOL_SOCKET, SO_REUSEADDR, 1);  // others may hear a broadcast as well
   enlarge_receive_buffer(socket_.fd());
@@ -143,7 +151,10 @@ void SocketLink::finish_opening(Moment now) {
 
 void SocketLink::read_all() {
   for (int reads = 0; reads < kReadsMax && driver_.is_open() && !driver_.wants_close(); ++reads) {
-    const ssize_t size = recv(socket_.fd(), buffer_.data(), buffer_.size(), 0);
+    sockaddr_in from{};
+    socklen_t from_size = sizeof from;
+    const ssize_t size = recvfrom(socket_.fd(), buffer_.data(), buffer_.size(), 0,
+                                  reinterpret_cast<sockaddr*>(&from), &from_size);
     if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
       return;
     }
@@ -157,6 +168,10 @@ void SocketLink::read_all() {
     if (size < 0) {
       fail("the connection broke: " + reason(errno));
       return;
+    }
+    if (sender_ && from.sin_addr.s_addr != *sender_) {
+      ++strangers_;
+      continue;
     }
     driver_.receive(now_(), models::vicon::Bytes(buffer_).first(static_cast<std::size_t>(size)));
   }

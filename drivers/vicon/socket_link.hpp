@@ -2,8 +2,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <netinet/in.h>
 
 #include "drivers/vicon/descriptor.hpp"
 #include "drivers/vicon/driver.hpp"
@@ -23,6 +26,8 @@ class SocketLink {
   [[nodiscard]] Duration next_wake() const { return driver_.next_wake(); }
   /// Does what there is to do.
   void step();
+  /// Datagrams of others than the configured sender.
+  [[nodiscard]] std::int64_t strangers() const { return strangers_; }
 
  private:
   static constexpr int kReadsMax = 256;  ///< of one step: a flood must not stop the process
@@ -40,6 +45,8 @@ class SocketLink {
   std::function<Moment()> now_;
   Descriptor epoll_;
   Descriptor socket_;
+  std::optional<in_addr_t> sender_;  ///< of datagrams; nullopt: anyone
+  std::int64_t strangers_ = 0;
   bool is_opening_ = false;
   std::uint32_t watched_ = 0;
   std::vector<std::uint8_t> buffer_;

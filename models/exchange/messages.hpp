@@ -198,6 +198,12 @@ struct VehicleStatus {
 
 enum class OperatorAction { kHeartbeat, kArm, kTakeOff, kFollow, kHold, kLand, kEmergencyStop };
 
+/// What may be said by any station, at any time: hold, land, emergency stop.
+constexpr bool makes_safer(OperatorAction action) {
+  return action == OperatorAction::kHold || action == OperatorAction::kLand ||
+         action == OperatorAction::kEmergencyStop;
+}
+
 /// From the operator's console (COMMAND).
 struct OperatorCommand {
   Stamp stamp;

@@ -42,6 +42,7 @@ class BusAgainstRawBytes : public ::testing::Test {
     models::OperatorCommand c = command(utime);
     c.stamp.run_id = run;
     c.stamp.sequence = sequence;
+    c.action = models::OperatorAction::kArm;
     return c;
   }
 
@@ -174,6 +175,58 @@ TEST_F(BusAgainstRawBytes, HearsEveryConsoleHoweverManyThereAre) {
   EXPECT_EQ(bus_.messages_lost(), 1);
 }
 
+// Forged numbers silence no stop; who hears it judges it.
+TEST_F(BusAgainstRawBytes, HandsOnWhatMakesAVehicleSaferWhateverItsNumber) {
+  using models::OperatorAction;
+  send(stamped(1, std::int64_t{1} << 40, 10));
+  ASSERT_EQ(heard_.size(), 1U);
+  for (const OperatorAction action :
+       {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
+    for (const std::int64_t sequence : {3, 3, 2, 1}) {
+      models::OperatorCommand safer = stamped(1, sequence, 11);
+      safer.action = action;
+      send(safer);
+    }
+  }
+  EXPECT_EQ(heard_.size(), 13U);
+  models::OperatorCommand follow = stamped(1, 4, 9);
+  follow.action = OperatorAction::kFollow;
+  send(follow);
+  EXPECT_EQ(heard_.size(), 13U) << "and nothing else";
+}
+
+TEST(Bus, KeepsTheFirstMocapWhileItIsHeard) {
+  InProcessHub hub;
+  const auto endpoint = hub.connect();
+  const auto first_side = hub.connect();
+  const auto second_side = hub.connect();
+  Bus bus(*endpoint, 1);
+  Bus first(*first_side, 2);
+  Bus second(*second_side, 3);
+  VirtualClock clock(from_utime(1'700'000'000'000'000));
+  bus.keep_time(clock);
+  std::vector<std::int64_t> heard;
+  bus.subscribe<models::MocapFrame>(
+      kVicon, [&](const models::MocapFrame& frame) { heard.push_back(frame.stamp.run_id); });
+  const auto run = [&](double seconds, bool first_speaks) {
+    const Time end = clock.now() + from_seconds(seconds);
+    for (; clock.now() < end; clock.set(clock.now() + Duration{10'000})) {
+      models::MocapFrame frame;
+      frame.stamp.time = clock.now();
+      if (first_speaks) {
+        first.publish(kVicon, frame);
+      }
+      second.publish(kVicon, frame);
+      bus.handle(kNow);
+    }
+  };
+  run(2.0, true);
+  EXPECT_EQ(heard, std::vector<std::int64_t>(200, 2));
+  heard.clear();
+  run(2.0, false);
+  EXPECT_EQ(heard, std::vector<std::int64_t>(151, 3)) << "once it is silent";
+}
+
 TEST_F(BusAgainstRawBytes, NeverShowsADuplicateAnOvertakenMessageOrAnOldRun) {
   bus_.subscribe<models::OperatorCommand>(
       {"SINGLE"}, [this](const models::OperatorCommand& c) { heard_.push_back(c); });
@@ -202,7 +255,9 @@ TEST_F(BusAgainstRawBytes, KeepsItsBooksBoundedUnderAFloodOfChannelNames) {
     send_bytes(test::encoded(models::RobotPlan{}), "PLAN_" + std::to_string(i));
     send_bytes({0}, "PLAN_JUNK" + std::to_string(i));
   }
-  EXPECT_EQ(count_of(bus_, "bus.streams_refused"), 3'000 - 1'024);
+  EXPECT_EQ(count_of(bus_, "bus.streams_refused"), 3'000 - 1'023);
+  send(stamped(1, 0, 10));
+  EXPECT_EQ(heard_.size(), 1U) << "asked for by name";
   EXPECT_EQ(count_of(bus_, "(other).decode_errors"), 3'000 - 1'024);
   EXPECT_LT(bus_.counters().size(), 10'000U) << "HEALTH can still carry them";
 }

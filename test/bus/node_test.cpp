@@ -178,5 +178,48 @@ TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {
   EXPECT_EQ(counters["process.memory_bytes"], 4096);
 }
 
+/// Waiting on it moves the machine's monotonic clock; at given times somebody sets its wall clock.
+class SetWallClock : public Transport {
+ public:
+  void subscribe(const std::string& channel, Handler handler) override {
+    own_->subscribe(channel, std::move(handler));
+  }
+  bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
+    return own_->publish(channel, bytes);
+  }
+  int handle(std::chrono::microseconds timeout) override {
+    since_start += timeout;
+    return own_->handle(std::chrono::microseconds{0});
+  }
+  [[nodiscard]] TransportStats stats() const override { return own_->stats(); }
+  [[nodiscard]] Duration set() const {
+    return since_start < seconds(2)   ? Duration{0}
+           : since_start < seconds(4) ? Duration{-seconds(3)}
+           : since_start < seconds(6) ? Duration{-std::chrono::hours(1)}
+                                      : Duration{std::chrono::hours(1)};
+  }
+
+  Duration since_start{};
+
+ private:
+  InProcessHub hub_;
+  std::unique_ptr<Transport> own_ = hub_.connect();
+};
+
+TEST(RunNodeBySteadyClock, TicksOnWhateverTheWallClockIsSetTo) {
+  const Time start = from_utime(1'700'000'000'000'000);
+  SetWallClock machine;
+  const SteadyClock clock([&] { return std::chrono::nanoseconds(machine.since_start).count(); },
+                          [&] { return start + machine.since_start + machine.set(); });
+  Bus bus(machine, 1);
+  bus.keep_time(clock);
+  Ticker node(start + milliseconds(5), milliseconds(20));
+  run_node(bus, node, clock, [&] { return machine.since_start >= milliseconds(7'985); });
+  ASSERT_EQ(node.ticks.size(), 400U);
+  for (std::size_t i = 0; i < node.ticks.size(); ++i) {
+    EXPECT_EQ(node.ticks[i], start + milliseconds(5) + static_cast<int>(i) * milliseconds(20));
+  }
+}
+
 }  // namespace
 }  // namespace vantage::bus

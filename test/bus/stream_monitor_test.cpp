@@ -9,6 +9,9 @@
 namespace vantage::bus {
 namespace {
 
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
 models::Stamp stamp(std::int64_t sequence, std::int64_t run_id = 1, std::int64_t utime = 0) {
   return {from_utime(utime), run_id, sequence};
 }
@@ -103,9 +106,73 @@ TEST(StreamMonitor, StaysBoundedUnderHostileSequenceNumbers) {
   StreamMonitor monitor;
   constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
   EXPECT_EQ(monitor.judge(stamp(0, 1)), Arrival::kFresh);
-  EXPECT_EQ(monitor.judge(stamp(kMax, 1)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(kMax, 1)), Arrival::kTooFarAhead);
+  EXPECT_EQ(monitor.judge(stamp(1, 1)), Arrival::kFresh) << "nobody is silenced";
   EXPECT_EQ(monitor.judge(stamp(kMax, 2)), Arrival::kFresh);
-  EXPECT_EQ(monitor.counts().lost, kMax);
+  EXPECT_EQ(monitor.judge(stamp(kMax, 2)), Arrival::kDuplicate);
+  EXPECT_EQ(monitor.counts().lost, 0);
+  EXPECT_EQ(monitor.counts().too_far_ahead, 1);
+}
+
+TEST(StreamMonitor, TakesAStepUpToItsBound) {
+  StreamMonitor monitor;
+  EXPECT_EQ(monitor.judge(stamp(0)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(StreamMonitor::kStepMax + 1)), Arrival::kTooFarAhead);
+  EXPECT_EQ(monitor.judge(stamp(StreamMonitor::kStepMax)), Arrival::kFresh);
+  EXPECT_EQ(monitor.counts().lost, StreamMonitor::kStepMax - 1);
+}
+
+TEST(StreamMonitor, BelievesAFarStepThatGoesOnOnceTheRunIsSilent) {
+  StreamMonitor monitor;
+  const auto judge = [&](std::int64_t sequence, double at_s) {
+    const Time now = from_utime(0) + from_seconds(at_s);
+    return monitor.judge({now, 1, sequence}, {now, {}});
+  };
+  EXPECT_EQ(judge(0, 0.0), Arrival::kFresh);
+  for (int i = 0; i < 100; ++i) {  // forged beside the true ones
+    EXPECT_EQ(judge(50'000 + i, 0.01 * i), Arrival::kTooFarAhead);
+    EXPECT_EQ(judge(1 + i, 0.01 * i), Arrival::kFresh);
+  }
+  for (int i = 0; i < 9; ++i) {  // a network that was away for 500 s
+    EXPECT_EQ(judge(60'000 + i, 500.0 + i), Arrival::kTooFarAhead);
+  }
+  EXPECT_EQ(judge(60'009, 509.0), Arrival::kFresh);
+  EXPECT_EQ(judge(60'010, 510.0), Arrival::kFresh);
+}
+
+TEST(StreamMonitor, GoesBackBeforeAGapThatWasForged) {
+  StreamMonitor monitor;
+  EXPECT_EQ(monitor.judge(stamp(10, 1, 1000)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(9'000, 1, 1005)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(9, 1, 990)), Arrival::kReordered) << "an old one stays old";
+  EXPECT_EQ(monitor.judge(stamp(11, 1, 1010)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(12, 1, 1020)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(12, 1, 1020)), Arrival::kDuplicate);
+  EXPECT_EQ(monitor.counts().lost, 0);
+}
+
+TEST(StreamMonitor, KeepsARunWithinItsLeaseAndTakesTheNextOneAfterIt) {
+  StreamMonitor monitor;
+  const auto judge = [&](std::int64_t run, std::int64_t sequence, double stamp_s, double at_s) {
+    return monitor.judge({from_utime(0) + from_seconds(stamp_s), run, sequence},
+                         {from_utime(0) + from_seconds(at_s), milliseconds(500)});
+  };
+  EXPECT_EQ(judge(1, 7, 1.0, 1.0), Arrival::kFresh);
+  EXPECT_EQ(judge(2, 0, 1.1, 1.1), Arrival::kOldRun) << "a second one beside it";
+  EXPECT_EQ(judge(2, 1, 3e8, 1.2), Arrival::kOldRun) << "dated ten years ahead";
+  EXPECT_EQ(judge(1, 8, 1.3, 1.3), Arrival::kFresh);
+  EXPECT_EQ(judge(2, 9, 2.0, 2.0), Arrival::kFresh);
+  EXPECT_EQ(judge(1, 9, 2.1, 2.1), Arrival::kOldRun);
+  EXPECT_EQ(judge(1, 40, 2.7, 2.7), Arrival::kFresh) << "nobody is refused for good";
+  EXPECT_EQ(monitor.counts().lost, 9) << "of the run that began";
+}
+
+// A stamp of the far future keeps no later run out.
+TEST(StreamMonitor, ComparesRunsByNoTimeInTheFuture) {
+  StreamMonitor monitor;
+  const Time now = from_utime(0) + seconds(100);
+  EXPECT_EQ(monitor.judge({now + std::chrono::hours(24), 1, 0}, {now, {}}), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge({now + seconds(3), 2, 0}, {now + seconds(3), {}}), Arrival::kFresh);
 }
 
 // A set of everything seen is the oracle; gaps stay below what the monitor remembers.

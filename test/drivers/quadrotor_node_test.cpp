@@ -74,10 +74,21 @@ TEST(QuadrotorNode, RefusesARobotThatHasNoAutopilot) {
 TEST(LoadKey, TakesThirtyTwoBytesAndNothingElse) {
   const auto file =
       std::filesystem::temp_directory_path() / ("vantage_key_" + std::to_string(getpid()));
+  using std::filesystem::perms;
   std::ofstream(file) << std::string(32, 'k');
+  for (const perms open_to : {perms::group_read, perms::group_write, perms::others_read}) {
+    std::filesystem::permissions(file, perms::owner_read | perms::owner_write | open_to);
+    EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError) << "others may use it";
+  }
+  std::filesystem::permissions(file, perms::owner_read | perms::owner_write);
   const auto key = load_key(file.string());
   ASSERT_TRUE(key.has_value());
   EXPECT_EQ((*key)[31], 'k');
+  if (geteuid() == 0) {
+    ASSERT_EQ(chown(file.c_str(), 12345, getegid()), 0);
+    EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError) << "another's";
+    ASSERT_EQ(chown(file.c_str(), 0, getegid()), 0);
+  }
   std::ofstream(file) << std::string(31, 'k');
   EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError);
   std::filesystem::remove(file);

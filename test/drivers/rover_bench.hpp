@@ -50,7 +50,9 @@ class RoverBench {
 
   void step() {
     if (steps % 2 == 0 && mocap_on) {
-      driver.on_mocap(captured, now);  // 5 ms old
+      if (captured.stamp.time > Time{}) {
+        driver.on_mocap(captured, now);  // 5 ms old
+      }
     }
     captured = capture();
     now += kStep;

@@ -58,6 +58,39 @@ TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
   }
 }
 
+// An old log beside the drive: its mocap, its stop.
+TEST(RoverNode, DrivesOnBesideAnOldLogAndASecondMocap) {
+  NodeBench bench;
+  ASSERT_TRUE(bench.run_until(
+      [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 3.0));
+  bench.say(OperatorAction::kArm);
+  bench.run(0.1);
+  bench.say(OperatorAction::kFollow);
+  bench.run(0.1);
+  models::RobotPlan plan;
+  plan.stamp.time = bench.clock.now() + from_seconds(0.2);
+  plan.robot = "R1";
+  plan.trajectory = {plan.stamp.time, {1.0, 1.0, kPi / 2}, 0.2, RoverBench::straight(0.5, 9.0)};
+  bench.lab.publish(bus::plan_channel("R1"), plan);
+  bench.each_step = [&, sequence = std::int64_t{0}]() mutable {
+    if (bench.steps % 2 == 1) {
+      models::MocapFrame frame = bench.see();
+      frame.stamp.run_id = bench.steps % 4 == 1 ? 5 : 6;
+      frame.stamp.time -= bench.steps % 4 == 1 ? std::chrono::hours(24) : std::chrono::hours(0);
+      frame.stamp.sequence = sequence++;
+      frame.bodies[0].world_from_body.translation_m = {-1.0, -1.0, 0.2};
+      bench.forge(bus::kVicon, frame);
+      models::OperatorCommand stop;
+      stop.stamp = {bench.clock.now() - std::chrono::hours(24), 5, sequence};
+      stop.action = OperatorAction::kEmergencyStop;
+      bench.forge(bus::kCommand, stop);
+    }
+  };
+  bench.run(2.2);
+  EXPECT_EQ(bench.statuses.back().state, models::FlightState::kFollow);
+  EXPECT_NEAR(bench.vehicle.emulator().state().world_from_body.y_m, 2.0, 0.1);
+}
+
 TEST(RoverNode, RefusesARobotThatIsNoRover) {
   bus::InProcessHub hub;
   const auto side = hub.connect();

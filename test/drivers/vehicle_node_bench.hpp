@@ -39,20 +39,31 @@ class VehicleNodeBench {
 
   void say(models::OperatorAction action) {
     models::OperatorCommand command;
-    command.stamp.time = clock.now();
+    command.stamp.time = clock.now() + operator_clock;
     command.action = action;
     lab.publish(bus::kCommand, command);
+  }
+  /// Somebody else's message, with a run id and a sequence number of their choosing.
+  template <class Message>
+  void forge(const bus::Channel<Message>& channel, const Message& message) {
+    const auto wire = bus::to_wire(message);
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire.getEncodedSize()));
+    wire.encode(bytes.data(), 0, wire.getEncodedSize());
+    stranger->publish(channel.name, bytes);
   }
   bool run_until(const std::function<bool()>& done, double seconds) {
     const Time end = clock.now() + from_seconds(seconds);
     for (; clock.now() < end && !done(); ++steps) {
       clock.set(clock.now() + Duration{5'000});
       vehicle.run_to(clock.now());
-      if (steps % 2 == 0) {
-        lab.publish(bus::kVicon, see());
+      if (steps % 2 == 0 && mocap != nullptr) {
+        mocap->publish(bus::kVicon, see());
       }
       if (steps % 40 == 0) {
         say(models::OperatorAction::kHeartbeat);
+      }
+      if (each_step) {
+        each_step();
       }
       node_bus.handle(std::chrono::microseconds(0));
       if (clock.now() >= node.next_tick()) {
@@ -66,24 +77,10 @@ class VehicleNodeBench {
     run_until([] { return false; }, seconds);
   }
   [[nodiscard]] const std::string& robot() const { return scenario.robots[0].name; }
-
-  bus::InProcessHub hub;
-  bus::VirtualClock clock;
-  std::unique_ptr<bus::Transport> node_side = hub.connect();
-  std::unique_ptr<bus::Transport> lab_side = hub.connect();
-  bus::Bus node_bus{*node_side, 11};
-  bus::Bus lab{*lab_side, 22};
-  models::Scenario scenario;
-  Node node;
-  Endpoint vehicle;
-  Place place;
-  std::vector<models::VehicleStatus> statuses;
-  std::int64_t steps = 0;
-
- private:
-  models::MocapFrame see() const {
+  /// What mocap sees now.
+  [[nodiscard]] models::MocapFrame see() const {
     models::MocapFrame frame;
-    frame.stamp.time = frame.arrival = clock.now();
+    frame.stamp.time = frame.arrival = clock.now() + mocap_clock;
     frame.frame_number = steps;
     models::MocapBody body;
     body.name = robot();
@@ -92,6 +89,24 @@ class VehicleNodeBench {
     frame.bodies.push_back(body);
     return frame;
   }
+
+  bus::InProcessHub hub;
+  bus::VirtualClock clock;
+  std::unique_ptr<bus::Transport> node_side = hub.connect();
+  std::unique_ptr<bus::Transport> lab_side = hub.connect();
+  bus::Bus node_bus{*node_side, 11};
+  std::unique_ptr<bus::Transport> stranger = hub.connect();
+  bus::Bus lab{*lab_side, 22};
+  models::Scenario scenario;
+  Node node;
+  Endpoint vehicle;
+  Place place;
+  std::vector<models::VehicleStatus> statuses;
+  std::int64_t steps = 0;
+  bus::Bus* mocap = &lab;           ///< who publishes VICON; nullptr: nobody
+  Duration mocap_clock{};           ///< by which its clock is off
+  Duration operator_clock{};        ///< and the operator's
+  std::function<void()> each_step;  ///< what else happens
 };
 
 }  // namespace vantage::test

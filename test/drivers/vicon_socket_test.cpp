@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -44,7 +45,8 @@ int free_udp_port() {
 }
 
 struct SocketBench {
-  explicit SocketBench(MocapProtocol protocol) {
+  explicit SocketBench(MocapProtocol protocol, const std::string& host = "127.0.0.1") {
+    scenario.mocap.host = host;
     scenario.mocap.device = models::DeviceSource::kReal;
     scenario.mocap.protocol = protocol;
     scenario.mocap.rate_hz = 100.0;
@@ -157,6 +159,26 @@ TEST_P(ViconSocket, CarriesTheRecordedFlightsWithoutALoss) {
   EXPECT_LT(worst_m, 1e-9);
   EXPECT_EQ(bench.node->driver().frame_counts().frames_lost, 0);
   EXPECT_EQ(bench.listener.messages_lost(), 0);
+}
+
+// Datagrams of another sender than the one that the scenario names.
+TEST(ViconObjectStream, IsTakenFromTheConfiguredSenderAlone) {
+  const auto counted = [](const SocketBench& bench) {
+    const auto counters = bench.node->counters();
+    const auto found = std::find_if(counters.begin(), counters.end(), [](const auto& counter) {
+      return counter.name == "vicon.strangers";
+    });
+    return found == counters.end() ? 0 : found->count;
+  };
+  SocketBench other(MocapProtocol::kObjectStream, "127.0.0.2");
+  ASSERT_TRUE(other.until([&] {
+    other.server->publish(other.next(7));
+    return counted(other) > 20;
+  }));
+  EXPECT_TRUE(other.frames.empty());
+  SocketBench named(MocapProtocol::kObjectStream, "localhost");
+  named.warm_up();
+  EXPECT_EQ(counted(named), 0);
 }
 
 TEST_P(ViconSocket, ComesBackWhenTheServerIsKilledAndStartedAgain) {

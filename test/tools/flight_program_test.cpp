@@ -127,11 +127,15 @@ TEST(FlightProgram, LeavesAVehicleToAnotherStationButLandsItAtTheEnd) {
   Trial trial({"Q1", "Q2"});
   trial.run(20.0);
   models::OperatorCommand hold;
+  hold.stamp.time = trial.now - std::chrono::hours(24);
+  hold.action = OperatorAction::kHold;
+  trial.program.on_other_station(hold, trial.now);  // a log that is played
+  hold.stamp.time = trial.now;
   hold.action = OperatorAction::kHeartbeat;
-  trial.program.on_other_station(hold);  // that it is there changes nothing
+  trial.program.on_other_station(hold, trial.now);  // that it is there changes nothing
   hold.action = OperatorAction::kHold;
   hold.robot = "Q2";
-  trial.program.on_other_station(hold);
+  trial.program.on_other_station(hold, trial.now);
   trial.vehicles[0].state = FlightState::kHold;
   trial.vehicles[1].state = FlightState::kHold;
   trial.run(30.0);

@@ -69,6 +69,40 @@ TEST(OperatorDesk, RefusesTheSecondStationEverythingButTheEmergencyStop) {
   EXPECT_EQ(count(11, OperatorAction::kEmergencyStop), 1);
 }
 
+// A console with a wrong clock is heard: what it says is stamped by the vehicles' clock.
+TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
+  for (const Duration off : {Duration(-std::chrono::hours(24)), Duration(std::chrono::hours(1)),
+                             Duration(std::chrono::milliseconds(300))}) {
+    bus::InProcessHub hub;
+    const auto link_desk = hub.connect();
+    const auto link_vehicle = hub.connect();
+    bus::Bus desk_bus(*link_desk, 11);
+    bus::Bus vehicle(*link_vehicle, 13);
+    std::vector<models::OperatorCommand> heard;
+    vehicle.subscribe<models::OperatorCommand>(
+        bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
+    OperatorDesk desk(desk_bus, false, kStart + off);
+    Time now = kStart;
+    for (int i = 0; i < 30; ++i) {
+      now = kStart + from_seconds(0.1 * i);
+      models::VehicleStatus status;
+      status.robot = "Q1";
+      status.stamp.time = now;
+      vehicle.publish(bus::quadrotor_channel("Q1"), status);
+      desk_bus.handle(std::chrono::microseconds(0));
+      (void)desk.tick(now + off);
+    }
+    heard.clear();
+    EXPECT_TRUE(desk.send(now + off, OperatorAction::kEmergencyStop, ""));
+    vehicle.handle(std::chrono::microseconds(0));
+    ASSERT_FALSE(heard.empty());
+    EXPECT_TRUE(std::any_of(heard.begin(), heard.end(), [&](const auto& command) {
+      return command.action == OperatorAction::kEmergencyStop &&
+             std::chrono::abs(command.stamp.time - now) <= std::chrono::milliseconds(300);
+    }));
+  }
+}
+
 TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
   bus::InProcessHub hub;
   const auto link = hub.connect();

@@ -11,8 +11,9 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 Time at(double seconds) { return kStart + from_seconds(seconds); }
 
-models::OperatorCommand beat(std::int64_t run_id) {
+models::OperatorCommand beat(std::int64_t run_id, Time stamp) {
   models::OperatorCommand out;
+  out.stamp.time = stamp;
   out.stamp.run_id = run_id;
   return out;
 }
@@ -21,7 +22,7 @@ models::OperatorCommand beat(std::int64_t run_id) {
 void pass(Station& station, double from_s, double to_s, std::int64_t other) {
   for (double t_s = from_s; t_s < to_s; t_s += 0.1) {
     if (other != 0) {
-      station.on_command(beat(other), at(t_s));
+      station.on_command(beat(other, at(t_s)), at(t_s));
     }
     (void)station.tick(at(t_s));
   }
@@ -29,7 +30,7 @@ void pass(Station& station, double from_s, double to_s, std::int64_t other) {
 
 TEST(Station, TakesChargeWhenNobodyElseBeats) {
   Station station(5, false, kStart);
-  station.on_command(beat(5), kStart);  // its own
+  station.on_command(beat(5, kStart), kStart);  // its own
   pass(station, 0.0, 0.6, 0);
   EXPECT_EQ(station.role(), Role::kListening);
   EXPECT_FALSE(station.beats());
@@ -49,6 +50,18 @@ TEST(Station, IsRefusedBesideAnotherForGood) {
   for (int action = 0; action <= static_cast<int>(OperatorAction::kLand); ++action) {
     EXPECT_FALSE(station.may_say(static_cast<OperatorAction>(action))) << action;
   }
+}
+
+// A log that is played, or one packet of yesterday, refuses nobody.
+TEST(Station, HeedsNoHeartbeatThatIsNotOfNow) {
+  Station station(5, false, kStart);
+  for (double t_s = 0.0; t_s < 3.0; t_s += 0.1) {
+    station.on_command(beat(1, at(t_s) - std::chrono::hours(24)), at(t_s));
+    station.on_command(beat(1, at(t_s) + std::chrono::hours(24)), at(t_s));
+    (void)station.tick(at(t_s));
+  }
+  EXPECT_EQ(station.role(), Role::kInCharge);
+  EXPECT_EQ(station.ignored(), 60);
 }
 
 TEST(Station, MayAlwaysStop) {
@@ -85,10 +98,10 @@ TEST(Station, OfTwoThatBeginTogetherOneStays) {
     (void)low.tick(at(t_s));
     (void)high.tick(at(t_s));
     if (low.beats()) {
-      high.on_command(beat(3), at(t_s));
+      high.on_command(beat(3, at(t_s)), at(t_s));
     }
     if (high.beats()) {
-      low.on_command(beat(4), at(t_s));
+      low.on_command(beat(4, at(t_s)), at(t_s));
     }
     beating = (low.beats() ? 1 : 0) + (high.beats() ? 1 : 0);
   }

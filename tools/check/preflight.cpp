@@ -155,7 +155,7 @@ void check_round(const Scenario& scenario, std::vector<std::string>& faults) {
         planner.team_budget_s + planner.publish_margin_s, round_s));
   }
   if (planner.execute_steps > planner.horizon_steps) {
-    faults.push_back("planner: execute_steps is greater than horizon_steps");
+    faults.emplace_back("planner: execute_steps is greater than horizon_steps");
   }
 }
 

@@ -19,7 +19,7 @@ struct ConsoleArguments {
 int run(const ConsoleArguments& arguments) {
   const auto transport = bus::open_transport(arguments.url);
   bus::Bus bus(*transport, bus::random_run_id());
-  const bus::SystemClock clock;
+  const bus::SteadyClock clock;
   return run_console(bus, clock, arguments.is_second, stop_requested) ? 0 : 1;
 }
 

@@ -30,6 +30,7 @@ struct UpArguments {
   std::string log_folder;
   bool no_log = false;
   bool fly = false;
+  bool beside_others = false;
   bool has_virtual_targets = false;
   bool as_json = false;
   RestartPolicy restarts;
@@ -85,6 +86,7 @@ int run(const UpArguments& arguments) {
   options.quiet = arguments.as_json;
   options.live_table = is_terminal() && !options.quiet;
   options.fly = arguments.fly;
+  options.beside_others = arguments.beside_others;
   options.has_virtual_targets = arguments.has_virtual_targets;
   options.host = arguments.host;
   options.log_path = log_path(scenario, arguments);
@@ -155,6 +157,8 @@ void add_up_command(CLI::App& root, Runner& chosen) {
       ->excludes(folder);
   command->add_flag("--fly", arguments->fly,
                     "be the operator: arm, take off, follow, and land at the end");
+  command->add_flag("--beside-others", arguments->beside_others,
+                    "start though another supervisor, a simulator or vehicles are alive");
   command->add_flag("--virtual-targets", arguments->has_virtual_targets,
                     "simulate the targets though every device is real");
   add_restart_options(*command, arguments->restarts);

@@ -1,6 +1,8 @@
 #include "tools/console/console.hpp"
 
 #include <chrono>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 namespace vantage::tools {
 namespace {
 
+constexpr double kHeardS = 1.0;
 constexpr const char* kKeys =
     "keys: a arm  t take off  f follow  h hold  l land  SPACE or e emergency stop  "
     "0 all  1-9 one robot  q quit";
@@ -123,11 +126,13 @@ class ConsoleSession {
 OperatorDesk::OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start)
     : bus_(bus), station_(bus.run_id(), is_allowed_second, start), now_(start) {
   bus_.subscribe<models::OperatorCommand>(
-      bus::kCommand,
-      [this](const models::OperatorCommand& command) { station_.on_command(command, now_); });
-  bus_.subscribe<models::VehicleStatus>(
-      bus::quadrotor_channel("*"),
-      [this](const models::VehicleStatus& status) { vehicles_[status.robot] = status; });
+      bus::kCommand, [this](const models::OperatorCommand& command) {
+        station_.on_command(command, now_ + vehicles_ahead(now_));
+      });
+  bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
+                                        [this](const models::VehicleStatus& status) {
+                                          vehicles_[status.robot] = {status, now_};
+                                        });
 }
 
 bool OperatorDesk::tick(Time now) {
@@ -144,17 +149,37 @@ bool OperatorDesk::send(Time now, models::OperatorAction action, const std::stri
   if (!station_.may_say(action)) {
     return false;
   }
+  const Duration ahead = vehicles_ahead(now);
+  publish(now + ahead, action, robot);
+  if (action == models::OperatorAction::kEmergencyStop && ahead != Duration{}) {
+    publish(now, action, robot);
+  }
+  return true;
+}
+
+void OperatorDesk::publish(Time stamp, models::OperatorAction action, const std::string& robot) {
   models::OperatorCommand command;
-  command.stamp.time = now;
+  command.stamp.time = stamp;
   command.action = action;
   command.robot = robot;
   bus_.publish(bus::kCommand, command);
-  return true;
+}
+
+Duration OperatorDesk::vehicles_ahead(Time now) const {
+  std::optional<Duration> least;
+  for (const auto& [name, heard] : vehicles_) {
+    const Duration ahead = heard.status.stamp.time - heard.at;
+    const bool is_heard = to_seconds(now - heard.at) <= kHeardS;
+    if (is_heard && (!least || std::chrono::abs(ahead) < std::chrono::abs(*least))) {
+      least = ahead;
+    }
+  }
+  return least && std::abs(to_seconds(*least)) > kApartMaxS ? *least : Duration{};
 }
 
 std::vector<std::string> OperatorDesk::robots() const {
   std::vector<std::string> out;
-  for (const auto& [name, status] : vehicles_) {
+  for (const auto& [name, heard] : vehicles_) {
     out.push_back(name);
   }
   return out;
@@ -164,7 +189,8 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
   std::vector<std::string> out;
   out.push_back(fmt::format("  {:<8} {:>8} {:>8} {:>8} {:>7}  {}", "robot", "state", "battery",
                             "round", "age", "reasons"));
-  for (const auto& [name, status] : vehicles_) {
+  for (const auto& [name, heard] : vehicles_) {
+    const models::VehicleStatus& status = heard.status;
     std::string reasons;
     for (const std::string& reason : status.reasons) {
       reasons += (reasons.empty() ? "" : ", ") + reason;
@@ -173,7 +199,7 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
     out.push_back(fmt::format("{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}",
                               is_selected ? '>' : ' ', name, models::name_of(status.state),
                               100.0 * status.battery_share, status.plan_round,
-                              to_seconds(now - status.stamp.time), reasons));
+                              to_seconds(now - heard.at), reasons));
   }
   if (vehicles_.empty()) {
     out.emplace_back("  no vehicle heard yet");

@@ -8,6 +8,10 @@ void Station::on_command(const models::OperatorCommand& command, Time now) {
   if (command.stamp.run_id == run_id_ || command.action != OperatorAction::kHeartbeat) {
     return;
   }
+  if (!is_of_now(command.stamp.time, now)) {
+    ++ignored_;
+    return;
+  }
   other_heard_ = now;
   other_run_id_ = command.stamp.run_id;
 }

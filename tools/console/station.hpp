@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -16,9 +17,10 @@ namespace vantage::tools {
 /// everything. Hearing another it is refused: it may only stop (emergency stop), unless it was
 /// started as an allowed second one; then it may also say hold and land, and takes charge itself
 /// once the other has been silent for kSilentS. Of two in charge the one with the smaller run id
-/// stays.
+/// stays. Only heartbeats of now count: a log that is played is no station.
 class Station {
  public:
+  static constexpr double kFreshS = 2.0;   ///< as vehicles have it
   static constexpr double kListenS = 0.7;  ///< three heartbeats
   static constexpr double kSilentS = 1.5;  ///< by then every vehicle holds
 
@@ -32,6 +34,12 @@ class Station {
   /// Goes on in time. True when the role changed.
   bool tick(Time now);
 
+  /// Whether what is stamped so is said now.
+  [[nodiscard]] static bool is_of_now(Time stamp, Time now) {
+    return std::abs(to_seconds(now - stamp)) <= kFreshS;
+  }
+  /// Heartbeats heard that were not of now.
+  [[nodiscard]] std::int64_t ignored() const { return ignored_; }
   [[nodiscard]] Role role() const { return role_; }
   [[nodiscard]] bool beats() const { return role_ == Role::kInCharge; }
   [[nodiscard]] bool may_say(models::OperatorAction action) const;
@@ -43,6 +51,7 @@ class Station {
   Role role_ = Role::kListening;
   std::optional<Time> other_heard_;
   std::int64_t other_run_id_ = 0;
+  std::int64_t ignored_ = 0;
 };
 
 /// What a station in that role tells its operator.

@@ -76,7 +76,7 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
   result.svg_path = stem + ".svg";
   result.png_path = stem + ".png";
 
-  const bus::SystemClock clock;
+  const bus::SteadyClock clock;
   bus::InProcessHub hub;
   Recorder recorder(hub.connect(), clock, result.log_path);
   const std::shared_ptr<void> watcher = options.attach ? options.attach(hub) : nullptr;

@@ -10,6 +10,7 @@
 #include "tools/console/terminal.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
+#include "tools/observe/neighbours.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -23,6 +24,8 @@ struct PlayArguments {
   std::vector<std::string> include;
   std::vector<std::string> exclude;
   std::vector<std::string> renames;
+  std::string prefix;
+  bool beside_others = false;
   bool loops = false;
   bool starts_paused = false;
   bool as_json = false;
@@ -56,13 +59,29 @@ std::optional<std::string> read_wish(Terminal& terminal) {
   return text;
 }
 
+/// A log is not played into a flight, whose vehicles might take it for what happens now.
+void refuse_neighbours(const PlayArguments& arguments) {
+  if (arguments.beside_others || !arguments.prefix.empty()) {
+    return;
+  }
+  const auto transport = bus::open_transport(arguments.url);
+  const auto rivals =
+      rivals_of_play(hear_channels(*transport, kListenToNeighbours, stop_requested));
+  if (!rivals.empty()) {
+    throw StartupError(rivals.front() +
+                       ": play on another network (--url), under other names (--prefix), or all "
+                       "the same with --beside-others");
+  }
+}
+
 int run(const PlayArguments& arguments) {
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
+  refuse_neighbours(arguments);
   const auto transport = bus::open_transport(arguments.url);
-  logs::Player player(log, options_of(arguments, log), logs::monotonic_timer(),
-                      [&](const logs::LogEvent& event) {
-                        return transport->publish(std::string(event.channel), event.data);
-                      });
+  logs::Player player(
+      log, options_of(arguments, log), logs::monotonic_timer(), [&](const logs::LogEvent& event) {
+        return transport->publish(arguments.prefix + std::string(event.channel), event.data);
+      });
   Terminal terminal;
   const auto command = [&]() -> std::optional<logs::PlayCommand> {
     while (const auto text = read_wish(terminal)) {
@@ -118,6 +137,9 @@ void add_log_play_command(CLI::App& log, Runner& chosen) {
   command->add_option("--channels", arguments->include, "the ones to play (whole names)");
   command->add_option("--without", arguments->exclude, "the ones not to play");
   command->add_option("--rename", arguments->renames, "OLD=NEW or OLD*=NEW*; the first fits");
+  command->add_option("--prefix", arguments->prefix, "put before the name of every channel");
+  command->add_flag("--beside-others", arguments->beside_others,
+                    "play though vehicles, a supervisor or a simulator are alive on the network");
   command->add_flag("--loop", arguments->loops, "begin again at the end");
   command->add_flag("--paused", arguments->starts_paused, "wait for space (or 'resume')");
   command->add_flag("--json", arguments->as_json, "print one JSON object at the end");

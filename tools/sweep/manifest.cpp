@@ -135,6 +135,7 @@ std::string host_name() {
 std::string text_hash(const std::string& text) {
   std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
   const std::vector<unsigned char> bytes(text.begin(), text.end());
+  require(sodium_init() >= 0, "libsodium cannot start");
   crypto_hash_sha256(hash.data(), bytes.data(), bytes.size());
   return fmt::format("{:02x}", fmt::join(hash, ""));
 }

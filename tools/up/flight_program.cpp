@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tools/console/station.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -49,8 +51,9 @@ void FlightProgram::on_status(const models::VehicleStatus& status) {
   vehicle.status = status;
 }
 
-void FlightProgram::on_other_station(const models::OperatorCommand& command) {
-  if (command.action == OperatorAction::kHeartbeat) {
+void FlightProgram::on_other_station(const models::OperatorCommand& command, Time now) {
+  if (command.action == OperatorAction::kHeartbeat ||
+      !Station::is_of_now(command.stamp.time, now)) {
     return;
   }
   for (auto& [name, vehicle] : vehicles_) {

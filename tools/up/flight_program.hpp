@@ -27,8 +27,8 @@ class FlightProgram {
   explicit FlightProgram(const std::vector<std::string>& robots);
 
   void on_status(const models::VehicleStatus& status);
-  /// A command by another station than this one.
-  void on_other_station(const models::OperatorCommand& command);
+  /// A command by another station than this one; one that is not said now (a log) is ignored.
+  void on_other_station(const models::OperatorCommand& command, Time now);
   /// What is to be said now; to be asked every 100 ms or so.
   std::vector<Order> due(Time now);
 

@@ -6,7 +6,7 @@
 namespace vantage::tools {
 
 Pilot::Pilot(bus::Bus& bus, const models::Scenario& scenario, Time start)
-    : desk_(bus, true, start), program_(robots_with_driver(scenario)) {
+    : now_(start), desk_(bus, true, start), program_(robots_with_driver(scenario)) {
   for (const models::RobotSpec& robot : scenario.robots) {
     if (robot.device == models::DeviceSource::kReal) {
       throw StartupError("robot " + robot.name +
@@ -19,12 +19,13 @@ Pilot::Pilot(bus::Bus& bus, const models::Scenario& scenario, Time start)
   bus.subscribe<models::OperatorCommand>(
       bus::kCommand, [this, own = bus.run_id()](const models::OperatorCommand& command) {
         if (command.stamp.run_id != own) {
-          program_.on_other_station(command);
+          program_.on_other_station(command, now_);
         }
       });
 }
 
 std::string Pilot::tick(Time now) {
+  now_ = now;
   std::string news;
   if (desk_.tick(now) && !desk_.station().beats()) {
     news = std::string("operator: ") + explain(desk_.station().role());

@@ -27,6 +27,7 @@ class Pilot {
   [[nodiscard]] FlightProgram& program() { return program_; }
 
  private:
+  Time now_;
   OperatorDesk desk_;
   FlightProgram program_;
 };

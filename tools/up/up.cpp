@@ -24,6 +24,7 @@
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/observe/announcer.hpp"
+#include "tools/observe/neighbours.hpp"
 #include "tools/observe/observer.hpp"
 #include "tools/picture/picture.hpp"
 #include "tools/supervisor/watchdog.hpp"
@@ -59,6 +60,11 @@ std::string health_name(std::string process) {
   });
   return process;
 }
+
+/// The trial's clock, handed on before the first process is started.
+struct HandedClock : bus::SteadyClock {
+  HandedClock() { hand_on(); }
+};
 
 /// A scenario file that lives as long as the processes that read it.
 class TemporaryScenario {
@@ -161,7 +167,7 @@ class Up {
   const std::string host_;
   const std::unique_ptr<bus::Transport> transport_;
   bus::Bus bus_;
-  const bus::SystemClock clock_;
+  const HandedClock clock_;
   Announcer announcer_;
   const TemporaryScenario file_;
   std::unique_ptr<LogKeeper> keeper_;
@@ -411,6 +417,16 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
                 const std::function<bool()>& stop) {
   if (const auto faults = device_faults(scenario); !faults.empty()) {
     throw StartupError(faults.front());
+  }
+  if (!options.beside_others) {
+    const auto transport = bus::open_transport(scenario.network.url);
+    const auto rivals =
+        rivals_of_up(scenario, options.host, hear_channels(*transport, kListenToNeighbours, stop));
+    if (!rivals.empty()) {
+      throw StartupError(rivals.front() +
+                         ": end it, use another network (--url), or start beside it with "
+                         "--beside-others");
+    }
   }
   return Up(scenario, options).run(stop);
 }

@@ -19,6 +19,7 @@ struct UpOptions {
   bool quiet = false;
   bool live_table = false;           ///< redraw a table in place; else a line each 5 s
   bool fly = false;                  ///< arm, take off and follow at the start, land at the end
+  bool beside_others = false;        ///< start though others of another trial are alive
   bool has_virtual_targets = false;  ///< simulate the targets though every device is real
   RestartPolicy restarts;
   /// How often it has been asked to end. The second request does not wait for landings: it leaves
@@ -50,7 +51,9 @@ struct UpResult {
 /// are in the log, any other station may still hold, land or stop a vehicle, and the end (`stop`
 /// just so) waits for the landings, at most 60 s. What happens during these counts as a contact,
 /// not as part of the trial.
-/// @throws StartupError when the network, the logger or a program cannot be used, the devices do
+/// Listens for kListenToNeighbours first.
+/// @throws StartupError when others are alive (rivals_of_up) and it is not to be beside them; when
+/// the network, the logger or a program cannot be used, the devices do
 ///         not fit together, or `fly` is asked for a real robot: these are armed by a person.
 UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
                 const std::function<bool()>& stop);

@@ -12,7 +12,8 @@
 namespace vantage::drivers {
 
 /// The 32 bytes of a key file; nullopt for an empty name.
-/// @throws StartupError for a file that cannot be read or is not 32 bytes long.
+/// @throws StartupError for a file that cannot be read, is not 32 bytes long, belongs to another
+/// user or may be read or changed by others (its mode must be 0600 or less).
 std::optional<models::mavlink::SigningKey> load_key(const std::string& file);
 
 /// vantage-quadrotor of one robot on the bus. MAVLink on its port, looked at each 5 ms; a pose is

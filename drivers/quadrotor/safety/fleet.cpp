@@ -25,11 +25,11 @@ NamedBody find_unique(const models::MocapFrame& frame, const std::string& name) 
 Fleet::Fleet(const models::Scenario& scenario, const std::string& own_name) : own_name_(own_name) {
   for (const models::RobotSpec& robot : scenario.robots) {
     if (robot.name != own_name) {
-      members_.push_back({robot.name, true, robot.name < own_name, {}, false, {}});
+      members_.push_back({robot.name, true, robot.name < own_name, {}, false, {}, 0, -1, {}});
     }
   }
   for (const models::TargetSpec& target : scenario.targets) {
-    members_.push_back({target.name, false, true, {}, false, {}});
+    members_.push_back({target.name, false, true, {}, false, {}, 0, -1, {}});
   }
   bodies_.reserve(members_.size());
   courses_.reserve(members_.size());
@@ -52,20 +52,34 @@ void Fleet::on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits
   }
 }
 
-bool Fleet::on_plan(const models::RobotPlan& plan, const SafetyLimits& limits) {
+bool Fleet::on_plan(const models::RobotPlan& plan, const SafetyLimits& limits, Time now) {
+  const bool is_taken = take(plan, limits, now);
+  plans_refused_ += is_taken ? 0 : 1;
+  return is_taken;
+}
+
+bool Fleet::take(const models::RobotPlan& plan, const SafetyLimits& limits, Time now) {
   const auto member = std::find_if(members_.begin(), members_.end(), [&](const Member& each) {
     return each.is_robot && each.name == plan.robot;
   });
-  if (member == members_.end() ||
-      (member->has_plan && plan.trajectory.start_time < member->plan.start_time)) {
+  const Time start = plan.trajectory.start_time;
+  const bool is_of_now = start >= now - from_seconds(limits.plan_past_max_s) &&
+                         start <= now + from_seconds(limits.plan_future_max_s);
+  if (member == members_.end() || !is_of_now) {
     return false;
   }
+  const bool is_repeated =
+      plan.stamp.run_id == member->plan_run && plan.stamp.sequence <= member->plan_sequence;
   HeldPlan held;
-  if (!hold_plan(plan.trajectory, held) || check_shape(held, limits) == PlanVerdict::kNotFinite) {
+  if (is_repeated || (member->has_plan && start < member->plan.start_time) ||
+      !hold_plan(plan.trajectory, held) || check_shape(held, limits) == PlanVerdict::kNotFinite ||
+      !member->lease.admit(plan.stamp.run_id, now, limits.planner_lease_s)) {
     return false;
   }
   member->plan = held;
   member->has_plan = true;
+  member->plan_run = plan.stamp.run_id;
+  member->plan_sequence = plan.stamp.sequence;
   return true;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "drivers/quadrotor/safety/authority.hpp"
 #include "drivers/quadrotor/safety/plan_check.hpp"
 #include "drivers/quadrotor/safety/pose_monitor.hpp"
 #include "drivers/quadrotor/safety/surroundings.hpp"
@@ -22,8 +23,9 @@ class Fleet {
   Fleet(const models::Scenario& scenario, const std::string& own_name);
 
   void on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits, Time now);
-  /// False for a robot that is not of the fleet or a plan that cannot be.
-  bool on_plan(const models::RobotPlan& plan, const SafetyLimits& limits);
+  /// Takes a teammate's plan when it is one of now that can be, newer than the last, of the planner
+  /// that holds that teammate's lease. False, and counted, otherwise.
+  bool on_plan(const models::RobotPlan& plan, const SafetyLimits& limits, Time now);
 
   /// Those that were ever seen, moved on to `now`. Valid until the next call.
   std::span<const OtherBody> bodies(Time now, const SafetyLimits& limits);
@@ -31,6 +33,7 @@ class Fleet {
   std::span<const OtherCourse> courses(Time now, const SafetyLimits& limits);
   [[nodiscard]] std::int64_t unknown_bodies() const { return unknown_bodies_; }
   [[nodiscard]] std::int64_t poses_refused() const { return poses_refused_; }
+  [[nodiscard]] std::int64_t plans_refused() const { return plans_refused_; }
 
  private:
   struct Member {
@@ -40,7 +43,11 @@ class Fleet {
     PoseMonitor pose;
     bool has_plan = false;
     HeldPlan plan;
+    std::int64_t plan_run = 0;
+    std::int64_t plan_sequence = -1;
+    PlannerLease lease{};
   };
+  bool take(const models::RobotPlan& plan, const SafetyLimits& limits, Time now);
   [[nodiscard]] static bool is_on_plan(const Member& member, Time now, const SafetyLimits& limits);
 
   std::string own_name_;
@@ -49,6 +56,7 @@ class Fleet {
   std::vector<OtherCourse> courses_;
   std::int64_t unknown_bodies_ = 0;
   std::int64_t poses_refused_ = 0;
+  std::int64_t plans_refused_ = 0;
 };
 
 /// The body of that name, and whether there is only one. nullptr when absent.

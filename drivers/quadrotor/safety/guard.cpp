@@ -31,20 +31,36 @@ FlightGuard::FlightGuard(const models::Scenario& scenario, const std::string& ro
 
 FlightGuard::~FlightGuard() = default;
 
-void FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
+bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
   Parts& p = *parts_;
+  const MocapSource::Standing standing = p.source.judge(frame, now);
+  if (standing == MocapSource::Standing::kRefused) {
+    return false;
+  }
   const NamedBody found = find_unique(frame, p.name);
   const bool airborne = is_airborne(p.ladder.state);
-  const BodyContext context{airborne, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
+  // A source that takes over after arming must show the vehicle where it is.
+  const bool is_candidate = standing == MocapSource::Standing::kCandidate;
+  const bool is_pinned = airborne || (is_candidate && p.autopilot.armed);
+  const BodyContext context{is_pinned, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
                             !airborne || p.in.height_m < p.limits.safe_height_m};
+  PoseMonitor pose = p.pose;
   PoseVerdict verdict = PoseVerdict::kDuplicate;
   if (found.is_unique) {
-    verdict = p.pose.judge(found.body, context, p.limits, now);
+    verdict = pose.judge(found.body, context, p.limits, now);
   }
   ++p.pose_counts[static_cast<std::size_t>(verdict)];
+  if (is_candidate) {
+    if (verdict != PoseVerdict::kAccepted) {
+      return false;
+    }
+    p.source.confirm(frame, now);
+  }
+  p.pose = pose;
   const bool clock_goes_on = p.clock.on_frame(frame.stamp.time, frame.arrival, frame.frame_number);
   p.clocks_set += clock_goes_on ? 0 : 1;
   p.fleet.on_mocap(frame, p.limits, now);
+  return true;
 }
 
 PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
@@ -59,8 +75,8 @@ PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
   return verdict;
 }
 
-void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time) {
-  (void)parts_->fleet.on_plan(plan, parts_->limits);
+void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time now) {
+  (void)parts_->fleet.on_plan(plan, parts_->limits, now);  // counted there
 }
 
 CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, Time now) {
@@ -207,6 +223,9 @@ models::VehicleStatus FlightGuard::status(Time now) const {
   if (p.ladder.state == FlightState::kHold && out.reasons.empty()) {
     out.reasons.emplace_back("operator");
   }
+  if (const char* const complaint = p.source.complaint(now)) {
+    out.reasons.emplace_back(complaint);
+  }
   return out;
 }
 
@@ -218,12 +237,14 @@ std::vector<models::NamedCount> FlightGuard::counters() const {
     out.push_back({std::string("pose.") + name_of(static_cast<PoseVerdict>(i)), p.pose_counts[i]});
   }
   out.push_back({"mocap.clock_set", p.clocks_set});
+  p.source.count(out);
   out.push_back({"mocap.unknown_bodies", p.fleet.unknown_bodies()});
   out.push_back({"mocap.others_refused", p.fleet.poses_refused()});
+  out.push_back({"plan.teammate_refused", p.fleet.plans_refused()});
   out.push_back({"autopilot.refused", p.reports_refused});
   out.push_back({"command.refused", p.commands_refused});
   out.push_back({"planner.takeovers", p.plans.lease().takeovers()});
-  out.push_back({"operator.handovers", p.authority.handovers()});
+  p.authority.count(out);
   out.push_back({"tick.stalls", p.stalls});
   return out;
 }

@@ -10,6 +10,7 @@
 #include "drivers/quadrotor/safety/fleet.hpp"
 #include "drivers/quadrotor/safety/guard.hpp"
 #include "drivers/quadrotor/safety/mocap_clock.hpp"
+#include "drivers/quadrotor/safety/mocap_source.hpp"
 #include "drivers/quadrotor/safety/plan_gate.hpp"
 #include "drivers/quadrotor/safety/pose_monitor.hpp"
 
@@ -44,6 +45,7 @@ struct FlightGuard::Parts {
   SafetyLimits limits;
   Fleet fleet;
   PoseMonitor pose;
+  MocapSource source;
   MocapClock clock;
   PlanGate plans;
   OperatorAuthority authority;

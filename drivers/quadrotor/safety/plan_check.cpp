@@ -83,8 +83,8 @@ Room room_at(const PlanPoint& here, const SafetyLimits& limits) {
 
 const char* name_of(PlanVerdict verdict) {
   static constexpr std::array<const char*, kPlanVerdicts> kNames = {
-      "accepted",     "wrong vehicle", "no lease", "stale",         "too far ahead",
-      "not finite",   "infeasible",    "no hover", "not following", "discontinuous",
+      "accepted",     "wrong vehicle", "stale",    "too far ahead", "not finite",
+      "infeasible",   "no hover",      "no lease", "not following", "discontinuous",
       "out of fence", "obstacle",      "teammate"};
   return kNames[static_cast<std::size_t>(verdict)];
 }

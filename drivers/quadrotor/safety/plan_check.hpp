@@ -19,12 +19,12 @@ namespace vantage::drivers {
 /// What became of a plan. The first that applies, in this order.
 enum class [[nodiscard]] PlanVerdict{
     kAccepted,      kWrongVehicle,
-    kNoLease,  ///< another planner holds the lease
-    kStale,    ///< not newer than the one accepted, or starts too long ago
+    kStale,  ///< not newer than the one accepted, or starts too long ago
     kTooFarAhead,
     kNotFinite,     ///< or a count, duration or deceleration that cannot be
     kInfeasible,    ///< faster, tighter or harder braking than the vehicle can
     kNoHover,       ///< does not end at rest
+    kNoLease,       ///< another planner holds the lease
     kNotFollowing,  ///< the vehicle does not follow plans now
     kDiscontinuous, kOutsideFence, kObstacle, kTeammate,
 };

@@ -19,7 +19,8 @@ PlanVerdict PlanGate::judge(const models::RobotPlan& plan, const PlanSituation& 
     sequence_ = plan.stamp.sequence;
     round_ = plan.round;
   }
-  if (verdict != PlanVerdict::kNoLease && verdict != PlanVerdict::kNotFollowing) {
+  const bool is_heeded = lease_.is_holder(plan.stamp.run_id) && plan.robot == robot_;
+  if (is_heeded && verdict != PlanVerdict::kNotFollowing) {
     refused_ = verdict == PlanVerdict::kAccepted ? 0 : refused_ + 1;
   }
   return verdict;
@@ -30,10 +31,6 @@ PlanVerdict PlanGate::look_at(const models::RobotPlan& plan, const PlanSituation
   if (plan.robot != robot_) {
     return PlanVerdict::kWrongVehicle;
   }
-  if (!lease_.admit(plan.stamp.run_id, now, limits.planner_lease_s)) {
-    return PlanVerdict::kNoLease;
-  }
-  late_ = plan.late ? late_ + 1 : 0;
   const models::Trajectory& way = plan.trajectory;
   const bool is_repeated = plan.stamp.run_id == run_ && plan.stamp.sequence <= sequence_;
   if (is_repeated || (has_accepted_ && way.start_time < newest_start_) ||
@@ -49,6 +46,11 @@ PlanVerdict PlanGate::look_at(const models::RobotPlan& plan, const PlanSituation
   if (const PlanVerdict shape = check_shape(out, limits); shape != PlanVerdict::kAccepted) {
     return shape;
   }
+  // Only what could be flown takes or renews the lease, or contests it.
+  if (!lease_.admit(plan.stamp.run_id, now, limits.planner_lease_s)) {
+    return PlanVerdict::kNoLease;
+  }
+  late_ = plan.late ? late_ + 1 : 0;
   if (!situation.may_take) {
     return PlanVerdict::kNotFollowing;
   }

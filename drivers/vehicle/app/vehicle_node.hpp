@@ -12,7 +12,6 @@
 #include "bus/channels.hpp"
 #include "bus/clock.hpp"
 #include "bus/node.hpp"
-#include "core/deadline.hpp"
 #include "core/time.hpp"
 #include "drivers/quadrotor/safety/limits.hpp"
 #include "drivers/vehicle/port.hpp"
@@ -26,8 +25,8 @@ namespace vantage::drivers {
 /// driver does with what arrives, and how it acts. Driver(scenario, robot, limits, own) has
 /// on_plan, on_map, take_news, status and counters.
 ///
-/// `now` is the stack's time carried on by the machine's monotonic clock, so that a clock that is
-/// set does not move a vehicle.
+/// `now` is the stack's time, which never goes back (bus::SteadyClock), so that a clock that is set
+/// does not move a vehicle.
 template <class Driver>
 class VehicleNode : public bus::Node {
  public:
@@ -35,19 +34,18 @@ class VehicleNode : public bus::Node {
   [[nodiscard]] Time next_tick() const override { return next_tick_; }
   void tick(Time now) override {
     next_tick_ = now + tick_period_;
-    const Time steady = steady_now();
     for (int i = 0; i < kReadsMax; ++i) {
-      const std::size_t got = port_->read(buffer_, steady);
+      const std::size_t got = port_->read(buffer_, now);
       if (got == 0) {
         break;
       }
-      receive({buffer_.data(), got}, steady);
+      receive({buffer_.data(), got}, now);
     }
-    act(steady);
-    if (driver_.take_news() || steady >= next_status_) {
-      next_status_ = steady + kStatusPeriod;
-      models::VehicleStatus status = driver_.status(steady);
-      status.stamp.time = clock_.now();
+    act(now);
+    if (driver_.take_news() || now >= next_status_) {
+      next_status_ = now + kStatusPeriod;
+      models::VehicleStatus status = driver_.status(now);
+      status.stamp.time = now;
       bus_.publish(bus::quadrotor_channel(robot_), std::move(status));
     }
   }
@@ -73,20 +71,21 @@ class VehicleNode : public bus::Node {
         driver_(scenario, robot, limits_for(scenario, robot), own),
         port_(std::move(port)),
         tick_period_(tick_period),
-        started_(clock.now()),
-        started_ns_(monotonic_ns()),
-        next_tick_(started_) {
+        next_tick_(clock.now()) {
+    // So may several mocap systems, or a simulation beside them; the driver knows which to believe.
+    bus::Channel<models::MocapFrame> vicon = bus::kVicon;
+    vicon.is_shared = true;
     bus_.subscribe<models::MocapFrame>(
-        bus::kVicon, [this](const models::MocapFrame& frame) { on_mocap(frame, steady_now()); });
+        vicon, [this](const models::MocapFrame& frame) { on_mocap(frame, clock_.now()); });
     // Several planners may speak on one robot's channel; the driver knows which one to heed.
     bus::Channel<models::RobotPlan> plans = bus::plan_channel("*");
     plans.is_shared = true;
     bus_.subscribe<models::RobotPlan>(plans, [this](const models::RobotPlan& plan) {
-      static_cast<void>(driver_.on_plan(plan, steady_now()));  // counted there
+      static_cast<void>(driver_.on_plan(plan, clock_.now()));  // counted there
     });
     bus_.subscribe<models::OperatorCommand>(
         bus::kCommand,
-        [this](const models::OperatorCommand& command) { on_command(command, steady_now()); });
+        [this](const models::OperatorCommand& command) { on_command(command, clock_.now()); });
     bus_.subscribe<models::ScenarioNotice>(
         bus::kScenario, [this, text = scenario.source_text](const models::ScenarioNotice& notice) {
           driver_.on_map(notice.yaml == text);
@@ -107,11 +106,6 @@ class VehicleNode : public bus::Node {
   static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
   static constexpr int kReadsMax = 64;  ///< in one tick: a flood must not keep the vehicle waiting
 
-  [[nodiscard]] Time steady_now() const {
-    return clock_.is_real_time() ? started_ + Duration{(monotonic_ns() - started_ns_) / 1000}
-                                 : clock_.now();
-  }
-
   bus::Bus& bus_;
   const bus::Clock& clock_;
   std::string name_;
@@ -119,8 +113,6 @@ class VehicleNode : public bus::Node {
   Driver driver_;
   std::unique_ptr<Port> port_;
   Duration tick_period_;
-  Time started_;
-  std::int64_t started_ns_;
   Time next_tick_;
   Time next_status_{};
   std::array<std::uint8_t, 2048> buffer_{};

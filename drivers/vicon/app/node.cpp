@@ -72,6 +72,7 @@ std::vector<models::NamedCount> ViconNode::counters() const {
   const vicon::FrameCounts& frame = driver_.frame_counts();
   const std::vector<models::NamedCount> all{{"vicon.connections_failed", link.connections_failed},
                                             {"vicon.connections_lost", link.connections_lost},
+                                            {"vicon.strangers", link_.strangers()},
                                             {"vicon.silences", link.silences},
                                             {"vicon.broken_streams", wire.broken_streams},
                                             {"vicon.broken_blocks", wire.broken_blocks},

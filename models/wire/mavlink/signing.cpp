@@ -4,12 +4,19 @@
 
 #include <sodium.h>
 
+#include "core/check.hpp"
+
 namespace vantage::models::mavlink {
 namespace {
 
 constexpr std::int64_t kEpoch2015Utime = 1'420'070'400'000'000;
 constexpr std::uint64_t kTimestampMax = (std::uint64_t{1} << 48U) - 1;
 constexpr std::uint64_t kMinute10us = 6'000'000;
+
+void start_sodium() {
+  [[maybe_unused]] static const bool is_ready =
+      (require(sodium_init() >= 0, "libsodium cannot start"), true);
+}
 
 }  // namespace
 
@@ -18,17 +25,25 @@ std::uint64_t signing_timestamp_10us(Time time) {
   return std::min(static_cast<std::uint64_t>(since_us / 10), kTimestampMax);
 }
 
+void wipe(std::span<std::uint8_t> secret) { sodium_memzero(secret.data(), secret.size()); }
+
 std::array<std::uint8_t, 6> truncated_signature(const SigningKey& key, const Frame& frame,
                                                 std::uint8_t link_id,
                                                 std::uint64_t timestamp_10us) {
-  std::vector<std::uint8_t> bytes(key.begin(), key.end());
+  start_sodium();
+  std::vector<std::uint8_t> bytes;
   append_unsigned_bytes(frame, bytes);
   bytes.push_back(link_id);
   for (unsigned i = 0; i < 6; ++i) {
     bytes.push_back(static_cast<std::uint8_t>(timestamp_10us >> (8 * i)));
   }
   std::array<std::uint8_t, crypto_hash_sha256_BYTES> hash{};
-  crypto_hash_sha256(hash.data(), bytes.data(), bytes.size());
+  crypto_hash_sha256_state state;
+  crypto_hash_sha256_init(&state);
+  crypto_hash_sha256_update(&state, key.data(), key.size());
+  crypto_hash_sha256_update(&state, bytes.data(), bytes.size());
+  crypto_hash_sha256_final(&state, hash.data());
+  sodium_memzero(&state, sizeof state);
   std::array<std::uint8_t, 6> out{};
   std::copy_n(hash.begin(), out.size(), out.begin());
   return out;

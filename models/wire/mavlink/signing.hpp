@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <tuple>
+#include <type_traits>
 
 #include "core/time.hpp"
 #include "models/wire/mavlink/frame.hpp"
@@ -13,7 +15,17 @@
 
 namespace vantage::models::mavlink {
 
-using SigningKey = std::array<std::uint8_t, 32>;
+/// Overwrites a secret with zeros, which no compiler leaves out.
+void wipe(std::span<std::uint8_t> secret);
+
+/// The shared secret of a link. Every copy is wiped at its end.
+struct SigningKey : std::array<std::uint8_t, 32> {
+  constexpr ~SigningKey() {
+    if (!std::is_constant_evaluated()) {
+      wipe(*this);
+    }
+  }
+};
 
 /// Signing time: units of 10 µs since 2015-01-01, 48 bits; 0 before.
 std::uint64_t signing_timestamp_10us(Time time);

@@ -76,10 +76,47 @@ TEST_F(Authority, TakesNoReplayedOrStaleCommandForLife) {
   const auto arm = command(OperatorAction::kArm, 1, 50, 0.1);
   EXPECT_TRUE(authority.admit(arm, kStart + from_seconds(0.1), kSilentS));
   EXPECT_FALSE(authority.admit(arm, kStart + from_seconds(0.2), kSilentS)) << "twice";
-  const auto old = command(OperatorAction::kHeartbeat, 1, 60, 0.2);
+  const auto old = command(OperatorAction::kArm, 1, 60, 0.2);
   EXPECT_FALSE(authority.admit(old, kStart + from_seconds(3.0), kSilentS)) << "2.8 s under way";
   const auto stop = command(OperatorAction::kEmergencyStop, 9, 0, -3600.0);
-  EXPECT_TRUE(authority.admit(stop, kStart + from_seconds(3.0), kSilentS)) << "whatever its clock";
+  EXPECT_FALSE(authority.admit(stop, kStart + from_seconds(3.0), kSilentS)) << "of an old log";
+  const auto own_stop = command(OperatorAction::kEmergencyStop, 1, 20, 0.05);
+  EXPECT_FALSE(authority.admit(own_stop, kStart + from_seconds(3.0), kSilentS)) << "said before";
+  const auto late_stop = command(OperatorAction::kEmergencyStop, 1, 61, 0.3);
+  EXPECT_TRUE(authority.admit(late_stop, kStart + from_seconds(3.0), kSilentS)) << "held up";
+}
+
+TEST_F(Authority, HearsAStationWhoseClockIsSet) {
+  double set_s = 0.0;
+  int beats = 0;
+  for (double at_s = 0.0; at_s < 100.0; at_s += 0.2) {
+    if (++beats % 50 == 0) {
+      set_s = 7200.0 * (beats % 3 - 1);
+    }
+    const auto beat = command(OperatorAction::kHeartbeat, 1, sequence++, at_s + set_s);
+    EXPECT_TRUE(authority.admit(beat, kStart + from_seconds(at_s), kSilentS)) << at_s;
+    const auto follow = command(OperatorAction::kFollow, 1, sequence++, at_s + set_s + 0.05);
+    EXPECT_TRUE(authority.admit(follow, kStart + from_seconds(at_s + 0.05), kSilentS));
+    const auto replayed = command(OperatorAction::kLand, 1, sequence - 3, at_s + set_s - 8.0);
+    EXPECT_FALSE(authority.admit(replayed, kStart + from_seconds(at_s + 0.1), kSilentS));
+  }
+}
+
+TEST_F(Authority, IsTakenOverByNoLogHoweverItBeats) {
+  for (double at_s = 0.0; at_s < 10.0; at_s += 0.2) {
+    const auto beat = command(OperatorAction::kHeartbeat, 9, sequence++, at_s - 86400.0);
+    EXPECT_FALSE(authority.admit(beat, kStart + from_seconds(at_s), kSilentS));
+    const auto stop = command(OperatorAction::kEmergencyStop, 9, sequence++, at_s - 86400.0);
+    EXPECT_FALSE(authority.admit(stop, kStart + from_seconds(at_s), kSilentS));
+  }
+}
+
+TEST_F(Authority, RemembersTheOneInChargeHoweverManyOthersBeat) {
+  EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
+  for (int run = 100; run < 200; ++run) {
+    EXPECT_FALSE(admit(OperatorAction::kHeartbeat, run, 0.1));
+  }
+  EXPECT_TRUE(admit(OperatorAction::kArm, 1, 0.2));
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ std::string row(const Fault& fault) {
   }
   const bool is_seen = fault.reason != nullptr || fault.counter != nullptr;
   const std::string what = fault.reason != nullptr    ? fault.reason
-                           : fault.counter != nullptr ? "`" + std::string(fault.counter) + "`"
+                           : fault.counter != nullptr ? std::string("`") + fault.counter + "`"
                                                       : "";
   std::string end = models::name_of(outcome.end);
   for (const std::string& violation : run.violations) {

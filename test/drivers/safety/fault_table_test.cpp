@@ -57,7 +57,7 @@ TEST_P(FaultTable, ReactsInTimeAndEndsAsWritten) {
 
 std::string name_of_case(const testing::TestParamInfo<std::size_t>& param) {
   const Fault& fault = fault_catalogue()[param.param];
-  return "N" + std::to_string(fault.number) + case_name(fault.name);
+  return std::string("N") + std::to_string(fault.number) + case_name(fault.name);
 }
 
 INSTANTIATE_TEST_SUITE_P(EachFault, FaultTable,

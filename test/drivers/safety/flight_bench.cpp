@@ -38,14 +38,14 @@ models::Scenario FlightBench::scenario() {
   out.world.obstacles = {{{{-0.3, 0.5}, {0.3, 0.8}}, 2.5}};
   for (int i = 0; i < 3; ++i) {
     models::RobotSpec robot;
-    robot.name = "Q" + std::to_string(i + 1);
+    robot.name = std::string("Q") + std::to_string(i + 1);
     robot.start = {-2.0 + i, -1.3 + 1.3 * i, 0.0};
     robot.height_m = 1.0;
     robot.limits = {1.0, 3.0, kBrakeMps2, 0.25};
     out.robots.push_back(robot);
   }
   for (int i = 1; i <= 9; ++i) {
-    out.targets.emplace_back().name = "W" + std::to_string(i);
+    out.targets.emplace_back().name = std::string("W") + std::to_string(i);
   }
   return out;
 }
@@ -132,7 +132,7 @@ void FlightBench::mocap() {
   while (!frames_.empty() && frames_.front().arrives <= now()) {
     for (Vehicle& vehicle : vehicles_) {
       if (!vehicle.knobs.is_stalled) {
-        vehicle.guard->on_mocap(frames_.front().frame, now());
+        (void)vehicle.guard->on_mocap(frames_.front().frame, now());
       }
     }
     frames_.erase(frames_.begin());

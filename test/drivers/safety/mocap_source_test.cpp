@@ -1,0 +1,80 @@
+#include "drivers/quadrotor/safety/mocap_source.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vantage::drivers {
+namespace {
+
+using Standing = MocapSource::Standing;
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr double kHourS = 3600.0;
+
+Time at(double seconds_s) { return kStart + from_seconds(seconds_s); }
+
+class Source : public testing::Test {
+ protected:
+  /// A frame of `run` that arrives at `at_s`, stamped by a clock that is `ahead_s` ahead of ours.
+  Standing hear(std::int64_t run, double at_s, double ahead_s = 0.0, std::int64_t number = -1) {
+    models::MocapFrame frame;
+    frame.stamp.run_id = run;
+    frame.stamp.time = at(at_s + ahead_s);
+    frame.frame_number = number >= 0 ? number : number_++;
+    const Standing standing = source.judge(frame, at(at_s));
+    if (standing == Standing::kCandidate && shows_body) {
+      source.confirm(frame, at(at_s));
+    }
+    return standing;
+  }
+
+  MocapSource source;
+  bool shows_body = true;
+  std::int64_t number_ = 0;
+};
+
+TEST_F(Source, IsTheFirstThatShowsTheBody) {
+  shows_body = false;
+  EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
+  shows_body = true;
+  EXPECT_EQ(hear(2, 0.01), Standing::kCandidate);
+  EXPECT_EQ(hear(2, 0.02), Standing::kBelieved);
+  EXPECT_EQ(hear(1, 0.03), Standing::kRefused);
+  EXPECT_NE(source.complaint(at(0.1)), nullptr);
+  EXPECT_EQ(source.complaint(at(2.1)), nullptr);
+}
+
+TEST_F(Source, IsFollowedByOneThatShowsTheBodyOnceItIsSilent) {
+  EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
+  EXPECT_EQ(hear(2, 0.29), Standing::kRefused);
+  shows_body = false;
+  EXPECT_EQ(hear(3, 0.35), Standing::kCandidate);
+  EXPECT_EQ(hear(1, 0.36), Standing::kBelieved) << "it is back before another has proved itself";
+  shows_body = true;
+  EXPECT_EQ(hear(2, 0.70), Standing::kCandidate);
+  EXPECT_EQ(hear(2, 0.71), Standing::kBelieved);
+  EXPECT_EQ(hear(1, 0.72), Standing::kRefused);
+}
+
+TEST_F(Source, IsOfNow) {
+  for (const double ahead_s : {-24.0 * kHourS, -2.1, 2.1, 10.0 * 365.0 * 24.0 * kHourS}) {
+    EXPECT_EQ(hear(1, 0.0, ahead_s), Standing::kRefused);
+  }
+  EXPECT_NE(source.complaint(at(0.1)), nullptr);
+  EXPECT_EQ(hear(1, 0.0, -1.9), Standing::kCandidate);
+}
+
+TEST_F(Source, KeepsBeingBelievedWhenItsClockIsSet) {
+  EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
+  double at_s = 0.0;
+  for (const double ahead_s : {-kHourS, 2.0 * kHourS, 0.0, -3.0}) {
+    for (int i = 0; i < 100; ++i) {
+      at_s += 0.01;
+      EXPECT_EQ(hear(1, at_s, ahead_s), Standing::kBelieved);
+    }
+  }
+  EXPECT_EQ(hear(1, at_s, -kHourS, 5), Standing::kRefused) << "its own frames of an hour ago";
+  EXPECT_EQ(hear(2, at_s + 1.0, -3.0), Standing::kRefused) << "a new one is held against ours";
+  EXPECT_EQ(hear(2, at_s + 1.0), Standing::kCandidate);
+}
+
+}  // namespace
+}  // namespace vantage::drivers
