@@ -164,6 +164,19 @@ void read_energy(Mapping& from, const models::World& world, models::EnergySpec& 
   }
 }
 
+void read_battery(Mapping& from, models::BatterySpec& battery) {
+  constexpr int kCellsMax = 14;
+  constexpr double kCellMaxV = 5.0;
+  from.require("cells");
+  from.integer("cells", battery.cells, 1, kCellsMax);
+  from.number("empty_v", battery.empty_v, above_to(0.0, kCellMaxV));
+  from.number("full_v", battery.full_v, above_to(0.0, kCellMaxV));
+  if (battery.full_v <= battery.empty_v) {
+    from.refuse("full_v", fmt::format("must be above empty_v, {}, is {}; volts of one cell",
+                                      battery.empty_v, battery.full_v));
+  }
+}
+
 void read_autopilot(Mapping& from, models::AutopilotSpec& autopilot) {
   constexpr int kSystemIdMax = 255;
   from.require("dialect");
@@ -174,6 +187,12 @@ void read_autopilot(Mapping& from, models::AutopilotSpec& autopilot) {
   from.text("url", autopilot.url);
   from.integer("system_id", autopilot.system_id, 0, kSystemIdMax);
   from.text("key_file", autopilot.key_file);
+  from.word("parameters", autopilot.parameters,
+            {{"verify", models::ParameterPolicy::kVerify},
+             {"warn", models::ParameterPolicy::kWarn},
+             {"ignore", models::ParameterPolicy::kIgnore}});
+  from.section("battery",
+               [&](Mapping& battery) { read_battery(battery, autopilot.battery.emplace()); });
   const bool is_known = autopilot.url.empty() || autopilot.url.starts_with("udp://") ||
                         autopilot.url.starts_with("udpout://") ||
                         autopilot.url.starts_with("serial:");
@@ -254,6 +273,12 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   }
   if (robot.firmware && robot.device != models::DeviceSource::kWire) {
     from.refuse("firmware", "flies a simulated vehicle: it needs device 'wire'");
+  }
+  if (robot.device == models::DeviceSource::kReal && robot.autopilot &&
+      robot.autopilot->system_id == 0) {
+    from.refuse("autopilot",
+                "must say the system_id, 1 to 255, of a real vehicle: 0 would fly "
+                "whichever speaks first");
   }
   from.section("rover", [&](Mapping& rover) { read_rover(rover, robot.rover.emplace()); });
   if (robot.rover && robot.autopilot) {

@@ -37,11 +37,21 @@ std::array<float, 21> covariance(double first_three_sigma, double last_three_sig
   return out;
 }
 
+std::vector<models::ParameterRule> rules_for(const models::AutopilotSpec& spec) {
+  return spec.parameters == models::ParameterPolicy::kIgnore
+             ? std::vector<models::ParameterRule>()
+             : models::parameter_rules(spec.dialect);
+}
+
 }  // namespace
 
-AutopilotLink::AutopilotLink(models::AutopilotDialect dialect, std::uint8_t system_id,
+AutopilotLink::AutopilotLink(const models::AutopilotSpec& spec,
                              const std::optional<wire::SigningKey>& key)
-    : dialect_(dialect), traits_(traits_of(dialect)), system_id_(system_id), telemetry_(dialect) {
+    : dialect_(spec.dialect),
+      traits_(traits_of(spec.dialect)),
+      system_id_(static_cast<std::uint8_t>(spec.system_id)),
+      telemetry_(spec.dialect, spec.battery),
+      parameters_(spec.dialect, rules_for(spec)) {
   if (key) {
     signer_.emplace(*key, kLinkId);
   }
@@ -86,6 +96,10 @@ void AutopilotLink::take(const wire::Frame& frame, Time now) {
   }
   sequence_.see(frame.origin);
   telemetry_.take(frame, now);
+  if (telemetry_.reconnections() != reconnections_seen_) {
+    reconnections_seen_ = telemetry_.reconnections();
+    parameters_.restart();
+  }
   if (frame.message_id == wire::Heartbeat::kMessage.id) {
     is_heartbeat_v1_ = frame.is_v1;
   } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
@@ -95,6 +109,8 @@ void AutopilotLink::take(const wire::Frame& frame, Time now) {
     if (is_mine) {
       commands_.acknowledge(*ack, now);
     }
+  } else if (const auto value = wire::unpack<wire::ParamValue>(frame)) {
+    parameters_.take(*value, now);
   }
 }
 
@@ -133,6 +149,7 @@ void AutopilotLink::tick(Time now) {
   }
   if (telemetry_.is_connected(now)) {
     ask_for_streams(now);
+    ask_for_parameters(now);
   }
   for (wire::CommandLong& command : commands_.due(now)) {
     send(command, now);
@@ -158,6 +175,20 @@ void AutopilotLink::ask_for_streams(Time now) {
     want(command, now, Duration{0});
     return;
   }
+}
+
+void AutopilotLink::ask_for_parameters(Time now) {
+  if (telemetry_.is_armed()) {
+    return;  // in flight the link is for flying
+  }
+  ParameterCheck::Due due = parameters_.due(now);
+  const auto address_and_send = [&](auto& message) {
+    message.target_system = system_id_;
+    message.target_component = wire::kComponentAutopilot;
+    send(message, now);
+  };
+  std::for_each(due.reads.begin(), due.reads.end(), address_and_send);
+  std::for_each(due.sets.begin(), due.sets.end(), address_and_send);
 }
 
 void AutopilotLink::send_origin() {

@@ -13,6 +13,7 @@
 #include "core/time.hpp"
 #include "drivers/quadrotor/command_sender.hpp"
 #include "drivers/quadrotor/dialect.hpp"
+#include "drivers/quadrotor/parameter_check.hpp"
 #include "drivers/quadrotor/telemetry.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/wire/mavlink/parser.hpp"
@@ -50,8 +51,8 @@ struct Setpoint {
 /// time, it never asks for it.
 class AutopilotLink {
  public:
-  /// @param system_id  of the vehicle; 0: the first autopilot that is heard
-  AutopilotLink(models::AutopilotDialect dialect, std::uint8_t system_id,
+  /// Its parameters are asked for while it is not armed, unless the spec ignores them.
+  AutopilotLink(const models::AutopilotSpec& spec,
                 const std::optional<models::mavlink::SigningKey>& key);
 
   /// Bytes from the wire; a datagram, or a piece of a stream.
@@ -70,6 +71,9 @@ class AutopilotLink {
 
   [[nodiscard]] const Telemetry& telemetry() const { return telemetry_; }
   [[nodiscard]] const CommandSender& commands() const { return commands_; }
+  [[nodiscard]] const ParameterCheck& parameters() const { return parameters_; }
+  /// Has the parameters that break their rules set; nothing is set while it is armed.
+  void mend_parameters() { parameters_.mend(); }
   /// Why there is no conversation, in words; nullopt when there is.
   [[nodiscard]] std::optional<std::string> fault(Time now) const;
   /// Everything that was lost or refused.
@@ -80,6 +84,7 @@ class AutopilotLink {
   [[nodiscard]] bool is_of_vehicle(const models::mavlink::Frame& frame);
   void answer_timesync(const models::mavlink::Timesync& request, Time now);
   void ask_for_streams(Time now);
+  void ask_for_parameters(Time now);
   void send_origin();
   template <class Message>
   void send(const Message& message, Time now);
@@ -92,6 +97,8 @@ class AutopilotLink {
   models::mavlink::SequenceMonitor sequence_;
   Telemetry telemetry_;
   CommandSender commands_;
+  ParameterCheck parameters_;
+  std::int64_t reconnections_seen_ = 0;
   std::vector<WireMessage> output_;
   std::map<std::uint32_t, Time> streams_asked_;  ///< when, by message id
   std::uint8_t next_sequence_ = 0;

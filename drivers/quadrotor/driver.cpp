@@ -48,9 +48,9 @@ QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::st
                                  const std::optional<wire::SigningKey>& key)
     : robot_(robot),
       dialect_(robot_of(scenario, robot).autopilot->dialect),
+      parameter_policy_(robot_of(scenario, robot).autopilot->parameters),
       take_off_height_m_(limits.take_off_height_m),
-      link_(dialect_, static_cast<std::uint8_t>(robot_of(scenario, robot).autopilot->system_id),
-            key),
+      link_(*robot_of(scenario, robot).autopilot, key),
       guard_(scenario, robot, with_lead(limits, traits_of(dialect_).lead_s)),
       tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
       sequence_(dialect_),
@@ -67,9 +67,7 @@ void QuadrotorDriver::report_autopilot(Time now) {
     heartbeat_reported_ = heartbeat;
     guard_.on_heartbeat(now);
   }
-  const auto battery = later(telemetry.heard(wire::BatteryStatus::kMessage.id),
-                             telemetry.heard(wire::SysStatus::kMessage.id));
-  if (battery != battery_reported_ && telemetry.battery_share()) {
+  if (const auto battery = telemetry.battery_time(); battery != battery_reported_) {
     battery_reported_ = battery;
     guard_.on_battery(*telemetry.battery_share(), now);
   }
@@ -179,7 +177,10 @@ void QuadrotorDriver::fly(Time now) {
   const std::optional<BodyState>& body = tracker_.state();
   const double height_m = body ? body->world_from_body.translation_m.z() : ground_m_.value_or(0.0);
   FlightSequence::Situation situation;
-  situation.may_arm = body && link_.telemetry().position_world_m(now) && !link_.fault(now);
+  const bool has_parameters =
+      parameter_policy_ != models::ParameterPolicy::kVerify || link_.parameters().is_kept();
+  situation.may_arm =
+      body && link_.telemetry().position_world_m(now) && !link_.fault(now) && has_parameters;
   situation.take_off_height_m = std::max(0.3, take_off_height_m_ - ground_m_.value_or(0.0));
   situation.height_error_m = std::abs(take_off_height_m_ - height_m);
   situation.is_low = body && ground_m_ && height_m - *ground_m_ < kLowM;
@@ -235,6 +236,20 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
     out.reasons.push_back(*fault);
   } else if (!telemetry.position_world_m(now)) {
     out.reasons.emplace_back("the autopilot says nothing of its position");
+  }
+  const bool tells_of_battery = telemetry.heard(wire::BatteryStatus::kMessage.id) ||
+                                telemetry.heard(wire::SysStatus::kMessage.id);
+  if (tells_of_battery && !telemetry.battery_share()) {
+    out.reasons.emplace_back(
+        "the autopilot does not tell its battery's charge: give it a current sensor and the "
+        "capacity, or the scenario robots[].autopilot.battery to know it by the voltage");
+  }
+  if (!telemetry.is_armed()) {
+    const char* const mark =
+        parameter_policy_ == models::ParameterPolicy::kVerify ? "" : "warning: ";
+    for (const std::string& reason : link_.parameters().reasons()) {
+      out.reasons.push_back(mark + reason);
+    }
   }
   if (sequence_.is_mode_lost()) {
     out.reasons.push_back("the autopilot is in " + mode_name(dialect_, telemetry.mode()) +

@@ -57,6 +57,7 @@ class QuadrotorDriver {
   [[nodiscard]] bool take_news() { return std::exchange(has_news_, false); }
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
   [[nodiscard]] const Telemetry& telemetry() const { return link_.telemetry(); }
+  [[nodiscard]] const ParameterCheck& parameters() const { return link_.parameters(); }
 
  private:
   void report_autopilot(Time now);
@@ -67,6 +68,7 @@ class QuadrotorDriver {
 
   std::string robot_;
   models::AutopilotDialect dialect_;
+  models::ParameterPolicy parameter_policy_;
   double take_off_height_m_;
   AutopilotLink link_;
   FlightGuard guard_;

@@ -18,6 +18,8 @@ constexpr Duration kPositionAgeMax = std::chrono::milliseconds(500);
 constexpr std::size_t kTextsMax = 32;
 constexpr std::size_t kTextBytesMax = 500;
 constexpr int kWarning = 4;
+constexpr std::uint16_t kNoVoltage = 0xFFFF;
+constexpr double kVoltageSmoothingS = 5.0;
 // A better round trip is forgotten slowly, so that drift of the clocks is followed.
 constexpr std::int64_t kRoundTripForgettingNs = 20'000;
 
@@ -31,11 +33,18 @@ void Telemetry::take(const wire::Frame& frame, Time now) {
     landed_state_ = state->landed_state;
   } else if (const auto battery = wire::unpack<wire::BatteryStatus>(frame)) {
     if (battery->id == 0) {
-      take_battery(battery->battery_remaining);
+      // Of its cells, or the whole in the first ones; 0xFFFF where there is none.
+      double voltage_mv = 0.0;
+      for (const std::uint16_t part_mv : battery->voltages) {
+        voltage_mv += part_mv == kNoVoltage ? 0.0 : part_mv;
+      }
+      take_battery(battery->battery_remaining, voltage_mv / 1000.0, now);
     }
   } else if (const auto system = wire::unpack<wire::SysStatus>(frame)) {
     if (!heard(wire::BatteryStatus::kMessage.id)) {
-      take_battery(system->battery_remaining);
+      take_battery(system->battery_remaining,
+                   system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
+                   now);
     }
   } else if (const auto px4 = wire::unpack<wire::EstimatorStatus>(frame)) {
     estimator_flags_ = px4->flags;
@@ -72,9 +81,24 @@ void Telemetry::take_heartbeat(const wire::Heartbeat& heartbeat, Time now) {
   autopilot_ = heartbeat.autopilot;
 }
 
-void Telemetry::take_battery(std::int8_t remaining_percent) {
+void Telemetry::take_battery(std::int8_t remaining_percent, double voltage_v, Time now) {
+  std::optional<double> share;
   if (remaining_percent >= 0 && remaining_percent <= 100) {
-    battery_share_ = remaining_percent / 100.0;
+    share = remaining_percent / 100.0;
+  }
+  if (battery_ && voltage_v > 0.0) {
+    const double cell_v = voltage_v / battery_->cells;
+    const double newest =
+        std::clamp((cell_v - battery_->empty_v) / (battery_->full_v - battery_->empty_v), 0.0, 1.0);
+    const double elapsed_s = std::max(0.0, to_seconds(now - rest_share_time_));
+    const double weight = rest_share_ ? -std::expm1(-elapsed_s / kVoltageSmoothingS) : 1.0;
+    rest_share_ = rest_share_.value_or(0.0) + weight * (newest - rest_share_.value_or(0.0));
+    rest_share_time_ = now;
+    share = share ? std::min(*share, *rest_share_) : *rest_share_;
+  }
+  if (share) {
+    battery_share_ = share;
+    battery_time_ = now;
   }
 }
 

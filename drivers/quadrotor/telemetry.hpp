@@ -25,7 +25,10 @@ struct AutopilotText {
 /// the times.
 class Telemetry {
  public:
-  explicit Telemetry(models::AutopilotDialect dialect) : dialect_(dialect) {}
+  /// @param battery  when its charge is to be known by its voltage
+  explicit Telemetry(models::AutopilotDialect dialect,
+                     const std::optional<models::BatterySpec>& battery = std::nullopt)
+      : dialect_(dialect), battery_(battery) {}
 
   /// Takes a frame of the vehicle.
   void take(const models::mavlink::Frame& frame, Time now);
@@ -41,8 +44,11 @@ class Telemetry {
 
   /// As EXTENDED_SYS_STATE says; true without one while disarmed.
   [[nodiscard]] bool is_on_ground() const;
-  /// In [0, 1]; nullopt before it is known.
+  /// In [0, 1]; nullopt before it is known. With a BatterySpec the lower of what the autopilot says
+  /// and what the voltage says: ArduPilot counts from full at each start, whatever it was given.
   [[nodiscard]] std::optional<double> battery_share() const { return battery_share_; }
+  /// When that was said last; a word of the battery without a charge does not count.
+  [[nodiscard]] std::optional<Time> battery_time() const { return battery_time_; }
   [[nodiscard]] std::optional<std::uint16_t> estimator_flags(Time now) const;
   /// Its own estimate, world frame, if it is of the last half second.
   [[nodiscard]] std::optional<Eigen::Vector3d> position_world_m(Time now) const;
@@ -60,7 +66,8 @@ class Telemetry {
 
  private:
   void take_heartbeat(const models::mavlink::Heartbeat& heartbeat, Time now);
-  void take_battery(std::int8_t remaining_percent);
+  /// @param voltage_v  of the whole battery; 0: not told
+  void take_battery(std::int8_t remaining_percent, double voltage_v, Time now);
   void take_timesync(const models::mavlink::Timesync& reply, Time now);
   void take_text(const models::mavlink::Statustext& message, Time now);
 
@@ -72,7 +79,11 @@ class Telemetry {
   std::uint32_t mode_ = 0;
   std::uint8_t autopilot_ = 0;
   std::uint8_t landed_state_ = 0;
+  std::optional<models::BatterySpec> battery_;
   std::optional<double> battery_share_;
+  std::optional<double> rest_share_;  ///< by voltage, smoothed: propellers pull it down for moments
+  Time rest_share_time_{};
+  std::optional<Time> battery_time_;
   std::uint16_t estimator_flags_ = 0;
   Eigen::Vector3d position_world_m_ = Eigen::Vector3d::Zero();
   double tilt_rad_ = 0.0;

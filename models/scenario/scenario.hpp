@@ -32,12 +32,30 @@ enum class AutopilotDialect { kPx4, kArdupilot };
 /// "px4", "ardupilot".
 const char* name_of(AutopilotDialect dialect);
 
-/// How a robot's driver reaches its autopilot.
+/// What a parameter of the autopilot that is not as config/autopilot wants it does to arming.
+enum class ParameterPolicy {
+  kVerify,  ///< it forbids arming
+  kWarn,    ///< it is told
+  kIgnore,  ///< nobody asks
+};
+
+/// A battery whose charge is known by its voltage alone. Volts of one cell, under the load of a
+/// hover.
+struct BatterySpec {
+  int cells = 3;
+  double empty_v = 3.3;
+  double full_v = 4.1;
+};
+
+/// How a robot's driver reaches its autopilot, and what it has to know of it.
 struct AutopilotSpec {
   AutopilotDialect dialect = AutopilotDialect::kPx4;
   std::string url;       ///< udp://[HOST]:PORT, udpout://HOST:PORT or serial:DEVICE[:BAUD]
   int system_id = 0;     ///< MAVLink system of the vehicle; 0: the first autopilot heard
   std::string key_file;  ///< 32 bytes that sign every message; empty: unsigned
+  ParameterPolicy parameters = ParameterPolicy::kVerify;
+  /// When the autopilot tells no percentage, or one that counts from full at each power-up.
+  std::optional<BatterySpec> battery = std::nullopt;
 };
 
 /// Real autopilot firmware that flies a simulated vehicle: what `device: wire` means for a robot

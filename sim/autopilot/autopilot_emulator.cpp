@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "models/autopilot/parameter_rules.hpp"
 #include "models/wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
@@ -28,6 +29,9 @@ AutopilotEmulator::AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boo
   streams_[wire::Heartbeat::kMessage.id] = {std::chrono::seconds(1), boot};
   const bool is_px4 = spec.dialect == models::AutopilotDialect::kPx4;
   streams_[kTimesyncId] = {is_px4 ? Duration{100'000} : Duration{10'000'000}, boot};
+  for (const models::ParameterRule& rule : models::parameter_rules(spec.dialect)) {
+    set_parameter(rule.name, rule.value);
+  }
 }
 
 Pose3 AutopilotEmulator::world_from_body() const {
@@ -60,6 +64,8 @@ void AutopilotEmulator::take(const wire::Frame& frame) {
     }
   } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
     take_timesync(*timesync);
+  } else if (take_parameter_talk(frame)) {
+    return;
   } else if (const auto origin = wire::unpack<wire::SetGpsGlobalOrigin>(frame)) {
     if (is_for_me(origin->target_system) && controller_.estimator().poses() > 0) {
       controller_.set_origin();
@@ -218,6 +224,55 @@ void AutopilotEmulator::take_timesync(const wire::Timesync& message) {
   } else if (message.ts1 <= own_ns) {
     host_minus_own_ns_ = message.tc1 - (message.ts1 + own_ns) / 2;
   }
+}
+
+void AutopilotEmulator::set_parameter(const std::string& name, double value) {
+  const auto [found, is_new] = parameters_.try_emplace(name);
+  found->second.value = value;
+  if (is_new && std::trunc(value) == value) {
+    found->second.type = wire::parameter_type::kInt32;
+  }
+}
+
+std::optional<double> AutopilotEmulator::parameter(const std::string& name) const {
+  const auto found = parameters_.find(name);
+  return found == parameters_.end() ? std::nullopt : std::optional(found->second.value);
+}
+
+bool AutopilotEmulator::take_parameter_talk(const wire::Frame& frame) {
+  if (const auto read = wire::unpack<wire::ParamRequestRead>(frame)) {
+    if (is_for_me(read->target_system)) {
+      say_parameter(wire::parameter_name(read->param_id));
+    }
+    return true;
+  }
+  const auto set = wire::unpack<wire::ParamSet>(frame);
+  if (!set) {
+    return false;
+  }
+  const auto found = parameters_.find(wire::parameter_name(set->param_id));
+  if (is_for_me(set->target_system) && found != parameters_.end()) {
+    found->second.value = wire::decode_parameter(set->param_value, set->param_type,
+                                                 models::parameter_encoding(spec_.dialect));
+    say_parameter(found->first);
+  }
+  return true;
+}
+
+void AutopilotEmulator::say_parameter(const std::string& name) {
+  const auto found = parameters_.find(name);
+  if (found == parameters_.end()) {
+    ++ignored_;  // as both do: no answer to a name that is not known
+    return;
+  }
+  const auto& [value, type] = found->second;
+  wire::ParamValue out;
+  out.param_id = wire::parameter_id(name);
+  out.param_type = type;
+  out.param_value = wire::encode_parameter(value, type, models::parameter_encoding(spec_.dialect));
+  out.param_count = static_cast<std::uint16_t>(parameters_.size());
+  out.param_index = 0xFFFF;
+  send(out);
 }
 
 void AutopilotEmulator::advance_to(Time now) {

@@ -10,10 +10,18 @@
 
 #include "core/pose.hpp"
 #include "core/time.hpp"
+#include "models/wire/mavlink/parameter.hpp"
 #include "models/wire/mavlink/parser.hpp"
 #include "sim/autopilot/flight_controller.hpp"
 
 namespace vantage::sim {
+
+/// What an autopilot knows of its battery.
+enum class BatteryReport {
+  kShare,        ///< its charge
+  kVoltageOnly,  ///< without a current sensor
+  kFromFull,     ///< it counts the charge used, and takes every battery for full at power-up
+};
 
 struct AutopilotEmulatorSpec {
   models::AutopilotDialect dialect = models::AutopilotDialect::kPx4;
@@ -21,6 +29,7 @@ struct AutopilotEmulatorSpec {
   Pose3 start;  ///< world from body, standing on the ground there
   std::uint64_t seed = 1;
   AirframeParameters airframe;
+  BatteryReport battery = BatteryReport::kShare;
 };
 
 /// A vehicle with a simulated autopilot at the end of a MAVLink wire. It knows its peer only from
@@ -36,6 +45,12 @@ class AutopilotEmulator {
   void receive(std::span<const std::uint8_t> bytes, Time now);
   /// Steps on to `now`, a whole number of steps after boot, and says what became due.
   void advance_to(Time now);
+  /// Changes a parameter, or makes one; it starts with those of config/autopilot, as loaded.
+  void set_parameter(const std::string& name, double value);
+  /// It knows no such parameter any more, and says nothing to the name.
+  void forget_parameter(const std::string& name) { parameters_.erase(name); }
+  [[nodiscard]] std::optional<double> parameter(const std::string& name) const;
+
   /// What is to go out, a datagram each; empties it.
   std::vector<std::vector<std::uint8_t>> take_output() { return std::exchange(output_, {}); }
 
@@ -57,6 +72,8 @@ class AutopilotEmulator {
   void take_vision(const models::mavlink::VisionPositionEstimate& vision);
   void take_target(const models::mavlink::SetPositionTargetLocalNed& target);
   void take_timesync(const models::mavlink::Timesync& message);
+  bool take_parameter_talk(const models::mavlink::Frame& frame);
+  void say_parameter(const std::string& name);
   [[nodiscard]] bool is_for_me(std::uint8_t target_system) const {
     return target_system == 0 || target_system == spec_.system_id;
   }
@@ -80,6 +97,11 @@ class AutopilotEmulator {
     Time next{};
   };
   std::map<std::uint32_t, Stream> streams_;
+  struct Parameter {
+    double value = 0.0;
+    std::uint8_t type = models::mavlink::parameter_type::kFloat;
+  };
+  std::map<std::string, Parameter> parameters_;
   std::optional<std::int64_t> host_minus_own_ns_;
   std::int64_t ignored_ = 0;
 };

@@ -18,9 +18,13 @@ constexpr std::uint16_t kNoVoltage = 0xFFFF;
 
 float f32(double x) { return static_cast<float>(x); }
 
-wire::BatteryStatus battery_status(const Airframe& airframe) {
+wire::BatteryStatus battery_status(const Airframe& airframe, BatteryReport report) {
   wire::BatteryStatus out;
-  out.battery_remaining = static_cast<std::int8_t>(std::lround(100.0 * airframe.battery_share()));
+  out.battery_remaining =
+      report == BatteryReport::kVoltageOnly ? std::int8_t{-1}
+      : report == BatteryReport::kFromFull
+          ? std::int8_t{100}
+          : static_cast<std::int8_t>(std::lround(100.0 * airframe.battery_share()));
   out.voltages.fill(kNoVoltage);
   out.voltages[0] = static_cast<std::uint16_t>(std::lround(1000.0 * airframe.battery_v()));
   out.current_battery = static_cast<std::int16_t>(std::lround(2500.0 * airframe.thrust_share()));
@@ -41,6 +45,7 @@ void AutopilotEmulator::send(const Message& message) {
       output_.emplace_back());
 }
 template void AutopilotEmulator::send(const wire::CommandAck&);
+template void AutopilotEmulator::send(const wire::ParamValue&);
 template void AutopilotEmulator::send(const wire::Statustext&);
 template void AutopilotEmulator::send(const wire::Timesync&);
 
@@ -111,11 +116,11 @@ void AutopilotEmulator::speak_once(std::uint32_t message_id) {
     case wire::ExtendedSysState::kMessage.id:
       return send(wire::ExtendedSysState{0, controller_.landed_state()});
     case wire::BatteryStatus::kMessage.id:
-      return send(battery_status(airframe));
+      return send(battery_status(airframe, spec_.battery));
     case wire::SysStatus::kMessage.id: {
       wire::SysStatus out;
-      out.voltage_battery = battery_status(airframe).voltages[0];
-      out.battery_remaining = battery_status(airframe).battery_remaining;
+      out.voltage_battery = battery_status(airframe, spec_.battery).voltages[0];
+      out.battery_remaining = battery_status(airframe, spec_.battery).battery_remaining;
       return send(out);
     }
     default:

@@ -206,7 +206,8 @@ robot_defaults:
   sensor: {kind: range}
 robots:
   - {name: A, start: {x_m: 2, y_m: 2}, device: real,
-     autopilot: {dialect: ardupilot, url: "serial:/dev/ttyACM0:921600", system_id: 7, key_file: k}}
+     autopilot: {dialect: ardupilot, url: "serial:/dev/ttyACM0:921600", system_id: 7, key_file: k,
+                 parameters: warn, battery: {cells: 4, empty_v: 3.4, full_v: 4.1}}}
   - {name: B, start: {x_m: 8, y_m: 8}, autopilot: {dialect: px4, url: "udp://:14540"}}
   - {name: C, start: {x_m: 8, y_m: 2}}
 targets: {count: 1}
@@ -218,11 +219,18 @@ targets: {count: 1}
   EXPECT_EQ(a->url, "serial:/dev/ttyACM0:921600");
   EXPECT_EQ(a->system_id, 7);
   EXPECT_EQ(a->key_file, "k");
+  EXPECT_EQ(a->parameters, models::ParameterPolicy::kWarn);
+  ASSERT_TRUE(a->battery.has_value());
+  EXPECT_EQ(a->battery->cells, 4);
+  EXPECT_EQ(a->battery->empty_v, 3.4);
+  EXPECT_EQ(a->battery->full_v, 4.1);
   const auto& b = scenario.robots[1].autopilot;
   ASSERT_TRUE(b.has_value());
   EXPECT_EQ(b->dialect, models::AutopilotDialect::kPx4);
   EXPECT_EQ(b->system_id, 0);
   EXPECT_EQ(b->key_file, "");
+  EXPECT_EQ(b->parameters, models::ParameterPolicy::kVerify);
+  EXPECT_FALSE(b->battery.has_value());
   EXPECT_FALSE(scenario.robots[2].autopilot.has_value());
 }
 

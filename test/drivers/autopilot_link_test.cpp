@@ -23,8 +23,9 @@ constexpr Time kNow = from_utime(1'700'000'000'123'456);
 
 /// A link, and what it says, unpacked.
 struct Bench {
-  explicit Bench(AutopilotDialect dialect, const std::optional<wire::SigningKey>& key = {})
-      : link(dialect, 1, key) {}
+  explicit Bench(AutopilotDialect dialect, const std::optional<wire::SigningKey>& key = {},
+                 models::ParameterPolicy parameters = models::ParameterPolicy::kIgnore)
+      : link({dialect, "", 1, "", parameters}, key) {}
 
   std::vector<wire::Frame> said() {
     std::vector<wire::Frame> out;
@@ -235,7 +236,7 @@ TEST(AutopilotLink, HearsItsVehicleAlone) {
 }
 
 TEST(AutopilotLink, TakesTheFirstAutopilotWhenNoneIsNamed) {
-  AutopilotLink link(AutopilotDialect::kArdupilot, 0, std::nullopt);
+  AutopilotLink link({AutopilotDialect::kArdupilot, "", 0, ""}, std::nullopt);
   const auto hear = [&link](const wire::Heartbeat& heartbeat, std::uint8_t system,
                             std::uint8_t component) {
     std::vector<std::uint8_t> bytes;

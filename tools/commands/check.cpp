@@ -11,6 +11,7 @@
 #include "core/process.hpp"
 #include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
+#include "tools/commands/check_vehicles.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
 
@@ -22,6 +23,8 @@ struct CheckArguments {
   bool as_json = false;
   bool is_live = false;
   double listen_s = 2.0;
+  bool is_of_vehicles = false;
+  VehicleCheckOptions vehicles;
 };
 
 // What the running system itself says against arming.
@@ -39,7 +42,25 @@ void listen(const models::Scenario& scenario, double listen_s, std::vector<std::
   }
 }
 
+int run_vehicles(const CheckArguments& arguments) {
+  const models::Scenario scenario = bus::load_scenario(arguments.scenario);
+  VehicleCheckOptions options = arguments.vehicles;
+  options.is_quiet = arguments.as_json;
+  const VehicleReport report = check_vehicles(scenario, options);
+  if (arguments.as_json) {
+    print_line(nlohmann::ordered_json{
+        {"scenario", arguments.scenario}, {"ready", report.is_ready}, {"vehicles", report.vehicles}}
+                   .dump());
+  } else {
+    print_line(report.is_ready ? "ready" : "not ready");
+  }
+  return report.is_ready ? 0 : 1;
+}
+
 int run(const CheckArguments& arguments) {
+  if (arguments.is_of_vehicles) {
+    return run_vehicles(arguments);
+  }
   const models::Scenario scenario = bus::load_scenario(arguments.scenario);
   Preflight preflight = check_preflight(scenario);
   if (arguments.is_live) {
@@ -74,11 +95,23 @@ void add_check_command(CLI::App& root, Runner& chosen) {
   command->add_flag("--live", arguments->is_live,
                     "also listen to the running system and say what blocks arming");
   command->add_option("--listen", arguments->listen_s, "how long, in seconds")->needs("--live");
+  CLI::Option* const vehicles =
+      command->add_flag("--vehicles", arguments->is_of_vehicles,
+                        "ask each robot's autopilot for its parameters and say what differs from "
+                        "config/autopilot; nothing is armed, no driver may be running");
+  vehicles->excludes("--live");
+  command->add_option("--robot", arguments->vehicles.robot, "this robot alone")->needs(vehicles);
+  CLI::Option* const load = command
+                                ->add_flag("--load", arguments->vehicles.is_load,
+                                           "write what differs, after a question, and read it back")
+                                ->needs(vehicles);
+  command->add_flag("--yes", arguments->vehicles.is_sure, "write without a question")->needs(load);
   command->footer(
       "Exit code 0: ready; 1: it says what it says, but must not fly; 2: it cannot be read.\n"
       "Example:\n"
       "  vantage check config/lab.yaml\n"
-      "  vantage check config/lab.yaml --live");
+      "  vantage check config/lab.yaml --live\n"
+      "  vantage check config/lab-mixed.yaml --vehicles --load");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }
 

@@ -1,0 +1,88 @@
+#include "tools/check/vehicle_check.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/check.hpp"
+
+namespace vantage::tools {
+namespace {
+
+// Whatever the scenario says of arming, who asks for the parameters wants to know them.
+models::AutopilotSpec spec_of(const models::RobotSpec& robot) {
+  require(robot.autopilot.has_value(), "vehicle check: robot " + robot.name + " has no autopilot");
+  models::AutopilotSpec out = *robot.autopilot;
+  out.parameters = models::ParameterPolicy::kVerify;
+  return out;
+}
+
+}  // namespace
+
+VehicleCheck::VehicleCheck(const models::RobotSpec& robot,
+                           const std::optional<models::mavlink::SigningKey>& key, Time now)
+    : robot_(robot.name), spec_(spec_of(robot)), link_(spec_, key), started_(now) {}
+
+void VehicleCheck::load() { link_.mend_parameters(); }
+
+bool VehicleCheck::is_done(Time now) const {
+  if (link_.fault(now)) {
+    return now - started_ > kHeardWithin;
+  }
+  return link_.telemetry().is_armed() || link_.parameters().is_complete();
+}
+
+std::optional<std::string> VehicleCheck::fault(Time now) const {
+  if (const auto fault = link_.fault(now)) {
+    return *fault + " at " + spec_.url;
+  }
+  const drivers::ParameterCheck& parameters = link_.parameters();
+  if (!parameters.is_complete()) {
+    return link_.telemetry().is_armed()
+               ? "its motors run: parameters are neither read nor written"
+               : fmt::format("{} of {} parameters are read", settled(), size());
+  }
+  const auto entries = parameters.entries();
+  const bool is_mute = std::none_of(entries.begin(), entries.end(),
+                                    [](const auto& entry) { return entry.actual.has_value(); });
+  return is_mute ? std::optional<std::string>("it answers to no parameter's name") : std::nullopt;
+}
+
+std::vector<drivers::ParameterCheck::Entry> VehicleCheck::differences() const {
+  std::vector<drivers::ParameterCheck::Entry> out = link_.parameters().entries();
+  std::erase_if(out, [](const auto& entry) { return entry.is_kept(); });
+  return out;
+}
+
+std::vector<const models::RobotSpec*> robots_with_autopilot(const models::Scenario& scenario) {
+  std::vector<const models::RobotSpec*> out;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    if (robot.device != models::DeviceSource::kDirect && robot.autopilot &&
+        !robot.autopilot->url.empty()) {
+      out.push_back(&robot);
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> describe(const VehicleCheck& vehicle, Time now) {
+  const std::string who = fmt::format("robot {} ({})", vehicle.robot(), name_of(vehicle.dialect()));
+  if (const auto fault = vehicle.fault(now)) {
+    return {who + ": " + *fault};
+  }
+  const auto differences = vehicle.differences();
+  if (differences.empty()) {
+    return {fmt::format("{}: all {} parameters are as they must be", who, vehicle.size())};
+  }
+  std::vector<std::string> out{
+      fmt::format("{}: {} of {} parameters differ", who, differences.size(), vehicle.size()),
+      fmt::format("  {:<16} {:>9}  {:<20}  {}", "parameter", "is", "wanted", "what it would do")};
+  for (const auto& [rule, actual, is_settled] : differences) {
+    out.push_back(fmt::format("  {:<16} {:>9}  {:<20}  {}{}", rule.name,
+                              actual ? models::parameter_text(*actual) : "not there", rule.wanted(),
+                              rule.otherwise, rule.is_advised ? " (advised)" : ""));
+  }
+  return out;
+}
+
+}  // namespace vantage::tools
