@@ -1,13 +1,10 @@
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <optional>
 
-#include <fcntl.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "core/serial_line.hpp"
 #include "drivers/vehicle/port.hpp"
 
 namespace vantage::drivers {
@@ -18,28 +15,9 @@ constexpr std::size_t kWaitingMax = 4096;
 constexpr Duration kRetryFirst = std::chrono::milliseconds(250);
 constexpr Duration kRetryMax = std::chrono::seconds(4);
 
-std::optional<speed_t> speed_of(int baud) {
-  struct Speed {
-    int baud;
-    speed_t speed;
-  };
-  static constexpr std::array<Speed, 9> kSpeeds{{{9600, B9600},
-                                                 {19200, B19200},
-                                                 {38400, B38400},
-                                                 {57600, B57600},
-                                                 {115200, B115200},
-                                                 {230400, B230400},
-                                                 {460800, B460800},
-                                                 {921600, B921600},
-                                                 {1500000, B1500000}}};
-  const auto* const found = std::find_if(kSpeeds.begin(), kSpeeds.end(),
-                                         [baud](const Speed& s) { return s.baud == baud; });
-  return found == kSpeeds.end() ? std::nullopt : std::optional(found->speed);
-}
-
 class SerialPort : public Port {
  public:
-  SerialPort(std::string device, speed_t speed) : device_(std::move(device)), speed_(speed) {}
+  SerialPort(std::string device, int baud) : device_(std::move(device)), baud_(baud) {}
   ~SerialPort() override { hang_up(); }
   SerialPort(const SerialPort&) = delete;
   SerialPort& operator=(const SerialPort&) = delete;
@@ -99,27 +77,12 @@ class SerialPort : public Port {
     }
     next_try_ = now + retry_;
     retry_ = std::min(2 * retry_, kRetryMax);
-    fd_ = ::open(device_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (fd_ < 0 || !set_up()) {
-      hang_up();
+    fd_ = open_serial_line(device_, baud_);
+    if (fd_ < 0) {
       return false;
     }
     retry_ = kRetryFirst;
     return true;
-  }
-  bool set_up() const {
-    termios settings{};
-    if (tcgetattr(fd_, &settings) != 0) {
-      return false;
-    }
-    cfmakeraw(&settings);
-    settings.c_cflag |= CLOCAL | CREAD;
-    settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS);
-    settings.c_cc[VMIN] = 1;  // an empty line is EAGAIN, not an end of file
-    settings.c_cc[VTIME] = 0;
-    cfsetispeed(&settings, speed_);
-    cfsetospeed(&settings, speed_);
-    return tcsetattr(fd_, TCSANOW, &settings) == 0;
   }
   void lose() {
     ++losses_;
@@ -135,7 +98,7 @@ class SerialPort : public Port {
   }
 
   std::string device_;
-  speed_t speed_;
+  int baud_;
   int fd_ = -1;
   Time next_try_{};
   Duration retry_ = kRetryFirst;
@@ -147,11 +110,10 @@ class SerialPort : public Port {
 }  // namespace
 
 std::unique_ptr<Port> open_serial_port(const std::string& device, int baud) {
-  const auto speed = speed_of(baud);
-  if (!speed) {
+  if (!is_baud_rate(baud)) {
     throw StartupError("serial:" + device + ": " + std::to_string(baud) + " is not a baud rate");
   }
-  return std::make_unique<SerialPort>(device, *speed);
+  return std::make_unique<SerialPort>(device, baud);
 }
 
 }  // namespace vantage::drivers

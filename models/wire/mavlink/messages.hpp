@@ -6,6 +6,7 @@
 
 #include "models/wire/mavlink/messages_command.hpp"
 #include "models/wire/mavlink/messages_external_pose.hpp"
+#include "models/wire/mavlink/messages_simulator.hpp"
 #include "models/wire/mavlink/messages_state.hpp"
 #include "models/wire/mavlink/messages_system.hpp"
 
@@ -16,10 +17,11 @@ using AllMessages =
     std::tuple<Heartbeat, SysStatus, SystemTime, SetMode, ParamRequestRead, ParamValue, ParamSet,
                Attitude, AttitudeQuaternion, LocalPositionNed, SetGpsGlobalOrigin, GpsGlobalOrigin,
                ManualControl, CommandInt, CommandLong, CommandAck, SetAttitudeTarget,
-               SetPositionTargetLocalNed, PositionTargetLocalNed, VisionPositionEstimate,
-               VisionSpeedEstimate, ViconPositionEstimate, Timesync, DistanceSensor, AttPosMocap,
-               BatteryStatus, AutopilotVersion, EkfStatusReport, EstimatorStatus, GpsInput,
-               HomePosition, MessageInterval, ExtendedSysState, Statustext, Odometry>;
+               SetPositionTargetLocalNed, PositionTargetLocalNed, HilActuatorControls,
+               VisionPositionEstimate, VisionSpeedEstimate, ViconPositionEstimate, HilSensor,
+               Timesync, DistanceSensor, AttPosMocap, BatteryStatus, AutopilotVersion,
+               EkfStatusReport, EstimatorStatus, GpsInput, HomePosition, MessageInterval,
+               ExtendedSysState, Statustext, Odometry>;
 
 /// What a receiver must know of a message before it can check a frame.
 struct MessageInfo {

@@ -35,8 +35,9 @@ Frame attitude_frame(std::uint8_t sequence) {
 
 /// A frame of a message that nobody here knows, with a payload of `fill`.
 Bytes unknown_frame(std::uint8_t fill) {
-  Bytes bytes{kMarkerV2, 20, 0, 0, 9, 1, 1, 0x50, 0xC3, 0};
-  bytes.insert(bytes.end(), 22, fill);
+  constexpr std::array<std::uint8_t, 10> kHeader{kMarkerV2, 20, 0, 0, 9, 1, 1, 0x50, 0xC3, 0};
+  Bytes bytes(kHeader.size() + 22, fill);
+  std::ranges::copy(kHeader, bytes.begin());
   return bytes;
 }
 

@@ -1,0 +1,301 @@
+#include "sim/firmware/px4_link.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "core/address.hpp"
+#include "core/check.hpp"
+#include "models/wire/mavlink/vocabulary.hpp"
+
+namespace vantage::sim {
+namespace {
+
+namespace wire = models::mavlink;
+
+constexpr Duration kLong = std::chrono::seconds(5);
+
+/// The firmware's end of the line.
+class FakeFirmware {
+ public:
+  explicit FakeFirmware(int fd) : fd_(fd) {}
+  ~FakeFirmware() { hang_up(); }
+  FakeFirmware(const FakeFirmware&) = delete;
+  FakeFirmware& operator=(const FakeFirmware&) = delete;
+  FakeFirmware(FakeFirmware&&) = delete;
+  FakeFirmware& operator=(FakeFirmware&&) = delete;
+
+  /// As PX4 does: the client of the simulator's port.
+  static int connected_to(int port) {
+    const sockaddr_in address = address_of(INADDR_LOOPBACK, port);
+    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    EXPECT_EQ(connect(fd, as_sockaddr(address), sizeof address), 0);
+    const int yes = 1;
+    setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    return fd;
+  }
+
+  void say(std::uint64_t time_usec, std::array<float, 4> throttles, bool is_armed = true) {
+    wire::HilActuatorControls controls;
+    controls.time_usec = time_usec;
+    controls.flags = 1;
+    controls.mode = is_armed ? wire::kArmedFlag : 0;
+    std::copy(throttles.begin(), throttles.end(), controls.controls.begin());
+    std::vector<std::uint8_t> bytes;
+    wire::append_bytes(wire::pack(controls, {1, 1, 0}), bytes);
+    ASSERT_EQ(write(fd_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  /// The next sensors that the simulator sends.
+  wire::HilSensor hear() {
+    while (heard_.empty()) {
+      pollfd polled{fd_, POLLIN, 0};
+      std::array<std::uint8_t, 1024> bytes{};
+      if (poll(&polled, 1, 5000) != 1) {
+        ADD_FAILURE() << "no sensors";
+        return {};
+      }
+      const ssize_t got = read(fd_, bytes.data(), bytes.size());
+      if (got <= 0) {
+        ADD_FAILURE() << "the simulator hung up";
+        return {};
+      }
+      parser_.feed({bytes.data(), static_cast<std::size_t>(got)}, [this](const wire::Frame& frame) {
+        if (const auto sensors = wire::unpack<wire::HilSensor>(frame)) {
+          heard_.push_back(*sensors);
+        }
+      });
+    }
+    const wire::HilSensor out = heard_.front();
+    heard_.erase(heard_.begin());
+    return out;
+  }
+  /// Whether the simulator has let go of the line.
+  bool is_let_go() {
+    pollfd polled{fd_, POLLIN, 0};
+    std::array<std::uint8_t, 1024> bytes{};
+    while (poll(&polled, 1, 5000) == 1) {
+      if (read(fd_, bytes.data(), bytes.size()) <= 0) {
+        return true;
+      }
+    }
+    return false;
+  }
+  void hang_up() {
+    if (fd_ >= 0) {
+      close(fd_);
+    }
+    fd_ = -1;
+  }
+
+ private:
+  int fd_;
+  wire::Parser parser_;
+  std::vector<wire::HilSensor> heard_;
+};
+
+struct Listening {
+  std::unique_ptr<Px4Link> link;
+  int port = 0;
+};
+
+/// A link at a port that nobody else on this machine has.
+Listening listen_somewhere() {
+  for (int instance = 100 + getpid() % 1000;; ++instance) {
+    try {
+      return {Px4Link::listening(instance), Px4Link::kPort + instance};
+    } catch (const StartupError&) {
+    }
+  }
+}
+
+FirmwareSensors sensors_at(Duration since_start) {
+  FirmwareSensors out;
+  out.since_start = since_start;
+  out.gyro_body_radps = {0.1, -0.2, 0.3};
+  out.specific_force_body_mps2 = {0.5, -0.25, -9.5};
+  out.magnetic_field_body_gauss = {0.25, 0.125, 0.5};
+  out.pressure_hpa = 1000.5;
+  out.pressure_altitude_m = 107.0;
+  out.temperature_c = 21.5;
+  return out;
+}
+
+TEST(Px4Link, SaysWhatTheSensorsFeelInTheFirmwaresUnits) {
+  const auto [link, port] = listen_somewhere();
+  EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));  // nobody is there
+  FakeFirmware firmware(FakeFirmware::connected_to(port));
+  ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
+  const wire::HilSensor heard = firmware.hear();
+  EXPECT_EQ(heard.time_usec, 8'000U);
+  EXPECT_FLOAT_EQ(heard.xgyro, 0.1F);
+  EXPECT_FLOAT_EQ(heard.ygyro, -0.2F);
+  EXPECT_FLOAT_EQ(heard.zgyro, 0.3F);
+  EXPECT_FLOAT_EQ(heard.xacc, 0.5F);
+  EXPECT_FLOAT_EQ(heard.yacc, -0.25F);
+  EXPECT_FLOAT_EQ(heard.zacc, -9.5F);
+  EXPECT_FLOAT_EQ(heard.xmag, 0.25F);
+  EXPECT_FLOAT_EQ(heard.ymag, 0.125F);
+  EXPECT_FLOAT_EQ(heard.zmag, 0.5F);
+  EXPECT_FLOAT_EQ(heard.abs_pressure, 1000.5F);
+  EXPECT_FLOAT_EQ(heard.pressure_alt, 107.0F);
+  EXPECT_FLOAT_EQ(heard.temperature, 21.5F);
+  EXPECT_EQ(heard.id, 0);
+}
+
+// PX4 takes a sensor only when its bits are set, and refuses a compass that says the same twice at
+// a rate that no compass has.
+TEST(Px4Link, SaysInEverySampleThatTheInertialUnitIsFreshAndTheOthersAtFiftyHertz) {
+  const auto [link, port] = listen_somewhere();
+  FakeFirmware firmware(FakeFirmware::connected_to(port));
+  int magnetic = 0;
+  int barometric = 0;
+  for (int i = 1; i <= 50; ++i) {
+    ASSERT_TRUE(link->send(sensors_at(i * link->period())));
+    const std::uint32_t fields = firmware.hear().fields_updated;
+    EXPECT_EQ(fields & 0x3FU, 0x3FU);
+    magnetic += (fields & 0x1C0U) == 0x1C0U ? 1 : 0;
+    barometric += (fields & 0x1A00U) == 0x1A00U ? 1 : 0;
+    EXPECT_EQ(fields & ~0x1BFFU, 0U);
+  }
+  EXPECT_EQ(magnetic, 10);
+  EXPECT_EQ(barometric, 10);
+}
+
+TEST(Px4Link, GivesTheMotorsThatAnswerTheLastSensors) {
+  const auto [link, port] = listen_somewhere();
+  EXPECT_TRUE(link->is_lockstep());
+  FakeFirmware firmware(FakeFirmware::connected_to(port));
+  ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
+  EXPECT_EQ(link->receive(Duration{0}), std::nullopt);
+  firmware.say(4'000, {0.1F, 0.2F, 0.3F, 0.4F});
+  const auto command = link->receive(kLong);
+  ASSERT_TRUE(command);
+  EXPECT_FLOAT_EQ(static_cast<float>(command->throttles[0]), 0.1F);
+  EXPECT_FLOAT_EQ(static_cast<float>(command->throttles[3]), 0.4F);
+  EXPECT_EQ(link->receive(Duration{0}), std::nullopt) << "one answer is one answer";
+
+  ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
+  firmware.say(4'000, {0.9F, 0.9F, 0.9F, 0.9F});  // late
+  firmware.say(8'000, {0.5F, 0.5F, 0.5F, 0.5F});
+  const auto next = link->receive(kLong);
+  ASSERT_TRUE(next);
+  EXPECT_DOUBLE_EQ(next->throttles[0], 0.5);
+  EXPECT_EQ(link->counts().stale, 1);
+}
+
+TEST(Px4Link, TurnsNoMotorThatIsNotArmedNorByANumberThatIsNone) {
+  const auto [link, port] = listen_somewhere();
+  FakeFirmware firmware(FakeFirmware::connected_to(port));
+  ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
+  firmware.say(4'000, {0.5F, 0.5F, 0.5F, 0.5F}, false);
+  const auto disarmed = link->receive(kLong);
+  ASSERT_TRUE(disarmed);
+  EXPECT_EQ(disarmed->throttles, Throttles{});
+
+  ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
+  firmware.say(8'000, {std::numeric_limits<float>::quiet_NaN(), -0.1F, 7.0F, 1.0F});
+  const auto odd = link->receive(kLong);
+  ASSERT_TRUE(odd);
+  EXPECT_EQ(odd->throttles, (Throttles{0.0, 0.0, 1.0, 1.0}));
+}
+
+TEST(Px4Link, ListensToAFirmwareThatWasStartedAnew) {
+  const auto [link, port] = listen_somewhere();
+  FakeFirmware old(FakeFirmware::connected_to(port));
+  ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
+  FakeFirmware fresh(FakeFirmware::connected_to(port));  // the old one hangs and still holds on
+  ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
+  EXPECT_EQ(fresh.hear().time_usec, 8'000U);
+  EXPECT_TRUE(old.is_let_go());
+  fresh.say(8'000, {0.25F, 0.25F, 0.25F, 0.25F});
+  EXPECT_TRUE(link->receive(kLong));
+
+  fresh.hang_up();
+  EXPECT_EQ(link->receive(kLong), std::nullopt) << "waits for nobody who has gone";
+  EXPECT_FALSE(link->send(sensors_at(Duration{12'000})));
+  FakeFirmware third(FakeFirmware::connected_to(port));
+  EXPECT_TRUE(link->send(sensors_at(Duration{16'000})));
+  EXPECT_EQ(third.hear().time_usec, 16'000U);
+}
+
+TEST(Px4Link, NeverWaitsForAFirmwareThatDoesNotRead) {
+  const auto [link, port] = listen_somewhere();
+  FakeFirmware firmware(FakeFirmware::connected_to(port));
+  int told = 0;
+  constexpr int kSamples = 100'000;  // more than the kernel keeps
+  for (int i = 1; i <= kSamples; ++i) {
+    told += link->send(sensors_at(i * link->period())) ? 1 : 0;
+  }
+  EXPECT_LT(told, kSamples);
+  EXPECT_GE(link->counts().unsent, kSamples - told);
+  // What it reads in the end is whole frames in their order; the last one may wait to be ended.
+  std::uint64_t last_usec = 0;
+  for (int i = 0; i < told - 1; ++i) {
+    const wire::HilSensor heard = firmware.hear();
+    ASSERT_GT(heard.time_usec, last_usec);
+    last_usec = heard.time_usec;
+  }
+  const Duration later = (kSamples + 1) * link->period();
+  ASSERT_TRUE(link->send(sensors_at(later)));
+  while (last_usec < static_cast<std::uint64_t>(later.count())) {
+    const wire::HilSensor heard = firmware.hear();
+    ASSERT_GT(heard.time_usec, last_usec);
+    last_usec = heard.time_usec;
+  }
+}
+
+TEST(Px4Link, SaysWhichPortCannotBeHad) {
+  const auto [link, port] = listen_somewhere();
+  try {
+    Px4Link::listening(port - Px4Link::kPort);
+    FAIL();
+  } catch (const StartupError& error) {
+    EXPECT_NE(std::string(error.what()).find(std::to_string(port)), std::string::npos);
+  }
+}
+
+/// The board's end of a serial line: a pseudo terminal.
+struct Board {
+  Board() : fd(posix_openpt(O_RDWR | O_NOCTTY)) {
+    EXPECT_EQ(grantpt(fd), 0);
+    EXPECT_EQ(unlockpt(fd), 0);
+    device = ptsname(fd);
+  }
+  int fd;
+  std::string device;
+};
+
+TEST(Px4Link, SpeaksWithABoardThatHasAClockOfItsOwn) {
+  const Board board;
+  FakeFirmware firmware(board.fd);
+  const auto link = Px4Link::on_serial_line(board.device);
+  EXPECT_FALSE(link->is_lockstep());
+  ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
+  EXPECT_EQ(firmware.hear().time_usec, 4'000U);
+  ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
+  firmware.say(77, {0.5F, 0.5F, 0.5F, 0.5F});
+  const auto command = link->receive(kLong);
+  ASSERT_TRUE(command);
+  EXPECT_DOUBLE_EQ(command->throttles[0], 0.5);
+}
+
+TEST(Px4Link, WaitsForABoardThatIsNotThereAndRefusesASpeedThatNoLineHas) {
+  const auto link = Px4Link::on_serial_line("/nowhere/at/all:921600");
+  EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));
+  EXPECT_EQ(link->receive(kLong), std::nullopt);
+  EXPECT_THROW(Px4Link::on_serial_line("/dev/x:12345"), StartupError);
+  EXPECT_THROW(Px4Link::on_serial_line("/dev/x:"), StartupError);
+}
+
+}  // namespace
+}  // namespace vantage::sim
