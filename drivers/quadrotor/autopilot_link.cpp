@@ -13,6 +13,8 @@ namespace {
 namespace wire = models::mavlink;
 
 constexpr Duration kSecond = std::chrono::seconds(1);
+// Several within the second after which an autopilot is to notice that they have stopped.
+constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds(200);
 constexpr Duration kStreamAgeMax = std::chrono::seconds(3);
 constexpr Duration kSerialPause = std::chrono::milliseconds(100);
 constexpr std::size_t kOutputMax = 1024;  // messages nobody takes: the oldest half goes
@@ -128,14 +130,17 @@ void AutopilotLink::answer_timesync(const wire::Timesync& request, Time now) {
 
 void AutopilotLink::tick(Time now) {
   now_ = now;
-  if (now >= next_second_) {
-    next_second_ = now + kSecond;
+  if (now >= next_heartbeat_) {
+    next_heartbeat_ = now + kHeartbeatPeriod;
     wire::Heartbeat heartbeat;
     heartbeat.type = traits_.own_type;
     heartbeat.autopilot = wire::autopilot::kNone;
     heartbeat.system_status = wire::kStateActive;
     heartbeat.mavlink_version = 3;
     send(heartbeat, now);
+  }
+  if (now >= next_second_) {
+    next_second_ = now + kSecond;
     if (telemetry_.is_connected(now)) {
       wire::Timesync request;
       request.ts1 = to_utime(now) * 1000;

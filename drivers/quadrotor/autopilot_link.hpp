@@ -104,6 +104,7 @@ class AutopilotLink {
   std::uint8_t next_sequence_ = 0;
   bool is_heartbeat_v1_ = false;
   std::optional<Time> last_bytes_;
+  Time next_heartbeat_{};
   Time next_second_{};
   Time now_{};
   std::int64_t strangers_ = 0;  ///< frames of other systems
