@@ -38,7 +38,7 @@ struct MocapSpec {
   DeviceSource device = DeviceSource::kDirect;
 
   MocapProtocol protocol = MocapProtocol::kDataStream;
-  std::string host = "127.0.0.1";  ///< of the server; an object stream is taken from anyone
+  std::string host = "127.0.0.1";  ///< of the server; by default an object stream is anyone's
   int port = 0;                    ///< 0: the protocol's own
   StreamMode mode = StreamMode::kPush;
   UpAxis up_axis = UpAxis::kAsTold;
