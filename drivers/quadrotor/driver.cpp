@@ -43,7 +43,6 @@ QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::st
                                  const std::optional<wire::SigningKey>& key)
     : robot_(robot),
       dialect_(robot_of(scenario, robot).autopilot->dialect),
-      take_off_height_m_(limits.take_off_height_m),
       link_(dialect_, static_cast<std::uint8_t>(robot_of(scenario, robot).autopilot->system_id),
             key),
       guard_(scenario, robot, limits),
@@ -85,6 +84,12 @@ void QuadrotorDriver::report_autopilot(Time now) {
   report.tilt_rad = telemetry.tilt_rad();
   report.has_position = position_m.has_value();
   report.position_world_m = position_m.value_or(Eigen::Vector3d::Zero());
+  report.velocity_world_mps = telemetry.velocity_world_mps();
+  report.has_attitude = telemetry.heard(wire::Attitude::kMessage.id).has_value();
+  report.world_from_body = telemetry.world_from_body();
+  report.yaw_rate_radps = telemetry.yaw_rate_radps();
+  report.is_in_our_mode = telemetry.mode() == traits_of(dialect_).follow_mode;
+  report.is_landing_itself = telemetry.mode() == traits_of(dialect_).land_mode;
   guard_.on_autopilot(report, now);
 }
 
@@ -173,8 +178,9 @@ void QuadrotorDriver::fly(Time now) {
   const double height_m = body ? body->world_from_body.translation_m.z() : ground_m_.value_or(0.0);
   FlightSequence::Situation situation;
   situation.may_arm = body && link_.telemetry().position_world_m(now) && !link_.fault(now);
-  situation.take_off_height_m = std::max(0.3, take_off_height_m_ - ground_m_.value_or(0.0));
-  situation.height_error_m = std::abs(take_off_height_m_ - height_m);
+  situation.take_off_height_m = std::max(0.1, orders_.climb_to_m - ground_m_.value_or(0.0));
+  situation.height_error_m = std::abs(orders_.climb_to_m - height_m);
+  situation.is_flying = is_airborne(orders_.state);
   situation.is_low = body && ground_m_ && height_m - *ground_m_ < kLowM;
   situation.is_landing = orders_.state == FlightState::kLand;
   situation.now = now;

@@ -67,7 +67,6 @@ class QuadrotorDriver {
 
   std::string robot_;
   models::AutopilotDialect dialect_;
-  double take_off_height_m_;
   AutopilotLink link_;
   FlightGuard guard_;
   BodyTracker tracker_;
