@@ -201,7 +201,8 @@ void FlightGuard::Parts::look_at_lift(Time now) {
   in.unrisen_s = lift.unrisen_s(here_m, limits, now);
   in.unproven_s = lift.unproven_s(now);
   in.other_risen_m = in.unrisen_s > 0.0 ? lift_queue.other_risen_m() : 0.0;
-  in.lift_astray_m = sees ? lift.astray_m(here_m) : 0.0;
+  const Eigen::Vector3d soon_m = here_m + limits.reaction_s * pose.velocity_world_mps();
+  in.lift_astray_m = sees ? std::max(lift.astray_m(here_m), lift.astray_m(soon_m)) : 0.0;
   in.lift_climb_error_mps = in.lift_turn_error_radps = 0.0;
   const bool can_compare = lift.is_under_way() && sees && autopilot.has_position &&
                            in.telemetry_age_s <= limits.telemetry_age_hold_s;

@@ -51,7 +51,7 @@ struct SafetyInputs {
   double unrisen_s = 0.0;             ///< since `take-off`, while the body has not risen
   double unproven_s = 0.0;            ///< in the hover of the first lift
   double other_risen_m = 0.0;         ///< another body, while this one should
-  double lift_astray_m = 0.0;         ///< in the first lift, seen from above
+  double lift_astray_m = 0.0;         ///< in the first lift, seen from above; now or at once
   double lift_climb_error_mps = 0.0;  ///< body against autopilot, in the first lift
   double lift_turn_error_radps = 0.0;
   double risen_untold_m = 0.0;    ///< armed and told to stand
