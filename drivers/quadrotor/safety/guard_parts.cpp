@@ -101,7 +101,7 @@ void FlightGuard::Parts::look(Time now) {
                         in.autopilot_armed && in.telemetry_age_s <= limits.telemetry_age_hold_s &&
                         in.height_m - ground_m.value_or(0.0) > limits.safe_height_m &&
                         (sees || (is_unseen && feels));
-  if (ladder.state == FlightState::kIdle && has_telemetry && !autopilot.armed && sees) {
+  if (ladder.state == FlightState::kIdle && has_heartbeat && !autopilot.armed && sees) {
     ground_m = in.height_m;
   }
   in.is_found_flying = is_found && autopilot.is_in_our_mode;
