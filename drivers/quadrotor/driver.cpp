@@ -49,7 +49,6 @@ QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::st
     : robot_(robot),
       dialect_(robot_of(scenario, robot).autopilot->dialect),
       parameter_policy_(robot_of(scenario, robot).autopilot->parameters),
-      take_off_height_m_(limits.take_off_height_m),
       link_(*robot_of(scenario, robot).autopilot, key),
       guard_(scenario, robot, with_lead(limits, traits_of(dialect_).lead_s)),
       tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
@@ -88,6 +87,12 @@ void QuadrotorDriver::report_autopilot(Time now) {
   report.tilt_rad = telemetry.tilt_rad();
   report.has_position = position_m.has_value();
   report.position_world_m = position_m.value_or(Eigen::Vector3d::Zero());
+  report.velocity_world_mps = telemetry.velocity_world_mps();
+  report.has_attitude = telemetry.heard(wire::Attitude::kMessage.id).has_value();
+  report.world_from_body = telemetry.world_from_body();
+  report.yaw_rate_radps = telemetry.yaw_rate_radps();
+  report.is_in_our_mode = telemetry.mode() == traits_of(dialect_).follow_mode;
+  report.is_landing_itself = telemetry.mode() == traits_of(dialect_).land_mode;
   guard_.on_autopilot(report, now);
 }
 
@@ -181,8 +186,9 @@ void QuadrotorDriver::fly(Time now) {
       parameter_policy_ != models::ParameterPolicy::kVerify || link_.parameters().is_kept();
   situation.may_arm =
       body && link_.telemetry().position_world_m(now) && !link_.fault(now) && has_parameters;
-  situation.take_off_height_m = std::max(0.3, take_off_height_m_ - ground_m_.value_or(0.0));
-  situation.height_error_m = std::abs(take_off_height_m_ - height_m);
+  situation.take_off_height_m = std::max(0.1, orders_.climb_to_m - ground_m_.value_or(0.0));
+  situation.height_error_m = std::abs(orders_.climb_to_m - height_m);
+  situation.is_flying = is_airborne(orders_.state);
   situation.is_low = body && ground_m_ && height_m - *ground_m_ < kLowM;
   situation.is_landing = orders_.state == FlightState::kLand;
   situation.now = now;

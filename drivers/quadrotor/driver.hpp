@@ -69,7 +69,6 @@ class QuadrotorDriver {
   std::string robot_;
   models::AutopilotDialect dialect_;
   models::ParameterPolicy parameter_policy_;
-  double take_off_height_m_;
   AutopilotLink link_;
   FlightGuard guard_;
   BodyTracker tracker_;

@@ -14,6 +14,7 @@ constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // its motors spool
 constexpr Duration kArmPause = std::chrono::seconds(2);
 constexpr Duration kKillPeriod = std::chrono::milliseconds(100);
 constexpr Duration kDisarmAfterLanding = std::chrono::seconds(5);
+constexpr Duration kLeftInTheAir = std::chrono::seconds(1);
 constexpr double kClimbedM = 0.25;
 
 wire::CommandLong arm_command(bool is_to_arm, bool is_forced = false) {
@@ -54,7 +55,8 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
     // set-points.
     return was_armed_ && goal_ == FlightGoal::kFly;
   }
-  is_over_ = is_over_ || (was_armed_ && !telemetry.is_armed());
+  const bool is_armed = telemetry.is_armed() || (was_armed_ && situation.is_flying);
+  is_over_ = is_over_ || (was_armed_ && !is_armed);
   was_armed_ = was_armed_ || telemetry.is_armed();
   switch (goal_) {
     case FlightGoal::kRest:
@@ -65,9 +67,9 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
         waiting_for_ = "a new order: the autopilot has stopped its motors";
         return false;
       }
-      return telemetry.is_armed() ? fly(link, situation) : prepare(link, situation);
+      return is_armed ? fly(link, situation) : prepare(link, situation);
     case FlightGoal::kLand:
-      return land(link, situation.now);
+      return land(link, situation.now, is_armed);
     case FlightGoal::kKill:
       kill(link, situation.now);
       return false;
@@ -79,11 +81,13 @@ bool FlightSequence::rest(AutopilotLink& link, Time now) {
   streaming_since_.reset();
   has_climbed_ = false;
   disarm_on_ground(link, now, Duration{0});
-  // In the air and in the mode that we fly it in: an earlier run of this driver left it there, and
-  // nobody else is going to bring it down.
+  // In the air and in the mode that we fly it in: an earlier run of this driver left it there.
+  // Flight safety holds it there when it knows where it is; nobody else is going to bring it down.
   const Telemetry& telemetry = link.telemetry();
-  if (telemetry.is_armed() && !telemetry.is_on_ground() &&
-      telemetry.mode() == traits_.follow_mode) {
+  const bool is_left =
+      telemetry.is_armed() && !telemetry.is_on_ground() && telemetry.mode() == traits_.follow_mode;
+  left_since_ = is_left ? left_since_.value_or(now) : std::optional<Time>();
+  if (is_left && now - *left_since_ > kLeftInTheAir) {
     waiting_for_ = "landing of a vehicle that was found flying";
     link.want(land_command(dialect_), now, kModePause);
   }
@@ -135,7 +139,9 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   if (goal_ == FlightGoal::kArm) {
     return traits_.wants_proof_of_life;
   }
-  has_climbed_ = has_climbed_ || situation.height_error_m < kClimbedM || situation.is_landing;
+  // The first lift is a small one.
+  const double climbed_m = std::min(kClimbedM, 0.4 * situation.take_off_height_m);
+  has_climbed_ = has_climbed_ || situation.height_error_m < climbed_m || situation.is_landing;
   if (has_climbed_) {
     return true;
   }
@@ -152,9 +158,9 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   return false;
 }
 
-bool FlightSequence::land(AutopilotLink& link, Time now) {
+bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
   const Telemetry& telemetry = link.telemetry();
-  if (!telemetry.is_armed()) {
+  if (!is_armed) {
     is_over_ = true;
     return false;
   }

@@ -40,6 +40,7 @@ class FlightSequence {
     bool is_low = false;             ///< it has not lifted, seen from outside
     double height_error_m = 0.0;     ///< of the body to the height it climbs to, ≥ 0
     bool is_landing = false;         ///< a climb under way is not waited for
+    bool is_flying = false;  ///< flight safety knows that it flies, whatever its heartbeat says
     Time now{};
   };
   /// Has the due command sent. Returns whether set-points are to be streamed now.
@@ -58,7 +59,7 @@ class FlightSequence {
   bool rest(AutopilotLink& link, Time now);
   bool prepare(AutopilotLink& link, const Situation& situation);
   bool fly(AutopilotLink& link, const Situation& situation);
-  bool land(AutopilotLink& link, Time now);
+  bool land(AutopilotLink& link, Time now, bool is_armed);
   void kill(AutopilotLink& link, Time now);
   void disarm_on_ground(AutopilotLink& link, Time now, Duration after);
 
@@ -67,6 +68,7 @@ class FlightSequence {
   FlightGoal goal_ = FlightGoal::kRest;
   std::optional<Time> streaming_since_;
   std::optional<Time> on_ground_since_;
+  std::optional<Time> left_since_;  ///< armed in the air, and nobody's
   bool was_armed_ = false;
   bool has_climbed_ = false;
   bool has_mode_ = false;

@@ -52,14 +52,24 @@ void Telemetry::take(const wire::Frame& frame, Time now) {
     estimator_flags_ = ardupilot->flags;
   } else if (const auto position = wire::unpack<wire::LocalPositionNed>(frame)) {
     const Eigen::Vector3d local_m(position->x, position->y, position->z);
-    if (local_m.allFinite()) {
+    const Eigen::Vector3d local_mps(position->vx, position->vy, position->vz);
+    if (local_m.allFinite() && local_mps.allFinite()) {
       position_world_m_ = turn_axes(local_m);
+      velocity_world_mps_ = turn_axes(local_mps);
       has_origin_ = true;
     }
   } else if (const auto attitude = wire::unpack<wire::Attitude>(frame)) {
     const double cosine = std::cos(static_cast<double>(attitude->roll)) *
                           std::cos(static_cast<double>(attitude->pitch));
     tilt_rad_ = std::isfinite(cosine) ? std::acos(cosine) : 0.0;
+    const double yaw_rad = static_cast<double>(attitude->yaw);
+    if (std::isfinite(cosine) && std::isfinite(yaw_rad) && std::isfinite(attitude->yawspeed)) {
+      world_from_body_ = turn_axes(
+          Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(static_cast<double>(attitude->pitch), Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(static_cast<double>(attitude->roll), Eigen::Vector3d::UnitX()));
+      yaw_rate_radps_ = turn_yaw(static_cast<double>(attitude->yawspeed));
+    }
   } else if (frame.message_id == wire::GpsGlobalOrigin::kMessage.id) {
     has_origin_ = true;
   } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {

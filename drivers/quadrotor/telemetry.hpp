@@ -7,6 +7,7 @@
 #include <string>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "core/time.hpp"
 #include "models/scenario/scenario.hpp"
@@ -54,6 +55,10 @@ class Telemetry {
   [[nodiscard]] std::optional<Eigen::Vector3d> position_world_m(Time now) const;
   /// Of its z axis from the vertical, by its own attitude.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
+  /// Its own estimates, world frame; meaningless before they were heard.
+  [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_world_mps_; }
+  [[nodiscard]] const Eigen::Quaterniond& world_from_body() const { return world_from_body_; }
+  [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
   [[nodiscard]] bool has_origin() const { return has_origin_; }
   /// When a message of this kind was last heard.
   [[nodiscard]] std::optional<Time> heard(std::uint32_t message_id) const;
@@ -86,6 +91,9 @@ class Telemetry {
   std::optional<Time> battery_time_;
   std::uint16_t estimator_flags_ = 0;
   Eigen::Vector3d position_world_m_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_world_mps_ = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond world_from_body_ = Eigen::Quaterniond::Identity();
+  double yaw_rate_radps_ = 0.0;
   double tilt_rad_ = 0.0;
   bool has_origin_ = false;
   std::optional<std::int64_t> clock_offset_ns_;

@@ -170,10 +170,26 @@ TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0));
 }
 
-TEST_P(Flight, BringsDownAVehicleThatAnEarlierRunLeftInTheAir) {
+// Defect: a driver restarted in the air said `idle`, and landed it whatever the operator wanted.
+TEST_P(Flight, HoldsAVehicleThatAnEarlierRunLeftInTheAirAndAsks) {
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  const Eigen::Vector3d place_m = bench.vehicle.world_from_body().translation_m;
+  bench.restart_driver();
+  ASSERT_TRUE(bench.run_until([&] { return bench.state() == FlightState::kHold; }, 2.0))
+      << bench.reasons();
+  bench.run(5.0);
+  EXPECT_EQ(bench.state(), FlightState::kHold) << bench.reasons();
+  EXPECT_TRUE(bench.has_reason("found flying"));
+  EXPECT_LT((bench.vehicle.world_from_body().translation_m - place_m).norm(), 0.3);
+  bench.has_operator = false;
+  ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0)) << bench.reasons();
+}
+
+// Nobody sees it either: it is brought down.
+TEST_P(Flight, BringsDownAVehicleThatAnEarlierRunLeftInTheAirUnseen) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
   bench.restart_driver();
-  // PX4 lands by itself within 1.5 s of silence; ArduPilot would hover until its battery is empty.
+  bench.has_mocap = false;
   ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 40.0)) << bench.reasons();
 }
 

@@ -35,7 +35,8 @@ constexpr auto kRows = std::to_array<Condition>({
      [](const In& in, const Lim& lim) { return in.tilt_rad > lim.tilt_kill_rad; }},
     {"motor", kKill, kRearm, true, 0.0, "the autopilot reports a failed motor", kRearmRule,
      [](const In& in, const Lim&) { return in.motor_failed; }},
-    {"fence far", kKill, kRearm, true, 0.0, "centre > fence_kill_m outside", kRearmRule,
+    {"fence far", kKill, kRearm, true, 0.0, "centre > fence_kill_m outside or above the ceiling",
+     kRearmRule,
      [](const In& in, const Lim& lim) { return in.fence_centre_m < -lim.fence_kill_m; }},
     {"pose lost low", kKill, kRearm, false, 0.0,
      "pose_age_s > pose_age_kill_s and height < safe_height_m or outside", kRearmRule,
@@ -43,6 +44,22 @@ constexpr auto kRows = std::to_array<Condition>({
        return in.pose_age_s > lim.pose_age_kill_s &&
               (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
      }},
+    {"body does not lift", kKill, kRearm, false, 0.0,
+     "told to take off, and not risen lift_risen_m in lift_wait_s", kRearmRule,
+     [](const In& in, const Lim& lim) { return in.unrisen_s > lim.lift_wait_s; }},
+    {"another body lifts", kKill, kRearm, false, 0.0,
+     "lift_other_m by another robot's body, before this one has risen", kRearmRule,
+     [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; }},
+    {"lift astray", kKill, kRearm, false, 0.0, "> lift_astray_m from its place in the first lift",
+     kRearmRule, [](const In& in, const Lim& lim) { return in.lift_astray_m > lim.lift_astray_m; }},
+    {"lift disagrees", kKill, kRearm, false, 0.1,
+     "first lift: climb or turn of the body against the autopilot's own", kRearmRule,
+     [](const In& in, const Lim& lim) {
+       return in.lift_climb_error_mps > lim.lift_climb_error_mps ||
+              in.lift_turn_error_radps > lim.lift_turn_error_radps;
+     }},
+    {"rises untold", kKill, kRearm, false, 0.0, "armed, not told, and risen lift_other_m",
+     kRearmRule, [](const In& in, const Lim& lim) { return in.risen_untold_m > lim.lift_other_m; }},
     // LAND
     {"pose lost", kLand, kGround, true, 0.0, "pose_age_s > pose_age_land_s", kGroundRule, is_lost},
     {"fence", kLand, kGround, true, 0.0, "edge > fence_land_m outside; moves inward only",
@@ -52,6 +69,9 @@ constexpr auto kRows = std::to_array<Condition>({
      [](const In& in, const Lim& lim) { return in.separation_now_m < lim.separation_land_m; }},
     {"tracking lost", kLand, kGround, false, 0.1, "tracking_error_m > tracking_land_m", kGroundRule,
      [](const In& in, const Lim& lim) { return in.tracking_error_m > lim.tracking_land_m; }},
+    {"lift unproven", kLand, kGround, false, 0.0,
+     "lift_proof_s in the first hover, and not gone where it was told", kGroundRule,
+     [](const In& in, const Lim& lim) { return in.unproven_s > lim.lift_proof_s; }},
     {"battery empty", kLand, kGround, true, 0.0, "share < battery_empty_share", kGroundRule,
      [](const In& in, const Lim& lim) { return !(in.battery_share >= lim.battery_empty_share); }},
     {"battery critical", kLand, kGround, true, 3.0, "share < battery_land_share", kGroundRule,
@@ -98,6 +118,14 @@ constexpr auto kRows = std::to_array<Condition>({
      true},
     {"tracking", kHold, kSelf, false, 0.1, "tracking_error_m > tracking_hold_m", kSelfRule,
      [](const In& in, const Lim& lim) { return in.tracking_error_m > lim.tracking_hold_m; }},
+    {"too fast", kHold, kSelf, false, 0.2, "speed_mps > speed_hold_ratio × speed_max_mps",
+     kSelfRule,
+     [](const In& in,
+        const Lim&
+            lim) { return in.speed_mps > lim.speed_hold_ratio * lim.vehicle.speed_max_mps; }},
+    {"found flying", kHold, kOperator, true, 0.0, "in the air, and not by this driver's doing",
+     kOperatorRule,
+     [](const In& in, const Lim&) { return in.is_found_flying || in.is_found_landing; }},
     {"no plan", kHold, kAtOnce, false, 0.0,
      "no plan, or it has ended and plan_age_s > plan_age_hold_s",
      "a plan passes the check and begins where the vehicle is",
@@ -131,6 +159,29 @@ constexpr auto kRows = std::to_array<Condition>({
     {"pose unsettled", kNote, kAtOnce, true, 0.0, "fewer than pose_frames_to_arm plausible poses",
      "at once",
      [](const In& in, const Lim& lim) { return in.poses_accepted < lim.pose_frames_to_arm; }},
+    {"body tilted", kNote, kAtOnce, true, 0.0, "body_tilt_rad > body_tilt_arm_rad; on the ground",
+     "at once",
+     [](const In& in,
+        const Lim& lim) { return in.flight_s <= 0.0 && in.body_tilt_rad > lim.body_tilt_arm_rad; }},
+    {"attitude disagrees", kNote, kAtOnce, true, 0.0,
+     "level by mocap and autopilot > attitude_error_arm_rad; on the ground", "at once",
+     [](const In& in, const Lim& lim) {
+       return in.flight_s <= 0.0 && in.attitude_error_rad > lim.attitude_error_arm_rad;
+     }},
+    {"yaw disagrees", kNote, kAtOnce, true, 0.0,
+     "yaw by mocap and autopilot > yaw_error_arm_rad; on the ground", "at once",
+     [](const In& in, const Lim& lim) {
+       return in.flight_s <= 0.0 && in.yaw_error_rad > lim.yaw_error_arm_rad;
+     }},
+    {"another vehicle is lifting", kNote, kAtOnce, false, 0.0,
+     "one lifts at a time: told first, then by name; on the ground", "at once",
+     [](const In& in, const Lim&) { return in.flight_s <= 0.0 && in.is_lift_taken; }, false, true},
+    {"somebody near", kNote, kAtOnce, false, 0.0,
+     "a body within landing_clearance_m in take_off_look_s; on the ground", "at once",
+     [](const In& in, const Lim& lim) {
+       return in.flight_s <= 0.0 && in.near_m < lim.landing_clearance_m;
+     },
+     false, true},
     {"planner silent", kNote, kAtOnce, false, 0.0, "leaseholder silent for plan_silent_warn_s",
      "at once",
      [](const In& in, const Lim& lim) { return in.planner_age_s > lim.plan_silent_warn_s; }},

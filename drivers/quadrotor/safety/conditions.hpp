@@ -25,15 +25,16 @@ struct Condition {
   const char* name;   ///< as reasons and reports write it
   Severity severity;  ///< in the air
   Clearing clearing;
-  bool blocks_arming;  ///< and take-off
+  bool blocks_arming;  ///< and, with it, taking off
   double after_s;      ///< must hold this long before it counts
   const char* limit;   ///< what is compared with what
   const char* clears;  ///< the rule, in words
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
   bool yields = false;  ///< clears yield_s later for the vehicle that must let the other go first
+  bool blocks_take_off = false;  ///< and not arming
 };
 
-inline constexpr std::size_t kConditionsMax = 48;
+inline constexpr std::size_t kConditionsMax = 64;
 
 /// All of them, most severe first. At most kConditionsMax.
 std::span<const Condition> conditions();

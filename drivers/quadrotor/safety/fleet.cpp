@@ -23,13 +23,16 @@ NamedBody find_unique(const models::MocapFrame& frame, const std::string& name) 
 }
 
 Fleet::Fleet(const models::Scenario& scenario, const std::string& own_name) : own_name_(own_name) {
+  int index = 0;
   for (const models::RobotSpec& robot : scenario.robots) {
     if (robot.name != own_name) {
-      members_.push_back({robot.name, true, robot.name < own_name, {}, false, {}, 0, -1, {}});
+      members_.push_back(
+          {robot.name, true, robot.name < own_name, index, {}, false, {}, 0, -1, {}});
     }
+    ++index;
   }
   for (const models::TargetSpec& target : scenario.targets) {
-    members_.push_back({target.name, false, true, {}, false, {}, 0, -1, {}});
+    members_.push_back({target.name, false, true, -1, {}, false, {}, 0, -1, {}});
   }
   bodies_.reserve(members_.size());
   courses_.reserve(members_.size());
@@ -103,6 +106,7 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
       body.position_world_m = member.pose.predict_m(now, limits.pose_age_hold_s);
       body.age_s = age_s;
       body.goes_first = member.goes_first;
+      body.robot = member.robot;
       if (is_fresh) {
         body.velocity_world_mps = member.pose.velocity_world_mps();
         body.planned_world_mps = body.velocity_world_mps;

@@ -40,6 +40,7 @@ class Fleet {
     std::string name;
     bool is_robot = false;
     bool goes_first = true;
+    int robot = -1;  ///< its place among the scenario's robots
     PoseMonitor pose;
     bool has_plan = false;
     HeldPlan plan;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/check.hpp"
 #include "drivers/quadrotor/safety/guard_parts.hpp"
@@ -16,7 +17,41 @@ constexpr double kMovingMps = 0.1;
 
 bool is_sound(const AutopilotReport& report) {
   return std::isfinite(report.tilt_rad) && std::isfinite(report.thrust_share) &&
-         (!report.has_position || report.position_world_m.allFinite());
+         (!report.has_position ||
+          (report.position_world_m.allFinite() && report.velocity_world_mps.allFinite())) &&
+         (!report.has_attitude ||
+          (report.world_from_body.coeffs().allFinite() && std::isfinite(report.yaw_rate_radps)));
+}
+
+std::vector<std::string> names_of(const Reasons& reasons) {
+  std::vector<std::string> out;
+  const auto rows = conditions();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (reasons[i]) {
+      out.emplace_back(rows[i].name);
+    }
+  }
+  return out;
+}
+
+// What became of `arm` and `take-off` on the ground.
+void say_orders(const LadderState& ladder, const SafetyInputs& in,
+                std::vector<std::string>& reasons) {
+  if (ladder.arm.is_given && !ladder.wants_armed) {
+    reasons.emplace_back("arm waits");
+  }
+  if (ladder.take_off.is_given) {
+    reasons.emplace_back(in.autopilot_armed ? "take-off waits" : "take-off waits: motors");
+  }
+  if (ladder.refusal.order != Refusal::Order::kNone) {
+    const bool is_arm = ladder.refusal.order == Refusal::Order::kArm;
+    std::string why = is_arm ? "arm refused: " : "take-off refused: ";
+    const std::vector<std::string> names = names_of(ladder.refusal.reasons);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      why += (i == 0 ? "" : ", ") + names[i];
+    }
+    reasons.push_back(why + (names.empty() ? "not armed" : ""));
+  }
 }
 
 }  // namespace
@@ -87,6 +122,9 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
     p.commands_refused += is_ours && command.action != OperatorAction::kHeartbeat ? 1 : 0;
     return is_ours ? CommandVerdict::kNotInCharge : CommandVerdict::kNotForUs;
   }
+  if (command.action == OperatorAction::kTakeOff) {
+    p.lift_queue.on_take_off(command.robot);  // whoever is told: they lift one after the other
+  }
   if (!is_ours) {
     return CommandVerdict::kNotForUs;
   }
@@ -100,13 +138,10 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
   const bool airborne = is_airborne(p.ladder.state);
   const bool on_ground_only =
       command.action == OperatorAction::kArm || command.action == OperatorAction::kTakeOff;
-  const bool is_blocked = p.ladder.state == FlightState::kIdle && on_ground_only && p.reasons.any();
-  if (on_ground_only == airborne || is_blocked) {
-    const bool is_harmless = !on_ground_only && command.action != OperatorAction::kFollow;
-    if (!is_harmless) {
-      ++p.commands_refused;
-      return CommandVerdict::kRefused;
-    }
+  const bool is_harmless = !on_ground_only && command.action != OperatorAction::kFollow;
+  if (on_ground_only == airborne && !is_harmless) {
+    ++p.commands_refused;
+    return CommandVerdict::kRefused;
   }
   // Of several commands within one tick the safest counts.
   const auto severity = [](OperatorAction action) { return static_cast<int>(action); };
@@ -117,8 +152,10 @@ CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, T
 }
 
 void FlightGuard::on_heartbeat(Time now) {
-  parts_->has_heartbeat = true;
-  parts_->heartbeat_at = now;
+  Parts& p = *parts_;
+  p.has_heartbeat = true;
+  p.heartbeat_at = now;
+  p.disarmed_beats = p.autopilot.armed ? 0 : std::min(p.disarmed_beats + 1, 1000);
 }
 
 void FlightGuard::on_autopilot(const AutopilotReport& report, Time now) {
@@ -160,6 +197,12 @@ GuardOutput FlightGuard::tick(Time now) {
   p.stalls += p.in.since_last_tick_s > p.limits.stall_hold_s ? 1 : 0;
 
   const FlightState before = p.ladder.state;
+  const LadderState& ladder = p.ladder;
+  const auto orders = [&ladder] {
+    return std::tuple(ladder.refusal.order, ladder.refusal.reasons, ladder.arm.is_given,
+                      ladder.take_off.is_given, ladder.wants_armed);
+  };
+  const auto orders_before = orders();
   p.ladder = step_ladder(p.ladder, p.in, p.limits);
   if (p.ladder.state != before) {
     p.change(before, now);
@@ -183,14 +226,24 @@ GuardOutput FlightGuard::tick(Time now) {
   const double rate_mps = dt_s > 0.0 ? (p.height_ref_m - height_before_m) / dt_s : 0.0;
   p.height_rate_mps = std::clamp(rate_mps, -p.limits.climb_mps, p.limits.climb_mps);
 
+  if (!p.ladder.take_off.is_given && !p.lift.is_under_way()) {
+    p.lift_queue.forget_own();
+  }
+
   GuardOutput out;
   out.state = p.ladder.state;
   out.setpoint = p.setpoint(now);
   out.wants_armed = p.ladder.wants_armed;
   out.is_sinking = p.ladder.state == FlightState::kLand && p.is_sinking;
-  out.reasons =
-      p.ladder.state == FlightState::kIdle ? arming_blocks(p.in, p.limits) : p.ladder.latched;
-  out.changed = out.state != before || out.reasons != p.reasons;
+  out.climb_to_m = p.height_goal_m;
+  out.reasons = p.ladder.latched;
+  if (p.ladder.state == FlightState::kIdle) {
+    out.reasons = arming_blocks(p.in, p.limits);
+    if (p.ladder.take_off.is_given) {
+      out.reasons |= take_off_blocks(p.in, p.limits);
+    }
+  }
+  out.changed = out.state != before || out.reasons != p.reasons || orders() != orders_before;
   p.reasons = out.reasons;
   p.emergency_stop = false;
   p.request.reset();
@@ -214,14 +267,15 @@ models::VehicleStatus FlightGuard::status(Time now) const {
     out.setpoint = flatten(p.pose.world_from_body());
   }
   out.plan_round = p.ladder.state == FlightState::kFollow ? p.plans.round() : -1;
-  const auto rows = conditions();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (p.reasons[i]) {
-      out.reasons.emplace_back(rows[i].name);
-    }
+  out.reasons = names_of(p.reasons);
+  if (p.lift.is_under_way()) {
+    out.reasons.emplace_back("first lift");
   }
   if (p.ladder.state == FlightState::kHold && out.reasons.empty()) {
     out.reasons.emplace_back("operator");
+  }
+  if (p.ladder.state == FlightState::kIdle) {
+    say_orders(p.ladder, p.in, out.reasons);
   }
   if (const char* const complaint = p.source.complaint(now)) {
     out.reasons.emplace_back(complaint);

@@ -26,6 +26,12 @@ struct AutopilotReport {
   double thrust_share = 0.0;  ///< of the most loaded motor, in [0, 1]; 0 when unknown
   bool has_position = false;
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< its own estimate
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  bool has_attitude = false;
+  Eigen::Quaterniond world_from_body = Eigen::Quaterniond::Identity();  ///< its own estimate
+  double yaw_rate_radps = 0.0;                                          ///< by its gyroscopes
+  bool is_in_our_mode = false;     ///< the one that takes our set-points
+  bool is_landing_itself = false;  ///< in its landing mode
 };
 
 /// What the vehicle is to do now.
@@ -46,19 +52,21 @@ struct FlightSetpoint {
 
 /// What became of a command.
 enum class [[nodiscard]] CommandVerdict{
-    kObeyed, kNotForUs,
+    kObeyed,  ///< or waits until it can be: see the status
+    kNotForUs,
     kNotInCharge,  ///< another station is; only hold, land and emergency stop are taken from this
                    ///< one
-    kRefused,      ///< something blocks arming, or it makes no sense in this state
+    kRefused,      ///< it makes no sense in this state
 };
 
 struct GuardOutput {
   models::FlightState state = models::FlightState::kIdle;
   FlightSetpoint setpoint;
   bool wants_armed = false;  ///< arm the autopilot when false there, disarm it when false here
+  double climb_to_m = 0.0;   ///< height that a climb under way goes to; the first lift's, then more
   bool is_sinking = false;   ///< landing, over its place, and nobody below is waited for
   bool changed = false;      ///< state or reasons differ from the last tick
-  Reasons reasons;           ///< what acts (in the air) or blocks arming (on the ground)
+  Reasons reasons;           ///< what acts (in the air) or blocks what is ordered (on the ground)
 };
 
 /// Flight safety of one vehicle: hears everything, judges it, and says at each tick what the

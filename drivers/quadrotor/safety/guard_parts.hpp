@@ -9,6 +9,7 @@
 #include "drivers/quadrotor/safety/course.hpp"
 #include "drivers/quadrotor/safety/fleet.hpp"
 #include "drivers/quadrotor/safety/guard.hpp"
+#include "drivers/quadrotor/safety/lift.hpp"
 #include "drivers/quadrotor/safety/mocap_clock.hpp"
 #include "drivers/quadrotor/safety/mocap_source.hpp"
 #include "drivers/quadrotor/safety/plan_gate.hpp"
@@ -24,6 +25,7 @@ struct FlightGuard::Parts {
       : name(robot),
         limits(given),
         fleet(scenario, robot),
+        lift_queue(scenario, robot),
         plans(robot),
         // Speeds then change no faster than the vehicle brakes.
         course(given.vehicle.speed_max_mps / (2.0 * given.vehicle.brake_mps2)) {}
@@ -34,6 +36,11 @@ struct FlightGuard::Parts {
   /// Landing, there is no position to steer by.
   [[nodiscard]] bool is_blind() const;
   void look(Time now);
+  void look_at_autopilot(Time now);
+  void look_at_lift(Time now);
+  [[nodiscard]] bool believes_armed(Time now) const;
+  [[nodiscard]] double height_error_m() const;
+  void lift_off(Time now);
   void change(models::FlightState before, Time now);
   void move_off(Time now);
   void land(Time now, double dt_s);
@@ -44,6 +51,8 @@ struct FlightGuard::Parts {
   std::string name;
   SafetyLimits limits;
   Fleet fleet;
+  LiftQueue lift_queue;
+  Lift lift;
   PoseMonitor pose;
   MocapSource source;
   MocapClock clock;
@@ -54,6 +63,7 @@ struct FlightGuard::Parts {
   SafetyInputs in;
   Reasons reasons;
   Time last_tick{};
+  Time started_at{};  ///< first tick
   bool has_ticked = false;
 
   // Heights.
@@ -61,6 +71,11 @@ struct FlightGuard::Parts {
   double height_rate_mps = 0.0;  ///< of height_ref_m, at the last tick
   double height_goal_m = 0.0;
   double blind_height_m = 0.0;
+  double stand_height_m = 0.0;     ///< where it was last seen without motors
+  std::optional<double> ground_m;  ///< where it was last seen with its motors off
+  double climb_from_m = 0.0;
+  Time climb_since{};
+  bool is_climbing = false;  ///< to where a take-off goes; by the autopilot's own law perhaps
   Time landing_since{}, spot_since{};
   Eigen::Vector3d spot_m = Eigen::Vector3d::Zero();
   bool has_spot = false;
@@ -69,6 +84,7 @@ struct FlightGuard::Parts {
 
   // What was heard.
   AutopilotReport autopilot;
+  int disarmed_beats = 0;  ///< heartbeats in a row that say so
   Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},
       estimator_good_at{};
   bool has_heartbeat = false, has_telemetry = false, has_battery = false;

@@ -23,7 +23,9 @@ struct SafetyInputs {
   int poses_rejected = 0;         ///< implausible ones in a row
   int poses_accepted = 1000;      ///< plausible ones in a row
   double height_m = 0.0;          ///< best known, above the ground
-  double tracking_error_m = 0.0;  ///< from the reference; 0 without one
+  double tracking_error_m = 0.0;  ///< from the reference, height included; 0 without one
+  double speed_mps = 0.0;         ///< horizontal, as measured
+  double body_tilt_rad = 0.0;     ///< of the body's z axis from the vertical, by mocap
 
   // Plan.
   bool has_plan = true;         ///< a checked plan is on the course
@@ -37,12 +39,25 @@ struct SafetyInputs {
 
   // Distances of the vehicle's edge; negative is outside or in contact.
   double fence_now_m = kNever;
-  double fence_centre_m = kNever;  ///< of its centre, from the bounds
+  double fence_centre_m = kNever;  ///< of its centre, from the bounds and the ceiling
   double fence_stop_m = kNever;    ///< of the whole braking way
   double obstacle_stop_m = kNever;
   double separation_now_m = kNever;   ///< centre to centre, nearest body, less its uncertainty
   double separation_stop_m = kNever;  ///< least, when both brake now
   bool yields = false;                ///< the nearest body's vehicle goes first
+
+  // Taking off.
+  bool is_lift_taken = false;         ///< another vehicle lifts, or has to before this one
+  double unrisen_s = 0.0;             ///< since `take-off`, while the body has not risen
+  double unproven_s = 0.0;            ///< in the hover of the first lift
+  double other_risen_m = 0.0;         ///< another body, while this one should
+  double lift_astray_m = 0.0;         ///< in the first lift, seen from above; now or at once
+  double lift_climb_error_mps = 0.0;  ///< body against autopilot, in the first lift
+  double lift_turn_error_radps = 0.0;
+  double risen_untold_m = 0.0;    ///< armed and told to stand
+  double near_m = kNever;         ///< who is beside or below soon, seen from above
+  bool is_found_flying = false;   ///< armed and in the air, and it was not this driver's doing
+  bool is_found_landing = false;  ///< the same, landing by itself
 
   // Vehicle.
   bool autopilot_armed = false;
@@ -50,7 +65,9 @@ struct SafetyInputs {
   double heartbeat_age_s = 0.0;
   double telemetry_age_s = 0.0;
   bool estimator_good = true;
-  double estimate_error_m = 0.0;  ///< its position from the mocap's
+  double estimate_error_m = 0.0;    ///< its position from the mocap's, height included
+  double attitude_error_rad = 0.0;  ///< its level from the mocap's
+  double yaw_error_rad = 0.0;       ///< its yaw from the mocap's
   double tilt_rad = 0.0;
   double thrust_share = 0.0;
   bool motor_failed = false;

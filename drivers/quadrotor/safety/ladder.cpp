@@ -1,5 +1,7 @@
 #include "drivers/quadrotor/safety/ladder.hpp"
 
+#include <chrono>
+
 #include "drivers/quadrotor/safety/latches.hpp"
 
 namespace vantage::drivers {
@@ -11,26 +13,84 @@ using models::OperatorAction;
 void come_to_rest(LadderState& next, FlightState state) {
   next.state = state;
   next.wants_armed = false;
+  next.arm = next.take_off = {};
   next.wants_follow = false;
+}
+
+void refuse(LadderState& next, Refusal::Order order, const Reasons& reasons) {
+  next.refusal = {order, reasons};
+  next.take_off = {};
+  if (order == Refusal::Order::kArm) {
+    next.arm = {};
+    next.wants_armed = false;
+  }
+}
+
+// The orders that were given and are not obeyed yet.
+void hear_orders(LadderState& next, const SafetyInputs& inputs) {
+  if (asks(inputs, OperatorAction::kArm)) {
+    next.arm = {true, inputs.now};
+    next.forbidden_at = inputs.now - std::chrono::hours(1);  // nothing before counts
+    next.refusal = {};
+  } else if (asks(inputs, OperatorAction::kTakeOff)) {
+    next.refusal = {};
+    if (next.arm.is_given) {
+      next.take_off = {true, inputs.now};
+    } else {
+      refuse(next, Refusal::Order::kTakeOff, {});
+    }
+  } else if (asks(inputs, OperatorAction::kLand) || asks(inputs, OperatorAction::kHold)) {
+    next.arm = next.take_off = {};
+    next.refusal = {};
+  }
 }
 
 void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits& limits) {
   next.latched.reset();
   next.wants_follow = false;
-  if (inputs.emergency_stop) {
+  if (inputs.emergency_stop || inputs.risen_untold_m > limits.lift_other_m) {
     latch(next, conditions(), inputs, limits);
     come_to_rest(next, FlightState::kKilled);
     return;
   }
-  const bool may = arming_blocks(inputs, limits).none();
-  if (asks(inputs, OperatorAction::kArm)) {
+  if (inputs.is_found_flying || inputs.is_found_landing) {
+    latch(next, conditions(), inputs, limits);
+    next.state = inputs.is_found_landing ? FlightState::kLand : FlightState::kHold;
     next.wants_armed = true;
-  } else if (asks(inputs, OperatorAction::kLand) || asks(inputs, OperatorAction::kHold)) {
-    next.wants_armed = false;
+    next.refusal = {};
+    return;
   }
-  next.wants_armed = next.wants_armed && may;
-  if (asks(inputs, OperatorAction::kTakeOff) && next.wants_armed && inputs.autopilot_armed) {
+  hear_orders(next, inputs);
+  const auto has_waited = [&](const GroundOrder& order) {
+    return to_seconds(inputs.now - order.waits_since) > limits.arm_wait_s;
+  };
+  const Reasons blocks = arming_blocks(inputs, limits);
+  if (blocks.none()) {
+    next.arm.waits_since = inputs.now;
+    // Motors do not idle for others: autopilots stop them by themselves, and that ends an order.
+    const bool is_turn = !next.take_off.is_given || !inputs.is_lift_taken;
+    next.its_turn_at = is_turn ? inputs.now : next.its_turn_at;
+    next.wants_armed =
+        next.arm.is_given && to_seconds(inputs.now - next.its_turn_at) <= limits.lift_idle_s &&
+        (next.wants_armed || to_seconds(inputs.now - next.forbidden_at) >= limits.clear_s);
+  } else {
+    next.forbidden_at = inputs.now;
+    next.wants_armed = false;
+    if (next.arm.is_given && (has_waited(next.arm) || needs_operator(conditions(), blocks))) {
+      refuse(next, Refusal::Order::kArm, blocks);
+    }
+  }
+  if (!next.take_off.is_given) {
+    return;
+  }
+  const Reasons near = take_off_blocks(inputs, limits);
+  if (inputs.is_lift_taken) {
+    next.take_off.waits_since = inputs.now;  // its turn will come
+  } else if (has_waited(next.take_off)) {
+    refuse(next, Refusal::Order::kTakeOff, near | blocks);
+  } else if (next.wants_armed && inputs.autopilot_armed && near.none()) {
     next.state = FlightState::kHold;
+    next.take_off = {};
   }
 }
 
@@ -57,6 +117,7 @@ void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLi
     const bool is_down =
         inputs.height_m < limits.touch_height_m && inputs.pose_age_s < limits.pose_age_hold_s;
     next.wants_armed = next.wants_armed && !is_down;
+    next.arm = next.take_off = {};
     return;
   }
   const bool may_follow = next.wants_follow && !acts(conditions(), next.latched, Severity::kHold);
@@ -101,6 +162,10 @@ LadderState step_ladder(const LadderState& before, const SafetyInputs& inputs,
 
 Reasons arming_blocks(const SafetyInputs& inputs, const SafetyLimits& limits) {
   return arming_blocks(conditions(), inputs, limits);
+}
+
+Reasons take_off_blocks(const SafetyInputs& inputs, const SafetyLimits& limits) {
+  return take_off_blocks(conditions(), inputs, limits);
 }
 
 }  // namespace vantage::drivers

@@ -90,4 +90,24 @@ Reasons arming_blocks(std::span<const Condition> rows, const SafetyInputs& input
   return out;
 }
 
+Reasons take_off_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
+                        const SafetyLimits& limits) {
+  Reasons out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    out[i] = rows[i].blocks_take_off && rows[i].holds(inputs, limits);
+  }
+  return out;
+}
+
+bool needs_operator(std::span<const Condition> rows, const Reasons& reasons) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool is_operators =
+        rows[i].clearing == Clearing::kOperator || rows[i].clearing == Clearing::kRearm;
+    if (reasons[i] && is_operators) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace vantage::drivers

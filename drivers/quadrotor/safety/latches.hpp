@@ -25,5 +25,10 @@ bool waits_for_more_than_a_plan(std::span<const Condition> rows, const Reasons& 
 /// What forbids arming now.
 Reasons arming_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
                       const SafetyLimits& limits);
+/// What forbids taking off and not arming.
+Reasons take_off_blocks(std::span<const Condition> rows, const SafetyInputs& inputs,
+                        const SafetyLimits& limits);
+/// Whether any of `reasons` is one that only the operator ends.
+bool needs_operator(std::span<const Condition> rows, const Reasons& reasons);
 
 }  // namespace vantage::drivers

@@ -19,7 +19,30 @@ void rises(const Bound& low, const Bound& high) {
           std::string("safety limits: 0 < ") + low.name + " < " + high.name);
 }
 
+/// Of the whole chain, capture of the pose to the first change of velocity.
+double reaction_s(models::AutopilotDialect dialect) {
+  switch (dialect) {
+    case models::AutopilotDialect::kPx4:
+      return 0.20;
+    case models::AutopilotDialect::kArdupilot:
+      return 0.20;
+  }
+  return 0.20;
+}
+
+double way_m(double speed_mps, double on_s, double brake_mps2) {
+  return speed_mps * on_s + 0.5 * speed_mps * speed_mps / brake_mps2;
+}
+
 }  // namespace
+
+double stopping_way_m(const SafetyLimits& limits, double speed_mps) {
+  return way_m(speed_mps, limits.reaction_s, limits.vehicle.brake_mps2);
+}
+
+double lost_way_m(const SafetyLimits& limits, double speed_mps) {
+  return way_m(speed_mps, limits.setpoint_loss_s + limits.reaction_s, limits.vehicle.brake_mps2);
+}
 
 SafetyLimits limits_for(const models::Scenario& scenario, const std::string& robot) {
   const models::RobotSpec* spec = scenario.find_robot(robot);
@@ -27,6 +50,9 @@ SafetyLimits limits_for(const models::Scenario& scenario, const std::string& rob
   SafetyLimits limits;
   limits.fence = scenario.world;
   limits.vehicle = spec->limits;
+  if (spec->autopilot) {
+    limits.reaction_s = reaction_s(spec->autopilot->dialect);
+  }
   limits.take_off_height_m = spec->height_m;
   // Plans are checked to the planner's separation; rounding on the wire must not refuse one.
   limits.plan_separation_m = scenario.planner.separation_m - 0.01;
@@ -55,6 +81,10 @@ void check_limits(const SafetyLimits& l) {
   rises({"pose_age_land_s", l.pose_age_land_s}, {"pose_age_kill_s", l.pose_age_kill_s});
   rises({"pose_gate_m", l.pose_gate_m}, {"pose_gate_max_m", l.pose_gate_max_m});
   rises({"tracking_hold_m", l.tracking_hold_m}, {"tracking_land_m", l.tracking_land_m});
+  rises({"lift_other_m", l.lift_other_m}, {"lift_risen_m", l.lift_risen_m});
+  rises({"lift_risen_m", l.lift_risen_m}, {"lift_height_m", l.lift_height_m});
+  rises({"lift_height_m", l.lift_height_m}, {"lift_over_m", l.lift_over_m});
+  rises({"lift_step_m", l.lift_step_m}, {"lift_astray_m", l.lift_astray_m});
   rises({"separation_land_m", l.separation_land_m}, {"separation_hold_m", l.separation_hold_m});
   rises({"battery_empty_share", l.battery_empty_share},
         {"battery_land_share", l.battery_land_share});
@@ -66,14 +96,18 @@ void check_limits(const SafetyLimits& l) {
         {"estimate_error_land_m", l.estimate_error_land_m});
   rises({"operator_age_hold_s", l.operator_age_hold_s},
         {"operator_age_land_s", l.operator_age_land_s});
-  const std::array<Bound, 12> positive = {{
+  const std::array<Bound, 16> positive = {{
       {"safe_height_m", l.safe_height_m},
       {"reaction_s", l.reaction_s},
+      {"setpoint_loss_s", l.setpoint_loss_s},
       {"plan_separation_m", l.plan_separation_m},
       {"planner_lease_s", l.planner_lease_s},
       {"climb_mps", l.climb_mps},
       {"descent_mps", l.descent_mps},
       {"flight_max_s", l.flight_max_s},
+      {"lift_wait_s", l.lift_wait_s},
+      {"lift_proof_s", l.lift_proof_s},
+      {"arm_wait_s", l.arm_wait_s},
       {"clear_s", l.clear_s},
       {"speed_max_mps", l.vehicle.speed_max_mps},
       {"yaw_rate_max_radps", l.vehicle.yaw_rate_max_radps},

@@ -38,17 +38,21 @@ struct SafetyLimits {
   double plan_start_tolerance_m = 0.4;
   double plan_start_turn_rad = 0.8;
   double planner_lease_s = 2.0;
-  double tracking_hold_m = 0.4;
+  double tracking_hold_m = 0.4;  ///< in all three directions
   double tracking_land_m = 1.0;
 
   // Where the vehicle is and will stop.
   models::World fence;  ///< bounds, ceiling, obstacles
   double fence_land_m = 0.0;
-  double fence_kill_m = 1.0;  ///< of the centre, outside the bounds
-  double reaction_s = 0.20;   ///< flown on before braking bites: latency and attitude lag
+  double fence_kill_m = 1.0;  ///< of the centre, outside the bounds or above the ceiling
+  /// Flown on before braking bites: age of the pose and of the set-point, and the autopilot's lag.
+  double reaction_s = 0.20;
+  /// Flown on when set-points stop, by the autopilot's own time-out. See lost_way_m().
+  double setpoint_loss_s = 0.30;
   double separation_hold_m = 0.55;
   double separation_land_m = 0.5;
   double plan_separation_m = 0.6;
+  double speed_hold_ratio = 1.3;       ///< of the vehicle's greatest speed
   double other_pose_growth_mps = 0.5;  ///< how fast an unseen body's tube widens
   double other_pose_growth_max_m = 0.5;
   double hover_clearance_m = 0.1;    ///< from the fence and obstacles, or it moves off
@@ -61,6 +65,26 @@ struct SafetyLimits {
   double setpoint_lead_s = 0.1;  ///< what is asked now is what is to be so much later
   double climb_mps = 0.5;
   double descent_mps = 0.4;
+
+  // The vehicle commanded is the body seen: on the ground, and by a first small lift.
+  double body_tilt_arm_rad = 0.26;       ///< that mocap shows
+  double attitude_error_arm_rad = 0.17;  ///< of level, between mocap and the autopilot
+  double yaw_error_arm_rad = 0.26;       ///< the same of yaw
+  double lift_height_m = 0.2;            ///< above where it stood, until it is proven
+  double lift_over_m = 0.3;              ///< beyond it the next one may lift
+  double lift_risen_m = 0.1;
+  double lift_wait_s = 6.0;   ///< from `take-off`, motors spooling up included, to lift_risen_m
+  double lift_idle_s = 5.0;   ///< motors idle so long for their turn; autopilots stop them after 10
+  double lift_proof_s = 8.0;  ///< at lift_height_m, until a step and a turn are seen
+  double lift_step_m = 0.15;  ///< to the side, along each axis
+  double lift_turn_rad = 0.2;
+  double lift_astray_m = 0.3;          ///< seen from above, from where it is told to be
+  double lift_other_m = 0.06;          ///< that another body rises instead
+  double lift_climb_error_mps = 0.35;  ///< between the body and the autopilot's own estimate
+  double lift_turn_error_radps = 0.8;  ///< between the body and the autopilot's gyroscopes
+  double arm_wait_s = 10.0;            ///< an order that cannot be obeyed is forgotten
+  double take_off_look_s = 1.0;        ///< ahead, for who comes near a take-off
+
   double battery_arm_share = 0.30;
   double battery_low_share = 0.25;
   double battery_land_share = 0.15;
@@ -85,7 +109,13 @@ struct SafetyLimits {
   double yield_s = 2.0;        ///< more, for the vehicle that must let the other go first
 };
 
-/// Defaults with the scenario's world, separation, tracking tolerance and the robot's own limits.
+/// From where a vehicle is told to stop at `speed_mps` to where it stands: v T + v²/2a.
+double stopping_way_m(const SafetyLimits& limits, double speed_mps);
+/// The same when nobody tells it any more: its driver or its link has died.
+double lost_way_m(const SafetyLimits& limits, double speed_mps);
+
+/// Defaults with the scenario's world, separation, tracking tolerance and the robot's own limits,
+/// and the reaction of its autopilot.
 /// @throws UsageError for an unknown robot, or what check_limits() says.
 SafetyLimits limits_for(const models::Scenario& scenario, const std::string& robot);
 

@@ -58,7 +58,8 @@ PoseVerdict PoseMonitor::judge(const models::MocapBody* body, const BodyContext&
   if (!is_pose(pose)) {
     return reject(PoseVerdict::kMalformed);
   }
-  if (!is_in_room(pose.translation_m, limits)) {
+  const bool is_inside = is_in_room(pose.translation_m, limits);
+  if (!is_inside && !(has_pose_ && context.in_air)) {
     return reject(PoseVerdict::kOutside);
   }
   if (!has_pose_) {
@@ -81,7 +82,9 @@ PoseVerdict PoseMonitor::judge(const models::MocapBody* body, const BodyContext&
   const bool flips = pose_.rotation.angularDistance(pose.rotation.normalized()) > turn_max_rad;
   if (jumps || flips) {
     if (context.in_air) {
-      return reject(jumps ? PoseVerdict::kJump : PoseVerdict::kFlip);
+      return reject(!is_inside ? PoseVerdict::kOutside
+                    : jumps    ? PoseVerdict::kJump
+                               : PoseVerdict::kFlip);
     }
     begin(pose, now);
     return PoseVerdict::kAccepted;
@@ -94,6 +97,7 @@ void PoseMonitor::begin(const Pose3& pose, Time now) {
   has_pose_ = true;
   pose_ = pose;
   velocity_mps_.setZero();
+  turn_radps_ = 0.0;
   accepted_at_ = now;
   identical_since_ = now;
   rejected_ = 0;
@@ -109,6 +113,8 @@ void PoseMonitor::update(const Pose3& pose, Time now) {
     const Eigen::Vector3d measured_mps = (pose.translation_m - pose_.translation_m) / gap_s;
     const Eigen::Vector3d change_mps =
         -std::expm1(-gap_s / kVelocityMemoryS) * (measured_mps - velocity_mps_);
+    const double turned_rad = wrap_to_pi(flatten(pose).yaw_rad - flatten(pose_).yaw_rad);
+    turn_radps_ += -std::expm1(-gap_s / kVelocityMemoryS) * (turned_rad / gap_s - turn_radps_);
     const double change_max_mps = kUnknownAccelerationMps2 * gap_s;
     velocity_mps_ += change_mps * std::min(1.0, change_max_mps / std::max(1e-9, change_mps.norm()));
   }

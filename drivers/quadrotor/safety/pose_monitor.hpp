@@ -17,7 +17,7 @@ enum class [[nodiscard]] PoseVerdict{
     kAbsent,     ///< not in the frame, or occluded
     kDuplicate,  ///< the name is there twice
     kMalformed,  ///< not finite, or no rotation
-    kOutside,    ///< where the room is not: wrong units, wrong frame
+    kOutside,    ///< where the room is not: wrong units, wrong frame; not reached from inside
     kJump,      kFlip,
     kStuck,  ///< the same bits for too long
 };
@@ -35,7 +35,8 @@ struct BodyContext {
 ///
 /// A pose passes when it lies within pose_gate_m of the constant-velocity prediction, plus
 /// ½ a t² of an unknown acceleration, at most pose_gate_max_m. A body on the ground may be carried:
-/// there the track begins anew and counts from one.
+/// there the track begins anew and counts from one. A body in the air may leave the room: a track
+/// that goes on is believed wherever it goes, and only begins inside.
 class PoseMonitor {
  public:
   PoseVerdict judge(const models::MocapBody* body, const BodyContext& context,
@@ -46,6 +47,8 @@ class PoseMonitor {
   [[nodiscard]] double age_s(Time now) const;
   [[nodiscard]] const Pose3& world_from_body() const { return pose_; }
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_mps_; }
+  /// About the vertical, counter-clockwise.
+  [[nodiscard]] double turn_radps() const { return turn_radps_; }
   /// Moved on from the last pose at its velocity, for at most `horizon_s`.
   [[nodiscard]] Eigen::Vector3d predict_m(Time now, double horizon_s) const;
   [[nodiscard]] int rejected_in_row() const { return rejected_; }
@@ -61,6 +64,7 @@ class PoseMonitor {
   bool has_pose_ = false;
   Pose3 pose_;
   Eigen::Vector3d velocity_mps_ = Eigen::Vector3d::Zero();
+  double turn_radps_ = 0.0;
   Time accepted_at_{};
   Time identical_since_{};  ///< when pose_ was first accepted
   int rejected_ = 0;

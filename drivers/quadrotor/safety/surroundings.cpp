@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kSamples = 16;     // along the braking way
 constexpr double kLevelM = 0.3;  // within it, two heights are one
+constexpr double kStandsMps = 0.1;
 constexpr double kFenceSpareM = 0.1;
 constexpr double kObstacleSpareM = 0.05;
 constexpr double kHoverSpareM = 0.05;  // beyond hover_clearance_m, where one goes to
@@ -89,7 +90,8 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
                          std::span<const OtherBody> others, const SafetyLimits& limits) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   Surroundings out;
-  out.fence_centre_m = fence_distance_m(limits.fence, position_m.head<2>());
+  out.fence_centre_m = std::min(fence_distance_m(limits.fence, position_m.head<2>()),
+                                limits.fence.ceiling_m - position_m.z());
   out.fence_now_m = fence_edge_m(position_m, limits);
   out.fence_stop_m = kFar;
   out.obstacle_stop_m = kFar;
@@ -117,6 +119,23 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
     }
   }
   return out;
+}
+
+double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                   double look_s) {
+  double least_m = std::numeric_limits<double>::infinity();
+  const auto level = [](const Eigen::Vector3d& v) { return Eigen::Vector3d(v.x(), v.y(), 0.0); };
+  const Eigen::Vector3d here_m = level(position_m);
+  for (const OtherBody& body : others) {
+    const Eigen::Vector3d velocity_mps = level(body.velocity_world_mps);
+    if (body.robot >= 0 && velocity_mps.norm() < kStandsMps) {
+      continue;
+    }
+    const Eigen::Vector3d from_m = level(body.position_world_m);
+    least_m = std::min(least_m, models::closest_approach_m(here_m, here_m, from_m,
+                                                           from_m + look_s * velocity_mps));
+  }
+  return least_m;
 }
 
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,

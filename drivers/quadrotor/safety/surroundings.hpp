@@ -19,6 +19,7 @@ struct OtherBody {
   Eigen::Vector3d planned_world_mps = Eigen::Vector3d::Zero();
   double age_s = 0.0;
   bool goes_first = true;  ///< before us, where one must yield
+  int robot = -1;          ///< which of the scenario's robots it is; −1: none
 };
 
 /// What is left around the vehicle, now and if it braked now. Distances as in SafetyInputs.
@@ -37,6 +38,11 @@ struct Surroundings {
 /// a tube around it that widens. Allocates nothing.
 Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
                          std::span<const OtherBody> others, const SafetyLimits& limits);
+
+/// Least distance, seen from above, from `position_m` to a body that moves, or is no robot, within
+/// the next `look_s` if each goes on as it does. Robots that stand wait for their turn.
+double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                   double look_s);
 
 /// Where to come down from a hover at `hover_m`: there, or the nearest of some places around from
 /// where nothing is below, inside the fence and clear of obstacles, with the way there clear: clear

@@ -43,6 +43,7 @@ constexpr Exception kOneHidesTheOther[] = {
      "the second station takes charge and says follow"},
     {"latency 5 to 155 ms", "mocap clock drifts by 1 %",
      "a clock that gains 1 % hides a tenth of a second of latency within ten seconds"},
+    {"planner that keeps flying at a teammate", "gust", "blown aside, they meet later"},
     {"outage 0.5 s", "own process stops for 0.4 s",
      "most of the outage is over before the process sees anything"},
 };

@@ -13,7 +13,7 @@ constexpr const char* kHead =
 
 Written by `build/dev/bin/fault_report > docs/results/faults.md`; a test compares this page with what the
 program writes. Three vehicles in closed loop in virtual time (100 Hz mocap and safety, plans each second), flying
-1 m/s along lanes 1.3 m apart; the fault strikes 6.4 s after the start and 16 s are watched. "Reached" is the
+1 m/s along lanes 1.3 m apart; the fault strikes 6.4 s after all have lifted and 16 s are watched. "Reached" is the
 time from the fault to each state, with the limit that is asserted; "seen" is the time to the reason, or to the count
 of what was refused and flown through. What the stand-in autopilot does is simpler than a real one.
 
@@ -68,8 +68,10 @@ std::string fault_report() {
       "|---|---|---|---|---|---|\n";
   for (const drivers::Condition& each : drivers::conditions()) {
     out += "| " + std::string(each.name) + " | " + drivers::name_of(each.severity) + " | " +
-           (each.blocks_arming ? "blocks arming" : "") + " | " + each.limit + " | " +
-           seconds(each.after_s) + " | " + each.clears + " |\n";
+           (each.blocks_arming     ? "blocks arming"
+            : each.blocks_take_off ? "blocks take-off"
+                                   : "") +
+           " | " + each.limit + " | " + seconds(each.after_s) + " | " + each.clears + " |\n";
   }
   return out;
 }

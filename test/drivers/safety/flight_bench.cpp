@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/angle.hpp"
 
@@ -12,6 +13,8 @@ using models::FlightState;
 using models::OperatorAction;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr auto kLeadTicks = static_cast<std::int64_t>(FlightBench::kLeadS / FlightBench::kTickS);
+static_assert(kLeadTicks % 100 == 0);
 constexpr double kLaneHalfM = 2.6;
 constexpr double kSpeedMps = 1.0;
 constexpr double kBrakeMps2 = 2.0;
@@ -51,18 +54,23 @@ models::Scenario FlightBench::scenario() {
 }
 
 FlightBench::FlightBench(std::uint64_t seed, bool trusts_plans)
-    : scenario_(scenario()), random_(seed) {
+    : scenario_(scenario()), trusts_plans_(trusts_plans), random_(seed) {
   for (const models::RobotSpec& robot : scenario_.robots) {
     Vehicle vehicle;
     vehicle.name = robot.name;
-    drivers::SafetyLimits limits = drivers::limits_for(scenario_, robot.name);
-    limits.plan_separation_m = trusts_plans ? 0.01 : limits.plan_separation_m;
-    vehicle.guard = std::make_unique<drivers::FlightGuard>(scenario_, robot.name, limits);
+    restart_driver(vehicle);
     vehicle.lane_y_m = robot.start.y_m;
     vehicle.position_m = {robot.start.x_m, robot.start.y_m, 0.0};
     vehicle.yaw_rad = robot.start.yaw_rad;
     vehicles_.push_back(std::move(vehicle));
   }
+}
+
+void FlightBench::restart_driver(Vehicle& vehicle) {
+  drivers::SafetyLimits limits = drivers::limits_for(scenario_, vehicle.name);
+  limits.plan_separation_m = trusts_plans_ ? 0.01 : limits.plan_separation_m;
+  vehicle.guard = std::make_unique<drivers::FlightGuard>(scenario_, vehicle.name, limits);
+  vehicle.out = {};
 }
 
 Time FlightBench::now() const { return kStart + from_seconds(time_s()); }
@@ -78,7 +86,7 @@ void FlightBench::fly_up(double until_s) {
       room_.says = OperatorAction::kArm;
     } else if (ticks_ == 90) {
       room_.says = OperatorAction::kTakeOff;
-    } else if (ticks_ == 350) {
+    } else if (ticks_ == kLeadTicks + 350) {
       room_.says = OperatorAction::kFollow;
     }
     tick();
@@ -91,10 +99,14 @@ void FlightBench::tick() {
   operate();
   for (Vehicle& vehicle : vehicles_) {
     autopilot(vehicle);
+  }
+  for (Vehicle& vehicle : vehicles_) {
     if (!vehicle.knobs.is_stalled) {
       vehicle.guard->on_map(!vehicle.knobs.map_differs);
       vehicle.out = vehicle.guard->tick(now());
     }
+  }
+  for (Vehicle& vehicle : vehicles_) {
     fly(vehicle);
   }
   check();
@@ -103,6 +115,23 @@ void FlightBench::tick() {
   }
   room_ = {};
   ++ticks_;
+}
+
+void FlightBench::run(double seconds, const std::function<void()>& set_knobs) {
+  for (const double end_s = time_s() + seconds - 0.5 * kTickS; time_s() < end_s;) {
+    set_knobs();
+    tick();
+  }
+}
+
+void FlightBench::say(OperatorAction action, const std::string& whom) {
+  room_.says = action;
+  room_.says_to = whom;
+}
+
+bool FlightBench::has_reason(const Vehicle& vehicle, const std::string& reason, Time now) {
+  const auto reasons = vehicle.guard->status(now).reasons;
+  return std::find(reasons.begin(), reasons.end(), reason) != reasons.end();
 }
 
 void FlightBench::mocap() {
@@ -117,8 +146,7 @@ void FlightBench::mocap() {
       models::MocapBody body;
       body.name = vehicle.name;
       const Eigen::Vector3d noise_m = 0.0005 * random_.vector<3>(-1.0, 1.0);
-      body.world_from_body = lift({vehicle.position_m.x(), vehicle.position_m.y(), vehicle.yaw_rad},
-                                  vehicle.position_m.z());
+      body.world_from_body = shown(carrier_of(vehicle));
       body.world_from_body.translation_m += noise_m;
       frame.bodies.push_back(body);
     }
@@ -139,6 +167,29 @@ void FlightBench::mocap() {
   }
 }
 
+Vehicle& FlightBench::driver_of(const Vehicle& vehicle) {
+  const bool is_swapped = wiring_.swaps_addresses && vehicle.name != "Q3";
+  return this->vehicle(!is_swapped ? vehicle.name : vehicle.name == "Q1" ? "Q2" : "Q1");
+}
+
+Vehicle& FlightBench::carrier_of(const Vehicle& named) {
+  const bool is_swapped = wiring_.swaps_names && named.name != "Q3";
+  return vehicle(!is_swapped ? named.name : named.name == "Q1" ? "Q2" : "Q1");
+}
+
+Pose3 FlightBench::shown(const Vehicle& vehicle) const {
+  const Eigen::Matrix3d& turn = wiring_.mocap_from_world;
+  Pose3 pose = lift({vehicle.position_m.x(), vehicle.position_m.y(), vehicle.yaw_rad},
+                    vehicle.position_m.z());
+  pose.translation_m = turn * pose.translation_m;
+  if (turn.determinant() > 0.0) {
+    pose.rotation = Eigen::Quaterniond(turn) * pose.rotation;
+  } else if (wiring_.mirrors_attitude) {
+    pose.rotation = Eigen::Quaterniond(turn * pose.rotation.toRotationMatrix() * turn);
+  }
+  return pose;
+}
+
 void FlightBench::spoil(models::MocapFrame& frame) {
   const std::vector<models::MocapBody> honest = frame.bodies;
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
@@ -151,6 +202,8 @@ void FlightBench::spoil(models::MocapFrame& frame) {
       }
     }
     pose.translation_m.x() += knobs.offset_m;
+    pose.rotation = pose.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(knobs.body_tilt_rad,
+                                                                         Eigen::Vector3d::UnitX()));
     if (!has(knobs, BodyFault::kFrozen)) {
       vehicle.frozen = pose;
     }
@@ -360,6 +413,7 @@ void FlightBench::say(OperatorAction action, std::int64_t run_id, std::int64_t& 
   models::OperatorCommand command;
   command.stamp = {now(), run_id, sequence++};
   command.action = action;
+  command.robot = run_id == kStationRun ? room_.says_to : "";
   for (Vehicle& vehicle : vehicles_) {
     if (!vehicle.knobs.is_stalled) {
       (void)vehicle.guard->on_command(command, now());
@@ -369,7 +423,9 @@ void FlightBench::say(OperatorAction action, std::int64_t run_id, std::int64_t& 
 
 void FlightBench::operate() {
   if (ticks_ % 20 == 0 && !room_.operator_silent) {
+    const std::string whom = std::exchange(room_.says_to, "");
     say(OperatorAction::kHeartbeat, kStationRun, command_sequence_);
+    room_.says_to = whom;
   }
   if (room_.says) {
     say(*room_.says, kStationRun, command_sequence_);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -69,11 +70,17 @@ struct VehicleKnobs {
   bool motor_failed = false;
   bool thrust_saturated = false;
   double tilt_rad = 0.05;
+  double body_tilt_rad = 0.0;        ///< of the mocap's body, about its x axis
+  double attitude_offset_rad = 0.0;  ///< of the autopilot's roll
+  double yaw_offset_rad = 0.0;       ///< of the autopilot's yaw
+  bool says_disarmed = false;        ///< a heartbeat that is not its own, or wrong
   bool estimator_bad = false;
   double estimate_offset_m = 0.0;
   std::optional<double> battery_share;
   bool battery_frozen = false;
   bool battery_silent = false;
+  bool motors_off = false;   ///< whatever it is told
+  bool cannot_lift = false;  ///< its motors turn and that is all
   bool link_cut = false;
   bool telemetry_cut = false;
   bool mode_left = false;
@@ -92,10 +99,20 @@ struct RoomKnobs {
   bool ghost_body = false;
   std::vector<Eigen::Vector3d> walkers_m;  ///< where the scenario's first targets are seen
   bool operator_silent = false;
+  std::string says_to;                               ///< whom `says` is meant for; empty: all
   bool second_station = false;                       ///< one that beats and says `follow`
   bool second_arms = false;                          ///< and `arm`
   std::optional<models::OperatorAction> says;        ///< the operator, at this tick
   std::optional<models::OperatorAction> other_says;  ///< another station
+};
+
+/// How the room was set up, wrongly perhaps. Not a fault of a moment: it is so from the beginning.
+struct Wiring {
+  Eigen::Matrix3d mocap_from_world = Eigen::Matrix3d::Identity();
+  bool mirrors_attitude = true;  ///< a mirrored mocap mirrors rotations, too
+  bool swaps_names = false;      ///< mocap shows Q1 under the name Q2, and the reverse
+  bool swaps_addresses = false;  ///< the driver of Q1 speaks to the autopilot of Q2
+  bool has_compass = false;      ///< autopilots know the true yaw and do not take the mocap's
 };
 
 struct Vehicle {
@@ -115,6 +132,9 @@ struct Vehicle {
   // The autopilot.
   Eigen::Vector3d drift_m = Eigen::Vector3d::Zero();  ///< of its estimate
   double blind_s = 0.0;
+  Eigen::Vector3d felt_mps = Eigen::Vector3d::Zero();  ///< its velocity by its own estimate
+  double turn_radps = 0.0;                             ///< truth, and what its gyroscopes say
+  double spool_s = 0.0;
   double ground_s = 0.0;
   double without_setpoint_s = 0.0;
   double battery_share = 0.9;
@@ -134,21 +154,34 @@ class FlightBench {
  public:
   static constexpr double kTickS = 0.01;
   static constexpr double kSeparationMinM = 0.5;  ///< two vehicles touch
+  /// Before time 0: three vehicles lift one after the other.
+  static constexpr double kLeadS = 15.0;
 
   /// `trusts_plans`: the plan check overlooks teammates, so that only what watches positions is
   /// between two vehicles.
   explicit FlightBench(std::uint64_t seed, bool trusts_plans = false);
 
-  /// Arms, takes off and follows until `until_s` after the start.
+  /// Arms and takes off at the start; follows from 3.5 s on; until `until_s`.
   void fly_up(double until_s);
   /// One tick with the knobs as they are; they are set back afterwards.
   void tick();
+  /// So many seconds of ticks, each after `set_knobs`.
+  void run(
+      double seconds, const std::function<void()>& set_knobs = [] {});
+  /// The operator says it at the next tick, to one vehicle or to all.
+  void say(models::OperatorAction action, const std::string& whom = "");
+  /// What the vehicle's status gives as reasons now.
+  [[nodiscard]] static bool has_reason(const Vehicle& vehicle, const std::string& reason, Time now);
 
-  [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * kTickS; }
+  /// Begins at -kLeadS.
+  [[nodiscard]] double time_s() const { return static_cast<double>(ticks_) * kTickS - kLeadS; }
   [[nodiscard]] Time now() const;
   [[nodiscard]] std::vector<Vehicle>& vehicles() { return vehicles_; }
   [[nodiscard]] Vehicle& vehicle(const std::string& name);
   [[nodiscard]] RoomKnobs& room() { return room_; }
+  Wiring& wiring() { return wiring_; }
+  /// The driver of a vehicle dies and begins anew.
+  void restart_driver(Vehicle& vehicle);
   /// Everything that must never happen and did, in words.
   [[nodiscard]] const std::vector<std::string>& violations() const { return violations_; }
   [[nodiscard]] double closest_m() const { return closest_m_; }
@@ -167,13 +200,21 @@ class FlightBench {
   void operate();
   void say(models::OperatorAction action, std::int64_t run_id, std::int64_t& sequence);
   void autopilot(Vehicle& vehicle);
+  /// What mocap shows of a vehicle, without noise.
+  [[nodiscard]] Pose3 shown(const Vehicle& vehicle) const;
+  /// Whose driver speaks to this vehicle.
+  [[nodiscard]] Vehicle& driver_of(const Vehicle& vehicle);
+  /// The vehicle whose body carries that one's name.
+  [[nodiscard]] Vehicle& carrier_of(const Vehicle& named);
   void fly(Vehicle& vehicle);
   void check();
 
   models::Scenario scenario_;
+  bool trusts_plans_;
   Random random_;
   std::vector<Vehicle> vehicles_;
   RoomKnobs room_;
+  Wiring wiring_;
   std::vector<Flight> frames_;
   Time newest_arrival_{};
   std::int64_t frame_number_ = 0;

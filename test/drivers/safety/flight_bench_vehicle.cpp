@@ -19,14 +19,26 @@ constexpr double kAccelerationMaxMps2 = 6.0;
 constexpr double kGravityMps2 = 9.81;
 constexpr double kEstimatorBlindS = 5.0;  // it calls itself good for so long without a pose
 constexpr double kDriftMps = 0.05;        // of its estimate meanwhile
+constexpr double kSpoolUpS = 0.8;
+constexpr double kYawGainPerS = 10.0;
+constexpr double kTurnMaxRadps = 4.0;
+constexpr double kVelocityMemoryS = 0.2;  // its own accelerometers count for about so long
+
+double yaw_of(const Pose3& pose) { return flatten(pose).yaw_rad; }
+
+Eigen::Vector3d turned(const Eigen::Vector3d& v, double by_rad) {
+  return Eigen::AngleAxisd(by_rad, Eigen::Vector3d::UnitZ()) * v;
+}
 
 }  // namespace
 
-// What the vehicle's own electronics know and tell.
+// What the vehicle's own electronics know and tell. Where it is and its yaw it knows from the poses
+// that its driver sends it; that it accelerates and turns, it feels itself.
 void FlightBench::autopilot(Vehicle& vehicle) {
-  const VehicleKnobs& knobs = vehicle.knobs;
+  Vehicle& driver = driver_of(vehicle);
+  const VehicleKnobs& knobs = driver.knobs;
   vehicle.battery_share -= vehicle.is_armed ? kTickS / 1200.0 : 0.0;
-  const bool has_pose = vehicle.guard->inputs().pose_age_s < 0.05;
+  const bool has_pose = driver.guard->inputs().pose_age_s < 0.05;
   vehicle.blind_s = has_pose ? 0.0 : vehicle.blind_s + kTickS;
   vehicle.drift_m += has_pose ? Eigen::Vector3d(-0.05 * vehicle.drift_m)
                               : Eigen::Vector3d(kDriftMps * kTickS, 0.0, 0.0);
@@ -34,80 +46,102 @@ void FlightBench::autopilot(Vehicle& vehicle) {
     return;
   }
   if (ticks_ % 100 == 50) {
-    vehicle.guard->on_heartbeat(now());
+    driver.guard->on_heartbeat(now());
   }
   if (!knobs.battery_silent && ticks_ % 50 == 0) {
     const double share =
         knobs.battery_share.value_or(std::round(vehicle.battery_share * 10000.0) / 10000.0);
-    vehicle.guard->on_battery(knobs.battery_frozen ? 0.85 : share, now());
+    driver.guard->on_battery(knobs.battery_frozen ? 0.85 : share, now());
   }
   if (!knobs.telemetry_cut && ticks_ % 2 == 0) {
+    const Pose3 fed = shown(carrier_of(driver));
+    const double yaw_rad = wiring_.has_compass ? vehicle.yaw_rad : yaw_of(fed);
     drivers::AutopilotReport report;
-    report.armed = vehicle.is_armed;
+    report.armed = vehicle.is_armed && !knobs.says_disarmed;
     report.obeys = !knobs.mode_left;
+    report.is_in_our_mode = !knobs.mode_left;
     report.estimator_good = !knobs.estimator_bad && vehicle.blind_s < kEstimatorBlindS;
     report.motor_failed = knobs.motor_failed;
     report.tilt_rad = knobs.tilt_rad;
     report.thrust_share = knobs.thrust_saturated ? 1.0 : 0.5;
     report.has_position = true;
-    report.position_world_m = vehicle.position_m + vehicle.drift_m;
+    report.position_world_m = fed.translation_m + vehicle.drift_m;
     report.position_world_m.x() += knobs.estimate_offset_m;
-    vehicle.guard->on_autopilot(report, now());
+    report.velocity_world_mps = vehicle.felt_mps;
+    report.has_attitude = true;
+    report.world_from_body =
+        Eigen::AngleAxisd(yaw_rad + knobs.yaw_offset_rad, Eigen::Vector3d::UnitZ()) *
+        Eigen::AngleAxisd(knobs.attitude_offset_rad, Eigen::Vector3d::UnitX());
+    report.yaw_rate_radps = vehicle.turn_radps;
+    driver.guard->on_autopilot(report, now());
   }
 }
 
 void FlightBench::fly(Vehicle& vehicle) {
   using Kind = drivers::FlightSetpoint::Kind;
-  const VehicleKnobs& knobs = vehicle.knobs;
+  Vehicle& driver = driver_of(vehicle);
+  const VehicleKnobs& knobs = driver.knobs;
   const bool hears = !knobs.is_stalled && !knobs.link_cut;
   if (hears) {
-    vehicle.asked = vehicle.out.setpoint;
+    vehicle.asked = driver.out.setpoint;
     vehicle.without_setpoint_s = 0.0;
     const bool on_ground = vehicle.position_m.z() <= 0.02;
-    if (vehicle.out.wants_armed && !vehicle.is_armed) {
+    if (driver.out.wants_armed && !vehicle.is_armed) {
       vehicle.is_armed = true;
-    } else if (!vehicle.out.wants_armed && (on_ground || vehicle.asked.kind == Kind::kMotorsOff)) {
+    } else if (!driver.out.wants_armed && (on_ground || vehicle.asked.kind == Kind::kMotorsOff)) {
       vehicle.is_armed = false;
     }
   } else {
     vehicle.without_setpoint_s += kTickS;
   }
+  vehicle.is_armed = vehicle.is_armed && !knobs.motors_off;
+  const Pose3 fed = shown(carrier_of(driver));
+  const Eigen::Vector3d fed_mps = wiring_.mocap_from_world * carrier_of(driver).velocity_mps;
+  const double yaw_rad = wiring_.has_compass ? vehicle.yaw_rad : yaw_of(fed);
   Eigen::Vector3d ask_mps = Eigen::Vector3d::Zero();
   const bool lands_itself =
       vehicle.without_setpoint_s > 1.0 || vehicle.asked.kind == Kind::kBlindLand;
+  vehicle.turn_radps = 0.0;
+  const bool is_tracking = vehicle.is_armed && vehicle.asked.kind == Kind::kTrack;
+  vehicle.spool_s = is_tracking ? vehicle.spool_s + kTickS : vehicle.is_armed ? vehicle.spool_s : 0;
   if (vehicle.is_armed && lands_itself) {
     ask_mps = {0.0, 0.0, -0.5};
-  } else if (vehicle.is_armed && vehicle.asked.kind == Kind::kTrack) {
+  } else if (is_tracking && vehicle.spool_s > kSpoolUpS && !knobs.cannot_lift) {
     // It is told where to be when it will have answered.
     const Eigen::Vector3d believed_m =
-        vehicle.position_m + vehicle.drift_m + kLeadS * vehicle.velocity_mps;
+        fed.translation_m + vehicle.drift_m + kLeadS * vehicle.velocity_mps;
     ask_mps =
         vehicle.asked.velocity_world_mps + 2.0 * (vehicle.asked.position_world_m - believed_m);
     ask_mps *= std::min(1.0, kSpeedMaxMps / std::max(1e-9, ask_mps.norm()));
-    const double turn_rad = wrap_to_pi(vehicle.asked.yaw_rad - vehicle.yaw_rad);
-    vehicle.yaw_rad =
-        wrap_to_pi(vehicle.yaw_rad + std::clamp(turn_rad, -4.0 * kTickS, 4.0 * kTickS));
+    const double turn_rad = wrap_to_pi(vehicle.asked.yaw_rad - yaw_rad);
+    vehicle.turn_radps = std::clamp(kYawGainPerS * turn_rad, -kTurnMaxRadps, kTurnMaxRadps);
+    vehicle.yaw_rad = wrap_to_pi(vehicle.yaw_rad + vehicle.turn_radps * kTickS);
   }
   Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();
-  if (vehicle.is_armed) {
-    acceleration_mps2 = (ask_mps + knobs.runaway_mps - vehicle.velocity_mps) / kLagS;
+  const bool is_idling = !is_tracking && !lands_itself && vehicle.position_m.z() <= 0.0;
+  if (vehicle.is_armed && !is_idling) {
+    acceleration_mps2 = turned((ask_mps - vehicle.felt_mps) / kLagS, vehicle.yaw_rad - yaw_rad) +
+                        knobs.runaway_mps / kLagS;
     acceleration_mps2 *=
         std::min(1.0, kAccelerationMaxMps2 / std::max(1e-9, acceleration_mps2.norm()));
     acceleration_mps2 += knobs.push_mps2;
   } else if (vehicle.position_m.z() > 0.0) {
     acceleration_mps2.z() = -kGravityMps2;
   }
+  const Eigen::Vector3d before_mps = vehicle.velocity_mps;
   vehicle.velocity_mps += acceleration_mps2 * kTickS;
   if (vehicle.position_m.z() <= 0.0 && vehicle.velocity_mps.z() <= 0.0) {
     vehicle.velocity_mps.setZero();  // the floor
     vehicle.ground_s += kTickS;
-    const bool comes_down = lands_itself || vehicle.out.state == FlightState::kLand;
+    const bool comes_down = lands_itself || driver.out.state == FlightState::kLand;
     if (comes_down && vehicle.ground_s > 1.0) {
       vehicle.is_armed = false;
     }
   } else {
     vehicle.ground_s = 0.0;
   }
+  vehicle.felt_mps += turned(vehicle.velocity_mps - before_mps, yaw_rad - vehicle.yaw_rad) +
+                      (fed_mps - vehicle.felt_mps) * (kTickS / kVelocityMemoryS);
   vehicle.position_m += vehicle.velocity_mps * kTickS;
   vehicle.position_m.z() = std::max(0.0, vehicle.position_m.z());
   vehicle.has_flown = vehicle.has_flown || vehicle.position_m.z() > 0.5;

@@ -180,6 +180,37 @@ TEST(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
   }
 }
 
+// Autopilots stop motors that idle for ten seconds, and that would end the order.
+TEST(StepLadder, DoesNotIdleForLongWhileOthersLift) {
+  Driven d;
+  d.in.autopilot_armed = false;
+  d.step(0.01, OperatorAction::kArm);
+  d.in.autopilot_armed = true;
+  d.in.is_lift_taken = true;
+  d.step(0.01, OperatorAction::kTakeOff);
+  d.wait(d.lim.lift_idle_s - 0.1);
+  EXPECT_TRUE(d.ladder.wants_armed);
+  d.wait(30.0);
+  EXPECT_FALSE(d.ladder.wants_armed);
+  EXPECT_EQ(d.ladder.state, FlightState::kIdle);
+  d.in.autopilot_armed = false;
+  d.in.is_lift_taken = false;
+  d.step();
+  EXPECT_TRUE(d.ladder.wants_armed);
+  d.wait(3.0);
+  EXPECT_EQ(d.ladder.state, FlightState::kIdle) << "its motors start first";
+  d.in.autopilot_armed = true;
+  EXPECT_EQ(d.step(), FlightState::kHold);
+}
+
+// How far one goes that is told to stop, and one that nobody tells any more.
+TEST(SafetyLimits, SayHowFarAVehicleGoesOn) {
+  const SafetyLimits lim = limits();  // brakes at 2 m/s²
+  EXPECT_NEAR(stopping_way_m(lim, 1.0), 0.20 + 0.25, 1e-12);
+  EXPECT_NEAR(lost_way_m(lim, 1.0), 0.50 + 0.25, 1e-12);
+  EXPECT_NEAR(stopping_way_m(lim, 2.0), 0.40 + 1.00, 1e-12);
+}
+
 TEST(StepLadder, AllocatesNothing) {
   Driven d;
   d.airborne();

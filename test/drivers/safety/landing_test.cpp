@@ -228,9 +228,9 @@ TEST(FlightGuard, ForgetsThePlanToComeWhenItLands) {
 TEST(FlightGuard, EndsATakeOffAtOnce) {
   for (const double up_to_m : {0.05, 0.1, 0.2, 0.3}) {
     test::FlightBench bench(1);
-    bench.fly_up(0.95);
+    bench.fly_up(0.95 - test::FlightBench::kLeadS);
     while (bench.vehicle("Q1").position_m.z() < up_to_m) {
-      ASSERT_LT(bench.time_s(), 5.0);
+      ASSERT_LT(bench.time_s(), 8.0 - test::FlightBench::kLeadS);
       bench.tick();
     }
     double highest_m = 0.0;
@@ -239,7 +239,7 @@ TEST(FlightGuard, EndsATakeOffAtOnce) {
       return Eigen::Vector3d(at_m.x() + 0.6, at_m.y(), 0.0);
     });
     EXPECT_LT(highest_m, up_to_m + 0.15);
-    EXPECT_LT(seen.way_m, 0.05);
+    EXPECT_LT(seen.way_m, 0.1);  // it may have been on the step aside of its first lift
     EXPECT_LT(seen.took_s, 5.0);
   }
 }

@@ -1,0 +1,108 @@
+// Who flies is what the body does: a driver that begins in the air, and an autopilot that says, or
+// is said to say, that its motors are off.
+
+#include <gtest/gtest.h>
+
+#include "test/drivers/safety/flight_bench.hpp"
+
+namespace vantage::test {
+namespace {
+
+using models::FlightState;
+using models::OperatorAction;
+
+class FlyingAlready : public testing::Test {
+ protected:
+  FlyingAlready() : q1(bench.vehicle("Q1")) {}
+  bool has(const std::string& reason) { return FlightBench::has_reason(q1, reason, bench.now()); }
+  FlightBench bench{9};
+  Vehicle& q1;
+};
+
+// Defect: a new driver said `idle` in the air and landed it.
+TEST_F(FlyingAlready, ADriverThatIsRestartedHoldsAndAsks) {
+  bench.fly_up(6.4);
+  bench.run(0.5, [&] { q1.knobs.is_stalled = true; });
+  bench.restart_driver(q1);
+  bench.run(1.0);
+  EXPECT_EQ(q1.out.state, FlightState::kHold);
+  EXPECT_TRUE(has("found flying"));
+  const Eigen::Vector3d place_m = q1.position_m;
+  bench.run(6.0);
+  EXPECT_EQ(q1.out.state, FlightState::kHold) << "plans come, nobody said follow";
+  EXPECT_LT((q1.position_m - place_m).norm(), 0.1);
+  EXPECT_NEAR(q1.position_m.z(), 1.0, 0.1);
+  bench.say(OperatorAction::kFollow);
+  bench.run(4.0);
+  EXPECT_EQ(q1.out.state, FlightState::kFollow);
+  EXPECT_TRUE(bench.violations().empty()) << bench.violations().front();
+}
+
+TEST_F(FlyingAlready, ADriverThatIsRestartedLandsWhenTold) {
+  bench.fly_up(6.4);
+  bench.restart_driver(q1);
+  bench.run(1.0);
+  bench.say(OperatorAction::kLand);
+  bench.run(10.0);
+  EXPECT_EQ(q1.out.state, FlightState::kIdle);
+  EXPECT_FALSE(q1.is_armed);
+}
+
+TEST_F(FlyingAlready, ADriverThatIsRestartedLandsWithoutAnOperator) {
+  bench.fly_up(6.4);
+  bench.restart_driver(q1);
+  double held_s = 0.0;
+  bench.run(12.0, [&] {
+    bench.room().operator_silent = true;
+    held_s += q1.out.state == FlightState::kHold ? FlightBench::kTickS : 0.0;
+  });
+  EXPECT_GT(held_s, 1.0);
+  EXPECT_EQ(q1.out.state, FlightState::kIdle);
+  EXPECT_LT(q1.position_m.z(), 0.01);
+}
+
+TEST_F(FlyingAlready, ADriverThatIsRestartedWithoutAPoseLands) {
+  bench.fly_up(6.4);
+  bench.restart_driver(q1);
+  bench.run(8.0, [&] { q1.knobs.body = {BodyFault::kAbsent}; });
+  EXPECT_NE(q1.out.state, FlightState::kHold);
+  EXPECT_LT(q1.position_m.z(), 0.1);
+}
+
+// Defect: one word that the motors are off, in flight, made the guard idle and the driver land.
+TEST_F(FlyingAlready, IsNotDisarmedBecauseSomebodySaysSo) {
+  for (const double lasts_s : {0.02, 1.0, 6.0}) {
+    FlightBench room(9);
+    room.fly_up(6.4);
+    Vehicle& vehicle = room.vehicle("Q1");
+    room.run(lasts_s, [&] {
+      vehicle.knobs.says_disarmed = true;
+      EXPECT_NE(vehicle.out.state, FlightState::kIdle);
+      EXPECT_TRUE(vehicle.is_armed);
+    });
+    room.run(2.0);
+    EXPECT_EQ(vehicle.out.state, FlightState::kFollow) << lasts_s;
+    EXPECT_TRUE(room.violations().empty());
+  }
+}
+
+// Motors that really are off: it falls, and that is seen at once.
+TEST_F(FlyingAlready, IsDisarmedWhenItFalls) {
+  bench.fly_up(6.4);
+  bench.run(0.6, [&] { q1.knobs.motors_off = true; });
+  EXPECT_EQ(q1.out.state, FlightState::kIdle);
+}
+
+TEST_F(FlyingAlready, ADisarmedOneOnTheGroundIsIdleAtOnce) {
+  bench.fly_up(6.4);
+  bench.say(OperatorAction::kLand);
+  while (q1.is_armed) {
+    ASSERT_LT(bench.time_s(), 30.0);
+    bench.tick();
+  }
+  bench.run(0.1);
+  EXPECT_EQ(q1.out.state, FlightState::kIdle);
+}
+
+}  // namespace
+}  // namespace vantage::test

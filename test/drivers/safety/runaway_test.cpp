@@ -1,0 +1,113 @@
+// A body that goes where it is not told, upwards too: it is believed, held, landed, and stopped.
+
+#include <gtest/gtest.h>
+
+#include "test/drivers/safety/flight_bench.hpp"
+
+namespace vantage::test {
+namespace {
+
+using models::FlightState;
+
+struct Seen {
+  double held_s = -1.0, landed_s = -1.0, killed_s = -1.0;
+  Eigen::Vector3d killed_at_m = Eigen::Vector3d::Zero();
+  double oldest_pose_s = 0.0;
+};
+
+/// Q1 is told to hover in the middle and carried away at `mps`, whatever it is told.
+Seen carry_away(const Eigen::Vector3d& mps, double seconds) {
+  FlightBench bench(3);
+  bench.fly_up(3.0);  // hovers where it took off
+  Vehicle& q1 = bench.vehicle("Q1");
+  Seen seen;
+  const double start_s = bench.time_s();
+  bench.run(seconds, [&] {
+    // Its controller asks for 1.3 m/s the other way.
+    q1.knobs.runaway_mps = mps + 1.3 * mps.normalized();
+    const double since_s = bench.time_s() - start_s;
+    const auto note = [&](double& at_s, FlightState state) {
+      at_s = at_s < 0.0 && q1.out.state == state ? since_s : at_s;
+    };
+    note(seen.held_s, FlightState::kHold);
+    note(seen.landed_s, FlightState::kLand);
+    if (seen.killed_s < 0.0 && q1.out.state == FlightState::kKilled) {
+      seen.killed_s = since_s;
+      seen.killed_at_m = q1.position_m;
+    }
+    if (seen.killed_s < 0.0) {
+      seen.oldest_pose_s = std::max(seen.oldest_pose_s, q1.guard->inputs().pose_age_s);
+    }
+  });
+  return seen;
+}
+
+// Defect: it climbed through the ceiling to 12 m in `hold`, and a metre above the ceiling its poses
+// were no longer believed.
+TEST(Runaway, UpwardsIsLandedAndThenStoppedAboveTheCeiling) {
+  const Seen seen = carry_away({0.0, 0.0, 0.7}, 8.0);
+  ASSERT_GE(seen.landed_s, 0.0);
+  EXPECT_LT(seen.landed_s, 2.5) << "1 m off its height";
+  ASSERT_GE(seen.killed_s, 0.0);
+  EXPECT_GT(seen.killed_at_m.z(), 3.9);
+  EXPECT_LT(seen.killed_at_m.z(), 4.2) << "the ceiling is at 3 m";
+  EXPECT_LT(seen.oldest_pose_s, 0.05) << "what moves out of the room is still the body";
+}
+
+TEST(Runaway, SidewaysIsTheSameInEachDirection) {
+  for (const Eigen::Vector3d& way :
+       {Eigen::Vector3d(0.7, 0.0, 0.0), Eigen::Vector3d(-0.7, 0.0, 0.0),
+        Eigen::Vector3d(0.0, 0.7, 0.0), Eigen::Vector3d(0.0, -0.7, 0.0)}) {
+    const Seen seen = carry_away(way, 12.0);
+    SCOPED_TRACE(way.transpose());
+    ASSERT_GE(seen.landed_s, 0.0);
+    EXPECT_LT(seen.landed_s, 2.5);
+    if (seen.killed_s >= 0.0) {
+      const Eigen::Vector3d out_m = seen.killed_at_m.cwiseAbs() - Eigen::Vector3d(4.0, 2.2, 0.0);
+      EXPECT_NEAR(std::max(out_m.x(), out_m.y()), 1.0, 0.15);
+    }
+    EXPECT_LT(seen.oldest_pose_s, 0.05);
+  }
+}
+
+// A pose outside that is not where the body went is not believed, in the air as before.
+TEST(Runaway, AJumpOutOfTheRoomIsNotOne) {
+  FlightBench bench(3);
+  bench.fly_up(3.0);
+  Vehicle& q1 = bench.vehicle("Q1");
+  bench.run(0.2, [&] { q1.knobs.offset_m = 7.0; });
+  EXPECT_GT(q1.guard->inputs().pose_age_s, 0.15);
+  EXPECT_LT(q1.guard->world_from_body().translation_m.x(), 0.0);
+}
+
+// Height counts as much as place.
+TEST(Runaway, OffItsHeightIsOffItsCourse) {
+  for (const double push_mps : {1.0, -1.0}) {
+    FlightBench bench(3);
+    bench.fly_up(3.0);
+    Vehicle& q1 = bench.vehicle("Q1");
+    bench.run(3.0, [&] { q1.knobs.runaway_mps = {0.0, 0.0, push_mps}; });
+    const double off_m = q1.position_m.z() - 1.0;
+    EXPECT_NEAR(q1.guard->inputs().tracking_error_m, std::abs(off_m), 0.03);
+    EXPECT_GT(std::abs(off_m), 0.4);
+    EXPECT_TRUE(FlightBench::has_reason(q1, "tracking", bench.now()));
+  }
+}
+
+// Faster than it may: held.
+TEST(Runaway, FasterThanItsLimitIsHeld) {
+  for (const double way : {1.0, -1.0}) {
+    FlightBench bench(3);
+    bench.fly_up(6.4);
+    Vehicle& q1 = bench.vehicle("Q1");
+    bool is_said = false;
+    bench.run(0.6, [&] {
+      q1.knobs.runaway_mps = {way * (q1.velocity_mps.x() > 0.0 ? 1.2 : -1.2), 0.0, 0.0};
+      is_said = is_said || FlightBench::has_reason(q1, "too fast", bench.now());
+    });
+    EXPECT_EQ(is_said, way > 0.0) << "against its way it is slower";
+  }
+}
+
+}  // namespace
+}  // namespace vantage::test
