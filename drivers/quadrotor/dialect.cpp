@@ -35,11 +35,11 @@ DialectTraits px4() {
   out.name = "PX4";
   out.autopilot_id = wire::autopilot::kPx4;
   out.own_system_id = 254;
-  out.own_type = wire::type::kOnboardController;
+  out.own_type = wire::type::kGroundStation;  // to others it never says why it refuses
   out.follow_mode = px4_mode(6);
   out.land_mode = px4_mode(4, 6);
   out.wants_proof_of_life = true;
-  out.lead_s = 0.1;
+  out.lead_s = 0.05;
   out.streams = streams_with(stream<wire::EstimatorStatus>(5.0));
   return out;
 }

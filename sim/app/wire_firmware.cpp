@@ -5,6 +5,7 @@
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "sim/firmware/ardupilot_link.hpp"
+#include "sim/firmware/px4_link.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -20,7 +21,8 @@ std::unique_ptr<FirmwareLink> link_to(const models::RobotSpec& robot, int instan
   if (robot.autopilot->dialect == models::AutopilotDialect::kArdupilot) {
     return std::make_unique<ArdupilotLink>(instance);
   }
-  throw StartupError("robot " + robot.name + ": no firmware of this dialect can be flown here");
+  return robot.firmware->serial.empty() ? Px4Link::listening(instance)
+                                        : Px4Link::on_serial_line(robot.firmware->serial);
 }
 
 }  // namespace

@@ -64,6 +64,10 @@ void AutopilotEmulator::take(const wire::Frame& frame) {
     }
   } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
     take_timesync(*timesync);
+  } else if (const auto heartbeat = wire::unpack<wire::Heartbeat>(frame)) {
+    if (heartbeat->type == wire::type::kGroundStation) {
+      station_heard_ = now_;
+    }
   } else if (take_parameter_talk(frame)) {
     return;
   } else if (const auto origin = wire::unpack<wire::SetGpsGlobalOrigin>(frame)) {
@@ -147,7 +151,7 @@ void AutopilotEmulator::take_odometry(const wire::Odometry& odometry) {
       text.severity = 2;
       const char* const words = "ODOMETRY: estimator_type unsupported";
       std::copy_n(words, std::strlen(words), text.text.begin());
-      send(text);
+      say(text);
     }
     ++ignored_;  // also of mocap: a topic that the estimator does not read
     return;

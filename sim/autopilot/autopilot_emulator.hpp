@@ -81,6 +81,8 @@ class AutopilotEmulator {
   [[nodiscard]] Time capture_time(std::uint64_t host_usec) const;
   void speak();
   void speak_once(std::uint32_t message_id);
+  [[nodiscard]] bool has_listener() const;
+  void say(const models::mavlink::Statustext& text);
   template <class Message>
   void send(const Message& message);
 
@@ -103,6 +105,7 @@ class AutopilotEmulator {
   };
   std::map<std::string, Parameter> parameters_;
   std::optional<std::int64_t> host_minus_own_ns_;
+  std::optional<Time> station_heard_;  ///< its newest heartbeat
   std::int64_t ignored_ = 0;
 };
 

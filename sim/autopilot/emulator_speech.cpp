@@ -46,8 +46,19 @@ void AutopilotEmulator::send(const Message& message) {
 }
 template void AutopilotEmulator::send(const wire::CommandAck&);
 template void AutopilotEmulator::send(const wire::ParamValue&);
-template void AutopilotEmulator::send(const wire::Statustext&);
 template void AutopilotEmulator::send(const wire::Timesync&);
+
+bool AutopilotEmulator::has_listener() const {
+  constexpr Duration kStationLost{2'500'000};
+  return !profile_.speaks_to_stations_alone ||
+         (station_heard_ && now_ - *station_heard_ <= kStationLost);
+}
+
+void AutopilotEmulator::say(const wire::Statustext& text) {
+  if (has_listener()) {
+    send(text);
+  }
+}
 
 void AutopilotEmulator::speak() {
   for (const SpokenText& spoken : controller_.take_texts()) {
@@ -55,7 +66,7 @@ void AutopilotEmulator::speak() {
     text.severity = spoken.severity;
     std::copy_n(spoken.text.begin(), std::min(spoken.text.size(), text.text.size()),
                 text.text.begin());
-    send(text);
+    say(text);
   }
   for (auto& [id, stream] : streams_) {
     if (now_ >= stream.next) {

@@ -9,6 +9,7 @@ AutopilotProfile px4() {
   out.follow_mode = 6U << 16U;
   out.land_mode = 4U << 16U | 6U << 24U;
   out.start_mode = 4U << 16U | 3U << 24U;
+  out.speaks_to_stations_alone = true;
   out.flags_ground = 0x1EF;
   out.flags_air = 0x06F;
   out.flags_lost = 0x065;

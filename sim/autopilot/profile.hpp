@@ -14,6 +14,8 @@ struct AutopilotProfile {
   std::uint32_t land_mode = 0;
   std::uint32_t start_mode = 0;
 
+  bool speaks_to_stations_alone = false;  ///< texts: where a ground station's heartbeat is heard
+
   // Estimator, fed with external poses.
   double converge_s = 3.5;   ///< of poses, until it is ready
   double pose_loss_s = 5.0;  ///< without poses, until it says that it is lost

@@ -1,8 +1,8 @@
 // hold_drill SCENARIO HOLDS SEED
 //
 // The operator of a flight that `vantage up` runs: arms everybody, has them follow, and then says
-// `hold` and `follow` HOLDS times, to one vehicle or to all, at seeded moments; lands them. What the
-// vehicles made of it is in the log (hil_check, "stops"). Exit code 0 when all came down.
+// `hold` and `follow` HOLDS times, to one vehicle or to all, at seeded moments; lands them. What
+// the vehicles made of it is in the log (hil_check, "stops"). Exit code 0 when all came down.
 
 #include <chrono>
 #include <cstdio>
@@ -56,7 +56,8 @@ int main(int argc, char** argv) {
   std::optional<Time> next_follow;
   std::string held;
   Time program_until = clock.now();
-  while (to_seconds(clock.now() - program_until) < kGiveUpS && !program.is_down()) {
+  while (to_seconds(clock.now() - program_until) < kGiveUpS &&
+         (states.empty() || !program.is_down())) {
     bus.handle(std::chrono::milliseconds(10));
     const Time now = clock.now();
     desk.tick(now);

@@ -56,6 +56,44 @@ std::vector<std::string> names_of(const std::vector<ProcessSpec>& plan) {
   return out;
 }
 
+models::Scenario flown_by_px4() {
+  models::Scenario scenario = on_the_wire();
+  scenario.robots.resize(1);
+  scenario.robots[0].autopilot->dialect = models::AutopilotDialect::kPx4;
+  scenario.robots[0].firmware.emplace().binary = "/bin/sh";
+  return scenario;
+}
+
+TEST(ProcessPlan, StartsPx4InItsFolderWithOurParametersInItsEnvironment) {
+  models::Scenario scenario = flown_by_px4();
+  scenario.robots[0].autopilot->system_id = 7;
+  const auto plan =
+      process_plan(scenario, {"/opt/bin", "s.yaml", "", "", false, "/var/flights/firmware"});
+  const auto found = std::find_if(plan.begin(), plan.end(), [](const ProcessSpec& process) {
+    return process.name == "firmware Q1";
+  });
+  ASSERT_NE(found, plan.end());
+  EXPECT_EQ(found->folder, "/var/flights/firmware/Q1");
+  const std::vector<std::string>& words = found->arguments;
+  const auto has = [&words](const std::string& word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+  };
+  EXPECT_EQ(words.front(), "/usr/bin/env");
+  EXPECT_TRUE(has("PX4_PARAM_EKF2_EV_CTRL=15"));  // of config/autopilot/px4.params
+  EXPECT_TRUE(has("PX4_PARAM_MAV_SYS_ID=7"));
+  EXPECT_EQ(std::vector<std::string>(words.end() - 7, words.end()),
+            (std::vector<std::string>{"/bin/sh", "-d", "-i", "0", "-w", "/var/flights/firmware/Q1",
+                                      "/etc"}));
+}
+
+TEST(DeviceFaults, NameAnUrlThatPx4DoesNotSpeakTo) {
+  models::Scenario scenario = flown_by_px4();
+  EXPECT_TRUE(device_faults(scenario).empty());
+  scenario.robots[0].autopilot->url = "udp://:14541";
+  ASSERT_EQ(device_faults(scenario).size(), 1U);
+  EXPECT_NE(device_faults(scenario)[0].find("14540"), std::string::npos);
+}
+
 TEST(ProcessPlan, StartsADriverForEachDeviceThatIsNotDirect) {
   models::Scenario scenario = on_the_wire();
   EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", ""})),

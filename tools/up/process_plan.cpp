@@ -1,10 +1,12 @@
 #include "tools/up/process_plan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 
 #include "core/address.hpp"
 #include "core/result.hpp"
+#include "models/autopilot/parameter_rules.hpp"
 
 namespace vantage::tools {
 
@@ -51,7 +54,8 @@ Result<int> driver_port(const models::RobotSpec& robot) {
   const std::string& url = robot.autopilot->url;
   const std::string refusal = "robot " + robot.name +
                               " has `firmware`, which speaks to its driver: `url` must be "
-                              "udp://[HOST]:PORT, is '" + url + "'";
+                              "udp://[HOST]:PORT, is '" +
+                              url + "'";
   if (!url.starts_with(kDriverWaits)) {
     return Error{refusal};
   }
@@ -61,17 +65,63 @@ Result<int> driver_port(const models::RobotSpec& robot) {
 
 ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int system_id,
                               const ProcessPlaces& places) {
-  ProcessSpec out{"firmware " + robot.name,
-                  {find_program(robot.firmware->binary), "--wipe", "--instance",
-                   std::to_string(instance), "--model", "JSON:127.0.0.1", "--home", kArdupilotHome,
-                   "--sysid", std::to_string(system_id), "--serial0",
-                   fmt::format("udpclient:127.0.0.1:{}", driver_port(robot).value())}};
+  ProcessSpec out{
+      "firmware " + robot.name,
+      {find_program(robot.firmware->binary), "--wipe", "--instance", std::to_string(instance),
+       "--model", "JSON:127.0.0.1", "--home", kArdupilotHome, "--sysid", std::to_string(system_id),
+       "--serial0", fmt::format("udpclient:127.0.0.1:{}", driver_port(robot).value())}};
   if (!robot.firmware->parameters.empty()) {
-    out.arguments.insert(out.arguments.end(),
-                         {"--defaults", absolute(robot.firmware->parameters)});
+    out.arguments.insert(out.arguments.end(), {"--defaults", absolute(robot.firmware->parameters)});
   }
   out.folder = absolute(places.firmware_folder) + "/" + robot.name;
   out.end_signal = SIGKILL;  // it hears no other when its simulator has gone
+  return out;
+}
+
+constexpr int kPx4Port = 14'540;  // of instance 0's driver
+
+// Of the body that the simulator gives it (sim/firmware/multirotor); the rest is in the file.
+constexpr std::array kPx4Airframe{
+    "PX4_PARAM_CA_ROTOR0_PX=0.12",  "PX4_PARAM_CA_ROTOR0_PY=0.12",  "PX4_PARAM_CA_ROTOR0_KM=0.016",
+    "PX4_PARAM_CA_ROTOR1_PX=-0.12", "PX4_PARAM_CA_ROTOR1_PY=-0.12", "PX4_PARAM_CA_ROTOR1_KM=0.016",
+    "PX4_PARAM_CA_ROTOR2_PX=0.12",  "PX4_PARAM_CA_ROTOR2_PY=-0.12", "PX4_PARAM_CA_ROTOR2_KM=-0.016",
+    "PX4_PARAM_CA_ROTOR3_PX=-0.12", "PX4_PARAM_CA_ROTOR3_PY=0.12",  "PX4_PARAM_CA_ROTOR3_KM=-0.016",
+    "PX4_PARAM_THR_MDL_FAC=0.65",   "PX4_PARAM_MPC_THR_HOVER=0.41", "PX4_PARAM_BAT1_N_CELLS=3",
+    "PX4_PARAM_MC_YAWRATE_P=0.5",   "PX4_PARAM_SIM_BAT_DRAIN=900",  "PX4_PARAM_SIM_BAT_MIN_PCT=0",
+    "PX4_PARAM_SDLOG_BACKEND=0"};
+
+/// NAME VALUE of each line of `text` as PX4's start-up takes it from its environment.
+std::vector<std::string> px4_settings(std::istream& text) {
+  std::vector<std::string> out;
+  for (std::string line; std::getline(text, line);) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string name;
+    std::string value;
+    if (words >> name >> value) {
+      out.push_back(fmt::format("PX4_PARAM_{}={}", name, value));
+    }
+  }
+  return out;
+}
+
+ProcessSpec px4_process(const models::RobotSpec& robot, int instance, int system_id,
+                        const ProcessPlaces& places) {
+  const std::string binary = find_program(robot.firmware->binary);
+  ProcessSpec out{"firmware " + robot.name, {"/usr/bin/env", "PX4_SIM_MODEL=none_iris"}};
+  out.folder = absolute(places.firmware_folder) + "/" + robot.name;
+  std::vector<std::string>& words = out.arguments;
+  words.insert(words.end(), kPx4Airframe.begin(), kPx4Airframe.end());
+  std::ifstream file(robot.firmware->parameters);
+  std::istringstream ours(models::parameter_file(models::AutopilotDialect::kPx4));
+  for (const std::string& setting :
+       robot.firmware->parameters.empty() ? px4_settings(ours) : px4_settings(file)) {
+    words.push_back(setting);
+  }
+  // Its start-up files lie beside its program. Without -d it wants a terminal.
+  const std::filesystem::path start_up =
+      std::filesystem::path(binary).parent_path().parent_path() / "etc";
+  words.insert(words.end(), {fmt::format("PX4_PARAM_MAV_SYS_ID={}", system_id), binary, "-d", "-i",
+                             std::to_string(instance), "-w", out.folder, start_up.string()});
   return out;
 }
 
@@ -102,8 +152,15 @@ std::vector<std::string> device_faults(const models::Scenario& scenario) {
                     "' and no `autopilot: {url: …}` or `rover: {url: …}` to reach it by");
     }
     if (robot.firmware && !robot.firmware->binary.empty()) {
-      if (const auto port = driver_port(robot); !port.ok()) {
+      const auto port = driver_port(robot);
+      if (!port.ok()) {
         out.push_back(port.error().message);
+      } else if (const int theirs = kPx4Port + scenario.firmware_instance(robot);
+                 robot.autopilot->dialect == models::AutopilotDialect::kPx4 &&
+                 port.value() != theirs) {
+        out.push_back(fmt::format("robot {}: instance {} of PX4 speaks to port {}, `url` says {}",
+                                  robot.name, scenario.firmware_instance(robot), theirs,
+                                  port.value()));
       }
       if (find_program(robot.firmware->binary).empty()) {
         out.push_back("robot " + robot.name + ": firmware.binary '" + robot.firmware->binary +
@@ -141,7 +198,9 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
       const int instance = scenario.firmware_instance(robot);
       const int system_id =
           robot.autopilot->system_id > 0 ? robot.autopilot->system_id : instance + 1;
-      out.push_back(ardupilot_process(robot, instance, system_id, places));
+      out.push_back(robot.autopilot->dialect == models::AutopilotDialect::kPx4
+                        ? px4_process(robot, instance, system_id, places)
+                        : ardupilot_process(robot, instance, system_id, places));
     }
   }
   if (scenario.mocap.device != DeviceSource::kDirect && runs(models::kMocapPart)) {

@@ -54,7 +54,6 @@ TEST(EmulatedPx4, IsReadyAFewSecondsAfterTheFirstPose) {
   hand.run(10.0);
   EXPECT_EQ(hand.positions, 0);
   EXPECT_EQ(hand.command(400, 1), 1);
-  EXPECT_FALSE(hand.last_text.empty());
   hand.sends_poses = true;
   hand.run(3.0);
   EXPECT_EQ(hand.positions, 0);
@@ -62,6 +61,22 @@ TEST(EmulatedPx4, IsReadyAFewSecondsAfterTheFirstPose) {
   EXPECT_GT(hand.positions, 0);
   EXPECT_EQ(hand.flags, 0x1EF);
   EXPECT_EQ(hand.command(400, 1), 0);
+}
+
+// PX4 1.18: STATUSTEXT goes out only where a heartbeat of type GCS is heard.
+TEST(EmulatedPx4, SaysWhyItRefusesToGroundStationsAlone) {
+  Hand hand(AutopilotDialect::kPx4);
+  listen(hand);
+  hand.run(1.0);
+  models::mavlink::Heartbeat heartbeat;
+  heartbeat.type = models::mavlink::type::kOnboardController;
+  hand.send(heartbeat);
+  EXPECT_EQ(hand.command(400, 1), 1);
+  EXPECT_TRUE(hand.last_text.empty());
+  heartbeat.type = models::mavlink::type::kGroundStation;
+  hand.send(heartbeat);
+  EXPECT_EQ(hand.command(400, 1), 1);
+  EXPECT_FALSE(hand.last_text.empty());
 }
 
 TEST(EmulatedPx4, NeverReadsPosesThatClaimToBeMocap) {
