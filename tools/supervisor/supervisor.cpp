@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -42,6 +43,13 @@ Result<Child> start_child(const ProcessSpec& spec) {
   }
   std::error_code failed;
   std::filesystem::create_directories(spec.folder, failed);
+  for (const auto& [name, content] : spec.files) {
+    std::ofstream file(spec.folder + "/" + name);
+    file << content;
+    if (!file.flush()) {
+      return Error{spec.folder + "/" + name + ": cannot be written"};
+    }
+  }
   const std::string path = spec.folder + "/output.txt";
   const int output = failed ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (output < 0) {

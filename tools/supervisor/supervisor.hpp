@@ -3,6 +3,7 @@
 #include <chrono>
 #include <csignal>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ struct ProcessSpec {
   /// Made if need be; the process works there, and what it writes goes into `output.txt`. Empty: it
   /// works and writes where we do.
   std::string folder = {};
+  std::map<std::string, std::string> files = {};  ///< written there before each start, by name
   int end_signal = SIGTERM;  ///< that ends it
 };
 

@@ -63,6 +63,11 @@ Result<int> driver_port(const models::RobotSpec& robot) {
   return address.ok() ? Result<int>(address.value().port) : Result<int>(Error{refusal});
 }
 
+// Of the body that the simulator gives it; the rest is in the file.
+constexpr const char* kArdupilotAirframe =
+    "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nBATT_MONITOR 4\nBATT_CAPACITY 3300\n"
+    "LOG_BACKEND_TYPE 0\n";
+
 ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int system_id,
                               const ProcessPlaces& places) {
   ProcessSpec out{
@@ -70,9 +75,13 @@ ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int 
       {find_program(robot.firmware->binary), "--wipe", "--instance", std::to_string(instance),
        "--model", "JSON:127.0.0.1", "--home", kArdupilotHome, "--sysid", std::to_string(system_id),
        "--serial0", fmt::format("udpclient:127.0.0.1:{}", driver_port(robot).value())}};
-  if (!robot.firmware->parameters.empty()) {
-    out.arguments.insert(out.arguments.end(), {"--defaults", absolute(robot.firmware->parameters)});
+  std::string defaults = absolute(robot.firmware->parameters);
+  if (defaults.empty()) {
+    defaults = "parameters.parm";
+    out.files[defaults] =
+        kArdupilotAirframe + std::string(models::parameter_file(models::AutopilotDialect::kArdupilot));
   }
+  out.arguments.insert(out.arguments.end(), {"--defaults", defaults});
   out.folder = absolute(places.firmware_folder) + "/" + robot.name;
   out.end_signal = SIGKILL;  // it hears no other when its simulator has gone
   return out;
