@@ -43,6 +43,9 @@ class QuadrotorDriver {
   void on_mocap(const models::MocapFrame& frame, Time now);
   /// This vehicle's plan, or a teammate's.
   void on_plan(const models::RobotPlan& plan, Time now);
+  void on_teammate_status(const models::VehicleStatus& status, Time now) {
+    guard_.on_teammate_status(status, now);
+  }
   void on_command(const models::OperatorCommand& command, Time now);
   /// Whether the scenario that others announce is the one flown here.
   void on_map(bool is_same) { guard_.on_map(is_same); }

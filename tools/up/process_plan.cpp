@@ -65,7 +65,7 @@ Result<int> driver_port(const models::RobotSpec& robot) {
 
 // Of the body that the simulator gives it; the rest is in the file.
 constexpr const char* kArdupilotAirframe =
-    "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nBATT_MONITOR 4\nBATT_CAPACITY 3300\n"
+    "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nBATT_MONITOR 4\nBATT_CAPACITY 100\n"
     "LOG_BACKEND_TYPE 0\n";
 
 ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int system_id,

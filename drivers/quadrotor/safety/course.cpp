@@ -101,6 +101,7 @@ void Course::shift(const Eigen::Vector3d& to_m, double speed_mps, Time now) {
 }
 
 void Course::advance(Time now, double dt_s, double rate) {
+  now_ = now;
   if (has_next_ && next_.start_time <= now) {
     begin(HeldPlan(next_));
   }
@@ -110,6 +111,17 @@ void Course::advance(Time now, double dt_s, double rate) {
 }
 
 double Course::elapsed_s(Time now) const { return to_seconds(now - plan_.start_time) - lag_s_; }
+
+PlanPoint Course::on_plan(double elapsed_s) const {
+  const bool is_beyond = round_s_ > 0.0 && elapsed_s > round_s_;
+  if (!is_beyond || has_next_ || this->elapsed_s(now_) >= round_s_) {
+    return point_at(plan_, elapsed_s);
+  }
+  PlanPoint out = point_at(plan_, round_s_);
+  out.position_world_m += (elapsed_s - round_s_) * out.velocity_world_mps;
+  out.yaw_rate_radps = 0.0;
+  return out;
+}
 
 PlanPoint Course::planned_at(Time time, double lag_s) const {
   if (has_next_ && time >= next_.start_time) {
@@ -122,7 +134,7 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
       if (has_past_ && time < plan_.start_time) {
         return point_at(past_, to_seconds(time - past_.start_time) - past_lag_s_);
       }
-      return point_at(plan_, to_seconds(time - plan_.start_time) - lag_s);
+      return on_plan(to_seconds(time - plan_.start_time) - lag_s);
     case Mode::kBrake:
       return way_.at(to_seconds(time - begin_));
     case Mode::kShift: {

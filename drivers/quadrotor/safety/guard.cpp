@@ -14,6 +14,7 @@ using models::FlightState;
 namespace {
 
 constexpr double kMovingMps = 0.1;
+constexpr const char* kFirstLift = "first lift";  // as vehicles tell each other
 
 bool is_sound(const AutopilotReport& report) {
   return std::isfinite(report.tilt_rad) && std::isfinite(report.thrust_share) &&
@@ -112,6 +113,14 @@ PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
 
 void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time now) {
   (void)parts_->fleet.on_plan(plan, parts_->limits, now);  // counted there
+}
+
+void FlightGuard::on_teammate_status(const models::VehicleStatus& status, Time now) {
+  const bool is_lifting = std::find(status.reasons.begin(), status.reasons.end(), kFirstLift) !=
+                          status.reasons.end();
+  if (is_lifting && is_airborne(status.state)) {
+    parts_->lift_queue.on_lifting(status.robot, now);
+  }
 }
 
 CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, Time now) {
@@ -269,7 +278,7 @@ models::VehicleStatus FlightGuard::status(Time now) const {
   out.plan_round = p.ladder.state == FlightState::kFollow ? p.plans.round() : -1;
   out.reasons = names_of(p.reasons);
   if (p.lift.is_under_way()) {
-    out.reasons.emplace_back("first lift");
+    out.reasons.emplace_back(kFirstLift);
   }
   if (p.ladder.state == FlightState::kHold && out.reasons.empty()) {
     out.reasons.emplace_back("operator");

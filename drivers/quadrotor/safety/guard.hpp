@@ -93,6 +93,8 @@ class FlightGuard {
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
   /// A teammate's; ignored for robots that the scenario does not know.
   void on_teammate_plan(const models::RobotPlan& plan, Time now);
+  /// What a teammate says of itself: whether it is at its first lift.
+  void on_teammate_status(const models::VehicleStatus& status, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
   void on_heartbeat(Time now);
   void on_autopilot(const AutopilotReport& report, Time now);

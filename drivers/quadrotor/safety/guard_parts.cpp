@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/angle.hpp"
 #include "drivers/quadrotor/safety/latches.hpp"
@@ -142,6 +143,9 @@ void FlightGuard::Parts::look(Time now) {
     in.separation_stop_m = around.separation_stop_m;
     in.yields = around.yields;
     in.near_m = near_soon_m(here_m, bodies, limits.take_off_look_s);
+    if (std::exchange(had_motors, in.autopilot_armed) != in.autopilot_armed) {
+      lift_queue.begin_turn(now);  // others' motors may have begun to turn at the same instant
+    }
     lift_queue.look(bodies, limits, now);
   }
   look_at_autopilot(now);

@@ -28,7 +28,7 @@ struct FlightGuard::Parts {
         lift_queue(scenario, robot),
         plans(robot),
         // Speeds then change no faster than the vehicle brakes.
-        course(given.vehicle.speed_max_mps / (2.0 * given.vehicle.brake_mps2)) {}
+        course(given.vehicle.speed_max_mps / (2.0 * given.vehicle.brake_mps2), given.round_s) {}
 
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
   [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
@@ -67,6 +67,7 @@ struct FlightGuard::Parts {
   bool has_ticked = false;
 
   // Heights.
+  bool had_motors = false;  ///< at the last tick
   double height_ref_m = 0.0;
   double height_rate_mps = 0.0;  ///< of height_ref_m, at the last tick
   double height_goal_m = 0.0;

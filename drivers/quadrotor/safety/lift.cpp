@@ -13,6 +13,8 @@ constexpr double kOnItsWayM = 0.02;  // above its rest, a body that climbs is li
 constexpr double kStillLiftingM = 0.5;
 constexpr double kClimbsMps = 0.05;
 constexpr double kTurnSlackS = 6.0;  // its motors may have to be started
+constexpr double kSaidS = 0.5;       // a vehicle speaks ten times a second
+constexpr double kPolitenessS = 0.15;
 constexpr double kShownShare = 0.3;  // of a step or turn that was asked for
 constexpr double kBeneathM = 0.06;   // of its hover, where the proof may begin
 
@@ -37,6 +39,15 @@ void LiftQueue::on_take_off(const std::string& robot) {
     if ((robot.empty() || entry.name == robot) && !entry.is_told) {
       entry.is_told = true;
       entry.order = orders_;
+    }
+  }
+}
+
+void LiftQueue::on_lifting(const std::string& robot, Time now) {
+  for (Entry& entry : robots_) {
+    if (entry.name == robot) {
+      entry.has_said = true;
+      entry.said = now;
     }
   }
 }
@@ -70,6 +81,9 @@ void LiftQueue::look(std::span<const OtherBody> bodies, const SafetyLimits& limi
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     Entry& entry = robots_[i];
     const double risen_m = entry.height_m - entry.rest_m;
+    if (i != own_ && entry.has_said && to_seconds(now - entry.said) < kSaidS) {
+      is_taken_ = true;
+    }
     if (i == own_ || !entry.is_seen) {
       continue;
     }
@@ -92,16 +106,18 @@ void LiftQueue::look(std::span<const OtherBody> bodies, const SafetyLimits& limi
   }
   front_since_ = front == front_ ? front_since_ : now;
   front_ = front;
-  if (front_ == robots_.size() || front_ == own_) {
-    return;
+  if (front_ != robots_.size() && front_ != own_) {
+    const Entry& first = robots_[front_];
+    const bool has_risen = first.is_seen && first.height_m - first.rest_m > limits.lift_risen_m;
+    const double turn_s =
+        limits.lift_wait_s + kTurnSlackS + (has_risen ? limits.lift_proof_s : 0.0);
+    if (to_seconds(now - front_since_) > turn_s) {
+      robots_[front_].is_told = false;
+    }
+    is_taken_ = true;
   }
-  const Entry& first = robots_[front_];
-  const bool has_risen = first.is_seen && first.height_m - first.rest_m > limits.lift_risen_m;
-  const double turn_s = limits.lift_wait_s + kTurnSlackS + (has_risen ? limits.lift_proof_s : 0.0);
-  if (to_seconds(now - front_since_) > turn_s) {
-    robots_[front_].is_told = false;
-  }
-  is_taken_ = true;
+  taken_last_ = is_taken_ ? now : taken_last_;
+  is_taken_ = to_seconds(now - taken_last_) < kPolitenessS * static_cast<double>(own_ + 1);
 }
 
 void Lift::begin(const Pose3& world_from_body, std::span<const OtherBody> others,

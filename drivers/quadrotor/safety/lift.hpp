@@ -23,13 +23,19 @@ namespace vantage::drivers {
 /// it was said and by name where it was said at once; and by what mocap shows.
 ///
 /// Who is told and does not rise is passed by after lift_wait_s and lift_proof_s: nobody waits for
-/// ever.
+/// ever. After somebody's turn each waits a moment longer than the one before it by name, so that
+/// two who have waited for the same do not begin together.
 class LiftQueue {
  public:
   LiftQueue(const models::Scenario& scenario, const std::string& own_name);
 
   /// The operator told `robot` to take off; everybody, when it is empty.
   void on_take_off(const std::string& robot);
+  /// Another vehicle says that it is at its first lift: before mocap can show it, while its motors
+  /// spool up.
+  void on_lifting(const std::string& robot, Time now);
+  /// Our motors have begun to turn: our turn is waited for from here on.
+  void begin_turn(Time now) { taken_last_ = now; }
   /// Our own order is over: done, refused or taken back.
   void forget_own();
   /// Looks where everybody is. `bodies` are the fleet's, of the same scenario.
@@ -52,6 +58,8 @@ class LiftQueue {
     double rest_m = 0.0;   ///< lowest that it was seen
     double begun_m = 0.0;  ///< when our own lift began
     double climb_mps = 0.0;
+    bool has_said = false;
+    Time said{};  ///< last that it was lifting
   };
   [[nodiscard]] static bool is_before(const Entry& a, const Entry& b);
 
@@ -61,6 +69,7 @@ class LiftQueue {
   std::size_t front_;  ///< of the queue; robots_.size(): nobody
   Time front_since_{};
   bool is_taken_ = false;
+  Time taken_last_{};
   double other_risen_m_ = 0.0;
 };
 

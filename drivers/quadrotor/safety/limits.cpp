@@ -64,6 +64,7 @@ SafetyLimits limits_for(const models::Scenario& scenario, const std::string& rob
   // Nearer than this the planner finds no way out, and it would hover there for ever.
   limits.hover_clearance_m = std::max(0.05, scenario.planner.obstacle_margin_m);
   const double round_s = scenario.planner.execute_steps * scenario.planner.step_s;
+  limits.round_s = round_s;
   limits.plan_age_hold_s = std::max(limits.plan_age_hold_s, round_s + 0.5);
   limits.plan_silent_warn_s = limits.plan_age_hold_s;
   limits.planner_lease_s = std::max(limits.planner_lease_s, round_s + 0.5);

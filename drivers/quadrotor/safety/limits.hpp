@@ -30,6 +30,7 @@ struct SafetyLimits {
   double volume_margin_m = 1.0;  ///< poses farther outside the bounds are not believed
 
   // The plan.
+  double round_s = 0.0;  ///< after it the next plan takes over, if there is one; 0: not known
   double plan_age_hold_s = 2.0;  ///< once it has ended; longer than a round
   double plan_silent_warn_s = 2.0;
   int plans_late_hold = 3;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
+#include "drivers/quadrotor/safety/lift.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 
 namespace vantage::test {
@@ -210,6 +211,62 @@ TEST(FirstLiftOfThree, ABodyThatRisesUntoldStopsItsMotors) {
   EXPECT_EQ(q1.out.state, FlightState::kKilled);
   EXPECT_FALSE(q1.is_armed);
   EXPECT_TRUE(FlightBench::has_reason(q1, "rises untold", bench.now()));
+}
+
+// Real autopilots take half a minute until they arm, and seconds to spool up: by then the order in
+// which vehicles were told is forgotten, and mocap shows nothing yet. So they say it themselves.
+TEST(LiftQueue, WaitsForWhoSaysThatItLiftsAndThenGoesByName) {
+  const models::Scenario scenario = FlightBench::scenario();
+  const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
+  const Time start = from_utime(1'700'000'000'000'000);
+  drivers::LiftQueue second(scenario, "Q2");
+  drivers::LiftQueue third(scenario, "Q3");
+  const auto look = [&](double at_s) {
+    second.look({}, limits, start + from_seconds(at_s));
+    third.look({}, limits, start + from_seconds(at_s));
+  };
+  for (const double begin_s : {0.0, 20.0}) {  // and once more
+    look(begin_s);
+    EXPECT_FALSE(second.is_taken());
+    for (int i = 0; i <= 40; ++i) {
+      second.on_lifting("Q1", start + from_seconds(begin_s + 0.1 * i));
+      third.on_lifting("Q1", start + from_seconds(begin_s + 0.1 * i));
+      look(begin_s + 0.1 * i);
+      EXPECT_TRUE(second.is_taken());
+      EXPECT_TRUE(third.is_taken());
+    }
+    double second_s = 0.0;
+    double third_s = 0.0;
+    for (int i = 0; i <= 100; ++i) {
+      const double at_s = begin_s + 4.0 + 0.02 * i;
+      look(at_s);
+      second_s = second_s > 0.0 || second.is_taken() ? second_s : at_s;
+      third_s = third_s > 0.0 || third.is_taken() ? third_s : at_s;
+    }
+    EXPECT_GT(second_s, begin_s + 4.4);
+    EXPECT_GT(third_s, second_s + 0.1) << "long enough for the third to hear of the second";
+    EXPECT_LT(third_s, begin_s + 5.5);
+  }
+}
+
+// Two whose motors begin to turn at the same instant.
+TEST(LiftQueue, LetsNoTwoBeginTogether) {
+  const models::Scenario scenario = FlightBench::scenario();
+  const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q1");
+  const Time start = from_utime(1'700'000'000'000'000);
+  double begun_s[3] = {};
+  const char* const names[] = {"Q1", "Q2", "Q3"};
+  for (int i = 0; i < 3; ++i) {
+    drivers::LiftQueue queue(scenario, names[i]);
+    queue.begin_turn(start);
+    for (int k = 1; k < 100 && begun_s[i] == 0.0; ++k) {
+      queue.look({}, limits, start + k * Duration{20'000});
+      begun_s[i] = queue.is_taken() ? 0.0 : 0.02 * k;
+    }
+  }
+  EXPECT_GT(begun_s[0], 0.0);
+  EXPECT_GT(begun_s[1], begun_s[0] + 0.1);
+  EXPECT_GT(begun_s[2], begun_s[1] + 0.1);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ using models::FlightState;
 namespace {
 
 constexpr double kSpeedMaxMps = 1.3;
-constexpr double kLeadS = 0.1;  // SafetyLimits::setpoint_lead_s
+constexpr double kAnswerS = 0.1;  // SafetyLimits::setpoint_lead_s
 constexpr double kLagS = 0.15;
 constexpr double kAccelerationMaxMps2 = 6.0;
 constexpr double kGravityMps2 = 9.81;
@@ -109,7 +109,7 @@ void FlightBench::fly(Vehicle& vehicle) {
   } else if (is_tracking && vehicle.spool_s > kSpoolUpS && !knobs.cannot_lift) {
     // It is told where to be when it will have answered.
     const Eigen::Vector3d believed_m =
-        fed.translation_m + vehicle.drift_m + kLeadS * vehicle.velocity_mps;
+        fed.translation_m + vehicle.drift_m + kAnswerS * vehicle.velocity_mps;
     ask_mps =
         vehicle.asked.velocity_world_mps + 2.0 * (vehicle.asked.position_world_m - believed_m);
     ask_mps *= std::min(1.0, kSpeedMaxMps / std::max(1e-9, ask_mps.norm()));
