@@ -37,7 +37,7 @@ struct BodyState {
 
 /// What a vehicle is to do now: be at a place, moving and speeding up like this. Always all of it:
 /// ArduPilot starts its position controller anew with each change of kind, and what it did at that
-/// moment to brake it then goes on doing (docs/decisions/0008).
+/// moment to brake it then goes on doing (docs/decisions/0009).
 struct Setpoint {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();

@@ -30,7 +30,8 @@ struct DialectTraits {
   bool takes_off_by_command = false;
   /// Its estimator has no origin without a GPS, and says nothing before it has one.
   bool needs_origin = false;
-  double lead_s = 0.0;  ///< of what it is told before what it is to do; measured, with our parameters
+  double lead_s =
+      0.0;  ///< of what it is told before what it is to do; measured, with our parameters
   std::vector<WantedStream> streams;
 };
 

@@ -61,8 +61,8 @@ struct AutopilotSpec {
 /// Real autopilot firmware that flies a simulated vehicle: what `device: wire` means for a robot
 /// that has it. Which firmware it is, its autopilot's dialect says.
 struct FirmwareSpec {
-  std::string binary;      ///< started and supervised by `vantage up`; empty: started by hand
-  std::string parameters;  ///< file that it starts with; empty: those of config/autopilot
+  std::string binary;           ///< started and supervised by `vantage up`; empty: started by hand
+  std::string parameters;       ///< file that it starts with; empty: those of config/autopilot
   std::optional<int> instance;  ///< its ports; the robot's place in the scenario when absent
   std::string serial;           ///< DEVICE[:BAUD] of a board in hardware-in-the-loop mode (PX4)
 };
@@ -84,7 +84,7 @@ struct RobotSpec {
   DeviceSource device = DeviceSource::kDirect;
   std::optional<AutopilotSpec> autopilot;
   std::optional<FirmwareSpec> firmware;  ///< without one an emulated autopilot stands in
-  std::optional<RoverSpec> rover;  ///< then it is a ground robot
+  std::optional<RoverSpec> rover;        ///< then it is a ground robot
 };
 
 enum class TargetMotion {

@@ -243,8 +243,8 @@ std::optional<Eigen::Vector3d> FlightController::wanted_velocity_mps(Time now) c
     if (target_->position_m) {
       const double since_s =
           std::clamp(to_seconds(now - target_time_), 0.0, profile_.setpoint_loss_s);
-      const Eigen::Vector3d moved_m = profile_.carries_targets_on ? Eigen::Vector3d(since_s * wanted)
-                                                                  : Eigen::Vector3d::Zero();
+      const Eigen::Vector3d moved_m =
+          profile_.carries_targets_on ? Eigen::Vector3d(since_s * wanted) : Eigen::Vector3d::Zero();
       wanted += towards(*target_->position_m + moved_m);
     }
     wanted = cut(wanted, profile_.speed_max_mps, profile_.climb_max_mps);
@@ -279,8 +279,7 @@ void FlightController::control(const std::optional<Eigen::Vector3d>& wanted_mps,
   }
   if (p.velocity_shaping_s > 0.0) {
     shaped_rate = cut(shaped_rate + (*wanted_mps - shaped_mps_) / p.velocity_shaping_s,
-                      p.acceleration_max_mps2,
-                      p.acceleration_max_mps2);
+                      p.acceleration_max_mps2, p.acceleration_max_mps2);
     shaped_mps_ += dt_s * shaped_rate;
   } else {
     shaped_mps_ = *wanted_mps;

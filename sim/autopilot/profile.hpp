@@ -40,9 +40,9 @@ struct AutopilotProfile {
   bool keeps_braking_on_change = false;
 
   // Motion.
-  double velocity_shaping_s = 0.0;  ///< first-order lag of velocity set-points
-  double velocity_gain_per_s = 1.8;   ///< PX4: MPC_XY_VEL_P_ACC
-  double climb_gain_per_s = 4.0;      ///< PX4: MPC_Z_VEL_P_ACC
+  double velocity_shaping_s = 0.0;   ///< first-order lag of velocity set-points
+  double velocity_gain_per_s = 1.8;  ///< PX4: MPC_XY_VEL_P_ACC
+  double climb_gain_per_s = 4.0;     ///< PX4: MPC_Z_VEL_P_ACC
   double velocity_integral_per_s2 = 0.15;
   double feed_forward = 0.0;  ///< share of the shaped acceleration
   double position_gain_per_s = 0.95;

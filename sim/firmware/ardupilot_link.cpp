@@ -73,8 +73,7 @@ std::optional<MotorCommand> ArdupilotLink::receive(Duration timeout) {
     if (got < 0) {
       return newest;
     }
-    const auto outputs =
-        sitl::parse_servo_outputs({buffer_.data(), static_cast<std::size_t>(got)});
+    const auto outputs = sitl::parse_servo_outputs({buffer_.data(), static_cast<std::size_t>(got)});
     if (outputs) {
       firmware_ = from;
       is_asked_ = true;

@@ -43,8 +43,8 @@ void FirmwareFlight::record(std::int64_t monotonic_ns) {
 
 void FirmwareFlight::run() {
   const std::int64_t period_ns = link_->period().count() * 1'000;
-  Duration elapsed{0};                    // of the body's own time
-  std::int64_t due_ns = monotonic_ns();   // when the body's time is now
+  Duration elapsed{0};                   // of the body's own time
+  std::int64_t due_ns = monotonic_ns();  // when the body's time is now
   std::int64_t heard_ns = due_ns;
   Throttles throttles{};
   bool is_answered = !link_->is_lockstep();
@@ -52,9 +52,8 @@ void FirmwareFlight::run() {
   Counts counts;
   while (!is_over_) {
     // In lockstep the next motors are the answer to the last sensors.
-    if (const auto command = link_->receive(link_->is_lockstep() && !is_answered && !is_silent
-                                                ? kSlice
-                                                : Duration{0})) {
+    if (const auto command = link_->receive(
+            link_->is_lockstep() && !is_answered && !is_silent ? kSlice : Duration{0})) {
       throttles = command->throttles;
       is_answered = true;
       is_silent = false;
@@ -103,8 +102,9 @@ FirmwareFlight::Sample FirmwareFlight::at(std::int64_t monotonic_ns) const {
     const Sample& earlier = samples_[(newest_ + kSamples - i) % kSamples];
     if (earlier.monotonic_ns <= monotonic_ns) {
       const double whole_ns = static_cast<double>(later->monotonic_ns - earlier.monotonic_ns);
-      const double share =
-          whole_ns > 0.0 ? static_cast<double>(monotonic_ns - earlier.monotonic_ns) / whole_ns : 0.0;
+      const double share = whole_ns > 0.0
+                               ? static_cast<double>(monotonic_ns - earlier.monotonic_ns) / whole_ns
+                               : 0.0;
       Sample out;
       out.monotonic_ns = monotonic_ns;
       out.world_from_body.translation_m =

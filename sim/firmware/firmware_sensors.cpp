@@ -41,10 +41,9 @@ FirmwareSensors SensorBoard::sample(const Multirotor& body, Duration since_start
   out.gyro_body_radps =
       turn_axes(body.rate_body_radps()) + gyro_bias_radps_ + draw(noise_.gyro_sigma_radps);
   out.specific_force_body_mps2 = turn_axes(body.specific_force_body_mps2()) +
-                                 accelerometer_bias_mps2_ +
-                                 draw(noise_.accelerometer_sigma_mps2);
-  out.magnetic_field_body_gauss = out.local_from_body.conjugate() * kFieldNedGauss +
-                                  draw(noise_.magnetometer_sigma_gauss);
+                                 accelerometer_bias_mps2_ + draw(noise_.accelerometer_sigma_mps2);
+  out.magnetic_field_body_gauss =
+      out.local_from_body.conjugate() * kFieldNedGauss + draw(noise_.magnetometer_sigma_gauss);
   const double height_m = body.world_from_body().translation_m.z();
   out.pressure_altitude_m = kOriginAltitudeM + height_m + noise_.barometer_sigma_m * normal_(rng_);
   out.pressure_hpa =

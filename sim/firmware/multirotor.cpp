@@ -34,9 +34,9 @@ void Multirotor::step(const Throttles& throttles, double dt_s) {
   for (int i = 0; i < steps; ++i) {
     substep(throttles, dt_s / steps);
   }
-  battery_share_ = std::max(0.0, battery_share_ - dt_s * thrust_n() / (parameters_.mass_kg *
-                                                                       kGravityMps2) /
-                                                      parameters_.battery_endurance_s);
+  battery_share_ =
+      std::max(0.0, battery_share_ - dt_s * thrust_n() / (parameters_.mass_kg * kGravityMps2) /
+                                         parameters_.battery_endurance_s);
 }
 
 double Multirotor::thrust_n() const {
@@ -49,7 +49,8 @@ void Multirotor::substep(const Throttles& throttles, double dt_s) {
   Eigen::Vector3d torque_nm = -p.spin_drag_nms * rate_radps_;
   for (std::size_t i = 0; i < kMotors; ++i) {
     const double u = std::clamp(throttles[i], 0.0, 1.0);
-    const double wanted_n = p.motor_thrust_max_n * (p.thrust_expo * u * u + (1.0 - p.thrust_expo) * u);
+    const double wanted_n =
+        p.motor_thrust_max_n * (p.thrust_expo * u * u + (1.0 - p.thrust_expo) * u);
     thrusts_n_[i] += follow * (wanted_n - thrusts_n_[i]);
     torque_nm.x() += kMounts[i].y * p.arm_y_m * thrusts_n_[i];
     torque_nm.y() -= kMounts[i].x * p.arm_x_m * thrusts_n_[i];
@@ -126,8 +127,7 @@ void Multirotor::blow(double dt_s) {
 
 double Multirotor::battery_v() const {
   const MultirotorParameters& p = parameters_;
-  const double rest_v =
-      p.battery_empty_v + battery_share_ * (p.battery_full_v - p.battery_empty_v);
+  const double rest_v = p.battery_empty_v + battery_share_ * (p.battery_full_v - p.battery_empty_v);
   return rest_v - p.battery_sag_v * thrust_n() / (p.mass_kg * kGravityMps2);
 }
 

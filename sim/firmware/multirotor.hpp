@@ -49,7 +49,8 @@ struct MultirotorParameters {
 
 /// A quadrotor as a rigid body with six degrees of freedom, four motors, the air and the ground.
 ///
-///   m v̇ = Σ T_i R e_z − m g e_z − m d (v − w) + feet,   J ω̇ = τ − ω × J ω,   Ṫ_i = (T(u_i) − T_i)/T_m
+///   m v̇ = Σ T_i R e_z − m g e_z − m d (v − w) + feet,   J ω̇ = τ − ω × J ω,   Ṫ_i = (T(u_i) −
+///   T_i)/T_m
 ///
 /// World z up, body x forward, y left, z up. Stepped semi-implicitly; deterministic by its seed.
 class Multirotor {

@@ -142,8 +142,7 @@ TEST(AutopilotLink, TellsPlaceVelocityAndAccelerationInEachSetPoint) {
     EXPECT_EQ(t.coordinate_frame, 1);
     EXPECT_EQ(t.target_system, 1);
     EXPECT_EQ((std::vector{t.x, t.y, t.z, t.yaw}), (std::vector{1.0F, -2.0F, -3.0F, -0.5F}));
-    EXPECT_EQ((std::vector{t.vx, t.vy, t.vz, t.yaw_rate}),
-              (std::vector{0.1F, -0.2F, -0.3F, 0.4F}));
+    EXPECT_EQ((std::vector{t.vx, t.vy, t.vz, t.yaw_rate}), (std::vector{0.1F, -0.2F, -0.3F, 0.4F}));
     EXPECT_EQ((std::vector{t.afx, t.afy, t.afz}), (std::vector{-0.5F, -0.25F, -0.125F}));
     // One kind of set-point, whatever it asks for: no change of kind can upset an autopilot.
     EXPECT_EQ(targets[0].type_mask, 0);

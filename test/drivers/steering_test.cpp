@@ -1,8 +1,8 @@
 #include "drivers/quadrotor/steering.hpp"
 
-#include <gtest/gtest.h>
-
 #include <random>
+
+#include <gtest/gtest.h>
 
 #include "test/support/near.hpp"
 

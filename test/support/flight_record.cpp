@@ -37,9 +37,8 @@ void FlightRecord::take(const lcm::LogEvent& event) {
     if (const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event)) {
       for (const models::TruthBody& body : truth->bodies) {
         if (body.target_id < 0) {
-          robots_[body.name].truth.push_back({truth->stamp.time,
-                                              body.world_from_body.translation_m,
-                                              body.velocity_world_mps});
+          robots_[body.name].truth.push_back(
+              {truth->stamp.time, body.world_from_body.translation_m, body.velocity_world_mps});
         }
       }
     }
@@ -51,9 +50,8 @@ void FlightRecord::take(const lcm::LogEvent& event) {
 }
 
 std::optional<Eigen::Vector3d> FlightRecord::place(const Robot& robot, Time time) const {
-  const auto later =
-      std::lower_bound(robot.truth.begin(), robot.truth.end(), time,
-                       [](const At& at, Time wanted) { return at.time < wanted; });
+  const auto later = std::lower_bound(robot.truth.begin(), robot.truth.end(), time,
+                                      [](const At& at, Time wanted) { return at.time < wanted; });
   if (later == robot.truth.begin() || later == robot.truth.end()) {
     return std::nullopt;
   }
@@ -110,10 +108,10 @@ CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) co
     if (at.time < begin || at.position_m.z() < kLowM) {
       continue;
     }
-    out.speed_max_share =
-        std::max(out.speed_max_share, at.velocity_mps.head<2>().norm() / spec->limits.speed_max_mps);
-    out.outside_max_m = std::max(
-        out.outside_max_m, -models::clearance_m(scenario_->world, at.position_m.head<2>()));
+    out.speed_max_share = std::max(out.speed_max_share,
+                                   at.velocity_mps.head<2>().norm() / spec->limits.speed_max_mps);
+    out.outside_max_m = std::max(out.outside_max_m,
+                                 -models::clearance_m(scenario_->world, at.position_m.head<2>()));
     for (const auto& [other_name, other] : robots_) {
       if (other_name != name) {
         if (const auto other_m = place(other, at.time)) {

@@ -32,9 +32,9 @@ struct CourseKept {
 /// What became of one order or need to stop while it followed a plan.
 struct Stop {
   Time begin{};
-  double speed_mps = 0.0;     ///< then, horizontally
-  double distance_m = 0.0;    ///< the farthest that it got from there within 2.5 s, horizontally
-  double still_after_s = 0.0; ///< until it was slower than 0.1 m/s for good
+  double speed_mps = 0.0;      ///< then, horizontally
+  double distance_m = 0.0;     ///< the farthest that it got from there within 2.5 s, horizontally
+  double still_after_s = 0.0;  ///< until it was slower than 0.1 m/s for good
   std::string reason;
 };
 

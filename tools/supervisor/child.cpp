@@ -20,7 +20,8 @@ namespace vantage::tools {
 namespace {
 
 // Runs in the forked child: nothing here may allocate or lock.
-[[noreturn]] void become(const char* const* arguments, int report_fd, const ChildPlace& place, pid_t parent) {
+[[noreturn]] void become(const char* const* arguments, int report_fd, const ChildPlace& place,
+                         pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, place.end_signal);
   if (::getppid() != parent) {

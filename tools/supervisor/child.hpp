@@ -14,8 +14,8 @@ namespace vantage::tools {
 
 /// Where a process runs and what ends it.
 struct ChildPlace {
-  int output = -1;        ///< descriptor for what it writes, errors included; negative: as ours
-  std::string folder;     ///< its working folder; empty: ours
+  int output = -1;           ///< descriptor for what it writes, errors included; negative: as ours
+  std::string folder;        ///< its working folder; empty: ours
   int end_signal = SIGTERM;  ///< sent by the kernel should the supervisor die
 };
 

@@ -51,7 +51,8 @@ Result<Child> start_child(const ProcessSpec& spec) {
     }
   }
   const std::string path = spec.folder + "/output.txt";
-  const int output = failed ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  const int output =
+      failed ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (output < 0) {
     return Error{path + ": " + (failed ? failed.message() : std::strerror(errno))};
   }

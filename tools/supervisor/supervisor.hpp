@@ -25,7 +25,7 @@ struct ProcessSpec {
   /// works and writes where we do.
   std::string folder = {};
   std::map<std::string, std::string> files = {};  ///< written there before each start, by name
-  int end_signal = SIGTERM;  ///< that ends it
+  int end_signal = SIGTERM;                       ///< that ends it
 };
 
 struct SupervisedStatus {

@@ -65,8 +65,9 @@ Result<int> driver_port(const models::RobotSpec& robot) {
 
 // Of the body that the simulator gives it; the rest is in the file.
 constexpr const char* kArdupilotAirframe =
-    "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nBATT_MONITOR 4\nBATT_CAPACITY 100\n"
-    "LOG_BACKEND_TYPE 0\n";
+    "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nLOG_BACKEND_TYPE 0\n"
+    "BATT_MONITOR 4\nBATT_CAPACITY 5600\nBATT_VOLT_PIN 13\nBATT_CURR_PIN 12\n"
+    "BATT_VOLT_MULT 10.1\nBATT_AMP_PERVLT 17\n";
 
 ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int system_id,
                               const ProcessPlaces& places) {
@@ -78,8 +79,8 @@ ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int 
   std::string defaults = absolute(robot.firmware->parameters);
   if (defaults.empty()) {
     defaults = "parameters.parm";
-    out.files[defaults] =
-        kArdupilotAirframe + std::string(models::parameter_file(models::AutopilotDialect::kArdupilot));
+    out.files[defaults] = kArdupilotAirframe +
+                          std::string(models::parameter_file(models::AutopilotDialect::kArdupilot));
   }
   out.arguments.insert(out.arguments.end(), {"--defaults", defaults});
   out.folder = absolute(places.firmware_folder) + "/" + robot.name;

@@ -18,7 +18,7 @@ struct ProcessPlaces {
   std::string url;
   std::string host;                  ///< the one to run of scenario.hosts; empty: all there is
   bool has_virtual_targets = false;  ///< simulated, though every device is real
-  std::string firmware_folder;  ///< under which each firmware works in a folder of its own
+  std::string firmware_folder;       ///< under which each firmware works in a folder of its own
 };
 
 /// The robots that a driver process flies: those whose device is `wire` or `real`.
@@ -28,9 +28,9 @@ std::vector<std::string> robots_with_driver(const models::Scenario& scenario);
 std::vector<std::string> device_faults(const models::Scenario& scenario);
 
 /// The processes of a trial on this host, in an order for people to read (any order will do): the
-/// simulator when anything is simulated, the firmware that flies simulated vehicles, the drivers of devices that are not `direct`, then per
-/// robot sensor, estimator and planner. Essential are the simulator and the mocap driver: no
-/// vehicle does anything worth while without them.
+/// simulator when anything is simulated, the firmware that flies simulated vehicles, the drivers of
+/// devices that are not `direct`, then per robot sensor, estimator and planner. Essential are the
+/// simulator and the mocap driver: no vehicle does anything worth while without them.
 std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
                                       const ProcessPlaces& places);
 

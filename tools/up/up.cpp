@@ -207,7 +207,8 @@ Up::Up(const models::Scenario& scenario, const UpOptions& options)
   if (announces()) {
     announcer_.publish(start_);
   }
-  const ProcessPlaces places{options.executables, file_.path(), scenario.network.url, options.host,
+  const ProcessPlaces places{options.executables,         file_.path(),
+                             scenario.network.url,        options.host,
                              options.has_virtual_targets, options.firmware_folder};
   const std::vector<ProcessSpec> processes = process_plan(scenario, places);
   watch(processes);
@@ -218,8 +219,8 @@ Up::Up(const models::Scenario& scenario, const UpOptions& options)
 
 void Up::watch(const std::vector<ProcessSpec>& processes) {
   for (const ProcessSpec& process : processes) {
-    const bool is_driver = process.name.starts_with("quadrotor ") ||
-                           process.name.starts_with("rover ");
+    const bool is_driver =
+        process.name.starts_with("quadrotor ") || process.name.starts_with("rover ");
     watchdog_.watch(process.name, is_driver ? kDriverHungAfterS : kHungAfterS);
     by_health_[health_name(process.name)] = process.name;
   }

@@ -116,8 +116,8 @@ void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time now) {
 }
 
 void FlightGuard::on_teammate_status(const models::VehicleStatus& status, Time now) {
-  const bool is_lifting = std::find(status.reasons.begin(), status.reasons.end(), kFirstLift) !=
-                          status.reasons.end();
+  const bool is_lifting =
+      std::find(status.reasons.begin(), status.reasons.end(), kFirstLift) != status.reasons.end();
   if (is_lifting && is_airborne(status.state)) {
     parts_->lift_queue.on_lifting(status.robot, now);
   }

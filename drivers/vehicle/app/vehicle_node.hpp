@@ -83,15 +83,15 @@ class VehicleNode : public bus::Node {
     bus_.subscribe<models::RobotPlan>(plans, [this](const models::RobotPlan& plan) {
       static_cast<void>(driver_.on_plan(plan, clock_.now()));  // counted there
     });
-    if constexpr (requires(Driver& driver, const models::VehicleStatus& status) {
+    if constexpr (requires(Driver & driver, const models::VehicleStatus& status) {
                     driver.on_teammate_status(status, Time{});
                   }) {
-      bus_.subscribe<models::VehicleStatus>(
-          bus::quadrotor_channel("*"), [this](const models::VehicleStatus& status) {
-            if (status.robot != robot_) {
-              driver_.on_teammate_status(status, clock_.now());
-            }
-          });
+      bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
+                                            [this](const models::VehicleStatus& status) {
+                                              if (status.robot != robot_) {
+                                                driver_.on_teammate_status(status, clock_.now());
+                                              }
+                                            });
     }
     bus_.subscribe<models::OperatorCommand>(
         bus::kCommand,

@@ -40,8 +40,8 @@ struct JsonSensors {
   Eigen::Quaterniond local_from_body = Eigen::Quaterniond::Identity();
 };
 
-/// One datagram: a line of JSON between line feeds, without a blank that its reader does not expect,
-/// and with the word that leaves the pace to us.
+/// One datagram: a line of JSON between line feeds, without a blank that its reader does not
+/// expect, and with the word that leaves the pace to us.
 std::string format_json_sensors(const JsonSensors& sensors);
 
 }  // namespace vantage::models::sitl

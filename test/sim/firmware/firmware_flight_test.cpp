@@ -1,9 +1,9 @@
 #include "sim/firmware/firmware_flight.hpp"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <memory>
+
+#include <gtest/gtest.h>
 
 #include "core/deadline.hpp"
 #include "sim/firmware/ardupilot_link.hpp"

@@ -1,9 +1,9 @@
 #include "models/wire/sitl/json_physics.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cstdio>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace vantage::models::sitl {
 namespace {

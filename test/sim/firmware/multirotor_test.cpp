@@ -1,8 +1,8 @@
 #include "sim/firmware/multirotor.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "core/angle.hpp"
 #include "sim/firmware/firmware_sensors.hpp"
@@ -48,7 +48,8 @@ TEST(Multirotor, StandsStillForAMinuteAndFeelsGravity) {
   const Pose3& pose = body.world_from_body();
   EXPECT_LT((pose.translation_m - Eigen::Vector3d(1.0, -2.0, 0.0)).norm(), 1e-4);
   EXPECT_NEAR(flatten(pose).yaw_rad, 0.7, 1e-6);
-  EXPECT_LT((body.specific_force_body_mps2() - Eigen::Vector3d(0.0, 0.0, kGravityMps2)).norm(), 1e-3);
+  EXPECT_LT((body.specific_force_body_mps2() - Eigen::Vector3d(0.0, 0.0, kGravityMps2)).norm(),
+            1e-3);
   EXPECT_TRUE(body.is_on_ground());
 }
 
@@ -81,11 +82,11 @@ TEST(Multirotor, TurnsAsItsMotorsSay) {
   };
   const double d = 0.05;
   const Case cases[] = {
-      {{0.0, d, d, 0.0}, {1.0, 0.0, 0.0}},    // left side up: roll to the right, + about x
-      {{d, 0.0, 0.0, d}, {-1.0, 0.0, 0.0}},   // right side up
-      {{0.0, d, 0.0, d}, {0.0, 1.0, 0.0}},    // rear up: nose down, + about y
-      {{d, 0.0, d, 0.0}, {0.0, -1.0, 0.0}},   // front up
-      {{d, d, 0.0, 0.0}, {0.0, 0.0, -1.0}},   // propellers that turn left: the body turns right
+      {{0.0, d, d, 0.0}, {1.0, 0.0, 0.0}},   // left side up: roll to the right, + about x
+      {{d, 0.0, 0.0, d}, {-1.0, 0.0, 0.0}},  // right side up
+      {{0.0, d, 0.0, d}, {0.0, 1.0, 0.0}},   // rear up: nose down, + about y
+      {{d, 0.0, d, 0.0}, {0.0, -1.0, 0.0}},  // front up
+      {{d, d, 0.0, 0.0}, {0.0, 0.0, -1.0}},  // propellers that turn left: the body turns right
       {{0.0, 0.0, d, d}, {0.0, 0.0, 1.0}}};
   for (const Case& c : cases) {
     Multirotor body = hovering(p);
@@ -156,7 +157,8 @@ TEST(SensorBoard, FeelsGravityUpwardsInBodyFrdAndKnowsNorth) {
   const Multirotor body(still_air(), 1, {0.0, 0.0, kPi / 2});  // looks along y: west in NED
   SensorBoard board(SensorNoise{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, 1);
   const FirmwareSensors sensed = board.sample(body, Duration{0});
-  EXPECT_LT((sensed.specific_force_body_mps2 - Eigen::Vector3d(0.0, 0.0, -kGravityMps2)).norm(), 1e-9);
+  EXPECT_LT((sensed.specific_force_body_mps2 - Eigen::Vector3d(0.0, 0.0, -kGravityMps2)).norm(),
+            1e-9);
   // North is to its right.
   EXPECT_GT(sensed.magnetic_field_body_gauss.y(), 0.15);
   EXPECT_NEAR(sensed.pressure_altitude_m, 10.0, 1e-9);
