@@ -43,7 +43,7 @@ void Fleet::on_mocap(const models::MocapFrame& frame, const SafetyLimits& limits
     const NamedBody found = find_unique(frame, member.name);
     const bool is_lost = member.pose.rejected_in_row() >= kMovedAfter;
     const PoseVerdict verdict = member.pose.judge(found.is_unique ? found.body : nullptr,
-                                                  {!is_lost, false, true}, limits, now);
+                                                  {!is_lost, false, true, 0.0}, limits, now);
     poses_refused_ += verdict == PoseVerdict::kAccepted || verdict == PoseVerdict::kAbsent ? 0 : 1;
   }
   for (const models::MocapBody& body : frame.bodies) {

@@ -78,8 +78,10 @@ bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
   // A source that takes over after arming must show the vehicle where it is.
   const bool is_candidate = standing == MocapSource::Standing::kCandidate;
   const bool is_pinned = airborne || (is_candidate && p.autopilot.armed);
+  const bool comes_down = p.ladder.state == FlightState::kLand && p.is_sinking;
   const BodyContext context{is_pinned, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
-                            !airborne || p.in.height_m < p.limits.safe_height_m};
+                            !airborne || p.in.height_m < p.limits.safe_height_m,
+                            comes_down ? p.limits.descent_mps * p.pose_age_s(now) : 0.0};
   PoseMonitor pose = p.pose;
   PoseVerdict verdict = PoseVerdict::kDuplicate;
   if (found.is_unique) {

@@ -23,7 +23,7 @@ struct SafetyLimits {
   int pose_rejected_hold = 3;    ///< implausible poses in a row
   int pose_frames_to_arm = 50;   ///< plausible ones in a row
   double pose_gate_m = 0.25;     ///< around the prediction, at the next frame
-  double pose_gate_max_m = 0.8;  ///< however long the gap: a blind descent of 2 s
+  double pose_gate_max_m = 0.6;  ///< however long the gap
   double pose_flip_rad = 1.0;    ///< turn between two poses that no vehicle makes
   double pose_stuck_moving_s = 0.05;
   double pose_stuck_hover_s = 0.5;

@@ -76,7 +76,9 @@ PoseVerdict PoseMonitor::judge(const models::MocapBody* body, const BodyContext&
   const double gap_s = age_s(now);
   const double gate_m = std::min(
       limits.pose_gate_max_m, limits.pose_gate_m + 0.5 * kUnknownAccelerationMps2 * gap_s * gap_s);
-  const bool jumps = (pose.translation_m - predict_m(now, limits.pose_age_land_s)).norm() > gate_m;
+  Eigen::Vector3d off_m = pose.translation_m - predict_m(now, limits.pose_age_land_s);
+  off_m.z() = off_m.z() < 0.0 ? std::min(0.0, off_m.z() + context.sunk_m) : off_m.z();
+  const bool jumps = off_m.norm() > gate_m;
   const double turn_max_rad =
       limits.pose_flip_rad + std::min(kTurnRadps * gap_s, 0.5 * (kPi - limits.pose_flip_rad));
   const bool flips = pose_.rotation.angularDistance(pose.rotation.normalized()) > turn_max_rad;

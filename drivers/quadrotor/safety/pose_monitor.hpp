@@ -29,6 +29,7 @@ struct BodyContext {
   bool in_air = false;     ///< then a jump or flip is never believed
   bool is_moving = false;  ///< commanded to; then repeated poses are found sooner
   bool may_rest = true;    ///< may stand still for ever (on the ground)
+  double sunk_m = 0.0;     ///< so far it may have come down unseen, as it was told to
 };
 
 /// Judges the poses of one body, frame after frame, by arrival time; mocap clocks may jump.

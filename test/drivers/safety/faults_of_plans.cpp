@@ -133,7 +133,7 @@ std::vector<Fault> of_plans() {
        "Q2",
        0.0,
        [](FlightBench& bench, double) { spoil(q2(bench), PlanFault::kHeadOn); },
-       {{kHold, 3.0}},
+       {{kHold, 4.0}},
        "separation",
        nullptr,
        kHold,
