@@ -10,6 +10,8 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 
+constexpr double kStoppingS = 2.5;  // a disarming on its way, and the heartbeat that tells of it
+
 void come_to_rest(LadderState& next, FlightState state) {
   next.state = state;
   next.wants_armed = false;
@@ -80,15 +82,18 @@ void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits
       refuse(next, Refusal::Order::kArm, blocks);
     }
   }
+  next.is_stopping = inputs.autopilot_armed && (next.is_stopping || !next.wants_armed);
+  next.unwanted_at = next.wants_armed ? next.unwanted_at : inputs.now;
   if (!next.take_off.is_given) {
     return;
   }
+  const bool may_stop = next.is_stopping && to_seconds(inputs.now - next.unwanted_at) < kStoppingS;
   const Reasons near = take_off_blocks(inputs, limits);
   if (inputs.is_lift_taken) {
     next.take_off.waits_since = inputs.now;  // its turn will come
   } else if (has_waited(next.take_off)) {
     refuse(next, Refusal::Order::kTakeOff, near | blocks);
-  } else if (next.wants_armed && inputs.autopilot_armed && near.none()) {
+  } else if (next.wants_armed && inputs.autopilot_armed && !may_stop && near.none()) {
     next.state = FlightState::kHold;
     next.take_off = {};
   }

@@ -39,6 +39,10 @@ struct LadderState {
   std::array<Time, kConditionsMax> since{};  ///< the condition holds without a break
   std::array<Time, kConditionsMax> gone_since{};
   Reasons held;  ///< condition held at the last tick
+  /// Motors that turn were not wanted, and have not been seen to stop: they may do so at any
+  /// moment.
+  bool is_stopping = false;
+  Time unwanted_at{};
 };
 
 /// One tick of flight safety: FOLLOW → HOLD → LAND → KILL, the most severe condition wins.

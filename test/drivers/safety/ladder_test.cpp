@@ -203,6 +203,26 @@ TEST(StepLadder, DoesNotIdleForLongWhileOthersLift) {
   EXPECT_EQ(d.step(), FlightState::kHold);
 }
 
+// Its turn comes while the motors that idled for it are being stopped: flown, it lifted and fell.
+TEST(StepLadder, DoesNotLiftOnMotorsThatAreBeingStopped) {
+  Driven d;
+  d.in.autopilot_armed = false;
+  d.step(0.01, OperatorAction::kArm);
+  d.in.autopilot_armed = true;
+  d.in.is_lift_taken = true;
+  d.step(0.01, OperatorAction::kTakeOff);
+  d.wait(d.lim.lift_idle_s + 0.5);
+  ASSERT_FALSE(d.ladder.wants_armed);
+  d.in.is_lift_taken = false;  // and the disarming is not yet known of
+  d.wait(0.5);
+  EXPECT_EQ(d.ladder.state, FlightState::kIdle);
+  d.in.autopilot_armed = false;
+  d.wait(1.0);
+  EXPECT_TRUE(d.ladder.wants_armed);
+  d.in.autopilot_armed = true;
+  EXPECT_EQ(d.step(), FlightState::kHold);
+}
+
 // How far one goes that is told to stop, and one that nobody tells any more.
 TEST(SafetyLimits, SayHowFarAVehicleGoesOn) {
   const SafetyLimits lim = limits();  // brakes at 2 m/s²
