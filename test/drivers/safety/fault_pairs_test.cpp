@@ -44,6 +44,8 @@ constexpr Exception kOneHidesTheOther[] = {
     {"latency 5 to 155 ms", "mocap clock drifts by 1 %",
      "a clock that gains 1 % hides a tenth of a second of latency within ten seconds"},
     {"planner that keeps flying at a teammate", "gust", "blown aside, they meet later"},
+    {"driven through the fence", "jitter of 50 ms",
+     "held for the jitter already, it stops before the fence"},
     {"outage 0.5 s", "own process stops for 0.4 s",
      "most of the outage is over before the process sees anything"},
 };
