@@ -341,6 +341,12 @@ void FlightGuard::Parts::move_height(double dt_s) {
   if (ladder.state == FlightState::kFollow && course.is_on_plan()) {
     height_goal_m = course.plan().height_m;
   }
+  const bool climbs_on = is_climbing && !lift.is_under_way() && height_ref_m < height_goal_m;
+  if (climbs_on && is_climb_taken(pose.predict_m(in.now, kPredictS), height_goal_m,
+                                  fleet.bodies(in.now, limits), limits)) {
+    climb_since = in.now;  // whoever flies there goes on first
+    return;
+  }
   const double step_m = limits.climb_mps * dt_s;
   height_ref_m += std::clamp(height_goal_m - height_ref_m, -step_m, step_m);
 }

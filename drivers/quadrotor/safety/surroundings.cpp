@@ -187,6 +187,23 @@ Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const Oth
   return home_m;
 }
 
+bool is_climb_taken(const Eigen::Vector3d& position_m, double goal_m,
+                    std::span<const OtherBody> others, const SafetyLimits& limits) {
+  constexpr double kLookS = 2.0;
+  constexpr double kRoomM = 0.25;  // for a turn that it makes meanwhile
+  return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
+    const double z_m = body.position_world_m.z();
+    const bool is_on_the_way =
+        body.robot >= 0 && z_m > position_m.z() && z_m < goal_m + limits.separation_hold_m;
+    const Eigen::Vector3d flat(1.0, 1.0, 0.0);
+    const Eigen::Vector3d here_m = position_m.cwiseProduct(flat);
+    const Eigen::Vector3d from_m = body.position_world_m.cwiseProduct(flat);
+    const Eigen::Vector3d to_m = from_m + kLookS * body.velocity_world_mps.cwiseProduct(flat);
+    const double needed_m = limits.separation_hold_m + kRoomM + tube_m(body, limits);
+    return is_on_the_way && models::closest_approach_m(here_m, here_m, from_m, to_m) < needed_m;
+  });
+}
+
 std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
                                           std::span<const OtherBody> others,
                                           const SafetyLimits& limits) {

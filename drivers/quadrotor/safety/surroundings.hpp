@@ -62,6 +62,12 @@ bool is_way_taken(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
 bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
                        const SafetyLimits& limits, double spare_m = 0.0);
 
+/// True when another robot is, or comes within two seconds straight on, so near seen from above
+/// that a climb from `position_m` to `goal_m` would meet it: one higher than we are, and no higher
+/// than the goal and separation_hold_m.
+bool is_climb_taken(const Eigen::Vector3d& position_m, double goal_m,
+                    std::span<const OtherBody> others, const SafetyLimits& limits);
+
 /// Where a vehicle that hovers too near the fence or an obstacle had better hover: the nearest of
 /// some places clear of both by hover_clearance_m and 0.05 m, no nearer to other bodies than it
 /// should be. Nothing when it is clear by hover_clearance_m already, or no such place is near.

@@ -107,5 +107,28 @@ TEST(FlightGuard, IsNotCarriedAwayByASmallJumpOfThePose) {
   EXPECT_EQ(vehicle.out.state, models::FlightState::kFollow);
 }
 
+// A late climber met who flew above it.
+TEST(ClimbTaken, ByARobotAboveUpToTheGoalNowOrSoonFromEitherSide) {
+  const SafetyLimits limits;
+  const Eigen::Vector3d here_m(0.0, 0.0, 0.3);
+  const auto is_taken = [&](double x_m, double z_m, double vx_mps, int robot = 1) {
+    OtherBody body;
+    body.position_world_m = {x_m, 0.0, z_m};
+    body.velocity_world_mps = {vx_mps, 0.0, 0.0};
+    body.robot = robot;
+    return is_climb_taken(here_m, 2.0, {&body, 1}, limits);
+  };
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_TRUE(is_taken(0.5 * side, 1.0, 0.0));
+    EXPECT_FALSE(is_taken(1.5 * side, 1.0, 0.0));
+    EXPECT_TRUE(is_taken(1.5 * side, 1.0, -0.5 * side)) << "it comes";
+    EXPECT_FALSE(is_taken(1.5 * side, 1.0, 0.5 * side)) << "it goes";
+  }
+  EXPECT_FALSE(is_taken(0.5, 0.2, 0.0)) << "below us";
+  EXPECT_FALSE(is_taken(0.5, 2.0 + limits.separation_hold_m + 0.01, 0.0)) << "above it all";
+  EXPECT_TRUE(is_taken(0.5, 2.0 + limits.separation_hold_m - 0.01, 0.0));
+  EXPECT_FALSE(is_taken(0.5, 1.0, 0.0, -1)) << "no robot";
+}
+
 }  // namespace
 }  // namespace vantage::drivers
