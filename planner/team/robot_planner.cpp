@@ -251,8 +251,7 @@ std::vector<models::Trajectory> RobotPlanner::hovers_of_those_who_wait(
       } else if (status.state == models::FlightState::kLand) {
         height_m = nearest_height_m(spec_->height_m, 0.0, here_m);
       }
-      hovers.push_back(
-          hover_at(flatten(body->world_from_body), height_m, inputs.slot.activation));
+      hovers.push_back(hover_at(flatten(body->world_from_body), height_m, inputs.slot.activation));
     }
   }
   return hovers;
