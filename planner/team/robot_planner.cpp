@@ -397,8 +397,12 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
   const bool rests = std::all_of(committed->segments.begin(), committed->segments.end(),
                                  [](const auto& each) { return each.control.speed_mps == 0.0; });
   const std::optional<std::size_t> crowder = rests ? too_near() : std::nullopt;
-  if (crowder && !(result.found && result.moving_steps > 0)) {
+  const bool stays = rests && !(result.found && result.moving_steps > 0);
+  if (stays && crowder) {
     turn_away_from(*crowder, plan);
+    return plan;
+  }
+  if (stays && turn_to_a_way_out(plan)) {
     return plan;
   }
   if (!take(result, plan)) {

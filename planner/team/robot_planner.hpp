@@ -39,7 +39,7 @@ struct PlannerCounts {
   std::int64_t fallbacks_braking = 0;
   std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
   std::int64_t checks_failed = 0;  ///< searched plans that the closing check refused
-  std::int64_t turns_away = 0;     ///< at rest too near a teammate, with no way out straight ahead
+  std::int64_t turns_away = 0;     ///< at rest too near a teammate or a wall, with no way out ahead
   std::int64_t baits = 0;          ///< rounds in which this robot was bait
   std::int64_t rests = 0;          ///< rounds in which no motion was worth its energy
   std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
@@ -141,6 +141,10 @@ class RobotPlanner {
   /// On the spot, by an eighth of a turn: away from the teammate or, once it faces away, on and on,
   /// until some heading has a way out. Turning moves no disc, so it is safe wherever hovering is.
   void turn_away_from(std::size_t teammate, models::RobotPlan& plan);
+  /// The same where a wall is so near ahead that no motion can begin: towards the nearest heading
+  /// with a way out. False, and nothing done, where there is one already or nowhere.
+  bool turn_to_a_way_out(models::RobotPlan& plan);
+  void turn(double off_rad, models::RobotPlan& plan);
   void begin_candidates(const PlanInputs& inputs, const models::Trajectory& committed,
                         const Deadline& deadline);
   /// Coordinate descent over candidates, what they cost included.

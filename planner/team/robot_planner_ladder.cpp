@@ -10,6 +10,10 @@
 namespace vantage::planner {
 namespace {
 
+// The search's own margins are tighter than the closing check's by rounding and its finer pieces.
+constexpr double kRounding_m = 0.02;
+constexpr double kTurn_rad = kPi / 4.0;  // of a plan that turns on the spot
+
 // What a search says of its plan: of a SearchResult or a RobotPlan.
 template <class Found>
 auto certificate_of(Found& found) {
@@ -29,8 +33,6 @@ bool RobotPlanner::keeps_apart(const models::Trajectory& trajectory, double roun
 }
 
 bool RobotPlanner::is_safe(const models::Trajectory& trajectory) const {
-  // The search's own margins are tighter than these by rounding and by its finer pieces.
-  constexpr double kRounding_m = 0.02;
   return models::is_clear(scenario_.world, trajectory, trajectory.start_time,
                           problem_.clearance_m - kRounding_m) &&
          keeps_apart(trajectory, kRounding_m);
@@ -50,17 +52,48 @@ std::optional<std::size_t> RobotPlanner::too_near() const {
 }
 
 void RobotPlanner::turn_away_from(std::size_t teammate, models::RobotPlan& plan) {
-  constexpr double kTurn_rad = kPi / 4.0;
-  constexpr double kYawRate_radps = 1.5;
   const Eigen::Vector2d from_m =
       models::at(problem_.teammates[teammate], problem_.start_time).world_from_body.position_m();
   const Eigen::Vector2d away_m = problem_.start.position_m() - from_m;
-  const double off_rad = wrap_to_pi(std::atan2(away_m.y(), away_m.x()) - problem_.start.yaw_rad);
+  turn(wrap_to_pi(std::atan2(away_m.y(), away_m.x()) - problem_.start.yaw_rad), plan);
+}
+
+bool RobotPlanner::turn_to_a_way_out(models::RobotPlan& plan) {
+  const auto is_way_out = [this](double turned_rad) {
+    Pose2 from = problem_.start;
+    from.yaw_rad = wrap_to_pi(from.yaw_rad + turned_rad);
+    models::Trajectory step = hover_at(from, spec_->height_m, problem_.start_time);
+    return std::any_of(
+        problem_.controls.begin(), problem_.controls.end(), [&](const auto& control) {
+          step.segments = {{control, problem_.step_s, 0.0}};
+          for (const auto& stop : models::brake(control.speed_mps, problem_.brake_mps2)) {
+            step.segments.push_back(stop);
+          }
+          return control.speed_mps > 0.0 && models::is_clear(scenario_.world, step, step.start_time,
+                                                             problem_.clearance_m + kRounding_m);
+        });
+  };
+  if (is_way_out(0.0)) {
+    return false;  // it may stay because that is best
+  }
+  for (const double turn_rad : {kTurn_rad, 2.0 * kTurn_rad, 3.0 * kTurn_rad, kPi}) {
+    for (const double off_rad : {turn_rad, -turn_rad}) {
+      if (is_way_out(off_rad)) {
+        turn(off_rad, plan);
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+void RobotPlanner::turn(double off_rad, models::RobotPlan& plan) {
+  constexpr double kYawRate_radps = 1.5;
   const double rate_radps = std::min(kYawRate_radps, spec_->limits.yaw_rate_max_radps);
   plan.source = models::PlanSource::kBraking;
   plan.trajectory = hover_at(problem_.start, spec_->height_m, problem_.start_time);
   plan.trajectory.segments = {
-      {{0.0, off_rad < -kTurn_rad ? -rate_radps : rate_radps}, kTurn_rad / rate_radps, 0.0}};
+      {{0.0, off_rad <= -kTurn_rad ? -rate_radps : rate_radps}, kTurn_rad / rate_radps, 0.0}};
   ++counts_.turns_away;
 }
 

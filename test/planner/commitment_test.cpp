@@ -62,5 +62,39 @@ TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kIdle, 0.0), 1.5);
 }
 
+// Flown: stopped by its operator half a metre from a wall, facing it, one vehicle hovered there for
+// seven minutes, for no primitive turns on the spot.
+TEST(RobotPlanner, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
+  models::Scenario scenario = test::lab_scenario();
+  const double nearest_m = scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
+  const Pose2 inward{0.0, 0.0, 0.3};  // off the wall's normal
+  for (const Pose2& start : {Pose2{0.0, 2.0 - nearest_m - 0.06, kPi / 2},
+                             Pose2{0.0, -2.0 + nearest_m + 0.06, -kPi / 2 + inward.yaw_rad},
+                             Pose2{4.0 - nearest_m - 0.06, 2.0 - nearest_m - 0.06, kPi / 4},
+                             Pose2{-4.0 + nearest_m + 0.06, 0.0, kPi}}) {
+    PlanInputs inputs = test::first_inputs(scenario, 0, 7);
+    inputs.mocap->bodies[0].world_from_body = lift(start, scenario.robots[0].height_m);
+    const RoundSchedule schedule(scenario.planner, 0, 3);
+    RobotPlanner planner(scenario, "Q1");
+    double gone_m = 0.0;
+    for (int round = 0; round < 8; ++round) {
+      const auto plan = planner.plan(inputs, Deadline::nodes(20'000));
+      ASSERT_TRUE(plan);
+      ASSERT_TRUE(models::is_clear(scenario.world, plan->trajectory, plan->trajectory.start_time,
+                                   nearest_m - 0.021));
+      inputs.own_plan = plan;
+      inputs.slot = schedule.slot(inputs.slot.round + 1);
+      const Pose2 then = models::at(plan->trajectory, inputs.slot.begin).world_from_body;
+      inputs.mocap->stamp.time = inputs.slot.begin;
+      inputs.mocap->bodies[0].world_from_body = lift(then, scenario.robots[0].height_m);
+      inputs.belief->stamp.time = inputs.slot.begin;
+      gone_m = std::max(gone_m, (then.position_m() - start.position_m()).norm());
+    }
+    EXPECT_GT(gone_m, 1.0) << start.x_m << " " << start.y_m;
+    EXPECT_GE(planner.counts().turns_away, 1);
+    EXPECT_LE(planner.counts().turns_away, 4);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::planner

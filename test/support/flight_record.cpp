@@ -24,7 +24,13 @@ std::optional<Message> decode(const lcm::LogEvent& event) {
   return bus::from_wire(wire);
 }
 
-constexpr double kLowM = 0.5;  // a vehicle below it lands or takes off
+/// An old log that was played into the flight is none of it.
+bool is_of_now(const models::Stamp& stamp, const lcm::LogEvent& event) {
+  return std::abs(to_utime(stamp.time) - event.timestamp) < 2'000'000;
+}
+
+constexpr double kLowM = 0.5;       // a vehicle below it lands or takes off
+constexpr double kReactionS = 0.2;  // one that sets off is still becoming faster
 
 }  // namespace
 
@@ -34,7 +40,8 @@ void FlightRecord::take(const lcm::LogEvent& event) {
       scenario_ = bus::parse_scenario(notice->yaml, "SCENARIO");
     }
   } else if (event.channel == "TRUTH") {
-    if (const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event)) {
+    const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event);
+    if (truth && is_of_now(truth->stamp, event)) {
       for (const models::TruthBody& body : truth->bodies) {
         if (body.target_id < 0) {
           robots_[body.name].truth.push_back(
@@ -43,7 +50,8 @@ void FlightRecord::take(const lcm::LogEvent& event) {
       }
     }
   } else if (event.channel.starts_with("QUADROTOR_")) {
-    if (const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event)) {
+    const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event);
+    if (status && is_of_now(status->stamp, event)) {
       robots_[status->robot].said.push_back(*status);
     }
   }
@@ -150,7 +158,9 @@ std::optional<Stop> FlightRecord::stop_at(const Robot& robot, std::size_t said) 
     }
     if (from == nullptr) {
       from = &at;
-      out.speed_mps = at.velocity_mps.head<2>().norm();
+    }
+    if (since_s <= kReactionS) {
+      out.speed_mps = std::max(out.speed_mps, at.velocity_mps.head<2>().norm());
     }
     out.distance_m = std::max(out.distance_m, (at.position_m - from->position_m).head<2>().norm());
     if (at.velocity_mps.head<2>().norm() > kStillMps) {
@@ -175,7 +185,6 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
     return std::nullopt;
   }
   Aftermath out;
-  out.speed_mps = begin->velocity_mps.head<2>().norm();
   out.separation_m = std::numeric_limits<double>::infinity();
   for (auto at = begin; at != robot->second.truth.end(); ++at) {
     const double since_s = to_seconds(at->time - event);
@@ -186,6 +195,9 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
       out.down_s.reset();
     } else if (!out.down_s) {
       out.down_s = since_s;
+    }
+    if (since_s <= kReactionS) {
+      out.speed_mps = std::max(out.speed_mps, at->velocity_mps.head<2>().norm());
     }
     if (since_s <= kStopS) {
       out.distance_m =

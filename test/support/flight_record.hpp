@@ -32,7 +32,7 @@ struct CourseKept {
 /// What became of one order or need to stop while it followed a plan.
 struct Stop {
   Time begin{};
-  double speed_mps = 0.0;      ///< then, horizontally
+  double speed_mps = 0.0;      ///< horizontally, the greatest within 0.2 s from then
   double distance_m = 0.0;     ///< the farthest that it got from there within 2.5 s, horizontally
   double still_after_s = 0.0;  ///< until it was slower than 0.1 m/s for good
   std::string reason;
@@ -40,7 +40,7 @@ struct Stop {
 
 /// What became of a vehicle to which something happened.
 struct Aftermath {
-  double speed_mps = 0.0;        ///< then, horizontally
+  double speed_mps = 0.0;        ///< horizontally, the greatest within 0.2 s from then
   double distance_m = 0.0;       ///< the farthest that it got from there within 3 s, horizontally
   double outside_m = 0.0;        ///< of its centre beyond the bounds or in an obstacle, within 12 s
   double separation_m = 0.0;     ///< the least from another vehicle within 12 s, both in the air
