@@ -30,6 +30,18 @@ double reaction_s(models::AutopilotDialect dialect) {
   return 0.20;
 }
 
+/// From the last set-point to the first change of velocity beyond that: the autopilot's time-out, as
+/// our parameters set it, and how gently it stops then. Measured: 15 kills of a driver each.
+double setpoint_loss_s(models::AutopilotDialect dialect) {
+  switch (dialect) {
+    case models::AutopilotDialect::kPx4:
+      return 0.30;
+    case models::AutopilotDialect::kArdupilot:
+      return 0.45;
+  }
+  return 0.45;
+}
+
 double way_m(double speed_mps, double on_s, double brake_mps2) {
   return speed_mps * on_s + 0.5 * speed_mps * speed_mps / brake_mps2;
 }
@@ -52,6 +64,7 @@ SafetyLimits limits_for(const models::Scenario& scenario, const std::string& rob
   limits.vehicle = spec->limits;
   if (spec->autopilot) {
     limits.reaction_s = reaction_s(spec->autopilot->dialect);
+    limits.setpoint_loss_s = setpoint_loss_s(spec->autopilot->dialect);
   }
   limits.take_off_height_m = spec->height_m;
   // Plans are checked to the planner's separation; rounding on the wire must not refuse one.
