@@ -168,6 +168,24 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
   }
 }
 
+// However thin: a body of 2 mm right on the way, and a teammate head-on that needs 4 mm.
+TEST(CheckWay, StepsOverNothingThatIsAsThickAsStated) {
+  test::Random random(37);
+  SafetyLimits limits = open_limits();
+  for (int i = 0; i < 300; ++i) {
+    const HeldPlan plan = held(kStart, random.pose2(2.0), {{{1.0, 0.0}, 2.0, 0.0}, {{}, 0.1, 0.0}});
+    const Time meets = kStart + from_seconds(random.uniform(0.5, 1.5));
+    const OtherCourse body[] = {{nullptr, place_m(plan, meets)}};
+    limits.plan_separation_m = 0.001;
+    EXPECT_EQ(check_way(plan, kStart, limits, body), PlanVerdict::kTeammate) << i;
+    const HeldPlan comes = placed(held(kStart, {}, {{{1.0, 0.0}, 2.0, 0.0}, {{}, 0.1, 0.0}}), meets,
+                                  place_m(plan, meets).head<2>(), plan.start.yaw_rad + kPi);
+    const OtherCourse other[] = {{&comes, Eigen::Vector3d::Zero()}};
+    limits.plan_separation_m = 0.002;
+    EXPECT_EQ(check_way(plan, kStart, limits, other), PlanVerdict::kTeammate) << i;
+  }
+}
+
 // Signed distances by brute force over the points of a fine grid of the rectangle's edge.
 TEST(Distances, AreThoseToTheNearestPointOfTheEdge) {
   test::Random random(34);
