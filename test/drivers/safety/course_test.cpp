@@ -215,6 +215,31 @@ TEST(Course, HandsOverWithoutAJumpFromPlansThatWereSlowed) {
   }
 }
 
+// What was flown before a stop is over: a plan that begins in a hover begins from that hover.
+// Twice.
+TEST(Course, RemembersNoPlanFromBeforeAStop) {
+  Course course(kHalfWindowS);
+  for (int time = 0; time < 2; ++time) {
+    const double begin_s = 10.0 * time;
+    for (int leg = 0; leg < 2; ++leg) {  // from plan to plan, so that there is a past
+      course.follow(continued(driving(0.5, after(begin_s)), course, after(begin_s + leg)),
+                    after(begin_s + leg));
+      course.advance(after(begin_s + leg), 0.01, 1.0);
+    }
+    const Eigen::Vector3d place_m(5.0, 5.0, 1.0);
+    course.stand(place_m, 0.3, after(begin_s + 2.0));
+    HeldPlan next = driving(0.0, after(begin_s + 3.0));
+    next.start = {place_m.x(), place_m.y(), 0.3};
+    course.follow(next, after(begin_s + 3.0));
+    for (const double before_s : {0.01, 0.2, 1.0}) {
+      const PlanPoint here = course.planned_at(after(begin_s + 3.0 - before_s));
+      EXPECT_TRUE(test::is_near(here.position_world_m, place_m, 1e-12)) << before_s;
+      EXPECT_EQ(here.velocity_world_mps.norm(), 0.0);
+    }
+    course.stand(place_m, 0.3, after(begin_s + 4.0));
+  }
+}
+
 TEST(Course, IsWhereItWouldBeOnTimeHadItNotBeenSlowed) {
   Course slowed(kHalfWindowS);
   Course never(kHalfWindowS);
