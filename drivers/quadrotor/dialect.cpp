@@ -40,6 +40,7 @@ DialectTraits px4() {
   out.land_mode = px4_mode(4, 6);
   out.wants_proof_of_life = true;
   out.lead_s = 0.05;
+  out.acceleration_lead_s = 0.05;
   out.streams = streams_with(stream<wire::EstimatorStatus>(5.0));
   return out;
 }
@@ -54,6 +55,7 @@ DialectTraits ardupilot() {
   out.land_mode = 9;
   out.takes_off_by_command = true;
   out.lead_s = 0.1;
+  out.acceleration_lead_s = 0.16;
   out.needs_origin = true;
   out.streams = streams_with(stream<wire::EkfStatusReport>(5.0));
   return out;

@@ -30,8 +30,9 @@ struct DialectTraits {
   bool takes_off_by_command = false;
   /// Its estimator has no origin without a GPS, and says nothing before it has one.
   bool needs_origin = false;
-  double lead_s =
-      0.0;  ///< of what it is told before what it is to do; measured, with our parameters
+  // How much earlier it is told than it is to be there; measured, with our parameters.
+  double lead_s = 0.0;               ///< of place and velocity
+  double acceleration_lead_s = 0.0;  ///< of the acceleration, for which it has to tilt
   std::vector<WantedStream> streams;
 };
 

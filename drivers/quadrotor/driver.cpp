@@ -31,8 +31,9 @@ const models::RobotSpec& robot_of(const models::Scenario& scenario, const std::s
   return *spec;
 }
 
-SafetyLimits with_lead(SafetyLimits limits, double lead_s) {
-  limits.setpoint_lead_s = lead_s;
+SafetyLimits with_leads(SafetyLimits limits, const DialectTraits& traits) {
+  limits.setpoint_lead_s = traits.lead_s;
+  limits.acceleration_lead_s = traits.acceleration_lead_s;
   return limits;
 }
 
@@ -50,7 +51,7 @@ QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::st
       dialect_(robot_of(scenario, robot).autopilot->dialect),
       parameter_policy_(robot_of(scenario, robot).autopilot->parameters),
       link_(*robot_of(scenario, robot).autopilot, key),
-      guard_(scenario, robot, with_lead(limits, traits_of(dialect_).lead_s)),
+      guard_(scenario, robot, with_leads(limits, traits_of(dialect_))),
       tracker_(robot, 2.0 * limits.vehicle.speed_max_mps),
       sequence_(dialect_),
       vehicle_(limits.vehicle) {}

@@ -59,6 +59,11 @@ bool is_local_search(const models::PlannerSpec& planner) {
   return planner.team_algorithm == models::TeamAlgorithm::kLocalSearch;
 }
 
+// Of what a vehicle passes between two heights, that which is nearest to another's height.
+double nearest_height_m(double other_m, double one_m, double two_m) {
+  return std::clamp(other_m, std::min(one_m, two_m), std::max(one_m, two_m));
+}
+
 // Whether a search can work on it: what it multiplies of such numbers stays finite.
 bool is_searchable(const models::Gaussian& prior) {
   constexpr double kLargest = 1e30;  // m or m/s, and their squares
@@ -239,8 +244,14 @@ std::vector<models::Trajectory> RobotPlanner::hovers_of_those_who_wait(
     // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
     if (status.state != models::FlightState::kFollow && robot != nullptr && body != nullptr &&
         !body->occluded && name != spec_->name) {
-      hovers.push_back(
-          hover_at(flatten(body->world_from_body), robot->height_m, inputs.slot.activation));
+      const double here_m = body->world_from_body.translation_m.z();
+      double height_m = robot->height_m;
+      if (status.state == models::FlightState::kHold) {  // it may be climbing there
+        height_m = nearest_height_m(spec_->height_m, here_m, robot->height_m);
+      } else if (status.state == models::FlightState::kLand) {
+        height_m = nearest_height_m(spec_->height_m, 0.0, here_m);
+      }
+      hovers.push_back(hover_at(flatten(body->world_from_body), height_m, inputs.slot.activation));
     }
   }
   return hovers;

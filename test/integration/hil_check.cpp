@@ -1,21 +1,26 @@
-// hil_check LOG [ROBOT…]
+// hil_check [--events FILE] LOG [ROBOT…]
 //
 // Reads the log of a trial with devices on the wire: did every vehicle take off, follow plans of
 // the team and land; did anything touch; is VICON without a gap. The robots named need not leave
 // their heights (ground robots, `direct` ones): they must follow plans and get about. Prints what
-// it saw, and how late poses and set-points came to the autopilots. Exit code 0 when all is well.
+// it saw, and how late poses and set-points came to the autopilots. Exit code 0 when all is well;
+// with HIL_STRICT set in the environment only when every course was kept, too. FILE is what
+// flight_drill wrote: a line is then printed of what became of each vehicle each time, and a table.
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include <lcm/lcm-cpp.hpp>
 
 #include "bus/convert.hpp"
+#include "drivers/quadrotor/safety/limits.hpp"
 #include "test/support/flight_record.hpp"
 
 namespace {
@@ -39,6 +44,7 @@ struct Seen {
   std::int64_t frames_lost_on_lcm = 0;
   std::optional<models::MocapFrame> last_frame;
   std::int64_t collisions = 0;
+  std::vector<std::string> contacts;
   std::map<std::string, std::int64_t> counters;  // newest of each process
 };
 
@@ -67,7 +73,10 @@ void take(const lcm::LogEvent& event, Seen& seen) {
     }
   } else if (event.channel == "COLLISION") {
     if (const auto contact = decode<models::ContactReport, vantage_lcm::collision_t>(event)) {
-      seen.collisions += contact->kind == models::ContactKind::kCollision ? 1 : 0;
+      if (contact->kind == models::ContactKind::kCollision) {
+        ++seen.collisions;
+        seen.contacts.push_back(contact->body_a + " with " + contact->body_b);
+      }
     }
   } else if (event.channel == "TRUTH") {
     if (const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event)) {
@@ -106,6 +115,9 @@ bool judge(const Seen& seen, const std::set<std::string>& level) {
               static_cast<long long>(seen.collisions), static_cast<long long>(seen.frames),
               static_cast<long long>(seen.frame_gaps),
               static_cast<long long>(seen.frames_lost_on_lcm));
+  for (const std::string& contact : seen.contacts) {
+    std::printf("collision: %s\n", contact.c_str());
+  }
   for (const auto& [robot, flight] : seen.flights) {
     const bool has_landed = flight.state == FlightState::kIdle && flight.last_m < 0.1;
     std::printf("%s: up to %.2f m, %zu rounds followed, %.2f m away, %s at %.2f m\n", robot.c_str(),
@@ -128,15 +140,21 @@ void print_stops(const test::FlightRecord& record) {
     double farthest_m = 0.0;
     double longest_s = 0.0;
     double fastest_mps = 0.0;
+    double beyond_m = -1e9;
+    const drivers::SafetyLimits limits = drivers::limits_for(*record.scenario(), robot);
     for (const test::Stop& stop : stops) {
+      beyond_m =
+          std::max(beyond_m, stop.distance_m - drivers::stopping_way_m(limits, stop.speed_mps));
       if (stop.distance_m > farthest_m) {
         farthest_m = stop.distance_m;
         fastest_mps = stop.speed_mps;
       }
       longest_s = std::max(longest_s, stop.still_after_s);
     }
-    std::printf("%s: %zu stops, the longest %.2f m from %.2f m/s, still after %.2f s\n",
-                robot.c_str(), stops.size(), farthest_m, fastest_mps, longest_s);
+    std::printf(
+        "%s: %zu stops, the longest %.2f m from %.2f m/s, %+.2f m of the budget at most, still "
+        "after %.2f s\n",
+        robot.c_str(), stops.size(), farthest_m, fastest_mps, beyond_m, longest_s);
   }
 }
 
@@ -150,11 +168,75 @@ bool judge_course(const test::FlightRecord& record) {
   return is_good;
 }
 
+struct Worst {
+  int times = 0;
+  double speed_mps = 0.0;
+  double distance_m = 0.0;
+  double beyond_m = -1e9;  // of the distance, beyond the budget
+  double outside_m = 0.0;
+  double separation_m = 1e9;
+  double down_s = 0.0;
+  int not_down = 0;
+};
+
+// How far it may go on: hung up, killed or cut off, what its autopilot's time-out allows; told to
+// stop, its reaction and its brake.
+double budget_m(const std::string& what, const drivers::SafetyLimits& limits, double speed_mps) {
+  return what == "hold" ? drivers::stopping_way_m(limits, speed_mps)
+                        : drivers::lost_way_m(limits, speed_mps);
+}
+
+void judge_events(const std::string& path, const test::FlightRecord& record) {
+  std::ifstream file(path);
+  std::map<std::string, Worst> table;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::int64_t utime = 0;
+    std::string what;
+    words >> utime >> what;
+    for (std::string robot; words >> robot;) {
+      const auto after = record.after(robot, from_utime(utime));
+      if (!after) {
+        continue;
+      }
+      const double allowed_m =
+          budget_m(what, drivers::limits_for(*record.scenario(), robot), after->speed_mps);
+      std::printf(
+          "%s %s: %.2f m/s, %.2f m further (%.2f budgeted), %.2f m outside, %.2f m from "
+          "others, down after %.1f s\n",
+          what.c_str(), robot.c_str(), after->speed_mps, after->distance_m, allowed_m,
+          after->outside_m, after->separation_m, after->down_s.value_or(-1.0));
+      Worst& worst = table[what];
+      ++worst.times;
+      worst.speed_mps = std::max(worst.speed_mps, after->speed_mps);
+      worst.distance_m = std::max(worst.distance_m, after->distance_m);
+      worst.beyond_m = std::max(worst.beyond_m, after->distance_m - allowed_m);
+      worst.outside_m = std::max(worst.outside_m, after->outside_m);
+      worst.separation_m = std::min(worst.separation_m, after->separation_m);
+      worst.down_s = std::max(worst.down_s, after->down_s.value_or(0.0));
+      worst.not_down += after->down_s ? 0 : 1;
+    }
+  }
+  for (const auto& [what, worst] : table) {
+    std::printf(
+        "EVENTS %s: %d times, up to %.2f m/s, %.2f m further at most, %+.2f m of the budget, "
+        "%.2f m outside, %.2f m from others, down within %.1f s but %d\n",
+        what.c_str(), worst.times, worst.speed_mps, worst.distance_m, worst.beyond_m,
+        worst.outside_m, worst.separation_m, worst.down_s, worst.not_down);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::string events;
+  if (argc > 3 && std::string(argv[1]) == "--events") {
+    events = argv[2];
+    argc -= 2;
+    argv += 2;
+  }
   if (argc < 2) {
-    std::printf("usage: hil_check LOG [ROBOT...]\n");
+    std::printf("usage: hil_check [--events FILE] LOG [ROBOT...]\n");
     return 2;
   }
   lcm::LogFile log(argv[1], "r");
@@ -171,6 +253,9 @@ int main(int argc, char** argv) {
   const bool is_strict = std::getenv("HIL_STRICT") != nullptr;
   const bool keeps_course = judge_course(record);
   print_stops(record);
+  if (!events.empty()) {
+    judge_events(events, record);
+  }
   const bool is_good = judge(seen, std::set<std::string>(argv + 2, argv + argc));
   return is_good && (keeps_course || !is_strict) ? 0 : 1;
 }

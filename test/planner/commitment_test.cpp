@@ -35,5 +35,32 @@ TEST(RobotPlanner, BeginsWhereItsVehicleHolds) {
   EXPECT_EQ(start(models::FlightState::kHold, {0.1, 0.1, 0.3}), planned);  // near enough
 }
 
+// Flown: a vehicle at 1 m passed over one that climbed to 2 m, which was kept clear of at 2 m only.
+TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
+  const models::Scenario scenario = test::lab_scenario();
+  const auto kept_at_m = [&](const std::string& own, models::FlightState state, double here_m) {
+    PlanInputs inputs = test::first_inputs(scenario, own == "Q1" ? 0 : 2);
+    inputs.team_statuses["Q2"].state = state;  // flies at 1.5 m, Q1 at 1 m, Q3 at 2 m
+    for (models::MocapBody& body : inputs.mocap->bodies) {
+      body.world_from_body.translation_m.z() =
+          body.name == "Q2" ? here_m : body.world_from_body.translation_m.z();
+    }
+    RobotPlanner planner(scenario, own);
+    EXPECT_TRUE(planner.plan(inputs, Deadline::nodes(500)));
+    return planner.problem().teammates.back().height_m;
+  };
+  using models::FlightState;
+  // Lifting at 0.2 m, it will pass 1 m; it does not get to 2 m.
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 0.2), 1.0);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kHold, 0.2), 1.5);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.2), 1.2);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.5), 1.5);
+  // Landing from 1.4 m it passes 1 m, and not from 0.6 m.
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kLand, 1.4), 1.0);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kLand, 0.6), 0.6);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kLand, 1.4), 1.4);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kIdle, 0.0), 1.5);
+}
+
 }  // namespace
 }  // namespace vantage::planner

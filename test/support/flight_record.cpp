@@ -160,6 +160,52 @@ std::optional<Stop> FlightRecord::stop_at(const Robot& robot, std::size_t said) 
   return from == nullptr ? std::nullopt : std::optional(out);
 }
 
+std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event) const {
+  constexpr double kStopS = 3.0;
+  constexpr double kWatchedS = 12.0;
+  constexpr double kDownS = 30.0;
+  constexpr double kDownM = 0.15;
+  const auto robot = robots_.find(name);
+  if (robot == robots_.end() || !scenario_) {
+    return std::nullopt;
+  }
+  const auto begin = std::lower_bound(robot->second.truth.begin(), robot->second.truth.end(), event,
+                                      [](const At& at, Time wanted) { return at.time < wanted; });
+  if (begin == robot->second.truth.end()) {
+    return std::nullopt;
+  }
+  Aftermath out;
+  out.speed_mps = begin->velocity_mps.head<2>().norm();
+  out.separation_m = std::numeric_limits<double>::infinity();
+  for (auto at = begin; at != robot->second.truth.end(); ++at) {
+    const double since_s = to_seconds(at->time - event);
+    if (since_s > kDownS) {
+      break;
+    }
+    if (at->position_m.z() > kDownM) {
+      out.down_s.reset();
+    } else if (!out.down_s) {
+      out.down_s = since_s;
+    }
+    if (since_s <= kStopS) {
+      out.distance_m =
+          std::max(out.distance_m, (at->position_m - begin->position_m).head<2>().norm());
+    }
+    if (since_s > kWatchedS) {
+      continue;
+    }
+    out.outside_m =
+        std::max(out.outside_m, -models::clearance_m(scenario_->world, at->position_m.head<2>()));
+    for (const auto& [other_name, other] : robots_) {
+      const auto other_m = other_name == name ? std::nullopt : place(other, at->time);
+      if (other_m && other_m->z() > kLowM && at->position_m.z() > kLowM) {
+        out.separation_m = std::min(out.separation_m, (*other_m - at->position_m).norm());
+      }
+    }
+  }
+  return out;
+}
+
 std::map<std::string, std::vector<Stop>> FlightRecord::stops() const {
   std::map<std::string, std::vector<Stop>> out;
   for (const auto& [name, robot] : robots_) {

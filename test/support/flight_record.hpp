@@ -38,11 +38,23 @@ struct Stop {
   std::string reason;
 };
 
+/// What became of a vehicle to which something happened.
+struct Aftermath {
+  double speed_mps = 0.0;        ///< then, horizontally
+  double distance_m = 0.0;       ///< the farthest that it got from there within 3 s, horizontally
+  double outside_m = 0.0;        ///< of its centre beyond the bounds or in an obstacle, within 12 s
+  double separation_m = 0.0;     ///< the least from another vehicle within 12 s, both in the air
+  std::optional<double> down_s;  ///< until it was below 0.15 m for good, if within 30 s
+};
+
 /// Reads a log of a flight, event by event: SCENARIO, TRUTH and QUADROTOR_*.
 class FlightRecord {
  public:
   void take(const lcm::LogEvent& event);
   [[nodiscard]] std::map<std::string, CourseKept> summaries() const;
+  /// Nothing for a robot that TRUTH does not show then.
+  [[nodiscard]] std::optional<Aftermath> after(const std::string& robot, Time event) const;
+  [[nodiscard]] const std::optional<models::Scenario>& scenario() const { return scenario_; }
   /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
 

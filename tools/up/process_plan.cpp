@@ -67,7 +67,8 @@ Result<int> driver_port(const models::RobotSpec& robot) {
 constexpr const char* kArdupilotAirframe =
     "FRAME_CLASS 1\nFRAME_TYPE 1\nATC_ACCEL_Y_MAX 30000\nLOG_BACKEND_TYPE 0\n"
     "BATT_MONITOR 4\nBATT_CAPACITY 5600\nBATT_VOLT_PIN 13\nBATT_CURR_PIN 12\n"
-    "BATT_VOLT_MULT 10.1\nBATT_AMP_PERVLT 17\n";
+    "BATT_VOLT_MULT 10.1\nBATT_AMP_PERVLT 17\n"
+    "SIM_VIB_MOT_MASK 15\n";  // the motors that its simulated battery feeds: none but with this
 
 ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int system_id,
                               const ProcessPlaces& places) {

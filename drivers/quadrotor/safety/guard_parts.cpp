@@ -369,14 +369,16 @@ FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
     case FlightState::kHold:
       break;
   }
-  // One instant, so that place, velocity and acceleration fit together.
+  // One instant, so that place and velocity fit together. To accelerate it has to tilt first, and
+  // what comes late there comes as a speed that nobody asked for.
   const PlanPoint soon = course.at(now + from_seconds(limits.setpoint_lead_s));
+  const PlanPoint then = course.at(now + from_seconds(limits.acceleration_lead_s));
   out.kind = FlightSetpoint::Kind::kTrack;
   out.position_world_m = soon.position_world_m;
   out.position_world_m.z() = height_ref_m + limits.setpoint_lead_s * height_rate_mps;
   out.velocity_world_mps = soon.velocity_world_mps;
   out.velocity_world_mps.z() = height_rate_mps;
-  out.acceleration_world_mps2 = soon.acceleration_world_mps2;
+  out.acceleration_world_mps2 = then.acceleration_world_mps2;
   out.yaw_rad = soon.yaw_rad;
   out.yaw_rate_radps = soon.yaw_rate_radps;
   return out;

