@@ -169,6 +169,11 @@ TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {
   EXPECT_EQ(health_[0].loop_worst_s, 0.004);
   EXPECT_EQ(health_[1].loop_worst_s, 0.2);
   EXPECT_EQ(health_[1].loops, 3);
+  for (int more = 2; more <= 3; ++more) {  // each second has a worst loop of its own
+    reporter.on_loop(start_ + seconds(more), 0.003);
+    observer_.handle(std::chrono::microseconds{0});
+    EXPECT_EQ(health_.back().loop_worst_s, 0.003);
+  }
   std::map<std::string, std::int64_t> counters;
   for (const models::NamedCount& counter : health_[1].counters) {
     counters[counter.name] = counter.count;

@@ -175,6 +175,40 @@ TEST(Reflection, AtAWallHasTheMomentsOfTheFoldedNormal) {
   }
 }
 
+// All of a belief beyond one wall is its mirror image: what it knows of velocities is turned with
+// them, at each wall and in the corners.
+TEST(Reflection, BeyondAWallIsTheMirrorImage) {
+  std::mt19937_64 rng(17);
+  for (int i = 0; i < 100; ++i) {
+    Gaussian inside;
+    inside.mean = Eigen::Vector4d(i % 3 == 0   ? 0.0
+                                  : i % 3 == 1 ? 3.6
+                                               : -3.6,
+                                  i % 4 < 2 ? (i % 2 == 0 ? 1.7 : -1.7) : 0.0, 0.4, -0.3);
+    const Eigen::Matrix4d root = Eigen::Matrix4d::NullaryExpr(
+        [&] { return std::generate_canonical<double, 53>(rng) - 0.5; });
+    Eigen::Matrix4d scale = Eigen::Vector4d(0.02, 0.02, 0.3, 0.3).asDiagonal();
+    inside.covariance =
+        scale * (root * root.transpose()) * scale + 1e-6 * Eigen::Matrix4d::Identity();
+    Eigen::Vector4d signs = Eigen::Vector4d::Ones();
+    Gaussian beyond = inside;
+    if (inside.mean(0) != 0.0) {
+      beyond.mean(0) = std::copysign(8.0, inside.mean(0)) - inside.mean(0);
+      signs(0) = signs(2) = -1.0;
+    }
+    if (inside.mean(1) != 0.0) {
+      beyond.mean(1) = std::copysign(4.0, inside.mean(1)) - inside.mean(1);
+      signs(1) = signs(3) = -1.0;
+    }
+    beyond.mean(2) *= signs(2);
+    beyond.mean(3) *= signs(3);
+    beyond.covariance = signs.asDiagonal() * inside.covariance * signs.asDiagonal();
+    const Gaussian after = reflect(beyond, kRoom.bounds);
+    EXPECT_TRUE(is_near(after.mean, inside.mean, 1e-9)) << i;
+    EXPECT_TRUE(is_near(after.covariance, inside.covariance, 1e-9)) << i;
+  }
+}
+
 TEST(Reflection, InACornerHasTheMomentsOfReflectedSamples) {
   std::mt19937_64 rng(3);
   std::normal_distribution<double> normal;

@@ -385,5 +385,48 @@ TEST(FilterSpec, RefusesARobotThatIsNotInTheScenario) {
   EXPECT_THROW(filter_spec({}, "Q1"), UsageError);
 }
 
+// What was before a rebase is over: a look of that time is too late, once and again.
+TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
+  const models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.1};
+  models::SensorModel position;
+  position.kind = models::SensorKind::kPosition;
+  std::mt19937_64 rng(12);
+  DistributedFilter filter(test::open_spec(walk, position, 1));
+  const std::vector<models::Gaussian> start = {
+      {Eigen::Vector2d(0.0, 0.0), 0.2 * Eigen::Matrix2d::Identity()}};
+  const models::Gaussian told{Eigen::Vector2d(3.0, 1.0), 0.04 * Eigen::Matrix2d::Identity()};
+  const std::vector<Eigen::Vector2d> truth_m = {{0.5, 0.5}};
+  filter.rebase(test::prior(instant(0), start));
+  for (int rebase = 1; rebase <= 2; ++rebase) {
+    const int first = 4 * (rebase - 1);
+    for (int step = first + 1; step <= first + 3; ++step) {
+      const Time seen = instant(step) - from_seconds(0.2);
+      test::take_step(filter, instant(step), test::at(0, 0),
+                      {test::look_at(position, seen, test::at(0, 0), truth_m, rng)});
+    }
+    EXPECT_EQ(filter.counters().late_measurements, rebase - 1);
+    filter.rebase(test::prior(instant(first + 3), {told}));
+    // Of two steps ago, and of before the rebase within the step that it ended.
+    for (const double ago_s : {1.1, 0.2}) {
+      const Time seen = instant(first + 3) - from_seconds(ago_s);
+      DistributedFilter other = filter;
+      test::take_step(other, instant(first + 4), test::at(0, 0),
+                      {test::look_at(position, seen, test::at(0, 0), truth_m, rng)});
+      EXPECT_EQ(other.counters().too_late_measurements, 1) << ago_s;
+      EXPECT_EQ(other.counters().late_measurements, rebase - 1) << ago_s;
+      EXPECT_TRUE(is_near(test::known(other, 0).mean, told.mean, 1e-9)) << ago_s;
+    }
+    // Since the rebase there is a step to go back into.
+    test::take_step(filter, instant(first + 4), test::at(0, 0), {});
+    DistributedFilter other = filter;
+    const Time late = instant(first + 3) + from_seconds(0.3);
+    test::take_step(other, instant(first + 5), test::at(0, 0),
+                    {test::look_at(position, late, test::at(0, 0), truth_m, rng)});
+    EXPECT_EQ(other.counters().late_measurements, rebase);
+    filter = other;
+    filter.rebase(test::prior(instant(first + 4) + Duration{1}, start));
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator

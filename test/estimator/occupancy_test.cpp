@@ -45,6 +45,16 @@ TEST(OccupancyFusion, PutsASurfaceAtACellsNearSideIntoThatCellWhateverTheNoise) 
   }
 }
 
+// Something within the vehicle's own cell says nothing of that cell, nor of any other.
+TEST(OccupancyFusion, LeavesItsOwnCellAloneWhenTheBeamEndsInIt) {
+  for (const double range_m : {0.0, 0.02, 0.05, 0.079}) {
+    EXPECT_EQ(log_odds_after(range_m), std::vector<double>(12, 0.0)) << range_m;
+  }
+  const std::vector<double> next = log_odds_after(0.12);
+  EXPECT_EQ(next[0], -1.0);
+  EXPECT_EQ(next[1], 2.0);
+}
+
 TEST(OccupancyFusion, HitsNothingAtTheGreatestRange) {
   const std::vector<double> l = log_odds_after(1.49);
   for (const double log_odds : l) {

@@ -215,5 +215,51 @@ TEST(LogScan, KeepsLogsThatWerePutTogether) {
   EXPECT_EQ(scan.counts().bytes_damaged, 0U);
 }
 
+// Strangers here and there, however many, do not make their numbers the log's own: a log inside the
+// data of one of them comes to light by the log's usual numbers, at the end of the file, too.
+TEST(LogScan, KeepsItsUsualNumbersHoweverManyStrangersThereAreApart) {
+  const Bytes data(10, 7);
+  for (const int strangers : {1, 63, 64, 65, 128, 200}) {
+    std::vector<std::pair<std::int64_t, Bytes>> events;
+    std::int64_t number = 0;
+    std::int64_t strange = 0;
+    for (int i = 0; i < 20; ++i) {
+      events.emplace_back(number++, data);
+    }
+    for (int i = 0; i < strangers; ++i) {
+      events.emplace_back(number++, data);
+      events.emplace_back(strange = 1'000'000'000 + 1'000'000 * i, data);
+    }
+    // A wrong length, of a strange number, over two events of the log's own.
+    Bytes bytes = log_of(events);
+    append_event({strange + 1, from_utime(1), "A", log_of({{number, data}, {number + 1, data}})},
+                 bytes);
+    LogScan scan(bytes);
+    const auto found = all_events(scan);
+    ASSERT_EQ(found.size(), events.size() + 2) << strangers;
+    EXPECT_EQ(found[events.size()].number, number) << strangers;
+    EXPECT_EQ(found[events.size() + 1].number, number + 1) << strangers;
+  }
+}
+
+// So many in a row are the log's own: it was put together of several. And once more.
+TEST(LogScan, TakesSixtyFourStrangersInARowForTheLogsOwnEachTime) {
+  const Bytes data(10, 7);
+  std::vector<std::pair<std::int64_t, Bytes>> events;
+  std::int64_t number = 0;
+  for (int part = 0; part < 3; ++part) {
+    number = 1'000'000'000LL * (part + 1);
+    for (int i = 0; i < 100; ++i) {
+      events.emplace_back(number++, data);
+    }
+    Bytes bytes = log_of(events);
+    append_event({7, from_utime(1), "A", log_of({{number, data}, {number + 1, data}})}, bytes);
+    LogScan scan(bytes);
+    const auto found = all_events(scan);
+    ASSERT_EQ(found.size(), events.size() + 2) << part;
+    EXPECT_EQ(found.back().number, number + 1) << part;
+  }
+}
+
 }  // namespace
 }  // namespace vantage::logs

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -135,6 +137,56 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
     EXPECT_NE(said.find(line), std::string::npos) << line;
   }
   EXPECT_GE(counts.messages, 12U * kOfEach);
+}
+
+std::uint64_t number_at(const test::Bytes& bytes, std::size_t at) {
+  std::uint64_t out = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    out |= std::uint64_t{bytes.at(at + i)} << (8 * i);
+  }
+  return out;
+}
+
+// By the specification alone: opcode, length, content; a chunk and its index begin with the times
+// of its first and last message.
+TEST(McapWriter, SaysOfEachChunkFromWhenToWhenItIs) {
+  constexpr std::uint8_t kChunk = 0x06;
+  constexpr std::uint8_t kChunkIndex = 0x08;
+  constexpr std::size_t kMagicBytes = 8;
+  test::TemporaryFolder folder;
+  const std::string path = folder.file("spans.mcap");
+  constexpr int kMessages = 4'000;
+  const auto time_us = [](int i) { return 1'700'000'000'000'000 + 1'000 * i; };
+  {
+    McapWriter writer(path);
+    const auto topic = writer.topic("/a", "A", R"({"type":"object"})");
+    const std::string json = "{\"text\":\"" + std::string(1'000, 'x') + "\"}";
+    for (int i = 0; i < kMessages; ++i) {
+      writer.write(topic, from_utime(time_us(i)), from_utime(time_us(i)), json);
+    }
+  }
+  const test::Bytes bytes = test::read_file(path);
+  using Span = std::pair<std::uint64_t, std::uint64_t>;
+  std::vector<Span> chunks;
+  std::vector<Span> indexed;
+  for (std::size_t at = kMagicBytes; at + 9 + kMagicBytes <= bytes.size();
+       at += 9 + number_at(bytes, at + 1)) {
+    const Span span{number_at(bytes, at + 9), number_at(bytes, at + 17)};
+    if (bytes[at] == kChunk) {
+      chunks.push_back(span);
+    } else if (bytes[at] == kChunkIndex) {
+      indexed.push_back(span);
+    }
+  }
+  ASSERT_GE(chunks.size(), 3U);
+  EXPECT_EQ(indexed, chunks);
+  std::uint64_t next_ns = static_cast<std::uint64_t>(time_us(0)) * 1'000;
+  for (const auto& [first_ns, last_ns] : chunks) {
+    EXPECT_EQ(first_ns, next_ns) << "each begins where the one before has ended";
+    EXPECT_GE(last_ns, first_ns);
+    next_ns = last_ns + 1'000'000;
+  }
+  EXPECT_EQ(next_ns, static_cast<std::uint64_t>(time_us(kMessages)) * 1'000);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -304,6 +305,48 @@ TEST(RobotPlanner, RestsWithoutASolutionOfThisRoundOrAPlaceInIt) {
     }
   }
   EXPECT_GE(moving, 1);
+}
+
+// What the team agreed on begins where this robot was thought to be. It flies it only from there:
+// to within the tracking tolerance, in every direction.
+TEST(RobotPlanner, FliesNoSolutionThatStartsElsewhere) {
+  const models::Scenario scenario = energy_scenario();
+  const double tolerance_m = scenario.planner.tracking_tolerance_m;
+  int flown = 0;
+  int refused = 0;
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    Round round(scenario, seed);
+    round.exchange(0.0);
+    for (int bearing = 0; bearing < 4; ++bearing) {
+      for (const double share : {0.99, 1.01}) {
+        PlanInputs inputs = round.inputs_of(0);
+        ASSERT_TRUE(inputs.solution);
+        for (models::TeamChoice& choice : inputs.solution->choices) {
+          if (choice.robot == "Q1") {
+            choice.trajectory.start.x_m += share * tolerance_m * std::cos(0.5 * kPi * bearing);
+            choice.trajectory.start.y_m += share * tolerance_m * std::sin(0.5 * kPi * bearing);
+          }
+        }
+        const models::TeamChoice* choice = inputs.solution->find("Q1");
+        if (choice == nullptr) {
+          continue;
+        }
+        RobotPlanner planner(scenario, "Q1");
+        const auto plan = planner.plan(inputs, Deadline::never());
+        ASSERT_TRUE(plan);
+        const bool flies_it =
+            plan->trajectory.start.position_m() == choice->trajectory.start.position_m();
+        EXPECT_EQ(planner.counts().checks_failed, flies_it ? 0 : 1);
+        if (share > 1.0) {
+          EXPECT_FALSE(flies_it) << "seed " << seed << " bearing " << bearing;
+          ++refused;
+        }
+        flown += flies_it ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GE(refused, 16);
+  EXPECT_GE(flown, 8) << "some of those that start near enough are clear, too";
 }
 
 }  // namespace

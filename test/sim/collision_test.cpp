@@ -122,6 +122,30 @@ TEST(CollisionMonitor, ReportsAContactOnceUntilItHasEnded) {
   EXPECT_EQ(beside(-0.01), 1u);
 }
 
+// However long they stay so near that it does not count as parted, it is one contact; each time.
+TEST(CollisionMonitor, KeepsAContactAsLongAsItHasNotEnded) {
+  CollisionMonitor monitor(lab(), two_robots(), 0.6);
+  const Eigen::Vector3d still(1.0, 4.0, 1.0);
+  const auto apart = [&](double centres_m) {
+    return update(monitor, {still, still + Eigen::Vector3d(centres_m, 0.0, 0.0)}).size();
+  };
+  for (int time = 0; time < 3; ++time) {
+    EXPECT_EQ(apart(0.7), 0u);
+    EXPECT_EQ(apart(0.59), 1u) << "near";
+    for (int step = 0; step < 5; ++step) {
+      EXPECT_EQ(apart(0.61), 0u) << "apart, but not by enough to count as ended";
+    }
+    EXPECT_EQ(apart(0.59), 0u);
+    EXPECT_EQ(apart(0.49), 1u) << "touching";
+    for (int step = 0; step < 5; ++step) {
+      EXPECT_EQ(apart(0.51), 0u);
+    }
+    EXPECT_EQ(apart(0.49), 0u);
+    EXPECT_EQ(apart(0.53), 0u);
+    EXPECT_EQ(apart(0.49), 1u) << "touching again, and near all the time";
+  }
+}
+
 TEST(CollisionMonitor, ReportsANearMissOfRobotsButNotOfRovers) {
   CollisionMonitor monitor(lab(), {{"Q1", 0.25, true}, {"Q2", 0.25, true}, {"ROVER1", 0.05, false}},
                            0.6);

@@ -129,7 +129,7 @@ void Lift::begin(const Pose3& world_from_body, std::span<const OtherBody> others
   height_m_ = std::min(rest_m_.z() + limits.lift_height_m, limits.take_off_height_m);
   // Along both axes: a world that mirrors either shows it. Of the four ways the one with most room.
   double roomiest_m = -std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector2d sign : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(-1.0, 1.0),
+  for (const Eigen::Vector2d& sign : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(-1.0, 1.0),
                                      Eigen::Vector2d(-1.0, -1.0), Eigen::Vector2d(1.0, -1.0)}) {
     const Eigen::Vector2d step_m = limits.lift_step_m * sign;
     const Eigen::Vector2d there_m = rest_m_.head<2>() + step_m;

@@ -1,6 +1,8 @@
 #include "drivers/quadrotor/safety/course.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -158,6 +160,279 @@ TEST(Course, ShiftsFromRestToRest) {
     EXPECT_NEAR(t_s, (to_m - from_m).norm() / kShiftMps + 2.0 * kHalfWindowS, 0.011);
     EXPECT_TRUE(test::is_near(course.at(after(t_s)).position_world_m, to_m, 1e-12));
     EXPECT_LE(course.at(after(t_s)).velocity_world_mps.norm(), 1e-9);
+  }
+}
+
+/// The same plan as `plan`, from where a course is at `start` on.
+HeldPlan continued(HeldPlan plan, const Course& course, Time start) {
+  const PlanPoint there = course.planned_at(start);
+  plan.start_time = start;
+  plan.start = {there.position_world_m.x(), there.position_world_m.y(), there.yaw_rad};
+  return plan;
+}
+
+HeldPlan driving(double rate_radps, Time start) {
+  HeldPlan plan;
+  plan.start_time = start;
+  plan.height_m = 1.0;
+  plan.count = 1;
+  plan.segments[0] = {{kSpeedMps, rate_radps}, 4.0, 0.0};
+  return plan;
+}
+
+// A plan that was slowed lies behind its clock; what it hands over to begins where it is. Three in
+// a row, for the second one's past must not be the first one's.
+TEST(Course, HandsOverWithoutAJumpFromPlansThatWereSlowed) {
+  for (const double side : {1.0, -1.0}) {
+    Course course(kHalfWindowS);
+    course.follow(driving(0.0, kStart), kStart);
+    PlanPoint last = course.at(kStart);
+    double t_s = 0.0;
+    const auto fly = [&](double until_s, double rate) {
+      for (; t_s < until_s; t_s += 0.01) {
+        course.advance(after(t_s), 0.01, rate);
+        const PlanPoint here = course.at(after(t_s));
+        EXPECT_LE((here.position_world_m - last.position_world_m).norm(), 0.011 * kSpeedMps) << t_s;
+        EXPECT_LE(std::abs(wrap_to_pi(here.yaw_rad - last.yaw_rad)), 0.031) << t_s;
+        last = here;
+      }
+    };
+    fly(0.5, 1.0);
+    for (int plan = 1; plan <= 3; ++plan) {
+      const double slow_s = 0.1 * plan;  // another lag for each
+      const double from_s = t_s;
+      fly(from_s + slow_s, 0.0);
+      EXPECT_NEAR(to_seconds(after(t_s) - course.plan().start_time) - course.elapsed_s(after(t_s)),
+                  slow_s, 0.011)
+          << plan;
+      const Time start = after(t_s + 0.5);
+      course.follow(continued(driving(side * plan, start), course, start), after(t_s));
+      EXPECT_TRUE(course.has_next());
+      fly(t_s + 1.2, 1.0);
+      EXPECT_FALSE(course.has_next());
+      EXPECT_EQ(course.plan().start_time, start);
+    }
+  }
+}
+
+// What was flown before a stop is over: a plan that begins in a hover begins from that hover.
+// Twice.
+TEST(Course, RemembersNoPlanFromBeforeAStop) {
+  Course course(kHalfWindowS);
+  for (int time = 0; time < 2; ++time) {
+    const double begin_s = 10.0 * time;
+    for (int leg = 0; leg < 2; ++leg) {  // from plan to plan, so that there is a past
+      course.follow(continued(driving(0.5, after(begin_s)), course, after(begin_s + leg)),
+                    after(begin_s + leg));
+      course.advance(after(begin_s + leg), 0.01, 1.0);
+    }
+    const Eigen::Vector3d place_m(5.0, 5.0, 1.0);
+    course.stand(place_m, 0.3, after(begin_s + 2.0));
+    HeldPlan next = driving(0.0, after(begin_s + 3.0));
+    next.start = {place_m.x(), place_m.y(), 0.3};
+    course.follow(next, after(begin_s + 3.0));
+    for (const double before_s : {0.01, 0.2, 1.0}) {
+      const PlanPoint here = course.planned_at(after(begin_s + 3.0 - before_s));
+      EXPECT_TRUE(test::is_near(here.position_world_m, place_m, 1e-12)) << before_s;
+      EXPECT_EQ(here.velocity_world_mps.norm(), 0.0);
+    }
+    course.stand(place_m, 0.3, after(begin_s + 4.0));
+  }
+}
+
+TEST(Course, IsWhereItWouldBeOnTimeHadItNotBeenSlowed) {
+  Course slowed(kHalfWindowS);
+  Course never(kHalfWindowS);
+  const HeldPlan plan = driving(0.7, kStart);
+  slowed.follow(plan, kStart);
+  never.follow(plan, kStart);
+  for (int tick = 1; tick <= 200; ++tick) {
+    const double rate = tick % 50 < 20 ? 0.25 : 1.0;
+    slowed.advance(after(0.01 * tick), 0.01, rate);
+    never.advance(after(0.01 * tick), 0.01, 1.0);
+  }
+  const double lag_s = 0.01 * 0.75 * (19 + 20 + 20 + 20 + 1);
+  EXPECT_NEAR(slowed.elapsed_s(after(2.0)), 2.0 - lag_s, 1e-9);
+  EXPECT_TRUE(test::is_near(slowed.on_time(after(2.0)).position_world_m,
+                            never.at(after(2.0)).position_world_m, 1e-12));
+  EXPECT_TRUE(test::is_near(slowed.at(after(2.0 + lag_s)).position_world_m,
+                            never.at(after(2.0)).position_world_m, 1e-5));
+}
+
+// Until the next plan has come or should have, the way beyond the round is straight on: for the
+// first plan and for the one after it.
+TEST(Course, GoesStraightOnBeyondTheRoundUntilTheNextPlanComes) {
+  constexpr double kRoundS = 1.0;
+  Course course(kHalfWindowS, kRoundS);
+  HeldPlan turns;
+  turns.height_m = 1.0;
+  turns.count = 2;
+  turns.segments[0] = {{kSpeedMps, 0.0}, kRoundS, 0.0};
+  turns.segments[1] = {{kSpeedMps, 2.0}, 1.0, 0.0};
+  for (int round = 0; round < 2; ++round) {
+    const double begin_s = 2.0 * round;
+    turns.start_time = after(begin_s);
+    turns.start = {static_cast<double>(round), 0.0, 0.0};
+    course.follow(turns, after(begin_s));
+    course.advance(after(begin_s + 0.5), 0.01, 1.0);
+    const PlanPoint believed = course.planned_at(after(begin_s + 1.5));
+    EXPECT_TRUE(
+        test::is_near(believed.position_world_m, Eigen::Vector3d(round + 1.5, 0.0, 1.0), 1e-9));
+    EXPECT_EQ(believed.yaw_rate_radps, 0.0);
+    EXPECT_NEAR(believed.yaw_rad, 0.0, 1e-12);
+    EXPECT_TRUE(test::is_near(course.planned_at(after(begin_s + 0.9)).position_world_m,
+                              Eigen::Vector3d(round + 0.9, 0.0, 1.0), 1e-9));
+    course.advance(after(begin_s + kRoundS), 0.01, 1.0);  // and nothing came
+    EXPECT_NEAR(course.planned_at(after(begin_s + 1.5)).yaw_rad, 1.0, 1e-9);
+  }
+}
+
+TEST(Course, HasAPlanUntilItsHoverAndStandsOnlyAfterAStop) {
+  const HeldPlan plan = driving(0.0, kStart);
+  Course course(kHalfWindowS);
+  EXPECT_FALSE(course.has_plan(kStart));
+  EXPECT_TRUE(course.is_standing(kStart));
+  for (int time = 0; time < 2; ++time) {
+    course.follow(plan, kStart);
+    EXPECT_TRUE(course.is_on_plan());
+    EXPECT_TRUE(course.has_plan(after(4.0)));
+    EXPECT_FALSE(course.has_plan(after(4.0) + Duration{1}));
+    EXPECT_FALSE(course.is_standing(after(9.0)));
+    const BrakeWay way = BrakeWay::along(plan, 1.0, 2.0, 0.2, {0.1, 0.0, 0.0});
+    HeldPlan next = plan;
+    next.start_time = after(8.0);
+    course.follow(next, after(1.0));
+    course.stop(way, after(1.0));
+    EXPECT_FALSE(course.has_next()) << "a stop forgets every plan";
+    EXPECT_FALSE(course.is_on_plan());
+    EXPECT_FALSE(course.has_plan(after(1.0)));
+    EXPECT_FALSE(course.is_standing(after(1.69)));
+    EXPECT_TRUE(course.is_standing(after(1.70))) << "0.2 s and 1 m/s at 2 m/s²";
+    course.follow(next, after(2.0));
+    course.shift({1.0, 0.0, 1.0}, 0.5, after(2.0));
+    EXPECT_FALSE(course.has_next());
+    EXPECT_FALSE(course.is_standing(after(2.1)));
+    course.follow(next, after(2.0));
+    course.stand({1.0, 0.0, 1.0}, 0.0, after(5.0));
+    EXPECT_FALSE(course.has_next());
+    EXPECT_TRUE(course.is_standing(after(5.0)));
+  }
+}
+
+// Equations of motion in small steps: the reaction flown on, then slowed to rest and no farther.
+TEST(BrakeWay, IsThatOfAVehicleThatBrakesAfterItsReaction) {
+  test::Random random(7);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Eigen::Vector3d v_mps = random.vector<3>(-1.0, 1.0);
+    const Eigen::Vector3d from_m = random.vector<3>(-1.0, 1.0);
+    const double brake_mps2 = random.uniform(0.5, 3.0);
+    const double reaction_s = random.uniform(0.0, 0.4);
+    const BrakeWay way = BrakeWay::straight(from_m, v_mps, 0.4, brake_mps2, reaction_s);
+    EXPECT_NEAR(way.duration_s(), reaction_s + v_mps.norm() / brake_mps2, 1e-12);
+    Eigen::Vector3d p_m = from_m;
+    constexpr double kStepS = 1e-4;
+    for (int i = 0; i < 20000; ++i) {
+      const double t_s = kStepS * i;
+      const double braking_s = std::max(0.0, t_s - reaction_s);
+      const double speed_mps = std::max(0.0, v_mps.norm() - brake_mps2 * braking_s);
+      if (i % 500 == 0) {
+        const PlanPoint at = way.at(t_s);
+        EXPECT_TRUE(test::is_near(at.position_world_m, p_m, 5e-4)) << t_s;
+        EXPECT_NEAR(at.velocity_world_mps.norm(), speed_mps, 1e-9) << t_s;
+        EXPECT_EQ(at.yaw_rad, 0.4);
+        const bool brakes = braking_s > 0.0 && speed_mps > 0.0;
+        EXPECT_NEAR(at.acceleration_world_mps2.norm(), brakes ? brake_mps2 : 0.0, 1e-9) << t_s;
+        EXPECT_LE(at.acceleration_world_mps2.dot(v_mps), 0.0);
+      }
+      p_m += kStepS * speed_mps * v_mps.normalized();
+    }
+    EXPECT_EQ(way.at(100.0).position_world_m, way.at(way.duration_s()).position_world_m);
+    EXPECT_EQ(way.at(-1.0).position_world_m, from_m);
+  }
+}
+
+// Along a plan it stays on the plan's line, shifted; it comes to rest whatever the plan does then.
+TEST(BrakeWay, FollowsItsPlanToRest) {
+  test::Random random(8);
+  for (int trial = 0; trial < 200; ++trial) {
+    const HeldPlan plan = random_plan(random, kStart);
+    const double from_s = random.uniform(0.0, 3.9);
+    const Eigen::Vector3d offset_m = random.vector<3>(-0.2, 0.2);
+    const BrakeWay way = BrakeWay::along(plan, from_s, 2.0, 0.2, offset_m);
+    const double fastest_mps = std::max(point_at(plan, from_s).velocity_world_mps.norm(),
+                                        point_at(plan, from_s + 0.2).velocity_world_mps.norm());
+    const double brake_s = fastest_mps / 2.0;
+    EXPECT_NEAR(way.duration_s(), 0.2 + brake_s, 1e-12);
+    for (double t_s = 0.0; t_s < 1.5; t_s += 0.01) {
+      const double u_s = std::clamp(t_s - 0.2, 0.0, brake_s);
+      const double gone_s =
+          std::min(t_s, 0.2) + (brake_s > 0.0 ? u_s - u_s * u_s / (2.0 * brake_s) : 0.0);
+      const PlanPoint planned = point_at(plan, from_s + gone_s);
+      const PlanPoint here = way.at(t_s);
+      EXPECT_TRUE(test::is_near(here.position_world_m, planned.position_world_m + offset_m, 1e-9));
+      EXPECT_NEAR(wrap_to_pi(here.yaw_rad - planned.yaw_rad), 0.0, 1e-9);
+      const double rate = brake_s > 0.0 ? 1.0 - u_s / brake_s : 0.0;
+      EXPECT_TRUE(test::is_near(here.velocity_world_mps, rate * planned.velocity_world_mps, 1e-9));
+      EXPECT_NEAR(here.yaw_rate_radps, rate * planned.yaw_rate_radps, 1e-9);
+    }
+  }
+}
+
+// Left is as good as right, one bearing as another, and no time is special.
+TEST(Course, IsTheSameInAMirrorAndTurnedAndLater) {
+  test::Random random(9);
+  for (int trial = 0; trial < 100; ++trial) {
+    const HeldPlan plan = random_plan(random, after(0.4));
+    const HeldPlan next = random_plan(random, after(2.4));
+    const double turn_rad = random.uniform(-kPi, kPi);
+    const double side = random.coin() ? 1.0 : -1.0;
+    const Duration later = from_seconds(random.uniform(-1e6, 1e6));
+    Eigen::Matrix3d other_from_here =
+        Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    other_from_here.col(1) *= side;
+    const auto seen = [&](HeldPlan p) {
+      const Eigen::Vector3d start_m =
+          other_from_here * Eigen::Vector3d(p.start.x_m, p.start.y_m, 0.0);
+      p.start = {start_m.x(), start_m.y(), wrap_to_pi(turn_rad + side * p.start.yaw_rad)};
+      p.start_time += later;
+      for (models::PlanSegment& segment : p.segments) {
+        segment.control.yaw_rate_radps *= side;
+      }
+      return p;
+    };
+    Course here(kHalfWindowS, 1.0);
+    Course there(kHalfWindowS, 1.0);
+    here.stand({plan.start.x_m, plan.start.y_m, 1.0}, plan.start.yaw_rad, kStart);
+    const HeldPlan seen_plan = seen(plan);
+    there.stand({seen_plan.start.x_m, seen_plan.start.y_m, 1.0}, seen_plan.start.yaw_rad,
+                kStart + later);
+    here.follow(plan, kStart);
+    there.follow(seen_plan, kStart + later);
+    for (int tick = 0; tick < 400; ++tick) {
+      const Time t = after(0.01 * tick);
+      const double rate = tick % 100 < 30 ? 0.3 : 1.0;
+      if (tick == 200) {
+        here.follow(next, t);
+        there.follow(seen(next), t + later);
+      } else if (tick == 350) {
+        here.stop(
+            BrakeWay::along(here.plan(), here.elapsed_s(t), 2.0, 0.2, Eigen::Vector3d::Zero()), t);
+        there.stop(BrakeWay::along(there.plan(), there.elapsed_s(t + later), 2.0, 0.2,
+                                   Eigen::Vector3d::Zero()),
+                   t + later);
+      }
+      here.advance(t, 0.01, rate);
+      there.advance(t + later, 0.01, rate);
+      const PlanPoint a = here.at(t);
+      const PlanPoint b = there.at(t + later);
+      EXPECT_TRUE(test::is_near(b.position_world_m, other_from_here * a.position_world_m, 1e-9));
+      EXPECT_TRUE(
+          test::is_near(b.velocity_world_mps, other_from_here * a.velocity_world_mps, 1e-9));
+      EXPECT_TRUE(test::is_near(b.acceleration_world_mps2,
+                                other_from_here * a.acceleration_world_mps2, 1e-8));
+      EXPECT_NEAR(wrap_to_pi(b.yaw_rad - (turn_rad + side * a.yaw_rad)), 0.0, 1e-9);
+      EXPECT_NEAR(b.yaw_rate_radps, side * a.yaw_rate_radps, 1e-9);
+    }
   }
 }
 

@@ -1,8 +1,15 @@
 #include "drivers/quadrotor/safety/fleet.hpp"
 
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
+#include "drivers/quadrotor/safety/inputs.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/bisect.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -50,6 +57,185 @@ TEST_F(TeammatesPlans, AreOfThePlannerThatHoldsTheLease) {
   const double after_s = limits.planner_lease_s + 0.1;
   EXPECT_TRUE(hear(2, 1, after_s, after_s));
   EXPECT_FALSE(hear(1, 1, after_s, after_s));
+}
+
+TEST_F(TeammatesPlans, BeginNeitherTooLongAgoNorTooFarAhead) {
+  const auto hears = [&](double start_s) {
+    fleet = Fleet(scenario, "Q1");
+    return hear(1, 0, start_s, 0.0);
+  };
+  EXPECT_NEAR(test::last_accepted(0.0, -60.0, 1e-7, hears), -limits.plan_past_max_s, 2e-6);
+  EXPECT_NEAR(test::last_accepted(0.0, 60.0, 1e-7, hears), limits.plan_future_max_s, 2e-6);
+}
+
+/// A fleet as Q2 sees it: Q1, Q3 and the walkers W1 … W9.
+class Seen : public testing::Test {
+ protected:
+  void show(double at_s, const std::map<std::string, Eigen::Vector3d>& places_m) {
+    models::MocapFrame frame;
+    for (const auto& [name, p_m] : places_m) {
+      frame.bodies.push_back({name, {p_m, Eigen::Quaterniond::Identity()}, false});
+    }
+    fleet.on_mocap(frame, limits, at(at_s));
+  }
+  /// Q3 hovers at `p_m` and sets off along x at `start_s`.
+  bool plan_of_q3(double start_s, double heard_s, const Eigen::Vector3d& p_m) {
+    models::RobotPlan plan;
+    plan.robot = "Q3";
+    plan.trajectory.start_time = at(start_s);
+    plan.trajectory.start = {p_m.x(), p_m.y(), 0.0};
+    plan.trajectory.height_m = p_m.z();
+    plan.trajectory.segments = {{{0.8, 0.0}, 2.0, 0.0}, {{}, 0.1, 0.0}};
+    plan.stamp = {plan.trajectory.start_time, 5, ++sequence};
+    return fleet.on_plan(plan, limits, at(heard_s));
+  }
+  static Time at(double t_s) { return kStart + from_seconds(t_s); }
+  OtherBody body(double at_s, std::size_t i = 0) {
+    const auto bodies = fleet.bodies(at(at_s), limits);
+    EXPECT_LT(i, bodies.size());
+    return i < bodies.size() ? bodies[i] : OtherBody{};
+  }
+  OtherCourse course(double at_s, std::size_t i = 0) {
+    const auto courses = fleet.courses(at(at_s), limits);
+    EXPECT_LT(i, courses.size());
+    return i < courses.size() ? courses[i] : OtherCourse{};
+  }
+
+  models::Scenario scenario = test::FlightBench::scenario();
+  SafetyLimits limits = limits_for(scenario, "Q2");
+  Fleet fleet{scenario, "Q2"};
+  std::int64_t sequence = 0;
+};
+
+TEST_F(Seen, AreOnlyThoseThatWereSeenAndWhoGoesFirstIsByName) {
+  EXPECT_TRUE(fleet.bodies(at(0.0), limits).empty());
+  EXPECT_TRUE(fleet.courses(at(0.0), limits).empty());
+  show(0.0, {{"Q1", {0, 0, 1}}, {"Q2", {1, 0, 1}}, {"Q3", {2, 0, 1}}, {"W1", {3, 0, 0}}});
+  const auto bodies = fleet.bodies(at(0.0), limits);
+  ASSERT_EQ(bodies.size(), 3u) << "itself is no other";
+  const double xs_m[] = {0.0, 2.0, 3.0};
+  const bool goes_first[] = {true, false, true};  // Q1 is before Q2; who is no robot always is
+  const int robots[] = {0, 2, -1};                // by their place in the scenario
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(bodies[i].position_world_m.x(), xs_m[i]);
+    EXPECT_EQ(bodies[i].goes_first, goes_first[i]) << i;
+    EXPECT_EQ(bodies[i].robot, robots[i]) << i;
+  }
+  EXPECT_EQ(fleet.courses(at(0.0), limits).size(), 2u) << "a walker flies no course";
+}
+
+TEST_F(Seen, CountStrangersAndRefusedPosesEachTime) {
+  for (int time = 1; time <= 2; ++time) {
+    show(0.01 * time, {{"Q1", {0, 0, 1}}, {"Q2", {1, 0, 1}}, {"X", {2, 0, 1}}, {"Y", {2, 1, 1}}});
+    EXPECT_EQ(fleet.unknown_bodies(), 2 * time);
+    EXPECT_EQ(fleet.poses_refused(), 0);
+  }
+  for (int time = 1; time <= 2; ++time) {
+    show(0.02 + 0.01 * time, {{"Q1", {3, 0, 1}}, {"Q2", {1, 0, 1}}});
+    EXPECT_EQ(fleet.poses_refused(), time) << "it has jumped";
+  }
+}
+
+// One that has been moved is believed again after so many poses in a row, each time.
+TEST_F(Seen, AreBelievedWhereTheyAreAfterFiftyPoses) {
+  double t_s = 0.0;
+  show(t_s, {{"Q1", {0, 0, 1}}});
+  for (const double x_m : {2.0, -2.0}) {
+    const double before_m = body(t_s).position_world_m.x();
+    for (int i = 0; i < 50; ++i) {
+      show(t_s += 0.01, {{"Q1", {x_m, 0, 1}}});
+      EXPECT_EQ(body(t_s).position_world_m.x(), before_m) << i;
+    }
+    show(t_s += 0.01, {{"Q1", {x_m, 0, 1}}});
+    EXPECT_EQ(body(t_s).position_world_m.x(), x_m);
+  }
+}
+
+// A teammate's measured velocity comes late; what its plan says counts as soon as braking would
+// need it: the reaction time before it sets off.
+TEST_F(Seen, SetOffAsTheirPlanSaysAReactionTimeBefore) {
+  const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
+  const double seen_s = test::last_accepted(1.5, 0.0, 1e-7, [&](double t_s) {
+    fleet = Fleet(scenario, "Q2");
+    show(t_s, {{"Q3", hover_m}});
+    EXPECT_TRUE(plan_of_q3(1.5, t_s, hover_m));
+    return body(t_s).planned_world_mps.norm() > 0.0;
+  });
+  EXPECT_NEAR(seen_s, 1.5 - limits.reaction_s, 3e-6);
+  EXPECT_NEAR(body(1.4).planned_world_mps.x(), 0.8, 1e-12);
+  EXPECT_EQ(body(1.4).velocity_world_mps.norm(), 0.0);
+}
+
+// A plan makes things worse or leaves them: one that is braking by its plan still moves.
+TEST_F(Seen, AreNotTakenForSlowerThanTheyAre) {
+  for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
+    show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
+  }
+  const double faster_mps = body(0.49).velocity_world_mps.x();
+  EXPECT_NEAR(faster_mps, 0.5, 0.01);
+  EXPECT_TRUE(plan_of_q3(2.0, 0.49, {0.25, -1.0, 1.0}));
+  EXPECT_EQ(body(0.49).planned_world_mps.x(), faster_mps) << "its plan still stands";
+  EXPECT_NEAR(body(0.58).position_world_m.x(), 0.245 + 0.09 * 0.5, 0.002) << "moved on to now";
+}
+
+TEST_F(Seen, HaveStoppedWhereTheyWereLastIfNotSeenForLong) {
+  for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
+    show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
+  }
+  const double fresh_s = test::last_accepted(
+      0.5, 2.0, 1e-7, [&](double t_s) { return body(t_s).velocity_world_mps.norm() > 0.0; });
+  EXPECT_NEAR(fresh_s, 0.49 + limits.pose_age_hold_s, 3e-6);
+  const double last_m = body(0.59).position_world_m.x();
+  EXPECT_NEAR(body(5.0).position_world_m.x(), last_m, 1e-6);
+  EXPECT_NEAR(body(5.0).age_s, 4.51, 1e-6);
+  EXPECT_EQ(body(5.0).planned_world_mps.norm(), 0.0);
+}
+
+// While it keeps to its plan it is where the plan says; strayed, where it is seen; and again.
+TEST_F(Seen, FlyTheirPlanWhileTheyKeepToIt) {
+  const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
+  show(0.0, {{"Q3", hover_m}});
+  EXPECT_EQ(course(0.0).plan, nullptr) << "nothing was heard of it";
+  EXPECT_TRUE(plan_of_q3(3.0, 0.0, hover_m));
+  for (const double side : {1.0, -1.0}) {
+    const double strays_m = test::last_accepted(0.0, 2.0, 1e-9, [&](double off_m) {
+      fleet = Fleet(scenario, "Q2");
+      show(0.0, {{"Q3", hover_m + Eigen::Vector3d(0.0, side * off_m, 0.0)}});
+      EXPECT_TRUE(plan_of_q3(3.0, 0.0, hover_m));
+      return course(0.0).plan != nullptr;
+    });
+    EXPECT_NEAR(strays_m, 2.0 * limits.tracking_hold_m, 1e-8);
+    EXPECT_EQ(fleet.bodies(at(0.0), limits).size(), 1u);
+  }
+  fleet = Fleet(scenario, "Q2");
+  EXPECT_TRUE(plan_of_q3(3.0, 0.0, hover_m));
+  EXPECT_NE(course(0.0).plan, nullptr) << "never seen: its plan is all there is";
+  for (int time = 0; time < 2; ++time) {
+    const double t_s = time;
+    show(t_s, {{"Q3", hover_m}});
+    EXPECT_NE(course(t_s).plan, nullptr);
+    for (int i = 1; i <= 60; ++i) {
+      show(t_s + 0.01 * i, {{"Q3", hover_m + Eigen::Vector3d(0.0, 0.9, 0.0)}});
+    }
+    EXPECT_EQ(course(t_s + 0.6).plan, nullptr);
+    EXPECT_NEAR(course(t_s + 0.6).position_world_m.y(), -0.1, 1e-9);
+    for (int i = 1; i <= 60; ++i) {
+      show(t_s + 0.6 + 0.005 * i, {{"Q3", hover_m}});
+    }
+  }
+}
+
+TEST(FindUnique, IsOneOfItsNameOnly) {
+  models::MocapFrame frame;
+  EXPECT_EQ(find_unique(frame, "Q1").body, nullptr);
+  EXPECT_TRUE(find_unique(frame, "Q1").is_unique);
+  frame.bodies = {{"Q2", {}, false}, {"Q1", {}, false}};
+  EXPECT_EQ(find_unique(frame, "Q1").body, &frame.bodies[1]);
+  EXPECT_TRUE(find_unique(frame, "Q1").is_unique);
+  for (int more = 0; more < 2; ++more) {
+    frame.bodies.push_back({"Q1", {}, false});
+    EXPECT_FALSE(find_unique(frame, "Q1").is_unique) << more + 2;
+  }
 }
 
 }  // namespace

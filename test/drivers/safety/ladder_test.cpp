@@ -109,6 +109,180 @@ TEST(StepLadder, NeverLeavesALandingBeforeTheGround) {
   EXPECT_EQ(d.step(), FlightState::kIdle);
 }
 
+// A height that is only believed disarms nobody: not once the pose is too old to hold by.
+TEST(StepLadder, StaysArmedInALandingWhileItsHeightIsOnlyBelieved) {
+  Driven d;
+  for (int time = 0; time < 2; ++time) {
+    d = Driven();
+    d.airborne();
+    EXPECT_EQ(d.step(0.01, OperatorAction::kLand), FlightState::kLand);
+    d.in.height_m = d.lim.touch_height_m - 0.001;
+    d.in.pose_age_s = d.lim.pose_age_hold_s;
+    d.wait(1.0);
+    EXPECT_TRUE(d.ladder.wants_armed) << "the pose is as old as a hold allows";
+    d.in.pose_age_s = d.lim.pose_age_hold_s - 0.001;
+    d.in.height_m = d.lim.touch_height_m;
+    d.step();
+    EXPECT_TRUE(d.ladder.wants_armed) << "not yet down";
+    d.in.height_m = d.lim.touch_height_m - 0.001;
+    d.step();
+    EXPECT_FALSE(d.ladder.wants_armed);
+    d.in.pose_age_s = 1.0;
+    d.step();
+    EXPECT_FALSE(d.ladder.wants_armed) << "what is down does not start again";
+  }
+}
+
+// The clocks of a latch, and once more: it must last, and be gone, without a break.
+TEST(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
+  Driven d;
+  d.airborne();
+  for (int time = 0; time < 2; ++time) {
+    for (int burst = 0; burst < 3; ++burst) {  // "tracking" must last 0.1 s
+      d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
+      EXPECT_EQ(d.wait(0.09), FlightState::kFollow) << "burst " << burst;
+      d.in.tracking_error_m = d.lim.tracking_hold_m;
+      EXPECT_EQ(d.step(), FlightState::kFollow);
+    }
+    d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
+    EXPECT_EQ(d.wait(0.12), FlightState::kHold);
+    for (int burst = 0; burst < 3; ++burst) {  // and be gone for clear_s
+      d.in.tracking_error_m = 0.0;
+      EXPECT_EQ(d.wait(0.45), FlightState::kHold) << "gone " << burst;
+      d.in.tracking_error_m = d.lim.tracking_hold_m + 0.01;
+      EXPECT_EQ(d.step(), FlightState::kHold);
+    }
+    d.in.tracking_error_m = 0.0;
+    EXPECT_EQ(d.wait(0.49), FlightState::kHold);
+    EXPECT_EQ(d.wait(0.03), FlightState::kFollow);
+  }
+}
+
+// The later name of the two waits longer, each time; the other does not.
+TEST(StepLadder, YieldsAsLongAsItStates) {
+  Driven d;
+  d.airborne();
+  for (int time = 0; time < 2; ++time) {
+    for (const bool yields : {true, false}) {
+      d.in.yields = yields;
+      d.in.separation_stop_m = d.lim.separation_hold_m - 0.01;
+      EXPECT_EQ(d.step(), FlightState::kHold);
+      d.in.separation_stop_m = d.lim.separation_hold_m;
+      const double wait_s = d.lim.clear_s + (yields ? d.lim.yield_s : 0.0);
+      EXPECT_EQ(d.wait(wait_s - 0.01), FlightState::kHold);
+      EXPECT_EQ(d.wait(0.03), FlightState::kFollow);
+    }
+  }
+}
+
+TEST(StepLadder, WaitsForTheOperatorEachTime) {
+  Driven d;
+  d.airborne();
+  for (int time = 0; time < 2; ++time) {
+    d.in.poses_rejected = d.lim.pose_rejected_hold;
+    EXPECT_EQ(d.step(), FlightState::kHold);
+    d.in.poses_rejected = d.lim.pose_rejected_hold - 1;
+    EXPECT_EQ(d.wait(3.0), FlightState::kHold);
+    EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
+    EXPECT_EQ(d.wait(3.0), FlightState::kFollow);
+  }
+}
+
+// Orders on the ground: what forbids them, for how long they wait, and that the next one is new.
+TEST(StepLadder, ForgetsAnOrderThatCannotBeObeyedEachTime) {
+  Driven d;
+  d.in.autopilot_armed = false;
+  for (int time = 0; time < 2; ++time) {
+    d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;  // ends by itself
+    d.step(0.01, OperatorAction::kArm);
+    EXPECT_TRUE(d.ladder.arm.is_given);
+    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kNone);
+    d.wait(d.lim.arm_wait_s - 0.02);
+    EXPECT_TRUE(d.ladder.arm.is_given);
+    d.wait(0.05);
+    EXPECT_FALSE(d.ladder.arm.is_given);
+    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kArm);
+    EXPECT_TRUE(d.ladder.refusal.reasons.any());
+    d.in.pose_age_s = 0.0;
+    d.wait(5.0);
+    EXPECT_FALSE(d.ladder.wants_armed) << "forgotten is forgotten";
+    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kArm) << "said until the next order";
+  }
+}
+
+TEST(StepLadder, ArmsOnceNothingHasForbiddenItForAWhileEachTime) {
+  Driven d;
+  d.in.autopilot_armed = false;
+  d.step(0.01, OperatorAction::kArm);
+  EXPECT_TRUE(d.ladder.wants_armed) << "at once when nothing forbids it";
+  for (int time = 0; time < 2; ++time) {
+    d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;
+    d.wait(1.0);
+    EXPECT_FALSE(d.ladder.wants_armed);
+    d.in.pose_age_s = 0.0;
+    d.wait(d.lim.clear_s - 0.02);
+    EXPECT_FALSE(d.ladder.wants_armed);
+    d.wait(0.04);
+    EXPECT_TRUE(d.ladder.wants_armed);
+  }
+  // What forbids it now and then never does so for arm_wait_s on end.
+  for (int time = 0; time < 4; ++time) {
+    d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;
+    d.wait(0.6 * d.lim.arm_wait_s);
+    d.in.pose_age_s = 0.0;
+    d.step();
+    EXPECT_TRUE(d.ladder.arm.is_given) << time;
+  }
+}
+
+TEST(StepLadder, TakesBackOrdersThatOnlyTheOperatorCouldHelp) {
+  Driven d;
+  d.in.autopilot_armed = false;
+  for (int time = 0; time < 2; ++time) {
+    d.in.poses_rejected = d.lim.pose_rejected_hold;
+    d.step(0.01, OperatorAction::kArm);
+    EXPECT_FALSE(d.ladder.arm.is_given) << "at once";
+    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kArm);
+    d.in.poses_rejected = 0;
+    for (const OperatorAction action : {OperatorAction::kLand, OperatorAction::kHold}) {
+      d.step(0.01, OperatorAction::kArm);
+      EXPECT_TRUE(d.ladder.arm.is_given);
+      EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kNone);
+      d.step(0.01, action);
+      EXPECT_FALSE(d.ladder.arm.is_given);
+      EXPECT_FALSE(d.ladder.wants_armed);
+    }
+    d.step(0.01, OperatorAction::kTakeOff);
+    EXPECT_EQ(d.ladder.refusal.order, Refusal::Order::kTakeOff) << "nobody has said arm";
+    EXPECT_TRUE(d.ladder.refusal.reasons.none());
+    EXPECT_FALSE(d.ladder.take_off.is_given);
+  }
+}
+
+// Flown twice: what one flight left behind is gone when the next begins.
+TEST(StepLadder, BeginsEachFlightAnew) {
+  Driven d;
+  for (int flight = 0; flight < 3; ++flight) {
+    d.in = {};
+    d.in.now += from_seconds(100.0 * (flight + 1));
+    EXPECT_EQ(d.airborne(false).ladder.state, FlightState::kHold) << flight;
+    EXPECT_EQ(d.wait(1.0), FlightState::kHold) << "nobody has said follow in this flight";
+    EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
+    d.in.pose_age_s = d.lim.pose_age_land_s + 0.01;
+    EXPECT_EQ(d.step(), FlightState::kLand);
+    d.in.pose_age_s = 0.0;
+    EXPECT_EQ(d.wait(1.0), FlightState::kLand);
+    d.in.height_m = 0.0;
+    d.step();
+    d.in.autopilot_armed = false;
+    EXPECT_EQ(d.step(), FlightState::kIdle);
+    EXPECT_TRUE(d.ladder.latched.none());
+    EXPECT_FALSE(d.ladder.wants_follow);
+    EXPECT_FALSE(d.ladder.wants_armed);
+    EXPECT_FALSE(d.ladder.arm.is_given);
+  }
+}
+
 TEST(StepLadder, KeepsAnEmergencyStopUntilArmedAgainOnTheGround) {
   Driven d;
   d.airborne().in.emergency_stop = true;

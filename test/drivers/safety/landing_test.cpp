@@ -305,7 +305,7 @@ TEST(FlightGuard, ComesDownInTheEndWhoeverIsBelow) {
   test::FlightBench crowded(1);
   crowded.fly_up(6.4);
   test::Vehicle& vehicle = crowded.vehicle("Q1");
-  Eigen::Vector3d centre_m;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   const double start_s = crowded.time_s();
   for (bool says = true; vehicle.out.state != FlightState::kIdle; says = false) {
     ASSERT_LT(crowded.time_s(), 60.0);

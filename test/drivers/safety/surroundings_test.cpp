@@ -6,8 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/angle.hpp"
 #include "drivers/quadrotor/safety/plan_check.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/bisect.hpp"
 #include "test/support/random.hpp"
 
 namespace vantage::drivers {
@@ -128,6 +130,299 @@ TEST(ClimbTaken, ByARobotAboveUpToTheGoalNowOrSoonFromEitherSide) {
   EXPECT_FALSE(is_taken(0.5, 2.0 + limits.separation_hold_m + 0.01, 0.0)) << "above it all";
   EXPECT_TRUE(is_taken(0.5, 2.0 + limits.separation_hold_m - 0.01, 0.0));
   EXPECT_FALSE(is_taken(0.5, 1.0, 0.0, -1)) << "no robot";
+}
+
+OtherBody random_body(test::Random& random) {
+  OtherBody body;
+  body.position_world_m = {random.uniform(-3.0, 3.0), random.uniform(-2.0, 2.0),
+                           random.uniform(0.0, 2.5)};
+  body.velocity_world_mps = random.vector<3>(-1.0, 1.0);
+  body.planned_world_mps =
+      random.coin() ? body.velocity_world_mps : Eigen::Vector3d(random.vector<3>(-1.0, 1.0));
+  body.age_s = random.coin() ? 0.0 : random.uniform(0.0, 2.0);
+  body.goes_first = random.coin();
+  body.robot = random.coin() ? 1 : -1;
+  return body;
+}
+
+/// Two that brake straight after the reaction, by small steps of their equations of motion.
+double stepped_closest_m(Eigen::Vector3d p_m, Eigen::Vector3d v_mps, Eigen::Vector3d q_m,
+                         Eigen::Vector3d w_mps, const SafetyLimits& limits) {
+  constexpr double kStepS = 2e-4;
+  double least_m = (p_m - q_m).norm();
+  for (double t_s = 0.0; t_s < 4.0; t_s += kStepS) {
+    for (auto [place_m, speed_mps] : {std::pair{&p_m, &v_mps}, std::pair{&q_m, &w_mps}}) {
+      *place_m += kStepS * *speed_mps;
+      if (t_s > limits.reaction_s) {
+        const double slower_mps =
+            std::max(0.0, speed_mps->norm() - kStepS * limits.vehicle.brake_mps2);
+        *speed_mps = speed_mps->norm() > 0.0 ? Eigen::Vector3d(slower_mps * speed_mps->normalized())
+                                             : Eigen::Vector3d::Zero();
+      }
+    }
+    least_m = std::min(least_m, (p_m - q_m).norm());
+  }
+  return least_m;
+}
+
+TEST(LookAround, FindsTheLeastSeparationOfTwoThatBrake) {
+  const SafetyLimits limits = bench_limits();
+  test::Random random(41);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
+    const Eigen::Vector3d v_mps = random.vector<3>(-1.0, 1.0);
+    OtherBody body;
+    body.position_world_m = here_m + random.vector<3>(-0.8, 0.8);
+    body.velocity_world_mps = random.vector<3>(-1.5, 1.5);
+    body.planned_world_mps =
+        random.coin() ? body.velocity_world_mps : Eigen::Vector3d(random.vector<3>(-1.5, 1.5));
+    const BrakeWay way =
+        BrakeWay::straight(here_m, v_mps, 0.0, limits.vehicle.brake_mps2, limits.reaction_s);
+    const auto closest_m = [&](const Eigen::Vector3d& w_mps) {
+      return stepped_closest_m(here_m, v_mps, body.position_world_m, w_mps, limits);
+    };
+    const Surroundings seen = look_around(here_m, way, {&body, 1}, limits);
+    EXPECT_DOUBLE_EQ(seen.separation_now_m, (here_m - body.position_world_m).norm());
+    EXPECT_NEAR(seen.separation_stop_m,
+                std::min(closest_m(body.velocity_world_mps), closest_m(body.planned_world_mps)),
+                0.01);
+  }
+}
+
+// What has not been seen for longer than a hold may be anywhere within a tube that widens, so far.
+TEST(LookAround, TakesABodyForNearerTheLongerItHasNotBeenSeen) {
+  const SafetyLimits limits = bench_limits();
+  const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
+  const BrakeWay way =
+      BrakeWay::straight(here_m, Eigen::Vector3d::Zero(), 0.0, limits.vehicle.brake_mps2, 0.2);
+  OtherBody body;
+  body.position_world_m = here_m + Eigen::Vector3d(0.0, 2.0, 0.0);
+  for (double age_s = 0.0; age_s < 2.0; age_s += 0.01) {
+    body.age_s = age_s;
+    const Surroundings seen = look_around(here_m, way, {&body, 1}, limits);
+    const double grown_m = std::clamp(0.5 * (age_s - 0.1), 0.0, 0.5);
+    EXPECT_NEAR(seen.separation_now_m, 2.0 - grown_m, 1e-12) << age_s;
+    EXPECT_NEAR(seen.separation_stop_m, 2.0 - grown_m, 1e-12) << age_s;
+  }
+}
+
+TEST(LookAround, TakesTheNearestOfAllAndWhoseTurnItIs) {
+  const SafetyLimits limits = bench_limits();
+  const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
+  const BrakeWay way =
+      BrakeWay::straight(here_m, Eigen::Vector3d::Zero(), 0.0, limits.vehicle.brake_mps2, 0.2);
+  for (std::size_t near = 0; near < 3; ++near) {
+    std::vector<OtherBody> others(3);
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      const double apart_m = i == near ? 0.8 : 1.5;
+      others[i].position_world_m = here_m + Eigen::Vector3d(0.0, apart_m, 0.0);
+      others[i].goes_first = i == near;
+    }
+    Surroundings seen = look_around(here_m, way, others, limits);
+    EXPECT_NEAR(seen.separation_now_m, 0.8, 1e-12);
+    EXPECT_NEAR(seen.separation_stop_m, 0.8, 1e-12);
+    EXPECT_TRUE(seen.yields);
+    for (OtherBody& other : others) {
+      other.goes_first = !other.goes_first;
+    }
+    seen = look_around(here_m, way, others, limits);
+    EXPECT_FALSE(seen.yields);
+  }
+}
+
+TEST(LookAround, FindsTheLeastDistanceOfFenceCeilingAndObstaclesOnTheWayToRest) {
+  const SafetyLimits limits = bench_limits();
+  test::Random random(42);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d here_m(random.uniform(-3.8, 3.8), random.uniform(-2.0, 2.0),
+                                 random.uniform(0.2, 2.9));
+    const BrakeWay way = BrakeWay::straight(here_m, random.vector<3>(-1.0, 1.0), 0.0,
+                                            limits.vehicle.brake_mps2, limits.reaction_s);
+    double fence_m = 1e9;
+    double obstacle_m = 1e9;
+    for (int k = 0; k <= 1000; ++k) {
+      const Eigen::Vector3d p_m = way.at(way.duration_s() * k / 1000.0).position_world_m;
+      const Eigen::Vector2d level_m = p_m.head<2>();
+      fence_m = std::min({fence_m, fence_distance_m(limits.fence, level_m) - 0.25,
+                          limits.fence.ceiling_m - p_m.z()});
+      obstacle_m = std::min(obstacle_m, obstacle_distance_m(limits.fence, level_m) - 0.25);
+    }
+    const Surroundings seen = look_around(here_m, way, {}, limits);
+    EXPECT_NEAR(seen.fence_stop_m, fence_m, 1e-9);
+    EXPECT_NEAR(seen.obstacle_stop_m, obstacle_m, 0.02);  // places 7 cm apart, past a corner
+    const double centre_m = fence_distance_m(limits.fence, here_m.head<2>());
+    const double below_m = limits.fence.ceiling_m - here_m.z();
+    EXPECT_NEAR(seen.fence_centre_m, std::min(centre_m, below_m), 1e-12);
+    EXPECT_NEAR(seen.fence_now_m, std::min(centre_m - 0.25, below_m), 1e-12);
+  }
+}
+
+/// The room and everybody in it, seen otherwise: `of(x, y)` for places and, without the shift of
+/// its origin, for velocities.
+template <class Place>
+struct SeenOtherwise {
+  Place of;
+
+  [[nodiscard]] Eigen::Vector3d place(const Eigen::Vector3d& p_m) const {
+    const Eigen::Vector2d level_m = of(p_m.x(), p_m.y());
+    return {level_m.x(), level_m.y(), p_m.z()};
+  }
+  [[nodiscard]] Eigen::Vector3d way(const Eigen::Vector3d& v) const {
+    return place(v) - place(Eigen::Vector3d::Zero());
+  }
+  [[nodiscard]] OtherBody body(OtherBody body) const {
+    body.position_world_m = place(body.position_world_m);
+    body.velocity_world_mps = way(body.velocity_world_mps);
+    body.planned_world_mps = way(body.planned_world_mps);
+    return body;
+  }
+  [[nodiscard]] SafetyLimits limits(SafetyLimits limits) const {
+    const auto box = [this](models::Rectangle& rectangle) {
+      const Eigen::Vector2d a_m = of(rectangle.min_m.x(), rectangle.min_m.y());
+      const Eigen::Vector2d b_m = of(rectangle.max_m.x(), rectangle.max_m.y());
+      rectangle = {a_m.cwiseMin(b_m), a_m.cwiseMax(b_m)};
+    };
+    box(limits.fence.bounds);
+    for (models::Obstacle& obstacle : limits.fence.obstacles) {
+      box(obstacle.footprint);
+    }
+    return limits;
+  }
+};
+
+template <class Place>
+void expect_the_same(const Place& of, test::Random& random) {
+  const SeenOtherwise<Place> seen{of};
+  const SafetyLimits limits = bench_limits();
+  const SafetyLimits other_limits = seen.limits(limits);
+  const Eigen::Vector3d here_m(random.uniform(-3.5, 3.5), random.uniform(-1.8, 1.8),
+                               random.uniform(0.2, 2.0));
+  const Eigen::Vector3d there_m = here_m + random.vector<3>(-1.0, 1.0);
+  const Eigen::Vector3d v_mps = random.vector<3>(-1.0, 1.0);
+  std::vector<OtherBody> bodies;
+  std::vector<OtherBody> others;
+  for (int i = 0; i < 3; ++i) {
+    bodies.push_back(random_body(random));
+    others.insert(others.begin(), seen.body(bodies.back()));  // and in another order
+  }
+  const auto look = [&](const Eigen::Vector3d& p_m, const Eigen::Vector3d& speed_mps,
+                        const std::vector<OtherBody>& around, const SafetyLimits& lim) {
+    const BrakeWay way =
+        BrakeWay::straight(p_m, speed_mps, 0.0, lim.vehicle.brake_mps2, lim.reaction_s);
+    return look_around(p_m, way, around, lim);
+  };
+  const Surroundings a = look(here_m, v_mps, bodies, limits);
+  const Surroundings b = look(seen.place(here_m), seen.way(v_mps), others, other_limits);
+  EXPECT_NEAR(a.fence_now_m, b.fence_now_m, 1e-9);
+  EXPECT_NEAR(a.fence_centre_m, b.fence_centre_m, 1e-9);
+  EXPECT_NEAR(a.fence_stop_m, b.fence_stop_m, 1e-9);
+  EXPECT_NEAR(a.obstacle_stop_m, b.obstacle_stop_m, 1e-9);
+  EXPECT_NEAR(a.separation_now_m, b.separation_now_m, 1e-9);
+  EXPECT_NEAR(a.separation_stop_m, b.separation_stop_m, 1e-9);
+  EXPECT_EQ(a.yields, b.yields);
+  EXPECT_NEAR(near_soon_m(here_m, bodies, 1.0), near_soon_m(seen.place(here_m), others, 1.0), 1e-9);
+  EXPECT_EQ(is_occupied_below(here_m, bodies, limits),
+            is_occupied_below(seen.place(here_m), others, other_limits));
+  EXPECT_EQ(is_way_taken(here_m, there_m, bodies, limits),
+            is_way_taken(seen.place(here_m), seen.place(there_m), others, other_limits));
+  EXPECT_EQ(is_climb_taken(here_m, 1.5, bodies, limits),
+            is_climb_taken(seen.place(here_m), 1.5, others, other_limits));
+  // Which of several places equally near is taken is not said; how near it is, is.
+  EXPECT_NEAR((landing_spot(here_m, bodies, limits) - here_m).norm(),
+              (landing_spot(seen.place(here_m), others, other_limits) - seen.place(here_m)).norm(),
+              1e-9);
+  const auto spot_m = clear_spot(here_m, bodies, limits);
+  const auto other_m = clear_spot(seen.place(here_m), others, other_limits);
+  EXPECT_EQ(spot_m.has_value(), other_m.has_value());
+  if (spot_m && other_m) {
+    EXPECT_NEAR((*spot_m - here_m).norm(), (*other_m - seen.place(here_m)).norm(), 1e-9);
+  }
+}
+
+TEST(Surroundings, AreTheSameInAMirrorAndTurnedAndFromAnotherOriginAndWithOthersRenamed) {
+  test::Random random(43);
+  for (int i = 0; i < 2000; ++i) {
+    expect_the_same([](double x, double y) { return Eigen::Vector2d(x, -y); }, random);
+    expect_the_same([](double x, double y) { return Eigen::Vector2d(-x, y); }, random);
+    expect_the_same([](double x, double y) { return Eigen::Vector2d(-y, x); }, random);
+    expect_the_same([](double x, double y) { return Eigen::Vector2d(x + 16.0, y - 8.0); }, random);
+  }
+}
+
+// The edges of what is near, on both sides, by bisection.
+TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
+  const SafetyLimits limits = bench_limits();
+  const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
+  for (const double side : {1.0, -1.0}) {
+    const auto at = [&](double x_m, double z_m) {
+      OtherBody body;
+      body.position_world_m = here_m + Eigen::Vector3d(side * x_m, 0.0, z_m);
+      return body;
+    };
+    for (const double age_s : {0.0, 0.6, 9.0}) {
+      const double tube_m = std::clamp(0.5 * (age_s - 0.1), 0.0, 0.5);
+      const double below_m = test::last_accepted(3.0, 0.0, 1e-9, [&](double x_m) {
+        OtherBody body = at(x_m, -0.9);
+        body.age_s = age_s;
+        return !is_occupied_below(here_m, {&body, 1}, limits, 0.03);
+      });
+      EXPECT_NEAR(below_m, limits.landing_clearance_m + 0.03 + tube_m, 1e-8) << age_s;
+      const double above_m = test::last_accepted(3.0, 0.0, 1e-9, [&](double x_m) {
+        OtherBody body = at(x_m, 0.5);
+        body.age_s = age_s;
+        body.robot = 1;
+        return !is_climb_taken(here_m, 2.0, {&body, 1}, limits);
+      });
+      EXPECT_NEAR(above_m, limits.separation_hold_m + 0.25 + tube_m, 1e-8) << age_s;
+    }
+    // Beside is below for who must give way; above is nobody's business in a landing.
+    const auto occupies = [&](double z_m, bool goes_first) {
+      OtherBody body = at(0.2, z_m);
+      body.goes_first = goes_first;
+      return is_occupied_below(here_m, {&body, 1}, limits);
+    };
+    EXPECT_NEAR(test::last_accepted(-0.9, 0.9, 1e-9, [&](double z) { return occupies(z, false); }),
+                -0.3, 1e-8);
+    EXPECT_NEAR(test::last_accepted(-0.9, 0.9, 1e-9, [&](double z) { return occupies(z, true); }),
+                0.3, 1e-8);
+    // A way is taken by who is nearer to it than a hold allows, and than it is already.
+    const Eigen::Vector3d to_m = here_m + Eigen::Vector3d(2.0, 0.0, 0.0);
+    const double beside_m = test::last_accepted(2.0, 0.0, 1e-9, [&](double y_m) {
+      OtherBody body;
+      body.position_world_m = here_m + Eigen::Vector3d(1.0, side * y_m, 0.0);
+      return !is_way_taken(here_m, to_m, {&body, 1}, limits);
+    });
+    EXPECT_NEAR(beside_m, limits.separation_hold_m, 1e-7);
+    // Who passes in a moment, and who stands and waits for its turn.
+    OtherBody walker = at(1.5, 0.4);
+    walker.velocity_world_mps = {-side, 0.0, 0.3};
+    EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 1.0), 0.5, 1e-9);
+    EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 0.2), 1.3, 1e-9);
+    walker.robot = 2;
+    EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 1.0), 0.5, 1e-9);
+    const double stands_mps = test::last_accepted(0.0, 0.5, 1e-9, [&](double v_mps) {
+      walker.velocity_world_mps = {0.0, v_mps, 0.0};
+      return std::isinf(near_soon_m(here_m, {&walker, 1}, 1.0));
+    });
+    EXPECT_NEAR(stands_mps, 0.1, 1e-8);
+    walker.robot = -1;
+    walker.velocity_world_mps.setZero();
+    EXPECT_NEAR(near_soon_m(here_m, {&walker, 1}, 1.0), 1.5, 1e-9) << "no robot waits its turn";
+  }
+}
+
+// Seen from above: how high a teammate flies decides whether a climb meets it, on both sides.
+TEST(ClimbTaken, HasTheHeightsThatItStates) {
+  const SafetyLimits limits = bench_limits();
+  const Eigen::Vector3d here_m(0.0, -1.0, 0.3);
+  const auto is_taken = [&](double z_m) {
+    OtherBody body;
+    body.position_world_m = {0.1, -1.0, z_m};
+    body.robot = 0;
+    return is_climb_taken(here_m, 1.0, {&body, 1}, limits);
+  };
+  EXPECT_NEAR(test::last_accepted(0.8, 0.0, 1e-9, is_taken), 0.3, 1e-8);
+  EXPECT_NEAR(test::last_accepted(0.8, 3.0, 1e-9, is_taken), 1.0 + limits.separation_hold_m, 1e-8);
 }
 
 }  // namespace

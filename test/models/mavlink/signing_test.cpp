@@ -73,6 +73,39 @@ TEST(Signer, RefusesANewStreamThatIsMoreThanAMinuteBehind) {
             SignatureVerdict::kReplayed);
 }
 
+// Its clock is never behind its peer's: what it signs next is news to whoever has heard the peer,
+// and a stream that is a minute behind the peer is old, whatever our own clock says.
+TEST(Signer, SignsLaterThanWhatItsPeerHasSigned) {
+  Signer peer(kKey, 3);
+  Signer ours(kKey, 3);  // on the same link, with a clock an hour behind
+  const Time behind = kNow - std::chrono::hours(1);
+  for (int time = 0; time < 3; ++time) {
+    Frame theirs = heartbeat();
+    peer.sign(theirs, kNow + std::chrono::seconds(time));
+    ASSERT_EQ(ours.check(theirs, behind), SignatureVerdict::kGood);
+    Frame own = heartbeat();
+    ours.sign(own, behind);
+    EXPECT_EQ(own.signature->timestamp_10us, theirs.signature->timestamp_10us + 1);
+  }
+  Signer third(kKey, 9);
+  Frame old = heartbeat();
+  third.sign(old, kNow - std::chrono::seconds(61));
+  EXPECT_EQ(ours.check(old, behind), SignatureVerdict::kReplayed);
+}
+
+TEST(Signer, SignsEachMessageLaterThanTheLastWhateverTheClockDoes) {
+  Signer signer(kKey, 3);
+  std::uint64_t last_10us = 0;
+  for (const int seconds : {0, 0, 5, -10, -10, 6}) {
+    Frame frame = heartbeat();
+    signer.sign(frame, kNow + std::chrono::seconds(seconds));
+    EXPECT_GT(frame.signature->timestamp_10us, last_10us) << seconds;
+    EXPECT_GE(frame.signature->timestamp_10us,
+              signing_timestamp_10us(kNow + std::chrono::seconds(seconds)));
+    last_10us = frame.signature->timestamp_10us;
+  }
+}
+
 TEST(Signer, KeepsABoundedNumberOfStreams) {
   Signer receiver(kKey, 0);
   for (int link = 0; link < 256; ++link) {

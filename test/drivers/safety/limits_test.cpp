@@ -1,0 +1,277 @@
+#include "drivers/quadrotor/safety/limits.hpp"
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "test/drivers/safety/flight_bench.hpp"
+
+// Every number of SafetyLimits once, against where it comes from: docs/safety.md and the rows of
+// docs/results/faults.md for those that are the same in every lab, the scenario for the others.
+
+namespace vantage::drivers {
+namespace {
+
+struct Stated {
+  const char* name;
+  double value;
+  double stated;
+};
+
+TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
+  const SafetyLimits is;
+  const std::vector<Stated> rows = {
+      {"pose_age_warn_s", is.pose_age_warn_s, 0.05},
+      {"pose_age_hold_s", is.pose_age_hold_s, 0.1},
+      {"pose_age_land_s", is.pose_age_land_s, 0.5},
+      {"pose_age_kill_s", is.pose_age_kill_s, 1.5},
+      {"safe_height_m", is.safe_height_m, 0.15},
+      {"touch_height_m", is.touch_height_m, 0.06},
+      {"pose_latency_hold_s", is.pose_latency_hold_s, 0.1},
+      {"pose_rejected_hold", static_cast<double>(is.pose_rejected_hold), 3},
+      {"pose_frames_to_arm", static_cast<double>(is.pose_frames_to_arm), 50},
+      {"pose_gate_m", is.pose_gate_m, 0.25},
+      {"pose_gate_max_m", is.pose_gate_max_m, 0.6},
+      {"pose_flip_rad", is.pose_flip_rad, 1.0},
+      {"pose_stuck_moving_s", is.pose_stuck_moving_s, 0.05},
+      {"pose_stuck_hover_s", is.pose_stuck_hover_s, 0.5},
+      {"volume_margin_m", is.volume_margin_m, 1.0},
+      {"round_s", is.round_s, 0.0},
+      {"plan_age_hold_s", is.plan_age_hold_s, 2.0},
+      {"plan_silent_warn_s", is.plan_silent_warn_s, 2.0},
+      {"plans_late_hold", static_cast<double>(is.plans_late_hold), 3},
+      {"plan_past_max_s", is.plan_past_max_s, 0.5},
+      {"plan_future_max_s", is.plan_future_max_s, 5.0},
+      {"plan_start_tolerance_m", is.plan_start_tolerance_m, 0.4},
+      {"plan_start_turn_rad", is.plan_start_turn_rad, 0.8},
+      {"planner_lease_s", is.planner_lease_s, 2.0},
+      {"tracking_hold_m", is.tracking_hold_m, 0.4},
+      {"tracking_land_m", is.tracking_land_m, 1.0},
+      {"fence_land_m", is.fence_land_m, 0.0},
+      {"fence_kill_m", is.fence_kill_m, 1.0},
+      {"reaction_s", is.reaction_s, 0.2},
+      {"setpoint_loss_s", is.setpoint_loss_s, 0.3},
+      {"separation_hold_m", is.separation_hold_m, 0.55},
+      {"separation_land_m", is.separation_land_m, 0.5},
+      {"plan_separation_m", is.plan_separation_m, 0.6},
+      {"speed_hold_ratio", is.speed_hold_ratio, 1.3},
+      {"other_pose_growth_mps", is.other_pose_growth_mps, 0.5},
+      {"other_pose_growth_max_m", is.other_pose_growth_max_m, 0.5},
+      {"hover_clearance_m", is.hover_clearance_m, 0.1},
+      {"landing_clearance_m", is.landing_clearance_m, 0.7},
+      {"lateral_max_mps2", is.lateral_max_mps2, 10.0},
+      {"take_off_height_m", is.take_off_height_m, 1.0},
+      {"setpoint_lead_s", is.setpoint_lead_s, 0.1},
+      {"climb_mps", is.climb_mps, 0.5},
+      {"descent_mps", is.descent_mps, 0.4},
+      {"body_tilt_arm_rad", is.body_tilt_arm_rad, 0.26},            // 15°
+      {"attitude_error_arm_rad", is.attitude_error_arm_rad, 0.17},  // 10°
+      {"yaw_error_arm_rad", is.yaw_error_arm_rad, 0.26},            // 15°
+      {"lift_height_m", is.lift_height_m, 0.2},
+      {"lift_over_m", is.lift_over_m, 0.3},
+      {"lift_risen_m", is.lift_risen_m, 0.1},
+      {"lift_wait_s", is.lift_wait_s, 6.0},
+      {"lift_idle_s", is.lift_idle_s, 5.0},
+      {"lift_proof_s", is.lift_proof_s, 8.0},
+      {"lift_step_m", is.lift_step_m, 0.15},
+      {"lift_turn_rad", is.lift_turn_rad, 0.2},
+      {"lift_astray_m", is.lift_astray_m, 0.3},
+      {"lift_other_m", is.lift_other_m, 0.06},
+      {"lift_climb_error_mps", is.lift_climb_error_mps, 0.35},
+      {"lift_turn_error_radps", is.lift_turn_error_radps, 0.8},
+      {"arm_wait_s", is.arm_wait_s, 10.0},
+      {"take_off_look_s", is.take_off_look_s, 1.0},
+      {"battery_arm_share", is.battery_arm_share, 0.30},
+      {"battery_low_share", is.battery_low_share, 0.25},
+      {"battery_land_share", is.battery_land_share, 0.15},
+      {"battery_empty_share", is.battery_empty_share, 0.05},
+      {"battery_age_land_s", is.battery_age_land_s, 10.0},
+      {"battery_stuck_land_s", is.battery_stuck_land_s, 60.0},
+      {"flight_max_s", is.flight_max_s, 900.0},
+      {"heartbeat_age_hold_s", is.heartbeat_age_hold_s, 1.5},
+      {"heartbeat_age_land_s", is.heartbeat_age_land_s, 3.0},
+      {"telemetry_age_hold_s", is.telemetry_age_hold_s, 0.5},
+      {"estimate_error_hold_m", is.estimate_error_hold_m, 0.3},
+      {"estimate_error_land_m", is.estimate_error_land_m, 1.0},
+      {"tilt_kill_rad", is.tilt_kill_rad, 1.05},  // 60°
+      {"thrust_saturated_share", is.thrust_saturated_share, 0.97},
+      {"needs_operator", is.needs_operator ? 1.0 : 0.0, 1.0},
+      {"operator_age_hold_s", is.operator_age_hold_s, 1.0},
+      {"operator_age_land_s", is.operator_age_land_s, 3.0},
+      {"stall_hold_s", is.stall_hold_s, 0.25},
+      {"clear_s", is.clear_s, 0.5},
+      {"yield_s", is.yield_s, 2.0},
+  };
+  for (const Stated& row : rows) {
+    EXPECT_EQ(row.value, row.stated) << row.name;
+  }
+}
+
+class FromTheScenario : public testing::Test {
+ protected:
+  FromTheScenario() {
+    scenario.planner.separation_m = 0.9;
+    scenario.planner.tracking_tolerance_m = 0.15;
+    scenario.planner.obstacle_margin_m = 0.13;
+    scenario.planner.execute_steps = 7;
+    scenario.planner.step_s = 0.6;
+    scenario.robots[0].limits = {1.2, 2.7, 1.9, 0.22};
+    scenario.robots[0].height_m = 1.4;
+    scenario.world.ceiling_m = 2.9;
+  }
+  [[nodiscard]] SafetyLimits of(const std::string& robot = "Q1") const {
+    return limits_for(scenario, robot);
+  }
+  models::Scenario scenario = test::FlightBench::scenario();
+};
+
+TEST_F(FromTheScenario, EachLimitIsWhatTheScenarioSays) {
+  const SafetyLimits is = of();
+  EXPECT_EQ(is.fence.bounds.min_m, scenario.world.bounds.min_m);
+  EXPECT_EQ(is.fence.bounds.max_m, scenario.world.bounds.max_m);
+  EXPECT_EQ(is.fence.ceiling_m, 2.9);
+  EXPECT_EQ(is.fence.obstacles.size(), scenario.world.obstacles.size());
+  EXPECT_EQ(is.vehicle.speed_max_mps, 1.2);
+  EXPECT_EQ(is.vehicle.yaw_rate_max_radps, 2.7);
+  EXPECT_EQ(is.vehicle.brake_mps2, 1.9);
+  EXPECT_EQ(is.vehicle.radius_m, 0.22);
+  EXPECT_EQ(is.take_off_height_m, 1.4);
+  // Two touch at 0.44 m; the planner keeps them 0.9 m apart, and they hold half-way between.
+  EXPECT_NEAR(is.plan_separation_m, 0.89, 1e-12);
+  EXPECT_NEAR(is.separation_land_m, 0.44, 1e-12);
+  EXPECT_NEAR(is.separation_hold_m, 0.67, 1e-12);
+  EXPECT_NEAR(is.landing_clearance_m, 0.64, 1e-12);
+  EXPECT_NEAR(is.hover_clearance_m, 0.13, 1e-12);
+  // A round of 4.2 s.
+  EXPECT_NEAR(is.round_s, 4.2, 1e-12);
+  EXPECT_NEAR(is.plan_age_hold_s, 4.7, 1e-12);
+  EXPECT_NEAR(is.plan_silent_warn_s, 4.7, 1e-12);
+  EXPECT_NEAR(is.planner_lease_s, 4.7, 1e-12);
+  EXPECT_NEAR(is.plan_future_max_s, 8.4, 1e-12);
+  // Twice the tracking tolerance, and five times.
+  EXPECT_NEAR(is.tracking_hold_m, 0.30, 1e-12);
+  EXPECT_NEAR(is.tracking_land_m, 0.75, 1e-12);
+  EXPECT_NEAR(is.plan_start_tolerance_m, 0.30, 1e-12);
+  // Each robot has its own.
+  EXPECT_EQ(of("Q2").vehicle.speed_max_mps, scenario.robots[1].limits.speed_max_mps);
+  EXPECT_EQ(of("Q2").take_off_height_m, scenario.robots[1].height_m);
+}
+
+TEST_F(FromTheScenario, NoLimitIsLessThanWhatALabNeeds) {
+  scenario.planner.execute_steps = 1;  // a round of 0.6 s
+  scenario.planner.obstacle_margin_m = 0.01;
+  scenario.planner.separation_m = 0.445;  // they touch at 0.44 m
+  const SafetyLimits is = of();
+  EXPECT_NEAR(is.round_s, 0.6, 1e-12);
+  EXPECT_EQ(is.plan_age_hold_s, 2.0);
+  EXPECT_EQ(is.plan_silent_warn_s, 2.0);
+  EXPECT_EQ(is.planner_lease_s, 2.0);
+  EXPECT_EQ(is.plan_future_max_s, 5.0);
+  EXPECT_EQ(is.hover_clearance_m, 0.05);
+  EXPECT_NEAR(is.separation_hold_m, 0.45, 1e-12);
+  EXPECT_NEAR(is.plan_separation_m, 0.435, 1e-12);
+}
+
+TEST_F(FromTheScenario, WhatTheScenarioDoesNotSayIsAsStated) {
+  const SafetyLimits is = of();
+  const SafetyLimits stated;
+  EXPECT_EQ(is.pose_age_hold_s, stated.pose_age_hold_s);
+  EXPECT_EQ(is.pose_gate_m, stated.pose_gate_m);
+  EXPECT_EQ(is.fence_kill_m, stated.fence_kill_m);
+  EXPECT_EQ(is.setpoint_loss_s, stated.setpoint_loss_s);
+  EXPECT_EQ(is.clear_s, stated.clear_s);
+  EXPECT_EQ(is.yield_s, stated.yield_s);
+  EXPECT_EQ(is.operator_age_land_s, stated.operator_age_land_s);
+  EXPECT_TRUE(is.needs_operator);
+  EXPECT_EQ(is.reaction_s, 0.20);
+  for (const models::AutopilotDialect dialect :
+       {models::AutopilotDialect::kPx4, models::AutopilotDialect::kArdupilot}) {
+    scenario.robots[0].autopilot.emplace().dialect = dialect;
+    EXPECT_EQ(of().reaction_s, 0.20);
+  }
+}
+
+TEST_F(FromTheScenario, AnUnknownRobotIsRefused) { EXPECT_THROW(of("Q9"), UsageError); }
+
+// Each step of each ladder lies below the next: equal is refused, as is what is not a number.
+TEST(CheckLimits, RefusesALadderThatDoesNotRise) {
+  using Limit = double SafetyLimits::*;
+  using L = SafetyLimits;
+  const std::vector<std::pair<Limit, Limit>> rising = {
+      {&L::pose_age_warn_s, &L::pose_age_hold_s},
+      {&L::pose_age_hold_s, &L::pose_age_land_s},
+      {&L::pose_age_land_s, &L::pose_age_kill_s},
+      {&L::pose_gate_m, &L::pose_gate_max_m},
+      {&L::tracking_hold_m, &L::tracking_land_m},
+      {&L::lift_other_m, &L::lift_risen_m},
+      {&L::lift_risen_m, &L::lift_height_m},
+      {&L::lift_height_m, &L::lift_over_m},
+      {&L::lift_step_m, &L::lift_astray_m},
+      {&L::separation_land_m, &L::separation_hold_m},
+      {&L::battery_empty_share, &L::battery_land_share},
+      {&L::battery_land_share, &L::battery_low_share},
+      {&L::battery_low_share, &L::battery_arm_share},
+      {&L::heartbeat_age_hold_s, &L::heartbeat_age_land_s},
+      {&L::estimate_error_hold_m, &L::estimate_error_land_m},
+      {&L::operator_age_hold_s, &L::operator_age_land_s},
+  };
+  const SafetyLimits good = limits_for(test::FlightBench::scenario(), "Q1");
+  check_limits(good);
+  for (std::size_t i = 0; i < rising.size(); ++i) {
+    const auto [low, high] = rising[i];
+    SafetyLimits bad = good;
+    bad.*low = bad.*high;
+    EXPECT_THROW(check_limits(bad), UsageError) << i << ": equal";
+    bad = good;
+    bad.*low = 0.0;
+    EXPECT_THROW(check_limits(bad), UsageError) << i << ": none";
+    bad = good;
+    bad.*low = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(check_limits(bad), UsageError) << i << ": not a number";
+    bad = good;
+    bad.*high = std::numeric_limits<double>::infinity();
+    EXPECT_THROW(check_limits(bad), UsageError) << i << ": never";
+  }
+}
+
+TEST(CheckLimits, RefusesWhatIsNotPositiveAndFinite) {
+  const SafetyLimits good = limits_for(test::FlightBench::scenario(), "Q1");
+  const std::vector<double* (*)(SafetyLimits&)> limits = {
+      [](SafetyLimits& l) { return &l.safe_height_m; },
+      [](SafetyLimits& l) { return &l.reaction_s; },
+      [](SafetyLimits& l) { return &l.setpoint_loss_s; },
+      [](SafetyLimits& l) { return &l.plan_separation_m; },
+      [](SafetyLimits& l) { return &l.planner_lease_s; },
+      [](SafetyLimits& l) { return &l.climb_mps; },
+      [](SafetyLimits& l) { return &l.descent_mps; },
+      [](SafetyLimits& l) { return &l.flight_max_s; },
+      [](SafetyLimits& l) { return &l.lift_wait_s; },
+      [](SafetyLimits& l) { return &l.lift_proof_s; },
+      [](SafetyLimits& l) { return &l.arm_wait_s; },
+      [](SafetyLimits& l) { return &l.clear_s; },
+      [](SafetyLimits& l) { return &l.vehicle.speed_max_mps; },
+      [](SafetyLimits& l) { return &l.vehicle.yaw_rate_max_radps; },
+      [](SafetyLimits& l) { return &l.vehicle.brake_mps2; },
+      [](SafetyLimits& l) { return &l.take_off_height_m; },
+  };
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    for (const double value : {0.0, -1.0, std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::quiet_NaN()}) {
+      SafetyLimits bad = good;
+      *limits[i](bad) = value;
+      EXPECT_THROW(check_limits(bad), UsageError) << i << " is " << value;
+    }
+  }
+  SafetyLimits low = good;
+  low.fence.ceiling_m = low.take_off_height_m;
+  EXPECT_THROW(check_limits(low), UsageError) << "it would take off through the ceiling";
+  low.fence.ceiling_m += 1e-9;
+  check_limits(low);
+}
+
+}  // namespace
+}  // namespace vantage::drivers

@@ -1,0 +1,459 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "drivers/quadrotor/safety/plan_check.hpp"
+#include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/bisect.hpp"
+#include "test/support/random.hpp"
+
+// The plan check where it is hardest: at the edge of what it accepts, for plans drawn so that they
+// pass as near as they may, and for the same plans seen in a mirror, turned, later and under other
+// names.
+
+namespace vantage::drivers {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+SafetyLimits bench_limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
+
+/// A room in which nothing is near.
+SafetyLimits open_limits() {
+  SafetyLimits limits = bench_limits();
+  limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
+  limits.fence.obstacles.clear();
+  return limits;
+}
+
+HeldPlan held(Time start, const Pose2& pose, std::vector<models::PlanSegment> segments) {
+  models::Trajectory way;
+  way.start_time = start;
+  way.start = pose;
+  way.height_m = 1.0;
+  way.segments = std::move(segments);
+  HeldPlan plan;
+  EXPECT_TRUE(hold_plan(way, plan));
+  return plan;
+}
+
+// Some driving and turning, and a stop; as fast as `speed_mps` at most.
+HeldPlan random_plan(test::Random& random, double speed_mps) {
+  std::vector<models::PlanSegment> segments;
+  const double speed = speed_mps * random.uniform(0.3, 1.0);
+  for (int i = random.integer(1, 5); i > 0; --i) {
+    const double rate_radps = random.coin() ? 0.0 : random.uniform(-3.0, 3.0);
+    segments.push_back({{speed, rate_radps}, random.uniform(0.2, 0.6), 0.0});
+  }
+  segments.push_back(models::brake(speed, 2.0).front());
+  return held(kStart + from_seconds(random.uniform(-0.5, 0.5)), random.pose2(2.0),
+              std::move(segments));
+}
+
+/// The same motion, placed so that at `time` it is at `p_m` with that yaw.
+HeldPlan placed(HeldPlan plan, Time time, const Eigen::Vector2d& p_m, double yaw_rad) {
+  const double elapsed_s = to_seconds(time - plan.start_time);
+  plan.start = {0.0, 0.0, 0.0};
+  const PlanPoint there = point_at(plan, elapsed_s);
+  plan.start.yaw_rad = wrap_to_pi(yaw_rad - there.yaw_rad);
+  const Eigen::Vector2d gone_m =
+      Eigen::Rotation2Dd(plan.start.yaw_rad) * there.position_world_m.head<2>();
+  plan.start.x_m = p_m.x() - gone_m.x();
+  plan.start.y_m = p_m.y() - gone_m.y();
+  return plan;
+}
+
+/// Least value of `distance_m` over each half millisecond of [now, until].
+double sampled_m(Time now, Time until, const std::function<double(Time)>& distance_m) {
+  double least_m = kInf;
+  for (Time t = now; t <= until; t += Duration{500}) {
+    least_m = std::min(least_m, distance_m(t));
+  }
+  return std::min(least_m, distance_m(until));
+}
+
+Eigen::Vector3d place_m(const HeldPlan& plan, Time t) {
+  return point_at(plan, to_seconds(t - plan.start_time)).position_world_m;
+}
+
+Time end_of(const HeldPlan& plan) { return plan.start_time + from_seconds(duration_s(plan)); }
+
+// How much the check may be wrong: it steps a millisecond at least, at the speed of both.
+constexpr double kStepM = 0.004;
+
+// Crossing, head-on, overtaking: whatever they do, two plans are accepted to the least separation
+// that samples of both find and not beyond it.
+TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
+  test::Random random(31);
+  SafetyLimits limits = open_limits();
+  for (int i = 0; i < 600; ++i) {
+    const HeldPlan plan = random_plan(random, limits.vehicle.speed_max_mps);
+    const Time meets = kStart + from_seconds(random.uniform(0.0, 2.5));
+    const PlanPoint here = point_at(plan, to_seconds(meets - plan.start_time));
+    const double bearing_rad = random.uniform(-kPi, kPi);
+    const double apart_m = random.uniform(0.2, 0.9);
+    // Teammates of other makes may be faster than we are.
+    const double yaw_rad = i % 2 == 0 ? here.yaw_rad + kPi : random.uniform(-kPi, kPi);
+    const HeldPlan other =
+        placed(random_plan(random, i % 3 == 0 ? 2.5 : 1.0), meets,
+               here.position_world_m.head<2>() +
+                   apart_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad)),
+               yaw_rad);
+    const Time now = kStart + from_seconds(random.uniform(-0.3, 0.3));
+    const double least_m =
+        sampled_m(now, std::max({now, end_of(plan), end_of(other)}),
+                  [&](Time t) { return (place_m(plan, t) - place_m(other, t)).norm(); });
+    const OtherCourse others[] = {{&other, Eigen::Vector3d::Zero()}};
+    limits.plan_separation_m = least_m - kStepM;
+    EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kAccepted) << i << " " << least_m;
+    limits.plan_separation_m = least_m + kStepM;
+    EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kTeammate) << i << " " << least_m;
+  }
+}
+
+TEST(CheckWay, FindsTheLeastDistanceOfABodyWithoutAPlan) {
+  test::Random random(32);
+  SafetyLimits limits = open_limits();
+  for (int i = 0; i < 300; ++i) {
+    const HeldPlan plan = random_plan(random, 1.0);
+    const Time now = kStart + from_seconds(random.uniform(-0.3, 0.3));
+    const Eigen::Vector3d body_m =
+        place_m(plan, now + from_seconds(random.uniform(0.0, 2.5))) + random.vector<3>(-0.6, 0.6);
+    const double least_m = sampled_m(now, std::max(now, end_of(plan)),
+                                     [&](Time t) { return (place_m(plan, t) - body_m).norm(); });
+    const OtherCourse others[] = {{nullptr, body_m}};
+    limits.plan_separation_m = least_m - kStepM;
+    EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kAccepted) << i << " " << least_m;
+    limits.plan_separation_m = least_m + kStepM;
+    EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kTeammate) << i << " " << least_m;
+  }
+}
+
+TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
+  test::Random random(33);
+  SafetyLimits limits = bench_limits();
+  for (int i = 0; i < 400; ++i) {
+    const HeldPlan plan = random_plan(random, 1.0);
+    const Time now = kStart + from_seconds(random.uniform(-0.3, 0.3));
+    const Eigen::Vector2d near_m =
+        place_m(plan, now + from_seconds(random.uniform(0.0, 2.5))).head<2>();
+    const Eigen::Vector2d corner_m = near_m + random.vector<2>(-0.6, 0.6);
+    PlanVerdict refusal = PlanVerdict::kObstacle;
+    if (i % 2 == 0) {
+      limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
+      limits.fence.obstacles = {{{corner_m, corner_m + random.vector<2>(0.02, 0.5)}, 2.5}};
+    } else {  // one edge of the fence near
+      refusal = PlanVerdict::kOutsideFence;
+      limits.fence.obstacles.clear();
+      limits.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
+      double& edge_m = random.coin() ? limits.fence.bounds.min_m(i % 4 / 2)
+                                     : limits.fence.bounds.max_m(i % 4 / 2);
+      edge_m = near_m(i % 4 / 2) + (edge_m < 0.0 ? -0.4 : 0.4);
+    }
+    const double least_m = sampled_m(now, std::max(now, end_of(plan)), [&](Time t) {
+      const Eigen::Vector2d p_m = place_m(plan, t).head<2>();
+      return std::min(fence_distance_m(limits.fence, p_m), obstacle_distance_m(limits.fence, p_m));
+    });
+    limits.vehicle.radius_m = least_m - kStepM;
+    EXPECT_EQ(check_way(plan, now, limits, {}), PlanVerdict::kAccepted) << i << " " << least_m;
+    limits.vehicle.radius_m = least_m + kStepM;
+    EXPECT_EQ(check_way(plan, now, limits, {}), refusal) << i << " " << least_m;
+  }
+}
+
+// However thin: a body of 2 mm right on the way, and a teammate head-on that needs 4 mm.
+TEST(CheckWay, StepsOverNothingThatIsAsThickAsStated) {
+  test::Random random(37);
+  SafetyLimits limits = open_limits();
+  for (int i = 0; i < 300; ++i) {
+    const HeldPlan plan = held(kStart, random.pose2(2.0), {{{1.0, 0.0}, 2.0, 0.0}, {{}, 0.1, 0.0}});
+    const Time meets = kStart + from_seconds(random.uniform(0.5, 1.5));
+    const OtherCourse body[] = {{nullptr, place_m(plan, meets)}};
+    limits.plan_separation_m = 0.001;
+    EXPECT_EQ(check_way(plan, kStart, limits, body), PlanVerdict::kTeammate) << i;
+    const HeldPlan comes = placed(held(kStart, {}, {{{1.0, 0.0}, 2.0, 0.0}, {{}, 0.1, 0.0}}), meets,
+                                  place_m(plan, meets).head<2>(), plan.start.yaw_rad + kPi);
+    const OtherCourse other[] = {{&comes, Eigen::Vector3d::Zero()}};
+    limits.plan_separation_m = 0.002;
+    EXPECT_EQ(check_way(plan, kStart, limits, other), PlanVerdict::kTeammate) << i;
+  }
+}
+
+// Signed distances by brute force over the points of a fine grid of the rectangle's edge.
+TEST(Distances, AreThoseToTheNearestPointOfTheEdge) {
+  test::Random random(34);
+  for (int i = 0; i < 300; ++i) {
+    models::World world;
+    const Eigen::Vector2d low_m = random.vector<2>(-1.0, 0.5);
+    const Eigen::Vector2d high_m = low_m + random.vector<2>(0.1, 1.5);
+    world.bounds = {low_m, high_m};
+    world.obstacles = {{{low_m, high_m}, 1.0}};
+    const Eigen::Vector2d p_m = random.vector<2>(-2.0, 2.0);
+    double edge_m = kInf;
+    for (int k = 0; k <= 2000; ++k) {
+      const Eigen::Vector2d at_m = low_m + k / 2000.0 * (high_m - low_m);
+      for (const Eigen::Vector2d& q_m :
+           {Eigen::Vector2d(at_m.x(), low_m.y()), Eigen::Vector2d(at_m.x(), high_m.y()),
+            Eigen::Vector2d(low_m.x(), at_m.y()), Eigen::Vector2d(high_m.x(), at_m.y())}) {
+        edge_m = std::min(edge_m, (p_m - q_m).norm());
+      }
+    }
+    const bool is_inside =
+        (p_m.array() > low_m.array()).all() && (p_m.array() < high_m.array()).all();
+    const double outside_m = is_inside ? -edge_m : edge_m;
+    EXPECT_NEAR(obstacle_distance_m(world, p_m), outside_m, 1e-3);
+    EXPECT_NEAR(fence_distance_m(world, p_m), -outside_m, 1e-3);
+  }
+}
+
+// ---- The same again, in a mirror, turned, later, under other names ----
+
+struct Scene {
+  HeldPlan plan;
+  Time now{};
+  std::array<HeldPlan, 2> plans;        // of teammates
+  std::vector<Eigen::Vector3d> bodies;  // without a plan
+  SafetyLimits limits;
+
+  [[nodiscard]] PlanVerdict verdict() const {
+    std::vector<OtherCourse> others = {{&plans[0], Eigen::Vector3d::Zero()},
+                                       {&plans[1], Eigen::Vector3d::Zero()}};
+    for (const Eigen::Vector3d& body_m : bodies) {
+      others.push_back({nullptr, body_m});
+    }
+    const PlanVerdict shape = check_shape(plan, limits);
+    return shape == PlanVerdict::kAccepted ? check_way(plan, now, limits, others) : shape;
+  }
+};
+
+Scene random_scene(test::Random& random) {
+  Scene scene;
+  scene.plan = random_plan(random, 1.0);
+  scene.now = kStart + from_seconds(random.uniform(-0.3, 0.3));
+  scene.plans = {random_plan(random, 1.0), random_plan(random, 1.0)};
+  scene.bodies = {random.vector<3>(-3.0, 3.0)};
+  scene.limits = bench_limits();
+  scene.limits.plan_separation_m = random.uniform(0.1, 0.6);
+  scene.limits.vehicle.radius_m = random.uniform(0.02, 0.25);
+  scene.limits.lateral_max_mps2 = random.uniform(1.5, 4.0);  // of the turns some are too tight
+  scene.limits.vehicle.yaw_rate_max_radps = random.uniform(2.0, 4.0);
+  return scene;
+}
+
+/// `of(x, y)` for every place, `yaw(yaw)` for every yaw, and turns by `sense`.
+template <class Place, class Yaw>
+Scene seen(Scene scene, const Place& of, const Yaw& yaw, double sense) {
+  const auto move = [&](HeldPlan& plan) {
+    const Eigen::Vector2d start_m = of(plan.start.x_m, plan.start.y_m);
+    plan.start = {start_m.x(), start_m.y(), wrap_to_pi(yaw(plan.start.yaw_rad))};
+    for (models::PlanSegment& segment : plan.segments) {
+      segment.control.yaw_rate_radps *= sense;
+    }
+  };
+  const auto turn = [&](models::Rectangle& box) {
+    const Eigen::Vector2d a_m = of(box.min_m.x(), box.min_m.y());
+    const Eigen::Vector2d b_m = of(box.max_m.x(), box.max_m.y());
+    box = {a_m.cwiseMin(b_m), a_m.cwiseMax(b_m)};
+  };
+  move(scene.plan);
+  for (HeldPlan& plan : scene.plans) {
+    move(plan);
+  }
+  for (Eigen::Vector3d& body_m : scene.bodies) {
+    body_m.head<2>() = of(body_m.x(), body_m.y());
+  }
+  turn(scene.limits.fence.bounds);
+  for (models::Obstacle& obstacle : scene.limits.fence.obstacles) {
+    turn(obstacle.footprint);
+  }
+  return scene;
+}
+
+TEST(PlanCheck, AnswersTheSameInAMirrorTurnedLaterAndWithOthersRenamed) {
+  test::Random random(35);
+  std::array<int, kPlanVerdicts> counts{};
+  for (int i = 0; i < 3000; ++i) {
+    const Scene scene = random_scene(random);
+    const PlanVerdict verdict = scene.verdict();
+    ++counts[static_cast<std::size_t>(verdict)];
+    const Scene mirrored = seen(
+        scene, [](double x, double y) { return Eigen::Vector2d(x, -y); },
+        [](double yaw) { return -yaw; }, -1.0);
+    EXPECT_EQ(mirrored.verdict(), verdict) << "left and right, " << i;
+    const Scene ahead = seen(
+        scene, [](double x, double y) { return Eigen::Vector2d(-x, y); },
+        [](double yaw) { return kPi - yaw; }, -1.0);
+    EXPECT_EQ(ahead.verdict(), verdict) << "east and west, " << i;
+    const Scene turned = seen(
+        scene, [](double x, double y) { return Eigen::Vector2d(-y, x); },
+        [](double yaw) { return yaw + 0.5 * kPi; }, 1.0);
+    EXPECT_EQ(turned.verdict(), verdict) << "a quarter turn, " << i;
+    const Eigen::Vector2d away_m = random.vector<2>(-50.0, 50.0);
+    const Scene elsewhere = seen(
+        scene,
+        [&](double x, double y) -> Eigen::Vector2d { return away_m + Eigen::Vector2d(x, y); },
+        [](double yaw) { return yaw; }, 1.0);
+    EXPECT_EQ(elsewhere.verdict(), verdict) << "elsewhere, " << i;
+    Scene later = scene;
+    const Duration shift = from_seconds(random.uniform(-1000.0, 1000.0));
+    later.now += shift;
+    later.plan.start_time += shift;
+    later.plans[0].start_time += shift;
+    later.plans[1].start_time += shift;
+    EXPECT_EQ(later.verdict(), verdict) << "at another time, " << i;
+    Scene renamed = scene;
+    std::swap(renamed.plans[0], renamed.plans[1]);
+    EXPECT_EQ(renamed.verdict(), verdict) << "others in another order, " << i;
+  }
+  for (const PlanVerdict verdict :
+       {PlanVerdict::kAccepted, PlanVerdict::kInfeasible, PlanVerdict::kOutsideFence,
+        PlanVerdict::kObstacle, PlanVerdict::kTeammate}) {
+    EXPECT_GT(counts[static_cast<std::size_t>(verdict)], 100) << name_of(verdict);
+  }
+}
+
+// Backwards is as good as forwards: the same places in the same time.
+TEST(PlanCheck, JudgesDrivingBackwardsAsDrivingTurnedRound) {
+  test::Random random(36);
+  for (int i = 0; i < 1000; ++i) {
+    const Scene scene = random_scene(random);
+    Scene back = scene;
+    for (HeldPlan* plan : {&back.plan, &back.plans[0], &back.plans[1]}) {
+      plan->start.yaw_rad = wrap_to_pi(plan->start.yaw_rad + kPi);
+      for (models::PlanSegment& segment : plan->segments) {
+        segment.control.speed_mps *= -1.0;
+      }
+    }
+    EXPECT_EQ(back.verdict(), scene.verdict()) << i;
+  }
+}
+
+// ---- Margins of a plan's shape, by bisection on both sides ----
+
+class ShapeEdges : public testing::Test {
+ protected:
+  PlanVerdict verdict(std::vector<models::PlanSegment> segments) const {
+    return check_shape(held(kStart, {}, std::move(segments)), limits);
+  }
+  bool accepts(std::vector<models::PlanSegment> segments) const {
+    return verdict(std::move(segments)) == PlanVerdict::kAccepted;
+  }
+  /// At `speed_mps`, turning, and then at rest.
+  bool turns(double speed_mps, double rate_radps) const {
+    return accepts({{{speed_mps, rate_radps}, 0.5, 0.0}, {{}, 0.1, 0.0}});
+  }
+
+  SafetyLimits limits = bench_limits();  // 1 m/s, 3 rad/s, 2 m/s²
+};
+
+TEST_F(ShapeEdges, TurnsAsTightAsItsLateralAccelerationToEitherSideForwardsAndBackwards) {
+  limits.lateral_max_mps2 = 1.2;
+  for (const double speed_mps : {0.8, -0.8}) {
+    for (const double side : {1.0, -1.0}) {
+      const double most = test::last_accepted(
+          0.0, 3.0, 1e-9, [&](double rate_radps) { return turns(speed_mps, side * rate_radps); });
+      EXPECT_NEAR(most, 1.5, 1e-5) << speed_mps << " " << side;
+    }
+  }
+}
+
+TEST_F(ShapeEdges, TurnsAndDrivesAsFastAsItsVehicle) {
+  for (const double sign : {1.0, -1.0}) {
+    const double rate_radps =
+        test::last_accepted(0.0, 10.0, 1e-9, [&](double w) { return turns(0.1, sign * w); });
+    EXPECT_NEAR(rate_radps, limits.vehicle.yaw_rate_max_radps, 1e-5);
+    const double speed_mps =
+        test::last_accepted(0.0, 10.0, 1e-9, [&](double v) { return turns(sign * v, 0.0); });
+    EXPECT_NEAR(speed_mps, limits.vehicle.speed_max_mps, 1e-5);
+  }
+}
+
+TEST_F(ShapeEdges, BrakesAsHardAsItsVehicleAndLongEnough) {
+  for (const double v : {1.0, -1.0}) {
+    const double brake_mps2 = test::last_accepted(1.0, 10.0, 1e-9, [&](double a) {
+      return accepts({{{v, 0.0}, 1.0, a}});
+    });
+    EXPECT_NEAR(brake_mps2, limits.vehicle.brake_mps2, 1e-5);
+    const double brake_s = test::last_accepted(1.0, 0.0, 1e-9, [&](double t_s) {
+      return accepts({{{v, 0.0}, t_s, 2.0}});
+    });
+    EXPECT_NEAR(brake_s, 0.5, 1e-5) << "1 m/s at 2 m/s²";
+    // Straight on while it brakes: nobody has worked out the way of a turn that slows.
+    for (const double side : {1.0, -1.0}) {
+      const double turn_radps = test::last_accepted(0.0, 1.0, 1e-9, [&](double w) {
+        return accepts({{{v, side * w}, 0.5, 2.0}});
+      });
+      EXPECT_NEAR(turn_radps, 1e-6, 1e-8);
+    }
+  }
+  EXPECT_EQ(verdict({{{0.0, 0.0}, 1.0, -0.1}}), PlanVerdict::kNotFinite) << "gaining speed";
+}
+
+TEST_F(ShapeEdges, ChangesItsSpeedByNoMoreThanTheWholeAndFromRestAtTheBeginning) {
+  for (const double sign : {1.0, -1.0}) {
+    const double change_mps = test::last_accepted(0.0, 1.0, 1e-9, [&](double v) {
+      return accepts({{{sign * 0.4, 0.0}, 0.5, 0.0}, {{-sign * v, 0.0}, 0.5, 0.0}, {{}, 0.1, 0.0}});
+    });
+    EXPECT_NEAR(change_mps, 0.6, 1e-5);
+  }
+}
+
+TEST_F(ShapeEdges, LastsAMinuteAtMostAndLiesWithinReach) {
+  const double rest_s = test::last_accepted(1.0, 1000.0, 1e-7, [&](double t_s) {
+    return accepts({{{}, 0.5 * t_s, 0.0}, {{}, 0.5 * t_s, 0.0}});
+  });
+  EXPECT_NEAR(rest_s, 60.0, 1e-6);
+  for (const double sign : {1.0, -1.0}) {
+    for (const int axis : {0, 1, 2}) {
+      const double far_m = test::last_accepted(0.0, 1e9, 1e-3, [&](double m) {
+        HeldPlan plan = held(kStart, {}, {});
+        (axis == 0 ? plan.start.x_m : axis == 1 ? plan.start.y_m : plan.height_m) = sign * m;
+        return check_shape(plan, limits) == PlanVerdict::kAccepted;
+      });
+      EXPECT_NEAR(far_m, 1e6, 1e-2) << axis;
+    }
+  }
+}
+
+TEST_F(ShapeEdges, FliesBetweenTheGroundAndTheCeiling) {
+  const auto accepts_height = [&](double height_m) {
+    HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
+    plan.height_m = height_m;
+    return check_way(plan, kStart, limits, {}) == PlanVerdict::kAccepted;
+  };
+  EXPECT_NEAR(test::last_accepted(1.0, -1.0, 1e-9, accepts_height), 0.0, 1e-8);
+  EXPECT_NEAR(test::last_accepted(1.0, 9.0, 1e-9, accepts_height), limits.fence.ceiling_m, 1e-8);
+}
+
+// What is behind the vehicle does not count any more: the last instant of a conflict that does.
+TEST_F(ShapeEdges, CountsFromNowOn) {
+  limits = open_limits();
+  const HeldPlan plan = held(kStart, {}, {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()});
+  const OtherCourse others[] = {{nullptr, {1.0, 0.3, 1.0}}};  // passed at 0.3 m after 1 s
+  limits.plan_separation_m = 0.5;                             // left at 1.4 m
+  const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
+    return check_way(plan, kStart + from_seconds(t_s), limits, others) == PlanVerdict::kAccepted;
+  });
+  EXPECT_NEAR(since_s, 1.4, 5e-6);
+}
+
+// Of several others each counts, whichever place it has in the list.
+TEST_F(ShapeEdges, KeepsFromEveryOtherOne) {
+  const HeldPlan plan = held(kStart, {1.0, -1.0, 0.0}, {});
+  for (std::size_t near = 0; near < 4; ++near) {
+    std::vector<OtherCourse> others(4, {nullptr, {1.0, 1.5, 1.0}});
+    EXPECT_EQ(check_way(plan, kStart, limits, others), PlanVerdict::kAccepted);
+    others[near].position_world_m = {1.3, -1.0, 1.0};
+    EXPECT_EQ(check_way(plan, kStart, limits, others), PlanVerdict::kTeammate) << near;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers

@@ -1,0 +1,271 @@
+#include "drivers/quadrotor/safety/plan_gate.hpp"
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "drivers/quadrotor/safety/inputs.hpp"
+#include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/allocation_counter.hpp"
+#include "test/support/bisect.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr double kSeparationM = 0.5;
+
+Time after(double t_s) { return kStart + from_seconds(t_s); }
+
+/// A gate of Q1, which hovers at (1, −1, 1) and looks nearly west, so that yaws pass ±π.
+class Gate : public testing::Test {
+ protected:
+  Gate() { course.stand({1.0, -1.0, 1.0}, kYawRad, kStart); }
+
+  /// A hover where the vehicle is, news of the planner `run`.
+  models::RobotPlan news(double start_s, std::int64_t run = 1) {
+    models::RobotPlan plan;
+    plan.robot = "Q1";
+    plan.round = ++sequence;
+    plan.trajectory.start_time = after(start_s);
+    plan.trajectory.start = {1.0, -1.0, kYawRad};
+    plan.trajectory.height_m = 1.0;
+    plan.stamp = {plan.trajectory.start_time, run, sequence};
+    return plan;
+  }
+  PlanVerdict judge(const models::RobotPlan& plan, double at_s) {
+    return gate.judge(plan, {may_take, course, height_m, others}, limits, after(at_s), held);
+  }
+  SafetyInputs report(double at_s) const {
+    SafetyInputs out;
+    gate.report(after(at_s), limits, out);
+    return out;
+  }
+  /// Of a gate that has heard nothing yet.
+  bool accepts_at_first(const models::RobotPlan& plan, double at_s) {
+    gate = PlanGate("Q1");
+    return judge(plan, at_s) == PlanVerdict::kAccepted;
+  }
+
+  static constexpr double kYawRad = 3.1;
+  SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");
+  Course course{0.25};
+  PlanGate gate{"Q1"};
+  bool may_take = true;
+  double height_m = 1.0;
+  std::vector<OtherCourse> others;
+  HeldPlan held;
+  std::int64_t sequence = 0;
+};
+
+TEST_F(Gate, TakesNewsAndSaysHowOldItIs) {
+  EXPECT_EQ(report(0.0).plan_age_s, kNever);
+  EXPECT_EQ(report(0.0).planner_age_s, kNever);
+  EXPECT_EQ(gate.round(), -1);
+  for (const double at_s : {1.0, 2.0}) {
+    const models::RobotPlan plan = news(at_s + 0.1);
+    EXPECT_EQ(judge(plan, at_s), PlanVerdict::kAccepted);
+    EXPECT_EQ(gate.round(), plan.round);
+    EXPECT_EQ(held.start_time, plan.trajectory.start_time);
+    EXPECT_DOUBLE_EQ(report(at_s + 0.7).plan_age_s, 0.7);
+    EXPECT_DOUBLE_EQ(report(at_s + 0.7).planner_age_s, 0.7);
+  }
+}
+
+// A plan may be late now and then: only so many in a row count, and a good one begins the row anew.
+TEST_F(Gate, CountsLatePlansInARowAndAGoodOneEndsTheRow) {
+  int expected[] = {1, 2, 0, 1, 2, 3, 0, 0, 1};
+  bool is_late[] = {true, true, false, true, true, true, false, false, true};
+  for (std::size_t i = 0; i < std::size(is_late); ++i) {
+    models::RobotPlan plan = news(0.1 * static_cast<double>(i));
+    plan.late = is_late[i];
+    EXPECT_EQ(judge(plan, 0.1 * static_cast<double>(i)), PlanVerdict::kAccepted);
+    EXPECT_EQ(report(1.0).plans_late, expected[i]) << i;
+  }
+  models::RobotPlan other = news(1.0, 2);
+  other.late = true;
+  EXPECT_EQ(judge(other, 1.0), PlanVerdict::kNoLease);
+  EXPECT_EQ(report(1.0).plans_late, 1) << "another planner's lateness is not ours";
+}
+
+TEST_F(Gate, CountsRefusalsInARowAndAnAcceptedPlanEndsTheRow) {
+  const auto refused = [&](double at_s) {
+    models::RobotPlan plan = news(at_s);
+    plan.trajectory.start.x_m += 1.0;
+    return judge(plan, at_s);
+  };
+  for (const double at_s : {0.0, 1.0}) {
+    EXPECT_EQ(judge(news(at_s), at_s), PlanVerdict::kAccepted);
+    EXPECT_EQ(report(at_s).plans_refused, 0);
+    EXPECT_EQ(refused(at_s + 0.1), PlanVerdict::kDiscontinuous);
+    EXPECT_EQ(report(at_s).plans_refused, 1);
+    EXPECT_EQ(refused(at_s + 0.2), PlanVerdict::kDiscontinuous);
+    EXPECT_EQ(report(at_s).plans_refused, 2);
+    models::RobotPlan of_another = news(at_s + 0.3);
+    of_another.robot = "Q2";
+    EXPECT_EQ(judge(of_another, at_s + 0.3), PlanVerdict::kWrongVehicle);
+    EXPECT_EQ(judge(news(at_s + 0.3, 2), at_s + 0.3), PlanVerdict::kNoLease);
+    may_take = false;
+    EXPECT_EQ(judge(news(at_s + 0.4), at_s + 0.4), PlanVerdict::kNotFollowing);
+    may_take = true;
+    EXPECT_EQ(report(at_s).plans_refused, 2)
+        << "none of these says anything of our planner's plans";
+  }
+}
+
+TEST_F(Gate, TakesEachPlanOnceAndNoneThatBeginsBeforeTheLast) {
+  for (const double at_s : {0.0, 1.0}) {
+    const models::RobotPlan first = news(at_s + 0.2);
+    EXPECT_EQ(judge(first, at_s), PlanVerdict::kAccepted);
+    EXPECT_EQ(judge(first, at_s), PlanVerdict::kStale) << "twice";
+    models::RobotPlan before = news(at_s + 0.3);
+    before.stamp.sequence = first.stamp.sequence - 1;
+    EXPECT_EQ(judge(before, at_s), PlanVerdict::kStale) << "overtaken";
+    EXPECT_EQ(judge(news(at_s + 0.2 - 1e-6), at_s), PlanVerdict::kStale) << "begins earlier";
+    EXPECT_EQ(judge(news(at_s + 0.2), at_s), PlanVerdict::kAccepted) << "the same start, but newer";
+  }
+}
+
+TEST_F(Gate, TakesANewPlannersNumbersFromTheBeginningOnceTheOldOneIsSilent) {
+  sequence = 1000;
+  EXPECT_EQ(judge(news(0.0, 1), 0.0), PlanVerdict::kAccepted);
+  for (std::int64_t run = 2; run <= 3; ++run) {
+    const double heard_s = (limits.planner_lease_s + 0.1) * static_cast<double>(run - 2);
+    sequence = 0;
+    EXPECT_EQ(judge(news(heard_s + 1.0, run), heard_s + 1.0), PlanVerdict::kNoLease);
+    EXPECT_TRUE(report(heard_s + 1.0).second_planner);
+    const double taken_s = heard_s + limits.planner_lease_s + 0.1;
+    EXPECT_EQ(judge(news(taken_s, run), taken_s), PlanVerdict::kAccepted);
+  }
+  EXPECT_EQ(gate.lease().takeovers(), 2);
+}
+
+TEST_F(Gate, TakesPlansOfNowOnly) {
+  const double past_s = test::last_accepted(
+      0.0, 60.0, 1e-7, [&](double ago_s) { return accepts_at_first(news(-ago_s), 0.0); });
+  EXPECT_NEAR(past_s, limits.plan_past_max_s, 2e-6);
+  const double ahead_s = test::last_accepted(
+      0.0, 60.0, 1e-7, [&](double in_s) { return accepts_at_first(news(in_s), 0.0); });
+  EXPECT_NEAR(ahead_s, limits.plan_future_max_s, 2e-6);
+  EXPECT_EQ(judge(news(-1.0), 0.0), PlanVerdict::kStale);
+  EXPECT_EQ(judge(news(6.0), 0.0), PlanVerdict::kTooFarAhead);
+}
+
+TEST_F(Gate, TakesPlansThatBeginWhereTheVehicleWillBe) {
+  for (const double side : {1.0, -1.0}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double off_m = test::last_accepted(0.0, 0.9, 1e-9, [&](double m) {
+        models::RobotPlan plan = news(0.0);
+        models::Trajectory& way = plan.trajectory;
+        (axis == 0 ? way.start.x_m : axis == 1 ? way.start.y_m : way.height_m) += side * m;
+        return accepts_at_first(plan, 0.0);
+      });
+      EXPECT_NEAR(off_m, limits.plan_start_tolerance_m, 1e-8) << side << " axis " << axis;
+    }
+    const double turn_rad = test::last_accepted(0.0, 2.0, 1e-9, [&](double rad) {
+      models::RobotPlan plan = news(0.0);
+      plan.trajectory.start.yaw_rad = wrap_to_pi(kYawRad + side * rad);
+      return accepts_at_first(plan, 0.0);
+    });
+    EXPECT_NEAR(turn_rad, limits.plan_start_turn_rad, 1e-8) << side;
+  }
+  // Its height is told from outside; the course does not know it.
+  height_m = 1.0 + limits.plan_start_tolerance_m + 1e-6;
+  EXPECT_FALSE(accepts_at_first(news(0.0), 0.0));
+}
+
+// A plan that has begun is judged from now on, one that has not from where it begins.
+TEST_F(Gate, LooksWhereThePlanIsNowOrWillBegin) {
+  HeldPlan drives;
+  drives.start_time = kStart;
+  drives.start = {1.0, -1.0, kPi};
+  drives.height_m = 1.0;
+  drives.count = 1;
+  drives.segments[0] = {{1.0, 0.0}, 3.0, 0.0};
+  course.follow(drives, kStart);
+  models::RobotPlan plan = news(0.0);
+  plan.trajectory.start.yaw_rad = kPi;
+  plan.trajectory.segments = {{{1.0, 0.0}, 1.0, 0.0}, {{}, 0.1, 0.0}};
+  plan.trajectory.start_time = after(0.6);
+  plan.trajectory.start.x_m = 1.0 - 0.6;
+  EXPECT_TRUE(accepts_at_first(plan, 0.0)) << "the course is there by then";
+  EXPECT_TRUE(accepts_at_first(plan, 0.9)) << "both have gone on";
+  plan.trajectory.start.x_m = 1.0;
+  EXPECT_FALSE(accepts_at_first(plan, 0.0));
+}
+
+TEST_F(Gate, KeepsFromTeammates) {
+  limits.plan_separation_m = kSeparationM;
+  others = {{nullptr, {1.0, -1.0 + kSeparationM + 0.01, 1.0}}};
+  EXPECT_EQ(judge(news(0.0), 0.0), PlanVerdict::kAccepted);
+  others[0].position_world_m.y() -= 0.02;
+  EXPECT_EQ(judge(news(0.1), 0.1), PlanVerdict::kTeammate);
+}
+
+TEST_F(Gate, CountsEachVerdictByItsName) {
+  const auto bad = [&](auto&& spoil) {
+    models::RobotPlan plan = news(0.1);
+    spoil(plan);
+    return plan;
+  };
+  for (int time = 1; time <= 2; ++time) {
+    EXPECT_EQ(judge(news(0.1), 0.0), PlanVerdict::kAccepted);
+    EXPECT_EQ(judge(bad([](auto& p) { p.robot = "Q2"; }), 0.0), PlanVerdict::kWrongVehicle);
+    EXPECT_EQ(judge(bad([](auto& p) { p.stamp.sequence = 0; }), 0.0), PlanVerdict::kStale);
+    EXPECT_EQ(judge(news(9.0), 0.0), PlanVerdict::kTooFarAhead);
+    EXPECT_EQ(judge(bad([](auto& p) { p.trajectory.segments.resize(100); }), 0.0),
+              PlanVerdict::kNotFinite);
+    EXPECT_EQ(judge(bad([](auto& p) {
+                      p.trajectory.segments = {{{9.0, 0.0}, 1.0, 0.0}};
+                    }),
+                    0.0),
+              PlanVerdict::kInfeasible);
+    EXPECT_EQ(judge(bad([](auto& p) {
+                      p.trajectory.segments = {{{1.0, 0.0}, 1.0, 0.0}};
+                    }),
+                    0.0),
+              PlanVerdict::kNoHover);
+    EXPECT_EQ(judge(news(0.1, 2), 0.0), PlanVerdict::kNoLease);
+    may_take = false;
+    EXPECT_EQ(judge(news(0.1), 0.0), PlanVerdict::kNotFollowing);
+    may_take = true;
+    EXPECT_EQ(judge(bad([](auto& p) { p.trajectory.start.y_m += 0.6; }), 0.0),
+              PlanVerdict::kDiscontinuous);
+    const auto leads_to = [&](double x_m, double y_m) {
+      const double way_m = std::hypot(x_m - 1.0, y_m + 1.0);
+      return bad([&](auto& p) {
+        p.trajectory.segments = {{{0.0, 3.0}, 0.0, 0.0}, {{1.0, 0.0}, way_m, 0.0}, {{}, 0.1, 0.0}};
+      });
+    };
+    EXPECT_EQ(judge(leads_to(-4.0, -1.0), 0.0), PlanVerdict::kOutsideFence);
+    const models::World room = limits.fence;
+    limits.fence.obstacles.push_back({{{-0.5, -1.2}, {-0.3, -0.8}}, 2.0});
+    EXPECT_EQ(judge(leads_to(-1.0, -1.0), 0.0), PlanVerdict::kObstacle);
+    limits.fence = room;
+    others = {{nullptr, {1.0, -0.9, 1.0}}};
+    EXPECT_EQ(judge(news(0.1), 0.0), PlanVerdict::kTeammate);
+    others.clear();
+    std::vector<models::NamedCount> counts;
+    gate.count(counts);
+    EXPECT_EQ(counts.size(), kPlanVerdicts - 1);
+    for (const models::NamedCount& count : counts) {
+      EXPECT_EQ(count.count, time) << count.name;
+    }
+  }
+}
+
+TEST_F(Gate, AllocatesNothing) {
+  models::RobotPlan plan = news(0.0);
+  plan.trajectory.segments = {{{0.5, 0.0}, 0.5, 0.0}, {{}, 0.1, 0.0}};
+  const test::AllocationCounter allocations;
+  const PlanVerdict verdict = judge(plan, 0.0);
+  EXPECT_EQ(allocations.count(), 0u);
+  EXPECT_EQ(verdict, PlanVerdict::kAccepted);
+}
+
+}  // namespace
+}  // namespace vantage::drivers
