@@ -43,9 +43,9 @@ std::vector<Vehicle*> vehicles_of(const models::Scenario& scenario,
   return vehicles;
 }
 
-std::vector<CollisionMonitor::Body> bodies_of(const std::vector<Vehicle*>& vehicles,
-                                              const std::vector<models::TargetSpec>& targets) {
-  std::vector<CollisionMonitor::Body> bodies;
+std::vector<models::CollisionMonitor::Body> bodies_of(
+    const std::vector<Vehicle*>& vehicles, const std::vector<models::TargetSpec>& targets) {
+  std::vector<models::CollisionMonitor::Body> bodies;
   for (const Vehicle* vehicle : vehicles) {
     bodies.push_back({vehicle->name(), vehicle->radius_m(), true});
   }
