@@ -281,6 +281,21 @@ TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
   EXPECT_TRUE(mentions(blocks, "Q3: battery for take-off"));
 }
 
+TEST(ArmingWatch, NamesMessagesOfAnotherVersion) {
+  bus::InProcessHub hub;
+  const auto link = hub.connect();
+  const auto link_watch = hub.connect();
+  bus::Bus watch_bus(*link_watch, 2);
+  const models::Scenario scenario = lab();
+  const ArmingWatch watch(watch_bus, scenario);
+  EXPECT_FALSE(mentions(watch.blocks(), "version"));
+  const std::vector<std::uint8_t> other_type(64, 7);
+  link->publish("PLAN_Q1", other_type);
+  link->publish("PLAN_Q1", other_type);
+  watch_bus.handle(std::chrono::microseconds(0));
+  EXPECT_TRUE(mentions(watch.blocks(), "2 messages on PLAN_Q1 are not of this version's types"));
+}
+
 TEST(CheckPreflight, RefusesWhatFlightSafetyWouldRefuseInFlight) {
   models::Scenario scenario = lab();
   scenario.planner.separation_m = 0.5;  // two radii
