@@ -23,7 +23,8 @@ std::vector<Quadrotor> quadrotors_of(const models::Scenario& scenario, std::uint
   std::vector<Quadrotor> quadrotors;
   for (const models::RobotSpec& robot : scenario.robots) {
     if (robot.device != models::DeviceSource::kReal && find(given, robot.name) == nullptr) {
-      quadrotors.emplace_back(robot, scenario.planner.tracking_tolerance_m, seed, start);
+      quadrotors.emplace_back(robot, scenario.planner.tracking_tolerance_m, seed, start,
+                              parameters_in(scenario.wind));
     }
   }
   return quadrotors;

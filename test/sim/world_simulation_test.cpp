@@ -46,6 +46,20 @@ TEST_P(LabFor300S, NothingTouches) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, LabFor300S, ::testing::Range(1, 5));
 
+TEST(WorldSimulation, BlowsOnWhatFliesByItself) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.wind = models::WindSpec{4.0, -2.0, 0.0};
+  WorldSimulation world(scenario, 1, kStart);
+  world.advance_to(kStart + std::chrono::seconds(20));
+  for (const Quadrotor& quadrotor : world.quadrotors()) {
+    const models::RobotSpec& robot = *scenario.find_robot(quadrotor.name());
+    const Eigen::Vector2d off_m = quadrotor.position_world_m().head<2>() - robot.start.position_m();
+    // It leans against a steady wind by lag · drag · wind / gain = 0.15 · 0.25 · w / 2.
+    EXPECT_NEAR(off_m.x(), 0.01875 * 4.0, 1e-3);
+    EXPECT_NEAR(off_m.y(), 0.01875 * -2.0, 1e-3);
+  }
+}
+
 std::vector<double> numbers_of(const models::TruthFrame& frame) {
   std::vector<double> numbers;
   for (const models::TruthBody& body : frame.bodies) {
