@@ -76,11 +76,15 @@ int run(const CheckArguments& arguments) {
     print_line(nlohmann::ordered_json{{"scenario", arguments.scenario},
                                       {"ready", preflight.is_ready()},
                                       {"understood", preflight.understood},
-                                      {"faults", preflight.faults}}
+                                      {"faults", preflight.faults},
+                                      {"notes", preflight.notes}}
                    .dump());
   } else {
     for (const std::string& line : preflight.understood) {
       print_line(line);
+    }
+    for (const std::string& note : preflight.notes) {
+      print_line("note: " + note);
     }
     for (const std::string& fault : preflight.faults) {
       fmt::print(stderr, "{}: {}\n", arguments.scenario, fault);
