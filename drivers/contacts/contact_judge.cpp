@@ -122,7 +122,7 @@ std::vector<models::NamedCount> ContactJudge::counters() const {
   const std::vector<models::NamedCount> all{{"contacts.gaps", gaps_},
                                             {"contacts.frames_out_of_order", out_of_order_},
                                             {"contacts.bodies_left_out", others_left_out_},
-                                                                                  {"contacts.judges_differ", monitor_.disagreements()}};
+                                            {"contacts.judges_differ", monitor_.disagreements()}};
   std::vector<models::NamedCount> out;
   std::copy_if(all.begin(), all.end(), std::back_inserter(out),
                [](const models::NamedCount& counter) { return counter.count != 0; });

@@ -13,7 +13,6 @@
 namespace vantage::models {
 namespace {
 
-
 constexpr Time kNow = from_utime(1'000'000);
 
 World lab() { return test::lab_scenario().world; }
