@@ -24,7 +24,7 @@ struct Channel {
 /// A second mocap, or a second simulation, takes nothing from those who hear the first.
 inline const Channel<models::MocapFrame> kVicon{"VICON", false, std::chrono::milliseconds(500)};
 inline const Channel<models::TruthFrame> kTruth{"TRUTH"};
-inline const Channel<models::ContactReport> kCollision{"COLLISION"};
+inline const Channel<models::ContactReport> kCollision{"COLLISION", true};  // sim and contacts
 inline const Channel<models::AttackNotice> kAttack{"ATTACK"};
 inline const Channel<models::OperatorCommand> kCommand{"COMMAND", true};  // any console
 inline const Channel<models::ScenarioNotice> kScenario{"SCENARIO"};

@@ -256,7 +256,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
     scenario.seed = seed->unsigned_integer();
   }
   top.section("world", [&](Mapping& from) { read_world(from, scenario.world); });
-  top.section("wind", [&](Mapping& from) { read_wind(from, scenario.wind); });
+  top.section("wind", [&](Mapping& from) { read_wind(from, scenario.wind.emplace()); });
   top.section("planner", [&](Mapping& from) { read_planner(from, scenario.planner); });
   read_mapping_spec(top, scenario);
   read_robots(top, scenario);

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <exception>
 #include <iostream>
+#include <new>
 
 #include "core/check.hpp"
 
@@ -35,6 +36,9 @@ int run_process(const std::string& name, const std::function<int()>& body) {
   } catch (const UsageError& e) {
     std::cerr << name << ": bad configuration: " << e.what() << '\n';
     return 2;
+  } catch (const std::bad_alloc&) {
+    std::cerr << name << ": out of memory\n";
+    return 1;
   } catch (const std::exception& e) {
     std::cerr << name << ": " << e.what() << '\n';
     return 1;

@@ -101,6 +101,9 @@ void MulticastSocket::open_sender(const UdpmAddress& address) {
   // Connecting sends nothing, but it looks for the route at once. A socket of its own, because a
   // connected one would keep the route even when the interface changes.
   const Descriptor probe(open_udp());
+  if (probe.fd() < 0) {
+    throw StartupError("LCM udpm: cannot make a socket: " + reason());
+  }
   if (connect(probe.fd(), as_sockaddr(group_), sizeof group_) != 0) {
     throw StartupError("LCM udpm: nothing can be sent to " + address.group + ": " + reason() +
                        ". Is there a multicast route? On one host: "

@@ -11,6 +11,7 @@ namespace vantage::bus::udpm {
 namespace {
 
 constexpr int kDatagramsPerHandle = 4096;
+constexpr std::int64_t kOvertimeNs = 5'000'000;  // beyond what the caller has given
 
 ReassemblyLimits limits_for(std::size_t message_bytes_max) {
   ReassemblyLimits limits;
@@ -91,6 +92,10 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
     if (const auto datagram = socket_.receive()) {
       ++datagrams;
       handled += take(*datagram);
+      // A flood must not keep the caller from its own work.
+      if (monotonic_ns() - deadline_ns > kOvertimeNs) {
+        break;
+      }
       continue;
     }
     const std::int64_t left_ns = deadline_ns - monotonic_ns();

@@ -19,7 +19,8 @@ class UdpmTransport : public Transport {
 
   void subscribe(const std::string& channel, Handler handler) override;
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override;
-  /// Takes at most 4096 datagrams, so that a flood cannot keep the caller.
+  /// Takes at most 4096 datagrams, and none once 5 ms more than `timeout` have passed, so that a
+  /// flood cannot keep the caller; what has arrived and is not taken waits for the next call.
   /// @throws UsageError when called from a handler.
   int handle(std::chrono::microseconds timeout) override;
   [[nodiscard]] TransportStats stats() const override;

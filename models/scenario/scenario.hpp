@@ -178,7 +178,8 @@ struct AttackSpec {
   std::vector<std::string> robots;
 };
 
-/// The air of a simulated lab.
+/// The air of a simulated lab, for all that flies in it. Without one each kind of simulated vehicle
+/// has light gusts of its own.
 struct WindSpec {
   double x_mps = 0.0;  ///< mean, along the world's axes
   double y_mps = 0.0;
@@ -191,7 +192,7 @@ struct Scenario {
   double duration_s = 300.0;
   std::uint64_t seed = 1;
   World world;
-  WindSpec wind;
+  std::optional<WindSpec> wind;
   std::vector<RobotSpec> robots;
   std::vector<TargetSpec> targets;
   TargetTruthSpec target_truth;

@@ -41,11 +41,13 @@ std::vector<std::unique_ptr<WireVehicle>> wires_of(const models::Scenario& scena
       const auto boot = static_cast<std::uint32_t>(to_utime(start) / 1'000'000);
       wires.push_back(std::make_unique<WireRover>(robot, boot, start));
     } else if (robot.firmware) {
-      wires.push_back(std::make_unique<WireFirmware>(
-          robot, scenario.wind, scenario.firmware_instance(robot), scenario.seed + i));
+      wires.push_back(
+          std::make_unique<WireFirmware>(robot, scenario.wind.value_or(models::WindSpec{}),
+                                         scenario.firmware_instance(robot), scenario.seed + i));
     } else {
       const auto system_id = static_cast<std::uint8_t>(i % 250 + 1);
-      wires.push_back(std::make_unique<WireQuadrotor>(robot, system_id, scenario.seed + i, start));
+      wires.push_back(std::make_unique<WireQuadrotor>(robot, scenario.wind, system_id,
+                                                      scenario.seed + i, start));
     }
   }
   return wires;

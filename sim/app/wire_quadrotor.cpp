@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/axes.hpp"
 #include "core/check.hpp"
 #include "models/wire/mavlink/messages.hpp"
 #include "models/wire/mavlink/vocabulary.hpp"
@@ -24,7 +25,8 @@ const models::AutopilotSpec& autopilot_of(const models::RobotSpec& robot) {
   return *robot.autopilot;
 }
 
-AutopilotEmulatorSpec spec_of(const models::RobotSpec& robot, std::uint8_t system_id,
+AutopilotEmulatorSpec spec_of(const models::RobotSpec& robot,
+                              const std::optional<models::WindSpec>& wind, std::uint8_t system_id,
                               std::uint64_t seed) {
   const models::AutopilotSpec& autopilot = autopilot_of(robot);
   AutopilotEmulatorSpec spec;
@@ -33,6 +35,7 @@ AutopilotEmulatorSpec spec_of(const models::RobotSpec& robot, std::uint8_t syste
       autopilot.system_id > 0 ? static_cast<std::uint8_t>(autopilot.system_id) : system_id;
   spec.start = lift(robot.start, 0.0);
   spec.seed = seed;
+  spec.airframe = airframe_in(wind);
   return spec;
 }
 
@@ -52,11 +55,21 @@ void add(const std::string& name, const LatencyRecord& record,
 
 }  // namespace
 
-WireQuadrotor::WireQuadrotor(const models::RobotSpec& robot, std::uint8_t system_id,
+AirframeParameters airframe_in(const std::optional<models::WindSpec>& wind) {
+  AirframeParameters out;
+  if (wind) {
+    out.wind_mean_mps = turn_axes(Eigen::Vector3d(wind->x_mps, wind->y_mps, 0.0));
+    out.wind_sigma_mps = wind->gust_sigma_mps;
+  }
+  return out;
+}
+
+WireQuadrotor::WireQuadrotor(const models::RobotSpec& robot,
+                             const std::optional<models::WindSpec>& wind, std::uint8_t system_id,
                              std::uint64_t seed, Time start)
     : name_(robot.name),
       radius_m_(robot.limits.radius_m),
-      emulator_(spec_of(robot, system_id, seed), step_at_or_before(start)),
+      emulator_(spec_of(robot, wind, system_id, seed), step_at_or_before(start)),
       socket_(autopilot_of(robot).url),
       stepped_(step_at_or_before(start)) {}
 

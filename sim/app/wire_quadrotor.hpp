@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,14 +16,17 @@
 
 namespace vantage::sim {
 
+/// The body of an emulated vehicle in that air; its own light gusts without one.
+AirframeParameters airframe_in(const std::optional<models::WindSpec>& wind);
+
 /// A quadrotor on the wire: an emulated autopilot, whose airframe is the vehicle's truth. It stands
 /// on the ground at the robot's start until the driver at the other end flies it.
 class WireQuadrotor : public WireVehicle {
  public:
   /// @throws StartupError for a robot without an `autopilot`, with one that cannot be emulated, or
   ///         a port that cannot be had.
-  WireQuadrotor(const models::RobotSpec& robot, std::uint8_t system_id, std::uint64_t seed,
-                Time start);
+  WireQuadrotor(const models::RobotSpec& robot, const std::optional<models::WindSpec>& wind,
+                std::uint8_t system_id, std::uint64_t seed, Time start);
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] double radius_m() const override { return radius_m_; }

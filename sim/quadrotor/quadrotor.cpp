@@ -14,6 +14,7 @@ namespace {
 using models::FlightState;
 
 constexpr double kGravityMps2 = 9.81;
+constexpr double kDragPerS = 0.25;       // deceleration over the speed through the air
 constexpr double kSegmentMaxS = 3600.0;  // keeps sums of durations far from the ends of Time
 
 bool is_sound(const models::Trajectory& trajectory) {
@@ -35,6 +36,15 @@ Eigen::Matrix<double, N, 1> cut(const Eigen::Matrix<double, N, 1>& x, double nor
 }
 
 }  // namespace
+
+QuadrotorParameters parameters_in(const std::optional<models::WindSpec>& wind) {
+  QuadrotorParameters out;
+  if (wind) {
+    out.wind_mean_mps2 = kDragPerS * Eigen::Vector2d(wind->x_mps, wind->y_mps);
+    out.wind_sigma_mps2 = kDragPerS * wind->gust_sigma_mps;
+  }
+  return out;
+}
 
 Quadrotor::Quadrotor(const models::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
                      Time start, const QuadrotorParameters& parameters)
@@ -137,7 +147,7 @@ void Quadrotor::fly(Time now, double dt_s) {
   const Eigen::Vector3d old_mps = velocity_mps_;
   velocity_mps_.head<2>() = first_order_lag<2>(velocity_mps_.head<2>(), v_cmd, p.velocity_lag_s,
                                                p.acceleration_max_mps2, dt_s) +
-                            wind_mps2_ * dt_s;
+                            (p.wind_mean_mps2 + wind_mps2_) * dt_s;
   velocity_mps_.z() =
       first_order_lag<1>(velocity_mps_.tail<1>(), Eigen::Matrix<double, 1, 1>(climb_cmd),
                          p.velocity_lag_s, p.acceleration_max_mps2, dt_s)(0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <random>
 
 #include <Eigen/Core>
@@ -26,10 +27,14 @@ struct QuadrotorParameters {
   double height_gain_per_s = 2.0;
   double corner_window_s = 0.12;  ///< the controller rounds corners over ± this time
   double command_reserve = 1.3;   ///< commands are cut at this multiple of the vehicle's limits
+  Eigen::Vector2d wind_mean_mps2 = Eigen::Vector2d::Zero();  ///< of the wind's acceleration
   double wind_sigma_mps2 = 0.15;  ///< 1σ of the wind's acceleration on each axis, cut at 3σ
   double wind_memory_s = 2.0;
   double endurance_s = 1200.0;  ///< battery from full to empty
 };
+
+/// A vehicle in that air, whose drag turns wind into acceleration; its own light gusts without one.
+QuadrotorParameters parameters_in(const std::optional<models::WindSpec>& wind);
 
 /// What became of a plan that was offered to a vehicle.
 enum class [[nodiscard]] PlanVerdict{

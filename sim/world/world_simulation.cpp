@@ -23,7 +23,8 @@ std::vector<Quadrotor> quadrotors_of(const models::Scenario& scenario, std::uint
   std::vector<Quadrotor> quadrotors;
   for (const models::RobotSpec& robot : scenario.robots) {
     if (robot.device != models::DeviceSource::kReal && find(given, robot.name) == nullptr) {
-      quadrotors.emplace_back(robot, scenario.planner.tracking_tolerance_m, seed, start);
+      quadrotors.emplace_back(robot, scenario.planner.tracking_tolerance_m, seed, start,
+                              parameters_in(scenario.wind));
     }
   }
   return quadrotors;
@@ -43,9 +44,9 @@ std::vector<Vehicle*> vehicles_of(const models::Scenario& scenario,
   return vehicles;
 }
 
-std::vector<CollisionMonitor::Body> bodies_of(const std::vector<Vehicle*>& vehicles,
-                                              const std::vector<models::TargetSpec>& targets) {
-  std::vector<CollisionMonitor::Body> bodies;
+std::vector<models::CollisionMonitor::Body> bodies_of(
+    const std::vector<Vehicle*>& vehicles, const std::vector<models::TargetSpec>& targets) {
+  std::vector<models::CollisionMonitor::Body> bodies;
   for (const Vehicle* vehicle : vehicles) {
     bodies.push_back({vehicle->name(), vehicle->radius_m(), true});
   }

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "models/contact/collision_monitor.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/scenario/scenario.hpp"
-#include "sim/collision/collision_monitor.hpp"
 #include "sim/quadrotor/quadrotor.hpp"
 #include "sim/vehicle.hpp"
 #include "sim/world/ground.hpp"
@@ -55,7 +55,7 @@ class WorldSimulation {
   [[nodiscard]] const MocapCamera& camera() const { return camera_; }
   [[nodiscard]] const std::vector<Quadrotor>& quadrotors() const { return quadrotors_; }
   [[nodiscard]] const Ground& ground() const { return ground_; }
-  [[nodiscard]] const CollisionMonitor& collisions() const { return collisions_; }
+  [[nodiscard]] const models::CollisionMonitor& collisions() const { return collisions_; }
 
  private:
   void step(Time to);
@@ -70,7 +70,7 @@ class WorldSimulation {
   std::vector<Vehicle*> vehicles_;  ///< both kinds, in the scenario's order
   Ground ground_;
   MocapCamera camera_;
-  CollisionMonitor collisions_;
+  models::CollisionMonitor collisions_;
   std::vector<Eigen::Vector3d> centres_m_;
   std::vector<models::ContactReport> contacts_;
 };

@@ -305,6 +305,20 @@ attacks:
   refused("to_s: 5, robots", "robots");         // no end
 }
 
+TEST(ParseScenario, KnowsAStatedWindFromNone) {
+  const std::string text = R"(name: windy
+world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
+robots: [{name: A, start: {x_m: 2, y_m: 5}, primitives: lab, sensor: {kind: position}}]
+)";
+  EXPECT_FALSE(parse_scenario(text, "windy").wind.has_value());
+  const auto wind = parse_scenario(text + "wind: {x_mps: 1.5, y_mps: -1}\n", "windy").wind;
+  ASSERT_TRUE(wind.has_value());
+  EXPECT_EQ(wind->x_mps, 1.5);
+  EXPECT_EQ(wind->y_mps, -1.0);
+  EXPECT_EQ(wind->gust_sigma_mps, 0.1);
+  EXPECT_THROW((void)parse_scenario(text + "wind: {x_mps: 31}\n", "windy"), StartupError);
+}
+
 TEST(ParseScenario, ReadsWhatMotionCostsAndHowTheTeamAgrees) {
   const std::string text = R"(name: energy
 world:

@@ -1,6 +1,7 @@
 #include "core/process.hpp"
 
 #include <csignal>
+#include <new>
 
 #include <gtest/gtest.h>
 
@@ -32,6 +33,12 @@ TEST(RunProcess, TellsAFailedStartFromAFailedRun) {
   EXPECT_NE(words.find("q must be ≥ 0"), std::string::npos);
   EXPECT_EQ(exit_code_of([]() -> int { throw std::runtime_error("link lost"); }, &words), 1);
   EXPECT_EQ(words, "vantage-test: link lost\n");
+}
+
+TEST(RunProcess, SaysThatMemoryIsShort) {
+  std::string words;
+  EXPECT_EQ(exit_code_of([]() -> int { throw std::bad_alloc(); }, &words), 1);
+  EXPECT_EQ(words, "vantage-test: out of memory\n");
 }
 
 TEST(RunProcess, HearsTheRequestToEnd) {

@@ -1,8 +1,8 @@
 #!/bin/bash
 # kill9.sh BIN_DIR SCENARIO: flies SCENARIO and kills (signal 9) one process of each kind in turn,
-# the logger too. Each must be started again, all robots must go on planning, the log must be whole
-# and hold what was published last, and what was lost must be said. To be run in a network of its
-# own: in_network.sh kill9.sh …
+# the logger too, and stops (SIGSTOP) another. Each must be started again, all robots must go on
+# planning, the log must be whole and hold what was published last, and what was lost must be said.
+# To be run in a network of its own: in_network.sh kill9.sh …
 . "$(dirname "$0")/up_support.sh"
 
 start_witness
@@ -11,10 +11,10 @@ start_witness
 until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
 
 kill_and_see() {
-  local pattern=$1 old new plans
+  local pattern=$1 signal=${2:-9} old new plans
   old=$(child_of "$up" "$pattern")
   [[ -n $old ]] || fail "no process '$pattern'"
-  kill -9 "$old"
+  kill "-$signal" "$old"
   new_one() { new=$(child_of "$up" "$pattern"); [[ -n $new && $new != "$old" ]]; }
   until_true 20 new_one || fail "'$pattern' is not started again"
   plans=$(plans_in "$dir/witness.lcmlog")
@@ -26,6 +26,9 @@ kill_and_see 'vantage-sensor .*--robot Q1'
 kill_and_see 'vantage-estimator .*--robot Q2'
 kill_and_see 'vantage-planner .*--robot Q3'
 kill_and_see 'lcm-logger '
+# Stopped, not killed: it holds its place and does nothing.
+kill_and_see 'vantage-planner .*--robot Q1' STOP
+grep -q 'planner Q1 gives no sign of life' "$dir/up.err" || fail "nobody noticed the stopped planner"
 
 status=0
 kill -INT "$up"
@@ -38,11 +41,12 @@ python3 - "$dir/up.json" <<'PYTHON' || fail "the report is wrong"
 import json, sys
 report = json.loads(open(sys.argv[1]).readlines()[-1])
 fallen = {p["name"]: p for p in report["processes"]}
-assert set(fallen) == {"sim", "sensor Q1", "estimator Q2", "planner Q3", "lcm-logger"}, fallen
+assert set(fallen) == {"sim", "sensor Q1", "estimator Q2", "planner Q1", "planner Q3",
+                       "lcm-logger"}, fallen
 for name, process in fallen.items():
     assert process["restarts"] == 1 and process["last_end"] == "signal 9", process
     assert 0 < process["down_s"] < 10, process
-assert report["restarts"] == 5 and report["given_up"] == [] and report["killed"] == []
+assert report["restarts"] == 6 and report["given_up"] == [] and report["killed"] == []
 assert report["ended_badly"] == []
 assert report["world_restarts"] == 1
 assert report["log"]["restarts"] == 1 and report["log"]["is_to_the_end"]

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/deadline.hpp"
 #include "test/integration/network_support.hpp"
 
 // What the kernel refuses, drops and takes away is seen and counted.
@@ -32,6 +33,30 @@ TEST(UdpmLink, CountsEveryDatagramTheSocketHadNoRoomFor) {
     dropped = receiver->stats().kernel_drops;
     EXPECT_EQ(static_cast<std::int64_t>(heard.size()) + dropped, burst * (kSent + 1)) << burst;
   }
+}
+
+// A flood on a channel that is heard leaves the caller its own work: a handler that takes a
+// millisecond is not called as often as there are messages.
+TEST(UdpmLink, GivesControlBackWhileAFloodGoesOn) {
+  constexpr int kSent = 200;
+  const auto sender = bus::open_transport(test::kUrl);
+  const auto receiver = bus::open_transport(test::kUrl);
+  int heard = 0;
+  receiver->subscribe("X", [&heard](std::string_view, std::span<const std::uint8_t>) {
+    ++heard;
+    const std::int64_t until_ns = monotonic_ns() + 1'000'000;
+    while (monotonic_ns() < until_ns) {
+    }
+  });
+  for (int i = 0; i < kSent; ++i) {
+    ASSERT_TRUE(sender->publish("X", Bytes(100)));
+  }
+  const int first = receiver->handle(std::chrono::microseconds{0});
+  EXPECT_GT(first, 0);
+  EXPECT_LE(first, 6) << "5 ms beyond what the caller gave it";
+  while (receiver->handle(std::chrono::microseconds{0}) > 0) {
+  }
+  EXPECT_EQ(heard + receiver->stats().kernel_drops, kSent) << "the rest waits, nothing is lost";
 }
 
 TEST(UdpmLink, SaysHowMuchOfTheReceiveBufferWasNotGranted) {

@@ -18,7 +18,7 @@ inline models::Scenario lab_scenario() {
   scenario.world.obstacles = {{{{1.0, 2.5}, {1.5, 3.0}}, 0.5}, {{{2.5, 5.0}, {3.0, 5.5}}, 0.5}};
   for (int i = 0; i < 3; ++i) {
     models::RobotSpec robot;
-    robot.name = "Q" + std::to_string(i + 1);
+    robot.name = std::string("Q").append(std::to_string(i + 1));
     robot.start = {1.0 + i, 1.0, kPi / 2};
     robot.height_m = 1.0 + 0.5 * i;
     robot.primitives = models::lab_primitives();
@@ -31,7 +31,7 @@ inline models::Scenario lab_scenario() {
   }
   for (int i = 0; i < 5; ++i) {
     models::TargetSpec target;
-    target.name = "ROVER" + std::to_string(i + 1);
+    target.name = std::string("ROVER").append(std::to_string(i + 1));
     target.id = i;
     scenario.targets.push_back(target);
   }

@@ -84,7 +84,7 @@ models::RobotSpec robot_at(const std::string& url) {
 TEST(WireQuadrotor, StandsAtItsStartAndSpeaksToTheDriversPort) {
   DriverPort port;
   const models::RobotSpec robot = robot_at(port.url());
-  WireQuadrotor vehicle(robot, 7, 1, kStart);
+  WireQuadrotor vehicle(robot, {}, 7, 1, kStart);
   Time now = kStart;
   std::vector<wire::Frame> heard;
   for (int k = 0; k < 410; ++k, now += Duration{5'000}) {
@@ -107,7 +107,7 @@ TEST(WireQuadrotor, StandsAtItsStartAndSpeaksToTheDriversPort) {
 
 TEST(WireQuadrotor, HearsItsDriverAndMeasuresHowOldThePosesAre) {
   DriverPort port;
-  WireQuadrotor vehicle(robot_at(port.url()), 1, 1, kStart);
+  WireQuadrotor vehicle(robot_at(port.url()), {}, 1, 1, kStart);
   vehicle.step(kStart, 0.005);
   vehicle.exchange(kStart + Duration{5'000});
   ASSERT_FALSE(port.frames().empty());
@@ -135,13 +135,13 @@ TEST(WireQuadrotor, HearsItsDriverAndMeasuresHowOldThePosesAre) {
 
 TEST(WireQuadrotor, RefusesWhatCannotBeSimulatedOnTheWire) {
   models::RobotSpec robot = test::lab_scenario().robots[0];
-  EXPECT_THROW(WireQuadrotor(robot, 1, 1, kStart), StartupError);  // no autopilot
+  EXPECT_THROW(WireQuadrotor(robot, {}, 1, 1, kStart), StartupError);  // no autopilot
   for (const char* url : {"", "serial:/dev/ttyUSB0:921600", "udp://127.0.0.1", "udp://:0"}) {
-    EXPECT_THROW(WireQuadrotor(robot_at(url), 1, 1, kStart), StartupError) << url;
+    EXPECT_THROW(WireQuadrotor(robot_at(url), {}, 1, 1, kStart), StartupError) << url;
   }
   robot = robot_at("udp://127.0.0.1:14540");
   robot.autopilot->key_file = "key";
-  EXPECT_THROW(WireQuadrotor(robot, 1, 1, kStart), StartupError);
+  EXPECT_THROW(WireQuadrotor(robot, {}, 1, 1, kStart), StartupError);
 }
 
 TEST(LatencyRecord, GivesPercentilesToTheWidthOfABin) {
@@ -156,6 +156,21 @@ TEST(LatencyRecord, GivesPercentilesToTheWidthOfABin) {
   record.add(std::chrono::seconds(7));
   EXPECT_EQ(record.max_us(), 7'000'000);
   EXPECT_EQ(record.percentile_us(1.0), 7'000'000);
+}
+
+TEST(WireQuadrotor, DriftsWithTheScenariosWind) {
+  const models::WindSpec wind{2.0, 1.0, 0.0};
+  Airframe body(airframe_in(wind), 1, {0.0, 0.0, 0.0}, 0.0);
+  const Eigen::Vector3d upward(0.0, 0.0, -0.5);  // z down
+  for (int k = 0; k < 600; ++k) {
+    body.step(true, upward, 0.0, 0.005);
+  }
+  ASSERT_FALSE(body.is_on_ground());
+  // After 3 s, some of which it stands: at most 1 − e^(−0.25 · 3) of the wind; the local y is ours
+  // turned.
+  EXPECT_GT(body.velocity_mps().x(), 0.5);
+  EXPECT_LT(body.velocity_mps().x(), 0.53 * 2.0);
+  EXPECT_NEAR(body.velocity_mps().y(), -0.5 * body.velocity_mps().x(), 1e-6);
 }
 
 }  // namespace

@@ -46,6 +46,21 @@ TEST_P(LabFor300S, NothingTouches) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, LabFor300S, ::testing::Range(1, 5));
 
+TEST(WorldSimulation, BlowsOnWhatFliesByItself) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.wind = models::WindSpec{4.0, -2.0, 0.0};
+  WorldSimulation world(scenario, 1, kStart);
+  world.advance_to(kStart + std::chrono::seconds(20));
+  for (const Quadrotor& quadrotor : world.quadrotors()) {
+    const models::RobotSpec& robot = *scenario.find_robot(quadrotor.name());
+    const Eigen::Vector2d off_m = quadrotor.position_world_m().head<2>() - robot.start.position_m();
+    // It gives way to a steady wind by drag · wind · (lag + half a step) / gain.
+    const double per_mps_s = 0.25 * (0.15 + 0.0025) / 2.0;
+    EXPECT_NEAR(off_m.x(), per_mps_s * 4.0, 1e-4);
+    EXPECT_NEAR(off_m.y(), per_mps_s * -2.0, 1e-4);
+  }
+}
+
 std::vector<double> numbers_of(const models::TruthFrame& frame) {
   std::vector<double> numbers;
   for (const models::TruthBody& body : frame.bodies) {

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <chrono>
+#include <functional>
+#include <memory>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +11,7 @@
 #include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
 #include "tools/console/console.hpp"
+#include "tools/up/log_space.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -103,6 +106,144 @@ TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
   }
 }
 
+TEST(OperatorDesk, ShowsThatTheLogIsNotWritten) {
+  bus::InProcessHub hub;
+  const auto link_desk = hub.connect();
+  const auto link_up = hub.connect();
+  bus::Bus desk_bus(*link_desk, 11);
+  bus::Bus up_bus(*link_up, 12);
+  OperatorDesk desk(desk_bus, false, kStart);
+  LogWatch log(300e3);
+  const auto tell = [&](Time now, std::uint64_t size_bytes) {
+    (void)log.look({size_bytes, 0}, now);
+    up_bus.publish(bus::health_channel(kLogHealth), log.health(now));
+    (void)desk.tick(now);
+    desk_bus.handle(std::chrono::microseconds(0));
+    return mentions(desk.vehicle_table(now, ""), "the log is not written");
+  };
+  EXPECT_FALSE(tell(kStart, 1000));
+  EXPECT_TRUE(tell(kStart + std::chrono::seconds(3), 1000));
+  EXPECT_FALSE(desk.is_log_lost(kStart + std::chrono::seconds(7))) << "nobody says so any more";
+  EXPECT_FALSE(tell(kStart + std::chrono::seconds(8), 2000));
+}
+
+// Of a partition in one direction each end knows by itself: vehicles by the heartbeat that fails to
+// come (fault 17), the operator by the vehicles' silence.
+TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
+  bus::InProcessHub hub;
+  const auto link_desk = hub.connect();
+  const auto link_vehicle = hub.connect();
+  bus::Bus desk_bus(*link_desk, 11);
+  bus::Bus vehicle(*link_vehicle, 13);
+  OperatorDesk desk(desk_bus, false, kStart);
+  models::VehicleStatus status;
+  status.robot = "Q1";
+  status.state = models::FlightState::kFollow;
+  status.stamp.time = kStart;
+  vehicle.publish(bus::quadrotor_channel("Q1"), status);
+  desk_bus.handle(std::chrono::microseconds(0));
+  EXPECT_TRUE(mentions(desk.vehicle_table(kStart + from_seconds(0.9), ""), "follow"));
+  const auto later = desk.vehicle_table(kStart + from_seconds(1.1), "");
+  EXPECT_TRUE(mentions(later, "SILENT"));
+  EXPECT_FALSE(mentions(later, "follow"));
+}
+
+/// A station in charge whose datagrams are lost while `is_lossy` says so.
+struct LossyDesk {
+  bus::InProcessHub hub;
+  std::unique_ptr<bus::Transport> desk_link = hub.connect();
+  std::unique_ptr<bus::Transport> vehicle_link = hub.connect();
+  bus::Bus desk_bus{*desk_link, 11};
+  bus::Bus vehicle{*vehicle_link, 13};
+  OperatorDesk desk{desk_bus, false, kStart};
+  std::function<bool(Time)> is_lossy = [](Time) { return false; };
+  std::vector<models::OperatorCommand> heard;
+  Time now = kStart;
+
+  LossyDesk() {
+    vehicle.subscribe<models::OperatorCommand>(bus::kCommand,
+                                               [this](const models::OperatorCommand& command) {
+                                                 if (!is_lossy(now)) {
+                                                   heard.push_back(command);
+                                                 }
+                                               });
+    pass(1.0);
+  }
+  void pass(double seconds) {
+    const Time end = now + from_seconds(seconds);
+    while (now < end) {
+      now += std::chrono::milliseconds(10);
+      (void)desk.tick(now);
+      vehicle.handle(std::chrono::microseconds(0));
+    }
+  }
+  void send(OperatorAction action, const std::string& robot = "") {
+    EXPECT_TRUE(desk.send(now, action, robot));
+    vehicle.handle(std::chrono::microseconds(0));
+  }
+  std::int64_t count(OperatorAction action, const std::string& robot = "") const {
+    return std::count_if(heard.begin(), heard.end(), [&](const models::OperatorCommand& command) {
+      return command.action == action && command.robot == robot;
+    });
+  }
+};
+
+TEST(OperatorDesk, IsHeardThoughHalfASecondOfDatagramsIsLost) {
+  for (const OperatorAction action :
+       {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
+    LossyDesk lab;
+    const Time given = lab.now;
+    lab.is_lossy = [given](Time now) { return now - given < std::chrono::milliseconds(500); };
+    lab.send(action);
+    lab.pass(0.49);
+    EXPECT_EQ(lab.count(action), 0);
+    lab.pass(0.5);
+    ASSERT_GE(lab.count(action), 1);
+    EXPECT_EQ(lab.heard.back().action, OperatorAction::kHeartbeat) << "the station goes on";
+    EXPECT_FALSE(lab.desk.is_saying());
+  }
+}
+
+TEST(OperatorDesk, SaysTheSameOrderAgainAndNotForEver) {
+  LossyDesk lab;
+  const Time given = lab.now;
+  lab.send(OperatorAction::kEmergencyStop, "Q1");
+  lab.pass(0.06);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), 2) << "the second comes soon";
+  lab.pass(10.0);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), OperatorDesk::kSaid);
+  for (const models::OperatorCommand& command : lab.heard) {
+    if (command.action == OperatorAction::kEmergencyStop) {
+      EXPECT_EQ(command.stamp.time, given);
+    }
+  }
+  lab.heard.clear();
+  lab.send(OperatorAction::kArm);
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kArm), 1) << "what makes nothing safer is said once";
+}
+
+TEST(OperatorDesk, DoesNotSayAgainWhatALaterOrderHasUndone) {
+  LossyDesk lab;
+  lab.send(OperatorAction::kHold);
+  lab.send(OperatorAction::kFollow, "Q1");
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kHold), 1);
+  lab.send(OperatorAction::kHold, "Q2");
+  lab.send(OperatorAction::kFollow, "Q1");
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kHold, "Q2"), OperatorDesk::kSaid) << "Q1 is another";
+  lab.send(OperatorAction::kEmergencyStop);
+  lab.send(OperatorAction::kArm, "Q1");
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), OperatorDesk::kSaid);
+  lab.heard.clear();
+  lab.send(OperatorAction::kEmergencyStop);
+  lab.send(OperatorAction::kArm);
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), 1);
+}
+
 TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
   bus::InProcessHub hub;
   const auto link = hub.connect();
@@ -138,6 +279,21 @@ TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
   EXPECT_EQ(blocks.size(), 2U);
   EXPECT_TRUE(mentions(blocks, "Q2: mocap shows no body"));
   EXPECT_TRUE(mentions(blocks, "Q3: battery for take-off"));
+}
+
+TEST(ArmingWatch, NamesMessagesOfAnotherVersion) {
+  bus::InProcessHub hub;
+  const auto link = hub.connect();
+  const auto link_watch = hub.connect();
+  bus::Bus watch_bus(*link_watch, 2);
+  const models::Scenario scenario = lab();
+  const ArmingWatch watch(watch_bus, scenario);
+  EXPECT_FALSE(mentions(watch.blocks(), "version"));
+  const std::vector<std::uint8_t> other_type(64, 7);
+  link->publish("PLAN_Q1", other_type);
+  link->publish("PLAN_Q1", other_type);
+  watch_bus.handle(std::chrono::microseconds(0));
+  EXPECT_TRUE(mentions(watch.blocks(), "2 messages on PLAN_Q1 are not of this version's types"));
 }
 
 TEST(CheckPreflight, RefusesWhatFlightSafetyWouldRefuseInFlight) {

@@ -57,5 +57,46 @@ TEST(CheckPreflight, RefusesATargetThatStartsInAnObstacle) {
   EXPECT_NE(only_fault(scenario).find(scenario.targets[2].name), std::string::npos);
 }
 
+// Three quadrotors behind drivers, 1 m/s, 2 m/s², radius 0.25 m; 0.6 m apart, 0.1 m from walls.
+models::Scenario lab_hil() { return bus::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-hil.yaml"); }
+
+std::string all_of(const std::vector<std::string>& lines) {
+  std::string out;
+  for (const std::string& line : lines) {
+    out += line + "\n";
+  }
+  return out;
+}
+
+TEST(CheckPreflight, NotesWhatADriverThatDiesInMotionNeeds) {
+  models::Scenario scenario = lab_hil();
+  scenario.planner.separation_m = 0.6;
+  scenario.planner.obstacle_margin_m = 0.1;
+  const Preflight preflight = check_preflight(scenario);
+  EXPECT_TRUE(preflight.is_ready()) << "it is told, not refused";
+  ASSERT_EQ(preflight.notes.size(), 1U);
+  const std::string& note = preflight.notes[0];
+  EXPECT_NE(note.find("at 1 m/s"), std::string::npos) << note;
+  EXPECT_NE(note.find("0.30 m beyond"), std::string::npos) << note;
+  EXPECT_NE(note.find("planner.separation_m 0.90 (is 0.6)"), std::string::npos) << note;
+  EXPECT_NE(note.find("planner.obstacle_margin_m 0.40 (is 0.1)"), std::string::npos) << note;
+  scenario.planner.separation_m = 0.9;
+  EXPECT_EQ(all_of(check_preflight(scenario).notes).find("separation_m"), std::string::npos);
+  scenario.planner.obstacle_margin_m = 0.4;
+  EXPECT_TRUE(check_preflight(scenario).notes.empty());
+  scenario = lab();
+  EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "nobody drives them";
+}
+
+TEST(CheckPreflight, NotesAWindThatBlowsOnNothing) {
+  models::Scenario scenario = lab();
+  scenario.wind = models::WindSpec{1.5, 0.0, 0.1};
+  EXPECT_TRUE(check_preflight(scenario).notes.empty());
+  for (models::RobotSpec& robot : scenario.robots) {
+    robot.device = models::DeviceSource::kReal;
+  }
+  EXPECT_NE(all_of(check_preflight(scenario).notes).find("wind: x_mps 1.5"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace vantage::tools

@@ -38,6 +38,23 @@ TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
                            [](const ProcessSpec& process) { return process.name == "sim"; }));
 }
 
+TEST(ProcessPlan, HasAJudgeOfContactsWhereTheMocapIsWhenARobotIsReal) {
+  models::Scenario scenario = two_robots();
+  scenario.mocap.device = models::DeviceSource::kReal;
+  const auto judges_at = [&scenario](const std::string& host) {
+    const auto plan = process_plan(scenario, {".", "s.yaml", "", host});
+    return std::count_if(plan.begin(), plan.end(), [](const ProcessSpec& process) {
+      return process.name == "contacts" && process.arguments.front() == "./vantage-contacts";
+    });
+  };
+  EXPECT_EQ(judges_at(""), 0) << "the simulator judges its own";
+  scenario.robots[1].device = models::DeviceSource::kReal;
+  EXPECT_EQ(judges_at(""), 1);
+  scenario.hosts = {{"LAB", {models::kMocapPart}}, {"AIR", {"Q1", "Q2"}}};
+  EXPECT_EQ(judges_at("LAB"), 1);
+  EXPECT_EQ(judges_at("AIR"), 0);
+}
+
 models::Scenario on_the_wire() {
   models::Scenario scenario = two_robots();
   scenario.mocap.device = models::DeviceSource::kWire;

@@ -36,6 +36,14 @@ TEST(UpReport, NamesARestartThoughItSpoilsNothing) {
   EXPECT_EQ(json["processes"][0]["last_end"], "signal 9");
 }
 
+TEST(UpReport, IsNotGoodWhenTheLogCouldNotBeWritten) {
+  UpResult result;
+  result.log_was_unwritten = true;
+  EXPECT_FALSE(is_good(result));
+  EXPECT_EQ(remarks(result), std::vector<std::string>{"log: it could not be written for a while"});
+  EXPECT_EQ(to_json(result)["log"]["was_unwritten"], true);
+}
+
 TEST(UpReport, SaysWhyAProcessWasKilled) {
   UpResult result;
   result.killed = {"sim"};

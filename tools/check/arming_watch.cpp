@@ -1,10 +1,16 @@
 #include "tools/check/arming_watch.hpp"
 
+#include <string_view>
+
 #include <fmt/format.h>
 
 namespace vantage::tools {
 
-ArmingWatch::ArmingWatch(bus::Bus& bus, const models::Scenario& scenario) : scenario_(scenario) {
+ArmingWatch::ArmingWatch(bus::Bus& bus, const models::Scenario& scenario)
+    : bus_(bus), scenario_(scenario) {
+  // Heard so that what does not decode is counted.
+  bus.subscribe<models::RobotPlan>(bus::plan_channel("*"), [](const models::RobotPlan&) {});
+  bus.subscribe<models::ScenarioNotice>(bus::kScenario, [](const models::ScenarioNotice&) {});
   bus.subscribe<models::VehicleStatus>(
       bus::quadrotor_channel("*"),
       [this](const models::VehicleStatus& status) { vehicles_[status.robot] = status; });
@@ -28,6 +34,14 @@ std::vector<std::string> ArmingWatch::blocks() const {
   }
   if (heartbeats_ == 0) {
     out.emplace_back("no operator's heartbeat was heard on COMMAND: start vantage console");
+  }
+  for (const models::NamedCount& counter : bus_.counters()) {
+    constexpr std::string_view kUndecoded = ".decode_errors";
+    if (counter.name.ends_with(kUndecoded)) {
+      out.push_back(fmt::format(
+          "{} messages on {} are not of this version's types: somebody runs another version",
+          counter.count, counter.name.substr(0, counter.name.size() - kUndecoded.size())));
+    }
   }
   for (const models::RobotSpec& robot : scenario_.robots) {
     const auto shown = frames_with_.find(robot.name);

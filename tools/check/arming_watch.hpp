@@ -12,11 +12,11 @@
 namespace vantage::tools {
 
 /// Listens to a running system and says what keeps each vehicle from being armed: bodies that mocap
-/// does not show, drivers that are silent, an operator who is missing, and what each driver gives
-/// as its reasons.
+/// does not show, drivers that are silent, an operator who is missing, messages of another version
+/// of the message types, and what each driver gives as its reasons.
 class ArmingWatch {
  public:
-  /// `scenario` must outlive it.
+  /// `bus` and `scenario` must outlive it.
   ArmingWatch(bus::Bus& bus, const models::Scenario& scenario);
   ArmingWatch(const ArmingWatch&) = delete;
   ArmingWatch& operator=(const ArmingWatch&) = delete;
@@ -28,6 +28,7 @@ class ArmingWatch {
   [[nodiscard]] std::vector<std::string> blocks() const;
 
  private:
+  const bus::Bus& bus_;
   const models::Scenario& scenario_;
   std::map<std::string, models::VehicleStatus> vehicles_;
   std::map<std::string, int> frames_with_;  ///< frames that show the body unoccluded

@@ -1,8 +1,11 @@
 #include "tools/check/preflight.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/check.hpp"
 #include "drivers/quadrotor/safety/limits.hpp"
@@ -159,6 +162,79 @@ void check_round(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
+double speed_max_mps(const models::RobotSpec& robot) {
+  double out = 0.0;
+  for (const models::UnicycleControl& control : robot.primitives) {
+    out = std::max(out, std::abs(control.speed_mps));
+  }
+  return out;
+}
+
+// What is planned is checked with lost_way_m less the autopilot's own time-out.
+void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
+  struct Lost {
+    const models::RobotSpec* robot = nullptr;
+    double speed_mps = 0.0;
+    double way_m = 0.0;     ///< until it stands
+    double beyond_m = 0.0;  ///< of it, what was not checked
+  };
+  Lost worst;
+  double radius_m = 0.0;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    radius_m = std::max(radius_m, robot.limits.radius_m);
+    if (robot.device == models::DeviceSource::kDirect) {
+      continue;  // it has no driver
+    }
+    drivers::SafetyLimits limits;
+    try {
+      limits = drivers::limits_for(scenario, robot.name);
+    } catch (const UsageError&) {
+      continue;  // a fault already
+    }
+    const double speed_mps = speed_max_mps(robot);
+    const double way_m = drivers::lost_way_m(limits, speed_mps);
+    const double beyond_m = way_m - drivers::stopping_way_m(limits, speed_mps);
+    if (worst.robot == nullptr || beyond_m > worst.beyond_m) {
+      worst = {&robot, speed_mps, way_m, beyond_m};
+    }
+  }
+  if (worst.robot == nullptr) {
+    return;
+  }
+  const double separation_m = 2.0 * radius_m + kLossSpareM + worst.beyond_m;
+  const double margin_m = kLossSpareM + worst.beyond_m;
+  const models::PlannerSpec& planner = scenario.planner;
+  std::vector<std::string> changes;
+  if (planner.separation_m < separation_m - 1e-9 && scenario.robots.size() > 1) {
+    changes.push_back(
+        fmt::format("planner.separation_m {:.2f} (is {:g})", separation_m, planner.separation_m));
+  }
+  if (planner.obstacle_margin_m < margin_m - 1e-9) {
+    changes.push_back(fmt::format("planner.obstacle_margin_m {:.2f} (is {:g})", margin_m,
+                                  planner.obstacle_margin_m));
+  }
+  if (!changes.empty()) {
+    notes.push_back(fmt::format(
+        "a driver that dies lets its vehicle fly on: robot {} at {:g} m/s stands after {:.2f} m, "
+        "{:.2f} m beyond the way that is checked. To touch nothing then it needs {}; or fly slower",
+        worst.robot->name, worst.speed_mps, worst.way_m, worst.beyond_m,
+        fmt::join(changes, " and ")));
+  }
+}
+
+void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
+  const bool is_felt =
+      std::any_of(scenario.robots.begin(), scenario.robots.end(), [](const auto& robot) {
+        return robot.device != models::DeviceSource::kReal && !robot.rover;
+      });
+  if (scenario.wind && !is_felt) {
+    notes.push_back(
+        fmt::format("wind: x_mps {:g}, y_mps {:g} blow on nothing: it moves simulated "
+                    "vehicles that fly, and there is none",
+                    scenario.wind->x_mps, scenario.wind->y_mps));
+  }
+}
+
 }  // namespace
 
 Preflight check_preflight(const Scenario& scenario) {
@@ -174,6 +250,8 @@ Preflight check_preflight(const Scenario& scenario) {
   for (std::string& fault : device_faults(scenario)) {
     out.faults.push_back(std::move(fault));
   }
+  note_lost_way(scenario, out.notes);
+  note_wind(scenario, out.notes);
   return out;
 }
 

@@ -11,13 +11,22 @@ namespace vantage::tools {
 struct Preflight {
   std::vector<std::string> understood;  ///< the trial in a few lines
   std::vector<std::string> faults;      ///< why it must not fly
+  std::vector<std::string> notes;       ///< what it does not budget or use, and what to change
   [[nodiscard]] bool is_ready() const { return faults.empty(); }
 };
 
 /// Checks what a reader of the file alone cannot: every robot's start is clear of obstacles and
 /// walls by its radius and the planner's margin, can be stopped at, no two starts are nearer than
 /// the separation, stated targets start on free ground, the slots fit into the round; and flight
-/// safety has limits that it can keep and refuses none of the robots' primitives.
+/// safety has limits that it can keep and refuses none of the robots' primitives. Noted is a
+/// separation or a margin that a driver which dies in motion would use up (lost_way_m), and a wind
+/// that nothing feels.
+///
+/// The least that a driver's death needs, so that its vehicle touches nothing: what it flies on
+/// when set-points stop, beyond the way that was checked, and kLossSpareM for how well it is
+/// followed.
+inline constexpr double kLossSpareM = 0.1;
+
 Preflight check_preflight(const models::Scenario& scenario);
 
 }  // namespace vantage::tools

@@ -14,12 +14,14 @@
 #include "tools/commands/check_vehicles.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
+#include "tools/up/log_space.hpp"
 
 namespace vantage::tools {
 namespace {
 
 struct CheckArguments {
   std::string scenario;
+  std::string log_path;
   bool as_json = false;
   bool is_live = false;
   double listen_s = 2.0;
@@ -63,6 +65,10 @@ int run(const CheckArguments& arguments) {
   }
   const models::Scenario scenario = bus::load_scenario(arguments.scenario);
   Preflight preflight = check_preflight(scenario);
+  const std::string log_path =
+      arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
+  const LogRoom room = room_for_log(scenario, log_path, free_bytes_for(log_path));
+  (room.is_enough ? preflight.understood : preflight.faults).push_back(room.words);
   if (arguments.is_live) {
     listen(scenario, arguments.listen_s, preflight.faults);
   }
@@ -70,11 +76,15 @@ int run(const CheckArguments& arguments) {
     print_line(nlohmann::ordered_json{{"scenario", arguments.scenario},
                                       {"ready", preflight.is_ready()},
                                       {"understood", preflight.understood},
-                                      {"faults", preflight.faults}}
+                                      {"faults", preflight.faults},
+                                      {"notes", preflight.notes}}
                    .dump());
   } else {
     for (const std::string& line : preflight.understood) {
       print_line(line);
+    }
+    for (const std::string& note : preflight.notes) {
+      print_line("note: " + note);
     }
     for (const std::string& fault : preflight.faults) {
       fmt::print(stderr, "{}: {}\n", arguments.scenario, fault);
@@ -91,6 +101,9 @@ void add_check_command(CLI::App& root, Runner& chosen) {
       root.add_subcommand("check", "Read a scenario and say whether it can be flown.");
   auto arguments = std::make_shared<CheckArguments>();
   command->add_option("scenario", arguments->scenario, "scenario file")->required();
+  command->add_option("--log", arguments->log_path,
+                      "where `vantage up` is to write, whose disk must have room; NAME.lcmlog here "
+                      "when not given");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->add_flag("--live", arguments->is_live,
                     "also listen to the running system and say what blocks arming");

@@ -1,5 +1,6 @@
 #include "tools/console/console.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "tools/console/terminal.hpp"
 #include "tools/live/screen.hpp"
+#include "tools/up/log_space.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -52,6 +54,9 @@ class ConsoleSession {
       next_redraw_ = clock_.now() + std::chrono::milliseconds(250);
     }
   }
+  /// Says again what is to be repeated.
+  void finish() { desk_.tick(clock_.now()); }
+  [[nodiscard]] bool is_saying() const { return desk_.is_saying(); }
   [[nodiscard]] bool is_over() const { return is_over_ && waiting_.empty(); }
   [[nodiscard]] bool was_refused() const { return was_refused_; }
 
@@ -133,11 +138,20 @@ OperatorDesk::OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start)
                                         [this](const models::VehicleStatus& status) {
                                           vehicles_[status.robot] = {status, now_};
                                         });
+  bus_.subscribe<models::ProcessHealth>(
+      bus::health_channel(kLogHealth), [this](const models::ProcessHealth& health) {
+        is_log_written_ = std::none_of(
+            health.counters.begin(), health.counters.end(), [](const models::NamedCount& counter) {
+              return counter.name == "log.is_written" && counter.count == 0;
+            });
+        log_heard_ = now_;
+      });
 }
 
 bool OperatorDesk::tick(Time now) {
   now_ = now;
   const bool changed = station_.tick(now);
+  say_again(now);
   if (station_.beats() && now >= next_heartbeat_) {
     send(now, models::OperatorAction::kHeartbeat, "");
     next_heartbeat_ = now + from_seconds(kHeartbeatPeriod_s);
@@ -149,12 +163,41 @@ bool OperatorDesk::send(Time now, models::OperatorAction action, const std::stri
   if (!station_.may_say(action)) {
     return false;
   }
-  const Duration ahead = vehicles_ahead(now);
-  publish(now + ahead, action, robot);
-  if (action == models::OperatorAction::kEmergencyStop && ahead != Duration{}) {
-    publish(now, action, robot);
+  const Order order{action, robot, now, vehicles_ahead(now), 1, now + kSayAgain};
+  say(order);
+  if (action != models::OperatorAction::kHeartbeat) {
+    std::erase_if(saying_, [&order](const Order& earlier) { return ends(order, earlier); });
+  }
+  if (models::makes_safer(action)) {
+    saying_.push_back(order);
   }
   return true;
+}
+
+void OperatorDesk::say(const Order& order) {
+  publish(order.given + order.ahead, order.action, order.robot);
+  if (order.action == models::OperatorAction::kEmergencyStop && order.ahead != Duration{}) {
+    publish(order.given, order.action, order.robot);
+  }
+}
+
+void OperatorDesk::say_again(Time now) {
+  for (Order& order : saying_) {
+    if (now >= order.next) {
+      say(order);
+      order.next += kSayAgain * (1 << order.said);
+      ++order.said;
+    }
+  }
+  std::erase_if(saying_, [](const Order& order) { return order.said >= kSaid; });
+}
+
+bool OperatorDesk::ends(const Order& later, const Order& earlier) {
+  const bool is_of_all_its_vehicles = later.robot.empty() || later.robot == earlier.robot;
+  const bool undoes = !models::makes_safer(later.action) &&
+                      earlier.action != models::OperatorAction::kEmergencyStop;
+  // What was said to all and is undone for one is not said again, or it would undo the undoing.
+  return is_of_all_its_vehicles || (undoes && earlier.robot.empty());
 }
 
 void OperatorDesk::publish(Time stamp, models::OperatorAction action, const std::string& robot) {
@@ -177,6 +220,10 @@ Duration OperatorDesk::vehicles_ahead(Time now) const {
   return least && std::abs(to_seconds(*least)) > kApartMaxS ? *least : Duration{};
 }
 
+bool OperatorDesk::is_log_lost(Time now) const {
+  return !is_log_written_ && to_seconds(now - log_heard_) <= kLogHeardS;
+}
+
 std::vector<std::string> OperatorDesk::robots() const {
   std::vector<std::string> out;
   for (const auto& [name, heard] : vehicles_) {
@@ -195,14 +242,18 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
     for (const std::string& reason : status.reasons) {
       reasons += (reasons.empty() ? "" : ", ") + reason;
     }
+    const bool is_silent = to_seconds(now - heard.at) > kHeardS;
     const bool is_selected = selected.empty() || selected == name;
-    out.push_back(fmt::format("{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}",
-                              is_selected ? '>' : ' ', name, models::name_of(status.state),
-                              100.0 * status.battery_share, status.plan_round,
-                              to_seconds(now - heard.at), reasons));
+    out.push_back(fmt::format(
+        "{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}", is_selected ? '>' : ' ', name,
+        is_silent ? "SILENT" : models::name_of(status.state), 100.0 * status.battery_share,
+        status.plan_round, to_seconds(now - heard.at), reasons));
   }
   if (vehicles_.empty()) {
     out.emplace_back("  no vehicle heard yet");
+  }
+  if (is_log_lost(now)) {
+    out.emplace_back("! the log is not written: what is flown now is not recorded");
   }
   return out;
 }
@@ -215,6 +266,10 @@ bool run_console(bus::Bus& bus, const bus::Clock& clock, bool is_allowed_second,
     while (!session.is_over() && !stop()) {
       bus.handle(std::chrono::milliseconds(20));
       session.step();
+    }
+    while (session.is_saying()) {
+      bus.handle(std::chrono::milliseconds(20));
+      session.finish();
     }
     was_refused = session.was_refused();
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <map>
 #include <string>
@@ -19,10 +20,19 @@ namespace vantage::tools {
 /// Vehicles obey what is said now, so everything is stamped by the vehicles' own clock: where the
 /// nearest of those heard in the last second differs from ours by more than kApartMaxS, by that.
 /// An emergency stop is said by our own clock as well.
+///
+/// A datagram may get lost, so hold, land and emergency stop are said kSaid times: the second time
+/// after kSayAgain, then after twice as long each time, which outlasts a burst of losses of half a
+/// second. A repetition is the same order with the same stamp; obeying it twice does no harm. What
+/// is ordered of the same vehicles later ends it, so that `hold`, `follow` ends with following; an
+/// emergency stop of all gives way to no order of one.
 class OperatorDesk {
  public:
   static constexpr double kHeartbeatPeriod_s = 0.2;
   static constexpr double kApartMaxS = 1.0;
+  static constexpr double kLogHeardS = 3.0;
+  static constexpr int kSaid = 5;
+  static constexpr Duration kSayAgain = std::chrono::milliseconds(50);
 
   OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start);
   OperatorDesk(const OperatorDesk&) = delete;
@@ -31,20 +41,38 @@ class OperatorDesk {
   OperatorDesk& operator=(OperatorDesk&&) = delete;
   ~OperatorDesk() = default;
 
-  /// Sends the heartbeat when it is time. True when the station's role changed.
+  /// Sends the heartbeat, and says again what is to be repeated, when it is time. True when the
+  /// station's role changed.
   bool tick(Time now);
   /// False, and nothing sent, when the station may not say that.
   bool send(Time now, models::OperatorAction action, const std::string& robot);
+  /// Whether something is still to be said again.
+  [[nodiscard]] bool is_saying() const { return !saying_.empty(); }
   [[nodiscard]] const Station& station() const { return station_; }
   /// By how much the vehicles' clock is ahead of ours; 0 when it is about the same, or unknown.
   [[nodiscard]] Duration vehicles_ahead(Time now) const;
   [[nodiscard]] std::vector<std::string> robots() const;
-  /// One line for each vehicle heard, selected ones marked.
+  /// Whether somebody who records has said within kLogHeardS that he cannot.
+  [[nodiscard]] bool is_log_lost(Time now) const;
+  /// One line for each vehicle heard, selected ones marked; what has not been
+  /// heard for a second is SILENT, whatever it said last. One more when a log is not written.
   [[nodiscard]] std::vector<std::string> vehicle_table(Time now, const std::string& selected) const;
 
  private:
+  struct Order {
+    models::OperatorAction action = models::OperatorAction::kHold;
+    std::string robot;
+    Time given{};
+    Duration ahead{};  ///< of the vehicles' clock, then
+    int said = 0;
+    Time next{};
+  };
+  void say(const Order& order);
+  void say_again(Time now);
+  [[nodiscard]] static bool ends(const Order& later, const Order& earlier);
   void publish(Time stamp, models::OperatorAction action, const std::string& robot);
 
+  std::vector<Order> saying_;
   bus::Bus& bus_;
   Station station_;
   Time now_;
@@ -54,6 +82,8 @@ class OperatorDesk {
     Time at{};
   };
   std::map<std::string, Heard> vehicles_;
+  bool is_log_written_ = true;
+  Time log_heard_{};
 };
 
 /// Runs the console on standard input and output until quit, end of input or `stop`. What may not

@@ -217,6 +217,12 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
   if (scenario.mocap.device != DeviceSource::kDirect && runs(models::kMocapPart)) {
     out.push_back({"vicon", command("vantage-vicon"), true});
   }
+  const bool has_real_robots =
+      std::any_of(scenario.robots.begin(), scenario.robots.end(),
+                  [](const auto& robot) { return robot.device == DeviceSource::kReal; });
+  if (has_real_robots && runs(models::kMocapPart)) {
+    out.push_back({"contacts", command("vantage-contacts")});
+  }
   for (const std::string& robot : robots_with_driver(scenario)) {
     if (runs(robot)) {
       add_for(scenario.find_robot(robot)->rover ? "rover" : "quadrotor", robot);

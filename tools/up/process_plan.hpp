@@ -29,8 +29,9 @@ std::vector<std::string> device_faults(const models::Scenario& scenario);
 
 /// The processes of a trial on this host, in an order for people to read (any order will do): the
 /// simulator when anything is simulated, the firmware that flies simulated vehicles, the drivers of
-/// devices that are not `direct`, then per robot sensor, estimator and planner. Essential are the
-/// simulator and the mocap driver: no vehicle does anything worth while without them.
+/// devices that are not `direct`, the judge of real bodies' contacts when a robot is real, then per
+/// robot sensor, estimator and planner. Essential are the simulator and the mocap driver: no
+/// vehicle does anything worth while without them.
 std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
                                       const ProcessPlaces& places);
 

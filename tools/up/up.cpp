@@ -29,6 +29,7 @@
 #include "tools/picture/picture.hpp"
 #include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
+#include "tools/up/log_space.hpp"
 #include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
 
@@ -39,6 +40,7 @@ using std::chrono::milliseconds;
 
 constexpr Duration kLandingPatience = std::chrono::seconds(60);
 constexpr Duration kReportPeriod = std::chrono::seconds(1);
+constexpr Duration kLogLookPeriod = milliseconds(500);
 constexpr Duration kTablePeriod = milliseconds(500);
 constexpr Duration kLinePeriod = std::chrono::seconds(5);
 constexpr std::size_t kRecentEvents = 6;
@@ -153,6 +155,7 @@ class Up {
   void end_the_hung();
   [[nodiscard]] std::vector<SupervisedStatus> statuses() const;
   models::HostReport report(Time now);
+  void watch_log(Time now);
   void land();
   void stop_all();
   void seal_log();
@@ -175,6 +178,9 @@ class Up {
   TrialObserver observer_;
   HostBoard board_;
   UsageMeter meter_;
+  LogWatch log_watch_;
+  Time next_log_look_{};
+  Time next_log_health_{};
   Teller teller_;
   std::unique_ptr<Pilot> pilot_;
   Supervisor team_;
@@ -200,6 +206,7 @@ Up::Up(const models::Scenario& scenario, const UpOptions& options)
       start_(clock_.now()),
       observer_(bus_, scenario, start_),
       board_(scenario, host_, bus_.run_id(), start_),
+      log_watch_(kLogBytesPerRobotS * static_cast<double>(scenario.robots.size())),
       teller_(options),
       pilot_(options.fly ? std::make_unique<Pilot>(bus_, scenario, start_) : nullptr),
       team_(options.restarts) {
@@ -300,6 +307,25 @@ void Up::take(const std::vector<SupervisorEvent>& events) {
   }
 }
 
+// What cannot be written is said at once and to all; vehicles fly on.
+void Up::watch_log(Time now) {
+  if (!keeper_ || now < next_log_look_) {
+    return;
+  }
+  next_log_look_ = now + kLogLookPeriod;
+  std::error_code error;
+  const auto size = std::filesystem::file_size(options_.log_path, error);
+  const bool was_written = log_watch_.is_written();
+  const auto words =
+      log_watch_.look({error ? 0 : size, free_bytes_for(options_.log_path)}, monotonic_now());
+  tell(words);
+  if (words || now >= next_log_health_) {
+    bus_.publish(bus::health_channel(kLogHealth), log_watch_.health(now));
+    next_log_health_ = now + kReportPeriod;
+  }
+  result_.log_was_unwritten |= was_written && !log_watch_.is_written();
+}
+
 void Up::turn() {
   bus_.handle(milliseconds(pilot_ ? 10 : 50));
   const Time now = clock_.now();
@@ -321,6 +347,7 @@ void Up::turn() {
     bus_.publish(bus::host_channel(host_), report(now));
     next_report_ = now + kReportPeriod;
   }
+  watch_log(now);
   teller_.show(now, scenario_, observer_.metrics(), to_seconds(now - start_), board_);
 }
 
@@ -418,6 +445,14 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
                 const std::function<bool()>& stop) {
   if (const auto faults = device_faults(scenario); !faults.empty()) {
     throw StartupError(faults.front());
+  }
+  if (!options.log_path.empty()) {
+    const LogRoom room = room_for_log(scenario, options.log_path, free_bytes_for(options.log_path));
+    if (!room.is_enough) {
+      throw StartupError(room.words +
+                         ": make room, write elsewhere (--log), fly for a shorter "
+                         "time (--duration-s), or do not record (--no-log)");
+    }
   }
   if (!options.beside_others) {
     const auto transport = bus::open_transport(scenario.network.url);

@@ -32,6 +32,7 @@ struct UpResult {
   logs::TrialSummary summary;
   std::vector<SupervisedStatus> processes;  ///< at the end; the logger's is the last
   LogOutcome log;
+  bool log_was_unwritten = false;        ///< for a while; the flight went on
   int world_restarts = 0;                ///< of the simulator: the world began anew
   bool has_other_scenario = false;       ///< another host flies another scenario file
   double stop_s = 0.0;                   ///< from the end (of the landings) until all were gone
@@ -53,7 +54,8 @@ struct UpResult {
 /// not as part of the trial.
 /// Listens for kListenToNeighbours first.
 /// @throws StartupError when others are alive (rivals_of_up) and it is not to be beside them; when
-/// the network, the logger or a program cannot be used, the devices do
+/// there is no room for the log, the network, the logger or a program cannot be used, the devices
+/// do
 ///         not fit together, or `fly` is asked for a real robot: these are armed by a person.
 UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
                 const std::function<bool()>& stop);

@@ -33,7 +33,8 @@ bool is_good(const UpResult& result) {
   return std::none_of(result.processes.begin(), result.processes.end(), is_given_up) &&
          result.killed.empty() && result.cut_short.empty() && result.ended_badly.empty() &&
          result.never_flown.empty() && result.left_flying.empty() && result.world_restarts == 0 &&
-         !result.has_other_scenario && result.log.is_to_the_end && result.summary.collisions == 0;
+         !result.has_other_scenario && !result.log_was_unwritten && result.log.is_to_the_end &&
+         result.summary.collisions == 0;
 }
 
 std::vector<std::string> remarks(const UpResult& result) {
@@ -57,6 +58,9 @@ std::vector<std::string> remarks(const UpResult& result) {
         fmt::format("log: nothing recorded for {:.2f} s, {} bytes of a torn event cut "
                     "off; event numbers begin again",
                     result.log.unrecorded_s, result.log.bytes_dropped));
+  }
+  if (result.log_was_unwritten) {
+    out.push_back("log: it could not be written for a while");
   }
   if (!result.log.is_to_the_end) {
     out.push_back("log: what was published last is not in it");
@@ -104,6 +108,7 @@ Json to_json(const UpResult& result) {
                 {"restarts", result.log.restarts},
                 {"unrecorded_s", result.log.unrecorded_s},
                 {"bytes_dropped", result.log.bytes_dropped},
+                {"was_unwritten", result.log_was_unwritten},
                 {"is_to_the_end", result.log.is_to_the_end}};
   out["killed"] = result.killed;
   out["cut_short"] = result.cut_short;

@@ -6,19 +6,16 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/collision/collision_monitor.hpp"
-#include "sim/collision/shapes.hpp"
+#include "models/contact/collision_monitor.hpp"
+#include "models/contact/shapes.hpp"
 #include "test/sim/lab_scenario.hpp"
 
-namespace vantage::sim {
+namespace vantage::models {
 namespace {
-
-using models::ContactKind;
-using models::ContactReport;
 
 constexpr Time kNow = from_utime(1'000'000);
 
-models::World lab() { return test::lab_scenario().world; }
+World lab() { return test::lab_scenario().world; }
 
 std::vector<CollisionMonitor::Body> two_robots() {
   return {{"Q1", 0.25, true}, {"Q2", 0.25, true}};
@@ -60,7 +57,7 @@ TEST(CollisionMonitor, FclAndClosedFormAgreeOnRandomPoses) {
   std::uniform_real_distribution<double> x(-0.5, 4.5);
   std::uniform_real_distribution<double> y(-0.5, 8.5);
   std::uniform_real_distribution<double> z(-0.2, 3.3);
-  const models::World world = lab();
+  const World world = lab();
   std::int64_t hits = 0;
   // A monitor of its own for each draw: no motion, no hysteresis, so a report is the truth.
   for (int trial = 0; trial < 3000; ++trial) {
@@ -71,7 +68,7 @@ TEST(CollisionMonitor, FclAndClosedFormAgreeOnRandomPoses) {
     const std::vector<ContactReport> begun = update(monitor, {a, b});
     std::int64_t expected = (a - b).norm() <= 0.65 ? 1 : 0;
     for (const auto& [centre, radius] : {std::pair(a, 0.25), std::pair(b, 0.4)}) {
-      for (const models::Obstacle& obstacle : world.obstacles) {
+      for (const Obstacle& obstacle : world.obstacles) {
         expected += signed_distance_m(box_of(obstacle), centre) <= radius ? 1 : 0;
       }
       expected += distance_to_bounds_m(world, centre) <= radius ? 1 : 0;
@@ -185,4 +182,4 @@ TEST(CollisionMonitor, ReportsWallsAndCeilingButNotTheFloor) {
 }
 
 }  // namespace
-}  // namespace vantage::sim
+}  // namespace vantage::models

@@ -1,4 +1,4 @@
-#include "sim/collision/collision_monitor.hpp"
+#include "models/contact/collision_monitor.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,9 @@
 #include <fcl/narrowphase/collision_object.h>
 
 #include "core/check.hpp"
-#include "sim/collision/shapes.hpp"
+#include "models/contact/shapes.hpp"
 
-namespace vantage::sim {
+namespace vantage::models {
 namespace {
 
 using Object = fcl::CollisionObject<double>;
@@ -43,18 +43,12 @@ struct CollisionMonitor::Geometry {
   std::vector<Object> walls;  ///< half-spaces of what lies outside the bounds
 };
 
-CollisionMonitor::CollisionMonitor(const models::World& world, std::vector<Body> bodies,
+CollisionMonitor::CollisionMonitor(const World& world, const std::vector<Body>& bodies,
                                    double separation_m)
     : world_(world),
-      bodies_(std::move(bodies)),
       separation_m_(separation_m),
       geometry_(std::make_unique<Geometry>()),
       min_separation_m_(std::numeric_limits<double>::infinity()) {
-  for (const Body& body : bodies_) {
-    require(std::isfinite(body.radius_m) && body.radius_m > 0.0,
-            "body " + body.name + ": radius_m must be positive");
-    geometry_->bodies.emplace_back(std::make_shared<fcl::Sphered>(body.radius_m));
-  }
   for (std::size_t k = 0; k < world_.obstacles.size(); ++k) {
     geometry_->boxes.push_back(box_of(world_.obstacles[k]));
     geometry_->obstacles.push_back(make_box(geometry_->boxes.back()));
@@ -72,16 +66,28 @@ CollisionMonitor::CollisionMonitor(const models::World& world, std::vector<Body>
   for (const auto& [normal, offset_m] : outside) {
     geometry_->walls.emplace_back(std::make_shared<fcl::Halfspaced>(normal, offset_m));
   }
-  const std::size_t n = bodies_.size();
-  pairs_.resize(n * (n - std::min<std::size_t>(n, 1)) / 2);
-  obstacles_.resize(n * world_.obstacles.size());
-  bounds_.resize(n);
+  for (const Body& body : bodies) {
+    add(body);
+  }
+}
+
+void CollisionMonitor::add(const Body& body) {
+  require(std::isfinite(body.radius_m) && body.radius_m > 0.0,
+          "body " + body.name + ": radius_m must be positive");
+  geometry_->bodies.emplace_back(std::make_shared<fcl::Sphered>(body.radius_m));
+  pairs_.resize(pairs_.size() + bodies_.size());
+  obstacles_.resize(obstacles_.size() + world_.obstacles.size());
+  bounds_.emplace_back();
+  bodies_.push_back(body);
+  if (!old_m_.empty()) {
+    old_m_.push_back(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+  }
 }
 
 CollisionMonitor::~CollisionMonitor() = default;
 
 void CollisionMonitor::update(Time now, std::span<const Eigen::Vector3d> centres_m,
-                              std::vector<models::ContactReport>& begun) {
+                              std::vector<ContactReport>& begun) {
   require(centres_m.size() == bodies_.size(), "one centre for each body");
   new_m_.assign(centres_m.begin(), centres_m.end());
   if (old_m_.empty()) {
@@ -107,15 +113,15 @@ void CollisionMonitor::update(Time now, std::span<const Eigen::Vector3d> centres
   old_m_.swap(new_m_);
 }
 
-void CollisionMonitor::check_pairs(Time now, std::vector<models::ContactReport>& begun) {
-  std::size_t pair = 0;
+void CollisionMonitor::check_pairs(Time now, std::vector<ContactReport>& begun) {
   for (std::size_t i = 0; i < new_m_.size(); ++i) {
-    for (std::size_t j = i + 1; j < new_m_.size(); ++j, ++pair) {
+    for (std::size_t j = i + 1; j < new_m_.size(); ++j) {
+      const std::size_t pair = j * (j - 1) / 2 + i;
       if (!new_m_[i].allFinite() || !new_m_[j].allFinite()) {
         continue;
       }
       const double radii_m = bodies_[i].radius_m + bodies_[j].radius_m;
-      const double apart_m = models::closest_approach_m(old_m_[i], new_m_[i], old_m_[j], new_m_[j]);
+      const double apart_m = closest_approach_m(old_m_[i], new_m_[i], old_m_[j], new_m_[j]);
       const Judgement judgement{fcl_hit(geometry_->bodies[i], geometry_->bodies[j]),
                                 (new_m_[i] - new_m_[j]).norm() - radii_m, apart_m - radii_m};
       judge(now, judgement, bodies_[i].name, bodies_[j].name, pairs_[pair], begun);
@@ -127,7 +133,7 @@ void CollisionMonitor::check_pairs(Time now, std::vector<models::ContactReport>&
 }
 
 void CollisionMonitor::check_surroundings(Time now, std::size_t i,
-                                          std::vector<models::ContactReport>& begun) {
+                                          std::vector<ContactReport>& begun) {
   const double radius_m = bodies_[i].radius_m;
   const double travelled_m = (new_m_[i] - old_m_[i]).norm();
   for (std::size_t k = 0; k < geometry_->boxes.size(); ++k) {
@@ -154,16 +160,16 @@ void CollisionMonitor::check_surroundings(Time now, std::size_t i,
 
 void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::string& a,
                              const std::string& b, Contact& contact,
-                             std::vector<models::ContactReport>& begun) {
+                             std::vector<ContactReport>& begun) {
   if (judgement.fcl_hit != (judgement.distance_m <= 0.0) &&
       std::abs(judgement.distance_m) > kRoundingM) {
     ++disagreements_;
   }
   const bool hit = judgement.fcl_hit || judgement.swept_distance_m <= 0.0;
   if (hit && !contact.touching) {
-    models::ContactReport report;
+    ContactReport report;
     report.stamp.time = now;
-    report.kind = models::ContactKind::kCollision;
+    report.kind = ContactKind::kCollision;
     report.body_a = a;
     report.body_b = b;
     report.distance_m = std::min(judgement.swept_distance_m, 0.0);
@@ -175,13 +181,13 @@ void CollisionMonitor::judge(Time now, const Judgement& judgement, const std::st
 
 void CollisionMonitor::watch_separation(Time now, std::size_t i, std::size_t j,
                                         double centres_apart_m, Contact& contact,
-                                        std::vector<models::ContactReport>& begun) {
+                                        std::vector<ContactReport>& begun) {
   min_separation_m_ = std::min(min_separation_m_, centres_apart_m);
   const bool too_near = centres_apart_m < separation_m_;
   if (too_near && !contact.near) {
-    models::ContactReport report;
+    ContactReport report;
     report.stamp.time = now;
-    report.kind = models::ContactKind::kNearMiss;
+    report.kind = ContactKind::kNearMiss;
     report.body_a = bodies_[i].name;
     report.body_b = bodies_[j].name;
     report.distance_m = centres_apart_m - bodies_[i].radius_m - bodies_[j].radius_m;
@@ -191,4 +197,4 @@ void CollisionMonitor::watch_separation(Time now, std::size_t i, std::size_t j,
   contact.near = (too_near || contact.near) && now_apart_m <= separation_m_ + kReleaseM;
 }
 
-}  // namespace vantage::sim
+}  // namespace vantage::models

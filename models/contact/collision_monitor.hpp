@@ -12,7 +12,7 @@
 #include "models/exchange/messages.hpp"
 #include "models/world/world.hpp"
 
-namespace vantage::sim {
+namespace vantage::models {
 
 /// Watches spheres among boxes, walls and a ceiling for contact, and flying robots for being
 /// nearer to each other than they may.
@@ -22,7 +22,8 @@ namespace vantage::sim {
 /// instants at which they differ are counted. A contact is reported once, when it begins, and
 /// again only after the two have been apart by more than kReleaseM.
 ///
-/// All FCL objects are made in the constructor. Not copyable; one thread.
+/// What it is told of is the simulator's truth or what cameras see. FCL objects are made in the
+/// constructor and by add(). Not copyable; one thread.
 class CollisionMonitor {
  public:
   static constexpr double kReleaseM = 0.02;
@@ -33,18 +34,23 @@ class CollisionMonitor {
     bool is_robot = false;  ///< robots keep separation from each other
   };
 
-  CollisionMonitor(const models::World& world, std::vector<Body> bodies, double separation_m);
+  CollisionMonitor(const World& world, const std::vector<Body>& bodies, double separation_m);
   ~CollisionMonitor();
   CollisionMonitor(const CollisionMonitor&) = delete;
   CollisionMonitor& operator=(const CollisionMonitor&) = delete;
   CollisionMonitor(CollisionMonitor&&) = delete;
   CollisionMonitor& operator=(CollisionMonitor&&) = delete;
 
-  /// The bodies' centres at `now`, in the constructor's order; appends what has begun since the
+  /// One more body, the last in the order from now on. Precondition: radius_m > 0.
+  void add(const Body& body);
+  /// The next update() has no motion before it: nobody saw how the bodies got there.
+  void forget_motion() { old_m_.clear(); }
+
+  /// The bodies' centres at `now`, in the order they were told; appends what has begun since the
   /// last call to `begun`. A centre that is not finite takes no part (FCL calls some such poses
   /// free) and is counted. The first call has no motion before it.
   void update(Time now, std::span<const Eigen::Vector3d> centres_m,
-              std::vector<models::ContactReport>& begun);
+              std::vector<ContactReport>& begun);
 
   /// Least distance so far between the centres of two robots, swept; ∞ before there were two.
   [[nodiscard]] double min_separation_m() const { return min_separation_m_; }
@@ -65,19 +71,19 @@ class CollisionMonitor {
   };
 
   void judge(Time now, const Judgement& judgement, const std::string& a, const std::string& b,
-             Contact& contact, std::vector<models::ContactReport>& begun);
+             Contact& contact, std::vector<ContactReport>& begun);
   void watch_separation(Time now, std::size_t i, std::size_t j, double centres_apart_m,
-                        Contact& contact, std::vector<models::ContactReport>& begun);
-  void check_pairs(Time now, std::vector<models::ContactReport>& begun);
-  void check_surroundings(Time now, std::size_t i, std::vector<models::ContactReport>& begun);
+                        Contact& contact, std::vector<ContactReport>& begun);
+  void check_pairs(Time now, std::vector<ContactReport>& begun);
+  void check_surroundings(Time now, std::size_t i, std::vector<ContactReport>& begun);
 
-  models::World world_;
+  World world_;
   std::vector<Body> bodies_;
   double separation_m_;
   std::unique_ptr<Geometry> geometry_;
   std::vector<Eigen::Vector3d> old_m_;
   std::vector<Eigen::Vector3d> new_m_;
-  std::vector<Contact> pairs_;      ///< i < j, row by row
+  std::vector<Contact> pairs_;      ///< i < j: j (j − 1) / 2 + i
   std::vector<Contact> obstacles_;  ///< body · obstacles + obstacle
   std::vector<Contact> bounds_;     ///< per body
   std::vector<std::string> obstacle_names_;
@@ -86,4 +92,4 @@ class CollisionMonitor {
   std::int64_t disagreements_ = 0;
 };
 
-}  // namespace vantage::sim
+}  // namespace vantage::models

@@ -4,7 +4,7 @@
 
 #include "models/world/world.hpp"
 
-namespace vantage::sim {
+namespace vantage::models {
 
 /// A box in space with sides along the axes.
 struct Box3 {
@@ -12,7 +12,7 @@ struct Box3 {
   Eigen::Vector3d max_m = Eigen::Vector3d::Zero();
 };
 
-Box3 box_of(const models::Obstacle& obstacle);
+Box3 box_of(const Obstacle& obstacle);
 
 /// Distance from a point to the surface of `box`, negative inside.
 double signed_distance_m(const Box3& box, const Eigen::Vector3d& p_m);
@@ -23,6 +23,6 @@ double swept_distance_m(const Box3& box, const Eigen::Vector3d& a_m, const Eigen
 
 /// Distance from a point inside to the nearest wall or the ceiling, negative outside. The floor is
 /// not counted: things stand and land on it.
-double distance_to_bounds_m(const models::World& world, const Eigen::Vector3d& p_m);
+double distance_to_bounds_m(const World& world, const Eigen::Vector3d& p_m);
 
-}  // namespace vantage::sim
+}  // namespace vantage::models

@@ -1,12 +1,12 @@
-#include "sim/collision/shapes.hpp"
+#include "models/contact/shapes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace vantage::sim {
+namespace vantage::models {
 
-Box3 box_of(const models::Obstacle& obstacle) {
+Box3 box_of(const Obstacle& obstacle) {
   return {{obstacle.footprint.min_m.x(), obstacle.footprint.min_m.y(), 0.0},
           {obstacle.footprint.max_m.x(), obstacle.footprint.max_m.y(), obstacle.height_m}};
 }
@@ -47,10 +47,10 @@ double swept_distance_m(const Box3& box, const Eigen::Vector3d& a_m, const Eigen
   return least_m;
 }
 
-double distance_to_bounds_m(const models::World& world, const Eigen::Vector3d& p_m) {
+double distance_to_bounds_m(const World& world, const Eigen::Vector3d& p_m) {
   return std::min({p_m.x() - world.bounds.min_m.x(), p_m.y() - world.bounds.min_m.y(),
                    world.bounds.max_m.x() - p_m.x(), world.bounds.max_m.y() - p_m.y(),
                    world.ceiling_m - p_m.z()});
 }
 
-}  // namespace vantage::sim
+}  // namespace vantage::models

@@ -1,0 +1,18 @@
+// vantage-contacts: who touches whom among the bodies that cameras see. VICON, QUADROTOR_* and
+// TRUTH in, COLLISION out; one process for a trial with real vehicles.
+
+#include <memory>
+
+#include "bus/node_main.hpp"
+#include "drivers/contacts/app/node.hpp"
+
+int main(int argc, char** argv) {
+  using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
+  return bus::node_main(
+      {"vantage-contacts", "Judges contacts and near misses of real bodies, as cameras see them."},
+      argc, argv,
+      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+         const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {
+        return std::make_unique<drivers::ContactsNode>(bus, clock, scenario);
+      });
+}

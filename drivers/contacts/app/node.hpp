@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
+#include "bus/node.hpp"
+#include "core/time.hpp"
+#include "drivers/contacts/contact_judge.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::drivers {
+
+/// vantage-contacts on the bus: VICON, QUADROTOR_* and TRUTH in, COLLISION out, of the bodies that
+/// no simulator judges.
+class ContactsNode : public bus::Node {
+ public:
+  ContactsNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario);
+
+  [[nodiscard]] std::string name() const override { return "CONTACTS"; }
+  /// It works when frames arrive; the tick has nothing to do.
+  [[nodiscard]] Time next_tick() const override { return next_tick_; }
+  void tick(Time now) override;
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override {
+    return judge_.counters();
+  }
+
+ private:
+  ContactJudge judge_;
+  Time next_tick_;
+};
+
+}  // namespace vantage::drivers

@@ -1,0 +1,63 @@
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/bus.hpp"
+#include "bus/channels.hpp"
+#include "bus/clock.hpp"
+#include "drivers/contacts/app/node.hpp"
+#include "test/integration/network_support.hpp"
+#include "test/sim/lab_scenario.hpp"
+
+// What cameras see of real vehicles is judged, and heard by whoever listens on the network.
+
+namespace vantage {
+namespace {
+
+TEST(ContactsLink, ACollisionOfRealVehiclesIsHeardOnTheNetwork) {
+  models::Scenario scenario = test::lab_scenario();
+  scenario.mocap.device = models::DeviceSource::kReal;
+  for (models::RobotSpec& robot : scenario.robots) {
+    robot.device = models::DeviceSource::kReal;
+  }
+  const auto judge_link = bus::open_transport(test::kUrl);
+  const auto lab_link = bus::open_transport(test::kUrl);
+  const bus::SteadyClock clock;
+  bus::Bus judge_bus(*judge_link, 11);
+  bus::Bus lab_bus(*lab_link, 22);
+  judge_bus.keep_time(clock);
+  const drivers::ContactsNode node(judge_bus, clock, scenario);
+  std::vector<models::ContactReport> heard;
+  lab_bus.subscribe<models::ContactReport>(
+      bus::kCollision, [&](const models::ContactReport& contact) { heard.push_back(contact); });
+
+  const auto start = clock.now();
+  models::VehicleStatus status;
+  status.stamp.time = start;
+  status.robot = "Q1";
+  status.state = models::FlightState::kFollow;
+  lab_bus.publish(bus::quadrotor_channel("Q1"), status);
+  judge_bus.handle(test::kPatience);
+  // Q2 stands, Q1 comes along at 1 m/s and meets it after 0.5 m.
+  constexpr int kFrames = 60;
+  for (int k = 0; k < kFrames; ++k) {
+    models::MocapFrame frame;
+    frame.stamp.time = start + k * std::chrono::milliseconds(10);
+    frame.arrival = frame.stamp.time;
+    frame.bodies = {{"Q1", lift({1.0 + 0.01 * k, 4.0, 0.0}, 1.0), false},
+                    {"Q2", lift({2.0, 4.0, 0.0}, 1.0), false}};
+    lab_bus.publish(bus::kVicon, frame);
+    judge_bus.handle(test::kPatience);
+  }
+  while (heard.size() < 2 && lab_bus.handle(test::kPatience) > 0) {
+  }
+  ASSERT_EQ(heard.size(), 2U);
+  EXPECT_EQ(heard[0].kind, models::ContactKind::kNearMiss);
+  EXPECT_EQ(heard[1].kind, models::ContactKind::kCollision);
+  EXPECT_EQ(heard[1].body_a + " " + heard[1].body_b, "Q1 Q2");
+  EXPECT_GE(heard[1].stamp.time - start, std::chrono::milliseconds(490));
+}
+
+}  // namespace
+}  // namespace vantage

@@ -1,0 +1,43 @@
+#!/bin/bash
+# exhausted.sh BIN_DIR SCENARIO: each process with too few descriptors, too little memory or no thread
+# to be had says what it lacks and ends, or serves until it is asked to end; none crashes or hangs.
+# To be run in a network of its own.
+. "$(dirname "$0")/up_support.sh"
+processes=("vantage-sim" "vantage-contacts" "vantage-sensor --robot Q1" "vantage-estimator --robot Q1"
+  "vantage-planner --robot Q1")
+
+# run_within LIMIT VALUE PROGRAM…: its exit code is 0 when it served for a second and ended as asked.
+run_within() {
+  local status=0
+  (
+    ulimit "$1" "$2"
+    exec "$bin"/${*:3} --scenario "$scenario" --url "$url"
+  ) > "$dir/out" 2> "$dir/said.err" & local child=$!
+  for _ in 1 2 3 4 5 6 7 8 9 10; do
+    kill -0 "$child" 2> /dev/null || break
+    sleep 0.1
+  done
+  kill -INT "$child" 2> /dev/null || true
+  wait "$child" || status=$?
+  [[ $status == 0 || -s $dir/said.err ]] || fail "${*:3} with $1 $2 ends with $status and no word"
+  [[ $status == 0 || $status == 1 || $status == 2 ]] || fail "${*:3} with $1 $2 ends with $status"
+  echo "${*:3}, $1 $2: $status $(head -c 100 "$dir/said.err" | head -1)"
+}
+
+for process in "${processes[@]}"; do
+  # Two sockets and one to look for the route, beside standard input, output and error.
+  for descriptors in 4 5 6; do
+    # shellcheck disable=SC2086
+    run_within -n "$descriptors" $process
+    if ((descriptors < 6)); then
+      grep -q 'cannot make a socket: Too many open files' "$dir/said.err" ||
+        fail "$process with $descriptors descriptors does not say what it lacks"
+    fi
+  done
+  for kib in 40000 60000 100000; do
+    # shellcheck disable=SC2086
+    run_within -v "$kib" $process
+  done
+done
+run_within -v 60000 vantage-planner --robot Q1
+grep -q 'out of memory' "$dir/said.err" || fail "the planner does not say that memory is short"

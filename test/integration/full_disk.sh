@@ -1,0 +1,39 @@
+#!/bin/bash
+# full_disk.sh BIN_DIR SCENARIO: a disk without room for the log is refused before anything flies; one
+# that fills up in flight is told at once, and the flight goes on. To be run in a network of its own,
+# as its root: the disk is a small one in memory.
+if [[ $1 != --mounted ]]; then
+  unshare -m true 2> /dev/null || { echo "skipped: no mount namespace"; exit 77; }
+  exec unshare -m "$0" --mounted "$@"
+fi
+shift
+. "$(dirname "$0")/up_support.sh"
+disk=$dir/disk
+mkdir "$disk"
+mount -t tmpfs -o size=48m none "$disk" || { echo "skipped: no tmpfs"; exit 77; }
+trap 'kill $(jobs -p) 2>/dev/null || true; wait; umount -l "$disk"; rm -rf "$dir"' EXIT
+
+status=0
+"$bin/vantage" up "$scenario" --url "$url" --duration-s 300 --log "$disk/flight.lcmlog" \
+  > "$dir/refused.out" 2> "$dir/refused.err" || status=$?
+[[ $status == 2 ]] || fail "a trial without room for its log ends with $status, not 2"
+grep -q 'are free for .*flight.lcmlog; 360 s take 108.0 MB at most' "$dir/refused.err" ||
+  fail "it does not say what is free and needed"
+[[ -z $(ls "$disk") ]] || fail "something was begun"
+
+start_witness
+"$bin/vantage" up "$scenario" --url "$url" --duration-s 60 --log "$disk/flight.lcmlog" \
+  --restarts-max 100 --json > "$dir/up.json" 2> "$dir/up.err" & up=$!
+until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
+dd if=/dev/zero of="$disk/else" bs=64k 2> /dev/null || true
+until_true 20 grep -q 'LOG NOT WRITTEN' "$dir/up.err" || fail "nobody says that nothing is written"
+plans=$(plans_in "$dir/witness.lcmlog")
+until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight does not go on"
+rm "$disk/else"
+until_true 30 grep -q 'log: written, with' "$dir/up.err" || fail "it is not written again"
+kill -INT "$up"
+status=0
+wait "$up" || status=$?
+cat "$dir/up.err" "$dir/up.json"
+[[ $status == 1 ]] || fail "an unrecorded flight ends with $status, not 1"
+grep -q 'could not be written for a while' "$dir/up.err" || fail "the end does not tell"
