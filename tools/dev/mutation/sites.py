@@ -22,6 +22,7 @@ template arguments, case labels, enumerators, bounds of arrays), and whatever a 
 import collections
 import dataclasses
 import hashlib
+import os
 import re
 import sys
 
@@ -55,6 +56,8 @@ UNIT_FACTORS = {"s": "1e-3", "ms": "1e3", "us": "1e3", "ns": "1e3", "m": "1e3", 
 UNIT_NAME = re.compile(r"_(" + "|".join(UNIT_FACTORS) + r")_?$")
 UNIT_NUMBERS = {10.0 ** n for n in (-9, -6, -3, -2, 2, 3, 6, 9)} | {60.0, 3600.0, 180.0, 3.6}
 NUMBER = re.compile(r"(\d[\d']*(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)([uUlLfFzZ]*)$")
+SHOWN_MAX = 240
+SHOWN_AROUND = 40
 LOG = re.compile(r"\s*(spdlog::|logger?(\.|->|\())")
 
 
@@ -135,13 +138,25 @@ def _named(found, source, name):
         same[key] += 1
         digest = hashlib.sha256(f"{key}\0{same[key]}".encode()).hexdigest()[:8]
         line = source.count(b"\n", 0, at) + 1
-        sites.append(Site(digest, name, line, operator, _short(before), _short(after), begin, end,
-                          replacement))
+        sites.append(Site(digest, name, line, operator, *_shown(before, after), begin, end, replacement))
     return sites
 
 
-def _short(text):
-    return text if len(text) <= 240 else f"{text[:120]} ... {text[-120:]}"
+def _shown(before, after):
+    """Both, without most of what they have in common when that is long."""
+    if max(len(before), len(after)) <= SHOWN_MAX:
+        return before, after
+    head = len(os.path.commonprefix((before, after)))
+    tail = min(len(os.path.commonprefix((before[::-1], after[::-1]))), min(len(before), len(after)) - head)
+
+    def cut(text):
+        begin, end = max(0, head - SHOWN_AROUND), len(text) - max(0, tail - SHOWN_AROUND)
+        middle = text[begin:end]
+        if len(middle) > SHOWN_MAX:
+            middle = f"{middle[:SHOWN_MAX // 2]} ... {middle[-SHOWN_MAX // 2:]}"
+        return f"{'... ' if begin else ''}{middle}{' ...' if end < len(text) else ''}"
+
+    return cut(before), cut(after)
 
 
 if cindex is not None:
