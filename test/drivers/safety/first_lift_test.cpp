@@ -1,6 +1,7 @@
 // The vehicle commanded is proven to be the body seen: on the ground, or within its first 0.3 m.
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -267,6 +268,82 @@ TEST(LiftQueue, LetsNoTwoBeginTogether) {
   EXPECT_GT(begun_s[0], 0.0);
   EXPECT_GT(begun_s[1], begun_s[0] + 0.1);
   EXPECT_GT(begun_s[2], begun_s[1] + 0.1);
+}
+
+// The one before us by name stands there and does not rise, or rises and is never proven; and once
+// more.
+TEST(LiftQueue, WaitsForWhoIsBeforeUsAsLongAsItStates) {
+  const models::Scenario scenario = FlightBench::scenario();
+  const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
+  const Time start = from_utime(1'700'000'000'000'000);
+  constexpr double kSlackS = 6.0;       // for its motors
+  constexpr double kPolitenessS = 0.3;  // of the second by name
+  drivers::LiftQueue queue(scenario, "Q2");
+  drivers::OtherBody first;
+  first.robot = 0;
+  int tick = 0;
+  for (const double risen_m : {0.0, limits.lift_risen_m + 0.01, 0.0}) {
+    first.position_world_m.z() = 0.0;
+    queue.look({&first, 1}, limits, start + tick * Duration{20'000});
+    queue.forget_own();
+    queue.on_take_off("Q1");
+    queue.on_take_off("Q2");
+    first.position_world_m.z() = risen_m;
+    const int told = tick;
+    do {
+      ++tick;
+      queue.look({&first, 1}, limits, start + tick * Duration{20'000});
+    } while (queue.is_taken() && tick - told < 2000);
+    const double proof_s = risen_m > 0.0 ? limits.lift_proof_s : 0.0;
+    EXPECT_NEAR(0.02 * (tick - told), limits.lift_wait_s + kSlackS + proof_s + kPolitenessS, 0.1);
+  }
+}
+
+// A step and a turn count only in the direction in which they were asked for, and beyond a share of
+// what was asked for; wherever it stood, and however it was turned.
+TEST(Lift, IsProvenByItsStepAndItsTurnAsTheyWereAskedFor) {
+  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
+  const Time start = from_utime(1'700'000'000'000'000);
+  const auto proves = [&](const Pose2& rest, double x_share, double y_share, double turn_share) {
+    drivers::Lift own;
+    drivers::Course course(0.25);
+    own.begin(lift(rest, 0.1), {}, limits, start);
+    EXPECT_DOUBLE_EQ(own.rest_m(), 0.1);
+    EXPECT_DOUBLE_EQ(own.height_m(), 0.1 + limits.lift_height_m);
+    EXPECT_EQ(own.phase(), drivers::Lift::Phase::kRising);
+    const Eigen::Vector3d hover_m(rest.x_m, rest.y_m, own.height_m());
+    EXPECT_FALSE(own.step(hover_m, rest.yaw_rad, course, limits, start));
+    EXPECT_EQ(own.phase(), drivers::Lift::Phase::kProving);
+    const drivers::PlanPoint asked = course.planned_at(start);
+    Eigen::Vector3d gone_m = asked.position_world_m - hover_m;
+    EXPECT_NEAR(std::abs(gone_m.x()), limits.lift_step_m, 1e-12);
+    EXPECT_NEAR(std::abs(gone_m.y()), limits.lift_step_m, 1e-12);
+    EXPECT_NEAR(wrap_to_pi(asked.yaw_rad - rest.yaw_rad), limits.lift_turn_rad, 1e-12);
+    gone_m = gone_m.cwiseProduct(Eigen::Vector3d(x_share, y_share, 0.0));
+    const double yaw_rad = wrap_to_pi(rest.yaw_rad + turn_share * limits.lift_turn_rad);
+    const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, start);
+    EXPECT_EQ(own.is_under_way(), !is_proven);
+    return is_proven;
+  };
+  for (const Pose2& rest : {Pose2{0.0, 0.0, 0.0}, Pose2{-1.0, 0.5, 3.1}, Pose2{1.0, -0.5, -2.0}}) {
+    for (const double x_share : {-1.0, -0.31, 0.29, 0.31, 1.0}) {
+      for (const double y_share : {-1.0, 0.29, 0.31, 1.0}) {
+        for (const double turn_share : {-1.0, 0.29, 0.31, 1.0}) {
+          EXPECT_EQ(proves(rest, x_share, y_share, turn_share),
+                    std::min({x_share, y_share, turn_share}) > 0.3)
+              << x_share << " " << y_share << " " << turn_share;
+        }
+      }
+    }
+  }
+}
+
+// Its first hover is no higher than what it was told to take off to.
+TEST(Lift, RisesNoHigherThanTheTakeOff) {
+  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
+  drivers::Lift own;
+  own.begin(lift(Pose2{0.3, -0.2, 0.0}, limits.take_off_height_m - 0.05), {}, limits, Time{});
+  EXPECT_DOUBLE_EQ(own.height_m(), limits.take_off_height_m);
 }
 
 }  // namespace

@@ -62,5 +62,20 @@ TEST(MocapClock, CountsFromTheFirstFrameWhenTheClocksDiffer) {
   EXPECT_NEAR(clock.latency_s(), 0.12, 1e-6);
 }
 
+// What cannot be is not told: a frame before it was taken, or one that is older than a clock that
+// was set could tell.
+TEST(MocapClock, TellsALatencyBetweenNoneAndASecondWhenTheClockIsSet) {
+  MocapClock clock;
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
+  }
+  EXPECT_FALSE(clock.on_frame(after(0.10 + 3600.0), after(0.0955), 10)) << "9.5 ms too soon";
+  EXPECT_EQ(clock.latency_s(), 0.0);
+  EXPECT_TRUE(clock.on_frame(after(0.11 + 3600.0), after(0.1055), 11));
+  EXPECT_EQ(clock.latency_s(), 0.0);
+  EXPECT_FALSE(clock.on_frame(after(10.0 - 7200.0), after(10.0), 1000)) << "after a long silence";
+  EXPECT_EQ(clock.latency_s(), 1.0);
+}
+
 }  // namespace
 }  // namespace vantage::drivers

@@ -1,5 +1,7 @@
 #include "drivers/quadrotor/safety/mocap_source.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace vantage::drivers {
@@ -74,6 +76,20 @@ TEST_F(Source, KeepsBeingBelievedWhenItsClockIsSet) {
   EXPECT_EQ(hear(1, at_s, -kHourS, 5), Standing::kRefused) << "its own frames of an hour ago";
   EXPECT_EQ(hear(2, at_s + 1.0, -3.0), Standing::kRefused) << "a new one is held against ours";
   EXPECT_EQ(hear(2, at_s + 1.0), Standing::kCandidate);
+}
+
+TEST_F(Source, IsBelievedWithAClockThatIsSetOnlyWhileItsFramesGoOn) {
+  EXPECT_EQ(hear(1, 0.0, 0.0, 10), Standing::kCandidate);
+  std::int64_t number = 10;
+  double ahead_s = -kHourS;
+  for (const std::int64_t lost : {std::int64_t{0}, MocapSource::kGoesOnMax}) {  // and once more
+    const std::int64_t far = number + MocapSource::kGoesOnMax + 1;
+    EXPECT_EQ(hear(1, 0.1, ahead_s, far), Standing::kRefused) << "too many lost";
+    EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kRefused) << "the same number again";
+    number += std::max<std::int64_t>(1, lost);
+    EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kBelieved);
+    ahead_s = 2.0 * kHourS;
+  }
 }
 
 }  // namespace

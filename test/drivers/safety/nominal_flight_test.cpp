@@ -1,5 +1,11 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
+#include "drivers/quadrotor/safety/plan_check.hpp"
+#include "drivers/quadrotor/safety/pose_monitor.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 
 namespace vantage::test {
@@ -30,6 +36,23 @@ TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
   EXPECT_GT(bench.closest_m(), 1.0);
   for (const Vehicle& vehicle : bench.vehicles()) {
     EXPECT_GT(vehicle.round, 60);
+  }
+}
+
+// Whatever can be refused has a counter, under a name of its own.
+TEST(FlightGuard, CountsEveryVerdictByItsName) {
+  FlightBench bench(1);
+  std::vector<std::string> names;
+  for (const models::NamedCount& each : bench.vehicle("Q1").guard->counters()) {
+    names.push_back(each.name);
+  }
+  for (std::size_t i = 1; i < drivers::kPoseVerdicts; ++i) {
+    const std::string name = name_of(static_cast<drivers::PoseVerdict>(i));
+    EXPECT_EQ(std::count(names.begin(), names.end(), "pose." + name), 1) << name;
+  }
+  for (std::size_t i = 1; i < drivers::kPlanVerdicts; ++i) {
+    const std::string name = name_of(static_cast<drivers::PlanVerdict>(i));
+    EXPECT_EQ(std::count(names.begin(), names.end(), "plan." + name), 1) << name;
   }
 }
 

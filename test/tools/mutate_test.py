@@ -1,0 +1,386 @@
+#!/usr/bin/env python3
+"""mutate_test.py SOURCE_DIR: tools/dev/mutate finds each kind of bug, draws the same again, tells what a
+test notices from what it does not, goes on where it was stopped, and leaves a checkout as it was.
+
+On a project of its own: a library of one function, and a test of it that looks at too little.
+Exit code 77 where there is no libclang for Python."""
+
+import json
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SOURCE = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else ".").resolve()
+sys.path.insert(0, str(SOURCE / "tools" / "dev"))
+from mutation import ledger, sites, workshop  # noqa: E402
+
+MUTATE = SOURCE / "tools" / "dev" / "mutate"
+ARGUMENTS = ["-std=c++20"]
+
+
+def changes(text):
+    """(operator, before, after) of each site of a source text."""
+    with tempfile.NamedTemporaryFile("w", suffix=".cpp") as file:
+        file.write(text)
+        file.flush()
+        return {(s.operator, s.before, s.after) for s in sites.find_sites(file.name, "a.cpp", ARGUMENTS)}
+
+
+class Operators(unittest.TestCase):
+    def expect(self, text, *wanted):
+        found = changes(text)
+        for change in wanted:
+            self.assertIn(change, found)
+        return found
+
+    def test_comparison_is_turned_and_its_edge_moved(self):
+        self.expect("bool f(int a, int b) { return a < b; }",
+                    ("comparison", "a < b", "a > b"), ("comparison", "a < b", "a <= b"))
+
+    def test_edge_of_floating_point_is_left_alone(self):
+        found = self.expect("bool f(double a) { return a < 1.5; }", ("comparison", "a < 1.5", "a > 1.5"))
+        self.assertNotIn(("comparison", "a < 1.5", "a <= 1.5"), found)
+
+    def test_comparison_of_instants_is_found_behind_the_compiler_s_rewriting(self):
+        self.expect("#include <chrono>\nusing T = std::chrono::steady_clock::time_point;\n"
+                    "bool f(T a, T b) { return a < b; }\nbool g(T a, T b) { return a != b; }",
+                    ("comparison", "a < b", "a > b"), ("comparison", "a < b", "a <= b"),
+                    ("comparison", "a != b", "a == b"))
+
+    def test_negation_is_dropped(self):
+        self.expect("bool f(bool a) { return !a; }", ("comparison", "!a", "(a)"))
+
+    def test_sign(self):
+        self.expect("double f(double a, double b) { a += b; return -a - b; }",
+                    ("sign", "-a - b", "-a + b"), ("sign", "-a", "(a)"), ("sign", "a += b", "a -= b"))
+
+    def test_sign_of_texts_and_places_is_left_alone(self):
+        found = changes("#include <string>\n#include <vector>\n"
+                        "std::string f(const std::string& a) { return a + 'x'; }\n"
+                        "int g(const std::vector<int>& v) { return *(v.begin() + 1); }")
+        self.assertEqual([], [c for c in found if c[0] in ("sign", "term")])
+
+    def test_term(self):
+        self.expect("bool f(bool a, bool b, int c) { return a && b && (c ? a : b); }",
+                    ("term", "a && b", "(a)"), ("term", "a && b", "(b)"),
+                    ("term", "c ? a : b", "(a)"), ("term", "c ? a : b", "(b)"))
+        self.expect("double f(double a, double b) { return a - b * 2; }",
+                    ("term", "a - b * 2", "(a)"), ("term", "a - b * 2", "(-b * 2)"),
+                    ("term", "b * 2", "(b)"))
+
+    def test_constant(self):
+        self.expect("struct S { double a = 0.5; };\nint f(int a) { return a + 3; }",
+                    ("constant", "double a = 0.5", "double a = (2 * 0.5)"),
+                    ("constant", "double a = 0.5", "double a = (0.5 / 2)"),
+                    ("constant", "a + 3", "a + 6"), ("constant", "a + 3", "a + 1"))
+
+    def test_minmax(self):
+        self.expect("#include <algorithm>\nint f(int a, int b) { return std::min(a, std::clamp(b, 0, 9)); }",
+                    ("minmax", "std::min(a, std::clamp(b, 0, 9))", "std::max(a, std::clamp(b, 0, 9))"),
+                    ("minmax", "std::clamp(b, 0, 9)", "(b)"))
+
+    def test_limits_of_types_are_left_alone(self):
+        found = changes("#include <limits>\nint f() { return std::numeric_limits<int>::max(); }")
+        self.assertEqual(set(), found)
+
+    def test_abs(self):
+        self.expect("#include <cmath>\ndouble f(double a) { return std::abs(a); }",
+                    ("abs", "std::abs(a)", "(a)"))
+
+    def test_index(self):
+        self.expect("#include <vector>\nint f(const std::vector<int>& v, int i) { int w[3] = {}; return v[i] + w[0]; }",
+                    ("index", "v[i]", "v[i + 1]"), ("index", "v[i]", "v[i - 1]"),
+                    ("index", "w[0]", "w[0 + 1]"))
+        self.expect("struct P { double x() const; double y() const; };\ndouble f(P p) { return p.x(); }",
+                    ("index", "p.x()", "p.y()"))
+
+    def test_early_return_is_removed_and_the_last_is_not(self):
+        found = self.expect("int f(bool a) { if (a) { return 1; } return 2; }",
+                            ("return", "if (a) { return 1; }", "if (a) { ; }"))
+        self.assertEqual(1, len([c for c in found if c[0] == "return"]))
+
+    def test_continue_is_removed(self):
+        self.expect("void g(); void f() { for (int i = 0; i < 3; ++i) { if (i == 1) { continue; } g(); } }",
+                    ("return", "if (i == 1) { continue; }", "if (i == 1) { ; }"))
+
+    def test_reset(self):
+        self.expect("#include <optional>\n#include <vector>\n"
+                    "void f(int& n, std::optional<int>& o, std::vector<int>& v) { n = 0; ++n; o.reset(); v.clear(); }",
+                    ("reset", "n = 0", ""), ("reset", "++n", ""), ("reset", "o.reset()", ""),
+                    ("reset", "v.clear()", ""))
+
+    def test_neighbours_of_one_type_are_swapped(self):
+        found = self.expect("int g(int, int, bool);\nstruct S { int a; int b; };\n"
+                            "int f(int a, int b) { S s{a, b}; return g(a, b, true) + s.a; }",
+                            ("swap", "g(a, b, true)", "g(b, a, true)"), ("swap", "{a, b}", "{b, a}"))
+        self.assertEqual(2, len([c for c in found if c[0] == "swap"]))
+
+    def test_unit(self):
+        self.expect("struct S { double age_s; };\ndouble f(S s, double way_m) { return s.age_s * 1e-3 + way_m; }",
+                    ("unit", "s.age_s", "(1e-3 * s.age_s)"), ("unit", "way_m", "(1e3 * way_m)"),
+                    ("unit", "s.age_s * 1e-3", "s.age_s * 1.0"))
+
+    def test_what_only_declares_or_speaks_is_left_alone(self):
+        self.assertEqual(set(), changes(
+            "// a < b\nnamespace spdlog { void info(const char*, int); }\n"
+            "static_assert(1 + 1 == 2);\nenum E { kA = 3 };\ntemplate <int N> struct T { int v[N + 4]; };\n"
+            "int f(int a = 7);\n#define TWICE(a) (2 * (a))\n"
+            "int g(E e) { T<5> t; (void)t; spdlog::info(\"x\", 3); switch (e) { case kA: break; } return TWICE(e); }"))
+
+
+class Ids(unittest.TestCase):
+    def ids(self, text):
+        with tempfile.NamedTemporaryFile("w", suffix=".cpp") as file:
+            file.write(text)
+            file.flush()
+            return [s.id for s in sites.find_sites(file.name, "a.cpp", ARGUMENTS)]
+
+    def test_stay_when_other_functions_change(self):
+        mine = "int f(int a, int b) { return a < b ? a + 2 : a + 2; }\n"
+        before = self.ids(mine)
+        self.assertEqual(len(before), len(set(before)))
+        self.assertEqual(before, self.ids("int g(int a) { return a * 3; }\n\n" + mine)[-len(before):])
+
+
+def site(number, operator):
+    return sites.Site(f"{number:08x}", "a.cpp", number, operator, "a", "b", number, number + 1, b"b")
+
+
+class Draws(unittest.TestCase):
+    found = [site(n, "term" if n % 10 else "abs") for n in range(1, 200)]
+
+    def test_are_the_same_of_one_seed_in_whatever_order_they_were_found(self):
+        one = ledger.draw(self.found, 30, 1, "core")
+        self.assertEqual(one, ledger.draw(self.found[::-1], 30, 1, "core"))
+        self.assertNotEqual(one, ledger.draw(self.found, 30, 2, "core"))
+
+    def test_have_each_kind_as_often_while_it_lasts(self):
+        drawn = ledger.draw(self.found, 30, 1, "core")
+        self.assertEqual(15, sum(1 for s in drawn if s.operator == "abs"))
+        self.assertEqual(30, len({s.id for s in drawn}))
+
+    def test_are_no_more_than_there_are(self):
+        self.assertEqual(len(self.found), len(ledger.draw(self.found, 1000, 1, "core")))
+
+
+class Ledgers(unittest.TestCase):
+    def test_first_outcome_is_kept_and_counted(self):
+        with tempfile.TemporaryDirectory() as folder:
+            book = ledger.Ledger(pathlib.Path(folder) / "ledger.jsonl")
+            book.add([site(n, "abs") for n in range(4)], "core", 1)
+            self.assertEqual(0, book.add([site(2, "abs")], "core", 2))  # once only
+            for row, outcome in zip(book.rows, (ledger.KILLED, ledger.SURVIVED, ledger.SURVIVED, ledger.NOT_BUILT)):
+                book.settle(row, outcome, "abc")
+            book.settle(book.rows[1], ledger.KILLED, "def", by="core.Suite.Case")
+            book.settle(book.rows[2], ledger.EQUIVALENT, "def", reason="is never read")
+            book.save()
+            read = ledger.Ledger(book.path)
+            self.assertEqual(book.rows, read.rows)
+            self.assertEqual("survived", read.rows[1]["first"])
+            self.assertEqual("| core | 4 | 2 | 0 | 1 | 100 % | 67 % | 1 | 0 |",
+                             ledger.table(read.rows, "draw").splitlines()[2])
+
+
+TOY = {
+    "CMakeLists.txt": """cmake_minimum_required(VERSION 3.25)
+project(toy LANGUAGES CXX)
+enable_testing()
+add_library(toy toy/toy.cpp)
+target_include_directories(toy PUBLIC ${PROJECT_SOURCE_DIR})
+foreach(name toy other slow)
+  add_executable(${name}_test test/${name}_test.cpp)
+  add_test(NAME ${name}.runs COMMAND ${name}_test)
+endforeach()
+target_link_libraries(toy_test PRIVATE toy)
+target_link_libraries(slow_test PRIVATE toy)
+set_tests_properties(slow.runs PROPERTIES LABELS long)
+""",
+    ".gitignore": "build/\n",
+    "toy/toy.hpp": "#pragma once\nint clipped(int value, int most);\nbool ends(int count);\n",
+    "toy/toy.cpp": """#include "toy/toy.hpp"
+
+int clipped(int value, int most) {
+  if (value > most) {
+    return most;
+  }
+  return value;
+}
+
+bool ends(int count) {
+  int left = count;
+  while (left != 0) {
+    --left;
+  }
+  return left == 0;
+}
+""",
+    # Looks at what is clipped and never at what is not; the edge cannot be noticed by anybody.
+    "test/toy_test.cpp": """#include "toy/toy.hpp"
+int main() { return clipped(5, 3) == 3 && ends(4) ? 0 : 1; }
+""",
+    "test/slow_test.cpp": "#include \"toy/toy.hpp\"\nint main() { return clipped(1, 3) == 1 ? 0 : 1; }\n",
+    "test/other_test.cpp": "int main() { return 0; }\n",
+}
+
+
+class Project(unittest.TestCase):
+    """Whole runs, on a small project. One build for all: it is what takes the time."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = pathlib.Path(cls.folder.name) / "toy"
+        for name, text in TOY.items():
+            path = cls.root / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        cls.git("init", "--quiet")
+        cls.git("config", "user.email", "toy@example.org")
+        cls.git("config", "user.name", "Toy")
+        cls.commit()
+        cls.mutate("--draw", "toy=99", "--seed", "7")
+        cls.drawn = cls.rows()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @classmethod
+    def git(cls, *words):
+        return subprocess.run(["git", "-C", str(cls.root), *words], check=True, capture_output=True, text=True).stdout
+
+    @classmethod
+    def commit(cls):
+        cls.git("add", "--all")
+        cls.git("commit", "--quiet", "--message", "toy")
+
+    @classmethod
+    def mutate(cls, *words, code=0):
+        done = subprocess.run([sys.executable, str(MUTATE), *words], cwd=cls.root, capture_output=True, text=True)
+        assert done.returncode == code, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
+        return done.stdout + done.stderr
+
+    @classmethod
+    def book(cls):
+        return cls.root / "test/mutation/ledger.jsonl"
+
+    @classmethod
+    def rows(cls):
+        return [json.loads(line) for line in cls.book().read_text().splitlines()]
+
+    def setUp(self):
+        self.book().write_text("".join(json.dumps(row) + "\n" for row in self.drawn))
+        (self.root / "build/mutate/baselines.json").unlink(missing_ok=True)
+
+    def id_of(self, operator, after):
+        return next(r["id"] for r in self.rows() if r["operator"] == operator and r["after"] == after)
+
+    def outcome(self, id_):
+        row = next(r for r in self.rows() if r["id"] == id_)
+        return row["outcome"], row.get("by", "")
+
+    def assert_untouched(self):
+        status = [line for line in self.git("status", "--porcelain").splitlines() if "test/mutation" not in line]
+        self.assertEqual([], status)
+        self.assertEqual(TOY["toy/toy.cpp"], (self.root / "toy/toy.cpp").read_text())
+
+    def test_a_draw_is_drawn_once_and_is_the_same_elsewhere(self):
+        self.mutate("--draw", "toy=99", "--seed", "7")
+        self.assertEqual(self.drawn, self.rows())
+        self.mutate("--draw", "toy=99", "--seed", "7", "--ledger", "build/again.jsonl")
+        self.assertEqual(self.book().read_text(), (self.root / "build/again.jsonl").read_text())
+
+    def test_what_is_noticed_what_is_not_and_what_never_ends(self):
+        noticed = self.id_of("return", "if (value > most) { ; }")
+        unnoticed = self.id_of("comparison", "value >= most")
+        endless = self.id_of("reset", "")
+        said = self.mutate("--run", noticed, unnoticed, endless)
+        self.assertEqual(("killed", "toy.runs"), self.outcome(noticed))
+        # Only a test with the label `long` would look there; and the other program links none of it.
+        self.assertIn(self.outcome(unnoticed), [("survived", "toy_test"), ("same code", "")], said)
+        self.assertRegex(" ".join(self.outcome(endless)), r"killed toy.runs \(.+\)", "out of CPU time")
+        self.assertNotIn("other", said)
+        self.assertNotIn("slow", said)
+        self.assert_untouched()
+
+    def test_what_only_slow_tests_could_notice_stays_pending_for_the_quick(self):
+        noticed = self.id_of("return", "if (value > most) { ; }")
+        unnoticed = self.id_of("comparison", "value >= most")
+        self.mutate("--run", noticed, unnoticed, "--quick")
+        self.assertEqual("killed", self.outcome(noticed)[0])
+        self.assertIn(self.outcome(unnoticed)[0], ("pending", "same code"))
+
+    def test_goes_on_where_it_was_and_again_what_survived(self):
+        first = self.rows()[0]["id"]
+        self.mutate("--run", "--limit", "1")
+        settled = [r for r in self.rows() if r["outcome"] != "pending"]
+        self.assertEqual(1, len(settled))
+        self.mutate("--run", "--limit", "1")
+        self.assertEqual(2, len([r for r in self.rows() if r["outcome"] != "pending"]))
+        self.assertTrue(any(r["id"] == first for r in self.rows()))
+
+    def test_shows_and_applies_by_id(self):
+        id_ = self.id_of("comparison", "value < most")
+        self.assertIn("-  if (value > most) {\n+  if (value < most) {", self.mutate("--show", id_))
+        self.assert_untouched()
+        self.mutate("--apply", id_)
+        self.assertIn("value < most", (self.root / "toy/toy.cpp").read_text())
+        self.assertIn("commit or stash first: toy/toy.cpp", self.mutate("--run", id_, code=2))
+        self.git("checkout", "--", "toy/toy.cpp")
+
+    def test_equivalent_asks_for_a_reason(self):
+        id_ = self.id_of("comparison", "value >= most")
+        self.mutate("--equivalent", id_, "so", code=2)
+        self.mutate("--equivalent", id_, "both sides of the edge give the same value")
+        self.assertEqual("equivalent", self.outcome(id_)[0])
+        self.assertIn("| toy |", self.mutate("--table"))
+
+    def test_a_change_is_looked_at_on_its_lines_only(self):
+        path = self.root / "toy/toy.cpp"
+        path.write_text(TOY["toy/toy.cpp"].replace("left == 0;", "0 == left;"))
+        self.commit()
+        try:
+            self.mutate("--change", "HEAD~1")
+            rows = [json.loads(line) for line in (self.root / "build/mutate/change.jsonl").read_text().splitlines()]
+            self.assertEqual({"0 == left"}, {r["before"] for r in rows})
+            self.assertNotIn("pending", {r["outcome"] for r in rows})
+        finally:
+            path.write_text(TOY["toy/toy.cpp"])
+            self.commit()
+
+    def stopped_by(self, number):
+        """A run of what never ends, stopped by a signal while the mutation is there."""
+        endless = self.id_of("reset", "")
+        copy = self.root / "build/mutate/tree/toy/toy.cpp"
+        run = subprocess.Popen([sys.executable, str(MUTATE), "--run", endless], cwd=self.root,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        while "--left" in copy.read_text():
+            self.assertIsNone(run.poll())
+            time.sleep(0.01)
+        run.send_signal(number)
+        run.communicate()
+        self.assert_untouched()
+        self.assertEqual("pending", self.outcome(endless)[0])
+        return copy, run.returncode
+
+    def test_stopped_it_leaves_nothing_behind(self):
+        for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            copy, returned = self.stopped_by(number)
+            self.assertEqual(code, returned)
+            self.assertEqual(TOY["toy/toy.cpp"], copy.read_text())
+
+    def test_killed_it_leaves_the_checkout_and_the_next_run_begins_whole(self):
+        copy, _ = self.stopped_by(signal.SIGKILL)
+        self.mutate("--show", self.rows()[0]["id"])
+        self.assertEqual(TOY["toy/toy.cpp"], copy.read_text())
+
+
+if __name__ == "__main__":
+    if not sites.is_available():
+        print("skipped: no libclang for Python (tools/setup --mutate)")
+        sys.exit(77)
+    unittest.main(verbosity=2)
