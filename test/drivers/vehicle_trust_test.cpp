@@ -213,6 +213,32 @@ TEST_F(VehicleTrust, ASecondMocapBesideTheFlightIsRefusedAndTheTrueOneIsNot) {
   EXPECT_TRUE(hovers());
 }
 
+// Flown: a second trial of another scenario on the network held three vehicles for ten seconds.
+TEST_F(VehicleTrust, TheMapOfASecondTrialHoldsNobodyWhileTheFirstIsAnnounced) {
+  take_off();
+  const auto side = bench.hub.connect();
+  bus::Bus second(*side, kOtherRun);
+  bool is_announced = true;
+  bench.each_step = [&] {
+    models::ScenarioNotice notice;
+    notice.stamp.time = bench.clock.now();
+    if (bench.steps % 1000 == 0 && is_announced) {
+      notice.yaml = bench.scenario.source_text;
+      bench.lab.publish(bus::kScenario, notice);
+    } else if (bench.steps % 100 == 50) {
+      notice.yaml = "name: another\n";
+      second.publish(bus::kScenario, notice);
+    }
+  };
+  bench.run_until([&] { return bench.steps % 1000 == 1; }, 6.0);  // ours is heard first
+  bench.statuses.clear();
+  bench.run(16.0);
+  EXPECT_TRUE(only_hovered());
+  is_announced = false;
+  bench.run(14.0);
+  EXPECT_TRUE(bench.says("map differs"));
+}
+
 // The second one must not stay because the first faltered.
 TEST_F(VehicleTrust, TheMocapOfTheFlightIsBelievedAgainAtOnceWhenItComesBack) {
   take_off();

@@ -88,6 +88,20 @@ TEST(CheckPreflight, NotesWhatADriverThatDiesInMotionNeeds) {
   EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "nobody drives them";
 }
 
+TEST(CheckPreflight, NotesPlansThatComeAfterTheTurnTheyBeginWith) {
+  models::Scenario scenario = lab_hil();
+  scenario.planner.separation_m = 0.9;
+  scenario.planner.obstacle_margin_m = 0.4;
+  scenario.planner.publish_margin_s = 0.35;  // 0.1 s of lead, and 1 m/s at 2 m/s2 both ways
+  EXPECT_TRUE(check_preflight(scenario).notes.empty());
+  scenario.planner.publish_margin_s = 0.34;
+  EXPECT_NE(all_of(check_preflight(scenario).notes).find("planner.publish_margin_s 0.35"),
+            std::string::npos);
+  scenario = lab();
+  scenario.planner.publish_margin_s = 0.0;
+  EXPECT_TRUE(check_preflight(scenario).notes.empty()) << "they turn at once";
+}
+
 TEST(CheckPreflight, NotesAWindThatBlowsOnNothing) {
   models::Scenario scenario = lab();
   scenario.wind = models::WindSpec{1.5, 0.0, 0.1};

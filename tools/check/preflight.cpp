@@ -222,6 +222,24 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
   }
 }
 
+// A vehicle cannot change its course at once: it begins to before the plan does (drivers'
+// Course), and does not know then what a plan says that comes later.
+void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) {
+  double early_s = 0.0;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    if (robot.device != models::DeviceSource::kDirect && robot.autopilot) {
+      early_s = std::max(early_s, drivers::SafetyLimits{}.setpoint_lead_s +
+                                      robot.limits.speed_max_mps / (2.0 * robot.limits.brake_mps2));
+    }
+  }
+  if (scenario.planner.publish_margin_s < early_s) {
+    notes.push_back(fmt::format(
+        "plans come {:g} s before they begin, and vehicles begin to turn {:.2f} s before that: the "
+        "last robot of a round strays about twice as far; planner.publish_margin_s {:.2f} or more",
+        scenario.planner.publish_margin_s, early_s, early_s));
+  }
+}
+
 void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
   const bool is_felt =
       std::any_of(scenario.robots.begin(), scenario.robots.end(), [](const auto& robot) {
@@ -251,6 +269,7 @@ Preflight check_preflight(const Scenario& scenario) {
     out.faults.push_back(std::move(fault));
   }
   note_lost_way(scenario, out.notes);
+  note_late_plans(scenario, out.notes);
   note_wind(scenario, out.notes);
   return out;
 }

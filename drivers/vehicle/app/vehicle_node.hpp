@@ -96,8 +96,11 @@ class VehicleNode : public bus::Node {
     bus_.subscribe<models::OperatorCommand>(
         bus::kCommand,
         [this](const models::OperatorCommand& command) { on_command(command, clock_.now()); });
+    // A second trial beside this one announces its own.
+    bus::Channel<models::ScenarioNotice> maps = bus::kScenario;
+    maps.lease = kMapLease;
     bus_.subscribe<models::ScenarioNotice>(
-        bus::kScenario, [this, text = scenario.source_text](const models::ScenarioNotice& notice) {
+        maps, [this, text = scenario.source_text](const models::ScenarioNotice& notice) {
           driver_.on_map(notice.yaml == text);
         });
   }
@@ -114,6 +117,7 @@ class VehicleNode : public bus::Node {
 
  private:
   static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
+  static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< said each 5 s
   static constexpr int kReadsMax = 64;  ///< in one tick: a flood must not keep the vehicle waiting
 
   bus::Bus& bus_;
