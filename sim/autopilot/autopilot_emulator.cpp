@@ -72,8 +72,11 @@ void AutopilotEmulator::take(const wire::Frame& frame) {
   } else if (take_parameter_talk(frame)) {
     return;
   } else if (const auto origin = wire::unpack<wire::SetGpsGlobalOrigin>(frame)) {
-    if (is_for_me(origin->target_system) && controller_.has_estimator(now_)) {
+    // It takes one, confirms it, and says nothing to any other.
+    if (is_for_me(origin->target_system) && controller_.has_estimator(now_) &&
+        !controller_.has_origin()) {
       controller_.set_origin();
+      send(wire::GpsGlobalOrigin{origin->latitude, origin->longitude, origin->altitude, 0});
     }
   }
 }

@@ -45,6 +45,7 @@ void AutopilotEmulator::send(const Message& message) {
       output_.emplace_back());
 }
 template void AutopilotEmulator::send(const wire::CommandAck&);
+template void AutopilotEmulator::send(const wire::GpsGlobalOrigin&);
 template void AutopilotEmulator::send(const wire::ParamValue&);
 template void AutopilotEmulator::send(const wire::Timesync&);
 

@@ -174,10 +174,12 @@ TEST(EmulatedArdupilot, TakesNoOriginBeforeItsEstimatorRuns) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.run(3.0);
   hand.send(models::mavlink::SetGpsGlobalOrigin{});
-  EXPECT_FALSE(hand.emulator.controller().has_origin());
+  EXPECT_EQ(hand.origins, 0);
   hand.run(1.0);
   hand.send(models::mavlink::SetGpsGlobalOrigin{});
-  EXPECT_TRUE(hand.emulator.controller().has_origin());
+  EXPECT_EQ(hand.origins, 1);  // it says so, and takes no other
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(hand.origins, 1);
 }
 
 TEST(EmulatedArdupilot, RefusesToArmForTwentyTwoSecondsAndSaysWhy) {

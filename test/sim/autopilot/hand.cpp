@@ -211,6 +211,8 @@ void Hand::hear(const wire::Frame& got) {
       owed_->target_system = 1;
       owed_->target_component = 1;
     }
+  } else if (got.message_id == wire::GpsGlobalOrigin::kMessage.id) {
+    ++origins;
   } else if (got.message_id == wire::LocalPositionNed::kMessage.id) {
     if (positions++ == 0) {
       note("position", "first");

@@ -75,6 +75,7 @@ class Hand {
   std::uint16_t flags = 0;
   std::uint8_t landed = 0;
   int positions = 0;
+  int origins = 0;
   [[nodiscard]] bool says_armed() const {
     return last_heartbeat && (last_heartbeat->base_mode & wire::kArmedFlag) != 0;
   }
