@@ -213,6 +213,7 @@ void Hand::hear(const wire::Frame& got) {
     }
   } else if (got.message_id == wire::GpsGlobalOrigin::kMessage.id) {
     ++origins;
+    note("origin", "confirmed");
   } else if (got.message_id == wire::LocalPositionNed::kMessage.id) {
     if (positions++ == 0) {
       note("position", "first");

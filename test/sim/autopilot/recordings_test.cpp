@@ -164,6 +164,7 @@ TEST(RecordedArdupilot, KnowsItsPlaceBeforeItHasAnOrigin) {
     EXPECT_LT(recording->first("position", "")->time_s, recording->mark("origin"));
     EXPECT_LT(recording->first("flags", "0x033F")->time_s, recording->mark("origin"));
   }
+  expect_delay(pair, "origin", "origin", "confirmed", 0.2);
   expect_delay(pair, "poses", "flags", "0x033F", 1.5);  // aligns its tilt first, since power-up
 }
 
