@@ -56,7 +56,6 @@ void Telemetry::take(const wire::Frame& frame, Time now) {
     if (local_m.allFinite() && local_mps.allFinite()) {
       position_world_m_ = turn_axes(local_m);
       velocity_world_mps_ = turn_axes(local_mps);
-      has_origin_ = true;
     }
   } else if (const auto attitude = wire::unpack<wire::Attitude>(frame)) {
     const double cosine = std::cos(static_cast<double>(attitude->roll)) *

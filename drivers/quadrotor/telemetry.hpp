@@ -59,6 +59,7 @@ class Telemetry {
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_world_mps_; }
   [[nodiscard]] const Eigen::Quaterniond& world_from_body() const { return world_from_body_; }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
+  /// It has said so; that it knows its place is no sign of it.
   [[nodiscard]] bool has_origin() const { return has_origin_; }
   /// When a message of this kind was last heard.
   [[nodiscard]] std::optional<Time> heard(std::uint32_t message_id) const;

@@ -24,8 +24,8 @@ AutopilotEmulator::AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boo
       profile_(profile_of(spec.dialect)),
       boot_(boot),
       now_(boot),
-      controller_(profile_, spec.airframe, spec.seed, turn(spec.start.translation_m),
-                  -flatten(spec.start).yaw_rad, boot) {
+      controller_(profile_, AutopilotSettings{}, spec.airframe, spec.seed,
+                  turn(spec.start.translation_m), -flatten(spec.start).yaw_rad, boot) {
   streams_[wire::Heartbeat::kMessage.id] = {std::chrono::seconds(1), boot};
   const bool is_px4 = spec.dialect == models::AutopilotDialect::kPx4;
   streams_[kTimesyncId] = {is_px4 ? Duration{100'000} : Duration{10'000'000}, boot};
@@ -68,11 +68,15 @@ void AutopilotEmulator::take(const wire::Frame& frame) {
     if (heartbeat->type == wire::type::kGroundStation) {
       station_heard_ = now_;
     }
+    controller_.take_heartbeat(frame.origin.system_id, now_);
   } else if (take_parameter_talk(frame)) {
     return;
   } else if (const auto origin = wire::unpack<wire::SetGpsGlobalOrigin>(frame)) {
-    if (is_for_me(origin->target_system) && controller_.estimator().poses() > 0) {
+    // It takes one, confirms it, and says nothing to any other.
+    if (is_for_me(origin->target_system) && controller_.has_estimator(now_) &&
+        !controller_.has_origin()) {
       controller_.set_origin();
+      send(wire::GpsGlobalOrigin{origin->latitude, origin->longitude, origin->altitude, 0});
     }
   }
 }
@@ -236,6 +240,17 @@ void AutopilotEmulator::set_parameter(const std::string& name, double value) {
   if (is_new && std::trunc(value) == value) {
     found->second.type = wire::parameter_type::kInt32;
   }
+  obey_parameters();
+}
+
+void AutopilotEmulator::forget_parameter(const std::string& name) {
+  parameters_.erase(name);
+  obey_parameters();
+}
+
+void AutopilotEmulator::obey_parameters() {
+  controller_.set_settings(
+      settings_of(spec_.dialect, [this](const std::string& name) { return parameter(name); }));
 }
 
 std::optional<double> AutopilotEmulator::parameter(const std::string& name) const {
@@ -258,6 +273,7 @@ bool AutopilotEmulator::take_parameter_talk(const wire::Frame& frame) {
   if (is_for_me(set->target_system) && found != parameters_.end()) {
     found->second.value = wire::decode_parameter(set->param_value, set->param_type,
                                                  models::parameter_encoding(spec_.dialect));
+    obey_parameters();
     say_parameter(found->first);
   }
   return true;

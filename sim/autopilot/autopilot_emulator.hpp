@@ -48,7 +48,7 @@ class AutopilotEmulator {
   /// Changes a parameter, or makes one; it starts with those of config/autopilot, as loaded.
   void set_parameter(const std::string& name, double value);
   /// It knows no such parameter any more, and says nothing to the name.
-  void forget_parameter(const std::string& name) { parameters_.erase(name); }
+  void forget_parameter(const std::string& name);
   [[nodiscard]] std::optional<double> parameter(const std::string& name) const;
 
   /// What is to go out, a datagram each; empties it.
@@ -74,6 +74,8 @@ class AutopilotEmulator {
   void take_timesync(const models::mavlink::Timesync& message);
   bool take_parameter_talk(const models::mavlink::Frame& frame);
   void say_parameter(const std::string& name);
+  /// Makes the controller obey the parameters as they are now.
+  void obey_parameters();
   [[nodiscard]] bool is_for_me(std::uint8_t target_system) const {
     return target_system == 0 || target_system == spec_.system_id;
   }
@@ -94,6 +96,7 @@ class AutopilotEmulator {
   models::mavlink::Parser parser_;
   std::vector<std::vector<std::uint8_t>> output_;
   std::uint8_t next_sequence_ = 0;
+  std::uint16_t next_text_ = 0;  ///< of those that go in pieces
   struct Stream {
     Duration interval{};
     Time next{};

@@ -45,6 +45,7 @@ void AutopilotEmulator::send(const Message& message) {
       output_.emplace_back());
 }
 template void AutopilotEmulator::send(const wire::CommandAck&);
+template void AutopilotEmulator::send(const wire::GpsGlobalOrigin&);
 template void AutopilotEmulator::send(const wire::ParamValue&);
 template void AutopilotEmulator::send(const wire::Timesync&);
 
@@ -64,9 +65,16 @@ void AutopilotEmulator::speak() {
   for (const SpokenText& spoken : controller_.take_texts()) {
     wire::Statustext text;
     text.severity = spoken.severity;
-    std::copy_n(spoken.text.begin(), std::min(spoken.text.size(), text.text.size()),
-                text.text.begin());
-    say(text);
+    const std::size_t room = text.text.size();
+    if (spoken.text.size() > room) {
+      text.id = ++next_text_;  // in pieces
+    }
+    for (std::size_t begin = 0; begin < spoken.text.size(); begin += room) {
+      text.text.fill('\0');
+      spoken.text.copy(text.text.data(), room, begin);
+      say(text);
+      ++text.chunk_seq;
+    }
   }
   for (auto& [id, stream] : streams_) {
     if (now_ >= stream.next) {
@@ -97,11 +105,15 @@ void AutopilotEmulator::speak_once(std::uint32_t message_id) {
       return send(out);
     }
     case wire::LocalPositionNed::kMessage.id: {
-      if (!controller_.has_position(now_)) {
+      const bool is_fed = controller_.has_position(now_);
+      if (!is_fed && profile_.needs_origin) {
         return;
       }
-      const Eigen::Vector3d position_m = controller_.estimator().position_m();
-      const Eigen::Vector3d& velocity_mps = airframe.velocity_mps();
+      // Without poses PX4 takes itself to stand where it was switched on.
+      const Eigen::Vector3d position_m =
+          is_fed ? controller_.estimator().position_m() : Eigen::Vector3d::Zero();
+      const Eigen::Vector3d velocity_mps =
+          is_fed ? airframe.velocity_mps() : Eigen::Vector3d::Zero();
       return send(wire::LocalPositionNed{boot_ms, f32(position_m.x()), f32(position_m.y()),
                                          f32(position_m.z()), f32(velocity_mps.x()),
                                          f32(velocity_mps.y()), f32(velocity_mps.z())});

@@ -12,6 +12,7 @@
 #include "sim/autopilot/airframe.hpp"
 #include "sim/autopilot/pose_estimator.hpp"
 #include "sim/autopilot/profile.hpp"
+#include "sim/autopilot/settings.hpp"
 
 namespace vantage::sim {
 
@@ -33,9 +34,12 @@ struct SpokenText {
 /// refuses and gives up where and when the real one of its profile did. Handed time.
 class FlightController {
  public:
-  FlightController(const AutopilotProfile& profile, const AirframeParameters& airframe,
-                   std::uint64_t seed, const Eigen::Vector3d& position_m, double yaw_rad,
-                   Time boot);
+  FlightController(const AutopilotProfile& profile, const AutopilotSettings& settings,
+                   const AirframeParameters& airframe, std::uint64_t seed,
+                   const Eigen::Vector3d& position_m, double yaw_rad, Time boot);
+
+  /// What its owner has set; obeyed from now on.
+  void set_settings(const AutopilotSettings& settings);
 
   /// Each returns the result of an acknowledgement: 0 accepted.
   std::uint8_t arm(Time now);
@@ -44,12 +48,16 @@ class FlightController {
   std::uint8_t take_off(double height_m);
 
   void take_target(const FlightTarget& target, Time now);
-  void take_pose(Time now, Time capture, const Eigen::Vector3d& position_m, std::uint8_t resets) {
-    estimator_.fuse(now, capture, position_m, resets);
-  }
+  void take_pose(Time now, Time capture, const Eigen::Vector3d& position_m, std::uint8_t resets);
+  /// A heartbeat of the system `system_id`.
+  void take_heartbeat(int system_id, Time now);
   /// A fault of the vehicle's own that it will not fly with; empty: none.
   void set_fault(std::string why) { fault_ = std::move(why); }
   void set_origin() { has_origin_ = true; }
+  /// Its estimator has begun, and takes an origin.
+  [[nodiscard]] bool has_estimator(Time now) const {
+    return to_seconds(now - boot_) >= profile_.estimator_boot_s;
+  }
 
   /// Moves on by `dt_s` to `now`.
   void step(Time now, double dt_s);
@@ -72,9 +80,15 @@ class FlightController {
     texts_.push_back({severity, std::move(text)});
   }
   void watch(Time now);
+  void watch_speakers(Time now);
+  void watch_ground(Time now);
   void enter_landing(Time now);
+  /// By its own decision.
+  void fail_safe(const std::string& why, Time now);
   void stop_motors();
   [[nodiscard]] bool has_proof_of_life(Time now) const;
+  /// Why it does not arm now, as it says it.
+  [[nodiscard]] std::vector<std::string> obstacles(Time now) const;
   [[nodiscard]] bool is_following() const { return mode_ == profile_.follow_mode; }
   /// What velocity is wanted now; nullopt to stay on the ground.
   [[nodiscard]] std::optional<Eigen::Vector3d> wanted_velocity_mps(Time now) const;
@@ -83,6 +97,7 @@ class FlightController {
   [[nodiscard]] double wanted_yaw_rate_radps() const;
 
   const AutopilotProfile& profile_;
+  AutopilotSettings settings_;
   Airframe airframe_;
   PoseEstimator estimator_;
   Time boot_;
@@ -93,15 +108,21 @@ class FlightController {
   bool has_origin_ = false;
   bool is_blind_ = false;
   Time armed_at_{};
-  std::optional<Time> touched_down_;
+  std::optional<Time> touched_down_;  ///< stands on the ground since, after a flight
+  std::optional<Time> lost_since_;
   std::optional<FlightTarget> target_;
   Time target_time_{};
+  std::optional<Time> station_heard_;
+  bool is_station_lost_ = false;
+  Time station_checked_{};
+  Time descends_at_{};                         ///< when it lands
   std::optional<Time> targets_since_;          ///< they come without a gap
   std::optional<Eigen::Vector3d> climb_to_m_;  ///< of a take-off by command
   Eigen::Vector3d landing_at_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d shaped_mps_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d integral_mps2_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d commanded_mps2_ = Eigen::Vector3d::Zero();
+  double yaw_rate_radps_ = 0.0;  ///< asked of the airframe
   std::string fault_;
   std::vector<SpokenText> texts_;
 };

@@ -3,11 +3,12 @@
 #include <cstdint>
 
 #include "models/scenario/scenario.hpp"
+#include "sim/autopilot/pose_estimator.hpp"
 
 namespace vantage::sim {
 
-/// How one autopilot behaves, in numbers; from flights of the two real ones in their own
-/// simulators, with external poses as the only position source.
+/// How one autopilot behaves, in numbers, whatever its owner has set (settings.hpp); from the
+/// recordings of the two real ones in test/data/autopilot.
 struct AutopilotProfile {
   std::uint8_t autopilot_id = 0;  ///< in its HEARTBEAT
   std::uint32_t follow_mode = 0;  ///< custom_mode that takes set-points
@@ -17,22 +18,28 @@ struct AutopilotProfile {
   bool speaks_to_stations_alone = false;  ///< texts: where a ground station's heartbeat is heard
 
   // Estimator, fed with external poses.
-  double converge_s = 3.5;   ///< of poses, until it is ready
-  double pose_loss_s = 5.0;  ///< without poses, until it says that it is lost
+  PoseEstimatorTraits estimator;
+  double estimator_boot_s = 0.0;     ///< after power-up, until it takes an origin
+  double estimator_aligned_s = 0.0;  ///< and until it takes poses
   std::uint16_t flags_ground = 0;
   std::uint16_t flags_air = 0;
+  std::uint16_t flags_stale = 0;  ///< in the air, poses of more than 0.6 s ago
   std::uint16_t flags_lost = 0;
-  bool needs_origin = false;
+  bool needs_origin = false;            ///< before it arms
+  double lost_before_failsafe_s = 0.0;  ///< it knows that it is lost, and does nothing yet
 
   // Arming.
-  double arm_delay_s = 0.0;     ///< after boot, whatever else is ready
-  std::uint8_t refusal = 1;     ///< result of a command that cannot be obeyed now
-  double idle_disarm_s = 10.0;  ///< armed and not taken off
+  double accelerometer_delay_s = 0.0;  ///< after boot, until they agree
+  double arm_delay_s = 0.0;            ///< after boot, whatever else is ready: gyroscopes, too
+  const char* words_of_arming = "";
+  const char* words_of_landed = "";  ///< its motors stop after a landing
+  const char* words_of_idle = "";    ///< and when it is not taken off
+  std::uint8_t refusal = 1;          ///< result of a command that cannot be obeyed now
 
-  // Set-points.
-  bool wants_proof_of_life = false;  ///< a stream of them before its mode is entered
-  double setpoint_loss_s = 1.0;
-  bool lands_on_setpoint_loss = false;  ///< otherwise it brakes to a halt and stays in the mode
+  // Who speaks to it.
+  double setpoint_check_s = 0.0;     ///< it notices so late that set-points have stopped
+  double station_check_s = 0.0;      ///< how often it looks whether its station still does
+  bool wants_proof_of_life = false;  ///< a stream of set-points before it arms in its mode
   bool takes_off_by_command = false;
   /// Between two targets the place goes on at their velocity.
   bool carries_targets_on = false;
@@ -40,18 +47,19 @@ struct AutopilotProfile {
   bool keeps_braking_on_change = false;
 
   // Motion.
-  double velocity_shaping_s = 0.0;   ///< first-order lag of velocity set-points
-  double velocity_gain_per_s = 1.8;  ///< PX4: MPC_XY_VEL_P_ACC
-  double climb_gain_per_s = 4.0;     ///< PX4: MPC_Z_VEL_P_ACC
+  double velocity_shaping_s = 0.0;  ///< first-order lag of velocity set-points
+  double climb_gain_per_s = 4.0;    ///< PX4: MPC_Z_VEL_P_ACC
   double velocity_integral_per_s2 = 0.15;
-  double feed_forward = 0.0;  ///< share of the shaped acceleration
-  double position_gain_per_s = 0.95;
-  double speed_max_mps = 3.0;
+  double feed_forward = 0.0;         ///< share of the shaped acceleration
+  bool cuts_whole_velocity = false;  ///< at its most; otherwise only what corrects the place
   double climb_max_mps = 0.7;
   double acceleration_max_mps2 = 3.0;
-  double spool_up_s = 2.0;  ///< motors turn before they lift
-  double land_speed_mps = 0.4;
-  double land_disarm_s = 3.0;  ///< after touch-down
+  double yaw_gain_per_s = 2.5;
+  double yaw_lag_s = 0.0;         ///< of its rate controller, before the airframe's
+  double spool_up_s = 2.0;        ///< motors turn before they lift
+  double landed_delay_s = 1.0;    ///< it stands, and does not know yet
+  double landing_ahead_s = 0.0;   ///< it lands where its velocity brings it in this time
+  double failsafe_pause_s = 0.0;  ///< between a failsafe's landing mode and the descent
 };
 
 const AutopilotProfile& profile_of(models::AutopilotDialect dialect);

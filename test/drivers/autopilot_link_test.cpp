@@ -213,10 +213,13 @@ TEST(AutopilotLink, GivesArdupilotAnOriginUntilItHasOne) {
       }
       return bench.said_of<wire::SetGpsGlobalOrigin>().size();
     };
-    const std::size_t before = origins_in(0, 5);
-    EXPECT_EQ(before, dialect == AutopilotDialect::kPx4 ? 0U : 5U);
-    bench.hear(wire::GpsGlobalOrigin{}, kNow + std::chrono::seconds(5));
-    EXPECT_EQ(origins_in(5, 10), 0U);
+    const std::size_t wanted = dialect == AutopilotDialect::kPx4 ? 0U : 5U;
+    EXPECT_EQ(origins_in(0, 5), wanted);
+    // ArduCopter knows its place without an origin, and does not arm.
+    bench.hear(wire::LocalPositionNed{}, kNow + std::chrono::seconds(5));
+    EXPECT_EQ(origins_in(5, 10), wanted);
+    bench.hear(wire::GpsGlobalOrigin{}, kNow + std::chrono::seconds(10));
+    EXPECT_EQ(origins_in(10, 15), 0U);
   }
 }
 

@@ -173,6 +173,7 @@ TEST_P(Flight, IsLandedByItsAutopilotWhenTheWireIsCut) {
 // Defect: a driver restarted in the air said `idle`, and landed it whatever the operator wanted.
 TEST_P(Flight, HoldsAVehicleThatAnEarlierRunLeftInTheAirAndAsks) {
   ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  bench.run(2.0);  // until it climbs no more: its autopilot goes on with that for a while
   const Eigen::Vector3d place_m = bench.vehicle.world_from_body().translation_m;
   bench.restart_driver();
   ASSERT_TRUE(bench.run_until([&] { return bench.state() == FlightState::kHold; }, 2.0))

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "test/sim/autopilot/bench.hpp"
+#include "test/sim/autopilot/hand.hpp"
 
 namespace vantage::sim {
 namespace {
 
 using models::AutopilotDialect;
-using test::Hand;
+using Hand = test::EmulatorHand;
 
 constexpr std::uint32_t kOffboard = 6U << 16U;
 constexpr std::uint32_t kPx4Land = 4U << 16U | 6U << 24U;
@@ -37,9 +37,9 @@ Hand flying_ardupilot() {
   Hand hand(AutopilotDialect::kArdupilot);
   listen(hand);
   hand.sends_poses = true;
-  hand.run(1.0);
+  hand.run(5.0);
   hand.send(models::mavlink::SetGpsGlobalOrigin{});
-  hand.run(25.0);
+  hand.run(21.0);
   EXPECT_EQ(hand.command(176, 1, 4), 0);
   EXPECT_EQ(hand.command(400, 1), 0);
   EXPECT_EQ(hand.command(22, 0, 0, 0, 1.5F), 0);
@@ -48,18 +48,15 @@ Hand flying_ardupilot() {
   return hand;
 }
 
-TEST(EmulatedPx4, IsReadyAFewSecondsAfterTheFirstPose) {
+TEST(EmulatedPx4, IsReadySoonAfterTheFirstPose) {
   Hand hand(AutopilotDialect::kPx4);
   listen(hand);
   hand.run(10.0);
-  EXPECT_EQ(hand.positions, 0);
+  EXPECT_EQ(hand.flags, 0x0A5);
   EXPECT_EQ(hand.command(400, 1), 1);
   hand.sends_poses = true;
-  hand.run(3.0);
-  EXPECT_EQ(hand.positions, 0);
-  hand.run(1.5);
-  EXPECT_GT(hand.positions, 0);
-  EXPECT_EQ(hand.flags, 0x1EF);
+  hand.run(0.5);
+  EXPECT_EQ(hand.flags, 0x1AF);
   EXPECT_EQ(hand.command(400, 1), 0);
 }
 
@@ -88,39 +85,60 @@ TEST(EmulatedPx4, NeverReadsPosesThatClaimToBeMocap) {
   EXPECT_EQ(hand.emulator.controller().estimator().poses(), 0);
 }
 
-TEST(EmulatedPx4, EntersOffboardOnlyAfterASecondOfSetPoints) {
+TEST(EmulatedPx4, TakesOffboardAtOnceButArmsInItOnlyAfterASecondOfSetPoints) {
   Hand hand(AutopilotDialect::kPx4);
   hand.sends_poses = true;
   hand.run(5.0);
-  EXPECT_EQ(hand.command(176, 1, 6), 1);
-  hand.target = Hand::position(1.0F, -2.0F, -1.6F, 0.0F);
-  hand.run(0.8);
-  EXPECT_EQ(hand.command(176, 1, 6), 1);
-  hand.run(0.5);
   EXPECT_EQ(hand.command(176, 1, 6), 0);
   EXPECT_EQ(hand.mode(), kOffboard);
+  EXPECT_EQ(hand.command(400, 1), 1);
+  hand.target = Hand::position(1.0F, -2.0F, -1.6F, 0.0F);
+  hand.run(0.8);
+  EXPECT_EQ(hand.command(400, 1), 1);
+  hand.run(0.5);
+  EXPECT_EQ(hand.command(400, 1), 0);
 }
 
-TEST(EmulatedPx4, LandsWhenSetPointsStopForASecond) {
+// COM_OF_LOSS_T, as it is loaded and as somebody sets it.
+TEST(EmulatedPx4, LandsWhenSetPointsStopForAsLongAsItsParameterSays) {
+  for (const double timeout_s : {0.3, 1.0, 2.0}) {
+    Hand hand = flying_px4();
+    hand.set_parameter("COM_OF_LOSS_T", timeout_s);
+    hand.target.reset();
+    hand.run(timeout_s - 0.02);
+    EXPECT_EQ(hand.mode(), kOffboard);
+    hand.run(0.2);
+    EXPECT_EQ(hand.mode(), kPx4Land);
+    hand.run(12.0);
+    EXPECT_FALSE(hand.armed());
+  }
+}
+
+TEST(EmulatedPx4, HoldsWhereItIsWhenItsParameterDoesNotSayLand) {
   Hand hand = flying_px4();
+  hand.set_parameter("COM_OBL_RC_ACT", 0.0);
   hand.target.reset();
-  hand.run(0.9);
+  hand.run(20.0);
   EXPECT_EQ(hand.mode(), kOffboard);
-  hand.run(0.6);
-  EXPECT_EQ(hand.mode(), kPx4Land);
-  hand.run(12.0);
-  EXPECT_FALSE(hand.armed());
+  EXPECT_TRUE(hand.armed());
 }
 
-TEST(EmulatedPx4, LosesItsPositionFiveSecondsAfterTheLastPose) {
+TEST(EmulatedPx4, NeverStopsItsMotorsAfterALandingWithANegativeDelay) {
   Hand hand = flying_px4();
-  EXPECT_EQ(hand.flags, 0x06F);
+  hand.set_parameter("COM_DISARM_LAND", -1.0);
+  EXPECT_EQ(hand.command(21, 0), 0);
+  hand.run(30.0);
+  EXPECT_TRUE(hand.armed());
+}
+
+TEST(EmulatedPx4, LosesItsHeightWithItsPosesWhenItsBarometerIsOff) {
+  Hand hand = flying_px4();
+  hand.set_parameter("EKF2_BARO_CTRL", 0.0);
   hand.sends_poses = false;
-  hand.run(4.5);
-  EXPECT_EQ(hand.mode(), kOffboard);
-  hand.run(1.0);
-  EXPECT_EQ(hand.flags, 0x065);
-  EXPECT_EQ(hand.mode(), kPx4Land);
+  hand.run(2.0);
+  EXPECT_EQ(hand.flags, 0x00F);
+  hand.run(3.0);
+  EXPECT_EQ(hand.flags, 0x005);
 }
 
 TEST(EmulatedPx4, AnswersVelocitiesSoftly) {
@@ -131,33 +149,51 @@ TEST(EmulatedPx4, AnswersVelocitiesSoftly) {
   const double at_two_m = hand.emulator.world_from_body().translation_m.x();
   hand.run(2.0);
   const double mean_mps = (hand.emulator.world_from_body().translation_m.x() - at_two_m) / 2.0;
-  EXPECT_GT(mean_mps, 0.33);
-  EXPECT_LT(mean_mps, 0.48);
+  EXPECT_GT(mean_mps, 0.43);
+  EXPECT_LT(mean_mps, 0.51);
   EXPECT_NEAR(hand.emulator.world_from_body().translation_m.y(), before_m.y(), 0.1);
 }
 
-TEST(EmulatedArdupilot, SaysNothingOfItsPositionBeforeItHasAnOrigin) {
+TEST(EmulatedArdupilot, KnowsItsPositionWithoutAnOriginAndDoesNotArm) {
   Hand hand(AutopilotDialect::kArdupilot);
   listen(hand);
   hand.sends_poses = true;
-  hand.run(6.0);
+  hand.run(4.9);
   EXPECT_EQ(hand.positions, 0);
-  EXPECT_NE(hand.command(176, 1, 4), 0);
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
-  hand.run(1.0);
+  hand.run(1.1);
   EXPECT_GT(hand.positions, 0);
   EXPECT_EQ(hand.flags, 0x33F);
-}
-
-TEST(EmulatedArdupilot, RefusesToArmForTwentyThreeSecondsAndSaysWhy) {
-  Hand hand(AutopilotDialect::kArdupilot);
-  hand.sends_poses = true;
-  hand.run(1.0);
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
   hand.run(20.0);
   EXPECT_EQ(hand.command(400, 1), 4);
-  EXPECT_EQ(hand.last_text, "Arm: Accels inconsistent");
+  EXPECT_EQ(hand.last_text, "Arm: AHRS: waiting for home");
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(hand.command(400, 1), 0);
+}
+
+TEST(EmulatedArdupilot, TakesNoOriginBeforeItsEstimatorRuns) {
+  Hand hand(AutopilotDialect::kArdupilot);
   hand.run(3.0);
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(hand.origins, 0);
+  hand.run(1.0);
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(hand.origins, 1);  // it says so, and takes no other
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  EXPECT_EQ(hand.origins, 1);
+}
+
+TEST(EmulatedArdupilot, RefusesToArmForTwentyTwoSecondsAndSaysWhy) {
+  Hand hand(AutopilotDialect::kArdupilot);
+  hand.sends_poses = true;
+  hand.run(5.0);
+  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.run(5.0);
+  EXPECT_EQ(hand.command(400, 1), 4);
+  EXPECT_EQ(hand.last_text, "Arm: Accels inconsistent");
+  hand.run(11.0);
+  EXPECT_EQ(hand.command(400, 1), 4);
+  EXPECT_EQ(hand.last_text, "Arm: Gyros inconsistent");
+  hand.run(2.0);
   EXPECT_EQ(hand.command(400, 1), 0);
 }
 
@@ -165,23 +201,49 @@ TEST(EmulatedArdupilot, IgnoresPosesInAnyFrameButTheOne) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.sends_poses = true;
   hand.frame = models::mavlink::frame::kLocalNed;
-  hand.run(2.0);
+  hand.run(7.0);
   EXPECT_EQ(hand.emulator.controller().estimator().poses(), 0);
   hand.frame = models::mavlink::frame::kLocalFrd;
   hand.run(2.0);
   EXPECT_GT(hand.emulator.controller().estimator().poses(), 0);
 }
 
-TEST(EmulatedArdupilot, KeepsItsLastVelocityForThreeSecondsAndStops) {
+// GUID_TIMEOUT, as it is loaded and as somebody sets it.
+TEST(EmulatedArdupilot, KeepsItsLastVelocityForAsLongAsItsParameterSaysAndStops) {
+  for (const double timeout_s : {0.3, 3.0}) {
+    Hand hand = flying_ardupilot();
+    hand.set_parameter("GUID_TIMEOUT", timeout_s);
+    hand.target = Hand::velocity(0.5F, 0.0F, 0.0F, 0.0F);
+    hand.run(4.0);
+    EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.5, 0.03);
+    hand.target.reset();
+    hand.run(timeout_s - 0.1);
+    EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.5, 0.03);
+    hand.run(2.2);
+    EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.0, 0.1);
+    EXPECT_EQ(hand.mode(), 4U);
+  }
+}
+
+// FS_GCS_ENABLE, FS_GCS_TIMEOUT, SYSID_MYGCS. What was never heard is not missed.
+TEST(EmulatedArdupilot, LandsWhenItsStationFallsSilentIfItsParametersSaySo) {
+  const auto mode_after = [](double silence_s, const std::string& name, double value) {
+    Hand hand = flying_ardupilot();
+    hand.set_parameter(name, value);
+    hand.sends_heartbeats = true;
+    hand.run(2.0);
+    hand.sends_heartbeats = false;
+    hand.run(silence_s);
+    return hand.mode();
+  };
+  EXPECT_EQ(mode_after(0.7, "FS_GCS_TIMEOUT", 1.0), 4U);
+  EXPECT_EQ(mode_after(1.4, "FS_GCS_TIMEOUT", 1.0), 9U);
+  EXPECT_EQ(mode_after(2.7, "FS_GCS_TIMEOUT", 3.0), 4U);
+  EXPECT_EQ(mode_after(3.4, "FS_GCS_TIMEOUT", 3.0), 9U);
+  EXPECT_EQ(mode_after(10.0, "FS_GCS_ENABLE", 0.0), 4U);
+  EXPECT_EQ(mode_after(10.0, "SYSID_MYGCS", 200.0), 4U);
   Hand hand = flying_ardupilot();
-  hand.target = Hand::velocity(0.5F, 0.0F, 0.0F, 0.0F);
-  hand.run(4.0);
-  EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.5, 0.03);
-  hand.target.reset();
-  hand.run(2.8);
-  EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.5, 0.03);
-  hand.run(2.2);
-  EXPECT_NEAR(hand.emulator.velocity_world_mps().x(), 0.0, 0.1);
+  hand.run(10.0);
   EXPECT_EQ(hand.mode(), 4U);
 }
 
@@ -210,9 +272,9 @@ TEST(EmulatedArdupilot, LandsEightSecondsAfterTheLastPose) {
 TEST(EmulatedArdupilot, DisarmsWhenItIsNotTakenOffInTenSeconds) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.sends_poses = true;
-  hand.run(1.0);
+  hand.run(5.0);
   hand.send(models::mavlink::SetGpsGlobalOrigin{});
-  hand.run(25.0);
+  hand.run(21.0);
   EXPECT_EQ(hand.command(176, 1, 4), 0);
   EXPECT_EQ(hand.command(400, 1), 0);
   hand.run(9.0);

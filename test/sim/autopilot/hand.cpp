@@ -1,0 +1,224 @@
+#include "test/sim/autopilot/hand.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/axes.hpp"
+#include "models/wire/mavlink/parameter.hpp"
+
+namespace vantage::test {
+namespace {
+
+constexpr std::int64_t kHeartbeatTicks = 10;
+constexpr int kPatienceTicks = 50;
+constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
+
+float f32(double x) { return static_cast<float>(x); }
+
+/// Of a 6×6 matrix's upper triangle, row-major, the diagonal.
+std::array<float, 21> covariance(double variance) {
+  std::array<float, 21> out{};
+  for (const std::size_t i : {0U, 6U, 11U, 15U, 18U, 20U}) {
+    out[i] = f32(variance);
+  }
+  return out;
+}
+
+std::string one_line(const char* text, std::size_t room) {
+  std::string out(text, std::find(text, text + room, '\0'));
+  std::replace_if(
+      out.begin(), out.end(), [](char c) { return c < ' '; }, ' ');
+  return out.substr(0, out.find_last_not_of(' ') + 1);
+}
+
+}  // namespace
+
+void Hand::tick() {
+  if (sends_heartbeats && ticks_ % kHeartbeatTicks == 0) {
+    wire::Heartbeat heartbeat;
+    heartbeat.type = wire::type::kGroundStation;
+    heartbeat.autopilot = wire::autopilot::kNone;
+    heartbeat.system_status = wire::kStateActive;
+    heartbeat.mavlink_version = 3;
+    send(heartbeat);
+  }
+  if (sends_poses) {
+    send_pose();
+  }
+  if (target) {
+    send(*target);
+  }
+  ++ticks_;
+  now += kTick;
+  pass();
+}
+
+void Hand::run(double seconds) {
+  const Time end = now + from_seconds(seconds);
+  while (now < end) {
+    tick();
+  }
+}
+
+int Hand::command(std::uint16_t number, float p1, float p2, float p3, float p7) {
+  last_ack.reset();
+  wire::CommandLong out;
+  out.command = number;
+  out.param1 = p1;
+  out.param2 = p2;
+  out.param3 = p3;
+  out.param7 = p7;
+  out.target_system = 1;
+  out.target_component = 1;
+  send(out);
+  const auto is_answered = [&] { return last_ack && last_ack->command == number; };
+  for (int i = 0; i < kPatienceTicks && !is_answered(); ++i) {
+    tick();
+  }
+  return is_answered() ? last_ack->result : -1;
+}
+
+void Hand::set_parameter(const std::string& name, double value) {
+  last_parameter.reset();
+  wire::ParamSet out;
+  out.param_value = f32(value);
+  out.param_type = wire::parameter_type::kFloat;
+  out.param_id = wire::parameter_id(name);
+  out.target_system = 1;
+  out.target_component = 1;
+  send(out);
+  for (int i = 0; i < kPatienceTicks && !last_parameter; ++i) {
+    tick();
+  }
+}
+
+void Hand::send_pose() {
+  const Body from = seen();
+  const Eigen::Vector3d position_m = turn_axes(from.world_from_body.translation_m) + pose_offset_m;
+  const Eigen::Quaterniond local_from_body = turn_axes(from.world_from_body.rotation);
+  const Eigen::Vector3d velocity_mps =
+      local_from_body.conjugate() * turn_axes(from.velocity_world_mps);
+  wire::Odometry odometry;
+  odometry.time_usec = static_cast<std::uint64_t>(to_utime(from.time));
+  odometry.x = f32(position_m.x());
+  odometry.y = f32(position_m.y());
+  odometry.z = f32(position_m.z());
+  odometry.q = {f32(local_from_body.w()), f32(local_from_body.x()), f32(local_from_body.y()),
+                f32(local_from_body.z())};
+  odometry.vx = f32(velocity_mps.x());
+  odometry.vy = f32(velocity_mps.y());
+  odometry.vz = f32(velocity_mps.z());
+  odometry.rollspeed = kNotGiven;
+  odometry.pitchspeed = kNotGiven;
+  odometry.yawspeed = kNotGiven;
+  odometry.pose_covariance = covariance(1e-4);
+  odometry.velocity_covariance = covariance(1e-3);
+  odometry.frame_id = frame;
+  odometry.child_frame_id = wire::frame::kBodyFrd;
+  odometry.estimator_type = estimator_type;
+  odometry.quality = 100;
+  send(odometry);
+}
+
+wire::SetPositionTargetLocalNed Hand::velocity(float vx, float vy, float vz, float yaw_rate) {
+  wire::SetPositionTargetLocalNed out;
+  out.type_mask = wire::mask::kVelocityAndYawRate;
+  out.coordinate_frame = wire::frame::kLocalNed;
+  out.vx = vx;
+  out.vy = vy;
+  out.vz = vz;
+  out.yaw_rate = yaw_rate;
+  return out;
+}
+
+wire::SetPositionTargetLocalNed Hand::position(float x, float y, float z, float yaw) {
+  wire::SetPositionTargetLocalNed out;
+  out.type_mask = wire::mask::kPositionAndYaw;
+  out.coordinate_frame = wire::frame::kLocalNed;
+  out.x = x;
+  out.y = y;
+  out.z = z;
+  out.yaw = yaw;
+  return out;
+}
+
+void Hand::note(const std::string& kind, const std::string& what) {
+  if (recording != nullptr) {
+    recording->note(time_s(), kind, what);
+  }
+}
+
+void Hand::hear(std::span<const std::uint8_t> bytes) {
+  parser_.feed(bytes, [this](const wire::Frame& got) { hear(got); });
+  if (const auto reply = std::exchange(owed_, std::nullopt)) {
+    send(*reply);
+  }
+}
+
+void Hand::hear(const wire::Frame& got) {
+  const auto hear_flags = [this](std::uint16_t fresh) {
+    if (fresh != flags) {
+      constexpr const char* kDigits = "0123456789ABCDEF";
+      std::string text = "0x";
+      for (int shift = 12; shift >= 0; shift -= 4) {
+        text += kDigits[fresh >> shift & 0xF];
+      }
+      note("flags", text);
+    }
+    flags = fresh;
+  };
+  if (got.origin.system_id != 1) {
+    return;
+  }
+  if (const auto ack = wire::unpack<wire::CommandAck>(got)) {
+    last_ack = ack;
+    if (ack->command != wire::command::kSetMessageInterval) {
+      note("ack", std::to_string(ack->command) + " " + std::to_string(ack->result));
+    }
+  } else if (const auto text = wire::unpack<wire::Statustext>(got)) {
+    last_text = one_line(text->text.data(), text->text.size());
+    note("text", last_text);
+  } else if (const auto heartbeat = wire::unpack<wire::Heartbeat>(got)) {
+    const bool was_armed = says_armed();
+    const bool is_new_mode =
+        !last_heartbeat || last_heartbeat->custom_mode != heartbeat->custom_mode;
+    last_heartbeat = heartbeat;
+    if (is_new_mode) {
+      note("mode", std::to_string(heartbeat->custom_mode));
+    }
+    if (says_armed() != was_armed) {
+      note("armed", says_armed() ? "yes" : "no");
+    }
+  } else if (const auto px4 = wire::unpack<wire::EstimatorStatus>(got)) {
+    hear_flags(px4->flags);
+  } else if (const auto ekf = wire::unpack<wire::EkfStatusReport>(got)) {
+    hear_flags(ekf->flags);
+  } else if (const auto state = wire::unpack<wire::ExtendedSysState>(got)) {
+    if (state->landed_state != landed) {
+      note("landed", std::to_string(state->landed_state));
+    }
+    landed = state->landed_state;
+  } else if (const auto value = wire::unpack<wire::ParamValue>(got)) {
+    last_parameter = value;
+  } else if (const auto timesync = wire::unpack<wire::Timesync>(got)) {
+    if (timesync->tc1 == 0) {
+      owed_.emplace();
+      owed_->tc1 = to_utime(now) * 1000;
+      owed_->ts1 = timesync->ts1;
+      owed_->target_system = 1;
+      owed_->target_component = 1;
+    }
+  } else if (got.message_id == wire::GpsGlobalOrigin::kMessage.id) {
+    ++origins;
+    note("origin", "confirmed");
+  } else if (got.message_id == wire::LocalPositionNed::kMessage.id) {
+    if (positions++ == 0) {
+      note("position", "first");
+    }
+  }
+}
+
+}  // namespace vantage::test

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/pose.hpp"
+#include "core/time.hpp"
+#include "models/scenario/scenario.hpp"
+#include "models/wire/mavlink/messages.hpp"
+#include "models/wire/mavlink/parser.hpp"
+#include "models/wire/mavlink/vocabulary.hpp"
+#include "sim/autopilot/autopilot_emulator.hpp"
+#include "test/sim/autopilot/recording.hpp"
+
+namespace vantage::test {
+
+namespace wire = models::mavlink;
+
+/// A hand that speaks MAVLink to an autopilot, message by message, in virtual time: it does nothing
+/// that it is not told. Whose autopilot it is, its descendants know.
+class Hand {
+ public:
+  static constexpr Time kBoot = from_utime(1'700'000'000'000'000);
+  static constexpr Duration kTick{20'000};
+
+  explicit Hand(models::AutopilotDialect spoken) : dialect(spoken) {}
+  virtual ~Hand() = default;
+
+  /// 50 Hz: poses, set-points and heartbeats (5 Hz) as they are switched on.
+  void tick();
+  void run(double seconds);
+
+  template <class Message>
+  void send(const Message& message) {
+    std::vector<std::uint8_t> bytes;
+    wire::append_bytes(wire::pack(message, {255, 191, sequence_++}), bytes);
+    transmit(bytes);
+  }
+
+  /// Result of the acknowledgement, which is waited for for a second; −1 without one.
+  int command(std::uint16_t number, float p1, float p2 = 0.0F, float p3 = 0.0F, float p7 = 0.0F);
+  void set_parameter(const std::string& name, double value);
+
+  static wire::SetPositionTargetLocalNed velocity(float vx, float vy, float vz, float yaw_rate);
+  static wire::SetPositionTargetLocalNed position(float x, float y, float z, float yaw);
+
+  /// The body's truth, and where it was at the instant that the cameras see.
+  struct Body {
+    Time time{};
+    Pose3 world_from_body;
+    Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  };
+  [[nodiscard]] virtual Body body() const = 0;
+  [[nodiscard]] virtual Body seen() const { return body(); }
+  [[nodiscard]] double time_s() const { return to_seconds(now - kBoot); }
+
+  models::AutopilotDialect dialect;
+  Time now = kBoot;
+  bool sends_poses = false;
+  Eigen::Vector3d pose_offset_m = Eigen::Vector3d::Zero();  ///< of the poses sent; z down
+  bool sends_heartbeats = false;
+  std::uint8_t frame = wire::frame::kLocalFrd;
+  std::uint8_t estimator_type = wire::kEstimatorVision;
+  std::optional<wire::SetPositionTargetLocalNed> target;
+  Recording* recording = nullptr;  ///< gets what is heard
+
+  // What was heard last.
+  std::optional<wire::CommandAck> last_ack;
+  std::optional<wire::Heartbeat> last_heartbeat;
+  std::optional<wire::ParamValue> last_parameter;
+  std::string last_text;
+  std::uint16_t flags = 0;
+  std::uint8_t landed = 0;
+  int positions = 0;
+  int origins = 0;
+  [[nodiscard]] bool says_armed() const {
+    return last_heartbeat && (last_heartbeat->base_mode & wire::kArmedFlag) != 0;
+  }
+
+ protected:
+  virtual void transmit(std::span<const std::uint8_t> bytes) = 0;
+  /// Lets a tick pass at the other end, which stands at `now` afterwards.
+  virtual void pass() = 0;
+  void hear(std::span<const std::uint8_t> bytes);
+
+ private:
+  void send_pose();
+  void hear(const wire::Frame& frame);
+  void note(const std::string& kind, const std::string& what);
+
+  wire::Parser parser_;
+  std::optional<wire::Timesync> owed_;  ///< an answer
+  std::uint8_t sequence_ = 0;
+  std::int64_t ticks_ = 0;
+};
+
+/// A hand at an emulated autopilot.
+class EmulatorHand : public Hand {
+ public:
+  explicit EmulatorHand(models::AutopilotDialect spoken)
+      : EmulatorHand(spoken, lift({1.0, 2.0, 0.5}, 0.1), 0.0) {}
+  EmulatorHand(models::AutopilotDialect spoken, const Pose3& start, double gust_sigma_mps)
+      : Hand(spoken), emulator(spec_for(spoken, start, gust_sigma_mps), kBoot) {}
+
+  static sim::AutopilotEmulatorSpec spec_for(models::AutopilotDialect spoken, const Pose3& start,
+                                             double gust_sigma_mps) {
+    sim::AutopilotEmulatorSpec spec;
+    spec.dialect = spoken;
+    spec.start = start;
+    spec.airframe.wind_sigma_mps = gust_sigma_mps;
+    return spec;
+  }
+
+  [[nodiscard]] Body body() const override {
+    return {now, emulator.world_from_body(), emulator.velocity_world_mps()};
+  }
+  [[nodiscard]] bool armed() const { return emulator.controller().is_armed(); }
+  [[nodiscard]] std::uint32_t mode() const { return emulator.controller().mode(); }
+  [[nodiscard]] double height_m() const {
+    return emulator.world_from_body().translation_m.z() - 0.1;
+  }
+
+  sim::AutopilotEmulator emulator;
+
+ protected:
+  void transmit(std::span<const std::uint8_t> bytes) override {
+    emulator.receive(bytes, now);
+    listen();
+  }
+  void pass() override {
+    emulator.advance_to(now);
+    listen();
+  }
+
+ private:
+  void listen() {
+    for (const auto& datagram : emulator.take_output()) {
+      hear(datagram);
+    }
+  }
+};
+
+}  // namespace vantage::test
