@@ -260,7 +260,8 @@ class Project(unittest.TestCase):
 
     @classmethod
     def mutate(cls, *words, code=0):
-        done = subprocess.run([sys.executable, str(MUTATE), *words], cwd=cls.root, capture_output=True, text=True)
+        done = subprocess.run([sys.executable, str(MUTATE), "--limit-slack", "1", *words], cwd=cls.root,
+                              capture_output=True, text=True)
         assert done.returncode == code, f"{words}: {done.returncode}\n{done.stdout}\n{done.stderr}"
         return done.stdout + done.stderr
 

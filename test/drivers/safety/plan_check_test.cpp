@@ -159,5 +159,18 @@ TEST(HoldPlan, RefusesMoreSegmentsThanItHasRoomFor) {
   EXPECT_FALSE(hold_plan(way, plan));
 }
 
+// What turns too slowly for an arc turns, too: to the side that it says.
+TEST(PointAt, TurnsAsSlowlyAsItSaysOnBothSidesOfTheStraightest) {
+  HeldPlan plan;
+  plan.start = {0.0, 0.0, 0.5};
+  plan.count = 1;
+  for (const double w_radps : {-1.1e-6, -0.9e-6, 0.0, 0.9e-6, 1.1e-6}) {
+    plan.segments[0] = {{1.0, w_radps}, 50.0, 0.0};
+    const PlanPoint here = point_at(plan, 40.0);
+    EXPECT_NEAR(here.yaw_rad - 0.5, 40.0 * w_radps, 1e-12) << w_radps;
+    EXPECT_EQ(here.yaw_rate_radps, w_radps);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::drivers

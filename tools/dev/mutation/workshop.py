@@ -22,7 +22,6 @@ INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.M)
 GENERATED = "vantage_lcm_gen"  # headers that must be there before a file can be parsed
 BUILD_LIMIT_S = 1800.0
 QUICK_S = 0.5  # tests that take less are asked before those that take longer
-CPU_SLACK_S = 5.0
 WALL_LIMIT_S = 300  # of a test that waits instead, and has no limit of its own
 # Optimised a little, with assertions, without what only a debugger reads: the quickest to build and run.
 CONFIGURATION = ("-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1",
@@ -78,7 +77,7 @@ def hash_of(path):
 
 class Workshop:
     def __init__(self, root, exclude_labels="", exclude_tests="", only="", is_quick=False, jobs=1,
-                 limit_factor=5.0, say=print):
+                 limit_factor=5.0, limit_slack_s=5.0, say=print):
         self.root = pathlib.Path(root)
         self.place = self.root / "build" / "mutate"
         self.tree = self.place / "tree"
@@ -89,6 +88,7 @@ class Workshop:
         self.is_quick = is_quick
         self.jobs = jobs
         self.limit_factor = limit_factor
+        self.limit_slack_s = limit_slack_s
         self.say = say
         self.programs = None
         self.sites = {}
@@ -348,7 +348,7 @@ class Workshop:
         quick = [test for test, seconds in known.items() if seconds <= QUICK_S]
         slow = [test for test, seconds in known.items() if seconds > QUICK_S]
         for tests in filter(None, (quick, [] if self.is_quick else slow)):
-            limit_s = CPU_SLACK_S + self.limit_factor * max(known[test] for test in tests)
+            limit_s = self.limit_slack_s + self.limit_factor * max(known[test] for test in tests)
             output, code = self.ctest(tests, limit_s)
             failed = failures(output)
             if failed:
