@@ -186,7 +186,9 @@ class Drill {
     }
     const std::string program = what_.substr(5);
     const bool is_shared = program == "vicon";
-    const auto found = test::find_processes("vantage-" + program, is_shared ? "" : robot);
+    const auto found = test::find_processes(
+        "vantage-" + program,
+        is_shared ? std::vector<std::string>{} : std::vector<std::string>{"--robot", robot});
     if (found.size() != 1) {
       std::cerr << found.size() << " processes vantage-" << program << " of " << robot << "\n";
       return;
@@ -202,10 +204,12 @@ class Drill {
     const models::RobotSpec& spec = *scenario_.find_robot(robot);
     const std::string& url = spec.autopilot->url;
     const int port = std::stoi(url.substr(url.rfind(':') + 1));
-    const auto driver = test::find_processes("vantage-quadrotor", robot);
+    const auto driver = test::find_processes("vantage-quadrotor", {"--robot", robot});
     const auto instance =
         std::distance(robots_.begin(), std::find(robots_.begin(), robots_.end(), robot));
-    const auto firmware = test::find_processes(spec.firmware->binary, std::to_string(instance));
+    const bool is_px4 = spec.autopilot->dialect == models::AutopilotDialect::kPx4;
+    const auto firmware = test::find_processes(
+        spec.firmware->binary, {is_px4 ? "-i" : "--instance", std::to_string(instance)});
     const bool is_done = driver.size() == 1 && firmware.size() == 1 &&
                          test::cut_udp_link(driver.front(), firmware.front(), port, is_cut);
     if (!is_done) {
@@ -221,7 +225,7 @@ class Drill {
       silent_.clear();
     }
     if (!silent_.empty() && now >= next_order_) {
-      for (const pid_t planner : test::find_processes("vantage-planner", silent_)) {
+      for (const pid_t planner : test::find_processes("vantage-planner", {"--robot", silent_})) {
         ::kill(planner, SIGSTOP);
       }
       next_order_ = now + from_seconds(0.1);

@@ -81,7 +81,8 @@ bool filter_process(pid_t process, int port, bool is_cut) {
 
 }  // namespace
 
-std::vector<pid_t> find_processes(const std::string& program, const std::string& argument) {
+std::vector<pid_t> find_processes(const std::string& program,
+                                  const std::vector<std::string>& arguments) {
   std::vector<pid_t> out;
   const std::string ours = network_of("/proc/self");
   for (const auto& entry : fs::directory_iterator("/proc")) {
@@ -90,9 +91,11 @@ std::vector<pid_t> find_processes(const std::string& program, const std::string&
       continue;
     }
     const std::vector<std::string> words = arguments_of(entry.path());
-    if (!words.empty() && fs::path(words.front()).filename() == program &&
-        network_of(entry.path()) == ours &&
-        (argument.empty() || std::find(words.begin(), words.end(), argument) != words.end())) {
+    const bool has_arguments =
+        arguments.empty() ||
+        std::search(words.begin(), words.end(), arguments.begin(), arguments.end()) != words.end();
+    if (!words.empty() && fs::path(words.front()).filename() == program && has_arguments &&
+        network_of(entry.path()) == ours) {
       out.push_back(std::stoi(name));
     }
   }

@@ -9,8 +9,10 @@
 namespace vantage::test {
 
 /// Processes of this network namespace whose program is called `program` (without its folder) and
-/// one of whose arguments is `argument` (empty: whatever they are). Reads /proc.
-std::vector<pid_t> find_processes(const std::string& program, const std::string& argument);
+/// whose arguments have `arguments` among them, one after the other (none: whatever they are).
+/// Reads /proc.
+std::vector<pid_t> find_processes(const std::string& program,
+                                  const std::vector<std::string>& arguments);
 
 /// Cuts or mends the link between two processes of this host that speak by UDP, one of them on
 /// `port`: a filter on every UDP socket of both drops what comes from or goes to that port. Neither

@@ -191,9 +191,7 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
     if (since_s > kDownS) {
       break;
     }
-    if (at->position_m.z() > kDownM) {
-      out.down_s.reset();
-    } else if (!out.down_s) {
+    if (at->position_m.z() < kDownM && !out.down_s) {
       out.down_s = since_s;
     }
     if (since_s <= kReactionS) {
