@@ -357,8 +357,10 @@ class Project(unittest.TestCase):
         """A run of what never ends, stopped by a signal while the mutation is there."""
         endless = self.id_of("reset", "")
         copy = self.root / "build/mutate/tree/toy/toy.cpp"
+        # Whoever started us in the background has us ignore Ctrl-C.
         run = subprocess.Popen([sys.executable, str(MUTATE), "--run", endless], cwd=self.root,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         while "--left" in copy.read_text():
             self.assertIsNone(run.poll())
             time.sleep(0.01)

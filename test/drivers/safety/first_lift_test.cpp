@@ -323,6 +323,13 @@ TEST(Lift, IsProvenByItsStepAndItsTurnAsTheyWereAskedFor) {
     const double yaw_rad = wrap_to_pi(rest.yaw_rad + turn_share * limits.lift_turn_rad);
     const bool is_proven = own.step(hover_m + gone_m, yaw_rad, course, limits, start);
     EXPECT_EQ(own.is_under_way(), !is_proven);
+    const drivers::PlanPoint then =
+        course.planned_at(start);  // back, or still where it was told to
+    const Eigen::Vector2d back_m =
+        is_proven ? rest.position_m() : Eigen::Vector2d(asked.position_world_m.head<2>());
+    EXPECT_LT((then.position_world_m.head<2>() - back_m).norm(), 1e-12);
+    const double back_rad = is_proven ? rest.yaw_rad : asked.yaw_rad;
+    EXPECT_NEAR(wrap_to_pi(then.yaw_rad - back_rad), 0.0, 1e-12);
     return is_proven;
   };
   for (const Pose2& rest : {Pose2{0.0, 0.0, 0.0}, Pose2{-1.0, 0.5, 3.1}, Pose2{1.0, -0.5, -2.0}}) {

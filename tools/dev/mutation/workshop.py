@@ -40,7 +40,8 @@ def git(root, *words):
 def changed_files(root, but):
     """What git calls changed or unknown, except the files in `but`."""
     out = []
-    for entry in git(root, "status", "--porcelain", "-z", "--no-renames").split("\0"):
+    for entry in git(root, "status", "--porcelain", "-z", "--no-renames",
+                     "--untracked-files=all").split("\0"):
         name = entry[3:]
         if name and (root / name).resolve() not in but:
             out.append(name)
