@@ -109,15 +109,23 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
   const double speed_mps = uniform(rng, 0.02, 0.2);
   problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.0}, {speed_mps, -2.0}};
   problem.cost = pick(rng, 0, 2) == 0 ? CostKind::kTrace : CostKind::kLogDet;
+  // As much in every direction, and more from nearer: then the bound, which knows no directions, is
+  // nearly what such a plan costs.
   models::SensorModel sensor;
-  sensor.kind =
-      pick(rng, 0, 2) == 0 ? models::SensorKind::kBearing : models::SensorKind::kRangeBearing;
+  sensor.kind = models::SensorKind::kPosition;
+  sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
   sensor.range_max_m = uniform(rng, 1.0, 3.0);
-  sensor.range_min_m = 1e-3;
-  sensor.variance_grows_with_range = pick(rng, 0, 1) == 0;
+  sensor.variance_grows_with_range = true;
+  sensor.variance_floor = uniform(rng, 0.0, 0.05);
+  if (pick(rng, 0, 2) == 0) {
+    sensor.kind = models::SensorKind::kRangeBearing;
+    sensor.range_min_m = 1e-3;
+    sensor.range_sigma_m = uniform(rng, 0.01, 0.1);
+    sensor.variance_grows_with_range = pick(rng, 0, 1) == 0;
+  }
   problem.sensors = {sensor};
-  const int count = pick(rng, 2, 4);
-  const double spacing_m = uniform(rng, 0.5, 1.0);
+  const int count = pick(rng, 2, 6);
+  const double spacing_m = uniform(rng, 0.5, 1.0) * (count > 3 ? 0.6 : 1.0);
   const double ring_m = 0.5 * spacing_m / std::sin(kPi / count);
   const double turn_rad = uniform(rng, -kPi, kPi);
   for (int m = 0; m < count; ++m) {
@@ -126,8 +134,7 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
     const double bearing_rad = turn_rad + 2.0 * kPi * m / count;
     target.prior.mean.head<2>() =
         ring_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
-    target.prior.mean.tail<2>() << uniform(rng, -0.05, 0.05), uniform(rng, -0.05, 0.05);
-    target.prior.covariance = test::random_spd(rng, 4, uniform(rng, 0.1, 2.0), 1.0);
+    target.prior.covariance = Eigen::Vector4d(1.0, 1.0, 0.01, 0.01).asDiagonal();
     problem.targets.push_back(target);
   }
   return owned;
@@ -136,7 +143,8 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
 TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
   RootBound root(8, 8);
   BeliefTable beliefs(8, 8);
-  int tight = 0;
+  int tight = 0;  // tighter than what holds for every plan
+
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     const OwnedProblem owned = slow_among_targets(seed);
     const SearchProblem& problem = owned.problem;
@@ -149,9 +157,9 @@ TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
     ASSERT_GE(moving.cost, any_plan);
     ASSERT_LE(moving.cost, best.cost + 1e-6 * std::max(1.0, std::abs(best.cost)))
         << "seed " << seed;
-    tight += moving.cost > best.cost - 0.05 * problem.horizon_steps * std::abs(best.cost) ? 1 : 0;
+    tight += moving.cost > any_plan + 0.1 ? 1 : 0;
   }
-  EXPECT_GT(tight, 20);  // and near enough for a bold bound to be seen
+  EXPECT_GT(tight, 20);
 }
 
 }  // namespace

@@ -138,29 +138,27 @@ TEST(Quadrotor, TracksTheFieldPlansWithinHalfAMetre) {
             << errors.quantile(errors.yaw_rad, 0.99) << " rad\n";
 }
 
-// Turning to either side it passes ±π like any other yaw, and never the long way round.
-TEST(Quadrotor, TurnsThroughTheBackLikeThroughAnyOtherYaw) {
+// A plan that looks a little to either side of where the vehicle does is met by turning there, also
+// across ±π, and never the long way round.
+TEST(Quadrotor, TurnsToAPlansYawTheShortWayAlsoThroughTheBack) {
   for (const double side : {1.0, -1.0}) {
-    for (const double start_rad : {kPi - 0.3, 0.4}) {
+    for (const double start_rad : {kPi - 0.1, 0.4}) {
       models::RobotSpec spec = robot_spec(1.0);
       spec.start.yaw_rad = side * start_rad;
-      Quadrotor vehicle(spec, 0.0, 1, kStart);
-      const Time begin = kStart + Duration{500'000};
-      const models::Trajectory plan{
-          begin, spec.start, 1.5, {{{0.0, side * 0.5}, 1.2, 0.0}, {{0.0, 0.0}, 0.1, 0.0}}};
+      Quadrotor vehicle(spec, 0.2, 1, kStart);
+      models::Trajectory plan{kStart + Duration{500'000}, spec.start, 1.5, {}};
+      plan.start.yaw_rad = wrap_to_pi(side * (start_rad + 0.3));
       ASSERT_EQ(vehicle.offer(plan_from(plan, 1), kStart), PlanVerdict::kAccepted);
       double last_rad = vehicle.yaw_rad();
       double turned_rad = 0.0;
-      for (Time now = kStart; now < begin + Duration{3'000'000}; now += kStep) {
+      for (Time now = kStart; now < kStart + Duration{4'000'000}; now += kStep) {
         vehicle.step(now, kDtS);
         const double step_rad = side * wrap_to_pi(vehicle.yaw_rad() - last_rad);
-        EXPECT_GT(step_rad, -0.002) << "turning back";
-        const double planned_rad = models::at(plan, now + kStep).world_from_body.yaw_rad;
-        EXPECT_LT(std::abs(wrap_to_pi(vehicle.yaw_rad() - planned_rad)), 0.15);
+        EXPECT_GT(step_rad, -0.005) << "turning back";
         turned_rad += step_rad;
         last_rad = vehicle.yaw_rad();
       }
-      EXPECT_NEAR(turned_rad, 0.6, 0.02) << side << " from " << start_rad;
+      EXPECT_NEAR(turned_rad, 0.3, 0.02) << side << " from " << start_rad;
     }
   }
 }
