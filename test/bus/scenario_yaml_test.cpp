@@ -309,6 +309,7 @@ TEST(ParseScenario, KnowsAStatedWindFromNone) {
   const std::string text = R"(name: windy
 world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
 robots: [{name: A, start: {x_m: 2, y_m: 5}, primitives: lab, sensor: {kind: position}}]
+targets: {count: 1}
 )";
   EXPECT_FALSE(parse_scenario(text, "windy").wind.has_value());
   const auto wind = parse_scenario(text + "wind: {x_mps: 1.5, y_mps: -1}\n", "windy").wind;
