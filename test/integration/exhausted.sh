@@ -10,6 +10,9 @@ processes=("vantage-sim" "vantage-contacts" "vantage-sensor --robot Q1" "vantage
 run_within() {
   local status=0
   (
+    for open in /proc/self/fd/*; do  # those of whoever started the test
+      ((${open##*/} <= 2)) || eval "exec ${open##*/}>&-"
+    done
     ulimit "$1" "$2"
     exec "$bin"/${*:3} --scenario "$scenario" --url "$url"
   ) > "$dir/out" 2> "$dir/said.err" & local child=$!
