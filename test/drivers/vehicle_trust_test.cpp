@@ -225,6 +225,7 @@ TEST_F(VehicleTrust, TheMapOfASecondTrialHoldsNobodyWhileTheFirstIsAnnounced) {
     notice.yaml = bench.scenario.source_text;
     bench.lab.publish(bus::kScenario, notice);
   };
+  bench.node_bus.keep_time(bench.clock);  // as a node's process does
   announce_ours();
   bench.run(0.1);
   bench.each_step = [&] {
