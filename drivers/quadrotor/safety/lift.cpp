@@ -130,7 +130,7 @@ void Lift::begin(const Pose3& world_from_body, std::span<const OtherBody> others
   // Along both axes: a world that mirrors either shows it. Of the four ways the one with most room.
   double roomiest_m = -std::numeric_limits<double>::infinity();
   for (const Eigen::Vector2d& sign : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(-1.0, 1.0),
-                                     Eigen::Vector2d(-1.0, -1.0), Eigen::Vector2d(1.0, -1.0)}) {
+                                      Eigen::Vector2d(-1.0, -1.0), Eigen::Vector2d(1.0, -1.0)}) {
     const Eigen::Vector2d step_m = limits.lift_step_m * sign;
     const Eigen::Vector2d there_m = rest_m_.head<2>() + step_m;
     double room_m = std::min(fence_distance_m(limits.fence, there_m),

@@ -30,8 +30,8 @@ double reaction_s(models::AutopilotDialect dialect) {
   return 0.20;
 }
 
-/// From the last set-point to the first change of velocity beyond that: the autopilot's time-out, as
-/// our parameters set it, and how gently it stops then. Measured: 15 kills of a driver each.
+/// From the last set-point to the first change of velocity beyond that: the autopilot's time-out,
+/// as our parameters set it, and how gently it stops then. Measured: 15 kills of a driver each.
 double setpoint_loss_s(models::AutopilotDialect dialect) {
   switch (dialect) {
     case models::AutopilotDialect::kPx4:
