@@ -41,7 +41,7 @@ void FlightRecord::take(const lcm::LogEvent& event) {
     }
   } else if (event.channel == "TRUTH") {
     const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event);
-    if (truth && is_of_now(truth->stamp, event)) {
+    if (truth && is_of_now(truth->stamp, event) && is_of_flight(truth->stamp, "")) {
       for (const models::TruthBody& body : truth->bodies) {
         if (body.target_id < 0) {
           robots_[body.name].truth.push_back(
@@ -51,10 +51,22 @@ void FlightRecord::take(const lcm::LogEvent& event) {
     }
   } else if (event.channel.starts_with("QUADROTOR_")) {
     const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event);
-    if (status && is_of_now(status->stamp, event)) {
+    if (status && is_of_now(status->stamp, event) && is_of_flight(status->stamp, status->robot)) {
       robots_[status->robot].said.push_back(*status);
     }
   }
+}
+
+// Nor is a second trial beside it. A process that was started again has another run.
+bool FlightRecord::is_of_flight(const models::Stamp& stamp, const std::string& robot) {
+  constexpr double kSilentS = 0.5;  // a driver says its state ten times a second
+  const auto newest = newest_.try_emplace(robot, stamp).first;
+  const bool is_silent = to_seconds(stamp.time - newest->second.time) > kSilentS;
+  if (stamp.run_id != newest->second.run_id && !is_silent) {
+    return false;
+  }
+  newest->second = stamp;
+  return true;
 }
 
 std::optional<Eigen::Vector3d> FlightRecord::place(const Robot& robot, Time time) const {

@@ -68,12 +68,14 @@ class FlightRecord {
     std::vector<At> truth;
     std::vector<models::VehicleStatus> said;
   };
+  bool is_of_flight(const models::Stamp& stamp, const std::string& robot);
   [[nodiscard]] static std::optional<Stop> stop_at(const Robot& robot, std::size_t said);
   [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
   [[nodiscard]] CourseKept summary(const std::string& name, const Robot& robot) const;
 
   std::optional<models::Scenario> scenario_;
   std::map<std::string, Robot> robots_;
+  std::map<std::string, models::Stamp> newest_;  ///< of each robot's states; "": of the truth
 };
 
 /// One line for people.
