@@ -5,22 +5,36 @@ namespace vantage::tools {
 void Watchdog::on_sign(const std::string& process, Time now) {
   const auto found = watched_.find(process);
   if (found != watched_.end()) {
+    found->second.has_lived = true;
     found->second.sign = now;
+    found->second.start.reset();
   }
 }
 
-void Watchdog::on_start(const std::string& process) {
+void Watchdog::on_end(const std::string& process) {
   const auto found = watched_.find(process);
   if (found != watched_.end()) {
     found->second.sign.reset();
+    found->second.start.reset();
+  }
+}
+
+void Watchdog::on_start(const std::string& process, Time now) {
+  const auto found = watched_.find(process);
+  if (found != watched_.end()) {
+    found->second.sign.reset();
+    found->second.start = found->second.has_lived ? std::optional(now) : std::nullopt;
   }
 }
 
 std::vector<std::string> Watchdog::overdue(Time now) {
   std::vector<std::string> out;
   for (auto& [process, watched] : watched_) {
-    if (watched.sign && to_seconds(now - *watched.sign) > watched.patience_s) {
+    const bool is_silent = watched.sign && to_seconds(now - *watched.sign) > watched.patience_s;
+    const bool never_spoke = watched.start && to_seconds(now - *watched.start) > kFirstSignS;
+    if (is_silent || never_spoke) {
       watched.sign.reset();
+      watched.start.reset();
       out.push_back(process);
     }
   }

@@ -299,7 +299,11 @@ void Up::take(const std::vector<SupervisorEvent>& events) {
   for (const SupervisorEvent& event : events) {
     teller_.say(event.words);
     next_report_ = {};
-    watchdog_.on_start(event.name);
+    if (event.kind == SupervisorEvent::Kind::kStarted) {
+      watchdog_.on_start(event.name, monotonic_now());
+    } else {
+      watchdog_.on_end(event.name);
+    }
     if (event.name == kSimProcess && event.kind == SupervisorEvent::Kind::kStarted) {
       ++result_.world_restarts;
       teller_.say("the simulated world begins anew: robots and targets are back at their starts");
