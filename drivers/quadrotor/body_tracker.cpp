@@ -37,7 +37,9 @@ BodyVerdict BodyTracker::see(const models::MocapFrame& frame, Time now, bool is_
   }
   const Time capture = frame.stamp.time;
   if (!state_ || frame.stamp.run_id != run_id_) {
-    const bool is_elsewhere = state_ && is_jump(pose, state_->capture);
+    // By arrivals: another run may have another clock. It has moved on meanwhile.
+    const bool is_elsewhere =
+        state_ && is_jump(pose, state_->capture + std::max(Duration{}, now - arrival_));
     if (is_elsewhere && !is_resting) {
       return BodyVerdict::kJumped;
     }

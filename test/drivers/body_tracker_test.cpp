@@ -81,6 +81,29 @@ TEST(BodyTracker, NeverBelievesAJumpInTheAir) {
             BodyVerdict::kJumped);
 }
 
+// Flown: after the mocap's driver had been killed and started again, none of its poses came to the
+// autopilot, as the vehicle had flown on meanwhile; five seconds later it was blind.
+TEST(BodyTracker, FollowsAMocapThatIsStartedAgainThoughTheBodyHasFlownOn) {
+  for (const Duration other_clock : {Duration{}, Duration{std::chrono::hours(-3)}}) {
+    BodyTracker tracker("Q1", 1.0);
+    Time now = kStart;
+    const auto see = [&](std::int64_t run, Duration clock) {
+      const double x_m = to_seconds(now - kStart);  // at 1 m/s
+      return tracker.see(frame_at(now + clock, at(x_m, 0.0), run), now, false);
+    };
+    for (int i = 0; i < 50; ++i, now += kFrame) {
+      ASSERT_EQ(see(1, Duration{}), BodyVerdict::kTaken);
+    }
+    now += std::chrono::milliseconds(700);
+    for (int i = 0; i < 10; ++i, now += kFrame) {
+      ASSERT_EQ(see(2, other_clock), BodyVerdict::kTaken) << i;
+    }
+    EXPECT_EQ(tracker.state()->resets, 0) << "it flew there";
+    // Elsewhere at once is no flight.
+    EXPECT_EQ(tracker.see(frame_at(now, at(-2.0, 0.0), 3), now, false), BodyVerdict::kJumped);
+  }
+}
+
 TEST(BodyTracker, BelievesThatABodyOnTheGroundWasCarriedAndCountsIt) {
   BodyTracker tracker("Q1", 2.0);
   tracker.see(frame_at(kStart, at(0, 0)), kStart, true);
