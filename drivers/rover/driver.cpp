@@ -39,7 +39,7 @@ RoverDriver::RoverDriver(const models::Scenario& scenario, const std::string& ro
       limits_(limits),
       fleet_(scenario, robot),
       plans_(robot),
-      course_(limits.vehicle.speed_max_mps / (2.0 * limits.vehicle.brake_mps2)),
+      course_(half_window_s(limits.vehicle)),
       link_(static_cast<std::uint32_t>(rover_of(scenario, robot).number), session),
       run_id_(session) {
   check_limits(limits);

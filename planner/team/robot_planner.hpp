@@ -113,8 +113,9 @@ class RobotPlanner {
   /// The motion that the robot is committed to, cut to start at t_{k+1}; nullopt, and counted,
   /// while its pose was never known or it moves as nobody here knows.
   std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
-  /// The vehicle says that it follows a plan that can still be moving when the slot begins.
+  /// Where the vehicle holds, when it says so and that is off its plan.
   [[nodiscard]] std::optional<Pose2> hover_off_plan(const PlanInputs& inputs) const;
+  /// The vehicle says that it follows a plan that can still be moving when the slot begins.
   [[nodiscard]] bool flies_unknown_plan(const PlanInputs& inputs) const;
   /// The bait of the slot's round among the proposals that were heard, ascending by index.
   [[nodiscard]] std::vector<int> bait_of(const PlanInputs& inputs) const;
@@ -144,6 +145,8 @@ class RobotPlanner {
   /// The same where a wall is so near ahead that no motion can begin: towards the nearest heading
   /// with a way out. False, and nothing done, where there is one already or nowhere.
   bool turn_to_a_way_out(models::RobotPlan& plan);
+  /// An eighth of a turn on the spot, to the side of `off_rad`; to the left when that is nearly
+  /// ahead.
   void turn(double off_rad, models::RobotPlan& plan);
   void begin_candidates(const PlanInputs& inputs, const models::Trajectory& committed,
                         const Deadline& deadline);

@@ -35,6 +35,7 @@ struct Flight {
   std::optional<Eigen::Vector2d> first_m;
   double farthest_m = 0.0;  // from there
   FlightState state = FlightState::kIdle;
+  std::set<std::string> ended_for;  // what it said while it was stopped, or kept on the ground
 };
 
 struct Seen {
@@ -95,6 +96,9 @@ void take(const lcm::LogEvent& event, Seen& seen) {
     if (const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event)) {
       Flight& flight = seen.flights[status->robot];
       flight.state = status->state;
+      if (status->state == FlightState::kKilled || flight.rounds.empty()) {
+        flight.ended_for.insert(status->reasons.begin(), status->reasons.end());
+      }
       if (status->state == FlightState::kFollow && status->plan_round >= 0) {
         flight.rounds.insert(status->plan_round);
       }
@@ -123,6 +127,11 @@ bool judge(const Seen& seen, const std::set<std::string>& level) {
     std::printf("%s: up to %.2f m, %zu rounds followed, %.2f m away, %s at %.2f m\n", robot.c_str(),
                 flight.highest_m, flight.rounds.size(), flight.farthest_m,
                 models::name_of(flight.state), flight.last_m);
+    if (flight.rounds.empty()) {
+      for (const std::string& reason : flight.ended_for) {
+        std::printf("%s said: %s\n", robot.c_str(), reason.c_str());
+      }
+    }
     const bool has_flown = flight.highest_m > 0.8 && has_landed;
     is_good = is_good && !flight.rounds.empty() && flight.farthest_m > 0.5 &&
               (has_flown || level.count(robot) > 0);

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include <linux/filter.h>
 #include <sys/socket.h>

@@ -228,8 +228,8 @@ void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) 
   double early_s = 0.0;
   for (const models::RobotSpec& robot : scenario.robots) {
     if (robot.device != models::DeviceSource::kDirect && robot.autopilot) {
-      early_s = std::max(early_s, drivers::SafetyLimits{}.setpoint_lead_s +
-                                      robot.limits.speed_max_mps / (2.0 * robot.limits.brake_mps2));
+      early_s = std::max(
+          early_s, drivers::SafetyLimits{}.setpoint_lead_s + drivers::half_window_s(robot.limits));
     }
   }
   if (scenario.planner.publish_margin_s < early_s) {

@@ -28,7 +28,7 @@ struct FlightGuard::Parts {
         lift_queue(scenario, robot),
         plans(robot),
         // Speeds then change no faster than the vehicle brakes.
-        course(given.vehicle.speed_max_mps / (2.0 * given.vehicle.brake_mps2), given.round_s) {}
+        course(half_window_s(given.vehicle), given.round_s) {}
 
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
   [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;

@@ -56,6 +56,10 @@ double lost_way_m(const SafetyLimits& limits, double speed_mps) {
   return way_m(speed_mps, limits.setpoint_loss_s + limits.reaction_s, limits.vehicle.brake_mps2);
 }
 
+double half_window_s(const models::VehicleLimits& vehicle) {
+  return vehicle.speed_max_mps / (2.0 * vehicle.brake_mps2);
+}
+
 SafetyLimits limits_for(const models::Scenario& scenario, const std::string& robot) {
   const models::RobotSpec* spec = scenario.find_robot(robot);
   require(spec != nullptr, "flight safety: robot " + robot + " is not in the scenario");

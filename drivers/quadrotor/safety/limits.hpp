@@ -115,6 +115,9 @@ struct SafetyLimits {
 double stopping_way_m(const SafetyLimits& limits, double speed_mps);
 /// The same when nobody tells it any more: its driver or its link has died.
 double lost_way_m(const SafetyLimits& limits, double speed_mps);
+/// Half the time in which a vehicle comes from rest to its greatest speed, or back: by so much it
+/// begins before its plan changes (see Course).
+double half_window_s(const models::VehicleLimits& vehicle);
 
 /// Defaults with the scenario's world, separation, tracking tolerance and the robot's own limits,
 /// and the reaction of its autopilot.
