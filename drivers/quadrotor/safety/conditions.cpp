@@ -163,6 +163,13 @@ constexpr auto kRows = std::to_array<Condition>({
      "at once",
      [](const In& in,
         const Lim& lim) { return in.flight_s <= 0.0 && in.body_tilt_rad > lim.body_tilt_arm_rad; }},
+    {"not at its start", kNote, kAtOnce, true, 0.0,
+     "further than start_off_arm_m or turned by more than start_turn_arm_rad from the scenario's start; before its first flight",
+     "at once",
+     [](const In& in, const Lim& lim) {
+       return in.flight_s <= 0.0 && (in.start_off_m > lim.start_off_arm_m ||
+                                     in.start_turn_rad > lim.start_turn_arm_rad);
+     }},
     {"attitude disagrees", kNote, kAtOnce, true, 0.0,
      "level by mocap and autopilot > attitude_error_arm_rad; on the ground", "at once",
      [](const In& in, const Lim& lim) {

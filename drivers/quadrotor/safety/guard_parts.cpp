@@ -106,6 +106,7 @@ void FlightGuard::Parts::look(Time now) {
   }
   in.is_found_flying = is_found && autopilot.is_in_our_mode;
   in.is_found_landing = is_found && autopilot.is_landing_itself;
+  has_flown = has_flown || is_found;
   const bool airborne = is_airborne(ladder.state) || in.is_found_flying || in.is_found_landing;
   // In the air what was never heard is as old as this process: it may have begun just now.
   const auto aged = [&](double age_s) {
@@ -174,6 +175,13 @@ void FlightGuard::Parts::look_at_autopilot(Time now) {
   const Eigen::Quaterniond& seen = pose.world_from_body().rotation;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   in.body_tilt_rad = pose.has_pose() ? std::acos(std::clamp((seen * up).z(), -1.0, 1.0)) : 0.0;
+  in.start_off_m = in.start_turn_rad = 0.0;
+  if (limits.start && pose.has_pose() && !has_flown) {
+    // A world that is turned as a whole looks right to every instrument on board.
+    const Pose2 here = flatten(pose.world_from_body());
+    in.start_off_m = (here.position_m() - limits.start->position_m()).norm();
+    in.start_turn_rad = std::abs(wrap_to_pi(here.yaw_rad - limits.start->yaw_rad));
+  }
   const bool can_compare = autopilot.has_position && autopilot.estimator_good &&
                            in.telemetry_age_s <= limits.telemetry_age_hold_s &&
                            in.pose_age_s <= limits.pose_age_warn_s;
@@ -330,6 +338,7 @@ void FlightGuard::Parts::move_height(double dt_s) {
   if (lift.is_under_way() && in.pose_age_s <= limits.pose_age_warn_s) {
     const Pose3& body = pose.world_from_body();
     if (lift.step(body.translation_m, flatten(body).yaw_rad, course, limits, in.now)) {
+      has_flown = true;
       height_goal_m = limits.take_off_height_m;
       climb_since = in.now;
     }

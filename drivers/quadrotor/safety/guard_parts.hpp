@@ -68,6 +68,7 @@ struct FlightGuard::Parts {
 
   // Heights.
   bool had_motors = false;  ///< at the last tick
+  bool has_flown = false;   ///< its first lift was proven, or it was found in the air
   double height_ref_m = 0.0;
   double height_rate_mps = 0.0;  ///< of height_ref_m, at the last tick
   double height_goal_m = 0.0;

@@ -26,6 +26,8 @@ struct SafetyInputs {
   double tracking_error_m = 0.0;  ///< from the reference, height included; 0 without one
   double speed_mps = 0.0;         ///< horizontal, as measured
   double body_tilt_rad = 0.0;     ///< of the body's z axis from the vertical, by mocap
+  double start_off_m = 0.0;       ///< from where its first flight begins, until it has flown
+  double start_turn_rad = 0.0;    ///< the same of yaw
 
   // Plan.
   bool has_plan = true;         ///< a checked plan is on the course

@@ -71,6 +71,7 @@ SafetyLimits limits_for(const models::Scenario& scenario, const std::string& rob
     limits.setpoint_loss_s = setpoint_loss_s(spec->autopilot->dialect);
   }
   limits.take_off_height_m = spec->height_m;
+  limits.start = spec->start;
   // Plans are checked to the planner's separation; rounding on the wire must not refuse one.
   limits.plan_separation_m = scenario.planner.separation_m - 0.01;
   const double contact_m = 2.0 * spec->limits.radius_m;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <Eigen/Core>
@@ -72,8 +73,11 @@ struct SafetyLimits {
   double body_tilt_arm_rad = 0.26;       ///< that mocap shows
   double attitude_error_arm_rad = 0.17;  ///< of level, between mocap and the autopilot
   double yaw_error_arm_rad = 0.26;       ///< the same of yaw
-  double lift_height_m = 0.2;            ///< above where it stood, until it is proven
-  double lift_over_m = 0.3;              ///< beyond it the next one may lift
+  std::optional<Pose2> start;            ///< world from body, where its first flight begins
+  double start_off_arm_m = 0.5;          ///< from there, before its first flight
+  double start_turn_arm_rad = 0.3;
+  double lift_height_m = 0.2;  ///< above where it stood, until it is proven
+  double lift_over_m = 0.3;    ///< beyond it the next one may lift
   double lift_risen_m = 0.1;
   double lift_wait_s = 6.0;   ///< from `take-off`, motors spooling up included, to lift_risen_m
   double lift_idle_s = 5.0;   ///< motors idle so long for their turn; autopilots stop them after 10

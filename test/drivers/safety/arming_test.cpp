@@ -40,6 +40,45 @@ TEST_F(Arming, IsForbiddenToABodyThatLiesTilted) {
   EXPECT_TRUE(bench.vehicle("Q2").is_armed);
 }
 
+// Defect (flown): in a world that was turned as a whole a vehicle took off and met what its map has
+// elsewhere.
+TEST_F(Arming, IsForbiddenToAVehicleThatDoesNotStandAtItsStart) {
+  const Eigen::Vector3d start_m = q1.position_m;
+  const double start_yaw_rad = q1.yaw_rad;
+  for (const double side : {-1.0, 1.0}) {
+    for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)}) {
+      q1.position_m = start_m + 0.53 * side * axis;
+      arm();
+      EXPECT_FALSE(q1.is_armed) << (side * axis).transpose();
+      EXPECT_TRUE(has("not at its start"));
+    }
+    q1.position_m = start_m;
+    q1.yaw_rad = start_yaw_rad + 0.33 * side;
+    arm();
+    EXPECT_FALSE(q1.is_armed) << side;
+    EXPECT_TRUE(has("not at its start"));
+    q1.yaw_rad = start_yaw_rad;
+  }
+  q1.position_m = start_m + Eigen::Vector3d(0.0, 0.47, 0.0);
+  q1.yaw_rad = start_yaw_rad - 0.27;
+  arm();
+  EXPECT_TRUE(q1.is_armed);
+}
+
+TEST_F(Arming, IsAllowedWhereItLandedOnceItHasFlown) {
+  arm();
+  bench.say(OperatorAction::kTakeOff);
+  bench.run(20.0);
+  ASSERT_EQ(q1.out.state, FlightState::kHold);
+  bench.say(OperatorAction::kLand);
+  bench.run(15.0);
+  ASSERT_FALSE(q1.is_armed);
+  q1.position_m.y() += 0.8;  // carried
+  bench.run(3.0);
+  arm();
+  EXPECT_TRUE(q1.is_armed);
+}
+
 TEST_F(Arming, IsAllowedOnASlope) {
   arm([&] { q1.knobs.body_tilt_rad = q1.knobs.attitude_offset_rad = 14.0 * kDegree; });
   EXPECT_TRUE(q1.is_armed);
