@@ -4,6 +4,7 @@
 #include <random>
 #include <utility>
 
+#include "bus/auth/authenticator.hpp"
 #include "bus/channel_pattern.hpp"
 #include "core/deadline.hpp"
 
@@ -20,6 +21,12 @@ void add_nonzero(std::vector<models::NamedCount>& counts, std::string name, std:
   }
 }
 
+/// What decides on the budget by which a command is verified, before anything of it is proven.
+bool says_emergency_stop(std::span<const std::uint8_t> bytes) {
+  const auto wire = decode_wire<vantage_lcm::command_t>(bytes);
+  return wire && wire->action == static_cast<int>(models::OperatorAction::kEmergencyStop);
+}
+
 }  // namespace
 
 std::int64_t random_run_id() {
@@ -33,6 +40,61 @@ Bus::Bus(Transport& transport, std::int64_t run_id, std::string publish_prefix)
       run_id_(run_id),
       publish_prefix_(std::move(publish_prefix)),
       self_(std::make_shared<Bus*>(this)) {}
+
+Bus::~Bus() = default;
+
+void Bus::secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock) {
+  authenticator_ = std::move(authenticator);
+  signing_clock_ = &clock;
+  if (authenticator_ && !answers_to_.empty()) {
+    authenticator_->answer_to(answers_to_);
+  }
+}
+
+void Bus::answer_to(const std::string& robot) {
+  answers_to_ = robot;
+  if (authenticator_) {
+    authenticator_->answer_to(robot);
+  }
+}
+
+bool Bus::renew_session() {
+  if (authenticator_) {
+    authenticator_->renew_session(signing_clock_->now());
+  }
+  return authenticator_ != nullptr;
+}
+
+void Bus::seal(const std::string& channel, const std::string& robot) {
+  authenticator_->seal(channel, robot, signing_clock_->now(), buffer_);
+}
+
+bool Bus::open(Delivery& delivery) {
+  if (!authenticator_) {
+    hears_signed_ = hears_signed_ || auth::split(delivery.bytes).has_value();
+    return true;
+  }
+  const bool is_stop = delivery.name == kCommand.name && says_emergency_stop(delivery.bytes);
+  const auth::Authenticator::Judged judged = authenticator_->judge(
+      delivery.name, delivery.bytes, signing_clock_->now(), clock_ != nullptr, is_stop);
+  delivery.bytes = judged.payload;
+  delivery.echo = judged.echo;
+  return judged.may_pass;
+}
+
+bool Bus::is_said_to_us(Delivery& delivery, const models::OperatorCommand& command) {
+  if (delivery.echo == auth::Refusal::kNone || passes_every_filter(command)) {
+    return true;
+  }
+  if (!command.robot.empty() && command.robot != answers_to_) {
+    return false;  // said to another: nothing is wrong with it
+  }
+  if (!std::exchange(delivery.is_echo_counted, true)) {
+    delivery.echo =
+        authenticator_->refuse(delivery.name, delivery.echo) ? auth::Refusal::kNone : delivery.echo;
+  }
+  return delivery.echo == auth::Refusal::kNone;
+}
 
 int Bus::handle(std::chrono::microseconds timeout) { return transport_.handle(timeout); }
 
@@ -79,6 +141,10 @@ void Bus::on_message(std::size_t subscription, std::string_view name,
   }
   const std::int64_t start_ns = monotonic_ns();
   Delivery delivery{std::string(name), bytes};
+  if (!open(delivery)) {
+    handling_ns_ += monotonic_ns() - start_ns;
+    return;
+  }
   for (std::size_t i = subscription; i < subscriptions_.size(); ++i) {
     if (channel_matches(subscriptions_[i].pattern, name)) {
       delivery.is_shared = subscriptions_[i].is_shared;
@@ -156,6 +222,9 @@ std::vector<models::NamedCount> Bus::counters() const {
   }
   for (const auto& [name, count] : refused_) {
     add_nonzero(counts, name + ".refused", count);
+  }
+  if (authenticator_) {
+    authenticator_->count(counts);
   }
   for (const auto& [name, stream] : stream_counts()) {
     add_nonzero(counts, name + ".fresh", stream.fresh);

@@ -21,6 +21,11 @@
 
 namespace vantage::bus {
 
+namespace auth {
+class Authenticator;
+enum class Refusal : std::uint8_t;
+}  // namespace auth
+
 /// A random, non-zero identity for one start of one process.
 std::int64_t random_run_id();
 
@@ -36,7 +41,7 @@ class Bus {
   /// @param publish_prefix  put before the name of every channel published on (for a replay
   ///                        beside the original); names subscribed to are not changed
   Bus(Transport& transport, std::int64_t run_id, std::string publish_prefix = "");
-  ~Bus() = default;
+  ~Bus();
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
   Bus(Bus&&) = delete;
@@ -45,6 +50,19 @@ class Bus {
   /// From now on runs are judged by when they were heard, too (a channel's lease). `clock` must
   /// outlive the Bus; without one, as for what a log says, a run is replaced at once.
   void keep_time(const Clock& clock) { clock_ = &clock; }
+
+  /// From now on what is published is signed, and what is heard is judged by its signature before
+  /// anything else looks at it (docs/security.md). nullptr: as without. `clock` must outlive the
+  /// Bus; others' messages are held against it only if it is kept (keep_time()).
+  void secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock);
+  /// This process is the vehicle `robot`: commands must be said to it, in its session; those that
+  /// make it safer are handed on all the same. Without secure() it does nothing.
+  void answer_to(const std::string& robot);
+  /// Begins a new session, which commands must echo: a vehicle's, when it is armed. False without
+  /// secure(): there are no sessions.
+  bool renew_session();
+  /// Whether somebody signs, though this Bus neither signs nor judges.
+  [[nodiscard]] bool hears_signed() const { return hears_signed_; }
 
   /// Stamps `message` with this run's id and the channel's next sequence number, and sends it.
   /// The content's time is the caller's. Returns the name under which others may refer to it.
@@ -85,6 +103,8 @@ class Bus {
     bool is_shared = false;                       ///< several publishers are expected
     Duration lease{};                             ///< of the channel
     bool is_faulty = false;                       ///< does not decode or cannot be true: counted
+    auth::Refusal echo{};                         ///< of a command, held against our nonce
+    bool is_echo_counted = false;
   };
   struct Subscription {
     std::string pattern;
@@ -94,6 +114,12 @@ class Bus {
   };
 
   std::int64_t next_sequence(const std::string& channel);
+  /// Signs what stands in buffer_, if that is asked for. `robot`: to whom a command is said.
+  void seal(const std::string& channel, const std::string& robot);
+  /// Takes the signature off delivery.bytes; false when the message is not believed.
+  bool open(Delivery& delivery);
+  /// Whether a command is said to this process, as far as it asks.
+  bool is_said_to_us(Delivery& delivery, const models::OperatorCommand& command);
   bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
   void add_subscription(Subscription subscription);
   void on_message(std::size_t subscription, std::string_view name,
@@ -105,6 +131,10 @@ class Bus {
 
   Transport& transport_;
   const Clock* clock_ = nullptr;
+  std::unique_ptr<auth::Authenticator> authenticator_;
+  const Clock* signing_clock_ = nullptr;
+  std::string answers_to_;
+  bool hears_signed_ = false;
   std::int64_t run_id_;
   std::string publish_prefix_;
   std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe

@@ -17,6 +17,13 @@ models::InputRef Bus::publish(const Channel<Message>& channel, Message message) 
   const int size = wire.getEncodedSize();
   buffer_.resize(static_cast<std::size_t>(size));
   wire.encode(buffer_.data(), 0, size);
+  if (authenticator_) {
+    if constexpr (std::is_same_v<Message, models::OperatorCommand>) {
+      seal(name, message.robot);
+    } else {
+      seal(name, "");
+    }
+  }
   send(name, buffer_);
   return {name, message.stamp.run_id, message.stamp.sequence};
 }
@@ -48,7 +55,12 @@ void Bus::subscribe_named(const Channel<Message>& channel,
                         count_fault(delivery, refused_);
                         return;
                       }
-                      if (is_fresh(delivery, message->stamp) || passes_every_filter(*message)) {
+                      bool may_pass =
+                          is_fresh(delivery, message->stamp) || passes_every_filter(*message);
+                      if constexpr (kMayPass) {
+                        may_pass = is_said_to_us(delivery, *message) && may_pass;
+                      }
+                      if (may_pass) {
                         handler(delivery.name, *message);
                       }
                     }});

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "bus/auth/authenticator.hpp"
 #include "bus/process_usage.hpp"
 #include "bus/scenario_yaml.hpp"
 #include "bus/transport.hpp"
@@ -65,6 +66,7 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
         open_transport(arguments.url.empty() ? scenario.network.url : arguments.url);
     Bus bus(*transport, random_run_id(), arguments.publish_prefix);
     const SteadyClock clock;
+    bus.secure(auth::authenticator_for(scenario, arguments.replay), clock);
     if (!arguments.replay) {
       bus.keep_time(clock);
     }

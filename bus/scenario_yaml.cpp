@@ -222,6 +222,19 @@ void read_network(Mapping& from, models::NetworkSpec& network) {
   }
 }
 
+void read_security(Mapping& from, models::SecuritySpec& security) {
+  using models::SecurityMode;
+  from.require("mode");
+  from.word("mode", security.mode,
+            {{"off", SecurityMode::kOff},
+             {"warn", SecurityMode::kWarn},
+             {"require", SecurityMode::kRequire}});
+  from.text("keys", security.keys);
+  if (security.mode != SecurityMode::kOff && security.keys.empty()) {
+    from.refuse("keys", "must name the folder that `vantage keys new` made");
+  }
+}
+
 /// The name becomes part of the names of logs.
 void read_name(Mapping& top, std::string& name) {
   top.text("name", name);
@@ -244,7 +257,7 @@ void read_wind(Mapping& from, models::WindSpec& wind) {
 void read_scenario(Mapping& top, Scenario& scenario) {
   top.expect({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
               "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
-              "hosts", "wind"});
+              "hosts", "wind", "security"});
   for (const char* key : {"name", "world", "robots"}) {
     top.require(key);
   }
@@ -270,6 +283,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
     check_grid(top, scenario.world, scenario.estimator);
   }
   top.section("network", [&](Mapping& from) { read_network(from, scenario.network); });
+  top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
   read_attacks(top, scenario);
   read_hosts(top, scenario);

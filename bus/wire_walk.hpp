@@ -59,10 +59,11 @@ const WireSchema* find_wire_schema(std::string_view type);
 /// Cost: one pass over the strings and structs, no allocation.
 [[nodiscard]] bool is_well_formed(const WireSchema& schema, std::span<const std::uint8_t> body);
 
-/// The wire message in `bytes`, or nullopt when they are not exactly one value of `Wire`: wrong
-/// fingerprint (another type or version), lying lengths, truncated, or with bytes left over.
+/// The wire message in `message`, or nullopt when it is not exactly one value of `Wire`: wrong
+/// fingerprint (another type or version), lying lengths, truncated, or with bytes left over. What
+/// makes it a signed message (bus/auth/trailer) is taken off first, unread.
 template <class Wire>
-std::optional<Wire> decode_wire(std::span<const std::uint8_t> bytes);
+std::optional<Wire> decode_wire(std::span<const std::uint8_t> message);
 
 }  // namespace vantage::bus
 

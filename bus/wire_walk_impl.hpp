@@ -3,12 +3,14 @@
 #include <cstddef>
 #include <limits>
 
+#include "bus/auth/trailer.hpp"
 #include "bus/wire_walk.hpp"
 
 namespace vantage::bus {
 
 template <class Wire>
-std::optional<Wire> decode_wire(std::span<const std::uint8_t> bytes) {
+std::optional<Wire> decode_wire(std::span<const std::uint8_t> message) {
+  const std::span<const std::uint8_t> bytes = auth::payload_of(message);
   static const WireSchema* const kSchema = find_wire_schema(Wire::getTypeName());
   constexpr std::size_t kFingerprintBytes = 8;
   if (kSchema == nullptr || bytes.size() < kFingerprintBytes ||

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "bus/auth/trailer.hpp"
 #include "bus/convert.hpp"
 
 namespace vantage::logs {
@@ -47,8 +48,10 @@ Testimony wire_testimony(const LogEvent& event) {
   if (schema == nullptr) {
     return Testimony::kNone;
   }
-  return bus::is_well_formed(*schema, event.data.subspan(kFingerprintBytes)) ? Testimony::kWhole
-                                                                             : Testimony::kDamaged;
+  const auto payload = bus::auth::payload_of(event.data);
+  const bool is_whole = payload.size() >= kFingerprintBytes &&
+                        bus::is_well_formed(*schema, payload.subspan(kFingerprintBytes));
+  return is_whole ? Testimony::kWhole : Testimony::kDamaged;
 }
 
 }  // namespace vantage::logs

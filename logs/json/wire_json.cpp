@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bus/auth/trailer.hpp"
 #include "logs/file/log_event.hpp"
 #include "logs/file/wire_witness.hpp"
 
@@ -127,7 +128,8 @@ Json element_schema(const WireField& field) {
 
 }  // namespace
 
-std::optional<Json> message_json(std::span<const std::uint8_t> data) {
+std::optional<Json> message_json(std::span<const std::uint8_t> message) {
+  const auto data = bus::auth::payload_of(message);
   const WireSchema* schema = type_of(data);
   if (schema == nullptr) {
     return std::nullopt;

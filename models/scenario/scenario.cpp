@@ -40,6 +40,32 @@ const char* name_of(AutopilotDialect dialect) {
   return dialect == AutopilotDialect::kPx4 ? "px4" : "ardupilot";
 }
 
+const char* name_of(TrialMode mode) {
+  switch (mode) {
+    case TrialMode::kLive:
+      return "live";
+    case TrialMode::kWire:
+      return "wire";
+    case TrialMode::kSimulation:
+      return "simulation";
+    case TrialMode::kReplay:
+      return "replay";
+  }
+  return "unknown";
+}
+
+TrialMode trial_mode(const Scenario& scenario) {
+  const auto has = [&](DeviceSource source) {
+    return scenario.mocap.device == source ||
+           std::any_of(scenario.robots.begin(), scenario.robots.end(),
+                       [source](const RobotSpec& robot) { return robot.device == source; });
+  };
+  if (has(DeviceSource::kReal)) {
+    return TrialMode::kLive;
+  }
+  return has(DeviceSource::kWire) ? TrialMode::kWire : TrialMode::kSimulation;
+}
+
 const RobotSpec* Scenario::find_robot(const std::string& robot) const {
   const auto found = std::find_if(robots.begin(), robots.end(),
                                   [&](const RobotSpec& spec) { return spec.name == robot; });

@@ -11,6 +11,7 @@
 #include "models/scenario/host_spec.hpp"
 #include "models/scenario/mapping_spec.hpp"
 #include "models/scenario/mocap_spec.hpp"
+#include "models/scenario/security_spec.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 #include "models/world/world.hpp"
@@ -199,6 +200,7 @@ struct Scenario {
   EstimatorSpec estimator;
   PlannerSpec planner;
   NetworkSpec network;
+  SecuritySpec security;
   MocapSpec mocap;
   MappingSpec mapping;  ///< of the objective kMapping
   std::vector<AttackSpec> attacks;
@@ -211,5 +213,8 @@ struct Scenario {
   /// Which instance of its firmware flies `robot`, one of ours: it makes their ports differ.
   [[nodiscard]] int firmware_instance(const RobotSpec& robot) const;
 };
+
+/// What kind of trial the devices make of `scenario`: never kReplay.
+TrialMode trial_mode(const Scenario& scenario);
 
 }  // namespace vantage::models

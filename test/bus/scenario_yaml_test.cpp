@@ -427,5 +427,20 @@ TEST(ParseScenario, ReadsNumbersAsTheyAreUsuallyWritten) {
   EXPECT_EQ(scenario.target_truth.acceleration_q, 0.5);
 }
 
+TEST(ScenarioSecurity, IsOffUnlessSaidAndTheModeIsThatOfItsDevices) {
+  const Scenario plain = parse_scenario(kSmallest, "smallest");
+  EXPECT_EQ(plain.security.mode, models::SecurityMode::kOff);
+  EXPECT_EQ(models::trial_mode(plain), models::TrialMode::kSimulation);
+  const std::string signed_yaml =
+      std::string(kSmallest) + "\nsecurity: {mode: require, keys: lab-keys}\n";
+  Scenario scenario = parse_scenario(signed_yaml, "signed");
+  EXPECT_EQ(scenario.security.mode, models::SecurityMode::kRequire);
+  EXPECT_EQ(scenario.security.keys, "lab-keys");
+  scenario.robots[0].device = models::DeviceSource::kWire;
+  EXPECT_EQ(models::trial_mode(scenario), models::TrialMode::kWire);
+  scenario.mocap.device = models::DeviceSource::kReal;
+  EXPECT_EQ(models::trial_mode(scenario), models::TrialMode::kLive);
+}
+
 }  // namespace
 }  // namespace vantage::bus

@@ -1,0 +1,222 @@
+#include "bus/auth/authenticator.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include "core/check.hpp"
+
+namespace vantage::bus::auth {
+namespace {
+
+constexpr std::string_view kStatusPrefix = "QUADROTOR_";
+constexpr std::string_view kNoKey = "no_key";
+/// Counts by channel keep their size whatever names arrive; the rest share one entry.
+constexpr std::size_t kCountedChannelsMax = 1024;
+constexpr std::string_view kOtherChannels = "(other)";
+
+std::uint64_t random_session() {
+  start_sodium();
+  std::uint64_t session = 0;
+  while (session == 0) {
+    randombytes_buf(&session, sizeof session);
+  }
+  return session;
+}
+
+template <class Count>
+Count& entry_of(std::map<std::string, Count, std::less<>>& counts, std::string_view channel) {
+  const auto found = counts.find(channel);
+  if (found != counts.end()) {
+    return found->second;
+  }
+  const bool has_room = counts.size() < kCountedChannelsMax;
+  return counts[std::string(has_room ? channel : kOtherChannels)];
+}
+
+/// How to mend what security_faults() and authenticator_for() find.
+std::string real_fault(const models::Scenario& scenario) {
+  return "a device is real, so what moves it must be signed: write security: {mode: require, "
+         "keys: FOLDER} into the scenario, and make the keys: vantage keys new " +
+         (scenario.security.keys.empty() ? "FOLDER" : scenario.security.keys);
+}
+
+bool needs_more(const models::Scenario& scenario) {
+  return models::trial_mode(scenario) == models::TrialMode::kLive &&
+         scenario.security.mode != models::SecurityMode::kRequire;
+}
+
+}  // namespace
+
+Authenticator::Authenticator(std::shared_ptr<const Keyring> keyring, const Rules& rules)
+    : keyring_(std::move(keyring)), rules_(rules), session_(random_session()) {
+  rules_.trial = rules.is_replay ? models::TrialMode::kReplay : rules.trial;
+}
+
+void Authenticator::renew_session(Time now) {
+  session_before_ = session_;
+  session_ = random_session();
+  renewed_ = now;
+}
+
+void Authenticator::seal(std::string_view channel, std::string_view robot, Time now,
+                         std::vector<std::uint8_t>& message) {
+  const Role role = role_of(channel);
+  const Key* const key = keyring_->signing(role);
+  if (key == nullptr) {
+    ++entry_of(without_key_, channel);
+    return;
+  }
+  std::vector<Echo> echoes;
+  if (role == Role::kOperator) {
+    const std::uint32_t to = destination_of(robot);
+    for (const auto& [destination, asked] : asked_) {
+      if ((robot.empty() || destination == to) && echoes.size() < kEchoesMax) {
+        echoes.push_back({destination, asked.nonce});
+      }
+    }
+  }
+  counter_ =
+      std::max(counter_ + 1, static_cast<std::uint64_t>(std::max<std::int64_t>(0, to_utime(now))));
+  sign(*key, channel, {key->id, session_, counter_, role, rules_.trial}, echoes, message);
+}
+
+Authenticator::Judged Authenticator::judge(std::string_view channel, Bytes message, Time now,
+                                           bool judges_time, bool is_emergency_stop) {
+  if (rules_.is_replay) {
+    return {true, payload_of(message)};
+  }
+  const Verdict verdict =
+      verify(*keyring_, channel, message, {rules_.trial, now, judges_time, is_emergency_stop},
+             replays_, budgets_);
+  Judged judged{true, verdict.payload};
+  if (verdict.refusal == Refusal::kUnsigned && !must_be_signed(channel)) {
+    return judged;
+  }
+  if (verdict.refusal != Refusal::kNone) {
+    judged.may_pass = refuse(channel, verdict.refusal);
+    return judged;
+  }
+  if (channel.starts_with(kStatusPrefix)) {
+    hear_nonce(channel.substr(kStatusPrefix.size()), verdict.parts->foot, now);
+  } else if (role_of(channel) == Role::kOperator && destination_) {
+    judged.echo = judge_nonce(*verdict.parts, now);
+  }
+  return judged;
+}
+
+void Authenticator::hear_nonce(std::string_view robot, const Foot& foot, Time now) {
+  const std::uint32_t destination = destination_of(robot);
+  const auto known = asked_.find(destination);
+  if (known == asked_.end()) {
+    if (asked_.size() < kEchoesMax) {
+      asked_[destination] = {foot.session, foot.counter, now};
+    }
+    return;
+  }
+  Asked& asked = known->second;
+  if (foot.session == asked.nonce) {
+    asked.counter = std::max(asked.counter, foot.counter);
+    asked.heard = now;
+  } else if (foot.counter > asked.counter || now - asked.heard > kNonceLease) {
+    asked = {foot.session, foot.counter, now};
+  }
+}
+
+Refusal Authenticator::judge_nonce(const SignedParts& parts, Time now) const {
+  const std::array nonces{session_, session_before_};
+  const bool is_graceful = renewed_ && now - *renewed_ <= kNonceGrace;
+  return judge_echo(parts, *destination_, std::span(nonces).first(is_graceful ? 2 : 1));
+}
+
+bool Authenticator::refuse(std::string_view channel, Refusal refusal) {
+  ++entry_of(refused_, channel)[static_cast<std::size_t>(refusal)];
+  return rules_.mode != models::SecurityMode::kRequire;
+}
+
+void Authenticator::count(std::vector<models::NamedCount>& out) const {
+  for (const auto& [channel, counts] : refused_) {
+    for (std::size_t i = 0; i < kRefusals; ++i) {
+      if (counts[i] != 0) {
+        out.push_back({channel + "." + name_of(static_cast<Refusal>(i)), counts[i]});
+      }
+    }
+  }
+  for (const auto& [channel, count] : without_key_) {
+    out.push_back({fmt::format("{}.{}", channel, kNoKey), count});
+  }
+}
+
+std::optional<RefusalCount> parse_refusal(std::string_view counter) {
+  const std::size_t dot = counter.rfind('.');
+  if (dot == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::string_view reason = counter.substr(dot + 1);
+  bool is_known = reason == kNoKey;
+  for (std::size_t i = 1; i < kRefusals; ++i) {
+    is_known = is_known || reason == name_of(static_cast<Refusal>(i));
+  }
+  return is_known
+             ? std::optional(RefusalCount{std::string(counter.substr(0, dot)), std::string(reason)})
+             : std::nullopt;
+}
+
+std::unique_ptr<Authenticator> authenticator_for(const models::Scenario& scenario, bool is_replay) {
+  const models::SecuritySpec& security = scenario.security;
+  if (is_replay) {
+    std::error_code error;
+    if (security.mode == models::SecurityMode::kOff ||
+        !std::filesystem::exists(security.keys, error)) {
+      return nullptr;
+    }
+  } else if (needs_more(scenario)) {
+    throw StartupError(real_fault(scenario));
+  }
+  if (security.mode == models::SecurityMode::kOff) {
+    return nullptr;
+  }
+  return std::make_unique<Authenticator>(
+      std::make_shared<const Keyring>(load_keyring(security.keys)),
+      Authenticator::Rules{security.mode, models::trial_mode(scenario), is_replay});
+}
+
+std::vector<std::string> security_faults(const models::Scenario& scenario) {
+  if (needs_more(scenario)) {
+    return {real_fault(scenario)};
+  }
+  std::vector<std::string> faults;
+  if (scenario.security.mode == models::SecurityMode::kOff) {
+    return faults;
+  }
+  try {
+    const Keyring keyring = load_keyring(scenario.security.keys);
+    for (const Role role : kRoles) {
+      const bool is_there = std::any_of(
+          keyring.keys().begin(), keyring.keys().end(),
+          [role](const Key& key) { return key.role == role && key.use == KeyUse::kSigns; });
+      if (!is_there) {
+        faults.push_back(fmt::format("{}: there is no key of the role {}: {}-ID.key",
+                                     scenario.security.keys, name_of(role), name_of(role)));
+      }
+    }
+  } catch (const StartupError& error) {
+    faults.emplace_back(error.what());
+  }
+  return faults;
+}
+
+void require_operator(const models::Scenario& scenario) {
+  if (scenario.security.mode != models::SecurityMode::kOff &&
+      load_keyring(scenario.security.keys).signing(Role::kOperator) == nullptr) {
+    throw StartupError(scenario.security.keys +
+                       ": this host cannot say commands: operator-ID.sign is on stations alone");
+  }
+}
+
+}  // namespace vantage::bus::auth

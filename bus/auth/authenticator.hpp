@@ -1,0 +1,109 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bus/auth/envelope.hpp"
+#include "bus/auth/keyring.hpp"
+#include "bus/auth/trailer.hpp"
+#include "core/time.hpp"
+#include "models/exchange/messages.hpp"
+#include "models/scenario/scenario.hpp"
+
+namespace vantage::bus::auth {
+
+/// One process's part in an authenticated bus: its session, what it heard of others', the nonces
+/// that vehicles ask for, what was refused. Handed time; not thread-safe.
+class Authenticator {
+ public:
+  struct Rules {
+    models::SecurityMode mode = models::SecurityMode::kRequire;
+    models::TrialMode trial = models::TrialMode::kLive;
+    bool is_replay = false;  ///< says everything again as kReplay, and judges nothing
+  };
+  /// How long a vehicle still takes the nonce that it asked for before.
+  static constexpr Duration kNonceGrace = std::chrono::seconds(1);
+  /// A vehicle's nonce of another session is not believed while this one was heard within so long,
+  /// unless it was said later: old statuses that are sent again displace no live vehicle's.
+  static constexpr Duration kNonceLease = std::chrono::seconds(2);
+
+  Authenticator(std::shared_ptr<const Keyring> keyring, const Rules& rules);
+
+  /// From now on this process is the vehicle `robot`: its statuses carry the nonce that commands
+  /// must echo, or they act on it only by making it safer.
+  void answer_to(std::string_view robot) { destination_ = destination_of(robot); }
+  /// A new session, and with it a new nonce.
+  void renew_session(Time now);
+
+  /// Appends to the payload in `message` what makes it signed, if this process has the key of the
+  /// channel's role; else counts. `robot`: to whom a command is said; empty: to all that are heard.
+  void seal(std::string_view channel, std::string_view robot, Time now,
+            std::vector<std::uint8_t>& message);
+
+  struct Judged {
+    bool may_pass = false;
+    Bytes payload;
+    Refusal echo = Refusal::kNone;  ///< of a command that passes, held against this vehicle's nonce
+  };
+  /// What of `message` may go on, and counts why it may not. `judges_time`: whether the process
+  /// keeps the trial's time.
+  Judged judge(std::string_view channel, Bytes message, Time now, bool judges_time,
+               bool is_emergency_stop);
+
+  /// Counts a refusal; whether the message may pass all the same (SecurityMode::kWarn).
+  bool refuse(std::string_view channel, Refusal refusal);
+  /// Appends "<channel>.<reason>" for each reason that refused something, and "<channel>.no_key".
+  void count(std::vector<models::NamedCount>& out) const;
+
+  [[nodiscard]] std::uint64_t session() const { return session_; }
+
+ private:
+  /// What a vehicle asks to be echoed, as its statuses say.
+  struct Asked {
+    std::uint64_t nonce = 0;
+    std::uint64_t counter = 0;  ///< of the newest status with it
+    Time heard{};
+  };
+  void hear_nonce(std::string_view robot, const Foot& foot, Time now);
+  [[nodiscard]] Refusal judge_nonce(const SignedParts& parts, Time now) const;
+
+  std::shared_ptr<const Keyring> keyring_;
+  Rules rules_;
+  std::uint64_t session_ = 0;
+  std::uint64_t session_before_ = 0;
+  std::optional<Time> renewed_;
+  std::uint64_t counter_ = 0;
+  std::optional<std::uint32_t> destination_;  ///< of a vehicle
+  std::map<std::uint32_t, Asked> asked_;      ///< by destination
+  ReplayGuard replays_;
+  SignatureBudgets budgets_;
+  std::map<std::string, std::array<std::int64_t, kRefusals>, std::less<>> refused_;
+  std::map<std::string, std::int64_t, std::less<>> without_key_;
+};
+
+/// The channel and the reason of a counter that count() made; nullopt for any other.
+struct RefusalCount {
+  std::string channel;
+  std::string reason;
+};
+std::optional<RefusalCount> parse_refusal(std::string_view counter);
+
+/// What a process of `scenario` signs and judges by; nullptr when nobody does.
+/// @throws StartupError where a device is real and security is not `require`, and as
+/// load_keyring(). A replay whose keys are not here is not signed.
+std::unique_ptr<Authenticator> authenticator_for(const models::Scenario& scenario, bool is_replay);
+
+/// What keeps `scenario` from being flown as it says, each a sentence; empty: nothing. Looks at the
+/// key files: every role's must be here.
+std::vector<std::string> security_faults(const models::Scenario& scenario);
+
+/// @throws StartupError when this host's keys do not let it say commands.
+void require_operator(const models::Scenario& scenario);
+
+}  // namespace vantage::bus::auth

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "bus/auth/keyring.hpp"
+#include "bus/auth/trailer.hpp"
+#include "core/time.hpp"
+#include "models/scenario/security_spec.hpp"
+
+// Signing a message and judging one: functions of values, no clock, no network.
+//
+//   signature = Ed25519(seed, n ‖ channel ‖ payload ‖ echoes ‖ foot)           (COMMAND alone)
+//   MAC       = BLAKE2b-128(key, n ‖ channel ‖ payload ‖ echoes ‖ signature ‖ foot)
+//
+// n is one byte, the length of the channel's name; BLAKE2b's key and output length are parameters
+// of it (RFC 7693), not a prefix. Who verifies a MAC could make one; so that a captured vehicle
+// cannot command others, what the operator says has a signature besides.
+
+namespace vantage::bus::auth {
+
+/// Appends to the payload in `message` what makes it a signed message on `channel`.
+/// Preconditions: key.can_sign(), key.role == foot.role, echoes ≤ kEchoesMax, channel ≤ 255 bytes.
+/// Cost: 0.4 µs for 250 bytes, 16 µs more with a signature.
+void sign(const Key& key, std::string_view channel, Foot foot, std::span<const Echo> echoes,
+          std::vector<std::uint8_t>& message);
+
+/// Why a message is not believed.
+enum class Refusal : std::uint8_t {
+  kNone,
+  kUnsigned,
+  kUnknownKey,
+  kWrongRole,         ///< the key is not of those who may say this
+  kBadMac,            ///< not made with the key that it names, or changed on the way
+  kBadSignature,      ///< the same of an operator's signature, or it has none
+  kOverBudget,        ///< not looked at: too many to verify
+  kWrongMode,         ///< of a simulation, a replay: another kind of trial
+  kStale,             ///< said at another time than now
+  kReplayed,          ///< heard before, or long overtaken
+  kWrongSession,      ///< a command with a nonce that the vehicle does not ask for
+  kWrongDestination,  ///< a command that is not said to this vehicle
+};
+inline constexpr std::size_t kRefusals = 12;
+/// "unsigned", "unknown_key", "wrong_role", …: as counters are called.
+const char* name_of(Refusal refusal);
+
+/// What was heard of each session, so that nothing is taken twice. Remembers for each session the
+/// newest 64 counters: older ones count as replayed, those between may still come. At most 256
+/// sessions; the one silent longest gives way.
+class ReplayGuard {
+ public:
+  static constexpr std::size_t kWindow = 64;
+  static constexpr std::size_t kSessionsMax = 256;
+
+  /// True once for each counter, from 1. To be asked only of what is proven to be of the key's
+  /// holder.
+  bool admit(std::uint32_t key_id, std::uint64_t session, std::uint64_t counter);
+  /// Whether admit() would refuse it; changes nothing.
+  [[nodiscard]] bool refuses(std::uint32_t key_id, std::uint64_t session,
+                             std::uint64_t counter) const;
+  [[nodiscard]] bool knows(std::uint32_t key_id, std::uint64_t session) const {
+    return find(key_id, session) != nullptr;
+  }
+
+ private:
+  struct Session {
+    std::uint32_t key_id = 0;
+    std::uint64_t session = 0;
+    std::uint64_t asked_last = 0;
+    std::uint64_t forgotten = 0;      ///< the newest that is no longer remembered; 0: none
+    std::vector<std::uint64_t> seen;  ///< ascending
+  };
+  [[nodiscard]] const Session* find(std::uint32_t key_id, std::uint64_t session) const;
+  [[nodiscard]] static bool has_heard(const Session& session, std::uint64_t counter);
+
+  std::vector<Session> sessions_;
+  std::uint64_t asked_ = 0;
+};
+
+/// So many verifications a second, and so many at once.
+class Budget {
+ public:
+  Budget(double rate_per_s, double burst) : rate_per_s_(rate_per_s), burst_(burst), left_(burst) {}
+  /// True when there is one left, which is taken. `now` never goes back.
+  bool take(Time now);
+
+ private:
+  double rate_per_s_;
+  double burst_;
+  double left_;
+  std::optional<Time> asked_;
+};
+
+/// What signatures may cost a process. Only those whose MAC is good are looked at, so only somebody
+/// who has the operator's MAC key, a vehicle say, can use a budget up.
+struct SignatureBudgets {
+  Budget known{100.0, 50.0};  ///< of sessions that were right before
+  Budget fresh{20.0, 20.0};   ///< of any other
+  Budget stop{100.0, 50.0};   ///< of emergency stops, whoever says them
+};
+
+/// How far the sender's time may be from ours.
+inline constexpr Duration kSaidWithin = std::chrono::seconds(2);
+
+/// What a receiver holds a message against.
+struct Expectation {
+  models::TrialMode mode = models::TrialMode::kLive;
+  Time now{};                      ///< by the receiver's steady clock
+  bool judges_time = true;         ///< whether what is not of now is refused
+  bool is_emergency_stop = false;  ///< the payload says so, before anything is proven
+};
+
+struct Verdict {
+  Refusal refusal = Refusal::kNone;
+  Bytes payload;                     ///< the message without its trailer, whatever the verdict
+  std::optional<SignedParts> parts;  ///< nullopt: unsigned
+};
+
+/// Judges `message` on `channel`, all but to whom it is said (judge_echo()). Commands are not held
+/// against the time here: their stamps and echoes are. Cost: as sign(); a signature is verified in
+/// 41 µs, within the budgets. Changes `replays` only for what is otherwise good.
+Verdict verify(const Keyring& keyring, std::string_view channel, Bytes message,
+               const Expectation& expectation, ReplayGuard& replays, SignatureBudgets& budgets);
+
+/// Whether a command is said to the vehicle `destination`, with one of the nonces it asks for.
+Refusal judge_echo(const SignedParts& parts, std::uint32_t destination,
+                   std::span<const std::uint64_t> nonces);
+
+}  // namespace vantage::bus::auth

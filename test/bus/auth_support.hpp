@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp
+
+#include "bus/auth/authenticator.hpp"
+#include "bus/auth/keyring.hpp"
+
+namespace vantage::test {
+
+/// A key of known bytes: `first`, `first` + 1, …; the operator's seed goes on with 32 more.
+inline bus::auth::Key key_of(bus::auth::Role role, std::uint8_t first) {
+  bus::auth::Key key;
+  key.role = role;
+  std::iota(key.mac.bytes().begin(), key.mac.bytes().end(), first);
+  std::vector<std::uint8_t> contents(key.mac.bytes().begin(), key.mac.bytes().end());
+  if (role == bus::auth::Role::kOperator) {
+    std::vector<std::uint8_t> seed(bus::auth::kSeedBytes);
+    std::iota(seed.begin(), seed.end(), static_cast<std::uint8_t>(first + 32));
+    bus::auth::set_seed(key, seed);
+    contents.insert(contents.end(), key.public_key.begin(), key.public_key.end());
+  }
+  key.id = bus::auth::key_id(role, contents);
+  return key;
+}
+
+/// One key of each role, with all that signs. `shift` makes another trial's.
+inline std::shared_ptr<const bus::auth::Keyring> keys_of_a_trial(std::uint8_t shift = 0) {
+  auto out = std::make_shared<bus::auth::Keyring>();
+  for (const bus::auth::Role role : bus::auth::kRoles) {
+    out->add(key_of(role, static_cast<std::uint8_t>(shift + 40 * static_cast<int>(role))));
+  }
+  return out;
+}
+
+inline std::unique_ptr<bus::auth::Authenticator> authenticator(
+    const std::shared_ptr<const bus::auth::Keyring>& keys,
+    const bus::auth::Authenticator::Rules& rules = {}) {
+  return std::make_unique<bus::auth::Authenticator>(keys, rules);
+}
+
+/// A folder that is gone at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "vantage_XXXXXX").string();
+    path_ = mkdtemp(pattern.data()) == nullptr ? "" : pattern;
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  TemporaryFolder(TemporaryFolder&&) = delete;
+  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
+  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace vantage::test
