@@ -13,10 +13,10 @@
 
 namespace vantage::logs {
 
-/// The message in `message` (fingerprint included, signed or not) as an object whose members stand in wire order;
-/// nullopt when it is none of the house's or not well formed. Numbers that are not finite are null,
-/// as JSON has none; text that is not UTF-8 has its bad bytes replaced when it is dumped with
-/// error_handler_t::replace.
+/// The message in `message` (fingerprint included, signed or not) as an object whose members stand
+/// in wire order; nullopt when it is none of the house's or not well formed. Numbers that are not
+/// finite are null, as JSON has none; text that is not UTF-8 has its bad bytes replaced when it is
+/// dumped with error_handler_t::replace.
 std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> message);
 
 /// The JSON schema (draft 2020-12) of message_json()'s answers for messages of type `schema`.

@@ -54,7 +54,7 @@ class Commands:
 
     def complaints(self, words):
         path = tuple(words[:2]) if words[0] == "vantage" else tuple(words[:1])
-        if path == ("vantage", "log") and len(words) > 2 and not words[2].startswith("-"):
+        if path[1:] in (("log",), ("keys",)) and len(words) > 2 and not words[2].startswith("-"):
             path += (words[2],)
         if path[-1].startswith("-") or any(word.isupper() for word in path):
             return []  # `vantage --help`, `vantage COMMAND`

@@ -14,6 +14,7 @@
 #include "drivers/vehicle/port.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/scenario/scenario.hpp"
+#include "test/bus/auth_support.hpp"
 
 namespace vantage::test {
 
@@ -35,6 +36,14 @@ class VehicleNodeBench {
     lab.subscribe<models::VehicleStatus>(
         bus::quadrotor_channel(robot()),
         [this](const models::VehicleStatus& heard) { statuses.push_back(heard); });
+  }
+
+  /// From now on vehicle and lab sign and judge, as their processes do; the stranger has no key.
+  void secure(const std::shared_ptr<const bus::auth::Keyring>& keys,
+              const bus::auth::Authenticator::Rules& rules) {
+    node_bus.secure(authenticator(keys, rules), clock);
+    node_bus.keep_time(clock);
+    lab.secure(authenticator(keys, rules), clock);
   }
 
   void say(models::OperatorAction action) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -7,7 +8,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bus/auth/authenticator.hpp"
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
 #include "core/deadline.hpp"
+#include "test/bus/auth_support.hpp"
 #include "test/integration/network_support.hpp"
 
 // Users record and replay with LCM's own tools.
@@ -128,6 +133,78 @@ TEST_F(LcmTools, WeHearWhatLcmLogplayerReplays) {
   for (unsigned i = 0; i < kMessages; ++i) {
     EXPECT_TRUE(heard[i].second == payload(i)) << i;
   }
+}
+
+// Signed messages through LCM's logger and player: not a byte differs, and what comes out of a log
+// is refused by who requires signatures, whether it heard the flight or not.
+TEST_F(LcmTools, CarrySignedMessagesUnchangedAndTheyAreOld) {
+  constexpr unsigned kMessages = 50;
+  const auto keys = test::keys_of_a_trial();
+  bus::VirtualClock clock(from_utime(1'700'000'000'000'000));
+  const auto ours = bus::open_transport(test::kUrl);
+  bus::Bus sender(*ours, 1);
+  sender.secure(test::authenticator(keys), clock);
+  Heard sent;
+  const auto ear = bus::open_transport(test::kUrl);
+  test::collect(*ear, "VICON", sent);
+  std::size_t expected_bytes = 0;
+  {
+    Program logger({"lcm-logger", "-q", "-f", "--lcm-url=" + test::kUrl, log()});
+    const std::int64_t give_up_ns =
+        monotonic_ns() + std::chrono::nanoseconds(test::kPatience).count();
+    const auto knock_until_log_exceeds = [&](std::size_t bytes) {
+      while (log_bytes() <= bytes && monotonic_ns() < give_up_ns) {
+        ours->publish("KNOCK", Bytes{1});
+        ours->handle(std::chrono::milliseconds(10));
+      }
+    };
+    knock_until_log_exceeds(0);
+    for (unsigned i = 0; i < kMessages; ++i) {
+      clock.set(clock.now() + std::chrono::milliseconds(10));
+      models::MocapFrame frame;
+      frame.stamp.time = frame.arrival = clock.now();
+      frame.frame_number = i;
+      for (unsigned body = 0; body < i; ++body) {
+        frame.bodies.push_back({"B" + std::to_string(body), Pose3{}, false});
+      }
+      sender.publish(bus::kVicon, frame);
+      test::handle_until(*ear, [&] { return sent.size() > i; });
+      ASSERT_EQ(sent.size(), i + 1);
+      expected_bytes += sent.back().second.size();
+    }
+    knock_until_log_exceeds(expected_bytes);
+  }
+  const auto witness_link = bus::open_transport(test::kUrl);
+  bus::Bus witness(*witness_link, 2);  // of the next minute, with the same keys
+  bus::VirtualClock later(clock.now() + std::chrono::minutes(1));
+  witness.secure(test::authenticator(keys), later);
+  witness.keep_time(later);
+  int believed = 0;
+  witness.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++believed; });
+  const auto reader_link = bus::open_transport(test::kUrl);
+  bus::Bus reader(*reader_link, 3);  // knows of no key
+  int read = 0;
+  reader.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++read; });
+  Heard played;
+  test::collect(*ear, "VICON", played);
+  const std::size_t before = sent.size();
+  const Program player({"lcm-logplayer", "-l", test::kUrl, log()});
+  test::handle_until(*ear, [&] { return played.size() >= kMessages; });
+  test::handle_until(*reader_link, [&] { return read >= static_cast<int>(kMessages); });
+  test::handle_until(*witness_link, [&] {
+    return witness_link->stats().messages_received >= static_cast<std::int64_t>(kMessages);
+  });
+  ASSERT_EQ(played.size(), kMessages);
+  for (unsigned i = 0; i < kMessages; ++i) {
+    EXPECT_TRUE(played[i].second == sent[i].second) << i;
+  }
+  EXPECT_EQ(before, kMessages);
+  EXPECT_EQ(read, static_cast<int>(kMessages));
+  EXPECT_EQ(believed, 0);
+  const auto counters = witness.counters();
+  EXPECT_TRUE(std::any_of(counters.begin(), counters.end(), [](const models::NamedCount& counter) {
+    return counter.name == "VICON.stale" && counter.count == static_cast<std::int64_t>(kMessages);
+  }));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "bus/bus.hpp"
 #include "bus/scenario_yaml.hpp"
 #include "bus/transport.hpp"
+#include "test/bus/auth_support.hpp"
 #include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
 #include "tools/console/console.hpp"
@@ -294,6 +295,52 @@ TEST(ArmingWatch, NamesMessagesOfAnotherVersion) {
   link->publish("PLAN_Q1", other_type);
   watch_bus.handle(std::chrono::microseconds(0));
   EXPECT_TRUE(mentions(watch.blocks(), "2 messages on PLAN_Q1 are not of this version's types"));
+}
+
+TEST(ArmingWatch, NamesWhatProcessesRefuseMeanwhileAndWhy) {
+  bus::InProcessHub hub;
+  const auto link = hub.connect();
+  const auto link_watch = hub.connect();
+  bus::Bus driver(*link, 1);
+  bus::Bus watch_bus(*link_watch, 2);
+  const models::Scenario scenario = lab();
+  const ArmingWatch watch(watch_bus, scenario);
+  models::ProcessHealth health;
+  health.process = "QUADROTOR_Q1";
+  const auto report = [&](std::vector<models::NamedCount> counters) {
+    health.counters = std::move(counters);
+    driver.publish(bus::health_channel(health.process), health);
+    watch_bus.handle(std::chrono::microseconds(0));
+  };
+  report({{"COMMAND.unsigned", 3}});
+  report({{"COMMAND.unsigned", 3}});
+  EXPECT_FALSE(mentions(watch.blocks(), "COMMAND")) << "before anybody watched";
+  report({{"COMMAND.unsigned", 3}, {"VICON.bad_mac", 12}, {"VICON.lost", 5}});
+  EXPECT_TRUE(mentions(watch.blocks(), "VICON of QUADROTOR_Q1: 12 messages now (bad_mac)"));
+  EXPECT_FALSE(mentions(watch.blocks(), "COMMAND of"));
+  EXPECT_FALSE(mentions(watch.blocks(), "lost"));
+}
+
+TEST(OperatorDesk, SaysThatItIsNotHeardWhereMessagesAreSigned) {
+  bus::InProcessHub hub;
+  const auto link = hub.connect();
+  const auto link_v = hub.connect();
+  bus::Bus bus(*link, 11);
+  bus::Bus vehicle(*link_v, 13);
+  const bus::VirtualClock clock(kStart);
+  const OperatorDesk desk(bus, false, kStart);
+  const auto tell = [&] {
+    models::VehicleStatus status;
+    status.robot = "Q1";
+    vehicle.publish(bus::quadrotor_channel("Q1"), status);
+    bus.handle(std::chrono::microseconds(0));
+  };
+  tell();
+  EXPECT_FALSE(desk.is_unheard());
+  vehicle.secure(test::authenticator(test::keys_of_a_trial()), clock);
+  tell();
+  EXPECT_TRUE(desk.is_unheard());
+  EXPECT_TRUE(mentions(desk.vehicle_table(kStart, ""), "--scenario"));
 }
 
 TEST(CheckPreflight, RefusesWhatFlightSafetyWouldRefuseInFlight) {

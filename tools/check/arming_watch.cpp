@@ -1,10 +1,39 @@
 #include "tools/check/arming_watch.hpp"
 
+#include <algorithm>
+#include <array>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "bus/auth/authenticator.hpp"
+
 namespace vantage::tools {
+namespace {
+
+/// What a reason of bus::auth means to who has to mend it.
+const char* explain(std::string_view reason) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 12> kWords{{
+      {"unsigned", "not signed: its sender runs without security, or is a stranger"},
+      {"unknown_key", "signed with a key that is not in the folder: other keys, or a revoked one"},
+      {"wrong_role", "signed with a key that is not for this channel"},
+      {"bad_mac", "not what was signed: forged"},
+      {"bad_signature", "not signed by an operator's station: forged"},
+      {"over_budget", "too many to verify: a flood of forged commands"},
+      {"wrong_mode", "of a simulation, a replay or another kind of trial"},
+      {"stale", "said at another time than now: an old log, or the hosts' clocks differ by 2 s"},
+      {"replayed", "heard before: somebody sends it again"},
+      {"wrong_session", "an order of an earlier session"},
+      {"wrong_destination", "an order of a station that does not hear this vehicle"},
+      {"no_key", "published unsigned: this host has no key for it"},
+  }};
+  const auto found = std::find_if(kWords.begin(), kWords.end(),
+                                  [&](const auto& entry) { return entry.first == reason; });
+  return found == kWords.end() ? "refused" : found->second;
+}
+
+}  // namespace
 
 ArmingWatch::ArmingWatch(bus::Bus& bus, const models::Scenario& scenario)
     : bus_(bus), scenario_(scenario) {
@@ -25,6 +54,33 @@ ArmingWatch::ArmingWatch(bus::Bus& bus, const models::Scenario& scenario)
         const bool beats = command.action == models::OperatorAction::kHeartbeat;
         heartbeats_ += beats ? 1 : 0;
       });
+  bus.subscribe<models::ProcessHealth>(
+      bus::health_channel("*"), [this](const models::ProcessHealth& health) { on_health(health); });
+}
+
+// Counts are since each process's start: what it refused before this watch began is no news.
+void ArmingWatch::on_health(const models::ProcessHealth& health) {
+  const bool is_first = !std::exchange(processes_[health.process], true);
+  for (const models::NamedCount& counter : health.counters) {
+    if (bus::auth::parse_refusal(counter.name)) {
+      Growth& growth = refusals_[health.process][counter.name];
+      growth.first = is_first ? counter.count : growth.first;
+      growth.last = counter.count;
+    }
+  }
+}
+
+void ArmingWatch::append_refusals(std::vector<std::string>& out) const {
+  for (const auto& [process, counters] : refusals_) {
+    for (const auto& [name, growth] : counters) {
+      const auto refusal = bus::auth::parse_refusal(name);
+      if (refusal && growth.last > growth.first) {
+        out.push_back(fmt::format("{} of {}: {} messages now ({}): {}", refusal->channel, process,
+                                  growth.last - growth.first, refusal->reason,
+                                  explain(refusal->reason)));
+      }
+    }
+  }
 }
 
 std::vector<std::string> ArmingWatch::blocks() const {
@@ -43,6 +99,7 @@ std::vector<std::string> ArmingWatch::blocks() const {
           counter.count, counter.name.substr(0, counter.name.size() - kUndecoded.size())));
     }
   }
+  append_refusals(out);
   for (const models::RobotSpec& robot : scenario_.robots) {
     const auto shown = frames_with_.find(robot.name);
     const int count = shown == frames_with_.end() ? 0 : shown->second;

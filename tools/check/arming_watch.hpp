@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -13,7 +14,8 @@ namespace vantage::tools {
 
 /// Listens to a running system and says what keeps each vehicle from being armed: bodies that mocap
 /// does not show, drivers that are silent, an operator who is missing, messages of another version
-/// of the message types, and what each driver gives as its reasons.
+/// of the message types, messages that processes refuse meanwhile for their signatures, and what
+/// each driver gives as its reasons.
 class ArmingWatch {
  public:
   /// `bus` and `scenario` must outlive it.
@@ -28,12 +30,22 @@ class ArmingWatch {
   [[nodiscard]] std::vector<std::string> blocks() const;
 
  private:
+  /// What one counter of one process said first and last.
+  struct Growth {
+    std::int64_t first = 0;
+    std::int64_t last = 0;
+  };
+  void on_health(const models::ProcessHealth& health);
+  void append_refusals(std::vector<std::string>& out) const;
+
   const bus::Bus& bus_;
   const models::Scenario& scenario_;
   std::map<std::string, models::VehicleStatus> vehicles_;
   std::map<std::string, int> frames_with_;  ///< frames that show the body unoccluded
   int frames_ = 0;
   int heartbeats_ = 0;
+  std::map<std::string, bool> processes_;                          ///< heard once already
+  std::map<std::string, std::map<std::string, Growth>> refusals_;  ///< by process and counter
 };
 
 }  // namespace vantage::tools

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bus/auth/authenticator.hpp"
 #include "bus/bus.hpp"
 #include "bus/clock.hpp"
 #include "bus/scenario_yaml.hpp"
@@ -44,6 +45,19 @@ void listen(const models::Scenario& scenario, double listen_s, std::vector<std::
   }
 }
 
+std::string security_words(const models::Scenario& scenario) {
+  const std::string mode = models::name_of(models::trial_mode(scenario));
+  switch (scenario.security.mode) {
+    case models::SecurityMode::kOff:
+      return "messages are not signed: whoever is on the network is believed";
+    case models::SecurityMode::kWarn:
+      return "messages are signed (" + mode + "); others are counted and believed";
+    case models::SecurityMode::kRequire:
+      return "messages are signed (" + mode + "), and others refused";
+  }
+  return "";
+}
+
 int run_vehicles(const CheckArguments& arguments) {
   const models::Scenario scenario = bus::load_scenario(arguments.scenario);
   VehicleCheckOptions options = arguments.vehicles;
@@ -69,6 +83,10 @@ int run(const CheckArguments& arguments) {
       arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
   const LogRoom room = room_for_log(scenario, log_path, free_bytes_for(log_path));
   (room.is_enough ? preflight.understood : preflight.faults).push_back(room.words);
+  preflight.understood.push_back(security_words(scenario));
+  for (std::string& fault : bus::auth::security_faults(scenario)) {
+    preflight.faults.push_back(std::move(fault));
+  }
   if (arguments.is_live) {
     listen(scenario, arguments.listen_s, preflight.faults);
   }

@@ -23,6 +23,7 @@ void add_plan_command(CLI::App& root, Runner& run);
 void add_doctor_command(CLI::App& root, Runner& run);
 void add_experiment_command(CLI::App& root, Runner& run);
 void add_view_command(CLI::App& root, Runner& run);
+void add_keys_command(CLI::App& root, Runner& run);
 void add_log_command(CLI::App& root, Runner& run);
 
 /// --seed, --duration-s, --planner, --communication-range-m and --nodes, shared by all that run a

@@ -2,8 +2,10 @@
 
 #include <memory>
 
+#include "bus/auth/authenticator.hpp"
 #include "bus/bus.hpp"
 #include "bus/clock.hpp"
+#include "bus/scenario_yaml.hpp"
 #include "bus/transport.hpp"
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
@@ -13,13 +15,23 @@ namespace {
 
 struct ConsoleArguments {
   std::string url;
+  std::string scenario;
   bool is_second = false;
 };
 
 int run(const ConsoleArguments& arguments) {
-  const auto transport = bus::open_transport(arguments.url);
-  bus::Bus bus(*transport, bus::random_run_id());
   const bus::SteadyClock clock;
+  std::unique_ptr<bus::auth::Authenticator> authenticator;
+  std::string url = arguments.url;
+  if (!arguments.scenario.empty()) {
+    const models::Scenario scenario = bus::load_scenario(arguments.scenario);
+    bus::auth::require_operator(scenario);
+    authenticator = bus::auth::authenticator_for(scenario, false);
+    url = url.empty() ? scenario.network.url : url;
+  }
+  const auto transport = bus::open_transport(url);
+  bus::Bus bus(*transport, bus::random_run_id());
+  bus.secure(std::move(authenticator), clock);
   return run_console(bus, clock, arguments.is_second, stop_requested) ? 0 : 1;
 }
 
@@ -29,7 +41,10 @@ void add_console_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "console", "Operator's console: heartbeat, arm, take off, follow, hold, land, e-stop.");
   auto arguments = std::make_shared<ConsoleArguments>();
-  command->add_option("--url", arguments->url, "LCM URL; $LCM_DEFAULT_URL when not given");
+  command->add_option("--url", arguments->url,
+                      "LCM URL; the scenario's, or $LCM_DEFAULT_URL, when not given");
+  command->add_option("--scenario", arguments->scenario,
+                      "scenario file: whose keys sign what is said here (security)");
   command->add_flag("--second", arguments->is_second,
                     "stand by beside a station that is in charge: hold, land and e-stop at once, "
                     "the rest when the other falls silent");
@@ -40,6 +55,7 @@ void add_console_command(CLI::App& root, Runner& chosen) {
       "stop is sent, and the exit code is 1 when anything was refused.\n"
       "Examples:\n"
       "  vantage console\n"
+      "  vantage console --scenario config/lab-mixed.yaml\n"
       "  echo 'land Q1' | vantage console --url 'udpm://239.255.76.67:7667?ttl=0'");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }

@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
     vantage::tools::add_experiment_command(app, run);
     vantage::tools::add_view_command(app, run);
     vantage::tools::add_log_command(app, run);
+    vantage::tools::add_keys_command(app, run);
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -21,6 +21,9 @@ constexpr const char* kKeys =
     "0 all  1-9 one robot  q quit";
 constexpr const char* kLines =
     "type: arm | take-off | follow | hold | land | estop [robot], help, quit";
+constexpr const char* kUnheard =
+    "messages here are signed, and this station signs none: vehicles that require it do not hear "
+    "it; start it with --scenario FILE";
 constexpr const char* kFarewell =
     "quitting: the operator's heartbeat ends now, and vehicles that need it will land";
 
@@ -38,6 +41,9 @@ class ConsoleSession {
       for (const OperatorRequest& request : std::exchange(waiting_, {})) {
         obey(request);
       }
+    }
+    if (desk_.is_unheard() && !std::exchange(was_unheard_, true)) {
+      say(kUnheard);
     }
     while (!is_over_) {
       const std::optional<std::string> input = terminal_.read();
@@ -122,6 +128,7 @@ class ConsoleSession {
   std::string note_;
   std::vector<OperatorRequest> waiting_;  // until the station knows whether it is in charge
   bool was_refused_ = false;
+  bool was_unheard_ = false;
   Time next_redraw_{};
   bool is_over_ = false;
 };
@@ -251,6 +258,9 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
   }
   if (vehicles_.empty()) {
     out.emplace_back("  no vehicle heard yet");
+  }
+  if (is_unheard()) {
+    out.push_back(std::string("! ") + kUnheard);
   }
   if (is_log_lost(now)) {
     out.emplace_back("! the log is not written: what is flown now is not recorded");

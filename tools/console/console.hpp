@@ -48,6 +48,8 @@ class OperatorDesk {
   bool send(Time now, models::OperatorAction action, const std::string& robot);
   /// Whether something is still to be said again.
   [[nodiscard]] bool is_saying() const { return !saying_.empty(); }
+  /// Others sign what they say, and this station does not: who requires it does not hear it.
+  [[nodiscard]] bool is_unheard() const { return bus_.hears_signed(); }
   [[nodiscard]] const Station& station() const { return station_; }
   /// By how much the vehicles' clock is ahead of ours; 0 when it is about the same, or unknown.
   [[nodiscard]] Duration vehicles_ahead(Time now) const;

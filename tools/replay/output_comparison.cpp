@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "bus/auth/trailer.hpp"
 #include "logs/json/wire_json.hpp"
 
 namespace vantage::tools {
@@ -80,7 +81,8 @@ std::optional<OutputComparison::Key> OutputComparison::key_of(
   return std::nullopt;
 }
 
-void OutputComparison::add_logged(std::span<const std::uint8_t> message) {
+void OutputComparison::add_logged(std::span<const std::uint8_t> signed_message) {
+  const auto message = bus::auth::payload_of(signed_message);
   const auto key = key_of(message);
   if (!key) {
     ++unreadable_;
@@ -90,7 +92,8 @@ void OutputComparison::add_logged(std::span<const std::uint8_t> message) {
   logged_[*key] = Bytes(message.begin(), message.end());
 }
 
-void OutputComparison::add_replayed(std::span<const std::uint8_t> message) {
+void OutputComparison::add_replayed(std::span<const std::uint8_t> signed_message) {
+  const auto message = bus::auth::payload_of(signed_message);
   const auto key = key_of(message);
   if (!key) {
     ++unreadable_;

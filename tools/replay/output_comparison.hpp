@@ -29,9 +29,10 @@ struct OutputDifference {
 /// message except who published it when (run id and sequence).
 class OutputComparison {
  public:
-  /// Messages as they travel. Others than these are counted as unreadable.
-  void add_logged(std::span<const std::uint8_t> message);
-  void add_replayed(std::span<const std::uint8_t> message);
+  /// Messages as they travel, signed or not: the payload is compared. Others than these are counted
+  /// as unreadable.
+  void add_logged(std::span<const std::uint8_t> signed_message);
+  void add_replayed(std::span<const std::uint8_t> signed_message);
 
   [[nodiscard]] std::int64_t logged() const { return logged_count_; }
   [[nodiscard]] std::int64_t replayed() const { return replayed_; }

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "bus/auth/authenticator.hpp"
 #include "bus/bus.hpp"
 #include "bus/clock.hpp"
 #include "bus/process_usage.hpp"
@@ -67,6 +68,12 @@ std::string health_name(std::string process) {
 struct HandedClock : bus::SteadyClock {
   HandedClock() { hand_on(); }
 };
+
+/// Signs what `bus` says as `scenario` wants it, from the first message on.
+bus::Bus& secured(bus::Bus& bus, const models::Scenario& scenario, const bus::Clock& clock) {
+  bus.secure(bus::auth::authenticator_for(scenario, false), clock);
+  return bus;
+}
 
 /// A scenario file that lives as long as the processes that read it.
 class TemporaryScenario {
@@ -197,7 +204,7 @@ Up::Up(const models::Scenario& scenario, const UpOptions& options)
       host_(options.host.empty() ? kOnlyHost : options.host),
       transport_(bus::open_transport(scenario.network.url)),
       bus_(*transport_, bus::random_run_id()),
-      announcer_(bus_, scenario, "up"),
+      announcer_(secured(bus_, scenario, clock_), scenario, "up"),
       file_(scenario.source_text),
       keeper_(options.log_path.empty()
                   ? nullptr
@@ -449,6 +456,12 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
                 const std::function<bool()>& stop) {
   if (const auto faults = device_faults(scenario); !faults.empty()) {
     throw StartupError(faults.front());
+  }
+  if (const auto faults = bus::auth::security_faults(scenario); !faults.empty()) {
+    throw StartupError(faults.front());
+  }
+  if (options.fly) {
+    bus::auth::require_operator(scenario);
   }
   if (!options.log_path.empty()) {
     const LogRoom room = room_for_log(scenario, options.log_path, free_bytes_for(options.log_path));

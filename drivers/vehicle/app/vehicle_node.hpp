@@ -93,9 +93,17 @@ class VehicleNode : public bus::Node {
                                               }
                                             });
     }
+    bus_.answer_to(robot_);
     bus_.subscribe<models::OperatorCommand>(
-        bus::kCommand,
-        [this](const models::OperatorCommand& command) { on_command(command, clock_.now()); });
+        bus::kCommand, [this](const models::OperatorCommand& command) {
+          on_command(command, clock_.now());
+          // What was said before is not to be said again to a vehicle that may fly now.
+          if (command.action == models::OperatorAction::kArm &&
+              (command.robot.empty() || command.robot == robot_)) {
+            // The next status says what commands have to echo from now on.
+            next_status_ = bus_.renew_session() ? Time{} : next_status_;
+          }
+        });
     // A second trial beside this one announces its own.
     bus::Channel<models::ScenarioNotice> maps = bus::kScenario;
     maps.lease = kMapLease;

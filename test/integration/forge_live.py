@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""forge_live.py TYPES SPAN: what somebody on the network without a key can say in a live flight's name.
+
+Waits until every vehicle that speaks on QUADROTOR_* follows plans. Then, for 8 s, forges what it hears
+with the live streams' own run ids, next sequence numbers and stamps of now: poses that drift away,
+plans that stand still, orders to land, to disarm and to arm; each unsigned, with the trailer of the
+true message behind it, and the true message again. TYPES is a folder of lcm-gen --python; SPAN a file
+that is given the first and the last instant of it, µs since the Unix epoch. To be run in a network of
+its own.
+"""
+
+import socket
+import struct
+import sys
+import time
+
+sys.path.insert(0, sys.argv[1])
+from vantage_lcm.command_t import command_t  # noqa: E402
+from vantage_lcm.plan_t import plan_t  # noqa: E402
+from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
+from vantage_lcm.vicon_frame_t import vicon_frame_t  # noqa: E402
+
+GROUP, PORT = "239.255.76.67", 7667
+MAGIC_SHORT = 0x4C433032
+FOLLOW, LAND, EMERGENCY_STOP, ARM = 1, 5, 6, 1
+SPAN_S, WAIT_S = 8.0, 60.0
+
+receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+receiver.bind(("", PORT))
+receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
+                    socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1"))
+receiver.settimeout(1.0)
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+
+
+def heard():
+    """(channel, bytes) of each whole short message of others; at least one each second: (None, b"")."""
+    while True:
+        try:
+            packet, source = receiver.recvfrom(65536)
+        except TimeoutError:
+            yield None, b""
+            continue
+        if sender.getsockname()[1] == source[1] or len(packet) < 9:
+            continue
+        if struct.unpack(">I", packet[:4])[0] == MAGIC_SHORT:
+            name, _, payload = packet[8:].partition(b"\0")
+            yield name.decode(), payload
+
+
+sent = 0
+
+
+def send(channel, payload):
+    global sent
+    packet = struct.pack(">II", MAGIC_SHORT, sent) + channel.encode() + b"\0" + payload
+    sender.sendto(packet, (GROUP, PORT))
+    sent += 1
+
+
+def forge(channel, message, true):
+    """`message` as it is, and in the trailer of `true`; and `true` itself."""
+    plain = message.encode()
+    send(channel, plain)
+    trailer = true[len(kinds(channel).decode(true).encode()):]
+    if trailer:
+        send(channel, plain + trailer)
+        send(channel, true)
+
+
+def kinds(channel):
+    return (vicon_frame_t if channel == "VICON" else
+            command_t if channel == "COMMAND" else plan_t)
+
+
+states = {}
+give_up = time.monotonic() + WAIT_S
+for channel, payload in heard():
+    if channel and channel.startswith("QUADROTOR_"):
+        status = quadrotor_t.decode(payload)
+        states[status.robot] = status.state
+    if len(states) > 1 and all(state == FOLLOW for state in states.values()):
+        break
+    if time.monotonic() > give_up:
+        sys.exit(f"forge_live: not all follow: {states}")
+
+begin = time.time()
+kinds_forged = set()
+for channel, payload in heard():
+    since_s = time.time() - begin
+    if since_s > SPAN_S:
+        break
+    if channel == "VICON":
+        frame = vicon_frame_t.decode(payload)
+        frame.sequence += 1
+        for body in frame.bodies:
+            position = list(body.position_world_m)
+            position[0] += 0.3 * since_s
+            body.position_world_m = position
+        forge(channel, frame, payload)
+    elif channel == "COMMAND":
+        for action in (LAND, EMERGENCY_STOP, ARM) if since_s > 4.0 else (LAND,):
+            order = command_t.decode(payload)
+            order.sequence += 1
+            order.action, order.robot = action, ""
+            forge(channel, order, payload)
+    elif channel and channel.startswith("PLAN_"):
+        plan = plan_t.decode(payload)
+        plan.sequence += 1
+        plan.utime += 100_000
+        plan.num_segments = 1
+        plan.segments = plan.segments[:1]
+        forge(channel, plan, payload)
+    if channel:
+        kinds_forged.add(channel.split("_")[0])
+with open(sys.argv[2], "w") as span:
+    print(int(begin * 1e6), int(time.time() * 1e6), file=span)
+print(sent, "forged:", *sorted(kinds_forged & {"VICON", "COMMAND", "PLAN"}))
+sys.exit(0 if {"VICON", "COMMAND", "PLAN"} <= kinds_forged else 1)

@@ -1,0 +1,41 @@
+#!/bin/bash
+# forged.sh BIN_DIR SCENARIO LCMTYPES: flies SCENARIO (devices on the wire) while somebody without a key
+# forges VICON, PLAN_* and COMMAND with the live streams' own run ids and numbers. Where signatures are
+# required nothing changes, and the log is replayed bit for bit; without them the flight is lost. To be
+# run in a network of its own.
+. "$(dirname "$0")/up_support.sh"
+types=$3 here=$(dirname "$0")
+lcm-gen --python --ppath "$dir/py" "$types"/*.lcm
+"$bin/vantage" keys new "$dir/keys"
+
+# fly NAME SCENARIO: a flight that is forged at; its log is $dir/NAME.lcmlog.
+fly() {
+  local status=0 forger
+  "$bin/vantage" up "$2" --fly --duration-s "$seconds" --url "$url" --log "$dir/$1.lcmlog" --json \
+    > "$dir/$1.json" 2> "$dir/$1.err" & up=$!
+  python3 "$here/forge_live.py" "$dir/py" "$dir/$1.span" & forger=$!
+  wait "$forger" || fail "nothing was forged in $1"
+  wait "$up" || status=$?
+  cat "$dir/$1.json"; echo
+  return $status
+}
+
+seconds=45
+{ cat "$scenario"; echo "security: {mode: require, keys: $dir/keys}"; } > "$dir/signed.yaml"
+fly signed "$dir/signed.yaml" || fail "the signed flight ended with $?"
+python3 "$here/forged_check.py" "$dir/py" "$dir/signed.lcmlog" "$dir/signed.span" --signed ||
+  fail "the signed flight was changed"
+! grep -qr "$(od -An -tx1 -v "$dir"/keys/mocap-*.key | tr -d ' \n')" "$dir"/*.json "$dir"/*.err ||
+  fail "a key is told"
+python3 - "$dir" <<'PY' || fail "a key is in the log"
+import glob, sys
+log = open(sys.argv[1] + "/signed.lcmlog", "rb").read()
+sys.exit(any(open(key, "rb").read()[:32] in log for key in glob.glob(sys.argv[1] + "/keys/*")))
+PY
+"$bin/vantage" log replay "$dir/signed.lcmlog" --node planner:Q2 --node estimator:Q2
+"$bin/vantage" log metrics "$dir/signed.lcmlog" > /dev/null
+
+seconds=35
+fly open "$scenario" || true
+! python3 "$here/forged_check.py" "$dir/py" "$dir/open.lcmlog" "$dir/open.span" ||
+  fail "forging changes nothing even without signatures: this test tests nothing"

@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""forged_check.py TYPES LOG SPAN: did what forge_live.py said change a flight?
+
+Reads the log of the flight: what the vehicles did in the span (none may land, be killed or hold for
+more than a second), what touched, and what their drivers refused. Prints it; exit code 0: nothing changed.
+"""
+
+import collections
+import struct
+import sys
+
+sys.path.insert(0, sys.argv[1])
+from vantage_lcm.collision_t import collision_t  # noqa: E402
+from vantage_lcm.health_t import health_t  # noqa: E402
+from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
+
+NAMES = {0: "idle", 1: "follow", 2: "hold", 3: "land", 4: "killed"}
+
+
+def events(path):
+    data = open(path, "rb").read()
+    at = 0
+    while at + 28 <= len(data):
+        sync, _, utime, channel, size = struct.unpack(">IqqII", data[at:at + 28])
+        assert sync == 0xEDA1DA01, at
+        body = at + 28 + channel
+        yield utime, data[at + 28:body].decode(), data[body:body + size]
+        at = body + size
+
+
+begin, end = map(int, open(sys.argv[3]).read().split())
+seen = collections.defaultdict(collections.Counter)
+rounds = collections.defaultdict(set)
+refused = collections.defaultdict(dict)
+contacts = 0
+for utime, channel, data in events(sys.argv[2]):
+    if channel == "COLLISION":
+        contacts += collision_t.decode(data).kind == 0
+    elif channel.startswith("QUADROTOR_") and begin <= utime <= end:
+        status = quadrotor_t.decode(data)
+        seen[status.robot][NAMES[status.state]] += 1
+        rounds[status.robot].add(status.plan_round)
+    elif channel.startswith("HEALTH_QUADROTOR_"):
+        for counter in health_t.decode(data).counters:
+            if counter.name.rsplit(".")[-1] in ("unsigned", "bad_mac", "replayed"):
+                refused[channel[17:]][counter.name] = counter.count
+
+changed = contacts > 0 or not seen
+for robot in sorted(seen):
+    states = seen[robot]
+    print(robot, dict(states), len(rounds[robot]), "rounds; refused", refused[robot])
+    changed |= states["land"] + states["killed"] > 0 or states["hold"] > 10 or len(rounds[robot]) < 2
+print(contacts, "collisions;", "changed" if changed else "nothing changed")
+for robot in seen if "--signed" in sys.argv else ():
+    for channel in ("VICON", "COMMAND", f"PLAN_{robot}"):
+        for reason in ("unsigned", "bad_mac", "replayed"):
+            if not refused[robot].get(f"{channel}.{reason}"):
+                sys.exit(f"{robot} counts no {channel}.{reason}")
+sys.exit(1 if changed else 0)
