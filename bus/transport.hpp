@@ -55,10 +55,11 @@ class Transport {
   [[nodiscard]] virtual TransportStats stats() const = 0;
 };
 
-/// Opens a transport by URL: "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304" (LCM's
-/// multicast, our own bounded receiver), "memq://" (one process) or "file://LOG?mode=r" (LCM's).
-/// An empty URL means $LCM_DEFAULT_URL, else LCM's default.
-/// @throws StartupError saying what is wrong (no multicast route, unknown scheme, no such file).
+/// Opens a transport by URL: "udpm://239.255.76.67:7667?ttl=1&interface=eth1" (LCM's multicast, our
+/// own bounded receiver; other options in bus/url), "memq://" (one process) or "file://LOG?mode=r"
+/// (LCM's). An empty URL means $LCM_DEFAULT_URL, else LCM's default.
+/// @throws StartupError saying what is wrong (no multicast route, no such card, unknown scheme, no
+/// such file).
 std::unique_ptr<Transport> open_transport(const std::string& url);
 
 /// A bus inside one process: every endpoint hears what any endpoint (itself included) publishes,

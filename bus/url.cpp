@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include <arpa/inet.h>
+#include <net/if.h>
 #include <netinet/in.h>
 
 #include "core/check.hpp"
@@ -19,6 +20,16 @@ int number_in(const std::string& text, int min, int max, const std::string& what
                        std::to_string(min) + ", " + std::to_string(max) + "]");
   }
   return value;
+}
+
+std::string checked_interface(const std::string& text) {
+  const bool is_name = !text.empty() && text.size() < IF_NAMESIZE &&
+                       text.find_first_of("/ \t%") == std::string::npos;
+  if (!is_name) {
+    throw StartupError("LCM url: interface is '" + text +
+                       "', must be a card's name (see 'ip link') or its IPv4 address");
+  }
+  return text;
 }
 
 }  // namespace
@@ -72,9 +83,11 @@ UdpmAddress parse_udpm(const Url& url) {
       address.recv_buf_bytes = number_in(value, kBytesMin, kBytesMax, name);
     } else if (name == "max_message_size") {
       address.message_bytes_max = number_in(value, kBytesMin, kBytesMax, name);
+    } else if (name == "interface") {
+      address.interface = checked_interface(value);
     } else {
       throw StartupError("LCM url: udpm has no option '" + name +
-                         "' (ttl, recv_buf_size, max_message_size)");
+                         "' (ttl, recv_buf_size, max_message_size, interface)");
     }
   }
   return address;

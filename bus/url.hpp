@@ -24,11 +24,14 @@ struct UdpmAddress {
   int ttl = 0;  ///< 0: this host only; 1: this network
   int recv_buf_bytes = 4 << 20;
   int message_bytes_max = 4 << 20;
+  /// The card to hear and to speak on, by name ("eth1") or by its own IPv4 address; empty: the one
+  /// that the route to the group leads to.
+  std::string interface;
 };
 
-/// Options: ttl, recv_buf_size and max_message_size (bytes).
-/// @throws StartupError for an address that is not multicast, a number out of range or an unknown
-///         option.
+/// Options: ttl, recv_buf_size and max_message_size (bytes), interface.
+/// @throws StartupError for an address that is not multicast, a number out of range, what cannot be
+///         an interface, or an unknown option.
 UdpmAddress parse_udpm(const Url& url);
 
 }  // namespace vantage::bus

@@ -11,6 +11,9 @@ constexpr std::size_t kMessageOverheadBytes = 256;
 constexpr std::size_t kPieceOverheadBytes =
     128;  // 64 of Piece, twice: the vector grows by doubling
 
+/// One in so many of the messages kept, the last that were added to, is not given up for others.
+constexpr std::size_t kSparedShare = 8;
+
 }  // namespace
 
 Reassembler::Reassembler(const ReassemblyLimits& limits) : limits_(limits) {}
@@ -21,21 +24,24 @@ std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Pac
     ++counts_.oversized;
     return std::nullopt;
   }
-  if (is_finished(source, packet.sequence, now_ns)) {
+  const Identity identity{source, packet.sequence, packet.message_bytes, packet.fragment_count};
+  if (is_finished(identity, now_ns)) {
     ++counts_.duplicates;
     return std::nullopt;
   }
-  auto partial = find(source, packet.sequence);
+  auto partial = find(identity);
   const bool is_new = partial == partials_.end();
-  if (!is_new && (partial->message_bytes != packet.message_bytes ||
-                  partial->has_number.size() != packet.fragment_count)) {
-    ++counts_.conflicting;
-    return std::nullopt;
-  }
   if (!is_new && partial->has_number[packet.fragment_number]) {
-    ++counts_.duplicates;
+    const Piece& held =
+        *std::find_if(partial->pieces.begin(), partial->pieces.end(),
+                      [&](const Piece& piece) { return piece.number == packet.fragment_number; });
+    const bool is_same = held.offset == packet.fragment_offset &&
+                         std::equal(held.bytes.begin(), held.bytes.end(), packet.payload.begin(),
+                                    packet.payload.end());
+    ++(is_same ? counts_.duplicates : counts_.conflicting);
     return std::nullopt;
   }
+  counts_.conflicting += is_new && is_disputed(identity) ? 1 : 0;
   const std::size_t cost =
       packet.payload.size() + kPieceOverheadBytes +
       (is_new ? kMessageOverheadBytes + std::size_t{packet.fragment_count} / 8 : 0);
@@ -50,11 +56,10 @@ std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Pac
   if (is_new) {
     partials_.emplace_back();
     partial = std::prev(partials_.end());
-    partial->source = source;
-    partial->sequence = packet.sequence;
-    partial->message_bytes = packet.message_bytes;
+    partial->identity = identity;
     partial->has_number.resize(packet.fragment_count);
   }
+  partials_.splice(partials_.end(), partials_, partial);
   partial->newest_ns = now_ns;
   partial->has_number[packet.fragment_number] = true;
   partial->pieces.push_back(
@@ -73,7 +78,7 @@ std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Pac
   std::optional<AssembledMessage> message = assemble(*partial);
   if (message) {
     ++counts_.completed;
-    const Finished finished{source, packet.sequence, now_ns};
+    const Finished finished{identity, now_ns};
     if (finished_.size() < kFinishedKept) {
       finished_.push_back(finished);
     } else {
@@ -98,52 +103,63 @@ void Reassembler::expire(std::int64_t now_ns) {
   }
 }
 
-Reassembler::Partials::iterator Reassembler::find(std::uint64_t source, std::uint32_t sequence) {
-  return std::find_if(partials_.begin(), partials_.end(), [&](const Partial& partial) {
-    return partial.source == source && partial.sequence == sequence;
+Reassembler::Partials::iterator Reassembler::find(const Identity& identity) {
+  return std::find_if(partials_.begin(), partials_.end(),
+                      [&](const Partial& partial) { return partial.identity == identity; });
+}
+
+bool Reassembler::is_disputed(const Identity& identity) const {
+  return std::any_of(partials_.begin(), partials_.end(), [&](const Partial& partial) {
+    return partial.identity.source == identity.source &&
+           partial.identity.sequence == identity.sequence;
   });
 }
 
-bool Reassembler::is_finished(std::uint64_t source, std::uint32_t sequence,
-                              std::int64_t now_ns) const {
+bool Reassembler::is_finished(const Identity& identity, std::int64_t now_ns) const {
   return std::any_of(finished_.begin(), finished_.end(), [&](const Finished& finished) {
-    return finished.source == source && finished.sequence == sequence &&
-           now_ns - finished.time_ns <= limits_.age_max_ns;
+    return finished.identity == identity && now_ns - finished.time_ns <= limits_.age_max_ns;
   });
+}
+
+// Of `source`, or of all.
+bool Reassembler::evict(const std::optional<std::uint64_t>& source, const Partial* keep) {
+  const std::size_t spared = std::min(limits_.messages_max / kSparedShare, partials_.size());
+  auto least = partials_.end();
+  std::size_t index = 0;
+  for (auto each = partials_.begin(); each != partials_.end(); ++each, ++index) {
+    // The newest are in the making, unless there is nothing else.
+    if (least != partials_.end() && index >= partials_.size() - spared) {
+      break;
+    }
+    if (&*each == keep || (source && each->identity.source != *source)) {
+      continue;
+    }
+    if (least == partials_.end() || each->payload_bytes < least->payload_bytes) {
+      least = each;
+    }
+  }
+  if (least == partials_.end()) {
+    return false;
+  }
+  drop(least);
+  return true;
 }
 
 bool Reassembler::make_room(std::uint64_t source, std::size_t bytes, const Partial* keep) {
-  const auto evict_least = [&](bool own_only) {
-    auto least = partials_.end();
-    for (auto each = partials_.begin(); each != partials_.end(); ++each) {
-      if (&*each == keep || (own_only && each->source != source)) {
-        continue;
-      }
-      if (least == partials_.end() || each->payload_bytes < least->payload_bytes ||
-          (each->payload_bytes == least->payload_bytes && each->newest_ns < least->newest_ns)) {
-        least = each;
-      }
-    }
-    if (least == partials_.end()) {
-      return false;
-    }
-    drop(least);
-    return true;
-  };
   std::size_t own_bytes = 0;
   for (const Partial& partial : partials_) {
-    own_bytes += partial.source == source ? partial.kept_bytes : 0;
+    own_bytes += partial.identity.source == source ? partial.kept_bytes : 0;
   }
   while (own_bytes + bytes > limits_.source_bytes_max) {
     const std::size_t kept_before = bytes_kept_;
-    if (!evict_least(true)) {
+    if (!evict(source, keep)) {
       return false;
     }
     own_bytes -= kept_before - bytes_kept_;
   }
   while (bytes_kept_ + bytes > limits_.total_bytes_max ||
          (keep == nullptr && partials_.size() >= limits_.messages_max)) {
-    if (!evict_least(false)) {
+    if (!evict(std::nullopt, keep)) {
       return false;
     }
   }
@@ -161,14 +177,14 @@ std::optional<AssembledMessage> Reassembler::assemble(Partial& partial) {
   std::sort(partial.pieces.begin(), partial.pieces.end(),
             [](const Piece& a, const Piece& b) { return a.number < b.number; });
   AssembledMessage message{std::move(partial.channel), {}};
-  message.payload.reserve(partial.message_bytes);
+  message.payload.reserve(partial.identity.message_bytes);
   for (const Piece& piece : partial.pieces) {
     if (piece.offset != message.payload.size()) {
       return std::nullopt;
     }
     message.payload.insert(message.payload.end(), piece.bytes.begin(), piece.bytes.end());
   }
-  if (message.payload.size() != partial.message_bytes) {
+  if (message.payload.size() != partial.identity.message_bytes) {
     return std::nullopt;
   }
   return message;

@@ -25,7 +25,7 @@ struct ReassemblyCounts {
   std::int64_t incomplete = 0;   ///< given up: too old, or for want of room
   std::int64_t oversized = 0;    ///< fragments of messages above the cap, refused
   std::int64_t duplicates = 0;   ///< fragments already there, or of a message already complete
-  std::int64_t conflicting = 0;  ///< fragments and messages that contradict their own others
+  std::int64_t conflicting = 0;  ///< fragments and messages that contradict others of their number
 };
 
 /// A whole message put together from fragments.
@@ -38,8 +38,12 @@ struct AssembledMessage {
 ///
 /// Only bytes that really arrived are kept, never what a header announces, so that empty claims are
 /// cheap. When there is no room, the message of which least has arrived gives way, the oldest such
-/// first: a flood of first fragments displaces itself rather than honest traffic. Pure: no clock
-/// (times are handed in), no socket.
+/// first, but none of the eighth that was added to last: a flood of first fragments displaces
+/// itself rather than honest traffic, and so does one of nearly whole messages.
+///
+/// What one sender says is never mixed with another's. Who speaks in a sender's own name can spoil
+/// the one message whose number, size and count he claims, not the others. Pure: no clock (times
+/// are handed in), no socket.
 class Reassembler {
  public:
   explicit Reassembler(const ReassemblyLimits& limits = {});
@@ -62,10 +66,16 @@ class Reassembler {
     std::uint32_t offset = 0;
     std::vector<std::uint8_t> bytes;
   };
-  struct Partial {
+  /// What all fragments of a message say alike.
+  struct Identity {
     std::uint64_t source = 0;
     std::uint32_t sequence = 0;
     std::uint32_t message_bytes = 0;
+    std::uint16_t fragment_count = 0;
+    bool operator==(const Identity&) const = default;
+  };
+  struct Partial {
+    Identity identity;
     std::int64_t newest_ns = 0;
     std::string channel;
     std::vector<bool> has_number;
@@ -74,18 +84,18 @@ class Reassembler {
     std::size_t kept_bytes = 0;
   };
   struct Finished {
-    std::uint64_t source = 0;
-    std::uint32_t sequence = 0;
+    Identity identity;
     std::int64_t time_ns = 0;
   };
   using Partials = std::list<Partial>;
 
-  Partials::iterator find(std::uint64_t source, std::uint32_t sequence);
-  [[nodiscard]] bool is_finished(std::uint64_t source, std::uint32_t sequence,
-                                 std::int64_t now_ns) const;
+  Partials::iterator find(const Identity& identity);
+  [[nodiscard]] bool is_disputed(const Identity& identity) const;
+  [[nodiscard]] bool is_finished(const Identity& identity, std::int64_t now_ns) const;
   /// Evicts until `bytes` more fit into message `keep` (null: into a new one), never `keep` itself;
   /// false when that cannot be.
   bool make_room(std::uint64_t source, std::size_t bytes, const Partial* keep);
+  bool evict(const std::optional<std::uint64_t>& source, const Partial* keep);
   void drop(Partials::iterator partial);
   static std::optional<AssembledMessage> assemble(Partial& partial);
 
@@ -93,7 +103,7 @@ class Reassembler {
 
   ReassemblyLimits limits_;
   ReassemblyCounts counts_;
-  Partials partials_;
+  Partials partials_;  ///< in the order of their newest fragments
   std::size_t bytes_kept_ = 0;
   std::vector<Finished> finished_;  ///< a ring: late duplicates must not begin a message anew
   std::size_t finished_next_ = 0;

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include <arpa/inet.h>
+#include <net/if.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -37,6 +38,13 @@ void require_option(int fd, int level, int name, const Option& value, const char
   }
 }
 
+std::string advice(const UdpmAddress& address) {
+  return address.interface.empty()
+             ? ". Is there a multicast route? On one host: ip link set lo up; "
+               "ip route add 224.0.0.0/4 dev lo"
+             : " (interface=" + address.interface + ")";
+}
+
 int open_udp() { return socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0); }
 
 }  // namespace
@@ -55,11 +63,24 @@ MulticastSocket::MulticastSocket(const UdpmAddress& address)
   group_.sin_family = AF_INET;
   group_.sin_port = htons(static_cast<std::uint16_t>(address.port));
   inet_pton(AF_INET, address.group.c_str(), &group_.sin_addr);  // checked by parse_udpm
+  membership_.imr_multiaddr = group_.sin_addr;
+  find_interface(address.interface);
   open_receiver(address);
   open_sender(address);
 }
 
 MulticastSocket::~MulticastSocket() = default;
+
+void MulticastSocket::find_interface(const std::string& interface) {
+  if (interface.empty() || inet_pton(AF_INET, interface.c_str(), &membership_.imr_address) == 1) {
+    return;  // an address that is none of ours is refused by the kernel
+  }
+  membership_.imr_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
+  if (membership_.imr_ifindex == 0) {
+    throw StartupError("LCM udpm: interface=" + interface + ": " + reason() +
+                       ". 'ip -4 address' shows what there is");
+  }
+}
 
 void MulticastSocket::open_receiver(const UdpmAddress& address) {
   const int fd = receiver_.fd();
@@ -81,13 +102,10 @@ void MulticastSocket::open_receiver(const UdpmAddress& address) {
     throw StartupError("LCM udpm: cannot listen on " + address.group + ":" +
                        std::to_string(address.port) + ": " + reason());
   }
-  ip_mreq membership{};
-  membership.imr_multiaddr = group_.sin_addr;
-  membership.imr_interface.s_addr = htonl(INADDR_ANY);
-  if (!set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership)) {
+  // With a card named, what comes to the group by another one is not heard.
+  if (!set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership_)) {
     throw StartupError("LCM udpm: cannot join " + address.group + ": " + reason() +
-                       ". Is there a multicast route? On one host: "
-                       "ip link set lo up; ip route add 224.0.0.0/4 dev lo");
+                       advice(address));
   }
 }
 
@@ -104,10 +122,13 @@ void MulticastSocket::open_sender(const UdpmAddress& address) {
   if (probe.fd() < 0) {
     throw StartupError("LCM udpm: cannot make a socket: " + reason());
   }
+  if (!address.interface.empty()) {
+    require_option(fd, IPPROTO_IP, IP_MULTICAST_IF, membership_, "IP_MULTICAST_IF");
+    require_option(probe.fd(), IPPROTO_IP, IP_MULTICAST_IF, membership_, "IP_MULTICAST_IF");
+  }
   if (connect(probe.fd(), as_sockaddr(group_), sizeof group_) != 0) {
     throw StartupError("LCM udpm: nothing can be sent to " + address.group + ": " + reason() +
-                       ". Is there a multicast route? On one host: "
-                       "ip link set lo up; ip route add 224.0.0.0/4 dev lo");
+                       advice(address));
   }
 }
 

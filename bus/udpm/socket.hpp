@@ -24,7 +24,8 @@ struct Datagram {
 /// Opening never waits. Datagrams sent are heard on this host as well, by the sender too.
 class MulticastSocket {
  public:
-  /// @throws StartupError saying what is wrong, above all when no route leads to the group.
+  /// @throws StartupError saying what is wrong, above all when no route leads to the group, or the
+  ///         interface is none of this host's.
   explicit MulticastSocket(const UdpmAddress& address);
   ~MulticastSocket();
   MulticastSocket(const MulticastSocket&) = delete;
@@ -60,10 +61,12 @@ class MulticastSocket {
     int fd_;
   };
 
+  void find_interface(const std::string& interface);
   void open_receiver(const UdpmAddress& address);
   void open_sender(const UdpmAddress& address);
 
   sockaddr_in group_{};
+  ip_mreqn membership_{};  ///< the group, and the card if one was named
   Descriptor receiver_;
   Descriptor sender_;
   std::vector<std::uint8_t> buffer_;

@@ -10,8 +10,15 @@
 namespace vantage::bus::udpm {
 namespace {
 
-constexpr int kDatagramsPerHandle = 4096;
+constexpr int kMessagesPerHandle = 4096;
+constexpr int kDatagramsPerTaking = 256;  // a flood of junk must not keep messages from handlers
 constexpr std::int64_t kOvertimeNs = 5'000'000;  // beyond what the caller has given
+constexpr std::int64_t kTakePeriodNs = 100'000;  // the kernel is asked again after that
+constexpr std::size_t kMessageOverheadBytes = 128;
+
+std::size_t cost_of(const AssembledMessage& message) {
+  return message.payload.size() + kMessageOverheadBytes;
+}
 
 ReassemblyLimits limits_for(std::size_t message_bytes_max) {
   ReassemblyLimits limits;
@@ -40,6 +47,7 @@ class Handling {
 UdpmTransport::UdpmTransport(const UdpmAddress& address)
     : message_bytes_max_(static_cast<std::size_t>(address.message_bytes_max)),
       receive_buffer_asked_bytes_(address.recv_buf_bytes),
+      arrived_bytes_max_(static_cast<std::size_t>(address.recv_buf_bytes)),
       socket_(address),
       reassembler_(limits_for(message_bytes_max_)) {}
 
@@ -88,19 +96,25 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
   const std::int64_t deadline_ns =
       monotonic_ns() + std::chrono::nanoseconds(std::max(timeout, {})).count();
   int handled = 0;
-  for (int datagrams = 0; datagrams < kDatagramsPerHandle;) {
-    if (const auto datagram = socket_.receive()) {
-      ++datagrams;
-      handled += take(*datagram);
-      // A flood must not keep the caller from its own work.
-      if (monotonic_ns() - deadline_ns > kOvertimeNs) {
+  while (handled < kMessagesPerHandle) {
+    if (arrived_.empty() || monotonic_ns() - taken_at_ns_ > kTakePeriodNs) {
+      take_arrived();
+    }
+    if (arrived_.empty()) {
+      const std::int64_t left_ns = deadline_ns - monotonic_ns();
+      // Junk and other people's channels are no reason to stop waiting.
+      if (handled > 0 || left_ns <= 0 || !socket_.wait(std::chrono::nanoseconds(left_ns))) {
         break;
       }
       continue;
     }
-    const std::int64_t left_ns = deadline_ns - monotonic_ns();
-    // Junk and other people's channels are no reason to stop waiting.
-    if (handled > 0 || left_ns <= 0 || !socket_.wait(std::chrono::nanoseconds(left_ns))) {
+    const AssembledMessage message = std::move(arrived_.front());
+    arrived_.pop_front();
+    arrived_bytes_ -= cost_of(message);
+    ++handled;
+    dispatch(message);
+    // A flood must not keep the caller from its own work.
+    if (monotonic_ns() - deadline_ns > kOvertimeNs) {
       break;
     }
   }
@@ -108,29 +122,59 @@ int UdpmTransport::handle(std::chrono::microseconds timeout) {
   return handled;
 }
 
-int UdpmTransport::take(const Datagram& datagram) {
+void UdpmTransport::take_arrived() {
+  for (int i = 0; i < kDatagramsPerTaking; ++i) {
+    const auto datagram = socket_.receive();
+    if (!datagram) {
+      break;
+    }
+    take(*datagram);
+  }
+  taken_at_ns_ = monotonic_ns();
+}
+
+void UdpmTransport::take(const Datagram& datagram) {
   const std::optional<Packet> packet = parse_packet(datagram.bytes);
   if (!packet) {
     ++stats_.malformed_datagrams;
-    return 0;
+    return;
   }
   if (!packet->is_fragment) {
-    return dispatch(packet->channel, packet->payload);
+    if (is_wanted(packet->channel)) {
+      enqueue({std::string(packet->channel), {packet->payload.begin(), packet->payload.end()}});
+    }
+    return;
   }
-  const auto message = reassembler_.add(datagram.source, *packet, monotonic_ns());
-  return message ? dispatch(message->channel, message->payload) : 0;
+  auto message = reassembler_.add(datagram.source, *packet, monotonic_ns());
+  if (message && is_wanted(message->channel)) {
+    enqueue(std::move(*message));
+  }
 }
 
-int UdpmTransport::dispatch(std::string_view channel, std::span<const std::uint8_t> bytes) {
-  bool is_wanted = false;
+void UdpmTransport::enqueue(AssembledMessage message) {
+  arrived_bytes_ += cost_of(message);
+  arrived_.push_back(std::move(message));
+  while (arrived_bytes_ > arrived_bytes_max_ && arrived_.size() > 1) {
+    arrived_bytes_ -= cost_of(arrived_.front());
+    arrived_.pop_front();
+    ++stats_.queue_overflows;
+  }
+}
+
+bool UdpmTransport::is_wanted(std::string_view channel) const {
+  return std::any_of(subscriptions_.begin(), subscriptions_.end(),
+                     [channel](const Subscription& subscription) {
+                       return channel_matches(subscription.pattern, channel);
+                     });
+}
+
+void UdpmTransport::dispatch(const AssembledMessage& message) {
+  ++stats_.messages_received;
   for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
-    if (channel_matches(subscriptions_[i].pattern, channel)) {
-      stats_.messages_received += is_wanted ? 0 : 1;
-      is_wanted = true;
-      subscriptions_[i].handler(channel, bytes);
+    if (channel_matches(subscriptions_[i].pattern, message.channel)) {
+      subscriptions_[i].handler(message.channel, message.payload);
     }
   }
-  return is_wanted ? 1 : 0;
 }
 
 TransportStats UdpmTransport::stats() const {

@@ -183,6 +183,66 @@ TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfClaims) {
   EXPECT_EQ(reassembler.add(7, good.piece(1), 2)->payload, good.payload());
 }
 
+// Nearly whole messages come from ever new senders, some between any two fragments of a good one:
+// what least has arrived of is the good one. (Red before: it gave way.)
+TEST(Reassembler, FinishesGoodMessagesThroughAFloodOfNearlyWholeOnes) {
+  Reassembler reassembler;
+  std::uint64_t stranger = 1'000;
+  std::int64_t now_ns = 0;
+  const auto flood = [&](int messages) {
+    const Message claim(9, 150'000, 50'000);
+    for (int i = 0; i < messages; ++i, ++stranger) {
+      EXPECT_FALSE(reassembler.add(stranger, claim.piece(0), ++now_ns).has_value());
+      EXPECT_FALSE(reassembler.add(stranger, claim.piece(1), ++now_ns).has_value());
+    }
+  };
+  flood(1'000);
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    const Message good(i, 200'000, 50'000, i);
+    for (std::uint16_t k = 0; k < 3; ++k) {
+      EXPECT_FALSE(reassembler.add(7, good.piece(k), ++now_ns).has_value());
+      flood(10);
+    }
+    const auto message = reassembler.add(7, good.piece(3), ++now_ns);
+    ASSERT_TRUE(message.has_value()) << i;
+    EXPECT_EQ(message->payload, good.payload());
+  }
+}
+
+// One who speaks in the sender's own name and knows its next number spoils no message by another
+// size or count. (Red before: the first to speak had the number to himself.)
+TEST(Reassembler, KeepsAMessageApartFromOneForgedUnderItsNumber) {
+  Reassembler reassembler;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const Message good(i, 300, 100, i);
+    const Message shorter(i, 200, 100, 99);
+    const Message whole(i, 50, 50, 98);
+    EXPECT_FALSE(reassembler.add(7, shorter.piece(0), i).has_value());
+    EXPECT_TRUE(reassembler.add(7, whole.piece(0), i).has_value()) << "a message of its own";
+    EXPECT_FALSE(reassembler.add(7, good.piece(0), i).has_value());
+    EXPECT_FALSE(reassembler.add(7, good.piece(1), i).has_value());
+    const auto message = reassembler.add(7, good.piece(2), i);
+    ASSERT_TRUE(message.has_value()) << i;
+    EXPECT_EQ(message->payload, good.payload());
+  }
+  EXPECT_GT(reassembler.counts().conflicting, 0);
+}
+
+// With its size and count, too, he spoils that message and no other, and it is told.
+TEST(Reassembler, LosesNoMoreThanTheMessageThatIsForgedToTheSize) {
+  Reassembler reassembler;
+  const Message forged(0, 300, 100, 99);
+  EXPECT_FALSE(reassembler.add(7, forged.piece(1), 0).has_value());
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const Message good(i, 300, 100, i + 1);
+    EXPECT_FALSE(reassembler.add(7, good.piece(0), i).has_value());
+    EXPECT_FALSE(reassembler.add(7, good.piece(1), i).has_value());
+    const auto message = reassembler.add(7, good.piece(2), i);
+    EXPECT_EQ(message.has_value() && message->payload == good.payload(), i > 0);
+  }
+  EXPECT_EQ(reassembler.counts().conflicting, 1);
+}
+
 TEST(Reassembler, StaysWithinItsLimitsUnderRandomFragments) {
   const ReassemblyLimits limits{.message_bytes_max = 5'000,
                                 .source_bytes_max = 8'000,

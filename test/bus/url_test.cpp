@@ -28,8 +28,11 @@ TEST(ParseUdpm, FillsInWhatIsLeftOut) {
   EXPECT_EQ(plain.port, 7667);
   EXPECT_EQ(plain.ttl, 0);
   EXPECT_EQ(plain.recv_buf_bytes, 4 << 20);
+  EXPECT_EQ(plain.interface, "");
   const UdpmAddress full =
-      parse_udpm(parse_url("udpm://239.1.2.3:7000?ttl=1&recv_buf_size=9000&max_message_size=5000"));
+      parse_udpm(parse_url("udpm://239.1.2.3:7000?ttl=1&recv_buf_size=9000&max_message_size=5000"
+                           "&interface=wlp2s0"));
+  EXPECT_EQ(full.interface, "wlp2s0");
   EXPECT_EQ(full.group, "239.1.2.3");
   EXPECT_EQ(full.port, 7000);
   EXPECT_EQ(full.ttl, 1);
@@ -41,7 +44,8 @@ TEST(ParseUdpm, RefusesWhatItCannotDo) {
   for (const char* url :
        {"udpm://192.168.1.1:7667", "udpm://localhost:7667", "udpm://239.255.76.67:0",
         "udpm://239.255.76.67:70000", "udpm://239.255.76.67:76x", "udpm://?ttl=256",
-        "udpm://?ttl=-1", "udpm://?ttl=", "udpm://?recv_buf_size=1", "udpm://?colour=red"}) {
+        "udpm://?ttl=-1", "udpm://?ttl=", "udpm://?recv_buf_size=1", "udpm://?colour=red",
+        "udpm://?interface=", "udpm://?interface=a/b", "udpm://?interface=sixteen-letters0"}) {
     EXPECT_THROW(parse_udpm(parse_url(url)), StartupError) << url;
   }
 }
