@@ -7,7 +7,8 @@ namespace vantage {
 
 /// Runs `body` and turns its outcome into an exit code: what it returned, 1 when it failed while
 /// running, 2 when it could not start (StartupError, UsageError), with one sentence on stderr.
-/// SIGINT and SIGTERM make stop_requested() true; `body` is expected to notice and return.
+/// SIGINT, SIGTERM and SIGHUP (unless it was ignored) make stop_requested() true; `body` is
+/// expected to notice and return.
 int run_process(const std::string& name, const std::function<int()>& body);
 
 /// True once the process has been asked to end. Safe to call from any thread.

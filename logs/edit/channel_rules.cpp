@@ -8,6 +8,8 @@
 namespace vantage::logs {
 namespace {
 
+constexpr std::size_t kKnownMax = 10'000;
+
 std::vector<std::regex> compiled(const std::vector<std::string>& texts) {
   std::vector<std::regex> out;
   for (const std::string& text : texts) {
@@ -32,6 +34,9 @@ ChannelFilter::ChannelFilter(const std::vector<std::string>& include,
     : include_(compiled(include)), exclude_(compiled(exclude)) {}
 
 bool ChannelFilter::takes(std::string_view channel) {
+  if (include_.empty() && exclude_.empty()) {
+    return true;
+  }
   const auto known = known_.find(channel);
   if (known != known_.end()) {
     return known->second;
@@ -39,6 +44,9 @@ bool ChannelFilter::takes(std::string_view channel) {
   const std::string name(channel);
   const bool taken =
       (include_.empty() || any_matches(include_, name)) && !any_matches(exclude_, name);
+  if (known_.size() >= kKnownMax) {
+    known_.clear();  // strangers may make up names without end
+  }
   known_.emplace(name, taken);
   return taken;
 }

@@ -15,14 +15,34 @@ void append_big_endian(std::uint64_t value, std::size_t width, std::vector<std::
   }
 }
 
-bool is_name(std::span<const std::uint8_t> bytes) {
-  constexpr std::uint8_t kFirstPrintable = 0x20;
-  constexpr std::uint8_t kDelete = 0x7F;
-  return std::all_of(bytes.begin(), bytes.end(),
-                     [](std::uint8_t b) { return b >= kFirstPrintable && b != kDelete; });
+}  // namespace
+
+bool is_event_channel(std::string_view channel) {
+  constexpr unsigned char kFirstPrintable = 0x20;
+  constexpr unsigned char kDelete = 0x7F;
+  return !channel.empty() && channel.size() <= kChannelBytesMax &&
+         std::all_of(channel.begin(), channel.end(), [](unsigned char character) {
+           return character >= kFirstPrintable && character != kDelete;
+         });
 }
 
-}  // namespace
+WholeEvents whole_events(std::span<const std::uint8_t> events, std::size_t written) {
+  WholeEvents out;
+  for (std::size_t at = 0; at < events.size();) {
+    at += event_bytes_at(events, at);
+    if (at <= written) {
+      out.bytes = at;
+    } else {
+      ++out.events_beyond;
+    }
+  }
+  return out;
+}
+
+std::size_t event_bytes_at(std::span<const std::uint8_t> events, std::size_t offset) {
+  const std::uint8_t* header = events.data() + offset;
+  return kEventHeaderBytes + read_big_endian(header + 20, 4) + read_big_endian(header + 24, 4);
+}
 
 std::uint64_t read_big_endian(const std::uint8_t* bytes, std::size_t width) {
   std::uint64_t value = 0;
@@ -50,12 +70,11 @@ std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t 
       channel_bytes > left || data_bytes > left - channel_bytes) {
     return std::nullopt;
   }
-  const auto channel = log.subspan(offset + kEventHeaderBytes, channel_bytes);
-  if (!is_name(channel)) {
+  event.channel = {reinterpret_cast<const char*>(header + kEventHeaderBytes), channel_bytes};
+  if (!is_event_channel(event.channel)) {
     return std::nullopt;
   }
   event.time = from_utime(utime);
-  event.channel = {reinterpret_cast<const char*>(channel.data()), channel_bytes};
   event.data = log.subspan(offset + kEventHeaderBytes + channel_bytes, data_bytes);
   return event;
 }

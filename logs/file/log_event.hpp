@@ -37,11 +37,25 @@ struct LogEvent {
 /// all of it inside `log`. Says nothing about what comes after it.
 std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t offset);
 
+/// Whether events on `channel` can be told from damage when they are read: 1 to 63 bytes without
+/// control characters.
+bool is_event_channel(std::string_view channel);
+
 /// First place at or after `offset` where the sync word stands; log.size() when there is none.
 std::size_t find_sync(std::span<const std::uint8_t> log, std::size_t offset);
 
 /// Appends the event as it stands in a file.
 void append_event(const LogEvent& event, std::vector<std::uint8_t>& out);
+
+/// The size of the event at `offset`. Precondition: a whole one begins there.
+std::size_t event_bytes_at(std::span<const std::uint8_t> events, std::size_t offset);
+
+/// How much of `events`, whole ones one after the other, `written` bytes are.
+struct WholeEvents {
+  std::size_t bytes = 0;           ///< of those that end within `written`
+  std::int64_t events_beyond = 0;  ///< the others
+};
+WholeEvents whole_events(std::span<const std::uint8_t> events, std::size_t written);
 
 /// The big-endian number of `width` ≤ 8 bytes at `bytes`.
 std::uint64_t read_big_endian(const std::uint8_t* bytes, std::size_t width);

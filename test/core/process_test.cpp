@@ -1,6 +1,7 @@
 #include "core/process.hpp"
 
 #include <csignal>
+#include <cstdlib>
 #include <new>
 
 #include <gtest/gtest.h>
@@ -58,6 +59,31 @@ TEST(RunProcess, CountsTheRequests) {
               return stop_requests() - before;
             }),
             2);
+}
+
+// A terminal that closes: its shell and the kernel both say so. (Red before: it ended the process.)
+TEST(RunProcess, TakesHangingUpForOneRequestThoughItIsSaidTwice) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(std::exit(run_process("vantage-test",
+                                    [] {
+                                      std::raise(SIGHUP);
+                                      std::raise(SIGHUP);
+                                      return 10 + stop_requests();
+                                    })),
+              ::testing::ExitedWithCode(11), "");
+}
+
+TEST(RunProcess, LeavesHangingUpIgnoredWhereItWas) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        std::signal(SIGHUP, SIG_IGN);
+        std::exit(run_process("vantage-test", [] {
+          std::raise(SIGHUP);
+          return 10 + stop_requests();
+        }));
+      },
+      ::testing::ExitedWithCode(10), "");
 }
 
 TEST(RequestStop, IsHeardLikeASignal) {

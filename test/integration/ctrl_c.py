@@ -22,7 +22,7 @@ PATIENCE_S = 60
 KEY_PERIOD_S = 0.1
 CTRL_C = b"\x03"
 PLANNER = "vantage-planner .*--robot Q2"
-LOGGER = "lcm-logger "
+LOGGER = "vantage log record "
 
 
 class Terminal:
@@ -85,7 +85,7 @@ def trial(binaries, scenario, folder, extra, hold=None):
     log = folder / "flight.lcmlog"
     up = Terminal(str(binaries / "vantage"), "up", scenario, "--duration-s", "300",
                   "--url", "udpm://239.255.76.67:7667?ttl=0", "--log", str(log), *extra)
-    kinds = ("vantage-sim ", "vantage-planner ", "lcm-logger ")
+    kinds = ("vantage-sim ", "vantage-planner ", LOGGER)
     up.until(lambda: all(any(kind in command_of(child) for child in children(up.pid))
                          for kind in kinds), "processes")
     up.until(lambda: log.exists() and log.stat().st_size > 100_000, "log")
@@ -119,7 +119,7 @@ def main():
     for hold in (None, PLANNER):
         lines = fly(hold=hold)
         first = next(i for i, line in enumerate(lines) if line.startswith("lab with "))
-        # lcm-logger says that it exits, beside what was echoed of a key after the first.
+        # What was echoed of a key after the first stands beside nothing.
         unclean = [line for line in lines[first if hold else 0:] if "^C" in line]
         assert not unclean, unclean
         assert (at_once in lines) == bool(hold) and no_end not in lines
@@ -131,7 +131,7 @@ def main():
         assert "planner Q2" in report["cut_short"] if hold else report["cut_short"] == []
 
     lines = fly(hold=LOGGER)
-    assert "vantage: lcm-logger did not end by itself and was killed" in lines and no_end in lines
+    assert "vantage: recorder did not end by itself and was killed" in lines and no_end in lines
 
 
 if __name__ == "__main__":

@@ -22,8 +22,7 @@ grep -q 'are free for .*flight.lcmlog; 360 s take 108.0 MB at most' "$dir/refuse
 [[ -z $(ls "$disk") ]] || fail "something was begun"
 
 start_witness
-"$bin/vantage" up "$scenario" --url "$url" --duration-s 60 --log "$disk/flight.lcmlog" \
-  --restarts-max 100 --json > "$dir/up.json" 2> "$dir/up.err" & up=$!
+"$bin/vantage" up "$scenario" --url "$url" --duration-s 60 --log "$disk/flight.lcmlog" --json > "$dir/up.json" 2> "$dir/up.err" & up=$!
 until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
 dd if=/dev/zero of="$disk/else" bs=64k 2> /dev/null || true
 until_true 20 grep -q 'LOG NOT WRITTEN' "$dir/up.err" || fail "nobody says that nothing is written"

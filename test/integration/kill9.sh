@@ -25,7 +25,7 @@ kill_and_see 'vantage-sim '
 kill_and_see 'vantage-sensor .*--robot Q1'
 kill_and_see 'vantage-estimator .*--robot Q2'
 kill_and_see 'vantage-planner .*--robot Q3'
-kill_and_see 'lcm-logger '
+kill_and_see 'vantage log record '
 # Stopped, not killed: it holds its place and does nothing.
 kill_and_see 'vantage-planner .*--robot Q1' STOP
 grep -q 'planner Q1 gives no sign of life' "$dir/up.err" || fail "nobody noticed the stopped planner"
@@ -42,7 +42,7 @@ import json, sys
 report = json.loads(open(sys.argv[1]).readlines()[-1])
 fallen = {p["name"]: p for p in report["processes"]}
 assert set(fallen) == {"sim", "sensor Q1", "estimator Q2", "planner Q1", "planner Q3",
-                       "lcm-logger"}, fallen
+                       "recorder"}, fallen
 for name, process in fallen.items():
     assert process["restarts"] == 1 and process["last_end"] == "signal 9", process
     assert 0 < process["down_s"] < 10, process

@@ -46,7 +46,7 @@ class ReplayLog : public ::testing::Test {
   static std::string edited(const std::function<bool(std::string_view, Bytes&)>& edit) {
     const logs::IndexedLog log(trial());
     std::string path = folder_->file("edited.lcmlog");
-    logs::LogWriter writer(path);
+    logs::LogWriter writer(path, logs::Existing::kReplace);
     logs::LogScan scan = log.scan();
     while (const auto event = scan.next()) {
       Bytes data(event->data.begin(), event->data.end());

@@ -1,7 +1,5 @@
 #include "tools/up/log_space.hpp"
 
-#include <filesystem>
-
 #include <gtest/gtest.h>
 
 namespace vantage::tools {
@@ -25,13 +23,6 @@ TEST(RoomForLog, IsForTheWholeTrialAndItsLandings) {
   EXPECT_FALSE(little.is_enough);
   EXPECT_EQ(little.words, "log: 89.9 MB are free for lab.lcmlog; 300 s take 90.0 MB at most");
   EXPECT_TRUE(room_for_log(scenario, "lab.lcmlog", std::nullopt).is_enough) << "nobody knows";
-}
-
-TEST(FreeBytesFor, IsWhatTheFileSystemSays) {
-  const auto folder = std::filesystem::temp_directory_path();
-  EXPECT_TRUE(free_bytes_for((folder / "not_there.lcmlog").string()).has_value());
-  EXPECT_TRUE(free_bytes_for("here.lcmlog").has_value());
-  EXPECT_FALSE(free_bytes_for("/no/such/folder/x.lcmlog").has_value());
 }
 
 struct Watched {
@@ -68,6 +59,15 @@ TEST(LogWatch, SaysOnceThatNothingIsWrittenAndThatItIsAgain) {
   EXPECT_EQ(log.look(1000, 0), std::nullopt) << "once";
   EXPECT_TRUE(log.look(2000, 1'000'000'000).has_value());
   EXPECT_TRUE(log.watch.is_written());
+}
+
+TEST(LogWatch, BelievesARecorderThatIsRefusedAtOnce) {
+  LogWatch watch{300e3};
+  EXPECT_EQ(watch.look({1000, 1'000'000'000}, kStart), std::nullopt);
+  EXPECT_TRUE(watch.look({1000, 0, true}, kStart).has_value());
+  EXPECT_FALSE(watch.is_written());
+  EXPECT_TRUE(watch.look({1000, 1'000'000'000, false}, kStart).has_value());
+  EXPECT_TRUE(watch.is_written());
 }
 
 // Whatever the disk says: a logger that died, or a file that another has taken away.

@@ -1,6 +1,7 @@
 #include "tools/trial/trial.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -41,6 +42,7 @@ TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {
   for (std::string& log : logs) {
     TrialOptions options;
     options.log_path = ::testing::TempDir() + "vantage_trial_bytes.lcmlog";
+    std::filesystem::remove(options.log_path);
     run_trial(scenario, trial_recipes(scenario), options);
     std::ifstream file(options.log_path, std::ios::binary);
     log.assign(std::istreambuf_iterator<char>(file), {});
@@ -100,6 +102,7 @@ TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
   const models::Scenario scenario = short_lab(5);
   TrialOptions options;
   options.log_path = ::testing::TempDir() + "vantage_trial.lcmlog";
+  std::filesystem::remove(options.log_path);
   run_trial(scenario, trial_recipes(scenario), options);
 
   lcm::LogFile log(options.log_path, "r");

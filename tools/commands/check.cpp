@@ -10,6 +10,7 @@
 #include "bus/scenario_yaml.hpp"
 #include "bus/transport.hpp"
 #include "core/process.hpp"
+#include "logs/record/append_file.hpp"
 #include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
 #include "tools/commands/check_vehicles.hpp"
@@ -81,7 +82,7 @@ int run(const CheckArguments& arguments) {
   Preflight preflight = check_preflight(scenario);
   const std::string log_path =
       arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
-  const LogRoom room = room_for_log(scenario, log_path, free_bytes_for(log_path));
+  const LogRoom room = room_for_log(scenario, log_path, logs::free_bytes_for(log_path));
   (room.is_enough ? preflight.understood : preflight.faults).push_back(room.words);
   preflight.understood.push_back(security_words(scenario));
   for (std::string& fault : bus::auth::security_faults(scenario)) {

@@ -11,6 +11,7 @@ void add_log_command(CLI::App& root, Runner& run) {
   add_log_replay_command(*log, run);
   add_log_export_command(*log, run);
   add_log_play_command(*log, run);
+  add_log_record_command(*log, run);
 }
 
 }  // namespace vantage::tools

@@ -49,9 +49,12 @@ int run(TrialArguments arguments) {
   if (result.was_stopped) {
     fmt::print(stderr, "trial stopped after {:.1f} s of {:g} s\n", result.summary.duration_s,
                scenario.duration_s);
-    return 1;
   }
-  return 0;
+  if (result.log_error) {
+    fmt::print(stderr, "the log lacks {} messages: {}\n", result.summary.messages_lost,
+               result.log_error->message);
+  }
+  return result.was_stopped || result.log_error ? 1 : 0;
 }
 
 }  // namespace
@@ -62,11 +65,13 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
   auto arguments = std::make_shared<TrialArguments>();
   command->add_option("scenario", arguments->scenario, "scenario file")->required();
   add_override_options(*command, arguments->overrides);
-  command->add_option("--log", arguments->log_path, "write an LCM event log of everything");
+  command->add_option("--log", arguments->log_path,
+                      "write an LCM event log of everything, to a new file");
   command->add_option("--svg", arguments->svg_path, "draw the end of the trial, as SVG and PNG");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Ctrl-C ends it early: log, summary and pictures of what was flown, exit code 1.\n"
+      "Ctrl-C ends it early: log, summary and pictures of what was flown, exit code 1. So does a\n"
+      "log that lacks something; one that is there already is not written over: exit code 2.\n"
       "Examples:\n"
       "  vantage trial config/lab.yaml --seed 3 --json\n"
       "  vantage trial config/lab.yaml --planner greedy --duration-s 60 --svg greedy.svg\n"

@@ -13,6 +13,7 @@
 
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "logs/record/append_file.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
@@ -72,10 +73,11 @@ std::string log_path(const models::Scenario& scenario, const UpArguments& argume
     std::error_code error;
     std::filesystem::create_directories(arguments.log_folder, error);
     const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-    return fmt::format("{}/{}-{:%Y%m%dT%H%M%SZ}.lcmlog", arguments.log_folder, scenario.name,
-                       fmt::gmtime(now));
+    return logs::unused_path(fmt::format("{}/{}-{:%Y%m%dT%H%M%SZ}.lcmlog", arguments.log_folder,
+                                         scenario.name, fmt::gmtime(now)));
   }
-  return arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
+  return arguments.log_path.empty() ? logs::unused_path(scenario.name + ".lcmlog")
+                                    : arguments.log_path;
 }
 
 int run(const UpArguments& arguments) {
@@ -147,8 +149,8 @@ void add_up_command(CLI::App& root, Runner& chosen) {
                  "run what all of the scenario's hosts do here")
       ->excludes(host);
   auto* log = command->add_option("--log", arguments->log_path,
-                                  "where lcm-logger writes, over what is there; NAME.lcmlog when "
-                                  "not given");
+                                  "the log to write, a new file; when not given NAME.lcmlog, or "
+                                  "NAME-2.lcmlog where that is there, and so on");
   auto* folder = command->add_option("--log-folder", arguments->log_folder,
                                      "write FOLDER/NAME-TIME.lcmlog, a new one each time");
   folder->excludes(log);

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "logs/record/recorder.hpp"
 #include "tools/console/terminal.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/up/log_space.hpp"
@@ -145,14 +146,19 @@ OperatorDesk::OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start)
                                         [this](const models::VehicleStatus& status) {
                                           vehicles_[status.robot] = {status, now_};
                                         });
-  bus_.subscribe<models::ProcessHealth>(
-      bus::health_channel(kLogHealth), [this](const models::ProcessHealth& health) {
-        is_log_written_ = std::none_of(
-            health.counters.begin(), health.counters.end(), [](const models::NamedCount& counter) {
-              return counter.name == "log.is_written" && counter.count == 0;
-            });
-        log_heard_ = now_;
-      });
+  const auto on_log = [this](const models::ProcessHealth& health) {
+    const bool is_lost = std::any_of(
+        health.counters.begin(), health.counters.end(), [](const models::NamedCount& counter) {
+          return counter.name == "log.is_written" && counter.count == 0;
+        });
+    if (is_lost) {
+      log_lost_[health.process] = now_;
+    } else {
+      log_lost_.erase(health.process);
+    }
+  };
+  bus_.subscribe<models::ProcessHealth>(bus::health_channel(kLogHealth), on_log);
+  bus_.subscribe<models::ProcessHealth>(bus::health_channel(logs::RecorderNode::kName), on_log);
 }
 
 bool OperatorDesk::tick(Time now) {
@@ -228,7 +234,9 @@ Duration OperatorDesk::vehicles_ahead(Time now) const {
 }
 
 bool OperatorDesk::is_log_lost(Time now) const {
-  return !is_log_written_ && to_seconds(now - log_heard_) <= kLogHeardS;
+  return std::any_of(log_lost_.begin(), log_lost_.end(), [now](const auto& said) {
+    return to_seconds(now - said.second) <= kLogHeardS;
+  });
 }
 
 std::vector<std::string> OperatorDesk::robots() const {

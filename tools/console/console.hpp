@@ -84,8 +84,7 @@ class OperatorDesk {
     Time at{};
   };
   std::map<std::string, Heard> vehicles_;
-  bool is_log_written_ = true;
-  Time log_heard_{};
+  std::map<std::string, Time> log_lost_;  ///< who said last that it is not written, and when
 };
 
 /// Runs the console on standard input and output until quit, end of input or `stop`. What may not

@@ -3,18 +3,21 @@
 #include <atomic>
 #include <chrono>
 #include <deque>
+#include <exception>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "bus/clock.hpp"
 #include "bus/transport.hpp"
 #include "core/check.hpp"
+#include "logs/record/log_spool.hpp"
+#include "logs/record/recorder.hpp"
 #include "tools/live/node_thread.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/observe/announcer.hpp"
 #include "tools/observe/observer.hpp"
-#include "tools/observe/recorder.hpp"
 #include "tools/picture/picture.hpp"
 
 namespace vantage::tools {
@@ -53,7 +56,14 @@ class Reporter {
 };
 
 void draw(const models::Scenario& scenario, const Scene& scene, DemoResult& result) {
-  write_text(result.svg_path, draw_picture(scenario, scene, result.summary));
+  try {
+    write_text(result.svg_path, draw_picture(scenario, scene, result.summary));
+  } catch (const std::exception& error) {  // a full disk: the summary is told all the same
+    result.failures.emplace_back(error.what());
+    result.png_path.clear();
+    result.png_error = error.what();
+    return;
+  }
   const Result<std::string> png = render_png(result.svg_path, result.png_path);
   if (!png.ok()) {
     result.png_path.clear();
@@ -72,13 +82,21 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
   }
   const std::string stem = (std::filesystem::path(options.directory) / scenario.name).string();
   DemoResult result;
-  result.log_path = stem + ".lcmlog";
+  result.log_path = logs::unused_path(stem + ".lcmlog");
   result.svg_path = stem + ".svg";
   result.png_path = stem + ".png";
 
   const bus::SteadyClock clock;
   bus::InProcessHub hub;
-  Recorder recorder(hub.connect(), clock, result.log_path);
+  logs::SpoolOptions spool_options;
+  spool_options.path = result.log_path;
+  logs::LogSpool log(spool_options);
+  const auto recorded = hub.connect();
+  const logs::Recorder recorder(
+      *recorded, clock,
+      [&log](Time time, std::string_view channel, std::span<const std::uint8_t> data) {
+        return log.write(time, channel, data);
+      });
   const std::shared_ptr<void> watcher = options.attach ? options.attach(hub) : nullptr;
   const auto own_transport = hub.connect();
   bus::Bus own_bus(*own_transport, bus::random_run_id());
@@ -96,7 +114,7 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
     node.start([&is_over] { return is_over.load(); }, [&is_over] { is_over = true; });
   }
   const auto drain = [&](std::chrono::microseconds timeout) {
-    recorder.handle(timeout);
+    recorded->handle(timeout);
     return own_bus.handle(std::chrono::microseconds(0));
   };
 
@@ -119,9 +137,14 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
   }
   while (drain(std::chrono::microseconds(0)) > 0) {
   }
-  lost +=
-      recorder.messages_lost() + own_bus.messages_lost() + own_transport->stats().queue_overflows;
+  log.close();
+  const logs::SpoolReport recording = log.report();
+  lost += recording.events_lost + recorded->stats().queue_overflows + own_bus.messages_lost() +
+          own_transport->stats().queue_overflows;
   result.summary = observer.metrics().finish(ended, lost);
+  for (std::string& news : log.take_news()) {
+    result.failures.push_back(std::move(news));
+  }
   draw(scenario, observer.scene(), result);
   return result;
 }

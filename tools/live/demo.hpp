@@ -27,7 +27,7 @@ struct DemoResult {
   std::string svg_path;
   std::string png_path;               ///< empty when it could not be made
   std::string png_error;              ///< then why
-  std::vector<std::string> failures;  ///< of nodes: what they threw
+  std::vector<std::string> failures;  ///< what nodes threw, what was not written
 };
 
 /// A trial in real time in this process: each node on a thread and endpoint of its own, everything

@@ -24,14 +24,16 @@ struct EditArguments {
   bool strict = false;
 };
 
-int report(const EditArguments& arguments, const logs::EditCounts& counts) {
+int finish(const EditArguments& arguments, OutputLog& output, logs::EditCounts counts) {
+  const auto error = output.close(counts);
   print_line(fmt::format("{}: {} events", arguments.output, counts.written));
   if (counts.name_too_long > 0) {
     fmt::print(stderr, "{} events left out: their new name is longer than 63 bytes\n",
                counts.name_too_long);
   }
   if (counts.failed > 0) {
-    fmt::print(stderr, "{} events could not be written\n", counts.failed);
+    fmt::print(stderr, "{} events could not be written{}\n", counts.failed,
+               error ? ": " + error->message : "");
   }
   return counts.failed + counts.name_too_long == 0 ? 0 : 1;
 }
@@ -55,7 +57,7 @@ int edit(const EditArguments& arguments) {
   const logs::IndexedLog log(arguments.input, progress_line("reading"));
   logs::EditRules rules = rules_for(arguments, log);
   OutputLog output(arguments.output, {arguments.input}, arguments.force);
-  return report(arguments, logs::edit_log(log, rules, output.sink()));
+  return finish(arguments, output, logs::edit_log(log, rules, output.sink()));
 }
 
 int repair(const EditArguments& arguments) {
@@ -75,7 +77,7 @@ int merge(const EditArguments& arguments) {
     inputs.push_back(opened.back().get());
   }
   OutputLog output(arguments.output, arguments.inputs, arguments.force);
-  return report(arguments, logs::merge_logs(inputs, output.sink()));
+  return finish(arguments, output, logs::merge_logs(inputs, output.sink()));
 }
 
 class Adder {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ void add_log_replay_command(CLI::App& log, Runner& run);
 void add_log_export_command(CLI::App& log, Runner& run);
 void add_log_metrics_commands(CLI::App& log, Runner& run);  ///< metrics, plot
 void add_log_play_command(CLI::App& log, Runner& run);
+void add_log_record_command(CLI::App& log, Runner& run);
 
 /// A progress line on stderr named `what` when that is a terminal, else nothing.
 std::function<void(double)> progress_line(const std::string& what);
@@ -28,6 +30,8 @@ class OutputLog {
   ///         written.
   OutputLog(const std::string& path, const std::vector<std::string>& inputs, bool force);
   logs::EventSink sink();
+  /// Writes what is left, and corrects `counts` by what did not come into the file; why, if so.
+  std::optional<Error> close(logs::EditCounts& counts);
 
  private:
   static std::string checked(const std::string& path, const std::vector<std::string>& inputs,

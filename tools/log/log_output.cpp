@@ -36,7 +36,15 @@ std::string OutputLog::checked(const std::string& path, const std::vector<std::s
 }
 
 OutputLog::OutputLog(const std::string& path, const std::vector<std::string>& inputs, bool force)
-    : writer_(checked(path, inputs, force)) {}
+    : writer_(checked(path, inputs, force),
+              force ? logs::Existing::kReplace : logs::Existing::kRefuse) {}
+
+std::optional<Error> OutputLog::close(logs::EditCounts& counts) {
+  auto error = writer_.close();
+  counts.written = writer_.events();
+  counts.failed = writer_.events_lost();
+  return error;
+}
 
 logs::EventSink OutputLog::sink() {
   return [this](const logs::LogEvent& event) {

@@ -5,9 +5,10 @@
 #include <memory>
 
 #include "core/check.hpp"
+#include "logs/record/log_writer.hpp"
+#include "logs/record/recorder.hpp"
 #include "tools/observe/announcer.hpp"
 #include "tools/observe/observer.hpp"
-#include "tools/observe/recorder.hpp"
 #include "tools/trial/virtual_loop.hpp"
 
 namespace vantage::tools {
@@ -27,11 +28,19 @@ TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRe
   Time end = planned_end;
   VirtualTimeLoop loop(start);
 
-  std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<logs::LogWriter> log;
+  std::unique_ptr<bus::Transport> recorded;
+  std::unique_ptr<logs::Recorder> recorder;
   if (!options.log_path.empty()) {
-    recorder = std::make_unique<Recorder>(loop.connect(), loop.clock(), options.log_path);
-    loop.on_delivered([&recorder] {
-      while (recorder->handle(std::chrono::microseconds(0)) > 0) {
+    log = std::make_unique<logs::LogWriter>(options.log_path);
+    recorded = loop.connect();
+    recorder = std::make_unique<logs::Recorder>(
+        *recorded, loop.clock(),
+        [&log](Time time, std::string_view channel, std::span<const std::uint8_t> data) {
+          return log->write(time, channel, data);
+        });
+    loop.on_delivered([&recorded] {
+      while (recorded->handle(std::chrono::microseconds(0)) > 0) {
       }
     });
   }
@@ -60,8 +69,11 @@ TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRe
     }
   }
   loop.deliver();
-  const std::int64_t unrecorded = recorder ? recorder->messages_lost() : 0;
   TrialResult result;
+  if (log) {
+    result.log_error = log->close();
+  }
+  const std::int64_t unrecorded = log ? log->events_lost() + recorded->stats().queue_overflows : 0;
   result.summary = observer.metrics().finish(end, loop.messages_lost() + unrecorded);
   result.scene = observer.scene();
   result.was_stopped = end < planned_end;

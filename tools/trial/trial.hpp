@@ -1,9 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/result.hpp"
 #include "logs/metrics/trial_summary.hpp"
 #include "models/scenario/scenario.hpp"
 #include "tools/picture/scene.hpp"
@@ -15,7 +17,7 @@ namespace vantage::tools {
 inline constexpr std::int64_t kDefaultNodeBudget = 20'000;
 
 struct TrialOptions {
-  std::string log_path;  ///< an LCM event log of everything; empty: none
+  std::string log_path;  ///< an LCM event log of everything, a new file; empty: none
   /// Called with the share of the trial that is done, about a hundred times.
   std::function<void(double)> progress;
   /// Asked about twice a second of the trial; true ends it there. The log and the summary are whole
@@ -26,7 +28,8 @@ struct TrialOptions {
 struct TrialResult {
   logs::TrialSummary summary;
   Scene scene;
-  bool was_stopped = false;  ///< before the scenario's duration
+  bool was_stopped = false;                       ///< before the scenario's duration
+  std::optional<Error> log_error = std::nullopt;  ///< why the log lacks something, if it does
 };
 
 /// When virtual time starts: 1 700 000 000 s, rounded up to a whole planning round.
@@ -34,7 +37,8 @@ Time trial_start(const models::Scenario& scenario);
 
 /// One trial in virtual time: a pure function of the scenario (its seed included) and the nodes.
 /// Precondition: the scenario's planner.node_budget is positive.
-/// @throws StartupError when the log cannot be written or a node refuses the scenario.
+/// @throws StartupError when the log cannot be written, or there is one at its path already, or a
+///         node refuses the scenario.
 TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
                       const TrialOptions& options = {});
 

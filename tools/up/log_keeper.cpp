@@ -12,38 +12,43 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr const char* kLogger = "lcm-logger";
 constexpr auto kPatience = std::chrono::seconds(5);
 
 }  // namespace
 
-ProcessSpec logger_process(const std::string& url, const std::string& log_path) {
-  return {kLogger, {kLogger, "--quiet", "--append", "--lcm-url=" + url, log_path}};
+// How much room it needs is known to those who start it.
+ProcessSpec recorder_process(const std::string& executables, const std::string& url,
+                             const std::string& log_path) {
+  return {kRecorderProcess,
+          {executables + "/vantage", "log", "record", log_path, "--append", "--url", url,
+           "--free-mib", "0", "--quiet"}};
 }
 
-// The logger writes what it hears, so it listens once its file is no longer empty.
-LogKeeper::LogKeeper(const std::string& url, const std::string& path, const RestartPolicy& policy,
-                     Announcer& announcer, const bus::Clock& clock)
+// The recorder writes what it hears, so it listens once its file is no longer empty.
+LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
+                     const RestartPolicy& policy, Announcer& announcer, const bus::Clock& clock)
     : path_(path), supervisor_(policy) {
   outcome_.path = path;
   std::error_code error;
-  std::filesystem::remove(path, error);
-  ProcessSpec spec = logger_process(url, path);
+  if (std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
+    throw StartupError(path + ": is there already, and no log is written over: move it, or give " +
+                       "another name");
+  }
+  ProcessSpec spec = recorder;
   spec.before_restart = [this] { prepare_restart(); };
   supervisor_.start(spec, monotonic_ns());
   const Time give_up = clock.now() + kPatience;
   while (true) {
     announcer.publish(clock.now());
-    if (const auto ended = supervisor_.find(kLogger)->wait(milliseconds(50))) {
-      throw StartupError("lcm-logger ended at once (" + ended->describe() + "); can it write " +
-                         path + " and use " + url + "?");
+    if (const auto ended = supervisor_.find(kRecorderProcess)->wait(milliseconds(50))) {
+      throw StartupError("the recorder of " + path + " ended at once (" + ended->describe() + ")");
     }
     const auto size = std::filesystem::file_size(path, error);
     if (!error && size > 0) {
       return;
     }
     if (clock.now() > give_up) {
-      throw StartupError("lcm-logger hears nothing on " + url);
+      throw StartupError("the recorder of " + path + " hears nothing");
     }
   }
 }
@@ -78,12 +83,17 @@ bool LogKeeper::holds(std::span<const std::uint8_t> bytes) const { return ends_w
 
 std::vector<std::string> LogKeeper::stop(milliseconds patience) {
   auto killed = supervisor_.stop_all(patience);
+  for (const SupervisedStatus& status : supervisor_.status(monotonic_ns())) {
+    outcome_.is_good = killed.empty() && status.last_end == "exit 0";
+  }
   if (!killed.empty()) {
     outcome_.bytes_dropped += trim_log(path_).dropped_bytes;
   }
   note_first_event();
   return killed;
 }
+
+Child* LogKeeper::recorder() { return supervisor_.find(kRecorderProcess); }
 
 LogOutcome LogKeeper::outcome() const {
   LogOutcome out = outcome_;

@@ -13,8 +13,12 @@
 
 namespace vantage::tools {
 
-/// lcm-logger appending to `log_path`.
-ProcessSpec logger_process(const std::string& url, const std::string& log_path);
+/// The name of the recorder among the processes.
+inline constexpr const char* kRecorderProcess = "recorder";
+
+/// `vantage log record`, appending to `log_path`.
+ProcessSpec recorder_process(const std::string& executables, const std::string& url,
+                             const std::string& log_path);
 
 /// What became of a trial's log.
 struct LogOutcome {
@@ -23,16 +27,18 @@ struct LogOutcome {
   double unrecorded_s = 0.0;        ///< from the last event before each death to the first after it
   std::uint64_t bytes_dropped = 0;  ///< of events that a death of the logger cut in two
   bool is_to_the_end = true;        ///< what was published last is in it
+  bool is_good = true;              ///< the last recorder lost nothing and was refused nothing
 };
 
-/// Keeps lcm-logger writing one file. When the logger dies the event it was writing is cut off and
-/// the next logger appends, so the file stays whole; its event numbers begin again there.
+/// Keeps a recorder writing one file. When it dies the event it was writing is cut off and the next
+/// one appends, so the file stays whole; its event numbers begin again there.
 class LogKeeper {
  public:
-  /// Removes what is at `path`, starts the logger and returns once it hears the bus: SCENARIO,
-  /// repeated until then, is the first event.
-  /// @throws StartupError when the logger cannot run, write, or hear.
-  LogKeeper(const std::string& url, const std::string& path, const RestartPolicy& policy,
+  /// Starts the recorder and returns once it hears the bus: SCENARIO, repeated until then, is the
+  /// first event.
+  /// @throws StartupError when there is something at `path`, or the recorder cannot run, write, or
+  ///         hear.
+  LogKeeper(const ProcessSpec& recorder, const std::string& path, const RestartPolicy& policy,
             Announcer& announcer, const bus::Clock& clock);
   LogKeeper(const LogKeeper&) = delete;
   LogKeeper& operator=(const LogKeeper&) = delete;
@@ -44,7 +50,9 @@ class LogKeeper {
   std::vector<SupervisorEvent> poll(Supervisor::Nanoseconds monotonic_ns);
   /// Whether `bytes`, published last of all, have come into the file.
   [[nodiscard]] bool holds(std::span<const std::uint8_t> bytes) const;
-  /// Ends the logger, which first writes what it has heard; what had to be killed. The file is
+  /// The recorder while it runs, else null.
+  [[nodiscard]] Child* recorder();
+  /// Ends the recorder, which first writes what it has heard; what had to be killed. The file is
   /// whole in either case. @throws StartupError when what a killed one left cannot be cut off.
   std::vector<std::string> stop(std::chrono::milliseconds patience);
 

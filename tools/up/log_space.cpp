@@ -1,9 +1,7 @@
 #include "tools/up/log_space.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -23,13 +21,6 @@ std::uint64_t log_bytes_needed(const models::Scenario& scenario) {
   return static_cast<std::uint64_t>(rate * (scenario.duration_s + kLogSpareS));
 }
 
-std::optional<std::uint64_t> free_bytes_for(const std::string& path) {
-  std::error_code error;
-  const auto folder = std::filesystem::absolute(path, error).parent_path();
-  const auto space = std::filesystem::space(folder, error);
-  return error ? std::nullopt : std::optional<std::uint64_t>(space.available);
-}
-
 LogRoom room_for_log(const models::Scenario& scenario, const std::string& path,
                      std::optional<std::uint64_t> free_bytes) {
   const std::uint64_t needed_bytes = log_bytes_needed(scenario);
@@ -43,7 +34,7 @@ LogRoom room_for_log(const models::Scenario& scenario, const std::string& path,
 }
 
 LogWatch::State LogWatch::judge(Time now) const {
-  if (grown_at_ && to_seconds(now - *grown_at_) >= kUnwrittenS) {
+  if (last_.is_refused || (grown_at_ && to_seconds(now - *grown_at_) >= kUnwrittenS)) {
     return State::kUnwritten;
   }
   const bool is_nearly_full =

@@ -19,8 +19,6 @@ inline constexpr double kLogSpareS = 60.0;
 
 /// The most that the whole trial's log takes.
 std::uint64_t log_bytes_needed(const models::Scenario& scenario);
-/// What is free for a file at `path`, by its file system; nullopt when that cannot be told.
-std::optional<std::uint64_t> free_bytes_for(const std::string& path);
 /// Whether a trial's log finds room, and what is free and needed, as one sentence.
 struct LogRoom {
   bool is_enough = true;
@@ -41,6 +39,7 @@ class LogWatch {
   struct Look {
     std::uint64_t size_bytes = 0;
     std::optional<std::uint64_t> free_bytes;
+    bool is_refused = false;  ///< the recorder says that the disk does not take it
   };
   /// What is to be told at once; nullopt when nothing has changed.
   std::optional<std::string> look(const Look& look, Time now);

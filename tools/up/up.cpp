@@ -22,6 +22,8 @@
 #include "bus/transport.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
+#include "logs/record/append_file.hpp"
+#include "logs/record/recorder.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/observe/announcer.hpp"
@@ -53,6 +55,11 @@ constexpr milliseconds kLoggerPatience{250};
 // HEALTH comes each second; what flies a vehicle speaks ten times a second, and is missed sooner.
 constexpr double kHungAfterS = 3.2;
 constexpr double kDriverHungAfterS = 0.8;
+
+bool is_zero(const models::ProcessHealth& health, const std::string& counter) {
+  return std::any_of(health.counters.begin(), health.counters.end(),
+                     [&](const auto& each) { return each.name == counter && each.count == 0; });
+}
 
 Time monotonic_now() { return from_utime(monotonic_ns() / 1'000); }
 
@@ -186,6 +193,7 @@ class Up {
   HostBoard board_;
   UsageMeter meter_;
   LogWatch log_watch_;
+  bool is_log_refused_ = false;  ///< says the recorder
   Time next_log_look_{};
   Time next_log_health_{};
   Teller teller_;
@@ -206,10 +214,12 @@ Up::Up(const models::Scenario& scenario, const UpOptions& options)
       bus_(*transport_, bus::random_run_id()),
       announcer_(secured(bus_, scenario, clock_), scenario, "up"),
       file_(scenario.source_text),
-      keeper_(options.log_path.empty()
-                  ? nullptr
-                  : std::make_unique<LogKeeper>(scenario.network.url, options.log_path,
-                                                options.restarts, announcer_, clock_)),
+      keeper_(
+          options.log_path.empty()
+              ? nullptr
+              : std::make_unique<LogKeeper>(
+                    recorder_process(options.executables, scenario.network.url, options.log_path),
+                    options.log_path, options.restarts, announcer_, clock_)),
       start_(clock_.now()),
       observer_(bus_, scenario, start_),
       board_(scenario, host_, bus_.run_id(), start_),
@@ -238,14 +248,22 @@ void Up::watch(const std::vector<ProcessSpec>& processes) {
     watchdog_.watch(process.name, is_driver ? kDriverHungAfterS : kHungAfterS);
     by_health_[health_name(process.name)] = process.name;
   }
+  if (keeper_) {
+    watchdog_.watch(kRecorderProcess, kHungAfterS);
+    by_health_[logs::RecorderNode::kName] = kRecorderProcess;
+  }
   const auto on_sign = [this](const std::string& name) {
     if (const auto found = by_health_.find(name); found != by_health_.end()) {
       watchdog_.on_sign(found->second, monotonic_now());
     }
   };
-  bus_.subscribe<models::ProcessHealth>(
-      bus::health_channel("*"),
-      [on_sign](const models::ProcessHealth& health) { on_sign(health.process); });
+  bus_.subscribe<models::ProcessHealth>(bus::health_channel("*"),
+                                        [this, on_sign](const models::ProcessHealth& health) {
+                                          on_sign(health.process);
+                                          if (health.process == logs::RecorderNode::kName) {
+                                            is_log_refused_ = is_zero(health, "log.is_written");
+                                          }
+                                        });
   bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
                                         [on_sign](const models::VehicleStatus& status) {
                                           on_sign("QUADROTOR_" + status.robot);
@@ -256,7 +274,8 @@ void Up::watch(const std::vector<ProcessSpec>& processes) {
 // A process that hangs holds its place and does nothing: its end makes room for a new one.
 void Up::end_the_hung() {
   for (const std::string& name : watchdog_.overdue(monotonic_now())) {
-    if (Child* const child = team_.find(name)) {
+    const bool is_recorder = keeper_ && name == kRecorderProcess;
+    if (Child* const child = is_recorder ? keeper_->recorder() : team_.find(name)) {
       teller_.say(name + " gives no sign of life: ending it");
       child->send(SIGKILL);
     }
@@ -328,7 +347,8 @@ void Up::watch_log(Time now) {
   const auto size = std::filesystem::file_size(options_.log_path, error);
   const bool was_written = log_watch_.is_written();
   const auto words =
-      log_watch_.look({error ? 0 : size, free_bytes_for(options_.log_path)}, monotonic_now());
+      log_watch_.look({error ? 0 : size, logs::free_bytes_for(options_.log_path), is_log_refused_},
+                      monotonic_now());
   tell(words);
   if (words || now >= next_log_health_) {
     bus_.publish(bus::health_channel(kLogHealth), log_watch_.health(now));
@@ -382,7 +402,6 @@ void Up::land() {
 }
 
 // The log is complete when what is published last, after all others have ended, has come into it.
-// The logger writes what it holds when it hears more, hence the repetition.
 void Up::seal_log() {
   models::HostReport last = report(clock_.now());
   const models::InputRef name = bus_.publish(bus::host_channel(host_), last);
@@ -393,8 +412,7 @@ void Up::seal_log() {
   wire.encode(bytes.data(), 0, wire.getEncodedSize());
   const Time give_up = clock_.now() + kSealPatience;
   while (!keeper_->holds(bytes) && clock_.now() < give_up) {
-    bus_.handle(milliseconds(20));
-    bus_.publish(bus::host_channel(host_), report(clock_.now()));
+    bus_.handle(milliseconds(5));
   }
   for (std::string& name_killed : keeper_->stop(kLoggerPatience)) {
     result_.killed.push_back(std::move(name_killed));
@@ -464,7 +482,8 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
     bus::auth::require_operator(scenario);
   }
   if (!options.log_path.empty()) {
-    const LogRoom room = room_for_log(scenario, options.log_path, free_bytes_for(options.log_path));
+    const LogRoom room =
+        room_for_log(scenario, options.log_path, logs::free_bytes_for(options.log_path));
     if (!room.is_enough) {
       throw StartupError(room.words +
                          ": make room, write elsewhere (--log), fly for a shorter "

@@ -34,7 +34,7 @@ bool is_good(const UpResult& result) {
          result.killed.empty() && result.cut_short.empty() && result.ended_badly.empty() &&
          result.never_flown.empty() && result.left_flying.empty() && result.world_restarts == 0 &&
          !result.has_other_scenario && !result.log_was_unwritten && result.log.is_to_the_end &&
-         result.summary.collisions == 0;
+         result.log.is_good && result.summary.collisions == 0;
 }
 
 std::vector<std::string> remarks(const UpResult& result) {
@@ -61,6 +61,9 @@ std::vector<std::string> remarks(const UpResult& result) {
   }
   if (result.log_was_unwritten) {
     out.push_back("log: it could not be written for a while");
+  }
+  if (!result.log.is_good && !result.log_was_unwritten && result.killed.empty()) {
+    out.push_back("log: not everything that was heard is in it, or not safely on the disk");
   }
   if (!result.log.is_to_the_end) {
     out.push_back("log: what was published last is not in it");
@@ -109,7 +112,8 @@ Json to_json(const UpResult& result) {
                 {"unrecorded_s", result.log.unrecorded_s},
                 {"bytes_dropped", result.log.bytes_dropped},
                 {"was_unwritten", result.log_was_unwritten},
-                {"is_to_the_end", result.log.is_to_the_end}};
+                {"is_to_the_end", result.log.is_to_the_end},
+                {"is_good", result.log.is_good}};
   out["killed"] = result.killed;
   out["cut_short"] = result.cut_short;
   out["ended_badly"] = result.ended_badly;

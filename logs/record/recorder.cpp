@@ -1,0 +1,74 @@
+#include "logs/record/recorder.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "logs/file/log_event.hpp"
+
+namespace vantage::logs {
+namespace {
+
+constexpr Duration kTickPeriod = std::chrono::milliseconds(50);
+
+std::int64_t count_of(std::uint64_t bytes) {
+  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  return static_cast<std::int64_t>(std::min(bytes, kMost));
+}
+
+}  // namespace
+
+Recorder::Recorder(bus::Transport& endpoint, const bus::Clock& clock, Log log,
+                   ChannelFilter channels)
+    : log_(std::move(log)), channels_(std::move(channels)) {
+  endpoint.subscribe("*",
+                     [this, &clock](std::string_view channel, std::span<const std::uint8_t> data) {
+                       if (!is_event_channel(channel)) {
+                         ++names_refused_;
+                       } else if (channels_.takes(channel)) {
+                         ++heard_;
+                         log_(clock.now(), channel, data);
+                       }
+                     });
+}
+
+RecorderNode::RecorderNode(bus::Transport& transport, const bus::Clock& clock, LogSpool& spool,
+                           ChannelFilter channels, std::function<void(const std::string&)> tell)
+    : spool_(spool),
+      recorder_(
+          transport, clock,
+          [&spool](Time time, std::string_view channel, std::span<const std::uint8_t> data) {
+            return spool.write(time, channel, data);
+          },
+          std::move(channels)),
+      tell_(std::move(tell)),
+      next_tick_(clock.now()) {}
+
+void RecorderNode::tick(Time now) {
+  next_tick_ = now + kTickPeriod;
+  for (const std::string& news : spool_.take_news()) {
+    tell_(news);
+  }
+}
+
+std::vector<models::NamedCount> RecorderNode::counters() const {
+  const SpoolReport report = spool_.report();
+  return {{"log.events_lost", report.events_lost},
+          {"log.write_errors", report.write_errors},
+          {"log.sync_errors", report.sync_errors},
+          {"log.syncs_late", report.syncs_late},
+          {"log.names_refused", recorder_.names_refused()}};
+}
+
+std::vector<models::NamedCount> RecorderNode::traffic() const {
+  const SpoolReport report = spool_.report();
+  return {{"log.is_written", report.is_written ? 1 : 0},
+          {"log.events", report.events},
+          {"log.bytes", count_of(report.bytes)},
+          {"log.files", report.files},
+          {"log.queue_bytes", count_of(report.queue_bytes)},
+          {"log.free_bytes", count_of(report.free_bytes.value_or(0))},
+          {"log.at_risk_worst_us", report.at_risk_worst_us}};
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bus/clock.hpp"
+#include "bus/node.hpp"
+#include "bus/transport.hpp"
+#include "logs/edit/channel_rules.hpp"
+#include "logs/record/log_spool.hpp"
+
+namespace vantage::logs {
+
+/// Hands everything that `endpoint` hears on channels of a filter to a log, stamped with the
+/// stack's clock. Connect it before anyone publishes: then the first event is the first message.
+class Recorder {
+ public:
+  /// False when the event is lost.
+  using Log =
+      std::function<bool(Time, std::string_view channel, std::span<const std::uint8_t> data)>;
+
+  /// Both must outlive the endpoint's last handle().
+  Recorder(bus::Transport& endpoint, const bus::Clock& clock, Log log, ChannelFilter channels = {});
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+  Recorder(Recorder&&) = delete;
+  Recorder& operator=(Recorder&&) = delete;
+  ~Recorder() = default;
+
+  [[nodiscard]] std::int64_t heard() const { return heard_; }
+  /// Messages on channels with control characters in their names, which nobody could tell from
+  /// damage in a log; not recorded.
+  [[nodiscard]] std::int64_t names_refused() const { return names_refused_; }
+
+ private:
+  Log log_;
+  ChannelFilter channels_;
+  std::int64_t heard_ = 0;
+  std::int64_t names_refused_ = 0;
+};
+
+/// The process that records a bus: HEALTH_RECORDER says how its log is.
+class RecorderNode : public bus::Node {
+ public:
+  /// @param tell  hears of every trouble with the log, and of its end, at once
+  RecorderNode(bus::Transport& transport, const bus::Clock& clock, LogSpool& spool,
+               ChannelFilter channels, std::function<void(const std::string&)> tell);
+
+  [[nodiscard]] std::string name() const override { return kName; }
+  [[nodiscard]] Time next_tick() const override { return next_tick_; }
+  void tick(Time now) override;
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override;
+  /// What changes without anything being wrong.
+  [[nodiscard]] std::vector<models::NamedCount> traffic() const;
+  [[nodiscard]] std::int64_t heard() const { return recorder_.heard(); }
+
+  static constexpr const char* kName = "RECORDER";
+
+ private:
+  LogSpool& spool_;
+  Recorder recorder_;
+  std::function<void(const std::string&)> tell_;
+  Time next_tick_;
+};
+
+}  // namespace vantage::logs

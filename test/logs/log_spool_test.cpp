@@ -1,0 +1,302 @@
+#include "logs/record/log_spool.hpp"
+
+#include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
+
+#include "core/check.hpp"
+#include "core/deadline.hpp"
+#include "logs/file/log_event.hpp"
+#include "test/logs/fake_disk.hpp"
+#include "test/logs/file_support.hpp"
+
+namespace vantage::logs {
+namespace {
+
+using test::Bytes;
+using test::FakeDisk;
+
+constexpr std::size_t kDataBytes = 100;
+constexpr std::size_t kEventBytes = kEventHeaderBytes + 4 + kDataBytes;
+constexpr std::int64_t kStart = 1'700'000'000'000'000;
+const std::string kPath = "/nowhere/flight.lcmlog";
+
+Bytes data_of(int i) { return Bytes(kDataBytes, static_cast<std::uint8_t>(i)); }
+
+/// The data say which, the times follow.
+bool write(LogSpool& spool, int i, std::string_view channel = "TICK") {
+  return spool.write(from_utime(kStart + i), channel, data_of(i));
+}
+
+std::vector<LogEvent> events_of(const Bytes& bytes) {
+  std::vector<LogEvent> out;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const auto event = event_at(bytes, at);
+    if (!event) {
+      ADD_FAILURE() << "torn at " << at << " of " << bytes.size();
+      return out;
+    }
+    out.push_back(*event);
+    at += event->size_bytes();
+  }
+  return out;
+}
+
+void expect_events(const Bytes& bytes, int first, int end) {
+  const auto events = events_of(bytes);
+  ASSERT_EQ(std::ssize(events), end - first);
+  for (int i = first; i < end; ++i) {
+    const LogEvent& event = events[static_cast<std::size_t>(i - first)];
+    EXPECT_EQ(event.number, i - first);
+    EXPECT_EQ(event.time, from_utime(kStart + i));
+    EXPECT_EQ(event.data[0], static_cast<std::uint8_t>(i));
+  }
+}
+
+SpoolOptions quick(const std::string& path = kPath) {
+  SpoolOptions out;
+  out.path = path;
+  out.write_period = out.sync_period = out.retry_period = std::chrono::milliseconds(1);
+  return out;
+}
+
+/// Waits for a sentence with `words` in it; all that was said until then.
+std::string hear(LogSpool& spool, const std::string& words) {
+  std::string said;
+  const std::int64_t give_up_ns = monotonic_ns() + 20'000'000'000;
+  while (said.find(words) == std::string::npos && monotonic_ns() < give_up_ns) {
+    for (const std::string& news : spool.take_news()) {
+      said += news + "\n";
+    }
+    std::this_thread::yield();
+  }
+  EXPECT_NE(said.find(words), std::string::npos) << said;
+  return said;
+}
+
+TEST(LogSpool, WritesWhatLcmReads) {
+  const test::TemporaryFolder folder;
+  {
+    LogSpool spool(quick(folder.file("a.lcmlog")));
+    for (int i = 0; i < 300; ++i) {
+      EXPECT_TRUE(write(spool, i));
+    }
+    spool.close();
+    EXPECT_FALSE(write(spool, 300)) << "closed";
+    EXPECT_EQ(spool.report().events, 300);
+    EXPECT_EQ(spool.report().bytes, 300 * kEventBytes);
+  }
+  expect_events(test::read_file(folder.file("a.lcmlog")), 0, 300);
+  lcm::LogFile log(folder.file("a.lcmlog"), "r");
+  ASSERT_TRUE(log.good());
+  int found = 0;
+  while (const lcm::LogEvent* event = log.readNextEvent()) {
+    EXPECT_EQ(event->eventnum, found);
+    EXPECT_EQ(event->timestamp, kStart + found);
+    EXPECT_EQ(event->channel, "TICK");
+    ++found;
+  }
+  EXPECT_EQ(found, 300);
+}
+
+TEST(LogSpool, WritesAndSyncsWithoutBeingAskedTo) {
+  FakeDisk disk;
+  LogSpool spool(quick(), disk.opener());
+  for (int i = 0; i < 3; ++i) {
+    write(spool, i);
+    EXPECT_TRUE(disk.wait_for(kPath, [&](const Bytes&, std::size_t synced) {
+      return synced == static_cast<std::size_t>(i + 1) * kEventBytes;
+    })) << "nothing more comes, and it is not safe";
+  }
+  EXPECT_TRUE(spool.report().is_good());
+}
+
+// Red with a queue that waits: write() would not return.
+TEST(LogSpool, MakesNobodyWaitForADiskThatHangs) {
+  FakeDisk disk;
+  disk.hang_append(true);
+  SpoolOptions options = quick();
+  options.queue_bytes_max = 50 * kEventBytes;
+  LogSpool spool(options, disk.opener());
+  int taken = 0;
+  while (write(spool, taken)) {
+    ++taken;
+  }
+  EXPECT_EQ(taken, 50);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_FALSE(write(spool, taken + i));
+  }
+  EXPECT_EQ(spool.report().events_lost, 11);
+  EXPECT_EQ(spool.report().queue_bytes, 50 * kEventBytes);
+  EXPECT_NE(hear(spool, "events are lost").find(kPath), std::string::npos);
+  disk.hang_append(false);
+  spool.close();
+  expect_events(disk.bytes(kPath), 0, 50);
+  EXPECT_FALSE(spool.report().is_good());
+}
+
+// What is written outlives a kill -9, however long the disk takes to make it safe.
+TEST(LogSpool, WritesOnWhileASyncHangs) {
+  FakeDisk disk;
+  disk.hang_sync(true);
+  LogSpool spool(quick(), disk.opener());
+  for (int i = 0; i < 5; ++i) {
+    write(spool, i);
+    EXPECT_TRUE(disk.wait_for(kPath, [&](const Bytes& bytes, std::size_t synced) {
+      return synced == 0 && bytes.size() == static_cast<std::size_t>(i + 1) * kEventBytes;
+    }));
+  }
+  const std::int64_t give_up_ns = monotonic_ns() + 20'000'000'000;
+  while (spool.report().at_risk_worst_us <= 100'000 && monotonic_ns() < give_up_ns) {
+    std::this_thread::yield();
+  }
+  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "known while it hangs";
+  disk.hang_sync(false);
+  hear(spool, "a slow disk: a power cut would have lost the last ");
+  EXPECT_GE(spool.report().syncs_late, 1);
+}
+
+TEST(LogSpool, IsWholeAfterTheDiskWasFull) {
+  FakeDisk disk;
+  disk.set_room(2 * kEventBytes + 77);  // in the third event
+  LogSpool spool(quick(), disk.opener());
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_TRUE(write(spool, i));
+  }
+  const std::string said = hear(spool, "LOG NOT WRITTEN");
+  EXPECT_NE(said.find(kPath + ": cannot be written: No space left on device"), std::string::npos)
+      << said;
+  EXPECT_FALSE(spool.report().is_written);
+  EXPECT_EQ(spool.report().write_errors, 1) << "once, though it is tried again";
+  EXPECT_TRUE(write(spool, 5));
+  disk.set_room(std::size_t{1} << 20U);
+  hear(spool, "written again; events lost: 0");
+  EXPECT_TRUE(spool.report().is_written);
+  spool.close();
+  expect_events(disk.bytes(kPath), 0, 6);
+  EXPECT_FALSE(spool.report().is_good()) << "it was refused";
+}
+
+TEST(LogSpool, EndsWithItsLastWholeEventWhenTheDiskStaysFull) {
+  for (std::size_t room = 0; room < 2 * kEventBytes + 2; room += 29) {
+    FakeDisk disk;
+    disk.set_room(room);
+    LogSpool spool(quick(), disk.opener());
+    for (int i = 0; i < 4; ++i) {
+      write(spool, i);
+    }
+    spool.close();
+    const auto whole = static_cast<int>(room / kEventBytes);
+    expect_events(disk.bytes(kPath), 0, whole);
+    const SpoolReport report = spool.report();
+    EXPECT_EQ(report.events, whole);
+    EXPECT_EQ(report.events_lost, 4 - whole) << room;
+    EXPECT_FALSE(report.is_good());
+    EXPECT_EQ(disk.synced_bytes(kPath), disk.bytes(kPath).size());
+  }
+}
+
+TEST(LogSpool, SaysThatWhatIsWrittenMayNotBeSafe) {
+  FakeDisk disk;
+  disk.fail_sync(true);
+  LogSpool spool(quick(), disk.opener());
+  write(spool, 0);
+  const std::string said = hear(spool, "LOG NOT SAFE");
+  EXPECT_NE(said.find(kPath + ": may not be on the disk: Input/output error"), std::string::npos);
+  EXPECT_FALSE(spool.report().is_good());
+}
+
+TEST(LogSpool, BeginsEachFileWithTheNewestScenarioAndWritesOverNone) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("a.lcmlog");
+  const Bytes other = {1, 2, 3};
+  test::write_file(folder.file("a-3.lcmlog"), other);
+  SpoolOptions options = quick(path);
+  options.rotate_bytes = 5 * (kEventBytes + 4);
+  LogSpool spool(options);
+  write(spool, 0, "SCENARIO");
+  for (int i = 1; i < 12; ++i) {
+    write(spool, i);
+  }
+  spool.close();
+  EXPECT_TRUE(test::read_file(folder.file("a-3.lcmlog")) == other);
+  EXPECT_EQ(spool.report().files, 3);
+  EXPECT_EQ(spool.report().path, folder.file("a-4.lcmlog"));
+  int next = 0;
+  for (const char* name : {"a.lcmlog", "a-2.lcmlog", "a-4.lcmlog"}) {
+    const Bytes bytes = test::read_file(folder.file(name));
+    EXPECT_LE(bytes.size(), options.rotate_bytes);
+    const auto events = events_of(bytes);
+    ASSERT_FALSE(events.empty());
+    EXPECT_EQ(events[0].channel, "SCENARIO");
+    EXPECT_EQ(events[0].number, 0);
+    EXPECT_EQ(events[0].time, events[next == 0 ? 0 : 1].time);
+    for (std::size_t i = next == 0 ? 0 : 1; i < events.size(); ++i) {
+      EXPECT_EQ(events[i].number, static_cast<std::int64_t>(i));
+      EXPECT_EQ(events[i].data[0], next++);
+    }
+  }
+  EXPECT_EQ(next, 12);
+}
+
+TEST(LogSpool, GoesOnWithTheLastOfItsFiles) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("a.lcmlog");
+  SpoolOptions options = quick(path);
+  options.existing = Existing::kAppend;
+  for (int run = 0; run < 3; ++run) {
+    LogSpool spool(options);
+    write(spool, run);
+  }
+  EXPECT_EQ(events_of(test::read_file(path)).size(), 3U);
+  test::write_file(folder.file("a-2.lcmlog"), {});
+  {
+    LogSpool spool(options);
+    write(spool, 3);
+  }
+  EXPECT_EQ(events_of(test::read_file(path)).size(), 3U);
+  EXPECT_EQ(events_of(test::read_file(folder.file("a-2.lcmlog"))).size(), 1U);
+}
+
+TEST(LogSpool, StopsAtItsLimit) {
+  FakeDisk disk;
+  SpoolOptions options = quick();
+  options.limit_bytes = 3 * kEventBytes + 5;
+  LogSpool spool(options, disk.opener());
+  for (int i = 0; i < 5; ++i) {
+    write(spool, i);
+  }
+  hear(spool, "the limit of ");
+  EXPECT_TRUE(spool.report().is_full);
+  spool.close();
+  expect_events(disk.bytes(kPath), 0, 3);
+  EXPECT_EQ(spool.report().events_lost, 2);
+}
+
+TEST(LogSpool, WritesOverNothing) {
+  const test::TemporaryFolder folder;
+  const Bytes old = {7, 7, 7};
+  test::write_file(folder.file("a.lcmlog"), old);
+  try {
+    const LogSpool spool(quick(folder.file("a.lcmlog")));
+    FAIL() << "it is there";
+  } catch (const StartupError& error) {
+    EXPECT_NE(std::string(error.what()).find("a.lcmlog: is there already"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_TRUE(test::read_file(folder.file("a.lcmlog")) == old);
+  EXPECT_EQ(unused_path(folder.file("a.lcmlog")), folder.file("a-2.lcmlog"));
+  test::write_file(folder.file("a-2.lcmlog"), old);
+  EXPECT_EQ(unused_path(folder.file("a.lcmlog")), folder.file("a-3.lcmlog"));
+  EXPECT_EQ(unused_path(folder.file("b.lcmlog")), folder.file("b.lcmlog"));
+  EXPECT_THROW(LogSpool(quick("/no/such/folder/x.lcmlog")), StartupError);
+}
+
+TEST(FreeBytesFor, IsWhatTheFileSystemSays) {
+  const test::TemporaryFolder folder;
+  EXPECT_TRUE(free_bytes_for(folder.file("not_there.lcmlog")).has_value());
+  EXPECT_TRUE(free_bytes_for("here.lcmlog").has_value());
+  EXPECT_FALSE(free_bytes_for("/no/such/folder/x.lcmlog").has_value());
+}
+
+}  // namespace
+}  // namespace vantage::logs

@@ -1,0 +1,181 @@
+#include <chrono>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bus/bus.hpp"
+#include "bus/clock.hpp"
+#include "bus/process_usage.hpp"
+#include "bus/transport.hpp"
+#include "core/check.hpp"
+#include "core/process.hpp"
+#include "logs/record/recorder.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/log/log_commands.hpp"
+
+namespace vantage::tools {
+namespace {
+
+constexpr std::uint64_t kMebi = std::uint64_t{1} << 20U;
+constexpr auto kFirstPatience = std::chrono::seconds(2);
+constexpr Duration kDrainPatience = std::chrono::milliseconds(100);
+
+struct RecordArguments {
+  std::string log;
+  std::string url;
+  std::vector<std::string> include;
+  std::vector<std::string> exclude;
+  bool appends = false;
+  std::uint64_t rotate_mib = 0;
+  std::uint64_t limit_mib = 0;
+  std::uint64_t free_mib = 100;
+  double duration_s = 0.0;
+  bool as_json = false;
+  bool is_quiet = false;
+};
+
+logs::SpoolOptions options_of(const RecordArguments& arguments) {
+  logs::SpoolOptions options;
+  options.path = arguments.log;
+  options.existing = arguments.appends ? logs::Existing::kAppend : logs::Existing::kRefuse;
+  options.rotate_bytes = arguments.rotate_mib * kMebi;
+  options.limit_bytes = arguments.limit_mib * kMebi;
+  return options;
+}
+
+void check_room(const RecordArguments& arguments) {
+  const auto free_bytes = logs::free_bytes_for(arguments.log);
+  if (free_bytes && *free_bytes < arguments.free_mib * kMebi) {
+    throw StartupError(fmt::format(
+        "{}: {} MiB are free there, less than --free-mib {}: make room, or write elsewhere",
+        arguments.log, *free_bytes / kMebi, arguments.free_mib));
+  }
+}
+
+/// Says once when less than --free-mib is left, and again when there is room again.
+class RoomWatch {
+ public:
+  explicit RoomWatch(const RecordArguments& arguments) : arguments_(arguments) {}
+  void look(const logs::SpoolReport& report) {
+    const bool is_little = report.free_bytes && *report.free_bytes < arguments_.free_mib * kMebi;
+    if (is_little != std::exchange(was_little_, is_little)) {
+      fmt::print(stderr, "record: {} MiB are left for {}\n", report.free_bytes.value_or(0) / kMebi,
+                 report.path);
+    }
+  }
+
+ private:
+  const RecordArguments& arguments_;
+  bool was_little_ = false;
+};
+
+void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
+              const bus::TransportStats& heard) {
+  if (arguments.as_json) {
+    print_line(nlohmann::ordered_json{{"path", report.path},
+                                      {"files", report.files},
+                                      {"events", report.events},
+                                      {"bytes", report.bytes},
+                                      {"events_lost", report.events_lost},
+                                      {"kernel_drops", heard.kernel_drops},
+                                      {"incomplete_messages", heard.incomplete_messages},
+                                      {"malformed_datagrams", heard.malformed_datagrams},
+                                      {"write_errors", report.write_errors},
+                                      {"sync_errors", report.sync_errors},
+                                      {"syncs_late", report.syncs_late},
+                                      {"at_risk_worst_us", report.at_risk_worst_us}}
+                   .dump());
+    return;
+  }
+  print_line(fmt::format("{}: {} events, {:.1f} MB{}", arguments.log, report.events,
+                         static_cast<double>(report.bytes) * 1e-6,
+                         report.files > 1 ? fmt::format(" in {} files", report.files) : ""));
+  if (report.events_lost > 0) {
+    fmt::print(stderr, "record: {} events were lost\n", report.events_lost);
+  }
+}
+
+int run(const RecordArguments& arguments) {
+  check_room(arguments);
+  const auto tell = [](const std::string& news) { fmt::print(stderr, "record: {}\n", news); };
+  const auto transport = bus::open_transport(arguments.url);
+  logs::LogSpool spool(options_of(arguments));
+  const bus::SteadyClock clock;
+  logs::RecorderNode node(*transport, clock, spool,
+                          logs::ChannelFilter(arguments.include, arguments.exclude), tell);
+  bus::Bus bus(*transport, bus::random_run_id());
+  bus.keep_time(clock);
+  const Time start = clock.now();
+  const auto is_over = [&] {
+    return stop_requested() || (arguments.duration_s > 0.0 &&
+                                clock.now() >= start + from_seconds(arguments.duration_s));
+  };
+  // What others say comes first: a log begins with SCENARIO, not with this process's health.
+  while (!is_over() && node.heard() == 0 && clock.now() < start + kFirstPatience) {
+    bus.handle(std::chrono::milliseconds(20));
+  }
+  RoomWatch room(arguments);
+  const auto usage = [&] {
+    auto counters = node.traffic();
+    const auto of_process = bus::usage_counters();
+    counters.insert(counters.end(), of_process.begin(), of_process.end());
+    return counters;
+  };
+  bus::run_node(
+      bus, node, clock,
+      [&] {
+        const logs::SpoolReport report = spool.report();
+        room.look(report);
+        return is_over() || report.is_full;
+      },
+      usage);
+  const Time give_up = clock.now() + kDrainPatience;
+  while (bus.handle(std::chrono::microseconds(0)) > 0 && clock.now() < give_up) {
+  }
+  spool.close();
+  node.tick(clock.now());
+  const logs::SpoolReport report = spool.report();
+  if (!arguments.is_quiet) {
+    tell_end(arguments, report, transport->stats());
+  }
+  return report.is_good() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_log_record_command(CLI::App& log, Runner& chosen) {
+  CLI::App* command =
+      log.add_subcommand("record", "Record a bus until Ctrl-C, losing 100 ms at most to anything.");
+  auto arguments = std::make_shared<RecordArguments>();
+  command->add_option("log", arguments->log, "LCM event log to write, a new file")->required();
+  command->add_option("--url", arguments->url, "LCM URL; $LCM_DEFAULT_URL when not given");
+  command->add_option("--channels", arguments->include, "the ones to record (whole names)");
+  command->add_option("--without", arguments->exclude, "the ones not to record");
+  command->add_flag("--append", arguments->appends, "go on with the log where there is one");
+  command->add_option("--rotate-mib", arguments->rotate_mib,
+                      "begin another file, NAME-2, NAME-3, … before one gets longer");
+  command->add_option("--limit-mib", arguments->limit_mib,
+                      "end, with exit code 1, before all files together get longer");
+  command
+      ->add_option("--free-mib", arguments->free_mib,
+                   "what must be free to begin; what is left is told below that")
+      ->capture_default_str();
+  command->add_option("--duration-s", arguments->duration_s, "end after that")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--json", arguments->as_json, "print one JSON object at the end");
+  command->add_flag("--quiet", arguments->is_quiet, "say nothing at the end");
+  command->footer(
+      "No log is deleted or written over. While the disk refuses (full, read-only) that is said "
+      "at\n"
+      "once and on HEALTH_RECORDER, and tried again; the file stays whole. Ctrl-C, SIGTERM and\n"
+      "SIGHUP end it. Each file after the first begins with the newest SCENARIO.\n"
+      "Exit code 1 when anything was lost or the disk refused, 2 when it could not start.\n"
+      "Examples:\n"
+      "  vantage log record flight.lcmlog\n"
+      "  vantage log record flight.lcmlog --rotate-mib 500 --without 'SCAN_.*'\n"
+      "  vantage log record plans.lcmlog --channels 'PLAN_.*' SCENARIO --duration-s 60");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace vantage::tools
