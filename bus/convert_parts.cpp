@@ -5,53 +5,13 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/utf8.hpp"
+
 namespace vantage::bus::parts {
-namespace {
-
-/// Bytes of the UTF-8 character that `text` has at `at`; 0 when there is none. NUL is not one here.
-std::size_t character_bytes(const std::string& text, std::size_t at) {
-  const auto byte = [&](std::size_t i) {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
-  };
-  const unsigned lead = byte(at);
-  const auto continues = [&](std::size_t i) { return (byte(i) & 0xC0U) == 0x80U; };
-  if (lead < 0x80U) {
-    return lead == 0 ? 0 : 1;
-  }
-  const unsigned second = byte(at + 1);
-  if (lead >= 0xC2U && lead <= 0xDFU) {
-    return continues(at + 1) ? 2 : 0;
-  }
-  if (lead >= 0xE0U && lead <= 0xEFU) {
-    const bool is_overlong = lead == 0xE0U && second < 0xA0U;
-    const bool is_surrogate = lead == 0xEDU && second > 0x9FU;
-    return continues(at + 1) && continues(at + 2) && !is_overlong && !is_surrogate ? 3 : 0;
-  }
-  if (lead >= 0xF0U && lead <= 0xF4U) {
-    const bool is_overlong = lead == 0xF0U && second < 0x90U;
-    const bool is_beyond = lead == 0xF4U && second > 0x8FU;
-    const bool is_whole = continues(at + 1) && continues(at + 2) && continues(at + 3);
-    return is_whole && !is_overlong && !is_beyond ? 4 : 0;
-  }
-  return 0;
-}
-
-}  // namespace
-
 bool is_utime(std::int64_t utime) { return utime >= -kUtimeMax && utime <= kUtimeMax; }
 
 bool is_text(const std::string& text, std::size_t bytes_max) {
-  if (text.size() > bytes_max) {
-    return false;
-  }
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t bytes = character_bytes(text, at);
-    if (bytes == 0) {
-      return false;
-    }
-    at += bytes;
-  }
-  return true;
+  return text.size() <= bytes_max && is_utf8(text);
 }
 
 bool is_count(std::int64_t count, std::size_t elements, std::size_t cap) {

@@ -10,40 +10,12 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "core/utf8.hpp"
 
 namespace vantage::bus {
 namespace {
 
 constexpr std::size_t kTextMaxBytes = std::size_t{1} << 20;
-
-/// Bytes of the well-formed UTF-8 character that starts at `at`; 0 when there is none.
-/// Source: Unicode 15, table 3-7.
-std::size_t utf8_length(const std::string& text, std::size_t at) {
-  const auto byte = [&](std::size_t i) -> unsigned {
-    return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0U;
-  };
-  const auto continues = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xBF) {
-    return byte(i) >= low && byte(i) <= high;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) {
-    return 1;
-  }
-  if (first >= 0xC2 && first <= 0xDF) {
-    return continues(1) ? 2 : 0;
-  }
-  if (first >= 0xE0 && first <= 0xEF) {
-    const unsigned low = first == 0xE0 ? 0xA0 : 0x80;   // no overlong forms
-    const unsigned high = first == 0xED ? 0x9F : 0xBF;  // no surrogates
-    return continues(1, low, high) && continues(2) ? 3 : 0;
-  }
-  if (first >= 0xF0 && first <= 0xF4) {
-    const unsigned low = first == 0xF0 ? 0x90 : 0x80;
-    const unsigned high = first == 0xF4 ? 0x8F : 0xBF;  // nothing beyond U+10FFFF
-    return continues(1, low, high) && continues(2) && continues(3) ? 4 : 0;
-  }
-  return 0;
-}
 
 /// yaml-cpp replaces bad bytes silently and reads tabs in ways that surprise.
 void check_characters(const std::string& text, const std::string& name) {
@@ -52,7 +24,7 @@ void check_characters(const std::string& text, const std::string& name) {
     throw StartupError(fmt::format("{}:{}: {}", name, line, what));
   };
   for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = utf8_length(text, at);
+    const std::size_t length = text[at] == '\0' ? 1 : utf8_bytes(text, at);
     const auto first = static_cast<unsigned char>(text[at]);
     if (length == 0) {
       refuse(fmt::format("byte 0x{:02x} is not UTF-8 text", first));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/utf8.hpp"
+
 namespace vantage::drivers::vicon {
 namespace {
 
@@ -19,39 +21,13 @@ constexpr std::size_t kNameBytesMax = 128;
 /// As near to another body as this, a jump is a swap of names.
 constexpr double kSwapDistance_m = 0.3;
 
-/// Length of the UTF-8 character that begins with `byte`; 0 when none does.
-std::size_t utf8_length(unsigned char byte) {
-  if (byte < 0x80) {
-    return 1;
-  }
-  if (byte >= 0xC2 && byte < 0xE0) {
-    return 2;
-  }
-  if (byte >= 0xE0 && byte < 0xF0) {
-    return 3;
-  }
-  return byte >= 0xF0 && byte < 0xF5 ? 4 : 0;
-}
-
 /// UTF-8 without control characters: what a message may carry.
 bool is_name(const std::string& name) {
-  if (name.empty() || name.size() > kNameBytesMax) {
-    return false;
-  }
-  for (std::size_t i = 0; i < name.size();) {
-    const auto first = static_cast<unsigned char>(name[i]);
-    const std::size_t length = utf8_length(first);
-    if (length == 0 || i + length > name.size() || first < 0x20 || first == 0x7F) {
-      return false;
-    }
-    for (std::size_t k = 1; k < length; ++k) {
-      if ((static_cast<unsigned char>(name[i + k]) & 0xC0U) != 0x80U) {
-        return false;
-      }
-    }
-    i += length;
-  }
-  return true;
+  return !name.empty() && name.size() <= kNameBytesMax && is_utf8(name) &&
+         std::none_of(name.begin(), name.end(), [](char c) {
+           const auto byte = static_cast<unsigned char>(c);
+           return byte < 0x20 || byte == 0x7F;
+         });
 }
 
 }  // namespace

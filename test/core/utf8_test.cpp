@@ -1,0 +1,40 @@
+#include "core/utf8.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace vantage {
+namespace {
+
+TEST(IsUtf8, TellsTextFromBytes) {
+  for (const char* text : {"", "VICON", "PLAN_ü", "日本", "a\tb", "\xF0\x9F\x9A\x81"}) {
+    EXPECT_TRUE(is_utf8(text)) << readable(text);
+  }
+  for (const char* bytes : {"PLAN_\xFC", "\x80", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80",
+                            "\xF4\x90\x80\x80", "\xF5\x80\x80\x80", "\xE2\x82", "\xFF"}) {
+    EXPECT_FALSE(is_utf8(bytes)) << readable(bytes);
+  }
+  EXPECT_FALSE(is_utf8(std::string_view("a\0b", 3)));
+}
+
+TEST(Readable, LeavesTextAndEscapesTheRest) {
+  EXPECT_EQ(readable("PLAN_ü 日本"), "PLAN_ü 日本");
+  EXPECT_EQ(readable("PLAN_\xFC"), "PLAN_\\xFC");
+  EXPECT_EQ(readable("a\tb\n\x1B[31m"), "a\\x09b\\x0A\\x1B[31m");
+  EXPECT_EQ(readable("\\xFC"), "\\x5CxFC");
+  EXPECT_EQ(readable("\xE2\x82"), "\\xE2\\x82");
+}
+
+TEST(Readable, IsAlwaysUtf8AndTellsEachByteFromAnother) {
+  for (int a = 0; a < 256; ++a) {
+    const std::string one(1, static_cast<char>(a));
+    EXPECT_TRUE(is_utf8(readable(one + "x")));
+    for (int b = 0; b < a; ++b) {
+      EXPECT_NE(readable(one), readable(std::string(1, static_cast<char>(b))));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vantage

@@ -1,0 +1,76 @@
+#include "core/write_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+
+namespace vantage {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WriteFile : public ::testing::Test {
+ protected:
+  WriteFile() { fs::create_directories(folder_); }
+  ~WriteFile() override { fs::remove_all(folder_); }
+  WriteFile(const WriteFile&) = delete;
+  WriteFile& operator=(const WriteFile&) = delete;
+  WriteFile(WriteFile&&) = delete;
+  WriteFile& operator=(WriteFile&&) = delete;
+
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_ / name; }
+  static std::string text_of(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+  static std::string complaint(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  }
+  const fs::path folder_ = fs::path(::testing::TempDir()) / "vantage_write_file";
+};
+
+TEST_F(WriteFile, LeavesTheTextAndNothingElse) {
+  write_file(file("a"), "long ago");
+  write_file(file("a"), "now");
+  EXPECT_EQ(text_of(file("a")), "now");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(WriteFile, SaysFileAndReason) {
+  EXPECT_EQ(complaint([&] { write_file(file("no/where"), "x"); }),
+            file("no/where") + ": cannot be written: No such file or directory");
+  EXPECT_EQ(complaint([&] { require_writable(file("no/where")); }),
+            file("no/where") + ": cannot be written: No such file or directory");
+  EXPECT_EQ(complaint([&] { require_writable(folder_); }),
+            folder_.string() + ": cannot be written: Is a directory");
+  write_file(file("a"), "x");
+  EXPECT_EQ(complaint([&] { require_writable(file("a/b")); }),
+            file("a/b") + ": cannot be written: Not a directory");
+}
+
+TEST_F(WriteFile, WritesWhatIsNoFileAsItIs) {
+  EXPECT_EQ(complaint([] { write_file("/dev/full", "x"); }),
+            "/dev/full: cannot be written: No space left on device");
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+  EXPECT_NO_THROW(write_file("/dev/null", "x"));
+}
+
+TEST_F(WriteFile, FindsNothingWrongWhereItCanWrite) {
+  EXPECT_NO_THROW(require_writable(file("new")));
+  write_file(file("a"), "x");
+  EXPECT_NO_THROW(require_writable(file("a")));
+  EXPECT_EQ(text_of(file("a")), "x");
+}
+
+}  // namespace
+}  // namespace vantage
