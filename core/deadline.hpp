@@ -26,10 +26,19 @@ class Deadline {
     return {budget_nodes, instant_ns};
   }
   static Deadline never() { return {kNever, kNever}; }
+  /// The same, and expired as soon as `is_cancelled` says so: a person who waits no longer. Asked
+  /// as often as the clock is read; must be cheap and stay true.
+  [[nodiscard]] Deadline unless(bool (*is_cancelled)()) const {
+    Deadline out = *this;
+    out.is_cancelled_ = is_cancelled;
+    return out;
+  }
 
   /// True once it is time to stop. One clock read (about 30 ns) unless the budget is of nodes only.
   [[nodiscard]] bool expired(std::int64_t nodes_done) const {
-    return nodes_done >= budget_nodes_ || (instant_ns_ != kNever && monotonic_ns() >= instant_ns_);
+    return nodes_done >= budget_nodes_ ||
+           (instant_ns_ != kNever && monotonic_ns() >= instant_ns_) ||
+           (is_cancelled_ != nullptr && is_cancelled_());
   }
 
   [[nodiscard]] std::int64_t instant_ns() const { return instant_ns_; }
@@ -42,6 +51,7 @@ class Deadline {
 
   std::int64_t budget_nodes_;
   std::int64_t instant_ns_;
+  bool (*is_cancelled_)() = nullptr;
 };
 
 }  // namespace vantage

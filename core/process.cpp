@@ -1,5 +1,6 @@
 #include "core/process.hpp"
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <exception>
@@ -11,16 +12,38 @@
 namespace vantage {
 namespace {
 
+constexpr std::array kStopSignals{SIGINT, SIGTERM, SIGHUP};
+
 std::atomic<int> stop_count{0};
+std::atomic<int> last_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free, "written from a signal handler");
 
-void on_signal(int /*signal*/) { ++stop_count; }
+void on_signal(int signal) {
+  last_signal = signal;
+  ++stop_count;
+}
 
 // A terminal that closes says so more than once, to its shell and to what runs in it: that is one
 // request, and never a hurried one.
-void on_hang_up(int /*signal*/) {
+void on_hang_up(int signal) {
+  last_signal = signal;
   int none = 0;
   stop_count.compare_exchange_strong(none, 1);
+}
+
+using Handler = void (*)(int);
+Handler handler_of(int signal) { return signal == SIGHUP ? on_hang_up : on_signal; }
+
+/// What was ignored from outside stays so.
+void handle(int signal, Handler handler) {
+  struct sigaction before {};
+  sigaction(signal, nullptr, &before);
+  if (signal == SIGHUP && before.sa_handler == SIG_IGN) {
+    return;
+  }
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigaction(signal, &action, nullptr);
 }
 
 }  // namespace
@@ -29,16 +52,24 @@ bool stop_requested() { return stop_count > 0; }
 int stop_requests() { return stop_count; }
 void request_stop() { ++stop_count; }
 
+EndsAtOnce::EndsAtOnce() {
+  for (const int signal : kStopSignals) {
+    handle(signal, SIG_DFL);
+  }
+  if (last_signal != 0) {
+    std::raise(last_signal);
+  }
+}
+
+EndsAtOnce::~EndsAtOnce() {
+  for (const int signal : kStopSignals) {
+    handle(signal, handler_of(signal));
+  }
+}
+
 int run_process(const std::string& name, const std::function<int()>& body) {
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-  action.sa_handler = on_hang_up;
-  struct sigaction before {};
-  sigaction(SIGHUP, nullptr, &before);
-  if (before.sa_handler != SIG_IGN) {  // nohup
-    sigaction(SIGHUP, &action, nullptr);
+  for (const int signal : kStopSignals) {
+    handle(signal, handler_of(signal));
   }
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of write()

@@ -7,8 +7,8 @@ namespace vantage {
 
 /// Runs `body` and turns its outcome into an exit code: what it returned, 1 when it failed while
 /// running, 2 when it could not start (StartupError, UsageError), with one sentence on stderr.
-/// SIGINT, SIGTERM and SIGHUP (unless it was ignored) make stop_requested() true; `body` is
-/// expected to notice and return.
+/// SIGINT, SIGTERM and SIGHUP (unless it came in ignored, as under nohup) make stop_requested()
+/// true; `body` is expected to notice and return.
 int run_process(const std::string& name, const std::function<int()>& body);
 
 /// True once the process has been asked to end. Safe to call from any thread.
@@ -17,5 +17,18 @@ bool stop_requested();
 int stop_requests();
 /// Asks the process to end, as SIGTERM would.
 void request_stop();
+
+/// While it lives, SIGINT, SIGTERM and SIGHUP end the process where it stands, as they end one that
+/// does not handle them; so does one that came before. For work that leaves nothing behind:
+/// reading, preparing, looking up a name. Not nested; made and ended by the main thread.
+class EndsAtOnce {
+ public:
+  EndsAtOnce();
+  ~EndsAtOnce();
+  EndsAtOnce(const EndsAtOnce&) = delete;
+  EndsAtOnce& operator=(const EndsAtOnce&) = delete;
+  EndsAtOnce(EndsAtOnce&&) = delete;
+  EndsAtOnce& operator=(EndsAtOnce&&) = delete;
+};
 
 }  // namespace vantage

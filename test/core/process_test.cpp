@@ -51,6 +51,53 @@ TEST(RunProcess, HearsTheRequestToEnd) {
             0);
 }
 
+TEST(RunProcess, HearsThatItsTerminalIsClosed) {
+  EXPECT_EQ(exit_code_of([] {
+              const int before = stop_requests();
+              std::raise(SIGHUP);
+              return stop_requests() - before;
+            }),
+            1);
+}
+
+TEST(RunProcess, OutlivesItsTerminalWhereThatIsAskedFor) {
+  std::signal(SIGHUP, SIG_IGN);  // as nohup does
+  EXPECT_EQ(exit_code_of([] {
+              const int before = stop_requests();
+              std::raise(SIGHUP);
+              return stop_requests() - before;
+            }),
+            0);
+  std::signal(SIGHUP, SIG_DFL);
+}
+
+TEST(EndsAtOnceDeathTest, IsEndedByTheSignal) {
+  const auto body = [] {
+    const EndsAtOnce reading;
+    std::raise(SIGTERM);
+    return 0;
+  };
+  EXPECT_EXIT(run_process("vantage-test", body), ::testing::KilledBySignal(SIGTERM), "");
+}
+
+TEST(EndsAtOnceDeathTest, IsEndedByOneThatCameBefore) {
+  const auto body = [] {
+    std::raise(SIGINT);
+    const EndsAtOnce reading;
+    return 0;
+  };
+  EXPECT_EXIT(run_process("vantage-test", body), ::testing::KilledBySignal(SIGINT), "");
+}
+
+TEST(EndsAtOnceDeathTest, IsHeardAgainAfterwards) {
+  const auto body = [] {
+    { const EndsAtOnce reading; }
+    std::raise(SIGTERM);
+    return stop_requested() ? 5 : 0;
+  };
+  EXPECT_EXIT(std::exit(run_process("vantage-test", body)), ::testing::ExitedWithCode(5), "");
+}
+
 TEST(RunProcess, CountsTheRequests) {
   EXPECT_EQ(exit_code_of([] {
               const int before = stop_requests();
