@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/utf8.hpp"
 #include "logs/analysis/origin_times.hpp"
 #include "logs/file/message_visit.hpp"
 #include "logs/metrics/trial_metrics.hpp"
@@ -190,7 +191,10 @@ nlohmann::ordered_json to_json(const LogAnalysis& analysis) {
                                 {"margin", to_json(record.margin)},
                                 {"search", to_json(record.search)}};
   }
-  json["lost"] = analysis.lost;
+  json["lost"] = nlohmann::ordered_json::object();
+  for (const auto& [channel, lost] : analysis.lost) {
+    json["lost"][readable(channel)] = lost;
+  }
   return json;
 }
 

@@ -60,6 +60,10 @@ EditCounts edit_log(const IndexedLog& log, EditRules& rules, const EventSink& si
   const bool is_sorted = log.survey().times_backward == 0;
   LogScan scan = log.scan_from(rules.from);
   while (const auto event = scan.next()) {
+    counts.is_stopped = rules.stop();
+    if (counts.is_stopped || counts.failed > 0) {
+      break;
+    }
     if (is_sorted && event->time >= rules.to) {
       break;
     }
@@ -73,7 +77,8 @@ EditCounts edit_log(const IndexedLog& log, EditRules& rules, const EventSink& si
   return counts;
 }
 
-EditCounts merge_logs(const std::vector<const IndexedLog*>& logs, const EventSink& sink) {
+EditCounts merge_logs(const std::vector<const IndexedLog*>& logs, const EventSink& sink,
+                      const std::function<bool()>& stop) {
   struct Head {
     LogScan scan;
     std::optional<PlacedEvent> event;
@@ -89,7 +94,11 @@ EditCounts merge_logs(const std::vector<const IndexedLog*>& logs, const EventSin
         std::min_element(heads.begin(), heads.end(), [](const Head& a, const Head& b) {
           return a.event && (!b.event || a.event->time < b.event->time);
         });
-    if (next == heads.end() || !next->event) {
+    if (next == heads.end() || !next->event || counts.failed > 0) {
+      return counts;
+    }
+    counts.is_stopped = stop();
+    if (counts.is_stopped) {
       return counts;
     }
     ++(sink(*next->event) ? counts.written : counts.failed);

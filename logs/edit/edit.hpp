@@ -20,13 +20,15 @@ struct EditRules {
   ChannelFilter channels;
   ChannelRenames names;
   bool drops_doubtful = false;
+  std::function<bool()> stop = [] { return false; };  ///< asked at each event; true ends it there
 };
 
 struct EditCounts {
   std::int64_t written = 0;
   std::int64_t left_out = 0;       ///< of those between the first and the last written
   std::int64_t name_too_long = 0;  ///< left out because of that
-  std::int64_t failed = 0;         ///< could not be written
+  std::int64_t failed = 0;         ///< could not be written: the first of them ended it
+  bool is_stopped = false;         ///< before the end, by who asked for it
 };
 
 /// Hands what `rules` leave of `log` to `sink`, in file order.
@@ -37,6 +39,8 @@ EditCounts edit_log(const IndexedLog& log, EditRules& rules, const EventSink& si
 
 /// Hands the events of all `logs` to `sink` in the order of their times; of equal times the log
 /// named first comes first, and each log's own order stands.
-EditCounts merge_logs(const std::vector<const IndexedLog*>& logs, const EventSink& sink);
+EditCounts merge_logs(
+    const std::vector<const IndexedLog*>& logs, const EventSink& sink,
+    const std::function<bool()>& stop = [] { return false; });
 
 }  // namespace vantage::logs

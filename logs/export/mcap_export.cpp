@@ -1,5 +1,6 @@
 #include "logs/export/mcap_export.hpp"
 
+#include "core/utf8.hpp"
 #include "logs/export/mcap_writer.hpp"
 #include "logs/file/message_visit.hpp"
 #include "logs/foxglove/stream.hpp"
@@ -34,27 +35,32 @@ class McapSink : public foxglove::Sink {
 
 }  // namespace
 
-McapExportCounts export_mcap(const IndexedLog& log, const std::string& path,
-                             ChannelFilter& channels, bool with_scene,
-                             const std::function<void(double)>& progress) {
+ExportCounts export_mcap(const IndexedLog& log, const std::string& path, ChannelFilter& channels,
+                         bool with_scene, const std::function<void(double)>& progress,
+                         const std::function<bool()>& stop) {
   McapWriter writer(path);
   McapSink sink(writer);
   foxglove::Stream scene(sink);
-  McapExportCounts counts;
+  ExportCounts counts;
   LogScan scan = log.scan();
   while (const auto event = scan.next()) {
+    counts.is_stopped = stop();
+    if (counts.is_stopped || !writer.failure().empty()) {
+      break;
+    }
     if (progress && scan.counts().events % kEventsPerReport == 0) {
       progress(static_cast<double>(event->offset) / static_cast<double>(log.bytes().size()));
     }
     const bus::WireSchema* schema = type_of(event->data);
     const auto json = message_json(event->data);
+    const bool is_meant = channels.takes(event->channel);
     if (schema == nullptr || !json) {
-      ++counts.not_exported;
+      counts.left_out[std::string(event->channel)] += is_meant ? 1 : 0;
       continue;
     }
-    if (channels.takes(event->channel)) {
+    if (is_meant) {
       const std::uint16_t topic =
-          writer.topic(std::string(event->channel), "vantage_lcm." + std::string(schema->name),
+          writer.topic(readable(event->channel), "vantage_lcm." + std::string(schema->name),
                        dumped(json_schema(*schema)));
       const Time valid = from_utime(json->at("utime").get<std::int64_t>());
       writer.write(topic, event->time, valid, dumped(*json));
@@ -63,8 +69,10 @@ McapExportCounts export_mcap(const IndexedLog& log, const std::string& path,
       visit_message(*event, [&](const auto& message) { scene.on(message, event->time); });
     }
   }
-  counts.is_written = writer.finish();
+  writer.finish();
+  counts.failure = writer.failure();
   counts.messages = writer.messages();
+  std::erase_if(counts.left_out, [](const auto& each) { return each.second == 0; });
   if (progress) {
     progress(1.0);
   }

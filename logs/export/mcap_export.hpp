@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 
 #include "logs/edit/channel_rules.hpp"
@@ -9,17 +10,22 @@
 
 namespace vantage::logs {
 
-struct McapExportCounts {
-  std::uint64_t messages = 0;     ///< in the file
-  std::int64_t not_exported = 0;  ///< events that are no message of the house
-  bool is_written = false;        ///< all of it reached the file
+struct ExportCounts {
+  std::uint64_t messages = 0;  ///< written
+  /// Events that are no whole message of this version, by channel; of the channels that were meant.
+  std::map<std::string, std::int64_t> left_out;
+  bool is_stopped = false;  ///< before the end, by who asked for it
+  std::string failure;      ///< why not all could be written, with the file's name; else empty
 };
 
 /// Writes `log` as an MCAP file: each channel that `channels` takes as a topic of its name, schema
 /// "vantage_lcm.<type>", and (with `with_scene`) the pictures, events and numbers that the viewer
-/// shows, in the Foxglove schemas. @throws StartupError when `path` cannot be written.
-McapExportCounts export_mcap(const IndexedLog& log, const std::string& path,
-                             ChannelFilter& channels, bool with_scene,
-                             const std::function<void(double)>& progress = {});
+/// shows, in the Foxglove schemas. A name that is no UTF-8 is written as readable() has it. Told to
+/// `stop` (asked at each event), it ends the file where it is, whole.
+/// @throws StartupError when `path` cannot be written.
+ExportCounts export_mcap(
+    const IndexedLog& log, const std::string& path, ChannelFilter& channels, bool with_scene,
+    const std::function<void(double)>& progress = {},
+    const std::function<bool()>& stop = [] { return false; });
 
 }  // namespace vantage::logs

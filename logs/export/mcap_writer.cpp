@@ -1,6 +1,11 @@
 #include "logs/export/mcap_writer.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include <zstd.h>
 
 #include "core/check.hpp"
 #include "logs/export/crc32.hpp"
@@ -59,6 +64,8 @@ std::string record(Opcode opcode, const Content& content) {
   return Content().number(opcode).long_bytes(content.bytes()).bytes();
 }
 
+std::string part_of(const std::string& path) { return path + ".part"; }
+
 std::uint64_t nanoseconds(Time time) { return static_cast<std::uint64_t>(to_utime(time)) * 1000U; }
 
 }  // namespace
@@ -69,9 +76,34 @@ void McapWriter::TimeSpan::add(std::uint64_t time_ns) {
   is_empty = false;
 }
 
-McapWriter::McapWriter(const std::string& path) : out_(path, std::ios::binary) {
+struct McapWriter::Compressor {
+  Compressor() : context(ZSTD_createCCtx()) {}
+  ~Compressor() { ZSTD_freeCCtx(context); }
+  Compressor(const Compressor&) = delete;
+  Compressor& operator=(const Compressor&) = delete;
+  Compressor(Compressor&&) = delete;
+  Compressor& operator=(Compressor&&) = delete;
+
+  /// Good until the next call.
+  std::string_view compress(std::string_view bytes) {
+    out.resize(ZSTD_compressBound(bytes.size()));
+    const std::size_t size =
+        ZSTD_compressCCtx(context, out.data(), out.size(), bytes.data(), bytes.size(), kLevel);
+    require(ZSTD_isError(size) == 0, "zstd compresses into a buffer of its own bound");
+    return std::string_view(out).substr(0, size);
+  }
+
+  static constexpr int kLevel = 3;  // zstd's own usual one
+  ZSTD_CCtx* context;
+  std::string out;
+};
+
+McapWriter::McapWriter(const std::string& path)
+    : path_(path),
+      compressor_(std::make_unique<Compressor>()),
+      out_(part_of(path), std::ios::binary) {
   if (!out_) {
-    throw StartupError(path + ": cannot be written");
+    throw StartupError(path + ": cannot be written: " + std::strerror(errno));
   }
   put(kMagic);
   put(record(kHeader, Content().text("").text("vantage")));
@@ -79,8 +111,21 @@ McapWriter::McapWriter(const std::string& path) : out_(path, std::ios::binary) {
 
 McapWriter::~McapWriter() { static_cast<void>(finish()); }
 
+void McapWriter::fail() {
+  if (failure_.empty()) {
+    failure_ = path_ + ": cannot be written: " + std::strerror(errno);
+    out_.close();
+    std::remove(part_of(path_).c_str());
+  }
+}
+
 void McapWriter::put(std::string_view bytes) {
-  out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!failure_.empty()) {
+    return;
+  }
+  if (!out_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
+    fail();
+  }
   written_bytes_ += bytes.size();
   data_crc_ = crc32(bytes, data_crc_);
 }
@@ -145,13 +190,15 @@ void McapWriter::close_chunk() {
     return;
   }
   const std::uint64_t chunk_start = written_bytes_;
+  const std::string_view compressed = compressor_->compress(chunk_);
   put(record(kChunk, Content()
                          .number(chunk_span_.first_ns)
                          .number(chunk_span_.last_ns)
                          .number(static_cast<std::uint64_t>(chunk_.size()))
                          .number(crc32(chunk_))
-                         .text("")  // not compressed
-                         .long_bytes(chunk_)));
+                         .text("zstd")
+                         .long_bytes(compressed)));
+  const auto compressed_bytes = static_cast<std::uint64_t>(compressed.size());
   const std::uint64_t index_start = written_bytes_;
   Content offsets;
   for (const auto& [topic, times] : chunk_times_) {
@@ -170,8 +217,8 @@ void McapWriter::close_chunk() {
                               .number(index_start - chunk_start)
                               .text(offsets.bytes())
                               .number(written_bytes_ - index_start)
-                              .text("")
-                              .number(static_cast<std::uint64_t>(chunk_.size()))
+                              .text("zstd")
+                              .number(compressed_bytes)
                               .number(static_cast<std::uint64_t>(chunk_.size()))));
   if (!chunk_span_.is_empty) {
     span_.add(chunk_span_.first_ns);
@@ -201,7 +248,7 @@ std::string McapWriter::statistics_record() const {
 
 bool McapWriter::finish() {
   if (is_finished_) {
-    return out_.good();
+    return failure_.empty();
   }
   is_finished_ = true;
   close_chunk();
@@ -245,8 +292,11 @@ bool McapWriter::finish() {
   put(until_crc);
   put(Content().number(crc32(until_crc)).bytes());
   put(kMagic);
-  out_.flush();
-  return out_.good();
+  out_.close();
+  if (failure_.empty() && (!out_ || std::rename(part_of(path_).c_str(), path_.c_str()) != 0)) {
+    fail();
+  }
+  return failure_.empty();
 }
 
 }  // namespace vantage::logs

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,12 +13,13 @@
 
 namespace vantage::logs {
 
-/// Writes an MCAP file of JSON messages: chunks (not compressed) with their indexes, a summary with
-/// schemas, channels, statistics and chunk index, checksums throughout; so viewers can seek in it.
-/// Source: the MCAP format specification, mcap.dev/spec.
+/// Writes an MCAP file of JSON messages: chunks (compressed with zstd) with their indexes, a
+/// summary with schemas, channels, statistics and chunk index, checksums throughout; so viewers can
+/// seek in it. It has another name, PATH.part, until it is whole; one that cannot be written is not
+/// left. Source: the MCAP format specification, mcap.dev/spec.
 class McapWriter {
  public:
-  /// @throws StartupError when `path` cannot be written.
+  /// @throws StartupError "PATH: cannot be written: REASON".
   explicit McapWriter(const std::string& path);
   /// Finishes the file if finish() was not called.
   ~McapWriter();
@@ -32,8 +34,11 @@ class McapWriter {
                       const std::string& schema_text);
   /// `topic`: an answer of topic().
   void write(std::uint16_t topic, Time logged, Time published, std::string_view json);
-  /// Writes what is pending and the summary. False when not all could be written.
+  /// Writes what is pending and the summary, and gives the file its name. False when not all could
+  /// be written; failure() says why.
   bool finish();
+  /// "PATH: cannot be written: REASON"; empty while all could.
+  [[nodiscard]] const std::string& failure() const { return failure_; }
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
 
  private:
@@ -61,6 +66,12 @@ class McapWriter {
   std::string topic_record(std::size_t index) const;
   std::string statistics_record() const;
 
+  void fail();
+
+  struct Compressor;
+  std::string path_;
+  std::string failure_;
+  std::unique_ptr<Compressor> compressor_;
   std::ofstream out_;
   std::uint64_t written_bytes_ = 0;
   std::uint32_t data_crc_ = 0;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstring>
 
+#include "core/utf8.hpp"
+
 namespace vantage::logs {
 namespace {
 
@@ -16,15 +18,6 @@ void append_big_endian(std::uint64_t value, std::size_t width, std::vector<std::
 }
 
 }  // namespace
-
-bool is_event_channel(std::string_view channel) {
-  constexpr unsigned char kFirstPrintable = 0x20;
-  constexpr unsigned char kDelete = 0x7F;
-  return !channel.empty() && channel.size() <= kChannelBytesMax &&
-         std::all_of(channel.begin(), channel.end(), [](unsigned char character) {
-           return character >= kFirstPrintable && character != kDelete;
-         });
-}
 
 WholeEvents whole_events(std::span<const std::uint8_t> events, std::size_t written) {
   WholeEvents out;
@@ -42,6 +35,18 @@ WholeEvents whole_events(std::span<const std::uint8_t> events, std::size_t writt
 std::size_t event_bytes_at(std::span<const std::uint8_t> events, std::size_t offset) {
   const std::uint8_t* header = events.data() + offset;
   return kEventHeaderBytes + read_big_endian(header + 20, 4) + read_big_endian(header + 24, 4);
+}
+
+// Any bytes may be a name to LCM; those of an overwritten one are seldom text, and seldom without
+// control characters.
+bool is_event_channel(std::string_view channel) {
+  constexpr unsigned char kFirstPrintable = 0x20;
+  constexpr unsigned char kDelete = 0x7F;
+  const bool has_control = std::any_of(channel.begin(), channel.end(), [](unsigned char character) {
+    return character < kFirstPrintable || character == kDelete;
+  });
+  return !channel.empty() && channel.size() <= kChannelBytesMax &&
+         (!has_control || is_utf8(channel));
 }
 
 std::uint64_t read_big_endian(const std::uint8_t* bytes, std::size_t width) {

@@ -33,12 +33,12 @@ struct LogEvent {
 };
 
 /// The event whose header begins at `offset`, or nullopt when there is none that could be true:
-/// sync word, number and time not negative, a name of 1 to 63 bytes without control characters, and
-/// all of it inside `log`. Says nothing about what comes after it.
+/// sync word, number and time not negative, a name of 1 to 63 bytes that is UTF-8 or without
+/// control characters, and all of it inside `log`. Says nothing about what comes after it.
 std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t offset);
 
-/// Whether events on `channel` can be told from damage when they are read: 1 to 63 bytes without
-/// control characters.
+/// Whether events on `channel` can be told from damage when they are read: 1 to 63 bytes that are
+/// UTF-8 or have no control character among them.
 bool is_event_channel(std::string_view channel);
 
 /// First place at or after `offset` where the sync word stands; log.size() when there is none.

@@ -151,7 +151,8 @@ void Player::publish(const LogEvent& event) {
 
 PlayReport Player::run(const std::function<std::optional<PlayCommand>()>& command,
                        const std::function<bool()>& stop,
-                       const std::function<void(const PlaySchedule&, Time)>& on_position) {
+                       const std::function<void(const PlaySchedule&, Time)>& on_position,
+                       const std::function<void(Time from, Time to)>& on_gap) {
   if (!options_.starts_paused) {
     schedule_.resume(timer_.now_ns());
   }
@@ -178,12 +179,19 @@ PlayReport Player::run(const std::function<std::optional<PlayCommand>()>& comman
       if (!is_over_) {
         seek(begin_);
       }
+    } else if (next_->time < begin_ || next_->time >= end_) {
+      next_ = scan_.next();
+    } else if (const Time here = schedule_.position(now_ns);
+               next_->time > here + options_.gap_max || next_->time < here - options_.gap_max) {
+      ++report_.gaps;
+      if (on_gap) {
+        on_gap(here, next_->time);
+      }
+      schedule_.seek(next_->time - kAfterGap, now_ns);
     } else if (schedule_.due_ns(next_->time) > now_ns) {
       timer_.sleep_until_ns(std::min(schedule_.due_ns(next_->time), attention_ns));
     } else {
-      if (next_->time >= begin_ && next_->time < end_) {
-        publish(*next_);
-      }
+      publish(*next_);
       next_ = scan_.next();
     }
   }

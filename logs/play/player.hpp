@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -35,6 +36,8 @@ struct PlayOptions {
   double speed = 1.0;
   bool loops = false;
   bool starts_paused = false;
+  /// Time stamps that lie farther apart, on or back, are broken or a pause that nobody waits out.
+  Duration gap_max = std::chrono::seconds(60);
 };
 
 struct PlayReport {
@@ -45,17 +48,22 @@ struct PlayReport {
   double late_mean_us = 0.0;
   double late_worst_us = 0.0;
   std::int64_t late_over_1_ms = 0;
+  std::int64_t gaps = 0;  ///< that were not waited out
 };
 
 /// Plays a log into `sink` at its own pace.
 class Player {
  public:
   /// `command` is asked at least every 20 ms; `on_position` is told about as often where it is.
+  /// Where the time stamps jump by more than gap_max, kAfterGap later it goes on behind the jump;
+  /// `on_gap` is told from where to where.
   Player(const IndexedLog& log, PlayOptions options, PlayTimer timer, EventSink sink);
 
   PlayReport run(const std::function<std::optional<PlayCommand>()>& command,
                  const std::function<bool()>& stop,
-                 const std::function<void(const PlaySchedule&, Time)>& on_position = {});
+                 const std::function<void(const PlaySchedule&, Time)>& on_position = {},
+                 const std::function<void(Time from, Time to)>& on_gap = {});
+  static constexpr Duration kAfterGap = std::chrono::milliseconds(500);
 
  private:
   /// True when the scan must begin anew where the schedule now stands.

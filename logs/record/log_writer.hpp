@@ -39,6 +39,8 @@ class LogWriter {
   /// In the file, or kept for it.
   [[nodiscard]] std::int64_t events() const { return events_; }
   [[nodiscard]] std::int64_t events_lost() const { return events_lost_; }
+  /// Why nothing is written any more, with the file's name; nullopt while all is.
+  [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
  private:
   void flush();

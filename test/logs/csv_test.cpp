@@ -1,17 +1,25 @@
 #include "logs/export/csv.hpp"
 
 #include <algorithm>
+#include <csignal>
+#include <filesystem>
 #include <limits>
+#include <set>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "bus/convert.hpp"
+#include "logs/export/csv_export.hpp"
+#include "logs/record/log_writer.hpp"
 #include "test/bus/message_types.hpp"
 #include "test/bus/sample_messages.hpp"
 #include "test/logs/file_support.hpp"
 
 namespace vantage::logs {
 namespace {
+
+using test::Bytes;
 
 const bus::WireSchema& schema_of(const char* name) { return *bus::find_wire_schema(name); }
 
@@ -105,6 +113,78 @@ TYPED_TEST(CsvOf, HasAsManyCellsInEveryLineAsInItsHeader) {
       EXPECT_EQ(line.size(), columns);
     }
   }
+}
+
+TEST(CsvFileName, NeverLeavesTheFolderAndTellsNamesApart) {
+  EXPECT_EQ(csv_file_name("PLAN_Q1"), "PLAN_Q1.csv");
+  EXPECT_EQ(csv_file_name("../../evil"), "%2E.%2F..%2Fevil.csv");
+  EXPECT_EQ(csv_file_name("/etc/passwd"), "%2Fetc%2Fpasswd.csv");
+  EXPECT_EQ(csv_file_name("team/VICON"), "team%2FVICON.csv");
+  EXPECT_EQ(csv_file_name("team%2FVICON"), "team%252FVICON.csv");
+  EXPECT_EQ(csv_file_name("PLAN_\xFC\n"), "PLAN_%FC%0A.csv");
+  for (int a = 0; a < 256; ++a) {
+    const std::string name = csv_file_name(std::string(1, static_cast<char>(a)) + "/..");
+    EXPECT_EQ(name.find('/'), std::string::npos);
+    EXPECT_NE(name.front(), '.');
+    for (int b = 0; b < a; ++b) {
+      EXPECT_NE(csv_file_name(std::string(1, static_cast<char>(a))),
+                csv_file_name(std::string(1, static_cast<char>(b))));
+    }
+  }
+}
+
+TEST(ExportCsv, WritesATableAChannelAndNothingOutsideItsFolder) {
+  test::TemporaryFolder folder;
+  {
+    LogWriter log(folder.file("a.lcmlog"));
+    vantage::test::Sampler sampler(9);
+    const auto data = vantage::test::encoded(vantage::test::sample<models::AttackNotice>(sampler));
+    for (const char* name : {"ATTACK", "../../evil", "team/ATTACK", "FOREIGN", "MIXED"}) {
+      log.write(
+          from_utime(1), name,
+          std::string_view(name) == "FOREIGN" ? Bytes{1, 2} : Bytes(data.begin(), data.end()));
+    }
+    log.write(from_utime(2), "MIXED", Bytes{1, 2});
+  }
+  const IndexedLog log(folder.file("a.lcmlog"));
+  ChannelFilter all;
+  const std::string inside = folder.file("deep/tables");
+  const ExportCounts counts = export_csv(log, inside, all);
+  EXPECT_EQ(counts.messages, 4U);
+  EXPECT_EQ(counts.failure, "");
+  EXPECT_EQ(counts.left_out, (std::map<std::string, std::int64_t>{{"FOREIGN", 1}, {"MIXED", 1}}));
+  std::set<std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.file("deep"))) {
+    files.insert(entry.path().filename());
+  }
+  EXPECT_EQ(files, (std::set<std::string>{"tables", "ATTACK.csv", "%2E.%2F..%2Fevil.csv",
+                                          "team%2FATTACK.csv", "MIXED.csv"}));
+}
+
+TEST(ExportCsv, EndsWithAWholeLineWhenTheDiskIsFull) {
+  test::TemporaryFolder folder;
+  {
+    LogWriter log(folder.file("a.lcmlog"));
+    vantage::test::Sampler sampler(9);
+    const auto data = vantage::test::encoded(vantage::test::sample<models::AttackNotice>(sampler));
+    for (int i = 0; i < 2'000; ++i) {
+      log.write(from_utime(i), "ATTACK", data);
+    }
+  }
+  const IndexedLog log(folder.file("a.lcmlog"));
+  ChannelFilter all;
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{30'000, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const ExportCounts counts = export_csv(log, folder.file("tables"), all);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_EQ(counts.failure,
+            folder.file("tables") + "/ATTACK.csv: cannot be written: File too large");
+  const Bytes table = test::read_file(folder.file("tables") + "/ATTACK.csv");
+  ASSERT_GT(table.size(), 20'000U);
+  EXPECT_EQ(table.back(), '\n');
 }
 
 }  // namespace

@@ -183,12 +183,27 @@ TEST_F(Edit, MendsAThousandDamagedLogs) {
   }
 }
 
-TEST_F(Edit, CountsWhatCouldNotBeWritten) {
+TEST_F(Edit, EndsAtTheFirstThatCannotBeWritten) {
   const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}});
   EditRules rules;
   const EditCounts counts = edit_log(log, rules, [](const LogEvent&) { return false; });
-  EXPECT_EQ(counts.failed, 2);
+  EXPECT_EQ(counts.failed, 1);
   EXPECT_EQ(counts.written, 0);
+}
+
+TEST_F(Edit, EndsWhereItIsToldTo) {
+  const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}, {50, "A", 3}});
+  int asked = 0;
+  EditRules rules;
+  rules.stop = [&] { return ++asked > 2; };
+  const EditCounts counts = edit_log(log, rules, [](const LogEvent&) { return true; });
+  EXPECT_TRUE(counts.is_stopped);
+  EXPECT_EQ(counts.written, 2);
+  asked = 1;
+  const EditCounts merged = merge_logs(
+      {&log, &log}, [](const LogEvent&) { return true; }, [&] { return ++asked > 2; });
+  EXPECT_TRUE(merged.is_stopped);
+  EXPECT_EQ(merged.written, 1);
 }
 
 }  // namespace

@@ -59,10 +59,24 @@ TEST(EventAt, RefusesWhatCannotBeTrue) {
   EXPECT_TRUE(refuses(23, 64)) << "name too long";
   EXPECT_TRUE(refuses(27, 2)) << "data beyond the end";
   EXPECT_TRUE(refuses(24, 0xFF)) << "data far beyond the end";
-  EXPECT_TRUE(refuses(28, '\n')) << "control character in the name";
+  EXPECT_TRUE(refuses(28, 0)) << "NUL in the name";
   EXPECT_FALSE(event_at(good, 1).has_value());
   EXPECT_FALSE(event_at(good, good.size()).has_value());
   EXPECT_FALSE(event_at(good, ~std::size_t{0}).has_value());
+}
+
+// LCM carries any bytes as a name; of what was overwritten seldom any is text.
+TEST(EventAt, TakesAnyNameThatIsTextOrHasNoControlCharacters) {
+  for (const char* name : {"A\tB", "A\nB", "\x1B[31mRED", "PLAN_\xFC", "PLAN_ü", "../../evil"}) {
+    Bytes bytes;
+    append_event({1, from_utime(1), name, Bytes{5}}, bytes);
+    const auto event = event_at(bytes, 0);
+    ASSERT_TRUE(event) << name;
+    EXPECT_EQ(event->channel, name);
+  }
+  Bytes bytes;
+  append_event({1, from_utime(1), "A\x01\xFC", Bytes{5}}, bytes);
+  EXPECT_FALSE(event_at(bytes, 0));
 }
 
 TEST(LogScan, ReadsAWholeLogWithTrapsInItsData) {

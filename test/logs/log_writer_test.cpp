@@ -1,12 +1,15 @@
 #include "logs/record/log_writer.hpp"
 
+#include <csignal>
 #include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
+#include <sys/resource.h>
 
 #include "core/check.hpp"
+#include "logs/file/log_scan.hpp"
 #include "test/logs/fake_disk.hpp"
 #include "test/logs/file_support.hpp"
 
@@ -68,6 +71,38 @@ TEST(LogWriter, SaysWhyALogLacksSomethingAndEndsItWhole) {
   EXPECT_EQ(disk.bytes("full.lcmlog").size(), 5 * 1029U);
   EXPECT_EQ(writer.events(), 5);
   EXPECT_EQ(writer.events_lost(), 5);
+}
+
+// A limit on the size of files stands for a disk that fills up within an event.
+TEST(LogWriter, EndsWithItsLastWholeEventWhenTheDiskIsFull) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("full.lcmlog");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const std::vector<std::uint8_t> data(1'000, 7);
+  constexpr std::size_t kEventBytes = kEventHeaderBytes + 1 + 1'000;
+  std::int64_t events = 0;
+  {
+    LogWriter writer(path);
+    const rlimit small{100'000, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    for (int i = 0; i < 200; ++i) {
+      writer.write(from_utime(i), "A", data);
+    }
+    EXPECT_TRUE(writer.close());
+    events = writer.events();
+    EXPECT_EQ(events + writer.events_lost(), 200);
+  }
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_EQ(events, static_cast<std::int64_t>(100'000 / kEventBytes));
+  const std::vector<std::uint8_t> bytes = test::read_file(path);
+  EXPECT_EQ(bytes.size(), static_cast<std::size_t>(events) * kEventBytes);
+  LogScan scan(bytes, {});
+  while (scan.next()) {
+  }
+  EXPECT_EQ(scan.counts().events, events);
+  EXPECT_EQ(scan.counts().stretches, 0);
 }
 
 }  // namespace

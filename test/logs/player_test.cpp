@@ -1,5 +1,6 @@
 #include "logs/play/player.hpp"
 
+#include <chrono>
 #include <deque>
 #include <tuple>
 #include <vector>
@@ -150,6 +151,37 @@ TEST(ParsePlayCommand, KnowsItsWordsAndNoOthers) {
                            "play", "seek 1 2", "speed nan"}) {
     EXPECT_FALSE(parse_play_command(text).has_value()) << text;
   }
+}
+
+// A clock that is set while it is logged: 1970, 2026, 1970 and 2026 again.
+TEST_F(PlayerTest, WaitsOutNoBrokenTimeStamp) {
+  Bytes bytes;
+  constexpr std::int64_t kNow = 1'795'000'000'000'000;
+  std::int64_t number = 0;
+  for (const std::int64_t utime : {std::int64_t{1'000'000}, kNow, kNow + 100'000,
+                                   std::int64_t{2'000'000}, kNow + 200'000, kNow + 300'000}) {
+    append_event({number, from_utime(utime), "A", Bytes{static_cast<std::uint8_t>(number)}}, bytes);
+    ++number;
+  }
+  test::write_file(folder_.file("b"), bytes);
+  log_.emplace(folder_.file("b"));
+  const PlayReport report = play({});
+  const auto pause_ms = std::chrono::milliseconds(Player::kAfterGap).count();
+  EXPECT_EQ(heard(), (Pairs{{0, 0},
+                            {1, pause_ms},
+                            {2, pause_ms + 100},
+                            {3, 2 * pause_ms + 100},
+                            {4, 3 * pause_ms + 100},
+                            {5, 3 * pause_ms + 200}}));
+  EXPECT_EQ(report.gaps, 3);
+  EXPECT_LT(report.late_worst_us, 1e3);
+
+  heard_.clear();
+  now_ns_ = kBegin;
+  PlayOptions options;
+  options.rules.to = from_utime(1'500'000);
+  EXPECT_EQ(play(options).gaps, 0);
+  EXPECT_EQ(heard(), (Pairs{{0, 0}})) << "what comes after the end is not waited for";
 }
 
 }  // namespace
