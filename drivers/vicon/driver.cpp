@@ -172,8 +172,9 @@ void ViconDriver::on_time(Moment now) {
       close_because(first_bytes_.empty() ? "accepts, but says nothing: not a mocap server?"
                                          : "has fallen silent");
     }
-  } else if (frames_since_open_ == 0 && now.steady - opened_at_ > kNoFrameHint) {
-    status_ = "connected to " + place() +
+  } else if (frames_since_open_ == 0 && last_heard_ > opened_at_ &&
+             now.steady - opened_at_ > kNoFrameHint) {
+    status_ = (is_datagram_ ? "something arrives at " : "connected to ") + place() +
               ", but there are no frames; is the system live, and are objects ticked? (Nexus: run "
               "the Kinematic Fit pipeline)";
   }

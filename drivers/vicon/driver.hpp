@@ -68,6 +68,7 @@ class ViconDriver {
   [[nodiscard]] const LinkCounts& link_counts() const { return link_counts_; }
   [[nodiscard]] const WireCounts& wire_counts() const { return session_->counts; }
   [[nodiscard]] const FrameCounts& frame_counts() const { return filter_.counts(); }
+  [[nodiscard]] std::vector<BodyRate> rates() const { return session_->rates(); }
 
  private:
   enum class State { kClosed, kOpening, kOpen };

@@ -22,6 +22,12 @@ struct WireCounts {
   std::int64_t duplicate_blocks = 0;   ///< parts of a frame that had come before
 };
 
+/// How often a server reports a body by itself.
+struct BodyRate {
+  std::string name;
+  double rate_hz = 0.0;  ///< 0: too few reports to tell
+};
+
 /// One protocol's side of a conversation, as a pure state machine: bytes and time in, frames (to
 /// the sink, within the call) and bytes out.
 class Session {
@@ -42,6 +48,9 @@ class Session {
   virtual void on_time(Moment now) = 0;
   /// The steady time at which on_time() has something to do.
   [[nodiscard]] virtual Duration next_wake() const = 0;
+
+  /// Of each body, in a protocol whose bodies report each at instants of their own; else empty.
+  [[nodiscard]] virtual std::vector<BodyRate> rates() const { return {}; }
 
   /// Bytes for the server; whoever sends them clears what he sent.
   std::vector<std::uint8_t> outgoing;

@@ -4,25 +4,28 @@
 #include <cstdlib>
 #include <utility>
 
-#include "models/wire/vicon/rotation.hpp"
-
 namespace vantage::drivers::vicon {
 namespace {
 
 namespace wire = models::vicon;
 
 constexpr Duration kPingPeriod = std::chrono::seconds(1);
-/// Poses of one frame are stamped one after the other; those of two are 1 ms apart at least.
-constexpr std::int64_t kSameFrame_us = 400;
 constexpr std::string_view kControlSender = "VRPN Control";
 constexpr std::int32_t kOwnId = 0;
 
 }  // namespace
 
 VrpnSession::VrpnSession(bool is_y_up, FrameSink sink)
-    : is_y_up_(is_y_up), assembly_(std::move(sink)), stream_(2 * wire::kVrpnMessageBytesMax) {}
+    : is_y_up_(is_y_up),
+      trackers_(is_y_up),
+      assembly_([this, sink = std::move(sink)](const SeenFrame&) {
+        trackers_.add_held(frame_stamp_us_, assembly_.frame());
+        sink(assembly_.frame());
+      }),
+      stream_(2 * wire::kVrpnMessageBytesMax) {}
 
 void VrpnSession::open(Moment now) {
+  trackers_.clear();
   assembly_.clear();
   stream_.clear();
   version_.reset();
@@ -149,6 +152,10 @@ void VrpnSession::on_pose(Moment arrival, const wire::VrpnHeader& header, wire::
   }
   const std::int64_t stamp_us =
       std::int64_t{header.seconds} * 1'000'000 + std::int64_t{header.microseconds};
+  if (trackers_.take(*name, stamp_us, *pose)) {
+    return;
+  }
+  constexpr std::int64_t kSameFrame_us = VrpnTrackers::kSameFrame_us;
   const bool is_same_frame = assembly_.is_open() && !assembly_.frame().has(*name) &&
                              std::abs(stamp_us - frame_stamp_us_) <= kSameFrame_us;
   const bool is_late = !assembly_.is_open() && !assembly_.frame().has(*name) &&
@@ -164,10 +171,7 @@ void VrpnSession::on_pose(Moment arrival, const wire::VrpnHeader& header, wire::
   }
   SeenBody& body = assembly_.frame().add();
   body.name = *name;
-  const Eigen::Vector4d& q = pose->quaternion_xyzw;
-  const bool is_zero = pose->position_m.isZero(0.0) && (q.isZero(0.0) || (q.head<3>().isZero(0.0)));
-  set_pose(body, pose->position_m, wire::rotation_from_xyzw(q.x(), q.y(), q.z(), q.w()), is_zero,
-           is_y_up_);
+  VrpnTrackers::place(body, *pose, is_y_up_);
 }
 
 void VrpnSession::on_time(Moment now) {

@@ -7,12 +7,14 @@
 
 #include "drivers/vicon/frame_assembly.hpp"
 #include "drivers/vicon/session.hpp"
+#include "drivers/vicon/vrpn_trackers.hpp"
 #include "models/wire/vicon/vrpn.hpp"
 
 namespace vantage::drivers::vicon {
 
 /// A client of a VRPN server, over TCP alone. Every sender that sends poses is a body; sensor 0 is
-/// its pose, others are its limbs. A frame is what carries nearly the same time stamp.
+/// its pose, others are its limbs. A frame is what carries nearly the same time stamp, and where
+/// the trackers that report at other instants are by then (VrpnTrackers).
 class VrpnSession : public Session {
  public:
   VrpnSession(bool is_y_up, FrameSink sink);
@@ -21,6 +23,7 @@ class VrpnSession : public Session {
   [[nodiscard]] bool receive(Moment arrival, models::vicon::Bytes bytes) override;
   void on_time(Moment now) override;
   [[nodiscard]] Duration next_wake() const override;
+  [[nodiscard]] std::vector<BodyRate> rates() const override { return trackers_.rates(); }
 
   [[nodiscard]] std::optional<models::vicon::VrpnVersion> version() const { return version_; }
   /// Names announced by the server.
@@ -42,6 +45,7 @@ class VrpnSession : public Session {
                models::vicon::Bytes payload);
 
   bool is_y_up_;
+  VrpnTrackers trackers_;
   FrameAssembly assembly_;
   models::vicon::StreamBuffer stream_;
   std::optional<models::vicon::VrpnVersion> version_;

@@ -10,6 +10,7 @@
 
 #include "core/check.hpp"
 #include "sim/vicon/socket_server.hpp"
+#include "test/support/udp_port.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -71,6 +72,28 @@ TEST(DescribeVicon, SaysWhyThereMayBeNoPoses) {
   ports[0].answer = Answer::kRefused;
   EXPECT_TRUE(says(describe("h", ports), "nobody listens"));
   EXPECT_TRUE(says(describe("h", ports), "no motion capture found"));
+}
+
+TEST(DescribeVicon, SaysHowOftenATrackerReportsByItself) {
+  std::vector<ViconPort> ports{stream_of(MocapProtocol::kVrpn, Speaker::kVrpn, 3883)};
+  ports[0].observed->bodies["QUAD"].rate_hz = 50.0;
+  EXPECT_TRUE(says(describe("h", ports), "QUAD: 50.0 Hz, seen in 50 % of the frames"));
+}
+
+// Nothing was ever received: nobody is connected to anything.
+TEST(ExamineVicon, SaysThatNothingArrives) {
+  const auto ports = examine_vicon("127.0.0.1", {}, std::stoi(test::port_of_this_test(0)),
+                                   std::chrono::milliseconds(2'500));
+  const auto lines = describe("127.0.0.1", ports);
+  EXPECT_TRUE(says(lines, "nothing arrives")) << all_of(lines);
+  EXPECT_FALSE(says(lines, "connected")) << all_of(lines);
+}
+
+TEST(ExamineVicon, ReturnsWhatItHasWhenItIsToldToStop) {
+  int asked = 0;
+  const auto ports = examine_vicon("127.0.0.1", {1, 2, 3}, std::stoi(test::port_of_this_test(0)),
+                                   std::chrono::hours(1), [&] { return ++asked > 2; });
+  EXPECT_LT(ports.size(), 4U);
 }
 
 TEST(ExamineVicon, FindsAVrpnServerWhereADataStreamWasExpected) {

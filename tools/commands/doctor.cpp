@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/check.hpp"
+#include "core/process.hpp"
 #include "models/scenario/mocap_spec.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/doctor/vicon_doctor.hpp"
 #include "tools/live/screen.hpp"
 
@@ -35,6 +37,9 @@ nlohmann::ordered_json to_json(const std::vector<ViconPort>& ports) {
       entry["latency_s"] = port.observed->latency_s;
       for (const auto& [name, body] : port.observed->bodies) {
         entry["bodies"][name] = {{"frames", body.frames}, {"seen", body.seen}};
+        if (body.rate_hz > 0.0) {
+          entry["bodies"][name]["rate_hz"] = body.rate_hz;
+        }
       }
       entry["troubles"] = port.observed->troubles;
     }
@@ -51,15 +56,19 @@ int run(const DoctorArguments& arguments) {
                                models::default_port(models::MocapProtocol::kVrpn)};
   const std::vector<ViconPort> ports =
       examine_vicon(arguments.host, arguments.ports.empty() ? usual : arguments.ports,
-                    arguments.udp_port, from_seconds(arguments.listen_s));
+                    arguments.udp_port, from_seconds(arguments.listen_s), stop_requested);
   if (arguments.as_json) {
-    print_line(nlohmann::ordered_json{
-        {"host", arguments.host}, {"usable", is_usable(ports)}, {"ports", to_json(ports)}}
-                   .dump());
+    print_json(nlohmann::ordered_json{
+        {"host", arguments.host}, {"usable", is_usable(ports)}, {"ports", to_json(ports)}});
   } else {
     for (const std::string& line : describe(arguments.host, ports)) {
       print_line(line);
     }
+  }
+  if (stop_requested()) {
+    fmt::print(stderr, "vantage: interrupted: not every port was listened to for {:g} s\n",
+               arguments.listen_s);
+    return 1;
   }
   return is_usable(ports) ? 0 : 1;
 }
@@ -72,14 +81,16 @@ void add_doctor_command(CLI::App& root, Runner& chosen) {
   command->add_option("device", arguments->device, "what to examine: vicon")->required();
   command->add_option("host", arguments->host, "where it is")->required();
   command->add_option("--port", arguments->ports, "TCP ports to look at instead of 801 and 3883")
-      ->check(CLI::Range(1, 65535));
+      ->check(number_between(1, 65535));
   command->add_option("--udp-port", arguments->udp_port, "of the object stream")
-      ->check(CLI::Range(1, 65535));
+      ->check(number_between(1, 65535));
   command->add_option("--listen-s", arguments->listen_s, "to each stream")
-      ->check(CLI::Range(0.1, 60.0));
+      ->check(number_between(0.1, 60.0));
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Exit code 0: some stream has bodies that are seen; 1: none; 2: no such host.\n"
+      "Ctrl-C and SIGTERM end it at once; what it has heard by then is told.\n"
+      "Exit code 0: some stream has bodies that are seen; 1: none, or interrupted; 2: no such "
+      "host.\n"
       "Example:\n"
       "  vantage doctor vicon 192.168.1.10");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });

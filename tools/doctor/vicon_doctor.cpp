@@ -11,6 +11,7 @@
 #include "bus/clock.hpp"
 #include "core/address.hpp"
 #include "core/deadline.hpp"
+#include "core/process.hpp"
 #include "drivers/vicon/descriptor.hpp"
 #include "drivers/vicon/driver.hpp"
 #include "drivers/vicon/socket_link.hpp"
@@ -25,15 +26,28 @@ using models::vicon::Speaker;
 constexpr int kConnect_ms = 1500;
 constexpr int kGreeting_ms = 1500;
 
+using Stop = std::function<bool()>;
+
+/// True once `polled` is ready; false after `timeout_ms`, or when told to stop.
+bool wait_for(pollfd& polled, int timeout_ms, const Stop& stop) {
+  constexpr int kSlice_ms = 50;
+  for (int left_ms = timeout_ms; left_ms > 0 && !stop(); left_ms -= kSlice_ms) {
+    if (poll(&polled, 1, std::min(left_ms, kSlice_ms)) > 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
 /// Who accepts at `port`, and how he begins.
-void probe(sockaddr_in address, ViconPort& port) {
+void probe(sockaddr_in address, ViconPort& port, const Stop& stop) {
   address.sin_port = htons(static_cast<std::uint16_t>(port.port));
   const Descriptor line(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (connect(line.fd(), as_sockaddr(address), sizeof address) != 0 && errno != EINPROGRESS) {
     return;
   }
   pollfd polled{line.fd(), POLLOUT, 0};
-  if (poll(&polled, 1, kConnect_ms) <= 0) {
+  if (!wait_for(polled, kConnect_ms, stop)) {
     return;
   }
   int error = 0;
@@ -47,7 +61,7 @@ void probe(sockaddr_in address, ViconPort& port) {
   std::array<std::uint8_t, 64> buffer{};
   std::size_t heard = 0;
   polled.events = POLLIN;
-  while (port.speaker == Speaker::kTooFewBytes && poll(&polled, 1, kGreeting_ms) > 0) {
+  while (port.speaker == Speaker::kTooFewBytes && wait_for(polled, kGreeting_ms, stop)) {
     const ssize_t bytes = recv(line.fd(), buffer.data() + heard, buffer.size() - heard, 0);
     if (bytes <= 0) {
       return;
@@ -86,7 +100,7 @@ void note_troubles(const drivers::vicon::ViconDriver& driver, Observation& obser
   }
 }
 
-Observation observe(const models::MocapSpec& spec, Duration listen) {
+Observation observe(const models::MocapSpec& spec, Duration listen, const Stop& stop) {
   Observation observed;
   Time first{};
   Time last{};
@@ -110,7 +124,7 @@ Observation observe(const models::MocapSpec& spec, Duration listen) {
     return drivers::vicon::Moment{clock.now(), Duration{monotonic_ns() / 1'000}};
   });
   const std::int64_t end_ns = monotonic_ns() + listen.count() * 1'000;
-  while (monotonic_ns() < end_ns) {
+  while (monotonic_ns() < end_ns && !stop()) {
     link.step();
     pollfd polled{link.wake_fd(), POLLIN, 0};
     poll(&polled, 1, 2);
@@ -121,6 +135,11 @@ Observation observe(const models::MocapSpec& spec, Duration listen) {
   if (observed.frames > 0) {
     observed.latency_s = latency_sum_s / static_cast<double>(observed.frames);
   }
+  for (const drivers::vicon::BodyRate& rate : driver.rates()) {
+    if (const auto body = observed.bodies.find(rate.name); body != observed.bodies.end()) {
+      body->second.rate_hz = rate.rate_hz;
+    }
+  }
   observed.status = driver.status();
   note_troubles(driver, observed);
   return observed;
@@ -129,31 +148,40 @@ Observation observe(const models::MocapSpec& spec, Duration listen) {
 }  // namespace
 
 std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<int>& tcp_ports,
-                                     int udp_port, Duration listen) {
-  const sockaddr_in address = require_host(host, 0);
+                                     int udp_port, Duration listen, const Stop& stop) {
+  const sockaddr_in address = [&host] {
+    const EndsAtOnce looking_up;  // a name server that is silent takes its time
+    return require_host(host, 0);
+  }();
   std::vector<ViconPort> out;
   models::MocapSpec spec;
   spec.host = host;
   for (const int number : tcp_ports) {
+    if (stop()) {
+      return out;
+    }
     ViconPort port;
     port.port = number;
     port.expected = number == models::default_port(MocapProtocol::kVrpn)
                         ? MocapProtocol::kVrpn
                         : MocapProtocol::kDataStream;
-    probe(address, port);
+    probe(address, port, stop);
     if (const auto protocol = protocol_of(port.speaker)) {
       spec.protocol = *protocol;
       spec.port = number;
-      port.observed = observe(spec, listen);
+      port.observed = observe(spec, listen, stop);
     }
     out.push_back(std::move(port));
+  }
+  if (stop()) {
+    return out;
   }
   ViconPort datagrams;
   datagrams.expected = MocapProtocol::kObjectStream;
   datagrams.port = udp_port;
   spec.protocol = MocapProtocol::kObjectStream;
   spec.port = udp_port;
-  datagrams.observed = observe(spec, listen);
+  datagrams.observed = observe(spec, listen, stop);
   if (datagrams.observed->frames > 0) {
     datagrams.answer = Answer::kSpeech;
     datagrams.speaker = Speaker::kObjectStream;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -24,6 +25,7 @@ enum class Answer {
 struct ObservedBody {
   std::int64_t frames = 0;  ///< in which it was listed
   std::int64_t seen = 0;
+  double rate_hz = 0.0;  ///< of its own reports, where each body has its own; else 0
   Eigen::Vector3d last_world_m = Eigen::Vector3d::Zero();
 };
 
@@ -47,9 +49,11 @@ struct ViconPort {
 
 /// Looks who speaks at `host`: at `ports` by TCP, each with the protocol that is usual there, and
 /// what comes to `udp_port`; listens to each stream for `listen`. Takes that long and up to 3 s a
-/// port.
-std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<int>& tcp_ports,
-                                     int udp_port, Duration listen);
+/// port; told to `stop`, it returns within 0.1 s what it has, the ports that it did not come to
+/// left out. @throws StartupError when no such host is known.
+std::vector<ViconPort> examine_vicon(
+    const std::string& host, const std::vector<int>& tcp_ports, int udp_port, Duration listen,
+    const std::function<bool()>& stop = [] { return false; });
 
 /// The findings in words, then what to do: the scenario's `mocap` when something was found.
 std::vector<std::string> describe(const std::string& host, const std::vector<ViconPort>& ports);

@@ -51,8 +51,9 @@ void describe_stream(const ViconPort& port, std::vector<std::string>& out) {
     out.push_back(
         body.seen > 0
             ? fmt::format(
-                  "    {}: seen in {:.0f} % of the frames, last at ({:.3f}, {:.3f}, {:.3f}) m",
-                  name, 100.0 * share, body.last_world_m.x(), body.last_world_m.y(),
+                  "    {}:{} seen in {:.0f} % of the frames, last at ({:.3f}, {:.3f}, {:.3f}) m",
+                  name, body.rate_hz > 0.0 ? fmt::format(" {:.1f} Hz,", body.rate_hz) : "",
+                  100.0 * share, body.last_world_m.x(), body.last_world_m.y(),
                   body.last_world_m.z())
             : fmt::format("    {}: never seen", name));
   }
