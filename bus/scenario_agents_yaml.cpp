@@ -290,6 +290,13 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
     from.refuse("height_m", fmt::format("must be below world.ceiling_m, {}, is {}",
                                         scenario.world.ceiling_m, robot.height_m));
   }
+  if (robot.height_m + robot.limits.radius_m > scenario.world.ceiling_m) {
+    from.refuse(
+        "height_m",
+        fmt::format("must be at most world.ceiling_m, {}, less the robot's radius_m, {}: it "
+                    "would touch the ceiling; is {}",
+                    scenario.world.ceiling_m, robot.limits.radius_m, robot.height_m));
+  }
   check_start(from, scenario.world, robot.start,
               robot.limits.radius_m + scenario.planner.obstacle_margin_m);
   check_separation(from, robot, scenario);

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
 #include "bus/scenario_agents_yaml.hpp"
 #include "bus/scenario_attacks_yaml.hpp"
@@ -300,6 +302,23 @@ models::Scenario parse_scenario(const std::string& yaml, const std::string& name
   scenario.source_text = yaml;
   read_mapping({parse_document(yaml, name)}, [&](Mapping& top) { read_scenario(top, scenario); });
   return scenario;
+}
+
+int line_of_key(const std::string& text, const std::string& path) {
+  YAML::Node node = YAML::Load(text);
+  std::istringstream keys(path);
+  int line = 0;
+  for (std::string key; node.IsMap() && std::getline(keys, key, '.');) {
+    YAML::Node next;
+    for (const auto& entry : node) {
+      if (entry.first.Scalar() == key) {
+        line = line_of(entry.first, line);
+        next.reset(entry.second);
+      }
+    }
+    node.reset(next);
+  }
+  return line;
 }
 
 }  // namespace vantage::bus

@@ -11,6 +11,10 @@ namespace vantage::bus {
 ///         duplicate key, a wrong type or unit, a value out of range, a missing file.
 models::Scenario load_scenario(const std::string& path);
 
+/// The line, from 1, on which the text of a scenario that was read gives the key at `path`
+/// ("targets", "network.url"): of the innermost one that it gives; 0 when it gives none of it.
+int line_of_key(const std::string& text, const std::string& path);
+
 /// The same from text; `name` stands for the file in messages.
 models::Scenario parse_scenario(const std::string& yaml, const std::string& name);
 

@@ -67,7 +67,9 @@ std::vector<Pose2> target_starts(const models::Scenario& scenario, std::uint64_t
         }
       }
     }
-    require(found, "target " + target.name + ": no free ground left to start from");
+    require(found, "target " + target.name +
+                       ": no free ground left to start from: " + std::to_string(starts.size()) +
+                       " of " + std::to_string(scenario.targets.size()) + " targets found some");
   }
   return starts;
 }

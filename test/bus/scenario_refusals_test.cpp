@@ -151,6 +151,7 @@ const BadEdit kTeams[] = {
     {"StartsTooNear", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: -2.8, y_m: 0}", "must be at least planner.separation_m, 0.6 m, from the start of Q1; is 0.539"},
     {"StartWithoutY", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0}", "robots[1].start: missing required key y_m"},
     {"AboveTheCeiling", "height_m: 2.0", "@height_m: 3.0", "robots[2].height_m: must be below world.ceiling_m, 3, is 3"},
+    {"TouchingTheCeiling", "height_m: 2.0", "@height_m: 2.8", "robots[2].height_m: must be at most world.ceiling_m, 3, less the robot's radius_m, 0.25: it would touch the ceiling; is 2.8"},
     {"NoPrimitives", "primitives: lab", "@primitives: []", "must hold at least 1 and at most 64 primitives, holds 0"},
     {"PrimitivesTooFast", "primitives: lab", "@primitives: standard", "speed_mps must be at most limits.speed_max_mps, 1, is 3"},
     {"PrimitivesTurnTooFast", "primitives: lab", "@primitives: [{speed_mps: 1, yaw_rate_radps: -4}]", "yaw_rate_radps must be at most limits.yaw_rate_max_radps, 3, either way; is -4"},

@@ -57,6 +57,57 @@ TEST(CheckPreflight, RefusesATargetThatStartsInAnObstacle) {
   EXPECT_NE(only_fault(scenario).find(scenario.targets[2].name), std::string::npos);
 }
 
+TEST(CheckPreflight, SaysByLineThatTheTargetsFindNoGround) {
+  models::Scenario scenario = lab();
+  for (int id = 5; id < 500; ++id) {
+    scenario.targets.push_back(scenario.targets.back());
+    scenario.targets.back().id = id;
+    scenario.targets.back().name = "R" + std::to_string(id + 1);
+  }
+  const std::string fault = only_fault(scenario);
+  EXPECT_NE(fault.find("line " + std::to_string(bus::line_of_key(scenario.source_text, "targets")) +
+                       ": target R"),
+            std::string::npos)
+      << fault;
+  EXPECT_NE(fault.find("of 500 targets found some"), std::string::npos) << fault;
+}
+
+TEST(CheckPreflight, SaysByLineThatAnAddressIsNotMulticast) {
+  models::Scenario scenario = lab();
+  scenario.network.url = "udpm://10.0.0.1:7667?ttl=0";
+  const std::string fault = only_fault(scenario);
+  EXPECT_NE(
+      fault.find("line " + std::to_string(bus::line_of_key(scenario.source_text, "network.url")) +
+                 ": network.url 'udpm://10.0.0.1:7667?ttl=0'"),
+      std::string::npos)
+      << fault;
+  EXPECT_NE(fault.find("not an IPv4 multicast address"), std::string::npos) << fault;
+  scenario.network.url = "memq://";
+  EXPECT_TRUE(check_preflight(scenario).is_ready());
+}
+
+TEST(RoomForPlanners, IsWhatTheHostWithMostOfThemNeeds) {
+  models::Scenario scenario = lab();
+  EXPECT_TRUE(room_for_planners(scenario, 400'000'000).is_enough);
+  const MemoryRoom little = room_for_planners(scenario, 300'000'000);
+  EXPECT_FALSE(little.is_enough);
+  EXPECT_EQ(little.words,
+            "line " + std::to_string(bus::line_of_key(scenario.source_text, "robots")) +
+                ": memory: 3 planners on one host take 0.4 GB at most; 0.3 GB are free here");
+  scenario.hosts = {{"LAB", {"Q1"}}, {"AIR", {"Q2", "Q3"}}};
+  EXPECT_TRUE(room_for_planners(scenario, 300'000'000).is_enough) << "two on one host";
+  EXPECT_TRUE(room_for_planners(scenario, std::nullopt).is_enough) << "nobody can say";
+  EXPECT_GT(free_memory_bytes().value_or(0), 1'000'000U);
+}
+
+TEST(LineOfKey, IsOfTheInnermostThatIsGiven) {
+  const std::string text = "name: x\n# nothing\nnetwork:\n  url: memq://\ntargets: {count: 2}\n";
+  EXPECT_EQ(bus::line_of_key(text, "network.url"), 4);
+  EXPECT_EQ(bus::line_of_key(text, "network.no_key"), 3);
+  EXPECT_EQ(bus::line_of_key(text, "targets"), 5);
+  EXPECT_EQ(bus::line_of_key(text, "robots"), 0);
+}
+
 // Three quadrotors behind drivers, 1 m/s, 2 m/s², radius 0.25 m; 0.6 m apart, 0.1 m from walls.
 models::Scenario lab_hil() { return bus::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-hil.yaml"); }
 

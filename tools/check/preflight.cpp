@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bus/scenario_yaml.hpp"
+#include "bus/url.hpp"
 #include "core/check.hpp"
 #include "drivers/quadrotor/safety/limits.hpp"
 #include "drivers/quadrotor/safety/plan_check.hpp"
 #include "models/plan/plan.hpp"
 #include "models/scenario/search_name.hpp"
 #include "models/world/world.hpp"
+#include "sim/rover/starts.hpp"
 #include "tools/up/process_plan.hpp"
 
 namespace vantage::tools {
@@ -139,6 +143,35 @@ void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
+// "line 12: …", as the reader of the file would say it.
+std::string at_line(const Scenario& scenario, const std::string& key, const std::string& words) {
+  const int line = scenario.source_text.empty() ? 0 : bus::line_of_key(scenario.source_text, key);
+  return line > 0 ? fmt::format("line {}: {}", line, words) : words;
+}
+
+void check_network(const Scenario& scenario, std::vector<std::string>& faults) {
+  try {
+    const bus::Url url = bus::parse_url(scenario.network.url);
+    if (url.scheme == "udpm") {
+      static_cast<void>(bus::parse_udpm(url));
+    }
+  } catch (const StartupError& error) {
+    faults.push_back(at_line(scenario, "network.url",
+                             "network.url '" + scenario.network.url + "': " + error.what()));
+  }
+}
+
+// The simulator would not begin.
+void check_free_ground(const Scenario& scenario, std::vector<std::string>& faults) {
+  try {
+    static_cast<void>(sim::target_starts(scenario, scenario.seed));
+  } catch (const UsageError& error) {
+    faults.push_back(
+        at_line(scenario, "targets",
+                std::string(error.what()) + "; fewer targets, or a larger world.bounds"));
+  }
+}
+
 void check_targets(const Scenario& scenario, std::vector<std::string>& faults) {
   for (const models::TargetSpec& target : scenario.targets) {
     if (target.start &&
@@ -255,6 +288,37 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
 
 }  // namespace
 
+MemoryRoom room_for_planners(const Scenario& scenario, std::optional<std::uint64_t> free_bytes) {
+  std::size_t robots = scenario.hosts.empty() ? scenario.robots.size() : 0;
+  for (const models::HostSpec& host : scenario.hosts) {
+    const auto here = std::count_if(
+        scenario.robots.begin(), scenario.robots.end(),
+        [&](const models::RobotSpec& robot) { return scenario.runs_on(host.name, robot.name); });
+    robots = std::max(robots, static_cast<std::size_t>(here));
+  }
+  const double needed = kPlannerBytes * static_cast<double>(robots);
+  constexpr double kGiga = 1e9;
+  const std::string words = fmt::format(
+      "memory: {} planners on one host take {:.1f} GB at most{}", robots, needed / kGiga,
+      free_bytes
+          ? fmt::format("; {:.1f} GB are free here", static_cast<double>(*free_bytes) / kGiga)
+          : std::string());
+  const bool is_enough = !free_bytes || static_cast<double>(*free_bytes) >= needed;
+  return {is_enough, is_enough ? words : at_line(scenario, "robots", words)};
+}
+
+std::optional<std::uint64_t> free_memory_bytes() {
+  std::ifstream file("/proc/meminfo");
+  std::string name;
+  std::uint64_t kibibytes = 0;
+  for (std::string rest; file >> name >> kibibytes; std::getline(file, rest)) {
+    if (name == "MemAvailable:") {
+      return kibibytes << 10U;
+    }
+  }
+  return std::nullopt;
+}
+
 Preflight check_preflight(const Scenario& scenario) {
   Preflight out;
   describe(scenario, out.understood);
@@ -264,6 +328,8 @@ Preflight check_preflight(const Scenario& scenario) {
   check_robots(scenario, out.faults);
   check_safety(scenario, out.faults);
   check_targets(scenario, out.faults);
+  check_free_ground(scenario, out.faults);
+  check_network(scenario, out.faults);
   check_round(scenario, out.faults);
   for (std::string& fault : device_faults(scenario)) {
     out.faults.push_back(std::move(fault));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +19,8 @@ struct Preflight {
 
 /// Checks what a reader of the file alone cannot: every robot's start is clear of obstacles and
 /// walls by its radius and the planner's margin, can be stopped at, no two starts are nearer than
-/// the separation, stated targets start on free ground, the slots fit into the round; and flight
+/// the separation, stated targets start on free ground, drawn ones find some (by the scenario's own
+/// seed), the network's address is multicast, the slots fit into the round; and flight
 /// safety has limits that it can keep and refuses none of the robots' primitives. Noted is a
 /// separation or a margin that a driver which dies in motion would use up (lost_way_m), and a wind
 /// that nothing feels.
@@ -28,5 +31,17 @@ struct Preflight {
 inline constexpr double kLossSpareM = 0.1;
 
 Preflight check_preflight(const models::Scenario& scenario);
+
+/// What one robot's planner holds at most, measured: fifty in one process took 5.7 GB.
+inline constexpr double kPlannerBytes = 120e6;
+struct MemoryRoom {
+  bool is_enough = true;
+  std::string words;
+};
+/// Whether the planners of the host that has most of them find room, in a sentence.
+MemoryRoom room_for_planners(const models::Scenario& scenario,
+                             std::optional<std::uint64_t> free_bytes);
+/// What this machine can still give out; nullopt when it does not say.
+std::optional<std::uint64_t> free_memory_bytes();
 
 }  // namespace vantage::tools

@@ -15,6 +15,7 @@
 #include "tools/check/preflight.hpp"
 #include "tools/commands/check_vehicles.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/up/log_space.hpp"
 
@@ -65,9 +66,9 @@ int run_vehicles(const CheckArguments& arguments) {
   options.is_quiet = arguments.as_json;
   const VehicleReport report = check_vehicles(scenario, options);
   if (arguments.as_json) {
-    print_line(nlohmann::ordered_json{
-        {"scenario", arguments.scenario}, {"ready", report.is_ready}, {"vehicles", report.vehicles}}
-                   .dump());
+    print_json(nlohmann::ordered_json{{"scenario", arguments.scenario},
+                                      {"ready", report.is_ready},
+                                      {"vehicles", report.vehicles}});
   } else {
     print_line(report.is_ready ? "ready" : "not ready");
   }
@@ -88,16 +89,17 @@ int run(const CheckArguments& arguments) {
   for (std::string& fault : bus::auth::security_faults(scenario)) {
     preflight.faults.push_back(std::move(fault));
   }
+  const MemoryRoom memory = room_for_planners(scenario, free_memory_bytes());
+  (memory.is_enough ? preflight.understood : preflight.faults).push_back(memory.words);
   if (arguments.is_live) {
     listen(scenario, arguments.listen_s, preflight.faults);
   }
   if (arguments.as_json) {
-    print_line(nlohmann::ordered_json{{"scenario", arguments.scenario},
+    print_json(nlohmann::ordered_json{{"scenario", arguments.scenario},
                                       {"ready", preflight.is_ready()},
                                       {"understood", preflight.understood},
                                       {"faults", preflight.faults},
-                                      {"notes", preflight.notes}}
-                   .dump());
+                                      {"notes", preflight.notes}});
   } else {
     for (const std::string& line : preflight.understood) {
       print_line(line);
@@ -126,7 +128,9 @@ void add_check_command(CLI::App& root, Runner& chosen) {
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->add_flag("--live", arguments->is_live,
                     "also listen to the running system and say what blocks arming");
-  command->add_option("--listen", arguments->listen_s, "how long, in seconds")->needs("--live");
+  command->add_option("--listen", arguments->listen_s, "how long, in seconds")
+      ->needs("--live")
+      ->check(number_between(0.0, 3600.0));
   CLI::Option* const vehicles =
       command->add_flag("--vehicles", arguments->is_of_vehicles,
                         "ask each robot's autopilot for its parameters and say what differs from "
