@@ -30,6 +30,14 @@ struct Connection {
   std::string text;  ///< a message that comes in several frames
   int opcode = 0;    ///< of its first frame
 
+  /// Nothing goes out any more once it returns.
+  void end_writing() {
+    client->close();
+    if (writer.joinable()) {
+      writer.join();
+    }
+  }
+
   void write_all(mg_connection* socket) const {
     while (std::optional<Frame> frame = client->wait_pop()) {
       const int kind = frame->is_text ? MG_WEBSOCKET_OPCODE_TEXT : MG_WEBSOCKET_OPCODE_BINARY;
@@ -123,8 +131,18 @@ struct WebServer::State {
   static int on_data(mg_connection* socket, int bits, char* bytes, std::size_t size, void* state) {
     Connection* viewer = connection(socket);
     const int opcode = bits & kOpcodeMask;
-    if (viewer == nullptr || opcode == MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE ||
-        viewer->client->is_closed()) {
+    if (viewer == nullptr) {
+      return 0;
+    }
+    if (opcode == MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE) {
+      // Answered with the code that came, after the last frame that goes out (RFC 6455, 5.5.1).
+      constexpr std::size_t kCodeBytes = 2;
+      viewer->end_writing();
+      mg_websocket_write(socket, MG_WEBSOCKET_OPCODE_CONNECTION_CLOSE, bytes,
+                         size < kCodeBytes ? 0 : kCodeBytes);
+      return 0;
+    }
+    if (viewer->client->is_closed()) {
       return 0;
     }
     if (opcode > MG_WEBSOCKET_OPCODE_BINARY) {
@@ -154,7 +172,7 @@ struct WebServer::State {
     if (viewer) {
       mg_set_user_connection_data(socket, nullptr);
       static_cast<State*>(state)->broker.disconnect(viewer->client);
-      viewer->writer.join();
+      viewer->end_writing();
     }
   }
 
