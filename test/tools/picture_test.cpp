@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <stack>
@@ -10,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/write_file.hpp"
 #include "tools/picture/label_placer.hpp"
 #include "tools/picture/svg.hpp"
 
@@ -216,7 +218,7 @@ TEST(RenderPng, MakesAPngOrSaysWhatIsMissing) {
   const std::string svg_path = ::testing::TempDir() + "vantage_picture.svg";
   const std::string png_path = ::testing::TempDir() + "vantage_picture.png";
   const Example it = example();
-  write_text(svg_path, draw_picture(it.scenario, it.scene, it.summary));
+  write_file(svg_path, draw_picture(it.scenario, it.scene, it.summary));
   const Result<std::string> png = render_png(svg_path, png_path);
   if (!png.ok()) {
     EXPECT_NE(png.error().message.find("rsvg-convert"), std::string::npos);
@@ -226,6 +228,27 @@ TEST(RenderPng, MakesAPngOrSaysWhatIsMissing) {
   std::string magic(4, ' ');
   file.read(magic.data(), 4);
   EXPECT_EQ(magic, "\x89PNG");
+}
+
+TEST(RenderPng, SaysFileAndReasonAndLeavesNothingHalf) {
+  const std::string folder = ::testing::TempDir() + "vantage_png";
+  std::filesystem::create_directories(folder);
+  write_file(folder + "/no.svg", "this is no picture");
+  const auto render = [&]() -> std::string {
+    try {
+      const Result<std::string> png = render_png(folder + "/no.svg", folder + "/no.png");
+      return png.ok() ? "drawn" : png.error().message;
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+  };
+  const std::string said = render();
+  EXPECT_TRUE(said.find("not installed") != std::string::npos ||
+              said == folder + "/no.png: cannot be written: rsvg-convert failed on " + folder +
+                          "/no.svg")
+      << said;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ void add_trial_command(CLI::App& root, Runner& run);
 void add_demo_command(CLI::App& root, Runner& run);
 void add_up_command(CLI::App& root, Runner& run);
 void add_check_command(CLI::App& root, Runner& run);
+void add_config_command(CLI::App& root, Runner& run);
 void add_console_command(CLI::App& root, Runner& run);
 void add_plan_command(CLI::App& root, Runner& run);
 void add_doctor_command(CLI::App& root, Runner& run);

@@ -2,10 +2,13 @@
 
 #include <memory>
 
+#include <fmt/format.h>
+
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
+#include "tools/scenario/config_folder.hpp"
 #include "tools/trial/recipe.hpp"
 #include "tools/view/live_view.hpp"
 
@@ -13,7 +16,7 @@ namespace vantage::tools {
 namespace {
 
 struct DemoArguments {
-  std::string scenario = "config/lab.yaml";
+  std::string scenario;  ///< empty: the lab that comes with vantage
   std::string directory = "demo-out";
   Overrides overrides;
   bool as_json = false;
@@ -25,11 +28,15 @@ int run(DemoArguments arguments) {
   if (!arguments.overrides.duration_s) {
     arguments.overrides.duration_s = 60.0;
   }
+  if (arguments.scenario.empty()) {
+    arguments.scenario = config_path("lab");
+  }
   const models::Scenario scenario = load_scenario_with(arguments.scenario, arguments.overrides);
   DemoOptions options;
   options.directory = arguments.directory;
   options.quiet = arguments.as_json;
   options.live_table = is_terminal() && !options.quiet;
+  options.warn = [](const std::string& words) { fmt::print(stderr, "! {}\n", words); };
   if (arguments.is_shown) {
     options.attach = [&](bus::InProcessHub& hub) {
       auto view = std::make_shared<LiveView>(hub.connect(), arguments.web);
@@ -46,12 +53,17 @@ int run(DemoArguments arguments) {
   report_summary(scenario, result.summary, arguments.as_json);
   if (!arguments.as_json) {
     print_line("log      " + result.log_path);
-    print_line("picture  " + result.svg_path);
-    print_line("         " + (result.png_path.empty() ? result.png_error : result.png_path));
-    print_line("look     vantage view " + result.log_path);
+    const std::string png = result.png_path.empty() ? result.png_error : result.png_path;
+    if (!result.svg_path.empty()) {
+      print_line("picture  " + result.svg_path);
+    }
+    if (!png.empty()) {
+      print_line("         " + png);
+    }
+    print_line("look     vantage view " + shell_quoted(result.log_path));
   }
   for (const std::string& failure : result.failures) {
-    print_line("failed: " + failure);
+    fmt::print(stderr, "vantage: {}\n", failure);
   }
   return result.summary.collisions == 0 && result.failures.empty() ? 0 : 1;
 }
@@ -62,7 +74,7 @@ void add_demo_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "demo", "Fly a simulated trial in real time in this process; no network needed.");
   auto arguments = std::make_shared<DemoArguments>();
-  command->add_option("--scenario", arguments->scenario, "scenario file")->capture_default_str();
+  command->add_option("--scenario", arguments->scenario, "scenario file; the lab's when not given");
   command->add_option("--out", arguments->directory, "folder for the log and the pictures")
       ->capture_default_str();
   add_override_options(*command, arguments->overrides);
@@ -70,8 +82,9 @@ void add_demo_command(CLI::App& root, Runner& chosen) {
   command->add_flag("--view", arguments->is_shown, "show it in the browser meanwhile");
   add_web_options(*command, arguments->web);
   command->footer(
-      "Lasts 60 s unless told otherwise; Ctrl-C ends it early with the same summary.\n"
-      "Exit code 1 when anything collided or failed.\n"
+      "Lasts 60 s unless told otherwise; Ctrl-C, SIGTERM or a terminal that is closed end it "
+      "early\n"
+      "with the same summary. Exit code 1 when anything collided, failed or could not be written.\n"
       "Examples:\n"
       "  vantage demo\n"
       "  vantage demo --view\n"

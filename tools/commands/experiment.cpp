@@ -12,6 +12,7 @@
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/observe/announcer.hpp"
 #include "tools/sweep/report_page.hpp"
@@ -50,13 +51,14 @@ void show_line(const std::string& text) {
   }
 }
 
-// A second Ctrl-C drops the units that run: their rows are not begun.
-void show_progress(const SweepProgress& progress) {
-  if (stop_requests() > 1) {
-    fmt::print(stderr, "\n");
-    std::_Exit(1);
-  }
-  show_line(progress_text(progress));
+// Says what is kept and how to go on.
+void tell_stopped(const ExperimentArguments& arguments, const SweepIdentity& identity,
+                  const SweepProgress& progress) {
+  fmt::print(stderr,
+             "stopped with {} of {} units done; their rows are kept. To go on: {} --out {}{}\n",
+             progress.done, progress.units, command_of(identity, arguments.extent.trials),
+             shell_quoted(arguments.options.directory),
+             arguments.shard.empty() ? "" : " --shard " + arguments.shard);
 }
 
 int tell(const ExperimentArguments& arguments, const SweepIdentity& identity,
@@ -65,12 +67,10 @@ int tell(const ExperimentArguments& arguments, const SweepIdentity& identity,
   for (const std::string& line : outcome.lines) {
     print_line(line);
   }
-  const std::string command =
-      command_of(identity, arguments.extent.trials) + " --out " + arguments.options.directory;
+  const std::string command = command_of(identity, arguments.extent.trials) + " --out " +
+                              shell_quoted(arguments.options.directory);
   if (outcome.is_stopped) {
-    fmt::print(stderr, "stopped with {} of {} units done; their rows are kept. To go on: {}{}\n",
-               outcome.progress.done, outcome.progress.units, command,
-               arguments.shard.empty() ? "" : " --shard " + arguments.shard);
+    tell_stopped(arguments, identity, outcome.progress);
     return 1;
   }
   if (arguments.options.shard) {
@@ -118,11 +118,18 @@ int run(ExperimentArguments arguments) {
     arguments.options.directory = "experiments/" + arguments.name;
   }
   arguments.options.stop = stop_requested;
-  arguments.options.progress = show_progress;
   const Sweep sweep = experiment->make(arguments.extent);
   arguments.extent.trials = sweep.plan.trials;
   const SweepIdentity identity{arguments.name, version(), arguments.seed,
                                arguments.extent.is_smoke};
+  // A unit may take minutes: those that run are dropped, of which no row is begun.
+  arguments.options.progress = [&](const SweepProgress& progress) {
+    show_line(progress.is_stopping ? "" : progress_text(progress));
+    if (progress.is_stopping) {
+      tell_stopped(arguments, identity, progress);
+      std::_Exit(1);
+    }
+  };
   if (arguments.is_on_slurm) {
     return run_as_jobs(arguments, identity, sweep, experiment->what);
   }
@@ -145,11 +152,12 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   command
       ->add_option("--trials", arguments->extent.trials,
                    "of each setting; when not given, as many as the dissertation ran")
-      ->check(CLI::Range(1, 1'000'000));
+      ->check(number_between(1, 1'000'000));
   command->add_option("--seed", arguments->seed, "of the first trial; the next one's is 1 more")
+      ->check(seed_number())
       ->capture_default_str();
   command->add_option("--jobs", arguments->options.jobs, "threads; about 0.7 GB each")
-      ->check(CLI::Range(1, 1024))
+      ->check(number_between(1, 1024))
       ->capture_default_str();
   CLI::Option* shard =
       command->add_option("--shard", arguments->shard,
@@ -160,7 +168,7 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
                      "as an array of Slurm jobs, which share --out: submits them, waits, collects")
           ->excludes(shard);
   command->add_option("--shards", arguments->slurm.shards, "of --slurm: jobs in the array")
-      ->check(CLI::Range(1, 100'000))
+      ->check(number_between(1, 100'000))
       ->capture_default_str()
       ->needs(slurm);
   command->add_flag("--no-wait", arguments->is_left_alone, "of --slurm: only submit")->needs(slurm);
@@ -175,8 +183,8 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   command->footer(
       footer +
       "The same seed gives the same files whatever the jobs, shards and interruptions,\n"
-      "but for the times. Ctrl-C or a crash keeps what is done: the same command goes "
-      "on.\n"
+      "but for the times. Ctrl-C, SIGTERM or a crash keeps the units that are done: the same "
+      "command\ngoes on. Exit code 1 then.\n"
       "Examples:\n"
       "  vantage experiment dls-savings --jobs 2 --out results/dls-savings\n"
       "  vantage experiment dls-objective --trials 10 --seed 7\n"

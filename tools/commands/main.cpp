@@ -1,7 +1,14 @@
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 
+#include "core/check.hpp"
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/observe/announcer.hpp"
 
 int main(int argc, char** argv) {
@@ -14,6 +21,7 @@ int main(int argc, char** argv) {
     vantage::tools::add_trial_command(app, run);
     vantage::tools::add_up_command(app, run);
     vantage::tools::add_check_command(app, run);
+    vantage::tools::add_config_command(app, run);
     vantage::tools::add_plan_command(app, run);
     vantage::tools::add_console_command(app, run);
     vantage::tools::add_doctor_command(app, run);
@@ -21,11 +29,25 @@ int main(int argc, char** argv) {
     vantage::tools::add_view_command(app, run);
     vantage::tools::add_log_command(app, run);
     vantage::tools::add_keys_command(app, run);
+    const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
     try {
+      if (const std::string unknown = vantage::tools::unknown_command(app, words);
+          !unknown.empty()) {
+        throw vantage::StartupError(unknown);
+      }
       app.parse(argc, argv);
+    } catch (const CLI::ExtrasError& error) {
+      const std::string unknown = vantage::tools::unknown_option(app, words);
+      throw vantage::StartupError(unknown.empty() ? error.what() : unknown);
     } catch (const CLI::ParseError& error) {
       return app.exit(error) == 0 ? 0 : 2;
     }
-    return run();
+    const int code = run();
+    // What nobody got is not done: a closed pipe, a full disk.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      std::fputs("vantage: standard output: cannot be written\n", stderr);
+      return std::max(code, 1);
+    }
+    return code;
   });
 }

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include "core/cpu_time.hpp"
+#include "core/process.hpp"
+#include "core/write_file.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/picture/picture.hpp"
 #include "tools/plan/algorithms.hpp"
@@ -28,6 +31,10 @@ struct PlanArguments {
 };
 
 int run(const PlanArguments& arguments) {
+  std::optional<EndsAtOnce> preparing(std::in_place);
+  if (!arguments.svg_path.empty()) {
+    require_writable(arguments.svg_path);
+  }
   const PlanningProblem planning = load_problem(arguments.problem);
   PlanOutcome outcome;
   outcome.source = arguments.problem;
@@ -44,25 +51,29 @@ int run(const PlanArguments& arguments) {
 
   const double cpu_start_s = thread_cpu_s();
   const std::int64_t start_ns = monotonic_ns();
-  const Deadline deadline =
-      arguments.nodes ? Deadline::nodes(*arguments.nodes)
-                      : Deadline::at(start_ns + static_cast<std::int64_t>(1e9 * budget_s));
+  const Deadline budget = arguments.nodes
+                              ? Deadline::nodes(*arguments.nodes)
+                              : Deadline::at(start_ns + static_cast<std::int64_t>(1e9 * budget_s));
+  const Deadline deadline = budget.unless(stop_requested);
+  preparing.reset();
   outcome.result = search->search(planning.problem, deadline);
   outcome.elapsed_s = 1e-9 * static_cast<double>(monotonic_ns() - start_ns);
   outcome.cpu_s = thread_cpu_s() - cpu_start_s;
   outcome.peak_bytes = search->peak_bytes();
+  outcome.is_interrupted =
+      stop_requested() && outcome.result.stop_reason == planner::StopReason::kDeadline;
 
-  if (!arguments.svg_path.empty()) {
-    write_text(arguments.svg_path, draw_plan_picture(planning, outcome));
-  }
   if (arguments.as_json) {
-    print_line(to_json(planning, outcome).dump());
+    print_json(to_json(planning, outcome));
   } else {
     for (const std::string& line : to_lines(planning, outcome)) {
       print_line(line);
     }
   }
-  return is_complete(planning.problem, outcome.result) ? 0 : 1;
+  if (!arguments.svg_path.empty()) {
+    write_file(arguments.svg_path, draw_plan_picture(planning, outcome));
+  }
+  return is_complete(planning.problem, outcome.result) && !outcome.is_interrupted ? 0 : 1;
 }
 
 }  // namespace
@@ -86,27 +97,28 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
                      ->add_option("--budget-s", arguments->budget_s,
                                   "time for the search, memory prepared before it begins; 1 when "
                                   "neither this nor --nodes is given")
-                     ->check(CLI::Range(0.0, kLongest_s));
+                     ->check(number_between(0.0, kLongest_s));
   command
       ->add_option("--nodes", arguments->nodes,
                    "nodes of work instead of time: the same answer to the bit, every time")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
+      ->check(number_between(1, 1e12))
       ->excludes(budget);
   command->add_option("--epsilon", arguments->options.epsilon, "redundancy of covariances, m²")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->capture_default_str();
   command->add_option("--delta", arguments->options.delta_m, "crossing of poses, m")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->capture_default_str();
   command->add_option("--weight", arguments->options.weight, "of the heuristic, ≥ 1")
-      ->check(CLI::Range(1.0, 1e6))
+      ->check(number_between(1.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--seed", arguments->options.seed,
                    "for searches that draw; none of the present ones does")
+      ->check(seed_number())
       ->capture_default_str();
   command->add_option("--memory-mb", arguments->memory_mb, "most memory of the search")
-      ->check(CLI::Range(std::size_t{16}, std::size_t{1} << 20))
+      ->check(number_between(16, 1 << 20))
       ->capture_default_str();
   command->add_option("--svg", arguments->svg_path, "draw the plan");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
@@ -115,7 +127,9 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
       "JSON: `states` are the T poses [x, y, yaw] after each step, the start not among them;\n"
       "`cost` and `lower_bound` are the sums over t = 1 … T; what is infinite (epsilon and delta\n"
       "before the first finite pass) or unknown is null. Schema: docs/planning-problems.md.\n"
-      "Exit code 0: a plan of T steps; 1: none was found; 2: the problem cannot be used.\n"
+      "Ctrl-C and SIGTERM end the search at once; the best plan so far is printed.\n"
+      "Exit code 0: a plan of T steps; 1: none was found, or the search was interrupted\n"
+      "(`stop_reason` says which); 2: the problem cannot be used.\n"
       "Examples:\n"
       "  vantage plan problem.json --budget-s 0.1 --json\n"
       "  vantage plan problem.json --algorithm rvi --epsilon 1 --delta 0.5 --svg plan.svg\n"

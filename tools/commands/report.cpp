@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "core/write_file.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/picture/picture.hpp"
@@ -16,7 +18,7 @@ void report_summary(const models::Scenario& scenario, const logs::TrialSummary& 
                     bool as_json) {
   clear_echo();
   if (as_json) {
-    print_line(logs::to_json(summary).dump());
+    print_json(logs::to_json(summary));
     return;
   }
   for (const std::string& line : summary_table(scenario, summary)) {
@@ -24,29 +26,38 @@ void report_summary(const models::Scenario& scenario, const logs::TrialSummary& 
   }
 }
 
-void write_pictures(const std::string& svg_path, const models::Scenario& scenario,
+bool write_pictures(const std::string& svg_path, const models::Scenario& scenario,
                     const Scene& scene, const logs::TrialSummary& summary) {
-  write_text(svg_path, draw_picture(scenario, scene, summary));
-  const auto png_path = std::filesystem::path(svg_path).replace_extension(".png").string();
-  const Result<std::string> png = render_png(svg_path, png_path);
-  if (!png.ok()) {
-    fmt::print(stderr, "vantage: {}\n", png.error().message);
+  try {
+    write_file(svg_path, draw_picture(scenario, scene, summary));
+    const auto png_path = std::filesystem::path(svg_path).replace_extension(".png").string();
+    const Result<std::string> png = render_png(svg_path, png_path);
+    if (!png.ok()) {
+      fmt::print(stderr, "vantage: {}\n", png.error().message);
+    }
+    return true;
+  } catch (const std::runtime_error& error) {
+    fmt::print(stderr, "vantage: {}\n", error.what());
+    return false;
   }
 }
 
 void add_override_options(CLI::App& command, Overrides& overrides) {
-  command.add_option("--seed", overrides.seed, "seed instead of the scenario's");
+  command.add_option("--seed", overrides.seed, "seed instead of the scenario's")
+      ->check(seed_number());
   command.add_option("--duration-s", overrides.duration_s, "length instead of the scenario's")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command
       .add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's")
       ->check(CLI::IsMember({"arvi", "beam", "rvi", "greedy", "random_walk", "lawn_mower"}));
-  command.add_option("--communication-range-m", overrides.communication_range_m,
-                     "communication range instead of the scenario's; 0: none is heard");
+  command
+      .add_option("--communication-range-m", overrides.communication_range_m,
+                  "communication range instead of the scenario's; 0: none is heard")
+      ->check(number_between(-1.0, 1e6));
   command
       .add_option("--nodes", overrides.node_budget,
                   "search nodes a slot instead of the scenario's time budget")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
 }
 
 }  // namespace vantage::tools

@@ -13,7 +13,8 @@ void report_summary(const models::Scenario& scenario, const logs::TrialSummary& 
                     bool as_json);
 
 /// Writes `svg_path` and, beside it, a PNG when rsvg-convert is there; says on stderr when not.
-void write_pictures(const std::string& svg_path, const models::Scenario& scenario,
-                    const Scene& scene, const logs::TrialSummary& summary);
+/// False when one could not be written, which is said, too.
+[[nodiscard]] bool write_pictures(const std::string& svg_path, const models::Scenario& scenario,
+                                  const Scene& scene, const logs::TrialSummary& summary);
 
 }  // namespace vantage::tools

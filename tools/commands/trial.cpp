@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "core/process.hpp"
+#include "core/write_file.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/trial/recipe.hpp"
@@ -35,6 +36,9 @@ int run(TrialArguments arguments) {
     arguments.overrides.node_budget = kDefaultNodeBudget;
     scenario = load_scenario_with(arguments.scenario, arguments.overrides);
   }
+  if (!arguments.svg_path.empty()) {
+    require_writable(arguments.svg_path);
+  }
   TrialOptions options;
   options.log_path = arguments.log_path;
   if (::isatty(STDERR_FILENO) == 1) {
@@ -42,19 +46,21 @@ int run(TrialArguments arguments) {
   }
   options.stop = stop_requested;
   const TrialResult result = run_trial(scenario, trial_recipes(scenario), options);
-  if (!arguments.svg_path.empty()) {
-    write_pictures(arguments.svg_path, scenario, result.scene, result.summary);
-  }
   report_summary(scenario, result.summary, arguments.as_json);
+  if (result.log_error) {
+    fmt::print(stderr, "vantage: {}; the log lacks {} messages\n", result.log_error->message,
+               result.summary.messages_lost);
+  }
   if (result.was_stopped) {
     fmt::print(stderr, "trial stopped after {:.1f} s of {:g} s\n", result.summary.duration_s,
                scenario.duration_s);
   }
-  if (result.log_error) {
-    fmt::print(stderr, "the log lacks {} messages: {}\n", result.summary.messages_lost,
-               result.log_error->message);
-  }
-  return result.was_stopped || result.log_error ? 1 : 0;
+  const bool has_pictures =
+      arguments.svg_path.empty() ||
+      write_pictures(arguments.svg_path, scenario, result.scene, result.summary);
+  const bool is_good = result.summary.collisions == 0 && !result.log_error &&
+                       !result.was_stopped && has_pictures;
+  return is_good ? 0 : 1;
 }
 
 }  // namespace
@@ -70,8 +76,9 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
   command->add_option("--svg", arguments->svg_path, "draw the end of the trial, as SVG and PNG");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Ctrl-C ends it early: log, summary and pictures of what was flown, exit code 1. So does a\n"
-      "log that lacks something; one that is there already is not written over: exit code 2.\n"
+      "Ctrl-C, SIGTERM, a terminal that is closed, or a log that cannot be written any more end it\n"
+      "early: log, summary and pictures of what was flown, exit code 1. So is that of a trial in\n"
+      "which anything collided. A log that is there already is not written over: exit code 2.\n"
       "Examples:\n"
       "  vantage trial config/lab.yaml --seed 3 --json\n"
       "  vantage trial config/lab.yaml --planner greedy --duration-s 60 --svg greedy.svg\n"

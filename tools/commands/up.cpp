@@ -15,6 +15,7 @@
 #include "core/process.hpp"
 #include "logs/record/append_file.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/up/up_report.hpp"
@@ -101,7 +102,7 @@ int run(const UpArguments& arguments) {
   const UpResult result = run_up(scenario, options, stop_requested);
   if (arguments.as_json) {
     clear_echo();
-    print_line(to_json(result).dump());
+    print_json(to_json(result));
   } else {
     report_summary(scenario, result.summary, false);
     if (!options.log_path.empty()) {
@@ -118,18 +119,18 @@ void add_restart_options(CLI::App& command, RestartPolicy& restarts) {
   command
       .add_option("--restarts-max", restarts.restarts_max,
                   "restarts of one process within the window; one that dies more often is given up")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->capture_default_str();
   command.add_option("--restart-window-s", restarts.window_s, "the window")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command
       .add_option("--backoff-first-s", restarts.backoff_first_s,
                   "wait before the first restart; doubled with each death until it runs for 10 s")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->capture_default_str();
   command.add_option("--backoff-max-s", restarts.backoff_max_s, "the longest wait")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->capture_default_str();
 }
 

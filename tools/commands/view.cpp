@@ -1,11 +1,16 @@
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "bus/transport.hpp"
+#include "core/check.hpp"
 #include "core/process.hpp"
 #include "tools/commands/commands.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/view/live_view.hpp"
@@ -22,9 +27,27 @@ struct ViewArguments {
   WebOptions web;
 };
 
+/// There would be nothing to show.
+void require_vantage(const logs::IndexedLog& log) {
+  const auto& channels = log.survey().channels;
+  const bool has_any = std::any_of(channels.begin(), channels.end(), [](const auto& each) {
+    return !each.second.type.empty() || each.second.other_types > 0;
+  });
+  if (channels.empty()) {
+    throw StartupError(log.path() + ": no event in it; `vantage log check` says more");
+  }
+  if (!has_any) {
+    throw StartupError(fmt::format(
+        "{}: none of its {} events is a message of this version of vantage, so there is nothing to "
+        "show; its channels are {}; `vantage log info` says more",
+        log.path(), log.survey().scan.events, channel_names(log)));
+  }
+}
+
 int run(const ViewArguments& arguments) {
   if (!arguments.log.empty()) {
-    const logs::IndexedLog log(arguments.log, progress_line("reading"));
+    const logs::IndexedLog log = open_log(arguments.log);
+    require_vantage(log);
     serve_log(
         log, arguments.web, arguments.is_playing,
         [&](const WebServer& server) { announce_view(server, arguments.log); }, stop_requested);
@@ -54,7 +77,7 @@ void announce_view(const WebServer& server, const std::string& what) {
 void add_web_options(CLI::App& command, WebOptions& web) {
   web.page_folder = VANTAGE_PAGE_FOLDER;
   command.add_option("--port", web.port, "port to serve on; 0: any free one")
-      ->check(CLI::Range(0, 65535))
+      ->check(number_between(0, 65535))
       ->capture_default_str();
   command.add_option("--bind", web.bind, "address to serve on; 0.0.0.0: every one of this host")
       ->capture_default_str();

@@ -1,16 +1,16 @@
 #include "tools/experiment/team_trial.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include "bus/scenario_yaml.hpp"
+#include "bus/yaml_document.hpp"
 #include "core/angle.hpp"
 #include "core/check.hpp"
+#include "tools/scenario/config_folder.hpp"
 #include "tools/trial/trial.hpp"
 
 namespace vantage::tools {
@@ -75,14 +75,7 @@ const char* const kTeamTrialColumns =
     "rounds,rounds_late,messages_lost";
 
 std::string scenario_text(const std::string& file) {
-  const std::string path = fmt::format("{}/{}", VANTAGE_CONFIG_FOLDER, file);
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) {
-    throw StartupError(path + ": cannot be read");
-  }
-  return std::move(text).str();
+  return bus::read_text_file(config_path(file));
 }
 
 models::Scenario scenario_of(const TeamTrial& trial, std::uint64_t seed) {

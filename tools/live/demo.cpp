@@ -11,6 +11,7 @@
 #include "bus/clock.hpp"
 #include "bus/transport.hpp"
 #include "core/check.hpp"
+#include "core/write_file.hpp"
 #include "logs/record/log_spool.hpp"
 #include "logs/record/recorder.hpp"
 #include "tools/live/node_thread.hpp"
@@ -57,17 +58,22 @@ class Reporter {
 
 void draw(const models::Scenario& scenario, const Scene& scene, DemoResult& result) {
   try {
-    write_text(result.svg_path, draw_picture(scenario, scene, result.summary));
-  } catch (const std::exception& error) {  // a full disk: the summary is told all the same
+    write_file(result.svg_path, draw_picture(scenario, scene, result.summary));
+  } catch (const std::runtime_error& error) {
     result.failures.emplace_back(error.what());
+    result.svg_path.clear();
     result.png_path.clear();
-    result.png_error = error.what();
     return;
   }
-  const Result<std::string> png = render_png(result.svg_path, result.png_path);
-  if (!png.ok()) {
+  try {
+    const Result<std::string> png = render_png(result.svg_path, result.png_path);
+    if (!png.ok()) {
+      result.png_path.clear();
+      result.png_error = png.error().message;
+    }
+  } catch (const std::runtime_error& error) {
+    result.failures.emplace_back(error.what());
     result.png_path.clear();
-    result.png_error = png.error().message;
   }
 }
 
@@ -78,13 +84,14 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
   std::error_code error;
   std::filesystem::create_directories(options.directory, error);
   if (error) {
-    throw StartupError(options.directory + ": " + error.message());
+    throw StartupError(options.directory + ": cannot be made: " + error.message());
   }
   const std::string stem = (std::filesystem::path(options.directory) / scenario.name).string();
   DemoResult result;
   result.log_path = logs::unused_path(stem + ".lcmlog");
   result.svg_path = stem + ".svg";
   result.png_path = stem + ".png";
+  require_writable(result.svg_path);
 
   const bus::SteadyClock clock;
   bus::InProcessHub hub;
@@ -120,8 +127,15 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
 
   const Time end = start + from_seconds(scenario.duration_s);
   Reporter reporter(scenario, options, start);
+  const auto tell = [&] {
+    for (std::string& news : log.take_news()) {
+      options.warn(news);
+      result.failures.push_back(std::move(news));
+    }
+  };
   while (!is_over && !stop() && clock.now() < end) {
     drain(kWait);
+    tell();
     announcer.tick(clock.now());
     reporter.tick(clock.now(), observer.metrics());
   }
@@ -142,9 +156,7 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
   lost += recording.events_lost + recorded->stats().queue_overflows + own_bus.messages_lost() +
           own_transport->stats().queue_overflows;
   result.summary = observer.metrics().finish(ended, lost);
-  for (std::string& news : log.take_news()) {
-    result.failures.push_back(std::move(news));
-  }
+  tell();
   draw(scenario, observer.scene(), result);
   return result;
 }

@@ -1,6 +1,9 @@
 #include "tools/live/screen.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
@@ -60,6 +63,26 @@ void clear_echo() {
     fmt::print(terminal, "\r\x1b[K");
     std::fflush(terminal);
   }
+}
+
+std::string shell_quoted(const std::string& word) {
+  const bool is_plain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
+    constexpr std::string_view kPlain = "_-./:=@%+,";
+    const auto byte = static_cast<unsigned char>(c);
+    return std::isalnum(byte) != 0 || byte >= 0x80U || kPlain.find(c) != std::string_view::npos;
+  });
+  if (is_plain) {
+    return word;
+  }
+  std::string out = "'";
+  for (const char c : word) {
+    out += c == '\'' ? "'\\''" : std::string(1, c);
+  }
+  return out + "'";
+}
+
+void print_json(const nlohmann::ordered_json& json) {
+  print_line(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 void print_line(const std::string& line) {

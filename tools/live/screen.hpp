@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 namespace vantage::tools {
 
 /// The first `columns` characters (code points) of UTF-8 text.
@@ -29,7 +31,11 @@ bool is_terminal();
 /// Takes away what the terminal shows of keys pressed (^C) where the next line begins. Nothing
 /// where neither standard output nor standard error is a terminal.
 void clear_echo();
+/// `word` as a shell reads it as one: between quotes where it has to be.
+std::string shell_quoted(const std::string& word);
 /// Writes one line to standard output and flushes it.
 void print_line(const std::string& line);
+/// The same of JSON, on one line; what is no UTF-8 in it (a file's name) is replaced.
+void print_json(const nlohmann::ordered_json& json);
 
 }  // namespace vantage::tools

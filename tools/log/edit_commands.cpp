@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "core/process.hpp"
 #include "logs/edit/edit.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 
@@ -24,22 +26,25 @@ struct EditArguments {
   bool strict = false;
 };
 
-int finish(const EditArguments& arguments, OutputLog& output, logs::EditCounts counts) {
-  const auto error = output.close(counts);
-  print_line(fmt::format("{}: {} events", arguments.output, counts.written));
+int report(const EditArguments& arguments, const logs::EditCounts& counts, OutputLog& output) {
+  const std::string failure = output.finish();
+  print_line(fmt::format("{}: {} events", arguments.output, output.events()));
   if (counts.name_too_long > 0) {
     fmt::print(stderr, "{} events left out: their new name is longer than 63 bytes\n",
                counts.name_too_long);
   }
-  if (counts.failed > 0) {
-    fmt::print(stderr, "{} events could not be written{}\n", counts.failed,
-               error ? ": " + error->message : "");
+  if (!failure.empty()) {
+    fmt::print(stderr, "vantage: {}\n", failure);
+  } else if (counts.is_stopped) {
+    fmt::print(stderr, "vantage: interrupted: what is written is whole, but not all\n");
   }
-  return counts.failed + counts.name_too_long == 0 ? 0 : 1;
+  return failure.empty() && !counts.is_stopped && counts.name_too_long == 0 ? 0 : 1;
 }
 
 logs::EditRules rules_for(const EditArguments& arguments, const logs::IndexedLog& log) {
+  require_channels(log, arguments.include);
   logs::EditRules rules;
+  rules.stop = stop_requested;
   rules.channels = logs::ChannelFilter(arguments.include, arguments.exclude);
   rules.names = logs::ChannelRenames(arguments.renames);
   rules.drops_doubtful = arguments.strict;
@@ -54,14 +59,15 @@ logs::EditRules rules_for(const EditArguments& arguments, const logs::IndexedLog
 }
 
 int edit(const EditArguments& arguments) {
-  const logs::IndexedLog log(arguments.input, progress_line("reading"));
+  const logs::IndexedLog log = open_log(arguments.input);
   logs::EditRules rules = rules_for(arguments, log);
   OutputLog output(arguments.output, {arguments.input}, arguments.force);
-  return finish(arguments, output, logs::edit_log(log, rules, output.sink()));
+  const logs::EditCounts counts = logs::edit_log(log, rules, output.sink());
+  return report(arguments, counts, output);
 }
 
 int repair(const EditArguments& arguments) {
-  const logs::IndexedLog log(arguments.input, progress_line("reading"));
+  const logs::IndexedLog log = open_log(arguments.input);
   const logs::ScanCounts& scan = log.survey().scan;
   print_line(fmt::format("{}: {} stretches given up ({} bytes), {} doubtful events {}",
                          arguments.input, scan.stretches, scan.bytes_damaged, scan.doubtful,
@@ -73,11 +79,12 @@ int merge(const EditArguments& arguments) {
   std::vector<std::unique_ptr<logs::IndexedLog>> opened;
   std::vector<const logs::IndexedLog*> inputs;
   for (const std::string& path : arguments.inputs) {
-    opened.push_back(std::make_unique<logs::IndexedLog>(path, progress_line("reading " + path)));
+    opened.push_back(std::make_unique<logs::IndexedLog>(open_log(path)));
     inputs.push_back(opened.back().get());
   }
   OutputLog output(arguments.output, arguments.inputs, arguments.force);
-  return finish(arguments, output, logs::merge_logs(inputs, output.sink()));
+  const logs::EditCounts counts = logs::merge_logs(inputs, output.sink(), stop_requested);
+  return report(arguments, counts, output);
 }
 
 class Adder {
@@ -124,8 +131,12 @@ void add_log_edit_commands(CLI::App& log, Runner& run) {
               "  vantage log slice flight.lcmlog minute.lcmlog --from-s 60 --to-s 120",
               edit);
   slice.one_input();
-  slice.command().add_option("--from-s", slice.arguments().from_s, "where it begins");
-  slice.command().add_option("--to-s", slice.arguments().to_s, "where it ends (not included)");
+  slice.command()
+      .add_option("--from-s", slice.arguments().from_s, "where it begins")
+      ->check(any_number());
+  slice.command()
+      .add_option("--to-s", slice.arguments().to_s, "where it ends (not included)")
+      ->check(any_number());
 
   Adder filter(log, run, "filter", "Write some of a log's channels to a new one.",
                "Expressions match the whole name: write '.*VICON.*', '(A|B)'.\n"

@@ -1,13 +1,14 @@
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "core/check.hpp"
-#include "logs/export/csv.hpp"
+#include "core/process.hpp"
+#include "core/utf8.hpp"
+#include "core/write_file.hpp"
+#include "logs/export/csv_export.hpp"
 #include "logs/export/mcap_export.hpp"
-#include "logs/file/wire_witness.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 
@@ -23,80 +24,57 @@ struct ExportArguments {
   bool force = false;
 };
 
-/// One table being written.
-struct Table {
-  Table(const bus::WireSchema& schema, const std::string& path)
-      : csv(schema), out(path, std::ios::binary) {
-    if (!out) {
-      throw StartupError(path + ": cannot be written");
+// One line a channel, as far as anyone reads.
+void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts) {
+  constexpr int kNamed = 20;
+  int named = 0;
+  for (const auto& [channel, events] : counts.left_out) {
+    if (++named > kNamed) {
+      fmt::print(stderr, "… and of {} more channels\n", counts.left_out.size() - kNamed);
+      break;
     }
-    out << csv.header();
+    const std::int64_t all = log.survey().channels.at(channel).events;
+    fmt::print(stderr,
+               "not exported: {}: {} of {} events are no messages of this version of vantage\n",
+               readable(channel), events, all);
   }
-  logs::CsvTable csv;
-  std::ofstream out;
-};
-
-int report(const std::string& output, std::uint64_t messages, std::int64_t not_exported,
-           bool is_written) {
-  print_line(fmt::format("{}: {} messages", output, messages));
-  if (not_exported > 0) {
-    fmt::print(stderr, "{} events are no messages of this version and were left out\n",
-               not_exported);
-  }
-  if (!is_written) {
-    fmt::print(stderr, "{}: not all could be written\n", output);
-  }
-  return is_written ? 0 : 1;
 }
 
-int export_csv(const ExportArguments& arguments, const logs::IndexedLog& log,
-               logs::ChannelFilter& channels) {
-  std::filesystem::create_directories(arguments.output);
-  std::map<std::string, std::unique_ptr<Table>, std::less<>> tables;
-  std::uint64_t messages = 0;
-  std::int64_t not_exported = 0;
-  logs::LogScan scan = log.scan();
-  while (const auto event = scan.next()) {
-    if (!channels.takes(event->channel)) {
-      continue;
-    }
-    const bus::WireSchema* schema = logs::type_of(event->data);
-    auto table = tables.find(event->channel);
-    if (schema != nullptr && table == tables.end()) {
-      const std::string name(event->channel);
-      const std::string path = arguments.output + "/" + name + ".csv";
-      table = tables.emplace(name, std::make_unique<Table>(*schema, path)).first;
-    }
-    const std::string lines =
-        schema == nullptr ? "" : table->second->csv.lines(event->time, event->data);
-    if (lines.empty()) {
-      ++not_exported;
-      continue;
-    }
-    table->second->out << lines;
-    ++messages;
+int report(const logs::IndexedLog& log, const ExportArguments& arguments,
+           const logs::ExportCounts& counts) {
+  print_line(fmt::format("{}: {} messages", arguments.output, counts.messages));
+  tell_left_out(log, counts);
+  if (!counts.failure.empty()) {
+    fmt::print(stderr, "vantage: {}\n", counts.failure);
+  } else if (counts.is_stopped) {
+    fmt::print(stderr, "vantage: interrupted: what is written is whole, but not all of {}\n",
+               arguments.log);
   }
-  bool is_written = true;
-  for (auto& [name, table] : tables) {
-    is_written &= table->out.flush().good();
-  }
-  return report(arguments.output, messages, not_exported, is_written);
+  return counts.failure.empty() && !counts.is_stopped && counts.left_out.empty() ? 0 : 1;
 }
 
 int run(const ExportArguments& arguments) {
-  const logs::IndexedLog log(arguments.log, progress_line("reading"));
+  const logs::IndexedLog log = open_log(arguments.log);
+  require_channels(log, arguments.include);
   logs::ChannelFilter channels(arguments.include, {});
   std::error_code error;
-  if (!arguments.force && std::filesystem::exists(arguments.output, error) &&
-      !std::filesystem::is_empty(arguments.output, error)) {
+  const bool is_there = std::filesystem::exists(arguments.output, error);
+  if (arguments.format == "csv" && is_there &&
+      !std::filesystem::is_directory(arguments.output, error)) {
+    throw StartupError(arguments.output + ": is no folder, which CSV tables need");
+  }
+  if (!arguments.force && is_there && !std::filesystem::is_empty(arguments.output, error)) {
     throw StartupError(arguments.output + ": exists; --force writes over it");
   }
   if (arguments.format == "csv") {
-    return export_csv(arguments, log, channels);
+    return report(log, arguments,
+                  logs::export_csv(log, arguments.output, channels, progress_line("writing"),
+                                   stop_requested));
   }
-  const logs::McapExportCounts counts = logs::export_mcap(
-      log, arguments.output, channels, !arguments.messages_only, progress_line("writing"));
-  return report(arguments.output, counts.messages, counts.not_exported, counts.is_written);
+  require_writable(arguments.output);
+  return report(log, arguments,
+                logs::export_mcap(log, arguments.output, channels, !arguments.messages_only,
+                                  progress_line("writing"), stop_requested));
 }
 
 }  // namespace
@@ -119,6 +97,9 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
       "CSV: a message with a list (bodies, targets, …) is one line an element. MCAP: JSON "
       "messages\n"
       "with their schemas; Foxglove, Lichtblick and PlotJuggler open it. Details: docs/logs.md.\n"
+      "Ctrl-C ends it at once with what is written, whole. Exit code 1 then, when the disk is "
+      "full,\n"
+      "and when events were left out that are no messages of this version: each channel is named.\n"
       "Examples:\n"
       "  vantage log export flight.lcmlog --to csv --out flight-csv --channels 'PLAN_.*'\n"
       "  vantage log export flight.lcmlog --to mcap --out flight.mcap");

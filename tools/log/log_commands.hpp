@@ -23,6 +23,15 @@ void add_log_record_command(CLI::App& log, Runner& run);
 /// A progress line on stderr named `what` when that is a terminal, else nothing.
 std::function<void(double)> progress_line(const std::string& what);
 
+/// The log at `path`, read through with a progress line when it has no index; SIGINT and SIGTERM
+/// end the process meanwhile. @throws StartupError when it cannot be read.
+logs::IndexedLog open_log(const std::string& path);
+/// Its channels, for a sentence: the first 20.
+std::string channel_names(const logs::IndexedLog& log);
+/// Says which of `expressions` fit no channel of `log`, and which it has. @throws StartupError when
+/// none fits any (and there are some).
+void require_channels(const logs::IndexedLog& log, const std::vector<std::string>& expressions);
+
 /// A log to be written, never one of `inputs`.
 class OutputLog {
  public:
@@ -30,8 +39,9 @@ class OutputLog {
   ///         written.
   OutputLog(const std::string& path, const std::vector<std::string>& inputs, bool force);
   logs::EventSink sink();
-  /// Writes what is left, and corrects `counts` by what did not come into the file; why, if so.
-  std::optional<Error> close(logs::EditCounts& counts);
+  /// Writes all; why it could not, with the file's name, or empty.
+  std::string finish();
+  [[nodiscard]] std::int64_t events() const { return writer_.events(); }
 
  private:
   static std::string checked(const std::string& path, const std::vector<std::string>& inputs,

@@ -1,10 +1,14 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "core/process.hpp"
+#include "core/utf8.hpp"
 #include "tools/log/log_commands.hpp"
 
 namespace vantage::tools {
@@ -19,6 +23,44 @@ std::function<void(double)> progress_line(const std::string& what) {
       fmt::print(stderr, "\r{:{}}\r", "", what.size() + 6);
     }
   };
+}
+
+logs::IndexedLog open_log(const std::string& path) {
+  const EndsAtOnce reading;
+  return logs::IndexedLog(path, progress_line("reading " + path));
+}
+
+std::string channel_names(const logs::IndexedLog& log) {
+  constexpr std::size_t kNamed = 20;
+  std::vector<std::string> names;
+  for (const auto& [name, channel] : log.survey().channels) {
+    names.push_back(readable(name));
+  }
+  const std::size_t more = names.size() > kNamed ? names.size() - kNamed : 0;
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "),
+                     more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+void require_channels(const logs::IndexedLog& log, const std::vector<std::string>& expressions) {
+  std::vector<std::string> without;
+  for (const std::string& expression : expressions) {
+    logs::ChannelFilter filter({expression}, {});
+    const auto& channels = log.survey().channels;
+    if (std::none_of(channels.begin(), channels.end(),
+                     [&](const auto& each) { return filter.takes(each.first); })) {
+      without.push_back("'" + expression + "'");
+    }
+  }
+  if (without.empty()) {
+    return;
+  }
+  const std::string words = fmt::format("{}: no channel's whole name is {}; it has {}", log.path(),
+                                        fmt::join(without, " or "), channel_names(log));
+  if (without.size() == expressions.size()) {
+    throw StartupError(words);
+  }
+  fmt::print(stderr, "vantage: {}\n", words);
 }
 
 std::string OutputLog::checked(const std::string& path, const std::vector<std::string>& inputs,
@@ -39,11 +81,9 @@ OutputLog::OutputLog(const std::string& path, const std::vector<std::string>& in
     : writer_(checked(path, inputs, force),
               force ? logs::Existing::kReplace : logs::Existing::kRefuse) {}
 
-std::optional<Error> OutputLog::close(logs::EditCounts& counts) {
-  auto error = writer_.close();
-  counts.written = writer_.events();
-  counts.failed = writer_.events_lost();
-  return error;
+std::string OutputLog::finish() {
+  const std::optional<Error> error = writer_.close();
+  return error ? error->message : std::string();
 }
 
 logs::EventSink OutputLog::sink() {

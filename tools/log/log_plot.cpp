@@ -1,10 +1,17 @@
 #include "tools/log/log_plot.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 
-#include "tools/picture/picture.hpp"
+#include "core/check.hpp"
+#include "core/write_file.hpp"
 #include "tools/supervisor/child.hpp"
 
 namespace vantage::tools {
@@ -25,10 +32,35 @@ std::string quoted(const std::string& text) {
   return "'" + out + "'";
 }
 
+/// Whether a picture ends as one of its kind does.
+bool is_whole(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const std::string end = text.substr(text.size() - std::min<std::size_t>(text.size(), 16));
+  return end.find("IEND") != std::string::npos || end.find("</svg>") != std::string::npos ||
+         end.find("%%EOF") != std::string::npos;
+}
+
 }  // namespace
 
+std::string plot_terminal(const std::string& picture_path) {
+  std::string suffix = std::filesystem::path(picture_path).extension();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (suffix == ".png") {
+    return "pngcairo noenhanced size 1200,1500 font 'Sans,11'";
+  }
+  if (suffix == ".svg") {
+    return "svg noenhanced size 1200,1500 font 'Sans,11' background rgb 'white'";
+  }
+  if (suffix == ".pdf") {
+    return "pdfcairo noenhanced size 12in,15in font 'Sans,11'";
+  }
+  throw StartupError(picture_path + ": a picture's name ends in .png, .svg or .pdf");
+}
+
 std::string plot_script(const logs::LogAnalysis& analysis, const std::string& title,
-                        const std::string& png_path) {
+                        const std::string& picture_path) {
   std::string out = "$course << EOD\n";
   for (const logs::CoursePoint& point : analysis.course) {
     out += fmt::format("{:.6f} {} {:.9g} {}\n", point.at_s, number(point.rmse_m),
@@ -53,7 +85,7 @@ std::string plot_script(const logs::LogAnalysis& analysis, const std::string& ti
     gaps += fmt::format("{}$plans{} using 1:3{}", colour > 1 ? ", " : "", colour, style);
   }
   out += fmt::format(
-      "set terminal pngcairo noenhanced size 1200,1500 font 'Sans,11'\n"
+      "set terminal {}\n"
       "set output {}\n"
       "set grid lc rgb '#dddddd'\n"
       "set xrange [0:*]\n"
@@ -70,7 +102,8 @@ std::string plot_script(const logs::LogAnalysis& analysis, const std::string& ti
       "set ylabel 'targets found'\n"
       "plot $course using 1:4 with steps lw 1.5 lc 3 notitle\n"
       "set yrange [*:*]\n",
-      quoted(png_path), quoted(title), analysis.summary.targets + 1);
+      plot_terminal(picture_path), quoted(picture_path), quoted(title),
+      analysis.summary.targets + 1);
   if (!analysis.deadlines.empty()) {
     out += "set ylabel 'margin to the deadline [ms]'\nplot " + margins + ", 0 lc 0 notitle\n";
     out += "set xlabel 'time since the first event [s]'\n";
@@ -80,17 +113,19 @@ std::string plot_script(const logs::LogAnalysis& analysis, const std::string& ti
 }
 
 Result<std::string> draw_plot(const std::string& script, const std::string& script_path,
-                              const std::string& png_path) {
-  write_text(script_path, script);
+                              const std::string& picture_path) {
+  write_file(script_path, script);
   Result<Child> child = Child::start({"gnuplot", script_path});
   if (!child.ok()) {
     return Error{"no plot: gnuplot is not installed (apt install gnuplot-nox)"};
   }
   const std::optional<ChildExit> ended = std::move(child).value().wait(std::chrono::seconds(60));
-  if (!ended || !ended->is_success()) {
-    return Error{"no plot: gnuplot failed on " + script_path};
+  // A full disk is nothing to gnuplot, which then ends well.
+  if (!ended || !ended->is_success() || !is_whole(picture_path)) {
+    std::remove(picture_path.c_str());
+    return Error{picture_path + ": cannot be written: gnuplot failed on " + script_path};
   }
-  return png_path;
+  return picture_path;
 }
 
 }  // namespace vantage::tools

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "core/utf8.hpp"
+
 namespace vantage::tools {
 namespace {
 
@@ -57,7 +59,7 @@ std::vector<std::string> describe_content(const std::string& path, const logs::L
   out.push_back(fmt::format("flown by  {}", flown_by.empty() ? "unknown: no SCENARIO" : flown_by));
   std::size_t width = 7;
   for (const auto& [name, channel] : survey.channels) {
-    width = std::max(width, name.size());
+    width = std::max(width, readable(name).size());
   }
   out.push_back(fmt::format("{:{}}  {:15} {:>8} {:>8} {:>10} {:>10} {:>9} {:>6}", "channel", width,
                             "type", "events", "rate Hz", "size", "gap s", "gap at s", "lost"));
@@ -65,7 +67,7 @@ std::vector<std::string> describe_content(const std::string& path, const logs::L
     const std::string type =
         (channel.type.empty() ? "?" : channel.type) + (channel.other_types > 0 ? " (mixed)" : "");
     out.push_back(fmt::format(
-        "{:{}}  {:15} {:>8} {:>8.2f} {:>10} {:>10.3f} {:>9.1f} {:>6}", name, width, type,
+        "{:{}}  {:15} {:>8} {:>8.2f} {:>10} {:>10.3f} {:>9.1f} {:>6}", readable(name), width, type,
         channel.events, rate_hz(channel), bytes_text(static_cast<double>(channel.data_bytes)),
         to_seconds(channel.gap_max), since_start_s(survey, channel.gap_at), channel.messages_lost));
   }
@@ -97,14 +99,19 @@ std::vector<std::string> describe_damage(const logs::LogSurvey& survey) {
     out.push_back(fmt::format("{} events earlier than the one before, by up to {:.6f} s",
                               survey.times_backward, to_seconds(survey.backward_max)));
   }
-  for (const auto& [name, channel] : survey.channels) {
+  for (const auto& [raw_name, channel] : survey.channels) {
+    const std::string name = readable(raw_name);
     if (channel.messages_lost > 0) {
       out.push_back(
           fmt::format("{}: {} messages lost before they were logged", name, channel.messages_lost));
     }
     if (channel.other_types > 0) {
-      out.push_back(fmt::format("{}: {} events are not of type {}", name, channel.other_types,
-                                channel.type.empty() ? "unknown" : channel.type));
+      out.push_back(channel.type.empty()
+                        ? fmt::format("{}: {} of {} events are vantage's, the others of no type "
+                                      "that this version knows",
+                                      name, channel.other_types, channel.events)
+                        : fmt::format("{}: {} of {} events are not of type {}, as its first is",
+                                      name, channel.other_types, channel.events, channel.type));
     }
   }
   if (survey.scan.events > 0 && !survey.begins_with_scenario) {
@@ -121,16 +128,16 @@ nlohmann::ordered_json to_json(const std::string& path, const logs::LogSurvey& s
   }
   nlohmann::ordered_json channels = nlohmann::ordered_json::object();
   for (const auto& [name, channel] : survey.channels) {
-    channels[name] = {{"type", channel.type},
-                      {"events", channel.events},
-                      {"bytes", channel.data_bytes},
-                      {"rate_hz", rate_hz(channel)},
-                      {"first_s", since_start_s(survey, channel.first)},
-                      {"last_s", since_start_s(survey, channel.last)},
-                      {"gap_max_s", to_seconds(channel.gap_max)},
-                      {"gap_at_s", since_start_s(survey, channel.gap_at)},
-                      {"messages_lost", channel.messages_lost},
-                      {"other_types", channel.other_types}};
+    channels[readable(name)] = {{"type", channel.type},
+                                {"events", channel.events},
+                                {"bytes", channel.data_bytes},
+                                {"rate_hz", rate_hz(channel)},
+                                {"first_s", since_start_s(survey, channel.first)},
+                                {"last_s", since_start_s(survey, channel.last)},
+                                {"gap_max_s", to_seconds(channel.gap_max)},
+                                {"gap_at_s", since_start_s(survey, channel.gap_at)},
+                                {"messages_lost", channel.messages_lost},
+                                {"other_types", channel.other_types}};
   }
   return {{"log", path},
           {"bytes", survey.size_bytes},

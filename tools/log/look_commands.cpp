@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "core/process.hpp"
 #include "logs/file/log_index.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
@@ -20,11 +21,12 @@ std::string flown_by(const logs::IndexedLog& log) {
 }
 
 int info(const LookArguments& arguments) {
+  const EndsAtOnce reading;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
   if (arguments.as_json) {
     nlohmann::ordered_json json = to_json(arguments.log, log.survey());
     json["flown_by"] = flown_by(log);
-    print_line(json.dump());
+    print_json(json);
     return 0;
   }
   for (const std::string& line : describe_content(arguments.log, log.survey(), flown_by(log))) {
@@ -37,10 +39,11 @@ int info(const LookArguments& arguments) {
 }
 
 int check(const LookArguments& arguments) {
+  const EndsAtOnce reading;
   const logs::MappedFile file(arguments.log);
   const logs::LogSurvey survey = logs::survey_log(file.bytes(), progress_line("reading"));
   if (arguments.as_json) {
-    print_line(to_json(arguments.log, survey).dump());
+    print_json(to_json(arguments.log, survey));
   } else {
     for (const std::string& line : describe_damage(survey)) {
       print_line(arguments.log + ": " + line);

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "core/process.hpp"
+#include "core/utf8.hpp"
+#include "core/write_file.hpp"
 #include "logs/analysis/log_analysis.hpp"
 #include "models/scenario/search_name.hpp"
 #include "tools/live/screen.hpp"
@@ -45,16 +48,17 @@ void print(const models::Scenario& scenario, const logs::LogAnalysis& analysis) 
                            1e3 * record.margin.mean_s));
   }
   for (const auto& [channel, lost] : analysis.lost) {
-    print_line(fmt::format("lost on {}: {} messages", channel, lost));
+    print_line(fmt::format("lost on {}: {} messages", readable(channel), lost));
   }
 }
 
 int metrics(const MetricsArguments& arguments) {
+  const EndsAtOnce reading;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
   const models::Scenario scenario = scenario_of(log);
   const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
   if (arguments.as_json) {
-    print_line(logs::to_json(analysis).dump());
+    print_json(logs::to_json(analysis));
   } else {
     print(scenario, analysis);
   }
@@ -62,6 +66,9 @@ int metrics(const MetricsArguments& arguments) {
 }
 
 int plot(const MetricsArguments& arguments) {
+  static_cast<void>(plot_terminal(arguments.output));  // refused before a long log is read
+  require_writable(arguments.output);
+  const EndsAtOnce drawing;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
   const models::Scenario scenario = scenario_of(log);
   const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
@@ -96,13 +103,16 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       [&chosen, arguments] { chosen = [arguments] { return metrics(*arguments); }; });
 
   CLI::App* plot_command =
-      log.add_subcommand("plot", "Draw the course of a trial as PNG, with gnuplot.");
+      log.add_subcommand("plot", "Draw the course of a trial as PNG, SVG or PDF, with gnuplot.");
   plot_command->add_option("log", arguments->log, "LCM event log")->required();
-  plot_command->add_option("--out", arguments->output, "the picture; its script lies beside it")
+  plot_command
+      ->add_option("--out", arguments->output,
+                   "the picture, .png, .svg or .pdf; its script lies beside it")
       ->required();
   plot_command->footer(
       "Example:\n"
-      "  vantage log plot flight.lcmlog --out flight.png");
+      "  vantage log plot flight.lcmlog --out flight.png\n"
+      "  vantage log plot flight.lcmlog --out flight.pdf");
   plot_command->callback(
       [&chosen, arguments] { chosen = [arguments] { return plot(*arguments); }; });
 }

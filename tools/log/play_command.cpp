@@ -7,6 +7,7 @@
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/play/player.hpp"
+#include "tools/commands/numbers.hpp"
 #include "tools/console/terminal.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
@@ -26,6 +27,7 @@ struct PlayArguments {
   std::vector<std::string> renames;
   std::string prefix;
   bool beside_others = false;
+  double gap_max_s = 60.0;
   bool loops = false;
   bool starts_paused = false;
   bool as_json = false;
@@ -35,6 +37,8 @@ logs::PlayOptions options_of(const PlayArguments& arguments, const logs::Indexed
   logs::PlayOptions options;
   options.speed = arguments.speed;
   options.loops = arguments.loops;
+  options.gap_max = from_seconds(arguments.gap_max_s);
+  require_channels(log, arguments.include);
   options.starts_paused = arguments.starts_paused;
   options.rules.channels = logs::ChannelFilter(arguments.include, arguments.exclude);
   options.rules.names = logs::ChannelRenames(arguments.renames);
@@ -75,7 +79,7 @@ void refuse_neighbours(const PlayArguments& arguments) {
 }
 
 int run(const PlayArguments& arguments) {
-  const logs::IndexedLog log(arguments.log, progress_line("reading"));
+  const logs::IndexedLog log = open_log(arguments.log);
   refuse_neighbours(arguments);
   const auto transport = bus::open_transport(arguments.url);
   logs::Player player(
@@ -103,15 +107,26 @@ int run(const PlayArguments& arguments) {
           log.survey().duration_s(), schedule.speed(), schedule.is_paused() ? "   paused" : "")});
     }
   };
-  const logs::PlayReport report = player.run(command, stop_requested, on_position);
+  int gaps_told = 0;
+  const auto on_gap = [&](Time from, Time to) {
+    constexpr int kGapsTold = 5;
+    if (++gaps_told <= kGapsTold) {
+      fmt::print(stderr,
+                 "vantage: {}: its times jump from {:.3f} s to {:.3f} s after the first: not "
+                 "waited out\n",
+                 arguments.log, to_seconds(from - log.survey().first),
+                 to_seconds(to - log.survey().first));
+    }
+  };
+  const logs::PlayReport report = player.run(command, stop_requested, on_position, on_gap);
   if (arguments.as_json) {
-    print_line(nlohmann::ordered_json{{"published", report.published},
+    print_json(nlohmann::ordered_json{{"published", report.published},
                                       {"failed", report.failed},
                                       {"passes", report.passes},
                                       {"late_mean_us", report.late_mean_us},
                                       {"late_worst_us", report.late_worst_us},
-                                      {"late_over_1_ms", report.late_over_1_ms}}
-                   .dump());
+                                      {"late_over_1_ms", report.late_over_1_ms},
+                                      {"gaps", report.gaps}});
   } else {
     print_line(fmt::format("{} messages, late by {:.0f} µs on average, {:.0f} µs at worst",
                            report.published, report.late_mean_us, report.late_worst_us));
@@ -130,10 +145,17 @@ void add_log_play_command(CLI::App& log, Runner& chosen) {
   command->add_option("log", arguments->log, "LCM event log")->required();
   command->add_option("--url", arguments->url, "LCM URL; $LCM_DEFAULT_URL when not given");
   command->add_option("--speed", arguments->speed, "1: as it was")
-      ->check(CLI::Range(1.0 / 64.0, 64.0))
+      ->check(number_between(1.0 / 64.0, 64.0))
       ->capture_default_str();
-  command->add_option("--from-s", arguments->from_s, "where to begin, since the first event");
-  command->add_option("--to-s", arguments->to_s, "where to end (not included)");
+  command->add_option("--from-s", arguments->from_s, "where to begin, since the first event")
+      ->check(any_number());
+  command->add_option("--to-s", arguments->to_s, "where to end (not included)")
+      ->check(any_number());
+  command
+      ->add_option("--gap-max-s", arguments->gap_max_s,
+                   "where the log's times jump by more, on or back, it does not wait")
+      ->check(positive_number())
+      ->capture_default_str();
   command->add_option("--channels", arguments->include, "the ones to play (whole names)");
   command->add_option("--without", arguments->exclude, "the ones not to play");
   command->add_option("--rename", arguments->renames, "OLD=NEW or OLD*=NEW*; the first fits");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/process.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/log/log_scenario.hpp"
@@ -59,6 +60,7 @@ void print(const std::string& node, const ReplayReport& report) {
 }
 
 int run(ReplayArguments arguments) {
+  const EndsAtOnce comparing;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
   const models::Scenario scenario = scenario_of(log);
   if (arguments.nodes.empty()) {
@@ -80,7 +82,7 @@ int run(ReplayArguments arguments) {
     }
   }
   if (arguments.as_json) {
-    print_line(Json{{"log", arguments.log}, {"exact", all_good}, {"nodes", all}}.dump());
+    print_json(Json{{"log", arguments.log}, {"exact", all_good}, {"nodes", all}});
   }
   return all_good ? 0 : 1;
 }

@@ -1,8 +1,10 @@
 #include "tools/picture/picture.hpp"
 
-#include <fstream>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <stdexcept>
 
-#include "core/check.hpp"
 #include "tools/picture/layout.hpp"
 #include "tools/picture/map_layer.hpp"
 #include "tools/picture/panel.hpp"
@@ -28,24 +30,20 @@ std::string draw_picture(const models::Scenario& scenario, const Scene& scene,
   return svg.str();
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) {
-    throw StartupError(path + ": cannot be written");
-  }
-}
-
 Result<std::string> render_png(const std::string& svg_path, const std::string& png_path) {
+  const std::string passing = png_path + ".part";
   Result<Child> child =
-      Child::start({"rsvg-convert", "--format=png", "--output=" + png_path, svg_path});
+      Child::start({"rsvg-convert", "--format=png", "--output=" + passing, svg_path});
   if (!child.ok()) {
     return Error{"no PNG: rsvg-convert is not installed (apt install librsvg2-bin)"};
   }
   const std::optional<ChildExit> ended = std::move(child).value().wait(std::chrono::seconds(30));
   if (!ended || !ended->is_success()) {
-    return Error{"no PNG: rsvg-convert failed on " + svg_path};
+    std::remove(passing.c_str());
+    throw std::runtime_error(png_path + ": cannot be written: rsvg-convert failed on " + svg_path);
+  }
+  if (std::rename(passing.c_str(), png_path.c_str()) != 0) {
+    throw std::runtime_error(png_path + ": cannot be written: " + std::strerror(errno));
   }
   return png_path;
 }

@@ -15,10 +15,9 @@ namespace vantage::tools {
 std::string draw_picture(const models::Scenario& scenario, const Scene& scene,
                          const logs::TrialSummary& summary);
 
-/// Writes `text` to `path`. @throws StartupError when it cannot.
-void write_text(const std::string& path, const std::string& text);
-
 /// Renders an SVG file as PNG with rsvg-convert; the Error says what is missing.
+/// @throws std::runtime_error with file and reason when it could not be written, or not be drawn;
+///         `png_path` is then as before.
 Result<std::string> render_png(const std::string& svg_path, const std::string& png_path);
 
 }  // namespace vantage::tools

@@ -12,6 +12,10 @@ nlohmann::ordered_json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
+std::string_view stop_word(const PlanOutcome& outcome) {
+  return outcome.is_interrupted ? "interrupted" : word_of(outcome.result.stop_reason);
+}
+
 double gap_of(const planner::SearchResult& result) {
   return std::max(0.0, result.cost - result.lower_bound);
 }
@@ -61,7 +65,7 @@ nlohmann::ordered_json to_json(const PlanningProblem& problem, const PlanOutcome
           {"elapsed_s", outcome.elapsed_s},
           {"cpu_s", outcome.cpu_s},
           {"peak_bytes", outcome.peak_bytes},
-          {"stop_reason", word_of(result.stop_reason)}};
+          {"stop_reason", stop_word(outcome)}};
 }
 
 std::vector<std::string> to_lines(const PlanningProblem& problem, const PlanOutcome& outcome) {
@@ -81,8 +85,8 @@ std::vector<std::string> to_lines(const PlanningProblem& problem, const PlanOutc
   }
   lines.push_back(fmt::format("controls  {}", fmt::join(result.controls, " ")));
   lines.push_back(fmt::format("search    {}: {}, {} generated, {} expanded, {} passes",
-                              outcome.algorithm, word_of(result.stop_reason),
-                              result.nodes_generated, result.nodes_expanded, result.passes));
+                              outcome.algorithm, stop_word(outcome), result.nodes_generated,
+                              result.nodes_expanded, result.passes));
   lines.push_back(fmt::format("time      {:.6f} s, CPU {:.6f} s, {:.1f} MB", outcome.elapsed_s,
                               outcome.cpu_s, 1e-6 * static_cast<double>(outcome.peak_bytes)));
   return lines;

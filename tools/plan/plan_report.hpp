@@ -17,9 +17,10 @@ struct PlanOutcome {
   std::string source;
   std::string algorithm;
   planner::SearchResult result;
-  double elapsed_s = 0.0;      ///< wall clock of the search alone
-  double cpu_s = 0.0;          ///< of the searching thread, the same span
-  std::size_t peak_bytes = 0;  ///< nodes, blocks and lists in use
+  double elapsed_s = 0.0;       ///< wall clock of the search alone
+  double cpu_s = 0.0;           ///< of the searching thread, the same span
+  std::size_t peak_bytes = 0;   ///< nodes, blocks and lists in use
+  bool is_interrupted = false;  ///< by who asked for it, before the budget was spent
 };
 
 /// True when every one of the T steps has a control.

@@ -225,6 +225,10 @@ PlanningProblem load_problem(const std::string& path) {
   if (std::filesystem::is_directory(path, error) || !file) {
     throw StartupError(path + ": cannot be read; expected a problem file");
   }
+  constexpr std::uintmax_t kBytesMax = std::uintmax_t{64} << 20U;
+  if (const auto size = std::filesystem::file_size(path, error); !error && size > kBytesMax) {
+    throw StartupError(path + ": must be at most 64 MiB; expected a problem file");
+  }
   return parse_problem({std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()},
                        path);
 }

@@ -33,6 +33,10 @@ void for_each_difference(const Json& a, const Json& b, const std::string& path, 
   }
 }
 
+std::string dumped(const Json& value) {
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 OutputDifference difference_of(std::int64_t index, const Json& logged, const Json& replayed) {
   OutputDifference out;
   out.index = index;
@@ -44,8 +48,8 @@ OutputDifference difference_of(std::int64_t index, const Json& logged, const Jso
                         }
                         if (++out.members_different == 1) {
                           out.member = path;
-                          out.logged = a.dump();
-                          out.replayed = b.dump();
+                          out.logged = dumped(a);
+                          out.replayed = dumped(b);
                         }
                       });
   if (out.members_different == 0) {

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "core/write_file.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -56,11 +57,7 @@ std::filesystem::path write_beside(const std::string& directory,
   const std::filesystem::path path =
       std::filesystem::path(directory) /
       fmt::format("{}.{}.{}", kName, host_name(), ::getpid());  // nodes may share the directory
-  std::ofstream file(path);
-  file << json.dump(2) << '\n';
-  if (!file.flush()) {
-    throw StartupError(path.string() + ": cannot be written");
-  }
+  write_file(path, json.dump(2) + "\n");
   return path;
 }
 

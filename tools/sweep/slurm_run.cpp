@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/check.hpp"
+#include "core/write_file.hpp"
 #include "tools/sweep/row_files.hpp"
 #include "tools/sweep/slurm_client.hpp"
 #include "tools/sweep/slurm_job.hpp"
@@ -21,14 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) {
-    throw StartupError(path.string() + ": cannot be written");
-  }
-}
 
 std::string last_line_of(const fs::path& path) {
   std::ifstream file(path);
@@ -83,7 +76,7 @@ class SlurmRun {
   }
 
   void keep_submitted() const {
-    write_text(folder_ / "submitted.json", nlohmann::json{{"array", submitted_.array},
+    write_file(folder_ / "submitted.json", nlohmann::json{{"array", submitted_.array},
                                                           {"collector", submitted_.collector},
                                                           {"shards", submitted_.shards}}
                                                    .dump() +
@@ -116,8 +109,8 @@ class SlurmRun {
     std::error_code error;
     fs::create_directories(folder_, error);
     const SlurmScripts scripts = slurm_scripts(slurm_.command, slurm_.shards);
-    write_text(folder_ / "shards.sh", scripts.shards);
-    write_text(folder_ / "collect.sh", scripts.collect);
+    write_file(folder_ / "shards.sh", scripts.shards);
+    write_file(folder_ / "collect.sh", scripts.collect);
     for (const int shard : lacking) {
       fs::remove(log_of(shard),
                  error);  // of an earlier job, that its words are not taken for these

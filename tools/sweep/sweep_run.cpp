@@ -2,13 +2,13 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "core/check.hpp"
 #include "core/cpu_time.hpp"
+#include "core/write_file.hpp"
 #include "tools/supervisor/child.hpp"
 #include "tools/sweep/report_page.hpp"
 #include "tools/sweep/row_files.hpp"
@@ -17,24 +17,20 @@
 namespace vantage::tools {
 namespace {
 
-void write_file(const std::string& directory, const std::string& name, const std::string& text) {
-  const std::string path = std::filesystem::path(directory) / name;
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) {
-    throw StartupError(path + ": cannot be written");
-  }
-}
-
 // Runs the script with gnuplot; what to tell of it.
-std::string draw(const std::string& directory, const std::string& script) {
+std::string draw(const std::string& directory, const std::string& script,
+                 const std::function<bool()>& stop) {
   const std::string enter = "cd '" + directory + "'";
   const std::string path = std::filesystem::absolute(std::filesystem::path(directory) / script);
   Result<Child> child = Child::start({"gnuplot", "-e", enter, path});
   if (!child.ok()) {
     return "no figures: gnuplot is not installed (apt install gnuplot-nox)";
   }
-  const std::optional<ChildExit> ended = std::move(child).value().wait(std::chrono::seconds(120));
+  Child gnuplot = std::move(child).value();
+  std::optional<ChildExit> ended;
+  for (int tenths = 0; !ended && tenths < 1200 && !(stop && stop()); ++tenths) {
+    ended = gnuplot.wait(std::chrono::milliseconds(100));
+  }
   return ended && ended->is_success() ? "figures in " + directory
                                       : "no figures: gnuplot failed on " + path;
 }
@@ -53,29 +49,30 @@ UnitRows run_unit(const Sweep& sweep, const Unit& unit, std::uint64_t seed) {
 }
 
 std::vector<std::string> collect(const Sweep& sweep, const SweepIdentity& identity,
-                                 const std::string& what, const std::string& directory) {
+                                 const std::string& what, const std::string& directory,
+                                 const std::function<bool()>& stop) {
   const StoredRows stored = read_rows(directory, sweep.plan, identity);
   const Tables tables = tables_of(sweep.plan, stored.done);
   const Summary summary = sweep.summarise(tables);
   for (const auto& [name, records] : tables) {
-    write_file(directory, name + ".csv", csv_of(sweep.plan, name, records));
+    write_file(directory + "/" + name + ".csv", csv_of(sweep.plan, name, records));
   }
   for (const auto& [name, text] : summary.files) {
-    write_file(directory, name, text);
+    write_file(directory + "/" + name, text);
   }
-  write_file(directory, "report.md", report_page(identity, what, sweep.plan, summary));
+  write_file(directory + "/report.md", report_page(identity, what, sweep.plan, summary));
   std::vector<std::string> lines = summary.lines;
   std::string times;
   for (const std::string& line : summary.time_lines) {
     lines.push_back(line);
     times += line + "\n";
   }
-  write_file(directory, "times.txt", times);
+  write_file(directory + "/times.txt", times);
   finish_manifest(directory, identity, sweep.plan, stored.processes);
   if (!summary.figure_script.empty()) {
     const std::string script = identity.experiment + ".gp";
-    write_file(directory, script, summary.figure_script);
-    lines.push_back(draw(directory, script));
+    write_file(directory + "/" + script, summary.figure_script);
+    lines.push_back(draw(directory, script, stop));
   }
   lines.push_back(fmt::format("report in {}/report.md", directory));
   return lines;
@@ -129,7 +126,7 @@ SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const 
   }
   outcome.is_stopped = progress.done < progress.units;
   if (!outcome.is_stopped && !options.shard) {
-    outcome.lines = collect(sweep, identity, what, options.directory);
+    outcome.lines = collect(sweep, identity, what, options.directory, options.stop);
   }
   return outcome;
 }

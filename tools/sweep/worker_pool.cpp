@@ -9,6 +9,8 @@
 namespace vantage::tools {
 namespace {
 
+constexpr std::chrono::milliseconds kTickPeriod{200};
+
 class Pool {
  public:
   Pool(const std::vector<Unit>& units, const PoolOptions& options,
@@ -22,7 +24,7 @@ class Pool {
       threads.emplace_back([this] { serve(); });
     }
     std::unique_lock lock(mutex_);
-    while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return running_ == 0; })) {
+    while (!ended_.wait_for(lock, kTickPeriod, [this] { return running_ == 0; })) {
       if (options_.tick) {
         options_.tick();
       }

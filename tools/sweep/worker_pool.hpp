@@ -11,7 +11,8 @@ struct PoolOptions {
   int jobs = 1;
   /// Asked before each unit; true: none is begun any more. May be empty.
   std::function<bool()> stop;
-  /// Called about once a second while units run, by the caller's thread. May be empty.
+  /// Called five times a second while units run, by the caller's thread; `keep` is not called
+  /// meanwhile, so that the process may end in it with every row whole. May be empty.
   std::function<void()> tick;
 };
 

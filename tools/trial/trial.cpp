@@ -59,7 +59,8 @@ TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRe
     now = std::min({announcer.next_tick(), now + kStopPeriod, end});
     loop.run_until(now);
     announcer.tick(now);
-    if (now < planned_end && options.stop && options.stop()) {
+    const bool is_lost = log && log->error();
+    if (now < planned_end && (is_lost || (options.stop && options.stop()))) {
       end = now;
     }
     const double share = to_seconds(now - start) / to_seconds(planned_end - start);

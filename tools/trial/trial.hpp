@@ -29,7 +29,7 @@ struct TrialResult {
   logs::TrialSummary summary;
   Scene scene;
   bool was_stopped = false;                       ///< before the scenario's duration
-  std::optional<Error> log_error = std::nullopt;  ///< why the log lacks something, if it does
+  std::optional<Error> log_error = std::nullopt;  ///< why the log is not whole; ended the trial
 };
 
 /// When virtual time starts: 1 700 000 000 s, rounded up to a whole planning round.
@@ -37,7 +37,8 @@ Time trial_start(const models::Scenario& scenario);
 
 /// One trial in virtual time: a pure function of the scenario (its seed included) and the nodes.
 /// Precondition: the scenario's planner.node_budget is positive.
-/// @throws StartupError when the log cannot be written, or there is one at its path already, or a
+/// A log that cannot be written any more ends it as `stop` does: the file ends with a whole event.
+/// @throws StartupError when the log cannot be begun, or there is one at its path already, or a
 ///         node refuses the scenario.
 TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
                       const TrialOptions& options = {});

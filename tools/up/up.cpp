@@ -22,6 +22,7 @@
 #include "bus/transport.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
+#include "core/write_file.hpp"
 #include "logs/record/append_file.hpp"
 #include "logs/record/recorder.hpp"
 #include "tools/live/screen.hpp"
@@ -29,7 +30,6 @@
 #include "tools/observe/announcer.hpp"
 #include "tools/observe/neighbours.hpp"
 #include "tools/observe/observer.hpp"
-#include "tools/picture/picture.hpp"
 #include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
 #include "tools/up/log_space.hpp"
@@ -88,7 +88,7 @@ class TemporaryScenario {
   explicit TemporaryScenario(const std::string& yaml) {
     const auto name = "vantage-" + std::to_string(::getpid()) + ".yaml";
     path_ = std::filesystem::temp_directory_path() / name;
-    write_text(path_.string(), yaml);
+    write_file(path_.string(), yaml);
   }
   ~TemporaryScenario() {
     std::error_code ignored;

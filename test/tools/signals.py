@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""signals.py VANTAGE SAMPLE.xz SCENARIO PROBLEM: SIGINT, SIGTERM and SIGHUP while commands are at work.
+
+Each ends soon with what it has, and says so; nothing is torn. Soon is half a second on an idle
+machine; here it is judged by CPU time, and by far less than the work would take.
+"""
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+PATIENCE_S = 60
+CPU_S = 1.5  # from the signal on; two threads may run
+
+
+def cpu_s(pid):
+    fields = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def interrupted(words, folder, is_at_work, which):
+    """(exit code, stdout, stderr, CPU seconds after the signal) of a command told to end while at
+    work."""
+    process = subprocess.Popen(words, cwd=folder, text=True, stdin=subprocess.DEVNULL,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    give_up = time.monotonic() + PATIENCE_S
+    while not is_at_work(process):
+        assert process.poll() is None, f"{words} has ended: {process.communicate()}"
+        assert time.monotonic() < give_up, f"{words} does not begin"
+        time.sleep(0.01)
+    before_s = cpu_s(process.pid)
+    process.send_signal(which)
+    after_s = before_s
+    while process.poll() is None:
+        try:
+            after_s = cpu_s(process.pid)
+        except (FileNotFoundError, IndexError):
+            pass
+        assert time.monotonic() < give_up + PATIENCE_S, f"{words} does not end"
+        time.sleep(0.01)
+    said, warned = process.communicate()
+    assert after_s - before_s < CPU_S, f"{words}: {after_s - before_s} s of CPU after the signal"
+    return process.returncode, said, warned
+
+
+def has_worked(seconds):
+    return lambda process: cpu_s(process.pid) > seconds
+
+
+def grown(path, size_bytes):
+    return lambda process: path.exists() and path.stat().st_size > size_bytes
+
+
+def check_log(vantage, path):
+    done = subprocess.run([vantage, "log", "check", path], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def main():
+    vantage, sample, scenario, problem = (str(pathlib.Path(each).resolve()) for each in sys.argv[1:5])
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        flight = subprocess.run(["xz", "-dkc", sample], capture_output=True, check=True).stdout
+        (folder / "flight.lcmlog").write_bytes(flight)
+
+        # A search of a day prints its best plan; a second signal changes nothing.
+        for which in (signal.SIGINT, signal.SIGTERM):
+            for algorithm in ("beam", "arvi"):
+                code, said, _ = interrupted(
+                    [vantage, "plan", problem, "--budget-s", "86400", "--algorithm", algorithm,
+                     "--json"], folder, has_worked(1.5), which)
+                plan = json.loads(said)
+                assert code == 1 and plan["stop_reason"] == "interrupted", (code, said)
+                assert plan["found"] and plan["controls"], said
+
+        # So does a trial whose terminal is closed; its log is whole.
+        log = folder / "trial.lcmlog"
+        for which in (signal.SIGHUP, signal.SIGTERM):
+            code, said, warned = interrupted(
+                [vantage, "trial", scenario, "--duration-s", "100000", "--nodes", "300", "--log",
+                 log, "--json"], folder, grown(log, 100_000), which)
+            assert code == 1 and json.loads(said)["duration_s"] > 0, said
+            assert "trial stopped after" in warned, warned
+            check_log(vantage, log)
+            log.unlink()
+
+        demo = folder / "demo/lab.lcmlog"
+        code, said, _ = interrupted(
+            [vantage, "demo", "--scenario", scenario, "--duration-s", "300", "--out", folder / "demo",
+             "--json"], folder, grown(demo, 50_000), signal.SIGHUP)
+        assert code == 0 and json.loads(said)["duration_s"] > 0, (code, said)
+        check_log(vantage, demo)
+
+        # An export is whole as far as it has come.
+        part = folder / "flight.mcap.part"
+        many = folder / "many.lcmlog"
+        subprocess.run([vantage, "log", "merge", *[folder / "flight.lcmlog"] * 12, "--out", many],
+                       check=True, stdout=subprocess.DEVNULL)
+        code, said, warned = interrupted(
+            [vantage, "log", "export", many, "--to", "mcap", "--out", folder / "flight.mcap"], folder,
+            grown(part, 1 << 20), signal.SIGINT)
+        assert code == 1 and "interrupted" in warned, (code, warned)
+        whole = (folder / "flight.mcap").read_bytes()
+        assert whole[:8] == whole[-8:] and not part.exists()
+        code, said, warned = interrupted(
+            [vantage, "log", "export", many, "--to", "csv", "--out", folder / "csv"], folder,
+            grown(folder / "csv/TRUTH.csv", 100_000), signal.SIGTERM)
+        assert code == 1 and "interrupted" in warned, (code, warned)
+        assert all(path.read_bytes().endswith(b"\n") for path in (folder / "csv").iterdir())
+
+        # The doctor tells what it has heard; somebody accepts and says nothing.
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            code, said, warned = interrupted(
+                [vantage, "doctor", "vicon", "127.0.0.1", "--port", str(silent.getsockname()[1]),
+                 "--udp-port", "51999", "--listen-s", "60"], folder,
+                lambda process: silent.accept() is not None, signal.SIGINT)
+        assert code == 1 and "127.0.0.1" in said and "interrupted" in warned, (said, warned)
+
+        # An experiment keeps the units that are done and says how to go on; the same command does.
+        results = folder / "my results"
+        rows = results / "rows"
+        words = [vantage, "experiment", "tracking-noise", "--trials", "50", "--out", results]
+        code, said, warned = interrupted(
+            words, folder, lambda process: has_worked(3.0)(process) and rows.exists(),
+            signal.SIGTERM)
+        assert code == 1 and "rows are kept. To go on: vantage experiment" in warned, warned
+        assert f"--out '{results}'" in warned, warned
+        for path in rows.iterdir():
+            text = path.read_text()
+            assert text.endswith("\n") and all(json.loads(line) for line in text.splitlines())
+    print("signals: all good")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
