@@ -85,7 +85,12 @@ function(vantage_app name)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
   target_precompile_headers(${name} REUSE_FROM vantage_precompiled_command)
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} vantage_build_flags)
+  if(name MATCHES "^vantage(-|$)")
+    add_dependencies(vantage_programs ${name})
+  endif()
 endfunction()
+# Everything that a person types and that these start: what tools/demo builds.
+add_custom_target(vantage_programs)
 
 # vantage_test(<room> SOURCES x_test.cpp DEPS vantage::models [LABEL unit] [TIMEOUT 60])
 #

@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
-"""run_commands.py BIN_DIR SOURCE_DIR: what README.md and docs/*.md tell people to type.
+"""run_commands.py PROGRAMS SOURCE_DIR: what README.md and docs/*.md tell people to type, as it is
+after tools/demo: PROGRAMS lists the files that the target which that script builds leaves, one a line,
+and nothing else is found.
 
 Every line of a fenced block that begins with `vantage` must name a program and a command that exist,
 with flags that its --help knows. Every block below the line `<!-- run -->` is run as it stands, by
 `sh -e`; of one below `<!-- run 4 s -->` each line is run by itself in a network of its own, and after
 so long, if it has not ended, told to by Ctrl-C's signal: it must end in either case, and well.
 They run in a folder that has config/ and logs/ in it, flight.lcmlog (the sample log, also as
-demo-out/lab.lcmlog) and torn.lcmlog (a part of it that ends within an event), with BIN_DIR in PATH.
+demo-out/lab.lcmlog) and torn.lcmlog (a part of it that ends within an event), with the programs'
+folder in PATH.
 """
 import os
 import pathlib
@@ -118,10 +121,28 @@ def run(block, binaries, source):
                                          environment, source)]
 
 
+def lay_out(programs, folder):
+    """A folder with these programs alone. Links, but hard ones: they look for each other by place."""
+    for line in pathlib.Path(programs).read_text().split():
+        try:
+            os.link(line, folder / pathlib.Path(line).name)
+        except OSError:  # on another disk
+            shutil.copy2(line, folder)
+
+
 def main():
-    binaries, source = (pathlib.Path(each).resolve() for each in sys.argv[1:3])
+    source = pathlib.Path(sys.argv[2]).resolve()
+    with tempfile.TemporaryDirectory(dir=pathlib.Path(sys.argv[1]).parent) as name:
+        binaries = pathlib.Path(name)
+        lay_out(sys.argv[1], binaries)
+        return check_pages(binaries, source)
+
+
+def check_pages(binaries, source):
     commands = Commands(binaries)
     complaints, lines, blocks = [], 0, 0
+    if "--target vantage_programs\n" not in (source / "tools/demo").read_text():
+        complaints.append("tools/demo does not build the target vantage_programs")
     for page in [source / "README.md", *sorted((source / "docs").rglob("*.md"))]:
         text = page.read_text()
         for block in BLOCK.finditer(text):
