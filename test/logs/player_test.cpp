@@ -166,7 +166,7 @@ TEST_F(PlayerTest, WaitsOutNoBrokenTimeStamp) {
   test::write_file(folder_.file("b"), bytes);
   log_.emplace(folder_.file("b"));
   const PlayReport report = play({});
-  const auto pause_ms = std::chrono::milliseconds(Player::kAfterGap).count();
+  const auto pause_ms = Player::kAfterGap / std::chrono::milliseconds(1);
   EXPECT_EQ(heard(), (Pairs{{0, 0},
                             {1, pause_ms},
                             {2, pause_ms + 100},

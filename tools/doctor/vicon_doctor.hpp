@@ -25,8 +25,8 @@ enum class Answer {
 struct ObservedBody {
   std::int64_t frames = 0;  ///< in which it was listed
   std::int64_t seen = 0;
-  double rate_hz = 0.0;  ///< of its own reports, where each body has its own; else 0
   Eigen::Vector3d last_world_m = Eigen::Vector3d::Zero();
+  double rate_hz = 0.0;  ///< of its own reports, where each body has its own; else 0
 };
 
 /// What a driver made of a stream.
