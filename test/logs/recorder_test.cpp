@@ -1,0 +1,78 @@
+#include "logs/record/recorder.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/deadline.hpp"
+#include "logs/file/log_event.hpp"
+#include "test/logs/fake_disk.hpp"
+
+namespace vantage::logs {
+namespace {
+
+constexpr Time kNow = from_utime(1'700'000'000'000'000);
+
+TEST(Recorder, RecordsWhatItsFilterTakesAndNoNameThatLooksLikeDamage) {
+  bus::InProcessHub hub;
+  const auto ear = hub.connect();
+  const auto mouth = hub.connect();
+  bus::VirtualClock clock(kNow);
+  std::vector<std::string> recorded;
+  const Recorder recorder(
+      *ear, clock,
+      [&](Time time, std::string_view channel, std::span<const std::uint8_t> data) {
+        EXPECT_EQ(time, kNow);
+        EXPECT_EQ(data.size(), 3U);
+        recorded.emplace_back(channel);
+        return true;
+      },
+      ChannelFilter({}, {"SCAN_.*"}));
+  const std::vector<std::uint8_t> data = {1, 2, 3};
+  for (const char* channel : {"VICON", "SCAN_Q1", "A\nB", "\x7f", "PLAN_Q1"}) {
+    mouth->publish(channel, data);
+  }
+  ear->handle(std::chrono::microseconds(0));
+  EXPECT_EQ(recorded, (std::vector<std::string>{"VICON", "PLAN_Q1"}));
+  EXPECT_EQ(recorder.heard(), 2);
+  EXPECT_EQ(recorder.names_refused(), 2);
+}
+
+TEST(RecorderNode, TellsAtOnceAndCountsWhatTheDiskRefuses) {
+  bus::InProcessHub hub;
+  const auto ear = hub.connect();
+  const auto mouth = hub.connect();
+  bus::VirtualClock clock(kNow);
+  test::FakeDisk disk;
+  disk.set_room(50);
+  SpoolOptions options;
+  options.path = "flight.lcmlog";
+  LogSpool spool(options, disk.opener());
+  std::vector<std::string> told;
+  RecorderNode node(*ear, clock, spool, {},
+                    [&](const std::string& words) { told.push_back(words); });
+  const auto count_of = [](const std::vector<models::NamedCount>& counts, const std::string& name) {
+    const auto found = std::find_if(counts.begin(), counts.end(),
+                                    [&](const auto& count) { return count.name == name; });
+    return found == counts.end() ? -1 : found->count;
+  };
+  EXPECT_EQ(count_of(node.traffic(), "log.is_written"), 1);
+  mouth->publish("VICON", std::vector<std::uint8_t>(100));
+  ear->handle(std::chrono::microseconds(0));
+  const std::int64_t give_up_ns = monotonic_ns() + 20'000'000'000;
+  while (told.empty() && monotonic_ns() < give_up_ns) {
+    node.tick(kNow);
+  }
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0], "LOG NOT WRITTEN: flight.lcmlog: cannot be written: No space left on device");
+  EXPECT_EQ(count_of(node.traffic(), "log.is_written"), 0);
+  EXPECT_EQ(count_of(node.counters(), "log.write_errors"), 1);
+  spool.close();
+  EXPECT_EQ(count_of(node.counters(), "log.events_lost"), 1);
+  EXPECT_TRUE(disk.bytes("flight.lcmlog").empty()) << "no torn event";
+}
+
+}  // namespace
+}  // namespace vantage::logs
