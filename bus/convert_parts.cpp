@@ -27,8 +27,8 @@ std::optional<Pose2> pose2_from(double x_m, double y_m, double yaw_rad) {
 
 std::optional<Pose3> pose3_from(const double (&position_m)[3], const double (&quaternion_wxyz)[4]) {
   const Eigen::Vector3d position(position_m[0], position_m[1], position_m[2]);
-  Eigen::Quaterniond rotation(quaternion_wxyz[0], quaternion_wxyz[1], quaternion_wxyz[2],
-                              quaternion_wxyz[3]);
+  Quaternion rotation(quaternion_wxyz[0], quaternion_wxyz[1], quaternion_wxyz[2],
+                      quaternion_wxyz[3]);
   const double norm = rotation.norm();
   // A NaN norm fails this as well.
   if (!position.allFinite() || !(std::abs(norm - 1.0) <= kQuaternionNormErrorMax)) {

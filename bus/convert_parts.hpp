@@ -12,6 +12,7 @@
 
 #include "bus/convert.hpp"
 #include "core/angle.hpp"
+#include "core/linear.hpp"
 #include "models/exchange/messages.hpp"
 
 // Pieces that several messages share. `…_from` check and answer nullopt for what cannot be true;
@@ -34,7 +35,7 @@ inline constexpr double kAsymmetryMax = 1e-9;  ///< relative to the largest entr
 inline constexpr double kQuaternionNormErrorMax = 1e-3;
 
 /// Up to 4×4, in place: covariances of measurements and information of targets.
-using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 4, 4>;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, 4, 4>;
 using Rows = std::vector<std::vector<double>>;
 
 bool is_utime(std::int64_t utime);

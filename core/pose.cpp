@@ -87,14 +87,14 @@ Eigen::Vector3d operator*(const Pose3& a_from_b, const Eigen::Vector3d& p_b) {
 }
 
 Pose3 inverse(const Pose3& a_from_b) {
-  const Eigen::Quaterniond b_from_a = a_from_b.rotation.conjugate();
+  const Quaternion b_from_a = a_from_b.rotation.conjugate();
   return {-(b_from_a * a_from_b.translation_m), b_from_a};
 }
 
 Pose3 exp_se3(const Eigen::Matrix<double, 6, 1>& twist) {
   const Eigen::Vector3d theta = twist.tail<3>();
   const double angle = theta.norm();
-  Eigen::Quaterniond rotation;
+  Quaternion rotation;
   rotation.w() = std::cos(angle / 2.0);
   rotation.vec() = 0.5 * sinc(0.5 * angle) * theta;
   return {left_jacobian_so3(theta) * twist.head<3>(), rotation.normalized()};
@@ -115,7 +115,7 @@ Eigen::Matrix<double, 6, 1> log_se3(const Pose3& a_from_b) {
 
 Pose3 lift(const Pose2& world_from_body, double height_m) {
   return {{world_from_body.x_m, world_from_body.y_m, height_m},
-          Eigen::Quaterniond(Eigen::AngleAxisd(world_from_body.yaw_rad, Eigen::Vector3d::UnitZ()))};
+          Quaternion(Eigen::AngleAxisd(world_from_body.yaw_rad, Eigen::Vector3d::UnitZ()))};
 }
 
 Pose2 flatten(const Pose3& world_from_body) {

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "core/angle.hpp"
+#include "core/linear.hpp"
 
 namespace vantage {
 
@@ -33,7 +34,7 @@ Eigen::Vector3d log_se2(const Pose2& a_from_b);
 /// A rigid motion of space, SE(3).
 struct Pose3 {
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< unit
+  Quaternion rotation = Quaternion::Identity();  ///< unit
 };
 
 Pose3 operator*(const Pose3& a_from_b, const Pose3& b_from_c);

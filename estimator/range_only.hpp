@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/linear.hpp"
 #include "models/sensor/sensor.hpp"
 
 namespace vantage::estimator {
@@ -26,7 +27,7 @@ struct RangeOnlySpec {
 struct BeaconHypothesis {
   double weight = 1.0;
   Eigen::Vector2d mean_m = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
+  Eigen::Matrix<double, 2, 2, kUnaligned> covariance_m2 = Eigen::Matrix2d::Identity();
 };
 
 /// A static planar beacon found from ranges alone, r = range_scale ‖y − p‖ + range_bias_m + v, with

@@ -208,7 +208,7 @@ void AutopilotLink::send_origin() {
 
 void AutopilotLink::send_pose(const BodyState& state, Time now) {
   const Eigen::Vector3d position_m = turn_axes(state.world_from_body.translation_m);
-  const Eigen::Quaterniond local_from_body = turn_axes(state.world_from_body.rotation);
+  const Quaternion local_from_body = turn_axes(state.world_from_body.rotation);
   const Eigen::Vector3d velocity_body_mps =
       local_from_body.conjugate() * turn_axes(state.velocity_world_mps);
   wire::Odometry odometry;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "core/linear.hpp"
 #include "core/pose.hpp"
 #include "core/time.hpp"
 #include "drivers/quadrotor/autopilot_link.hpp"
@@ -54,7 +55,7 @@ class BodyTracker {
   Time changed_{};  ///< capture of the newest pose that differed from the one before
   std::int64_t run_id_ = 0;
   Eigen::Vector3d filtered_position_m_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix2d covariance_ = Eigen::Matrix2d::Zero();
+  Eigen::Matrix<double, 2, 2, kUnaligned> covariance_ = Eigen::Matrix2d::Zero();
   struct Candidate {
     Pose3 pose;
     Time since{};

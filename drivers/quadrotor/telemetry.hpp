@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/linear.hpp"
 #include "core/time.hpp"
 #include "models/scenario/scenario.hpp"
 #include "models/wire/mavlink/frame.hpp"
@@ -57,7 +58,7 @@ class Telemetry {
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
   /// Its own estimates, world frame; meaningless before they were heard.
   [[nodiscard]] const Eigen::Vector3d& velocity_world_mps() const { return velocity_world_mps_; }
-  [[nodiscard]] const Eigen::Quaterniond& world_from_body() const { return world_from_body_; }
+  [[nodiscard]] const Quaternion& world_from_body() const { return world_from_body_; }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
   /// It has said so; that it knows its place is no sign of it.
   [[nodiscard]] bool has_origin() const { return has_origin_; }
@@ -93,7 +94,7 @@ class Telemetry {
   std::uint16_t estimator_flags_ = 0;
   Eigen::Vector3d position_world_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_world_mps_ = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond world_from_body_ = Eigen::Quaterniond::Identity();
+  Quaternion world_from_body_ = Quaternion::Identity();
   double yaw_rate_radps_ = 0.0;
   double tilt_rad_ = 0.0;
   bool has_origin_ = false;

@@ -15,7 +15,7 @@ constexpr double kMetresPerMillimetre = 1e-3;
 void set_body(SeenBody& body, const wire::TrackerObject& object, bool is_y_up) {
   body.name = object.name();
   const bool is_zero = object.translation_mm.isZero(0.0) && object.euler_xyz_rad.isZero(0.0);
-  std::optional<Eigen::Quaterniond> rotation;
+  std::optional<Quaternion> rotation;
   if (object.euler_xyz_rad.allFinite()) {
     rotation = wire::rotation_from_euler_xyz(object.euler_xyz_rad).normalized();
   }

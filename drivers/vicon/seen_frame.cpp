@@ -26,7 +26,7 @@ bool SeenFrame::has(std::string_view name) const {
 }
 
 void set_pose(SeenBody& body, const Eigen::Vector3d& position_m,
-              const std::optional<Eigen::Quaterniond>& rotation, bool is_zero, bool is_y_up) {
+              const std::optional<Quaternion>& rotation, bool is_zero, bool is_y_up) {
   if (is_zero) {
     body.sight = Sight::kZero;
     return;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/linear.hpp"
 #include "core/pose.hpp"
 #include "core/time.hpp"
 
@@ -54,6 +55,6 @@ class SeenFrame {
 /// Turns what is on the wire into a body's sight: of a pose with `rotation` absent when it was
 /// none. `is_zero`: every number of it was exactly nothing.
 void set_pose(SeenBody& body, const Eigen::Vector3d& position_m,
-              const std::optional<Eigen::Quaterniond>& rotation, bool is_zero, bool is_y_up);
+              const std::optional<Quaternion>& rotation, bool is_zero, bool is_y_up);
 
 }  // namespace vantage::drivers::vicon

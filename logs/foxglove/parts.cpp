@@ -31,7 +31,7 @@ const Pose3 kHere;
 Json to_json(Time time) { return seconds_json(to_utime(time)); }
 Json to_json(Duration duration) { return seconds_json(duration.count()); }
 Json to_json(const Eigen::Vector3d& v) { return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}}; }
-Json to_json(const Eigen::Quaterniond& q) {
+Json to_json(const Quaternion& q) {
   return {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}};
 }
 Json to_json(const Pose3& pose) {
@@ -83,7 +83,7 @@ Json cylinder(const Pose3& pose, const Eigen::Vector3d& size_m, const Colour& co
 
 Json label(const std::string& text, const Eigen::Vector3d& at_m, double size_px,
            const Colour& colour) {
-  return {{"pose", to_json(Pose3{at_m, Eigen::Quaterniond::Identity()})},
+  return {{"pose", to_json(Pose3{at_m, Quaternion::Identity()})},
           {"billboard", true},
           {"font_size", size_px},
           {"scale_invariant", true},

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "core/linear.hpp"
 #include "core/pose.hpp"
 #include "core/time.hpp"
 
@@ -34,7 +35,7 @@ enum class LineType { kStrip = 0, kLoop = 1, kList = 2 };
 Json to_json(Time time);
 Json to_json(Duration duration);
 Json to_json(const Eigen::Vector3d& v);
-Json to_json(const Eigen::Quaterniond& q);
+Json to_json(const Quaternion& q);
 Json to_json(const Pose3& pose);
 Json to_json(const Colour& colour);
 

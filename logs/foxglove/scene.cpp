@@ -52,7 +52,7 @@ std::vector<Eigen::Vector3d> corners(const models::Rectangle& r, double z_m) {
 Json box_on_ground(const models::Rectangle& footprint, double height_m, const Colour& colour) {
   const Eigen::Vector2d centre = 0.5 * (footprint.min_m + footprint.max_m);
   const Eigen::Vector2d size = footprint.max_m - footprint.min_m;
-  return cube({{centre.x(), centre.y(), 0.5 * height_m}, Eigen::Quaterniond::Identity()},
+  return cube({{centre.x(), centre.y(), 0.5 * height_m}, Quaternion::Identity()},
               {size.x(), size.y(), height_m}, colour);
 }
 
@@ -183,8 +183,8 @@ Json targets_scene(const models::Scenario& scenario, Time time) {
   for (const models::TargetSpec& target : scenario.targets) {
     Json out = entity("target/" + target.name, target.name, time, true);
     const double diameter_m = 2.0 * target.radius_m;
-    out["cylinders"].push_back(cylinder({{0, 0, 0.05}, Eigen::Quaterniond::Identity()},
-                                        {diameter_m, diameter_m, 0.1}, kTarget));
+    out["cylinders"].push_back(
+        cylinder({{0, 0, 0.05}, Quaternion::Identity()}, {diameter_m, diameter_m, 0.1}, kTarget));
     out["texts"].push_back(label(target.name, {0, 0, 0.3}, kLabel_px, kTarget));
     out["metadata"].push_back(metadata("target_id", std::to_string(target.id)));
     entities.push_back(std::move(out));
@@ -198,8 +198,8 @@ Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_r
   const Colour colour = plan.late ? kLate : is_searched ? of_robot.value_or(kRobots[0]) : kFallback;
   Json out = entity("plan/" + plan.robot, kWorldFrame, plan.stamp.time, false);
   out["lines"].push_back(line(LineType::kStrip, points, 2.5, colour));
-  out["spheres"].push_back(cube({points.back(), Eigen::Quaterniond::Identity()},
-                                Eigen::Vector3d::Constant(0.12), colour));
+  out["spheres"].push_back(
+      cube({points.back(), Quaternion::Identity()}, Eigen::Vector3d::Constant(0.12), colour));
   out["metadata"].push_back(metadata("round", std::to_string(plan.round)));
   out["metadata"].push_back(metadata("source", models::name_of(plan.source)));
   out["metadata"].push_back(metadata("late", plan.late ? "yes" : "no"));

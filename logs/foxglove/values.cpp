@@ -52,7 +52,7 @@ Json float_grid(const models::GridGeometry& grid, const char* field,
       bytes.push_back(static_cast<std::uint8_t>(word >> shift & 0xFFU));
     }
   }
-  const Pose3 corner{{grid.origin_m.x(), grid.origin_m.y(), 0.0}, Eigen::Quaterniond::Identity()};
+  const Pose3 corner{{grid.origin_m.x(), grid.origin_m.y(), 0.0}, Quaternion::Identity()};
   return {{"timestamp", to_json(time)},
           {"frame_id", kWorldFrame},
           {"pose", to_json(corner)},

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/linear.hpp"
 #include "core/pose.hpp"
 #include "models/target/target_model.hpp"
 
@@ -22,7 +23,7 @@ using MeasurementMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
 /// ∂z/∂state or ∂z/∂position: up to 3 × 4.
 using MeasurementJacobian =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxTargetDim>;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, 3, kMaxTargetDim>;
 
 enum class SensorKind { kPosition, kRange, kBearing, kRangeBearing, kCamera };
 

@@ -2,14 +2,16 @@
 
 #include <Eigen/Core>
 
+#include "core/linear.hpp"
+
 namespace vantage::models {
 
 inline constexpr int kMaxTargetDim = 4;
 
 /// State and matrices of one target: 2, 3 or 4 rows, stored in place (never on the heap).
-using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxTargetDim, 1>;
-using StateMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                  kMaxTargetDim, kMaxTargetDim>;
+using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, kUnaligned, kMaxTargetDim, 1>;
+using StateMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, kMaxTargetDim, kMaxTargetDim>;
 
 enum class TargetKind {
   kStatic,              ///< y' = y

@@ -74,10 +74,9 @@ void Airframe::blow(double dt_s) {
   }
 }
 
-Eigen::Quaterniond Airframe::local_from_body() const {
-  const Eigen::Quaterniond tilt =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), down_body_);
-  return tilt * Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad_, Eigen::Vector3d::UnitZ()));
+Quaternion Airframe::local_from_body() const {
+  const Quaternion tilt = Quaternion::FromTwoVectors(Eigen::Vector3d::UnitZ(), down_body_);
+  return tilt * Quaternion(Eigen::AngleAxisd(yaw_rad_, Eigen::Vector3d::UnitZ()));
 }
 
 double Airframe::battery_v() const {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/linear.hpp"
 #include "core/pose.hpp"
 
 namespace vantage::sim {
@@ -43,7 +44,7 @@ class Airframe {
   [[nodiscard]] const Eigen::Vector3d& velocity_mps() const { return velocity_mps_; }
   [[nodiscard]] double yaw_rad() const { return yaw_rad_; }
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
-  [[nodiscard]] Eigen::Quaterniond local_from_body() const;
+  [[nodiscard]] Quaternion local_from_body() const;
   [[nodiscard]] bool is_on_ground() const { return position_m_.z() >= ground_m_; }
   [[nodiscard]] double battery_share() const { return battery_share_; }
   [[nodiscard]] double battery_v() const;

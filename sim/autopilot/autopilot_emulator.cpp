@@ -35,9 +35,8 @@ AutopilotEmulator::AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boo
 }
 
 Pose3 AutopilotEmulator::world_from_body() const {
-  const Eigen::Quaterniond q = controller_.airframe().local_from_body();
-  return {turn(controller_.airframe().position_m()),
-          Eigen::Quaterniond(q.w(), q.x(), -q.y(), -q.z())};
+  const Quaternion q = controller_.airframe().local_from_body();
+  return {turn(controller_.airframe().position_m()), Quaternion(q.w(), q.x(), -q.y(), -q.z())};
 }
 
 Eigen::Vector3d AutopilotEmulator::velocity_world_mps() const {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/linear.hpp"
 #include "core/time.hpp"
 #include "sim/firmware/multirotor.hpp"
 
@@ -24,7 +25,7 @@ struct FirmwareSensors {
   // The truth, for firmware that simulates some of its sensors itself.
   Eigen::Vector3d position_local_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_local_mps = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond local_from_body = Eigen::Quaterniond::Identity();
+  Quaternion local_from_body = Quaternion::Identity();
   double battery_v = 12.6;
   double battery_a = 0.0;
   double battery_share = 1.0;

@@ -56,7 +56,7 @@ void Multirotor::substep(const Throttles& throttles, double dt_s) {
     torque_nm.y() -= kMounts[i].x * p.arm_x_m * thrusts_n_[i];
     torque_nm.z() += kMounts[i].spin * p.torque_per_thrust_m * thrusts_n_[i];
   }
-  const Eigen::Quaterniond& q = world_from_body_.rotation;
+  const Quaternion& q = world_from_body_.rotation;
   const Eigen::Vector3d air_mps = p.wind_world_mps + gust_mps_;
   Eigen::Vector3d force_n = thrust_n() * (q * Eigen::Vector3d::UnitZ());
   stand(force_n, torque_nm);
@@ -73,8 +73,7 @@ void Multirotor::substep(const Throttles& throttles, double dt_s) {
   const double turned_rad = rate_radps_.norm() * dt_s;
   if (turned_rad > 0.0) {
     world_from_body_.rotation =
-        (q * Eigen::Quaterniond(Eigen::AngleAxisd(turned_rad, rate_radps_.normalized())))
-            .normalized();
+        (q * Quaternion(Eigen::AngleAxisd(turned_rad, rate_radps_.normalized()))).normalized();
   }
 }
 
@@ -82,7 +81,7 @@ void Multirotor::substep(const Throttles& throttles, double dt_s) {
 // way.
 void Multirotor::stand(Eigen::Vector3d& force_n, Eigen::Vector3d& torque_body_nm) {
   const MultirotorParameters& p = parameters_;
-  const Eigen::Quaterniond& q = world_from_body_.rotation;
+  const Quaternion& q = world_from_body_.rotation;
   const double sunk_m = p.mass_kg * kGravityMps2 / (4.0 * p.foot_stiffness_npm);
   is_on_ground_ = false;
   for (std::size_t i = 0; i < feet_.size(); ++i) {

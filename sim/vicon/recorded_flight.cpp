@@ -45,7 +45,7 @@ RecordedFlight read_flight(const std::string& path) {
     if (!parse(line, row)) {
       throw StartupError(where + "expected eight numbers: time, position, quaternion w x y z");
     }
-    const Eigen::Quaterniond rotation(row[4], row[5], row[6], row[7]);
+    const Quaternion rotation(row[4], row[5], row[6], row[7]);
     if (std::abs(rotation.norm() - 1.0) > 1e-3) {
       throw StartupError(where + "the quaternion is not unit");
     }

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "core/linear.hpp"
 #include "core/time.hpp"
 #include "drivers/quadrotor/safety/ladder.hpp"
 #include "drivers/quadrotor/safety/plan_check.hpp"
@@ -28,10 +29,10 @@ struct AutopilotReport {
   Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();  ///< its own estimate
   Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
   bool has_attitude = false;
-  Eigen::Quaterniond world_from_body = Eigen::Quaterniond::Identity();  ///< its own estimate
-  double yaw_rate_radps = 0.0;                                          ///< by its gyroscopes
-  bool is_in_our_mode = false;     ///< the one that takes our set-points
-  bool is_landing_itself = false;  ///< in its landing mode
+  Quaternion world_from_body = Quaternion::Identity();  ///< its own estimate
+  double yaw_rate_radps = 0.0;                          ///< by its gyroscopes
+  bool is_in_our_mode = false;                          ///< the one that takes our set-points
+  bool is_landing_itself = false;                       ///< in its landing mode
 };
 
 /// What the vehicle is to do now.

@@ -172,7 +172,7 @@ void FlightGuard::Parts::look_at_autopilot(Time now) {
   in.thrust_share = autopilot.thrust_share;
   in.motor_failed = autopilot.motor_failed;
   in.estimate_error_m = in.attitude_error_rad = in.yaw_error_rad = 0.0;
-  const Eigen::Quaterniond& seen = pose.world_from_body().rotation;
+  const Quaternion& seen = pose.world_from_body().rotation;
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   in.body_tilt_rad = pose.has_pose() ? std::acos(std::clamp((seen * up).z(), -1.0, 1.0)) : 0.0;
   in.start_off_m = in.start_turn_rad = 0.0;
@@ -193,7 +193,7 @@ void FlightGuard::Parts::look_at_autopilot(Time now) {
     in.attitude_error_rad = in.yaw_error_rad = kNever;
     return;
   }
-  const Eigen::Quaterniond& felt = autopilot.world_from_body;
+  const Quaternion& felt = autopilot.world_from_body;
   const double cosine = (seen.inverse() * up).dot(felt.inverse() * up);
   in.attitude_error_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
   in.yaw_error_rad = std::abs(wrap_to_pi(flatten(pose.world_from_body()).yaw_rad -

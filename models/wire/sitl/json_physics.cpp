@@ -54,7 +54,7 @@ std::array<std::uint8_t, 40> format_servo_outputs(const ServoOutputs& outputs) {
 }
 
 std::string format_json_sensors(const JsonSensors& s) {
-  const Eigen::Quaterniond& q = s.local_from_body;
+  const Quaternion& q = s.local_from_body;
   return fmt::format(
       "\n{{\"timestamp\":{:.6f},\"imu\":{{\"gyro\":{},\"accel_body\":{}}},\"position\":{},"
       "\"velocity\":{},\"quaternion\":[{:.9g},{:.9g},{:.9g},{:.9g}],\"no_time_sync\":1}}\n",

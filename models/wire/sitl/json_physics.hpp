@@ -9,6 +9,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/linear.hpp"
+
 // ArduPilot's "JSON" physics back end: how its firmware, compiled for a computer, speaks with a
 // simulator that is not its own. One datagram of motor outputs, one of sensors, in lockstep: the
 // firmware's clock stands until the sensors come.
@@ -37,7 +39,7 @@ struct JsonSensors {
   Eigen::Vector3d specific_force_body_mps2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d position_local_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_local_mps = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond local_from_body = Eigen::Quaterniond::Identity();
+  Quaternion local_from_body = Quaternion::Identity();
 };
 
 /// One datagram: a line of JSON between line feeds, without a blank that its reader does not

@@ -10,14 +10,14 @@ namespace {
 constexpr double kRotationErrorMax = 1e-3;
 
 /// z-up-from-y-up of axes: a quarter turn about x.
-Eigen::Quaterniond quarter_turn() {
+Quaternion quarter_turn() {
   const double half = std::sqrt(0.5);
   return {half, half, 0.0, 0.0};
 }
 
 }  // namespace
 
-Eigen::Quaterniond rotation_from_euler_xyz(const Eigen::Vector3d& euler_rad) {
+Quaternion rotation_from_euler_xyz(const Eigen::Vector3d& euler_rad) {
   const Eigen::Vector3d c = (euler_rad / 2.0).array().cos();
   const Eigen::Vector3d s = (euler_rad / 2.0).array().sin();
   return {
@@ -25,7 +25,7 @@ Eigen::Quaterniond rotation_from_euler_xyz(const Eigen::Vector3d& euler_rad) {
       c.x() * s.y() * c.z() - s.x() * c.y() * s.z(), c.x() * c.y() * s.z() + s.x() * s.y() * c.z()};
 }
 
-Eigen::Vector3d euler_xyz_from_rotation(const Eigen::Quaterniond& world_from_body) {
+Eigen::Vector3d euler_xyz_from_rotation(const Quaternion& world_from_body) {
   const Eigen::Matrix3d R = world_from_body.toRotationMatrix();
   const double a = std::atan2(-R(1, 2), R(2, 2));
   const double b = std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1)));
@@ -35,7 +35,7 @@ Eigen::Vector3d euler_xyz_from_rotation(const Eigen::Quaterniond& world_from_bod
   return {a, b, std::atan2(left(0), left(1))};
 }
 
-std::optional<Eigen::Quaterniond> rotation_from_matrix(const Eigen::Matrix3d& R) {
+std::optional<Quaternion> rotation_from_matrix(const Eigen::Matrix3d& R) {
   if (!R.allFinite()) {  // maxCoeff() may pass over a NaN
     return std::nullopt;
   }
@@ -43,11 +43,11 @@ std::optional<Eigen::Quaterniond> rotation_from_matrix(const Eigen::Matrix3d& R)
   if (error > kRotationErrorMax || R.determinant() < 0.0) {
     return std::nullopt;
   }
-  return Eigen::Quaterniond(R).normalized();
+  return Quaternion(R).normalized();
 }
 
-std::optional<Eigen::Quaterniond> rotation_from_xyzw(double x, double y, double z, double w) {
-  const Eigen::Quaterniond q(w, x, y, z);
+std::optional<Quaternion> rotation_from_xyzw(double x, double y, double z, double w) {
+  const Quaternion q(w, x, y, z);
   if (!(std::abs(q.norm() - 1.0) <= kRotationErrorMax)) {
     return std::nullopt;
   }
@@ -55,13 +55,13 @@ std::optional<Eigen::Quaterniond> rotation_from_xyzw(double x, double y, double 
 }
 
 Pose3 z_up_from_y_up(const Pose3& pose) {
-  const Eigen::Quaterniond turn = quarter_turn();
+  const Quaternion turn = quarter_turn();
   const Eigen::Vector3d& p = pose.translation_m;
   return {{p.x(), -p.z(), p.y()}, turn * pose.rotation * turn.conjugate()};
 }
 
 Pose3 y_up_from_z_up(const Pose3& pose) {
-  const Eigen::Quaterniond turn = quarter_turn();
+  const Quaternion turn = quarter_turn();
   const Eigen::Vector3d& p = pose.translation_m;
   return {{p.x(), p.z(), -p.y()}, turn.conjugate() * pose.rotation * turn};
 }

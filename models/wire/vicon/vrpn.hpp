@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "core/linear.hpp"
 #include "models/wire/vicon/bytes.hpp"
 #include "models/wire/vicon/stream_buffer.hpp"
 
@@ -73,7 +74,7 @@ void append_vrpn_name(std::vector<std::uint8_t>& out, std::int32_t type, std::in
 struct VrpnPose {
   std::int32_t sensor = 0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Vector4d quaternion_xyzw{0.0, 0.0, 0.0, 1.0};
+  Eigen::Matrix<double, 4, 1, kUnaligned> quaternion_xyzw{0.0, 0.0, 0.0, 1.0};
 };
 std::optional<VrpnPose> decode_vrpn_pose(Bytes payload);
 void append_vrpn_pose(std::vector<std::uint8_t>& out, const VrpnHeader& header,
@@ -83,7 +84,7 @@ void append_vrpn_pose(std::vector<std::uint8_t>& out, const VrpnHeader& header,
 struct VrpnVelocity {
   std::int32_t sensor = 0;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-  Eigen::Vector4d quaternion_xyzw{0.0, 0.0, 0.0, 1.0};
+  Eigen::Matrix<double, 4, 1, kUnaligned> quaternion_xyzw{0.0, 0.0, 0.0, 1.0};
   double interval_s = 0.0;
 };
 std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload);
