@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
@@ -64,6 +66,16 @@ int run(const ViewArguments& arguments) {
   return 0;
 }
 
+/// Of the installed program the page beside it, else that of this build.
+std::string page_folder() {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path installed =
+      program.parent_path().parent_path() / "share/vantage/page";
+  return std::filesystem::exists(installed / "index.html", error) ? installed.string()
+                                                                  : VANTAGE_PAGE_FOLDER;
+}
+
 }  // namespace
 
 void announce_view(const WebServer& server, const std::string& what) {
@@ -75,7 +87,7 @@ void announce_view(const WebServer& server, const std::string& what) {
 }
 
 void add_web_options(CLI::App& command, WebOptions& web) {
-  web.page_folder = VANTAGE_PAGE_FOLDER;
+  web.page_folder = page_folder();
   command.add_option("--port", web.port, "port to serve on; 0: any free one")
       ->check(number_between(0, 65535))
       ->capture_default_str();
