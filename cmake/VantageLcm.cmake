@@ -3,12 +3,13 @@
 # Runs lcm-gen on <type>.lcm and exposes the generated headers as a SYSTEM interface target, so
 # -Wconversion does not read code nobody here wrote. (Debian's liblcm has no CMake package.)
 include_guard()
-find_program(LCM_GEN lcm-gen REQUIRED)
 
 function(vantage_lcm_types target)
   cmake_parse_arguments(ARG "" "PACKAGE" "TYPES" ${ARGN})
+  find_program(LCM_GEN lcm-gen REQUIRED)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/gen)
   set(headers)
+  set(sources)
   foreach(type IN LISTS ARG_TYPES)
     set(src ${CMAKE_CURRENT_SOURCE_DIR}/${type}.lcm)
     set(hdr ${out}/${ARG_PACKAGE}/${type}.hpp)
@@ -19,10 +20,14 @@ function(vantage_lcm_types target)
       COMMENT "lcm-gen ${type}"
       VERBATIM)
     list(APPEND headers ${hdr})
+    list(APPEND sources ${src})
   endforeach()
   add_custom_target(${target}_gen DEPENDS ${headers})
   add_library(${target} INTERFACE)
   add_dependencies(${target} ${target}_gen)
-  target_include_directories(${target} SYSTEM INTERFACE ${out})
+  set_target_properties(${target} PROPERTIES
+    VANTAGE_LCM_SOURCES "${sources}" VANTAGE_LCM_HEADERS ${out})
+  target_include_directories(${target} SYSTEM INTERFACE
+    $<BUILD_INTERFACE:${out}> $<INSTALL_INTERFACE:include>)
   target_link_libraries(${target} INTERFACE PkgConfig::LCM)
 endfunction()

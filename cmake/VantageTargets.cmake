@@ -1,5 +1,6 @@
 # The ways to make a target. Sources are always listed by hand, never globbed.
 include_guard()
+include(VantageComponents)
 
 option(VANTAGE_PORTABLE "Do not assume x86-64-v3 (AVX2, FMA)" OFF)
 option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
@@ -31,6 +32,12 @@ target_compile_options(vantage_build_flags INTERFACE
 if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3)
 endif()
+if(NOT PROJECT_IS_TOP_LEVEL)
+  target_include_directories(vantage_build_flags INTERFACE ${PROJECT_SOURCE_DIR})
+  if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    target_compile_options(vantage_build_flags INTERFACE -O3)  # a search without is of no use
+  endif()
+endif()
 
 # vantage_precompiled(<name> <header>…): headers compiled once, for target_precompile_headers(…
 # REUSE_FROM <name>).
@@ -49,38 +56,81 @@ set(vantage_common_headers
   <algorithm> <cmath> <cstdint> <functional> <map> <memory> <optional> <random> <string> <vector>
   <Eigen/Core> <Eigen/Geometry> <Eigen/LU>)
 vantage_precompiled(vantage_precompiled ${vantage_common_headers})
-vantage_precompiled(vantage_precompiled_command
-  ${vantage_common_headers} <filesystem> <CLI/CLI.hpp> <nlohmann/json.hpp>)
+if(VANTAGE_EVERYTHING)
+  vantage_precompiled(vantage_precompiled_command
+    ${vantage_common_headers} <filesystem> <CLI/CLI.hpp> <nlohmann/json.hpp>)
+endif()
+
+# vantage_seal(<target>): its archive can be linked by programs that are built with any flags.
+set(vantage_seal_command ${CMAKE_COMMAND}
+  -D LINKER=${CMAKE_LINKER} -D NM=${CMAKE_NM} -D OBJCOPY=${CMAKE_OBJCOPY} -D AR=${CMAKE_AR})
+function(vantage_seal target)
+  add_custom_command(TARGET ${target} POST_BUILD
+    COMMAND ${vantage_seal_command} -D ARCHIVE=$<TARGET_FILE:${target}>
+      -P ${PROJECT_SOURCE_DIR}/cmake/SealArchive.cmake
+    VERBATIM)
+endfunction()
 
 # vantage_library(<name> HEADERS a.hpp SOURCES a.cpp DEPS vantage::core [PRIVATE_DEPS …])
 #
 # Makes static library `vantage_<name>` with alias `vantage::<name>`. Includes are root-relative:
-# #include "models/sensor/sensor.hpp". Listing the headers lets `all_verify_interface_header_sets`
-# prove that each one compiles on its own.
+# #include "models/sensor/sensor.hpp"; for others they are below vantage/ (VantageInstall). Listing
+# the headers lets `all_verify_interface_header_sets` prove that each one compiles on its own. Where
+# only some components are built (VANTAGE_COMPONENTS), a library whose dependencies are not there is
+# not made.
 function(vantage_library name)
   cmake_parse_arguments(ARG "" "" "HEADERS;SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
+  if(NOT VANTAGE_EVERYTHING)
+    foreach(dependency IN LISTS ARG_DEPS ARG_PRIVATE_DEPS)
+      if(NOT TARGET ${dependency})
+        return()
+      endif()
+    endforeach()
+  endif()
   if(ARG_SOURCES)
     add_library(vantage_${name} STATIC ${ARG_SOURCES})
     set(scope PUBLIC)
-    target_link_libraries(vantage_${name} PRIVATE ${ARG_PRIVATE_DEPS} vantage_build_flags)
+    target_link_libraries(vantage_${name}
+      PRIVATE ${ARG_PRIVATE_DEPS} $<BUILD_INTERFACE:vantage_build_flags>)
     set_target_properties(vantage_${name} PROPERTIES CXX_EXTENSIONS OFF)
     target_precompile_headers(vantage_${name} REUSE_FROM vantage_precompiled)
+    if(NOT PROJECT_IS_TOP_LEVEL)
+      vantage_seal(vantage_${name})
+    endif()
   else()
     add_library(vantage_${name} INTERFACE)
     set(scope INTERFACE)
   endif()
   add_library(vantage::${name} ALIAS vantage_${name})
-  target_sources(vantage_${name} ${scope}
-    FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
+  if(PROJECT_IS_TOP_LEVEL)
+    set(includes ${PROJECT_SOURCE_DIR})
+  else()
+    set(includes ${PROJECT_BINARY_DIR}/include)
+    add_dependencies(vantage_${name} vantage_headers)
+  endif()
+  target_include_directories(vantage_${name} ${scope}
+    $<BUILD_INTERFACE:${includes}> $<INSTALL_INTERFACE:include>)
+  list(TRANSFORM ARG_HEADERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  set_target_properties(vantage_${name} PROPERTIES VANTAGE_HEADERS "${ARG_HEADERS}")
+  if(PROJECT_IS_TOP_LEVEL)
+    # A target of their own: one that is exported may have no headers that are not installed as
+    # they are.
+    add_library(vantage_${name}_headers INTERFACE)
+    target_sources(vantage_${name}_headers
+      INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
+    target_link_libraries(vantage_${name}_headers INTERFACE vantage_${name})
+    set_target_properties(vantage_${name}_headers PROPERTIES CXX_EXTENSIONS OFF)
+  endif()
   target_compile_features(vantage_${name} ${scope} cxx_std_20)
-  target_compile_definitions(vantage_${name} ${scope}
-    EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
   target_link_libraries(vantage_${name} ${scope} ${ARG_DEPS})
 endfunction()
 
 # vantage_app(<name> SOURCES main.cpp DEPS vantage::estimator) -> executable `<name>`
 function(vantage_app name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  if(NOT VANTAGE_EVERYTHING)
+    return()
+  endif()
   add_executable(${name} ${ARG_SOURCES})
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
   target_precompile_headers(${name} REUSE_FROM vantage_precompiled_command)

@@ -1,0 +1,99 @@
+# The parts of vantage that others may use on their own: what is in each, which other ones it needs,
+# and which packages of Debian. Read by the build and, installed, by find_package(vantage).
+include_guard()
+
+set(vantage_components core models planner estimator scenario drivers bus logs)
+
+# vantage_<component>_libraries: its libraries; where there is no library of its name, the component
+# stands for all of them. …_needs: other components. …_packages: see vantage_find_package().
+set(vantage_core_libraries core)
+set(vantage_core_needs)
+set(vantage_core_packages Eigen3)
+
+set(vantage_models_libraries models mapping_models)
+set(vantage_models_needs core)
+set(vantage_models_packages)
+
+set(vantage_planner_libraries planner)
+set(vantage_planner_needs models)
+set(vantage_planner_packages)
+
+set(vantage_estimator_libraries estimator)
+set(vantage_estimator_needs models)
+set(vantage_estimator_packages)
+
+set(vantage_scenario_libraries scenario_yaml)
+set(vantage_scenario_needs models)
+set(vantage_scenario_packages yaml-cpp fmt)
+
+set(vantage_drivers_libraries
+  autopilot_parameters mavlink quadrotor_driver quadrotor_safety rover_driver rover_wire
+  sensor_driver vehicle_port vicon_driver vicon_wire)
+set(vantage_drivers_needs models)
+set(vantage_drivers_packages fmt SODIUM)
+
+set(vantage_bus_libraries lcm bus)
+set(vantage_bus_needs models)
+set(vantage_bus_packages LCM Threads SODIUM fmt)
+
+set(vantage_logs_libraries
+  foxglove log_analysis log_export log_file log_play metrics record)
+set(vantage_logs_needs bus scenario)
+set(vantage_logs_packages nlohmann_json fmt ZSTD)
+
+# vantage_with_needs(<variable> <component>…): those and all that they need, in order.
+function(vantage_with_needs variable)
+  set(wanted ${ARGN})
+  set(all)
+  while(wanted)
+    list(POP_FRONT wanted component)
+    if(NOT component IN_LIST all)
+      list(APPEND all ${component})
+      list(APPEND wanted ${vantage_${component}_needs})
+    endif()
+  endwhile()
+  set(ordered)
+  foreach(component IN LISTS vantage_components)
+    if(component IN_LIST all)
+      list(APPEND ordered ${component})
+    endif()
+  endforeach()
+  set(${variable} ${ordered} PARENT_SCOPE)
+endfunction()
+
+# vantage_find_package(<name>): sets <name>_FOUND and makes the targets that libraries link.
+# The names of Debian's packages are for the sentence that says what is missing.
+set(vantage_debian_Eigen3 libeigen3-dev)
+set(vantage_debian_yaml-cpp libyaml-cpp-dev)
+set(vantage_debian_fmt libfmt-dev)
+set(vantage_debian_SODIUM "libsodium-dev and pkg-config")
+set(vantage_debian_ZSTD "libzstd-dev and pkg-config")
+set(vantage_debian_LCM "liblcm-dev, libglib2.0-dev and pkg-config")
+set(vantage_debian_Threads libc6-dev)
+set(vantage_debian_nlohmann_json nlohmann-json3-dev)
+macro(vantage_find_package name)
+  if("${name}" STREQUAL "Eigen3")
+    find_package(Eigen3 3.4 QUIET NO_MODULE)
+  elseif("${name}" STREQUAL "yaml-cpp")
+    find_package(yaml-cpp 0.7 QUIET)
+  elseif("${name}" STREQUAL "fmt")
+    find_package(fmt 9 QUIET)
+  elseif("${name}" STREQUAL "nlohmann_json")
+    find_package(nlohmann_json 3.11 QUIET)
+  elseif("${name}" STREQUAL "Threads")
+    find_package(Threads QUIET)
+  else()
+    find_package(PkgConfig QUIET)
+    set(${name}_FOUND FALSE)
+    if(TARGET PkgConfig::${name})
+      set(${name}_FOUND TRUE)
+    elseif(NOT PkgConfig_FOUND)
+    elseif("${name}" STREQUAL "LCM")
+      pkg_check_modules(LCM QUIET IMPORTED_TARGET lcm>=1.3.1)
+    elseif("${name}" STREQUAL "SODIUM")
+      pkg_check_modules(SODIUM QUIET IMPORTED_TARGET libsodium)
+    elseif("${name}" STREQUAL "ZSTD")
+      pkg_check_modules(ZSTD QUIET IMPORTED_TARGET libzstd)
+    endif()
+  endif()
+endmacro()

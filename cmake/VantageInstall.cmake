@@ -1,0 +1,141 @@
+# What `cmake --install` puts where, by parts: runtime (commands, scenarios, page), dev (libraries,
+# headers, find_package), lcmtypes (the messages for other languages), doc. tools/dev/package makes a
+# Debian package of each.
+include_guard()
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(data ${CMAKE_INSTALL_DATADIR}/vantage)
+set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/vantage)
+
+# --- dev: components that others link ---
+set(installed_headers)
+foreach(component IN LISTS built_components)
+  set(libraries)
+  foreach(name IN LISTS vantage_${component}_libraries)
+    list(APPEND libraries vantage_${name})
+  endforeach()
+  if(NOT TARGET vantage_${component})
+    add_library(vantage_${component} INTERFACE)
+    target_link_libraries(vantage_${component} INTERFACE ${libraries})
+    add_library(vantage::${component} ALIAS vantage_${component})
+    list(APPEND libraries vantage_${component})
+  endif()
+  foreach(library IN LISTS libraries)
+    string(REGEX REPLACE "^vantage_" "" name ${library})
+    set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
+    get_target_property(headers ${library} VANTAGE_HEADERS)
+    if(headers)
+      list(APPEND installed_headers ${headers})
+    endif()
+    install(TARGETS ${library} EXPORT vantage_${component}
+      ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+    get_target_property(type ${library} TYPE)
+    if(type STREQUAL "STATIC_LIBRARY")
+      list(JOIN vantage_seal_command "\" \"" seal)
+      set(archive "\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/lib${library}.a")
+      install(CODE "
+        execute_process(
+          COMMAND \"${seal}\" -D \"ARCHIVE=${archive}\"
+            -P \"${PROJECT_SOURCE_DIR}/cmake/SealArchive.cmake\"
+          COMMAND_ERROR_IS_FATAL ANY)" COMPONENT dev)
+    endif()
+  endforeach()
+  install(EXPORT vantage_${component} NAMESPACE vantage:: FILE vantage-${component}.cmake
+    DESTINATION ${cmake_folder} COMPONENT dev)
+endforeach()
+
+# --- dev: headers, as others include them ---
+list(REMOVE_DUPLICATES installed_headers)
+set(relative_headers)
+foreach(header IN LISTS installed_headers)
+  file(RELATIVE_PATH relative ${PROJECT_SOURCE_DIR} ${header})
+  list(APPEND relative_headers ${relative})
+endforeach()
+list(JOIN relative_headers "\n" lines)
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/headers.txt CONTENT "${lines}\n" @ONLY)
+add_custom_command(
+  OUTPUT ${PROJECT_BINARY_DIR}/headers.stamp
+  COMMAND ${CMAKE_COMMAND} -D SOURCE=${PROJECT_SOURCE_DIR} -D OUTPUT=${PROJECT_BINARY_DIR}/include
+    -D LIST=${PROJECT_BINARY_DIR}/headers.txt -P ${PROJECT_SOURCE_DIR}/cmake/WriteHeaders.cmake
+  COMMAND ${CMAKE_COMMAND} -E touch ${PROJECT_BINARY_DIR}/headers.stamp
+  DEPENDS ${installed_headers} ${PROJECT_BINARY_DIR}/headers.txt
+    ${PROJECT_SOURCE_DIR}/cmake/WriteHeaders.cmake
+  COMMENT "headers as others include them"
+  VERBATIM)
+add_custom_target(vantage_headers ALL DEPENDS ${PROJECT_BINARY_DIR}/headers.stamp)
+install(DIRECTORY ${PROJECT_BINARY_DIR}/include/vantage
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+
+# --- dev: find_package(vantage) ---
+# Before 1.0 any minor version may break what others wrote.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/vantageConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(
+  FILES ${PROJECT_BINARY_DIR}/vantageConfigVersion.cmake cmake/vantageConfig.cmake
+    cmake/VantageComponents.cmake
+  DESTINATION ${cmake_folder} COMPONENT dev)
+
+# --- lcmtypes: what other languages need to speak on the bus ---
+if(TARGET vantage_lcm)
+  get_target_property(lcm_sources vantage_lcm VANTAGE_LCM_SOURCES)
+  set(languages ${PROJECT_BINARY_DIR}/lcmtypes_languages)
+  find_file(LCM_JAR lcm.jar PATHS /usr/share/java)
+  find_program(JAVAC javac)
+  find_program(JAR jar)
+  set(make_jar)
+  if(LCM_JAR AND JAVAC AND JAR)
+    set(make_jar
+      COMMAND ${LCM_GEN} -j --jpath ${languages}/java ${lcm_sources}
+      COMMAND sh -c "find ${languages}/java -name '*.java' | xargs ${JAVAC} -nowarn -Xlint:none --release 8 -cp ${LCM_JAR} -d ${languages}/classes"
+      COMMAND ${JAR} --create --file ${languages}/vantage-lcm.jar -C ${languages}/classes .)
+    install(FILES ${languages}/vantage-lcm.jar
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/java COMPONENT lcmtypes OPTIONAL)
+  endif()
+  add_custom_command(
+    OUTPUT ${languages}/stamp
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${languages}
+    COMMAND ${CMAKE_COMMAND} -E make_directory
+      ${languages}/c ${languages}/python ${languages}/java ${languages}/classes
+    COMMAND ${LCM_GEN} -c --c-cpath ${languages}/c --c-hpath ${languages}/c ${lcm_sources}
+    COMMAND ${LCM_GEN} -p --ppath ${languages}/python ${lcm_sources}
+    ${make_jar}
+    COMMAND ${CMAKE_COMMAND} -E touch ${languages}/stamp
+    DEPENDS ${lcm_sources}
+    COMMENT "lcm-gen for C, Python and Java"
+    VERBATIM)
+  add_custom_target(vantage_lcmtypes DEPENDS ${languages}/stamp)
+  get_target_property(lcm_includes vantage_lcm VANTAGE_LCM_HEADERS)
+  install(DIRECTORY ${lcm_includes}/vantage_lcm
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT lcmtypes OPTIONAL FILES_MATCHING PATTERN "*.hpp")
+  install(FILES ${lcm_sources} DESTINATION ${data}/lcmtypes COMPONENT lcmtypes)
+  install(DIRECTORY ${languages}/c DESTINATION ${data}/lcmtypes COMPONENT lcmtypes OPTIONAL)
+  install(DIRECTORY ${languages}/python/vantage_lcm
+    DESTINATION lib/python3/dist-packages COMPONENT lcmtypes OPTIONAL)
+endif()
+
+# --- runtime: commands, scenarios, the viewer's page, systemd's unit ---
+if(VANTAGE_EVERYTHING)
+  # tools/dev/package writes them from --help.
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/packaging/man1
+    DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT runtime OPTIONAL)
+  install(TARGETS
+    vantage vantage-contacts vantage-estimator vantage-planner vantage-quadrotor vantage-rover
+    vantage-sensor vantage-sim vantage-vicon vantage-vicon-emulator
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+  install(DIRECTORY config DESTINATION ${data} COMPONENT runtime)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${data} COMPONENT runtime OPTIONAL)
+  file(READ docs/systemd/vantage.service unit)
+  string(REPLACE /usr/local/bin ${CMAKE_INSTALL_FULL_BINDIR} unit "${unit}")
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/vantage.service CONTENT "${unit}" @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/vantage.service
+    DESTINATION lib/systemd/system COMPONENT runtime)
+
+  # --- doc ---
+  install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/vantage COMPONENT doc
+    PATTERN systemd EXCLUDE)
+  install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/vantage COMPONENT doc)
+  install(FILES logs/sample/lab_60s.lcmlog.xz
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/vantage/examples COMPONENT doc)
+  include(VantagePackages)
+endif()

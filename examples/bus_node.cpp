@@ -1,0 +1,39 @@
+// A node: hears what robots believe, says each second what it knows, reports its health by itself.
+// Needs component bus. With no argument on $LCM_DEFAULT_URL; `bus_node memq:// 3` speaks to itself.
+#include <cstdio>
+#include <cstdlib>
+
+#include <vantage/bus/node.hpp>
+
+using namespace vantage;
+
+class Listener : public bus::Node {
+ public:
+  Listener(bus::Bus& bus, const bus::Clock& clock) : bus_(bus), next_(clock.now()) {
+    bus_.subscribe(bus::belief_channel("*"), [this](const models::RobotBelief& belief) {
+      std::printf("%s knows %zu targets\n", belief.robot.c_str(), belief.targets.size());
+      ++heard_;
+    });
+  }
+  std::string name() const override { return "LISTENER"; }
+  Time next_tick() const override { return next_; }
+  void tick(Time now) override {
+    bus_.publish(bus::belief_channel("LISTENER"), {.stamp = {now}, .robot = "LISTENER"});
+    next_ += std::chrono::seconds(1);
+  }
+  int heard() const { return heard_; }
+
+ private:
+  bus::Bus& bus_;
+  Time next_;
+  int heard_ = 0;
+};
+
+int main(int count, char** words) {
+  const int beliefs = count > 2 ? std::atoi(words[2]) : 1'000'000;
+  const auto transport = bus::open_transport(count > 1 ? words[1] : "");
+  bus::Bus bus(*transport, bus::random_run_id());
+  const bus::SteadyClock clock;
+  Listener node(bus, clock);
+  run_node(bus, node, clock, [&] { return node.heard() >= beliefs; });
+}

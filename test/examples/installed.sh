@@ -1,0 +1,98 @@
+#!/usr/bin/env bash
+# installed.sh CMAKE BUILD SOURCE: what BUILD installs serves projects of others.
+#  - with Eigen and a compiler alone: the examples of planner and estimator build and run, nothing
+#    else is looked for, included or linked;
+#  - whatever flags they are built with, they print the same to the last digit, and every type of the
+#    public headers has the same layout;
+#  - examples of bus and logs build with what these components need; a component that is not there
+#    is named.
+set -euo pipefail
+cmake=$1 build=$2 source=$3
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+prefix="$work/prefix"
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+"$cmake" --install "$build" --prefix "$prefix" --component dev > "$work/install.log"
+"$cmake" --install "$build" --prefix "$prefix" --component lcmtypes >> "$work/install.log"
+cp -r "$source/examples" "$work/examples"
+for example in "$work"/examples/*.cpp; do
+  (($(wc -l < "$example") <= 40)) || fail "$(basename "$example") has more than 40 lines"
+done
+
+# configure NAME FLAGS [ARGUMENTS…]: the examples, and layout.cpp with every header.
+configure() {
+  local name=$1 flags=$2
+  shift 2
+  "$cmake" -S "$here/consumer" -B "$work/$name" -DCMAKE_PREFIX_PATH="$prefix" \
+    -DEXAMPLES="$work/examples" -DCMAKE_CXX_FLAGS="$flags" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON "$@" \
+    > "$work/$name.log" 2>&1 || { cat "$work/$name.log"; fail "configure $name"; }
+}
+make() {
+  "$cmake" --build "$work/$1" --parallel 2 > "$work/$1.make" 2>&1 ||
+    { tail -50 "$work/$1.make"; fail "build $1"; }
+}
+
+# Eigen and a compiler: everything else is hidden from CMake.
+alone=()
+for package in PkgConfig Threads fmt yaml-cpp nlohmann_json fcl spdlog CLI11 Python3; do
+  alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
+done
+declare -A flags=(
+  [plain]="-O2"
+  [debug]="-O0 -g"
+  [avx2]="-O3 -mavx2 -mfma -ffast-math"
+  [native]="-O3 -march=native")
+for name in plain debug avx2 native; do
+  configure "$name" "${flags[$name]}" "${alone[@]}" &
+done
+wait
+for name in plain debug avx2 native; do
+  [[ -f "$work/$name/compile_commands.json" ]] || fail "configure $name: $(cat "$work/$name.log")"
+  make "$name"
+  for program in plan_a_path own_search follow_targets layout; do
+    "$work/$name/$program" > "$work/$name/$program.out" || fail "$name: $program"
+    diff "$work/plain/$program.out" "$work/$name/$program.out" ||
+      fail "$program says something else with ${flags[$name]}"
+  done
+done
+cat "$work/plain/plan_a_path.out"
+grep -oE -e '-(I|isystem) ?[^ ]+' "$work/plain/compile_commands.json" | sort -u > "$work/includes"
+if grep -vE "$prefix/include$|/eigen3$" "$work/includes"; then
+  fail "other include folders than the library's own and Eigen's"
+fi
+if ldd "$work/plain/plan_a_path" | grep -vE 'linux-vdso|ld-linux|libstdc|libm\.|libgcc_s|libc\.'; then
+  fail "a planner needs other libraries than the compiler's"
+fi
+
+# All that is asked for, with what it needs; and what is not there.
+if pkg-config --exists lcm; then
+  configure everything "-O2" -DWITH_BUS=ON
+  make everything
+  "$work/everything/bus_node" memq:// 2 || fail "bus_node"
+  xz -dkc "$source/logs/sample/lab_60s.lcmlog.xz" > "$work/sample.lcmlog"
+  "$work/everything/read_log" "$work/sample.lcmlog" > "$work/read_log.out" || fail "read_log"
+  grep -q 'knew' "$work/read_log.out" || fail "read_log found no beliefs"
+fi
+mkdir "$work/wrong"
+cat > "$work/wrong/CMakeLists.txt" << 'END'
+cmake_minimum_required(VERSION 3.25)
+project(wrong LANGUAGES CXX)
+find_package(vantage REQUIRED COMPONENTS ${COMPONENT})
+END
+# refused COMPONENT WORDS [ARGUMENTS…]
+refused() {
+  local component=$1 words=$2
+  shift 2
+  rm -rf "$work/wrong/build"
+  if "$cmake" -S "$work/wrong" -B "$work/wrong/build" -DCMAKE_PREFIX_PATH="$prefix" \
+    -DCOMPONENT="$component" "$@" > "$work/wrong/log" 2>&1; then
+    fail "component $component was found"
+  fi
+  tr '\n' ' ' < "$work/wrong/log" | tr -s ' ' | grep -qF "$words" ||
+    { cat "$work/wrong/log"; fail "component $component is not refused with: $words"; }
+}
+refused gripper "there is no component 'gripper'; there are core, models"
+refused bus "component 'bus' needs LCM (Debian: liblcm-dev" -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON
+refused scenario "component 'scenario' needs yaml-cpp" -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON

@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# subproject.sh CMAKE BUILD SOURCE: the tree as a part of another project, with Eigen and a compiler
+# alone. Only component models is built, which is quick; the others are configured.
+set -euo pipefail
+cmake=$1 source=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() { echo "FAILED: $*" >&2; exit 1; }
+
+mkdir "$work/project"
+cat > "$work/project/CMakeLists.txt" << 'END'
+cmake_minimum_required(VERSION 3.25)
+project(other LANGUAGES CXX)
+add_subdirectory(${VANTAGE} vantage EXCLUDE_FROM_ALL)
+add_executable(turn turn.cpp)
+target_link_libraries(turn PRIVATE vantage::models)
+separate_arguments(flags UNIX_COMMAND "${TURN_FLAGS}")
+target_compile_options(turn PRIVATE ${flags})
+foreach(component planner estimator)
+  if(NOT TARGET vantage::${component})
+    message(FATAL_ERROR "no vantage::${component}")
+  endif()
+endforeach()
+get_property(tests DIRECTORY ${VANTAGE} PROPERTY TESTS)
+if(tests OR TARGET vantage::bus OR TARGET vantage-planner OR CMAKE_RUNTIME_OUTPUT_DIRECTORY)
+  message(FATAL_ERROR "more than what was asked for")
+endif()
+END
+cat > "$work/project/turn.cpp" << 'END'
+#include <cstdio>
+#include <vantage/models/belief/gaussian.hpp>
+#include <vantage/models/motion/unicycle.hpp>
+#if __has_include("core/pose.hpp")
+#error "the folders of vantage are in everybody's way"
+#endif
+int main() {
+  using namespace vantage::models;
+  const TargetModel model{.kind = TargetKind::kDoubleIntegrator, .q = 0.1};
+  Gaussian belief{Eigen::Vector4d(6.0, 3.0, 0.5, 0.0), Eigen::Matrix4d::Identity()};
+  const SensorModel sensor;
+  const Viewpoint from{{1.0, 2.0, 0.1}, 0.0};
+  for (int i = 0; i < 5; ++i) {
+    belief = predict(belief, model.transition(0.5), model.process_noise(0.5));
+    const PositionMatrix M = information(sensor, from, belief.mean.head(2));
+    belief.covariance = update_covariance(belief.covariance, M);
+  }
+  std::printf("%.12f\n", log_det(belief.covariance));
+  const auto end = vantage::models::step_unicycle({0.0, 0.0, 0.0}, {1.0, 1.0}, 1.0);
+  std::printf("%.6f %.6f %.6f\n", end.x_m, end.y_m, end.yaw_rad);
+}
+END
+alone=()
+for package in PkgConfig Threads fmt yaml-cpp nlohmann_json fcl spdlog CLI11 Python3 GTest benchmark; do
+  alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
+done
+"$cmake" -S "$work/project" -B "$work/build" -DVANTAGE="$source" "${alone[@]}" > "$work/log" 2>&1 ||
+  { cat "$work/log"; fail "configure"; }
+for flags in "-O2" "-O3 -mavx2 -mfma" "-O3 -march=native"; do
+  "$cmake" "$work/build" -DTURN_FLAGS="$flags" > "$work/log" 2>&1 || { cat "$work/log"; fail "$flags"; }
+  "$cmake" --build "$work/build" --parallel 2 --target turn > "$work/make" 2>&1 ||
+    { tail -50 "$work/make"; fail "build with $flags"; }
+  said=$("$work/build/turn") || fail "turn built with $flags"
+  echo "$said"
+  [[ "$said" == "${first:=$said}" ]] || fail "turn says something else when built with $flags"
+done
+[[ "$said" == *"0.841471 0.459698 1.000000" ]] || fail "turn says $said"
+# -O3 and the sealing are the library's own business.
+nm "$work/build/vantage/models/libvantage_models.a" | grep -E ' [VWu] ' && fail "not sealed"
+exit 0
