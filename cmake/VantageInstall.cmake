@@ -131,6 +131,10 @@ if(VANTAGE_EVERYTHING)
   install(FILES ${PROJECT_BINARY_DIR}/vantage.service
     DESTINATION lib/systemd/system COMPONENT runtime)
 
+  install(FILES packaging/completion.bash
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME vantage
+    COMPONENT runtime)
+
   # --- doc ---
   install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/vantage COMPONENT doc
     PATTERN systemd EXCLUDE)
