@@ -25,6 +25,9 @@ target_compile_definitions(vantage_build_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
 target_compile_options(vantage_build_flags INTERFACE
   -pthread  # everywhere, or the precompiled headers do not fit where some library asks for it
+  # Everywhere, so that what Python loads is made of the very objects that fly; without interposition
+  # the compiler inlines as it does without -fPIC.
+  -fPIC -fno-semantic-interposition
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
   -Wdouble-promotion -Wimplicit-fallthrough
