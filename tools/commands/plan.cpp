@@ -1,9 +1,7 @@
 #include <memory>
-#include <optional>
 
 #include <fmt/format.h>
 
-#include "core/cpu_time.hpp"
 #include "core/process.hpp"
 #include "core/write_file.hpp"
 #include "tools/commands/commands.hpp"
@@ -13,19 +11,14 @@
 #include "tools/plan/algorithms.hpp"
 #include "tools/plan/plan_report.hpp"
 #include "tools/plan/problem_json.hpp"
+#include "tools/plan/solver.hpp"
 
 namespace vantage::tools {
 namespace {
 
-constexpr double kDefaultBudget_s = 1.0;
-
 struct PlanArguments {
   std::string problem;
-  std::string algorithm = "default";
-  std::optional<double> budget_s;
-  std::optional<std::int64_t> nodes;
-  AlgorithmOptions options;
-  std::size_t memory_mb = 512;
+  PlanRequest request;
   std::string svg_path;
   bool as_json = false;
 };
@@ -36,32 +29,11 @@ int run(const PlanArguments& arguments) {
     require_writable(arguments.svg_path);
   }
   const PlanningProblem planning = load_problem(arguments.problem);
-  PlanOutcome outcome;
-  outcome.source = arguments.problem;
-  outcome.algorithm = arguments.algorithm == "default"
-                          ? std::string(default_algorithm(planning.problem))
-                          : arguments.algorithm;
-  const double budget_s = arguments.budget_s.value_or(kDefaultBudget_s);
-  const std::size_t nodes_max =
-      arguments.nodes ? static_cast<std::size_t>(*arguments.nodes) + 64 : nodes_within(budget_s);
-  const Algorithm& algorithm = algorithm_called(outcome.algorithm);
-  const std::unique_ptr<Search> search = algorithm.make(
-      capacity_for(algorithm, planning.problem, arguments.memory_mb << 20, nodes_max),
-      arguments.options);
-
-  const double cpu_start_s = thread_cpu_s();
-  const std::int64_t start_ns = monotonic_ns();
-  const Deadline budget = arguments.nodes
-                              ? Deadline::nodes(*arguments.nodes)
-                              : Deadline::at(start_ns + static_cast<std::int64_t>(1e9 * budget_s));
-  const Deadline deadline = budget.unless(stop_requested);
+  Solver solver(arguments.request);
+  solver.prepare(planning.problem);
   preparing.reset();
-  outcome.result = search->search(planning.problem, deadline);
-  outcome.elapsed_s = 1e-9 * static_cast<double>(monotonic_ns() - start_ns);
-  outcome.cpu_s = thread_cpu_s() - cpu_start_s;
-  outcome.peak_bytes = search->peak_bytes();
-  outcome.is_interrupted =
-      stop_requested() && outcome.result.stop_reason == planner::StopReason::kDeadline;
+  PlanOutcome outcome = solver.solve(planning.problem, stop_requested);
+  outcome.source = arguments.problem;
 
   if (arguments.as_json) {
     print_json(to_json(planning, outcome));
@@ -89,35 +61,36 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
     names.emplace_back(algorithm.name);
     footer += fmt::format("  {:7}  {}\n", algorithm.name, algorithm.what);
   }
-  command->add_option("--algorithm", arguments->algorithm, "which search")
+  command->add_option("--algorithm", arguments->request.algorithm, "which search")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
   constexpr double kLongest_s = 86'400.0;
   auto* budget = command
-                     ->add_option("--budget-s", arguments->budget_s,
+                     ->add_option("--budget-s", arguments->request.budget_s,
                                   "time for the search, memory prepared before it begins; 1 when "
                                   "neither this nor --nodes is given")
                      ->check(number_between(0.0, kLongest_s));
   command
-      ->add_option("--nodes", arguments->nodes,
+      ->add_option("--nodes", arguments->request.nodes,
                    "nodes of work instead of time: the same answer to the bit, every time")
       ->check(number_between(1, 1e12))
       ->excludes(budget);
-  command->add_option("--epsilon", arguments->options.epsilon, "redundancy of covariances, m²")
+  command
+      ->add_option("--epsilon", arguments->request.options.epsilon, "redundancy of covariances, m²")
       ->check(non_negative_number())
       ->capture_default_str();
-  command->add_option("--delta", arguments->options.delta_m, "crossing of poses, m")
+  command->add_option("--delta", arguments->request.options.delta_m, "crossing of poses, m")
       ->check(non_negative_number())
       ->capture_default_str();
-  command->add_option("--weight", arguments->options.weight, "of the heuristic, ≥ 1")
+  command->add_option("--weight", arguments->request.options.weight, "of the heuristic, ≥ 1")
       ->check(number_between(1.0, 1e6))
       ->capture_default_str();
   command
-      ->add_option("--seed", arguments->options.seed,
+      ->add_option("--seed", arguments->request.options.seed,
                    "for searches that draw; none of the present ones does")
       ->check(seed_number())
       ->capture_default_str();
-  command->add_option("--memory-mb", arguments->memory_mb, "most memory of the search")
+  command->add_option("--memory-mb", arguments->request.memory_mb, "most memory of the search")
       ->check(number_between(16, 1 << 20))
       ->capture_default_str();
   command->add_option("--svg", arguments->svg_path, "draw the plan");

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "core/check.hpp"
-#include "estimator/occupancy.hpp"
 #include "models/mapping/beam_scan.hpp"
 #include "planner/search/motion_table.hpp"
 #include "sim/random.hpp"
@@ -55,25 +54,19 @@ class MappingTrial {
  public:
   MappingTrial(const MappingSetup& setup, std::uint64_t seed)
       : setup_(setup),
-        noise_(sim::random_stream(seed, "mapping scan")),
-        attacker_(sim::random_stream(seed, "mapping attack")),
-        fusion_(setup.scanner, setup.inverse),
-        map_(models::GridGeometry::covering(setup.world.bounds, setup.resolution_m),
-             setup.clamp_log_odds) {
-    std::mt19937_64 starts = sim::random_stream(seed, "mapping start");
-    poses_ = draw_starts(setup, starts);
-  }
+        ground_(setup, seed),
+        attacker_(sim::random_stream(seed, "mapping attack")) {}
 
   MappingOutcome run() {
-    MappingOutcome outcome{{}, 0, 0, 0, 0.0, map_, map_};
+    MappingOutcome outcome{{}, 0, 0, 0, 0.0, ground_.map(), ground_.map()};
     look({}, outcome);
     while (static_cast<int>(outcome.steps.size()) <= setup_.steps) {
       models::BeamSensor planned = setup_.scanner;
       planned.beams = setup_.planned_beams;
-      planner::ViewTable views(map_, planned, setup_.views);
-      const planner::DriveMap drive(map_, setup_.drive);
+      planner::ViewTable views(ground_.map(), planned, setup_.views);
+      const planner::DriveMap drive(ground_.map(), setup_.drive);
       planner::MappingSearch search(views, drive, setup_.search);
-      const std::vector<MapRoute> routes = setup_.planner(search, poses_, setup_.attacks);
+      const std::vector<MapRoute> routes = setup_.planner(search, ground_.poses(), setup_.attacks);
       const std::vector<int> attacked =
           attacked_robots(setup_.attack, setup_.attacks, routes, search, attacker_);
       for (const MapRoute& route : routes) {
@@ -82,7 +75,7 @@ class MappingTrial {
       outcome.beam_cells += views.beam_cells();
       follow(routes, attacked, outcome);
     }
-    outcome.map = map_;
+    outcome.map = ground_.map();
     outcome.wrong_share = wrong_share();
     return outcome;
   }
@@ -90,18 +83,19 @@ class MappingTrial {
  private:
   void follow(const std::vector<MapRoute>& routes, const std::vector<int>& attacked,
               MappingOutcome& outcome) {
-    std::vector<bool> stopped(poses_.size(), false);
+    const std::size_t robots = ground_.poses().size();
+    std::vector<bool> stopped(robots, false);
     const std::size_t horizon = static_cast<std::size_t>(setup_.search.horizon_steps);
     for (std::size_t t = 0; t < horizon && static_cast<int>(outcome.steps.size()) <= setup_.steps;
          ++t) {
-      for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
+      for (std::size_t robot = 0; robot < robots; ++robot) {
         const std::vector<int>& controls = routes[robot].controls;
         if (stopped[robot] || t >= controls.size()) {
           continue;
         }
         const models::UnicycleControl& control =
             setup_.search.controls[static_cast<std::size_t>(controls[t])];
-        if (!drive(poses_[robot], control)) {
+        if (!ground_.drive(robot, control)) {
           stopped[robot] = true;
           ++outcome.stopped;
         }
@@ -110,63 +104,75 @@ class MappingTrial {
     }
   }
 
-  // As far as the true world allows less a sixteenth of the step; false when that is not all. A
-  // robot that came no nearer to what stopped it might never see it, and try the same for ever.
-  [[nodiscard]] bool drive(Pose2& pose, const models::UnicycleControl& control) const {
-    constexpr int kParts = 16;
-    const double step_s = setup_.search.step_s;
-    int parts = kParts;
-    while (parts > 0 && !planner::arc_is_clear(setup_.world, pose, control, step_s * parts / kParts,
-                                               setup_.drive.radius_m)) {
-      --parts;
-    }
-    const bool is_clear = parts == kParts;
-    const int driven = is_clear ? kParts : std::max(0, parts - 1);
-    pose = models::step_unicycle(pose, control, step_s * driven / kParts);
-    return is_clear;
-  }
-
-  // Every robot scans (so that one's attack shifts no other's noise); the map learns of some.
   void look(const std::vector<int>& attacked, MappingOutcome& outcome) {
-    for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
-      const std::vector<double> ranges_m =
-          models::beam_scan(setup_.world, setup_.scanner, poses_[robot], noise_);
-      if (!std::binary_search(attacked.begin(), attacked.end(), static_cast<int>(robot))) {
-        fusion_.fuse(poses_[robot], ranges_m, map_);
-      }
-    }
-    outcome.steps.push_back({map_.entropy_nats(), poses_, attacked});
+    ground_.look(attacked);
+    outcome.steps.push_back({ground_.map().entropy_nats(), ground_.poses(), attacked});
     if (static_cast<int>(outcome.steps.size()) == setup_.steps / 2 + 1) {
-      outcome.halfway = map_;
+      outcome.halfway = ground_.map();
     }
   }
 
   [[nodiscard]] double wrong_share() const {
+    const OccupancyBelief& map = ground_.map();
     int wrong = 0;
     int known = 0;
-    for (int cell = 0; cell < map_.geometry().size(); ++cell) {
-      const double o = map_.occupancy(cell);
+    for (int cell = 0; cell < map.geometry().size(); ++cell) {
+      const double o = map.occupancy(cell);
       if (o > 0.1 && o < 0.9) {
         continue;
       }
       ++known;
       // A cell that an obstacle's edge runs through may be called either.
-      const double clearance_m = models::clearance_m(setup_.world, map_.geometry().centre_m(cell));
-      const double edge_m = 0.71 * map_.geometry().resolution_m;
+      const double clearance_m = models::clearance_m(setup_.world, map.geometry().centre_m(cell));
+      const double edge_m = 0.71 * map.geometry().resolution_m;
       wrong += (o < 0.5 && clearance_m < -edge_m) || (o > 0.5 && clearance_m > edge_m) ? 1 : 0;
     }
     return known == 0 ? 0.0 : static_cast<double>(wrong) / known;
   }
 
   const MappingSetup& setup_;
-  std::mt19937_64 noise_;
+  MappedWorld ground_;
   std::mt19937_64 attacker_;
-  estimator::OccupancyFusion fusion_;
-  OccupancyBelief map_;
-  std::vector<Pose2> poses_;
 };
 
 }  // namespace
+
+MappedWorld::MappedWorld(const MappingSetup& setup, std::uint64_t seed)
+    : setup_(setup),
+      noise_(sim::random_stream(seed, "mapping scan")),
+      fusion_(setup.scanner, setup.inverse),
+      map_(models::GridGeometry::covering(setup.world.bounds, setup.resolution_m),
+           setup.clamp_log_odds) {
+  std::mt19937_64 starts = sim::random_stream(seed, "mapping start");
+  poses_ = draw_starts(setup, starts);
+}
+
+// A robot that came no nearer to what stopped it might never see it, and try the same for ever.
+bool MappedWorld::drive(std::size_t robot, const models::UnicycleControl& control) {
+  constexpr int kParts = 16;
+  Pose2& pose = poses_[robot];
+  const double step_s = setup_.search.step_s;
+  int parts = kParts;
+  while (parts > 0 && !planner::arc_is_clear(setup_.world, pose, control, step_s * parts / kParts,
+                                             setup_.drive.radius_m)) {
+    --parts;
+  }
+  const bool is_clear = parts == kParts;
+  const int driven = is_clear ? kParts : std::max(0, parts - 1);
+  pose = models::step_unicycle(pose, control, step_s * driven / kParts);
+  return is_clear;
+}
+
+// All scan, so that one's attack shifts no other's noise.
+void MappedWorld::look(std::span<const int> attacked) {
+  for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
+    const std::vector<double> ranges_m =
+        models::beam_scan(setup_.world, setup_.scanner, poses_[robot], noise_);
+    if (!std::binary_search(attacked.begin(), attacked.end(), static_cast<int>(robot))) {
+      fusion_.fuse(poses_[robot], ranges_m, map_);
+    }
+  }
+}
 
 std::vector<MapRoute> plan_by_coordinate_descent(planner::MappingSearch& search,
                                                  std::span<const Pose2> starts, int /*attacks*/) {

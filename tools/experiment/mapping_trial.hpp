@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <random>
 #include <span>
 #include <vector>
 
+#include "estimator/occupancy.hpp"
 #include "models/mapping/beam.hpp"
 #include "models/mapping/occupancy_belief.hpp"
 #include "models/world/world.hpp"
@@ -38,6 +40,31 @@ struct MappingSetup {
   planner::ViewOptions views = {};
   planner::DriveOptions drive = {};
   planner::MappingSearchOptions search = {};  ///< its horizon is also the replanning period
+};
+
+/// What a mapping team drives about in and what it has found out: the truth, the robots, one map of
+/// all scans that count. `setup` must outlive it; its planner and attacker are not asked.
+class MappedWorld {
+ public:
+  /// Robots start together at a random place.
+  /// @throws UsageError when the world has no room for that.
+  MappedWorld(const MappingSetup& setup, std::uint64_t seed);
+
+  /// Moves `robot` along the control as far as the true world allows less a sixteenth of the step;
+  /// false when that is not all.
+  bool drive(std::size_t robot, const models::UnicycleControl& control);
+  /// Every robot scans; the map learns of those that are not in `attacked`, which is sorted.
+  void look(std::span<const int> attacked);
+
+  [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
+  [[nodiscard]] const models::OccupancyBelief& map() const { return map_; }
+
+ private:
+  const MappingSetup& setup_;
+  std::mt19937_64 noise_;
+  estimator::OccupancyFusion fusion_;
+  models::OccupancyBelief map_;
+  std::vector<Pose2> poses_;
 };
 
 struct MappingStep {

@@ -9,19 +9,9 @@
 
 #include "planner/search/problem.hpp"
 #include "tools/plan/problem_json.hpp"
+#include "tools/plan/solver.hpp"
 
 namespace vantage::tools {
-
-/// One search that was run, and what it took.
-struct PlanOutcome {
-  std::string source;
-  std::string algorithm;
-  planner::SearchResult result;
-  double elapsed_s = 0.0;       ///< wall clock of the search alone
-  double cpu_s = 0.0;           ///< of the searching thread, the same span
-  std::size_t peak_bytes = 0;   ///< nodes, blocks and lists in use
-  bool is_interrupted = false;  ///< by who asked for it, before the budget was spent
-};
 
 /// True when every one of the T steps has a control.
 bool is_complete(const planner::SearchProblem& problem, const planner::SearchResult& result);
