@@ -33,6 +33,8 @@ class LogWriter {
 
   /// False when the event is known not to come into the file; counted.
   bool write(Time time, std::string_view channel, std::span<const std::uint8_t> bytes);
+  /// Writes what is kept. Not after close().
+  void flush();
   /// Writes what is kept; why not everything is in the file, if so. Nothing may be written after.
   std::optional<Error> close();
 
@@ -43,8 +45,6 @@ class LogWriter {
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
  private:
-  void flush();
-
   std::unique_ptr<AppendFile> file_;
   std::vector<std::uint8_t> kept_;
   std::optional<Error> error_;

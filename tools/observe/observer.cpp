@@ -7,19 +7,23 @@ TrialObserver::TrialObserver(bus::Bus& bus, const models::Scenario& scenario, Ti
   bus.subscribe<models::TruthFrame>(bus::kTruth, [this](const models::TruthFrame& truth) {
     metrics_.on_truth(truth);
     recorder_.on_truth(truth);
+    truth_ = truth;
   });
   bus.subscribe<models::RobotBelief>(bus::belief_channel("*"),
                                      [this](const models::RobotBelief& belief) {
                                        metrics_.on_belief(belief);
                                        recorder_.on_belief(belief);
+                                       beliefs_[belief.robot] = belief;
                                      });
   bus.subscribe<models::RobotPlan>(bus::plan_channel("*"), [this](const models::RobotPlan& plan) {
     metrics_.on_plan(plan);
     recorder_.on_plan(plan);
   });
   if (scenario.planner.objective == models::PlanObjective::kMapping) {
-    bus.subscribe<models::RobotMap>(bus::map_channel("*"),
-                                    [this](const models::RobotMap& map) { metrics_.on_map(map); });
+    bus.subscribe<models::RobotMap>(bus::map_channel("*"), [this](const models::RobotMap& map) {
+      metrics_.on_map(map);
+      maps_[map.robot] = map;
+    });
   }
   bus.subscribe<models::ContactReport>(
       bus::kCollision,

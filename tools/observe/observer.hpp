@@ -1,10 +1,13 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 
 #include "bus/bus.hpp"
 #include "core/time.hpp"
 #include "logs/metrics/trial_metrics.hpp"
+#include "models/exchange/messages.hpp"
 #include "models/scenario/scenario.hpp"
 #include "tools/picture/scene.hpp"
 
@@ -22,12 +25,22 @@ class TrialObserver {
   ~TrialObserver() = default;
 
   [[nodiscard]] logs::TrialMetrics& metrics() { return metrics_; }
+  [[nodiscard]] const logs::TrialMetrics& metrics() const { return metrics_; }
+  /// As last heard; nullopt and empty before.
+  [[nodiscard]] const std::optional<models::TruthFrame>& truth() const { return truth_; }
+  [[nodiscard]] const std::map<std::string, models::RobotBelief>& beliefs() const {
+    return beliefs_;
+  }
+  [[nodiscard]] const std::map<std::string, models::RobotMap>& maps() const { return maps_; }
   /// The scene with the team's newest judged estimates in it.
   [[nodiscard]] Scene scene() const;
 
  private:
   logs::TrialMetrics metrics_;
   SceneRecorder recorder_;
+  std::optional<models::TruthFrame> truth_;
+  std::map<std::string, models::RobotBelief> beliefs_;  ///< by robot
+  std::map<std::string, models::RobotMap> maps_;        ///< by robot
 };
 
 }  // namespace vantage::tools

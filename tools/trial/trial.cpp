@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <utility>
 
 #include "core/check.hpp"
-#include "logs/record/log_writer.hpp"
-#include "logs/record/recorder.hpp"
-#include "tools/observe/announcer.hpp"
-#include "tools/observe/observer.hpp"
-#include "tools/trial/virtual_loop.hpp"
 
 namespace vantage::tools {
 
@@ -20,65 +16,83 @@ Time trial_start(const models::Scenario& scenario) {
   return from_utime((kEarliestUtime + round_us - 1) / round_us * round_us);
 }
 
-TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
-                      const TrialOptions& options) {
+Trial::Trial(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
+             const std::string& log_path)
+    : start_(trial_start(scenario)),
+      planned_end_(start_ + from_seconds(scenario.duration_s)),
+      now_(start_),
+      loop_(start_) {
   require(scenario.planner.node_budget > 0, "a trial in virtual time needs a node budget");
-  const Time start = trial_start(scenario);
-  const Time planned_end = start + from_seconds(scenario.duration_s);
-  Time end = planned_end;
-  VirtualTimeLoop loop(start);
-
-  std::unique_ptr<logs::LogWriter> log;
-  std::unique_ptr<bus::Transport> recorded;
-  std::unique_ptr<logs::Recorder> recorder;
-  if (!options.log_path.empty()) {
-    log = std::make_unique<logs::LogWriter>(options.log_path);
-    recorded = loop.connect();
-    recorder = std::make_unique<logs::Recorder>(
-        *recorded, loop.clock(),
-        [&log](Time time, std::string_view channel, std::span<const std::uint8_t> data) {
-          return log->write(time, channel, data);
+  if (!log_path.empty()) {
+    log_ = std::make_unique<logs::LogWriter>(log_path);
+    recorded_ = loop_.connect();
+    recorder_ = std::make_unique<logs::Recorder>(
+        *recorded_, loop_.clock(),
+        [this](Time time, std::string_view channel, std::span<const std::uint8_t> data) {
+          return log_->write(time, channel, data);
         });
-    loop.on_delivered([&recorded] {
-      while (recorded->handle(std::chrono::microseconds(0)) > 0) {
+    loop_.on_delivered([this] {
+      while (recorded_->handle(std::chrono::microseconds(0)) > 0) {
       }
     });
   }
-  bus::Bus& own_bus = loop.add_bus(deterministic_run_id(scenario.seed, "TRIAL"));
-  TrialObserver observer(own_bus, scenario, start);
-  Announcer announcer(own_bus, scenario, "trial");
-  announcer.publish(start);
+  bus::Bus& own_bus = loop_.add_bus(deterministic_run_id(scenario.seed, "TRIAL"));
+  observer_ = std::make_unique<TrialObserver>(own_bus, scenario, start_);
+  announcer_ = std::make_unique<Announcer>(own_bus, scenario, "trial");
+  announcer_->publish(start_);
   for (const NodeRecipe& recipe : recipes) {
-    loop.add_node(recipe, deterministic_run_id(scenario.seed, recipe.name));
+    loop_.add_node(recipe, deterministic_run_id(scenario.seed, recipe.name));
   }
+}
 
+Trial::~Trial() = default;
+
+void Trial::advance_to(Time end) {
+  end = std::min(end, planned_end_);
+  while (now_ < end) {
+    now_ = std::min(announcer_->next_tick(), end);
+    loop_.run_until(now_);
+    announcer_->tick(now_);
+  }
+}
+
+TrialResult Trial::result() {
+  loop_.deliver();
+  std::int64_t unrecorded = 0;
+  std::optional<Error> log_error;
+  if (log_) {
+    log_->flush();
+    log_error = log_->error();
+    unrecorded = log_->events_lost() + recorded_->stats().queue_overflows;
+  }
+  logs::TrialMetrics metrics = observer_->metrics();  // finish() judges what may still be pending
+  TrialResult result;
+  result.summary = metrics.finish(now_, loop_.messages_lost() + unrecorded);
+  result.scene = observer_->scene();
+  result.was_stopped = now_ < planned_end_;
+  result.log_error = std::move(log_error);
+  return result;
+}
+
+TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
+                      const TrialOptions& options) {
+  Trial trial(scenario, recipes, options.log_path);
   constexpr int kProgressReports = 100;
   constexpr Duration kStopPeriod{500'000};
   int reported = 0;
-  for (Time now = start; now < end;) {
-    now = std::min({announcer.next_tick(), now + kStopPeriod, end});
-    loop.run_until(now);
-    announcer.tick(now);
-    const bool is_lost = log && log->error();
-    if (now < planned_end && (is_lost || (options.stop && options.stop()))) {
-      end = now;
-    }
-    const double share = to_seconds(now - start) / to_seconds(planned_end - start);
+  bool is_stopped = false;
+  while (!is_stopped && trial.time() < trial.planned_end()) {
+    trial.advance_to(trial.time() + kStopPeriod);
+    is_stopped = trial.is_log_lost() || (trial.time() < trial.planned_end() && options.stop &&
+                                         options.stop());
+    const double share =
+        to_seconds(trial.time() - trial.start()) / to_seconds(trial.planned_end() - trial.start());
     if (options.progress && static_cast<int>(share * kProgressReports) > reported) {
       reported = static_cast<int>(share * kProgressReports);
       options.progress(share);
     }
   }
-  loop.deliver();
-  TrialResult result;
-  if (log) {
-    result.log_error = log->close();
-  }
-  const std::int64_t unrecorded = log ? log->events_lost() + recorded->stats().queue_overflows : 0;
-  result.summary = observer.metrics().finish(end, loop.messages_lost() + unrecorded);
-  result.scene = observer.scene();
-  result.was_stopped = end < planned_end;
-  return result;
+  return trial.result();
 }
 
 }  // namespace vantage::tools

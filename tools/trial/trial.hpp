@@ -1,15 +1,22 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bus/transport.hpp"
 #include "core/result.hpp"
 #include "logs/metrics/trial_summary.hpp"
+#include "logs/record/log_writer.hpp"
+#include "logs/record/recorder.hpp"
 #include "models/scenario/scenario.hpp"
+#include "tools/observe/announcer.hpp"
+#include "tools/observe/observer.hpp"
 #include "tools/picture/scene.hpp"
 #include "tools/trial/recipe.hpp"
+#include "tools/trial/virtual_loop.hpp"
 
 namespace vantage::tools {
 
@@ -30,6 +37,44 @@ struct TrialResult {
   Scene scene;
   bool was_stopped = false;                       ///< before the scenario's duration
   std::optional<Error> log_error = std::nullopt;  ///< why the log is not whole; ended the trial
+};
+
+/// One trial in virtual time, in pieces: however its span is cut, the messages, the log and the
+/// summary are those of a trial in one piece.
+class Trial {
+ public:
+  /// `scenario` must outlive it; a log is written when `log_path` is not empty.
+  /// Precondition: the scenario's planner.node_budget is positive.
+  /// @throws StartupError when the log cannot be begun, or there is one at its path already, or a
+  ///         node refuses the scenario.
+  Trial(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
+        const std::string& log_path);
+  ~Trial();
+  Trial(const Trial&) = delete;
+  Trial& operator=(const Trial&) = delete;
+  Trial(Trial&&) = delete;
+  Trial& operator=(Trial&&) = delete;
+
+  /// Everything before `end`; not beyond planned_end().
+  void advance_to(Time end);
+  [[nodiscard]] Time time() const { return now_; }
+  [[nodiscard]] Time start() const { return start_; }
+  [[nodiscard]] Time planned_end() const { return planned_end_; }
+  [[nodiscard]] const TrialObserver& observer() const { return *observer_; }
+  [[nodiscard]] bool is_log_lost() const { return log_ != nullptr && log_->error(); }
+  /// What the trial comes to if it ends here; it may go on.
+  [[nodiscard]] TrialResult result();
+
+ private:
+  Time start_;
+  Time planned_end_;
+  Time now_;
+  VirtualTimeLoop loop_;
+  std::unique_ptr<logs::LogWriter> log_;
+  std::unique_ptr<bus::Transport> recorded_;
+  std::unique_ptr<logs::Recorder> recorder_;
+  std::unique_ptr<TrialObserver> observer_;
+  std::unique_ptr<Announcer> announcer_;
 };
 
 /// When virtual time starts: 1 700 000 000 s, rounded up to a whole planning round.

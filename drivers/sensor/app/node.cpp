@@ -21,13 +21,18 @@ models::InputRef ref_to(const std::string& channel, const models::Stamp& stamp) 
 }  // namespace
 
 SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
-                       const std::string& robot)
+                       const std::string& robot, Look look)
     : bus_(bus),
       robot_(robot),
-      sensor_(scenario, robot),
+      look_(std::move(look)),
       step_(from_seconds(scenario.planner.step_s)),
       next_tick_(clock.now() + kIdle) {
   require(step_ > Duration{0}, "planner: step_s must be positive");
+  if (!look_) {
+    look_ = [sensor = PoseSensor(scenario, robot)](const models::MocapFrame& frame, bool jammed) {
+      return sensor.look(frame, jammed);
+    };
+  }
   if (scenario.planner.objective == models::PlanObjective::kMapping) {
     scanner_.emplace(scenario, robot);
   }
@@ -70,7 +75,7 @@ void SensorNode::on_frame(const models::MocapFrame& frame) {
 void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs) {
   const bool jammed = attack_ && std::find(attack_->jammed.begin(), attack_->jammed.end(),
                                            robot_) != attack_->jammed.end();
-  std::optional<models::DetectionSet> seen = sensor_.look(frame, jammed);
+  std::optional<models::DetectionSet> seen = look_(frame, jammed);
   if (!seen) {
     ++steps_without_own_pose_;
     return;

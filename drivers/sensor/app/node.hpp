@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,9 +25,14 @@ namespace vantage::drivers {
 /// frame before. A frame captured at kτ itself is used alone.
 class SensorNode : public bus::Node {
  public:
+  /// What is seen in a frame, as PoseSensor::look().
+  using Look = std::function<std::optional<models::DetectionSet>(const models::MocapFrame& frame,
+                                                                 bool jammed)>;
+
+  /// @param look  another sensor than the scenario's; empty: PoseSensor
   /// @throws UsageError for a robot that is not in the scenario or a step that is not positive.
   SensorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
-             const std::string& robot);
+             const std::string& robot, Look look = {});
 
   [[nodiscard]] std::string name() const override { return "SENSOR_" + robot_; }
   /// It works when frames arrive; the tick has nothing to do.
@@ -40,7 +46,7 @@ class SensorNode : public bus::Node {
 
   bus::Bus& bus_;
   std::string robot_;
-  PoseSensor sensor_;
+  Look look_;
   std::optional<RangeScanner> scanner_;  ///< of a scenario that maps
   Duration step_;
   Time next_tick_;
