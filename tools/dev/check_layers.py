@@ -16,6 +16,7 @@ MAY_INCLUDE = {
     "drivers": BASE | {"drivers"},
     "logs": BASE | {"bus", "vantage_lcm", "logs"},
     "tools": BASE | {"bus", "vantage_lcm", "planner", "estimator", "sim", "drivers", "logs", "tools"},
+    "python": BASE | {"bus", "vantage_lcm", "planner", "estimator", "sim", "drivers", "logs", "tools", "python"},
     "test": None,  # may include everything
 }
 # The app room of a process is its border: it alone also sees the bus.

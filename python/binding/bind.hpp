@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include "core/pose.hpp"
+
+// What the parts of the module share. Whatever may take longer than some microseconds runs with the
+// interpreter's lock released and an own mutex held, which is never waited for under that lock.
+
+namespace vantage::python {
+
+namespace py = pybind11;
+
+/// C-ordered, converted when it is not: what is asked for as an argument.
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+void bind_planning(py::module_& module);
+void bind_scenario(py::module_& module);
+void bind_trial(py::module_& module);
+void bind_logs(py::module_& module);
+void bind_models(py::module_& module);
+void bind_env(py::module_& module);
+
+/// `value` as JSON text, numpy's numbers and arrays among it. @throws TypeError of Python.
+inline std::string json_text(const py::object& value) {
+  return py::cast<std::string>(py::module_::import("vantage._arguments").attr("to_json")(value));
+}
+/// What `text` says. The reverse.
+inline py::object from_json(const std::string& text) {
+  return py::module_::import("json").attr("loads")(text);
+}
+/// The path that a str or os.PathLike names.
+inline std::string path_text(const py::object& path) {
+  return py::cast<std::string>(py::module_::import("os").attr("fspath")(path));
+}
+
+/// @throws ValueError unless `array` has this shape; −1: any.
+inline void require_shape(const Doubles& array, const std::vector<py::ssize_t>& shape,
+                          const char* name) {
+  bool fits = array.ndim() == static_cast<py::ssize_t>(shape.size());
+  std::string words;
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    fits = fits && (shape[i] < 0 || array.shape(static_cast<py::ssize_t>(i)) == shape[i]);
+    words += (i == 0 ? "" : ", ") + (shape[i] < 0 ? std::string("any") : std::to_string(shape[i]));
+  }
+  if (!fits) {
+    throw py::value_error(std::string(name) + ": must have the shape (" + words + ")");
+  }
+}
+
+inline Pose2 pose_of(const Doubles& array, const char* name) {
+  require_shape(array, {3}, name);
+  return {array.at(0), array.at(1), array.at(2)};
+}
+
+template <class Vector>
+py::array_t<double> array_of(const Vector& vector) {
+  py::array_t<double> out(static_cast<py::ssize_t>(vector.size()));
+  for (py::ssize_t i = 0; i < out.size(); ++i) {
+    out.mutable_at(i) = vector(static_cast<Eigen::Index>(i));
+  }
+  return out;
+}
+
+/// Rows × columns.
+template <class Matrix>
+py::array_t<double> matrix_array(const Matrix& matrix) {
+  py::array_t<double> out(
+      {static_cast<py::ssize_t>(matrix.rows()), static_cast<py::ssize_t>(matrix.cols())});
+  auto view = out.template mutable_unchecked<2>();
+  for (py::ssize_t i = 0; i < view.shape(0); ++i) {
+    for (py::ssize_t j = 0; j < view.shape(1); ++j) {
+      view(i, j) = matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    }
+  }
+  return out;
+}
+
+/// (n, 3): x, y, yaw.
+inline py::array_t<double> poses_array(const std::vector<Pose2>& poses, std::size_t count) {
+  py::array_t<double> out({static_cast<py::ssize_t>(count), py::ssize_t{3}});
+  auto view = out.mutable_unchecked<2>();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = static_cast<py::ssize_t>(i);
+    view(row, 0) = poses[i].x_m;
+    view(row, 1) = poses[i].y_m;
+    view(row, 2) = poses[i].yaw_rad;
+  }
+  return out;
+}
+
+}  // namespace vantage::python

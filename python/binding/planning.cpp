@@ -1,0 +1,410 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include <pybind11/stl.h>
+
+#include "core/check.hpp"
+#include "python/binding/bind.hpp"
+#include "tools/plan/plan_report.hpp"
+#include "tools/plan/problem_json.hpp"
+#include "tools/plan/solver.hpp"
+
+namespace vantage::python {
+namespace {
+
+using planner::SearchResult;
+using tools::PlanOutcome;
+
+// A problem and who is at work on it.
+class Problem {
+ public:
+  Problem(tools::PlanningProblem planning, std::string source)
+      : planning_(std::move(planning)), source_(std::move(source)) {}
+
+  // Calls `action` with the problem to itself, without the interpreter's lock.
+  template <class Action>
+  auto alone(const Action& action) const {
+    const py::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    return action(planning_);
+  }
+  template <class Action>
+  void change(const Action& action) {
+    const py::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    const planner::SearchProblem before = planning_.problem;
+    action(planning_.problem);
+    try {
+      planner::require_valid(planning_.problem);
+      const Pose2& start = planning_.problem.start;
+      require(models::clearance_m(*planning_.world, start.position_m()) > 0.0,
+              "start: must be inside the map and outside every obstacle, touching neither");
+    } catch (...) {
+      planning_.problem = before;
+      throw;
+    }
+  }
+  [[nodiscard]] const std::string& source() const { return source_; }
+
+ private:
+  mutable std::mutex mutex_;
+  tools::PlanningProblem planning_;
+  std::string source_;
+};
+
+// What a plan says, apart from the problem it was made for.
+struct Plan {
+  PlanOutcome outcome;
+  int horizon_steps = 0;
+  bool is_complete = false;
+
+  [[nodiscard]] const SearchResult& result() const { return outcome.result; }
+};
+
+class Planner {
+ public:
+  explicit Planner(const tools::PlanRequest& request) : solver_(request) {}
+
+  Plan plan(const Problem& problem) {
+    return problem.alone([&](const tools::PlanningProblem& planning) {
+      const std::lock_guard lock(mutex_);
+      Plan plan;
+      plan.outcome = solver_.solve(planning.problem);
+      plan.outcome.source = problem.source();
+      plan.horizon_steps = planning.problem.horizon_steps;
+      plan.is_complete = tools::is_complete(planning.problem, plan.outcome.result);
+      return plan;
+    });
+  }
+  void prepare(const Problem& problem) {
+    problem.alone([&](const tools::PlanningProblem& planning) {
+      const std::lock_guard lock(mutex_);
+      solver_.prepare(planning.problem);
+    });
+  }
+  [[nodiscard]] const tools::PlanRequest& request() const { return solver_.request(); }
+
+ private:
+  std::mutex mutex_;
+  tools::Solver solver_;
+};
+
+tools::PlanRequest request_of(const std::string& algorithm, std::optional<double> budget_s,
+                              std::optional<std::int64_t> nodes, double epsilon, double delta_m,
+                              double weight, std::size_t memory_mb) {
+  require(!budget_s || !nodes, "budget_s, nodes: only one of them may be given");
+  tools::PlanRequest request;
+  request.algorithm = algorithm;
+  request.budget_s = budget_s.value_or(request.budget_s);
+  request.nodes = nodes;
+  request.options.epsilon = epsilon;
+  request.options.delta_m = delta_m;
+  request.options.weight = weight;
+  request.memory_mb = memory_mb;
+  return request;
+}
+
+std::unique_ptr<Problem> problem_of(const py::object& source) {
+  if (py::isinstance<py::dict>(source)) {
+    const std::string name = "problem";
+    return std::make_unique<Problem>(tools::parse_problem(json_text(source), name), name);
+  }
+  const std::string path = path_text(source);
+  const py::gil_scoped_release release;
+  return std::make_unique<Problem>(tools::load_problem(path), path);
+}
+
+py::array_t<double> controls_array(const Problem& problem) {
+  const auto controls =
+      problem.alone([](const tools::PlanningProblem& p) { return p.problem.controls; });
+  py::array_t<double> out({static_cast<py::ssize_t>(controls.size()), py::ssize_t{2}});
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    out.mutable_at(static_cast<py::ssize_t>(i), 0) = controls[i].speed_mps;
+    out.mutable_at(static_cast<py::ssize_t>(i), 1) = controls[i].yaw_rate_radps;
+  }
+  return out;
+}
+
+std::vector<planner::SearchTarget> targets_of(const Problem& problem) {
+  return problem.alone([](const tools::PlanningProblem& p) { return p.problem.targets; });
+}
+
+py::array_t<double> means_array(const Problem& problem) {
+  const auto targets = targets_of(problem);
+  const auto dim = static_cast<py::ssize_t>(targets.front().prior.mean.size());
+  py::array_t<double> out({static_cast<py::ssize_t>(targets.size()), dim});
+  for (std::size_t m = 0; m < targets.size(); ++m) {
+    for (py::ssize_t i = 0; i < dim; ++i) {
+      out.mutable_at(static_cast<py::ssize_t>(m), i) =
+          targets[m].prior.mean(static_cast<Eigen::Index>(i));
+    }
+  }
+  return out;
+}
+
+py::array_t<double> covariances_array(const Problem& problem) {
+  const auto targets = targets_of(problem);
+  const auto dim = static_cast<py::ssize_t>(targets.front().prior.mean.size());
+  py::array_t<double> out({static_cast<py::ssize_t>(targets.size()), dim, dim});
+  auto view = out.mutable_unchecked<3>();
+  for (std::size_t m = 0; m < targets.size(); ++m) {
+    for (py::ssize_t i = 0; i < dim; ++i) {
+      for (py::ssize_t j = 0; j < dim; ++j) {
+        view(static_cast<py::ssize_t>(m), i, j) =
+            targets[m].prior.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      }
+    }
+  }
+  return out;
+}
+
+void set_beliefs(Problem& problem, const Doubles& means, const Doubles& covariances) {
+  const auto dim = static_cast<py::ssize_t>(targets_of(problem).front().prior.mean.size());
+  require_shape(means, {-1, dim}, "means");
+  require_shape(covariances, {means.shape(0), dim, dim}, "covariances");
+  if (means.shape(0) == 0) {
+    throw py::value_error("means: must be of one target at least");
+  }
+  std::vector<models::Gaussian> beliefs(static_cast<std::size_t>(means.shape(0)));
+  for (std::size_t m = 0; m < beliefs.size(); ++m) {
+    const auto row = static_cast<py::ssize_t>(m);
+    beliefs[m].mean.resize(dim);
+    beliefs[m].covariance.resize(dim, dim);
+    for (py::ssize_t i = 0; i < dim; ++i) {
+      beliefs[m].mean(i) = means.at(row, i);
+      for (py::ssize_t j = 0; j < dim; ++j) {
+        beliefs[m].covariance(i, j) = covariances.at(row, i, j);
+      }
+    }
+  }
+  problem.change([&](planner::SearchProblem& p) {
+    p.targets.resize(beliefs.size(), p.targets.front());
+    for (std::size_t m = 0; m < beliefs.size(); ++m) {
+      p.targets[m].prior = beliefs[m];
+    }
+  });
+}
+
+double score(const Problem& problem, const Doubles& poses) {
+  require_shape(poses, {-1, 3}, "poses");
+  std::vector<Pose2> along;
+  for (py::ssize_t t = 0; t < poses.shape(0); ++t) {
+    along.push_back({poses.at(t, 0), poses.at(t, 1), poses.at(t, 2)});
+  }
+  return problem.alone([&](const tools::PlanningProblem& p) {
+    require(std::ssize(along) == p.problem.horizon_steps,
+            "poses: must be one a step, " + std::to_string(p.problem.horizon_steps) + ", got " +
+                std::to_string(along.size()));
+    return planner::score(p.problem, along);
+  });
+}
+
+py::object number_or_none(double value) {
+  return std::isfinite(value) ? py::object(py::float_(value)) : py::object(py::none());
+}
+
+double gap_of(const Plan& plan) {
+  return plan.is_complete ? std::max(0.0, plan.result().cost - plan.result().lower_bound)
+                          : std::numeric_limits<double>::infinity();
+}
+
+void bind_problem(py::module_& module) {
+  py::class_<Problem>(module, "Problem", R"(One robot's planning problem: docs/planning-problems.md.
+
+Problem(source): of a dict with the keys of that page, or of the JSON file at a path.
+Raises StartupError with the words of `vantage plan` at the first thing that cannot be.)")
+      .def(py::init(&problem_of), py::arg("source"))
+      .def_static(
+          "parse",
+          [](const std::string& text, const std::string& name) {
+            return std::make_unique<Problem>(tools::parse_problem(text, name), name);
+          },
+          py::arg("text"), py::arg("name") = "problem",
+          "Of JSON text; `name` stands for the file in messages.")
+      .def_property_readonly(
+          "name",
+          [](const Problem& p) {
+            return p.alone([](const tools::PlanningProblem& planning) { return planning.name; });
+          })
+      .def_property_readonly("source", &Problem::source)
+      .def_property_readonly(
+          "horizon_steps",
+          [](const Problem& p) {
+            return p.alone([](const auto& planning) { return planning.problem.horizon_steps; });
+          },
+          "T.")
+      .def_property_readonly(
+          "step_s",
+          [](const Problem& p) {
+            return p.alone([](const auto& planning) { return planning.problem.step_s; });
+          },
+          "Seconds that each control is held.")
+      .def_property_readonly("controls", &controls_array,
+                             "(U, 2): speed in m/s and yaw rate in rad/s; an action is a row.")
+      .def_property(
+          "start",
+          [](const Problem& p) {
+            const Pose2 start =
+                p.alone([](const auto& planning) { return planning.problem.start; });
+            return array_of(Eigen::Vector3d(start.x_m, start.y_m, start.yaw_rad));
+          },
+          [](Problem& p, const Doubles& start) {
+            Pose2 pose = pose_of(start, "start");
+            pose.yaw_rad = wrap_to_pi(pose.yaw_rad);
+            p.change([&](planner::SearchProblem& problem) { problem.start = pose; });
+          },
+          "(3,): x, y in m and yaw in rad, world from body. May be set.")
+      .def_property_readonly("means", &means_array,
+                             "(M, n): of each target x, y in m and, of moving ones, vx, vy in m/s.")
+      .def_property_readonly("covariances", &covariances_array, "(M, n, n), of the same.")
+      .def("set_beliefs", &set_beliefs, py::arg("means"), py::arg("covariances"),
+           R"(Plans are for these beliefs from now on: means (M, n), covariances (M, n, n).
+
+M may differ from what it was. Raises UsageError unless each covariance is symmetric and definite.)")
+      .def("score", &score, py::arg("poses"),
+           R"(The cost of being at `poses` (T, 3) after each step, by the plain recursion.
+
+Nats for cost logdet, m² for trace. It asks neither whether the poses can be reached nor whether
+they are clear.)")
+      .def("__repr__", [](const Problem& p) {
+        return p.alone([&](const tools::PlanningProblem& planning) {
+          return "<vantage.Problem " + (planning.name.empty() ? p.source() : planning.name) + ": " +
+                 std::to_string(planning.problem.targets.size()) + " targets, " +
+                 std::to_string(planning.problem.horizon_steps) + " steps>";
+        });
+      });
+}
+
+void bind_plan(py::module_& module) {
+  const auto integer = [](std::int64_t SearchResult::*member) {
+    return [member](const Plan& p) { return p.result().*member; };
+  };
+  py::class_<Plan>(module, "Plan", "What a search found. Numbers that are not known are None.")
+      .def_property_readonly(
+          "found", [](const Plan& p) { return p.is_complete; },
+          "Whether there is a plan of all T steps.")
+      .def_property_readonly(
+          "cost",
+          [](const Plan& p) {
+            return p.is_complete ? number_or_none(p.result().cost) : py::object(py::none());
+          },
+          "Summed over steps and targets: nats (logdet) or m² (trace).")
+      .def_property_readonly(
+          "lower_bound", [](const Plan& p) { return number_or_none(p.result().lower_bound); },
+          "Proven: no plan costs less.")
+      .def_property_readonly(
+          "gap", [](const Plan& p) { return number_or_none(gap_of(p)); }, "cost less lower_bound.")
+      .def_property_readonly(
+          "controls",
+          [](const Plan& p) {
+            py::array_t<std::int64_t> out(static_cast<py::ssize_t>(p.result().controls.size()));
+            std::copy(p.result().controls.begin(), p.result().controls.end(), out.mutable_data());
+            return out;
+          },
+          "(T,): rows of Problem.controls; fewer when no complete plan was found.")
+      .def_property_readonly(
+          "states",
+          [](const Plan& p) { return poses_array(p.result().poses, p.result().controls.size()); },
+          "(T, 3): x, y in m and yaw in rad after each step, the start not among them.")
+      .def_property_readonly(
+          "algorithm", [](const Plan& p) { return p.outcome.algorithm; }, "Which search it was.")
+      .def_property_readonly(
+          "epsilon", [](const Plan& p) { return number_or_none(p.result().epsilon); },
+          "Of the last finished pass.")
+      .def_property_readonly(
+          "delta_m", [](const Plan& p) { return number_or_none(p.result().delta_m); },
+          "Of the last finished pass, m.")
+      .def_property_readonly("nodes_generated", integer(&SearchResult::nodes_generated))
+      .def_property_readonly("nodes_expanded", integer(&SearchResult::nodes_expanded))
+      .def_property_readonly("work_nodes", integer(&SearchResult::work_nodes),
+                             "The unit of Planner(nodes=…).")
+      .def_property_readonly("passes", integer(&SearchResult::passes))
+      .def_property_readonly(
+          "elapsed_s", [](const Plan& p) { return p.outcome.elapsed_s; },
+          "Wall clock of the search alone.")
+      .def_property_readonly(
+          "cpu_s", [](const Plan& p) { return p.outcome.cpu_s; }, "CPU time of the same.")
+      .def_property_readonly(
+          "peak_bytes", [](const Plan& p) { return p.outcome.peak_bytes; },
+          "Nodes, blocks and lists in use.")
+      .def_property_readonly(
+          "stop_reason", [](const Plan& p) { return tools::word_of(p.result().stop_reason); },
+          "finished, converged, deadline or memory.")
+      .def_property_readonly(
+          "history",
+          [](const Plan& p) {
+            const auto& history = p.result().history;
+            py::array_t<double> out({static_cast<py::ssize_t>(history.size()), py::ssize_t{4}});
+            for (std::size_t i = 0; i < history.size(); ++i) {
+              const auto row = static_cast<py::ssize_t>(i);
+              out.mutable_at(row, 0) = history[i].epsilon;
+              out.mutable_at(row, 1) = history[i].delta_m;
+              out.mutable_at(row, 2) = history[i].cost;
+              out.mutable_at(row, 3) = static_cast<double>(history[i].work_nodes);
+            }
+            return out;
+          },
+          "(passes, 4): epsilon, delta in m, cost, work_nodes at the end of each finished pass.")
+      .def("__repr__", [](const Plan& p) {
+        return "<vantage.Plan " + p.outcome.algorithm +
+               (p.is_complete ? ": cost " + std::to_string(p.result().cost) + ">" : ": none>");
+      });
+}
+
+void bind_planner(py::module_& module) {
+  py::class_<Planner>(module, "Planner", R"(A search with its memory, for problem after problem.
+
+Planner(algorithm="default", *, budget_s=None, nodes=None, epsilon=1.0, delta_m=1.0, weight=1.0,
+memory_mb=512): as the flags of `vantage plan`; with neither budget_s nor nodes, one second. With
+nodes the answer is the same to the bit every time, and that of the command. Other threads run
+while it searches; one Planner works on one problem at a time.)")
+      .def(py::init([](const std::string& algorithm, std::optional<double> budget_s,
+                       std::optional<std::int64_t> nodes, double epsilon, double delta_m,
+                       double weight, std::size_t memory_mb) {
+             return std::make_unique<Planner>(
+                 request_of(algorithm, budget_s, nodes, epsilon, delta_m, weight, memory_mb));
+           }),
+           py::arg("algorithm") = "default", py::kw_only(), py::arg("budget_s") = py::none(),
+           py::arg("nodes") = py::none(), py::arg("epsilon") = 1.0, py::arg("delta_m") = 1.0,
+           py::arg("weight") = 1.0, py::arg("memory_mb") = 512)
+      .def("plan", &Planner::plan, py::arg("problem"),
+           "The best plan by the deadline. Memory is prepared by the first call of a size.")
+      .def("prepare", &Planner::prepare, py::arg("problem"),
+           "Prepares memory for problems of this size, before it counts.");
+  module.def(
+      "algorithms",
+      [] {
+        py::dict out;
+        for (const tools::Algorithm& each : tools::all_algorithms()) {
+          out[py::str(std::string(each.name))] = std::string(each.what);
+        }
+        return out;
+      },
+      "Every search by name, and what it is.");
+  module.def(
+      "plan",
+      [](const py::object& problem, const py::kwargs& options) {
+        py::object of = problem;
+        if (!py::isinstance<Problem>(problem)) {
+          of = py::type::of<Problem>()(problem);
+        }
+        return py::type::of<Planner>()(**options).attr("plan")(of);
+      },
+      py::arg("problem"),
+      "One plan: Planner(**options).plan(problem); `problem` may also be a dict or a path.");
+}
+
+}  // namespace
+
+void bind_planning(py::module_& module) {
+  bind_problem(module);
+  bind_plan(module);
+  bind_planner(module);
+}
+
+}  // namespace vantage::python

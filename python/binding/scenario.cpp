@@ -1,0 +1,115 @@
+#include "python/binding/scenario.hpp"
+
+#include <optional>
+#include <utility>
+
+#include <pybind11/stl.h>
+
+#include "bus/scenario_yaml.hpp"
+#include "python/binding/bind.hpp"
+#include "tools/scenario/overrides.hpp"
+
+namespace vantage::python {
+namespace {
+
+std::shared_ptr<Scenario> parsed(const std::string& yaml, const std::string& name) {
+  const py::gil_scoped_release release;
+  return std::make_shared<Scenario>(Scenario{bus::parse_scenario(yaml, name), name});
+}
+
+std::shared_ptr<Scenario> scenario_of(const py::object& source) {
+  if (py::isinstance<py::dict>(source)) {
+    return parsed(json_text(source), "scenario");
+  }
+  const std::string path = path_text(source);
+  const py::gil_scoped_release release;
+  return std::make_shared<Scenario>(Scenario{bus::load_scenario(path), path});
+}
+
+}  // namespace
+
+void bind_scenario(py::module_& module) {
+  py::class_<Scenario, std::shared_ptr<Scenario>>(module, "Scenario",
+                                                  R"(A trial as one file says it.
+
+Scenario(source): of the YAML file at a path, or of a dict with the keys of config/lab.yaml. Read as
+strictly as everywhere: StartupError says line, key, rule and value, and what was probably meant.)")
+      .def(py::init(&scenario_of), py::arg("source"))
+      .def_static("parse", &parsed, py::arg("yaml"), py::arg("name") = "scenario",
+                  "Of YAML text; `name` stands for the file in messages.")
+      .def(
+          "replace",
+          [](const Scenario& self, std::optional<std::uint64_t> seed,
+             std::optional<double> duration_s, std::optional<std::string> planner,
+             std::optional<double> communication_range_m, std::optional<std::int64_t> node_budget) {
+            tools::Overrides overrides;
+            overrides.seed = seed;
+            overrides.duration_s = duration_s;
+            overrides.planner = std::move(planner);
+            overrides.communication_range_m = communication_range_m;
+            overrides.node_budget = node_budget;
+            return parsed(tools::apply_overrides(self.value.source_text, overrides),
+                          overrides.is_empty() ? self.source : self.source + " with options");
+          },
+          py::kw_only(), py::arg("seed") = py::none(), py::arg("duration_s") = py::none(),
+          py::arg("planner") = py::none(), py::arg("communication_range_m") = py::none(),
+          py::arg("node_budget") = py::none(),
+          "The same with these changed, as the flags of `vantage trial` do.")
+      .def_property_readonly("name", [](const Scenario& self) { return self.value.name; })
+      .def_property_readonly("source", [](const Scenario& self) { return self.source; })
+      .def_property_readonly(
+          "text", [](const Scenario& self) { return self.value.source_text; },
+          "YAML, as it goes into every log.")
+      .def_property_readonly("seed", [](const Scenario& self) { return self.value.seed; })
+      .def_property_readonly("duration_s",
+                             [](const Scenario& self) { return self.value.duration_s; })
+      .def_property_readonly(
+          "step_s", [](const Scenario& self) { return self.value.planner.step_s; },
+          "Seconds of one planning step, τ.")
+      .def_property_readonly(
+          "robots",
+          [](const Scenario& self) {
+            std::vector<std::string> names;
+            for (const models::RobotSpec& robot : self.value.robots) {
+              names.push_back(robot.name);
+            }
+            return names;
+          },
+          "Names, in the file's order.")
+      .def_property_readonly(
+          "targets",
+          [](const Scenario& self) {
+            std::vector<std::string> names;
+            for (const models::TargetSpec& target : self.value.targets) {
+              names.push_back(target.name);
+            }
+            return names;
+          },
+          "Names; a target's id is its index.")
+      .def_property_readonly(
+          "bounds",
+          [](const Scenario& self) {
+            const models::Rectangle& b = self.value.world.bounds;
+            return array_of(Eigen::Vector4d(b.min_m.x(), b.min_m.y(), b.max_m.x(), b.max_m.y()));
+          },
+          "(4,): xmin, ymin, xmax, ymax in m.")
+      .def_property_readonly(
+          "obstacles",
+          [](const Scenario& self) {
+            Eigen::Matrix<double, Eigen::Dynamic, 4> out(
+                static_cast<Eigen::Index>(self.value.world.obstacles.size()), 4);
+            Eigen::Index row = 0;
+            for (const models::Obstacle& o : self.value.world.obstacles) {
+              out.row(row++) << o.footprint.min_m.transpose(), o.footprint.max_m.transpose();
+            }
+            return matrix_array(out);
+          },
+          "(n, 4): xmin, ymin, xmax, ymax in m.")
+      .def("__repr__", [](const Scenario& self) {
+        return "<vantage.Scenario " + self.value.name + ": " +
+               std::to_string(self.value.robots.size()) + " robots, " +
+               std::to_string(self.value.targets.size()) + " targets>";
+      });
+}
+
+}  // namespace vantage::python

@@ -1,0 +1,417 @@
+#include "tools/trial/trial.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include <pybind11/stl.h>
+
+#include "bus/scenario_yaml.hpp"
+#include "core/check.hpp"
+#include "drivers/sensor/app/node.hpp"
+#include "python/binding/bind.hpp"
+#include "python/binding/scenario.hpp"
+#include "tools/scenario/overrides.hpp"
+
+namespace vantage::python {
+namespace {
+
+using Sensors = std::map<std::string, py::function>;
+
+// What a sensor written in Python says of a frame. Called by the trial's thread, without the
+// interpreter's lock.
+class PythonSensor {
+ public:
+  PythonSensor(const models::Scenario& scenario, const std::string& robot,
+               std::shared_ptr<py::function> look)
+      : robot_(robot), look_(std::move(look)) {
+    const models::RobotSpec* spec = scenario.find_robot(robot);
+    measurement_dim_ = spec->sensor.measurement_dim(scenario.estimator.target_model.position_dim);
+    for (const models::TargetSpec& target : scenario.targets) {
+      ids_[target.name] = target.id;
+    }
+  }
+
+  std::optional<models::DetectionSet> operator()(const models::MocapFrame& frame,
+                                                 bool jammed) const {
+    const models::MocapBody* self = frame.find(robot_);
+    if (self == nullptr || self->occluded) {
+      return std::nullopt;
+    }
+    models::DetectionSet seen;
+    seen.stamp.time = frame.stamp.time;
+    seen.robot = robot_;
+    seen.viewpoint = {flatten(self->world_from_body), self->world_from_body.translation_m.z()};
+    seen.jammed = jammed;
+    if (jammed) {
+      return seen;
+    }
+    const py::gil_scoped_acquire acquire;
+    const Pose2& pose = seen.viewpoint.world_from_body;
+    py::dict targets;
+    for (const models::MocapBody& body : frame.bodies) {
+      const auto id = ids_.find(body.name);
+      if (id != ids_.end() && !body.occluded) {
+        targets[py::int_(id->second)] = array_of(body.world_from_body.translation_m);
+      }
+    }
+    const py::object said = (*look_)(
+        array_of(Eigen::Vector4d(pose.x_m, pose.y_m, seen.viewpoint.height_m, pose.yaw_rad)),
+        targets, to_seconds(frame.stamp.time.time_since_epoch()));
+    for (const py::handle item : py::iter(said)) {
+      const auto [id, z, V] = py::cast<std::tuple<int, Doubles, Doubles>>(item);
+      const auto n = static_cast<py::ssize_t>(measurement_dim_);
+      require_shape(z, {n}, "z");
+      require_shape(V, {n, n}, "V");
+      models::Detection detection;
+      detection.target_id = id;
+      detection.measurement.z.resize(n);
+      detection.measurement.V.resize(n, n);
+      for (py::ssize_t i = 0; i < n; ++i) {
+        detection.measurement.z(i) = z.at(i);
+        for (py::ssize_t j = 0; j < n; ++j) {
+          detection.measurement.V(i, j) = V.at(i, j);
+        }
+      }
+      seen.detections.push_back(detection);
+    }
+    std::sort(seen.detections.begin(), seen.detections.end(),
+              [](const auto& a, const auto& b) { return a.target_id < b.target_id; });
+    return seen;
+  }
+
+ private:
+  std::string robot_;
+  // Shared, because std::function copies: a Python reference may be copied under its lock alone.
+  std::shared_ptr<py::function> look_;
+  int measurement_dim_ = 0;
+  std::map<std::string, int> ids_;
+};
+
+// The owner is freed under the interpreter's lock, whoever is the last to let go.
+std::shared_ptr<py::function> kept(const py::function& function) {
+  return {new py::function(function), [](py::function* each) {
+            const py::gil_scoped_acquire acquire;
+            delete each;
+          }};
+}
+
+std::shared_ptr<Scenario> with_node_budget(const std::shared_ptr<Scenario>& scenario) {
+  if (scenario->value.planner.node_budget > 0) {
+    return scenario;
+  }
+  tools::Overrides overrides;
+  overrides.node_budget = tools::kDefaultNodeBudget;
+  const std::string name = scenario->source + " with options";
+  return std::make_shared<Scenario>(Scenario{
+      bus::parse_scenario(tools::apply_overrides(scenario->value.source_text, overrides), name),
+      name});
+}
+
+class Trial {
+ public:
+  Trial(const std::shared_ptr<Scenario>& scenario, const std::string& log_path,
+        const Sensors& sensors)
+      : scenario_(with_node_budget(scenario)) {
+    std::vector<tools::NodeRecipe> recipes = tools::trial_recipes(scenario_->value);
+    for (const auto& [robot, look] : sensors) {
+      const auto recipe = std::find_if(
+          recipes.begin(), recipes.end(),
+          [&, name = "SENSOR_" + robot](const tools::NodeRecipe& r) { return r.name == name; });
+      require(recipe != recipes.end(), "sensors: the scenario has no robot " + robot);
+      recipe->make = [&scenario = scenario_->value, name = robot, call = kept(look)](
+                         bus::Bus& bus, const bus::Clock& clock) {
+        return std::make_unique<drivers::SensorNode>(bus, clock, scenario, name,
+                                                     PythonSensor(scenario, name, call));
+      };
+    }
+    const py::gil_scoped_release release;
+    trial_ = std::make_unique<tools::Trial>(scenario_->value, recipes, log_path);
+  }
+
+  ~Trial() {
+    const py::gil_scoped_release release;
+    trial_.reset();  // ends the log
+  }
+  Trial(const Trial&) = delete;
+  Trial& operator=(const Trial&) = delete;
+  Trial(Trial&&) = delete;
+  Trial& operator=(Trial&&) = delete;
+
+  void advance(double seconds_s) {
+    require(seconds_s >= 0.0 && seconds_s <= 1e6, "seconds: must be ≥ 0 and ≤ 1000000");
+    const py::gil_scoped_release release;
+    require(!is_at_work_.exchange(true),
+            "the trial is being stepped by another thread or by itself");
+    const AtWork at_work{is_at_work_};
+    const std::lock_guard lock(mutex_);
+    trial_->advance_to(trial_->time() + from_seconds(seconds_s));
+  }
+
+  void run(const py::object& progress) {
+    constexpr double kPiece_s = 0.5;
+    while (!is_over()) {
+      advance(kPiece_s);
+      if (PyErr_CheckSignals() != 0) {  // Ctrl-C
+        throw py::error_already_set();
+      }
+      if (!progress.is_none()) {
+        progress(time_s() / scenario_->value.duration_s);
+      }
+    }
+  }
+
+  // Calls `action` with the trial to itself, without the interpreter's lock.
+  template <class Action>
+  auto alone(const Action& action) const {
+    const py::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    return action(*trial_);
+  }
+
+  [[nodiscard]] double time_s() const {
+    return alone([](tools::Trial& t) { return to_seconds(t.time() - t.start()); });
+  }
+  [[nodiscard]] bool is_over() const {
+    return alone([](tools::Trial& t) { return t.time() >= t.planned_end(); });
+  }
+  [[nodiscard]] const std::shared_ptr<Scenario>& scenario() const { return scenario_; }
+
+ private:
+  struct AtWork {
+    std::atomic<bool>& flag;
+    ~AtWork() { flag = false; }
+  };
+  std::shared_ptr<Scenario> scenario_;
+  mutable std::recursive_mutex
+      mutex_;  ///< a sensor of Python's may look at the trial it is part of
+  std::atomic<bool> is_at_work_ = false;
+  std::unique_ptr<tools::Trial> trial_;
+};
+
+// Poses of the newest TRUTH: robots (−1) or targets, in the scenario's order.
+py::array_t<double> truth_array(const Trial& trial, bool of_targets) {
+  const auto truth = trial.alone([](tools::Trial& t) { return t.observer().truth(); });
+  const models::Scenario& scenario = trial.scenario()->value;
+  std::vector<std::string> names;
+  for (const models::RobotSpec& robot : scenario.robots) {
+    names.push_back(robot.name);
+  }
+  if (of_targets) {
+    names.clear();
+    for (const models::TargetSpec& target : scenario.targets) {
+      names.push_back(target.name);
+    }
+  }
+  py::array_t<double> out({static_cast<py::ssize_t>(names.size()), py::ssize_t{7}});
+  std::fill_n(out.mutable_data(), out.size(), std::numeric_limits<double>::quiet_NaN());
+  auto view = out.mutable_unchecked<2>();
+  if (!truth) {
+    return out;
+  }
+  for (const models::TruthBody& body : truth->bodies) {
+    const auto found = std::find(names.begin(), names.end(), body.name);
+    if (found == names.end() || (body.target_id >= 0) != of_targets) {
+      continue;
+    }
+    const auto row = static_cast<py::ssize_t>(found - names.begin());
+    const Pose2 flat = flatten(body.world_from_body);
+    for (py::ssize_t i = 0; i < 3; ++i) {
+      view(row, i) = body.world_from_body.translation_m(i);
+      view(row, 4 + i) = body.velocity_world_mps(i);
+    }
+    view(row, 3) = flat.yaw_rad;
+  }
+  return out;
+}
+
+py::array_t<std::int64_t> grid_array(const models::GridGeometry& grid,
+                                     const std::vector<std::int64_t>& values) {
+  py::array_t<std::int64_t> out(
+      {static_cast<py::ssize_t>(grid.rows), static_cast<py::ssize_t>(grid.columns)});
+  std::copy(values.begin(), values.end(), out.mutable_data());
+  return out;
+}
+
+py::dict belief_dict(const models::RobotBelief& belief, Time start) {
+  std::vector<int> ids;
+  std::vector<double> last_seen_s;
+  std::vector<models::Gaussian> gaussians;
+  for (const models::TargetBelief& target : belief.targets) {
+    if (const auto gaussian = models::to_gaussian(target.information)) {
+      ids.push_back(target.target_id);
+      last_seen_s.push_back(to_seconds(target.last_seen - start));
+      gaussians.push_back(*gaussian);
+    }
+  }
+  const auto count = static_cast<py::ssize_t>(ids.size());
+  const auto dim =
+      gaussians.empty() ? py::ssize_t{0} : static_cast<py::ssize_t>(gaussians[0].mean.size());
+  py::array_t<std::int64_t> id_array(count);
+  py::array_t<double> seen_array(count);
+  py::array_t<double> means({count, dim});
+  py::array_t<double> covariances({count, dim, dim});
+  auto mean_view = means.mutable_unchecked<2>();
+  auto covariance_view = covariances.mutable_unchecked<3>();
+  for (py::ssize_t k = 0; k < count; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    id_array.mutable_at(k) = ids[at];
+    seen_array.mutable_at(k) = last_seen_s[at];
+    for (py::ssize_t i = 0; i < dim; ++i) {
+      mean_view(k, i) = gaussians[at].mean(i);
+      for (py::ssize_t j = 0; j < dim; ++j) {
+        covariance_view(k, i, j) = gaussians[at].covariance(i, j);
+      }
+    }
+  }
+  py::dict out;
+  out["time_s"] = to_seconds(belief.stamp.time - start);
+  out["ids"] = id_array;
+  out["means"] = means;
+  out["covariances"] = covariances;
+  out["last_seen_s"] = seen_array;
+  out["grid_last_seen_utime"] = grid_array(belief.grid, belief.last_seen_utime);
+  out["grid_origin_m"] = array_of(belief.grid.origin_m);
+  out["grid_resolution_m"] = belief.grid.resolution_m;
+  return out;
+}
+
+py::dict plan_dict(const models::RobotPlan& plan, Time start) {
+  std::vector<Pose2> poses;
+  for (int t = 0; t <= plan.horizon_steps; ++t) {
+    poses.push_back(
+        models::at(plan.trajectory, plan.trajectory.start_time + from_seconds(t * plan.step_s))
+            .world_from_body);
+  }
+  py::dict out;
+  out["round"] = plan.round;
+  out["source"] = models::name_of(plan.source);
+  out["start_s"] = to_seconds(plan.trajectory.start_time - start);
+  out["step_s"] = plan.step_s;
+  out["poses"] = poses_array(poses, poses.size());
+  out["cost"] = plan.cost;
+  out["lower_bound"] = plan.lower_bound;
+  out["nodes"] = plan.nodes;
+  out["late"] = plan.late;
+  return out;
+}
+
+py::dict map_dict(const models::RobotMap& map, Time start) {
+  py::array_t<std::int16_t> looks(
+      {static_cast<py::ssize_t>(map.grid.rows), static_cast<py::ssize_t>(map.grid.columns)});
+  std::copy(map.team_looks.begin(), map.team_looks.end(), looks.mutable_data());
+  py::dict out;
+  out["time_s"] = to_seconds(map.stamp.time - start);
+  out["looks"] = looks;
+  out["entropy_nats"] = map.entropy_nats;
+  out["grid_origin_m"] = array_of(map.grid.origin_m);
+  out["grid_resolution_m"] = map.grid.resolution_m;
+  return out;
+}
+
+}  // namespace
+
+void bind_trial(py::module_& module) {
+  py::class_<Trial>(module, "Trial",
+                    R"(One trial in virtual time: simulator, sensors, estimators, planners.
+
+Trial(scenario, *, log=None, sensors={}): the scenario may also be a path or a dict. A pure function
+of the scenario, its seed included, however it is stepped; the same as `vantage trial`. One without
+planner.node_budget gets 20 000 nodes a slot, as there. `log` is a path to write an LCM log to.
+
+sensors={"Q1": look}: look(viewpoint, targets, time_s) instead of that robot's sensor, each planning
+step; viewpoint (4,): x, y, z in m and yaw in rad; targets {id: (3,) m}; time_s since the Unix epoch.
+It gives a list of (id, z (k,), V (k, k)), z as the scenario's kind of sensor would: what is seen,
+where and how well is its business; what z means is not. It holds Python's lock while it looks.
+
+Times are seconds since the trial's start. Other threads run while the trial is stepped.)")
+      .def(py::init([](const py::object& scenario, const py::object& log, const Sensors& sensors) {
+             py::object of = scenario;
+             if (!py::isinstance<Scenario>(scenario)) {
+               of = py::type::of<Scenario>()(scenario);
+             }
+             return std::make_unique<Trial>(py::cast<std::shared_ptr<Scenario>>(of),
+                                            log.is_none() ? "" : path_text(log), sensors);
+           }),
+           py::arg("scenario"), py::kw_only(), py::arg("log") = py::none(),
+           py::arg("sensors") = Sensors{})
+      .def_property_readonly("scenario", &Trial::scenario, "As it is run, node budget included.")
+      .def_property_readonly("time_s", &Trial::time_s)
+      .def_property_readonly("is_over", &Trial::is_over)
+      .def("advance", &Trial::advance, py::arg("seconds"),
+           "Goes on by so many seconds, not beyond the scenario's duration.")
+      .def(
+          "step",
+          [](Trial& self, int steps) {
+            require(steps >= 1, "steps: must be ≥ 1");
+            self.advance(steps * self.scenario()->value.planner.step_s);
+          },
+          py::arg("steps") = 1, "Goes on by so many planning steps of scenario.step_s.")
+      .def("run", &Trial::run, py::arg("progress") = py::none(),
+           "Goes on to the end; progress(share) is called now and then. Ctrl-C ends it.")
+      .def_property_readonly(
+          "robots", [](const Trial& self) { return truth_array(self, false); },
+          R"((N, 7): x, y, z in m, yaw in rad, vx, vy, vz in m/s of each robot, as it is in truth.
+
+In the order of scenario.robots; nan before the first instant.)")
+      .def_property_readonly(
+          "targets", [](const Trial& self) { return truth_array(self, true); },
+          "(M, 7): the same of the targets.")
+      .def_property_readonly(
+          "beliefs",
+          [](const Trial& self) {
+            const auto [beliefs, start] = self.alone(
+                [](tools::Trial& t) { return std::pair(t.observer().beliefs(), t.start()); });
+            py::dict out;
+            for (const auto& [robot, belief] : beliefs) {
+              out[py::str(robot)] = belief_dict(belief, start);
+            }
+            return out;
+          },
+          R"({robot: its newest belief}: time_s; ids (K,), means (K, n), covariances (K, n, n) and
+last_seen_s (K,) of the targets that it knows; grid_last_seen_utime (rows, columns), 0 for never.)")
+      .def_property_readonly(
+          "plans",
+          [](const Trial& self) {
+            const auto [robots, start] = self.alone([](tools::Trial& t) {
+              return std::pair(t.observer().metrics().robots(), t.start());
+            });
+            py::dict out;
+            for (const auto& [robot, status] : robots) {
+              if (status.plan) {
+                out[py::str(robot)] = plan_dict(*status.plan, start);
+              }
+            }
+            return out;
+          },
+          R"({robot: its newest plan}: poses (T + 1, 3) at start_s + k step_s, the start first; cost and
+lower_bound in nats; source: searched, shifted or braking; nodes, round, late.)")
+      .def_property_readonly(
+          "maps",
+          [](const Trial& self) {
+            const auto [maps, start] = self.alone(
+                [](tools::Trial& t) { return std::pair(t.observer().maps(), t.start()); });
+            py::dict out;
+            for (const auto& [robot, map] : maps) {
+              out[py::str(robot)] = map_dict(map, start);
+            }
+            return out;
+          },
+          R"({robot: its newest map}, of a scenario that maps: looks (rows, columns), scans that met
+something in a cell less scans that passed through it; entropy_nats.)")
+      .def_property_readonly(
+          "metrics",
+          [](const Trial& self) {
+            return from_json(self.alone([](tools::Trial& t) {
+              return logs::to_json(t.result().summary)
+                  .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+            }));
+          },
+          "What the trial comes to so far: the keys of `vantage trial --json`.");
+}
+
+}  // namespace vantage::python

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/pose.hpp"
+#include "models/world/world.hpp"
+
+// What both tasks tell a robot of itself and its teammates.
+
+namespace vantage::python {
+
+/// Writes an observation entry by entry, each kept in [−1, 1].
+class ObservationWriter {
+ public:
+  explicit ObservationWriter(std::span<float> out) : out_(out) {}
+  void add(double value) { out_[next_++] = static_cast<float>(std::clamp(value, -1.0, 1.0)); }
+
+ private:
+  std::span<float> out_;
+  std::size_t next_ = 0;
+};
+
+inline constexpr int kSelfEntries = 5;
+inline constexpr int kTeammateEntries = 4;
+
+/// Self: x, y about the world's middle in halves of its sides, cos and sin of the yaw, jammed (1)
+/// or not (0). Then each teammate: its place in the body frame in diagonals of the world, cos and
+/// sin of its heading from there.
+inline void add_team(ObservationWriter& out, const models::Rectangle& bounds,
+                     const std::vector<Pose2>& poses, std::size_t robot, bool is_jammed) {
+  const Eigen::Vector2d middle_m = 0.5 * (bounds.min_m + bounds.max_m);
+  const Eigen::Vector2d half_m = 0.5 * (bounds.max_m - bounds.min_m);
+  const Pose2& self = poses[robot];
+  out.add((self.x_m - middle_m.x()) / half_m.x());
+  out.add((self.y_m - middle_m.y()) / half_m.y());
+  out.add(std::cos(self.yaw_rad));
+  out.add(std::sin(self.yaw_rad));
+  out.add(is_jammed ? 1.0 : 0.0);
+  const double diagonal_m = 2.0 * half_m.norm();
+  const Pose2 body_from_world = inverse(self);
+  for (std::size_t other = 0; other < poses.size(); ++other) {
+    if (other == robot) {
+      continue;
+    }
+    const Pose2 body_from_other = body_from_world * poses[other];
+    out.add(body_from_other.x_m / diagonal_m);
+    out.add(body_from_other.y_m / diagonal_m);
+    out.add(std::cos(body_from_other.yaw_rad));
+    out.add(std::sin(body_from_other.yaw_rad));
+  }
+}
+
+}  // namespace vantage::python

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace vantage::python {
+
+/// Threads that share the indices of a loop. The calling thread works, too.
+class ParallelFor {
+ public:
+  /// @param threads  ≥ 1, the caller's among them
+  explicit ParallelFor(int threads);
+  ~ParallelFor();
+  ParallelFor(const ParallelFor&) = delete;
+  ParallelFor& operator=(const ParallelFor&) = delete;
+  ParallelFor(ParallelFor&&) = delete;
+  ParallelFor& operator=(ParallelFor&&) = delete;
+
+  /// Calls body(i) for each i < count, each once, in any order and on any of the threads; then
+  /// throws what was thrown first. Not to be called by two threads at once.
+  void run(std::size_t count, const std::function<void(std::size_t)>& body);
+
+ private:
+  void work();
+  /// Takes one index after the other until none is left. `lock` is held on entry and on return.
+  void share(std::unique_lock<std::mutex>& lock);
+
+  std::mutex mutex_;
+  std::condition_variable started_;
+  std::condition_variable ended_;
+  const std::function<void(std::size_t)>* body_ = nullptr;
+  std::size_t count_ = 0;
+  std::size_t next_ = 0;
+  std::size_t pieces_ = 1;   ///< indices taken at once
+  std::size_t working_ = 0;  ///< threads within share()
+  std::exception_ptr thrown_;
+  bool is_ending_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace vantage::python

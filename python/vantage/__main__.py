@@ -1,0 +1,33 @@
+"""python3 -m vantage: what there is, and one planning problem solved."""
+import argparse
+import sys
+
+import vantage
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(
+        prog="python3 -m vantage", description=vantage.__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Searches:\n" + "\n".join(f"  {name:8}{what}" for name, what in vantage.algorithms().items())
+        + "\n\nMore: docs/python.md, and help(vantage.Trial) and the like.")
+    parser.add_argument("problem", nargs="?", help="a planning problem (JSON) to solve; without: this help")
+    parser.add_argument("--algorithm", default="default", help="which search (default: what fits)")
+    parser.add_argument("--nodes", type=int, help="nodes of work instead of one second")
+    parser.add_argument("--version", action="version", version=f"vantage {vantage.__version__}")
+    given = parser.parse_args(arguments)
+    if given.problem is None:
+        parser.print_help()
+        return 0
+    try:
+        plan = vantage.plan(given.problem, algorithm=given.algorithm, nodes=given.nodes)
+    except (vantage.StartupError, vantage.UsageError) as error:
+        print(f"python3 -m vantage: {error}", file=sys.stderr)
+        return 2
+    print(plan)
+    print(f"lower bound {plan.lower_bound}, controls {plan.controls.tolist()}")
+    return 0 if plan.found else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

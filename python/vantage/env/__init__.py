@@ -1,0 +1,70 @@
+"""Environments for learning, on the stack's own models and filters.
+
+    make(name, **options)         gymnasium.Env: one agent moves all robots
+    make_team(name, **options)    pettingzoo.ParallelEnv: one agent a robot
+    make_vector(name, num_envs)   gymnasium.vector.VectorEnv: many at once, on several threads
+
+Neither package has to be installed. Where Gymnasium is, gymnasium.make("vantage/TargetTracking-v0")
+works too, after import vantage.env. `tasks` names the tasks and their options.
+
+Tracking: targets are double integrators in a square field; the team shares one extended Kalman filter
+for each. Reward: the negative mean entropy of the targets, nats. Options: robots, targets, side_m,
+start_side_m, q_m2ps3, step_s, prior_position_sigma_m, prior_velocity_sigma_mps, detection_probability,
+range_max_m, range_sigma_m, fov_deg, bearing_sigma_deg.
+Mapping: robots with range finders explore a world of which they know nothing. Reward: by how much the
+map's entropy fell, nats. Options: robots, world (pillars or corridors), side_m, patch_cells.
+Both: episode_steps; attacks (so many robots see nothing at a time), attack_period_steps (then others are
+chosen), attacker (greedy: those that saw most; random).
+"""
+from . import baselines
+from .single import TaskEnv
+from .team import TeamEnv
+from .vector import TaskVectorEnv
+
+tasks = {
+    "TargetTracking": ("tracking", {"robots": 1, "targets": 5}),
+    "TeamTracking": ("tracking", {"robots": 3, "targets": 8}),
+    "ResilientTracking": ("tracking", {"robots": 5, "targets": 8, "attacks": 2}),
+    "Exploration": ("mapping", {"robots": 1}),
+    "TeamMapping": ("mapping", {"robots": 3}),
+    "ResilientMapping": ("mapping", {"robots": 4, "attacks": 1}),
+}
+"""{name: (kind, options that differ from the kind's)}."""
+
+
+def _task(name, options):
+    if name not in tasks:
+        raise ValueError(f"name: must be one of {', '.join(tasks)}, got {name}")
+    kind, own = tasks[name]
+    return {"kind": kind, **own, **options}
+
+
+def make(name, **options):
+    """The task as a TaskEnv; options change its own."""
+    return TaskEnv(**_task(name, options))
+
+
+def make_team(name, **options):
+    """The task as a TeamEnv; options change its own."""
+    return TeamEnv(**_task(name, options))
+
+
+def make_vector(name, num_envs, threads=None, **options):
+    """`num_envs` of the task as a TaskVectorEnv; options change its own."""
+    return TaskVectorEnv(num_envs=num_envs, threads=threads, **_task(name, options))
+
+
+def _register():
+    try:
+        import gymnasium
+    except ImportError:
+        return
+    for name, (kind, options) in tasks.items():
+        gymnasium.register(id=f"vantage/{name}-v0", entry_point="vantage.env:TaskEnv",
+                           vector_entry_point="vantage.env:TaskVectorEnv",
+                           kwargs={"kind": kind, **options})
+
+
+_register()
+
+__all__ = ["TaskEnv", "TaskVectorEnv", "TeamEnv", "baselines", "make", "make_team", "make_vector", "tasks"]

@@ -1,0 +1,114 @@
+"""One agent that moves all robots: Gymnasium's interface."""
+import numpy
+
+from .. import _vantage
+from . import spaces
+
+try:
+    from gymnasium import Env as _Env
+except ImportError:
+    class _Env:
+        """What gymnasium.Env has, for where that is not installed."""
+        metadata = {"render_modes": []}
+        render_mode = None
+        spec = None
+
+        @property
+        def unwrapped(self):
+            return self
+
+        @property
+        def np_random(self):
+            if getattr(self, "_np_random", None) is None:
+                self._np_random = numpy.random.default_rng()
+            return self._np_random
+
+        def reset(self, *, seed=None, options=None):
+            if seed is not None:
+                self._np_random = numpy.random.default_rng(seed)
+
+        def close(self):
+            pass
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *error):
+            self.close()
+            return False
+
+
+def require_seed(seed):
+    """`seed` as a number of the library's. Raises ValueError unless it is whole and fits."""
+    if isinstance(seed, bool) or not isinstance(seed, (int, numpy.integer)) or not 0 <= seed < 2**64:
+        raise ValueError(f"seed: must be a whole number ≥ 0 and < 2**64, got {seed!r}")
+    return int(seed)
+
+
+class Parts:
+    """Where in an observation what stands: for everyone who would rather have names than indices."""
+
+    def _set_tasks(self, kind, count, threads, options):
+        self._tasks = _vantage._Tasks(kind, count, threads, options)
+        self.kind = kind
+        """tracking or mapping."""
+        self.robots = self._tasks.robots
+        """How many."""
+        self.observation_parts = {}
+        """{name: (slice, shape)} of one robot's observation."""
+        begin = 0
+        for name, shape in self._tasks.observation_parts:
+            size = int(numpy.prod(shape))
+            self.observation_parts[name] = (slice(begin, begin + size), tuple(shape))
+            begin += size
+
+    def parts(self, observation):
+        """One robot's observation as {name: array}: views, nothing is copied."""
+        return {name: observation[where].reshape(shape)
+                for name, (where, shape) in self.observation_parts.items()}
+
+    def snapshot(self, index=0):
+        """What is known in task `index` now: poses (N, 3), jammed (N,), entropy_nats, steps; of tracking
+        means (M, 4), covariances (M, 4, 4), seen (M,) and errors_m (M,) against the truth; of mapping
+        map (rows, columns), P(occupied), and map_resolution_m."""
+        return self._tasks.state(index)
+
+
+class TaskEnv(Parts, _Env):
+    """A task as gymnasium.Env: one agent chooses a control for every robot.
+
+    Observation: float32 in [−1, 1], (D,) for one robot, (N, D) for a team; observation_parts says what
+    is where. Action: Discrete for one robot, MultiDiscrete for a team. It is truncated after
+    episode_steps and never terminates. reset(seed=s) begins the same episode for the same s, to the
+    byte.
+    """
+    metadata = {"render_modes": [], "render_fps": 2}
+
+    def __init__(self, kind="tracking", render_mode=None, **options):
+        if render_mode is not None:
+            raise ValueError(f"render_mode: must be None, got {render_mode!r}; see snapshot()")
+        self._set_tasks(kind, 1, 1, options)
+        self.render_mode = None
+        self._is_over = True
+        size = self._tasks.observation_size
+        shape = (size,) if self.robots == 1 else (self.robots, size)
+        self.observation_space = spaces.Box(-1.0, 1.0, shape, numpy.float32)
+        self.action_space = (spaces.Discrete(self._tasks.actions) if self.robots == 1
+                             else spaces.MultiDiscrete([self._tasks.actions] * self.robots))
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        seed = self.np_random.integers(2**63) if seed is None else require_seed(seed)
+        observations = self._tasks.reset(numpy.array([seed], numpy.uint64))
+        self._is_over = False
+        return observations.reshape(self.observation_space.shape), {}
+
+    def step(self, action):
+        if self._is_over:
+            raise RuntimeError("reset() must come before the first step() and after an episode's last")
+        observations, rewards, over = self._tasks.step(numpy.atleast_1d(action))
+        self._is_over = bool(over[0])
+        return observations.reshape(self.observation_space.shape), float(rewards[0]), False, self._is_over, {}
+
+    def render(self):
+        return None

@@ -1,0 +1,97 @@
+"""One agent a robot: PettingZoo's parallel interface."""
+import numpy
+
+from . import spaces
+from .single import Parts, require_seed
+
+try:
+    from pettingzoo import ParallelEnv as _ParallelEnv
+except ImportError:
+    class _ParallelEnv:
+        """What pettingzoo.ParallelEnv has, for where that is not installed."""
+        metadata = {"render_modes": []}
+
+        @property
+        def num_agents(self):
+            return len(self.agents)
+
+        @property
+        def max_num_agents(self):
+            return len(self.possible_agents)
+
+        @property
+        def unwrapped(self):
+            return self
+
+        def close(self):
+            pass
+
+
+class TeamEnv(Parts, _ParallelEnv):
+    """A task as pettingzoo.ParallelEnv: agents robot_0, robot_1, …, all rewarded alike.
+
+    Each observes float32 (D,) in [−1, 1] (observation_parts says what is where) and acts by a
+    Discrete. All are truncated together after episode_steps. reset(seed=s) begins the same episode for
+    the same s, to the byte.
+    """
+    metadata = {"render_modes": [], "name": "vantage_v0", "is_parallelizable": True}
+
+    def __init__(self, kind="tracking", render_mode=None, **options):
+        if render_mode is not None:
+            raise ValueError(f"render_mode: must be None, got {render_mode!r}; see snapshot()")
+        self._set_tasks(kind, 1, 1, options)
+        self.render_mode = None
+        self.possible_agents = [f"robot_{i}" for i in range(self.robots)]
+        self.agents = []
+        # The same object at every asking, as the interface demands: its seed is part of it.
+        self.observation_spaces = {
+            agent: spaces.Box(-1.0, 1.0, (self._tasks.observation_size,), numpy.float32)
+            for agent in self.possible_agents}
+        self.action_spaces = {agent: spaces.Discrete(self._tasks.actions) for agent in self.possible_agents}
+        self._random = numpy.random.default_rng()
+        self._observations = None
+
+    def observation_space(self, agent):
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent):
+        return self.action_spaces[agent]
+
+    def reset(self, seed=None, options=None):
+        if seed is not None:
+            seed = require_seed(seed)
+            self._random = numpy.random.default_rng(seed)
+        else:
+            seed = self._random.integers(2**63)
+        self.agents = self.possible_agents[:]
+        self._observations = self._tasks.reset(numpy.array([seed], numpy.uint64))[0]
+        return self._by_agent(self._observations), {agent: {} for agent in self.agents}
+
+    def step(self, actions):
+        """Actions of all agents by name; those of others are ignored, as PettingZoo's own tests demand."""
+        if not self.agents:
+            raise RuntimeError("reset() must come before the first step() and after an episode's last")
+        try:
+            chosen = numpy.array([actions[agent] for agent in self.agents], numpy.int64)
+        except KeyError as missing:
+            raise ValueError(f"actions: none of {missing.args[0]}") from None
+        observations, rewards, over = self._tasks.step(chosen)
+        self._observations = observations[0]
+        agents = self.agents
+        reward, is_over = float(rewards[0]), bool(over[0])
+        answer = (self._by_agent(self._observations), dict.fromkeys(agents, reward),
+                  dict.fromkeys(agents, False), dict.fromkeys(agents, is_over),
+                  {agent: {} for agent in agents})
+        if is_over:
+            self.agents = []
+        return answer
+
+    def state(self):
+        """All that the robots observe, (N · D,): of a critic that sees everything."""
+        return self._observations.reshape(-1).copy()
+
+    def render(self):
+        return None
+
+    def _by_agent(self, observations):
+        return dict(zip(self.possible_agents, observations))

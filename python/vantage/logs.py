@@ -1,0 +1,106 @@
+"""LCM event logs as columns of numbers."""
+import collections
+import collections.abc
+
+import numpy
+
+from . import _vantage
+
+__all__ = ["Columns", "Log"]
+
+
+class Columns(collections.abc.Mapping):
+    """The messages of one channel: a numpy array for each field of its .lcm file.
+
+    A scalar field is (n,), one of constant size (n, k), for n messages; text is dtype object. Whole
+    numbers are int64, floats float64, whatever their width in the message.
+
+    What lies in a list of changing length is laid end to end: columns["segments.duration_s"] holds
+    the segments of all messages, and those of message i are
+    offsets["segments"][i]:offsets["segments"][i + 1]. Lists in lists count in the rows of the outer
+    one. Two-dimensional lists are row-major.
+    """
+
+    def __init__(self, channel, read):
+        self._values, self.offsets, self._lists, self.log_utime, self.type, self.refused = read
+        self.channel = channel
+        """The channel's name."""
+
+    def __getitem__(self, field):
+        try:
+            return self._values[field]
+        except KeyError:
+            raise KeyError(f"{self.channel}: no field {field}; known are {', '.join(self._values)}") from None
+
+    def __iter__(self):
+        return iter(self._values)
+
+    def __len__(self):
+        """How many fields; len(columns.log_utime) is how many messages."""
+        return len(self._values)
+
+    def row(self, field):
+        """For each value of a field in a list: the index of the element, or message, that holds it."""
+        name = self._lists[field]
+        if name is None:
+            return numpy.arange(len(self[field]))
+        return numpy.repeat(numpy.arange(len(self.offsets[name]) - 1), numpy.diff(self.offsets[name]))
+
+    def split(self, field):
+        """The values of a field in a list, an array for each message or outer element."""
+        name = self._lists[field]
+        return numpy.split(self[field], [] if name is None else self.offsets[name][1:-1])
+
+    def __repr__(self):
+        return f"<vantage.logs.Columns {self.channel}: {len(self.log_utime)} {self.type}, {len(self)} fields>"
+
+
+Channel = collections.namedtuple("Channel", "type messages first_utime last_utime")
+
+
+class Log:
+    """An LCM event log, damaged ones too: what is left of it is what there is.
+
+    log["PLAN_Q1"] reads a channel; read() a part of one. log.channels says which there are.
+    Raises StartupError when the file cannot be read.
+    """
+
+    def __init__(self, path):
+        self._log = _vantage._Log(path)
+        self.channels = {name: Channel(**entry) for name, entry in self._log.channels().items()}
+        """{name: (type, messages, first_utime, last_utime)}; type None: not one of vantage's."""
+
+    @property
+    def path(self):
+        return self._log.path
+
+    @property
+    def start_utime(self):
+        """When the first message was logged, µs since the Unix epoch."""
+        return min((each.first_utime for each in self.channels.values()), default=0)
+
+    @property
+    def damaged_bytes(self):
+        """Bytes that belong to no event."""
+        return self._log.damaged_bytes()
+
+    def read(self, channel, from_s=None, to_s=None):
+        """Columns of the messages logged in [from_s, to_s) since the log's start; None: no limit."""
+        def utime(since_s):
+            return None if since_s is None else self.start_utime + round(1e6 * since_s)
+        return Columns(channel, self._log.read(channel, utime(from_s), utime(to_s)))
+
+    def __getitem__(self, channel):
+        return self.read(channel)
+
+    def __iter__(self):
+        return iter(self.channels)
+
+    def __contains__(self, channel):
+        return channel in self.channels
+
+    def __len__(self):
+        return len(self.channels)
+
+    def __repr__(self):
+        return f"<vantage.Log {self.path}: {len(self.channels)} channels>"

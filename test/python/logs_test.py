@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""A log's columns say what `vantage log export` says."""
+import csv
+import lzma
+import os
+import pathlib
+import tempfile
+import unittest
+
+import numpy
+import vantage
+from here import SOURCE, command
+
+
+class Log(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = os.path.join(cls.folder.name, "flight.lcmlog")
+        pathlib.Path(cls.path).write_bytes(lzma.decompress((SOURCE / "logs/sample/lab_60s.lcmlog.xz").read_bytes()))
+        cls.log = vantage.Log(cls.path)
+        cls.tables = os.path.join(cls.folder.name, "csv")
+        command("log", "export", cls.path, "--to", "csv", "--out", cls.tables)
+
+    @classmethod
+    def tearDownClass(cls):
+        del cls.log
+        cls.folder.cleanup()
+
+    def test_has_the_channels_of_the_command(self):
+        said, _ = command("log", "info", self.path)
+        self.assertIn("PLAN_Q1", self.log)
+        for name, channel in self.log.channels.items():
+            self.assertIn(name, said)
+            self.assertEqual(len(self.log[name].log_utime), channel.messages)
+            self.assertEqual(self.log[name].refused, 0)
+
+    def test_has_the_values_of_the_tables(self):
+        compared = 0
+        for name in self.log:
+            with open(os.path.join(self.tables, f"{name}.csv"), newline="", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            columns = self.log[name]
+            for field in columns:
+                if columns._lists[field] is not None and field not in (rows[0] if rows else {}):
+                    continue  # a list that the table has in one cell
+                values = columns[field]
+                names = [field] if values.ndim == 1 else [f"{field}_{i}" for i in range(values.shape[1])]
+                if values.ndim > 2 or names[0] not in rows[0] or (
+                        columns._lists[field] is not None and "." not in field):
+                    continue
+                for i, column in enumerate(names):
+                    self.check(columns, field, values if values.ndim == 1 else values[:, i], rows, column)
+                    compared += 1
+        self.assertGreater(compared, 200)
+
+    def check(self, columns, field, values, rows, column):
+        if columns._lists[field] is None:
+            # A message with elements is repeated for each: the first row of each is enough.
+            first, last = [], None
+            for row in rows:
+                key = (row["log_utime"], row.get("sequence"), row.get("run_id"))
+                if key != last:
+                    first.append(row)
+                last = key
+            rows = first
+        else:
+            rows = [row for row in rows if row[column] != "" or values.dtype == object]
+            rows = rows if values.dtype == object else rows
+            values = values[numpy.isfinite(values)] if values.dtype == float else values
+            if values.dtype == object:
+                rows = [row for row in rows if row[column] != ""]
+                values = [value for value in values if value != ""]
+        self.assertEqual(len(rows), len(values), (columns.channel, column))
+        for row, value in zip(rows, values):
+            text = row[column]
+            if isinstance(value, (bool, numpy.bool_)):
+                self.assertEqual(text, "true" if value else "false")
+            elif isinstance(value, str):
+                self.assertEqual(text, value)
+            elif text == "":
+                self.assertFalse(numpy.isfinite(value))
+            else:
+                self.assertEqual(float(text), float(value), (columns.channel, column))
+
+    def test_lays_lists_end_to_end(self):
+        plans = self.log["PLAN_Q1"]
+        counts = numpy.diff(plans.offsets["segments"])
+        self.assertEqual(len(counts), len(plans.log_utime))
+        self.assertEqual(counts.sum(), len(plans["segments.duration_s"]))
+        self.assertEqual(len(plans.split("segments.duration_s")), len(plans.log_utime))
+        self.assertEqual(plans.row("segments.duration_s").tolist(), numpy.repeat(range(len(counts)), counts).tolist())
+        self.assertEqual(plans["cost"].dtype, float)
+        with self.assertRaisesRegex(KeyError, "no field costs; known are .*cost"):
+            plans["costs"]
+
+    def test_reads_a_part(self):
+        whole, part = self.log["TRUTH"], self.log.read("TRUTH", from_s=20, to_s=30)
+        since_s = 1e-6 * (whole.log_utime - self.log.start_utime)
+        inside = (since_s >= 20) & (since_s < 30)
+        self.assertEqual(part.log_utime.tolist(), whole.log_utime[inside].tolist())
+        self.assertGreater(len(part.log_utime), 100)
+
+    def test_of_a_torn_file_is_what_is_left(self):
+        torn = os.path.join(self.folder.name, "torn.lcmlog")
+        data = pathlib.Path(self.path).read_bytes()
+        pathlib.Path(torn).write_bytes(data[:len(data) // 3] + b"junk" * 50 + data[len(data) // 3:-7])
+        log = vantage.Log(torn)
+        self.assertGreater(log.damaged_bytes, 0)
+        self.assertEqual(self.log.damaged_bytes, 0)
+        lost = sum(each.messages for each in self.log.channels.values()) - sum(
+            each.messages for each in log.channels.values())
+        self.assertIn(lost, (1, 2))
+
+    def test_refuses_what_is_none(self):
+        with self.assertRaisesRegex(vantage.StartupError, "nowhere.lcmlog"):
+            vantage.Log("nowhere.lcmlog")
+        with self.assertRaisesRegex(KeyError, "no channel NOPE"):
+            self.log["NOPE"]
+
+
+if __name__ == "__main__":
+    unittest.main()
