@@ -5,13 +5,14 @@
   plan   what a call of Planner.plan() takes besides the search
   trial  a trial stepped from Python beside `vantage trial`, one after the other, again and again
 
-Set PYTHONPATH to the module's folder (build/release/python). Medians of several pieces of the same work;
-on a machine that does something else they say little.
+Set PYTHONPATH to the module's folder (build/release/python). Medians of several pieces of the same
+work, by CPU time where not said otherwise, since on a busy machine the clock says little.
 """
 import argparse
 import json
 import os
 import pathlib
+import resource
 import statistics
 import subprocess
 import sys
@@ -27,16 +28,17 @@ import numpy_tasks  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def rate(run, seconds, pieces=5):
+def rate(run, seconds, clock=time.process_time, pieces=5):
     """Median over pieces of the steps a second; run(n) does about n steps and says how many."""
-    done, begin = run(20), time.perf_counter()
+    run(20)
+    begin = clock()
     done = run(20)
-    steps = max(20, int(done * seconds / pieces / (time.perf_counter() - begin)))
+    steps = max(20, int(done * seconds / pieces / (clock() - begin)))
     rates = []
     for _ in range(pieces):
-        begin = time.perf_counter()
+        begin = clock()
         done = run(steps)
-        rates.append(done / (time.perf_counter() - begin))
+        rates.append(done / (clock() - begin))
     return statistics.median(rates)
 
 
@@ -87,48 +89,49 @@ def plain(name):
 
 def compare_env(seconds):
     threads = len(os.sched_getaffinity(0))
-    print(f"| task | numpy, steps/s | one, steps/s | × | 256 on {threads} threads, steps/s | × |")
-    print("|---|---|---|---|---|---|")
+    print(f"Steps a second of CPU time, one thread; last by the clock, on {threads} threads:")
+    print(f"| task | numpy | one environment | × | 256 together | × | 256 on {threads} threads |")
+    print("|---|---|---|---|---|---|---|")
     for name in vantage.env.tasks:
-        # One after the other within a second or so: what else the machine does meets all alike.
-        slow = rate(plain(name), seconds)
-        one = rate(single(name), seconds)
-        fast = rate(many(name, 256, threads), seconds)
-        print(f"| {name} | {slow:,.0f} | {one:,.0f} | {one / slow:.0f} | {fast:,.0f} | {fast / slow:.0f} |",
-              flush=True)
+        # One after the other within some seconds: what else the machine does meets all alike.
+        slow, one, together = (rate(run, seconds) for run in (plain(name), single(name), many(name, 256, 1)))
+        clocked = rate(many(name, 256, threads), seconds, time.perf_counter)
+        print(f"| {name} | {slow:,.0f} | {one:,.0f} | {one / slow:.0f} | {together:,.0f} | {together / slow:.0f} "
+              f"| {clocked:,.0f} |", flush=True)
 
 
 def compare_plan():
-    print("| problem | nodes | call, µs | search, µs | besides, µs (median of 500) |")
+    print("CPU time, median of 500:")
+    print("| problem | nodes | call, µs | search, µs | besides, µs |")
     print("|---|---|---|---|---|")
     for file in ("tracking.json", "mapping.json"):
         problem = vantage.Problem(ROOT / "test/tools/problems" / file)
-        for nodes in (100, 20_000):
+        for nodes in (100, 2_000):
             planner = vantage.Planner("beam", nodes=nodes)
             planner.plan(problem)
             calls = []
             for _ in range(500):
-                begin = time.perf_counter()
+                begin = time.thread_time()
                 plan = planner.plan(problem)
-                controls = plan.controls
-                cost = plan.cost
-                calls.append((time.perf_counter() - begin, plan.elapsed_s))
-                del controls, cost
+                controls, states, cost = plan.controls, plan.states, plan.cost
+                calls.append((time.thread_time() - begin, plan.cpu_s))
+                del controls, states, cost
             call, search = (1e6 * statistics.median(each) for each in zip(*calls))
             besides = 1e6 * statistics.median(a - b for a, b in calls)
             print(f"| {file} | {nodes} | {call:.1f} | {search:.1f} | {besides:.1f} |", flush=True)
 
 
 def compare_trial(binary, scenario, pairs, duration_s):
-    """CPU time, which on a busy machine says more than the clock."""
     shares = []
+    print("| `vantage trial`, CPU time | from Python, CPU time | speed |")
+    print("|---|---|---|")
     changed = vantage.Scenario(scenario).replace(duration_s=duration_s)
     for _ in range(pairs):
-        before = os.times()
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run([binary, "trial", scenario, "--duration-s", str(duration_s), "--json"], check=True,
                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        after = os.times()
-        command_s = after.children_user + after.children_system - before.children_user - before.children_system
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        command_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         begin = time.process_time()
         trial = vantage.Trial(changed)
         while not trial.is_over:
@@ -148,7 +151,7 @@ def main():
     parser.add_argument("--vantage", default=str(ROOT / "build/release/bin/vantage"))
     parser.add_argument("--scenario", default=str(ROOT / "config/lab.yaml"))
     parser.add_argument("--pairs", type=int, default=5)
-    parser.add_argument("--duration-s", type=float, default=20.0)
+    parser.add_argument("--duration-s", type=float, default=60.0)
     given = parser.parse_args()
     if "env" in given.what:
         compare_env(given.seconds)

@@ -122,11 +122,8 @@ void TrackingTask::look() {
   targets_->look(spec_.sensor, poses_, jammed());
   const std::vector<models::Gaussian>& beliefs = targets_->beliefs();
   target_entropy_nats_.resize(beliefs.size());
-  is_seen_.resize(beliefs.size());
-  const std::vector<tools::TargetStep> steps = targets_->steps();
   for (std::size_t m = 0; m < beliefs.size(); ++m) {
     target_entropy_nats_[m] = models::entropy_nats(beliefs[m]);
-    is_seen_[m] = steps[m].is_seen ? 1 : 0;
     for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
       if (models::in_view(spec_.sensor, {poses_[robot], 0.0}, beliefs[m].mean.head(2))) {
         seen()[robot] += 1.0;
@@ -157,7 +154,7 @@ void TrackingTask::observe(int robot, std::span<float> out) const {
     writer.add(velocity_mps.x() / kSpeedUnit_mps);
     writer.add(velocity_mps.y() / kSpeedUnit_mps);
     writer.add(target_entropy_nats_[m] / kEntropyUnit_nats);
-    writer.add(is_seen_[m] != 0 ? 1.0 : 0.0);
+    writer.add(targets_->is_seen()[m] != 0 ? 1.0 : 0.0);
   }
 }
 

@@ -72,7 +72,6 @@ class TrackingTask final : public TeamTask {
   std::vector<Pose2> poses_;
   std::optional<tools::TrackedTargets> targets_;
   std::vector<double> target_entropy_nats_;
-  std::vector<char> is_seen_;
 };
 
 }  // namespace vantage::python

@@ -51,6 +51,31 @@ TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {
   EXPECT_TRUE(logs[0] == logs[1]);  // run ids, sequences and times included
 }
 
+TEST(Trial, IsTheSameInPiecesOfAnyLength) {
+  const models::Scenario scenario = short_lab(6);
+  const std::string path = ::testing::TempDir() + "vantage_trial_pieces.lcmlog";
+  std::string logs[2];
+  std::string summaries[2];
+  for (const bool is_whole : {true, false}) {
+    {
+      Trial trial(scenario, trial_recipes(scenario), path);
+      std::int64_t piece_us = is_whole ? 60'000'000 : 1'000;
+      while (trial.time() < trial.planned_end()) {
+        trial.advance_to(trial.time() + Duration{piece_us});
+        piece_us = 1 + piece_us * 7 / 3 % 1'000'003;
+        static_cast<void>(trial.result());  // asking changes nothing
+      }
+      EXPECT_EQ(trial.time(), trial.planned_end());
+      summaries[is_whole ? 0 : 1] = logs::to_json(trial.result().summary).dump();
+    }
+    std::ifstream file(path, std::ios::binary);
+    logs[is_whole ? 0 : 1].assign(std::istreambuf_iterator<char>(file), {});
+  }
+  EXPECT_GT(logs[0].size(), 100'000U);
+  EXPECT_TRUE(logs[0] == logs[1]);
+  EXPECT_EQ(summaries[0], summaries[1]);
+}
+
 TEST(RunTrial, PlansEveryRoundOfEveryRobotAndLosesNothing) {
   const models::Scenario scenario = short_lab(1);
   const TrialResult result = run_trial(scenario, trial_recipes(scenario));

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Cholesky>
-
 #include "estimator/confinement.hpp"
 #include "estimator/missed_detection.hpp"
 #include "estimator/track.hpp"
@@ -13,11 +11,10 @@
 namespace vantage::tools {
 namespace {
 
-// Gaussian noise with the covariance `W`, which may be singular.
-models::StateVector draw(const models::StateMatrix& W, std::mt19937_64& rng) {
+// Gaussian noise with the covariance that `root` is of, which may be singular.
+models::StateVector draw(const Eigen::LDLT<models::StateMatrix>& root, std::mt19937_64& rng) {
   std::normal_distribution<double> normal;
-  const Eigen::LDLT<models::StateMatrix> root(W);
-  models::StateVector white(W.rows());
+  models::StateVector white(root.rows());
   for (Eigen::Index i = 0; i < white.size(); ++i) {
     white(i) = normal(rng);
   }
@@ -46,26 +43,28 @@ TrackedTargets::TrackedTargets(const TargetSetting& setting, const models::World
       noise_rng_(~seed),
       model_{models::TargetKind::kDoubleIntegrator, 2, setting.q_m2ps3},
       A_(model_.transition(setting.step_s)),
-      W_(model_.process_noise(setting.step_s)) {
+      W_(model_.process_noise(setting.step_s)),
+      root_of_W_(W_) {
   std::uniform_real_distribution<double> off_m(-0.5 * setting.start_side_m,
                                                0.5 * setting.start_side_m);
   const Eigen::Vector2d middle_m = 0.5 * (world.bounds.min_m + world.bounds.max_m);
   models::StateMatrix prior = models::StateMatrix::Zero(4, 4);
   prior.diagonal().head(2).setConstant(std::pow(setting.prior_position_sigma_m, 2));
   prior.diagonal().tail(2).setConstant(std::pow(setting.prior_velocity_sigma_mps, 2));
+  const Eigen::LDLT<models::StateMatrix> root_of_prior(prior);
   for (int m = 0; m < setting.count; ++m) {
     models::StateVector state = models::StateVector::Zero(4);
     state(0) = middle_m.x() + off_m(truth_rng_);
     state(1) = middle_m.y() + off_m(truth_rng_);
     truth_.push_back(state);
-    beliefs_.push_back({state + draw(prior, truth_rng_), prior});
+    beliefs_.push_back({state + draw(root_of_prior, truth_rng_), prior});
   }
   is_seen_.assign(truth_.size(), 0);
 }
 
 void TrackedTargets::move() {
   for (models::StateVector& state : truth_) {
-    state = A_ * state + draw(W_, truth_rng_);
+    state = A_ * state + draw(root_of_W_, truth_rng_);
     reflect(state, world_->bounds);
   }
   for (models::Gaussian& belief : beliefs_) {

@@ -4,6 +4,8 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Cholesky>
+
 #include "core/pose.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
@@ -52,6 +54,8 @@ class TrackedTargets {
 
   [[nodiscard]] const models::TargetModel& model() const { return model_; }
   [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return beliefs_; }
+  /// Not 0 of those that a robot saw in the last look, by target.
+  [[nodiscard]] const std::vector<char>& is_seen() const { return is_seen_; }
   /// As they are now, in the order of the targets.
   [[nodiscard]] std::vector<TargetStep> steps() const;
 
@@ -63,6 +67,7 @@ class TrackedTargets {
   models::TargetModel model_;
   models::StateMatrix A_;
   models::StateMatrix W_;
+  Eigen::LDLT<models::StateMatrix> root_of_W_;
   std::vector<models::StateVector> truth_;
   std::vector<models::Gaussian> beliefs_;
   std::vector<char> is_seen_;

@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""The code in docs/python.md runs as it stands, from top to bottom."""
+import contextlib
+import io
+import lzma
+import os
+import pathlib
+import re
+import tempfile
+import unittest
+
+from here import SOURCE
+
+PAGE = SOURCE / "docs/python.md"
+
+
+class Page(unittest.TestCase):
+    def test_runs(self):
+        text = PAGE.read_text()
+        blocks = list(re.finditer(r"^```python\n(.*?)^```$", text, re.M | re.S))
+        self.assertGreater(len(blocks), 4)
+        names = {}
+        here = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            os.symlink(SOURCE / "config", os.path.join(folder, "config"))
+            pathlib.Path(folder, "flight.lcmlog").write_bytes(
+                lzma.decompress((SOURCE / "logs/sample/lab_60s.lcmlog.xz").read_bytes()))
+            os.chdir(folder)
+            try:
+                for block in blocks:
+                    # Lines are counted as in the page, so that a traceback points into it.
+                    code = "\n" * text[:block.start(1)].count("\n") + block[1]
+                    with contextlib.redirect_stdout(io.StringIO()) as said:
+                        exec(compile(code, PAGE, "exec"), names)
+                    self.assertNotIn("nan", said.getvalue())
+            finally:
+                os.chdir(here)
+
+
+if __name__ == "__main__":
+    unittest.main()
