@@ -8,25 +8,21 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "logs/look/look.hpp"
+
 namespace vantage::logs::foxglove {
 namespace {
 
-// Of a lightness that shows on white and on black.
-constexpr Colour kWall{0.50, 0.53, 0.58, 1.0};
-constexpr Colour kObstacle{0.55, 0.57, 0.62, 0.85};
-constexpr Colour kRegion{0.72, 0.55, 0.20, 0.25};
-constexpr Colour of_bytes(int rgb) {
-  return {(rgb >> 16) / 255.0, (rgb >> 8 & 0xFF) / 255.0, (rgb & 0xFF) / 255.0, 1.0};
+// What the ground is that a viewer draws on is not known here: colours are those between.
+Colour of_paint(const Paint& paint, double alpha = 1.0) {
+  const std::uint32_t rgb = paint.middle();
+  return {(rgb >> 16U) / 255.0, (rgb >> 8U & 0xFFU) / 255.0, (rgb & 0xFFU) / 255.0, alpha};
 }
-// The first four mean nothing else below; a fifth robot's resembles what is late, and so on.
-constexpr Colour kRobots[] = {of_bytes(0x2F7FE0), of_bytes(0x8A7F2C), of_bytes(0x1D9BA8),
-                              of_bytes(0x7A6FF0), of_bytes(0xD9822B), of_bytes(0xB455C9),
-                              of_bytes(0x2F9E5B), of_bytes(0xC94040)};
-constexpr Colour kJammed{0.88, 0.16, 0.16, 1.0};
-constexpr Colour kTarget{0.16, 0.60, 0.33, 1.0};
-constexpr Colour kEstimate{0.66, 0.34, 0.78, 1.0};
-constexpr Colour kLate{0.95, 0.50, 0.08, 1.0};
-constexpr Colour kFallback{0.55, 0.55, 0.55, 1.0};
+
+Colour of_role(const char* role, double alpha = 1.0) {
+  return of_paint(look().roles.at(role), alpha);
+}
+
 constexpr double kLabel_px = 13.0;
 constexpr int kFanPieces = 32;
 constexpr double kPlanPiece_s = 0.1;
@@ -82,10 +78,18 @@ std::vector<Eigen::Vector3d> points_of(const models::Trajectory& way, double ste
   return points;
 }
 
-Json robot_entity(const models::RobotSpec& robot, const Colour& colour, bool is_jammed, Time time) {
+Json robot_entity(const models::RobotSpec& robot, const Colour& colour, bool is_jammed,
+                  std::size_t index, Time time) {
   const double radius_m = robot.limits.radius_m;
   Json out = entity("robot/" + robot.name, robot.name, time, true);
   out["cylinders"].push_back(cylinder({}, {2.0 * radius_m, 2.0 * radius_m, 0.08}, colour));
+  const RobotLook looks = robot_look(index);
+  if (is_jammed || looks.core != looks.body) {
+    // Red alone would not say which of them it is.
+    const Colour core = of_paint(is_jammed ? looks.body_paint() : looks.core_paint());
+    out["cylinders"].push_back(
+        cylinder({{0, 0, 0.03}, Eigen::Quaterniond::Identity()}, {radius_m, radius_m, 0.08}, core));
+  }
   out["triangles"].push_back(triangles({{1.7 * radius_m, 0, 0.05},
                                         {0.8 * radius_m, 0.6 * radius_m, 0.05},
                                         {0.8 * radius_m, -0.6 * radius_m, 0.05}},
@@ -93,7 +97,8 @@ Json robot_entity(const models::RobotSpec& robot, const Colour& colour, bool is_
   const Eigen::Vector3d foot(0, 0, -robot.height_m);
   out["lines"].push_back(
       line(LineType::kList, {Eigen::Vector3d::Zero(), foot}, 1.0, fade(colour, 0.5)));
-  out["texts"].push_back(label(robot.name, {0, 0, 0.25}, kLabel_px, colour));
+  out["texts"].push_back(
+      label(is_jammed ? robot.name + " jammed" : robot.name, {0, 0, 0.25}, kLabel_px, colour));
   out["metadata"].push_back(
       metadata("sensor_range_m", fmt::format("{:g}", robot.sensor.range_max_m)));
   out["metadata"].push_back(metadata("jammed", is_jammed ? "yes" : "no"));
@@ -125,16 +130,15 @@ std::size_t index_of(const models::Scenario& scenario, const std::string& robot)
       scenario.robots.begin());
 }
 
-Colour colour_by_index(std::size_t index) { return kRobots[index % std::size(kRobots)]; }
-
-// make(robot, colour, is_jammed) of each.
+// make(robot, colour, is_jammed, index) of each.
 Json robots_as(const models::Scenario& scenario, const std::set<std::string>& jammed,
                const auto& make) {
   std::vector<Json> entities;
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     const bool is_jammed = jammed.contains(scenario.robots[i].name);
-    entities.push_back(
-        make(scenario.robots[i], is_jammed ? kJammed : colour_by_index(i), is_jammed));
+    entities.push_back(make(scenario.robots[i],
+                            is_jammed ? of_role("jammed") : of_paint(robot_look(i).body_paint()),
+                            is_jammed, i));
   }
   return scene_update(std::move(entities));
 }
@@ -143,49 +147,56 @@ Json robots_as(const models::Scenario& scenario, const std::set<std::string>& ja
 
 std::optional<Colour> robot_colour(const models::Scenario& scenario, const std::string& robot) {
   const std::size_t index = index_of(scenario, robot);
-  return index < scenario.robots.size() ? std::optional(colour_by_index(index)) : std::nullopt;
+  return index < scenario.robots.size() ? std::optional(of_paint(robot_look(index).body_paint()))
+                                        : std::nullopt;
 }
 
 Json world_scene(const models::World& world, Time time) {
   Json bounds = entity("world/bounds", kWorldFrame, time, false);
-  bounds["lines"].push_back(line(LineType::kLoop, corners(world.bounds, 0.0), 2.0, kWall));
   bounds["lines"].push_back(
-      line(LineType::kLoop, corners(world.bounds, world.ceiling_m), 1.0, fade(kWall, 0.35)));
+      line(LineType::kLoop, corners(world.bounds, 0.0), 2.0, of_role("wall")));
+  bounds["lines"].push_back(
+      line(LineType::kLoop, corners(world.bounds, world.ceiling_m), 1.0, of_role("wall", 0.35)));
   std::vector<Json> entities{std::move(bounds)};
   for (std::size_t i = 0; i < world.obstacles.size(); ++i) {
     const models::Obstacle& obstacle = world.obstacles[i];
     entities.push_back(entity(fmt::format("obstacle:{}", i), kWorldFrame, time, false));
     entities.back()["cubes"].push_back(
-        box_on_ground(obstacle.footprint, obstacle.height_m, kObstacle));
+        box_on_ground(obstacle.footprint, obstacle.height_m, of_role("obstacle", 0.85)));
   }
   for (const models::Region& region : world.regions) {
     entities.push_back(entity("region/" + region.name, kWorldFrame, time, false));
-    entities.back()["cubes"].push_back(box_on_ground(region.footprint, 0.01, kRegion));
+    entities.back()["cubes"].push_back(
+        box_on_ground(region.footprint, 0.01, of_role("region", 0.25)));
   }
   return scene_update(std::move(entities));
 }
 
 Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed,
                   Time time) {
-  return robots_as(scenario, jammed, [&](const auto& robot, const Colour& colour, bool is_jammed) {
-    return robot_entity(robot, colour, is_jammed, time);
-  });
+  return robots_as(scenario, jammed,
+                   [&](const auto& robot, const Colour& colour, bool is_jammed, std::size_t index) {
+                     return robot_entity(robot, colour, is_jammed, index, time);
+                   });
 }
 
 Json views_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time) {
-  return robots_as(scenario, jammed, [&](const auto& robot, const Colour& colour, bool is_jammed) {
-    return view_entity(robot, colour, is_jammed, time);
-  });
+  return robots_as(
+      scenario, jammed,
+      [&](const auto& robot, const Colour& colour, bool is_jammed, std::size_t /*index*/) {
+        return view_entity(robot, colour, is_jammed, time);
+      });
 }
 
 Json targets_scene(const models::Scenario& scenario, Time time) {
   std::vector<Json> entities;
   for (const models::TargetSpec& target : scenario.targets) {
     Json out = entity("target/" + target.name, target.name, time, true);
-    const double diameter_m = 2.0 * target.radius_m;
-    out["cylinders"].push_back(
-        cylinder({{0, 0, 0.05}, Quaternion::Identity()}, {diameter_m, diameter_m, 0.1}, kTarget));
-    out["texts"].push_back(label(target.name, {0, 0, 0.3}, kLabel_px, kTarget));
+    // From above a diamond with its corners on the target's circle, one of them ahead.
+    const double side_m = std::sqrt(2.0) * target.radius_m;
+    const Quaternion turned(Eigen::AngleAxisd(0.25 * kPi, Eigen::Vector3d::UnitZ()));
+    out["cubes"].push_back(cube({{0, 0, 0.05}, turned}, {side_m, side_m, 0.1}, of_role("truth")));
+    out["texts"].push_back(label(target.name, {0, 0, 0.3}, kLabel_px, of_role("truth")));
     out["metadata"].push_back(metadata("target_id", std::to_string(target.id)));
     entities.push_back(std::move(out));
   }
@@ -195,7 +206,9 @@ Json targets_scene(const models::Scenario& scenario, Time time) {
 Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_robot) {
   const std::vector<Eigen::Vector3d> points = points_of(plan.trajectory, kPlanPiece_s);
   const bool is_searched = plan.source == models::PlanSource::kSearched;
-  const Colour colour = plan.late ? kLate : is_searched ? of_robot.value_or(kRobots[0]) : kFallback;
+  const Colour colour = plan.late      ? of_role("late")
+                        : !is_searched ? of_role("fallback")
+                                       : of_robot.value_or(of_paint(robot_look(0).body_paint()));
   Json out = entity("plan/" + plan.robot, kWorldFrame, plan.stamp.time, false);
   out["lines"].push_back(line(LineType::kStrip, points, 2.5, colour));
   out["spheres"].push_back(
@@ -220,7 +233,7 @@ Json proposal_scene(const models::TeamProposal& proposal, const models::Scenario
     }
     if (!dashes.empty()) {
       out["lines"].push_back(
-          line(LineType::kList, dashes, 1.5, fade(colour_by_index(proposer), 0.9)));
+          line(LineType::kList, dashes, 1.5, of_paint(robot_look(proposer).body_paint(), 0.9)));
     }
     moved.push_back(choice.robot);
   }
@@ -240,8 +253,9 @@ std::vector<Eigen::Vector3d> ellipse(const PositionEstimate& estimate, int count
   for (int i = 0; i < count; ++i) {
     const double angle_rad = 2.0 * kPi * i / count;
     const Eigen::Vector2d unit(std::cos(angle_rad), std::sin(angle_rad));
-    const Eigen::Vector2d p = estimate.mean_m.head<2>() +
-                              kEllipseRadius * (axes.eigenvectors() * sigma.cwiseProduct(unit));
+    const Eigen::Vector2d p =
+        estimate.mean_m.head<2>() +
+        look().ellipse_radius() * (axes.eigenvectors() * sigma.cwiseProduct(unit));
     points.emplace_back(p.x(), p.y(), z_m);
   }
   return points;
@@ -249,6 +263,7 @@ std::vector<Eigen::Vector3d> ellipse(const PositionEstimate& estimate, int count
 
 Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>& estimates,
                      const std::vector<std::string>& gone, Time time) {
+  const Colour estimate_colour = of_role("estimate");
   std::vector<Json> entities;
   for (const EstimateView& view : estimates) {
     const PositionEstimate& estimate = view.estimate;
@@ -260,16 +275,16 @@ Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>&
     }
     const double x_m = estimate.mean_m(0);
     const double y_m = estimate.mean_m(1);
-    out["lines"].push_back(line(LineType::kLoop, edge, 2.0, kEstimate));
+    out["lines"].push_back(line(LineType::kLoop, edge, 2.0, estimate_colour));
     constexpr double kCross_m = 0.1;
     out["lines"].push_back(line(LineType::kList,
                                 {{x_m - kCross_m, y_m, z_m},
                                  {x_m + kCross_m, y_m, z_m},
                                  {x_m, y_m - kCross_m, z_m},
                                  {x_m, y_m + kCross_m, z_m}},
-                                2.0, kEstimate));
+                                2.0, estimate_colour));
     constexpr double kSmall_px = 11.0;
-    out["texts"].push_back(label(view.name, {x_m, y_m, z_m}, kSmall_px, kEstimate));
+    out["texts"].push_back(label(view.name, {x_m, y_m, z_m}, kSmall_px, estimate_colour));
     out["metadata"].push_back(metadata("target_id", std::to_string(view.target_id)));
     out["metadata"].push_back(metadata("robot", estimate.robot));
     out["metadata"].push_back(metadata("sigma_m", fmt::format("{:.3f}", estimate.sigma_m())));
@@ -290,7 +305,7 @@ Json track_entity(const std::string& body, const std::vector<Eigen::Vector3d>& p
                   const std::optional<Colour>& of_robot, Time time) {
   Json out = entity("track/" + body, kWorldFrame, time, false);
   out["lines"].push_back(
-      line(LineType::kStrip, points, 1.5, fade(of_robot.value_or(kTarget), 0.55)));
+      line(LineType::kStrip, points, 1.5, fade(of_robot.value_or(of_role("truth")), 0.55)));
   return out;
 }
 
@@ -313,7 +328,7 @@ Json measurement_scene(const models::DetectionSet& detections, const models::Sen
   Json out = entity("measurement/" + detections.robot, kWorldFrame, detections.stamp.time, false);
   out["lifetime"] = to_json(Duration{std::chrono::milliseconds(400)});
   if (!points.empty()) {
-    out["lines"].push_back(line(LineType::kList, points, 1.5, kLate));
+    out["lines"].push_back(line(LineType::kList, points, 1.5, of_role("late")));
   }
   out["metadata"].push_back(metadata("jammed", detections.jammed ? "yes" : "no"));
   out["metadata"].push_back(metadata("detections", std::to_string(detections.detections.size())));

@@ -17,17 +17,16 @@
 
 namespace vantage::logs::foxglove {
 
-/// An ellipse of 2-D probability 0.95 has this Mahalanobis radius, √(−2 ln 0.05).
-inline constexpr double kEllipseRadius = 2.447746830680816;
-
 /// What tells one robot from another wherever it is drawn or charted: by its place in the scenario,
-/// whatever is heard first. Repeats after eight; nullopt of what is no robot of the scenario.
+/// whatever is heard first: the body's of robot_look() (logs/look). nullopt of what is no robot of
+/// the scenario.
 std::optional<Colour> robot_colour(const models::Scenario& scenario, const std::string& robot);
 
 /// Bounds, obstacles and regions.
 Json world_scene(const models::World& world, Time time);
 
-/// Every robot in its colour; the `jammed` in red.
+/// Every robot in its colour, from the ninth on with a core of another; the `jammed` in red, their
+/// own colour as the core.
 Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time);
 
 /// What each robot's sensor can see of the ground when nothing stands in its way; red when jammed.
@@ -61,8 +60,8 @@ struct EstimateView {
 Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>& estimates,
                      const std::vector<std::string>& gone, Time time);
 
-/// The boundary of {p : (p − μ)ᵀ Σ⁻¹ (p − μ) = kEllipseRadius²} of the first two coordinates, in
-/// `count` points, at the third coordinate of the mean (0 for a planar one).
+/// The boundary of {p : (p − μ)ᵀ Σ⁻¹ (p − μ) = look().ellipse_radius()²} of the first two
+/// coordinates, in `count` points, at the third coordinate of the mean (0 for a planar one).
 std::vector<Eigen::Vector3d> ellipse(const PositionEstimate& estimate, int count);
 
 /// Where a body has been, oldest first. `of_robot`: the robot's colour; nullopt of a target.

@@ -129,6 +129,8 @@ Json ours(Schema schema) {
            {"version", text()},
            {"process", text()},
            {"yaml", text()},
+           {"objective", text()},
+           {"grid_memory_s", number()},
            {"duration_s", number()},
            {"ceiling_m", number()},
            {"bounds", rectangle},
@@ -143,6 +145,7 @@ Json ours(Schema schema) {
     case Schema::kTeam:
       return object({{"timestamp", time()},
                      {"entropy_nats", number()},
+                     {"map_entropy_nats", number()},
                      {"rmse_m", number()},
                      {"known", integer()},
                      {"targets", integer()},
@@ -185,7 +188,9 @@ Json ours(Schema schema) {
                      {"deadlines_missed", integer()},
                      {"messages_lost", integer()},
                      {"counters", list_of(counter())}});
-    default:  // kAttack
+    case Schema::kLcm:
+      return {{"type", "object"}};  // of the type that the message has
+    default:                        // kAttack
       return object({{"timestamp", time()}, {"jammed", list_of(text())}});
   }
 }
@@ -214,6 +219,8 @@ const char* name_of(Schema schema) {
       return "vantage.Health";
     case Schema::kAttack:
       return "vantage.Attack";
+    case Schema::kLcm:
+      return "vantage.Lcm";
   }
   return "";
 }

@@ -19,13 +19,14 @@ enum class Schema : std::uint8_t {
   kVehicle,   ///< one vehicle's state with its reasons
   kHealth,    ///< one process
   kAttack,    ///< who is jammed
+  kLcm,       ///< a message as it is on the bus, with the names of its .lcm file
 };
 
 inline constexpr Schema kSchemas[] = {
     Schema::kSceneUpdate, Schema::kGrid,     Schema::kFrameTransforms,
     Schema::kLog,         Schema::kScenario, Schema::kTeam,
     Schema::kPlan,        Schema::kVehicle,  Schema::kHealth,
-    Schema::kAttack};
+    Schema::kAttack,      Schema::kLcm};
 
 /// "foxglove.SceneUpdate", … for the well-known ones; "vantage.Team", … for ours.
 const char* name_of(Schema schema);

@@ -107,6 +107,7 @@ Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec
 
 Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario& scenario) {
   const models::Rectangle& bounds = scenario.world.bounds;
+  const bool is_mapping = scenario.planner.objective == models::PlanObjective::kMapping;
   Json robots = Json::array();
   for (const models::RobotSpec& robot : scenario.robots) {
     robots.push_back({{"name", robot.name},
@@ -125,6 +126,8 @@ Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario&
           {"version", notice.version},
           {"process", notice.process},
           {"yaml", notice.yaml},
+          {"objective", is_mapping ? "mapping" : "tracking"},
+          {"grid_memory_s", scenario.estimator.grid_memory_s},
           {"duration_s", scenario.duration_s},
           {"ceiling_m", scenario.world.ceiling_m},
           {"bounds", {{"min_m", point(bounds.min_m)}, {"max_m", point(bounds.max_m)}}},
@@ -208,6 +211,9 @@ Json team_json(const TrialMetrics& metrics, Time time) {
   if (!metrics.targets().empty()) {
     set_if_finite(out, "entropy_nats",
                   entropy_nats / static_cast<double>(metrics.targets().size()));
+  }
+  if (metrics.map_entropy_nats()) {
+    set_if_finite(out, "map_entropy_nats", *metrics.map_entropy_nats());
   }
   if (errors > 0) {
     set_if_finite(out, "rmse_m", std::sqrt(squares_m2 / static_cast<double>(errors)));

@@ -90,7 +90,8 @@ TEST(JsonSchema, DescribesEverythingThatAnyMessageBecomes) {
     met.insert(schema);
     ASSERT_EQ(nonconformity(Json::parse(json_schema(schema)), record.content, record.topic), "");
   }
-  EXPECT_EQ(met.size(), std::size(kSchemas));
+  EXPECT_EQ(met.size(), std::size(kSchemas) - 1)
+      << "all but raw messages, which are made elsewhere";
 }
 
 TEST(JsonSchema, HasAllMembersOfASceneEntityThatWeMake) {

@@ -91,7 +91,8 @@ TEST_F(AnalyseLog, IsDrawnByGnuplot) {
   const logs::IndexedLog log(folder_.file("trial.lcmlog"));
   const logs::LogAnalysis analysis = logs::analyse_log(log, scenario_of(log));
   const std::string png = folder_.file("it's a plot.png");
-  const auto drawn = draw_plot(plot_script(analysis, "a 'title'", png), folder_.file("p.gp"), png);
+  const auto drawn = draw_plot(plot_script(analysis, scenario_of(log), "a 'title'", png),
+                               folder_.file("p.gp"), png);
   ASSERT_TRUE(drawn.ok()) << drawn.error().message;
   EXPECT_GT(std::filesystem::file_size(png), 20'000U);
 }

@@ -13,6 +13,7 @@
 
 #include "core/write_file.hpp"
 #include "tools/picture/label_placer.hpp"
+#include "tools/picture/layout.hpp"
 #include "tools/picture/svg.hpp"
 
 namespace vantage::tools {
@@ -172,7 +173,7 @@ TEST(DrawPicture, ShowsEverythingOnce) {
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
   EXPECT_EQ(count(svg, "class=\"obstacle\""), 1);
   EXPECT_EQ(count(svg, "class=\"bounds\""), 1);
-  EXPECT_EQ(count(svg, "class=\"robot\""), 2);
+  EXPECT_EQ(count(svg, "class=\"robot\""), 4) << "two in the map and two in the legend";
   EXPECT_EQ(count(svg, "class=\"view\""), 2);
   EXPECT_EQ(count(svg, "class=\"plan\""), 1);
   EXPECT_EQ(count(svg, "class=\"truth\""), 2);
@@ -181,11 +182,63 @@ TEST(DrawPicture, ShowsEverythingOnce) {
   EXPECT_NE(svg.find("12.5 s"), std::string::npos);
 }
 
-TEST(DrawPicture, DrawsTwoSigma) {
+TEST(DrawPicture, DrawsTheEllipseThatHoldsWhatTheLegendSays) {
   const Example it = example();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
-  // 8 m are 1040 px, so 2σ of 0.2 m and 0.1 m are 52 px and 26 px (the smaller axis first).
-  EXPECT_NE(svg.find("<ellipse rx=\"26.00\" ry=\"52.00\""), std::string::npos);
+  // 8 m are 1040 px; σ are 0.1 m and 0.2 m (the smaller axis first), and √(−2 ln 0.05) of them
+  // hold 95 % in two dimensions.
+  EXPECT_NE(svg.find("<ellipse rx=\"31.82\" ry=\"63.64\""), std::string::npos);
+  EXPECT_NE(svg.find("estimate: mean and 95 % ellipse"), std::string::npos);
+}
+
+TEST(DrawPicture, PaintsAJammedRobotRedWithItsOwnColourInside) {
+  Example it = example();
+  const auto red = std::string(role_colour("jammed"));
+  const std::string calm = draw_picture(it.scenario, it.scene, it.summary);
+  EXPECT_EQ(calm.find(red), std::string::npos);
+  it.scene.jammed = {"Q2"};
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  EXPECT_NE(svg.find("Q2 jammed"), std::string::npos);
+  EXPECT_EQ(svg.find("Q1 jammed"), std::string::npos);
+  EXPECT_NE(svg.find("class=\"view\" fill=\"" + red), std::string::npos);
+  EXPECT_GT(count(svg, robot_colour(1).data()), 1) << "whose it is can still be seen";
+}
+
+TEST(DrawPicture, ShowsTheMapOfATeamThatMaps) {
+  Example it = example();
+  it.scenario.targets.clear();
+  it.scene.targets.clear();
+  it.scenario.planner.objective = models::PlanObjective::kMapping;
+  it.summary.targets = it.summary.discovered = 0;
+  it.summary.map_entropy_nats = 123.4;
+  SceneRecorder recorder(it.scenario);
+  models::RobotMap map;
+  map.robot = "Q1";
+  map.grid = models::GridGeometry::covering(it.scenario.world.bounds, 1.0);
+  map.team_looks.assign(static_cast<std::size_t>(map.grid.size()), 0);
+  map.team_looks[3] = 100;
+  map.team_looks[4] = -100;
+  map.entropy_nats = 77.0;
+  recorder.on_map(map);
+  const std::string svg = draw_picture(it.scenario, recorder.scene(), it.summary);
+  EXPECT_EQ(xml_fault(svg), "");
+  EXPECT_EQ(svg.find("targets found"), std::string::npos);
+  for (const char* words : {"map entropy 123 nat", "77 nat", "class=\"map\"", "mapped: occupied"}) {
+    EXPECT_NE(svg.find(words), std::string::npos) << words;
+  }
+  EXPECT_NE(svg.find(role_colour("occupied")), std::string::npos);
+}
+
+TEST(DrawPicture, ListsEveryRobotInTheLegend) {
+  Example it = example();
+  it.scenario.robots.resize(50);
+  for (std::size_t i = 0; i < 50; ++i) {
+    it.scenario.robots[i].name = "Q" + std::to_string(i + 1);
+  }
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  for (std::size_t i = 2; i < 50; ++i) {
+    EXPECT_NE(svg.find(">Q" + std::to_string(i + 1) + "<"), std::string::npos);
+  }
 }
 
 TEST(DrawPicture, IsTheSameForTheSameTrial) {

@@ -15,6 +15,13 @@ TEST(CutTo, CountsCharactersNotBytes) {
   EXPECT_EQ(cut_to("a", 0), "");
 }
 
+TEST(CutTo, GivesColoursNoRoomAndEndsThem) {
+  const std::string line = "ab" + inked("cd", Ink::kBad) + "ef";
+  EXPECT_EQ(cut_to(line, 6), line);
+  EXPECT_EQ(cut_to(line, 3), "ab\x1b[1;31mc\x1b[0m");
+  EXPECT_EQ(cut_to(line, 5), "ab\x1b[1;31mcd\x1b[0me\x1b[0m");
+}
+
 TEST(Fit, LeavesRoomForTheCursorAndSaysWhatIsMissing) {
   const Lines five{"1", "2", "3", "4", "5"};
   EXPECT_EQ(fit(five, 6, 80), five);

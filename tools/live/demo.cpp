@@ -40,7 +40,7 @@ class Reporter {
     }
     const double elapsed_s = to_seconds(now - start_);
     if (options_.live_table) {
-      screen_.redraw(status_table(scenario_, metrics, elapsed_s));
+      screen_.redraw(status_table(scenario_, metrics, elapsed_s, has_colour()));
       next_ = now + kTablePeriod;
     } else {
       print_line(status_line(metrics, elapsed_s));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstdlib>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -11,12 +12,22 @@
 
 namespace vantage::tools {
 
+std::string inked(const std::string& text, Ink ink) {
+  constexpr const char* kCodes[] = {"32", "33", "1;31", "2"};
+  return fmt::format("\x1b[{}m{}\x1b[0m", kCodes[static_cast<int>(ink)], text);
+}
+
 std::string cut_to(const std::string& line, std::size_t columns) {
   std::size_t characters = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '\x1b') {
+      i = std::min(line.find('m', i), line.size());
+      continue;
+    }
     const bool begins_one = (static_cast<unsigned char>(line[i]) & 0xC0U) != 0x80U;
     if (begins_one && characters++ == columns) {
-      return line.substr(0, i);
+      const std::string kept = line.substr(0, i);
+      return kept.find('\x1b') == std::string::npos ? kept : kept + "\x1b[0m";
     }
   }
   return line;
@@ -56,6 +67,13 @@ void Screen::redraw(const std::vector<std::string>& all_lines) {
 }
 
 bool is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
+
+bool has_colour() {
+  const char* unwanted = std::getenv("NO_COLOR");
+  const char* kind = std::getenv("TERM");
+  return is_terminal() && (unwanted == nullptr || *unwanted == '\0') && kind != nullptr &&
+         std::string(kind) != "dumb";
+}
 
 void clear_echo() {
   std::FILE* terminal = is_terminal() ? stdout : ::isatty(STDERR_FILENO) == 1 ? stderr : nullptr;

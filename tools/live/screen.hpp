@@ -8,7 +8,13 @@
 
 namespace vantage::tools {
 
-/// The first `columns` characters (code points) of UTF-8 text.
+/// What a word says beside its letters.
+enum class Ink { kGood, kWarning, kBad, kQuiet };
+/// `text` in a terminal's colour (SGR), and plain after it.
+std::string inked(const std::string& text, Ink ink);
+
+/// The first `columns` characters (code points) of UTF-8 text. Colours of inked() take no room, and
+/// what they begin is ended.
 std::string cut_to(const std::string& line, std::size_t columns);
 
 /// As many lines as fit on a screen, the last saying how many are missing; each cut to the width:
@@ -28,6 +34,9 @@ class Screen {
 
 /// True when standard output is a terminal.
 bool is_terminal();
+/// True when it is one that shows colours: not a dumb one, nor one whose user wants none
+/// (NO_COLOR).
+bool has_colour();
 /// Takes away what the terminal shows of keys pressed (^C) where the next line begins. Nothing
 /// where neither standard output nor standard error is a terminal.
 void clear_echo();

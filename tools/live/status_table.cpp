@@ -2,64 +2,115 @@
 
 #include <fmt/format.h>
 
+#include "logs/look/look.hpp"
 #include "models/scenario/search_name.hpp"
+#include "tools/live/screen.hpp"
 
 namespace vantage::tools {
 namespace {
+
+constexpr double kSure = 3.0;  // sigmas: an error beyond them is one that the estimator denies
 
 std::string cell(const std::optional<double>& value, int decimals, const char* unit) {
   return value ? fmt::format("{:.{}f} {}", *value, decimals, unit) : "-";
 }
 
-std::string target_row(const logs::TargetStatus& target) {
+// A word of a table, padded before it is coloured.
+std::string word(const std::string& padded, std::optional<Ink> ink, bool in_colour) {
+  return ink && in_colour ? inked(padded, *ink) : padded;
+}
+
+// Who knows it now is another thing than whether it was ever found, and an error needs a truth.
+std::string target_row(const logs::TargetStatus& target, bool in_colour) {
   std::optional<double> sigma_m;
-  std::string by = "-";
+  std::string by = target.discovered_s ? "nobody now" : "not found yet";
+  std::optional<Ink> ink = target.discovered_s ? Ink::kWarning : Ink::kQuiet;
   if (target.estimate) {
     sigma_m = target.estimate->sigma_m();
     by = target.estimate->robot;
+    ink.reset();
   }
-  return fmt::format("{:<8} {:>10} {:>9} {:>9} {:>10.2f} nat  {}", target.name,
-                     cell(target.discovered_s, 1, "s"), cell(target.error_m, 2, "m"),
-                     cell(sigma_m, 2, "m"), target.entropy_nats, by);
+  const bool is_too_sure = target.error_m && sigma_m && *target.error_m > kSure * *sigma_m;
+  return fmt::format("{:<8} {:>11}  {}{}{:>9} {:>10.2f} nat", target.name,
+                     cell(target.discovered_s, 1, "s"),
+                     word(fmt::format("{:<13}", by), ink, in_colour),
+                     word(fmt::format("{:>9}", cell(target.error_m, 2, "m")),
+                          is_too_sure ? std::optional(Ink::kWarning) : std::nullopt, in_colour),
+                     cell(sigma_m, 2, "m"), target.entropy_nats);
 }
 
-std::string robot_row(const std::string& name, const logs::RobotStatus& robot) {
-  const std::string state = robot.state ? models::name_of(*robot.state) : "-";
+std::optional<Ink> ink_of(models::FlightState state) {
+  switch (state) {
+    case models::FlightState::kFollow:
+      return Ink::kGood;
+    case models::FlightState::kHold:
+    case models::FlightState::kLand:
+      return Ink::kWarning;
+    case models::FlightState::kKilled:
+      return Ink::kBad;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::string robot_row(const std::string& name, const logs::RobotStatus& robot, bool in_colour) {
+  const std::string state =
+      word(fmt::format("{:>8}", robot.state ? models::name_of(*robot.state) : "-"),
+           robot.state ? ink_of(*robot.state) : std::nullopt, in_colour);
   if (!robot.plan) {
-    return fmt::format("{:<8} {:>8} {:>7}", name, state, "-");
+    return fmt::format("{:<8} {} {:>7}", name, state, "-");
   }
   const models::RobotPlan& plan = *robot.plan;
   const double slot_s = to_seconds(plan.deadline - plan.slot_start);
   const double used_s = to_seconds(plan.finish - plan.slot_start);
-  return fmt::format("{:<8} {:>8} {:>7} {:>9} {:>9.2f} {:>9} {:>8.0f} %", name, state,
-                     plan.round % 100'000, models::name_of(plan.source), plan.cost, plan.nodes,
-                     slot_s > 0.0 ? 100.0 * used_s / slot_s : 0.0);
+  const bool is_searched = plan.source == models::PlanSource::kSearched;
+  return fmt::format("{:<8} {} {:>7} {} {:>9.2f} {:>9} {}", name, state, plan.round % 100'000,
+                     word(fmt::format("{:>9}", models::name_of(plan.source)),
+                          is_searched ? std::nullopt : std::optional(Ink::kWarning), in_colour),
+                     plan.cost, plan.nodes,
+                     word(fmt::format("{:>8.0f} %", slot_s > 0.0 ? 100.0 * used_s / slot_s : 0.0),
+                          plan.late ? std::optional(Ink::kBad) : std::nullopt, in_colour));
+}
+
+// "late 3", red where there is one.
+std::string count(const char* what, std::int64_t number, bool in_colour, Ink ink) {
+  return word(fmt::format("{} {}", what, number), number > 0 ? std::optional(ink) : std::nullopt,
+              in_colour);
 }
 
 }  // namespace
 
 std::vector<std::string> status_table(const models::Scenario& scenario,
-                                      const logs::TrialMetrics& metrics, double elapsed_s) {
+                                      const logs::TrialMetrics& metrics, double elapsed_s,
+                                      bool in_colour) {
+  const auto quiet = [&](const std::string& text) { return word(text, Ink::kQuiet, in_colour); };
   std::vector<std::string> out;
   out.push_back(fmt::format("{} with {}   {:.0f} s of {:g} s", scenario.name,
                             models::search_name(scenario.planner), elapsed_s, scenario.duration_s));
   out.emplace_back();
-  out.push_back(fmt::format("{:<8} {:>10} {:>9} {:>9} {:>14}  {}", "target", "found at", "error",
-                            "sigma", "entropy", "best known by"));
+  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+    out.push_back(fmt::format("{} {}", logs::look().measures.at("map_entropy").name,
+                              cell(metrics.map_entropy_nats(), 0, "nat")));
+  } else {
+    out.push_back(quiet(fmt::format("{:<8} {:>11}  {:<13}{:>9}{:>9} {:>14}", "target",
+                                    "first found", "best known by", "error", "sigma", "entropy")));
+  }
   for (const logs::TargetStatus& target : metrics.targets()) {
-    out.push_back(target_row(target));
+    out.push_back(target_row(target, in_colour));
   }
   out.emplace_back();
-  out.push_back(fmt::format("{:<8} {:>8} {:>7} {:>9} {:>9} {:>9} {:>10}", "robot", "state", "round",
-                            "plan", "cost nat", "nodes", "slot used"));
+  out.push_back(quiet(fmt::format("{:<8} {:>8} {:>7} {:>9} {:>9} {:>9} {:>10}", "robot", "state",
+                                  "round", "plan", "cost nat", "nodes", "slot used")));
   for (const auto& [name, robot] : metrics.robots()) {
-    out.push_back(robot_row(name, robot));
+    out.push_back(robot_row(name, robot, in_colour));
   }
   out.emplace_back();
   out.push_back(
-      fmt::format("rounds {}   late {}   collisions {}   near misses {}   messages lost {}",
-                  metrics.rounds(), metrics.rounds_late(), metrics.collisions(),
-                  metrics.separation_violations(), metrics.messages_lost()));
+      fmt::format("rounds {}   {}   {}   {}   {}", metrics.rounds(),
+                  count("late", metrics.rounds_late(), in_colour, Ink::kWarning),
+                  count("collisions", metrics.collisions(), in_colour, Ink::kBad),
+                  count("near misses", metrics.separation_violations(), in_colour, Ink::kWarning),
+                  count("messages lost", metrics.messages_lost(), in_colour, Ink::kWarning)));
   return out;
 }
 

@@ -10,9 +10,11 @@
 namespace vantage::tools {
 
 /// The state of a running trial as lines of text, all of the same number at all times: one per
-/// target, one per robot, one of totals.
+/// target (of a team that maps one for all), one per robot, one of totals. In colour what is well,
+/// to be watched or wrong.
 std::vector<std::string> status_table(const models::Scenario& scenario,
-                                      const logs::TrialMetrics& metrics, double elapsed_s);
+                                      const logs::TrialMetrics& metrics, double elapsed_s,
+                                      bool in_colour = false);
 
 /// The same in one line.
 std::string status_line(const logs::TrialMetrics& metrics, double elapsed_s);

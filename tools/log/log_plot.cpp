@@ -12,6 +12,8 @@
 
 #include "core/check.hpp"
 #include "core/write_file.hpp"
+#include "logs/look/look.hpp"
+#include "tools/picture/picture.hpp"
 #include "tools/supervisor/child.hpp"
 
 namespace vantage::tools {
@@ -41,26 +43,38 @@ bool is_whole(const std::string& path) {
          end.find("%%EOF") != std::string::npos;
 }
 
+// A robot has the colour of its place in the scenario, as everywhere.
+std::size_t place_of(const models::Scenario& scenario, const std::string& robot) {
+  const auto is_it = [&](const models::RobotSpec& each) { return each.name == robot; };
+  return static_cast<std::size_t>(
+      std::find_if(scenario.robots.begin(), scenario.robots.end(), is_it) -
+      scenario.robots.begin());
+}
+
+const std::string& paint(const char* role) { return logs::look().roles.at(role).light; }
+std::string label(const char* measure) { return logs::look().measures.at(measure).title(); }
+
 }  // namespace
 
-std::string plot_terminal(const std::string& picture_path) {
+std::string plot_terminal(const std::string& picture_path, int height_px) {
   std::string suffix = std::filesystem::path(picture_path).extension();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (suffix == ".png") {
-    return "pngcairo noenhanced size 1200,1500 font 'Sans,11'";
+    return fmt::format("pngcairo noenhanced size 1400,{} font 'Sans,11'", height_px);
   }
   if (suffix == ".svg") {
-    return "svg noenhanced size 1200,1500 font 'Sans,11' background rgb 'white'";
+    return fmt::format("svg noenhanced size 1400,{} font 'Sans,11' background rgb 'white'",
+                       height_px);
   }
   if (suffix == ".pdf") {
-    return "pdfcairo noenhanced size 12in,15in font 'Sans,11'";
+    return fmt::format("pdfcairo noenhanced size 14in,{}in font 'Sans,11'", 0.01 * height_px);
   }
   throw StartupError(picture_path + ": a picture's name ends in .png, .svg or .pdf");
 }
 
-std::string plot_script(const logs::LogAnalysis& analysis, const std::string& title,
-                        const std::string& picture_path) {
+std::string plot_script(const logs::LogAnalysis& analysis, const models::Scenario& scenario,
+                        const std::string& title, const std::string& picture_path) {
   std::string out = "$course << EOD\n";
   for (const logs::CoursePoint& point : analysis.course) {
     out += fmt::format("{:.6f} {} {:.9g} {}\n", point.at_s, number(point.rmse_m),
@@ -69,9 +83,9 @@ std::string plot_script(const logs::LogAnalysis& analysis, const std::string& ti
   out += "EOD\n";
   std::string margins;
   std::string gaps;
-  int colour = 0;
+  std::size_t robot_index = 0;
   for (const auto& [robot, record] : analysis.deadlines) {
-    out += fmt::format("$plans{} << EOD\n", ++colour);
+    out += fmt::format("$plans{} << EOD\n", robot_index);
     for (const logs::PlanPoint& plan : analysis.plans) {
       if (plan.robot == robot) {
         out +=
@@ -79,35 +93,55 @@ std::string plot_script(const logs::LogAnalysis& analysis, const std::string& ti
       }
     }
     out += "EOD\n";
+    const logs::RobotLook looks = logs::robot_look(place_of(scenario, robot));
     const std::string style =
-        fmt::format(" with points pt 7 ps 0.5 lc {} title {}", colour, quoted(robot));
-    margins += fmt::format("{}$plans{} using 1:2{}", colour > 1 ? ", " : "", colour, style);
-    gaps += fmt::format("{}$plans{} using 1:3{}", colour > 1 ? ", " : "", colour, style);
+        fmt::format(" with linespoints pt 7 ps 0.4 lw 1 lc rgb '{}' dt {} title {}",
+                    looks.body_paint().light, looks.dash + 1, quoted(robot));
+    const char* comma = robot_index > 0 ? ", " : "";
+    margins += fmt::format("{}$plans{} using 1:2{}", comma, robot_index, style);
+    gaps += fmt::format("{}$plans{} using 1:3{}", comma, robot_index, style);
+    ++robot_index;
   }
+  const bool has_plans = !analysis.deadlines.empty();
+  // A legend of many names takes several columns.
+  const std::size_t key_columns = robot_index / 13 + 1;
+  // Every chart has the same margins, so that an instant is at the same place in all of them; the
+  // names are outside, where no line can be.
   out += fmt::format(
-      "set terminal {}\n"
-      "set output {}\n"
-      "set grid lc rgb '#dddddd'\n"
+      "set terminal {terminal}\n"
+      "set output {output}\n"
+      "set grid lt 1 lc rgb '#dddddd'\n"
+      "set border lc rgb '{quiet}'\n"
+      "set tics textcolor rgb '{ink}'\n"
       "set xrange [0:*]\n"
-      "set key top right\n"
-      "set lmargin 12\n"
-      "set multiplot layout 5,1 title {}\n"
+      "set key outside right top vertical Left reverse maxcols {columns} samplen 2\n"
+      "set lmargin 13\n"
+      "set rmargin {right}\n"
+      "set multiplot layout {rows},1 title {title}\n"
       "set yrange [0:*]\n"
-      "set ylabel 'RMSE of known targets [m]'\n"
-      "plot $course using 1:2 with lines lw 1.5 lc 1 notitle\n"
+      "set ylabel '{rmse}'\n"
+      "plot $course using 1:2 with lines lw 1.5 lc rgb '{ink}' notitle\n"
       "set yrange [*:*]\n"
-      "set ylabel 'entropy a target [nat]'\n"
-      "plot $course using 1:3 with lines lw 1.5 lc 2 notitle\n"
-      "set yrange [0:{}]\n"
-      "set ylabel 'targets found'\n"
-      "plot $course using 1:4 with steps lw 1.5 lc 3 notitle\n"
+      "set ylabel '{entropy}'\n"
+      "plot $course using 1:3 with lines lw 1.5 lc rgb '{ink}' notitle\n"
+      "set yrange [0:{found_max}]\n"
+      "{last_label}set ylabel '{found}'\n"
+      "plot $course using 1:4 with steps lw 1.5 lc rgb '{ink}' notitle\n"
       "set yrange [*:*]\n",
-      plot_terminal(picture_path), quoted(picture_path), quoted(title),
-      analysis.summary.targets + 1);
-  if (!analysis.deadlines.empty()) {
-    out += "set ylabel 'margin to the deadline [ms]'\nplot " + margins + ", 0 lc 0 notitle\n";
-    out += "set xlabel 'time since the first event [s]'\n";
-    out += "set ylabel 'cost less bound [nat]'\nplot " + gaps + "\n";
+      fmt::arg("terminal", plot_terminal(picture_path, has_plans ? 1500 : 900)),
+      fmt::arg("output", quoted(picture_path)), fmt::arg("quiet", paint("wall")),
+      fmt::arg("ink", paint("truth")), fmt::arg("columns", key_columns),
+      fmt::arg("right", has_plans ? 3 + 9 * key_columns : 3), fmt::arg("rows", has_plans ? 5 : 3),
+      fmt::arg("title", quoted(title)), fmt::arg("rmse", label("rmse")),
+      fmt::arg("entropy", label("entropy")), fmt::arg("found_max", analysis.summary.targets + 1),
+      fmt::arg("found", label("found")),
+      fmt::arg("last_label",
+               has_plans ? std::string() : fmt::format("set xlabel '{}'\n", label("time"))));
+  if (has_plans) {
+    out += fmt::format("set ylabel '{}'\nplot {}, 0 lc rgb '{}' notitle\n", label("margin"),
+                       margins, paint("jammed"));
+    out += fmt::format("set xlabel '{}'\nset ylabel '{}'\nplot {}\n", label("time"), label("gap"),
+                       gaps);
   }
   return out + "unset multiplot\n";
 }

@@ -77,7 +77,7 @@ int plot(const MetricsArguments& arguments) {
       fmt::format("{}: {} with {}", std::filesystem::path(arguments.log).filename().string(),
                   scenario.name, models::search_name(scenario.planner));
   const Result<std::string> drawn =
-      draw_plot(plot_script(analysis, title, arguments.output), script, arguments.output);
+      draw_plot(plot_script(analysis, scenario, title, arguments.output), script, arguments.output);
   if (!drawn.ok()) {
     fmt::print(stderr, "vantage: {}\n", drawn.error().message);
     return 1;

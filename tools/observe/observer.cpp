@@ -22,9 +22,12 @@ TrialObserver::TrialObserver(bus::Bus& bus, const models::Scenario& scenario, Ti
   if (scenario.planner.objective == models::PlanObjective::kMapping) {
     bus.subscribe<models::RobotMap>(bus::map_channel("*"), [this](const models::RobotMap& map) {
       metrics_.on_map(map);
+      recorder_.on_map(map);
       maps_[map.robot] = map;
     });
   }
+  bus.subscribe<models::AttackNotice>(
+      bus::kAttack, [this](const models::AttackNotice& attack) { recorder_.on_attack(attack); });
   bus.subscribe<models::ContactReport>(
       bus::kCollision,
       [this](const models::ContactReport& contact) { metrics_.on_contact(contact); });

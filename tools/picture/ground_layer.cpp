@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "models/mapping/looks.hpp"
 #include "tools/picture/map_layer.hpp"
 
 namespace vantage::tools {
@@ -32,9 +33,56 @@ void draw_cells(Svg& svg, const Layout& layout, const Scene& scene, double memor
             grid.origin_m + grid.resolution_m * Eigen::Vector2d(column, row + 1);
         const Eigen::Vector2d size_px =
             layout.px_per_m * grid.resolution_m * Eigen::Vector2d(end - column, 1.0);
-        svg.rectangle(layout.page_from_world(top_left_m), size_px,
-                      fmt::format("fill=\"{}\"", kind == 2 ? kExploredColour : kStaleColour));
+        svg.rectangle(
+            layout.page_from_world(top_left_m), size_px,
+            fmt::format("fill=\"{}\"", kind == 2 ? role_colour("seen") : role_colour("stale")));
       }
+      column = end;
+    }
+  }
+  svg.close_group();
+}
+
+/// How sure one is of a cell: by steps, so that neighbours are drawn as one rectangle.
+constexpr int kShades = 8;
+
+int mixed(int from, int to, double share) {
+  return static_cast<int>(std::lround(from + (to - from) * share));
+}
+
+// The colour of an occupancy in [0, 1]: free, not settled, occupied.
+std::string occupancy_colour(double p) {
+  const auto channel = [](std::string_view colour, std::size_t i) {
+    return std::stoi(std::string(colour.substr(1 + 2 * i, 2)), nullptr, 16);
+  };
+  const std::string_view from = role_colour(p < 0.5 ? "free" : "unseen");
+  const std::string_view to = role_colour(p < 0.5 ? "unseen" : "occupied");
+  const double share = p < 0.5 ? 2.0 * p : 2.0 * p - 1.0;
+  return fmt::format("#{:02x}{:02x}{:02x}", mixed(channel(from, 0), channel(to, 0), share),
+                     mixed(channel(from, 1), channel(to, 1), share),
+                     mixed(channel(from, 2), channel(to, 2), share));
+}
+
+void draw_map(Svg& svg, const Layout& layout, const models::RobotMap& map,
+              const models::MappingSpec& spec) {
+  const models::OccupancyBelief belief = models::belief_of(map.grid, map.team_looks, spec);
+  const auto shade_of = [&](int index) {
+    return static_cast<int>(std::lround(belief.occupancy(index) * kShades));
+  };
+  svg.open_group(R"(shape-rendering="crispEdges" class="map")");
+  for (int row = 0; row < map.grid.rows; ++row) {
+    for (int column = 0; column < map.grid.columns;) {
+      const int shade = shade_of(row * map.grid.columns + column);
+      int end = column + 1;
+      while (end < map.grid.columns && shade_of(row * map.grid.columns + end) == shade) {
+        ++end;
+      }
+      const Eigen::Vector2d top_left_m =
+          map.grid.origin_m + map.grid.resolution_m * Eigen::Vector2d(column, row + 1);
+      const Eigen::Vector2d size_px =
+          layout.px_per_m * map.grid.resolution_m * Eigen::Vector2d(end - column, 1.0);
+      svg.rectangle(layout.page_from_world(top_left_m), size_px,
+                    fmt::format("fill=\"{}\"", occupancy_colour(1.0 * shade / kShades)));
       column = end;
     }
   }
@@ -55,22 +103,27 @@ double tick_spacing_m(double extent_m) {
 void draw_ground(Svg& svg, const Layout& layout, const models::Scenario& scenario,
                  const Scene& scene) {
   svg.rectangle(layout.map_corner_px, layout.map_size_px,
-                fmt::format("fill=\"{}\"", kUnexploredColour));
+                fmt::format("fill=\"{}\"", role_colour("unseen")));
   if (scene.grid.size() > 0 && std::ssize(scene.last_seen_utime) == scene.grid.size()) {
     draw_cells(svg, layout, scene, scenario.estimator.grid_memory_s);
   }
+  if (scene.map && scene.map->grid.size() == std::ssize(scene.map->team_looks)) {
+    draw_map(svg, layout, *scene.map, scenario.mapping);
+  }
   for (const models::Region& region : scenario.world.regions) {
     const models::Rectangle& r = region.footprint;
-    svg.rectangle(layout.page_from_world({r.min_m.x(), r.max_m.y()}),
-                  layout.px_per_m * (r.max_m - r.min_m),
-                  R"(class="region" fill="#c8a96a" fill-opacity="0.25")");
+    svg.rectangle(
+        layout.page_from_world({r.min_m.x(), r.max_m.y()}), layout.px_per_m * (r.max_m - r.min_m),
+        fmt::format(R"(class="region" fill="{}" fill-opacity="0.25")", role_colour("region")));
   }
   for (const models::Obstacle& obstacle : scenario.world.obstacles) {
     const models::Rectangle& r = obstacle.footprint;
     svg.rectangle(layout.page_from_world({r.min_m.x(), r.max_m.y()}),
                   layout.px_per_m * (r.max_m - r.min_m),
-                  fmt::format(R"(class="obstacle" fill="{}" stroke="#5f6670" stroke-width="1.2")",
-                              kObstacleColour));
+                  fmt::format(R"(class="obstacle" fill="{}" {}stroke="{}" stroke-width="1.2")",
+                              role_colour("obstacle"),
+                              scene.map ? "fill-opacity=\"0\" stroke-dasharray=\"5 3\" " : "",
+                              role_colour("wall")));
   }
 }
 

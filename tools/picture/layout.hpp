@@ -1,10 +1,11 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <string_view>
 
 #include <Eigen/Core>
 
+#include "logs/look/look.hpp"
 #include "models/world/world.hpp"
 
 namespace vantage::tools {
@@ -31,19 +32,13 @@ struct Layout {
   Eigen::Vector2d panel_corner_px;
 };
 
-/// Colours that the colour-blind tell apart (Okabe, Ito 2008), one per robot, then again.
-inline constexpr std::array<std::string_view, 6> kRobotColours = {"#0072B2", "#D55E00", "#009E73",
-                                                                  "#B5478F", "#B8860B", "#3A9AD0"};
-inline constexpr std::string_view kEstimateColour = "#5B3FA8";
-inline constexpr std::string_view kTruthColour = "#3c4043";
-inline constexpr std::string_view kTruthTrackColour = "#9aa0a6";
-inline constexpr std::string_view kExploredColour = "#ffffff";
-inline constexpr std::string_view kStaleColour = "#f1f3f5";
-inline constexpr std::string_view kUnexploredColour = "#e3e6e9";
-inline constexpr std::string_view kObstacleColour = "#8b939c";
-
+/// Pictures are on white: the table's colours for a light ground.
+inline std::string_view role_colour(const char* role) { return logs::look().roles.at(role).light; }
 inline std::string_view robot_colour(std::size_t index) {
-  return kRobotColours[index % kRobotColours.size()];
+  return logs::robot_look(index).body_paint().light;
+}
+inline std::string_view robot_core_colour(std::size_t index) {
+  return logs::robot_look(index).core_paint().light;
 }
 
 }  // namespace vantage::tools

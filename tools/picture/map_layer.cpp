@@ -16,11 +16,11 @@ using Points = std::vector<Eigen::Vector2d>;
 
 // The old part first and faint, the recent part on top.
 void draw_track(Svg& svg, const Layout& layout, const std::vector<TrackPoint>& track, Time now,
-                std::string_view colour, double width_px) {
+                std::string_view colour, double width_px, double opacity) {
   Points old_px;
   Points recent_px;
   for (const TrackPoint& point : track) {
-    const bool recent = to_seconds(now - point.time) <= kRecent_s;
+    const bool recent = to_seconds(now - point.time) <= recent_s();
     const Eigen::Vector2d p_px = layout.page_from_world(point.position_m);
     if (!recent) {
       old_px.push_back(p_px);
@@ -35,7 +35,7 @@ void draw_track(Svg& svg, const Layout& layout, const std::vector<TrackPoint>& t
       R"(fill="none" stroke="{}" stroke-width="{}" stroke-opacity="{}" stroke-linejoin="round" )"
       R"(stroke-linecap="round")";
   svg.polyline(old_px, fmt::format(fmt::runtime(kStyle), colour, 0.5 * width_px, 0.16));
-  svg.polyline(recent_px, fmt::format(fmt::runtime(kStyle), colour, width_px, 0.9));
+  svg.polyline(recent_px, fmt::format(fmt::runtime(kStyle), colour, width_px, opacity));
 }
 
 void draw_plan(Svg& svg, const Layout& layout, const models::RobotPlan& plan, Time now,
@@ -62,12 +62,14 @@ Eigen::AlignedBox2d around(const Eigen::Vector2d& centre_px, double radius_px) {
   return {centre_px - r_px, centre_px + r_px};
 }
 
-Points heading_arrow(const Layout& layout, const Pose2& pose) {
-  const Eigen::Vector2d c_px = layout.page_from_world(pose.position_m());
-  const Eigen::Vector2d ahead(std::cos(pose.yaw_rad), -std::sin(pose.yaw_rad));
-  const Eigen::Vector2d aside(-ahead.y(), ahead.x());
-  return {c_px + 12.0 * ahead, c_px - 8.0 * ahead + 8.5 * aside, c_px - 4.0 * ahead,
-          c_px - 8.0 * ahead - 8.5 * aside};
+constexpr double kRobot_px = 8.0;  // the radius of a robot's body at least
+
+bool is_jammed(const Scene& scene, const models::RobotSpec& robot) {
+  return scene.jammed.contains(robot.name);
+}
+
+std::string_view shown_colour(const Scene& scene, const models::Scenario& scenario, std::size_t i) {
+  return is_jammed(scene, scenario.robots[i]) ? role_colour("jammed") : robot_colour(i);
 }
 
 }  // namespace
@@ -76,14 +78,14 @@ void draw_tracks(Svg& svg, const Layout& layout, const models::Scenario& scenari
                  const Scene& scene) {
   svg.open_group("class=\"target-tracks\"");
   for (const auto& [id, target] : scene.targets) {
-    draw_track(svg, layout, target.track, scene.time, kTruthTrackColour, 1.5);
+    draw_track(svg, layout, target.track, scene.time, role_colour("truth"), 1.3, 0.45);
   }
   svg.close_group();
   svg.open_group("class=\"robot-tracks\"");
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     const auto robot = scene.robots.find(scenario.robots[i].name);
     if (robot != scene.robots.end()) {
-      draw_track(svg, layout, robot->second.track, scene.time, robot_colour(i), 2.2);
+      draw_track(svg, layout, robot->second.track, scene.time, robot_colour(i), 2.2, 0.9);
     }
   }
   svg.close_group();
@@ -97,7 +99,7 @@ void draw_views_and_plans(Svg& svg, const Layout& layout, const models::Scenario
       continue;
     }
     draw_view(svg, layout, scenario.robots[i].sensor, *robot->second.world_from_body,
-              robot_colour(i));
+              shown_colour(scene, scenario, i));
     if (robot->second.plan) {
       draw_plan(svg, layout, *robot->second.plan, scene.time, robot_colour(i));
     }
@@ -126,6 +128,22 @@ void draw_view(Svg& svg, const Layout& layout, const models::SensorModel& sensor
   svg.polygon(sector_px, style);
 }
 
+void draw_robot(Svg& svg, const Eigen::Vector2d& at_px, double yaw_rad, double radius_px,
+                std::string_view colour, std::string_view core_colour) {
+  const Eigen::Vector2d ahead = radius_px * Eigen::Vector2d(std::cos(yaw_rad), -std::sin(yaw_rad));
+  const Eigen::Vector2d aside(-ahead.y(), ahead.x());
+  svg.open_group(R"(class="robot")");
+  svg.polygon({at_px + 1.75 * ahead, at_px + 0.75 * ahead + 0.7 * aside,
+               at_px + 0.75 * ahead - 0.7 * aside},
+              fmt::format(R"(fill="{0}" stroke="#ffffff" stroke-width="1.2")", colour));
+  svg.circle(at_px, radius_px,
+             fmt::format("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"1.4\"", colour));
+  if (core_colour != colour) {
+    svg.circle(at_px, 0.5 * radius_px, fmt::format("fill=\"{}\"", core_colour));
+  }
+  svg.close_group();
+}
+
 void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene) {
   for (const auto& [id, target] : scene.targets) {
     if (!target.estimate) {
@@ -135,20 +153,21 @@ void draw_estimates(Svg& svg, const Layout& layout, const Scene& scene) {
     const Eigen::Vector2d mean_px = layout.page_from_world(mean_m);
     const Eigen::Matrix2d covariance_m2 = target.estimate->covariance_m2.topLeftCorner<2, 2>();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_m2);
-    const Eigen::Vector2d half_px =
-        2.0 * layout.px_per_m * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::Vector2d half_px = logs::look().ellipse_radius() * layout.px_per_m *
+                                    axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
     // The page's y axis points down, so a counter-clockwise angle turns negative.
     const double angle_deg =
         -degrees(std::atan2(axes.eigenvectors()(1, 0), axes.eigenvectors()(0, 0)));
     svg.ellipse(mean_px, half_px, angle_deg,
                 fmt::format(R"(class="ellipse" fill="{0}" fill-opacity="0.08" stroke="{0}" )"
                             R"(stroke-width="1.6")",
-                            kEstimateColour));
+                            role_colour("estimate")));
     if (!target.track.empty()) {
       svg.line(mean_px, layout.page_from_world(target.track.back().position_m),
-               fmt::format("stroke=\"{}\" stroke-width=\"1.2\"", kEstimateColour));
+               fmt::format("stroke=\"{}\" stroke-width=\"1.2\"", role_colour("estimate")));
     }
-    const std::string cross = fmt::format("stroke=\"{}\" stroke-width=\"2.2\"", kEstimateColour);
+    const std::string cross =
+        fmt::format("stroke=\"{}\" stroke-width=\"2.2\"", role_colour("estimate"));
     svg.line(mean_px - Eigen::Vector2d(5, 5), mean_px + Eigen::Vector2d(5, 5), cross);
     svg.line(mean_px - Eigen::Vector2d(5, -5), mean_px + Eigen::Vector2d(5, -5), cross);
   }
@@ -179,9 +198,9 @@ void draw_bodies(Svg& svg, const Layout& layout, const models::Scenario& scenari
       svg.polygon({p_px + Eigen::Vector2d(0, -6), p_px + Eigen::Vector2d(6, 0),
                    p_px + Eigen::Vector2d(0, 6), p_px + Eigen::Vector2d(-6, 0)},
                   fmt::format(R"(class="truth" fill="{}" stroke="#ffffff" stroke-width="1.2")",
-                              kTruthColour));
+                              role_colour("truth")));
       placer.avoid(around(p_px, 7.0));
-      labels.push_back({p_px, spec.name, kTruthColour, false});
+      labels.push_back({p_px, spec.name, role_colour("truth"), false});
     }
   }
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
@@ -190,13 +209,15 @@ void draw_bodies(Svg& svg, const Layout& layout, const models::Scenario& scenari
       continue;
     }
     const Pose2& pose = *robot->second.world_from_body;
-    svg.polygon(heading_arrow(layout, pose),
-                fmt::format(R"(class="robot" fill="{}" stroke="#ffffff" stroke-width="1.6" )"
-                            R"(stroke-linejoin="round")",
-                            robot_colour(i)));
-    placer.avoid(around(layout.page_from_world(pose.position_m()), 11.0));
-    labels.push_back({layout.page_from_world(pose.position_m()), scenario.robots[i].name,
-                      robot_colour(i), true});
+    const double radius_px =
+        std::max(kRobot_px, scenario.robots[i].limits.radius_m * layout.px_per_m);
+    const bool jammed = is_jammed(scene, scenario.robots[i]);
+    const std::string_view colour = shown_colour(scene, scenario, i);
+    draw_robot(svg, layout.page_from_world(pose.position_m()), pose.yaw_rad, radius_px, colour,
+               jammed ? robot_colour(i) : robot_core_colour(i));
+    placer.avoid(around(layout.page_from_world(pose.position_m()), radius_px + 5.0));
+    labels.push_back({layout.page_from_world(pose.position_m()),
+                      scenario.robots[i].name + (jammed ? " jammed" : ""), colour, true});
   }
   for (const Label& label : labels) {
     const double size_px = label.bold ? 16.0 : 13.0;

@@ -11,7 +11,7 @@
 namespace vantage::tools {
 
 /// How long before the end a track is drawn strongly; before that it is faint.
-inline constexpr double kRecent_s = 20.0;
+inline double recent_s() { return logs::look().trail_s; }
 
 void draw_ground(Svg& svg, const Layout& layout, const models::Scenario& scenario,
                  const Scene& scene);
@@ -20,6 +20,9 @@ void draw_tracks(Svg& svg, const Layout& layout, const models::Scenario& scenari
                  const Scene& scene);
 void draw_views_and_plans(Svg& svg, const Layout& layout, const models::Scenario& scenario,
                           const Scene& scene);
+/// A robot's body, its nose ahead; a core where its colour is another.
+void draw_robot(Svg& svg, const Eigen::Vector2d& at_px, double yaw_rad, double radius_px,
+                std::string_view colour, std::string_view core_colour);
 /// The sensor's reach from `world_from_body`: a disc, or the sector of its field of view.
 void draw_view(Svg& svg, const Layout& layout, const models::SensorModel& sensor,
                const Pose2& world_from_body, std::string_view colour);

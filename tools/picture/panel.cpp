@@ -17,7 +17,8 @@ constexpr std::string_view kMutedEnd = R"(font-size="12.5" fill="#5f6368" text-a
 constexpr std::string_view kMuted = R"(font-size="12.5" fill="#5f6368")";
 
 constexpr std::size_t kTargetRowsMax = 12;
-constexpr std::size_t kRobotRowsMax = 6;
+constexpr std::size_t kRobotColumns = 4;
+constexpr double kRobotColumn_px = 86.0;
 constexpr double kTargetRow_px = 20.0;
 constexpr double kLegendRow_px = 24.0;
 
@@ -56,18 +57,65 @@ double draw_target_table(Svg& svg, const Eigen::Vector2d& corner_px,
   return y_px;
 }
 
+bool is_mapping(const models::Scenario& scenario) {
+  return scenario.planner.objective == models::PlanObjective::kMapping;
+}
+
+double draw_map_table(Svg& svg, const Eigen::Vector2d& corner_px, const models::Scenario& scenario,
+                      const Scene& scene, const logs::TrialSummary& summary) {
+  const double x_px = corner_px.x();
+  double y_px = corner_px.y() + 14.0;
+  svg.text({x_px, y_px}, "Maps", kHead);
+  y_px += 24.0;
+  svg.text({x_px, y_px}, "as known by", kMuted);
+  svg.text({x_px + 225.0, y_px}, "entropy", kMutedEnd);
+  y_px += 8.0;
+  svg.line({x_px, y_px}, {x_px + 325.0, y_px}, "stroke=\"#dadce0\"");
+  const auto row = [&](const std::string& name, const std::optional<double>& entropy_nats,
+                       const std::string& note) {
+    y_px += kTargetRow_px;
+    svg.text({x_px, y_px}, name, kBody);
+    svg.text({x_px + 225.0, y_px}, number_or_dash(entropy_nats, "{:.0f} nat"), kBodyEnd);
+    svg.text({x_px + 325.0, y_px}, note,
+             fmt::format(R"(font-size="13.5" text-anchor="end" fill="{}")", role_colour("jammed")));
+  };
+  for (std::size_t i = 0; i < std::min(scenario.robots.size(), kTargetRowsMax - 1); ++i) {
+    const std::string& name = scenario.robots[i].name;
+    const auto found = scene.map_entropies_nats.find(name);
+    row(name, found == scene.map_entropies_nats.end() ? std::nullopt : std::optional(found->second),
+        scene.jammed.contains(name) ? "jammed" : "");
+  }
+  row("mean", summary.map_entropy_nats, "");
+  return y_px;
+}
+
 class Legend {
  public:
   Legend(Svg& svg, const Eigen::Vector2d& corner_px) : svg_(svg), at_px_(corner_px) {
     svg_.text(at_px_ + Eigen::Vector2d(0, 14), "Legend", kHead);
     at_px_.y() += 36.0;
   }
-  /// Centre of the next entry's symbol; writes its words.
-  Eigen::Vector2d entry(std::string_view words) {
-    svg_.text(at_px_ + Eigen::Vector2d(44, 4.5), words, kBody);
+  /// Centre of the next entry's symbol; writes what look.json says of `glyph`, and `more`.
+  Eigen::Vector2d entry(const char* glyph, std::string_view more = "") {
+    svg_.text(at_px_ + Eigen::Vector2d(44, 4.5),
+              fmt::format("{}{}", logs::look().glyphs.at(glyph), more), kBody);
     const Eigen::Vector2d symbol_px = at_px_ + Eigen::Vector2d(16, 0);
     at_px_.y() += kLegendRow_px;
     return symbol_px;
+  }
+  /// All robots, several beside each other.
+  void robots(const std::vector<models::RobotSpec>& robots) {
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      const auto column = static_cast<double>(i % kRobotColumns);
+      const auto row = static_cast<double>(i / kRobotColumns);
+      const Eigen::Vector2d p_px =
+          at_px_ + Eigen::Vector2d(10.0 + kRobotColumn_px * column, kTargetRow_px * row);
+      draw_robot(svg_, p_px, 0.0, 6.5, robot_colour(i), robot_core_colour(i));
+      svg_.text(p_px + Eigen::Vector2d(16, 4.5), robots[i].name, kBody);
+    }
+    at_px_.y() +=
+        kTargetRow_px * static_cast<double>((robots.size() + kRobotColumns - 1) / kRobotColumns) +
+        6.0;
   }
 
  private:
@@ -75,53 +123,66 @@ class Legend {
   Eigen::Vector2d at_px_;
 };
 
-void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const models::Scenario& scenario) {
+void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const models::Scenario& scenario,
+                 const Scene& scene) {
   const Eigen::Vector2d dx(14, 0);
-  Legend legend(svg, corner_px);
-  for (std::size_t i = 0; i < std::min(scenario.robots.size(), kRobotRowsMax); ++i) {
-    const Eigen::Vector2d p_px = legend.entry(
-        fmt::format("{}: driven track, {:g} s strong", scenario.robots[i].name, kRecent_s));
-    svg.line(p_px - dx, p_px + dx,
-             fmt::format("stroke=\"{}\" stroke-width=\"2.6\"", robot_colour(i)));
-  }
   const std::string_view first = robot_colour(0);
-  Eigen::Vector2d p_px = legend.entry("plan, and the hover that ends it");
+  Legend legend(svg, corner_px);
+  legend.robots(scenario.robots);
+  Eigen::Vector2d p_px;
+  if (!scene.jammed.empty()) {
+    draw_robot(svg, legend.entry("jammed"), 0.0, 7.0, role_colour("jammed"), first);
+  }
+  p_px = legend.entry("trail", fmt::format(" {:g} s", recent_s()));
+  svg.line(p_px - dx, p_px + dx, fmt::format("stroke=\"{}\" stroke-width=\"2.6\"", first));
+  p_px = legend.entry("plan");
   svg.line(p_px - dx, p_px + dx,
            fmt::format(R"(stroke="{}" stroke-width="2.2" stroke-dasharray="2 5" )"
                        R"(stroke-linecap="round")",
                        first));
   svg.circle(p_px + dx, 4.0,
              fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"1.8\"", first));
-  p_px = legend.entry("field of view");
+  p_px = legend.entry("view");
   svg.circle(
       p_px, 9.0,
       fmt::format(R"(fill="{0}" fill-opacity="0.08" stroke="{0}" stroke-dasharray="4 3")", first));
-  p_px = legend.entry("target: truth and its track");
-  svg.line(p_px - dx, p_px + dx,
-           fmt::format("stroke=\"{}\" stroke-width=\"1.5\"", kTruthTrackColour));
-  svg.polygon({p_px + Eigen::Vector2d(0, -6), p_px + Eigen::Vector2d(6, 0),
-               p_px + Eigen::Vector2d(0, 6), p_px + Eigen::Vector2d(-6, 0)},
-              fmt::format("fill=\"{}\"", kTruthColour));
-  p_px = legend.entry("team estimate, 2σ ellipse, error");
-  svg.ellipse(p_px, {14, 8}, 0.0,
-              fmt::format(R"(fill="{0}" fill-opacity="0.14" stroke="{0}" stroke-width="1.6")",
-                          kEstimateColour));
-  const std::string cross = fmt::format("stroke=\"{}\" stroke-width=\"2\"", kEstimateColour);
-  svg.line(p_px - Eigen::Vector2d(4, 4), p_px + Eigen::Vector2d(4, 4), cross);
-  svg.line(p_px - Eigen::Vector2d(4, -4), p_px + Eigen::Vector2d(4, -4), cross);
-  const auto swatch = [&](std::string_view words, std::string_view colour) {
-    const Eigen::Vector2d centre_px = legend.entry(words);
-    svg.rectangle(centre_px - Eigen::Vector2d(14, 8), {28, 16},
-                  fmt::format("fill=\"{}\" stroke=\"#bdc1c6\"", colour));
-  };
-  swatch("explored", kExploredColour);
-  if (scenario.estimator.grid_memory_s > 0.0) {
-    swatch(fmt::format("seen more than {:g} s ago", scenario.estimator.grid_memory_s),
-           kStaleColour);
+  if (!scenario.targets.empty()) {
+    p_px = legend.entry("truth");
+    svg.polygon({p_px + Eigen::Vector2d(0, -6), p_px + Eigen::Vector2d(6, 0),
+                 p_px + Eigen::Vector2d(0, 6), p_px + Eigen::Vector2d(-6, 0)},
+                fmt::format("fill=\"{}\"", role_colour("truth")));
+    p_px = legend.entry("estimate");
+    svg.ellipse(p_px, {14, 8}, 0.0,
+                fmt::format(R"(fill="{0}" fill-opacity="0.14" stroke="{0}" stroke-width="1.6")",
+                            role_colour("estimate")));
+    const std::string cross =
+        fmt::format("stroke=\"{}\" stroke-width=\"2\"", role_colour("estimate"));
+    svg.line(p_px - Eigen::Vector2d(4, 4), p_px + Eigen::Vector2d(4, 4), cross);
+    svg.line(p_px - Eigen::Vector2d(4, -4), p_px + Eigen::Vector2d(4, -4), cross);
   }
-  swatch("never seen", kUnexploredColour);
+  const auto swatch = [&](const char* glyph, const char* role, std::string_view more = "") {
+    const Eigen::Vector2d centre_px = legend.entry(glyph, more);
+    svg.rectangle(centre_px - Eigen::Vector2d(14, 8), {28, 16},
+                  fmt::format("fill=\"{}\" stroke=\"#bdc1c6\"", role_colour(role)));
+  };
+  if (scene.map) {
+    swatch("occupied", "occupied");
+    swatch("free", "free");
+    swatch("unknown", "unseen");
+  } else {
+    swatch("seen", "seen");
+    if (scenario.estimator.grid_memory_s > 0.0) {
+      swatch("stale", "stale", fmt::format(" {:g} s", scenario.estimator.grid_memory_s));
+    }
+    swatch("unseen", "unseen");
+  }
   if (!scenario.world.obstacles.empty()) {
-    swatch("obstacle", kObstacleColour);
+    const Eigen::Vector2d centre_px = legend.entry("obstacle");
+    svg.rectangle(centre_px - Eigen::Vector2d(14, 8), {28, 16},
+                  scene.map ? fmt::format(R"(fill="none" stroke="{}" stroke-dasharray="5 3")",
+                                          role_colour("wall"))
+                            : fmt::format(R"(fill="{}" stroke="{}")", role_colour("obstacle"),
+                                          role_colour("wall")));
   }
 }
 
@@ -129,33 +190,45 @@ void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const models::Scena
 
 double panel_height_px(const models::Scenario& scenario) {
   constexpr double kHeads_px = 46.0 + 30.0 + 36.0;
-  constexpr std::size_t kLegendRowsBesideRobots = 8;
-  const std::size_t target_rows = std::min(scenario.targets.size(), kTargetRowsMax + 1);
-  const std::size_t robot_rows = std::min(scenario.robots.size(), kRobotRowsMax);
-  return kHeads_px + kTargetRow_px * static_cast<double>(target_rows) +
-         kLegendRow_px * static_cast<double>(robot_rows + kLegendRowsBesideRobots);
+  constexpr std::size_t kLegendRowsBesideRobots = 10;
+  const std::size_t rows = is_mapping(scenario)
+                               ? std::min(scenario.robots.size() + 1, kTargetRowsMax)
+                               : std::min(scenario.targets.size(), kTargetRowsMax + 1);
+  const std::size_t robot_rows = (scenario.robots.size() + kRobotColumns - 1) / kRobotColumns;
+  return kHeads_px + kTargetRow_px * static_cast<double>(rows + robot_rows) + 6.0 +
+         kLegendRow_px * static_cast<double>(kLegendRowsBesideRobots);
 }
 
-void draw_header(Svg& svg, const Layout& layout, const logs::TrialSummary& summary) {
+void draw_header(Svg& svg, const Layout& layout, const models::Scenario& scenario,
+                 const logs::TrialSummary& summary) {
   const double x_px = layout.map_corner_px.x();
+  const std::string found = is_mapping(scenario) ? "map after"
+                                                 : fmt::format("{} of {} targets found in",
+                                                               summary.discovered, summary.targets);
+  const std::string known =
+      is_mapping(scenario)
+          ? fmt::format("map entropy {}", number_or_dash(summary.map_entropy_nats, "{:.0f} nat"))
+          : fmt::format("RMSE {} · entropy {:.2f} nat", number_or_dash(summary.rmse_m, "{:.2f} m"),
+                        summary.entropy_nats);
   svg.text({x_px, 34.0},
-           fmt::format("{}: {} of {} targets found in {:.0f} s", summary.scenario,
-                       summary.discovered, summary.targets, summary.duration_s),
+           fmt::format("{}: {} {:.0f} s", summary.scenario, found, summary.duration_s),
            R"(font-size="22" font-weight="bold" fill="#202124")");
   svg.text({x_px, 60.0},
-           fmt::format("{}, seed {} · RMSE {} · entropy {:.2f} nat · {} collisions · {} near "
+           fmt::format("{}, seed {} · {} · {} collisions · {} near "
                        "misses · least separation {} · {} of {} rounds late",
-                       summary.algorithm, summary.seed, number_or_dash(summary.rmse_m, "{:.2f} m"),
-                       summary.entropy_nats, summary.collisions, summary.separation_violations,
+                       summary.algorithm, summary.seed, known, summary.collisions,
+                       summary.separation_violations,
                        number_or_dash(summary.min_separation_m, "{:.2f} m"), summary.rounds_late,
                        summary.rounds),
            R"(font-size="14" fill="#3c4043")");
 }
 
 void draw_panel(Svg& svg, const Layout& layout, const models::Scenario& scenario,
-                const logs::TrialSummary& summary) {
-  const double table_end_px = draw_target_table(svg, layout.panel_corner_px, scenario, summary);
-  draw_legend(svg, {layout.panel_corner_px.x(), table_end_px + 30.0}, scenario);
+                const Scene& scene, const logs::TrialSummary& summary) {
+  const double table_end_px =
+      is_mapping(scenario) ? draw_map_table(svg, layout.panel_corner_px, scenario, scene, summary)
+                           : draw_target_table(svg, layout.panel_corner_px, scenario, summary);
+  draw_legend(svg, {layout.panel_corner_px.x(), table_end_px + 30.0}, scenario, scene);
 }
 
 }  // namespace vantage::tools

@@ -17,7 +17,7 @@ std::string draw_picture(const models::Scenario& scenario, const Scene& scene,
                          const logs::TrialSummary& summary) {
   const Layout layout(scenario.world.bounds, panel_height_px(scenario));
   Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
-  draw_header(svg, layout, summary);
+  draw_header(svg, layout, scenario, summary);
   svg.open_clip(layout.map_corner_px, layout.map_size_px);
   draw_ground(svg, layout, scenario, scene);
   draw_tracks(svg, layout, scenario, scene);
@@ -26,7 +26,7 @@ std::string draw_picture(const models::Scenario& scenario, const Scene& scene,
   svg.close_group();
   draw_axes(svg, layout, scenario.world);
   draw_bodies(svg, layout, scenario, scene);
-  draw_panel(svg, layout, scenario, summary);
+  draw_panel(svg, layout, scenario, scene, summary);
   return svg.str();
 }
 

@@ -10,8 +10,8 @@
 namespace vantage::tools {
 
 /// A picture of the end of a trial as SVG text: world, obstacles, explored ground, driven tracks,
-/// fields of view, plans, true targets and estimates with 2σ ellipses; key numbers and legend.
-/// Pure: equal inputs give equal bytes.
+/// fields of view, plans, true targets and estimates with ellipses that hold 95 %, who is jammed,
+/// the map of a team that maps; key numbers and legend. Pure: equal inputs give equal bytes.
 std::string draw_picture(const models::Scenario& scenario, const Scene& scene,
                          const logs::TrialSummary& summary);
 

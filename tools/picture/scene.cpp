@@ -53,6 +53,16 @@ void SceneRecorder::on_belief(const models::RobotBelief& belief) {
   }
 }
 
+void SceneRecorder::on_map(const models::RobotMap& map) {
+  scene_.time = std::max(scene_.time, map.stamp.time);
+  scene_.map_entropies_nats[map.robot] = map.entropy_nats;
+  scene_.map = map;
+}
+
+void SceneRecorder::on_attack(const models::AttackNotice& attack) {
+  scene_.jammed = {attack.jammed.begin(), attack.jammed.end()};
+}
+
 void SceneRecorder::on_plan(const models::RobotPlan& plan) {
   scene_.robots[plan.robot].plan = plan;
 }

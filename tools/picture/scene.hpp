@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,10 @@ struct Scene {
   std::map<std::string, RobotScene> robots;
   std::map<int, TargetScene> targets;
   models::GridGeometry grid;
-  std::vector<std::int64_t> last_seen_utime;  ///< per cell, newest of any robot
+  std::vector<std::int64_t> last_seen_utime;         ///< per cell, newest of any robot
+  std::set<std::string> jammed;                      ///< robots
+  std::optional<models::RobotMap> map;               ///< newest of any robot, of a team that maps
+  std::map<std::string, double> map_entropies_nats;  ///< of each robot's newest map
 };
 
 /// Gathers a Scene from the messages of a trial; pure. Tracks are thinned to one point each
@@ -50,6 +54,8 @@ class SceneRecorder {
   void on_truth(const models::TruthFrame& frame);
   void on_belief(const models::RobotBelief& belief);
   void on_plan(const models::RobotPlan& plan);
+  void on_map(const models::RobotMap& map);
+  void on_attack(const models::AttackNotice& attack);
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
  private:

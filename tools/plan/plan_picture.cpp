@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
@@ -14,7 +17,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-constexpr std::string_view kPathColour = "#0072B2";
+std::string_view path_colour() { return robot_colour(0); }
 
 // Covariance of one target after the last step, and the way its mean is predicted to go.
 struct Course {
@@ -50,8 +53,8 @@ Course course_of(const planner::SearchProblem& problem, const planner::SearchTar
 void draw_ellipse(Svg& svg, const Layout& layout, const Eigen::Vector2d& mean_m,
                   const Eigen::Matrix2d& covariance_m2, std::string_view style) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_m2);
-  const Eigen::Vector2d half_px =
-      2.0 * layout.px_per_m * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::Vector2d half_px = logs::look().ellipse_radius() * layout.px_per_m *
+                                  axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   // The page's y axis points down, so a counter-clockwise angle turns negative.
   const double angle_deg =
       -degrees(std::atan2(axes.eigenvectors()(1, 0), axes.eigenvectors()(0, 0)));
@@ -62,18 +65,18 @@ void draw_target(Svg& svg, const Layout& layout, const Course& course) {
   draw_ellipse(svg, layout, course.mean_m.front(), course.before_m2,
                fmt::format(R"(class="prior" fill="none" stroke="{}" stroke-width="1.2" )"
                            R"(stroke-dasharray="4 4")",
-                           kTruthTrackColour));
+                           role_colour("fallback")));
   Points way_px;
   for (const Eigen::Vector2d& mean_m : course.mean_m) {
     way_px.push_back(layout.page_from_world(mean_m));
   }
-  svg.polyline(way_px,
-               fmt::format(R"(fill="none" stroke="{}" stroke-width="1.4")", kEstimateColour));
+  svg.polyline(way_px, fmt::format(R"(fill="none" stroke="{}" stroke-width="1.4")",
+                                   role_colour("estimate")));
   draw_ellipse(svg, layout, course.mean_m.back(), course.after_m2,
                fmt::format(R"(class="target" fill="{0}" fill-opacity="0.12" stroke="{0}" )"
                            R"(stroke-width="1.6")",
-                           kEstimateColour));
-  svg.circle(way_px.back(), 2.5, fmt::format("fill=\"{}\"", kEstimateColour));
+                           role_colour("estimate")));
+  svg.circle(way_px.back(), 2.5, fmt::format("fill=\"{}\"", role_colour("estimate")));
 }
 
 void draw_path(Svg& svg, const Layout& layout, const planner::SearchProblem& problem,
@@ -91,7 +94,7 @@ void draw_path(Svg& svg, const Layout& layout, const planner::SearchProblem& pro
   }
   svg.polyline(path_px, fmt::format(R"(class="plan" fill="none" stroke="{}" stroke-width="2.4" )"
                                     R"(stroke-linejoin="round")",
-                                    kPathColour));
+                                    path_colour()));
   const auto mark = [&](const Pose2& pose, std::string_view style) {
     const Eigen::Vector2d at_px = layout.page_from_world(pose.position_m());
     const Eigen::Vector2d ahead(std::cos(pose.yaw_rad), -std::sin(pose.yaw_rad));
@@ -101,16 +104,93 @@ void draw_path(Svg& svg, const Layout& layout, const planner::SearchProblem& pro
                 style);
   };
   for (std::size_t t = 0; t < result.controls.size(); ++t) {
-    mark(result.poses[t], fmt::format(R"(fill="{}" stroke="#ffffff")", kPathColour));
+    mark(result.poses[t], fmt::format(R"(fill="{}" stroke="#ffffff")", path_colour()));
   }
-  mark(problem.start, fmt::format(R"(class="start" fill="#ffffff" stroke="{}")", kPathColour));
+  mark(problem.start, fmt::format(R"(class="start" fill="#ffffff" stroke="{}")", path_colour()));
+}
+
+constexpr std::string_view kHead = R"(font-size="15" font-weight="bold" fill="#202124")";
+constexpr std::string_view kKey = R"(font-size="12.5" fill="#5f6368")";
+constexpr std::string_view kBody = R"(font-size="12.5" fill="#202124")";
+constexpr double kValue_px = 78.0;  // where values begin
+constexpr double kRow_px = 20.0;
+constexpr std::size_t kValueColumns = 40;  // characters that fit beside the keys
+
+struct Row {
+  std::string key;
+  std::string value;
+};
+
+// Lines of to_lines() as key and value, long values on several rows; all words are kept.
+std::vector<Row> rows_of(const std::vector<std::string>& lines) {
+  std::vector<Row> rows;
+  for (const std::string& line : lines) {
+    const std::size_t gap = line.find("  ");
+    std::string key = gap == std::string::npos ? "" : line.substr(0, gap);
+    std::string rest =
+        gap == std::string::npos ? line : line.substr(line.find_first_not_of(' ', gap));
+    while (rest.size() > kValueColumns) {
+      std::size_t end = rest.rfind(' ', kValueColumns);
+      end = end == std::string::npos || end == 0 ? kValueColumns : end;
+      rows.push_back({key, rest.substr(0, end)});
+      rest = rest.substr(std::min(rest.find_first_not_of(' ', end), rest.size()));
+      key.clear();
+    }
+    rows.push_back({key, rest});
+  }
+  return rows;
+}
+
+double draw_numbers(Svg& svg, const Eigen::Vector2d& corner_px, const std::vector<Row>& rows) {
+  double y_px = corner_px.y() + 14.0;
+  svg.text({corner_px.x(), y_px}, "Plan", kHead);
+  y_px += 4.0;
+  for (const Row& row : rows) {
+    y_px += kRow_px;
+    svg.text({corner_px.x(), y_px}, row.key, kKey);
+    svg.text({corner_px.x() + kValue_px, y_px}, row.value, kBody);
+  }
+  return y_px;
+}
+
+void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, bool has_targets) {
+  const Eigen::Vector2d dx(14, 0);
+  Eigen::Vector2d at_px = corner_px + Eigen::Vector2d(0, 14);
+  svg.text(at_px, "Legend", kHead);
+  const auto entry = [&](const std::string& words) {
+    at_px.y() += 24.0;
+    svg.text(at_px + Eigen::Vector2d(44, 0), words, kBody);
+    return Eigen::Vector2d(at_px + Eigen::Vector2d(16, -4.5));
+  };
+  Eigen::Vector2d p_px = entry("planned path, a mark at each step");
+  svg.line(p_px - dx, p_px + dx, fmt::format("stroke=\"{}\" stroke-width=\"2.4\"", path_colour()));
+  p_px = entry(logs::look().glyphs.at("view") + " at each step");
+  svg.circle(p_px, 9.0,
+             fmt::format(R"(fill="{0}" fill-opacity="0.08" stroke="{0}" stroke-dasharray="4 3")",
+                         path_colour()));
+  if (!has_targets) {
+    return;
+  }
+  const std::string words = logs::look().ellipse_words();
+  p_px = entry("target before the plan (prior), " + words + " ellipse");
+  svg.ellipse(p_px, {14, 8}, 0.0,
+              fmt::format(R"(fill="none" stroke="{}" stroke-width="1.2" stroke-dasharray="4 4")",
+                          role_colour("fallback")));
+  p_px = entry("target after it (posterior), " + words + " ellipse");
+  svg.ellipse(p_px, {14, 8}, 0.0,
+              fmt::format(R"(fill="{0}" fill-opacity="0.12" stroke="{0}" stroke-width="1.6")",
+                          role_colour("estimate")));
+  p_px = entry("way that its mean is predicted to go");
+  svg.line(p_px - dx, p_px + dx,
+           fmt::format("stroke=\"{}\" stroke-width=\"1.4\"", role_colour("estimate")));
 }
 
 }  // namespace
 
 std::string draw_plan_picture(const PlanningProblem& planning, const PlanOutcome& outcome) {
   const planner::SearchProblem& problem = planning.problem;
-  const Layout layout(planning.world->bounds, 120.0);
+  const std::vector<Row> rows = rows_of(to_lines(planning, outcome));
+  const Layout layout(planning.world->bounds, kRow_px * static_cast<double>(rows.size()) + 190.0);
   models::Scenario scenario;
   scenario.world = *planning.world;
   Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
@@ -118,7 +198,7 @@ std::string draw_plan_picture(const PlanningProblem& planning, const PlanOutcome
   draw_ground(svg, layout, scenario, {});
   for (const Pose2& pose : outcome.result.poses) {
     for (const models::SensorModel& sensor : problem.sensors) {
-      draw_view(svg, layout, sensor, pose, kPathColour);
+      draw_view(svg, layout, sensor, pose, path_colour());
     }
   }
   for (const planner::SearchTarget& target : problem.targets) {
@@ -129,14 +209,8 @@ std::string draw_plan_picture(const PlanningProblem& planning, const PlanOutcome
   draw_axes(svg, layout, *planning.world);
   svg.text({layout.map_corner_px.x(), 40.0}, planning.name.empty() ? outcome.source : planning.name,
            R"(font-size="22" font-weight="bold" fill="#202124")");
-  double y_px = layout.panel_corner_px.y() + 14.0;
-  for (const std::string& line : to_lines(planning, outcome)) {
-    constexpr std::size_t kShown = 60;
-    svg.text({layout.panel_corner_px.x(), y_px},
-             line.size() <= kShown ? line : line.substr(0, kShown) + "…",
-             R"(font-size="12.5" fill="#202124" xml:space="preserve")");
-    y_px += 20.0;
-  }
+  const double end_px = draw_numbers(svg, layout.panel_corner_px, rows);
+  draw_legend(svg, {layout.panel_corner_px.x(), end_px + 26.0}, !problem.targets.empty());
   return svg.str();
 }
 

@@ -128,7 +128,7 @@ class Teller {
       return;
     }
     if (options_.live_table) {
-      std::vector<std::string> lines = status_table(scenario, metrics, elapsed_s);
+      std::vector<std::string> lines = status_table(scenario, metrics, elapsed_s, has_colour());
       lines.emplace_back();
       for (std::string& row : board.table(now)) {
         lines.push_back(std::move(row));
