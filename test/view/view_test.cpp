@@ -1,6 +1,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -10,10 +11,13 @@
 #include "logs/file/event_table.hpp"
 #include "test/logs/file_support.hpp"
 #include "tools/view/broker.hpp"
+#include "tools/view/feed.hpp"
+#include "tools/view/history.hpp"
 #include "tools/view/log_view.hpp"
 #include "tools/view/outbox.hpp"
 #include "tools/view/playback.hpp"
 #include "tools/view/protocol.hpp"
+#include "tools/view/welcome.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -402,6 +406,189 @@ TEST(LogHistory, HoldsTheNumbersOfTheWholeLogInOrder) {
   EXPECT_NEAR(records["/team"], 120, 3);           // two steps a second
   EXPECT_NEAR(records["/plan/Q1/status"], 60, 3);  // a round a second
   EXPECT_NEAR(records["/vehicle/Q3"], 60, 3);
+}
+
+TEST(LogSeries, IsOneNumberOfATopicOverTheWholeLog) {
+  const logs::test::TemporaryFolder folder;
+  if (!unpack_sample(folder.file("lab.lcmlog"))) {
+    GTEST_SKIP() << "no xz";
+  }
+  const logs::IndexedLog indexed(folder.file("lab.lcmlog"));
+  const logs::EventTable log(indexed);
+  const json battery = json::parse(log_series(log, "/vehicle/Q1", "/battery_share"));
+  EXPECT_GT(battery.size(), 100U);
+  EXPECT_GT(battery.front()[1].get<double>(), battery.back()[1].get<double>());
+  // The same plans as they are on the bus and as viewers are told them.
+  const json raw = json::parse(log_series(log, "/lcm/PLAN_Q1", "/nodes"));
+  const json told = json::parse(log_series(log, "/plan/Q1/status", "/nodes"));
+  EXPECT_NEAR(static_cast<double>(raw.size()), 60.0, 3.0);
+  EXPECT_EQ(raw, told);
+  const json late = json::parse(log_series(log, "/plan/Q1/status", "/late"));
+  EXPECT_EQ(late.front()[1], 0.0) << "false is a number, too";
+  EXPECT_TRUE(json::parse(log_series(log, "/vehicle/Q1", "/nowhere")).empty());
+  EXPECT_TRUE(json::parse(log_series(log, "/vehicle/Q1", "battery_share")).empty());
+  EXPECT_TRUE(json::parse(log_series(log, "/nobody", "/a")).empty());
+}
+
+TEST(FirstPicture, IsWhereEveryRobotHasAPlaceAndAPlanAndSomethingIsKnown) {
+  const logs::test::TemporaryFolder folder;
+  if (!unpack_sample(folder.file("lab.lcmlog"))) {
+    GTEST_SKIP() << "no xz";
+  }
+  const logs::IndexedLog indexed(folder.file("lab.lcmlog"));
+  const logs::EventTable log(indexed);
+  const Time first = first_picture(log);
+  EXPECT_GT(to_seconds(first - log.start()), 0.5);
+  EXPECT_LT(to_seconds(first - log.start()), 10.0);
+  Broker broker({"test", "s", std::pair(log.start(), log.end())});
+  const LogView view(log, broker, first);
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  const json advertised = pop_text(*client);
+  std::map<std::string, json> newest;
+  for (const json& channel : advertised["channels"]) {
+    const auto id = channel["id"].get<std::uint32_t>();
+    broker.on_request(*client, Subscribe{{{id, id}}});
+    client->push(control("{}"));
+    for (auto frame = client->wait_pop(); frame && !frame->is_text; frame = client->wait_pop()) {
+      if (frame->head[0] == 1) {
+        newest[channel["topic"].get<std::string>()] = json::parse(*frame->body);
+      }
+    }
+  }
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    EXPECT_TRUE(newest.contains(std::string("/plan/") + robot)) << robot;
+  }
+  EXPECT_GE(newest["/transforms"]["transforms"].size(), 3U);
+  EXPECT_FALSE(newest["/estimates"]["entities"].empty());
+  broker.disconnect(client);
+}
+
+/// Wants everything, and counts it.
+class Counter : public logs::foxglove::Sink {
+ public:
+  bool wants(const std::string& topic, Schema /*schema*/, bool /*is_state*/) override {
+    ++asked[topic];
+    return wants_all;
+  }
+  void write(const std::string& topic, Time /*time*/, const json& /*content*/) override {
+    ++written[topic];
+  }
+  bool wants_all = true;
+  std::map<std::string, int> asked;
+  std::map<std::string, int> written;
+};
+
+void tell(History& history, bus::VirtualClock& clock, const std::string& topic, Schema schema,
+          const json& content, std::int64_t at_us) {
+  clock.set(from_utime(at_us));
+  if (history.wants(topic, schema, true)) {
+    history.write(topic, clock.now(), content);
+  }
+}
+
+TEST(History, ThinsWhatComesOftenAndPassesOnAllOfIt) {
+  bus::VirtualClock clock(Time{});
+  Counter audience;
+  History history(clock, audience, History::Audience::kHears, 1U << 20U);
+  const json place{
+      {"transforms", json::array({{{"child_frame_id", "Q1"},
+                                   {"translation", {{"x", 1.234}, {"y", 2}, {"z", 3}}}}})}};
+  for (int i = 0; i < 100; ++i) {
+    const std::int64_t at_us = 1'000'000 + 20'000 * i;
+    tell(history, clock, "/vehicle/Q1", Schema::kVehicle, {{"i", i}}, at_us);
+    tell(history, clock, "/transforms", Schema::kFrameTransforms, place, at_us);
+    tell(history, clock, "/team", Schema::kTeam, {{"i", i}}, at_us);
+    tell(history, clock, "/robots", Schema::kSceneUpdate, {{"i", i}}, at_us);
+  }
+  std::map<std::string, int> kept;
+  json way;
+  for (const json& record : json::parse(history.text())) {
+    ++kept[record[0].get<std::string>()];
+    way = record[0] == "/ways" ? record[2] : way;
+  }
+  EXPECT_EQ(kept, (std::map<std::string, int>{{"/team", 100}, {"/vehicle/Q1", 2}, {"/ways", 10}}));
+  EXPECT_EQ(way, (json{{"Q1", {1.23, 2.0, 3.0}}})) << "to a centimetre";
+  for (const char* topic : {"/vehicle/Q1", "/transforms", "/team", "/robots"}) {
+    EXPECT_EQ(audience.written[topic], 100) << topic;
+  }
+}
+
+TEST(History, KeepsForLaterWhatNobodyHearsNow) {
+  bus::VirtualClock clock(Time{});
+  Counter audience;
+  audience.wants_all = false;
+  History history(clock, audience, History::Audience::kHears, 1U << 20U);
+  tell(history, clock, "/events", Schema::kLog, {{"message", "a"}}, 5);
+  tell(history, clock, "/robots", Schema::kSceneUpdate, {{"i", 1}}, 6);
+  EXPECT_EQ(json::parse(history.text()), json::parse(R"([["/events", 5, {"message": "a"}]])"));
+  EXPECT_TRUE(audience.written.empty());
+  EXPECT_EQ(audience.asked["/robots"], 1);
+}
+
+TEST(History, IsBoundedAndForgetsTheOldest) {
+  bus::VirtualClock clock(Time{});
+  Counter audience;
+  History history(clock, audience, History::Audience::kHears, 4000);
+  for (int i = 0; i < 1000; ++i) {
+    tell(history, clock, "/team", Schema::kTeam, {{"i", i}}, i);
+  }
+  const json kept = json::parse(history.text());
+  EXPECT_LT(history.text().size(), 4500U);
+  EXPECT_GT(kept.size(), 50U);
+  EXPECT_EQ(kept.back()[1], 999);
+  EXPECT_EQ(kept.front()[1], 1000 - static_cast<int>(kept.size()));
+}
+
+TEST(Broker, CountsRecordsOfATopicThatNobodyHears) {
+  Broker broker({"test", "s", std::nullopt});
+  for (int i = 0; i < 7; ++i) {
+    put(broker, "/flow", i, false);
+  }
+  EXPECT_EQ(json::parse(broker.topics_text()),
+            json::parse(R"([{"topic": "/flow", "schema": "vantage.Team", "count": 7}])"));
+}
+
+TEST(Broker, KeepsRawMessagesOfALogForWhoSubscribesAlone) {
+  Broker broker({"test", "s", std::pair(Time{}, from_utime(10))});
+  EXPECT_FALSE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false));
+  const auto client = broker.connect(true);
+  broker.on_request(*client, Subscribe{{{1, 1}}});
+  broker.hold();
+  EXPECT_TRUE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false)) << "also on the way to an instant";
+}
+
+TEST(RawMessage, TellsAForeignTypeByItsFingerprint) {
+  const std::vector<std::uint8_t> foreign{1, 2, 3, 4, 5, 6, 7, 0xab, 9, 9};
+  EXPECT_EQ(raw_message(foreign), (json{{"foreign_type", "0x01020304050607ab"}, {"bytes", 10}}));
+  EXPECT_EQ(raw_message({}), (json{{"foreign_type", "0x"}, {"bytes", 0}}));
+}
+
+TEST(IsOurHost, IsAnAddressThisMachineOrWhatWasNamed) {
+  const std::vector<std::string> more{"lab-wall"};
+  for (const char* ours : {"127.0.0.1:8765", "10.0.0.7", "[::1]:8765", "localhost:8765",
+                           "LocalHost", "lab-wall:8765", "Lab-Wall"}) {
+    EXPECT_TRUE(is_our_host(ours, more)) << ours;
+  }
+  for (const char* strange : {"evil.example:8765", "127.0.0.1.evil.example",
+                              "localhost.evil.example", "", "[evil]", "1.2.3"}) {
+    EXPECT_FALSE(is_our_host(strange, more)) << strange;
+  }
+}
+
+TEST(IsKnownOrigin, IsOurPageFoxgloveOrOfThisMachine) {
+  const std::vector<std::string> more{"https://viewer.example"};
+  const std::string host = "10.0.0.7:8765";
+  for (const char* known :
+       {"http://10.0.0.7:8765", "https://app.foxglove.dev", "file://", "http://localhost:8080",
+        "http://127.0.0.1:3000", "https://viewer.example"}) {
+    EXPECT_TRUE(is_known_origin(known, host, more)) << known;
+  }
+  for (const char* strange : {"http://10.0.0.8:8765", "http://10.0.0.7:80", "https://evil.example",
+                              "null", "", "http://localhost.evil.example",
+                              "https://app.foxglove.dev.evil.example", "10.0.0.7:8765"}) {
+    EXPECT_FALSE(is_known_origin(strange, host, more)) << strange;
+  }
 }
 
 }  // namespace

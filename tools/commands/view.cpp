@@ -93,6 +93,10 @@ void add_web_options(CLI::App& command, WebOptions& web) {
       ->capture_default_str();
   command.add_option("--bind", web.bind, "address to serve on; 0.0.0.0: every one of this host")
       ->capture_default_str();
+  command.add_option("--host", web.hosts,
+                     "name by which browsers may ask for this host, besides its own; repeatable");
+  command.add_option("--origin", web.origins,
+                     "page of another server that may connect (https://NAME); repeatable");
   command.add_option("--page", web.page_folder,
                      "folder of the built page, instead of this build's");
 }

@@ -58,7 +58,12 @@ std::int64_t Client::dropped() const {
 Broker::Broker(ServerInfo info) : info_(std::move(info)) {}
 
 bool Broker::is_kept(const Topic& topic) const {
-  return topic.is_state || (info_.range && topic.channel.schema != logs::foxglove::Schema::kLog);
+  using logs::foxglove::Schema;
+  if (topic.is_state || !info_.range) {
+    return topic.is_state;
+  }
+  return topic.channel.schema == Schema::kLcm ? topic.subscribers > 0
+                                              : topic.channel.schema != Schema::kLog;
 }
 
 bool Broker::wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) {
@@ -73,6 +78,7 @@ bool Broker::wants(const std::string& topic, logs::foxglove::Schema schema, bool
       client->push(control(advertise_text({&known.channel, 1})));
     }
   }
+  ++known.count;
   return is_kept(known) || (known.subscribers > 0 && !is_holding_);
 }
 
@@ -252,6 +258,17 @@ void Broker::unsubscribe(Client& client, std::uint32_t subscription_id) {
 std::vector<PlaybackControl> Broker::take_controls() {
   const std::lock_guard lock(mutex_);
   return std::exchange(controls_, {});
+}
+
+std::string Broker::topics_text() const {
+  logs::foxglove::Json list = logs::foxglove::Json::array();
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, topic] : topics_) {
+    list.push_back({{"topic", name},
+                    {"schema", logs::foxglove::name_of(topic.channel.schema)},
+                    {"count", topic.count}});
+  }
+  return list.dump(-1, ' ', false, logs::foxglove::Json::error_handler_t::replace);
 }
 
 std::size_t Broker::clients() const {

@@ -46,8 +46,9 @@ class Client {
 /// thread, asked by the connections'.
 class Broker : public logs::foxglove::Sink {
  public:
-  /// A server of a log keeps the newest record of every topic but events, since in a log that is
-  /// paused nothing else comes; a live one keeps states only, and makes nothing nobody asked for.
+  /// A server of a log keeps the newest record of every topic but events and raw messages, since in
+  /// a log that is paused nothing else comes; of raw messages that somebody subscribes to as well;
+  /// a live one keeps states only, and makes nothing nobody asked for.
   explicit Broker(ServerInfo info);
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override;
@@ -73,6 +74,9 @@ class Broker : public logs::foxglove::Sink {
   /// What viewers asked of the player since the last call, oldest first.
   std::vector<PlaybackControl> take_controls();
 
+  /// JSON list of {topic, schema, count} of all that is known: how many records there were, made or
+  /// not, since the start. Whoever asks twice knows the rates.
+  [[nodiscard]] std::string topics_text() const;
   [[nodiscard]] std::size_t clients() const;
   /// Records that slow viewers did not get, since the start.
   [[nodiscard]] std::int64_t dropped() const;
@@ -84,6 +88,7 @@ class Broker : public logs::foxglove::Sink {
     ChannelInfo channel;
     bool is_state = false;
     int subscribers = 0;
+    std::int64_t count = 0;                     ///< records that there were, made or not
     Time time{};                                ///< of the newest
     std::shared_ptr<const std::string> newest;  ///< when kept
   };

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <string_view>
+
 #include "bus/bus.hpp"
 #include "bus/clock.hpp"
 #include "bus/transport.hpp"
@@ -7,7 +11,14 @@
 
 namespace vantage::tools {
 
-/// Hears everything on a bus and tells it to a Sink as viewers know it. Publishes nothing.
+/// Topic of a channel's messages as they are on the bus.
+inline constexpr std::string_view kRawTopics = "/lcm/";
+/// A message as viewers are told it.
+logs::foxglove::Json raw_message(std::span<const std::uint8_t> data);
+
+/// Hears everything on a bus and tells it to a Sink as viewers know it; and, where it is wanted,
+/// each message as it is, on topic /lcm/CHANNEL (a foreign type's is told by its size and
+/// fingerprint). Publishes nothing.
 class Feed {
  public:
   Feed(bus::Transport& transport, const bus::Clock& clock, logs::foxglove::Sink& sink);
@@ -21,6 +32,7 @@ class Feed {
   void listen(const bus::Channel<Message>& channel);
 
   const bus::Clock& clock_;
+  logs::foxglove::Sink& sink_;
   logs::foxglove::Stream stream_;
   bus::Bus bus_;
 };

@@ -18,6 +18,13 @@ namespace {
 constexpr auto kWait = std::chrono::milliseconds(50);
 constexpr auto kTick = std::chrono::milliseconds(10);
 
+constexpr std::size_t kLiveHistoryBytes = std::size_t{8} << 20U;
+
+WebOptions with_history(WebOptions options, std::function<std::string()> history) {
+  options.history = std::move(history);
+  return options;
+}
+
 std::string new_session() { return fmt::format("{:016x}", bus::random_run_id()); }
 
 }  // namespace
@@ -25,7 +32,8 @@ std::string new_session() { return fmt::format("{:016x}", bus::random_run_id());
 LiveView::LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& options)
     : transport_(std::move(transport)),
       broker_({"vantage", new_session(), std::nullopt}),
-      server_(broker_, options),
+      history_(clock_, broker_, History::Audience::kHears, kLiveHistoryBytes),
+      server_(broker_, with_history(options, [this] { return history_.text(); })),
       thread_([this] { listen(); }) {}
 
 LiveView::~LiveView() {
@@ -35,8 +43,7 @@ LiveView::~LiveView() {
 
 void LiveView::listen() {
   try {
-    const bus::SystemClock clock;
-    Feed feed(*transport_, clock, broker_);
+    Feed feed(*transport_, clock_, history_);
     while (!is_over_ && feed.handle(kWait) != bus::kSourceEnded) {
     }
   } catch (const std::exception& error) {
@@ -55,13 +62,15 @@ void serve_log(const logs::IndexedLog& log, const WebOptions& options, bool is_p
                const std::function<bool()>& stop) {
   const logs::EventTable events(log);
   Broker broker({"vantage " + log.path(), new_session(), std::pair(events.start(), events.end())});
-  WebOptions with_history = options;
-  with_history.history = [text = log_history(events, broker)] { return text; };
-  LogView view(events, broker);
+  WebOptions of_log = with_history(options, [text = log_history(events, broker)] { return text; });
+  of_log.series = [&events](const std::string& topic, const std::string& pointer) {
+    return log_series(events, topic, pointer);
+  };
+  LogView view(events, broker, first_picture(events));
   if (is_playing) {
     view.play(monotonic_ns());
   }
-  const WebServer server(broker, with_history);
+  const WebServer server(broker, of_log);
   ready(server);
   while (!stop()) {
     view.tick(monotonic_ns());

@@ -7,14 +7,17 @@
 #include <string>
 #include <thread>
 
+#include "bus/clock.hpp"
 #include "bus/transport.hpp"
 #include "logs/file/log_index.hpp"
 #include "tools/view/broker.hpp"
+#include "tools/view/history.hpp"
 #include "tools/view/web_server.hpp"
 
 namespace vantage::tools {
 
 /// Serves what is on a bus until it is destroyed: one thread listens, the web server's do the rest.
+/// Viewers who come late are handed what there was before, up to 8 MiB of it.
 class LiveView {
  public:
   /// @throws StartupError when the address cannot be had.
@@ -34,7 +37,9 @@ class LiveView {
   void listen();
 
   std::unique_ptr<bus::Transport> transport_;
+  bus::SystemClock clock_;
   Broker broker_;
+  History history_;
   WebServer server_;
   std::atomic<bool> is_over_ = false;
   mutable std::mutex mutex_;  ///< of failure_
@@ -42,8 +47,8 @@ class LiveView {
   std::thread thread_;
 };
 
-/// Serves a log from its start, paused unless `is_playing`, until `stop` says so; `ready` is told
-/// the server first.
+/// Serves a log from its first picture on, paused unless `is_playing`, until `stop` says so;
+/// `ready` is told the server first.
 /// @throws StartupError when there is no event in the log, or the address cannot be had.
 void serve_log(const logs::IndexedLog& log, const WebOptions& options, bool is_playing,
                const std::function<void(const WebServer&)>& ready,

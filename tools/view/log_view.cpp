@@ -1,79 +1,170 @@
 #include "tools/view/log_view.hpp"
 
-#include <map>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include "tools/view/history.hpp"
 
 namespace vantage::tools {
 namespace {
 
 constexpr Duration kLeadUp = std::chrono::seconds(20);  // as long as a track
 constexpr std::int64_t kTimePeriod_ns = 50'000'000;
-constexpr std::size_t kHistoryBytesMax = std::size_t{256} << 20U;
+constexpr std::size_t kWholeBytesMax = std::size_t{256} << 20U;
+constexpr Duration kOvertureMax = std::chrono::minutes(2);
 
-/// Writes down what charts and marks need.
-class History : public logs::foxglove::Sink {
+/// Hears one number of one topic.
+class Series : public logs::foxglove::Sink {
  public:
-  History(const bus::Clock& clock, logs::foxglove::Sink& audience)
-      : clock_(clock), audience_(audience) {}
+  Series(std::string topic, const std::string& pointer)
+      : topic_(std::move(topic)), pointer_(pointer) {}
 
-  bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override {
-    using logs::foxglove::Schema;
-    audience_.wants(topic, schema, is_state);
-    switch (schema) {
-      case Schema::kTeam:
-      case Schema::kPlan:
-      case Schema::kLog:
-        return true;
-      case Schema::kVehicle:
-      case Schema::kHealth: {
-        const auto last = written_.find(topic);
-        return last == written_.end() || clock_.now() - last->second >= std::chrono::seconds(1);
-      }
-      default:
-        return false;
+  bool wants(const std::string& topic, logs::foxglove::Schema /*schema*/,
+             bool /*is_state*/) override {
+    return topic == topic_;
+  }
+
+  void write(const std::string& /*topic*/, Time time,
+             const logs::foxglove::Json& content) override {
+    if (!content.contains(pointer_)) {
+      return;
+    }
+    const logs::foxglove::Json& value = content.at(pointer_);
+    if (value.is_number() || value.is_boolean()) {
+      const double number =
+          value.is_boolean() ? (value.get<bool>() ? 1.0 : 0.0) : value.get<double>();
+      points_.push_back({to_utime(time), number});
     }
   }
 
-  void write(const std::string& topic, Time time, const logs::foxglove::Json& content) override {
-    using logs::foxglove::Json;
-    written_[topic] = time;
-    text_ += text_.empty() ? "[" : ",";
-    text_ += Json::array({topic, to_utime(time), content})
-                 .dump(-1, ' ', false, Json::error_handler_t::replace);
-  }
-
-  [[nodiscard]] std::string text() const { return text_.empty() ? "[]" : text_ + "]"; }
+  [[nodiscard]] std::string text() const { return points_.dump(); }
 
  private:
-  const bus::Clock& clock_;
-  logs::foxglove::Sink& audience_;
-  std::map<std::string, Time> written_;
-  std::string text_;
+  std::string topic_;
+  logs::foxglove::Json::json_pointer pointer_;
+  logs::foxglove::Json points_ = logs::foxglove::Json::array();
 };
 
-}  // namespace
-
-std::string log_history(const logs::EventTable& log, logs::foxglove::Sink& audience) {
-  if (log.file_bytes() > kHistoryBytesMax) {
-    return "[]";
+/// Hears how much of a picture there is.
+class Overture : public logs::foxglove::Sink {
+ public:
+  bool wants(const std::string& topic, logs::foxglove::Schema schema, bool /*is_state*/) override {
+    using logs::foxglove::Schema;
+    if (schema == Schema::kPlan) {
+      planned_.insert(topic);
+    }
+    is_known_ = is_known_ || topic == "/map";
+    return schema == Schema::kScenario || (topic == "/transforms" && !is_placed()) ||
+           (topic == "/estimates" && !is_known_);
   }
-  bus::VirtualClock clock(log.start());
+
+  void write(const std::string& topic, Time /*time*/,
+             const logs::foxglove::Json& content) override {
+    if (topic == "/scenario") {
+      robots_.clear();
+      for (const auto& robot : content.at("robots")) {
+        robots_.insert(robot.at("name").get<std::string>());
+      }
+      missing_ = robots_;
+    } else if (topic == "/estimates") {
+      is_known_ = !content.at("entities").empty();
+    } else {
+      for (const auto& transform : content.at("transforms")) {
+        missing_.erase(transform.at("child_frame_id").get<std::string>());
+      }
+    }
+  }
+
+  /// How much there is, in [0, 3].
+  [[nodiscard]] int parts() const {
+    return robots_.empty() ? 0
+                           : (is_placed() ? 1 : 0) + (is_known_ ? 1 : 0) +
+                                 (planned_.size() >= robots_.size() ? 1 : 0);
+  }
+  static constexpr int kAll = 3;
+
+ private:
+  [[nodiscard]] bool is_placed() const { return !robots_.empty() && missing_.empty(); }
+
+  std::set<std::string> robots_;
+  std::set<std::string> missing_;  ///< robots that nobody has placed yet
+  std::set<std::string> planned_;
+  bool is_known_ = false;
+};
+
+/// Plays a log from its start to a Sink, as fast as it goes, while `go_on` of each event's instant.
+void play_through(const logs::EventTable& log, bus::VirtualClock& clock, logs::foxglove::Sink& sink,
+                  const std::function<bool(Time)>& go_on) {
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto endpoint = hub.connect();
-  History history(clock, audience);
-  Feed feed(*endpoint, clock, history);
+  Feed feed(*endpoint, clock, sink);
   for (std::size_t i = 0; i < log.size(); ++i) {
     const logs::LogEvent event = log.read(i);
     clock.set(event.time);
     source->publish(std::string(event.channel), event.data);
     feed.handle(std::chrono::microseconds(0));
+    if (!go_on(event.time)) {
+      return;
+    }
   }
+}
+
+constexpr auto kToTheEnd = [](Time /*time*/) { return true; };
+
+}  // namespace
+
+std::string log_history(const logs::EventTable& log, logs::foxglove::Sink& audience) {
+  if (log.file_bytes() > kWholeBytesMax) {
+    return "[]";
+  }
+  bus::VirtualClock clock(log.start());
+  History history(clock, audience, History::Audience::kIsAskedOnly, kWholeBytesMax);
+  play_through(log, clock, history, kToTheEnd);
   return history.text();
 }
 
-LogView::LogView(const logs::EventTable& log, Broker& broker)
+std::string log_series(const logs::EventTable& log, const std::string& topic,
+                       const std::string& pointer) {
+  if (log.file_bytes() > kWholeBytesMax || (!pointer.empty() && pointer.front() != '/')) {
+    return "[]";
+  }
+  Series series(topic, pointer);
+  if (!topic.starts_with(kRawTopics)) {
+    bus::VirtualClock clock(log.start());
+    play_through(log, clock, series, kToTheEnd);
+    return series.text();
+  }
+  const std::string channel = topic.substr(kRawTopics.size());
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    const logs::LogEvent event = log.read(i);
+    if (event.channel == channel) {
+      series.write(topic, event.time, raw_message(event.data));
+    }
+  }
+  return series.text();
+}
+
+Time first_picture(const logs::EventTable& log) {
+  Overture overture;
+  bus::VirtualClock clock(log.start());
+  Time best = log.start();
+  int parts = 0;
+  play_through(log, clock, overture, [&](Time time) {
+    if (overture.parts() > parts) {
+      parts = overture.parts();
+      best = time;
+    }
+    return parts < Overture::kAll && time - log.start() < kOvertureMax;
+  });
+  return best;
+}
+
+LogView::LogView(const logs::EventTable& log, Broker& broker, Time begin)
     : log_(log), broker_(broker), playback_(log.start(), log.end()), clock_(log.start()) {
-  go_to(log.start());
+  playback_.control({false, 1.0F, begin, ""}, 0);
+  go_to(begin);
   broker_.broadcast_playback(playback_.state(0));
 }
 

@@ -13,16 +13,30 @@
 
 namespace vantage::tools {
 
-/// A log as a JSON list of [topic, utime, content], oldest first: the numbers and events of the
-/// whole, for charts and marks (at most one record a second and topic of vehicles and processes).
-/// "[]" for a log above 256 MiB, which would take too long. `audience` is asked whether it wants
-/// each topic there is, so that it knows all of them, and is told nothing else.
+/// The History of a whole log, as its text(). "[]" for a log above 256 MiB, which would take too
+/// long. `audience` is asked whether it wants each topic there is, so that it knows all of them,
+/// and is told nothing else.
 std::string log_history(const logs::EventTable& log, logs::foxglove::Sink& audience);
+
+/// One number of a topic over a whole log: a JSON list of [utime, value]. `pointer` (RFC 6901) says
+/// which of the content's members: a number, or true (1) and false (0); records without it are left
+/// out. "[]" for a log above 256 MiB. Reads the log once; on topics /lcm/ that channel alone.
+std::string log_series(const logs::EventTable& log, const std::string& topic,
+                       const std::string& pointer);
+
+/// The first instant of which a picture shows a trial: every robot of the scenario has been placed
+/// and has published a plan, and somebody knows a target or a map. Where that never comes within
+/// the first two minutes, the first instant that has most of it; the start of a log without a
+/// scenario.
+Time first_picture(const logs::EventTable& log);
 
 /// Plays a log to a broker, as its viewers command. One thread.
 class LogView {
  public:
-  LogView(const logs::EventTable& log, Broker& broker);
+  /// Paused at `begin`.
+  LogView(const logs::EventTable& log, Broker& broker, Time begin);
+  /// Paused at the log's start.
+  LogView(const logs::EventTable& log, Broker& broker) : LogView(log, broker, log.start()) {}
 
   /// Begins to play at its own speed.
   void play(std::int64_t now_ns) { playback_.control({true, 1.0F, std::nullopt, ""}, now_ns); }

@@ -1,6 +1,8 @@
 #include "tools/view/web_server.hpp"
 
+#include <atomic>
 #include <filesystem>
+#include <mutex>
 #include <string_view>
 #include <thread>
 
@@ -8,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "tools/view/welcome.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -89,6 +92,8 @@ struct WebServer::State {
   mg_context* context = nullptr;
   bool has_page = false;
   int port = 0;
+  std::mutex series_mutex;
+  std::atomic<std::int64_t> refused = 0;
 
   static State& of(const mg_connection* socket) {
     return *static_cast<State*>(mg_get_user_context_data(socket));
@@ -97,11 +102,28 @@ struct WebServer::State {
     return static_cast<Connection*>(mg_get_user_connection_data(socket));
   }
 
+  // A page of somebody else's, opened in a browser of this network, must not read the bus: neither
+  // by a name of its own that it makes mean our address, nor by asking from where it is.
+  static bool is_welcome(const mg_connection* socket, const WebOptions& options) {
+    const char* host = mg_get_header(socket, "Host");
+    if (host != nullptr && !is_our_host(host, options.hosts)) {
+      return false;
+    }
+    const char* origin = mg_get_header(socket, "Origin");
+    return origin == nullptr ||
+           is_known_origin(origin, host == nullptr ? "" : host, options.origins);
+  }
+
   // Refuses, with an answer, what civetweb would only hang up on. 0: it may go on.
   static int on_begin(mg_connection* socket) {
     const std::string_view method = mg_get_request_info(socket)->request_method;
     if (method != "GET" && method != "HEAD") {
       return refuse(socket, 405, "Method Not Allowed", "this server only shows");
+    }
+    if (!is_welcome(socket, of(socket).options)) {
+      ++of(socket).refused;
+      return refuse(socket, 403, "Forbidden",
+                    "not by this name (--host) or not for the page of another server (--origin)");
     }
     if (mg_get_header(socket, "Upgrade") == nullptr) {
       return 0;
@@ -182,6 +204,29 @@ struct WebServer::State {
     return 200;
   }
 
+  static int on_topics(mg_connection* socket, void* state) {
+    answer(socket, "application/json", static_cast<State*>(state)->broker.topics_text());
+    return 200;
+  }
+
+  static int on_series(mg_connection* socket, void* state) {
+    auto& self = *static_cast<State*>(state);
+    const char* query = mg_get_request_info(socket)->query_string;
+    const auto parameter = [&](const char* name) {
+      char value[1024] = "";
+      if (query != nullptr) {
+        mg_get_var(query, std::string_view(query).size(), name, value, sizeof value);
+      }
+      return std::string(value);
+    };
+    // One at a time: each reads the log, and the player has to as well.
+    const std::lock_guard lock(self.series_mutex);
+    answer(
+        socket, "application/json",
+        self.options.series ? self.options.series(parameter("topic"), parameter("field")) : "[]");
+    return 200;
+  }
+
   static int on_no_page(mg_connection* socket, void* /*state*/) {
     answer(socket, "text/html; charset=utf-8", kNoPage);
     return 200;
@@ -242,6 +287,8 @@ WebServer::WebServer(Broker& broker, const WebOptions& options)
                                              &State::on_ready, &State::on_data, &State::on_close,
                                              state_.get());
   mg_set_request_handler(state_->context, "/api/history", &State::on_history, state_.get());
+  mg_set_request_handler(state_->context, "/api/topics", &State::on_topics, state_.get());
+  mg_set_request_handler(state_->context, "/api/series", &State::on_series, state_.get());
   if (!state_->has_page) {
     mg_set_request_handler(state_->context, "/", &State::on_no_page, state_.get());
   }
@@ -258,6 +305,8 @@ std::string WebServer::url() const {
   const bool is_any = state_->options.bind == "0.0.0.0";
   return fmt::format("http://{}:{}", is_any ? "127.0.0.1" : state_->options.bind, state_->port);
 }
+
+std::int64_t WebServer::refused() const { return state_->refused; }
 
 bool WebServer::has_page() const { return state_->has_page; }
 
