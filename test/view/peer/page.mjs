@@ -2,7 +2,10 @@
 // would; fails on any error in its console. Leaves screenshots in FOLDER.
 
 import assert from "node:assert";
+import { readFileSync } from "node:fs";
 import { chromium } from "playwright-core";
+
+const look = JSON.parse(readFileSync(new URL("../../../logs/look/look.json", import.meta.url)));
 
 const [url, kind, folder] = process.argv.slice(2);
 const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -50,21 +53,31 @@ function add_probes() {
   };
 }
 
-/** How many targets are green where the plan view says that they are. */
-async function targets_seen() {
+/** How many targets are painted as the table says where the plan view says that they are. */
+async function targets_seen(paints) {
   const { sheet, box } = await picture();
+  const truth = paints[document.documentElement.dataset.theme].match(/\w\w/g).map((c) => parseInt(c, 16));
   return ["R1", "R2", "R3", "R4", "R5"].filter((name) => {
     const at = vantage.pixel(`target/${name}`);
     if (at === null) return false;
     const [x, y] = at;
-    const [r, g, b] = sheet.getImageData(x - box.left, y - box.top + 3, 1, 1).data;
-    return g > r + 60 && g > b + 30;
+    const seen = sheet.getImageData(x - box.left, y - box.top + 3, 1, 1).data;
+    // Lit by the graphics, a side is darker than its paint.
+    return truth.every((c, i) => Math.abs(c - seen[i]) < 60);
   }).length;
 }
 
 async function check_log(page) {
-  assert.equal(await page.locator("#link").textContent(), "log");
-  await until(page, () => window.vantage.stats().series.every((count) => count > 0));
+  assert.equal(await page.locator("#link").textContent(), "log lab.lcmlog");
+  const of_tracking = ["entropy", "rmse", "margin", "gap", "battery", "lost"];
+  await until(page, (keys) => keys.every((key) => Object.keys(vantage.series(key)).length > 0), of_tracking);
+  assert.deepEqual((await page.evaluate(() => vantage.charts())).map(({ key }) => key), of_tracking, "none is shown empty");
+
+  // It opened where there is something to see, and not on an empty room.
+  const first = await now(page);
+  assert(first > 0.5 && first < 10, `opened at ${first} s`);
+  const shown = await page.evaluate(() => vantage.stats().layers);
+  for (const topic of ["/robots", "/estimates", "/plan/Q1", "/plan/Q2", "/plan/Q3", "/trails"]) assert(shown[topic] > 0, topic);
 
   // Plays, and pauses where it is told to.
   await page.click("#play");
@@ -99,8 +112,10 @@ async function seek(page, since) {
     const { x, y, width, height } = document.getElementById("timeline").getBoundingClientRect();
     return { length_s: vantage.state.range[1] - vantage.state.range[0], x, y, width, height };
   });
+  await page.evaluate(() => (vantage.state.arrived = null));
   await page.mouse.click(x + (width * since) / length_s, y + height / 2);
-  await until(page, (to) => Math.abs(vantage.state.now - to) < 0.03, since);
+  await until(page, (to) => Math.abs(vantage.state.now - to) < 0.03 && vantage.state.arrived !== null, since);
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
 }
 
 /** `count` or more; 0: none. */
@@ -188,6 +203,209 @@ async function check_proposals(page) {
   await proposals_shown(page, 0);
 }
 
+const overlaps = (boxes) =>
+  boxes.flatMap((a, i) => boxes.slice(0, i).filter((b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom));
+
+/** Numbers, grid, scale, names; measuring; following. */
+async function check_stage(page) {
+  await page.keyboard.press("1");
+  await page.keyboard.press("r");
+  await until(page, () => document.getElementById("stage").dataset.view === "plan");
+  await seek(page, 30);
+  await page.evaluate(() => picture());
+  for (const names of await page.evaluate(() => vantage.labels())) {
+    assert(names.length >= 8, `${names.length} names`);
+    assert.deepEqual(overlaps(names), []);
+  }
+
+  // From a target to a robot, as far as they are from each other.
+  const [target, robot] = await page.evaluate(() => ["target/R1", "robot/Q1"].map((id) => ({ at: vantage.position(id), pixel: vantage.pixel(id) })));
+  await page.keyboard.press("l");
+  await page.mouse.click(...target.pixel);
+  await page.mouse.move(...robot.pixel);
+  await page.mouse.click(...robot.pixel);
+  const measured = await page.evaluate(() => vantage.measured());
+  assert.deepEqual(measured.map(([x, y]) => [x.toFixed(3), y.toFixed(3)]), [target, robot].map(({ at: [x, y] }) => [x.toFixed(3), y.toFixed(3)]));
+  // And a metre of bare ground is a metre of the scale.
+  await page.keyboard.press("l");
+  await page.keyboard.press("l");
+  const scale = await page.evaluate(() => vantage.scale());
+  const box = await page.locator("#plan-area").boundingBox();
+  const [x, y] = [box.x + 60, box.y + 40];
+  await page.mouse.click(x, y);
+  await page.mouse.click(x + scale, y);
+  const [from, to] = await page.evaluate(() => vantage.measured());
+  assert(Math.abs(to[0] - from[0] - 1) < 0.02 && Math.abs(to[1] - from[1]) < 0.02, `${from} to ${to}`);
+  await shot(page, "measure");
+  await page.keyboard.press("Escape");
+  assert.deepEqual(await page.evaluate(() => vantage.measured()), []);
+
+  // The eye goes with a robot, and stays when it is let go.
+  await page.mouse.click(...robot.pixel);
+  await page.locator("#inspect").waitFor();
+  await page.keyboard.press("c");
+  assert.equal(await page.evaluate(() => vantage.followed()), "robot/Q1");
+  const above = () => page.evaluate(() => vantage.cameras().slice(0, 2));
+  for (const since of [35, 40]) {
+    await seek(page, since);
+    await until(page, () => vantage.cameras().slice(0, 2).every((x, i) => Math.abs(x - vantage.position("robot/Q1")[i]) < 0.01));
+  }
+  await page.keyboard.press("c");
+  const kept = await above();
+  await seek(page, 50);
+  assert.deepEqual(await above(), kept);
+  await page.keyboard.press("Escape");
+
+  // Trails are as long as one wants.
+  await page.selectOption("#trail", "2");
+  await until(page, () => vantage.trail("Q1") <= 14);
+  const short = await page.evaluate(() => vantage.trail("Q1"));
+  await page.selectOption("#trail", "20");
+  const long = await page.evaluate(() => vantage.trail("Q1"));
+  assert(short > 2 && long > 5 * short, `trails of ${short} and ${long} points`);
+  await page.keyboard.press("r");
+  await page.keyboard.press("3");
+}
+
+/** What the cursor says is what the log says; zooming; a field of a topic; CSV. */
+async function check_charts(page) {
+  const of_chart = (key) => page.locator(`[data-chart="${key}"] .u-over`);
+  await of_chart("entropy").waitFor();
+  await page.evaluate(() => vantage.draw_again());
+  const box = await of_chart("entropy").boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  const read = page.locator('[data-chart="entropy"] .read');
+  await read.waitFor();
+  const [time, value] = (await read.innerText()).split("\n").map(parseFloat);
+  assert(Math.abs(time - 30) < 1, `${time} s`);
+  const history = await (await fetch(`${url}/api/history`)).json();
+  const start = await page.evaluate(() => vantage.state.start);
+  const told = history.filter(([topic, utime]) => topic === "/team" && utime * 1e-6 - start <= time + 0.006).at(-1)[2].entropy_nats;
+  assert(Math.abs(value - told) < 0.006, `${value} for ${told}`);
+  // The cursor is in the others as well: of each robot its value.
+  assert.match(await page.locator('[data-chart="battery"] .read').innerText(), /Q1 9\d.*%\nQ2 9\d.*%\nQ3 9\d/);
+  await shot(page, "cursor");
+
+  // The wheel zooms all charts, and the time bar says to what; dragging goes along.
+  const windows = () => page.evaluate(() => vantage.charts().map(({ window }) => window));
+  await page.mouse.wheel(0, -600);
+  await until(page, () => !document.getElementById("span").hidden);
+  const zoomed = await windows();
+  assert(zoomed.every(([from, to]) => to - from < 30 && Math.abs((from + to) / 2 - 30) < 2), JSON.stringify(zoomed));
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 4, box.y + box.height / 2, { steps: 4 });
+  await page.mouse.up();
+  assert((await windows())[0][0] > zoomed[0][0] + 2);
+  const rows = (await page.evaluate(() => vantage.csv())).trim().split("\n");
+  assert.match(rows[0], /^time \[s\],entropy a target \[nat\] team,/);
+  const [low, high] = (await windows())[0];
+  assert(rows.length > 10 && rows.slice(1).every((row) => parseFloat(row) >= low && parseFloat(row) <= high));
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click("#csv")]);
+  assert.match(download.suggestedFilename(), /^vantage_lab_[\d.]+s\.csv$/);
+  await page.keyboard.press("z");
+  await until(page, () => document.getElementById("span").hidden);
+  assert.deepEqual((await windows())[0], [0, await page.evaluate(() => vantage.state.range[1] - vantage.state.range[0])]);
+
+  // A click goes there.
+  await page.mouse.click(box.x + box.width * 0.25, box.y + box.height / 2);
+  await until(page, () => Math.abs(vantage.state.now - 15) < 1);
+
+  // Every topic, its rate while the log plays, its newest message; a number of it in a chart.
+  await page.keyboard.press("i");
+  const topic = (name) => page.locator(`[data-topic="${name}"]`);
+  await topic("/vehicle/Q1").waitFor();
+  await page.fill("#topics input", "vehicle");
+  await topic("/team").waitFor({ state: "hidden" });
+  await page.click('[data-topic="/vehicle/Q1"] > summary');
+  await page.locator('[data-field="battery_share"]').waitFor();
+  await page.keyboard.press("Escape");
+  await page.click("#play");
+  await until(page, () => /\d Hz/.test(document.querySelector('[data-topic="/vehicle/Q1"] summary').innerText));
+  await page.click("#play");
+  for (const robot of ["Q1", "Q2"]) {
+    if (robot === "Q2") await page.click('[data-topic="/vehicle/Q2"] > summary');
+    await page.click(`[data-topic="/vehicle/${robot}"] [data-field="plan_round"]`);
+  }
+  await until(page, () => Object.keys(vantage.series("/vehicle/* plan_round")).join() === "Q1,Q2");
+  const rounds = await page.evaluate(() => vantage.series("/vehicle/* plan_round").Q1);
+  assert(rounds.t.length > 100 && rounds.v.at(-1) - rounds.v[0] >= 50, "all of the log");
+  // A message as it is on the bus.
+  await page.fill("#topics input", "/lcm/plan_q1");
+  await page.click('[data-topic="/lcm/PLAN_Q1"] > summary');
+  await page.click('[data-topic="/lcm/PLAN_Q1"] [data-field="nodes"]');
+  await until(page, () => vantage.series("/lcm/PLAN_* nodes").Q1?.t.length > 50);
+  await shot(page, "topics");
+  await page.locator('[data-chart="/lcm/PLAN_* nodes"] figcaption button').click();
+  await page.locator('[data-chart="/lcm/PLAN_* nodes"]').waitFor({ state: "detached" });
+  await page.fill("#topics input", "");
+  await page.keyboard.press("Escape");
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("i");
+  await page.locator("#status").waitFor();
+}
+
+/** What a link says is what one sees who follows it. */
+async function check_link(page) {
+  await page.keyboard.press("3");
+  await page.keyboard.press("b"); // beliefs on
+  await page.keyboard.press("f"); // views off
+  await page.selectOption("#trail", "5");
+  await seek(page, 41);
+  const area = await page.locator("#space-area").boundingBox();
+  await page.mouse.move(area.x + area.width / 2, area.y + area.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(area.x + area.width / 2 + 80, area.y + area.height / 2 + 30, { steps: 5 });
+  await page.mouse.up();
+  const chart = await page.locator('[data-chart="entropy"] .u-over').boundingBox();
+  await page.mouse.move(chart.x + chart.width / 2, chart.y + chart.height / 2);
+  await page.mouse.wheel(0, -500);
+  await page.click("#share");
+  const facts = (of) =>
+    of.evaluate(() => ({
+      now: vantage.state.now.toFixed(1),
+      cameras: vantage.cameras().map((x) => x.toFixed(2)),
+      layers: [...document.querySelectorAll("[data-layer]")].map((each) => [each.dataset.layer, each.getAttribute("aria-pressed")]),
+      charts: vantage.charts().map(({ key, window }) => [key, window.map((x) => x.toFixed(2))]),
+      trail: document.getElementById("trail").value,
+    }));
+  const before = await facts(page);
+  assert.equal(before.charts.at(-1)[0], "/vehicle/* plan_round", "a field is charted");
+  const address = await page.evaluate(() => location.href);
+  assert.match(address, /#log=lab\.lcmlog&t=41/);
+  const other = await open(1920, 1080, "light", address.slice(url.length + 1));
+  await until(other, () => Math.abs(vantage.state.now - 41) < 0.1 && Object.keys(vantage.series("/vehicle/* plan_round")).length === 2);
+  await until(other, (cameras) => vantage.cameras().every((x, i) => Math.abs(x - cameras[i]) < 0.02), before.cameras.map(Number));
+  assert.deepEqual(await facts(other), before);
+  assert(await other.locator("#note").isHidden());
+  await other.close();
+  const wrong = await open(1920, 1080, "light", "#log=other.lcmlog&t=5");
+  await until(wrong, () => /other\.lcmlog/.test(document.getElementById("note").textContent));
+  await wrong.close();
+  for (const key of ["b", "f", "z", "r"]) await page.keyboard.press(key);
+  await page.selectOption("#trail", "20");
+  await page.locator('[data-chart="/vehicle/* plan_round"] figcaption button').click();
+
+  const [download] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("x")]);
+  const png = readFileSync(await download.path());
+  assert.equal(png.toString("latin1", 1, 4), "PNG");
+  const stage = await page.locator("#stage").boundingBox();
+  assert(Math.abs(png.readUInt32BE(16) - stage.width) <= 2 && png.readUInt32BE(20) > stage.height);
+}
+
+/** Who comes later sees what there was. */
+async function check_late_join(page) {
+  await until(page, () => vantage.series("margin").Q1?.t.length > 12 && vantage.trail("Q1") > 5);
+  const known = await page.evaluate(() => ({ first: vantage.state.start + vantage.series("margin").Q1.t[0], count: vantage.series("margin").Q1.t.length }));
+  const late = await open(1366, 768, "light", "");
+  await until(late, () => vantage.series("margin").Q1?.t.length > 0);
+  const heard = await late.evaluate(() => ({ first: vantage.state.start + vantage.series("margin").Q1.t[0], times: vantage.series("margin").Q1.t, trail: vantage.trail("Q1"), events: document.querySelectorAll(".event").length }));
+  assert(heard.first <= known.first + 0.01, `from ${heard.first} on, the first viewer from ${known.first} on`);
+  assert(heard.times.length >= known.count);
+  assert(heard.times.every((time, i) => i === 0 || time > heard.times[i - 1]), "nothing twice");
+  assert(heard.trail > 5);
+  await late.close();
+}
+
 async function check_toggles(page) {
   // Of the plans alone: what else is shown comes and goes while robots fly.
   const plans_shown = (is_wanted) =>
@@ -221,6 +439,7 @@ async function check_inspection(page) {
   const text = await page.locator("#inspect").textContent();
   assert.match(text, /robot\/Q2/);
   assert.match(text, /lower bound/);
+  assert.match(text, /heading.*°.*speed.*m\/s.*battery/);
   await shot(page, "inspect");
   await page.keyboard.press("Escape");
   await page.locator("#inspect").waitFor({ state: "hidden" });
@@ -229,23 +448,29 @@ async function check_inspection(page) {
 
 if (kind === "proposals") {
   const known = [];
+  const rgba = (hex) => `rgba(${hex.match(/\w\w/g).map((c) => parseInt(c, 16))},1)`;
+  /** Which of the table's colours each robot has. */
+  const places = (colours, scheme) =>
+    Object.fromEntries(Object.entries(colours).map(([robot, css]) => [robot, look.robots.findIndex((paint) => rgba(paint[scheme]) === css)]));
   for (const [scheme, draw, prepare] of [
     ["light", "?draw=canvas", null],
     ["dark", "?draw=gl", turn_history],
   ]) {
     const page = await open(1920, 1080, scheme, draw, prepare);
-    known.push(await colours_of(page));
+    known.push(places(await colours_of(page), scheme));
     await check_proposals(page);
-    known.push(await colours_of(page));
+    known.push(places(await colours_of(page), scheme));
     await page.close();
   }
-  known.forEach((colours) => assert.deepEqual(colours, known[0]));
+  known.forEach((colours) => assert.deepEqual(colours, { Q1: 0, Q2: 1, Q3: 2 }));
 }
 
 // Here a processor draws the graphics, so that the page paints unless it is told not to.
 for (const [width, height, scheme, name, draw] of [
   [1920, 1080, "light", "1080p_light", ""],
   [1920, 1080, "dark", "1080p_dark", ""],
+  [1366, 768, "light", "1366", ""],
+  [1366, 768, "dark", "1366_dark", ""],
   [768, 1024, "light", "768", ""],
   [768, 1024, "dark", "768_dark", "?draw=canvas"],
   [1280, 800, "light", "gl", "?draw=gl"],
@@ -254,11 +479,17 @@ for (const [width, height, scheme, name, draw] of [
   const drawn = await page.evaluate(() => document.getElementById("stage").dataset.drawn);
   assert.equal(drawn, draw === "?draw=gl" ? "gl" : "flat");
   if (name === "1080p_light") {
-    if (kind === "log") await check_log(page);
+    if (kind === "log") {
+      await check_log(page);
+      await check_stage(page);
+      await check_charts(page);
+      await check_link(page);
+    }
     if (kind !== "proposals") {
       await check_toggles(page);
       await check_inspection(page);
     }
+    if (kind === "live") await check_late_join(page);
   }
   if (kind === "proposals") {
     await seek(page, 4.6); // once in 768 pixels it is a finger's work
@@ -266,7 +497,7 @@ for (const [width, height, scheme, name, draw] of [
   }
   await page.waitForTimeout(kind === "live" ? 8000 : 1500); // for the picture: charts with something in them
   // Live, none may be known yet.
-  await page.waitForFunction(targets_seen, null, { timeout: 30000 }).catch((error) => {
+  await page.waitForFunction(targets_seen, look.roles.truth, { timeout: 30000 }).catch((error) => {
     throw new Error(`${name}: no target in the picture`, { cause: error });
   });
   const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);

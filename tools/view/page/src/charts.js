@@ -1,55 +1,86 @@
-// Strip charts of the numbers on the stream.
+// Charts of numbers over time: what is charted, what is under the cursor, which stretch is shown.
 
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { digits, kDashes, look, robot_css, robot_look, title_of } from "./look.js";
 
 const kWindow_s = 120; // of a live view
 const kPoints = 20000; // a series at most
 const kRefresh_ms = 500; // of each chart
+const kRead = 8; // series whose values are told under the cursor
+const kLeast_s = 0.2; // shown at least
 
-const number = (x) => (typeof x === "number" && Number.isFinite(x) ? x : null);
+const number = (x) => (typeof x === "boolean" ? Number(x) : typeof x === "number" && Number.isFinite(x) ? x : null);
 const robot_of = (topic) => topic.split("/")[2];
 
 /** What is charted: `take` gives [series, value] of a record, or nothing. */
 const kCharts = [
-  { key: "entropy", title: "entropy [nat]", topic: /^\/team$/, take: (r) => ["team", number(r.entropy_nats)] },
-  { key: "rmse", title: "RMSE [m]", topic: /^\/team$/, take: (r) => ["team", number(r.rmse_m)], zero: true },
+  { key: "entropy", measure: "entropy", topic: /^\/team$/, take: (r) => ["team", number(r.entropy_nats)] },
+  { key: "map_entropy", measure: "map_entropy", topic: /^\/team$/, take: (r) => ["team", number(r.map_entropy_nats)] },
+  { key: "rmse", measure: "rmse", topic: /^\/team$/, take: (r) => ["team", number(r.rmse_m)], zero: true },
   {
     key: "margin",
-    title: "deadline margin [ms]",
+    measure: "margin",
     topic: /^\/plan\/[^/]+\/status$/,
     take: (r, topic) => [robot_of(topic), number(r.margin_s * 1e3)],
     zero: true,
   },
   {
     key: "gap",
-    title: "gap to bound [nat]",
+    measure: "gap",
     topic: /^\/plan\/[^/]+\/status$/,
     take: (r, topic) => [robot_of(topic), number(r.gap_nat)],
     zero: true,
   },
-  { key: "lost", title: "messages lost", topic: /^\/team$/, take: (r) => ["all", number(r.messages_lost)], zero: true },
   {
     key: "battery",
-    title: "battery [%]",
+    measure: "battery",
     topic: /^\/vehicle\//,
     take: (r, topic) => [robot_of(topic), number(r.battery_share * 100)],
     range: [0, 105],
   },
+  { key: "lost", measure: "lost", topic: /^\/team$/, take: (r) => ["team", number(r.messages_lost)], zero: true, count: true },
 ];
 
+/** The member of a record that a path names: ["a", "0", "b"]. */
+export const member = (record, path) => path.reduce((value, key) => value?.[key], record);
+
+/** Topics that differ in whose they are: "/vehicle/Q1" → ["/vehicle/*", "Q1"], "/lcm/PLAN_Q1" → ["/lcm/PLAN_*", "Q1"]. */
+export function family_of(topic, robots) {
+  for (const robot of robots) {
+    const parts = topic.split(new RegExp(`(?<=[/_])${robot.replace(/[^\w]/g, "\\$&")}(?=/|$)`));
+    if (parts.length === 2) return [parts.join("*"), robot];
+  }
+  return [topic, topic.split("/").at(-1)];
+}
+
 class Chart {
-  /** @param colours by robot, the same in every chart; what is of no robot has the ink's */
-  constructor(box, spec, source, colours) {
+  constructor(box, spec, source) {
     this.spec = spec;
     this.source = source;
-    this.colours = colours;
     this.series = new Map(); // name → {t, v}
     this.box = document.createElement("figure");
     this.box.dataset.chart = spec.key;
+    this.box.hidden = !spec.fields;
     this.caption = document.createElement("figcaption");
-    this.caption.textContent = spec.title;
+    this.title = document.createElement("b");
+    this.title.textContent = this.box.title = spec.title ?? title_of(spec.measure);
+    this.names_box = document.createElement("span");
+    this.caption.append(this.title, this.names_box);
+    if (spec.fields) {
+      const close = document.createElement("button");
+      close.textContent = "×";
+      close.title = "Take this chart away";
+      close.setAttribute("aria-label", `Take ${this.title.textContent} away`);
+      close.onclick = () => source.remove(this);
+      this.caption.append(close);
+    }
     this.body = document.createElement("div");
+    this.body.setAttribute("role", "img");
+    this.body.setAttribute("aria-label", `${this.title.textContent} over time`);
+    this.read = document.createElement("div");
+    this.read.className = "read";
+    this.read.hidden = true;
     this.box.append(this.caption, this.body);
     box.append(this.box);
   }
@@ -57,11 +88,14 @@ class Chart {
   add(topic, time, record) {
     if (!this.spec.topic.test(topic)) return;
     const [name, value] = this.spec.take(record, topic);
-    if (value === null) return;
+    if (value !== null) this.put(name, time, value);
+  }
+
+  put(name, time, value) {
     if (!this.series.has(name)) {
       this.series.set(name, { t: [], v: [] });
-      this.plot?.destroy();
-      this.plot = null;
+      this.destroy();
+      this.box.hidden = false;
     }
     const line = this.series.get(name);
     if (line.t.length > 0 && time < line.t.at(-1)) line.t.length = line.v.length = 0;
@@ -74,12 +108,34 @@ class Chart {
     this.is_stale = true;
   }
 
+  /** Puts a whole series at once. */
+  fill(name, points) {
+    this.series.set(name, { t: points.map(([t]) => t), v: points.map(([, v]) => v) });
+    this.destroy();
+    this.box.hidden = false;
+    this.is_stale = true;
+  }
+
+  destroy() {
+    this.plot?.destroy();
+    this.plot = null;
+  }
+
   names() {
-    return [...this.series.keys()].sort();
+    return [...this.series.keys()].sort((a, b) => this.source.index_of(a) - this.source.index_of(b) || (a < b ? -1 : 1));
   }
 
   colour(name) {
-    return this.colours.get(name) ?? getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
+    const index = this.source.index_of(name);
+    if (index < Infinity) return robot_css(robot_look(index).body);
+    const others = [...this.series.keys()].filter((each) => this.source.index_of(each) === Infinity).sort();
+    if (others.length > 1) return robot_css(others.indexOf(name) % look.robots.length);
+    return getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
+  }
+
+  dash(name) {
+    const index = this.source.index_of(name);
+    return index < Infinity ? kDashes[robot_look(index).dash] : [];
   }
 
   make() {
@@ -87,13 +143,22 @@ class Chart {
     const ink = style.getPropertyValue("--quiet").trim();
     const lines = style.getPropertyValue("--line").trim();
     const axis = { stroke: ink, font: "11px system-ui", gap: 3, grid: { stroke: lines, width: 1 }, ticks: { stroke: lines, width: 1, size: 4 } };
-    const { zero, range } = this.spec;
+    const { zero, range, count } = this.spec;
+    this.write_legend(); // which says how much room there is
     this.plot = new uPlot(
       {
         width: Math.max(80, this.body.clientWidth),
         height: Math.max(60, this.body.clientHeight),
         legend: { show: false },
-        cursor: { y: false, drag: { x: false, y: false } },
+        focus: { alpha: 0.35 },
+        cursor: {
+          y: false,
+          drag: { x: false, y: false, setScale: false },
+          focus: { prox: this.series.size > 1 ? 1e6 : -1 },
+          sync: { key: "charts", setSeries: false },
+          points: { size: 6 },
+        },
+        hooks: { setCursor: [() => this.tell()] },
         scales: {
           x: { time: false, range: () => this.source.window() },
           y: {
@@ -101,6 +166,7 @@ class Chart {
               if (range) return range;
               if (low === null) return [0, 1];
               if (zero) [low, high] = [Math.min(0, low), Math.max(0, high)];
+              if (count) return [0, Math.max(4, 1.08 * high)]; // of whole things
               const pad = Math.max(1e-6, 0.08 * (high - low || Math.abs(high) || 1));
               return [low < 0 || !zero ? low - pad : 0, high + pad];
             },
@@ -108,13 +174,14 @@ class Chart {
         },
         axes: [
           { ...axis, size: 24, space: 45 },
-          { ...axis, size: 46, space: 24 },
+          { ...axis, size: 46, space: 24, ...(count ? { incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1e3, 1e4, 1e5, 1e6] } : {}) },
         ],
         series: [
           {},
           ...this.names().map((name) => ({
             label: name,
             stroke: this.colour(name),
+            dash: this.dash(name),
             width: 1.5,
             spanGaps: true,
             points: { show: false },
@@ -126,19 +193,95 @@ class Chart {
     );
     this.mark = document.createElement("div");
     this.mark.className = "now";
-    this.plot.over.append(this.mark);
-    this.caption.replaceChildren(this.spec.title, ...this.legend());
+    this.plot.over.append(this.mark, this.read);
+    this.listen(this.plot.over);
   }
 
-  legend() {
-    const names = this.names();
-    if (names.length < 2 || names.length > 6) return [];
-    return names.map((name) => {
-      const label = document.createElement("span");
-      label.textContent = name;
-      label.style.color = this.colour(name);
-      return label;
+  /** The wheel zooms in time, dragging goes along it, a click goes there, two show all. */
+  listen(over) {
+    const time_at = (event) => {
+      const box = over.getBoundingClientRect();
+      const [from, to] = this.source.window(); // which the plot may not have drawn yet
+      return from + ((event.clientX - box.left) / box.width) * (to - from);
+    };
+    over.addEventListener("wheel", (event) => {
+      event.preventDefault();
+      const [from, to] = this.source.window();
+      const at = time_at(event);
+      const factor = Math.exp(0.0018 * event.deltaY);
+      this.source.zoom(at - (at - from) * factor, at + (to - at) * factor);
+    }, { passive: false });
+    over.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
+      const [from, to] = this.source.window();
+      const start = event.clientX;
+      let has_moved = false;
+      over.setPointerCapture(event.pointerId);
+      over.onpointermove = (move) => {
+        const way = move.clientX - start;
+        has_moved ||= Math.abs(way) > 4;
+        const shift = (way * (to - from)) / Math.max(1, over.clientWidth);
+        if (has_moved) this.source.zoom(from - shift, to - shift);
+      };
+      over.onpointerup = (up) => {
+        over.onpointermove = over.onpointerup = null;
+        if (!has_moved) this.source.seek(time_at(up));
+      };
     });
+    over.addEventListener("dblclick", () => this.source.zoom(null));
+  }
+
+  /** Values where the cursor is, those nearest to it first where there are many. */
+  tell() {
+    const { idx, top } = this.plot.cursor;
+    const names = this.names();
+    if (idx === null || idx === undefined || !(this.plot.cursor.left >= 0)) {
+      this.read.hidden = true;
+      return;
+    }
+    const time = this.plot.data[0][idx];
+    // Series are not sampled at the same instants: of each its newest value until then.
+    let values = names.map((name, i) => {
+      let at = idx;
+      while (at > 0 && (this.plot.data[i + 1][at] ?? null) === null) at -= 1;
+      return { name, value: this.plot.data[i + 1][at] ?? null };
+    }).filter(({ value }) => value !== null);
+    const all = values.length;
+    if (all > kRead) {
+      const under = this.plot.posToVal(top, "y");
+      values = values.sort((a, b) => Math.abs(a.value - under) - Math.abs(b.value - under)).slice(0, kRead);
+    }
+    const line = (text, colour) => {
+      const each = document.createElement("div");
+      each.textContent = text;
+      if (colour) each.style.color = colour;
+      return each;
+    };
+    const unit = look.measures[this.spec.measure]?.unit ?? "";
+    this.read.replaceChildren(
+      line(`${time.toFixed(2)} s`),
+      ...values.map(({ name, value }) => line(`${names.length > 1 ? `${name} ` : ""}${digits(value)} ${unit}`, this.colour(name))),
+      ...(all > kRead ? [line(`and ${all - kRead} more`)] : []),
+    );
+    this.read.hidden = false;
+    this.read.classList.toggle("left", this.plot.cursor.left > this.plot.over.clientWidth / 2);
+  }
+
+  /** Names where there is room for all of them; else how many. */
+  write_legend() {
+    const names = this.names();
+    const label = (name) => {
+      const each = document.createElement("i");
+      each.textContent = name;
+      each.style.color = this.colour(name);
+      return each;
+    };
+    this.names_box.replaceChildren(...(names.length < 2 && !this.spec.fields ? [] : names.map(label)));
+    if (this.names_box.scrollWidth > this.caption.clientWidth - 12) {
+      const words = document.createElement("i");
+      words.textContent = `${names.length} series`;
+      this.names_box.replaceChildren(words);
+    }
   }
 
   table() {
@@ -149,12 +292,13 @@ class Chart {
   /** Marks where we are in a log. Over the plot, so that it need not be drawn again for that. */
   mark_now() {
     const now = this.source.now();
-    this.mark.hidden = now === null;
-    if (now !== null) this.mark.style.transform = `translateX(${Math.round(this.plot.valToPos(now, "x"))}px)`;
+    const [from, to] = this.source.window();
+    this.mark.hidden = now === null || now < from || now > to;
+    if (!this.mark.hidden) this.mark.style.transform = `translateX(${Math.round(this.plot.valToPos(now, "x"))}px)`;
   }
 
   refresh() {
-    if (this.series.size === 0) return;
+    if (this.series.size === 0 || this.body.clientWidth === 0) return;
     const window = this.source.window().join();
     if (!this.plot) {
       this.make();
@@ -169,47 +313,139 @@ class Chart {
   }
 
   resize() {
-    this.plot?.setSize({ width: this.body.clientWidth, height: this.body.clientHeight });
+    if (!this.plot || this.body.clientWidth === 0) return;
+    this.write_legend();
+    this.plot.setSize({ width: this.body.clientWidth, height: this.body.clientHeight });
   }
 
   restyle() {
-    this.plot?.destroy();
-    this.plot = null;
+    this.destroy();
     this.refresh();
+  }
+
+  clear() {
+    this.series.clear();
+    this.destroy();
+    this.box.hidden = !this.spec.fields;
+    this.read.hidden = true;
   }
 }
 
 export class Charts {
-  /** @param source {now, window}: in seconds since the start */
+  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change()}: in seconds since the start */
   constructor(box, source) {
-    this.colours = new Map();
-    const charts = kCharts.map((spec) => new Chart(box, spec, source, this.colours));
-    this.charts = charts;
-    new ResizeObserver(() => charts.forEach((chart) => chart.resize())).observe(box);
+    this.box = box;
+    this.source = source;
+    this.robots = [];
+    this.zoomed = null; // what is shown, where it is not all
+    const own = {
+      now: source.now,
+      seek: source.seek,
+      window: () => this.zoomed ?? source.window(),
+      zoom: (from, to) => this.zoom(from, to),
+      index_of: (name) => {
+        const index = this.robots.indexOf(name);
+        return index < 0 ? Infinity : index;
+      },
+      remove: (chart) => this.remove(chart),
+    };
+    this.own = own;
+    this.charts = kCharts.map((spec) => new Chart(box, spec, own));
+    new ResizeObserver(() => this.charts.forEach((chart) => chart.resize())).observe(box);
     // One after the other: all at once is a pause that one sees.
     let turn = 0;
-    setInterval(() => !document.hidden && charts[turn++ % charts.length].refresh(), kRefresh_ms / charts.length);
+    setInterval(() => !document.hidden && this.charts[turn++ % this.charts.length]?.refresh(), kRefresh_ms / kCharts.length);
+  }
+
+  /** Shows a stretch of time in all charts; null: all of it. */
+  zoom(from, to) {
+    const [first, last] = this.source.window();
+    let next = null;
+    if (from !== null && Number.isFinite(from) && Number.isFinite(to)) {
+      const length = Math.max(kLeast_s, to - from);
+      const low = this.source.now() === null ? Math.min(from, last - kLeast_s) : Math.max(first, Math.min(from, last - length));
+      const high = this.source.now() === null ? low + length : Math.min(last, low + length);
+      if (low > first + 1e-9 || high < last - 1e-9) next = [low, high];
+    }
+    this.zoomed = next;
+    this.source.on_zoom(next);
+    this.pending ??= requestAnimationFrame(() => {
+      this.pending = null;
+      this.charts.forEach((chart) => chart.refresh());
+    });
   }
 
   add(topic, time, record) {
-    this.charts.forEach((chart) => chart.add(topic, time, record));
+    this.charts.forEach((chart) => !chart.spec.fields && chart.add(topic, time, record));
   }
 
-  /** @param colours [robot, colour] of each */
-  set_colours(colours) {
-    if (colours.every(([robot, colour]) => this.colours.get(robot) === colour)) return;
-    this.colours.clear();
-    colours.forEach(([robot, colour]) => this.colours.set(robot, colour));
+  /** What comes on the topics of charted fields. */
+  add_field(topic, time, record) {
+    for (const chart of this.charts) {
+      const name = chart.spec.fields?.get(topic);
+      const value = name && !chart.is_whole ? number(member(record, chart.spec.path)) : null;
+      if (value !== null && value !== undefined) chart.put(name, time, value);
+    }
+  }
+
+  /** Charts a number of a topic; of topics that differ in whose they are in one chart.
+      @param path ["a", "0", "b"] @param points of a log, [since, value]; null: as they come */
+  plot(topic, path, points) {
+    const [family, name] = family_of(topic, this.robots);
+    const key = `${family} ${path.join(".")}`;
+    let chart = this.charts.find(({ spec }) => spec.key === key);
+    if (!chart) {
+      const title = `${family.replace(/^\/(lcm\/)?/, "").replace(/[/_]\*/, "")} ${path.join(".")}`;
+      chart = new Chart(this.box, { key, title, fields: new Map(), path }, this.own);
+      this.charts.push(chart);
+    }
+    chart.spec.fields.set(topic, name);
+    chart.is_whole = points !== null;
+    if (points) chart.fill(name, points);
+    chart.refresh();
+    chart.box.scrollIntoView({ block: "nearest", inline: "nearest" });
+    this.source.on_change();
+  }
+
+  remove(chart) {
+    this.charts.splice(this.charts.indexOf(chart), 1);
+    chart.destroy();
+    chart.box.remove();
+    this.source.on_change();
+  }
+
+  /** [topic, path] of each field that is charted. */
+  fields() {
+    return this.charts.flatMap(({ spec }) => [...(spec.fields?.keys() ?? [])].map((topic) => [topic, spec.path]));
+  }
+
+  /** Comma-separated values of all that is shown, in the stretch that is shown. */
+  csv() {
+    const [from, to] = this.zoomed ?? this.source.window();
+    const columns = this.charts.flatMap((chart) =>
+      chart.names().map((name) => ({ title: `${chart.box.title} ${name}`, line: chart.series.get(name) })));
+    const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const rows = [["time [s]", ...columns.map(({ title }) => quoted(title))]];
+    if (columns.length > 0) {
+      const [times, ...values] = uPlot.join(columns.map(({ line }) => [line.t, line.v]));
+      times.forEach((time, i) => {
+        if (time >= from && time <= to) rows.push([time.toFixed(6), ...values.map((column) => column[i] ?? "")]);
+      });
+    }
+    return rows.map((row) => row.join(",")).join("\n") + "\n";
+  }
+
+  /** @param robots names, in the scenario's order */
+  set_robots(robots) {
+    if (robots.join() === this.robots.join()) return;
+    this.robots = robots;
     this.restyle();
   }
 
   clear() {
-    this.colours.clear();
-    for (const chart of this.charts) {
-      chart.series.clear();
-      chart.plot?.destroy();
-      chart.plot = null;
-    }
+    this.robots = [];
+    this.zoomed = null;
+    for (const chart of this.charts) chart.clear();
   }
 
   restyle() {

@@ -36,6 +36,7 @@ export class Connection {
       this.channels.clear();
       this.subscriptions.clear();
       this.waiting.clear();
+      this.held = null;
       this.on.close();
       setTimeout(() => this.connect(), kRetry_ms);
     };
@@ -83,7 +84,20 @@ export class Connection {
 
   read(topic, view) {
     const text = new TextDecoder().decode(new Uint8Array(view.buffer, 13));
-    this.on.record(topic, seconds_of(view.getBigUint64(5, true)), JSON.parse(text));
+    const record = [topic, seconds_of(view.getBigUint64(5, true)), JSON.parse(text)];
+    if (this.held) this.held.push(record);
+    else this.on.record(...record);
+  }
+
+  /** Keeps what comes until go_on(). */
+  hold() {
+    this.held ??= [];
+  }
+
+  go_on() {
+    const held = this.held ?? [];
+    this.held = null;
+    held.forEach((record) => this.on.record(...record));
   }
 
   /** Tells what waits: to be called before each picture. */

@@ -7,13 +7,16 @@
 
 import * as THREE from "three";
 import { Line, Surface, edges_of } from "./outline.js";
-import { corners_of, lines_of, matrix_of, pixels_of } from "./shapes.js";
+import { corners_of, enlarged, glyph_of, lines_of, matrix_of, pixels_of } from "./shapes.js";
 import { Ball, Block, Disc } from "./solids.js";
 
 const kLevel_m = 0.02; // heights closer than this are one
 const kLow_m = 0.1; // what is lower hides nothing
 const kCrowd = 250; // things
 const kFar_m = 1e5; // where the eye of a parallel view is
+
+const origin = new THREE.Vector3();
+const large = new THREE.Matrix4();
 
 /** What a camera sees in an area of the stage. */
 class View {
@@ -38,6 +41,13 @@ class View {
       this.frames.set(frame, new THREE.Matrix4().multiplyMatrices(this.stage_from_world, frame.matrix).elements);
     }
     return this.frames.get(frame);
+  }
+
+  /** The same of a body that is drawn no smaller than can be seen; `glyph_m`: how far it reaches. */
+  through_glyph(frame, glyph_m) {
+    const scale = enlarged(glyph_m, this.pixels_at(origin.setFromMatrixPosition(frame.matrix)));
+    if (scale === 1) return this.through(frame);
+    return large.makeScale(scale, scale, 1).premultiply(frame.matrix).premultiply(this.stage_from_world).elements;
   }
 
   distance_to(point) {
@@ -103,17 +113,19 @@ class Floor {
   }
 }
 
-function things_of({ frame, entity, grid }) {
+function things_of(topic, { frame, entity, grid }) {
   if (grid) return [new Floor(frame, grid)];
   const line = (shape) => new Line(frame, lines_of(shape), shape);
   const surface = (shape) => new Surface(frame, edges_of(corners_of(shape)), shape);
-  return [
+  const bodies = [
     ...entity.triangles.filter((shape) => shape.points.length >= 3).map(surface),
-    ...entity.lines.filter((shape) => shape.points.length >= 2).map(line),
     ...entity.cubes.map((shape) => new Block(frame, shape)),
     ...entity.cylinders.map((shape) => new Disc(frame, shape)),
     ...entity.spheres.map((shape) => new Ball(frame, shape)),
   ];
+  const glyph_m = glyph_of(topic, entity);
+  bodies.forEach((body) => (body.glyph_m = glyph_m));
+  return [...bodies, ...entity.lines.filter((shape) => shape.points.length >= 2).map(line)];
 }
 
 const from_far = (a, b) => a.level - b.level || a.rank - b.rank || b.distance - a.distance;
@@ -128,7 +140,7 @@ export class FlatPicture {
 
   /** Shows these of a topic, and nothing else of it. */
   set(topic, items) {
-    this.things.set(topic, items.flatMap(things_of));
+    this.things.set(topic, items.flatMap((item) => things_of(topic, item)));
   }
 
   begin() {}
@@ -159,7 +171,8 @@ export class FlatPicture {
     for (const thing of others) {
       turns.find(({ block }) => !block || block.is_before(thing.at)).before.push(thing);
     }
-    const paint = (thing) => thing.paint(pen, view.through(thing.frame), view);
+    const paint = (thing) =>
+      thing.paint(pen, thing.glyph_m ? view.through_glyph(thing.frame, thing.glyph_m) : view.through(thing.frame), view);
     for (const { block, before } of turns) {
       before.sort(from_far).forEach(paint);
       if (block) paint(block);

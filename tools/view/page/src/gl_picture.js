@@ -4,9 +4,13 @@ import * as THREE from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { corners_of, lines_of, matrix_of, pixels_of } from "./shapes.js";
+import { shown } from "./look.js";
+import { corners_of, glyph_of, glyph_scale, lines_of, matrix_of, pixels_of } from "./shapes.js";
 
-const colour_of = (c) => new THREE.Color().setRGB(c.r, c.g, c.b, THREE.SRGBColorSpace);
+function colour_of(color) {
+  const { r, g, b } = shown(color);
+  return new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace);
+}
 
 const materials = new Map(); // by class, then by its options
 
@@ -50,9 +54,9 @@ class Corners {
     this.colours = [];
   }
 
-  add(frame, corners, color) {
+  add(frame, corners, color, glyph_m) {
     const { r, g, b } = colour_of(color);
-    this.pieces.push({ frame, corners });
+    this.pieces.push({ frame, corners, glyph_m });
     corners.forEach(() => this.colours.push(r, g, b));
   }
 
@@ -64,14 +68,15 @@ class Corners {
     this.moves = this.pieces.some(({ frame }) => !frame.is_fixed);
   }
 
-  follow() {
+  follow(camera, height_px) {
     if (!this.moves) return;
     const at = new THREE.Vector3();
     let next = 0;
-    for (const { frame, corners } of this.pieces) {
+    for (const { frame, corners, glyph_m } of this.pieces) {
+      const scale = glyph_scale(camera, height_px, frame, glyph_m);
       for (const corner of corners) {
         // Of a frame that nobody has placed yet all corners fall together: nothing is seen.
-        if (frame.is_placed) at.copy(corner).applyMatrix4(frame.matrix);
+        if (frame.is_placed) at.set(scale * corner.x, scale * corner.y, corner.z).applyMatrix4(frame.matrix);
         at.toArray(this.buffer.array, next);
         next += 3;
       }
@@ -93,8 +98,8 @@ class Bodies {
     this.pieces = []; // {frame, matrix, colour}
   }
 
-  add(frame, shape) {
-    this.pieces.push({ frame, matrix: matrix_of(shape), colour: colour_of(shape.color) });
+  add(frame, shape, glyph_m) {
+    this.pieces.push({ frame, matrix: matrix_of(shape), colour: colour_of(shape.color), glyph_m });
   }
 
   finish() {
@@ -103,10 +108,11 @@ class Bodies {
     this.pieces.forEach(({ colour }, i) => this.object.setColorAt(i, colour));
   }
 
-  follow() {
+  follow(camera, height_px) {
     const world = new THREE.Matrix4();
-    this.pieces.forEach(({ frame, matrix }, i) => {
-      world.multiplyMatrices(frame.matrix, matrix);
+    this.pieces.forEach(({ frame, matrix, glyph_m }, i) => {
+      const scale = glyph_scale(camera, height_px, frame, glyph_m);
+      world.makeScale(scale, scale, 1).multiply(matrix).premultiply(frame.matrix);
       if (!frame.is_placed) world.makeScale(0, 0, 0);
       this.object.setMatrixAt(i, world);
     });
@@ -131,8 +137,9 @@ class Floor {
     const [width, height] = [columns * grid.cell_size.x, rows * grid.cell_size.y];
     const material = new THREE.MeshBasicMaterial({ map: this.texture, transparent: true, depthWrite: false });
     const geometry = new THREE.PlaneGeometry(width, height).translate(width / 2, height / 2, 0);
-    this.matrix = matrix_of(grid);
+    this.matrix = matrix_of(grid).premultiply(new THREE.Matrix4().makeTranslation(0, 0, -0.01)); // under what lies on it
     this.object = new THREE.Mesh(geometry, material);
+    this.object.renderOrder = -1;
     this.object.matrixAutoUpdate = false;
   }
 
@@ -154,7 +161,7 @@ const sphere = new THREE.SphereGeometry(0.5, 16, 12);
 const cylinder = new THREE.CylinderGeometry(0.5, 0.5, 1, 24).rotateX(Math.PI / 2);
 
 /** What is seen of many items, an object for each kind: what a crowd costs is their number. */
-function batches_of(items) {
+function batches_of(topic, items) {
   const batches = new Map();
   const batch = (key, make) => {
     if (!batches.has(key)) batches.set(key, make());
@@ -163,13 +170,14 @@ function batches_of(items) {
   for (const { frame, entity, grid } of items) {
     if (grid) batch("floor", () => new Floor(frame, grid));
     if (!entity) continue;
+    const glyph_m = glyph_of(topic, entity);
     const add_bodies = (shapes, geometry) =>
       shapes.forEach((shape) =>
-        batch(`${geometry.uuid} ${shape.color.a}`, () => new Bodies(geometry, shape.color.a)).add(frame, shape));
+        batch(`${geometry.uuid} ${shape.color.a}`, () => new Bodies(geometry, shape.color.a)).add(frame, shape, glyph_m));
     const add_corners = (shapes, name, make, corners) =>
       shapes.forEach((shape) =>
         batch(`${name} ${shape.thickness} ${shape.scale_invariant} ${shape.color.a}`, () => new Corners(shape, make))
-          .add(frame, corners(shape), shape.color));
+          .add(frame, corners(shape), shape.color, name === "triangles" ? glyph_m : 0));
     add_bodies(entity.cubes, cube);
     add_bodies(entity.spheres, sphere);
     add_bodies(entity.cylinders, cylinder);
@@ -207,20 +215,20 @@ export class GlPicture {
   /** Shows these of a topic, and nothing else of it. */
   set(topic, items) {
     this.batches.get(topic)?.forEach((each) => each.dispose());
-    this.batches.set(topic, batches_of(items));
+    this.batches.set(topic, batches_of(topic, items));
     for (const { object } of this.batches.get(topic)) {
       object.frustumCulled = false; // it is everywhere
       this.scene.add(object);
     }
   }
 
-  /** Begins a picture: puts everything where its frame is now. */
   begin(background) {
     this.renderer.setClearColor(background);
-    this.batches.forEach((batches) => batches.forEach((each) => each.follow()));
   }
 
+  /** Puts everything where its frame is now, no smaller than can be seen by this camera. */
   draw(camera, at) {
+    this.batches.forEach((batches) => batches.forEach((each) => each.follow(camera, at.height)));
     const bottom = this.height - at.y - at.height;
     this.renderer.setViewport(at.x, bottom, at.width, at.height);
     this.renderer.setScissor(at.x, bottom, at.width, at.height);

@@ -3,9 +3,15 @@
 import "./style.css";
 import { Charts, live_window } from "./charts.js";
 import { Connection } from "./connection.js";
+import { write_legend } from "./legend.js";
+import { read_link, save, write_link } from "./link.js";
+import { color_of_role, digits, look, set_ground } from "./look.js";
 import { css_of } from "./outline.js";
 import { Events, Processes, Vehicles, make, write_inspect } from "./panels.js";
+import { distance_words } from "./ruler.js";
 import { Timeline, kSpeeds } from "./timeline.js";
+import { Topics } from "./topics.js";
+import { Trails, trail_entity } from "./trails.js";
 import { World } from "./world.js";
 
 const by_id = (id) => document.getElementById(id);
@@ -16,7 +22,7 @@ const kLayers = [
   { name: "views", topic: /^\/views$/, key: "f", shown: true },
   { name: "plans", topic: /^\/plan\/[^/]+$/, key: "p", shown: true },
   { name: "proposals", topic: /^\/proposal\/[^/]+$/, key: "s", shown: true },
-  { name: "tracks", topic: /^\/tracks$/, key: "t", shown: true },
+  { name: "trails", topic: /^\/trails$/, key: "t", shown: true }, // the page's own, longer or shorter than /tracks
   { name: "estimates", topic: /^\/estimates$/, key: "e", shown: true },
   { name: "truth", topic: /^\/targets$/, key: "o", shown: true },
   { name: "looks", topic: /^\/measurement\/[^/]+$/, key: "m", shown: false },
@@ -25,6 +31,9 @@ const kLayers = [
 /** Always heard: what is moved, and what is told in numbers. */
 const kAlways = [/^\/transforms$/, /^\/world$/, /^\/robots$/, /^\/scenario$/, /^\/attack$/, /^\/team$/,
   /^\/events$/, /^\/vehicle\//, /^\/health\//, /^\/plan\/[^/]+\/status$/];
+const kTrails = "/trails";
+const kTrailPeriod_s = 0.2;
+const kTrailLengths_s = [2, 5, 10, 20, 60, 300];
 
 const state = {
   start: null, // of the log, or of the first record heard; seconds since the epoch
@@ -35,6 +44,14 @@ const state = {
   is_playing: false,
   has_history: false,
   picked: null,
+  log: null, // name of the log
+  arrived: null, // the server's time as it last told it
+  jammed: [],
+  colors: new Map(), // by body
+  newest: new Map(), // by topic: of what says all there is to know
+  trail_s: look.trail_s,
+  side: "status",
+  wanted: read_link(location.hash), // by a link, not yet given
 };
 
 /** How the world is drawn, where the address says so (?draw=gl or ?draw=canvas). */
@@ -47,6 +64,26 @@ const events = new Events(by_id("events"), (since) => seek(since));
 const charts = new Charts(by_id("charts"), {
   now: () => (state.range ? state.now : null),
   window: () => (state.range ? [0, state.range[1] - state.range[0]] : live_window(state.now ?? 0)),
+  seek: (since) => seek(since),
+  on_zoom: (zoomed) => {
+    timeline.set_span(zoomed);
+    by_id("all").hidden = zoomed === null;
+    by_id("window").textContent = zoomed === null ? "" : `${zoomed[0].toFixed(1)} to ${zoomed[1].toFixed(1)} s`;
+    update_link();
+  },
+  on_change: () => {
+    [...connection.channels.keys()].forEach(subscribe);
+    update_link();
+  },
+});
+const trails = new Trails();
+const topics = new Topics(by_id("topics"), {
+  open: (topic, is_open) => {
+    subscribe(topic);
+    // In a log that is paused nothing comes by itself.
+    if (is_open && state.range && !state.is_playing) seek(state.now);
+  },
+  plot: (topic, path) => plot(topic, path),
 });
 const timeline = new Timeline({
   seek: (since) => seek(since),
@@ -71,46 +108,82 @@ function event_of(time, record) {
 
 function clear_all() {
   world.clear_all();
-  [vehicles, processes, events, charts, timeline].forEach((part) => part.clear());
+  [vehicles, processes, events, charts, timeline, trails, topics].forEach((part) => part.clear());
+  state.newest.clear();
   state.start = state.range?.[0] ?? null;
   state.now = null;
   by_id("jammed").hidden = true;
   by_id("empty").hidden = false;
 }
 
-/** Charts and marks of a whole log come at once, by HTTP. */
+/** What there was comes at once, by HTTP: of a log all of it, live what the server kept. */
 async function load_history(session) {
-  const history = await (await fetch("api/history")).json();
+  let history = [];
+  try {
+    history = await (await fetch("api/history")).json();
+  } catch {
+    // The connection is gone as well, and will be tried again.
+  }
   if (session !== state.session) return;
-  state.has_history = history.length > 0;
+  if (!state.range && history.length > 0) state.start = history[0][1] * 1e-6;
+  state.has_history = state.range !== null && history.length > 0;
+  const newest = new Map(); // by topic [s]
   for (const [topic, utime, record] of history) {
-    if (topic === "/events") {
-      const event = event_of(utime * 1e-6, record);
+    const time = utime * 1e-6;
+    newest.set(topic, time);
+    if (topic === "/ways") {
+      for (const [body, at] of Object.entries(record)) trails.add(body, time, ...at);
+    } else if (topic === "/events") {
+      const event = event_of(time, record);
       timeline.add_event(event);
       events.add(event);
     } else {
-      charts.add(topic, utime * 1e-6 - state.start, record);
+      charts.add(topic, time - state.start, record);
     }
   }
+  if (!state.range && history.length > 0) set_now(history.at(-1)[1] * 1e-6);
+  state.heard_until = newest;
+  connection.go_on();
+  state.heard_until = new Map();
+  charts.fields().forEach(([topic, path]) => plot(topic, path));
+  give_wanted();
+}
+
+function set_jammed(jammed) {
+  state.jammed = jammed;
+  by_id("jammed").hidden = jammed.length === 0;
+  by_id("jammed").textContent = `jammed: ${jammed.join(", ")}`;
+}
+
+function move(record, time) {
+  world.move(record.transforms);
+  if (state.has_history) return;
+  for (const { child_frame_id, translation: { x, y, z } } of record.transforms) trails.add(child_frame_id, time, x, y, z);
 }
 
 const takers = [
-  [/^\/transforms$/, (record) => world.move(record.transforms)],
+  [/^\/transforms$/, (record, topic, time) => move(record, time)],
   [/^\/scenario$/, (record) => {
-    by_id("scenario").textContent = `${record.name} · ${record.robots.length} robots · ${record.targets.length} targets`;
+    const what = record.objective === "mapping" ? "mapping" : `${record.targets.length} targets`;
+    by_id("scenario").textContent = `${record.name} · ${record.robots.length} robots · ${what}`;
     by_id("empty").hidden = true;
+    document.title = `${record.name} · vantage`;
+    state.memory_s = record.grid_memory_s;
     world.set_bounds(record);
-    charts.set_colours(record.robots.map(({ name, color }) => [name, css_of(color)]));
+    state.colors = new Map(record.robots.map(({ name, color }) => [name, color]));
+    charts.set_robots(record.robots.map(({ name }) => name));
   }],
-  [/^\/attack$/, (record) => {
-    by_id("jammed").hidden = record.jammed.length === 0;
-    by_id("jammed").textContent = `jammed: ${record.jammed.join(", ")}`;
-  }],
+  [/^\/attack$/, (record) => set_jammed(record.jammed)],
   [/^\/vehicle\//, (record) => vehicles.on_state(record)],
   [/^\/health\//, (record) => processes.on_health(record)],
   [/^\/plan\/[^/]+\/status$/, (record) => vehicles.on_plan(record)],
-  [/^\/(grid|map)$/, (record, topic) => world.update_grid(topic, record)],
-  [/./, (record, topic) => record.entities && world.update(topic, record)],
+  [/^\/(grid|map)$/, (record, topic) => {
+    // Of a team that maps the map says more than when its ground was seen.
+    if (!layer_of(topic).shown || (topic === "/grid" && world.layers.has("/map"))) return;
+    if (topic === "/map") world.clear("/grid");
+    world.update_grid(topic, record);
+  }],
+  [/^\/(?!lcm\/)/, (record, topic) => record.entities && (layer_of(topic)?.shown ?? true) && world.update(topic, record)],
 ];
 
 const connection = new Connection(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`, {
@@ -121,21 +194,28 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     if (info.session !== state.session) {
       state.session = info.session;
       clear_all();
+      state.log = state.range ? (info.name.replace(/^vantage /, "").split("/").at(-1) ?? null) : null;
       timeline.set_length(state.range ? state.range[1] - state.range[0] : null);
-      if (state.range) {
-        set_now(state.range[0]);
-        load_history(info.session);
-      }
+      if (state.range) set_now(state.range[0]);
+      const of_another = state.wanted?.log && state.wanted.log !== state.log;
+      by_id("note").hidden = !of_another;
+      if (of_another) by_id("note").textContent = `the link is of ${state.wanted.log}, shown is ${state.log ?? "what is live"}`;
+      connection.hold();
+      load_history(info.session);
     }
-    set_badge(state.range ? "log" : "live", "good");
+    set_badge(state.range ? `log ${state.log}` : "live", "good");
   },
   channel: (topic) => subscribe(topic),
   status: (status) => status.level > 0 && set_badge(status.message, "warn"),
-  time: (time) => set_now(time),
+  time: (time) => {
+    state.arrived = time; // all of the scene at that instant has come before it
+    set_now(time);
+  },
   playback: (now) => {
     if (now.sought) {
       connection.forget_waiting();
       world.expire(Infinity);
+      if (!state.has_history) trails.clear();
     }
     state.is_playing = now.status === "playing";
     state.speed = now.speed;
@@ -143,37 +223,85 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     set_now(now.time);
   },
   record: (topic, time, record) => {
+    const is_known = time <= (state.heard_until?.get(topic) ?? -Infinity); // the history has it
     if (!state.range) set_now(Math.max(time, (state.now ?? 0) + (state.start ?? time)));
+    topics.take(topic, record);
     if (topic === "/events") {
-      if (!state.has_history) {
+      if (!state.has_history && !is_known) {
         const event = event_of(time, record);
         events.add(event);
         timeline.add_event(event);
       }
       return;
     }
-    if (!state.has_history) charts.add(topic, time - state.start, record);
-    takers.find(([pattern]) => pattern.test(topic))[1](record, topic);
+    if (!state.has_history && !is_known) charts.add(topic, time - state.start, record);
+    charts.add_field(topic, time - state.start, record);
+    if (kNewest.test(topic)) state.newest.set(topic, record);
+    takers.find(([pattern]) => pattern.test(topic))?.[1](record, topic, time);
   },
 });
+
+const kNewest = /^\/(vehicle\/|health\/|plan\/[^/]+\/status$)/;
 
 const layer_of = (topic) => kLayers.find((layer) => layer.topic.test(topic));
 
 function subscribe(topic) {
   const layer = layer_of(topic);
-  const is_wanted = layer ? layer.shown : kAlways.some((pattern) => pattern.test(topic));
+  const is_wanted =
+    (layer ? layer.shown : kAlways.some((pattern) => pattern.test(topic))) ||
+    topics.is_open(topic) ||
+    (!state.range && charts.fields().some(([charted]) => charted === topic));
   connection.want(topic, is_wanted);
 }
 
 function toggle(layer) {
   layer.shown = !layer.shown;
   layer.button.setAttribute("aria-pressed", layer.shown);
+  if (layer.topic.test(kTrails)) {
+    if (layer.shown) draw_trails();
+    else world.clear(kTrails);
+  }
   for (const topic of connection.channels.keys()) {
     if (layer_of(topic) === layer) {
-      connection.want(topic, layer.shown);
+      subscribe(topic);
       if (!layer.shown) world.clear(topic);
     }
   }
+  refresh_legend();
+  update_link();
+}
+
+/** Charts a number of a topic: of a log all of it, live from now on. */
+async function plot(topic, path) {
+  let points = null;
+  if (state.range) {
+    const field = path.map((key) => `/${key.replaceAll("~", "~0").replaceAll("/", "~1")}`).join("");
+    try {
+      points = (await (await fetch(`api/series?${new URLSearchParams({ topic, field })}`)).json())
+        .map(([utime, value]) => [utime * 1e-6 - state.start, value]);
+    } catch {
+      points = []; // the connection is gone as well
+    }
+    if (points.length === 0) points = null; // too large a log: as it plays
+  }
+  charts.plot(topic, path, points);
+}
+
+function draw_trails() {
+  state.trails_at = state.now;
+  if (!kLayers.find(({ topic }) => topic.test(kTrails)).shown || state.now === null) return;
+  const now = state.start + state.now;
+  for (const body of trails.ways.keys()) {
+    const points = trails.points(body, now, state.trail_s);
+    const frame = world.frames.get(body);
+    if (frame?.is_placed && points.length > 0) {
+      const [x, y, z] = frame.matrix.elements.slice(12);
+      points.push({ x, y, z });
+    }
+    const color = state.colors.get(body) ?? color_of_role("truth");
+    world.put(kTrails, body, { frame: world.fixed, entity: trail_entity(body, points, color) });
+  }
+  world.set_stale();
 }
 
 for (const layer of kLayers) {
@@ -183,6 +311,24 @@ for (const layer of kLayers) {
   layer.button.setAttribute("aria-pressed", layer.shown);
   layer.button.onclick = () => toggle(layer);
   by_id("layers").append(layer.button);
+}
+const trail_select = make("select");
+trail_select.id = "trail";
+trail_select.title = "Length of the trails";
+trail_select.setAttribute("aria-label", "Length of the trails");
+trail_select.replaceChildren(...kTrailLengths_s.map((length_s) => new Option(`${length_s} s`, length_s)), new Option("all", 1e9));
+trail_select.onchange = () => {
+  set_trail(Number(trail_select.value));
+  trail_select.blur();
+};
+by_id("layers").append(trail_select);
+
+function set_trail(length_s) {
+  state.trail_s = length_s;
+  trail_select.value = String(length_s);
+  draw_trails();
+  refresh_legend();
+  update_link();
 }
 
 function play(is_playing, since) {
@@ -207,28 +353,228 @@ function step_speed(by) {
 
 function pick(id) {
   state.picked = id;
+  world.select(id);
+  if (id === null && world.followed && world.followed !== "team") follow(null);
   refresh_inspect();
+  update_link();
 }
+
+function follow(id) {
+  world.follow(id);
+  by_id("follow").setAttribute("aria-pressed", id !== null);
+  refresh_inspect();
+  update_link();
+}
+
+const toggle_follow = () => follow(world.followed ? null : (state.picked ?? "team"));
+
+/** A record's members in words, those of one level. */
+function rows_of(record, left_out) {
+  return Object.entries(record)
+    .filter(([key, value]) => !["timestamp", "robot", "process", ...left_out].includes(key) && (value === null || typeof value !== "object" || Array.isArray(value)))
+    .map(([key, value]) => [key.replaceAll("_", " "), Array.isArray(value) ? value.map((each) => (typeof each === "object" ? "…" : each)).join(", ") || "none" : typeof value === "number" ? (key.endsWith("round") ? `…${String(value).slice(-5)}` : digits(value)) : String(value)]);
+}
+
+const metadata_of = (found) => (found?.entity.metadata ?? []).map(({ key, value }) => [key.replaceAll("_", " "), value]);
 
 function refresh_inspect() {
   const id = state.picked;
-  const extra = [];
-  const plan = id?.startsWith("robot/") && vehicles.plans.get(id.slice(6));
-  if (plan) {
-    const put = (key, value, unit) => value !== undefined && extra.push([key, `${value.toFixed(2)} ${unit}`]);
-    put("cost", plan.cost_nat, "nat");
-    put("lower bound", plan.lower_bound_nat, "nat");
-    put("gap", plan.gap_nat, "nat");
-    extra.push(["nodes", String(plan.nodes)], ["round", String(plan.round)]);
+  if (id === null) return write_inspect(by_id("inspect"), null, false, []);
+  const found = world.find(id);
+  const [kind, name] = [id.split("/")[0], id.split("/").slice(1).join("/")];
+  const first = [];
+  if (found) {
+    const { x, y, z } = found.position;
+    first.push(["at", `${x.toFixed(2)}, ${y.toFixed(2)}, ${z.toFixed(2)} m`]);
+    if (found.yaw_rad !== null) first.push(["heading", `${((180 / Math.PI) * found.yaw_rad).toFixed(0)}°`]);
+    const speed = state.now === null ? null : trails.speed(name, state.start + state.now);
+    if (speed !== null && (kind === "robot" || kind === "target")) first.push(["speed", `${speed.toFixed(2)} m/s`]);
+    first.push(...metadata_of(found));
+  } else {
+    first.push(["gone", "not on the bus any more"]);
   }
-  write_inspect(by_id("inspect"), id, id && world.find(id), extra);
+  const sections = [["", first]];
+  const section = (title, topic, left_out = []) => {
+    const record = state.newest.get(topic);
+    if (record) sections.push([title, rows_of(record, left_out)]);
+  };
+  if (kind === "robot") {
+    section("Plan", `/plan/${name}/status`);
+    section("Vehicle", `/vehicle/${name}`);
+    for (const topic of [...state.newest.keys()].sort()) {
+      if (topic.startsWith("/health/") && topic.endsWith(`_${name}`)) section(topic.slice(8).toLowerCase().replaceAll("_", " "), topic, ["counters"]);
+    }
+  }
+  if (kind === "target" || kind === "estimate") {
+    const [truth, estimate] = [world.find(`target/${name}`), world.find(`estimate/${name}`)];
+    if (estimate && kind === "target") sections.push(["As the team knows it", metadata_of(estimate)]);
+    if (truth?.is_placed && estimate) {
+      const [a, b] = [truth.position, estimate.position];
+      sections.push(["From true to estimated", [["distance", distance_words([a.x, a.y], [b.x, b.y]).replaceAll(" · ", ", ")]]]);
+    }
+    for (const robot of state.colors.keys()) {
+      const belief = world.find(`belief/${robot}/${name}`);
+      if (belief) sections.push([`As ${robot} knows it`, metadata_of(belief)]);
+    }
+  }
+  write_inspect(by_id("inspect"), id, world.followed === id, sections);
 }
 
 setInterval(() => state.picked && refresh_inspect(), 250);
-by_id("inspect").onclick = (event) => event.target.dataset.close && pick(null);
+by_id("inspect").onclick = (event) => {
+  if (event.target.dataset.act === "close") pick(null);
+  if (event.target.dataset.act === "follow") follow(world.followed === state.picked ? null : state.picked);
+};
+
+/** Explains what can be seen now. */
+function refresh_legend() {
+  const sizes = Object.entries(world.sizes()).filter(([, size]) => size > 0).map(([topic]) => topic);
+  const has = (pattern) => sizes.some((topic) => pattern.test(topic));
+  const world_ids = [...(world.layers.get("/world")?.keys() ?? [])];
+  const plans = has(/^\/plan\//) ? [...vehicles.plans.values()] : [];
+  const is_mapped = has(/^\/map$/);
+  write_legend(by_id("legend").querySelector("ul"), [
+    has(/^\/robots$/) && "robot",
+    state.jammed.length > 0 && "jammed",
+    has(/^\/views$/) && "view",
+    has(/^\/plan\//) && "plan",
+    plans.some(({ late }) => late) && "late",
+    plans.some(({ late, source }) => !late && source !== "searched") && "fallback",
+    has(/^\/proposal\//) && "proposal",
+    has(/^\/trails$/) && "trail",
+    has(/^\/targets$/) && "truth",
+    has(/^\/(estimates|belief\/.*)$/) && "estimate",
+    has(/^\/measurement\//) && "look",
+    ...(has(/^\/grid$/) && !is_mapped ? ["seen", "stale", "unseen"] : []),
+    ...(is_mapped ? ["occupied", "free", "unknown"] : []),
+    world_ids.some((id) => id.startsWith("obstacle")) && "obstacle",
+    world_ids.some((id) => id.startsWith("region")) && "region",
+  ].filter(Boolean), { trail: state.trail_s > 1e8 ? " minutes" : ` ${state.trail_s} s`, stale: ` ${state.memory_s > 0 ? state.memory_s : 30} s` });
+}
+setInterval(() => document.hidden || refresh_legend(), 500);
+
+let link_timer = null;
+/** Writes into the address bar what is shown, soon. */
+function update_link() {
+  link_timer ??= setTimeout(() => {
+    link_timer = null;
+    if (!state.wanted) history.replaceState(null, "", `${location.search}#${link_text()}`);
+  }, 400);
+}
+
+const kShownAtFirst = new Map(kLayers.map(({ name, shown }) => [name, shown]));
+
+function link_text() {
+  const changed = (is_shown) => kLayers.filter(({ name, shown }) => shown === is_shown && kShownAtFirst.get(name) !== shown).map(({ name }) => name);
+  return write_link({
+    log: state.log,
+    since: state.range ? state.now : null,
+    view: world.view,
+    cameras: world.is_fitted ? null : world.cameras(),
+    on: changed(true),
+    off: changed(false),
+    trail_s: state.trail_s === look.trail_s ? null : state.trail_s,
+    zoomed: charts.zoomed,
+    fields: charts.fields(),
+    picked: state.picked,
+    side: state.side === "status" ? null : state.side,
+    follow: world.followed,
+  });
+}
+
+/** Gives what a link asked for, once there is something to give it of. */
+function give_wanted() {
+  const { wanted } = state;
+  state.wanted = null;
+  if (!wanted) return;
+  if (wanted.since !== null && state.range) seek(wanted.since);
+  for (const layer of kLayers) {
+    const is_shown = wanted.on.includes(layer.name) || (kShownAtFirst.get(layer.name) && !wanted.off.includes(layer.name));
+    if (is_shown !== layer.shown) toggle(layer);
+  }
+  if (wanted.view) show_view(wanted.view);
+  if (wanted.trail_s) set_trail(wanted.trail_s);
+  if (wanted.zoomed) charts.zoom(...wanted.zoomed);
+  wanted.fields.forEach(([topic, path]) => plot(topic, path));
+  if (wanted.picked) pick(wanted.picked);
+  if (wanted.side) show_side(wanted.side);
+  if (wanted.cameras) {
+    // The world's size fits the cameras first.
+    const look_when_known = () => (world.layers.has("/world") ? world.view_from(wanted.cameras) : setTimeout(look_when_known, 50));
+    look_when_known();
+  }
+  if (wanted.follow) follow(wanted.follow);
+}
+
+addEventListener("hashchange", () => {
+  state.wanted = read_link(location.hash);
+  give_wanted();
+});
+
+async function share() {
+  const address = `${location.origin}${location.pathname}${location.search}#${link_text()}`;
+  history.replaceState(null, "", address);
+  try {
+    await navigator.clipboard.writeText(address);
+    tell("link copied");
+  } catch {
+    tell("the link is in the address bar");
+  }
+}
+
+/** Says something for a while. */
+function tell(words) {
+  by_id("note").textContent = words;
+  by_id("note").hidden = false;
+  setTimeout(() => (by_id("note").hidden = true), 2500);
+}
+
+/** The stage as it is, with what it is of and when written below. */
+function take_shot() {
+  world.set_stale();
+  world.draw(); // what the graphics drew is there until the picture is shown
+  const canvases = [by_id("world"), by_id("names")].filter((canvas) => canvas.offsetWidth > 0);
+  const { width, height } = by_id("names");
+  const ratio = width / by_id("stage").clientWidth;
+  const line = Math.round(26 * ratio);
+  const out = document.createElement("canvas");
+  [out.width, out.height] = [width, height + line];
+  const pen = out.getContext("2d");
+  const style = getComputedStyle(document.documentElement);
+  pen.fillStyle = style.getPropertyValue("--stage");
+  pen.fillRect(0, 0, out.width, out.height);
+  canvases.forEach((canvas) => pen.drawImage(canvas, 0, 0, width, height));
+  pen.fillStyle = style.getPropertyValue("--quiet");
+  pen.font = `${13 * ratio}px system-ui, sans-serif`;
+  pen.textBaseline = "middle";
+  pen.fillText([by_id("scenario").textContent, state.log ?? "live", by_id("clock").textContent, `ellipses hold ${100 * look.ellipse_probability} %`].join("   ·   "), 12 * ratio, height + line / 2);
+  out.toBlob((blob) => save(`vantage_${file_stem()}.png`, blob));
+}
+
+const file_stem = () => `${(state.log ?? "live").replace(/\.lcmlog$/, "").replace(/[^\w-]+/g, "_")}_${(state.now ?? 0).toFixed(1)}s`;
+
+function save_csv() {
+  save(`vantage_${file_stem()}.csv`, new Blob([charts.csv()], { type: "text/csv" }));
+}
+
+function show_side(side) {
+  state.side = side;
+  for (const name of ["status", "topics"]) {
+    by_id(name).hidden = name !== side;
+    by_id(`tab-${name}`).setAttribute("aria-selected", name === side);
+  }
+  topics.show(side === "topics");
+  update_link();
+}
+
+function toggle_measure() {
+  world.measure(!world.is_measuring);
+  by_id("measure").setAttribute("aria-pressed", world.is_measuring);
+}
 
 function show_view(view) {
   world.show(view);
+  update_link();
   for (const button of by_id("views").children) {
     button.setAttribute("aria-pressed", button.dataset.view === view);
   }
@@ -238,8 +584,10 @@ for (const button of by_id("views").children) button.onclick = () => show_view(b
 
 function set_theme(theme) {
   document.documentElement.dataset.theme = theme;
-  world.set_stale();
+  set_ground(theme);
+  world.repaint();
   charts.restyle();
+  refresh_legend();
 }
 
 const other_theme = () => (document.documentElement.dataset.theme === "dark" ? "light" : "dark");
@@ -255,18 +603,29 @@ const kKeys = [
   ["1", "plan view", () => show_view("plan")],
   ["2", "3-D", () => show_view("space")],
   ["3", "both", () => show_view("both")],
-  ["r", "whole world in view", () => world.fit()],
+  ["r", "whole world in view", () => fit()],
+  ["c", "the view goes with what is selected, or with the team", () => toggle_follow()],
+  ["l", "measure a distance", () => toggle_measure()],
+  ["h", "legend", () => (by_id("legend").open = !by_id("legend").open)],
+  ["i", "topics, rates and messages", () => show_side(state.side === "topics" ? "status" : "topics")],
+  ["z", "charts show all of the time", () => charts.zoom(null)],
+  ["v", "save what the charts show as CSV", () => save_csv()],
+  ["x", "screenshot of the stage", () => take_shot()],
+  ["k", "copy a link to this moment and layout", () => share()],
   ["d", "light or dark", () => set_theme(other_theme())],
   ["?", "these keys", () => (by_id("help").open ? by_id("help").close() : by_id("help").showModal())],
-  ["escape", "close what is inspected", () => pick(null)],
+  ["escape", "end measuring, close what is inspected", () => (world.is_measuring ? toggle_measure() : pick(null))],
   ...kLayers.map((layer) => [layer.key, `${layer.name} on or off`, () => toggle(layer)]),
 ];
 
 const kNamed = { " ": "space", ArrowLeft: "←", ArrowRight: "→", "=": "+" };
 
 document.addEventListener("keydown", (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "SELECT") return;
+  const { tagName } = event.target;
+  if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT" || tagName === "INPUT") return;
   const name = kNamed[event.key] ?? event.key.toLowerCase();
+  if (name === "space" && (tagName === "BUTTON" || tagName === "SUMMARY")) return; // it presses them
+  if (name === "escape" && by_id("help").open) return;
   const found = kKeys.find(([key]) => key === name);
   if (found) {
     if (name !== "escape") event.preventDefault(); // it also closes the dialog
@@ -274,7 +633,23 @@ document.addEventListener("keydown", (event) => {
   }
 });
 
-by_id("reset").onclick = () => world.fit();
+function fit() {
+  follow(null);
+  world.fit();
+}
+
+world.on_view = update_link;
+// A button that was clicked leaves the keys to the page.
+document.addEventListener("click", (event) => event.detail > 0 && event.target.closest?.("button, summary")?.blur());
+by_id("reset").onclick = fit;
+by_id("follow").onclick = toggle_follow;
+by_id("measure").onclick = toggle_measure;
+by_id("shot").onclick = take_shot;
+by_id("share").onclick = share;
+by_id("csv").onclick = save_csv;
+by_id("all").onclick = () => charts.zoom(null);
+by_id("tab-status").onclick = () => show_side("status");
+by_id("tab-topics").onclick = () => show_side("topics");
 by_id("theme").onclick = () => set_theme(other_theme());
 by_id("keys").onclick = () => by_id("help").showModal();
 by_id("help").onclick = () => by_id("help").close();
@@ -284,11 +659,17 @@ by_id("help").append(make("h2", "", "Keys"), list);
 
 set_theme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 show_view(innerWidth < 1000 ? "plan" : "both");
+set_trail(state.trail_s);
+by_id("legend").open = innerWidth >= 1500;
 
 function loop() {
   requestAnimationFrame(loop); // not called while nobody sees the page
   connection.read_waiting();
   if (state.now !== null) world.expire(state.start + state.now);
+  if (state.now !== null && Math.abs(state.now - (state.trails_at ?? -1)) >= kTrailPeriod_s) {
+    draw_trails();
+    if (state.range) update_link();
+  }
   if (world.is_stale()) world.draw();
 }
 loop();
@@ -301,6 +682,15 @@ window.vantage = {
     world: Object.fromEntries(world.shown("/robots").map(({ frame_id, cylinders }) => [frame_id, css_of(cylinders[0].color)])),
     charts: charts.charts.map((chart) => Object.fromEntries((chart.plot?.series ?? []).slice(1).map(({ label, stroke }) => [label, stroke()]))),
   }),
+  labels: () => world.eyes().map(({ names }) => names),
+  scale: () => world.plan_scale(),
+  cameras: () => world.cameras(),
+  charts: () => charts.charts.filter(({ box }) => !box.hidden).map(({ spec, title }) => ({ key: spec.key, title: title.textContent, window: charts.own.window() })),
+  series: (key) => Object.fromEntries(charts.charts.find(({ spec }) => spec.key === key)?.series ?? []),
+  csv: () => charts.csv(),
+  trail: (body) => trails.ways.has(body) ? trails.points(body, state.start + state.now, state.trail_s).length : 0,
+  measured: () => world.measured,
+  followed: () => world.followed,
   position: (id) => world.find(id)?.position.toArray() ?? null,
   pixel: (id) => world.pixel(id),
   draw_again: () => world.set_stale(),

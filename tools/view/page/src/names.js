@@ -1,6 +1,8 @@
 // Names in the picture, on a canvas. Each name is drawn with its halo once and stamped from then on,
 // since writing text is slow.
 
+import { shown } from "./look.js";
+
 const kPad = 3;
 const kKeptMax = 2000;
 
@@ -48,21 +50,23 @@ export class Names {
     pen.restore();
   }
 
-  /** A text annotation with its base line's middle at a place. */
+  /** How large a text annotation is, in the stage's pixels. */
+  size_of(text) {
+    const { image } = this.stamp_of(text);
+    return { width: image.width / this.ratio, height: image.height / this.ratio };
+  }
+
+  /** A text annotation with its left upper corner at a place. */
   write(text, left, top) {
-    const stamp = this.stamp_of(text);
-    this.pen.setTransform(1, 0, 0, 1, 0, 0);
-    this.pen.drawImage(
-      stamp.image,
-      Math.round(left * this.ratio - stamp.image.width / 2),
-      Math.round(top * this.ratio - stamp.ascent),
-    );
+    const { image } = this.stamp_of(text);
+    this.pen.drawImage(image, left, top, image.width / this.ratio, image.height / this.ratio);
   }
 
   stamp_of(annotation) {
     let stamp = this.known.get(annotation);
     if (!stamp) {
-      const { text, font_size, color } = annotation;
+      const { text, font_size } = annotation;
+      const color = shown(annotation.color);
       const fill = `rgb(${["r", "g", "b"].map((c) => Math.round(255 * color[c]))})`;
       const key = `${font_size} ${fill} ${text}`;
       if (!this.stamps.has(key)) this.stamps.set(key, this.make_stamp(text, font_size, fill));

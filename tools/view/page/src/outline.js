@@ -1,5 +1,7 @@
 // Lines and level surfaces on a 2-D canvas, as a camera sees them.
 
+import { shown } from "./look.js";
+
 const kNear_m = 0.02; // nearer to the eye nothing is seen
 const kStep_px = 0.7; // corners closer than this to the last one are left out
 const kThin_px = 1.5; // in a crowd lines up to this are a pixel wide, which takes half the time
@@ -53,8 +55,10 @@ export function trace(pen, e, corners, is_surface) {
   if (is_surface && !is_first) pen.closePath();
 }
 
-export const css_of = ({ r, g, b, a }, shade = 1) =>
-  `rgba(${[r, g, b].map((c) => Math.round(255 * Math.min(1, shade * c)))},${a})`;
+export function css_of(color, shade = 1) {
+  const { r, g, b, a } = shown(color);
+  return `rgba(${[r, g, b].map((c) => Math.round(255 * Math.min(1, shade * c)))},${a})`;
+}
 
 const flat = (corners) => Float64Array.from(corners.flatMap((c) => [c.x, c.y, c.z]));
 

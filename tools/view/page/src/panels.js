@@ -81,11 +81,10 @@ export class Vehicles {
     if (state) {
       const badge = make("span", "badge", state.state);
       badge.dataset.state = kGood[state.state] ?? "calm";
-      head.append(badge, make("span", "quiet", `${Math.round(100 * state.battery_share)} %`));
+      head.append(badge, make("span", "quiet", `battery ${Math.round(100 * state.battery_share)} %`));
     }
     if (plan) {
-      const how = plan.late ? "late" : plan.source;
-      const note = make("span", "quiet", `${how}, ${(1e3 * plan.margin_s).toFixed(0)} ms spare`);
+      const note = make("span", "quiet", plan.late ? `plan ${(-1e3 * plan.margin_s).toFixed(0)} ms late` : `plan ${plan.source}, ${(1e3 * plan.margin_s).toFixed(0)} ms spare`);
       if (plan.late || plan.source !== "searched") note.classList.add("warn");
       head.append(note);
     }
@@ -117,7 +116,7 @@ export class Processes {
     const badge = make("span", "badge", health.state);
     badge.dataset.state = kProcess[health.state] ?? "calm";
     const line = make("div", "line");
-    const notes = [`worst loop ${(1e3 * health.loop_worst_s).toFixed(1)} ms`];
+    const notes = [`loop ${(1e3 * health.loop_worst_s).toFixed(1)} ms`];
     if (health.deadlines_missed > 0) notes.push(`${health.deadlines_missed} late`);
     if (health.messages_lost > 0) notes.push(`${health.messages_lost} lost`);
     line.append(make("b", "", health.process), badge, make("span", "quiet", notes.join(", ")));
@@ -140,8 +139,14 @@ export class Events {
   add(event) {
     const item = make("li", "event");
     item.dataset.kind = event.kind;
-    item.append(make("time", "", `${event.since.toFixed(1)} s`), make("b", "", event.kind.replace("_", " ")), make("span", "", event.text));
+    item.append(make("time", "", `${event.since.toFixed(1)} s`), make("b", "", event.kind.replaceAll("_", " ")), make("span", "", event.text));
+    item.tabIndex = 0;
     item.onclick = () => this.on_seek(event.since);
+    item.onkeydown = (key) => {
+      if (key.key !== "Enter") return;
+      key.stopPropagation();
+      this.on_seek(event.since);
+    };
     this.box.prepend(item);
     while (this.box.children.length > kEventsShown) this.box.lastChild.remove();
   }
@@ -151,24 +156,30 @@ export class Events {
   }
 }
 
-/** Shows one entity: its metadata and where it is. */
-export function write_inspect(box, id, found, extra) {
+/** Shows one thing with everything known of it.
+    @param sections [title, [[key, value]]] */
+export function write_inspect(box, id, is_followed, sections) {
   box.hidden = id === null;
   if (id === null) return;
+  const said = JSON.stringify([id, is_followed, sections]);
+  if (said === box.said) return;
+  box.said = said;
   const head = make("div", "line");
+  const follow = make("button", "", "Follow");
+  follow.title = "The view goes with it (C)";
+  follow.dataset.act = "follow";
+  follow.setAttribute("aria-pressed", is_followed);
   const close = make("button", "", "×");
   close.title = "Close (Esc)";
-  close.dataset.close = "yes";
-  head.append(make("b", "", id), make("span", "space"), close);
-  const list = make("dl");
-  const put = (key, value) => list.append(make("dt", "", key), make("dd", "", value));
-  if (found) {
-    const { x, y, z } = found.position;
-    put("at", `${x.toFixed(2)}, ${y.toFixed(2)}, ${z.toFixed(2)} m`);
-    found.entity.metadata.forEach(({ key, value }) => put(key.replaceAll("_", " "), value));
-  } else {
-    put("gone", "not on the bus any more");
-  }
-  extra.forEach(([key, value]) => put(key, value));
-  box.replaceChildren(head, list);
+  close.setAttribute("aria-label", "Close");
+  close.dataset.act = "close";
+  head.append(make("b", "", id), make("span", "space"), follow, close);
+  const parts = sections.filter(([, rows]) => rows.length > 0).flatMap(([title, rows]) => {
+    const list = make("dl");
+    rows.forEach(([key, value]) => list.append(make("dt", "", key), make("dd", "", value)));
+    return title ? [make("h3", "", title), list] : [list];
+  });
+  const top = box.scrollTop;
+  box.replaceChildren(head, ...parts);
+  box.scrollTop = top;
 }

@@ -10,6 +10,7 @@ export class Timeline {
     this.bar = document.getElementById("timeline");
     this.marks = document.getElementById("marks");
     this.head = document.getElementById("head");
+    this.span = document.getElementById("span");
     this.clock = document.getElementById("clock");
     this.button = document.getElementById("play");
     this.speeds = document.getElementById("speed");
@@ -22,6 +23,11 @@ export class Timeline {
     this.speeds.onchange = () => {
       on.speed(Number(this.speeds.value));
       this.speeds.blur(); // the keys are the page's again
+    };
+    this.bar.onmousemove = (event) => {
+      const box = this.bar.getBoundingClientRect();
+      const [from, to] = this.window();
+      this.bar.title = `${(from + ((event.clientX - box.left) / box.width) * (to - from)).toFixed(1)} s`;
     };
     const seek = (event) => {
       const box = this.bar.getBoundingClientRect();
@@ -51,6 +57,8 @@ export class Timeline {
     this.length_s = length_s;
     document.body.dataset.mode = length_s === null ? "live" : "log";
     document.getElementById("length").textContent = length_s === null ? "" : `${length_s.toFixed(1)} s`;
+    this.bar.setAttribute("aria-valuemin", "0");
+    this.bar.setAttribute("aria-valuemax", length_s === null ? "" : length_s.toFixed(1));
     this.draw_marks();
   }
 
@@ -76,6 +84,17 @@ export class Timeline {
     }
   }
 
+  /** Shows which stretch the charts show; null: all. */
+  set_span(zoomed) {
+    this.zoomed = zoomed;
+    this.span.hidden = zoomed === null;
+    if (zoomed === null) return;
+    const [from, to] = this.window();
+    const share = (time) => Math.min(1, Math.max(0, (time - from) / (to - from)));
+    this.span.style.left = `${100 * share(zoomed[0])}%`;
+    this.span.style.width = `${100 * Math.max(0.002, share(zoomed[1]) - share(zoomed[0]))}%`;
+  }
+
   window() {
     return this.length_s === null ? [Math.max(0, this.now - kLive_s), Math.max(this.now, 10)] : [0, this.length_s];
   }
@@ -89,6 +108,7 @@ export class Timeline {
   draw_marks() {
     this.drawn_at = this.now;
     this.marks.replaceChildren();
+    this.set_span(this.zoomed ?? null);
     this.events.forEach((event) => this.draw_mark(event));
   }
 
@@ -104,6 +124,7 @@ export class Timeline {
 
   clear() {
     this.events = [];
+    this.zoomed = null;
     this.draw_marks();
   }
 }

@@ -5,10 +5,16 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { seconds } from "./connection.js";
 import { FlatPicture } from "./flat_picture.js";
 import { GlPicture } from "./gl_picture.js";
+import { Labels } from "./labels.js";
 import { Names } from "./names.js";
+import { draw_measure, draw_ring, draw_scale, fit_perspective, grid_entity, spacing_of, write_numbers } from "./ruler.js";
+import { glyph_of, glyph_scale, pixels_a_metre, set_memory } from "./shapes.js";
 
 const kWorld = "world";
-const kMargin = 1.12;
+const kGrid = "/grid-lines"; // the page's own, among the topics
+const kRoom = { left: 44, right: 20, top: 30, bottom: 66 }; // kept free around the world, for numbers and buttons
+/** Names of what is more important are placed first. */
+const kRanks = { "/robots": 0, "/targets": 1, "/estimates": 2 };
 
 /** Whether the graphics draw faster than we paint: not those of a virtual machine or a remote desktop,
     which a processor draws, and not none. */
@@ -36,11 +42,16 @@ export class World {
     this.passing = new Set(); // {topic, id, item, until} of what is shown for a while only
     this.view = "both";
     this.bounds = { min_m: [-5, -5], max_m: [5, 5], ceiling_m: 3 };
+    this.selected = null; // id of an entity
+    this.followed = null; // id of an entity, or "team"
+    this.measured = []; // up to two points of the ground [m]
+    this.is_measuring = false;
+    this.has_grid = true;
 
     const plan = document.getElementById("plan-area");
     const space = document.getElementById("space-area");
-    this.plan = { area: plan, camera: new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 1000) };
-    this.space = { area: space, camera: new THREE.PerspectiveCamera(45, 1, 0.05, 2000) };
+    this.plan = { labels: new Labels(), area: plan, camera: new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 1000) };
+    this.space = { labels: new Labels(), area: space, camera: new THREE.PerspectiveCamera(45, 1, 0.05, 2000) };
     for (const eye of [this.plan, this.space]) {
       eye.camera.up.set(0, 0, 1);
       eye.controls = new OrbitControls(eye.camera, eye.area);
@@ -50,8 +61,13 @@ export class World {
     this.plan.controls.mouseButtons = { LEFT: THREE.MOUSE.PAN, MIDDLE: THREE.MOUSE.DOLLY, RIGHT: THREE.MOUSE.PAN };
     this.plan.controls.touches = { ONE: THREE.TOUCH.PAN, TWO: THREE.TOUCH.DOLLY_PAN };
     this.space.controls.maxPolarAngle = Math.PI / 2 - 0.02;
+    this.on_view = () => {};
+    for (const { controls } of [this.plan, this.space]) {
+      controls.addEventListener("start", () => (this.is_fitted = false));
+      controls.addEventListener("end", () => this.on_view());
+    }
     this.listen_for_clicks(on_pick);
-    new ResizeObserver(() => this.resize()).observe(stage);
+    new ResizeObserver(() => this.on_resize()).observe(stage);
     this.frames_drawn = 0;
     this.fit();
   }
@@ -73,7 +89,7 @@ export class World {
   show(view) {
     this.view = view;
     this.stage.dataset.view = view;
-    this.resize();
+    this.on_resize();
   }
 
   frame(id) {
@@ -151,34 +167,123 @@ export class World {
   /** Takes everything off. */
   clear_all() {
     [...this.layers.keys()].forEach((topic) => this.clear(topic));
+    this.spacing = null;
     this.frames.clear();
     this.passing.clear();
   }
 
+  /** @returns whether the world is another than before */
   set_bounds(scenario) {
-    this.bounds = { ...scenario.bounds, ceiling_m: scenario.ceiling_m };
+    set_memory(scenario.grid_memory_s);
+    const bounds = { ...scenario.bounds, ceiling_m: scenario.ceiling_m };
+    if (JSON.stringify(bounds) === JSON.stringify(this.bounds)) return false;
+    this.bounds = bounds;
+    this.spacing = null;
     this.fit();
+    return true;
   }
 
-  /** The whole world in view. */
+  /** The whole world in view, as large as the areas let it be. */
   fit() {
+    this.followed = null;
     const { min_m, max_m } = this.bounds;
+    const [width, height] = [max_m[0] - min_m[0], max_m[1] - min_m[1]];
     const centre = [(min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2];
-    const width = max_m[0] - min_m[0];
-    const height = max_m[1] - min_m[1];
-    const box = this.plan.area.getBoundingClientRect();
-    const aspect = box.width > 0 ? box.width / box.height : 1;
-    this.plan.half_height = (kMargin / 2) * Math.max(height, width / aspect);
-    this.plan.camera.zoom = 1;
-    this.plan.camera.position.set(centre[0], centre[1] - 1e-4, 500);
-    this.plan.controls.target.set(centre[0], centre[1], 0);
-    const room = this.space.area.getBoundingClientRect();
-    const far = Math.max(height, width / (room.width > 0 ? Math.min(1.6, room.width / room.height) : 1));
-    this.space.camera.position.set(centre[0], centre[1] - 1.15 * far, 0.95 * far);
-    this.space.controls.target.set(centre[0], centre[1], 0);
-    this.plan.controls.update();
-    this.space.controls.update();
+    const plan = this.plan.area.getBoundingClientRect();
+    const free = (box) => [Math.max(50, box.width - kRoom.left - kRoom.right), Math.max(50, box.height - kRoom.top - kRoom.bottom)];
+    if (plan.width > 0) {
+      const [free_x, free_y] = free(plan);
+      const pixels_a_m = Math.min(free_x / width, free_y / height);
+      const x = centre[0] + (kRoom.right - kRoom.left) / 2 / pixels_a_m;
+      const y = centre[1] + (kRoom.top - kRoom.bottom) / 2 / pixels_a_m;
+      this.look_at_plan(x, y, plan.height / 2 / pixels_a_m);
+    }
+    const space = this.space.area.getBoundingClientRect();
+    if (space.width > 0) {
+      const { camera, controls } = this.space;
+      const far = Math.max(width, height);
+      controls.target.set(centre[0], centre[1], 0);
+      camera.position.set(centre[0], centre[1] - 1.0 * far, 0.95 * far);
+      const corners = [[0, 0], [0, 1], [1, 0], [1, 1]].map(([i, j]) => new THREE.Vector3(i ? max_m[0] : min_m[0], j ? max_m[1] : min_m[1], 0));
+      fit_perspective(camera, controls.target, corners, space, { left: 30, right: 24, top: 70, bottom: 46 });
+      controls.update();
+    }
+    this.is_fitted = true;
     this.resize();
+    this.on_view?.();
+  }
+
+  /** Keeps the whole world in view where nobody has turned away from it. */
+  on_resize() {
+    if (this.is_fitted) this.fit();
+    else this.resize();
+  }
+
+  /** @param half_height of what the plan shows [m] */
+  look_at_plan(x, y, half_height) {
+    this.plan.half_height = half_height;
+    this.plan.camera.zoom = 1;
+    this.plan.camera.position.set(x, y - 1e-4, 500);
+    this.plan.controls.target.set(x, y, 0);
+    this.plan.controls.update();
+  }
+
+  /** Where the eyes are, as numbers for view_from(). */
+  cameras() {
+    const { camera, controls } = this.space;
+    return [
+      this.plan.controls.target.x, this.plan.controls.target.y, this.plan.half_height / this.plan.camera.zoom,
+      ...camera.position.toArray(), ...controls.target.toArray(),
+    ];
+  }
+
+  view_from([x, y, half_height, ...space]) {
+    this.is_fitted = false;
+    this.look_at_plan(x, y, half_height);
+    this.space.camera.position.fromArray(space, 0);
+    this.space.controls.target.fromArray(space, 3);
+    this.space.controls.update();
+    this.set_stale();
+  }
+
+  /** Moves the eyes with what they follow. */
+  keep_up() {
+    const at = this.followed && this.place_of(this.followed);
+    if (!at) return;
+    for (const { camera, controls } of [this.plan, this.space]) {
+      const way = new THREE.Vector3(at.x - controls.target.x, at.y - controls.target.y, 0);
+      if (way.length() < 1e-4) continue;
+      camera.position.add(way);
+      controls.target.add(way);
+      controls.update();
+    }
+  }
+
+  /** Where an entity is, or the middle of the team; null where that is not known. */
+  place_of(id) {
+    if (id !== "team") return this.find(id)?.position ?? null;
+    const placed = [...(this.layers.get("/robots")?.values() ?? [])].filter(({ frame }) => frame.is_placed);
+    if (placed.length === 0) return null;
+    const sum = new THREE.Vector3();
+    placed.forEach(({ frame }) => sum.add(new THREE.Vector3().setFromMatrixPosition(frame.matrix)));
+    return sum.divideScalar(placed.length);
+  }
+
+  follow(id) {
+    this.followed = id;
+    this.set_stale();
+  }
+
+  select(id) {
+    this.selected = id;
+    this.set_stale();
+  }
+
+  /** Colours of another ground: all is made anew. */
+  repaint() {
+    [...this.layers.keys()].forEach((topic) => this.changed.add(topic));
+    this.names.forget();
+    this.set_stale();
   }
 
   resize() {
@@ -196,8 +301,27 @@ export class World {
     this.set_stale();
   }
 
+  /** Pixels a metre in the plan. */
+  plan_scale() {
+    return (this.plan.at.height / 2 / this.plan.half_height) * this.plan.camera.zoom;
+  }
+
+  /** The grid has lines as far apart as the plan's scale asks for; without a plan, the 3-D view's. */
+  update_grid_lines() {
+    const pixels_a_m = this.view === "space" ? pixels_a_metre(this.space.camera, this.space.at.height, { matrix: new THREE.Matrix4().setPosition(this.space.controls.target) }) : this.plan_scale();
+    const spacing = this.has_grid && pixels_a_m > 0 && Number.isFinite(pixels_a_m) ? spacing_of(pixels_a_m) : null;
+    if (spacing === this.spacing && (spacing === null || this.layers.has(kGrid))) return;
+    this.spacing = spacing;
+    if (spacing === null) this.clear(kGrid);
+    else this.put(kGrid, "grid", { frame: this.fixed, entity: grid_entity(this.bounds, spacing) });
+    this.set_stale();
+  }
+
   draw() {
     this.frames_drawn += 1;
+    this.keep_up();
+    for (const eye of this.eyes()) this.aim(eye);
+    this.update_grid_lines();
     for (const topic of this.changed) {
       this.picture.set(topic, [...(this.layers.get(topic)?.values() ?? [])]);
     }
@@ -210,56 +334,126 @@ export class World {
       eye.is_stale = false;
       const { camera, at } = eye;
       if (at.width < 2 || at.height < 2) continue;
-      if (camera.isOrthographicCamera) {
-        const half = eye.half_height;
-        const aspect = at.width / at.height;
-        [camera.left, camera.right, camera.top, camera.bottom] = [-half * aspect, half * aspect, half, -half];
-      } else {
-        camera.aspect = at.width / at.height;
-      }
-      camera.updateProjectionMatrix();
-      camera.updateMatrixWorld();
       this.names.within(at, (pen) => {
         this.picture.draw(camera, at, pen);
-        this.write_names(camera, at);
+        this.draw_over(eye, pen);
       });
     }
   }
 
-  write_names(camera, at) {
+  aim({ camera, at, half_height }) {
+    if (camera.isOrthographicCamera) {
+      const aspect = at.width / at.height;
+      [camera.left, camera.right, camera.top, camera.bottom] = [-half_height * aspect, half_height * aspect, half_height, -half_height];
+    } else {
+      camera.aspect = at.width / at.height;
+    }
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+
+  /** What lies over the world: numbers, scale, names, what is selected and measured. */
+  draw_over(eye, pen) {
+    const { camera, at } = eye;
+    const is_plan = eye === this.plan;
     const point = new THREE.Vector3();
-    for (const layer of this.layers.values()) {
-      for (const { frame, entity } of layer.values()) {
+    const project = (x, y, z) => {
+      point.set(x, y, z).project(camera);
+      return Math.abs(point.z) > 1 ? null : [at.x + (0.5 + point.x / 2) * at.width, at.y + (0.5 - point.y / 2) * at.height];
+    };
+    if (this.has_grid) write_numbers(pen, project, at, this.bounds, this.spacing, is_plan);
+    if (is_plan) draw_scale(pen, at, this.plan_scale());
+    this.write_names(eye, project);
+    const selected = this.selected && this.find(this.selected);
+    if (selected) {
+      const { x, y, z } = selected.position;
+      const spot = project(x, y, z);
+      if (spot) draw_ring(pen, spot, 14);
+    }
+    const [from, to] = [this.measured[0], this.measured[1] ?? this.pointed];
+    if (this.is_measuring && from && to) draw_measure(pen, project, at, from, to);
+  }
+
+  write_names(eye, project) {
+    const { camera, at, labels } = eye;
+    const wanted = [];
+    const origin = new THREE.Vector3();
+    for (const [topic, layer] of this.layers) {
+      for (const [id, { frame, entity }] of layer) {
         if (!frame.is_placed || !entity) continue;
-        for (const text of entity.texts) {
-          point.copy(text.pose.position).applyMatrix4(frame.matrix).project(camera);
-          if (Math.abs(point.z) > 1) continue;
-          const left = at.x + (0.5 + point.x / 2) * at.width;
-          const top = at.y + (0.5 - point.y / 2) * at.height - 8;
-          this.names.write(text, left, top);
-        }
+        entity.texts.forEach((text, i) => {
+          origin.copy(text.pose.position);
+          if (entity.frame_id !== kWorld) origin.set(0, 0, 0); // beside the body
+          origin.applyMatrix4(frame.matrix);
+          const spot = project(origin.x, origin.y, origin.z);
+          if (!spot) return;
+          const glyph_m = glyph_of(topic, entity);
+          const radius_px = glyph_m > 0 ? glyph_m * glyph_scale(camera, at.height, frame, glyph_m) * pixels_a_metre(camera, at.height, frame) : 5;
+          const rank = (id === this.selected ? -1 : kRanks[topic] ?? 3) + 0.001 * i;
+          wanted.push({ key: `${id} ${i}`, x: spot[0], y: spot[1], radius_px, rank, text, ...this.names.size_of(text) });
+        });
       }
     }
+    eye.names = labels.place(wanted, at, (label, left, top) => this.names.write(label.text, left, top));
   }
 
   listen_for_clicks(on_pick) {
     for (const eye of [this.plan, this.space]) {
       let start = null;
       eye.area.addEventListener("pointerdown", (event) => (start = [event.clientX, event.clientY]));
+      eye.area.addEventListener("pointermove", (event) => {
+        if (!this.is_measuring || this.measured.length !== 1) return;
+        this.pointed = this.ground_at(eye, event);
+        this.set_stale();
+      });
       eye.area.addEventListener("pointerup", (event) => {
         const is_click =
           start && Math.hypot(event.clientX - start[0], event.clientY - start[1]) < 5;
-        if (is_click) on_pick(this.pick(eye, event));
+        if (!is_click) return;
+        if (this.is_measuring) this.add_measured(this.ground_at(eye, event));
+        else on_pick(this.pick(eye, event));
       });
     }
   }
 
+  measure(is_measuring) {
+    this.is_measuring = is_measuring;
+    this.measured = [];
+    this.pointed = null;
+    this.stage.dataset.measuring = is_measuring ? "yes" : "";
+    this.set_stale();
+  }
+
+  add_measured(point) {
+    if (!point) return;
+    if (this.measured.length === 2) this.measured = [];
+    this.measured.push(point);
+    this.set_stale();
+  }
+
+  /** The place on the ground under the pointer, or of the thing that it points at; null: the sky. */
+  ground_at(eye, event) {
+    const id = this.pick(eye, event, 12);
+    if (id) {
+      const { x, y } = this.find(id).position;
+      return [x, y];
+    }
+    const box = eye.area.getBoundingClientRect();
+    const from = new THREE.Vector3((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height, -1);
+    const to = from.clone().setZ(1);
+    from.unproject(eye.camera);
+    to.unproject(eye.camera);
+    const share = from.z / (from.z - to.z);
+    if (!(share > 0 && share < 1)) return null;
+    return [from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)];
+  }
+
   /** The nearest named entity within a fingertip of a click, or null. */
-  pick(eye, event) {
+  pick(eye, event, within_px = 28) {
     const box = eye.area.getBoundingClientRect();
     const point = new THREE.Vector3();
     let best = null;
-    let best_px = 28;
+    let best_px = within_px;
     for (const layer of this.layers.values()) {
       for (const { frame, entity } of layer.values()) {
         if (!entity || entity.metadata.length === 0 || !frame.is_placed) continue;
@@ -281,7 +475,10 @@ export class World {
     for (const layer of this.layers.values()) {
       if (layer.has(id)) {
         const { frame, entity } = layer.get(id);
-        return { entity, position: centre_of(entity).applyMatrix4(frame.matrix) };
+        if (!entity) return null;
+        const position = centre_of(entity).applyMatrix4(frame.matrix);
+        const e = frame.matrix.elements;
+        return { entity, position, yaw_rad: frame.is_fixed ? null : Math.atan2(e[1], e[0]), is_placed: frame.is_placed };
       }
     }
     return null;
@@ -297,7 +494,7 @@ export class World {
   }
 
   entities() {
-    return [...this.layers.values()].reduce((sum, layer) => sum + layer.size, 0);
+    return [...this.layers].reduce((sum, [topic, layer]) => sum + (topic === kGrid ? 0 : layer.size), 0);
   }
 
   /** The entities of a topic. */

@@ -1,0 +1,41 @@
+// Names beside their things, none upon another: each takes the first place that is free, where it was
+// before first; who finds none is not written.
+
+/** Places around a thing: its name's middle from the thing's, in half sizes of the name and the thing's radius. */
+const kPlaces = [[0, -1], [1, 0], [-1, 0], [0, 1], [0.8, -0.8], [-0.8, -0.8], [0.8, 0.8], [-0.8, 0.8]];
+const kGap_px = 2;
+
+export class Labels {
+  constructor() {
+    this.places = new Map(); // by key: where it was
+  }
+
+  /** @param wanted [{key, x, y, radius_px, width, height, rank}]: lower ranks first
+      @param at the area that they must stay in
+      @param write called with (label, left, top) of each that has a place */
+  place(wanted, at, write) {
+    const taken = [];
+    const is_free = (box) =>
+      box.left >= at.x && box.top >= at.y && box.right <= at.x + at.width && box.bottom <= at.y + at.height &&
+      taken.every((other) => box.left >= other.right || box.right <= other.left || box.top >= other.bottom || box.bottom <= other.top);
+    for (const label of wanted.sort((a, b) => a.rank - b.rank)) {
+      const { x, y, width, height, radius_px } = label;
+      if (x < at.x || x > at.x + at.width || y < at.y || y > at.y + at.height) continue;
+      const before = this.places.get(label.key);
+      const order = before === undefined ? kPlaces.keys() : [before, ...kPlaces.keys()];
+      for (const i of order) {
+        const [dx, dy] = kPlaces[i];
+        const left = x + dx * (radius_px + kGap_px + width / 2) - width / 2;
+        const top = y + dy * (radius_px + kGap_px + height / 2) - height / 2;
+        const box = { left, top, right: left + width, bottom: top + height };
+        if (!is_free(box)) continue;
+        taken.push(box);
+        this.places.set(label.key, i);
+        write(label, left, top);
+        break;
+      }
+    }
+    this.written = taken.length;
+    return taken;
+  }
+}

@@ -1,0 +1,168 @@
+// Every topic that the server knows, with its rate; opened, its newest message, whose numbers can be charted.
+
+import { digits } from "./look.js";
+import { make } from "./panels.js";
+
+const kPoll_ms = 1000;
+const kWrite_ms = 400;
+const kElements = 24; // shown of a list
+const kText = 80; // characters shown of a text
+
+export class Topics {
+  /** @param on {open(topic, is_open), plot(topic, path)} */
+  constructor(box, on) {
+    this.on = on;
+    this.box = box;
+    this.filter = make("input");
+    this.filter.type = "search";
+    this.filter.placeholder = "filter topics";
+    this.filter.setAttribute("aria-label", "Filter topics");
+    this.filter.oninput = () => this.write();
+    this.list = make("div", "topics");
+    this.box.append(this.filter, this.list);
+    this.rows = new Map(); // by topic: {row, rate, body}
+    this.counts = new Map(); // by topic: {count, at_ms, hz}
+    this.opened = new Map(); // by topic: newest record, or null
+    this.is_shown = false;
+    setInterval(() => this.is_shown && !document.hidden && this.poll(), kPoll_ms);
+    setInterval(() => this.is_shown && !document.hidden && this.write_opened(), kWrite_ms);
+  }
+
+  show(is_shown) {
+    this.is_shown = is_shown;
+    if (is_shown) this.poll();
+  }
+
+  async poll() {
+    let known;
+    try {
+      known = await (await fetch("api/topics")).json();
+    } catch {
+      return; // the page says elsewhere that there is no connection
+    }
+    const now_ms = performance.now();
+    for (const { topic, schema, count } of known) {
+      const before = this.counts.get(topic);
+      const hz = before && now_ms > before.at_ms ? (1e3 * (count - before.count)) / (now_ms - before.at_ms) : null;
+      this.counts.set(topic, { schema, count, at_ms: now_ms, hz });
+    }
+    this.write();
+  }
+
+  write() {
+    const wanted = this.filter.value.trim().toLowerCase();
+    for (const [topic, { schema, hz }] of [...this.counts].sort(([a], [b]) => (a < b ? -1 : 1))) {
+      if (!this.rows.has(topic)) this.rows.set(topic, this.make_row(topic, schema));
+      const { row, rate } = this.rows.get(topic);
+      const said = hz === null ? "" : `${hz >= 10 ? hz.toFixed(0) : hz.toFixed(1)} Hz`;
+      if (rate.textContent !== said) rate.textContent = said;
+      row.hidden = wanted !== "" && !topic.toLowerCase().includes(wanted);
+    }
+  }
+
+  make_row(topic, schema) {
+    const row = make("details", "topic");
+    row.dataset.topic = topic;
+    const head = make("summary", "line");
+    const rate = make("span", "quiet", "");
+    head.append(make("b", "", topic), make("span", "space"), rate);
+    head.title = schema;
+    const body = make("div", "message");
+    row.append(head, body);
+    row.ontoggle = () => {
+      if (row.open) this.opened.set(topic, this.opened.get(topic) ?? null);
+      else this.opened.delete(topic);
+      this.on.open(topic, row.open);
+      this.write_opened();
+    };
+    const later = [...this.rows.keys()].filter((other) => other > topic).sort()[0];
+    this.list.insertBefore(row, later ? this.rows.get(later).row : null);
+    return { row, rate, body };
+  }
+
+  is_open(topic) {
+    return this.opened.has(topic);
+  }
+
+  take(topic, record) {
+    if (this.opened.has(topic)) this.opened.set(topic, record);
+  }
+
+  write_opened() {
+    for (const [topic, record] of this.opened) {
+      const { body } = this.rows.get(topic);
+      if (record === null) {
+        body.textContent = "no message yet";
+        body.written = null;
+      } else if (record !== body.written) {
+        body.written = record;
+        this.write_record(body, topic, record);
+      }
+    }
+  }
+
+  /** Writes values where they are, so that what is open stays open and a button can be hit. */
+  write_record(body, topic, record) {
+    const shape = shape_of(record);
+    if (shape !== body.shape) {
+      body.shape = shape;
+      body.leaves = [];
+      body.replaceChildren(this.make_tree(topic, record, [], body.leaves));
+    }
+    for (const { element, path } of body.leaves) {
+      const said = words_of(path.reduce((value, key) => value?.[key], record));
+      if (element.textContent !== said) element.textContent = said;
+    }
+  }
+
+  make_tree(topic, value, path, leaves) {
+    const list = make("ul");
+    const entries = Object.entries(value);
+    for (const [key, inside] of entries.slice(0, kElements)) {
+      const item = make("li");
+      const here = [...path, key];
+      if (inside !== null && typeof inside === "object") {
+        const part = make("details");
+        part.open = path.length === 0 && Object.keys(inside).length <= 4;
+        const size = Array.isArray(inside) ? ` [${inside.length}]` : "";
+        part.append(make("summary", "", key + size), this.make_tree(topic, inside, here, leaves));
+        item.append(part);
+      } else {
+        const said = make("span", "value", "");
+        leaves.push({ element: said, path: here });
+        item.append(make("span", "key", key), said);
+        if (typeof inside === "number" || typeof inside === "boolean") {
+          const add = make("button", "add", "+");
+          add.title = `Chart ${here.join(".")}`;
+          add.dataset.field = here.join(".");
+          add.setAttribute("aria-label", add.title);
+          add.onclick = () => this.on.plot(topic, here);
+          item.append(add);
+        }
+      }
+      list.append(item);
+    }
+    if (entries.length > kElements) list.append(make("li", "quiet", `and ${entries.length - kElements} more`));
+    return list;
+  }
+
+  clear() {
+    this.rows.clear();
+    this.counts.clear();
+    this.opened.clear();
+    this.list.replaceChildren();
+  }
+}
+
+/** What a record is made of, without its values: records of one shape are written into one tree. */
+function shape_of(value) {
+  if (value === null || typeof value !== "object") return typeof value === "number" || typeof value === "boolean" ? "n" : "t";
+  const entries = Object.entries(value);
+  return `{${entries.length}${entries.slice(0, kElements).map(([key, inside]) => `${key}:${shape_of(inside)}`).join()}}`;
+}
+
+function words_of(value) {
+  if (typeof value === "number") return digits(value);
+  const text = String(value);
+  return text.length > kText ? `${text.slice(0, kText)}… (${text.length} characters)` : text;
+}

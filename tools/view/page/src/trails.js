@@ -1,0 +1,70 @@
+// The ways of bodies, as long as one wants to see them.
+
+const kLeast_s = 0.15;
+const kLeast_m = 0.02;
+const kPointsMax = 40_000; // of a body
+
+/** First index whose time is after `time`. */
+function after(times, time) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= time) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+export class Trails {
+  constructor() {
+    this.ways = new Map(); // by body: {t, x, y, z}
+  }
+
+  clear() {
+    this.ways.clear();
+  }
+
+  add(body, time, x, y, z) {
+    if (!this.ways.has(body)) this.ways.set(body, { t: [], x: [], y: [], z: [] });
+    const way = this.ways.get(body);
+    const last = way.t.length - 1;
+    if (last >= 0) {
+      if (time < way.t[last] - 1) Object.values(way).forEach((list) => (list.length = 0)); // another run
+      else if (time - way.t[last] < kLeast_s || Math.hypot(x - way.x[last], y - way.y[last], z - way.z[last]) < kLeast_m) return;
+    }
+    way.t.push(time);
+    way.x.push(x);
+    way.y.push(y);
+    way.z.push(z);
+    if (way.t.length > kPointsMax) Object.values(way).forEach((list) => list.splice(0, kPointsMax / 10));
+  }
+
+  /** The way of the last `length_s` until `now`. */
+  points(body, now, length_s) {
+    const way = this.ways.get(body);
+    const [from, to] = [after(way.t, now - length_s), after(way.t, now)];
+    return Array.from({ length: to - from }, (_, i) => ({ x: way.x[from + i], y: way.y[from + i], z: way.z[from + i] }));
+  }
+
+  /** How fast a body moves at `now` [m/s], by its way of the last second; null where that is not known. */
+  speed(body, now) {
+    const way = this.ways.get(body);
+    if (!way) return null;
+    const [from, to] = [after(way.t, now - 1.2), after(way.t, now) - 1];
+    if (to <= from) return null;
+    let length = 0;
+    for (let i = from; i < to; ++i) length += Math.hypot(way.x[i + 1] - way.x[i], way.y[i + 1] - way.y[i], way.z[i + 1] - way.z[i]);
+    return length / (way.t[to] - way.t[from]);
+  }
+}
+
+/** A trail as an entity of a scene. */
+export function trail_entity(body, points, color) {
+  return {
+    id: `track/${body}`, frame_id: "world", metadata: [], texts: [], cubes: [], spheres: [], cylinders: [], triangles: [],
+    lines: [{
+      type: 0, pose: { position: { x: 0, y: 0, z: 0 }, orientation: { x: 0, y: 0, z: 0, w: 1 } },
+      thickness: 1.5, scale_invariant: true, color: { ...color, a: 0.55 }, points,
+    }],
+  };
+}
