@@ -8,6 +8,11 @@
 #include "logs/json/wire_json.hpp"
 
 namespace vantage::tools {
+namespace {
+
+constexpr std::size_t kRawChannelsMax = 2000;
+
+}  // namespace
 
 logs::foxglove::Json raw_message(std::span<const std::uint8_t> data) {
   constexpr std::size_t kFingerprintBytes = 8;
@@ -30,6 +35,13 @@ void Feed::listen(const bus::Channel<Message>& channel) {
 Feed::Feed(bus::Transport& transport, const bus::Clock& clock, logs::foxglove::Sink& sink)
     : clock_(clock), sink_(sink), stream_(sink), bus_(transport, bus::random_run_id()) {
   transport.subscribe("*", [this](std::string_view channel, std::span<const std::uint8_t> data) {
+    // Whoever is on the network may make up names: no more topics than a lab has channels.
+    if (!raw_channels_.contains(channel)) {
+      if (raw_channels_.size() >= kRawChannelsMax) {
+        return;
+      }
+      raw_channels_.emplace(channel);
+    }
     const std::string topic = std::string(kRawTopics) + std::string(channel);
     if (sink_.wants(topic, logs::foxglove::Schema::kLcm, false)) {
       sink_.write(topic, clock_.now(), raw_message(data));

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <set>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "bus/bus.hpp"
@@ -33,6 +36,7 @@ class Feed {
 
   const bus::Clock& clock_;
   logs::foxglove::Sink& sink_;
+  std::set<std::string, std::less<>> raw_channels_;  ///< bounded
   logs::foxglove::Stream stream_;
   bus::Bus bus_;
 };

@@ -155,14 +155,14 @@ function set_jammed(jammed) {
   by_id("jammed").textContent = `jammed: ${jammed.join(", ")}`;
 }
 
-function move(record, time) {
+function move(record, time, is_known) {
   world.move(record.transforms);
-  if (state.has_history) return;
+  if (state.has_history || is_known) return;
   for (const { child_frame_id, translation: { x, y, z } } of record.transforms) trails.add(child_frame_id, time, x, y, z);
 }
 
 const takers = [
-  [/^\/transforms$/, (record, topic, time) => move(record, time)],
+  [/^\/transforms$/, (record, topic, time, is_known) => move(record, time, is_known)],
   [/^\/scenario$/, (record) => {
     const what = record.objective === "mapping" ? "mapping" : `${record.targets.length} targets`;
     by_id("scenario").textContent = `${record.name} · ${record.robots.length} robots · ${what}`;
@@ -223,7 +223,8 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     set_now(now.time);
   },
   record: (topic, time, record) => {
-    const is_known = time <= (state.heard_until?.get(topic) ?? -Infinity); // the history has it
+    // What the history has, it has of bodies as ways.
+    const is_known = time <= (state.heard_until?.get(topic === "/transforms" ? "/ways" : topic) ?? -Infinity);
     if (!state.range) set_now(Math.max(time, (state.now ?? 0) + (state.start ?? time)));
     topics.take(topic, record);
     if (topic === "/events") {
@@ -237,7 +238,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     if (!state.has_history && !is_known) charts.add(topic, time - state.start, record);
     charts.add_field(topic, time - state.start, record);
     if (kNewest.test(topic)) state.newest.set(topic, record);
-    takers.find(([pattern]) => pattern.test(topic))?.[1](record, topic, time);
+    takers.find(([pattern]) => pattern.test(topic))?.[1](record, topic, time, is_known);
   },
 });
 
