@@ -8,6 +8,12 @@ const kRetry_ms = 1500;
     only the newest is read. */
 const kPictures = new Set(["foxglove.SceneUpdate", "foxglove.FrameTransforms", "foxglove.Grid"]);
 
+/** Of this topic one is read each so many seconds of its own time, too, however seldom pictures are drawn:
+    where bodies went is told by these alone. */
+const kWays = "/transforms";
+const kWayPeriod_s = 0.2;
+const kPassedMax = 1000;
+
 const seconds_of = (nanoseconds) => Number(nanoseconds / 1000n) / 1e6;
 export const seconds = (time) => time.sec + time.nsec * 1e-9;
 
@@ -19,6 +25,8 @@ export class Connection {
     this.channels = new Map(); // by topic
     this.subscriptions = new Map(); // topic by subscription id
     this.waiting = new Map(); // newest picture not yet read, by topic
+    this.passed = []; // records of kWays that are to be read before it
+    this.passed_at = -Infinity; // time of the last of these
     this.next_id = 1;
     this.requests = 0;
     this.connect();
@@ -35,7 +43,7 @@ export class Connection {
     this.socket.onclose = () => {
       this.channels.clear();
       this.subscriptions.clear();
-      this.waiting.clear();
+      this.forget_waiting();
       this.held = null;
       this.on.close();
       setTimeout(() => this.connect(), kRetry_ms);
@@ -65,6 +73,7 @@ export class Connection {
       const topic = this.subscriptions.get(view.getUint32(1, true));
       if (topic === undefined) return;
       if (kPictures.has(this.channels.get(topic)?.schemaName)) {
+        if (topic === kWays) this.keep_way(this.waiting.get(topic));
         this.waiting.delete(topic); // behind those that came before it
         this.waiting.set(topic, view);
       } else {
@@ -80,6 +89,16 @@ export class Connection {
         sought: view.getUint8(14) !== 0,
       });
     }
+  }
+
+  /** @param view a record that another one takes the place of, or nothing */
+  keep_way(view) {
+    if (!view || this.passed.length >= kPassedMax) return;
+    const time = seconds_of(view.getBigUint64(5, true));
+    const since = time - this.passed_at;
+    if (since >= 0 && since < kWayPeriod_s) return;
+    this.passed_at = time;
+    this.passed.push(view);
   }
 
   read(topic, view) {
@@ -104,12 +123,14 @@ export class Connection {
   read_waiting() {
     const waiting = [...this.waiting];
     this.waiting.clear();
+    this.passed.splice(0).forEach((view) => this.read(kWays, view));
     waiting.forEach(([topic, view]) => this.read(topic, view));
   }
 
   /** The player went elsewhere: what waits is of before. */
   forget_waiting() {
     this.waiting.clear();
+    this.passed.length = 0;
   }
 
   /** Subscribes to a known topic, or gives it up; what is already so stays so. */
