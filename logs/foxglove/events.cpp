@@ -12,6 +12,9 @@ std::string reasons_of(const models::VehicleStatus& status) {
   return status.reasons.empty() ? "" : fmt::format(": {}", fmt::join(status.reasons, ", "));
 }
 
+// Rounds are counted from 1970 on: people tell them apart by their last digits.
+std::int64_t shown_round(const models::RobotPlan& plan) { return plan.round % 100'000; }
+
 }  // namespace
 
 Event event_of(const models::ContactReport& contact) {
@@ -25,12 +28,12 @@ Event event_of(const models::ContactReport& contact) {
 std::optional<Event> event_of(const models::RobotPlan& plan) {
   if (plan.late) {
     return Event{plan.finish, LogLevel::kWarning, "late",
-                 fmt::format("{}: plan of round {} was {:.1f} ms late", plan.robot, plan.round,
-                             1e3 * to_seconds(plan.finish - plan.deadline))};
+                 fmt::format("{}: plan of round {} was {:.1f} ms late", plan.robot,
+                             shown_round(plan), 1e3 * to_seconds(plan.finish - plan.deadline))};
   }
   if (plan.source != models::PlanSource::kSearched) {
     return Event{plan.finish, LogLevel::kWarning, "fallback",
-                 fmt::format("{}: plan of round {} is {}", plan.robot, plan.round,
+                 fmt::format("{}: plan of round {} is {}", plan.robot, shown_round(plan),
                              models::name_of(plan.source))};
   }
   return std::nullopt;

@@ -249,7 +249,9 @@ TEST(EventOf, TellsLateAndFallbackPlansFromGoodOnes) {
   plan.source = models::PlanSource::kBraking;
   EXPECT_EQ(event_of(plan)->kind, "fallback");
   plan.late = true;
+  plan.round = 1'795'370'327;
   EXPECT_EQ(event_of(plan)->kind, "late");
+  EXPECT_NE(event_of(plan)->text.find("round 70327 "), std::string::npos) << "as in the terminal";
 }
 
 }  // namespace
