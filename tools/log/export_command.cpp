@@ -30,13 +30,14 @@ void tell_left_out(const logs::IndexedLog& log, const logs::ExportCounts& counts
   int named = 0;
   for (const auto& [channel, events] : counts.left_out) {
     if (++named > kNamed) {
-      fmt::print(stderr, "… and of {} more channels\n", counts.left_out.size() - kNamed);
+      fmt::print(stderr, "{}: … and those of {} more channels\n", log.path(),
+                 counts.left_out.size() - kNamed);
       break;
     }
     const std::int64_t all = log.survey().channels.at(channel).events;
     fmt::print(stderr,
-               "not exported: {}: {} of {} events are no messages of this version of vantage\n",
-               readable(channel), events, all);
+               "{}: {}: {} of {} events are no messages of this version of vantage: not exported\n",
+               log.path(), readable(channel), events, all);
   }
 }
 
