@@ -45,6 +45,11 @@ class FakeDisk {
     const std::lock_guard lock(mutex_);
     return files_[path].synced_bytes;
   }
+  /// Waits until somebody waits for an append that hangs.
+  bool wait_for_hanging_append() {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, std::chrono::seconds(20), [&] { return appends_hanging_ > 0; });
+  }
   /// Waits until `holds(bytes, synced bytes)` of the file; false when that takes for ever.
   bool wait_for(const std::string& path,
                 const std::function<bool(const Bytes&, std::size_t)>& holds) {
@@ -95,7 +100,10 @@ class FakeDisk {
 
   Result<std::size_t> append(const std::string& path, std::span<const std::uint8_t> bytes) {
     std::unique_lock lock(mutex_);
+    ++appends_hanging_;
+    changed_.notify_all();
     changed_.wait(lock, [&] { return !append_hangs_; });
+    --appends_hanging_;
     const std::size_t taken = std::min(bytes.size(), room_bytes_);
     if (taken == 0) {
       return Error{path + ": cannot be written: No space left on device"};
@@ -126,6 +134,7 @@ class FakeDisk {
   std::map<std::string, Content> files_;
   std::size_t room_bytes_ = std::numeric_limits<std::size_t>::max();
   bool append_hangs_ = false;
+  int appends_hanging_ = 0;
   bool sync_hangs_ = false;
   bool sync_fails_ = false;
 };
