@@ -10,10 +10,11 @@ using namespace vantage;
 class Listener : public bus::Node {
  public:
   Listener(bus::Bus& bus, const bus::Clock& clock) : bus_(bus), next_(clock.now()) {
-    bus_.subscribe(bus::belief_channel("*"), [this](const models::RobotBelief& belief) {
-      std::printf("%s knows %zu targets\n", belief.robot.c_str(), belief.targets.size());
-      ++heard_;
-    });
+    bus_.subscribe<models::RobotBelief>(
+        bus::belief_channel("*"), [this](const models::RobotBelief& belief) {
+          std::printf("%s knows %zu targets\n", belief.robot.c_str(), belief.targets.size());
+          ++heard_;
+        });
   }
   std::string name() const override { return "LISTENER"; }
   Time next_tick() const override { return next_; }

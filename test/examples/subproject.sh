@@ -65,5 +65,7 @@ for flags in "-O2" "-O3 -mavx2 -mfma" "-O3 -march=native"; do
 done
 [[ "$said" == *"0.841471 0.459698 1.000000" ]] || fail "turn says $said"
 # -O3 and the sealing are the library's own business.
-nm "$work/build/vantage/models/libvantage_models.a" | grep -E ' [VWu] ' && fail "not sealed"
-exit 0
+if nm "$work/build/vantage/models/libvantage_models.a" | grep -E ' [VWu] ' | grep -v ' _ZT[VTIS]N7vantage'
+then
+  fail "not sealed"
+fi
