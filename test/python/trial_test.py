@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A trial that is stepped from Python is `vantage trial`'s, to the byte, and shows what happens in it."""
-import json
 import os
+import pathlib
 import tempfile
 import unittest
 
@@ -10,6 +10,13 @@ import vantage
 from here import SOURCE, command, command_json
 
 LAB = SOURCE / "config/lab.yaml"
+SMALL = {
+    "name": "small", "duration_s": 2, "world": {"bounds": {"min_m": [-4, -4], "max_m": [4, 4]}},
+    "robot_defaults": {"primitives": "lab", "limits": {"speed_max_mps": 1},
+                       "sensor": {"kind": "range_bearing", "range_max_m": 2, "range_min_m": 0.1}},
+    "robots": [{"name": "Q1", "start": {"x_m": 0, "y_m": 0, "yaw_deg": 0}, "height_m": 1.0}],
+    "targets": {"count": numpy.int64(1)},
+    "planner": {"node_budget": 100}}
 
 
 def short(**changes):
@@ -28,14 +35,7 @@ class Scenario(unittest.TestCase):
         self.assertEqual(lab.text, LAB.read_text())
 
     def test_of_a_dict_is_a_scenario(self):
-        scenario = vantage.Scenario({
-            "name": "small", "duration_s": 2, "world": {"bounds": {"min_m": [-4, -4], "max_m": [4, 4]}},
-            "robot_defaults": {"primitives": "lab", "limits": {"speed_max_mps": 1},
-                               "sensor": {"kind": "range_bearing", "range_max_m": 2, "range_min_m": 0.1}},
-            "robots": [{"name": "Q1", "start": {"x_m": 0, "y_m": 0, "yaw_deg": 0}, "height_m": 1.0}],
-            "targets": {"count": numpy.int64(1)},
-            "planner": {"node_budget": 100}})
-        trial = vantage.Trial(scenario)
+        trial = vantage.Trial(SMALL)
         trial.run()
         self.assertEqual(trial.robots.shape, (1, 7))
 
@@ -53,8 +53,10 @@ class Scenario(unittest.TestCase):
                 self.assertRegex(str(refusal.exception), r"lab\.yaml:\d+: ")
 
     def test_of_a_dict_is_refused_by_line(self):
-        with self.assertRaisesRegex(vantage.StartupError, r"scenario:\d+: .*duration_s"):
-            vantage.Scenario({"name": "x", "duration_s": -1})
+        with self.assertRaisesRegex(vantage.StartupError, r"scenario:3: duration_s: "):
+            vantage.Scenario({**SMALL, "duration_s": -1})
+        with self.assertRaisesRegex(TypeError, "neither a number, text, list nor dict"):
+            vantage.Scenario({**SMALL, "seed": object()})
 
 
 class Trial(unittest.TestCase):
@@ -77,10 +79,10 @@ class Trial(unittest.TestCase):
                 self.assertEqual(trial.time_s, 6.0)
                 self.assertEqual(trial.metrics, printed)
             del whole, steps, pieces, trial  # ends the logs
-            reference = open(logs["command"], "rb").read()
+            reference = pathlib.Path(logs["command"]).read_bytes()
             self.assertGreater(len(reference), 100_000)
             for way in ("whole", "steps", "pieces"):
-                self.assertTrue(open(logs[way], "rb").read() == reference, way)
+                self.assertTrue(pathlib.Path(logs[way]).read_bytes() == reference, way)
 
     def test_shows_robots_targets_beliefs_and_plans(self):
         trial = vantage.Trial(short())
