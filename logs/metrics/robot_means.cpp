@@ -8,7 +8,11 @@
 namespace vantage::logs {
 
 RobotSums::RobotSums(int targets, int position_dim, double prior_entropy_nats)
-    : targets_(targets), position_dim_(position_dim), prior_entropy_nats_(prior_entropy_nats) {}
+    : targets_(targets),
+      position_dim_(position_dim),
+      prior_entropy_nats_(prior_entropy_nats),
+      nees_(position_dim),
+      nees_by_age_(kAgeClasses, NeesSums(position_dim)) {}
 
 void RobotSums::add(const std::string& robot, Time time, double since_start_s,
                     std::span<const models::TargetBelief> beliefs, const TruthHistory& truth) {
@@ -28,8 +32,12 @@ void RobotSums::add(const std::string& robot, Time time, double since_start_s,
     ++known;
     entropy_nats += estimate->entropy_nats;
     if (const auto truth_m = truth.target_position_m(belief.target_id, time)) {
-      squared_error_m2 += (estimate->mean_m - truth_m->head(position_dim_)).squaredNorm();
+      const models::PositionVector true_m = truth_m->head(position_dim_);
+      squared_error_m2 += (estimate->mean_m - true_m).squaredNorm();
       ++judged;
+      const double nees = estimate->nees(true_m);
+      nees_.add(nees);
+      nees_by_age_[age_class(to_seconds(time - estimate->last_seen))].add(nees);
     }
   }
   ++sums.steps;
@@ -62,6 +70,10 @@ RobotMeans RobotSums::means(double duration_s) const {
   }
   if (with_error > 0) {
     out.rmse_m = rmse_m / with_error;
+  }
+  out.consistency = nees_.result();
+  for (std::size_t i = 0; i < kAgeClasses; ++i) {
+    out.consistency_by_age[i] = nees_by_age_[i].result();
   }
   return out;
 }

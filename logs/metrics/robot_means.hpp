@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "logs/metrics/consistency.hpp"
 #include "models/exchange/messages.hpp"
 
 namespace vantage::logs {
@@ -24,6 +26,9 @@ struct RobotMeans {
   /// Mean time until a robot knows a target; the trial's length where it never did.
   double discovery_time_s = 0.0;
   double undiscovered_share = 0.0;  ///< mean over time of the share of targets a robot ignores
+  /// Of every robot's position estimates of the targets it knows, pooled.
+  Consistency consistency;
+  std::array<Consistency, kAgeClasses> consistency_by_age;  ///< see kAgeEdges_s
 };
 
 /// Gathers RobotMeans step by step.
@@ -51,6 +56,8 @@ class RobotSums {
   int position_dim_ = 2;
   double prior_entropy_nats_ = 0.0;
   std::map<std::string, Sums> robots_;
+  NeesSums nees_;
+  std::vector<NeesSums> nees_by_age_;
 };
 
 }  // namespace vantage::logs

@@ -17,6 +17,15 @@ Json optional_numbers(const std::vector<std::optional<double>>& values) {
   return out;
 }
 
+Json to_json(const Consistency& consistency) {
+  Json out;
+  out["samples"] = consistency.samples;
+  out["mean"] = optional_number(consistency.mean_nees);
+  out["median"] = optional_number(consistency.median_nees);
+  out["coverage_95"] = optional_number(consistency.coverage_95);
+  return out;
+}
+
 }  // namespace
 
 Json to_json(const TrialSummary& summary) {
@@ -50,6 +59,15 @@ Json to_json(const TrialSummary& summary) {
   per_robot["discovered"] = summary.per_robot.discovered;
   per_robot["discovery_time_s"] = summary.per_robot.discovery_time_s;
   per_robot["undiscovered_share"] = summary.per_robot.undiscovered_share;
+  per_robot["nees"] = to_json(summary.per_robot.consistency);
+  Json by_age = Json::array();
+  for (std::size_t i = 0; i < kAgeClasses; ++i) {
+    Json entry;
+    entry["unseen_from_s"] = kAgeEdges_s[i];
+    entry.update(to_json(summary.per_robot.consistency_by_age[i]));
+    by_age.push_back(std::move(entry));
+  }
+  per_robot["nees_by_age"] = std::move(by_age);
   out["per_robot"] = std::move(per_robot);
   out["map_entropy"] = optional_number(summary.map_entropy_nats);
   return out;

@@ -39,7 +39,8 @@ struct TrialSummary {
   std::vector<double> entropy_per_target_nats;
   /// Mean over the same estimates as the RMSE of eᵀ Σ⁻¹ e of the position: the number of
   /// coordinates where the estimator knows how wrong it is, more where it is too sure. Of each
-  /// step the robot that is surest is judged, so a little more is to be expected.
+  /// step the robot that is surest is judged: that selects who is too sure, so this is above the
+  /// robots' own figure, per_robot.consistency, which is what tells about the filter.
   std::optional<double> position_nees;
   /// Of the robots' last maps, mean over those that have one; none where nobody maps.
   std::optional<double> map_entropy_nats;

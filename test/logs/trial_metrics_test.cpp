@@ -1,6 +1,7 @@
 #include "logs/metrics/trial_metrics.hpp"
 
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -153,6 +154,64 @@ TEST(TrialMetrics, SaysWhetherTheEstimatorKnowsHowWrongItIs) {
   ASSERT_TRUE(summary.position_nees);
   EXPECT_NEAR(*summary.position_nees, (4.0 + 1.0 + 0.0) / 3.0, 1e-9);
   EXPECT_FALSE(TrialMetrics(scenario(), at_s(0.0)).finish(at_s(1.0)).position_nees);
+}
+
+TEST(TrialMetrics, JudgesHowSureEachRobotIsByHowLongItsTargetsAreUnseen) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(5.0));
+  models::TargetBelief fresh = target(0, 1.0, 1.0, 0.5);  // off by 2 σ at 0.5 s: 4
+  fresh.last_seen = at_s(0.5);
+  models::TargetBelief old = target(1, 5.0, 8.0, 1.0);  // off by 3 σ: 9, outside of its ellipse
+  old.last_seen = at_s(-2.5);
+  metrics.on_belief(belief("Q1", 0.5, {fresh, old}));
+  fresh.last_seen = at_s(-0.5);                                             // just 1 s ago
+  metrics.on_belief(belief("Q2", 0.5, {fresh, target(1, 5.0, 6.0, 1.0)}));  // 1, never seen
+  const RobotMeans means = metrics.finish(at_s(5.0)).per_robot;
+  EXPECT_EQ(means.consistency.samples, 4);
+  EXPECT_NEAR(*means.consistency.mean_nees, (4.0 + 9.0 + 4.0 + 1.0) / 4.0, 1e-9);
+  EXPECT_NEAR(*means.consistency.coverage_95, 0.75, 1e-12);
+  EXPECT_NEAR(*means.consistency_by_age[0].mean_nees, 4.0, 1e-9);
+  EXPECT_EQ(means.consistency_by_age[1].samples, 1);
+  EXPECT_NEAR(*means.consistency_by_age[2].mean_nees, 9.0, 1e-9);
+  EXPECT_FALSE(means.consistency_by_age[3].mean_nees);
+  EXPECT_NEAR(*means.consistency_by_age[4].mean_nees, 1.0, 1e-9);
+}
+
+TEST(NeesSums, GivesMeanMedianAndCoverageOfErrorsThatAreAsTheFilterSays) {
+  for (const int dim : {2, 3}) {
+    NeesSums sums(dim);
+    std::mt19937_64 rng(4);
+    std::chi_squared_distribution<double> chi_squared(dim);
+    constexpr int kSamples = 40'000;
+    for (int i = 0; i < kSamples; ++i) {
+      sums.add(chi_squared(rng));
+    }
+    const Consistency found = sums.result();
+    EXPECT_EQ(found.samples, kSamples);
+    EXPECT_NEAR(*found.mean_nees, dim, 4.0 * std::sqrt(2.0 * dim / kSamples));
+    EXPECT_NEAR(*found.median_nees, dim == 2 ? 2.0 * std::log(2.0) : 2.366, 0.04);
+    EXPECT_NEAR(*found.coverage_95, 0.95, 4.0 * std::sqrt(0.95 * 0.05 / kSamples));
+  }
+}
+
+TEST(NeesSums, TakesErrorsOfAnySize) {
+  NeesSums sums(2);
+  for (const double nees : {0.0, 1e9, 3.0}) {
+    sums.add(nees);
+  }
+  EXPECT_NEAR(*sums.result().median_nees, 3.0, 0.05);
+  EXPECT_FALSE(NeesSums(2).result().median_nees);
+}
+
+TEST(AgeClass, BeginsAtItsEdge) {
+  EXPECT_EQ(age_class(-0.1), 0U);
+  EXPECT_EQ(age_class(0.99), 0U);
+  EXPECT_EQ(age_class(1.0), 1U);
+  EXPECT_EQ(age_class(7.9), 3U);
+  EXPECT_EQ(age_class(1e9), 4U);
+  EXPECT_EQ(age_name(1), "1-2");
+  EXPECT_EQ(age_name(4), "8+");
 }
 
 TEST(TrialMetrics, CountsRoundsPlansAndFallbacks) {

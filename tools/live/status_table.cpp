@@ -150,6 +150,23 @@ std::vector<std::string> summary_table(const models::Scenario& scenario,
       summary.rounds, summary.rounds_late, summary.fallbacks, summary.plans_missing,
       summary.collisions, summary.separation_violations, cell(summary.min_separation_m, 2, "m"),
       summary.messages_lost));
+  const logs::Consistency& all = summary.per_robot.consistency;
+  if (all.samples > 0) {
+    out.push_back(fmt::format(
+        "a robot: RMSE {}, entropy {:.2f} nat, NEES {:.2f} (median {:.2f}), {:.1f} % inside the "
+        "95 % ellipse",
+        cell(summary.per_robot.rmse_m, 2, "m"), summary.per_robot.entropy_nats, *all.mean_nees,
+        *all.median_nees, 100.0 * *all.coverage_95));
+    std::string by_age = "NEES of targets unseen for";
+    for (std::size_t i = 0; i < logs::kAgeClasses; ++i) {
+      const logs::Consistency& of_age = summary.per_robot.consistency_by_age[i];
+      if (of_age.samples > 0) {
+        by_age +=
+            fmt::format("{} {} s {:.2f}", i == 0 ? "" : ",", logs::age_name(i), *of_age.mean_nees);
+      }
+    }
+    out.push_back(by_age);
+  }
   if (summary.map_entropy_nats) {
     out.push_back(fmt::format("map entropy at the end {:.0f} nat", *summary.map_entropy_nats));
   }

@@ -1,5 +1,9 @@
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -13,12 +17,14 @@
 #include "tools/log/log_commands.hpp"
 #include "tools/log/log_plot.hpp"
 #include "tools/log/log_scenario.hpp"
+#include "tools/sweep/compare.hpp"
+#include "tools/sweep/sample.hpp"
 
 namespace vantage::tools {
 namespace {
 
 struct MetricsArguments {
-  std::string log;
+  std::vector<std::string> logs;
   std::string output;
   bool as_json = false;
 };
@@ -52,15 +58,61 @@ void print(const models::Scenario& scenario, const logs::LogAnalysis& analysis) 
   }
 }
 
+// What is compared between trials, in the order it is printed.
+std::vector<std::pair<std::string, std::optional<double>>> figures_of(
+    const logs::TrialSummary& summary) {
+  const logs::RobotMeans& robot = summary.per_robot;
+  std::vector<std::pair<std::string, std::optional<double>>> out = {
+      {"RMSE of the team, m", summary.rmse_m},
+      {"RMSE of a robot, m", robot.rmse_m},
+      {"entropy of the team, nat", summary.entropy_nats},
+      {"entropy of a robot, nat", robot.entropy_nats},
+      {"NEES of a robot", robot.consistency.mean_nees},
+      {"its median", robot.consistency.median_nees},
+      {"share in the 95 % ellipse", robot.consistency.coverage_95}};
+  for (std::size_t i = 0; i < logs::kAgeClasses; ++i) {
+    out.emplace_back("NEES unseen for " + logs::age_name(i) + " s",
+                     robot.consistency_by_age[i].mean_nees);
+  }
+  return out;
+}
+
+// Steps of one trial are not independent of each other, trials are: only over these is there a
+// band of what chance leaves open.
+void print_bands(const std::vector<logs::TrialSummary>& summaries) {
+  std::map<std::string, Sample> samples;
+  for (const logs::TrialSummary& summary : summaries) {
+    for (const auto& [name, value] : figures_of(summary)) {
+      if (value) {
+        samples[name].add(*value);
+      }
+    }
+  }
+  print_line(fmt::format("mean of {} logs and 95 % band of it by Student's t", summaries.size()));
+  for (const auto& [name, value] : figures_of(summaries.front())) {
+    const Sample& sample = samples[name];
+    print_line(sample.size() == 0 ? fmt::format("{:<28} -", name)
+                                  : fmt::format("{:<28} {:>8.3f} ± {:.3f}", name, sample.mean(),
+                                                sample.half_interval()));
+  }
+}
+
 int metrics(const MetricsArguments& arguments) {
   const EndsAtOnce reading;
-  const logs::IndexedLog log(arguments.log, progress_line("reading"));
-  const models::Scenario scenario = scenario_of(log);
-  const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
-  if (arguments.as_json) {
-    print_json(logs::to_json(analysis));
-  } else {
-    print(scenario, analysis);
+  std::vector<logs::TrialSummary> summaries;
+  for (const std::string& path : arguments.logs) {
+    const logs::IndexedLog log(path, progress_line("reading"));
+    const models::Scenario scenario = scenario_of(log);
+    const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
+    if (arguments.as_json) {
+      print_json(logs::to_json(analysis));
+    } else if (arguments.logs.size() == 1) {
+      print(scenario, analysis);
+    }
+    summaries.push_back(analysis.summary);
+  }
+  if (!arguments.as_json && summaries.size() > 1) {
+    print_bands(summaries);
   }
   return 0;
 }
@@ -69,13 +121,14 @@ int plot(const MetricsArguments& arguments) {
   static_cast<void>(plot_terminal(arguments.output));  // refused before a long log is read
   require_writable(arguments.output);
   const EndsAtOnce drawing;
-  const logs::IndexedLog log(arguments.log, progress_line("reading"));
+  const std::string& path = arguments.logs.front();
+  const logs::IndexedLog log(path, progress_line("reading"));
   const models::Scenario scenario = scenario_of(log);
   const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
   const std::string script = std::filesystem::path(arguments.output).replace_extension(".gp");
   const std::string title =
-      fmt::format("{}: {} with {}", std::filesystem::path(arguments.log).filename().string(),
-                  scenario.name, models::search_name(scenario.planner));
+      fmt::format("{}: {} with {}", std::filesystem::path(path).filename().string(), scenario.name,
+                  models::search_name(scenario.planner));
   const Result<std::string> drawn =
       draw_plot(plot_script(analysis, scenario, title, arguments.output), script, arguments.output);
   if (!drawn.ok()) {
@@ -91,20 +144,25 @@ int plot(const MetricsArguments& arguments) {
 void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
   auto arguments = std::make_shared<MetricsArguments>();
   CLI::App* metrics_command = log.add_subcommand(
-      "metrics", "Judge a log: RMSE, entropy, discovery, deadlines, loss, latencies.");
-  metrics_command->add_option("log", arguments->log, "LCM event log")->required();
-  metrics_command->add_flag("--json", arguments->as_json, "print one JSON object");
+      "metrics", "Judge a log: RMSE, entropy, NEES, discovery, deadlines, loss, latencies.");
+  metrics_command
+      ->add_option("log", arguments->logs, "LCM event log; of several, means and their bands")
+      ->required();
+  metrics_command->add_flag("--json", arguments->as_json, "print one JSON object a log");
   metrics_command->footer(
       "Latencies are from the instants that messages are valid for to those they were made or\n"
       "logged at; 'look' is the newest measurement that something was made from.\n"
-      "Example:\n"
-      "  vantage log metrics flight.lcmlog --json");
+      "NEES is judged for each robot by its own belief: 2 in the plane where the filter knows how\n"
+      "wrong it is.\n"
+      "Examples:\n"
+      "  vantage log metrics flight.lcmlog --json\n"
+      "  vantage log metrics trial_*.lcmlog");
   metrics_command->callback(
       [&chosen, arguments] { chosen = [arguments] { return metrics(*arguments); }; });
 
   CLI::App* plot_command =
       log.add_subcommand("plot", "Draw the course of a trial as PNG, SVG or PDF, with gnuplot.");
-  plot_command->add_option("log", arguments->log, "LCM event log")->required();
+  plot_command->add_option("log", arguments->logs, "LCM event log")->required()->expected(1);
   plot_command
       ->add_option("--out", arguments->output,
                    "the picture, .png, .svg or .pdf; its script lies beside it")
