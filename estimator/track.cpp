@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "estimator/posterior_moments.hpp"
+
 namespace vantage::estimator {
 
 namespace {
@@ -23,23 +25,103 @@ MeasurementJacobian state_jacobian(const MeasurementJacobian& by_position, Eigen
 
 Eigen::Index position_rows(Eigen::Index state_rows) { return state_rows == 3 ? 3 : 2; }
 
-/// A belief wider than this share of its distance is not measured about its mean.
-constexpr double kLinearShare = 0.15;
-constexpr int kIterations = 3;
-/// Nearer than this a direction is rounding.
-constexpr double kNearest_m = 1e-6;
+/// Corners of the belief's axes, this many σ out along each, are where h is held against its
+/// tangent.
+constexpr double kCorner_sigma = 1.5;
+/// So far out a linearised posterior must be in view for the limits to mean nothing to it.
+constexpr double kClear_sigma = 3.0;
 
-/// True when ∂h/∂position does not exist at `about_m`: the target stands where the sensor is.
-bool is_at_sensor(const models::SensorModel& sensor, const models::Viewpoint& from,
-                  const models::PositionVector& about_m) {
-  if (sensor.kind == models::SensorKind::kPosition || sensor.kind == models::SensorKind::kCamera) {
+/// h linearised at a belief's mean.
+struct Tangent {
+  models::PositionVector mean_m;
+  MeasurementVector expected;
+  MeasurementJacobian H;  ///< by position
+};
+
+/// Calls `visit` with y = mean + L u for the corners u of a cube of half side `reach`, and with
+/// those on its axes as far out as the corners; until it says false, which is returned.
+template <class Visit>
+bool for_all_around(const models::PositionVector& mean_m, const models::PositionMatrix& L,
+                    double reach, bool with_axes, const Visit& visit) {
+  const Eigen::Index n = mean_m.size();
+  models::PositionVector u(n);
+  for (int corner = 0; corner < (1 << n); ++corner) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      u(i) = ((corner >> i) & 1) == 0 ? -reach : reach;
+    }
+    if (!visit(models::PositionVector(mean_m + L * u))) {
+      return false;
+    }
+  }
+  for (Eigen::Index i = 0; with_axes && i < n; ++i) {
+    for (const double side : {-1.0, 1.0}) {
+      const double far = side * reach * std::sqrt(static_cast<double>(n));
+      if (!visit(models::PositionVector(mean_m + far * L.col(i)))) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// L with L Lᵀ = covariance; its columns turn with the robot, so that whether h is linear enough
+/// does not depend on where x points.
+models::PositionMatrix root_of(const models::PositionMatrix& covariance_m2,
+                               const models::Viewpoint& from) {
+  models::PositionMatrix world_from_body =
+      models::PositionMatrix::Identity(covariance_m2.rows(), covariance_m2.cols());
+  const double c = std::cos(from.world_from_body.yaw_rad);
+  const double s = std::sin(from.world_from_body.yaw_rad);
+  world_from_body.topLeftCorner<2, 2>() << c, -s, s, c;
+  const models::PositionMatrix of_body =
+      world_from_body.transpose() * covariance_m2 * world_from_body;
+  const models::PositionMatrix L = of_body.llt().matrixL();
+  return world_from_body * L;
+}
+
+bool is_linear_enough(const Tangent& tangent, const models::PositionMatrix& P_pp,
+                      const models::SensorModel& sensor, const models::Viewpoint& from,
+                      const Eigen::LLT<MeasurementMatrix>& noise) {
+  if (!tangent.H.allFinite() || !tangent.expected.allFinite()) {
     return false;
   }
-  const double level_m = (about_m.head<2>() - from.world_from_body.position_m()).norm();
-  const bool ranges_in_space = sensor.kind == models::SensorKind::kRange && about_m.size() == 3;
-  const double apart_m =
-      ranges_in_space ? std::hypot(level_m, about_m(2) - from.height_m) : level_m;
-  return apart_m < kNearest_m;
+  return sensor.kind == models::SensorKind::kPosition ||
+         for_all_around(tangent.mean_m, root_of(P_pp, from), kCorner_sigma, false,
+                        [&](const models::PositionVector& y_m) {
+                          const MeasurementVector bend =
+                              models::innovation(sensor, models::observe(sensor, from, y_m),
+                                                 tangent.expected) -
+                              tangent.H * (y_m - tangent.mean_m);
+                          return bend.dot(noise.solve(bend)) <= kBendMax * kBendMax;
+                        });
+}
+
+bool is_clear_of_limits(const models::Gaussian& posterior, Eigen::Index n,
+                        const models::SensorModel& sensor, const models::Viewpoint& from) {
+  const models::PositionVector mean_m = posterior.mean.head(n);
+  return for_all_around(
+      mean_m, root_of(posterior.covariance.topLeftCorner(n, n), from),
+      kClear_sigma / std::sqrt(static_cast<double>(n)), true,
+      [&](const models::PositionVector& y_m) { return models::in_view(sensor, from, y_m); });
+}
+
+/// Adds what turns the position's marginal from `prior` into `posterior`; the rest of the state
+/// follows through its correlation. False, belief untouched, when that leaves nothing definite.
+bool shift_position(Information& belief, const PositionPrior& prior,
+                    const PositionMoments& posterior) {
+  const Eigen::Index n = prior.mean_m.size();
+  const Eigen::LLT<models::PositionMatrix> root(posterior.covariance_m2);
+  const models::PositionMatrix Omega = root.solve(models::PositionMatrix::Identity(n, n));
+  Information shifted = belief;
+  shifted.matrix.topLeftCorner(n, n) += Omega - prior.information;
+  shifted.vector.head(n) += Omega * posterior.mean_m - prior.information * prior.mean_m;
+  shifted.matrix = (0.5 * (shifted.matrix + shifted.matrix.transpose())).eval();
+  if (!shifted.vector.allFinite() ||
+      Eigen::LLT<StateMatrix>(shifted.matrix).info() != Eigen::Success) {
+    return false;
+  }
+  belief = shifted;
+  return true;
 }
 
 double growth(double steps) { return 0.5 * steps * (steps + 1.0); }
@@ -65,43 +147,6 @@ std::optional<Information> propagate(const models::TargetModel& model, double st
   return models::predict(information, A, model.process_noise(elapsed_s));
 }
 
-models::PositionVector linearisation_point(const models::Gaussian& belief,
-                                           const models::SensorModel& sensor,
-                                           const models::Viewpoint& from,
-                                           const models::Measurement& measurement) {
-  const Eigen::Index n = position_rows(belief.mean.size());
-  models::PositionVector about_m = belief.mean.head(n);
-  if (sensor.kind == models::SensorKind::kPosition) {
-    return about_m;  // linear everywhere
-  }
-  const double variance_m2 = belief.covariance.topLeftCorner(n, n).trace();
-  const double distance_m = (about_m.head<2>() - from.world_from_body.position_m()).norm();
-  if (variance_m2 <= kLinearShare * kLinearShare * distance_m * distance_m) {
-    return about_m;
-  }
-  const auto seen_m = models::position_from(sensor, from, measurement.z, static_cast<int>(n));
-  if (!seen_m) {
-    return about_m;
-  }
-  about_m = *seen_m;
-  for (int i = 0; i < kIterations; ++i) {
-    const MeasurementJacobian H =
-        state_jacobian(models::observation_jacobian(sensor, from, about_m), belief.mean.size());
-    models::StateVector offset = belief.mean;
-    offset.head(n) -= about_m;
-    const MeasurementVector expected = models::observe(sensor, from, about_m);
-    MeasurementVector nu = models::innovation(sensor, measurement.z, expected);
-    nu -= H.leftCols(n) * offset.head(n);
-    const models::Gaussian posterior = models::update(belief, H, measurement.V, nu);
-    const models::PositionVector next_m = posterior.mean.head(n);
-    if (!next_m.allFinite()) {
-      break;
-    }
-    about_m = next_m;
-  }
-  return about_m;
-}
-
 Use measure(Information& belief, const models::SensorModel& sensor, const models::Viewpoint& from,
             const models::Measurement& measurement, double gate_sigma) {
   const Eigen::Index n = position_rows(belief.vector.size());
@@ -110,72 +155,82 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
   if (!prior || noise.info() != Eigen::Success) {
     return Use::kSingular;
   }
-  const models::PositionVector about_m = linearisation_point(*prior, sensor, from, measurement);
-  if (is_at_sensor(sensor, from, about_m)) {
-    return Use::kSingular;
-  }
-  const MeasurementJacobian H =
-      state_jacobian(models::observation_jacobian(sensor, from, about_m), belief.vector.size());
-  const MeasurementVector expected = models::observe(sensor, from, about_m);
-  // z − h(x, a) + H a: what a linear sensor H would have measured of the whole state.
-  const MeasurementVector z_linear =
-      models::innovation(sensor, measurement.z, expected) + H.leftCols(n) * about_m;
-  if (!H.allFinite() || !z_linear.allFinite()) {
-    return Use::kSingular;
-  }
-  if (gate_sigma > 0.0) {
-    const MeasurementVector nu = z_linear - H * prior->mean;
-    const MeasurementJacobian HP = H * prior->covariance;
-    const MeasurementMatrix S = HP * H.transpose() + measurement.V;
-    const MeasurementVector whitened = S.llt().matrixL().solve(nu);
-    if (whitened.squaredNorm() > gate_sigma * gate_sigma) {
-      return Use::kGated;
+  const auto is_beyond_gate = [&](double mahalanobis2) {
+    return gate_sigma > 0.0 && mahalanobis2 > gate_sigma * gate_sigma;
+  };
+  const models::PositionMatrix P_pp = prior->covariance.topLeftCorner(n, n);
+  Tangent tangent;
+  tangent.mean_m = prior->mean.head(n);
+  tangent.expected = models::observe(sensor, from, tangent.mean_m);
+  tangent.H = models::observation_jacobian(sensor, from, tangent.mean_m);
+  if (is_linear_enough(tangent, P_pp, sensor, from, noise)) {
+    const MeasurementJacobian H = state_jacobian(tangent.H, belief.vector.size());
+    const MeasurementVector nu = models::innovation(sensor, measurement.z, tangent.expected);
+    const models::Gaussian posterior = models::update(*prior, H, measurement.V, nu);
+    if (is_clear_of_limits(posterior, n, sensor, from)) {
+      const MeasurementMatrix S = tangent.H * P_pp * tangent.H.transpose() + measurement.V;
+      const MeasurementVector whitened = S.llt().matrixL().solve(nu);
+      if (is_beyond_gate(whitened.squaredNorm())) {
+        return Use::kGated;
+      }
+      const MeasurementJacobian weighted = noise.solve(H);  // V⁻¹ H
+      belief.matrix += H.transpose() * weighted;
+      belief.matrix = (0.5 * (belief.matrix + belief.matrix.transpose())).eval();
+      belief.vector += weighted.transpose() * (nu + tangent.H * tangent.mean_m);
+      return Use::kUsed;
     }
   }
-  const MeasurementJacobian weighted = noise.solve(H);  // V⁻¹ H
-  belief.matrix += H.transpose() * weighted;
-  belief.matrix = (0.5 * (belief.matrix + belief.matrix.transpose())).eval();
-  belief.vector += weighted.transpose() * z_linear;
-  return Use::kUsed;
+  const Eigen::LLT<models::PositionMatrix> spread(P_pp);
+  if (spread.info() != Eigen::Success) {
+    return Use::kSingular;
+  }
+  const PositionPrior before{tangent.mean_m, spread.solve(models::PositionMatrix::Identity(n, n))};
+  const auto after = posterior_moments(before, sensor, from, measurement);
+  if (!after) {
+    return Use::kSingular;
+  }
+  if (is_beyond_gate(after->mahalanobis2)) {
+    return Use::kGated;
+  }
+  return shift_position(belief, before, *after) ? Use::kUsed : Use::kSingular;
 }
 
 std::optional<Information> discover(const models::EstimatorSpec& spec,
                                     const models::SensorModel& sensor,
                                     const models::Viewpoint& from,
                                     const models::Measurement& measurement) {
-  const int position_dim = spec.target_model.position_dim;
-  const auto position_m = models::position_from(sensor, from, measurement.z, position_dim);
-  const Eigen::LLT<MeasurementMatrix> noise(measurement.V);
-  if (!position_m || noise.info() != Eigen::Success) {
+  const int n = spec.target_model.position_dim;
+  if (sensor.kind == models::SensorKind::kRange || sensor.kind == models::SensorKind::kBearing) {
     return std::nullopt;
   }
-  const MeasurementJacobian J = models::observation_jacobian(sensor, from, *position_m);
-  if (!J.allFinite()) {
-    return std::nullopt;
-  }
-  const Eigen::Index dim = spec.target_model.dim();
-  Information belief;
-  belief.matrix = StateMatrix::Zero(dim, dim);
-  auto position = belief.matrix.topLeftCorner(position_dim, position_dim);
-  position = J.transpose() * noise.solve(J);
-  if (J.rows() < position_dim) {
+  PositionPrior prior{models::PositionVector::Zero(n), models::PositionMatrix::Zero(n, n)};
+  prior.mean_m.head<2>() = from.world_from_body.position_m();
+  if (sensor.measurement_dim(n) < n) {
+    const auto seen_m = models::position_from(sensor, from, measurement.z, n);
+    if (!seen_m) {
+      return std::nullopt;
+    }
+    const MeasurementJacobian J = models::observation_jacobian(sensor, from, *seen_m);
     const MeasurementMatrix JJt = J * J.transpose();
     const MeasurementJacobian JJt_inv_J = JJt.llt().solve(J);
     const models::PositionMatrix silent =
-        models::PositionMatrix::Identity(position_dim, position_dim) - J.transpose() * JJt_inv_J;
-    position += silent / (spec.prior_position_sigma_m * spec.prior_position_sigma_m);
+        models::PositionMatrix::Identity(n, n) - J.transpose() * JJt_inv_J;
+    prior = {*seen_m, silent / (spec.prior_position_sigma_m * spec.prior_position_sigma_m)};
+    if (!prior.information.allFinite()) {
+      return std::nullopt;
+    }
   }
-  for (Eigen::Index i = position_dim; i < dim; ++i) {
-    belief.matrix(i, i) = 1.0 / (spec.prior_velocity_sigma_mps * spec.prior_velocity_sigma_mps);
-  }
-  belief.matrix = (0.5 * (belief.matrix + belief.matrix.transpose())).eval();
-  models::StateVector mean = models::StateVector::Zero(dim);
-  mean.head(position_dim) = *position_m;
-  belief.vector = belief.matrix * mean;
-  if (Eigen::LLT<StateMatrix>(belief.matrix).info() != Eigen::Success) {
+  const auto seen = posterior_moments(prior, sensor, from, measurement);
+  if (!seen) {
     return std::nullopt;
   }
-  return belief;
+  const Eigen::Index dim = spec.target_model.dim();
+  models::Gaussian found{models::StateVector::Zero(dim), models::StateMatrix::Zero(dim, dim)};
+  found.mean.head(n) = seen->mean_m;
+  found.covariance.topLeftCorner(n, n) = seen->covariance_m2;
+  found.covariance.diagonal().tail(dim - n).setConstant(spec.prior_velocity_sigma_mps *
+                                                        spec.prior_velocity_sigma_mps);
+  return models::to_information(found);
 }
 
 }  // namespace vantage::estimator

@@ -29,34 +29,34 @@ std::optional<models::Information> propagate(const models::TargetModel& model, d
                                              const models::Information& information, Time last_seen,
                                              Time from, Time to);
 
-/// Where h is linearised for one measurement: the position a.
-///
-/// The belief's mean, as in the dissertation, while the belief is narrow: √tr P_pp within 0.15 of
-/// the target's distance. A wider one (a target under the robot, or one not seen for long) would be
-/// pulled along the tangent of a circle that bends away; then, for a sensor that tells where the
-/// target is, three Gauss-Newton steps from the position that explains z lead to the most likely
-/// position (iterated extended Kalman filter). Source: Bell, Cathey (1993).
-models::PositionVector linearisation_point(const models::Gaussian& belief,
-                                           const models::SensorModel& sensor,
-                                           const models::Viewpoint& from,
-                                           const models::Measurement& measurement);
+/// A measurement is linearised about the belief's mean where h leaves its tangent by no more than
+/// this many σ of the noise, √(bᵀ V⁻¹ b), b = h(y) − h(ŷ) − H (y − ŷ), at the corners y of the
+/// belief's axes ±1.5σ out. Beyond it the linearised posterior's mean was found more than a tenth
+/// of its σ off (docs/decisions/0011).
+inline constexpr double kBendMax = 0.2;
 
 /// What became of one measurement.
 enum class [[nodiscard]] Use{kUsed, kGated, kSingular};
 
-/// Adds one measurement to a belief, linearised about a = linearisation_point():
-/// Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, a) + H a, bearings wrapped.
-/// @param gate_sigma  > 0: leave the belief alone (kGated) when the innovation's Mahalanobis
-///                    length √(νᵀ (H Ω⁻¹ Hᵀ + V)⁻¹ ν), ν = z̃ − H ŷ, exceeds it
-/// kSingular, belief untouched: Ω or V not positive definite, or a at the sensor itself.
+/// Adds one measurement to a belief. Where h is linear enough about the mean (kBendMax) and the
+/// posterior clear of the limits of range and view by 3σ:
+/// Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, ŷ) + H ŷ, bearings wrapped. Elsewhere
+/// (near the robot, under it, long unseen, at the edge of view) the position's marginal gets the
+/// posterior_moments(), and the velocity follows through its correlation.
+/// @param gate_sigma  > 0: leave the belief alone (kGated) when z is farther than this from what
+///                    was expected: √(νᵀ (H Ω⁻¹ Hᵀ + V)⁻¹ ν), or the square root of
+///                    PositionMoments::mahalanobis2
+/// kSingular, belief untouched: Ω or V not positive definite, or a z that leaves nothing possible.
+/// Cost: about 1 µs linear, else that of posterior_moments(). No allocation.
 /// Precondition: z has measurement_dim rows. Source: dissertation 3.3; algorithms §4.
 Use measure(models::Information& belief, const models::SensorModel& sensor,
             const models::Viewpoint& from, const models::Measurement& measurement,
             double gate_sigma);
 
-/// The belief of a target after its very first detection. Position: the one that explains z, with
-/// information Jᵀ V⁻¹ J, J = ∂h/∂position there; in directions where z is silent (the null space
-/// of J) the stated prior_position_sigma_m. Velocity: zero, prior_velocity_sigma_mps.
+/// The belief of a target after its very first detection. Position: posterior_moments() of z over
+/// all that is in view, with nothing known before but, where z is silent (the null space of
+/// ∂h/∂position at the position that explains z), the stated prior_position_sigma_m. Velocity:
+/// zero, prior_velocity_sigma_mps.
 /// nullopt for a sensor that cannot tell where the target is (range or bearing alone).
 std::optional<models::Information> discover(const models::EstimatorSpec& spec,
                                             const models::SensorModel& sensor,

@@ -162,15 +162,14 @@ TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
         from.push_back(at(place(rng), place(rng), 0.1 * k));
         looks.push_back(look_at(sensors[i], instant(k), from[i], truth, rng));
         std::erase_if(looks[i].detections, [&](const auto&) { return !sees(rng); });
-        // What robot i linearises about: its own step without the look.
+        // What the look adds: to robot i's own step without it.
         DistributedFilter blind = team.filter(i);
         take_step(blind, instant(k), from[i], {}, team.heard_by(i));
         for (const models::Detection& d : looks[i].detections) {
-          const auto about_m =
-              linearisation_point(known(blind, d.target_id), sensors[i], from[i], d.measurement);
-          const auto H = models::observation_jacobian(sensors[i], from[i], about_m);
-          const Eigen::Matrix2d V = d.measurement.V;
-          central[static_cast<std::size_t>(d.target_id)] += H.transpose() * V.inverse() * H;
+          const models::Information before = blind.track(d.target_id).information;
+          models::Information after = before;
+          ASSERT_EQ(measure(after, sensors[i], from[i], d.measurement, 0.0), Use::kUsed);
+          central[static_cast<std::size_t>(d.target_id)] += after.matrix - before.matrix;
         }
       }
       team.step(k, from, looks);

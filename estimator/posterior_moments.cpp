@@ -1,0 +1,491 @@
+#include "estimator/posterior_moments.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+namespace vantage::estimator {
+namespace {
+
+using models::PositionMatrix;
+using models::PositionVector;
+using models::SensorKind;
+
+/// What lies this far below the largest exponent (5σ of a Gaussian) is left out.
+constexpr double kNegligible = 12.5;
+constexpr int kZoomsMax = 10;
+/// Less than this share of what is possible lies in view: the limits are wrong.
+constexpr double kContradiction = 1e-3;
+/// More than this: they change nothing.
+constexpr double kAllInView = 1.0 - 1e-6;
+constexpr double kLeastRange_m = 1e-9;
+
+// Gauss-Legendre on [−1, 1]. Source: Abramowitz, Stegun (1964), table 25.4.
+constexpr int kNodes = 12;
+constexpr std::array<double, kNodes / 2> kNode = {0.125233408511469, 0.367831498998180,
+                                                  0.587317954286617, 0.769902674194305,
+                                                  0.904117256370475, 0.981560634246719};
+constexpr std::array<double, kNodes / 2> kNodeWeight = {0.249147045813403, 0.233492536538355,
+                                                        0.203167426723066, 0.160078328543346,
+                                                        0.106939325995318, 0.047175336386512};
+
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+  [[nodiscard]] double width() const { return high - low; }
+};
+
+/// ∫ of p along one ray, times exp(−top): of 1, of the distance r, of r², and of 1 within limits.
+struct RayIntegral {
+  double top = -std::numeric_limits<double>::infinity();
+  double mass = 0.0;
+  double first = 0.0;
+  double second = 0.0;
+  double in_view = 0.0;
+
+  [[nodiscard]] double log_mass() const {
+    return mass > 0.0 ? top + std::log(mass) : -std::numeric_limits<double>::infinity();
+  }
+};
+
+struct Total {
+  PositionVector mean_m;  // from the sensor
+  PositionMatrix covariance_m2;
+  double mahalanobis2 = 0.0;
+  double share_in_view = 1.0;
+};
+
+/// Prior, measurement and limits as seen from the sensor, along rays.
+class Rays {
+ public:
+  Rays(const PositionPrior& prior, const models::SensorModel& sensor, const models::Viewpoint& from,
+       const models::Measurement& measurement, const models::MeasurementMatrix& V_inverse)
+      : sensor_(sensor),
+        from_(from),
+        z_(measurement.z),
+        W_(V_inverse),
+        dim_(prior.mean_m.size()),
+        Omega_(prior.information),
+        linear_(PositionVector::Zero(dim_)),
+        eye_m_(PositionVector::Zero(dim_)) {
+    eye_m_.head<2>() = from.world_from_body.position_m();
+    if (dim_ == 3) {
+      eye_m_(2) = from.height_m;
+    }
+    const PositionVector offset_m = prior.mean_m - eye_m_;
+    linear_ = Omega_ * offset_m;
+    constant_ = -0.5 * offset_m.dot(linear_);
+    believed_rad_ = std::atan2(offset_m.y(), offset_m.x()) - from.world_from_body.yaw_rad;
+    if (sensor.kind == SensorKind::kPosition) {  // Gaussian as it is
+      PositionMatrix body_from_world = PositionMatrix::Identity(dim_, dim_);
+      const double c = std::cos(from.world_from_body.yaw_rad);
+      const double s = std::sin(from.world_from_body.yaw_rad);
+      body_from_world.topLeftCorner<2, 2>() << c, s, -s, c;
+      const PositionMatrix RtW = body_from_world.transpose() * W_;
+      Omega_ += RtW * body_from_world;
+      linear_ += RtW * z_;
+      constant_ -= 0.5 * z_.dot(W_ * z_);
+    }
+  }
+
+  [[nodiscard]] const PositionVector& eye_m() const { return eye_m_; }
+
+  /// nullopt: nothing is possible, or it has no bound.
+  [[nodiscard]] std::optional<Total> integrate(bool is_limited) const {
+    return dim_ == 3 ? integrate_over<32, 32>(is_limited) : integrate_over<64, 1>(is_limited);
+  }
+
+ private:
+  [[nodiscard]] bool sees_all_around() const { return sensor_.fov_rad >= 2.0 * kPi - 1e-9; }
+  [[nodiscard]] bool has_range() const {
+    return sensor_.kind == SensorKind::kRange || sensor_.kind == SensorKind::kRangeBearing;
+  }
+  [[nodiscard]] bool has_bearing() const {
+    return sensor_.kind == SensorKind::kBearing || sensor_.kind == SensorKind::kRangeBearing;
+  }
+
+  /// Bearings from body x that are possible.
+  [[nodiscard]] Interval bearings_rad(bool is_limited) const {
+    const double half_rad =
+        is_limited && !sees_all_around() ? std::min(kPi, 0.5 * sensor_.fov_rad) : kPi;
+    if (!has_bearing()) {
+      // A full turn begins opposite to where the target was believed, or narrowing could not.
+      const double middle_rad = half_rad == kPi ? believed_rad_ : 0.0;
+      return {middle_rad - half_rad, middle_rad + half_rad};
+    }
+    const double z_rad = z_(z_.rows() - 1);
+    const double reach_rad =
+        std::min(kPi, std::sqrt(2.0 * kNegligible / W_(z_.rows() - 1, z_.rows() - 1)));
+    const Interval noise{z_rad - reach_rad, z_rad + reach_rad};
+    // Where the noise reaches around the back the field of view would be two pieces.
+    if (half_rad == kPi || noise.low < -kPi || noise.high > kPi) {
+      return half_rad == kPi ? noise : Interval{-half_rad, half_rad};
+    }
+    return {std::max(noise.low, -half_rad), std::min(noise.high, half_rad)};
+  }
+
+  /// Distances along the ray that the sensor measures at.
+  [[nodiscard]] Interval distances_m(double cos_elevation, double depth_share) const {
+    Interval r{sensor_.range_min_m, sensor_.range_max_m};
+    if (has_bearing()) {
+      r.low = std::max(r.low, kLeastRange_m) / std::max(cos_elevation, kLeastRange_m);
+    }
+    if (sensor_.kind == SensorKind::kCamera) {
+      r.low = std::max(r.low, sensor_.depth_min_m / depth_share);
+    }
+    return r;
+  }
+
+  /// `direction`: a unit vector in the world; `bearing_rad` its angle from body x.
+  [[nodiscard]] RayIntegral along(const PositionVector& direction, double bearing_rad,
+                                  double cos_elevation, bool is_limited) const {
+    RayIntegral out;
+    // exponent(r) = −½ a r² + c r + e
+    double a = direction.dot(Omega_ * direction);
+    double c = direction.dot(linear_);
+    double e = constant_;
+    double depth_share = 1.0;
+    const auto bearing_error_rad = [&] { return wrap_to_pi(z_(z_.rows() - 1) - bearing_rad); };
+    if (has_range()) {
+      const double scale = sensor_.calibration.range_scale;
+      const double z_m = z_(0) - sensor_.calibration.range_bias_m;
+      a += scale * scale * W_(0, 0);
+      c += scale * W_(0, 0) * z_m;
+      e -= 0.5 * W_(0, 0) * z_m * z_m;
+      if (sensor_.kind == SensorKind::kRangeBearing) {
+        const double error_rad = bearing_error_rad();
+        c += scale * W_(0, 1) * error_rad;
+        e -= (W_(0, 1) * z_m + 0.5 * W_(1, 1) * error_rad) * error_rad;
+      }
+    } else if (sensor_.kind == SensorKind::kBearing) {
+      const double error_rad = bearing_error_rad();
+      e -= 0.5 * W_(0, 0) * error_rad * error_rad;
+    } else if (sensor_.kind == SensorKind::kCamera) {
+      // depth = cos τ · forward + sin τ · down, of a direction.
+      depth_share = std::cos(sensor_.camera_tilt_rad) * cos_elevation * std::cos(bearing_rad) -
+                    std::sin(sensor_.camera_tilt_rad) * direction(2);
+      if (depth_share <= 1e-6) {
+        return out;
+      }
+      const PositionVector at_m = eye_m_ + direction;
+      const models::MeasurementVector error = z_ - models::observe(sensor_, from_, at_m);
+      e -= 0.5 * error.dot(W_ * error);
+    }
+    const Interval limits = distances_m(cos_elevation, depth_share);
+    Interval r = is_limited ? limits : Interval{0.0, std::numeric_limits<double>::infinity()};
+    if (!(r.low < r.high)) {
+      return out;
+    }
+    // The largest exponent on the interval, and how far from it the negligible begins.
+    const double peak = a > 0.0 ? std::clamp(c / a, r.low, r.high) : (c > 0.0 ? r.high : r.low);
+    if (!std::isfinite(peak)) {
+      return out;
+    }
+    out.top = (c - 0.5 * a * peak) * peak + e;
+    const double slope = std::abs(c - a * peak);
+    const double reach_m =
+        2.0 * kNegligible / (slope + std::sqrt(slope * slope + 2.0 * kNegligible * a));
+    r = {std::max(r.low, peak - reach_m), std::min(r.high, peak + reach_m)};
+    if (!std::isfinite(r.width())) {
+      return RayIntegral{};
+    }
+    const double middle_m = 0.5 * (r.low + r.high);
+    const double half_m = 0.5 * r.width();
+    const double fov_half_rad = sees_all_around() ? 2.0 * kPi : 0.5 * sensor_.fov_rad;
+    const bool is_in_fov = std::abs(wrap_to_pi(bearing_rad)) < fov_half_rad;
+    for (std::size_t i = 0; i < kNode.size(); ++i) {
+      for (const double side : {-1.0, 1.0}) {
+        const double r_m = middle_m + side * half_m * kNode[i];
+        const double from_peak_m = r_m - peak;
+        // exponent(r) − top, without the cancellation of large terms.
+        const double lower = (c - a * peak - 0.5 * a * from_peak_m) * from_peak_m;
+        const double spread = dim_ == 3 ? r_m * r_m * cos_elevation : r_m;  // of directions, at r
+        const double p = half_m * kNodeWeight[i] * spread * std::exp(lower);
+        out.mass += p;
+        out.first += p * r_m;
+        out.second += p * r_m * r_m;
+        out.in_view += is_in_fov && r_m >= limits.low && r_m < limits.high ? p : 0.0;
+      }
+    }
+    return out;
+  }
+
+  template <std::size_t Bearings, std::size_t Elevations>
+  [[nodiscard]] std::optional<Total> integrate_over(bool is_limited) const {
+    std::array<RayIntegral, Bearings * Elevations> rays;
+    Interval bearing_rad = bearings_rad(is_limited);
+    Interval elevation_rad{-0.5 * kPi, 0.5 * kPi};
+    const auto middle = [](const Interval& of, std::size_t i, std::size_t count) {
+      return of.low + of.width() * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+    };
+    const auto direction_of = [&](std::size_t i, std::size_t j) {
+      const double at_rad = from_.world_from_body.yaw_rad + middle(bearing_rad, i, Bearings);
+      PositionVector direction = PositionVector::Zero(dim_);
+      direction.head<2>() << std::cos(at_rad), std::sin(at_rad);
+      if (dim_ == 3) {
+        const double up_rad = middle(elevation_rad, j, Elevations);
+        direction.head<2>() *= std::cos(up_rad);
+        direction(2) = std::sin(up_rad);
+      }
+      return direction;
+    };
+    double most = 0.0;
+    double peak = 0.0;
+    for (int zoom = 0;; ++zoom) {
+      most = -std::numeric_limits<double>::infinity();
+      peak = most;
+      for (std::size_t i = 0; i < Bearings; ++i) {
+        for (std::size_t j = 0; j < Elevations; ++j) {
+          const double cos_elevation =
+              dim_ == 3 ? std::cos(middle(elevation_rad, j, Elevations)) : 1.0;
+          RayIntegral& ray = rays[i * Elevations + j];
+          ray = along(direction_of(i, j), middle(bearing_rad, i, Bearings), cos_elevation,
+                      is_limited);
+          most = std::max(most, ray.log_mass());
+          peak = std::max(peak, ray.top);
+        }
+      }
+      if (!std::isfinite(most)) {
+        return std::nullopt;
+      }
+      // Directions that count, and one more on each side.
+      std::size_t first_i = Bearings;
+      std::size_t last_i = 0;
+      std::size_t first_j = Elevations;
+      std::size_t last_j = 0;
+      for (std::size_t i = 0; i < Bearings; ++i) {
+        for (std::size_t j = 0; j < Elevations; ++j) {
+          if (rays[i * Elevations + j].log_mass() > most - kNegligible) {
+            first_i = std::min(first_i, i);
+            last_i = std::max(last_i, i);
+            first_j = std::min(first_j, j);
+            last_j = std::max(last_j, j);
+          }
+        }
+      }
+      const bool is_wide_i = 2 * (last_i - first_i + 3) > Bearings;
+      const bool is_wide_j = 2 * (last_j - first_j + 3) > Elevations;
+      if ((is_wide_i && is_wide_j) || zoom == kZoomsMax) {
+        break;
+      }
+      const auto narrowed = [](const Interval& of, std::size_t first, std::size_t last,
+                               std::size_t count) {
+        const double step = of.width() / static_cast<double>(count);
+        return Interval{std::max(of.low, of.low + step * (static_cast<double>(first) - 1.0)),
+                        std::min(of.high, of.low + step * (static_cast<double>(last) + 2.0))};
+      };
+      bearing_rad = is_wide_i ? bearing_rad : narrowed(bearing_rad, first_i, last_i, Bearings);
+      elevation_rad =
+          is_wide_j ? elevation_rad : narrowed(elevation_rad, first_j, last_j, Elevations);
+    }
+
+    double mass = 0.0;
+    double in_view = 0.0;
+    PositionVector sum = PositionVector::Zero(dim_);
+    PositionMatrix sum_of_squares = PositionMatrix::Zero(dim_, dim_);
+    for (std::size_t i = 0; i < Bearings; ++i) {
+      for (std::size_t j = 0; j < Elevations; ++j) {
+        const RayIntegral& ray = rays[i * Elevations + j];
+        const double weight = std::exp(ray.top - most);
+        if (!(weight > 0.0)) {
+          continue;
+        }
+        const PositionVector direction = direction_of(i, j);
+        mass += weight * ray.mass;
+        in_view += weight * ray.in_view;
+        sum += weight * ray.first * direction;
+        sum_of_squares += weight * ray.second * direction * direction.transpose();
+      }
+    }
+    Total total;
+    total.mean_m = sum / mass;
+    total.covariance_m2 = sum_of_squares / mass - total.mean_m * total.mean_m.transpose();
+    total.mahalanobis2 = std::max(0.0, -2.0 * peak);
+    total.share_in_view = in_view / mass;
+    return total;
+  }
+
+  const models::SensorModel& sensor_;
+  const models::Viewpoint& from_;
+  const models::MeasurementVector z_;
+  const models::MeasurementMatrix W_;  // V⁻¹
+  const Eigen::Index dim_;
+  PositionMatrix Omega_;  // what is Gaussian in the offset from the sensor: prior, a position
+  PositionVector linear_;
+  double constant_ = 0.0;
+  PositionVector eye_m_;
+  double believed_rad_ = 0.0;  // the prior's mean, from body x
+};
+
+/// A camera over targets on the ground: p on the axes of the posterior linearised at its top.
+class GroundGrid {
+ public:
+  GroundGrid(const PositionPrior& prior, const models::SensorModel& sensor,
+             const models::Viewpoint& from, const models::Measurement& measurement,
+             const models::MeasurementMatrix& V_inverse)
+      : prior_(prior),
+        sensor_(sensor),
+        from_(from),
+        z_(measurement.z),
+        W_(V_inverse),
+        information_(PositionMatrix::Zero(2, 2)) {
+    const auto seen_m = models::position_from(sensor, from, z_, 2);
+    top_m_ = seen_m ? *seen_m : prior.mean_m;
+    for (int i = 0; i < kIterations; ++i) {
+      const models::MeasurementJacobian H = models::observation_jacobian(sensor, from, top_m_);
+      const models::MeasurementVector error = z_ - models::observe(sensor, from, top_m_);
+      const PositionMatrix HtW = H.transpose() * W_;
+      information_ = prior.information + HtW * H;
+      const PositionVector gradient = HtW * error - prior.information * (top_m_ - prior.mean_m);
+      const Eigen::LLT<PositionMatrix> root(information_);
+      if (root.info() != Eigen::Success || !gradient.allFinite()) {
+        is_good_ = false;
+        return;
+      }
+      top_m_ += root.solve(gradient);
+    }
+  }
+
+  [[nodiscard]] std::optional<Total> integrate(bool is_limited) const {
+    // In the body frame, so that what turns with the world is integrated on the same points.
+    const double c = std::cos(from_.world_from_body.yaw_rad);
+    const double s = std::sin(from_.world_from_body.yaw_rad);
+    Eigen::Matrix2d world_from_body;
+    world_from_body << c, -s, s, c;
+    const Eigen::Matrix2d of_body = world_from_body.transpose() * information_ * world_from_body;
+    const Eigen::LLT<Eigen::Matrix2d> root(of_body);
+    if (!is_good_ || root.info() != Eigen::Success || !top_m_.allFinite()) {
+      return std::nullopt;
+    }
+    std::array<double, kPoints * kPoints> exponent{};
+    double most = -std::numeric_limits<double>::infinity();
+    const auto point_m = [&](int i, int j) -> PositionVector {
+      const Eigen::Vector2d u(kSpacing_sigma * (i - kPoints / 2),
+                              kSpacing_sigma * (j - kPoints / 2));
+      const Eigen::Vector2d offset_m = root.matrixU().solve(u);  // Ω = L Lᵀ: covariance L⁻ᵀ L⁻¹
+      return top_m_ + world_from_body * offset_m;
+    };
+    for (int i = 0; i < kPoints; ++i) {
+      for (int j = 0; j < kPoints; ++j) {
+        const PositionVector y_m = point_m(i, j);
+        double& here = exponent[static_cast<std::size_t>(i * kPoints + j)];
+        here = -std::numeric_limits<double>::infinity();
+        if (!is_in_front(y_m) || (is_limited && !models::in_view(sensor_, from_, y_m))) {
+          continue;
+        }
+        const models::MeasurementVector error = z_ - models::observe(sensor_, from_, y_m);
+        const PositionVector off_m = y_m - prior_.mean_m;
+        here = -0.5 * (error.dot(W_ * error) + off_m.dot(prior_.information * off_m));
+        most = std::max(most, here);
+      }
+    }
+    if (!std::isfinite(most)) {
+      return std::nullopt;
+    }
+    double mass = 0.0;
+    double in_view = 0.0;
+    PositionVector sum = PositionVector::Zero(2);
+    PositionMatrix sum_of_squares = PositionMatrix::Zero(2, 2);
+    for (int i = 0; i < kPoints; ++i) {
+      for (int j = 0; j < kPoints; ++j) {
+        const double p = std::exp(exponent[static_cast<std::size_t>(i * kPoints + j)] - most);
+        if (!(p > 0.0)) {
+          continue;
+        }
+        const PositionVector y_m = point_m(i, j);
+        const PositionVector off_m = y_m - top_m_;
+        mass += p;
+        in_view += models::in_view(sensor_, from_, y_m) ? p : 0.0;
+        sum += p * off_m;
+        sum_of_squares += p * off_m * off_m.transpose();
+      }
+    }
+    Total total;
+    const PositionVector shift_m = sum / mass;
+    total.mean_m = top_m_ + shift_m;
+    total.covariance_m2 = sum_of_squares / mass - shift_m * shift_m.transpose();
+    total.mahalanobis2 = -2.0 * most;
+    total.share_in_view = in_view / mass;
+    return total;
+  }
+
+ private:
+  static constexpr int kIterations = 5;
+  static constexpr int kPoints = 31;
+  static constexpr double kSpacing_sigma = 1.0 / 3.0;
+
+  [[nodiscard]] bool is_in_front(const PositionVector& y_m) const {
+    models::SensorModel all = sensor_;
+    all.range_min_m = 0.0;
+    all.range_max_m = std::numeric_limits<double>::infinity();
+    all.fov_rad = 2.0 * kPi;
+    all.depth_min_m = 0.0;
+    return models::in_view(all, from_, y_m);
+  }
+
+  const PositionPrior& prior_;
+  const models::SensorModel& sensor_;
+  const models::Viewpoint& from_;
+  const models::MeasurementVector z_;
+  const models::MeasurementMatrix W_;
+  PositionVector top_m_;
+  PositionMatrix information_;
+  bool is_good_ = true;
+};
+
+template <class Integral>
+std::optional<Total> within_limits(const Integral& integral) {
+  const std::optional<Total> unlimited = integral.integrate(false);
+  if (!unlimited || unlimited->share_in_view > kAllInView ||
+      unlimited->share_in_view < kContradiction) {
+    return unlimited;
+  }
+  std::optional<Total> limited = integral.integrate(true);
+  if (!limited) {
+    return unlimited;
+  }
+  limited->mahalanobis2 = unlimited->mahalanobis2;
+  return limited;
+}
+
+}  // namespace
+
+std::optional<PositionMoments> posterior_moments(const PositionPrior& prior,
+                                                 const models::SensorModel& sensor,
+                                                 const models::Viewpoint& from,
+                                                 const models::Measurement& measurement) {
+  const Eigen::LLT<models::MeasurementMatrix> noise(measurement.V);
+  if (noise.info() != Eigen::Success) {
+    return std::nullopt;
+  }
+  const models::MeasurementMatrix V_inverse =
+      noise.solve(models::MeasurementMatrix::Identity(measurement.V.rows(), measurement.V.cols()));
+  const bool is_bent = sensor.kind == SensorKind::kCamera && prior.mean_m.size() == 2;
+  std::optional<Total> total;
+  PositionVector eye_m;
+  if (is_bent) {
+    total = within_limits(GroundGrid(prior, sensor, from, measurement, V_inverse));
+    eye_m = PositionVector::Zero(2);
+  } else {
+    const Rays rays(prior, sensor, from, measurement, V_inverse);
+    total = within_limits(rays);
+    eye_m = rays.eye_m();
+  }
+  if (!total || !total->mean_m.allFinite() || !total->covariance_m2.allFinite()) {
+    return std::nullopt;
+  }
+  PositionMoments moments;
+  moments.mean_m = eye_m + total->mean_m;
+  moments.covariance_m2 = 0.5 * (total->covariance_m2 + total->covariance_m2.transpose());
+  moments.mahalanobis2 = total->mahalanobis2;
+  if (Eigen::LLT<PositionMatrix>(moments.covariance_m2).info() != Eigen::Success) {
+    return std::nullopt;
+  }
+  return moments;
+}
+
+}  // namespace vantage::estimator
