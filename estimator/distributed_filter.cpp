@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "core/check.hpp"
 #include "estimator/confinement.hpp"
 #include "estimator/missed_detection.hpp"
@@ -14,6 +16,36 @@ namespace vantage::estimator {
 namespace {
 
 constexpr std::size_t kTeammatesReserved = 64;
+constexpr int kOwnLooksReserved = 4;
+
+/// √det Ω, a beliefs' share in a fusion; 0 when Ω is not positive definite.
+double weight_of(const models::StateMatrix& Omega) {
+  const Eigen::LLT<models::StateMatrix> root(Omega);
+  return root.info() == Eigen::Success ? root.matrixLLT().diagonal().prod() : 0.0;
+}
+
+/// The κ in [0, 1] for which det((1 − κ) A + κ B) is largest. log det is concave in κ, so its slope
+/// tr((B − A) Ω⁻¹) falls; halving finds where it is 0, to 1/4096.
+double intersection_weight(const models::StateMatrix& A, const models::StateMatrix& B) {
+  const models::StateMatrix D = B - A;
+  const auto is_rising = [&](double kappa) {
+    const Eigen::LLT<models::StateMatrix> root(A + kappa * D);
+    return root.info() == Eigen::Success && root.solve(D).trace() > 0.0;
+  };
+  if (!is_rising(0.0)) {
+    return 0.0;
+  }
+  if (is_rising(1.0)) {
+    return 1.0;
+  }
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_rising(middle) ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
 
 double distance_m(const models::Viewpoint& a, const models::Viewpoint& b) {
   const Eigen::Vector2d level = a.world_from_body.position_m() - b.world_from_body.position_m();
@@ -28,6 +60,9 @@ FilterSpec filter_spec(const models::Scenario& scenario, const std::string& robo
   FilterSpec spec;
   spec.robot = robot;
   spec.sensor = self->sensor;
+  for (const models::RobotSpec& each : scenario.robots) {
+    spec.team.push_back({each.name, each.sensor});
+  }
   spec.start = {self->start, self->height_m};
   spec.estimator = scenario.estimator;
   spec.world = scenario.world;
@@ -51,9 +86,10 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
   require(spec_.estimator.prior_position_sigma_m > 0.0 &&
               spec_.estimator.prior_velocity_sigma_mps > 0.0,
           "prior sigmas must be positive");
-  records_.assign(static_cast<std::size_t>(spec_.history_steps), StepRecord(spec_.target_count));
+  const int looks = kOwnLooksReserved + static_cast<int>(spec_.team.size());
+  records_.resize(static_cast<std::size_t>(spec_.history_steps));
   for (StepRecord& r : records_) {  // copying a vector does not copy what it has reserved
-    r = StepRecord(spec_.target_count);
+    r = StepRecord(spec_.target_count, looks);
   }
   in_range_.reserve(kTeammatesReserved);
 }
@@ -120,15 +156,13 @@ void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
   }
   degree_ = static_cast<int>(in_range_.size());
   for (const models::RobotBelief* belief : in_range_) {
-    const double weight = 1.0 / (1.0 + std::max(degree_, belief->degree));
-    record.own_weight -= weight;
-    hear(*belief, input.time, weight, record);
+    record.is_heard_of_end = record.is_heard_of_end || belief->stamp.time == input.time;
+    hear(*belief, input.time, record);
     merge_grid(*belief);
   }
 }
 
-void DistributedFilter::hear(const models::RobotBelief& belief, Time now, double weight,
-                             StepRecord& record) {
+void DistributedFilter::hear(const models::RobotBelief& belief, Time now, StepRecord& record) {
   for (const models::TargetBelief& target : belief.targets) {
     if (target.target_id < 0 || target.target_id >= spec_.target_count) {
       ++counters_.unknown_ids;
@@ -143,6 +177,11 @@ void DistributedFilter::hear(const models::RobotBelief& belief, Time now, double
     const auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
                                      target.last_seen, belief.stamp.time, now);
     if (!now_known) {
+      ++counters_.singular;
+      continue;
+    }
+    const double weight = weight_of(now_known->matrix);
+    if (!(weight > 0.0) || !std::isfinite(weight)) {
       ++counters_.singular;
       continue;
     }
@@ -177,7 +216,33 @@ void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
   grid_.set_last_seen(std::move(newest));
 }
 
+int DistributedFilter::looker_of(const models::DetectionSet& look) const {
+  const auto own_or = [&](const std::string& robot) {
+    return std::find_if(spec_.team.begin(), spec_.team.end(),
+                        [&](const Looker& each) { return each.robot == robot; });
+  };
+  auto found = own_or(look.robot);
+  if (found == spec_.team.end()) {
+    found = own_or(spec_.robot);
+  }
+  return found == spec_.team.end() ? -1 : static_cast<int>(found - spec_.team.begin());
+}
+
+const models::SensorModel& DistributedFilter::sensor_of(int looker) const {
+  const auto index = static_cast<std::size_t>(looker);
+  return looker < 0 || spec_.team[index].robot == spec_.robot ? spec_.sensor
+                                                              : spec_.team[index].sensor;
+}
+
 int DistributedFilter::file(const models::DetectionSet& look, Time now) {
+  const int looker = looker_of(look);
+  const bool is_own =
+      looker < 0 || spec_.team[static_cast<std::size_t>(looker)].robot == spec_.robot;
+  if (!is_own && (spec_.communication_range_m <= 0.0 ||
+                  distance_m(look.viewpoint, viewpoint_) > spec_.communication_range_m)) {
+    ++counters_.out_of_range_looks;
+    return -1;
+  }
   if (look.jammed) {
     ++counters_.jammed_looks;
     return -1;
@@ -195,13 +260,20 @@ int DistributedFilter::file(const models::DetectionSet& look, Time now) {
     ++counters_.too_late_measurements;
     return -1;
   }
+  if (!is_own && record(age).holds(at, looker)) {
+    ++counters_.repeated_looks;
+    return -1;
+  }
   if (age > 0) {
     ++counters_.late_measurements;
   }
-  grid_.see(spec_.sensor, look.viewpoint, spec_.world, at);
-  Look& filed = record(age).insert(at);
+  const models::SensorModel& sensor = sensor_of(looker);
+  if (is_own) {  // what teammates have looked at comes with their grids
+    grid_.see(sensor, look.viewpoint, spec_.world, at);
+  }
+  Look& filed = record(age).insert(at, looker);
   filed.from = look.viewpoint;
-  const int rows = spec_.sensor.measurement_dim(spec_.estimator.target_model.position_dim);
+  const int rows = sensor.measurement_dim(spec_.estimator.target_model.position_dim);
   for (const models::Detection& detection : look.detections) {
     const bool twice = std::any_of(filed.detections.begin(), filed.detections.end(),
                                    [&](auto& d) { return d.target_id == detection.target_id; });
@@ -227,10 +299,15 @@ void DistributedFilter::run(StepRecord& record) {
     apply(look(next));
   }
   propagate_all(at, record.to);
-  fuse(record);
+  if (!record.is_heard_of_end) {
+    fuse(record);
+  }
   confine_all();
   for (; next < record.look_count; ++next) {
     apply(look(next));
+  }
+  if (record.is_heard_of_end) {  // a belief of `to` holds looks of `to`: they are in before it is
+    fuse(record);
   }
 }
 
@@ -258,19 +335,18 @@ void DistributedFilter::fuse(const StepRecord& record) {
     }
     const Track& heard = record.heard[m];
     Track& own = tracks_[m];
+    const models::Information theirs{heard.information.vector / heard_weight,
+                                     heard.information.matrix / heard_weight};
     if (!own.known) {
-      own.known = true;
-      own.information = {heard.information.vector / heard_weight,
-                         heard.information.matrix / heard_weight};
-      own.last_seen = heard.last_seen;
+      own = {true, theirs, heard.last_seen};
       continue;
     }
-    const double total = record.own_weight + heard_weight;
-    own.information.vector =
-        (record.own_weight * own.information.vector + heard.information.vector) / total;
-    own.information.matrix =
-        (record.own_weight * own.information.matrix + heard.information.matrix) / total;
-    own.last_seen = std::max(own.last_seen, heard.last_seen);
+    const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
+    if (kappa > 0.0) {
+      own.information.vector += kappa * (theirs.vector - own.information.vector);
+      own.information.matrix += kappa * (theirs.matrix - own.information.matrix);
+      own.last_seen = std::max(own.last_seen, heard.last_seen);
+    }
   }
 }
 
@@ -300,10 +376,11 @@ void DistributedFilter::apply(Look& look) {
   FilterCounters& count = look.counted ? unused : counters_;
   look.counted = true;
   const models::EstimatorSpec& spec = spec_.estimator;
+  const models::SensorModel& sensor = sensor_of(look.looker);
   for (const models::Detection& detection : look.detections) {
     Track& track = tracks_[static_cast<std::size_t>(detection.target_id)];
     if (!track.known) {
-      const auto found = discover(spec, spec_.sensor, look.from, detection.measurement);
+      const auto found = discover(spec, sensor, look.from, detection.measurement);
       if (found) {
         track = {true, *found, look.time};
       } else {
@@ -311,8 +388,7 @@ void DistributedFilter::apply(Look& look) {
       }
       continue;
     }
-    switch (measure(track.information, spec_.sensor, look.from, detection.measurement,
-                    spec.gate_sigma)) {
+    switch (measure(track.information, sensor, look.from, detection.measurement, spec.gate_sigma)) {
       case Use::kUsed:
         track.last_seen = std::max(track.last_seen, look.time);
         break;
@@ -339,7 +415,7 @@ void DistributedFilter::apply(Look& look) {
       continue;
     }
     const models::Gaussian missed =
-        missed_detection(*belief, spec_.sensor, look.from, spec_.world, spec.detection_probability);
+        missed_detection(*belief, sensor, look.from, spec_.world, spec.detection_probability);
     if (missed.mean == belief->mean && missed.covariance == belief->covariance) {
       continue;
     }
@@ -400,6 +476,7 @@ std::vector<models::NamedCount> FilterCounters::named() const {
       {"future_beliefs", future_beliefs},
       {"malformed_beliefs", malformed_beliefs},
       {"grid_mismatches", grid_mismatches},
+      {"repeated_looks", repeated_looks},
       {"late_measurements", late_measurements},
       {"too_late_measurements", too_late_measurements},
       {"future_measurements", future_measurements},

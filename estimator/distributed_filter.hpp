@@ -15,10 +15,19 @@
 
 namespace vantage::estimator {
 
-/// What one robot's filter has to know of itself and of the world.
+/// A robot whose looks are used.
+struct Looker {
+  std::string robot;
+  models::SensorModel sensor;
+};
+
+/// What one robot's filter has to know of itself, its team and the world.
 struct FilterSpec {
   std::string robot;
   models::SensorModel sensor;
+  /// Whose looks are used besides the own ones, in an order that is the same for all; the robot
+  /// itself may be among them.
+  std::vector<Looker> team;
   models::Viewpoint start;  ///< taken for its own place until the first pose arrives
   models::EstimatorSpec estimator;
   models::World world;
@@ -35,9 +44,11 @@ FilterSpec filter_spec(const models::Scenario& scenario, const std::string& robo
 
 /// What one step works on. Pointers must be valid during the call only.
 struct StepInput {
-  Time time{};                                         ///< t; later than that of the step before
-  std::optional<models::Viewpoint> viewpoint;          ///< own, at t; absent: as in the step before
-  std::span<const models::DetectionSet* const> looks;  ///< own, of any instants ≤ t
+  Time time{};                                 ///< t; later than that of the step before
+  std::optional<models::Viewpoint> viewpoint;  ///< own, at t; absent: as in the step before
+  /// Own and teammates' looks, of any instants ≤ t; those of a robot that is not in
+  /// FilterSpec::team count as own.
+  std::span<const models::DetectionSet* const> looks;
   std::span<const models::RobotBelief* const> beliefs;  ///< newest of each teammate, one each
 };
 
@@ -47,6 +58,8 @@ struct FilterCounters {
   std::int64_t stale_beliefs = 0;          ///< older than belief_age_max_s
   std::int64_t future_beliefs = 0;         ///< of an instant after t
   std::int64_t out_of_range_beliefs = 0;   ///< teammate beyond communication_range_m
+  std::int64_t out_of_range_looks = 0;     ///< the same of a teammate's look
+  std::int64_t repeated_looks = 0;         ///< of a robot and an instant that is there already
   std::int64_t malformed_beliefs = 0;      ///< a target's block has the wrong dimension
   std::int64_t grid_mismatches = 0;        ///< a teammate's grid has another geometry
   std::int64_t late_measurements = 0;      ///< older than the step before, put in their place
@@ -60,28 +73,36 @@ struct FilterCounters {
   std::int64_t singular = 0;           ///< a matrix that could not be inverted
   std::int64_t missed_detections = 0;  ///< looks that moved a belief by finding nothing
 
-  /// The non-zero ones that tell of trouble, by name: all but out_of_range_beliefs and
-  /// missed_detections, which are the ordinary course of a trial.
+  /// The non-zero ones that tell of trouble, by name: all but out_of_range_beliefs,
+  /// out_of_range_looks and missed_detections, which are the ordinary course of a trial.
   [[nodiscard]] std::vector<models::NamedCount> named() const;
 };
 
 /// One robot's share of the team's information filter.
 ///
-/// step(t): bring own tracks and every heard belief to t; fuse
-///   Ω ← Σ κ_ij Ω_j,  ω ← Σ κ_ij ω_j,  κ_ij = 1/(1 + max(d_i, d_j)),  κ_ii = 1 − Σ κ_ij
-/// per target over those who know it (renormalised; a target we do not know is taken whole); then
-/// add the own measurements of t about the fused mean. Looks of instants between two steps are
-/// used at their own time, before the fusion of the later step. A late look is put in its place
-/// by doing the steps from there on again, with what was heard then: the result is that of timely
-/// arrival. Where a target was expected and not reported, see missed_detection; that targets keep
-/// to the free world, see confine.
+/// The team's looks travel as they are, and a robot takes those of teammates within communication
+/// range for its own: what is measured is used by everyone once, and where all hear all, each robot
+/// is the central filter. What a look that was not heard has told arrives in its maker's belief.
 ///
-/// A convex combination of conservative beliefs is conservative, so nothing is ever counted twice
-/// whatever the network repeats, reorders or loses. Covariances of targets that nobody sees grow
-/// until the world's bounds confine them, or without end where targets_stay_inside is off.
+/// step(t): bring own tracks and every heard belief to t; fuse, per target,
+///   Ω ← (1 − κ) Ω + κ Σ_j w_j Ω_j / Σ_j w_j,  ω likewise,  w_j = √det Ω_j,
+/// over those who know it, κ in [0, 1] such that det Ω is largest (covariance intersection): 0
+/// where the others know nothing that is not known already; a target we do not know is taken
+/// whole. Then add the measurements of t. Looks of instants between two steps are used at their own
+/// time, before the fusion of the later step. A late look is put in its place by doing the steps
+/// from there on again, with what was heard then: the result is that of timely arrival. Where a
+/// target was expected and not reported, see missed_detection; that targets keep to the free world,
+/// see confine.
 ///
-/// A value: copies are independent. Pure: same inputs, same result, up to how Eigen rounds.
-/// Source: dissertation 3.3, 3.4, Thm 9; Metropolis weights: Xiao, Boyd, Lall (2005).
+/// A convex combination of conservative beliefs is conservative whatever they have in common, and
+/// no look is added to what holds it already: looks of t come after the fusion only where no belief
+/// of t is in it, and a look of a robot and instant that is there is not used again. So nothing is
+/// counted twice whatever the network repeats, reorders or loses. Covariances of targets that
+/// nobody sees grow until the world's bounds confine them, or without end where
+/// targets_stay_inside is off.
+///
+/// A value: copies are independent. Pure: same inputs, same result.
+/// Source: dissertation 3.3, 3.4, Thm 9; covariance intersection: Julier, Uhlmann (1997).
 class DistributedFilter {
  public:
   /// @throws UsageError for a spec that makes no sense.
@@ -89,8 +110,8 @@ class DistributedFilter {
 
   /// advance(), then belief().
   models::RobotBelief step(const StepInput& input);
-  /// The arithmetic of one step. Allocates nothing, but for more than four looks or 64 teammates
-  /// in one step, for teammates' grids, and for obstacles near a look.
+  /// The arithmetic of one step. Allocates nothing, but for more than four looks and one of each
+  /// teammate, or 64 teammates, in one step, for teammates' grids, and for obstacles near a look.
   void advance(const StepInput& input);
   /// What is known now: content of BELIEF_R; run id, sequence, step and inputs are the caller's.
   [[nodiscard]] models::RobotBelief belief() const;
@@ -107,8 +128,11 @@ class DistributedFilter {
 
  private:
   void listen(const StepInput& input, StepRecord& record);
-  void hear(const models::RobotBelief& belief, Time now, double weight, StepRecord& record);
+  void hear(const models::RobotBelief& belief, Time now, StepRecord& record);
   void merge_grid(const models::RobotBelief& belief);
+  /// Index of a look's maker in spec_.team, −1 when it is not there.
+  [[nodiscard]] int looker_of(const models::DetectionSet& look) const;
+  [[nodiscard]] const models::SensorModel& sensor_of(int looker) const;
   /// Files a look under the step it belongs to; that step's age in records, −1 if dropped.
   int file(const models::DetectionSet& look, Time now);
   void run(StepRecord& record);

@@ -6,11 +6,11 @@
 
 namespace vantage::estimator {
 
-StepRecord::StepRecord(int target_count)
+StepRecord::StepRecord(int target_count, int look_count)
     : before(static_cast<std::size_t>(target_count)),
       heard(static_cast<std::size_t>(target_count)),
       heard_weight(static_cast<std::size_t>(target_count), 0.0),
-      looks(kLooks) {
+      looks(static_cast<std::size_t>(look_count)) {
   for (Look& look : looks) {
     look.detections.reserve(static_cast<std::size_t>(target_count));
   }
@@ -21,21 +21,30 @@ void StepRecord::start(Time begin, Time end, const std::vector<Track>& tracks) {
   to = end;
   before = tracks;
   std::fill(heard_weight.begin(), heard_weight.end(), 0.0);
-  own_weight = 1.0;
+  is_heard_of_end = false;
   look_count = 0;
 }
 
-Look& StepRecord::insert(Time time) {
+bool StepRecord::holds(Time time, int looker) const {
+  return std::any_of(looks.begin(), looks.begin() + look_count,
+                     [&](const Look& look) { return look.time == time && look.looker == looker; });
+}
+
+Look& StepRecord::insert(Time time, int looker) {
   if (look_count == static_cast<int>(looks.size())) {
     looks.emplace_back();
   }
   auto place = static_cast<std::size_t>(look_count++);
-  while (place > 0 && looks[place - 1].time > time) {
+  const auto is_after = [&](const Look& look) {
+    return look.time > time || (look.time == time && look.looker > looker);
+  };
+  while (place > 0 && is_after(looks[place - 1])) {
     std::swap(looks[place], looks[place - 1]);
     --place;
   }
   Look& look = looks[place];
   look.time = time;
+  look.looker = looker;
   look.detections.clear();
   look.counted = false;
   return look;

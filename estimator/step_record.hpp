@@ -8,36 +8,41 @@
 
 namespace vantage::estimator {
 
-/// One look of the own sensor, by target.
+/// One look of the own sensor or of a teammate's, by target.
 struct Look {
   Time time{};
+  int looker = -1;  ///< whose, an index into FilterSpec::team; −1: own, of a robot not in there
   models::Viewpoint from;
   std::vector<models::Detection> detections;  ///< at most one a target, ids in range
   bool counted = false;  ///< what became of its detections is in the counters already
 };
 
 /// Everything that a step was made from, so that it can be done again with one look more.
-/// Storage is reused; it grows only beyond kLooks looks.
+/// Storage is reused; it grows only beyond the looks that it was made for.
 struct StepRecord {
-  static constexpr int kLooks = 4;
-
   Time from{};
   Time to{};
   std::vector<Track> before;  ///< tracks at `from`
-  /// Σ_j κ_ij (Ω_j, ω_j) at `to` over the teammates who know the target; by target.
+  /// Σ_j w_j (Ω_j, ω_j) at `to` over the teammates who know the target, w_j = √det Ω_j; by target.
   std::vector<Track> heard;
-  std::vector<double> heard_weight;  ///< Σ_j κ_ij over them; 0: nobody
-  double own_weight = 1.0;           ///< κ_ii
-  std::vector<Look> looks;           ///< the first look_count, by time; the rest is spare
+  std::vector<double> heard_weight;  ///< Σ_j w_j; 0: nobody
+  bool is_heard_of_end = false;      ///< some of it is of `to` itself, with the looks of `to`
+  std::vector<Look> looks;  ///< the first look_count, by time and looker; the rest is spare
   int look_count = 0;
 
   StepRecord() = default;
-  explicit StepRecord(int target_count);
+  /// @param look_count  looks of one step that there is room for at once
+  StepRecord(int target_count, int look_count);
 
   /// Starts over for a step `begin` → `end` from `tracks`.
   void start(Time begin, Time end, const std::vector<Track>& tracks);
-  /// A cleared place for a look of instant `time`, after those of the same instant.
-  Look& insert(Time time);
+  /// A cleared place for a look of instant `time` by `looker`: after those of before, and of the
+  /// same instant after those of lookers up to it. Every robot works through the team's looks in
+  /// the same order only if lookers of one instant are in the same order for all, which is the
+  /// filter's business.
+  Look& insert(Time time, int looker);
+  /// True when a look of that instant by that looker is there.
+  [[nodiscard]] bool holds(Time time, int looker) const;
 };
 
 }  // namespace vantage::estimator

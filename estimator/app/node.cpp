@@ -1,5 +1,6 @@
 #include "estimator/app/node.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -9,7 +10,7 @@ namespace vantage::estimator {
 
 namespace {
 
-constexpr std::size_t kLooksWaiting = 64;
+constexpr std::size_t kLooksWaitingPerRobot = 64;
 constexpr std::size_t kPosesKept = 256;
 
 /// The last instant kτ that is not after `t`.
@@ -30,8 +31,13 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
       step_(from_seconds(scenario.planner.step_s)),
       lag_(step_ / 10) {
   next_instant_ = instant_before(clock.now() - lag_, step_) + step_;
-  bus_.subscribe<models::DetectionSet>(bus::measurement_channel(robot_),
-                                       [this](const auto& look) { on_look(look); });
+  for (const models::RobotSpec& each : scenario.robots) {
+    if (each.name == robot_ || scenario.network.communication_range_m > 0.0) {
+      bus_.subscribe<models::DetectionSet>(
+          bus::measurement_channel(each.name),
+          [this, looker = each.name](const auto& look) { on_look(looker, look); });
+    }
+  }
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) { on_mocap(frame); });
   for (const models::RobotSpec& teammate : scenario.robots) {
     if (teammate.name != robot_) {
@@ -47,16 +53,17 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
 
 std::string EstimatorNode::name() const { return "ESTIMATOR_" + robot_; }
 
-void EstimatorNode::on_look(const models::DetectionSet& look) {
-  if (look.robot != robot_) {
+void EstimatorNode::on_look(const std::string& looker, const models::DetectionSet& look) {
+  if (look.robot != looker) {
     ++misaddressed_;
     return;
   }
-  if (looks_.size() == kLooksWaiting) {
+  if (looks_.size() ==
+      kLooksWaitingPerRobot * std::max<std::size_t>(1, filter_.spec().team.size())) {
     looks_.pop_front();
     ++looks_overflowed_;
   }
-  looks_.push_back({name_of(bus::measurement_channel(robot_).name, look.stamp),
+  looks_.push_back({name_of(bus::measurement_channel(looker).name, look.stamp),
                     std::make_shared<const models::DetectionSet>(look)});
 }
 
@@ -92,7 +99,7 @@ StepMaterial EstimatorNode::gather(Time t) {
     }
   }
   looks_ = std::move(later);
-  if (!has_viewpoint(material.looks, t, step_)) {
+  if (!has_viewpoint(material.looks, robot_, t, step_)) {
     for (const auto& pose : poses_) {
       if (pose.content->time <= t && pose.content->time > t - step_) {
         material.pose = pose;

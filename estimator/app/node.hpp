@@ -17,8 +17,9 @@
 
 namespace vantage::estimator {
 
-/// Joins a DistributedFilter to the bus: MEASUREMENT_R, VICON and the teammates' BELIEF_* in,
-/// BELIEF_R out; in a scenario that maps, MAP_R after it.
+/// Joins a DistributedFilter to the bus: the team's MEASUREMENT_*, VICON and the teammates'
+/// BELIEF_* in, BELIEF_R out; in a scenario that maps, MAP_R after it. Which teammates' looks are
+/// in range is the filter's business.
 ///
 /// A step is of the instant t = kτ of the absolute time, and is made a tenth of τ later so that
 /// the measurement of that instant has come; its message says `utime` = t, `step` = steps made
@@ -43,7 +44,7 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] const DistributedFilter& filter() const { return filter_; }
 
  private:
-  void on_look(const models::DetectionSet& look);
+  void on_look(const std::string& looker, const models::DetectionSet& look);
   void on_mocap(const models::MocapFrame& frame);
   void on_belief(const std::string& teammate, const models::RobotBelief& belief);
   StepMaterial gather(Time t);

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kLooksKept = 1024;
+constexpr std::size_t kLooksKeptPerRobot = 1024;
 constexpr std::size_t kFramesKept = 2048;
 constexpr std::size_t kBeliefsKeptPerTeammate = 64;
 constexpr std::size_t kStepsWaiting = 3;
@@ -60,15 +60,17 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
       spec_(filter_spec(scenario, robot)),
       filter_(spec_),
       robot_(robot),
-      looks_(kLooksKept),
+      looks_(kLooksKeptPerRobot * std::max<std::size_t>(1, scenario.robots.size())),
       frames_(kFramesKept),
       beliefs_(kBeliefsKeptPerTeammate * std::max<std::size_t>(1, scenario.robots.size())),
       next_tick_(clock.now() + kTick) {
-  bus_.subscribe_named<models::DetectionSet>(bus::measurement_channel(robot_),
-                                             [this](const std::string& channel, const auto& look) {
-                                               looks_.add(channel, look);
-                                               work();
-                                             });
+  for (const models::RobotSpec& each : scenario.robots) {
+    bus_.subscribe_named<models::DetectionSet>(
+        bus::measurement_channel(each.name), [this](const std::string& channel, const auto& look) {
+          looks_.add(channel, look);
+          work();
+        });
+  }
   bus_.subscribe_named<models::MocapFrame>(bus::kVicon,
                                            [this](const std::string& channel, const auto& frame) {
                                              frames_.add(channel, frame);

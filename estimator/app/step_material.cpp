@@ -17,9 +17,11 @@ std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::stri
                  {flatten(body->world_from_body), body->world_from_body.translation_m.z()}};
 }
 
-bool has_viewpoint(const std::vector<Heard<models::DetectionSet>>& looks, Time t, Duration step) {
+bool has_viewpoint(const std::vector<Heard<models::DetectionSet>>& looks, const std::string& robot,
+                   Time t, Duration step) {
   return std::any_of(looks.begin(), looks.end(), [&](const auto& look) {
-    return look.content->stamp.time > t - step && look.content->stamp.time <= t;
+    return look.content->robot == robot && look.content->stamp.time > t - step &&
+           look.content->stamp.time <= t;
   });
 }
 
@@ -34,7 +36,8 @@ models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t st
   for (const auto& look : material.looks) {
     looks.push_back(look.content.get());
     names.push_back(look.ref);
-    if (look.content->stamp.time > newest && look.content->stamp.time <= t) {
+    if (look.content->robot == filter.spec().robot && look.content->stamp.time > newest &&
+        look.content->stamp.time <= t) {
       newest = look.content->stamp.time;
       input.viewpoint = look.content->viewpoint;
     }

@@ -39,8 +39,10 @@ models::InputRef name_of(const std::string& channel, const models::Stamp& stamp)
 /// The pose of `robot` in `frame`; nullopt when it is missing or occluded.
 std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot);
 
-/// True when one of `looks` is of the interval (t − τ, t], so that its viewpoint serves for t.
-bool has_viewpoint(const std::vector<Heard<models::DetectionSet>>& looks, Time t, Duration step);
+/// True when one of `looks` is of `robot` and of the interval (t − τ, t], so that its viewpoint
+/// serves for t.
+bool has_viewpoint(const std::vector<Heard<models::DetectionSet>>& looks, const std::string& robot,
+                   Time t, Duration step);
 
 /// Advances `filter` to `t` and returns BELIEF_R complete but for its stamp's run id and sequence:
 /// inputs are named in order of use, looks, pose, beliefs.

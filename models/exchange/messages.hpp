@@ -81,7 +81,7 @@ struct RobotBelief {
   std::string robot;
   std::int64_t step = 0;  ///< index of the estimator step that made it
   Viewpoint viewpoint;
-  int degree = 0;                     ///< neighbours in range at this step, for Metropolis weights
+  int degree = 0;                     ///< neighbours in range at this step
   std::vector<TargetBelief> targets;  ///< the discovered ones, by ascending target_id
   GridGeometry grid;
   std::vector<std::int64_t> last_seen_utime;  ///< per cell, VisibilityGrid::kNeverSeen for never
