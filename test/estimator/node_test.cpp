@@ -165,6 +165,34 @@ TEST_F(NodeTest, CountsWhatItCannotUse) {
   EXPECT_EQ(counts["viewpoint_unknown"], 4);
 }
 
+TEST_F(NodeTest, TakesTeammatesLooksForItsOwnAndItsPlaceFromNone) {
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
+  std::vector<models::RobotBelief> heard;
+  world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
+                                        [&](const auto& belief) { heard.push_back(belief); });
+  const Time t1 = kStart + 400ms;
+  const auto mocap = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
+  const auto seen =
+      world_.publish(bus::measurement_channel("Q2"), look("Q2", t1, {0.0, -1.0, 0.3}));
+  world_.publish(bus::measurement_channel("Q2"), look("Q1", t1, {}));  // misaddressed
+  deliver();
+  run_until(t1 + 60ms, {&node});
+  ASSERT_EQ(heard.size(), 1u);
+  EXPECT_EQ(heard[0].inputs, (std::vector<InputRef>{seen, mocap}));
+  EXPECT_EQ(heard[0].targets.size(), 3u);
+  EXPECT_NEAR(heard[0].viewpoint.world_from_body.x_m, 1.0, 1e-9);
+}
+
+TEST_F(NodeTest, WithoutARadioHearsNoTeammatesLook) {
+  scenario_.network.communication_range_m = 0.0;
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
+  const Time t1 = kStart + 400ms;
+  world_.publish(bus::measurement_channel("Q2"), look("Q2", t1, {0.0, -1.0, 0.3}));
+  deliver();
+  run_until(t1 + 60ms, {&node});
+  EXPECT_TRUE(node.filter().belief().targets.empty());
+}
+
 TEST_F(NodeTest, RefusesARobotThatIsNotInTheScenario) {
   EXPECT_THROW(EstimatorNode(robot_bus_, clock_, scenario_, "Q9"), UsageError);
 }
