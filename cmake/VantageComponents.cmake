@@ -37,7 +37,7 @@ set(vantage_bus_needs models)
 set(vantage_bus_packages LCM Threads SODIUM fmt)
 
 set(vantage_logs_libraries
-  foxglove log_analysis log_export log_file log_play metrics record)
+  foxglove log_analysis log_export log_file log_play look metrics record)
 set(vantage_logs_needs bus scenario)
 set(vantage_logs_packages nlohmann_json fmt ZSTD)
 
