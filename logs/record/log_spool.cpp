@@ -304,7 +304,7 @@ void LogSpool::sync_loop() {
     }
     if (at_risk_us > said_us) {
       said_us = 2 * at_risk_us;
-      news_.push_back(report_.path + ": a slow disk: a power cut would have lost the last " +
+      news_.push_back(report_.path + ": a power cut would have lost the last " +
                       std::to_string(at_risk_us / 1'000) + " ms");
     }
     wake_syncer_.wait_for(lock, options_.sync_period, [&] { return is_written_out_; });
