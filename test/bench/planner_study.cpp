@@ -28,7 +28,8 @@ struct Arguments {
   std::string label;
   std::size_t problems = 100;
   std::size_t first = 0;
-  double half_fov_deg = 94.0;
+  double fov_deg = 94.0;
+  std::uint64_t first_seed = 1;
   std::size_t memory_mb = 400;
   planner::BeamOptions beam;
   bool each = false;
@@ -51,7 +52,7 @@ void require_true(const BestCosts& best, const std::vector<PlanningProblem>& pro
 }
 
 void study(const Arguments& arguments) {
-  std::vector<PlanningProblem> problems = hundred_problems(arguments.half_fov_deg);
+  std::vector<PlanningProblem> problems = hundred_problems(arguments.fov_deg, arguments.first_seed);
   problems.erase(problems.begin(), problems.begin() + static_cast<std::ptrdiff_t>(std::min(
                                                           arguments.first, problems.size())));
   problems.resize(std::min(problems.size(), arguments.problems));
@@ -115,7 +116,8 @@ int main(int argc, char** argv) {
   app.add_option("--csv", arguments.csv_path, "write the table for the plots");
   app.add_option("--count", arguments.problems, "how many of the hundred");
   app.add_option("--first", arguments.first, "from which on");
-  app.add_option("--half-fov-deg", arguments.half_fov_deg, "another field of view");
+  app.add_option("--first-seed", arguments.first_seed, "of the hundred: 1 are those reported");
+  app.add_option("--fov-deg", arguments.fov_deg, "another field of view, the full angle");
   app.add_option("--first-width", arguments.beam.first_width, "of the beam");
   app.add_option("--growth", arguments.beam.growth, "of the beam");
   app.add_option("--cell-m", arguments.beam.cell_m, "of the beam");

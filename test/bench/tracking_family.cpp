@@ -6,7 +6,7 @@
 
 namespace vantage::bench {
 
-tools::PlanningProblem tracking_problem(int targets, std::uint64_t seed, double half_fov_deg) {
+tools::PlanningProblem tracking_problem(int targets, std::uint64_t seed, double fov_deg) {
   std::mt19937_64 rng(1'000 * seed + static_cast<std::uint64_t>(targets));
   const auto within = [&](double most) {
     return most * (2.0 * std::generate_canonical<double, 53>(rng) - 1.0);
@@ -24,7 +24,7 @@ tools::PlanningProblem tracking_problem(int targets, std::uint64_t seed, double 
   models::SensorModel sensor;
   sensor.range_max_m = 10.0;
   sensor.range_min_m = 1e-3;
-  sensor.fov_rad = radians(2.0 * half_fov_deg);
+  sensor.fov_rad = radians(fov_deg);
   problem.sensors = {sensor};
   for (int m = 0; m < targets; ++m) {
     planner::SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.001}, {}};
@@ -38,11 +38,11 @@ tools::PlanningProblem tracking_problem(int targets, std::uint64_t seed, double 
   return drawn;
 }
 
-std::vector<tools::PlanningProblem> hundred_problems(double half_fov_deg) {
+std::vector<tools::PlanningProblem> hundred_problems(double fov_deg, std::uint64_t first_seed) {
   std::vector<tools::PlanningProblem> problems;
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = first_seed; seed < first_seed + 20; ++seed) {
     for (const int targets : {1, 3, 9, 16, 25}) {
-      problems.push_back(tracking_problem(targets, seed, half_fov_deg));
+      problems.push_back(tracking_problem(targets, seed, fov_deg));
     }
   }
   return problems;

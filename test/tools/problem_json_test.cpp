@@ -64,27 +64,52 @@ TEST(ParseProblem, ReadsEveryFieldOfATrackingProblem) {
   EXPECT_TRUE(p.teammates.empty());
 }
 
-TEST(ParseProblem, TakesTheFieldOfViewAsAHalfAngleOnEachSide) {
+TEST(ParseProblem, TakesTheFieldOfViewAsTheFullAngle) {
   const PlanningProblem read = parse(file("tracking.json"));
   const models::SensorModel& sensor = read.problem.sensors[0];
+  EXPECT_DOUBLE_EQ(sensor.fov_rad, radians(94.0));
   const models::Viewpoint at{{0.0, 0.0, 0.0}, 0.0};
   const auto towards = [](double bearing_deg) {
     const double b = radians(bearing_deg);
     return models::PositionVector(Eigen::Vector2d(3.0 * std::cos(b), 3.0 * std::sin(b)));
   };
-  EXPECT_TRUE(models::in_view(sensor, at, towards(93.9)));
-  EXPECT_TRUE(models::in_view(sensor, at, towards(-93.9)));
-  EXPECT_FALSE(models::in_view(sensor, at, towards(94.1)));
-  EXPECT_FALSE(models::in_view(sensor, at, towards(-94.1)));
+  EXPECT_TRUE(models::in_view(sensor, at, towards(46.9)));
+  EXPECT_TRUE(models::in_view(sensor, at, towards(-46.9)));
+  EXPECT_FALSE(models::in_view(sensor, at, towards(47.1)));
+  EXPECT_FALSE(models::in_view(sensor, at, towards(-47.1)));
 }
 
-TEST(ParseProblem, SeesAllRoundFromAHalfTurnOnEachSide) {
-  for (const double fov_deg : {180.0, 270.0, 360.0}) {
-    json document = file("tracking.json");
+// A problem whose one target lies 70° off the heading: out of sight of 94°, in sight of 188°.
+TEST(ParseProblem, CostsWhatTheFullAngleSees) {
+  json document = file("tracking.json");
+  document["map"].erase("obstacles");
+  document["robot"] = {{"x", 0.0}, {"y", 0.0}, {"yaw", 0.0}};
+  document["controls"] = json::parse("[[0.0, 0.0]]");
+  document["T"] = 1;
+  document["n_targets"] = 1;
+  const double b = radians(70.0);
+  document["targets"] = {{3.0 * std::cos(b), 3.0 * std::sin(b), 0.0, 0.0}};
+  const auto cost_at = [&](double fov_deg) {
     document["sensor"]["fov_deg"] = fov_deg;
-    EXPECT_TRUE(models::in_view(parse(document).problem.sensors[0], {{0, 0, 0}, 0.0},
-                                Eigen::Vector2d(-3.0, 0.0)));
-  }
+    return planner::score(parse(document).problem, {Pose2{}});
+  };
+  const double unseen = cost_at(1.0);
+  EXPECT_EQ(cost_at(94.0), unseen);
+  EXPECT_LT(cost_at(188.0), unseen - 1.0);
+}
+
+TEST(ParseProblem, SeesAllRoundFromAFullTurnAlone) {
+  json document = file("tracking.json");
+  const auto sees_behind = [&] {
+    return models::in_view(parse(document).problem.sensors[0], {{0, 0, 0}, 0.0},
+                           Eigen::Vector2d(-3.0, 0.0));
+  };
+  document["sensor"]["fov_deg"] = 180.0;
+  EXPECT_FALSE(sees_behind());
+  document["sensor"]["fov_deg"] = 360.0;
+  EXPECT_TRUE(sees_behind());
+  document["sensor"].erase("fov_deg");
+  EXPECT_TRUE(sees_behind());
 }
 
 TEST(ParseProblem, HasDefaultsForWhatMayBeLeftOut) {

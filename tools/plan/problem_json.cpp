@@ -103,8 +103,7 @@ models::SensorModel read_sensor(const JsonValue& value) {
   const bool has_bearing = keys.get("type").word({"range", "range_bearing"}) == 1;
   sensor.kind = has_bearing ? models::SensorKind::kRangeBearing : models::SensorKind::kRange;
   sensor.range_max_m = keys.number("range", positive(kFar_m));
-  const double half_fov_deg = keys.number_or("fov_deg", 180.0, positive(360.0));
-  sensor.fov_rad = half_fov_deg >= 180.0 ? 2.0 * kPi : radians(2.0 * half_fov_deg);
+  sensor.fov_rad = radians(keys.number_or("fov_deg", 360.0, positive(360.0)));
   const Bounds sigmas{0.0, kFar_m, true};
   const auto sigma = [&](const JsonValue& at) {
     const double read = at.number(sigmas);

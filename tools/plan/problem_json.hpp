@@ -20,8 +20,7 @@ struct PlanningProblem {
 
 /// Reads the JSON schema of docs/planning-problems.md: one point robot that may neither leave the
 /// map nor touch a box at any time, in metres, seconds and (where a key says so) degrees.
-/// `sensor.fov_deg` is the half-angle on each side of the heading: SensorModel::fov_rad is twice
-/// that, and 180 or more is all round.
+/// `sensor.fov_deg` is the full angle, as in scenario files and SensorModel::fov_rad.
 /// @throws StartupError "source: path: rule, got what" at the first thing that cannot be true, and
 /// "source:line:column: …" for text that is no JSON.
 PlanningProblem parse_problem(const std::string& text, const std::string& source);
