@@ -22,6 +22,16 @@ models::StateVector draw(const Eigen::LDLT<models::StateMatrix>& root, std::mt19
   return root.transpositionsP().transpose() * (root.matrixL() * scaled).eval();
 }
 
+template <class Condition>
+bool any_of(std::size_t count, const Condition& holds) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (holds(i)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 // A target that leaves the world comes back the way it would from a mirror.
 void reflect(models::StateVector& state, const models::Rectangle& bounds) {
   for (int axis = 0; axis < 2; ++axis) {
@@ -80,12 +90,20 @@ void TrackedTargets::look(const models::SensorModel& sensor, const std::vector<P
     // measurement, and a narrow belief beside a field of view is not touched by it.
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const models::Viewpoint from{poses[i], 0.0};
-      if (is_blind[i] == 0 && !models::in_view(sensor, from, target_m)) {
+      if (setting_.detection_probability > 0.0 && is_blind[i] == 0 &&
+          !models::in_view(sensor, from, target_m)) {
         beliefs_[m] = estimator::missed_detection(beliefs_[m], sensor, from, *world_,
                                                   setting_.detection_probability);
       }
     }
     is_seen_[m] = 0;
+    // There and back by the information would only round it.
+    const auto sees = [&](std::size_t i) {
+      return is_blind[i] == 0 && models::in_view(sensor, {poses[i], 0.0}, target_m);
+    };
+    if (setting_.detection_probability <= 0.0 && !any_of(poses.size(), sees)) {
+      continue;
+    }
     std::optional<models::Information> information = models::to_information(beliefs_[m]);
     for (std::size_t i = 0; information && i < poses.size(); ++i) {
       const models::Viewpoint from{poses[i], 0.0};

@@ -1,7 +1,7 @@
 """Policies that learnt nothing: what a learned one has to beat.
 
     env = vantage.env.make("TargetTracking")
-    policy = vantage.env.baselines.Planner(env, "arvi")
+    policy = vantage.env.baselines.Planner(env, "beam")
     print(vantage.env.baselines.evaluate(env, policy, episodes=10).mean())
 """
 import numpy
@@ -35,15 +35,18 @@ class Random:
 class Planner:
     """The stack's own planners, a robot after the other, each against the plans of those before it.
 
-    algorithm: of tracking any of vantage.algorithms() ("arvi", "beam", "greedy", …) with `nodes` of work a
+    algorithm: of tracking any of vantage.algorithms() ("beam", "arvi", "greedy", …) with `nodes` of work a
     robot and plan; of mapping "forward", exhaustive over its horizon, or "greedy", the best next step.
+    None: beam, or forward.
     A plan is followed for replan_steps before the next. It looks at what the team believes
     (snapshot()), never at the truth, and not at observations, which say less.
     """
 
-    def __init__(self, env, algorithm="arvi", *, horizon_steps=None, nodes=2000, replan_steps=None):
+    def __init__(self, env, algorithm=None, *, horizon_steps=None, nodes=20_000, replan_steps=None):
         env = env.unwrapped
         is_mapping = env.kind == "mapping"
+        if algorithm is None:
+            algorithm = "forward" if is_mapping else "beam"
         if is_mapping and algorithm == "greedy":
             algorithm, horizon_steps = "forward", 1
         if horizon_steps is None:

@@ -90,6 +90,7 @@ class TaskEnv(Parts, _Env):
         self._set_tasks(kind, 1, 1, options)
         self.render_mode = None
         self._is_over = True
+        self._first = (0, 0) if self.robots == 1 else 0  # of observations (1, N, D)
         size = self._tasks.observation_size
         shape = (size,) if self.robots == 1 else (self.robots, size)
         self.observation_space = spaces.Box(-1.0, 1.0, shape, numpy.float32)
@@ -101,14 +102,14 @@ class TaskEnv(Parts, _Env):
         seed = self.np_random.integers(2**63) if seed is None else require_seed(seed)
         observations = self._tasks.reset(numpy.array([seed], numpy.uint64))
         self._is_over = False
-        return observations.reshape(self.observation_space.shape), {}
+        return observations[self._first], {}
 
     def step(self, action):
         if self._is_over:
             raise RuntimeError("reset() must come before the first step() and after an episode's last")
         observations, rewards, over = self._tasks.step(numpy.atleast_1d(action))
         self._is_over = bool(over[0])
-        return observations.reshape(self.observation_space.shape), float(rewards[0]), False, self._is_over, {}
+        return observations[self._first], float(rewards[0]), False, self._is_over, {}
 
     def render(self):
         return None
