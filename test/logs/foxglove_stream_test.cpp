@@ -55,7 +55,7 @@ TEST(Stream, PaintsAJammedSensorRedUntilItIsFree) {
     return scene["entities"][robot]["cylinders"][0]["color"];
   };
   const Json red = colour(scenes[1], 1);
-  EXPECT_GT(red["r"].get<double>(), 4.0 * red["g"].get<double>());
+  EXPECT_GT(red["r"].get<double>(), 3.0 * red["g"].get<double>());
   EXPECT_EQ(colour(scenes[0], 1), to_json(*robot_colour(lab(), "Q2")));
   EXPECT_EQ(colour(scenes[1], 0), to_json(*robot_colour(lab(), "Q1")));
   EXPECT_EQ(colour(scenes[2], 1), colour(scenes[0], 1));

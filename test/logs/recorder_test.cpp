@@ -31,7 +31,7 @@ TEST(Recorder, RecordsWhatItsFilterTakesAndNoNameThatLooksLikeDamage) {
       },
       ChannelFilter({}, {"SCAN_.*"}));
   const std::vector<std::uint8_t> data = {1, 2, 3};
-  for (const char* channel : {"VICON", "SCAN_Q1", "A\nB", "\x7f", "PLAN_Q1"}) {
+  for (const char* channel : {"VICON", "SCAN_Q1", "A\n\xff", "\x7f\xfe", "PLAN_Q1"}) {
     mouth->publish(channel, data);
   }
   ear->handle(std::chrono::microseconds(0));

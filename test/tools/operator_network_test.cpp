@@ -314,7 +314,7 @@ TEST(ArmingWatch, NamesWhatProcessesRefuseMeanwhileAndWhy) {
   };
   report({{"COMMAND.unsigned", 3}});
   report({{"COMMAND.unsigned", 3}});
-  EXPECT_FALSE(mentions(watch.blocks(), "COMMAND")) << "before anybody watched";
+  EXPECT_FALSE(mentions(watch.blocks(), "COMMAND of")) << "before anybody watched";
   report({{"COMMAND.unsigned", 3}, {"VICON.bad_mac", 12}, {"VICON.lost", 5}});
   EXPECT_TRUE(mentions(watch.blocks(), "VICON of QUADROTOR_Q1: 12 messages now (bad_mac)"));
   EXPECT_FALSE(mentions(watch.blocks(), "COMMAND of"));

@@ -90,7 +90,7 @@ def main():
         log = folder / "trial.lcmlog"
         for which in (signal.SIGHUP, signal.SIGTERM):
             code, said, warned = interrupted(
-                [vantage, "trial", scenario, "--duration-s", "100000", "--nodes", "300", "--log",
+                [vantage, "trial", scenario, "--duration-s", "86400", "--nodes", "300", "--log",
                  log, "--json"], folder, grown(log, 100_000), which)
             assert code == 1 and json.loads(said)["duration_s"] > 0, said
             assert "trial stopped after" in warned, warned

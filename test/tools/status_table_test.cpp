@@ -41,8 +41,9 @@ TEST(StatusTable, TellsWhoKnowsATargetFromWhetherItWasEverFound) {
   logs::TrialMetrics metrics(lab(), from_utime(1'000'000));
   metrics.on_belief(belief(0, {0}));
   metrics.on_belief(belief(1, {0}));
-  metrics.on_belief(belief(2, {1}));
-  metrics.on_belief(belief(3, {1}));
+  for (int step = 2; step < 8; ++step) {
+    metrics.on_belief(belief(step, {1}));
+  }
   const std::vector<std::string> lines = status_table(lab(), metrics, 2.0);
   EXPECT_NE(row_of(lines, "R1").find("nobody now"), std::string::npos) << row_of(lines, "R1");
   EXPECT_NE(row_of(lines, "R2").find("Q1"), std::string::npos) << row_of(lines, "R2");

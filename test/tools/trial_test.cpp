@@ -57,6 +57,7 @@ TEST(Trial, IsTheSameInPiecesOfAnyLength) {
   std::string logs[2];
   std::string summaries[2];
   for (const bool is_whole : {true, false}) {
+    std::filesystem::remove(path);
     {
       Trial trial(scenario, trial_recipes(scenario), path);
       std::int64_t piece_us = is_whole ? 60'000'000 : 1'000;

@@ -120,7 +120,7 @@ TEST(ExamineVicon, FindsAVrpnServerWhereADataStreamWasExpected) {
   EXPECT_EQ(ports[0].answer, Answer::kSpeech);
   EXPECT_EQ(ports[0].speaker, Speaker::kVrpn);
   const auto lines = describe("127.0.0.1", ports);
-  EXPECT_TRUE(says(lines, "QUAD: seen in")) << all_of(lines);
+  EXPECT_TRUE(says(lines, "QUAD: ") && says(lines, " Hz, seen in 100 %")) << all_of(lines);
   EXPECT_TRUE(says(lines, "protocol: vrpn")) << all_of(lines);
 }
 
