@@ -94,6 +94,7 @@ async function listen(subprotocol) {
   const count = (topic) => [...channels.values()].find((each) => each.topic === topic)?.count ?? 0;
   await until(() => !is_log || count("/transforms") >= kPlayed);
   await until(() => [...channels.values()].every((each) => each.count > 0 || each.topic === "/events"));
+  await until(() => [...channels.values()].some((each) => each.topic === kRaw && each.count > 0)); // planned once a round
   if (is_log) socket.send(request(false, 1));
   client.close();
   return { info, channels: [...channels.values()], failures, statuses };
