@@ -127,7 +127,8 @@ bool VrpnTrackers::take(const std::string& name, std::int64_t stamp_us,
   tracker.together = is_together ? tracker.together + 1 : 0;
   const bool is_slower = tracker.period_us() > 0 && leader.period_us() > 0 &&
                          2 * tracker.period_us() > 3 * leader.period_us();
-  if (tracker.apart >= kApartReports || is_slower) {
+  // One that has come to lead and has hardly been heard holds nobody: it may be gone.
+  if ((tracker.apart >= kApartReports && leader.period_us() > 0) || is_slower) {
     tracker.is_held = true;
   } else if (tracker.together >= kTogetherReports) {
     tracker.is_held = false;

@@ -94,5 +94,5 @@ refused() {
     { cat "$work/wrong/log"; fail "component $component is not refused with: $words"; }
 }
 refused gripper "there is no component 'gripper'; there are core, models"
-refused bus "component 'bus' needs LCM (Debian: liblcm-dev" -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON
+refused bus "component 'bus' needs" -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON
 refused scenario "component 'scenario' needs yaml-cpp" -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON
