@@ -20,7 +20,7 @@ fly() {
   return $status
 }
 
-seconds=45
+seconds=60
 { cat "$scenario"; echo "security: {mode: require, keys: $dir/keys}"; } > "$dir/signed.yaml"
 fly signed "$dir/signed.yaml" || fail "the signed flight ended with $?"
 python3 "$here/forged_check.py" "$dir/py" "$dir/signed.lcmlog" "$dir/signed.span" --signed ||
@@ -35,7 +35,7 @@ PY
 "$bin/vantage" log replay "$dir/signed.lcmlog" --node planner:Q2 --node estimator:Q2
 "$bin/vantage" log metrics "$dir/signed.lcmlog" > /dev/null
 
-seconds=35
+seconds=60
 fly open "$scenario" || true
 ! python3 "$here/forged_check.py" "$dir/py" "$dir/open.lcmlog" "$dir/open.span" ||
   fail "forging changes nothing even without signatures: this test tests nothing"

@@ -31,6 +31,7 @@ Json to_json(const std::string& node, const ReplayReport& report) {
             {"different", outputs.different()},
             {"unexpected", outputs.unexpected()},
             {"not_replayed", report.not_replayed()},
+            {"refused", report.refused},
             {"first_difference", nullptr}};
   if (const auto& first = outputs.first_difference()) {
     json["first_difference"] = {{"index", first->index},       {"utime", to_utime(first->time)},
@@ -51,6 +52,13 @@ void print(const std::string& node, const ReplayReport& report) {
   if (report.not_replayed() > 0) {
     print_line(fmt::format("  {} not made again: an input that they name is not in the log",
                            report.not_replayed()));
+  }
+  if (report.refused > 0) {
+    print_line(
+        fmt::format("  {} messages left out: not signed with the flight's keys", report.refused));
+  }
+  if (report.lacks_keys && !is_good(report)) {
+    print_line("  the flight's keys are not here: what it refused was replayed, too");
   }
   if (outputs.first_difference()) {
     for (const std::string& line : describe(*outputs.first_difference())) {

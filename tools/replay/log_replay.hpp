@@ -26,6 +26,9 @@ struct ReplayReport {
   OutputComparison outputs;
   std::vector<models::NamedCount> counters;  ///< of the replaying node
   std::int64_t events = 0;                   ///< fed to it
+  std::int64_t refused =
+      0;  ///< left out: not signed with the flight's keys, where it asked for that
+  bool lacks_keys = false;  ///< the flight's keys are not here: what it refused is fed, too
   /// Logged outputs that were not made again, because an input is not in the log.
   [[nodiscard]] std::int64_t not_replayed() const {
     return outputs.logged() - (outputs.replayed() - outputs.unexpected());

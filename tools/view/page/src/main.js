@@ -133,6 +133,7 @@ async function load_history(session) {
     newest.set(topic, time);
     if (topic === "/ways") {
       for (const [body, at] of Object.entries(record)) trails.add(body, time, ...at);
+      state.trails_at = null; // what came late is drawn though the time stands
     } else if (topic === "/events") {
       const event = event_of(time, record);
       timeline.add_event(event);
