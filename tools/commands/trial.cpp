@@ -58,8 +58,8 @@ int run(TrialArguments arguments) {
   const bool has_pictures =
       arguments.svg_path.empty() ||
       write_pictures(arguments.svg_path, scenario, result.scene, result.summary);
-  const bool is_good = result.summary.collisions == 0 && !result.log_error &&
-                       !result.was_stopped && has_pictures;
+  const bool is_good =
+      result.summary.collisions == 0 && !result.log_error && !result.was_stopped && has_pictures;
   return is_good ? 0 : 1;
 }
 
@@ -76,7 +76,8 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
   command->add_option("--svg", arguments->svg_path, "draw the end of the trial, as SVG and PNG");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Ctrl-C, SIGTERM, a terminal that is closed, or a log that cannot be written any more end it\n"
+      "Ctrl-C, SIGTERM, a terminal that is closed, or a log that cannot be written any more end "
+      "it\n"
       "early: log, summary and pictures of what was flown, exit code 1. So is that of a trial in\n"
       "which anything collided. A log that is there already is not written over: exit code 2.\n"
       "Examples:\n"

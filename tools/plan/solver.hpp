@@ -42,8 +42,7 @@ class Solver {
   /// prepare(), then the best plan by the deadline, or by when `is_cancelled` says so (see
   /// Deadline::unless). The reference is good until the next call.
   /// @throws UsageError when `problem` breaks a rule of planner::require_valid.
-  const PlanOutcome& solve(const planner::SearchProblem& problem,
-                           bool (*is_cancelled)() = nullptr);
+  const PlanOutcome& solve(const planner::SearchProblem& problem, bool (*is_cancelled)() = nullptr);
 
   [[nodiscard]] const PlanRequest& request() const { return request_; }
 

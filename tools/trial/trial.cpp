@@ -83,8 +83,8 @@ TrialResult run_trial(const models::Scenario& scenario, const std::vector<NodeRe
   bool is_stopped = false;
   while (!is_stopped && trial.time() < trial.planned_end()) {
     trial.advance_to(trial.time() + kStopPeriod);
-    is_stopped = trial.is_log_lost() || (trial.time() < trial.planned_end() && options.stop &&
-                                         options.stop());
+    is_stopped = trial.is_log_lost() ||
+                 (trial.time() < trial.planned_end() && options.stop && options.stop());
     const double share =
         to_seconds(trial.time() - trial.start()) / to_seconds(trial.planned_end() - trial.start());
     if (options.progress && static_cast<int>(share * kProgressReports) > reported) {
