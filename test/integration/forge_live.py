@@ -112,8 +112,8 @@ for channel, payload in heard():
         plan = plan_t.decode(payload)
         plan.sequence += 1
         plan.utime += 100_000
-        plan.num_segments = 1
         plan.segments = plan.segments[:1]
+        plan.num_segments = len(plan.segments)
         forge(channel, plan, payload)
     if channel:
         kinds_forged.add(channel.split("_")[0])
