@@ -2,7 +2,7 @@
 # and which packages of Debian. Read by the build and, installed, by find_package(vantage).
 include_guard()
 
-set(vantage_components core models planner estimator scenario drivers bus logs)
+set(vantage_components core models wire scenario planner estimator scenario_reader drivers bus logs)
 
 # vantage_<component>_libraries: its libraries; where there is no library of its name, the component
 # stands for all of them. …_needs: other components. …_packages: see vantage_find_package().
@@ -14,31 +14,38 @@ set(vantage_models_libraries models mapping_models)
 set(vantage_models_needs core)
 set(vantage_models_packages)
 
+set(vantage_wire_libraries autopilot_parameters mavlink rover_wire sitl_wire vicon_wire)
+set(vantage_wire_needs models)
+set(vantage_wire_packages fmt SODIUM)
+
+set(vantage_scenario_libraries scenario)
+set(vantage_scenario_needs models)
+set(vantage_scenario_packages)
+
 set(vantage_planner_libraries planner)
-set(vantage_planner_needs models)
+set(vantage_planner_needs scenario)
 set(vantage_planner_packages)
 
 set(vantage_estimator_libraries estimator)
-set(vantage_estimator_needs models)
+set(vantage_estimator_needs scenario)
 set(vantage_estimator_packages)
 
-set(vantage_scenario_libraries scenario_yaml)
-set(vantage_scenario_needs models)
-set(vantage_scenario_packages yaml-cpp fmt)
+set(vantage_scenario_reader_libraries scenario_reader)
+set(vantage_scenario_reader_needs scenario)
+set(vantage_scenario_reader_packages yaml-cpp fmt)
 
 set(vantage_drivers_libraries
-  autopilot_parameters mavlink quadrotor_driver quadrotor_safety rover_driver rover_wire
-  sensor_driver vehicle_port vicon_driver vicon_wire)
-set(vantage_drivers_needs models)
-set(vantage_drivers_packages fmt SODIUM)
+  quadrotor_driver rover_driver safety sensor_driver vehicle_port vicon_driver)
+set(vantage_drivers_needs scenario wire)
+set(vantage_drivers_packages fmt)
 
 set(vantage_bus_libraries lcm bus)
-set(vantage_bus_needs models)
+set(vantage_bus_needs scenario)
 set(vantage_bus_packages LCM Threads SODIUM fmt)
 
 set(vantage_logs_libraries
   foxglove log_analysis log_export log_file log_play look metrics record)
-set(vantage_logs_needs bus scenario)
+set(vantage_logs_needs bus scenario_reader)
 set(vantage_logs_packages nlohmann_json fmt ZSTD)
 
 # vantage_with_needs(<variable> <component>…): those and all that they need, in order.

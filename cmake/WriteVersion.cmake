@@ -36,7 +36,7 @@ if(commit)
   endif()
 endif()
 file(CONFIGURE OUTPUT "${OUTPUT}" CONTENT [[
-#include "tools/observe/announcer.hpp"
+#include "trial/observe/announcer.hpp"
 
 std::string vantage::tools::version() { return "@version_text@"; }
 ]] @ONLY)

@@ -54,19 +54,19 @@ double distance_m(const models::Viewpoint& a, const models::Viewpoint& b) {
 
 }  // namespace
 
-FilterSpec filter_spec(const models::Scenario& scenario, const std::string& robot) {
-  const models::RobotSpec* self = scenario.find_robot(robot);
+FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& robot) {
+  const scenario::RobotSpec* self = scenario.find_robot(robot);
   require(self != nullptr, "the scenario has no robot '" + robot + "'");
   FilterSpec spec;
   spec.robot = robot;
   spec.sensor = self->sensor;
-  for (const models::RobotSpec& each : scenario.robots) {
+  for (const scenario::RobotSpec& each : scenario.robots) {
     spec.team.push_back({each.name, each.sensor});
   }
   spec.start = {self->start, self->height_m};
   spec.estimator = scenario.estimator;
   spec.world = scenario.world;
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     spec.target_count = std::max(spec.target_count, target.id + 1);
   }
   spec.step_s = scenario.planner.step_s;
@@ -375,7 +375,7 @@ void DistributedFilter::apply(Look& look) {
   FilterCounters unused;
   FilterCounters& count = look.counted ? unused : counters_;
   look.counted = true;
-  const models::EstimatorSpec& spec = spec_.estimator;
+  const scenario::EstimatorSpec& spec = spec_.estimator;
   const models::SensorModel& sensor = sensor_of(look.looker);
   for (const models::Detection& detection : look.detections) {
     Track& track = tracks_[static_cast<std::size_t>(detection.target_id)];

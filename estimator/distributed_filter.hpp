@@ -10,8 +10,8 @@
 #include "estimator/step_record.hpp"
 #include "estimator/track.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
 #include "models/world/grid.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::estimator {
 
@@ -29,7 +29,7 @@ struct FilterSpec {
   /// itself may be among them.
   std::vector<Looker> team;
   models::Viewpoint start;  ///< taken for its own place until the first pose arrives
-  models::EstimatorSpec estimator;
+  scenario::EstimatorSpec estimator;
   models::World world;
   int target_count = 0;                ///< ids are 0 … target_count − 1
   double step_s = 0.5;                 ///< τ
@@ -40,7 +40,7 @@ struct FilterSpec {
 
 /// The spec of `robot` in `scenario`, with belief_age_max_s = 3 τ.
 /// @throws UsageError when the scenario has no such robot.
-FilterSpec filter_spec(const models::Scenario& scenario, const std::string& robot);
+FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& robot);
 
 /// What one step works on. Pointers must be valid during the call only.
 struct StepInput {

@@ -30,7 +30,7 @@ std::vector<models::NamedCount> MapCounters::named() const {
   return all;
 }
 
-TeamMap::TeamMap(const models::Scenario& scenario, const std::string& robot)
+TeamMap::TeamMap(const scenario::Scenario& scenario, const std::string& robot)
     : robot_(robot),
       spec_(scenario.mapping),
       geometry_(models::map_geometry(scenario.world, spec_)),

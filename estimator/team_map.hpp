@@ -7,7 +7,7 @@
 
 #include "estimator/occupancy.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::estimator {
 
@@ -41,7 +41,7 @@ struct MapCounters {
 class TeamMap {
  public:
   /// @throws UsageError for a robot that is not in the scenario or a scanner that makes no sense.
-  TeamMap(const models::Scenario& scenario, const std::string& robot);
+  TeamMap(const scenario::Scenario& scenario, const std::string& robot);
 
   /// Content of MAP_R; run id, sequence and inputs are the caller's. Precondition: a belief.
   models::RobotMap step(const MapInput& input);

@@ -195,7 +195,7 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
   return shift_position(belief, before, *after) ? Use::kUsed : Use::kSingular;
 }
 
-std::optional<Information> discover(const models::EstimatorSpec& spec,
+std::optional<Information> discover(const scenario::EstimatorSpec& spec,
                                     const models::SensorModel& sensor,
                                     const models::Viewpoint& from,
                                     const models::Measurement& measurement) {

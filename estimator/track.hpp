@@ -4,9 +4,9 @@
 
 #include "core/time.hpp"
 #include "models/belief/gaussian.hpp"
-#include "models/scenario/scenario.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
+#include "scenario/scenario.hpp"
 
 // What happens to the belief of one target: it is carried through time, discovered, measured.
 // Pure; nothing here allocates.
@@ -58,7 +58,7 @@ Use measure(models::Information& belief, const models::SensorModel& sensor,
 /// ∂h/∂position at the position that explains z), the stated prior_position_sigma_m. Velocity:
 /// zero, prior_velocity_sigma_mps.
 /// nullopt for a sensor that cannot tell where the target is (range or bearing alone).
-std::optional<models::Information> discover(const models::EstimatorSpec& spec,
+std::optional<models::Information> discover(const scenario::EstimatorSpec& spec,
                                             const models::SensorModel& sensor,
                                             const models::Viewpoint& from,
                                             const models::Measurement& measurement);

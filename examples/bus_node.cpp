@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include <vantage/bus/node.hpp>
+#include <vantage/bus/node/node.hpp>
 
 using namespace vantage;
 

@@ -40,22 +40,22 @@ Count& entry_of(std::map<std::string, Count, std::less<>>& counts, std::string_v
 }
 
 /// How to mend what security_faults() and authenticator_for() find.
-std::string real_fault(const models::Scenario& scenario) {
+std::string real_fault(const scenario::Scenario& scenario) {
   return "a device is real, so what moves it must be signed: write security: {mode: require, "
          "keys: FOLDER} into the scenario, and make the keys: vantage keys new " +
          (scenario.security.keys.empty() ? "FOLDER" : scenario.security.keys);
 }
 
-bool needs_more(const models::Scenario& scenario) {
-  return models::trial_mode(scenario) == models::TrialMode::kLive &&
-         scenario.security.mode != models::SecurityMode::kRequire;
+bool needs_more(const scenario::Scenario& scenario) {
+  return scenario::trial_mode(scenario) == scenario::TrialMode::kLive &&
+         scenario.security.mode != scenario::SecurityMode::kRequire;
 }
 
 }  // namespace
 
 Authenticator::Authenticator(std::shared_ptr<const Keyring> keyring, const Rules& rules)
     : keyring_(std::move(keyring)), rules_(rules), session_(random_session()) {
-  rules_.trial = rules.is_replay ? models::TrialMode::kReplay : rules.trial;
+  rules_.trial = rules.is_replay ? scenario::TrialMode::kReplay : rules.trial;
 }
 
 void Authenticator::renew_session(Time now) {
@@ -136,7 +136,7 @@ Refusal Authenticator::judge_nonce(const SignedParts& parts, Time now) const {
 
 bool Authenticator::refuse(std::string_view channel, Refusal refusal) {
   ++entry_of(refused_, channel)[static_cast<std::size_t>(refusal)];
-  return rules_.mode != models::SecurityMode::kRequire;
+  return rules_.mode != scenario::SecurityMode::kRequire;
 }
 
 void Authenticator::count(std::vector<models::NamedCount>& out) const {
@@ -167,31 +167,32 @@ std::optional<RefusalCount> parse_refusal(std::string_view counter) {
              : std::nullopt;
 }
 
-std::unique_ptr<Authenticator> authenticator_for(const models::Scenario& scenario, bool is_replay) {
-  const models::SecuritySpec& security = scenario.security;
+std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scenario,
+                                                 bool is_replay) {
+  const scenario::SecuritySpec& security = scenario.security;
   if (is_replay) {
     std::error_code error;
-    if (security.mode == models::SecurityMode::kOff ||
+    if (security.mode == scenario::SecurityMode::kOff ||
         !std::filesystem::exists(security.keys, error)) {
       return nullptr;
     }
   } else if (needs_more(scenario)) {
     throw StartupError(real_fault(scenario));
   }
-  if (security.mode == models::SecurityMode::kOff) {
+  if (security.mode == scenario::SecurityMode::kOff) {
     return nullptr;
   }
   return std::make_unique<Authenticator>(
       std::make_shared<const Keyring>(load_keyring(security.keys)),
-      Authenticator::Rules{security.mode, models::trial_mode(scenario), is_replay});
+      Authenticator::Rules{security.mode, scenario::trial_mode(scenario), is_replay});
 }
 
-std::vector<std::string> security_faults(const models::Scenario& scenario) {
+std::vector<std::string> security_faults(const scenario::Scenario& scenario) {
   if (needs_more(scenario)) {
     return {real_fault(scenario)};
   }
   std::vector<std::string> faults;
-  if (scenario.security.mode == models::SecurityMode::kOff) {
+  if (scenario.security.mode == scenario::SecurityMode::kOff) {
     return faults;
   }
   try {
@@ -211,8 +212,8 @@ std::vector<std::string> security_faults(const models::Scenario& scenario) {
   return faults;
 }
 
-void require_operator(const models::Scenario& scenario) {
-  if (scenario.security.mode != models::SecurityMode::kOff &&
+void require_operator(const scenario::Scenario& scenario) {
+  if (scenario.security.mode != scenario::SecurityMode::kOff &&
       load_keyring(scenario.security.keys).signing(Role::kOperator) == nullptr) {
     throw StartupError(scenario.security.keys +
                        ": this host cannot say commands: operator-ID.sign is on stations alone");

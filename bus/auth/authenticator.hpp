@@ -14,7 +14,7 @@
 #include "bus/auth/trailer.hpp"
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::bus::auth {
 
@@ -23,8 +23,8 @@ namespace vantage::bus::auth {
 class Authenticator {
  public:
   struct Rules {
-    models::SecurityMode mode = models::SecurityMode::kRequire;
-    models::TrialMode trial = models::TrialMode::kLive;
+    scenario::SecurityMode mode = scenario::SecurityMode::kRequire;
+    scenario::TrialMode trial = scenario::TrialMode::kLive;
     bool is_replay = false;  ///< says everything again as kReplay, and judges nothing
   };
   /// How long a vehicle still takes the nonce that it asked for before.
@@ -97,13 +97,14 @@ std::optional<RefusalCount> parse_refusal(std::string_view counter);
 /// What a process of `scenario` signs and judges by; nullptr when nobody does.
 /// @throws StartupError where a device is real and security is not `require`, and as
 /// load_keyring(). A replay whose keys are not here is not signed.
-std::unique_ptr<Authenticator> authenticator_for(const models::Scenario& scenario, bool is_replay);
+std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scenario,
+                                                 bool is_replay);
 
 /// What keeps `scenario` from being flown as it says, each a sentence; empty: nothing. Looks at the
 /// key files: every role's must be here.
-std::vector<std::string> security_faults(const models::Scenario& scenario);
+std::vector<std::string> security_faults(const scenario::Scenario& scenario);
 
 /// @throws StartupError when this host's keys do not let it say commands.
-void require_operator(const models::Scenario& scenario);
+void require_operator(const scenario::Scenario& scenario);
 
 }  // namespace vantage::bus::auth

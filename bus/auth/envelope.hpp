@@ -11,7 +11,7 @@
 #include "bus/auth/keyring.hpp"
 #include "bus/auth/trailer.hpp"
 #include "core/time.hpp"
-#include "models/scenario/security_spec.hpp"
+#include "scenario/security_spec.hpp"
 
 // Signing a message and judging one: functions of values, no clock, no network.
 //
@@ -109,7 +109,7 @@ inline constexpr Duration kSaidWithin = std::chrono::seconds(2);
 
 /// What a receiver holds a message against.
 struct Expectation {
-  models::TrialMode mode = models::TrialMode::kLive;
+  scenario::TrialMode mode = scenario::TrialMode::kLive;
   Time now{};                      ///< by the receiver's steady clock
   bool judges_time = true;         ///< whether what is not of now is refused
   bool is_emergency_stop = false;  ///< the payload says so, before anything is proven

@@ -108,7 +108,7 @@ std::optional<SignedParts> split(Bytes message) {
   parts.foot.session = number_at(foot, 4, 8);
   parts.foot.counter = number_at(foot, 12, 8);
   parts.foot.role = static_cast<Role>(role);
-  parts.foot.mode = static_cast<models::TrialMode>(mode);
+  parts.foot.mode = static_cast<scenario::TrialMode>(mode);
   return parts;
 }
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "models/scenario/security_spec.hpp"
+#include "scenario/security_spec.hpp"
 
 // What stands behind a signed message's payload, bytes to values and back. Pure; no cryptography.
 // LCM's tools carry it unread, and decoders that lcm-gen wrote, of any language, ignore it. All
@@ -48,7 +48,7 @@ struct Foot {
   std::uint64_t session = 0;  ///< random, for each start of a process; of a vehicle, at arming too
   std::uint64_t counter = 0;  ///< the sender's time, µs since the Unix epoch, but always rising
   Role role = Role::kNode;
-  models::TrialMode mode = models::TrialMode::kLive;
+  scenario::TrialMode mode = scenario::TrialMode::kLive;
   friend bool operator==(const Foot&, const Foot&) = default;
 };
 

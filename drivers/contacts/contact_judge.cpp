@@ -7,12 +7,12 @@
 namespace vantage::drivers {
 namespace {
 
-std::vector<models::CollisionMonitor::Body> bodies_of(const models::Scenario& scenario) {
+std::vector<models::CollisionMonitor::Body> bodies_of(const scenario::Scenario& scenario) {
   std::vector<models::CollisionMonitor::Body> out;
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     out.push_back({robot.name, robot.limits.radius_m, true});
   }
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     out.push_back({target.name, target.radius_m, false});
   }
   return out;
@@ -20,17 +20,17 @@ std::vector<models::CollisionMonitor::Body> bodies_of(const models::Scenario& sc
 
 }  // namespace
 
-ContactJudge::ContactJudge(const models::Scenario& scenario)
+ContactJudge::ContactJudge(const scenario::Scenario& scenario)
     : monitor_(scenario.world, bodies_of(scenario), scenario.planner.separation_m) {
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     bodies_.emplace(robot.name, bodies_.size());
     robots_.emplace(robot.name, Flown{});
     other_radius_m_ = std::max(other_radius_m_, robot.limits.radius_m);
-    if (robot.device != models::DeviceSource::kReal) {
+    if (robot.device != scenario::DeviceSource::kReal) {
       simulated_.insert(robot.name);
     }
   }
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     bodies_.emplace(target.name, bodies_.size());
     targets_.insert(target.name);
   }

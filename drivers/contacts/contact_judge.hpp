@@ -10,7 +10,7 @@
 #include "core/time.hpp"
 #include "models/contact/collision_monitor.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
@@ -32,7 +32,7 @@ class ContactJudge {
   static constexpr Duration kGapMax = std::chrono::milliseconds(200);
   static constexpr std::size_t kOthersMax = 32;  ///< bodies that the scenario does not name
 
-  explicit ContactJudge(const models::Scenario& scenario);
+  explicit ContactJudge(const scenario::Scenario& scenario);
 
   void on_status(const models::VehicleStatus& status);
   void on_truth(const models::TruthFrame& truth);

@@ -5,12 +5,10 @@
 #include <limits>
 
 #include "core/axes.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
-
-namespace wire = models::mavlink;
 
 constexpr Duration kSecond = std::chrono::seconds(1);
 // Several within the second after which an autopilot is to notice that they have stopped.
@@ -39,16 +37,16 @@ std::array<float, 21> covariance(double first_three_sigma, double last_three_sig
   return out;
 }
 
-std::vector<models::ParameterRule> rules_for(const models::AutopilotSpec& spec) {
-  return spec.parameters == models::ParameterPolicy::kIgnore
-             ? std::vector<models::ParameterRule>()
-             : models::parameter_rules(spec.dialect);
+std::vector<wire::mavlink::ParameterRule> rules_for(const scenario::AutopilotSpec& spec) {
+  return spec.parameters == scenario::ParameterPolicy::kIgnore
+             ? std::vector<wire::mavlink::ParameterRule>()
+             : wire::mavlink::parameter_rules(spec.dialect);
 }
 
 }  // namespace
 
-AutopilotLink::AutopilotLink(const models::AutopilotSpec& spec,
-                             const std::optional<wire::SigningKey>& key)
+AutopilotLink::AutopilotLink(const scenario::AutopilotSpec& spec,
+                             const std::optional<wire::mavlink::SigningKey>& key)
     : dialect_(spec.dialect),
       traits_(traits_of(spec.dialect)),
       system_id_(static_cast<std::uint8_t>(spec.system_id)),
@@ -60,7 +58,7 @@ AutopilotLink::AutopilotLink(const models::AutopilotSpec& spec,
 }
 
 void AutopilotLink::receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
-  const auto handle = [this, now](const wire::Frame& frame) { take(frame, now); };
+  const auto handle = [this, now](const wire::mavlink::Frame& frame) { take(frame, now); };
   // After a pause on a serial line what was begun will not be continued.
   if (!is_datagram && last_bytes_ && now - *last_bytes_ > kSerialPause) {
     parser_.flush(handle);
@@ -72,14 +70,14 @@ void AutopilotLink::receive(std::span<const std::uint8_t> bytes, bool is_datagra
   }
 }
 
-bool AutopilotLink::is_of_vehicle(const wire::Frame& frame) {
-  if (frame.origin.component_id > wire::kComponentAutopilot) {
+bool AutopilotLink::is_of_vehicle(const wire::mavlink::Frame& frame) {
+  if (frame.origin.component_id > wire::mavlink::kComponentAutopilot) {
     return false;
   }
   if (system_id_ == 0) {
-    const auto heartbeat = wire::unpack<wire::Heartbeat>(frame);
+    const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame);
     if (!heartbeat || heartbeat->autopilot == wire::autopilot::kNone ||
-        heartbeat->type == wire::type::kGroundStation) {
+        heartbeat->type == wire::mavlink::type::kGroundStation) {
       return false;
     }
     system_id_ = frame.origin.system_id;
@@ -87,8 +85,8 @@ bool AutopilotLink::is_of_vehicle(const wire::Frame& frame) {
   return frame.origin.system_id == system_id_;
 }
 
-void AutopilotLink::take(const wire::Frame& frame, Time now) {
-  if (signer_ && signer_->check(frame, now) != wire::SignatureVerdict::kGood) {
+void AutopilotLink::take(const wire::mavlink::Frame& frame, Time now) {
+  if (signer_ && signer_->check(frame, now) != wire::mavlink::SignatureVerdict::kGood) {
     ++signatures_refused_;
     return;
   }
@@ -102,29 +100,29 @@ void AutopilotLink::take(const wire::Frame& frame, Time now) {
     reconnections_seen_ = telemetry_.reconnections();
     parameters_.restart();
   }
-  if (frame.message_id == wire::Heartbeat::kMessage.id) {
+  if (frame.message_id == wire::mavlink::Heartbeat::kMessage.id) {
     is_heartbeat_v1_ = frame.is_v1;
-  } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
+  } else if (const auto timesync = wire::mavlink::unpack<wire::mavlink::Timesync>(frame)) {
     answer_timesync(*timesync, now);
-  } else if (const auto ack = wire::unpack<wire::CommandAck>(frame)) {
+  } else if (const auto ack = wire::mavlink::unpack<wire::mavlink::CommandAck>(frame)) {
     const bool is_mine = ack->target_system == 0 || ack->target_system == traits_.own_system_id;
     if (is_mine) {
       commands_.acknowledge(*ack, now);
     }
-  } else if (const auto value = wire::unpack<wire::ParamValue>(frame)) {
+  } else if (const auto value = wire::mavlink::unpack<wire::mavlink::ParamValue>(frame)) {
     parameters_.take(*value, now);
   }
 }
 
-void AutopilotLink::answer_timesync(const wire::Timesync& request, Time now) {
+void AutopilotLink::answer_timesync(const wire::mavlink::Timesync& request, Time now) {
   if (request.tc1 != 0) {
     return;
   }
-  wire::Timesync reply;
+  wire::mavlink::Timesync reply;
   reply.tc1 = to_utime(now) * 1000;
   reply.ts1 = request.ts1;
   reply.target_system = system_id_;
-  reply.target_component = wire::kComponentAutopilot;
+  reply.target_component = wire::mavlink::kComponentAutopilot;
   send(reply, now);
 }
 
@@ -132,20 +130,20 @@ void AutopilotLink::tick(Time now) {
   now_ = now;
   if (now >= next_heartbeat_) {
     next_heartbeat_ = now + kHeartbeatPeriod;
-    wire::Heartbeat heartbeat;
+    wire::mavlink::Heartbeat heartbeat;
     heartbeat.type = traits_.own_type;
     heartbeat.autopilot = wire::autopilot::kNone;
-    heartbeat.system_status = wire::kStateActive;
+    heartbeat.system_status = wire::mavlink::kStateActive;
     heartbeat.mavlink_version = 3;
     send(heartbeat, now);
   }
   if (now >= next_second_) {
     next_second_ = now + kSecond;
     if (telemetry_.is_connected(now)) {
-      wire::Timesync request;
+      wire::mavlink::Timesync request;
       request.ts1 = to_utime(now) * 1000;
       request.target_system = system_id_;
-      request.target_component = wire::kComponentAutopilot;
+      request.target_component = wire::mavlink::kComponentAutopilot;
       send(request, now);
       if (traits_.needs_origin && !telemetry_.has_origin()) {
         send_origin();
@@ -156,13 +154,13 @@ void AutopilotLink::tick(Time now) {
     ask_for_streams(now);
     ask_for_parameters(now);
   }
-  for (wire::CommandLong& command : commands_.due(now)) {
+  for (wire::mavlink::CommandLong& command : commands_.due(now)) {
     send(command, now);
   }
 }
 
 void AutopilotLink::ask_for_streams(Time now) {
-  if (commands_.is_under_way(wire::command::kSetMessageInterval)) {
+  if (commands_.is_under_way(wire::mavlink::command::kSetMessageInterval)) {
     return;  // its answers do not say which message they are about: one after the other
   }
   for (const WantedStream& stream : traits_.streams) {
@@ -172,8 +170,8 @@ void AutopilotLink::ask_for_streams(Time now) {
         (asked != streams_asked_.end() && now - asked->second <= kStreamAgeMax)) {
       continue;
     }
-    wire::CommandLong command;
-    command.command = wire::command::kSetMessageInterval;
+    wire::mavlink::CommandLong command;
+    command.command = wire::mavlink::command::kSetMessageInterval;
     command.param1 = static_cast<float>(stream.message_id);
     command.param2 = f32(1e6 / stream.rate_hz);
     streams_asked_[stream.message_id] = now;
@@ -189,7 +187,7 @@ void AutopilotLink::ask_for_parameters(Time now) {
   ParameterCheck::Due due = parameters_.due(now);
   const auto address_and_send = [&](auto& message) {
     message.target_system = system_id_;
-    message.target_component = wire::kComponentAutopilot;
+    message.target_component = wire::mavlink::kComponentAutopilot;
     send(message, now);
   };
   std::for_each(due.reads.begin(), due.reads.end(), address_and_send);
@@ -197,7 +195,7 @@ void AutopilotLink::ask_for_parameters(Time now) {
 }
 
 void AutopilotLink::send_origin() {
-  wire::SetGpsGlobalOrigin origin;
+  wire::mavlink::SetGpsGlobalOrigin origin;
   origin.latitude = kOriginLatitudeDegE7;
   origin.longitude = kOriginLongitudeDegE7;
   origin.altitude = kOriginAltitudeMm;
@@ -211,7 +209,7 @@ void AutopilotLink::send_pose(const BodyState& state, Time now) {
   const Quaternion local_from_body = turn_axes(state.world_from_body.rotation);
   const Eigen::Vector3d velocity_body_mps =
       local_from_body.conjugate() * turn_axes(state.velocity_world_mps);
-  wire::Odometry odometry;
+  wire::mavlink::Odometry odometry;
   odometry.time_usec =
       static_cast<std::uint64_t>(std::max<std::int64_t>(0, to_utime(state.capture)));
   odometry.x = f32(position_m.x());
@@ -227,21 +225,21 @@ void AutopilotLink::send_pose(const BodyState& state, Time now) {
   odometry.yawspeed = kNotGiven;
   odometry.pose_covariance = covariance(state.position_sigma_m, state.attitude_sigma_rad);
   odometry.velocity_covariance = covariance(state.velocity_sigma_mps, 1.0);
-  odometry.frame_id = wire::frame::kLocalFrd;
-  odometry.child_frame_id = wire::frame::kBodyFrd;
+  odometry.frame_id = wire::mavlink::frame::kLocalFrd;
+  odometry.child_frame_id = wire::mavlink::frame::kBodyFrd;
   odometry.reset_counter = state.resets;
-  odometry.estimator_type = wire::kEstimatorVision;
+  odometry.estimator_type = wire::mavlink::kEstimatorVision;
   odometry.quality = 100;
   send(odometry, now);
 }
 
 void AutopilotLink::send_setpoint(const Setpoint& setpoint, Time now) {
-  wire::SetPositionTargetLocalNed target;
+  wire::mavlink::SetPositionTargetLocalNed target;
   target.time_boot_ms = static_cast<std::uint32_t>(to_utime(now) / 1000);
   target.target_system = system_id_;
-  target.target_component = wire::kComponentAutopilot;
-  target.coordinate_frame = wire::frame::kLocalNed;
-  target.type_mask = wire::mask::kNothingIgnored;
+  target.target_component = wire::mavlink::kComponentAutopilot;
+  target.coordinate_frame = wire::mavlink::frame::kLocalNed;
+  target.type_mask = wire::mavlink::mask::kNothingIgnored;
   const Eigen::Vector3d position_m = turn_axes(setpoint.position_world_m);
   const Eigen::Vector3d velocity_mps = turn_axes(setpoint.velocity_world_mps);
   const Eigen::Vector3d acceleration_mps2 = turn_axes(setpoint.acceleration_world_mps2);
@@ -259,29 +257,29 @@ void AutopilotLink::send_setpoint(const Setpoint& setpoint, Time now) {
   send(target, now);
 }
 
-void AutopilotLink::want(wire::CommandLong command, Time now, Duration pause) {
+void AutopilotLink::want(wire::mavlink::CommandLong command, Time now, Duration pause) {
   command.target_system = system_id_;
-  command.target_component = wire::kComponentAutopilot;
+  command.target_component = wire::mavlink::kComponentAutopilot;
   commands_.want(command, now, pause);
 }
 
-void AutopilotLink::insist(wire::CommandLong command, Time now, Duration period) {
+void AutopilotLink::insist(wire::mavlink::CommandLong command, Time now, Duration period) {
   command.target_system = system_id_;
-  command.target_component = wire::kComponentAutopilot;
+  command.target_component = wire::mavlink::kComponentAutopilot;
   commands_.insist(command, now, period);
 }
 
 template <class Message>
 void AutopilotLink::send(const Message& message, Time now) {
-  wire::Frame frame = wire::pack(
-      message, {traits_.own_system_id, wire::kComponentOnboardComputer, next_sequence_++});
+  wire::mavlink::Frame frame = wire::mavlink::pack(
+      message, {traits_.own_system_id, wire::mavlink::kComponentOnboardComputer, next_sequence_++});
   if (signer_) {
     signer_->sign(frame, now);
   }
   if (output_.size() >= kOutputMax) {
     output_.erase(output_.begin(), output_.begin() + kOutputMax / 2);
   }
-  wire::append_bytes(frame, output_.emplace_back());
+  wire::mavlink::append_bytes(frame, output_.emplace_back());
 }
 
 std::vector<WireMessage> AutopilotLink::take_output() { return std::exchange(output_, {}); }
@@ -304,7 +302,7 @@ std::optional<std::string> AutopilotLink::fault(Time now) const {
 }
 
 std::vector<models::NamedCount> AutopilotLink::counters() const {
-  const wire::ParserCounts& parsed = parser_.counts();
+  const wire::mavlink::ParserCounts& parsed = parser_.counts();
   const std::vector<models::NamedCount> all{
       {"mavlink.frames_lost", sequence_.lost()},
       {"mavlink.frames_out_of_order", sequence_.out_of_order()},

@@ -16,8 +16,8 @@
 #include "drivers/quadrotor/parameter_check.hpp"
 #include "drivers/quadrotor/telemetry.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/wire/mavlink/parser.hpp"
-#include "models/wire/mavlink/signing.hpp"
+#include "wire/mavlink/parser.hpp"
+#include "wire/mavlink/signing.hpp"
 
 namespace vantage::drivers {
 
@@ -52,8 +52,8 @@ struct Setpoint {
 class AutopilotLink {
  public:
   /// Its parameters are asked for while it is not armed, unless the spec ignores them.
-  AutopilotLink(const models::AutopilotSpec& spec,
-                const std::optional<models::mavlink::SigningKey>& key);
+  AutopilotLink(const scenario::AutopilotSpec& spec,
+                const std::optional<wire::mavlink::SigningKey>& key);
 
   /// Bytes from the wire; a datagram, or a piece of a stream.
   void receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
@@ -63,8 +63,8 @@ class AutopilotLink {
   void send_pose(const BodyState& state, Time now);
   void send_setpoint(const Setpoint& setpoint, Time now);
   /// Has a command sent and repeated until it is answered; see CommandSender::want().
-  void want(models::mavlink::CommandLong command, Time now, Duration pause);
-  void insist(models::mavlink::CommandLong command, Time now, Duration period);
+  void want(wire::mavlink::CommandLong command, Time now, Duration pause);
+  void insist(wire::mavlink::CommandLong command, Time now, Duration period);
 
   /// What is to go out, in order; empties it.
   std::vector<WireMessage> take_output();
@@ -80,9 +80,9 @@ class AutopilotLink {
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
  private:
-  void take(const models::mavlink::Frame& frame, Time now);
-  [[nodiscard]] bool is_of_vehicle(const models::mavlink::Frame& frame);
-  void answer_timesync(const models::mavlink::Timesync& request, Time now);
+  void take(const wire::mavlink::Frame& frame, Time now);
+  [[nodiscard]] bool is_of_vehicle(const wire::mavlink::Frame& frame);
+  void answer_timesync(const wire::mavlink::Timesync& request, Time now);
   void ask_for_streams(Time now);
   void ask_for_parameters(Time now);
   void send_origin();
@@ -92,9 +92,9 @@ class AutopilotLink {
   models::AutopilotDialect dialect_;
   const DialectTraits& traits_;
   std::uint8_t system_id_;
-  std::optional<models::mavlink::Signer> signer_;
-  models::mavlink::Parser parser_;
-  models::mavlink::SequenceMonitor sequence_;
+  std::optional<wire::mavlink::Signer> signer_;
+  wire::mavlink::Parser parser_;
+  wire::mavlink::SequenceMonitor sequence_;
   Telemetry telemetry_;
   CommandSender commands_;
   ParameterCheck parameters_;

@@ -1,6 +1,6 @@
 #include "drivers/quadrotor/command_sender.hpp"
 
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -9,14 +9,14 @@ constexpr Duration kAnswerWait = std::chrono::milliseconds(500);
 constexpr Duration kProgressWait = std::chrono::seconds(3);
 constexpr int kSendsMax = 4;
 
-bool is_same(const models::mavlink::CommandLong& a, const models::mavlink::CommandLong& b) {
+bool is_same(const wire::mavlink::CommandLong& a, const wire::mavlink::CommandLong& b) {
   return a.param1 == b.param1 && a.param2 == b.param2 && a.param3 == b.param3 &&
          a.param7 == b.param7;
 }
 
 }  // namespace
 
-void CommandSender::want(const models::mavlink::CommandLong& command, Time now, Duration pause) {
+void CommandSender::want(const wire::mavlink::CommandLong& command, Time now, Duration pause) {
   const auto [found, is_new] = entries_.try_emplace(command.command);
   Entry& entry = found->second;
   if (!is_new && is_same(entry.command, command) &&
@@ -29,7 +29,7 @@ void CommandSender::want(const models::mavlink::CommandLong& command, Time now, 
   entry.next_send = now;
 }
 
-void CommandSender::insist(const models::mavlink::CommandLong& command, Time now, Duration period) {
+void CommandSender::insist(const wire::mavlink::CommandLong& command, Time now, Duration period) {
   const auto [found, is_new] = entries_.try_emplace(command.command);
   Entry& entry = found->second;
   if (is_new || !is_same(entry.command, command) || now >= entry.last_send + period) {
@@ -40,13 +40,13 @@ void CommandSender::insist(const models::mavlink::CommandLong& command, Time now
   }
 }
 
-void CommandSender::acknowledge(const models::mavlink::CommandAck& ack, Time now) {
+void CommandSender::acknowledge(const wire::mavlink::CommandAck& ack, Time now) {
   const auto found = entries_.find(ack.command);
   if (found == entries_.end() || !found->second.is_under_way) {
     return;
   }
   Entry& entry = found->second;
-  if (ack.result == models::mavlink::result::kInProgress) {
+  if (ack.result == wire::mavlink::result::kInProgress) {
     entry.next_send = now + kProgressWait;
     return;
   }
@@ -54,8 +54,8 @@ void CommandSender::acknowledge(const models::mavlink::CommandAck& ack, Time now
   entry.outcome = Outcome{ack.result, now};
 }
 
-std::vector<models::mavlink::CommandLong> CommandSender::due(Time now) {
-  std::vector<models::mavlink::CommandLong> out;
+std::vector<wire::mavlink::CommandLong> CommandSender::due(Time now) {
+  std::vector<wire::mavlink::CommandLong> out;
   for (auto& [number, entry] : entries_) {
     if (!entry.is_under_way || now < entry.next_send) {
       continue;

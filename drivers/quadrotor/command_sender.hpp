@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "models/wire/mavlink/messages.hpp"
+#include "wire/mavlink/messages.hpp"
 
 namespace vantage::drivers {
 
@@ -25,13 +25,13 @@ class CommandSender {
 
   /// Has `command` sent, unless the same is under way or ended less than `pause` ago. Another of
   /// its kind is given up for it.
-  void want(const models::mavlink::CommandLong& command, Time now, Duration pause);
+  void want(const wire::mavlink::CommandLong& command, Time now, Duration pause);
   /// Has `command` sent each `period` for as long as it is asked, whatever is answered (emergency
   /// stop).
-  void insist(const models::mavlink::CommandLong& command, Time now, Duration period);
-  void acknowledge(const models::mavlink::CommandAck& ack, Time now);
+  void insist(const wire::mavlink::CommandLong& command, Time now, Duration period);
+  void acknowledge(const wire::mavlink::CommandAck& ack, Time now);
   /// What is to be sent now.
-  std::vector<models::mavlink::CommandLong> due(Time now);
+  std::vector<wire::mavlink::CommandLong> due(Time now);
 
   [[nodiscard]] bool is_under_way(std::uint16_t command) const;
   /// Of the newest of its kind that ended.
@@ -41,7 +41,7 @@ class CommandSender {
 
  private:
   struct Entry {
-    models::mavlink::CommandLong command;
+    wire::mavlink::CommandLong command;
     bool is_under_way = false;
     int sent = 0;
     Time last_send{};

@@ -4,13 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
 
 using models::AutopilotDialect;
-namespace wire = models::mavlink;
 
 constexpr std::uint32_t px4_mode(std::uint32_t main, std::uint32_t sub = 0) {
   return main << 16U | sub << 24U;
@@ -22,12 +21,12 @@ WantedStream stream(double rate_hz) {
 }
 
 std::vector<WantedStream> streams_with(const WantedStream& estimator) {
-  return {stream<wire::LocalPositionNed>(20.0),
-          stream<wire::Attitude>(10.0),
+  return {stream<wire::mavlink::LocalPositionNed>(20.0),
+          stream<wire::mavlink::Attitude>(10.0),
           estimator,
-          stream<wire::ExtendedSysState>(5.0),
-          stream<wire::SysStatus>(1.0),
-          stream<wire::BatteryStatus>(1.0)};
+          stream<wire::mavlink::ExtendedSysState>(5.0),
+          stream<wire::mavlink::SysStatus>(1.0),
+          stream<wire::mavlink::BatteryStatus>(1.0)};
 }
 
 DialectTraits px4() {
@@ -35,13 +34,13 @@ DialectTraits px4() {
   out.name = "PX4";
   out.autopilot_id = wire::autopilot::kPx4;
   out.own_system_id = 254;
-  out.own_type = wire::type::kGroundStation;  // to others it never says why it refuses
+  out.own_type = wire::mavlink::type::kGroundStation;  // to others it never says why it refuses
   out.follow_mode = px4_mode(6);
   out.land_mode = px4_mode(4, 6);
   out.wants_proof_of_life = true;
   out.lead_s = 0.05;
   out.acceleration_lead_s = 0.05;
-  out.streams = streams_with(stream<wire::EstimatorStatus>(5.0));
+  out.streams = streams_with(stream<wire::mavlink::EstimatorStatus>(5.0));
   return out;
 }
 
@@ -50,20 +49,20 @@ DialectTraits ardupilot() {
   out.name = "ArduPilot";
   out.autopilot_id = wire::autopilot::kArdupilot;
   out.own_system_id = 255;  // whose heartbeat its ground-station failsafe listens to
-  out.own_type = wire::type::kGroundStation;
+  out.own_type = wire::mavlink::type::kGroundStation;
   out.follow_mode = 4;
   out.land_mode = 9;
   out.takes_off_by_command = true;
   out.lead_s = 0.1;
   out.acceleration_lead_s = 0.16;
   out.needs_origin = true;
-  out.streams = streams_with(stream<wire::EkfStatusReport>(5.0));
+  out.streams = streams_with(stream<wire::mavlink::EkfStatusReport>(5.0));
   return out;
 }
 
-wire::CommandLong set_mode(std::uint32_t main, std::uint32_t sub = 0) {
-  wire::CommandLong out;
-  out.command = wire::command::kSetMode;
+wire::mavlink::CommandLong set_mode(std::uint32_t main, std::uint32_t sub = 0) {
+  wire::mavlink::CommandLong out;
+  out.command = wire::mavlink::command::kSetMode;
   out.param1 = 1.0F;  // custom mode
   out.param2 = static_cast<float>(main);
   out.param3 = static_cast<float>(sub);
@@ -78,16 +77,16 @@ const DialectTraits& traits_of(AutopilotDialect dialect) {
   return dialect == AutopilotDialect::kPx4 ? kPx4 : kArdupilot;
 }
 
-wire::CommandLong follow_mode_command(AutopilotDialect dialect) {
+wire::mavlink::CommandLong follow_mode_command(AutopilotDialect dialect) {
   return dialect == AutopilotDialect::kPx4 ? set_mode(6) : set_mode(4);
 }
 
-wire::CommandLong land_command(AutopilotDialect dialect) {
+wire::mavlink::CommandLong land_command(AutopilotDialect dialect) {
   if (dialect == AutopilotDialect::kArdupilot) {
     return set_mode(9);
   }
-  wire::CommandLong out;
-  out.command = wire::command::kLand;
+  wire::mavlink::CommandLong out;
+  out.command = wire::mavlink::command::kLand;
   return out;
 }
 
@@ -129,7 +128,7 @@ std::string mode_name(AutopilotDialect dialect, std::uint32_t custom_mode) {
 
 std::optional<std::string> estimator_fault(AutopilotDialect dialect, std::uint16_t flags,
                                            bool is_airborne) {
-  namespace bit = wire::estimator;
+  namespace bit = wire::mavlink::estimator;
   const auto lacks = [flags](unsigned bits) { return (flags & bits) == 0; };
   if (dialect == AutopilotDialect::kArdupilot && !lacks(bit::kUninitialised)) {
     return "estimator is not initialised";
@@ -171,15 +170,15 @@ const char* result_name(std::uint8_t ack_result) {
 
 std::string command_name(std::uint16_t command) {
   switch (command) {
-    case wire::command::kLand:
+    case wire::mavlink::command::kLand:
       return "land";
-    case wire::command::kTakeOff:
+    case wire::mavlink::command::kTakeOff:
       return "take-off";
-    case wire::command::kSetMode:
+    case wire::mavlink::command::kSetMode:
       return "mode change";
-    case wire::command::kArmDisarm:
+    case wire::mavlink::command::kArmDisarm:
       return "arm";
-    case wire::command::kSetMessageInterval:
+    case wire::mavlink::command::kSetMessageInterval:
       return "message interval";
     default:
       return fmt::format("command {}", command);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "models/scenario/scenario.hpp"
-#include "models/wire/mavlink/messages.hpp"
+#include "scenario/scenario.hpp"
+#include "wire/mavlink/messages.hpp"
 
 namespace vantage::drivers {
 
@@ -39,8 +39,8 @@ struct DialectTraits {
 const DialectTraits& traits_of(models::AutopilotDialect dialect);
 
 /// To enter follow_mode; to land.
-models::mavlink::CommandLong follow_mode_command(models::AutopilotDialect dialect);
-models::mavlink::CommandLong land_command(models::AutopilotDialect dialect);
+wire::mavlink::CommandLong follow_mode_command(models::AutopilotDialect dialect);
+wire::mavlink::CommandLong land_command(models::AutopilotDialect dialect);
 
 /// "offboard", "land", "mode 0x3040000".
 std::string mode_name(models::AutopilotDialect dialect, std::uint32_t custom_mode);

@@ -8,12 +8,11 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
 
-namespace wire = models::mavlink;
 using models::FlightState;
 
 constexpr double kHandOverM = 0.35;  // below it the autopilot's own landing ends a landing
@@ -23,8 +22,8 @@ constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
 constexpr Duration kPoseSlack{2'000};  // a frame this much early is not skipped
 
-const models::RobotSpec& robot_of(const models::Scenario& scenario, const std::string& robot) {
-  const models::RobotSpec* const spec = scenario.find_robot(robot);
+const scenario::RobotSpec& robot_of(const scenario::Scenario& scenario, const std::string& robot) {
+  const scenario::RobotSpec* const spec = scenario.find_robot(robot);
   require(spec != nullptr, "quadrotor driver: robot " + robot + " is not in the scenario");
   require(spec->autopilot.has_value(),
           "quadrotor driver: robot " + robot + " has no `autopilot` in the scenario");
@@ -44,9 +43,9 @@ std::optional<Time> later(std::optional<Time> a, std::optional<Time> b) {
 
 }  // namespace
 
-QuadrotorDriver::QuadrotorDriver(const models::Scenario& scenario, const std::string& robot,
+QuadrotorDriver::QuadrotorDriver(const scenario::Scenario& scenario, const std::string& robot,
                                  const SafetyLimits& limits,
-                                 const std::optional<wire::SigningKey>& key)
+                                 const std::optional<wire::mavlink::SigningKey>& key)
     : robot_(robot),
       dialect_(robot_of(scenario, robot).autopilot->dialect),
       parameter_policy_(robot_of(scenario, robot).autopilot->parameters),
@@ -71,8 +70,8 @@ void QuadrotorDriver::report_autopilot(Time now) {
     battery_reported_ = battery;
     guard_.on_battery(*telemetry.battery_share(), now);
   }
-  const auto news = later(later(telemetry.heard(wire::LocalPositionNed::kMessage.id),
-                                telemetry.heard(wire::Attitude::kMessage.id)),
+  const auto news = later(later(telemetry.heard(wire::mavlink::LocalPositionNed::kMessage.id),
+                                telemetry.heard(wire::mavlink::Attitude::kMessage.id)),
                           telemetry.heartbeat_time());
   if (news == telemetry_reported_) {
     return;
@@ -89,7 +88,7 @@ void QuadrotorDriver::report_autopilot(Time now) {
   report.has_position = position_m.has_value();
   report.position_world_m = position_m.value_or(Eigen::Vector3d::Zero());
   report.velocity_world_mps = telemetry.velocity_world_mps();
-  report.has_attitude = telemetry.heard(wire::Attitude::kMessage.id).has_value();
+  report.has_attitude = telemetry.heard(wire::mavlink::Attitude::kMessage.id).has_value();
   report.world_from_body = telemetry.world_from_body();
   report.yaw_rate_radps = telemetry.yaw_rate_radps();
   report.is_in_our_mode = telemetry.mode() == traits_of(dialect_).follow_mode;
@@ -184,7 +183,7 @@ void QuadrotorDriver::fly(Time now) {
   const double height_m = body ? body->world_from_body.translation_m.z() : ground_m_.value_or(0.0);
   FlightSequence::Situation situation;
   const bool has_parameters =
-      parameter_policy_ != models::ParameterPolicy::kVerify || link_.parameters().is_kept();
+      parameter_policy_ != scenario::ParameterPolicy::kVerify || link_.parameters().is_kept();
   situation.may_arm =
       body && link_.telemetry().position_world_m(now) && !link_.fault(now) && has_parameters;
   situation.take_off_height_m = std::max(0.1, orders_.climb_to_m - ground_m_.value_or(0.0));
@@ -209,8 +208,9 @@ void QuadrotorDriver::fly(Time now) {
 }
 
 std::optional<std::string> QuadrotorDriver::refusal(Time now) const {
-  static constexpr std::array kCommands{wire::command::kArmDisarm, wire::command::kSetMode,
-                                        wire::command::kTakeOff, wire::command::kLand};
+  static constexpr std::array kCommands{
+      wire::mavlink::command::kArmDisarm, wire::mavlink::command::kSetMode,
+      wire::mavlink::command::kTakeOff, wire::mavlink::command::kLand};
   const CommandSender::Outcome* newest = nullptr;
   std::uint16_t which = 0;
   std::array<std::optional<CommandSender::Outcome>, kCommands.size()> outcomes;
@@ -244,8 +244,8 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
   } else if (!telemetry.position_world_m(now)) {
     out.reasons.emplace_back("the autopilot says nothing of its position");
   }
-  const bool tells_of_battery = telemetry.heard(wire::BatteryStatus::kMessage.id) ||
-                                telemetry.heard(wire::SysStatus::kMessage.id);
+  const bool tells_of_battery = telemetry.heard(wire::mavlink::BatteryStatus::kMessage.id) ||
+                                telemetry.heard(wire::mavlink::SysStatus::kMessage.id);
   if (tells_of_battery && !telemetry.battery_share()) {
     out.reasons.emplace_back(
         "the autopilot does not tell its battery's charge: give it a current sensor and the "
@@ -253,7 +253,7 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
   }
   if (!telemetry.is_armed()) {
     const char* const mark =
-        parameter_policy_ == models::ParameterPolicy::kVerify ? "" : "warning: ";
+        parameter_policy_ == scenario::ParameterPolicy::kVerify ? "" : "warning: ";
     for (const std::string& reason : link_.parameters().reasons()) {
       out.reasons.push_back(mark + reason);
     }

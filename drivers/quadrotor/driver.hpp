@@ -10,10 +10,10 @@
 #include "drivers/quadrotor/autopilot_link.hpp"
 #include "drivers/quadrotor/body_tracker.hpp"
 #include "drivers/quadrotor/flight_sequence.hpp"
-#include "drivers/quadrotor/safety/guard.hpp"
 #include "drivers/quadrotor/steering.hpp"
+#include "drivers/safety/guard.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
@@ -33,9 +33,9 @@ class QuadrotorDriver {
   static constexpr Duration kPosePeriod{20'000};      ///< poses are forwarded no faster
 
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
-  QuadrotorDriver(const models::Scenario& scenario, const std::string& robot,
+  QuadrotorDriver(const scenario::Scenario& scenario, const std::string& robot,
                   const SafetyLimits& limits,
-                  const std::optional<models::mavlink::SigningKey>& key = std::nullopt);
+                  const std::optional<wire::mavlink::SigningKey>& key = std::nullopt);
 
   /// Bytes from the autopilot: a datagram, or a piece of a serial stream.
   void receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
@@ -71,7 +71,7 @@ class QuadrotorDriver {
 
   std::string robot_;
   models::AutopilotDialect dialect_;
-  models::ParameterPolicy parameter_policy_;
+  scenario::ParameterPolicy parameter_policy_;
   AutopilotLink link_;
   FlightGuard guard_;
   BodyTracker tracker_;

@@ -1,11 +1,9 @@
 #include "drivers/quadrotor/flight_sequence.hpp"
 
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
-
-namespace wire = models::mavlink;
 
 // More than a second of set-points before the mode is asked for.
 constexpr Duration kProofOfLife = std::chrono::milliseconds(1500);
@@ -17,11 +15,11 @@ constexpr Duration kDisarmAfterLanding = std::chrono::seconds(5);
 constexpr Duration kLeftInTheAir = std::chrono::seconds(1);
 constexpr double kClimbedM = 0.25;
 
-wire::CommandLong arm_command(bool is_to_arm, bool is_forced = false) {
-  wire::CommandLong out;
-  out.command = wire::command::kArmDisarm;
+wire::mavlink::CommandLong arm_command(bool is_to_arm, bool is_forced = false) {
+  wire::mavlink::CommandLong out;
+  out.command = wire::mavlink::command::kArmDisarm;
   out.param1 = is_to_arm ? 1.0F : 0.0F;
-  out.param2 = is_forced ? wire::kForceDisarm : 0.0F;
+  out.param2 = is_forced ? wire::mavlink::kForceDisarm : 0.0F;
   return out;
 }
 
@@ -150,8 +148,8 @@ bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
     return true;
   }
   if (telemetry.is_on_ground() || situation.is_low) {
-    wire::CommandLong take_off;
-    take_off.command = wire::command::kTakeOff;
+    wire::mavlink::CommandLong take_off;
+    take_off.command = wire::mavlink::command::kTakeOff;
     take_off.param7 = static_cast<float>(situation.take_off_height_m);
     link.want(take_off, situation.now, kTakeOffPause);
   }

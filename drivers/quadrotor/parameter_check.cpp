@@ -9,15 +9,15 @@
 namespace vantage::drivers {
 namespace {
 
-namespace wire = models::mavlink;
-
 constexpr std::size_t kReasonsMax = 3;
 
 }  // namespace
 
 ParameterCheck::ParameterCheck(models::AutopilotDialect dialect,
-                               const std::vector<models::ParameterRule>& rules)
-    : dialect_(dialect), encoding_(models::parameter_encoding(dialect)), entries_(rules.size()) {
+                               const std::vector<wire::mavlink::ParameterRule>& rules)
+    : dialect_(dialect),
+      encoding_(wire::mavlink::parameter_encoding(dialect)),
+      entries_(rules.size()) {
   for (std::size_t i = 0; i < rules.size(); ++i) {
     entries_[i].known.rule = rules[i];
   }
@@ -31,11 +31,12 @@ void ParameterCheck::restart() {
   }
 }
 
-void ParameterCheck::take(const wire::ParamValue& value, Time now) {
-  const std::string name = wire::parameter_name(value.param_id);
+void ParameterCheck::take(const wire::mavlink::ParamValue& value, Time now) {
+  const std::string name = wire::mavlink::parameter_name(value.param_id);
   const auto found = std::find_if(entries_.begin(), entries_.end(),
                                   [&](const Item& item) { return item.known.rule.name == name; });
-  const double actual = wire::decode_parameter(value.param_value, value.param_type, encoding_);
+  const double actual =
+      wire::mavlink::decode_parameter(value.param_value, value.param_type, encoding_);
   if (found == entries_.end() || !std::isfinite(actual)) {
     return;
   }
@@ -88,16 +89,16 @@ ParameterCheck::Due ParameterCheck::due(Time now) {
     under_way += item.next_ask ? 0 : 1;
     item.next_ask = now + kAnswerWait;
     ++item.asked;
-    const models::ParameterRule& rule = item.known.rule;
+    const wire::mavlink::ParameterRule& rule = item.known.rule;
     if (item.is_to_be_set) {
-      wire::ParamSet& set = out.sets.emplace_back();
-      set.param_value = wire::encode_parameter(rule.value, item.type, encoding_);
+      wire::mavlink::ParamSet& set = out.sets.emplace_back();
+      set.param_value = wire::mavlink::encode_parameter(rule.value, item.type, encoding_);
       set.param_type = item.type;
-      set.param_id = wire::parameter_id(rule.name);
+      set.param_id = wire::mavlink::parameter_id(rule.name);
     } else {
-      wire::ParamRequestRead& read = out.reads.emplace_back();
+      wire::mavlink::ParamRequestRead& read = out.reads.emplace_back();
       read.param_index = -1;  // by name
-      read.param_id = wire::parameter_id(rule.name);
+      read.param_id = wire::mavlink::parameter_id(rule.name);
     }
   }
   return out;

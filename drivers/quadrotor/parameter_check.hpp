@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "models/autopilot/parameter_rules.hpp"
-#include "models/wire/mavlink/messages.hpp"
+#include "wire/autopilot/parameter_rules.hpp"
+#include "wire/mavlink/messages.hpp"
 
 namespace vantage::drivers {
 
@@ -24,11 +24,11 @@ class ParameterCheck {
   static constexpr int kAsksMax = 6;
   static constexpr int kUnderWayMax = 4;
 
-  ParameterCheck(models::AutopilotDialect dialect, const std::vector<models::ParameterRule>& rules);
+  ParameterCheck(models::AutopilotDialect dialect, const std::vector<wire::ParameterRule>& rules);
 
   /// One rule and what is known of it.
   struct Entry {
-    models::ParameterRule rule;
+    wire::ParameterRule rule;
     std::optional<double> actual;  ///< nullopt: not answered yet, or not there
     bool is_settled = false;       ///< answered, or given up
     [[nodiscard]] bool is_kept() const { return actual && rule.accepts(*actual); }
@@ -37,13 +37,13 @@ class ParameterCheck {
   /// Forgets every value: what answers now may be another vehicle, or a restarted one.
   void restart();
   /// Whatever the autopilot says of a parameter, asked for or not.
-  void take(const models::mavlink::ParamValue& value, Time now);
+  void take(const wire::mavlink::ParamValue& value, Time now);
   /// Has every existing parameter that breaks its rule set to its value, and read back.
   void mend();
 
   struct Due {
-    std::vector<models::mavlink::ParamRequestRead> reads;
-    std::vector<models::mavlink::ParamSet> sets;
+    std::vector<wire::mavlink::ParamRequestRead> reads;
+    std::vector<wire::mavlink::ParamSet> sets;
   };
   /// What is to be said now, without the target. Old values are asked for again.
   Due due(Time now);
@@ -65,14 +65,14 @@ class ParameterCheck {
  private:
   struct Item {
     Entry known;
-    std::uint8_t type = models::mavlink::parameter_type::kFloat;
+    std::uint8_t type = wire::mavlink::parameter_type::kFloat;
     int asked = 0;  ///< since it was settled last
     std::optional<Time> next_ask;
     Time answered{};
     bool is_to_be_set = false;
   };
   models::AutopilotDialect dialect_;
-  models::mavlink::ParameterEncoding encoding_;
+  wire::mavlink::ParameterEncoding encoding_;
   std::vector<Item> entries_;
 };
 

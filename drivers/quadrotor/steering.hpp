@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "drivers/quadrotor/autopilot_link.hpp"
-#include "drivers/quadrotor/safety/guard.hpp"
-#include "models/scenario/scenario.hpp"
+#include "drivers/safety/guard.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 

@@ -5,12 +5,10 @@
 
 #include "core/axes.hpp"
 #include "drivers/quadrotor/dialect.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
-
-namespace wire = models::mavlink;
 
 constexpr Duration kHeartbeatAgeMax = std::chrono::milliseconds(2500);
 constexpr Duration kEstimatorAgeMax = std::chrono::seconds(2);
@@ -25,13 +23,13 @@ constexpr std::int64_t kRoundTripForgettingNs = 20'000;
 
 }  // namespace
 
-void Telemetry::take(const wire::Frame& frame, Time now) {
+void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
   heard_[frame.message_id] = now;
-  if (const auto heartbeat = wire::unpack<wire::Heartbeat>(frame)) {
+  if (const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame)) {
     take_heartbeat(*heartbeat, now);
-  } else if (const auto state = wire::unpack<wire::ExtendedSysState>(frame)) {
+  } else if (const auto state = wire::mavlink::unpack<wire::mavlink::ExtendedSysState>(frame)) {
     landed_state_ = state->landed_state;
-  } else if (const auto battery = wire::unpack<wire::BatteryStatus>(frame)) {
+  } else if (const auto battery = wire::mavlink::unpack<wire::mavlink::BatteryStatus>(frame)) {
     if (battery->id == 0) {
       // Of its cells, or the whole in the first ones; 0xFFFF where there is none.
       double voltage_mv = 0.0;
@@ -40,24 +38,24 @@ void Telemetry::take(const wire::Frame& frame, Time now) {
       }
       take_battery(battery->battery_remaining, voltage_mv / 1000.0, now);
     }
-  } else if (const auto system = wire::unpack<wire::SysStatus>(frame)) {
-    if (!heard(wire::BatteryStatus::kMessage.id)) {
+  } else if (const auto system = wire::mavlink::unpack<wire::mavlink::SysStatus>(frame)) {
+    if (!heard(wire::mavlink::BatteryStatus::kMessage.id)) {
       take_battery(system->battery_remaining,
                    system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
                    now);
     }
-  } else if (const auto px4 = wire::unpack<wire::EstimatorStatus>(frame)) {
+  } else if (const auto px4 = wire::mavlink::unpack<wire::mavlink::EstimatorStatus>(frame)) {
     estimator_flags_ = px4->flags;
-  } else if (const auto ardupilot = wire::unpack<wire::EkfStatusReport>(frame)) {
+  } else if (const auto ardupilot = wire::mavlink::unpack<wire::mavlink::EkfStatusReport>(frame)) {
     estimator_flags_ = ardupilot->flags;
-  } else if (const auto position = wire::unpack<wire::LocalPositionNed>(frame)) {
+  } else if (const auto position = wire::mavlink::unpack<wire::mavlink::LocalPositionNed>(frame)) {
     const Eigen::Vector3d local_m(position->x, position->y, position->z);
     const Eigen::Vector3d local_mps(position->vx, position->vy, position->vz);
     if (local_m.allFinite() && local_mps.allFinite()) {
       position_world_m_ = turn_axes(local_m);
       velocity_world_mps_ = turn_axes(local_mps);
     }
-  } else if (const auto attitude = wire::unpack<wire::Attitude>(frame)) {
+  } else if (const auto attitude = wire::mavlink::unpack<wire::mavlink::Attitude>(frame)) {
     const double cosine = std::cos(static_cast<double>(attitude->roll)) *
                           std::cos(static_cast<double>(attitude->pitch));
     tilt_rad_ = std::isfinite(cosine) ? std::acos(cosine) : 0.0;
@@ -69,23 +67,23 @@ void Telemetry::take(const wire::Frame& frame, Time now) {
           Eigen::AngleAxisd(static_cast<double>(attitude->roll), Eigen::Vector3d::UnitX()));
       yaw_rate_radps_ = turn_yaw(static_cast<double>(attitude->yawspeed));
     }
-  } else if (frame.message_id == wire::GpsGlobalOrigin::kMessage.id) {
+  } else if (frame.message_id == wire::mavlink::GpsGlobalOrigin::kMessage.id) {
     has_origin_ = true;
-  } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
+  } else if (const auto timesync = wire::mavlink::unpack<wire::mavlink::Timesync>(frame)) {
     take_timesync(*timesync, now);
-  } else if (const auto text = wire::unpack<wire::Statustext>(frame)) {
+  } else if (const auto text = wire::mavlink::unpack<wire::mavlink::Statustext>(frame)) {
     take_text(*text, now);
   }
 }
 
-void Telemetry::take_heartbeat(const wire::Heartbeat& heartbeat, Time now) {
+void Telemetry::take_heartbeat(const wire::mavlink::Heartbeat& heartbeat, Time now) {
   if (heartbeat_time_ && now - *heartbeat_time_ > kHeartbeatAgeMax) {
     ++reconnections_;
     has_origin_ = false;
     clock_offset_ns_.reset();
   }
   heartbeat_time_ = now;
-  is_armed_ = (heartbeat.base_mode & wire::kArmedFlag) != 0;
+  is_armed_ = (heartbeat.base_mode & wire::mavlink::kArmedFlag) != 0;
   mode_ = heartbeat.custom_mode;
   autopilot_ = heartbeat.autopilot;
 }
@@ -111,7 +109,7 @@ void Telemetry::take_battery(std::int8_t remaining_percent, double voltage_v, Ti
   }
 }
 
-void Telemetry::take_timesync(const wire::Timesync& reply, Time now) {
+void Telemetry::take_timesync(const wire::mavlink::Timesync& reply, Time now) {
   const std::int64_t now_ns = to_utime(now) * 1000;
   if (reply.tc1 == 0 || reply.ts1 > now_ns || reply.ts1 < now_ns - 1'000'000'000) {
     return;  // a request, or an answer to nothing that was asked in the last second
@@ -125,7 +123,7 @@ void Telemetry::take_timesync(const wire::Timesync& reply, Time now) {
   }
 }
 
-void Telemetry::take_text(const wire::Statustext& message, Time now) {
+void Telemetry::take_text(const wire::mavlink::Statustext& message, Time now) {
   const auto end = std::find(message.text.begin(), message.text.end(), '\0');
   std::string text(message.text.begin(), end);
   std::replace_if(
@@ -150,20 +148,21 @@ bool Telemetry::is_connected(Time now) const {
 }
 
 bool Telemetry::is_on_ground() const {
-  return landed_state_ == wire::landed::kUnknown ? !is_armed_
-                                                 : landed_state_ == wire::landed::kOnGround;
+  return landed_state_ == wire::mavlink::landed::kUnknown
+             ? !is_armed_
+             : landed_state_ == wire::mavlink::landed::kOnGround;
 }
 
 std::optional<std::uint16_t> Telemetry::estimator_flags(Time now) const {
   const std::uint32_t id = dialect_ == models::AutopilotDialect::kPx4
-                               ? wire::EstimatorStatus::kMessage.id
-                               : wire::EkfStatusReport::kMessage.id;
+                               ? wire::mavlink::EstimatorStatus::kMessage.id
+                               : wire::mavlink::EkfStatusReport::kMessage.id;
   const auto time = heard(id);
   return time && now - *time <= kEstimatorAgeMax ? std::optional(estimator_flags_) : std::nullopt;
 }
 
 std::optional<Eigen::Vector3d> Telemetry::position_world_m(Time now) const {
-  const auto time = heard(wire::LocalPositionNed::kMessage.id);
+  const auto time = heard(wire::mavlink::LocalPositionNed::kMessage.id);
   return time && now - *time <= kPositionAgeMax ? std::optional(position_world_m_) : std::nullopt;
 }
 

@@ -11,8 +11,8 @@
 
 #include "core/linear.hpp"
 #include "core/time.hpp"
-#include "models/scenario/scenario.hpp"
-#include "models/wire/mavlink/frame.hpp"
+#include "scenario/scenario.hpp"
+#include "wire/mavlink/frame.hpp"
 
 namespace vantage::drivers {
 
@@ -29,11 +29,11 @@ class Telemetry {
  public:
   /// @param battery  when its charge is to be known by its voltage
   explicit Telemetry(models::AutopilotDialect dialect,
-                     const std::optional<models::BatterySpec>& battery = std::nullopt)
+                     const std::optional<scenario::BatterySpec>& battery = std::nullopt)
       : dialect_(dialect), battery_(battery) {}
 
   /// Takes a frame of the vehicle.
-  void take(const models::mavlink::Frame& frame, Time now);
+  void take(const wire::mavlink::Frame& frame, Time now);
 
   /// A HEARTBEAT within the last 2.5 s: two were missed otherwise.
   [[nodiscard]] bool is_connected(Time now) const;
@@ -72,11 +72,11 @@ class Telemetry {
   [[nodiscard]] const std::deque<AutopilotText>& texts() const { return texts_; }
 
  private:
-  void take_heartbeat(const models::mavlink::Heartbeat& heartbeat, Time now);
+  void take_heartbeat(const wire::mavlink::Heartbeat& heartbeat, Time now);
   /// @param voltage_v  of the whole battery; 0: not told
   void take_battery(std::int8_t remaining_percent, double voltage_v, Time now);
-  void take_timesync(const models::mavlink::Timesync& reply, Time now);
-  void take_text(const models::mavlink::Statustext& message, Time now);
+  void take_timesync(const wire::mavlink::Timesync& reply, Time now);
+  void take_text(const wire::mavlink::Statustext& message, Time now);
 
   models::AutopilotDialect dialect_;
   std::map<std::uint32_t, Time> heard_;  ///< by message id; only those that are understood
@@ -86,7 +86,7 @@ class Telemetry {
   std::uint32_t mode_ = 0;
   std::uint8_t autopilot_ = 0;
   std::uint8_t landed_state_ = 0;
-  std::optional<models::BatterySpec> battery_;
+  std::optional<scenario::BatterySpec> battery_;
   std::optional<double> battery_share_;
   std::optional<double> rest_share_;  ///< by voltage, smoothed: propellers pull it down for moments
   Time rest_share_time_{};

@@ -5,9 +5,9 @@
 
 #include "core/angle.hpp"
 #include "core/check.hpp"
-#include "drivers/quadrotor/safety/latches.hpp"
-#include "drivers/quadrotor/safety/surroundings.hpp"
 #include "drivers/rover/steering.hpp"
+#include "drivers/safety/latches.hpp"
+#include "drivers/safety/surroundings.hpp"
 
 namespace vantage::drivers {
 
@@ -24,8 +24,8 @@ constexpr double kStandingRadps = 0.05;
 constexpr double kReleaseS = 0.5;  // then `arm` must be said again
 constexpr double kSetOffS = 0.5;   // from a way being asked for to its start
 
-const models::RoverSpec& rover_of(const models::Scenario& scenario, const std::string& robot) {
-  const models::RobotSpec* spec = scenario.find_robot(robot);
+const scenario::RoverSpec& rover_of(const scenario::Scenario& scenario, const std::string& robot) {
+  const scenario::RobotSpec* spec = scenario.find_robot(robot);
   require(spec != nullptr, "rover: robot " + robot + " is not in the scenario");
   require(spec->rover.has_value(), "rover: robot " + robot + " has no `rover` in the scenario");
   return *spec->rover;
@@ -33,7 +33,7 @@ const models::RoverSpec& rover_of(const models::Scenario& scenario, const std::s
 
 }  // namespace
 
-RoverDriver::RoverDriver(const models::Scenario& scenario, const std::string& robot,
+RoverDriver::RoverDriver(const scenario::Scenario& scenario, const std::string& robot,
                          const SafetyLimits& limits, std::uint32_t session)
     : name_(robot),
       limits_(limits),
@@ -184,12 +184,12 @@ BrakeWay RoverDriver::brake_way(Time now) const {
 }
 
 RoverFacts RoverDriver::facts(Time now) const {
-  const models::rover::Telemetry& heard = link_.telemetry();
+  const wire::rover::Telemetry& heard = link_.telemetry();
   RoverFacts out;
   out.stands = link_.heard_age_s(now) <= limits_.telemetry_age_hold_s &&
                std::abs(heard.speed_mps) < static_cast<float>(kStandingMps) &&
                std::abs(heard.yaw_rate_radps) < static_cast<float>(kStandingRadps);
-  out.stop_latched = link_.has_flag(models::rover::kStopLatched);
+  out.stop_latched = link_.has_flag(wire::rover::kStopLatched);
   return out;
 }
 
@@ -224,13 +224,13 @@ void RoverDriver::look(Time now) {
   in_.heartbeat_age_s = link_.heard_age_s(now);
   in_.telemetry_age_s = link_.obeyed_age_s(now);
   in_.autopilot_obeys = link_.is_ours();
-  in_.motor_failed = link_.has_flag(models::rover::kMotorFailed);
+  in_.motor_failed = link_.has_flag(wire::rover::kMotorFailed);
   in_.battery_share =
       link_.has_telemetry() ? static_cast<double>(link_.telemetry().battery_share) : 1.0;
   in_.operator_age_s = authority_.age_s(now);
   // Once killed, the rover's latch is what `arm` releases, and no new reason.
   const bool is_news =
-      ladder_.state != FlightState::kKilled && link_.has_flag(models::rover::kStopLatched);
+      ladder_.state != FlightState::kKilled && link_.has_flag(wire::rover::kStopLatched);
   in_.emergency_stop = emergency_stop_ || is_news;
   in_.request = request_;
 }
@@ -258,9 +258,9 @@ void RoverDriver::drive(Time now, double dt_s) {
 
 std::uint32_t RoverDriver::flags() const {
   if (ladder_.state == FlightState::kKilled) {
-    return ladder_.wants_armed ? models::rover::kReleaseStop : models::rover::kEmergencyStop;
+    return ladder_.wants_armed ? wire::rover::kReleaseStop : wire::rover::kEmergencyStop;
   }
-  return is_driving(ladder_.state) ? models::rover::kDrive : 0U;
+  return is_driving(ladder_.state) ? wire::rover::kDrive : 0U;
 }
 
 RoverMessage RoverDriver::tick(Time now) {

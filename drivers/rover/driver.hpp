@@ -8,23 +8,23 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "drivers/quadrotor/safety/authority.hpp"
-#include "drivers/quadrotor/safety/course.hpp"
-#include "drivers/quadrotor/safety/fleet.hpp"
-#include "drivers/quadrotor/safety/guard.hpp"
-#include "drivers/quadrotor/safety/mocap_clock.hpp"
-#include "drivers/quadrotor/safety/mocap_source.hpp"
-#include "drivers/quadrotor/safety/plan_gate.hpp"
-#include "drivers/quadrotor/safety/pose_monitor.hpp"
 #include "drivers/rover/link.hpp"
 #include "drivers/rover/rules.hpp"
 #include "drivers/rover/way.hpp"
+#include "drivers/safety/authority.hpp"
+#include "drivers/safety/course.hpp"
+#include "drivers/safety/fleet.hpp"
+#include "drivers/safety/guard.hpp"
+#include "drivers/safety/mocap_clock.hpp"
+#include "drivers/safety/mocap_source.hpp"
+#include "drivers/safety/plan_gate.hpp"
+#include "drivers/safety/pose_monitor.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
-using RoverMessage = std::array<std::uint8_t, models::rover::kCommandBytes>;
+using RoverMessage = std::array<std::uint8_t, wire::rover::kCommandBytes>;
 
 /// Drives one rover: hears everything, judges it, and says at each tick what the rover is to do.
 /// Pure: it is handed time, messages and bytes, and gives bytes back.
@@ -38,7 +38,7 @@ class RoverDriver {
  public:
   /// @param session  drawn at random by each start
   /// @throws UsageError for an unknown robot, one that is no rover, or limits that cannot be.
-  RoverDriver(const models::Scenario& scenario, const std::string& robot,
+  RoverDriver(const scenario::Scenario& scenario, const std::string& robot,
               const SafetyLimits& limits, std::uint32_t session);
 
   void on_mocap(const models::MocapFrame& frame, Time now);

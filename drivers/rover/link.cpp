@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <string>
 
-#include "drivers/quadrotor/safety/inputs.hpp"
+#include "drivers/safety/inputs.hpp"
 
 namespace vantage::drivers {
-
-namespace wire = models::rover;
 
 RoverLink::RoverLink(std::uint32_t number, std::uint32_t session)
     : number_(number), session_(std::max(1U, session)) {}
 
-std::array<std::uint8_t, wire::kCommandBytes> RoverLink::command(
+std::array<std::uint8_t, wire::rover::kCommandBytes> RoverLink::command(
     const models::UnicycleControl& control, std::uint32_t flags, Time now) {
-  wire::Command out;
+  wire::rover::Command out;
   out.robot = number_;
   out.session = session_;
   out.sequence = ++sequence_;
@@ -22,14 +20,14 @@ std::array<std::uint8_t, wire::kCommandBytes> RoverLink::command(
   out.speed_mps = static_cast<float>(control.speed_mps);
   out.yaw_rate_radps = static_cast<float>(control.yaw_rate_radps);
   out.flags = flags;
-  return wire::encode(out);
+  return wire::rover::encode(out);
 }
 
 bool RoverLink::receive(std::span<const std::uint8_t> datagram, Time now) {
-  wire::Telemetry heard;
-  const wire::Verdict verdict = wire::decode(datagram, heard);
+  wire::rover::Telemetry heard;
+  const wire::rover::Verdict verdict = wire::rover::decode(datagram, heard);
   ++verdicts_[static_cast<std::size_t>(verdict)];
-  if (verdict != wire::Verdict::kAccepted) {
+  if (verdict != wire::rover::Verdict::kAccepted) {
     return false;
   }
   if (heard.robot != number_) {
@@ -37,7 +35,7 @@ bool RoverLink::receive(std::span<const std::uint8_t> datagram, Time now) {
     return false;
   }
   const bool is_same_boot = has_telemetry_ && heard.boot == telemetry_.boot;
-  if (is_same_boot && !wire::is_after(heard.sequence, telemetry_.sequence)) {
+  if (is_same_boot && !wire::rover::is_after(heard.sequence, telemetry_.sequence)) {
     ++late_;
     return false;
   }
@@ -47,7 +45,7 @@ bool RoverLink::receive(std::span<const std::uint8_t> datagram, Time now) {
   heard_ = now;
   // What it says it has taken must be something that was said.
   const bool was_said =
-      heard.session == session_ && !wire::is_after(heard.command_sequence, sequence_);
+      heard.session == session_ && !wire::rover::is_after(heard.command_sequence, sequence_);
   const Time sent = from_utime(heard.command_time_us);
   if (was_said && sent <= now && (!is_obeyed_ || sent > obeyed_)) {
     is_obeyed_ = true;
@@ -65,13 +63,15 @@ double RoverLink::obeyed_age_s(Time now) const {
 }
 
 bool RoverLink::is_ours() const {
-  return telemetry_.session == 0 || telemetry_.session == session_ || has_flag(wire::kWatchdogOut);
+  return telemetry_.session == 0 || telemetry_.session == session_ ||
+         has_flag(wire::rover::kWatchdogOut);
 }
 
 void RoverLink::count(std::vector<models::NamedCount>& out) const {
-  for (std::size_t i = 1; i < wire::kVerdicts; ++i) {
+  for (std::size_t i = 1; i < wire::rover::kVerdicts; ++i) {
     out.push_back(
-        {std::string("rover.") + wire::name_of(static_cast<wire::Verdict>(i)), verdicts_[i]});
+        {std::string("rover.") + wire::rover::name_of(static_cast<wire::rover::Verdict>(i)),
+         verdicts_[i]});
   }
   out.push_back({"rover.misaddressed", misaddressed_});
   out.push_back({"rover.late", late_});

@@ -8,7 +8,7 @@
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/motion/unicycle.hpp"
-#include "models/wire/rover/packet.hpp"
+#include "wire/rover/packet.hpp"
 
 namespace vantage::drivers {
 
@@ -19,14 +19,14 @@ class RoverLink {
   /// @param session  any number; 0 is taken as 1
   RoverLink(std::uint32_t number, std::uint32_t session);
 
-  std::array<std::uint8_t, models::rover::kCommandBytes> command(
+  std::array<std::uint8_t, wire::rover::kCommandBytes> command(
       const models::UnicycleControl& control, std::uint32_t flags, Time now);
   /// True when it is news of our rover.
   bool receive(std::span<const std::uint8_t> datagram, Time now);
 
   [[nodiscard]] bool has_telemetry() const { return has_telemetry_; }
   /// The newest; zeros before any.
-  [[nodiscard]] const models::rover::Telemetry& telemetry() const { return telemetry_; }
+  [[nodiscard]] const wire::rover::Telemetry& telemetry() const { return telemetry_; }
   [[nodiscard]] bool has_flag(std::uint32_t flag) const { return (telemetry_.flags & flag) != 0; }
   /// Since the newest telemetry came; infinite before any.
   [[nodiscard]] double heard_age_s(Time now) const;
@@ -42,11 +42,11 @@ class RoverLink {
   std::uint32_t session_;
   std::uint32_t sequence_ = 0;
   bool has_telemetry_ = false;
-  models::rover::Telemetry telemetry_;
+  wire::rover::Telemetry telemetry_;
   Time heard_{};
   bool is_obeyed_ = false;
   Time obeyed_{};
-  std::array<std::int64_t, models::rover::kVerdicts> verdicts_{};
+  std::array<std::int64_t, wire::rover::kVerdicts> verdicts_{};
   std::int64_t misaddressed_ = 0;
   std::int64_t late_ = 0;      ///< older than what was heard before
   std::int64_t restarts_ = 0;  ///< of the rover

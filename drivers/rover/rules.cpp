@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "drivers/quadrotor/safety/latches.hpp"
+#include "drivers/safety/latches.hpp"
 
 namespace vantage::drivers {
 namespace {

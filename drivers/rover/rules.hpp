@@ -2,10 +2,10 @@
 
 #include <span>
 
-#include "drivers/quadrotor/safety/conditions.hpp"
-#include "drivers/quadrotor/safety/inputs.hpp"
-#include "drivers/quadrotor/safety/ladder.hpp"
-#include "drivers/quadrotor/safety/limits.hpp"
+#include "drivers/safety/conditions.hpp"
+#include "drivers/safety/inputs.hpp"
+#include "drivers/safety/ladder.hpp"
+#include "drivers/safety/limits.hpp"
 
 // What stops a rover. Its safe state is standing still, so the ladder is short: FOLLOW → HOLD →
 // KILL; `land` is a stop that ends disarmed.

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/pose.hpp"
-#include "drivers/quadrotor/safety/plan_check.hpp"
+#include "drivers/safety/plan_check.hpp"
 #include "models/motion/unicycle.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 

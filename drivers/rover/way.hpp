@@ -7,7 +7,7 @@
 #include "core/pose.hpp"
 #include "core/time.hpp"
 #include "models/plan/plan.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 

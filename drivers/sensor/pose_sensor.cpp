@@ -8,8 +8,8 @@
 namespace vantage::drivers {
 namespace {
 
-const models::RobotSpec& robot_of(const models::Scenario& scenario, const std::string& robot) {
-  const models::RobotSpec* spec = scenario.find_robot(robot);
+const scenario::RobotSpec& robot_of(const scenario::Scenario& scenario, const std::string& robot) {
+  const scenario::RobotSpec* spec = scenario.find_robot(robot);
   require(spec != nullptr, "robot " + robot + " is not in the scenario");
   return *spec;
 }
@@ -53,7 +53,7 @@ models::MocapFrame interpolate(const models::MocapFrame& before, const models::M
   return between;
 }
 
-PoseSensor::PoseSensor(const models::Scenario& scenario, const std::string& robot)
+PoseSensor::PoseSensor(const scenario::Scenario& scenario, const std::string& robot)
     : robot_(robot),
       sensor_(robot_of(scenario, robot).sensor),
       world_(scenario.world),
@@ -75,7 +75,7 @@ std::optional<models::DetectionSet> PoseSensor::look(const models::MocapFrame& f
   if (jammed) {
     return seen;
   }
-  for (const models::TargetSpec& target : targets_) {
+  for (const scenario::TargetSpec& target : targets_) {
     const models::MocapBody* const body = frame.find(target.name);
     if (body == nullptr || body->occluded) {
       continue;

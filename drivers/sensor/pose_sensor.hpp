@@ -8,7 +8,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
@@ -30,7 +30,7 @@ inline constexpr int kScanStream = -1;
 class PoseSensor {
  public:
   /// @throws UsageError for a robot that is not in the scenario.
-  PoseSensor(const models::Scenario& scenario, const std::string& robot);
+  PoseSensor(const scenario::Scenario& scenario, const std::string& robot);
 
   /// One look at the instant of `frame`: a measurement of every target body that is unoccluded,
   /// in view of the sensor model and in line of sight; none, and `jammed` set, under attack.
@@ -42,7 +42,7 @@ class PoseSensor {
   std::string robot_;
   models::SensorModel sensor_;
   models::World world_;
-  std::vector<models::TargetSpec> targets_;
+  std::vector<scenario::TargetSpec> targets_;
   int position_dim_;
   std::uint64_t seed_;
 };

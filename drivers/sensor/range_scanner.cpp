@@ -5,7 +5,7 @@
 
 namespace vantage::drivers {
 
-RangeScanner::RangeScanner(const models::Scenario& scenario, const std::string& robot)
+RangeScanner::RangeScanner(const scenario::Scenario& scenario, const std::string& robot)
     : robot_(robot),
       world_(scenario.world),
       scanner_(scenario.mapping.scanner),

@@ -5,7 +5,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
@@ -16,7 +16,7 @@ namespace vantage::drivers {
 class RangeScanner {
  public:
   /// @throws UsageError for a scanner that makes no sense.
-  RangeScanner(const models::Scenario& scenario, const std::string& robot);
+  RangeScanner(const scenario::Scenario& scenario, const std::string& robot);
 
   /// One scan at `time` from `viewpoint`; without ranges, and `jammed` set, under attack. Run id,
   /// sequence and inputs are left to the caller.

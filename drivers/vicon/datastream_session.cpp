@@ -6,12 +6,10 @@
 
 #include <Eigen/Geometry>
 
-#include "models/wire/vicon/rotation.hpp"
+#include "wire/vicon/rotation.hpp"
 
 namespace vantage::drivers::vicon {
 namespace {
-
-namespace wire = models::vicon;
 
 constexpr double kMetresPerMillimetre = 1e-3;
 constexpr Duration kPingPeriod = std::chrono::seconds(1);
@@ -19,11 +17,11 @@ constexpr Duration kPingPeriod = std::chrono::seconds(1);
 constexpr Duration kJunkMax = std::chrono::milliseconds(300);
 constexpr std::size_t kOutgoingMax = std::size_t{64} << 10U;
 constexpr Duration kAskAgain = std::chrono::seconds(1);
-constexpr std::array<std::uint32_t, 3> kSegmentTypes{wire::kGlobalSegments, wire::kLocalSegments,
-                                                     wire::kLightweightSegments};
-constexpr std::array<std::uint32_t, 6> kWanted{wire::kStreamInfo,      wire::kSubjectInfo,
-                                               wire::kFrameInfo,       wire::kLatencyInfo,
-                                               wire::kApplicationInfo, wire::kContents};
+constexpr std::array<std::uint32_t, 3> kSegmentTypes{
+    wire::vicon::kGlobalSegments, wire::vicon::kLocalSegments, wire::vicon::kLightweightSegments};
+constexpr std::array<std::uint32_t, 6> kWanted{
+    wire::vicon::kStreamInfo,  wire::vicon::kSubjectInfo,     wire::vicon::kFrameInfo,
+    wire::vicon::kLatencyInfo, wire::vicon::kApplicationInfo, wire::vicon::kContents};
 
 bool contains(const std::vector<std::uint32_t>& types, std::uint32_t type) {
   return std::find(types.begin(), types.end(), type) != types.end();
@@ -35,12 +33,12 @@ bool is_segments(std::uint32_t type) {
 
 }  // namespace
 
-DataStreamSession::DataStreamSession(models::StreamMode mode, models::UpAxis up_axis,
+DataStreamSession::DataStreamSession(scenario::StreamMode mode, scenario::UpAxis up_axis,
                                      FrameSink sink)
     : mode_(mode),
       up_axis_(up_axis),
       sink_(std::move(sink)),
-      stream_buffer_(wire::kPacketBytesMax) {}
+      stream_buffer_(wire::vicon::kPacketBytesMax) {}
 
 void DataStreamSession::open(Moment now) {
   stream_buffer_.clear();
@@ -49,7 +47,7 @@ void DataStreamSession::open(Moment now) {
   contents_ = {};
   stream_ = {};
   application_ = {};
-  frame_ = {wire::FrameInfo::kNoFrame};
+  frame_ = {wire::vicon::FrameInfo::kNoFrame};
   has_latency_ = false;
   has_set_ = false;
   subjects_.clear();
@@ -58,20 +56,20 @@ void DataStreamSession::open(Moment now) {
 }
 
 bool DataStreamSession::is_y_up() const {
-  return up_axis_ == models::UpAxis::kAsTold ? application_.is_y_up
-                                             : up_axis_ == models::UpAxis::kY;
+  return up_axis_ == scenario::UpAxis::kAsTold ? application_.is_y_up
+                                               : up_axis_ == scenario::UpAxis::kY;
 }
 
-bool DataStreamSession::receive(Moment arrival, wire::Bytes bytes) {
+bool DataStreamSession::receive(Moment arrival, wire::vicon::Bytes bytes) {
   while (!bytes.empty()) {
     bytes = bytes.subspan(stream_buffer_.push(bytes));
     for (;;) {
-      const wire::Framed packet = wire::next_packet(stream_buffer_.view());
-      if (packet.state == wire::Framing::kBroken) {
+      const wire::vicon::Framed packet = wire::vicon::next_packet(stream_buffer_.view());
+      if (packet.state == wire::vicon::Framing::kBroken) {
         ++counts.broken_streams;
         return false;
       }
-      if (packet.state == wire::Framing::kNeedMore) {
+      if (packet.state == wire::vicon::Framing::kNeedMore) {
         break;
       }
       on_packet(arrival, packet.body);
@@ -86,13 +84,13 @@ void DataStreamSession::send(const Value& value) {
   if (outgoing.size() > kOutgoingMax) {
     return;  // it asks and asks, but does not listen
   }
-  wire::PacketWriter packet(outgoing);
+  wire::vicon::PacketWriter packet(outgoing);
   append(packet, value);
   packet.finish();
 }
 
 template <class Value>
-bool DataStreamSession::read(const wire::Block& block, Value& value) {
+bool DataStreamSession::read(const wire::vicon::Block& block, Value& value) {
   if (decode(block.body, value)) {
     return true;
   }
@@ -100,21 +98,21 @@ bool DataStreamSession::read(const wire::Block& block, Value& value) {
   return false;
 }
 
-void DataStreamSession::on_packet(Moment arrival, wire::Bytes body) {
+void DataStreamSession::on_packet(Moment arrival, wire::vicon::Bytes body) {
   bool has_static = false;
   bool has_dynamic = false;
   bool has_enums = false;
   contents_.sent.clear();
   contents_.unchanged.clear();
-  wire::BlockCursor cursor(body);
+  wire::vicon::BlockCursor cursor(body);
   while (const auto block = cursor.next()) {
-    has_static = has_static || wire::is_static(block->type);
-    has_dynamic = has_dynamic || wire::is_dynamic(block->type);
-    if (block->type == wire::kObjectEnums) {
+    has_static = has_static || wire::vicon::is_static(block->type);
+    has_dynamic = has_dynamic || wire::vicon::is_dynamic(block->type);
+    if (block->type == wire::vicon::kObjectEnums) {
       has_enums = read(*block, offered_) || has_enums;
-    } else if (block->type == wire::kContents) {
+    } else if (block->type == wire::vicon::kContents) {
       read(*block, contents_);
-    } else if (wire::Ping ping; block->type == wire::kPing && read(*block, ping)) {
+    } else if (wire::vicon::Ping ping; block->type == wire::vicon::kPing && read(*block, ping)) {
       one_way_ = ping.id == ping_id_ ? (arrival.steady - ping_sent_) / 2 : one_way_;
     }
   }
@@ -131,7 +129,7 @@ void DataStreamSession::on_packet(Moment arrival, wire::Bytes body) {
   if (has_dynamic) {
     read_dynamic(body);
     hand_on(arrival);
-    if (mode_ != models::StreamMode::kPush) {
+    if (mode_ != scenario::StreamMode::kPush) {
       ask_for_frame(false);
       last_asked_ = arrival;
     }
@@ -143,7 +141,7 @@ void DataStreamSession::ask_for_content() {
   for (const std::uint32_t type : kSegmentTypes) {
     segments_type_ = segments_type_ == 0 && contains(offered_.types, type) ? type : segments_type_;
   }
-  wire::ObjectEnums wanted;
+  wire::vicon::ObjectEnums wanted;
   for (const std::uint32_t type : offered_.types) {
     if (type == segments_type_ ||
         std::find(kWanted.begin(), kWanted.end(), type) != kWanted.end()) {
@@ -156,16 +154,16 @@ void DataStreamSession::ask_for_content() {
 
 void DataStreamSession::ask_for_frame(bool is_first) {
   switch (mode_) {
-    case models::StreamMode::kPush:
+    case scenario::StreamMode::kPush:
       if (is_first) {
-        send(wire::RequestFrame{true});
+        send(wire::vicon::RequestFrame{true});
       }
       break;
-    case models::StreamMode::kPull:
-      send(wire::RequestFrame{false});
+    case scenario::StreamMode::kPull:
+      send(wire::vicon::RequestFrame{false});
       break;
-    case models::StreamMode::kPreFetch:
-      send(wire::RequestNextFrame{1});
+    case scenario::StreamMode::kPreFetch:
+      send(wire::vicon::RequestNextFrame{1});
       break;
   }
 }
@@ -176,33 +174,33 @@ void DataStreamSession::on_time(Moment now) {
   }
   next_wake_ = now.steady + kPingPeriod;
   ping_sent_ = now.steady;
-  send(wire::Ping{++ping_id_});
-  if (now.steady - last_asked_.steady >= kAskAgain && mode_ != models::StreamMode::kPush) {
+  send(wire::vicon::Ping{++ping_id_});
+  if (now.steady - last_asked_.steady >= kAskAgain && mode_ != scenario::StreamMode::kPush) {
     ask_for_frame(false);  // the answer was lost, or the server stood still
     last_asked_ = now;
   }
 }
 
-void DataStreamSession::read_static(wire::Bytes packet) {
+void DataStreamSession::read_static(wire::vicon::Bytes packet) {
   std::size_t subjects = 0;
-  wire::BlockCursor cursor(packet);
+  wire::vicon::BlockCursor cursor(packet);
   while (const auto block = cursor.next()) {
-    if (block->type == wire::kSubjectInfo && read(*block, subject_info_)) {
+    if (block->type == wire::vicon::kSubjectInfo && read(*block, subject_info_)) {
       on_subject(subjects++, subject_info_);
-    } else if (block->type == wire::kStreamInfo) {
+    } else if (block->type == wire::vicon::kStreamInfo) {
       read(*block, stream_);
-    } else if (block->type == wire::kApplicationInfo) {
+    } else if (block->type == wire::vicon::kApplicationInfo) {
       read(*block, application_);
     }
   }
   // A static set without subjects means none, unless it says that they are as before. Rate and
   // axis stay what they were said to be: an application does not change them unsaid.
-  if (subjects > 0 || !contents_.is_unchanged(wire::kSubjectInfo)) {
+  if (subjects > 0 || !contents_.is_unchanged(wire::vicon::kSubjectInfo)) {
     subjects_.resize(subjects);
   }
 }
 
-void DataStreamSession::on_subject(std::size_t index, const wire::SubjectInfo& info) {
+void DataStreamSession::on_subject(std::size_t index, const wire::vicon::SubjectInfo& info) {
   if (index == subjects_.size()) {
     subjects_.emplace_back();
   }
@@ -221,11 +219,11 @@ void DataStreamSession::on_subject(std::size_t index, const wire::SubjectInfo& i
   subject.body_segment = chosen != info.segments.end() ? chosen->id : 0;
 }
 
-void DataStreamSession::read_dynamic(wire::Bytes packet) {
-  if (!contents_.is_unchanged(wire::kFrameInfo)) {
-    frame_.frame_number = wire::FrameInfo::kNoFrame;
+void DataStreamSession::read_dynamic(wire::vicon::Bytes packet) {
+  if (!contents_.is_unchanged(wire::vicon::kFrameInfo)) {
+    frame_.frame_number = wire::vicon::FrameInfo::kNoFrame;
   }
-  if (!contents_.is_unchanged(wire::kLatencyInfo)) {
+  if (!contents_.is_unchanged(wire::vicon::kLatencyInfo)) {
     has_latency_ = false;
   }
   if (!contents_.is_unchanged(segments_type_)) {
@@ -233,11 +231,11 @@ void DataStreamSession::read_dynamic(wire::Bytes packet) {
       subject.seen.sight = Sight::kAbsent;
     }
   }
-  wire::BlockCursor cursor(packet);
+  wire::vicon::BlockCursor cursor(packet);
   while (const auto block = cursor.next()) {
-    if (block->type == wire::kFrameInfo) {
+    if (block->type == wire::vicon::kFrameInfo) {
       read(*block, frame_);
-    } else if (block->type == wire::kLatencyInfo) {
+    } else if (block->type == wire::vicon::kLatencyInfo) {
       has_latency_ = read(*block, latency_);
     } else if (block->type == segments_type_) {
       has_set_ = true;
@@ -248,8 +246,8 @@ void DataStreamSession::read_dynamic(wire::Bytes packet) {
                                      [](const auto& entry) { return is_segments(entry.type); });
 }
 
-void DataStreamSession::read_segments(const wire::Block& block) {
-  if (block.type == wire::kLightweightSegments) {
+void DataStreamSession::read_segments(const wire::vicon::Block& block) {
+  if (block.type == wire::vicon::kLightweightSegments) {
     if (read(block, light_segments_)) {
       for (const auto& pose : light_segments_.poses) {
         const Eigen::Vector3d turn = pose.angle_axis_rad.cast<double>();
@@ -284,11 +282,11 @@ void DataStreamSession::set_segment(std::uint32_t subject_id, std::uint32_t segm
   const bool is_zero =
       position_mm.isZero(0.0) && (world_from_body.isZero(0.0) || world_from_body.isIdentity(0.0));
   set_pose(subject->seen, kMetresPerMillimetre * position_mm,
-           wire::rotation_from_matrix(world_from_body), is_zero, is_y_up());
+           wire::vicon::rotation_from_matrix(world_from_body), is_zero, is_y_up());
 }
 
 void DataStreamSession::hand_on(Moment arrival) {
-  if (frame_.frame_number == wire::FrameInfo::kNoFrame ||
+  if (frame_.frame_number == wire::vicon::FrameInfo::kNoFrame ||
       (!has_set_ && arrival.steady - opened_.steady < kJunkMax)) {
     ++counts.frames_before_set;
     return;

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "drivers/vicon/session.hpp"
-#include "models/scenario/mocap_spec.hpp"
-#include "models/wire/vicon/datastream_blocks.hpp"
+#include "scenario/mocap_spec.hpp"
+#include "wire/vicon/datastream_blocks.hpp"
 
 namespace vantage::drivers::vicon {
 
@@ -17,10 +17,10 @@ namespace vantage::drivers::vicon {
 /// in the frame.
 class DataStreamSession : public Session {
  public:
-  DataStreamSession(models::StreamMode mode, models::UpAxis up_axis, FrameSink sink);
+  DataStreamSession(scenario::StreamMode mode, scenario::UpAxis up_axis, FrameSink sink);
 
   void open(Moment now) override;
-  [[nodiscard]] bool receive(Moment arrival, models::vicon::Bytes bytes) override;
+  [[nodiscard]] bool receive(Moment arrival, wire::vicon::Bytes bytes) override;
   void on_time(Moment now) override;
   [[nodiscard]] Duration next_wake() const override { return next_wake_; }
 
@@ -38,34 +38,34 @@ class DataStreamSession : public Session {
     SeenBody seen;                   ///< but for the name
   };
 
-  void on_packet(Moment arrival, models::vicon::Bytes body);
-  void read_static(models::vicon::Bytes packet);
-  void read_dynamic(models::vicon::Bytes packet);
-  void read_segments(const models::vicon::Block& block);
+  void on_packet(Moment arrival, wire::vicon::Bytes body);
+  void read_static(wire::vicon::Bytes packet);
+  void read_dynamic(wire::vicon::Bytes packet);
+  void read_segments(const wire::vicon::Block& block);
   void set_segment(std::uint32_t subject, std::uint32_t segment, const Eigen::Vector3d& position_mm,
                    const Eigen::Matrix3d& world_from_body);
-  void on_subject(std::size_t index, const models::vicon::SubjectInfo& info);
+  void on_subject(std::size_t index, const wire::vicon::SubjectInfo& info);
   void hand_on(Moment arrival);
   void ask_for_content();
   void ask_for_frame(bool is_first);
   template <class Value>
   void send(const Value& value);
   template <class Value>
-  bool read(const models::vicon::Block& block, Value& value);
+  bool read(const wire::vicon::Block& block, Value& value);
 
-  models::StreamMode mode_;
-  models::UpAxis up_axis_;
+  scenario::StreamMode mode_;
+  scenario::UpAxis up_axis_;
   FrameSink sink_;
-  models::vicon::StreamBuffer stream_buffer_;
+  wire::vicon::StreamBuffer stream_buffer_;
 
   // Said by the server, on this connection.
-  models::vicon::ObjectEnums offered_;
+  wire::vicon::ObjectEnums offered_;
   std::uint32_t segments_type_ = 0;  ///< which of 9, 8, 901 was asked for
-  models::vicon::Contents contents_;
-  models::vicon::StreamInfo stream_;
-  models::vicon::ApplicationInfo application_;
-  models::vicon::FrameInfo frame_;
-  models::vicon::LatencyInfo latency_;
+  wire::vicon::Contents contents_;
+  wire::vicon::StreamInfo stream_;
+  wire::vicon::ApplicationInfo application_;
+  wire::vicon::FrameInfo frame_;
+  wire::vicon::LatencyInfo latency_;
   bool has_latency_ = false;
   bool has_set_ = false;  ///< frames hold what was asked for
   std::vector<Subject> subjects_;
@@ -78,9 +78,9 @@ class DataStreamSession : public Session {
   Duration one_way_{};
 
   // Memory that is used again.
-  models::vicon::SubjectInfo subject_info_;
-  models::vicon::Segments segments_;
-  models::vicon::LightweightSegments light_segments_;
+  wire::vicon::SubjectInfo subject_info_;
+  wire::vicon::Segments segments_;
+  wire::vicon::LightweightSegments light_segments_;
   SeenFrame seen_;
 };
 

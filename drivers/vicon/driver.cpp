@@ -6,12 +6,12 @@
 #include "drivers/vicon/datastream_session.hpp"
 #include "drivers/vicon/object_stream_session.hpp"
 #include "drivers/vicon/vrpn_session.hpp"
-#include "models/wire/vicon/identify.hpp"
+#include "wire/vicon/identify.hpp"
 
 namespace vantage::drivers::vicon {
 namespace {
 
-using models::MocapProtocol;
+using scenario::MocapProtocol;
 
 constexpr Duration kBackOffMin = std::chrono::milliseconds(100);
 constexpr Duration kBackOffMax = std::chrono::seconds(2);
@@ -21,8 +21,8 @@ constexpr Duration kSilenceMax = std::chrono::seconds(3);
 constexpr Duration kNoFrameHint = std::chrono::seconds(2);
 constexpr std::size_t kFirstBytes = 64;
 
-std::unique_ptr<Session> make_session(const models::MocapSpec& spec, FrameSink sink) {
-  const bool is_y_up = spec.up_axis == models::UpAxis::kY;
+std::unique_ptr<Session> make_session(const scenario::MocapSpec& spec, FrameSink sink) {
+  const bool is_y_up = spec.up_axis == scenario::UpAxis::kY;
   switch (spec.protocol) {
     case MocapProtocol::kObjectStream:
       return std::make_unique<ObjectStreamSession>(is_y_up, std::move(sink));
@@ -34,7 +34,7 @@ std::unique_ptr<Session> make_session(const models::MocapSpec& spec, FrameSink s
   return std::make_unique<DataStreamSession>(spec.mode, spec.up_axis, std::move(sink));
 }
 
-GateSettings gate_of(const models::MocapSpec& spec) {
+GateSettings gate_of(const scenario::MocapSpec& spec) {
   GateSettings gate;
   gate.speed_max_mps = spec.gate_speed_mps;
   gate.turn_max_radps = spec.gate_turn_radps;
@@ -43,13 +43,13 @@ GateSettings gate_of(const models::MocapSpec& spec) {
 }
 
 /// What to do about a port that belongs to another product; empty when nobody knows.
-std::string cure_for(models::vicon::Speaker speaker) {
+std::string cure_for(wire::vicon::Speaker speaker) {
   switch (speaker) {
-    case models::vicon::Speaker::kDataStream:
+    case wire::vicon::Speaker::kDataStream:
       return "; set mocap.protocol: datastream, or another mocap.port";
-    case models::vicon::Speaker::kVrpn:
+    case wire::vicon::Speaker::kVrpn:
       return "; set mocap.protocol: vrpn, or another mocap.port";
-    case models::vicon::Speaker::kObjectStream:
+    case wire::vicon::Speaker::kObjectStream:
       return "; set mocap.protocol: object_stream, or another mocap.port";
     default:
       return "; check mocap.host and mocap.port";
@@ -58,7 +58,7 @@ std::string cure_for(models::vicon::Speaker speaker) {
 
 }  // namespace
 
-ViconDriver::ViconDriver(const models::MocapSpec& spec, FrameFilter::Publish publish)
+ViconDriver::ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish)
     : spec_(spec),
       is_datagram_(spec.protocol == MocapProtocol::kObjectStream),
       filter_(gate_of(spec), from_seconds(spec.latency_s), std::move(publish)),
@@ -117,7 +117,7 @@ void ViconDriver::close_because(const std::string& why) {
   status_ = place() + " " + why;
 }
 
-void ViconDriver::receive(Moment arrival, models::vicon::Bytes bytes) {
+void ViconDriver::receive(Moment arrival, wire::vicon::Bytes bytes) {
   if (state_ != State::kOpen || wants_close_) {
     return;
   }
@@ -129,16 +129,16 @@ void ViconDriver::receive(Moment arrival, models::vicon::Bytes bytes) {
   if (session_->receive(arrival, bytes)) {
     return;
   }
-  using models::vicon::Speaker;
-  const Speaker speaker = is_datagram_ ? models::vicon::identify_datagram(bytes)
-                                       : models::vicon::identify_stream(first_bytes_);
+  using wire::vicon::Speaker;
+  const Speaker speaker = is_datagram_ ? wire::vicon::identify_datagram(bytes)
+                                       : wire::vicon::identify_stream(first_bytes_);
   const Speaker expected = spec_.protocol == MocapProtocol::kVrpn         ? Speaker::kVrpn
                            : spec_.protocol == MocapProtocol::kDataStream ? Speaker::kDataStream
                                                                           : Speaker::kObjectStream;
   const std::string complaint =
       speaker == expected ? std::string("sends bytes that its own protocol does not have")
-                          : std::string("is ") + models::vicon::name_of(speaker) + ", not " +
-                                models::vicon::name_of(expected) + cure_for(speaker);
+                          : std::string("is ") + wire::vicon::name_of(speaker) + ", not " +
+                                wire::vicon::name_of(expected) + cure_for(speaker);
   if (is_datagram_) {
     status_ = place() + " " + complaint;  // others may send to it as well: keep listening
   } else {

@@ -8,8 +8,8 @@
 #include "core/time.hpp"
 #include "drivers/vicon/frame_filter.hpp"
 #include "drivers/vicon/session.hpp"
-#include "models/scenario/mocap_spec.hpp"
-#include "models/wire/vicon/bytes.hpp"
+#include "scenario/mocap_spec.hpp"
+#include "wire/vicon/bytes.hpp"
 
 namespace vantage::drivers::vicon {
 
@@ -28,7 +28,7 @@ struct LinkCounts {
 class ViconDriver {
  public:
   /// @param publish  called with each good frame, within receive() or on_time()
-  ViconDriver(const models::MocapSpec& spec, FrameFilter::Publish publish);
+  ViconDriver(const scenario::MocapSpec& spec, FrameFilter::Publish publish);
   ~ViconDriver();
   ViconDriver(const ViconDriver&) = delete;
   ViconDriver& operator=(const ViconDriver&) = delete;
@@ -40,7 +40,7 @@ class ViconDriver {
   [[nodiscard]] const std::string& host() const { return spec_.host; }
   /// True when datagrams are taken from host() alone: the scenario names another than the default.
   [[nodiscard]] bool has_sender() const {
-    return is_datagram_ && spec_.host != models::MocapSpec{}.host;
+    return is_datagram_ && spec_.host != scenario::MocapSpec{}.host;
   }
   [[nodiscard]] int port() const { return spec_.actual_port(); }
 
@@ -52,7 +52,7 @@ class ViconDriver {
   /// The attempt failed, or the link is gone; `why` in words, for people.
   void on_closed(Moment now, const std::string& why);
   /// The next bytes of the stream, cut anywhere, or one datagram.
-  void receive(Moment arrival, models::vicon::Bytes bytes);
+  void receive(Moment arrival, wire::vicon::Bytes bytes);
   void on_time(Moment now);
   /// The steady time by which on_time() wants to be called.
   [[nodiscard]] Duration next_wake() const;
@@ -77,7 +77,7 @@ class ViconDriver {
   void close_because(const std::string& why);
   void on_frame(const SeenFrame& frame);
 
-  models::MocapSpec spec_;
+  scenario::MocapSpec spec_;
   bool is_datagram_;
   FrameFilter filter_;
   std::unique_ptr<Session> session_;

@@ -2,22 +2,20 @@
 
 #include <utility>
 
-#include "models/wire/vicon/identify.hpp"
-#include "models/wire/vicon/rotation.hpp"
+#include "wire/vicon/identify.hpp"
+#include "wire/vicon/rotation.hpp"
 
 namespace vantage::drivers::vicon {
 namespace {
 
-namespace wire = models::vicon;
-
 constexpr double kMetresPerMillimetre = 1e-3;
 
-void set_body(SeenBody& body, const wire::TrackerObject& object, bool is_y_up) {
+void set_body(SeenBody& body, const wire::vicon::TrackerObject& object, bool is_y_up) {
   body.name = object.name();
   const bool is_zero = object.translation_mm.isZero(0.0) && object.euler_xyz_rad.isZero(0.0);
   std::optional<Quaternion> rotation;
   if (object.euler_xyz_rad.allFinite()) {
-    rotation = wire::rotation_from_euler_xyz(object.euler_xyz_rad).normalized();
+    rotation = wire::vicon::rotation_from_euler_xyz(object.euler_xyz_rad).normalized();
   }
   set_pose(body, kMetresPerMillimetre * object.translation_mm, rotation, is_zero, is_y_up);
 }
@@ -26,7 +24,7 @@ void set_body(SeenBody& body, const wire::TrackerObject& object, bool is_y_up) {
 
 ObjectStreamSession::ObjectStreamSession(bool is_y_up, FrameSink sink)
     : is_y_up_(is_y_up), assembly_(std::move(sink)) {
-  block_.objects.reserve(wire::kObjectsMax);
+  block_.objects.reserve(wire::vicon::kObjectsMax);
 }
 
 void ObjectStreamSession::open(Moment /*now*/) {
@@ -35,12 +33,12 @@ void ObjectStreamSession::open(Moment /*now*/) {
   outgoing.clear();
 }
 
-bool ObjectStreamSession::receive(Moment arrival, wire::Bytes datagram) {
-  const bool is_block = wire::decode_object_block(datagram, block_);
+bool ObjectStreamSession::receive(Moment arrival, wire::vicon::Bytes datagram) {
+  const bool is_block = wire::vicon::decode_object_block(datagram, block_);
   if (!is_block || block_.objects.empty() || block_.is_truncated) {
     // A packet of a DataStream, too, begins like some frame of some objects.
-    const wire::Speaker speaker = wire::identify_datagram(datagram);
-    if (speaker == wire::Speaker::kDataStream || speaker == wire::Speaker::kVrpn) {
+    const wire::vicon::Speaker speaker = wire::vicon::identify_datagram(datagram);
+    if (speaker == wire::vicon::Speaker::kDataStream || speaker == wire::vicon::Speaker::kVrpn) {
       ++counts.broken_streams;
       return false;
     }
@@ -57,7 +55,7 @@ bool ObjectStreamSession::receive(Moment arrival, wire::Bytes datagram) {
   if (is_continued && !assembly_.is_open()) {
     // The frame was thought whole. What it lacked comes a frame late, from now on in time.
     bool is_news = false;
-    for (const wire::TrackerObject& object : block_.objects) {
+    for (const wire::vicon::TrackerObject& object : block_.objects) {
       if (!assembly_.frame().has(object.name())) {
         assembly_.expect_also(object.name());
         is_news = true;
@@ -70,7 +68,7 @@ bool ObjectStreamSession::receive(Moment arrival, wire::Bytes datagram) {
   SeenFrame& frame = is_continued ? assembly_.frame() : assembly_.begin(arrival);
   frame.number = block_.frame_number;
   last_number_ = block_.frame_number;
-  for (const wire::TrackerObject& object : block_.objects) {
+  for (const wire::vicon::TrackerObject& object : block_.objects) {
     if (!frame.has(object.name())) {
       set_body(frame.add(), object, is_y_up_);
     }

@@ -2,7 +2,7 @@
 
 #include "drivers/vicon/frame_assembly.hpp"
 #include "drivers/vicon/session.hpp"
-#include "models/wire/vicon/object_stream.hpp"
+#include "wire/vicon/object_stream.hpp"
 
 namespace vantage::drivers::vicon {
 
@@ -14,14 +14,14 @@ class ObjectStreamSession : public Session {
   void open(Moment now) override;
   /// One datagram. A foreign one is dropped and counted as a broken stream; true unless it is
   /// known to be of another product.
-  [[nodiscard]] bool receive(Moment arrival, models::vicon::Bytes datagram) override;
+  [[nodiscard]] bool receive(Moment arrival, wire::vicon::Bytes datagram) override;
   void on_time(Moment now) override { assembly_.on_time(now); }
   [[nodiscard]] Duration next_wake() const override;
 
  private:
   bool is_y_up_;
   FrameAssembly assembly_;
-  models::vicon::ObjectBlock block_;
+  wire::vicon::ObjectBlock block_;
   std::optional<std::uint32_t> last_number_;  ///< of the newest frame begun
 };
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "models/wire/vicon/rotation.hpp"
+#include "wire/vicon/rotation.hpp"
 
 namespace vantage::drivers::vicon {
 namespace {
@@ -38,7 +38,7 @@ void set_pose(SeenBody& body, const Eigen::Vector3d& position_m,
   body.sight = Sight::kSeen;
   body.world_from_body = {position_m, *rotation};
   if (is_y_up) {
-    body.world_from_body = models::vicon::z_up_from_y_up(body.world_from_body);
+    body.world_from_body = wire::vicon::z_up_from_y_up(body.world_from_body);
   }
 }
 

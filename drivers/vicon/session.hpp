@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "drivers/vicon/seen_frame.hpp"
-#include "models/wire/vicon/bytes.hpp"
+#include "wire/vicon/bytes.hpp"
 
 namespace vantage::drivers::vicon {
 
@@ -43,7 +43,7 @@ class Session {
   virtual void open(Moment now) = 0;
   /// The next bytes of the stream, cut anywhere, or one datagram. False: this is not the protocol,
   /// and nothing more can be made of this connection.
-  [[nodiscard]] virtual bool receive(Moment arrival, models::vicon::Bytes bytes) = 0;
+  [[nodiscard]] virtual bool receive(Moment arrival, wire::vicon::Bytes bytes) = 0;
   /// Time has passed.
   virtual void on_time(Moment now) = 0;
   /// The steady time at which on_time() has something to do.

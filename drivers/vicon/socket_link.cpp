@@ -173,7 +173,7 @@ void SocketLink::read_all() {
       ++strangers_;
       continue;
     }
-    driver_.receive(now_(), models::vicon::Bytes(buffer_).first(static_cast<std::size_t>(size)));
+    driver_.receive(now_(), wire::vicon::Bytes(buffer_).first(static_cast<std::size_t>(size)));
   }
 }
 

@@ -7,8 +7,6 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-namespace wire = models::vicon;
-
 constexpr Duration kPingPeriod = std::chrono::seconds(1);
 constexpr std::string_view kControlSender = "VRPN Control";
 constexpr std::int32_t kOwnId = 0;
@@ -22,7 +20,7 @@ VrpnSession::VrpnSession(bool is_y_up, FrameSink sink)
         trackers_.add_held(frame_stamp_us_, assembly_.frame());
         sink(assembly_.frame());
       }),
-      stream_(2 * wire::kVrpnMessageBytesMax) {}
+      stream_(2 * wire::vicon::kVrpnMessageBytesMax) {}
 
 void VrpnSession::open(Moment now) {
   trackers_.clear();
@@ -35,11 +33,11 @@ void VrpnSession::open(Moment now) {
   is_introduced_ = false;
   frame_stamp_us_ = 0;
   outgoing.clear();
-  wire::append_vrpn_cookie(outgoing);
+  wire::vicon::append_vrpn_cookie(outgoing);
   next_ping_ = now.steady + kPingPeriod;
 }
 
-bool VrpnSession::receive(Moment arrival, wire::Bytes bytes) {
+bool VrpnSession::receive(Moment arrival, wire::vicon::Bytes bytes) {
   while (!bytes.empty()) {
     bytes = bytes.subspan(stream_.push(bytes));
     if (!version_ && !read_cookie()) {
@@ -47,13 +45,13 @@ bool VrpnSession::receive(Moment arrival, wire::Bytes bytes) {
       return false;
     }
     while (version_) {
-      wire::VrpnHeader header;
-      const wire::Framed message = wire::next_vrpn_message(stream_.view(), header);
-      if (message.state == wire::Framing::kBroken) {
+      wire::vicon::VrpnHeader header;
+      const wire::vicon::Framed message = wire::vicon::next_vrpn_message(stream_.view(), header);
+      if (message.state == wire::vicon::Framing::kBroken) {
         ++counts.broken_streams;
         return false;
       }
-      if (message.state == wire::Framing::kNeedMore) {
+      if (message.state == wire::vicon::Framing::kNeedMore) {
         break;
       }
       on_message(arrival, header, message.body);
@@ -67,18 +65,18 @@ bool VrpnSession::receive(Moment arrival, wire::Bytes bytes) {
 bool VrpnSession::read_cookie() {
   // Wrong bytes are known at once, not only when there are 24 of them.
   constexpr std::string_view kStart = "vrpn: ver. ";
-  const wire::Bytes view = stream_.view();
+  const wire::vicon::Bytes view = stream_.view();
   const std::size_t common = std::min(view.size(), kStart.size());
   if (!std::equal(kStart.begin(), kStart.begin() + static_cast<std::ptrdiff_t>(common),
                   view.begin())) {
     return false;
   }
-  if (view.size() < wire::kVrpnCookieBytes) {
+  if (view.size() < wire::vicon::kVrpnCookieBytes) {
     return true;
   }
-  version_ = wire::decode_vrpn_cookie(view);
-  stream_.consume(wire::kVrpnCookieBytes);
-  return version_ && version_->major == wire::kVrpnMajor;
+  version_ = wire::vicon::decode_vrpn_cookie(view);
+  stream_.consume(wire::vicon::kVrpnCookieBytes);
+  return version_ && version_->major == wire::vicon::kVrpnMajor;
 }
 
 void VrpnSession::learn(std::vector<Name>& names, std::int32_t id, std::string_view name) {
@@ -107,22 +105,24 @@ std::vector<std::string> VrpnSession::senders() const {
   return names;
 }
 
-void VrpnSession::on_message(Moment arrival, const wire::VrpnHeader& header, wire::Bytes payload) {
+void VrpnSession::on_message(Moment arrival, const wire::vicon::VrpnHeader& header,
+                             wire::vicon::Bytes payload) {
   if (has_pose_type_ && header.type == pose_type_) {
     on_pose(arrival, header, payload);
     return;
   }
-  if (header.type != wire::kVrpnSenderDescription && header.type != wire::kVrpnTypeDescription) {
+  if (header.type != wire::vicon::kVrpnSenderDescription &&
+      header.type != wire::vicon::kVrpnTypeDescription) {
     return;
   }
-  const auto name = wire::decode_vrpn_name(payload);
+  const auto name = wire::vicon::decode_vrpn_name(payload);
   if (!name) {
     ++counts.broken_blocks;
     return;
   }
-  if (header.type == wire::kVrpnTypeDescription) {
+  if (header.type == wire::vicon::kVrpnTypeDescription) {
     learn(types_, header.sender, *name);
-    if (*name == wire::kVrpnPoseType) {
+    if (*name == wire::vicon::kVrpnPoseType) {
       pose_type_ = header.sender;
       has_pose_type_ = true;
     }
@@ -134,14 +134,16 @@ void VrpnSession::on_message(Moment arrival, const wire::VrpnHeader& header, wir
   }
   if (!is_introduced_ && *name != kControlSender) {
     // A ping has to come from a sender of the name that it is for.
-    wire::append_vrpn_name(outgoing, wire::kVrpnSenderDescription, kOwnId, *name);
-    wire::append_vrpn_name(outgoing, wire::kVrpnTypeDescription, kOwnId, wire::kVrpnPingType);
+    wire::vicon::append_vrpn_name(outgoing, wire::vicon::kVrpnSenderDescription, kOwnId, *name);
+    wire::vicon::append_vrpn_name(outgoing, wire::vicon::kVrpnTypeDescription, kOwnId,
+                                  wire::vicon::kVrpnPingType);
     is_introduced_ = true;
   }
 }
 
-void VrpnSession::on_pose(Moment arrival, const wire::VrpnHeader& header, wire::Bytes payload) {
-  const auto pose = wire::decode_vrpn_pose(payload);
+void VrpnSession::on_pose(Moment arrival, const wire::vicon::VrpnHeader& header,
+                          wire::vicon::Bytes payload) {
+  const auto pose = wire::vicon::decode_vrpn_pose(payload);
   const std::string* name = find(senders_, header.sender);
   if (!pose || name == nullptr) {
     ++(pose ? counts.unnamed_bodies : counts.broken_blocks);
@@ -179,7 +181,7 @@ void VrpnSession::on_time(Moment now) {
   if (now.steady >= next_ping_) {
     next_ping_ = now.steady + kPingPeriod;
     if (is_introduced_) {
-      wire::append_vrpn_message(outgoing, {0, 0, kOwnId, kOwnId}, {});
+      wire::vicon::append_vrpn_message(outgoing, {0, 0, kOwnId, kOwnId}, {});
     }
   }
 }

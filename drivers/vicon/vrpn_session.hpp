@@ -8,7 +8,7 @@
 #include "drivers/vicon/frame_assembly.hpp"
 #include "drivers/vicon/session.hpp"
 #include "drivers/vicon/vrpn_trackers.hpp"
-#include "models/wire/vicon/vrpn.hpp"
+#include "wire/vicon/vrpn.hpp"
 
 namespace vantage::drivers::vicon {
 
@@ -20,12 +20,12 @@ class VrpnSession : public Session {
   VrpnSession(bool is_y_up, FrameSink sink);
 
   void open(Moment now) override;
-  [[nodiscard]] bool receive(Moment arrival, models::vicon::Bytes bytes) override;
+  [[nodiscard]] bool receive(Moment arrival, wire::vicon::Bytes bytes) override;
   void on_time(Moment now) override;
   [[nodiscard]] Duration next_wake() const override;
   [[nodiscard]] std::vector<BodyRate> rates() const override { return trackers_.rates(); }
 
-  [[nodiscard]] std::optional<models::vicon::VrpnVersion> version() const { return version_; }
+  [[nodiscard]] std::optional<wire::vicon::VrpnVersion> version() const { return version_; }
   /// Names announced by the server.
   [[nodiscard]] std::vector<std::string> senders() const;
 
@@ -39,16 +39,15 @@ class VrpnSession : public Session {
   static const std::string* find(const std::vector<Name>& names, std::int32_t id);
 
   [[nodiscard]] bool read_cookie();
-  void on_message(Moment arrival, const models::vicon::VrpnHeader& header,
-                  models::vicon::Bytes payload);
-  void on_pose(Moment arrival, const models::vicon::VrpnHeader& header,
-               models::vicon::Bytes payload);
+  void on_message(Moment arrival, const wire::vicon::VrpnHeader& header,
+                  wire::vicon::Bytes payload);
+  void on_pose(Moment arrival, const wire::vicon::VrpnHeader& header, wire::vicon::Bytes payload);
 
   bool is_y_up_;
   VrpnTrackers trackers_;
   FrameAssembly assembly_;
-  models::vicon::StreamBuffer stream_;
-  std::optional<models::vicon::VrpnVersion> version_;
+  wire::vicon::StreamBuffer stream_;
+  std::optional<wire::vicon::VrpnVersion> version_;
   std::vector<Name> senders_;
   std::vector<Name> types_;
   std::int32_t pose_type_ = 0;  ///< the server's number for poses, once it has said it

@@ -4,12 +4,10 @@
 #include <cstdlib>
 
 #include "core/angle.hpp"
-#include "models/wire/vicon/rotation.hpp"
+#include "wire/vicon/rotation.hpp"
 
 namespace vantage::drivers::vicon {
 namespace {
-
-namespace wire = models::vicon;
 
 /// A step that is longer is a tracker that saw nothing, not its period.
 constexpr std::int64_t kStepMax_us = 250'000;
@@ -22,19 +20,20 @@ bool is_near(std::int64_t a_us, std::int64_t b_us) {
   return std::abs(a_us - b_us) <= VrpnTrackers::kSameFrame_us;
 }
 
-bool is_zero(const wire::VrpnPose& pose) {
+bool is_zero(const wire::vicon::VrpnPose& pose) {
   const Eigen::Vector4d& q = pose.quaternion_xyzw;
   return pose.position_m.isZero(0.0) && (q.isZero(0.0) || q.head<3>().isZero(0.0));
 }
 
-Eigen::Quaterniond rotation_of(const wire::VrpnPose& pose) {
+Eigen::Quaterniond rotation_of(const wire::vicon::VrpnPose& pose) {
   const Eigen::Vector4d& q = pose.quaternion_xyzw;
   return Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
 /// Where a body is that went on from `before` to `last` as it goes, `share` steps after `last`.
-wire::VrpnPose moved_on(const wire::VrpnPose& before, const wire::VrpnPose& last, double share) {
-  wire::VrpnPose out = last;
+wire::vicon::VrpnPose moved_on(const wire::vicon::VrpnPose& before,
+                               const wire::vicon::VrpnPose& last, double share) {
+  wire::vicon::VrpnPose out = last;
   out.position_m = last.position_m + share * (last.position_m - before.position_m);
   const Eigen::AngleAxisd turn(rotation_of(before).conjugate() * rotation_of(last));
   double angle_rad = turn.angle();  // the short way round
@@ -55,7 +54,7 @@ std::int64_t VrpnTrackers::Tracker::period_us() const {
   return sorted[kSteps / 2];
 }
 
-void VrpnTrackers::Tracker::note(std::int64_t stamp_us, const wire::VrpnPose& pose) {
+void VrpnTrackers::Tracker::note(std::int64_t stamp_us, const wire::vicon::VrpnPose& pose) {
   const std::int64_t step_us = stamp_us - last.stamp_us;
   if (reports > 0 && step_us > 0 && step_us <= kStepMax_us) {
     steps_us[steps++ % kSteps] = step_us;
@@ -65,9 +64,9 @@ void VrpnTrackers::Tracker::note(std::int64_t stamp_us, const wire::VrpnPose& po
   ++reports;
 }
 
-void VrpnTrackers::place(SeenBody& body, const wire::VrpnPose& pose, bool is_y_up) {
+void VrpnTrackers::place(SeenBody& body, const wire::vicon::VrpnPose& pose, bool is_y_up) {
   const Eigen::Vector4d& q = pose.quaternion_xyzw;
-  set_pose(body, pose.position_m, wire::rotation_from_xyzw(q.x(), q.y(), q.z(), q.w()),
+  set_pose(body, pose.position_m, wire::vicon::rotation_from_xyzw(q.x(), q.y(), q.z(), q.w()),
            is_zero(pose), is_y_up);
 }
 
@@ -108,7 +107,7 @@ void VrpnTrackers::choose_leader(const Tracker& reporter) {
 }
 
 bool VrpnTrackers::take(const std::string& name, std::int64_t stamp_us,
-                        const wire::VrpnPose& pose) {
+                        const wire::vicon::VrpnPose& pose) {
   Tracker& tracker = tracker_of(name);
   tracker.note(stamp_us, pose);
   if (&tracker != &trackers_[leader_]) {

@@ -7,7 +7,7 @@
 
 #include "drivers/vicon/seen_frame.hpp"
 #include "drivers/vicon/session.hpp"
-#include "models/wire/vicon/vrpn.hpp"
+#include "wire/vicon/vrpn.hpp"
 
 namespace vantage::drivers::vicon {
 
@@ -24,14 +24,14 @@ class VrpnTrackers {
 
   void clear();
   /// Takes a report. True: this tracker is held, its report makes no frame and belongs to none.
-  bool take(const std::string& name, std::int64_t stamp_us, const models::vicon::VrpnPose& pose);
+  bool take(const std::string& name, std::int64_t stamp_us, const wire::vicon::VrpnPose& pose);
   /// Adds the held ones to the frame of `stamp_us`.
   void add_held(std::int64_t stamp_us, SeenFrame& frame) const;
   /// What each reports by itself.
   [[nodiscard]] std::vector<BodyRate> rates() const;
 
   /// Turns a pose of the wire into a body's sight.
-  static void place(SeenBody& body, const models::vicon::VrpnPose& pose, bool is_y_up);
+  static void place(SeenBody& body, const wire::vicon::VrpnPose& pose, bool is_y_up);
 
   /// Poses of one frame are stamped one after the other; those of two are 1 ms apart at least.
   static constexpr std::int64_t kSameFrame_us = 400;
@@ -40,7 +40,7 @@ class VrpnTrackers {
   static constexpr std::size_t kSteps = 5;
   struct Report {
     std::int64_t stamp_us = 0;
-    models::vicon::VrpnPose pose;
+    wire::vicon::VrpnPose pose;
   };
   struct Tracker {
     std::string name;
@@ -55,7 +55,7 @@ class VrpnTrackers {
 
     /// Median of the newest steps; 0 while there are too few.
     [[nodiscard]] std::int64_t period_us() const;
-    void note(std::int64_t stamp_us, const models::vicon::VrpnPose& pose);
+    void note(std::int64_t stamp_us, const wire::vicon::VrpnPose& pose);
   };
 
   Tracker& tracker_of(const std::string& name);

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "bus/node_main.hpp"
+#include "bus/node/node_main.hpp"
 #include "estimator/app/node.hpp"
 #include "estimator/app/replay_node.hpp"
 
@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   return bus::node_main(
       {"vantage-estimator", "Estimates the targets as one robot knows them.", true, true}, argc,
       argv,
-      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+      [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
         if (arguments.replay) {
           return std::make_unique<estimator::EstimatorReplayNode>(bus, clock, scenario,

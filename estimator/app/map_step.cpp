@@ -4,7 +4,7 @@
 #include <iterator>
 #include <memory>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 
 namespace vantage::estimator {
 namespace {
@@ -21,7 +21,7 @@ const Content* content_of(const std::optional<Heard<Content>>& heard) {
 
 }  // namespace
 
-MapPublisher::MapPublisher(bus::Bus& bus, const models::Scenario& scenario,
+MapPublisher::MapPublisher(bus::Bus& bus, const scenario::Scenario& scenario,
                            const std::string& robot)
     : bus_(bus), robot_(robot), map_(scenario, robot) {
   bus_.subscribe<models::RangeScan>(bus::scan_channel(robot), [this](const auto& scan) {
@@ -36,7 +36,7 @@ MapPublisher::MapPublisher(bus::Bus& bus, const models::Scenario& scenario,
     scans_.push_back({name_of(bus::scan_channel(robot_).name, scan.stamp),
                       std::make_shared<const models::RangeScan>(scan)});
   });
-  for (const models::RobotSpec& teammate : scenario.robots) {
+  for (const scenario::RobotSpec& teammate : scenario.robots) {
     if (teammate.name != robot) {
       bus_.subscribe<models::RobotMap>(
           bus::map_channel(teammate.name), [this, sender = teammate.name](const auto& map) {
@@ -120,7 +120,8 @@ std::vector<models::NamedCount> MapPublisher::counters() const {
   return all;
 }
 
-MapReplayer::MapReplayer(bus::Bus& bus, const models::Scenario& scenario, const std::string& robot)
+MapReplayer::MapReplayer(bus::Bus& bus, const scenario::Scenario& scenario,
+                         const std::string& robot)
     : bus_(bus),
       robot_(robot),
       map_(scenario, robot),
@@ -135,7 +136,7 @@ MapReplayer::MapReplayer(bus::Bus& bus, const models::Scenario& scenario, const 
                                               beliefs_.add(channel, belief);
                                               work();
                                             });
-  for (const models::RobotSpec& each : scenario.robots) {
+  for (const scenario::RobotSpec& each : scenario.robots) {
     bus_.subscribe_named<models::RobotMap>(
         bus::map_channel(each.name),
         [this, is_own = each.name == robot](const std::string& channel, const auto& map) {

@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/input_store.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/input_store.hpp"
 #include "core/time.hpp"
 #include "estimator/app/step_material.hpp"
 #include "estimator/team_map.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::estimator {
 
@@ -22,7 +22,7 @@ namespace vantage::estimator {
 /// teammates' maps that it stands on, so that it can be made again from these alone.
 class MapPublisher {
  public:
-  MapPublisher(bus::Bus& bus, const models::Scenario& scenario, const std::string& robot);
+  MapPublisher(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);
 
   /// `belief` as it was published under `name`.
   void step(const models::RobotBelief& belief, const models::InputRef& name);
@@ -51,7 +51,7 @@ class MapPublisher {
 /// Makes the logged MAP_R again, each from the inputs that it names, under the bus's prefix.
 class MapReplayer {
  public:
-  MapReplayer(bus::Bus& bus, const models::Scenario& scenario, const std::string& robot);
+  MapReplayer(bus::Bus& bus, const scenario::Scenario& scenario, const std::string& robot);
 
   void tick();
   [[nodiscard]] std::vector<models::NamedCount> counters() const;

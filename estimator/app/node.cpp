@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 
 namespace vantage::estimator {
 
@@ -24,14 +24,14 @@ Time instant_before(Time t, Duration step) {
 }  // namespace
 
 EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
-                             const models::Scenario& scenario, const std::string& robot)
+                             const scenario::Scenario& scenario, const std::string& robot)
     : bus_(bus),
       filter_(filter_spec(scenario, robot)),
       robot_(robot),
       step_(from_seconds(scenario.planner.step_s)),
       lag_(step_ / 10) {
   next_instant_ = instant_before(clock.now() - lag_, step_) + step_;
-  for (const models::RobotSpec& each : scenario.robots) {
+  for (const scenario::RobotSpec& each : scenario.robots) {
     if (each.name == robot_ || scenario.network.communication_range_m > 0.0) {
       bus_.subscribe<models::DetectionSet>(
           bus::measurement_channel(each.name),
@@ -39,14 +39,14 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
     }
   }
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) { on_mocap(frame); });
-  for (const models::RobotSpec& teammate : scenario.robots) {
+  for (const scenario::RobotSpec& teammate : scenario.robots) {
     if (teammate.name != robot_) {
       bus_.subscribe<models::RobotBelief>(
           bus::belief_channel(teammate.name),
           [this, sender = teammate.name](const auto& belief) { on_belief(sender, belief); });
     }
   }
-  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+  if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     map_.emplace(bus, scenario, robot);
   }
 }

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
 #include "estimator/app/map_step.hpp"
 #include "estimator/app/step_material.hpp"
 #include "estimator/distributed_filter.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::estimator {
 
@@ -28,7 +28,7 @@ namespace vantage::estimator {
 class EstimatorNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.
-  EstimatorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+  EstimatorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                 const std::string& robot);
 
   [[nodiscard]] std::string name() const override;

@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 
 namespace vantage::estimator {
 
@@ -55,7 +55,8 @@ bool same_content(const models::RobotBelief& a, const models::RobotBelief& b, do
 }
 
 EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
-                                         const models::Scenario& scenario, const std::string& robot)
+                                         const scenario::Scenario& scenario,
+                                         const std::string& robot)
     : bus_(bus),
       spec_(filter_spec(scenario, robot)),
       filter_(spec_),
@@ -64,7 +65,7 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
       frames_(kFramesKept),
       beliefs_(kBeliefsKeptPerTeammate * std::max<std::size_t>(1, scenario.robots.size())),
       next_tick_(clock.now() + kTick) {
-  for (const models::RobotSpec& each : scenario.robots) {
+  for (const scenario::RobotSpec& each : scenario.robots) {
     bus_.subscribe_named<models::DetectionSet>(
         bus::measurement_channel(each.name), [this](const std::string& channel, const auto& look) {
           looks_.add(channel, look);
@@ -76,7 +77,7 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
                                              frames_.add(channel, frame);
                                              work();
                                            });
-  for (const models::RobotSpec& teammate : scenario.robots) {
+  for (const scenario::RobotSpec& teammate : scenario.robots) {
     if (teammate.name != robot_) {
       bus_.subscribe_named<models::RobotBelief>(
           bus::belief_channel(teammate.name),
@@ -88,7 +89,7 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
   }
   bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot_),
                                       [this](const auto& belief) { on_logged(belief); });
-  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+  if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     map_.emplace(bus, scenario, robot);
   }
 }

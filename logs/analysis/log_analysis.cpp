@@ -15,7 +15,7 @@ constexpr std::int64_t kEventsPerReport = 1000;
 
 class Analyst {
  public:
-  Analyst(const models::Scenario& scenario, Time start)
+  Analyst(const scenario::Scenario& scenario, Time start)
       : metrics_(scenario, start), start_(start) {}
 
   /// The channel and the instant of logging of what comes next.
@@ -162,7 +162,7 @@ Spread spread_of(std::vector<double> values_s) {
           values_s.back(),      values_s.front()};
 }
 
-LogAnalysis analyse_log(const IndexedLog& log, const models::Scenario& scenario,
+LogAnalysis analyse_log(const IndexedLog& log, const scenario::Scenario& scenario,
                         const std::function<void(double)>& progress) {
   Analyst analyst(scenario, log.survey().first);
   LogScan scan = log.scan();

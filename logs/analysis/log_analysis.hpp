@@ -11,7 +11,7 @@
 
 #include "logs/file/log_index.hpp"
 #include "logs/metrics/trial_summary.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::logs {
 
@@ -64,7 +64,7 @@ struct LogAnalysis {
 
 /// Judges a log as a trial: RMSE, entropy, discovery (against TRUTH, where there is one),
 /// deadlines, loss and latencies. One pass.
-LogAnalysis analyse_log(const IndexedLog& log, const models::Scenario& scenario,
+LogAnalysis analyse_log(const IndexedLog& log, const scenario::Scenario& scenario,
                         const std::function<void(double)>& progress = {});
 
 /// Everything but the course.

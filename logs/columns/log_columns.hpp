@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "bus/wire_walk.hpp"
+#include "bus/convert/wire_walk.hpp"
 #include "core/time.hpp"
 
 namespace vantage::logs {

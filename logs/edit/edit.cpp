@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 
 namespace vantage::logs {
 namespace {

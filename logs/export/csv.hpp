@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/wire_walk.hpp"
+#include "bus/convert/wire_walk.hpp"
 #include "core/time.hpp"
 
 namespace vantage::logs {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "bus/channels.hpp"
-#include "bus/stream_monitor.hpp"
+#include "bus/convert/channels.hpp"
+#include "bus/node/stream_monitor.hpp"
 #include "logs/file/wire_witness.hpp"
 
 namespace vantage::logs {

@@ -2,8 +2,8 @@
 
 #include <string_view>
 
-#include "bus/convert.hpp"
-#include "bus/wire_walk.hpp"
+#include "bus/convert/convert.hpp"
+#include "bus/convert/wire_walk.hpp"
 #include "logs/file/log_event.hpp"
 #include "logs/file/wire_witness.hpp"
 

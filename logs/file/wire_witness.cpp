@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "bus/auth/trailer.hpp"
-#include "bus/convert.hpp"
+#include "bus/convert/convert.hpp"
 
 namespace vantage::logs {
 namespace {

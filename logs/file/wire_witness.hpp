@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bus/wire_walk.hpp"
+#include "bus/convert/wire_walk.hpp"
 #include "logs/file/log_scan.hpp"
 
 namespace vantage::logs {

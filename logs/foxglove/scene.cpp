@@ -78,7 +78,7 @@ std::vector<Eigen::Vector3d> points_of(const models::Trajectory& way, double ste
   return points;
 }
 
-Json robot_entity(const models::RobotSpec& robot, const Colour& colour, bool is_jammed,
+Json robot_entity(const scenario::RobotSpec& robot, const Colour& colour, bool is_jammed,
                   std::size_t index, Time time) {
   const double radius_m = robot.limits.radius_m;
   Json out = entity("robot/" + robot.name, robot.name, time, true);
@@ -105,7 +105,8 @@ Json robot_entity(const models::RobotSpec& robot, const Colour& colour, bool is_
   return out;
 }
 
-Json view_entity(const models::RobotSpec& robot, const Colour& colour, bool is_jammed, Time time) {
+Json view_entity(const scenario::RobotSpec& robot, const Colour& colour, bool is_jammed,
+                 Time time) {
   Json out = entity("view/" + robot.name, robot.name, time, true);
   const std::vector<Eigen::Vector3d> arc = field_of_view(robot.sensor, robot.height_m);
   const Eigen::Vector3d foot(0, 0, -robot.height_m);
@@ -123,15 +124,15 @@ Json view_entity(const models::RobotSpec& robot, const Colour& colour, bool is_j
   return out;
 }
 
-std::size_t index_of(const models::Scenario& scenario, const std::string& robot) {
-  const auto is_it = [&](const models::RobotSpec& each) { return each.name == robot; };
+std::size_t index_of(const scenario::Scenario& scenario, const std::string& robot) {
+  const auto is_it = [&](const scenario::RobotSpec& each) { return each.name == robot; };
   return static_cast<std::size_t>(
       std::find_if(scenario.robots.begin(), scenario.robots.end(), is_it) -
       scenario.robots.begin());
 }
 
 // make(robot, colour, is_jammed, index) of each.
-Json robots_as(const models::Scenario& scenario, const std::set<std::string>& jammed,
+Json robots_as(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
                const auto& make) {
   std::vector<Json> entities;
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
@@ -145,7 +146,7 @@ Json robots_as(const models::Scenario& scenario, const std::set<std::string>& ja
 
 }  // namespace
 
-std::optional<Colour> robot_colour(const models::Scenario& scenario, const std::string& robot) {
+std::optional<Colour> robot_colour(const scenario::Scenario& scenario, const std::string& robot) {
   const std::size_t index = index_of(scenario, robot);
   return index < scenario.robots.size() ? std::optional(of_paint(robot_look(index).body_paint()))
                                         : std::nullopt;
@@ -172,7 +173,7 @@ Json world_scene(const models::World& world, Time time) {
   return scene_update(std::move(entities));
 }
 
-Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed,
+Json robots_scene(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
                   Time time) {
   return robots_as(scenario, jammed,
                    [&](const auto& robot, const Colour& colour, bool is_jammed, std::size_t index) {
@@ -180,7 +181,8 @@ Json robots_scene(const models::Scenario& scenario, const std::set<std::string>&
                    });
 }
 
-Json views_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time) {
+Json views_scene(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
+                 Time time) {
   return robots_as(
       scenario, jammed,
       [&](const auto& robot, const Colour& colour, bool is_jammed, std::size_t /*index*/) {
@@ -188,9 +190,9 @@ Json views_scene(const models::Scenario& scenario, const std::set<std::string>& 
       });
 }
 
-Json targets_scene(const models::Scenario& scenario, Time time) {
+Json targets_scene(const scenario::Scenario& scenario, Time time) {
   std::vector<Json> entities;
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     Json out = entity("target/" + target.name, target.name, time, true);
     // From above a diamond with its corners on the target's circle, one of them ahead.
     const double side_m = std::sqrt(2.0) * target.radius_m;
@@ -214,12 +216,12 @@ Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_r
   out["spheres"].push_back(
       cube({points.back(), Quaternion::Identity()}, Eigen::Vector3d::Constant(0.12), colour));
   out["metadata"].push_back(metadata("round", std::to_string(plan.round)));
-  out["metadata"].push_back(metadata("source", models::name_of(plan.source)));
+  out["metadata"].push_back(metadata("source", scenario::name_of(plan.source)));
   out["metadata"].push_back(metadata("late", plan.late ? "yes" : "no"));
   return scene_update({std::move(out)});
 }
 
-Json proposal_scene(const models::TeamProposal& proposal, const models::Scenario& scenario,
+Json proposal_scene(const models::TeamProposal& proposal, const scenario::Scenario& scenario,
                     Time heard) {
   const std::size_t proposer = index_of(scenario, proposal.robot);
   Json out = entity("proposal/" + proposal.robot, kWorldFrame, heard, false);

@@ -9,7 +9,7 @@
 #include "logs/foxglove/parts.hpp"
 #include "logs/metrics/team_estimate.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 // What vantage's values look like: foxglove.SceneUpdate messages, in metres. Bodies are drawn in
 // frames of their own name ("Q1"), which foxglove.FrameTransforms move; so a body is described once
@@ -20,20 +20,22 @@ namespace vantage::logs::foxglove {
 /// What tells one robot from another wherever it is drawn or charted: by its place in the scenario,
 /// whatever is heard first: the body's of robot_look() (logs/look). nullopt of what is no robot of
 /// the scenario.
-std::optional<Colour> robot_colour(const models::Scenario& scenario, const std::string& robot);
+std::optional<Colour> robot_colour(const scenario::Scenario& scenario, const std::string& robot);
 
 /// Bounds, obstacles and regions.
 Json world_scene(const models::World& world, Time time);
 
 /// Every robot in its colour, from the ninth on with a core of another; the `jammed` in red, their
 /// own colour as the core.
-Json robots_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time);
+Json robots_scene(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
+                  Time time);
 
 /// What each robot's sensor can see of the ground when nothing stands in its way; red when jammed.
-Json views_scene(const models::Scenario& scenario, const std::set<std::string>& jammed, Time time);
+Json views_scene(const scenario::Scenario& scenario, const std::set<std::string>& jammed,
+                 Time time);
 
 /// Every target as it really is (in the frame that mocap or truth gives it).
-Json targets_scene(const models::Scenario& scenario, Time time);
+Json targets_scene(const scenario::Scenario& scenario, Time time);
 
 /// One committed trajectory: its line at its height, a mark where it ends. Grey when it was not
 /// searched but shifted or braked, orange when it was late.
@@ -44,7 +46,7 @@ Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_r
 /// from when it was `heard` until they would start, the end of the round. Those of robots next to
 /// each other in the scenario fill each other's gaps where they agree.
 /// Preconditions: heard < proposal.stamp.time, the proposer is a robot of the scenario.
-Json proposal_scene(const models::TeamProposal& proposal, const models::Scenario& scenario,
+Json proposal_scene(const models::TeamProposal& proposal, const scenario::Scenario& scenario,
                     Time heard);
 
 /// One target as somebody knows it.

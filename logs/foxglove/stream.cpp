@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "bus/scenario_yaml.hpp"
 #include "core/check.hpp"
 #include "logs/foxglove/scene.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 
 namespace vantage::logs::foxglove {
 namespace {
@@ -46,7 +46,7 @@ void Stream::on(const models::ScenarioNotice& notice, Time heard) {
     return;
   }
   try {
-    scenario_ = bus::parse_scenario(notice.yaml, "SCENARIO");
+    scenario_ = scenario::parse_scenario(notice.yaml, "SCENARIO");
   } catch (const StartupError& error) {
     ++scenarios_refused_;
     put_event(Event{heard, LogLevel::kError, "scenario", error.what()}, heard);
@@ -114,7 +114,7 @@ void Stream::on(const models::TruthFrame& truth, Time heard) {
 }
 
 void Stream::on(const models::DetectionSet& detections, Time heard) {
-  const models::RobotSpec* robot = scenario_ ? scenario_->find_robot(detections.robot) : nullptr;
+  const scenario::RobotSpec* robot = scenario_ ? scenario_->find_robot(detections.robot) : nullptr;
   if (robot != nullptr) {
     put("/measurement/" + detections.robot, Schema::kSceneUpdate, heard, [&] {
       return measurement_scene(detections, robot->sensor,
@@ -181,7 +181,7 @@ void Stream::put_estimates(const std::string& topic, const std::string& prefix,
         }
         // All of them and not only those of before: who missed a message must not keep a ghost.
         std::vector<std::string> gone;
-        for (const models::TargetSpec& target : scenario_->targets) {
+        for (const scenario::TargetSpec& target : scenario_->targets) {
           if (!shown.contains(target.name)) {
             gone.push_back(target.name);
           }
@@ -351,7 +351,7 @@ std::optional<Colour> Stream::colour_of(const std::string& robot) const {
 }
 
 std::string Stream::target_name(int target_id) const {
-  for (const models::TargetSpec& target : scenario_->targets) {
+  for (const scenario::TargetSpec& target : scenario_->targets) {
     if (target.id == target_id) {
       return target.name;
     }

@@ -14,7 +14,7 @@
 #include "logs/metrics/team_estimate.hpp"
 #include "logs/metrics/trial_metrics.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::logs::foxglove {
 
@@ -96,7 +96,7 @@ class Stream {
   [[nodiscard]] std::string target_name(int target_id) const;
 
   Sink& sink_;
-  std::optional<models::Scenario> scenario_;
+  std::optional<scenario::Scenario> scenario_;
   std::optional<TrialMetrics> metrics_;  ///< whenever scenario_ is
   std::optional<models::AttackNotice> attack_;
   std::map<std::string, models::VehicleStatus> vehicles_;

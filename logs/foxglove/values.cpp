@@ -105,11 +105,11 @@ Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec
   return float_grid(map.grid, "occupancy", occupancies, map.stamp.time);
 }
 
-Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario& scenario) {
+Json scenario_json(const models::ScenarioNotice& notice, const scenario::Scenario& scenario) {
   const models::Rectangle& bounds = scenario.world.bounds;
-  const bool is_mapping = scenario.planner.objective == models::PlanObjective::kMapping;
+  const bool is_mapping = scenario.planner.objective == scenario::PlanObjective::kMapping;
   Json robots = Json::array();
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     robots.push_back({{"name", robot.name},
                       {"color", to_json(robot_colour(scenario, robot.name).value())},
                       {"height_m", robot.height_m},
@@ -118,7 +118,7 @@ Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario&
                       {"fov_rad", robot.sensor.fov_rad}});
   }
   Json targets = Json::array();
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     targets.push_back({{"name", target.name}, {"id", target.id}, {"radius_m", target.radius_m}});
   }
   return {{"timestamp", to_json(notice.stamp.time)},
@@ -139,7 +139,7 @@ Json plan_json(const models::RobotPlan& plan) {
   Json out{{"timestamp", to_json(plan.stamp.time)},
            {"robot", plan.robot},
            {"round", plan.round},
-           {"source", models::name_of(plan.source)},
+           {"source", scenario::name_of(plan.source)},
            {"passes", plan.passes},
            {"nodes", plan.nodes},
            {"margin_s", to_seconds(plan.deadline - plan.finish)},
@@ -155,7 +155,7 @@ Json plan_json(const models::RobotPlan& plan) {
 Json vehicle_json(const models::VehicleStatus& status) {
   return {{"timestamp", to_json(status.stamp.time)},
           {"robot", status.robot},
-          {"state", models::name_of(status.state)},
+          {"state", scenario::name_of(status.state)},
           {"battery_share", status.battery_share},
           {"plan_round", status.plan_round},
           {"setpoint",

@@ -8,7 +8,7 @@
 #include "logs/foxglove/parts.hpp"
 #include "logs/metrics/trial_metrics.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 // Messages as foxglove.FrameTransforms, foxglove.Grid, foxglove.Log and vantage.*. Pure. A number
 // that is not finite (no cost, nothing proven) is left out, since JSON has no word for it.
@@ -30,7 +30,7 @@ Json visibility_grid(const models::GridGeometry& grid,
 Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec);
 
 /// vantage.Scenario.
-Json scenario_json(const models::ScenarioNotice& notice, const models::Scenario& scenario);
+Json scenario_json(const models::ScenarioNotice& notice, const scenario::Scenario& scenario);
 /// vantage.Plan: margin_s = deadline − finish, gap_nat = cost − lower bound.
 Json plan_json(const models::RobotPlan& plan);
 /// vantage.Vehicle.

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bus/wire_walk.hpp"
+#include "bus/convert/wire_walk.hpp"
 
 // Every message of the house as JSON with the names of its .lcm file, from the layouts that are
 // generated from those files: a new type needs nothing here.

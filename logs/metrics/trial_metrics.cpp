@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "models/scenario/energy_cost.hpp"
-#include "models/scenario/search_name.hpp"
+#include "scenario/energy_cost.hpp"
+#include "scenario/search_name.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -16,7 +16,7 @@ constexpr std::int64_t kStepsOfGrace = 2;
 
 }  // namespace
 
-TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
+TrialMetrics::TrialMetrics(const scenario::Scenario& scenario, Time start)
     : world_(scenario.world),
       specs_(scenario.robots),
       execute_steps_(scenario.planner.execute_steps),
@@ -29,14 +29,14 @@ TrialMetrics::TrialMetrics(const models::Scenario& scenario, Time start)
       robot_sums_(static_cast<int>(scenario.targets.size()), position_dim_, prior_entropy_nats_) {
   summary_.seed = scenario.seed;
   summary_.scenario = scenario.name;
-  summary_.algorithm = models::search_name(scenario.planner);
+  summary_.algorithm = scenario::search_name(scenario.planner);
   summary_.targets = static_cast<int>(scenario.targets.size());
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     TargetStatus& status = targets_.emplace_back();
     status.name = target.name;
     status.entropy_nats = prior_entropy_nats_;
   }
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     robots_[robot.name];
   }
 }
@@ -146,8 +146,8 @@ double TrialMetrics::energy_nats(const models::RobotPlan& plan) const {
   for (int step = 0; spec != specs_.end() && step < execute_steps_; ++step) {
     const models::TrajectoryPoint point =
         models::at(plan.trajectory, plan.trajectory.start_time + Duration{step * step_us_});
-    used += spec->energy.price_nats * models::step_cost(spec->energy, &world_, point.control,
-                                                        point.world_from_body.position_m());
+    used += spec->energy.price_nats * scenario::step_cost(spec->energy, &world_, point.control,
+                                                          point.world_from_body.position_m());
   }
   return used;
 }

@@ -13,7 +13,7 @@
 #include "logs/metrics/trial_summary.hpp"
 #include "logs/metrics/truth_history.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::logs {
 
@@ -37,7 +37,7 @@ struct RobotStatus {
 /// truth around them and the other robots' beliefs of the same step have come.
 class TrialMetrics {
  public:
-  TrialMetrics(const models::Scenario& scenario, Time start);
+  TrialMetrics(const scenario::Scenario& scenario, Time start);
 
   void on_truth(const models::TruthFrame& frame);
   void on_belief(const models::RobotBelief& belief);
@@ -82,7 +82,7 @@ class TrialMetrics {
   [[nodiscard]] double energy_nats(const models::RobotPlan& plan) const;
 
   const models::World world_;
-  const std::vector<models::RobotSpec> specs_;
+  const std::vector<scenario::RobotSpec> specs_;
   const int execute_steps_;
   const Time start_;
   const std::int64_t step_us_;

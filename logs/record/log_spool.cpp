@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "logs/file/log_event.hpp"

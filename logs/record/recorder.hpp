@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
+#include "bus/transport/transport.hpp"
 #include "logs/edit/channel_rules.hpp"
 #include "logs/record/log_spool.hpp"
 

@@ -6,10 +6,16 @@
 
 #include "core/time.hpp"
 #include "models/belief/gaussian.hpp"
-#include "models/scenario/scenario.hpp"
 #include "models/world/grid.hpp"
 
 namespace vantage::models {
+
+/// Where exploration landmarks stand and how many count.
+struct ExplorationSpec {
+  double landmark_sigma_m = 1.0;    ///< 1σ of the Gaussian prior (l, Σ_l) of each pseudo-target
+  double landmark_spacing_m = 1.0;  ///< no two landmarks nearer than this
+  int landmarks_max = 12;           ///< the nearest to the robot are used
+};
 
 /// Exploration landmarks: static planar pseudo-targets N(l, landmark_sigma_m² I₂) at the frontiers
 /// of what has been seen, the `landmarks_max` nearest to `from_m`, by ascending distance (ties: in

@@ -14,8 +14,8 @@
 #include "models/sensor/sensor.hpp"
 #include "models/world/grid.hpp"
 
-// What processes tell each other, as values. bus/convert turns them into wire messages and back;
-// nothing else knows how they travel.
+// What processes tell each other, as values. bus/convert/convert turns them into wire messages and
+// back; nothing else knows how they travel.
 
 namespace vantage::models {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "models/mapping/mapping_spec.hpp"
 #include "models/mapping/occupancy_belief.hpp"
-#include "models/scenario/mapping_spec.hpp"
 
 namespace vantage::models {
 

@@ -9,7 +9,8 @@
 #include "core/pose.hpp"
 #include "core/time.hpp"
 #include "models/motion/unicycle.hpp"
-#include "models/scenario/scenario.hpp"
+#include "models/motion/vehicle_limits.hpp"
+#include "models/world/world.hpp"
 
 // The word that planner, vehicles, simulator and logs share: a timed trajectory that ends in a
 // hover. Pure functions of it give the pose at any instant; there is no other interpretation.

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "bus/node_main.hpp"
+#include "bus/node/node_main.hpp"
 #include "planner/app/node.hpp"
 #include "planner/app/replay_node.hpp"
 
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
       {"vantage-planner", "Plans one robot's share of each round.", true, true}, argc, argv,
-      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+      [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
         if (arguments.replay) {
           return std::make_unique<planner::PlannerReplayNode>(bus, clock, scenario,

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/deadline.hpp"
-#include "planner/team/trajectory_tools.hpp"
+#include "planner/robot/trajectory_tools.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -35,7 +35,7 @@ const std::string& robot_of(const models::PlanProposal& proposal) { return propo
 
 }  // namespace
 
-PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                          const std::string& robot)
     : bus_(bus),
       clock_(clock),
@@ -47,13 +47,13 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
       slot_(schedule_.next_slot(clock.now() + (clock.is_real_time() ? kListening : Duration{0}))) {
   subscribe_to<models::RobotBelief>(bus::belief_channel(robot), robot,
                                     [this](const auto& m) { inputs_.belief = m; });
-  if (spec_.objective == models::PlanObjective::kMapping) {
+  if (spec_.objective == scenario::PlanObjective::kMapping) {
     subscribe_to<models::RobotMap>(bus::map_channel(robot), robot,
                                    [this](const auto& m) { inputs_.map = m; });
   }
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
-  for (const models::RobotSpec& other : scenario.robots) {
+  for (const scenario::RobotSpec& other : scenario.robots) {
     const std::string& name = other.name;
     subscribe_to<models::VehicleStatus>(
         bus::quadrotor_channel(name), name,
@@ -61,7 +61,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::S
     if (name == robot) {
       continue;
     }
-    if (spec_.team_algorithm == models::TeamAlgorithm::kLocalSearch) {
+    if (spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
       subscribe_to<models::TeamProposal>(bus::team_proposal_channel(name), name,
                                          [this](const auto& m) { hear(m); });
     }
@@ -155,7 +155,7 @@ void PlannerNode::tick(Time now) {
     return;
   }
   inputs_.slot = slot_;
-  if (slot_.is_proposal && spec_.team_algorithm == models::TeamAlgorithm::kLocalSearch) {
+  if (slot_.is_proposal && spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
     begin_exchange(now);
   } else if (slot_.is_proposal) {
     propose(now);

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
-#include "models/scenario/scenario.hpp"
-#include "planner/team/robot_planner.hpp"
-#include "planner/team/round.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
+#include "planner/robot/robot_planner.hpp"
+#include "planner/robot/round.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::planner {
 
@@ -23,7 +23,7 @@ namespace vantage::planner {
 /// Under a clock that is not real time the budget is planner.node_budget nodes.
 class PlannerNode : public bus::Node {
  public:
-  PlannerNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+  PlannerNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
               const std::string& robot);
 
   [[nodiscard]] std::string name() const override { return "PLANNER_" + robot_; }
@@ -52,8 +52,8 @@ class PlannerNode : public bus::Node {
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
-  models::PlannerSpec spec_;
-  std::vector<models::RobotSpec> robots_;
+  scenario::PlannerSpec spec_;
+  std::vector<scenario::RobotSpec> robots_;
   std::string robot_;
   RobotPlanner planner_;
   RoundSchedule schedule_;

@@ -55,7 +55,7 @@ bool is_same_decision(const models::TeamProposal& a, const models::TeamProposal&
 }
 
 PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
-                                     const models::Scenario& scenario, const std::string& robot)
+                                     const scenario::Scenario& scenario, const std::string& robot)
     : bus_(bus),
       robot_(robot),
       planner_(scenario, robot),
@@ -64,7 +64,7 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
   bus_.subscribe_named<models::RobotBelief>(
       bus::belief_channel(robot),
       [this](const std::string& name, const auto& m) { beliefs_.add(name, m); });
-  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+  if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     bus_.subscribe_named<models::RobotMap>(
         bus::map_channel(robot),
         [this](const std::string& name, const auto& m) { maps_.add(name, m); });
@@ -73,7 +73,7 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
       bus::kVicon, [this](const std::string& name, const auto& m) { frames_.add(name, m); });
   bus_.subscribe_named<models::AttackNotice>(
       bus::kAttack, [this](const std::string& name, const auto& m) { attacks_.add(name, m); });
-  for (const models::RobotSpec& each : scenario.robots) {
+  for (const scenario::RobotSpec& each : scenario.robots) {
     const bool is_own = each.name == robot;
     bus_.subscribe_named<models::RobotPlan>(bus::plan_channel(each.name),
                                             [this, is_own](const std::string& name, const auto& m) {

@@ -5,12 +5,12 @@
 #include <variant>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/input_store.hpp"
-#include "bus/node.hpp"
-#include "models/scenario/scenario.hpp"
-#include "planner/team/robot_planner.hpp"
-#include "planner/team/round.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/input_store.hpp"
+#include "bus/node/node.hpp"
+#include "planner/robot/robot_planner.hpp"
+#include "planner/robot/round.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::planner {
 
@@ -20,7 +20,7 @@ namespace vantage::planner {
 /// prefix and counts the differences.
 class PlannerReplayNode : public bus::Node {
  public:
-  PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+  PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                     const std::string& robot);
 
   [[nodiscard]] std::string name() const override { return "REPLAY_PLANNER_" + robot_; }

@@ -7,9 +7,9 @@
 namespace vantage::planner {
 namespace {
 
-int controls_max(const models::Scenario& scenario) {
+int controls_max(const scenario::Scenario& scenario) {
   std::size_t most = 1;
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     most = std::max(most, robot.primitives.size());
   }
   return static_cast<int>(most);
@@ -17,7 +17,7 @@ int controls_max(const models::Scenario& scenario) {
 
 }  // namespace
 
-MapPlanner::MapPlanner(const models::Scenario& scenario)
+MapPlanner::MapPlanner(const scenario::Scenario& scenario)
     : spec_(scenario.mapping),
       geometry_(models::map_geometry(scenario.world, spec_)),
       planned_(spec_.scanner),

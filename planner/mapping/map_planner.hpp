@@ -7,11 +7,11 @@
 #include "core/deadline.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/mapping/looks.hpp"
-#include "models/scenario/scenario.hpp"
 #include "planner/mapping/mapping_search.hpp"
-#include "planner/search/motion_table.hpp"
-#include "planner/search/problem.hpp"
-#include "planner/team/fixed_information.hpp"
+#include "planner/problem/fixed_information.hpp"
+#include "planner/problem/motion_table.hpp"
+#include "planner/problem/problem.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::planner {
 
@@ -25,7 +25,7 @@ namespace vantage::planner {
 class MapPlanner {
  public:
   /// @throws UsageError for a scanner that makes no sense.
-  explicit MapPlanner(const models::Scenario& scenario);
+  explicit MapPlanner(const scenario::Scenario& scenario);
 
   /// What the next search works on. Teammates that are jammed see nothing, but are still there.
   void set_up(const SearchProblem& problem, const std::optional<models::RobotMap>& map,

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "planner/team/decision/resilient.hpp"
+#include "planner/decision/resilient.hpp"
 
 namespace vantage::planner {
 

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "planner/problem/problem.hpp"
 #include "planner/search/cost_order.hpp"
 #include "planner/search/crossing_index.hpp"
 #include "planner/search/expander.hpp"
 #include "planner/search/node_list.hpp"
-#include "planner/search/problem.hpp"
 #include "planner/search/root_bound.hpp"
 #include "planner/search/tree.hpp"
 

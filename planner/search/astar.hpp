@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
 #include "planner/search/crossing_index.hpp"
 #include "planner/search/expander.hpp"
 #include "planner/search/heuristic.hpp"
-#include "planner/search/problem.hpp"
 #include "planner/search/sequencing_bound.hpp"
 #include "planner/search/tree.hpp"
 

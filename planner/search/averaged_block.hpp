@@ -1,6 +1,6 @@
 #pragma once
 
-#include "planner/search/block_kernels.hpp"
+#include "planner/problem/block_kernels.hpp"
 
 namespace vantage::planner {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
 #include "planner/search/expander.hpp"
-#include "planner/search/problem.hpp"
 #include "planner/search/root_bound.hpp"
 #include "planner/search/sighting_value.hpp"
 #include "planner/search/tree.hpp"

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "planner/search/belief_table.hpp"
+#include "planner/problem/belief_table.hpp"
 
 namespace vantage::planner {
 

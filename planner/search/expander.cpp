@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planner/search/log_product.hpp"
+#include "planner/problem/log_product.hpp"
 
 namespace vantage::planner {
 namespace {

@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "planner/search/belief_table.hpp"
+#include "planner/problem/belief_table.hpp"
+#include "planner/problem/motion_table.hpp"
+#include "planner/problem/problem.hpp"
+#include "planner/problem/sight.hpp"
 #include "planner/search/candidate_grid.hpp"
-#include "planner/search/motion_table.hpp"
-#include "planner/search/problem.hpp"
-#include "planner/search/sight.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "planner/search/log_product.hpp"
+#include "planner/problem/log_product.hpp"
 
 namespace vantage::planner {
 namespace {

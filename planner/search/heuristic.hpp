@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "planner/problem/belief_table.hpp"
+#include "planner/problem/problem.hpp"
 #include "planner/search/averaged_block.hpp"
-#include "planner/search/belief_table.hpp"
 #include "planner/search/geodesic.hpp"
 #include "planner/search/pointed_information.hpp"
-#include "planner/search/problem.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
+#include "planner/problem/problem.hpp"
 #include "planner/search/expander.hpp"
-#include "planner/search/problem.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {

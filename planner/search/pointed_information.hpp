@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "planner/search/block_kernels.hpp"
+#include "planner/problem/block_kernels.hpp"
 
 namespace vantage::planner {
 

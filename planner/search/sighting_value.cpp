@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/angle.hpp"
-#include "planner/search/block_kernels.hpp"
+#include "planner/problem/block_kernels.hpp"
 
 namespace vantage::planner {
 namespace {

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "core/pose.hpp"
+#include "planner/problem/problem.hpp"
 #include "planner/search/expander.hpp"
-#include "planner/search/problem.hpp"
 
 namespace vantage::planner {
 

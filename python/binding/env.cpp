@@ -180,7 +180,7 @@ py::dict state_of(const Tasks& tasks, std::size_t index) {
     double entropy_nats = 0.0;
     int steps = 0;
     std::vector<models::Gaussian> beliefs;
-    std::vector<tools::TargetStep> targets;
+    std::vector<experiments::TargetStep> targets;
     std::optional<models::OccupancyBelief> map;
   };
   const State state = tasks.alone([&](const VectorTask& all) {

@@ -1,12 +1,12 @@
 #include "core/check.hpp"
 #include "python/binding/bind.hpp"
-#include "tools/observe/announcer.hpp"
+#include "trial/observe/announcer.hpp"
 
 PYBIND11_MODULE(_vantage, module) {
   namespace py = pybind11;
   using namespace vantage::python;  // NOLINT(google-build-using-namespace): this file is its list
   module.doc() = "What import vantage is made of; see help(vantage).";
-  module.attr("__version__") = vantage::tools::version();
+  module.attr("__version__") = vantage::trial::version();
   py::register_exception<vantage::StartupError>(module, "StartupError", PyExc_ValueError).doc() =
       "A file or text that cannot be used: where it is wrong, and what was expected.";
   py::register_exception<vantage::UsageError>(module, "UsageError", PyExc_ValueError).doc() =

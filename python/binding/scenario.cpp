@@ -5,16 +5,16 @@
 
 #include <pybind11/stl.h>
 
-#include "bus/scenario_yaml.hpp"
 #include "python/binding/bind.hpp"
-#include "tools/scenario/overrides.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+#include "trial/scenario/overrides.hpp"
 
 namespace vantage::python {
 namespace {
 
 std::shared_ptr<Scenario> parsed(const std::string& yaml, const std::string& name) {
   const py::gil_scoped_release release;
-  return std::make_shared<Scenario>(Scenario{bus::parse_scenario(yaml, name), name});
+  return std::make_shared<Scenario>(Scenario{scenario::parse_scenario(yaml, name), name});
 }
 
 std::shared_ptr<Scenario> scenario_of(const py::object& source) {
@@ -23,7 +23,7 @@ std::shared_ptr<Scenario> scenario_of(const py::object& source) {
   }
   const std::string path = path_text(source);
   const py::gil_scoped_release release;
-  return std::make_shared<Scenario>(Scenario{bus::load_scenario(path), path});
+  return std::make_shared<Scenario>(Scenario{scenario::load_scenario(path), path});
 }
 
 }  // namespace
@@ -42,13 +42,13 @@ strictly as everywhere: StartupError says line, key, rule and value, and what wa
           [](const Scenario& self, std::optional<std::uint64_t> seed,
              std::optional<double> duration_s, std::optional<std::string> planner,
              std::optional<double> communication_range_m, std::optional<std::int64_t> node_budget) {
-            tools::Overrides overrides;
+            trial::Overrides overrides;
             overrides.seed = seed;
             overrides.duration_s = duration_s;
             overrides.planner = std::move(planner);
             overrides.communication_range_m = communication_range_m;
             overrides.node_budget = node_budget;
-            return parsed(tools::apply_overrides(self.value.source_text, overrides),
+            return parsed(trial::apply_overrides(self.value.source_text, overrides),
                           overrides.is_empty() ? self.source : self.source + " with options");
           },
           py::kw_only(), py::arg("seed") = py::none(), py::arg("duration_s") = py::none(),
@@ -70,7 +70,7 @@ strictly as everywhere: StartupError says line, key, rule and value, and what wa
           "robots",
           [](const Scenario& self) {
             std::vector<std::string> names;
-            for (const models::RobotSpec& robot : self.value.robots) {
+            for (const scenario::RobotSpec& robot : self.value.robots) {
               names.push_back(robot.name);
             }
             return names;
@@ -80,7 +80,7 @@ strictly as everywhere: StartupError says line, key, rule and value, and what wa
           "targets",
           [](const Scenario& self) {
             std::vector<std::string> names;
-            for (const models::TargetSpec& target : self.value.targets) {
+            for (const scenario::TargetSpec& target : self.value.targets) {
               names.push_back(target.name);
             }
             return names;

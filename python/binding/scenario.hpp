@@ -3,13 +3,13 @@
 #include <memory>
 #include <string>
 
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::python {
 
 /// What Python's vantage.Scenario holds: it never changes, so that trials may share it.
 struct Scenario {
-  models::Scenario value;
+  scenario::Scenario value;
   std::string source;  ///< file, or what stands for it in messages
 };
 

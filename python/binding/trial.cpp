@@ -1,4 +1,4 @@
-#include "tools/trial/trial.hpp"
+#include "trial/trial.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -10,12 +10,12 @@
 
 #include <pybind11/stl.h>
 
-#include "bus/scenario_yaml.hpp"
 #include "core/check.hpp"
 #include "drivers/sensor/app/node.hpp"
 #include "python/binding/bind.hpp"
 #include "python/binding/scenario.hpp"
-#include "tools/scenario/overrides.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+#include "trial/scenario/overrides.hpp"
 
 namespace vantage::python {
 namespace {
@@ -26,12 +26,12 @@ using Sensors = std::map<std::string, py::function>;
 // interpreter's lock.
 class PythonSensor {
  public:
-  PythonSensor(const models::Scenario& scenario, const std::string& robot,
+  PythonSensor(const scenario::Scenario& scenario, const std::string& robot,
                std::shared_ptr<py::function> look)
       : robot_(robot), look_(std::move(look)) {
-    const models::RobotSpec* spec = scenario.find_robot(robot);
+    const scenario::RobotSpec* spec = scenario.find_robot(robot);
     measurement_dim_ = spec->sensor.measurement_dim(scenario.estimator.target_model.position_dim);
-    for (const models::TargetSpec& target : scenario.targets) {
+    for (const scenario::TargetSpec& target : scenario.targets) {
       ids_[target.name] = target.id;
     }
   }
@@ -104,12 +104,13 @@ std::shared_ptr<Scenario> with_node_budget(const std::shared_ptr<Scenario>& scen
   if (scenario->value.planner.node_budget > 0) {
     return scenario;
   }
-  tools::Overrides overrides;
-  overrides.node_budget = tools::kDefaultNodeBudget;
+  trial::Overrides overrides;
+  overrides.node_budget = trial::kDefaultNodeBudget;
   const std::string name = scenario->source + " with options";
-  return std::make_shared<Scenario>(Scenario{
-      bus::parse_scenario(tools::apply_overrides(scenario->value.source_text, overrides), name),
-      name});
+  return std::make_shared<Scenario>(
+      Scenario{scenario::parse_scenario(
+                   trial::apply_overrides(scenario->value.source_text, overrides), name),
+               name});
 }
 
 class Trial {
@@ -117,11 +118,11 @@ class Trial {
   Trial(const std::shared_ptr<Scenario>& scenario, const std::string& log_path,
         const Sensors& sensors)
       : scenario_(with_node_budget(scenario)) {
-    std::vector<tools::NodeRecipe> recipes = tools::trial_recipes(scenario_->value);
+    std::vector<trial::NodeRecipe> recipes = trial::trial_recipes(scenario_->value);
     for (const auto& [robot, look] : sensors) {
       const auto recipe = std::find_if(
           recipes.begin(), recipes.end(),
-          [&, name = "SENSOR_" + robot](const tools::NodeRecipe& r) { return r.name == name; });
+          [&, name = "SENSOR_" + robot](const trial::NodeRecipe& r) { return r.name == name; });
       require(recipe != recipes.end(), "sensors: the scenario has no robot " + robot);
       recipe->make = [&scenario = scenario_->value, name = robot, call = kept(look)](
                          bus::Bus& bus, const bus::Clock& clock) {
@@ -130,7 +131,7 @@ class Trial {
       };
     }
     const py::gil_scoped_release release;
-    trial_ = std::make_unique<tools::Trial>(scenario_->value, recipes, log_path);
+    trial_ = std::make_unique<trial::Trial>(scenario_->value, recipes, log_path);
   }
 
   ~Trial() {
@@ -174,10 +175,10 @@ class Trial {
   }
 
   [[nodiscard]] double time_s() const {
-    return alone([](tools::Trial& t) { return to_seconds(t.time() - t.start()); });
+    return alone([](trial::Trial& t) { return to_seconds(t.time() - t.start()); });
   }
   [[nodiscard]] bool is_over() const {
-    return alone([](tools::Trial& t) { return t.time() >= t.planned_end(); });
+    return alone([](trial::Trial& t) { return t.time() >= t.planned_end(); });
   }
   [[nodiscard]] const std::shared_ptr<Scenario>& scenario() const { return scenario_; }
 
@@ -190,20 +191,20 @@ class Trial {
   mutable std::recursive_mutex
       mutex_;  ///< a sensor of Python's may look at the trial it is part of
   std::atomic<bool> is_at_work_ = false;
-  std::unique_ptr<tools::Trial> trial_;
+  std::unique_ptr<trial::Trial> trial_;
 };
 
 // Poses of the newest TRUTH: robots (−1) or targets, in the scenario's order.
 py::array_t<double> truth_array(const Trial& trial, bool of_targets) {
-  const auto truth = trial.alone([](tools::Trial& t) { return t.observer().truth(); });
-  const models::Scenario& scenario = trial.scenario()->value;
+  const auto truth = trial.alone([](trial::Trial& t) { return t.observer().truth(); });
+  const scenario::Scenario& scenario = trial.scenario()->value;
   std::vector<std::string> names;
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     names.push_back(robot.name);
   }
   if (of_targets) {
     names.clear();
-    for (const models::TargetSpec& target : scenario.targets) {
+    for (const scenario::TargetSpec& target : scenario.targets) {
       names.push_back(target.name);
     }
   }
@@ -289,7 +290,7 @@ py::dict plan_dict(const models::RobotPlan& plan, Time start) {
   }
   py::dict out;
   out["round"] = plan.round;
-  out["source"] = models::name_of(plan.source);
+  out["source"] = scenario::name_of(plan.source);
   out["start_s"] = to_seconds(plan.trajectory.start_time - start);
   out["step_s"] = plan.step_s;
   out["poses"] = poses_array(poses, poses.size());
@@ -365,7 +366,7 @@ In the order of scenario.robots; nan before the first instant.)")
           "beliefs",
           [](const Trial& self) {
             const auto [beliefs, start] = self.alone(
-                [](tools::Trial& t) { return std::pair(t.observer().beliefs(), t.start()); });
+                [](trial::Trial& t) { return std::pair(t.observer().beliefs(), t.start()); });
             py::dict out;
             for (const auto& [robot, belief] : beliefs) {
               out[py::str(robot)] = belief_dict(belief, start);
@@ -377,7 +378,7 @@ last_seen_s (K,) of the targets that it knows; grid_last_seen_utime (rows, colum
       .def_property_readonly(
           "plans",
           [](const Trial& self) {
-            const auto [robots, start] = self.alone([](tools::Trial& t) {
+            const auto [robots, start] = self.alone([](trial::Trial& t) {
               return std::pair(t.observer().metrics().robots(), t.start());
             });
             py::dict out;
@@ -394,7 +395,7 @@ lower_bound in nats; source: searched, shifted or braking; nodes, round, late.)"
           "maps",
           [](const Trial& self) {
             const auto [maps, start] = self.alone(
-                [](tools::Trial& t) { return std::pair(t.observer().maps(), t.start()); });
+                [](trial::Trial& t) { return std::pair(t.observer().maps(), t.start()); });
             py::dict out;
             for (const auto& [robot, map] : maps) {
               out[py::str(robot)] = map_dict(map, start);
@@ -406,7 +407,7 @@ something in a cell less scans that passed through it; entropy_nats.)")
       .def_property_readonly(
           "metrics",
           [](const Trial& self) {
-            return from_json(self.alone([](tools::Trial& t) {
+            return from_json(self.alone([](trial::Trial& t) {
               return logs::to_json(t.result().summary)
                   .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
             }));

@@ -6,22 +6,22 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "experiments/mapping_worlds.hpp"
 #include "python/task/observation.hpp"
-#include "tools/experiment/mapping_worlds.hpp"
 
 namespace vantage::python {
 namespace {
 
-experiment::MappingSetup setup_of(const MappingTaskSpec& spec) {
+experiments::MappingSetup setup_of(const MappingTaskSpec& spec) {
   require(spec.world == "pillars" || spec.world == "corridors",
           fmt::format("world: must be one of pillars, corridors, got {}", spec.world));
   require(spec.side_m >= 8.0 && spec.side_m <= 64.0,
           fmt::format("side_m: must be ≥ 8 and ≤ 64, got {}", spec.side_m));
   require(spec.patch_cells >= 1 && spec.patch_cells <= 256,
           fmt::format("patch_cells: must be ≥ 1 and ≤ 256, got {}", spec.patch_cells));
-  experiment::MappingSetup setup;
-  setup.world = spec.world == "pillars" ? experiment::square_obstacles_world(spec.side_m)
-                                        : experiment::corridor_world(spec.side_m);
+  experiments::MappingSetup setup;
+  setup.world = spec.world == "pillars" ? experiments::square_obstacles_world(spec.side_m)
+                                        : experiments::corridor_world(spec.side_m);
   setup.robots = spec.robots;
   return setup;
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "experiments/mapping_trial.hpp"
 #include "python/task/team_task.hpp"
-#include "tools/experiment/mapping_trial.hpp"
 
 namespace vantage::python {
 
@@ -38,9 +38,9 @@ class MappingTask final : public TeamTask {
   using TeamTask::observe;
   [[nodiscard]] double entropy_nats() const override { return entropy_nats_; }
 
-  [[nodiscard]] const experiment::MappingSetup& setup() const { return setup_; }
+  [[nodiscard]] const experiments::MappingSetup& setup() const { return setup_; }
   /// Of this episode. Precondition: reset() was called.
-  [[nodiscard]] const experiment::MappedWorld& ground() const { return *ground_; }
+  [[nodiscard]] const experiments::MappedWorld& ground() const { return *ground_; }
 
  private:
   void on_reset(std::uint64_t seed) override;
@@ -50,8 +50,8 @@ class MappingTask final : public TeamTask {
   double learn_around(std::size_t robot);
 
   MappingTaskSpec spec_;
-  experiment::MappingSetup setup_;
-  std::optional<experiment::MappedWorld> ground_;
+  experiments::MappingSetup setup_;
+  std::optional<experiments::MappedWorld> ground_;
   std::vector<double> cell_log_odds_;  ///< that cell_nats_ is of
   std::vector<double> cell_nats_;
   double entropy_nats_ = 0.0;

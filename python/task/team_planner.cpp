@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
-#include "planner/team/fixed_information.hpp"
+#include "planner/problem/fixed_information.hpp"
 
 namespace vantage::python {
 namespace {
@@ -69,7 +69,7 @@ class MappingPlanner final : public TeamPlanner {
 
   std::vector<std::vector<std::int64_t>> plan(const TeamTask& any) override {
     const auto& task = dynamic_cast<const MappingTask&>(any);
-    const experiment::MappingSetup& setup = task.setup();
+    const experiments::MappingSetup& setup = task.setup();
     models::BeamSensor planned = setup.scanner;
     planned.beams = setup.planned_beams;
     planner::ViewTable views(task.ground().map(), planned, setup.views);

@@ -28,7 +28,7 @@ struct TeamPlannerSpec {
 };
 
 /// A planner for tasks like `task`. Of tracking its searches know what the team believes, not what
-/// is true, and count no look from nearer than 3 m (tools::TrackingSetting says why).
+/// is true, and count no look from nearer than 3 m (experiments::TrackingSetting says why).
 /// @throws UsageError for an algorithm that the kind of task does not have.
 std::unique_ptr<TeamPlanner> make_team_planner(const TeamTask& task, const TeamPlannerSpec& spec);
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
-#include "planner/search/motion_table.hpp"
+#include "planner/problem/motion_table.hpp"
 #include "python/task/observation.hpp"
 #include "sim/random.hpp"
 
@@ -89,7 +89,7 @@ void TrackingTask::on_reset(std::uint64_t seed) {
     const double y_m = uniform(starts, low_m, high_m);
     poses_.push_back({x_m, y_m, uniform(starts, -kPi, kPi)});
   }
-  tools::TargetSetting setting;
+  experiments::TargetSetting setting;
   setting.count = spec_.targets;
   setting.start_side_m = spec_.start_side_m;
   setting.q_m2ps3 = spec_.q_m2ps3;

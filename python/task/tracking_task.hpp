@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "experiments/tracked_targets.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/world/grid.hpp"
 #include "models/world/world.hpp"
 #include "python/task/team_task.hpp"
-#include "tools/experiment/tracked_targets.hpp"
 
 namespace vantage::python {
 
@@ -25,7 +25,8 @@ struct TrackingSpec {
   double step_s = 0.5;
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 0.02;
-  double detection_probability = 0.0;  ///< see tools::TargetSetting; 0: empty looks tell nothing
+  double detection_probability =
+      0.0;  ///< see experiments::TargetSetting; 0: empty looks tell nothing
   models::SensorModel sensor;
   std::vector<models::UnicycleControl> controls = models::standard_primitives();
   double radius_m = 0.25;  ///< of the disc that may not touch a wall
@@ -59,7 +60,7 @@ class TrackingTask final : public TeamTask {
   [[nodiscard]] const models::DistanceField& field() const { return field_; }
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
   /// Of this episode. Precondition: reset() was called.
-  [[nodiscard]] const tools::TrackedTargets& targets() const { return *targets_; }
+  [[nodiscard]] const experiments::TrackedTargets& targets() const { return *targets_; }
 
  private:
   void on_reset(std::uint64_t seed) override;
@@ -70,7 +71,7 @@ class TrackingTask final : public TeamTask {
   models::World world_;
   models::DistanceField field_;
   std::vector<Pose2> poses_;
-  std::optional<tools::TrackedTargets> targets_;
+  std::optional<experiments::TrackedTargets> targets_;
   std::vector<double> target_entropy_nats_;
 };
 

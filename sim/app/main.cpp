@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "bus/node_main.hpp"
+#include "bus/node/node_main.hpp"
 #include "sim/app/node.hpp"
 
 int main(int argc, char** argv) {
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   return bus::node_main(
       {"vantage-sim", "Simulates the lab: quadrotors that follow plans, rovers, mocap, contacts."},
       argc, argv,
-      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+      [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {
         return std::make_unique<sim::SimNode>(bus, clock, scenario);
       });

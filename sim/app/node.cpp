@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 #include "core/check.hpp"
 #include "sim/app/wire_firmware.hpp"
 #include "sim/app/wire_quadrotor.hpp"
@@ -25,12 +25,12 @@ Time at_or_after(Time time, Duration period) {
   return from_utime((to_utime(time) + period.count() - 1) / period.count() * period.count());
 }
 
-std::vector<std::unique_ptr<WireVehicle>> wires_of(const models::Scenario& scenario,
+std::vector<std::unique_ptr<WireVehicle>> wires_of(const scenario::Scenario& scenario,
                                                    const bus::Clock& clock, Time start) {
   std::vector<std::unique_ptr<WireVehicle>> wires;
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
-    const models::RobotSpec& robot = scenario.robots[i];
-    if (robot.device != models::DeviceSource::kWire) {
+    const scenario::RobotSpec& robot = scenario.robots[i];
+    if (robot.device != scenario::DeviceSource::kWire) {
       continue;
     }
     if (!clock.is_real_time()) {
@@ -42,7 +42,7 @@ std::vector<std::unique_ptr<WireVehicle>> wires_of(const models::Scenario& scena
       wires.push_back(std::make_unique<WireRover>(robot, boot, start));
     } else if (robot.firmware) {
       wires.push_back(
-          std::make_unique<WireFirmware>(robot, scenario.wind.value_or(models::WindSpec{}),
+          std::make_unique<WireFirmware>(robot, scenario.wind.value_or(scenario::WindSpec{}),
                                          scenario.firmware_instance(robot), scenario.seed + i));
     } else {
       const auto system_id = static_cast<std::uint8_t>(i % 250 + 1);
@@ -53,9 +53,9 @@ std::vector<std::unique_ptr<WireVehicle>> wires_of(const models::Scenario& scena
   return wires;
 }
 
-std::unique_ptr<vicon::SocketServer> mocap_server_of(const models::MocapSpec& mocap,
+std::unique_ptr<vicon::SocketServer> mocap_server_of(const scenario::MocapSpec& mocap,
                                                      const bus::Clock& clock) {
-  if (mocap.device != models::DeviceSource::kWire) {
+  if (mocap.device != scenario::DeviceSource::kWire) {
     return nullptr;
   }
   if (!clock.is_real_time()) {
@@ -65,7 +65,7 @@ std::unique_ptr<vicon::SocketServer> mocap_server_of(const models::MocapSpec& mo
   settings.protocol = mocap.protocol;
   settings.rate_hz = mocap.rate_hz;
   settings.block_bytes = static_cast<std::size_t>(mocap.block_bytes);
-  settings.is_y_up = mocap.up_axis == models::UpAxis::kY;
+  settings.is_y_up = mocap.up_axis == scenario::UpAxis::kY;
   return std::make_unique<vicon::SocketServer>(settings, mocap.host, mocap.actual_port());
 }
 
@@ -91,7 +91,7 @@ vicon::EmulatedFrame emulated(const models::MocapFrame& frame, Time now) {
 
 }  // namespace
 
-SimNode::SimNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario)
+SimNode::SimNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario)
     : bus_(bus),
       clock_(clock),
       scenario_(scenario),
@@ -100,8 +100,9 @@ SimNode::SimNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario&
       mocap_server_(mocap_server_of(scenario_.mocap, clock)),
       world_(scenario_, scenario_.seed, start_, pointers_to(wires_)),
       lag_(wires_.empty() ? world_.camera().latency() : Duration{0}),
-      truth_period_(scenario_.mocap.device == models::DeviceSource::kReal ? world_.camera().period()
-                                                                          : kTruthPeriod),
+      truth_period_(scenario_.mocap.device == scenario::DeviceSource::kReal
+                        ? world_.camera().period()
+                        : kTruthPeriod),
       next_capture_(world_.camera().capture_at_or_after(world_.time())),
       next_truth_(at_or_after(world_.time(), truth_period_)),
       next_status_(at_or_after(world_.time(), kStatusPeriod)),
@@ -181,7 +182,7 @@ void SimNode::publish_instant(Time instant) {
     next_truth_ += truth_period_;
   }
   if (instant == next_capture_) {
-    if (scenario_.mocap.device != models::DeviceSource::kReal) {
+    if (scenario_.mocap.device != scenario::DeviceSource::kReal) {
       frames_.push_back(world_.capture());
       deliver_frames(instant + lag_);
     }
@@ -235,7 +236,7 @@ void SimNode::publish_attack(Time instant) {
   models::AttackNotice notice;
   notice.stamp.time = instant;
   const double since_s = to_seconds(instant - start_);
-  for (const models::AttackSpec& attack : scenario_.attacks) {
+  for (const scenario::AttackSpec& attack : scenario_.attacks) {
     if (since_s >= attack.from_s && since_s < attack.to_s) {
       notice.jammed.insert(notice.jammed.end(), attack.robots.begin(), attack.robots.end());
     }

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
 #include "core/time.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/app/wire_vehicle.hpp"
 #include "sim/vicon/socket_server.hpp"
 #include "sim/world/world_simulation.hpp"
@@ -35,7 +35,7 @@ class SimNode : public bus::Node {
  public:
   /// @throws StartupError for a device on the wire under a clock that is not real time, or that
   ///         cannot be simulated there; UsageError as WorldSimulation does.
-  SimNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario);
+  SimNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario);
 
   [[nodiscard]] std::string name() const override { return "SIM"; }
   [[nodiscard]] Time next_tick() const override;
@@ -67,7 +67,7 @@ class SimNode : public bus::Node {
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
-  models::Scenario scenario_;
+  scenario::Scenario scenario_;
   Time start_;
   std::vector<std::unique_ptr<WireVehicle>> wires_;
   std::unique_ptr<vicon::SocketServer> mocap_server_;  ///< of a mocap system on the wire

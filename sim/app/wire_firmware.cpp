@@ -10,14 +10,14 @@
 namespace vantage::sim {
 namespace {
 
-MultirotorParameters parameters_in(const models::WindSpec& wind) {
+MultirotorParameters parameters_in(const scenario::WindSpec& wind) {
   MultirotorParameters out;
   out.wind_world_mps = {wind.x_mps, wind.y_mps, 0.0};
   out.gust_sigma_mps = wind.gust_sigma_mps;
   return out;
 }
 
-std::unique_ptr<FirmwareLink> link_to(const models::RobotSpec& robot, int instance) {
+std::unique_ptr<FirmwareLink> link_to(const scenario::RobotSpec& robot, int instance) {
   if (robot.autopilot->dialect == models::AutopilotDialect::kArdupilot) {
     return std::make_unique<ArdupilotLink>(instance);
   }
@@ -27,7 +27,7 @@ std::unique_ptr<FirmwareLink> link_to(const models::RobotSpec& robot, int instan
 
 }  // namespace
 
-WireFirmware::WireFirmware(const models::RobotSpec& robot, const models::WindSpec& wind,
+WireFirmware::WireFirmware(const scenario::RobotSpec& robot, const scenario::WindSpec& wind,
                            int instance, std::uint64_t seed)
     : name_(robot.name),
       radius_m_(robot.limits.radius_m),

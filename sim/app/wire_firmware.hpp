@@ -6,7 +6,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/app/wire_vehicle.hpp"
 #include "sim/firmware/firmware_flight.hpp"
 
@@ -18,7 +18,7 @@ class WireFirmware : public WireVehicle {
  public:
   /// @param instance  of the firmware: its ports
   /// @throws StartupError for a port that cannot be had.
-  WireFirmware(const models::RobotSpec& robot, const models::WindSpec& wind, int instance,
+  WireFirmware(const scenario::RobotSpec& robot, const scenario::WindSpec& wind, int instance,
                std::uint64_t seed);
 
   [[nodiscard]] const std::string& name() const override { return name_; }

@@ -5,15 +5,13 @@
 
 #include "core/axes.hpp"
 #include "core/check.hpp"
-#include "models/wire/mavlink/messages.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/messages.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
 
-namespace wire = models::mavlink;
-
-const models::AutopilotSpec& autopilot_of(const models::RobotSpec& robot) {
+const scenario::AutopilotSpec& autopilot_of(const scenario::RobotSpec& robot) {
   if (!robot.autopilot || robot.autopilot->url.empty()) {
     throw StartupError("robot " + robot.name +
                        " has device 'wire': it needs an `autopilot` or a `rover` with a `url`");
@@ -25,10 +23,10 @@ const models::AutopilotSpec& autopilot_of(const models::RobotSpec& robot) {
   return *robot.autopilot;
 }
 
-AutopilotEmulatorSpec spec_of(const models::RobotSpec& robot,
-                              const std::optional<models::WindSpec>& wind, std::uint8_t system_id,
+AutopilotEmulatorSpec spec_of(const scenario::RobotSpec& robot,
+                              const std::optional<scenario::WindSpec>& wind, std::uint8_t system_id,
                               std::uint64_t seed) {
-  const models::AutopilotSpec& autopilot = autopilot_of(robot);
+  const scenario::AutopilotSpec& autopilot = autopilot_of(robot);
   AutopilotEmulatorSpec spec;
   spec.dialect = autopilot.dialect;
   spec.system_id =
@@ -55,7 +53,7 @@ void add(const std::string& name, const LatencyRecord& record,
 
 }  // namespace
 
-AirframeParameters airframe_in(const std::optional<models::WindSpec>& wind) {
+AirframeParameters airframe_in(const std::optional<scenario::WindSpec>& wind) {
   AirframeParameters out;
   if (wind) {
     out.wind_mean_mps = turn_axes(Eigen::Vector3d(wind->x_mps, wind->y_mps, 0.0));
@@ -64,8 +62,8 @@ AirframeParameters airframe_in(const std::optional<models::WindSpec>& wind) {
   return out;
 }
 
-WireQuadrotor::WireQuadrotor(const models::RobotSpec& robot,
-                             const std::optional<models::WindSpec>& wind, std::uint8_t system_id,
+WireQuadrotor::WireQuadrotor(const scenario::RobotSpec& robot,
+                             const std::optional<scenario::WindSpec>& wind, std::uint8_t system_id,
                              std::uint64_t seed, Time start)
     : name_(robot.name),
       radius_m_(robot.limits.radius_m),
@@ -82,7 +80,7 @@ void WireQuadrotor::exchange(Time now) {
   // Within the step that it stands at, or the emulator would leave steps out.
   const Time heard = std::clamp(now, stepped_, stepped_ + AutopilotEmulator::kStep - Duration{1});
   socket_.read_each([&](auto bytes, Time arrival) {
-    watcher_.feed(bytes, [&](const wire::Frame& frame) { measure(frame, arrival); });
+    watcher_.feed(bytes, [&](const wire::mavlink::Frame& frame) { measure(frame, arrival); });
     emulator_.receive(bytes, heard);
   });
   for (const std::vector<std::uint8_t>& datagram : emulator_.take_output()) {
@@ -90,17 +88,19 @@ void WireQuadrotor::exchange(Time now) {
   }
 }
 
-void WireQuadrotor::measure(const wire::Frame& frame, Time arrival) {
+void WireQuadrotor::measure(const wire::mavlink::Frame& frame, Time arrival) {
   std::optional<std::uint64_t> capture_us;
-  if (const auto odometry = wire::unpack<wire::Odometry>(frame)) {
+  if (const auto odometry = wire::mavlink::unpack<wire::mavlink::Odometry>(frame)) {
     capture_us = odometry->time_usec;
-  } else if (const auto vision = wire::unpack<wire::VisionPositionEstimate>(frame)) {
+  } else if (const auto vision =
+                 wire::mavlink::unpack<wire::mavlink::VisionPositionEstimate>(frame)) {
     capture_us = vision->usec;
   }
   if (capture_us) {
     newest_capture_ = from_utime(static_cast<std::int64_t>(*capture_us));
     pose_age_.add(arrival - newest_capture_);
-  } else if (newest_capture_ != Time{} && wire::unpack<wire::SetPositionTargetLocalNed>(frame)) {
+  } else if (newest_capture_ != Time{} &&
+             wire::mavlink::unpack<wire::mavlink::SetPositionTargetLocalNed>(frame)) {
     setpoint_age_.add(arrival - newest_capture_);
   }
 }

@@ -7,17 +7,17 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
-#include "models/wire/mavlink/parser.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/app/latency_record.hpp"
 #include "sim/app/wire_vehicle.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
 #include "sim/vehicle_socket.hpp"
+#include "wire/mavlink/parser.hpp"
 
 namespace vantage::sim {
 
 /// The body of an emulated vehicle in that air; its own light gusts without one.
-AirframeParameters airframe_in(const std::optional<models::WindSpec>& wind);
+AirframeParameters airframe_in(const std::optional<scenario::WindSpec>& wind);
 
 /// A quadrotor on the wire: an emulated autopilot, whose airframe is the vehicle's truth. It stands
 /// on the ground at the robot's start until the driver at the other end flies it.
@@ -25,7 +25,7 @@ class WireQuadrotor : public WireVehicle {
  public:
   /// @throws StartupError for a robot without an `autopilot`, with one that cannot be emulated, or
   ///         a port that cannot be had.
-  WireQuadrotor(const models::RobotSpec& robot, const std::optional<models::WindSpec>& wind,
+  WireQuadrotor(const scenario::RobotSpec& robot, const std::optional<scenario::WindSpec>& wind,
                 std::uint8_t system_id, std::uint64_t seed, Time start);
 
   [[nodiscard]] const std::string& name() const override { return name_; }
@@ -45,14 +45,14 @@ class WireQuadrotor : public WireVehicle {
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
  private:
-  void measure(const models::mavlink::Frame& frame, Time arrival);
+  void measure(const wire::mavlink::Frame& frame, Time arrival);
 
   std::string name_;
   double radius_m_;
   AutopilotEmulator emulator_;
   VehicleSocket socket_;
   Time stepped_;  ///< the emulator stands here
-  models::mavlink::Parser watcher_;
+  wire::mavlink::Parser watcher_;
   Time newest_capture_{};
   LatencyRecord pose_age_;
   LatencyRecord setpoint_age_;

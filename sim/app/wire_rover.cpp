@@ -8,7 +8,7 @@
 namespace vantage::sim {
 namespace {
 
-const models::RoverSpec& rover_of(const models::RobotSpec& robot) {
+const scenario::RoverSpec& rover_of(const scenario::RobotSpec& robot) {
   if (!robot.rover || robot.rover->url.empty()) {
     throw StartupError("robot " + robot.name +
                        " is driven on the wire: it needs a `rover` with a `url`");
@@ -17,7 +17,7 @@ const models::RoverSpec& rover_of(const models::RobotSpec& robot) {
 }
 
 // A machine that can a little more than the scenario asks of it, as one would buy it.
-RoverEmulatorSpec spec_of(const models::RobotSpec& robot, std::uint32_t boot) {
+RoverEmulatorSpec spec_of(const scenario::RobotSpec& robot, std::uint32_t boot) {
   constexpr double kReserve = 1.1;
   RoverEmulatorSpec spec;
   spec.number = static_cast<std::uint32_t>(rover_of(robot).number);
@@ -33,7 +33,7 @@ RoverEmulatorSpec spec_of(const models::RobotSpec& robot, std::uint32_t boot) {
 
 }  // namespace
 
-WireRover::WireRover(const models::RobotSpec& robot, std::uint32_t boot, Time start)
+WireRover::WireRover(const scenario::RobotSpec& robot, std::uint32_t boot, Time start)
     : name_(robot.name),
       radius_m_(robot.limits.radius_m),
       height_m_(robot.height_m),

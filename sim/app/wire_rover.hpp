@@ -6,7 +6,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/app/wire_vehicle.hpp"
 #include "sim/rover/rover_endpoint.hpp"
 
@@ -18,7 +18,7 @@ class WireRover : public WireVehicle {
  public:
   /// @param boot  told in its telemetry; another one at each start
   /// @throws StartupError for a robot without a `rover`, or a port that cannot be had.
-  WireRover(const models::RobotSpec& robot, std::uint32_t boot, Time start);
+  WireRover(const scenario::RobotSpec& robot, std::uint32_t boot, Time start);
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] double radius_m() const override { return radius_m_; }

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <cstring>
 
-#include "models/autopilot/parameter_rules.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/autopilot/parameter_rules.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
 
-namespace wire = models::mavlink;
-
-constexpr std::uint32_t kTimesyncId = wire::Timesync::kMessage.id;
+constexpr std::uint32_t kTimesyncId = wire::mavlink::Timesync::kMessage.id;
 
 /// Between the stack's axes (z up) and the autopilot's (z down): either way.
 Eigen::Vector3d turn(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
@@ -26,10 +24,10 @@ AutopilotEmulator::AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boo
       now_(boot),
       controller_(profile_, AutopilotSettings{}, spec.airframe, spec.seed,
                   turn(spec.start.translation_m), -flatten(spec.start).yaw_rad, boot) {
-  streams_[wire::Heartbeat::kMessage.id] = {std::chrono::seconds(1), boot};
+  streams_[wire::mavlink::Heartbeat::kMessage.id] = {std::chrono::seconds(1), boot};
   const bool is_px4 = spec.dialect == models::AutopilotDialect::kPx4;
   streams_[kTimesyncId] = {is_px4 ? Duration{100'000} : Duration{10'000'000}, boot};
-  for (const models::ParameterRule& rule : models::parameter_rules(spec.dialect)) {
+  for (const wire::mavlink::ParameterRule& rule : wire::mavlink::parameter_rules(spec.dialect)) {
     set_parameter(rule.name, rule.value);
   }
 }
@@ -45,43 +43,47 @@ Eigen::Vector3d AutopilotEmulator::velocity_world_mps() const {
 
 void AutopilotEmulator::receive(std::span<const std::uint8_t> bytes, Time now) {
   now_ = std::max(now_, now);
-  parser_.feed(bytes, [this](const wire::Frame& frame) { take(frame); });
+  parser_.feed(bytes, [this](const wire::mavlink::Frame& frame) { take(frame); });
 }
 
-void AutopilotEmulator::take(const wire::Frame& frame) {
-  if (const auto command = wire::unpack<wire::CommandLong>(frame)) {
+void AutopilotEmulator::take(const wire::mavlink::Frame& frame) {
+  if (const auto command = wire::mavlink::unpack<wire::mavlink::CommandLong>(frame)) {
     if (is_for_me(command->target_system)) {
       take_command(*command, frame.origin);
     }
-  } else if (const auto odometry = wire::unpack<wire::Odometry>(frame)) {
+  } else if (const auto odometry = wire::mavlink::unpack<wire::mavlink::Odometry>(frame)) {
     take_odometry(*odometry);
-  } else if (const auto vision = wire::unpack<wire::VisionPositionEstimate>(frame)) {
+  } else if (const auto vision =
+                 wire::mavlink::unpack<wire::mavlink::VisionPositionEstimate>(frame)) {
     take_vision(*vision);
-  } else if (const auto target = wire::unpack<wire::SetPositionTargetLocalNed>(frame)) {
+  } else if (const auto target =
+                 wire::mavlink::unpack<wire::mavlink::SetPositionTargetLocalNed>(frame)) {
     if (is_for_me(target->target_system)) {
       take_target(*target);
     }
-  } else if (const auto timesync = wire::unpack<wire::Timesync>(frame)) {
+  } else if (const auto timesync = wire::mavlink::unpack<wire::mavlink::Timesync>(frame)) {
     take_timesync(*timesync);
-  } else if (const auto heartbeat = wire::unpack<wire::Heartbeat>(frame)) {
-    if (heartbeat->type == wire::type::kGroundStation) {
+  } else if (const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame)) {
+    if (heartbeat->type == wire::mavlink::type::kGroundStation) {
       station_heard_ = now_;
     }
     controller_.take_heartbeat(frame.origin.system_id, now_);
   } else if (take_parameter_talk(frame)) {
     return;
-  } else if (const auto origin = wire::unpack<wire::SetGpsGlobalOrigin>(frame)) {
+  } else if (const auto origin = wire::mavlink::unpack<wire::mavlink::SetGpsGlobalOrigin>(frame)) {
     // It takes one, confirms it, and says nothing to any other.
     if (is_for_me(origin->target_system) && controller_.has_estimator(now_) &&
         !controller_.has_origin()) {
       controller_.set_origin();
-      send(wire::GpsGlobalOrigin{origin->latitude, origin->longitude, origin->altitude, 0});
+      send(
+          wire::mavlink::GpsGlobalOrigin{origin->latitude, origin->longitude, origin->altitude, 0});
     }
   }
 }
 
-void AutopilotEmulator::take_command(const wire::CommandLong& command, const wire::Origin& from) {
-  wire::CommandAck ack;
+void AutopilotEmulator::take_command(const wire::mavlink::CommandLong& command,
+                                     const wire::mavlink::Origin& from) {
+  wire::mavlink::CommandAck ack;
   ack.command = command.command;
   ack.result = obey(command);
   ack.target_system = from.system_id;
@@ -91,35 +93,36 @@ void AutopilotEmulator::take_command(const wire::CommandLong& command, const wir
   send(ack);
 }
 
-std::uint8_t AutopilotEmulator::obey(const wire::CommandLong& command) {
+std::uint8_t AutopilotEmulator::obey(const wire::mavlink::CommandLong& command) {
   constexpr std::uint8_t kUnsupported = 3;
   const bool is_px4 = spec_.dialect == models::AutopilotDialect::kPx4;
   switch (command.command) {
-    case wire::command::kArmDisarm:
-      return command.param1 > 0.5F ? controller_.arm(now_)
-                                   : controller_.disarm(command.param2 == wire::kForceDisarm);
-    case wire::command::kSetMode: {
+    case wire::mavlink::command::kArmDisarm:
+      return command.param1 > 0.5F
+                 ? controller_.arm(now_)
+                 : controller_.disarm(command.param2 == wire::mavlink::kForceDisarm);
+    case wire::mavlink::command::kSetMode: {
       const auto main = static_cast<std::uint32_t>(command.param2);
       const auto sub = static_cast<std::uint32_t>(command.param3);
       return controller_.set_mode(is_px4 ? main << 16U | sub << 24U : main, now_);
     }
-    case wire::command::kTakeOff:
+    case wire::mavlink::command::kTakeOff:
       return controller_.take_off(static_cast<double>(command.param7));
-    case wire::command::kLand:
+    case wire::mavlink::command::kLand:
       return controller_.set_mode(profile_.land_mode, now_);
-    case wire::command::kSetMessageInterval:
+    case wire::mavlink::command::kSetMessageInterval:
       return set_interval(command);
     default:
       return kUnsupported;
   }
 }
 
-std::uint8_t AutopilotEmulator::set_interval(const wire::CommandLong& command) {
+std::uint8_t AutopilotEmulator::set_interval(const wire::mavlink::CommandLong& command) {
   const auto id = static_cast<std::uint32_t>(command.param1);
   const bool is_px4 = spec_.dialect == models::AutopilotDialect::kPx4;
-  const bool is_of_other =
-      id == (is_px4 ? wire::EkfStatusReport::kMessage.id : wire::EstimatorStatus::kMessage.id);
-  if (wire::find_message(id) == nullptr || is_of_other || !(command.param2 >= 5000.0F)) {
+  const bool is_of_other = id == (is_px4 ? wire::mavlink::EkfStatusReport::kMessage.id
+                                         : wire::mavlink::EstimatorStatus::kMessage.id);
+  if (wire::mavlink::find_message(id) == nullptr || is_of_other || !(command.param2 >= 5000.0F)) {
     return 4;
   }
   streams_[id] = {Duration{static_cast<std::int64_t>(command.param2)}, now_};
@@ -134,11 +137,11 @@ Time AutopilotEmulator::capture_time(std::uint64_t host_usec) const {
   return std::min(now_, boot_ + Duration{own_us});
 }
 
-void AutopilotEmulator::take_odometry(const wire::Odometry& odometry) {
+void AutopilotEmulator::take_odometry(const wire::mavlink::Odometry& odometry) {
   const Eigen::Vector3d position_m(odometry.x, odometry.y, odometry.z);
   if (spec_.dialect == models::AutopilotDialect::kArdupilot) {
-    if (odometry.frame_id != wire::frame::kLocalFrd ||
-        odometry.child_frame_id != wire::frame::kBodyFrd || !position_m.allFinite()) {
+    if (odometry.frame_id != wire::mavlink::frame::kLocalFrd ||
+        odometry.child_frame_id != wire::mavlink::frame::kBodyFrd || !position_m.allFinite()) {
       ++ignored_;
       return;
     }
@@ -150,7 +153,7 @@ void AutopilotEmulator::take_odometry(const wire::Odometry& odometry) {
   constexpr std::uint8_t kMocap = 6;
   if (odometry.estimator_type > kLastFused) {
     if (odometry.estimator_type != kMocap) {
-      wire::Statustext text;
+      wire::mavlink::Statustext text;
       text.severity = 2;
       const char* const words = "ODOMETRY: estimator_type unsupported";
       std::copy_n(words, std::strlen(words), text.text.begin());
@@ -166,8 +169,8 @@ void AutopilotEmulator::take_odometry(const wire::Odometry& odometry) {
     local_m = {position_m.y(), position_m.x(), -position_m.z()};
   } else if (odometry.frame_id == kLocalFlu) {
     local_m = turn(position_m);
-  } else if (odometry.frame_id != wire::frame::kLocalNed &&
-             odometry.frame_id != wire::frame::kLocalFrd) {
+  } else if (odometry.frame_id != wire::mavlink::frame::kLocalNed &&
+             odometry.frame_id != wire::mavlink::frame::kLocalFrd) {
     ++ignored_;
     return;
   }
@@ -176,14 +179,14 @@ void AutopilotEmulator::take_odometry(const wire::Odometry& odometry) {
   }
 }
 
-void AutopilotEmulator::take_vision(const wire::VisionPositionEstimate& vision) {
+void AutopilotEmulator::take_vision(const wire::mavlink::VisionPositionEstimate& vision) {
   const Eigen::Vector3d position_m(vision.x, vision.y, vision.z);
   if (position_m.allFinite()) {
     controller_.take_pose(now_, capture_time(vision.usec), position_m, vision.reset_counter);
   }
 }
 
-void AutopilotEmulator::take_target(const wire::SetPositionTargetLocalNed& message) {
+void AutopilotEmulator::take_target(const wire::mavlink::SetPositionTargetLocalNed& message) {
   constexpr unsigned kPositionIgnored = 7;
   constexpr unsigned kVelocityIgnored = 56;
   constexpr unsigned kAccelerationIgnored = 448;
@@ -193,7 +196,8 @@ void AutopilotEmulator::take_target(const wire::SetPositionTargetLocalNed& messa
   constexpr std::uint8_t kBodyNed = 8;
   const unsigned mask = message.type_mask;
   const bool is_body = message.coordinate_frame == kBodyNed;
-  if ((message.coordinate_frame != wire::frame::kLocalNed && !is_body) || (mask & kForce) != 0) {
+  if ((message.coordinate_frame != wire::mavlink::frame::kLocalNed && !is_body) ||
+      (mask & kForce) != 0) {
     ++ignored_;
     return;
   }
@@ -221,10 +225,10 @@ void AutopilotEmulator::take_target(const wire::SetPositionTargetLocalNed& messa
   controller_.take_target(target, now_);
 }
 
-void AutopilotEmulator::take_timesync(const wire::Timesync& message) {
+void AutopilotEmulator::take_timesync(const wire::mavlink::Timesync& message) {
   const std::int64_t own_ns = (now_ - boot_).count() * 1000;
   if (message.tc1 == 0) {
-    wire::Timesync reply;
+    wire::mavlink::Timesync reply;
     reply.tc1 = own_ns;
     reply.ts1 = message.ts1;
     send(reply);
@@ -237,7 +241,7 @@ void AutopilotEmulator::set_parameter(const std::string& name, double value) {
   const auto [found, is_new] = parameters_.try_emplace(name);
   found->second.value = value;
   if (is_new && std::trunc(value) == value) {
-    found->second.type = wire::parameter_type::kInt32;
+    found->second.type = wire::mavlink::parameter_type::kInt32;
   }
   obey_parameters();
 }
@@ -257,21 +261,21 @@ std::optional<double> AutopilotEmulator::parameter(const std::string& name) cons
   return found == parameters_.end() ? std::nullopt : std::optional(found->second.value);
 }
 
-bool AutopilotEmulator::take_parameter_talk(const wire::Frame& frame) {
-  if (const auto read = wire::unpack<wire::ParamRequestRead>(frame)) {
+bool AutopilotEmulator::take_parameter_talk(const wire::mavlink::Frame& frame) {
+  if (const auto read = wire::mavlink::unpack<wire::mavlink::ParamRequestRead>(frame)) {
     if (is_for_me(read->target_system)) {
-      say_parameter(wire::parameter_name(read->param_id));
+      say_parameter(wire::mavlink::parameter_name(read->param_id));
     }
     return true;
   }
-  const auto set = wire::unpack<wire::ParamSet>(frame);
+  const auto set = wire::mavlink::unpack<wire::mavlink::ParamSet>(frame);
   if (!set) {
     return false;
   }
-  const auto found = parameters_.find(wire::parameter_name(set->param_id));
+  const auto found = parameters_.find(wire::mavlink::parameter_name(set->param_id));
   if (is_for_me(set->target_system) && found != parameters_.end()) {
-    found->second.value = wire::decode_parameter(set->param_value, set->param_type,
-                                                 models::parameter_encoding(spec_.dialect));
+    found->second.value = wire::mavlink::decode_parameter(
+        set->param_value, set->param_type, wire::mavlink::parameter_encoding(spec_.dialect));
     obey_parameters();
     say_parameter(found->first);
   }
@@ -285,10 +289,11 @@ void AutopilotEmulator::say_parameter(const std::string& name) {
     return;
   }
   const auto& [value, type] = found->second;
-  wire::ParamValue out;
-  out.param_id = wire::parameter_id(name);
+  wire::mavlink::ParamValue out;
+  out.param_id = wire::mavlink::parameter_id(name);
   out.param_type = type;
-  out.param_value = wire::encode_parameter(value, type, models::parameter_encoding(spec_.dialect));
+  out.param_value = wire::mavlink::encode_parameter(
+      value, type, wire::mavlink::parameter_encoding(spec_.dialect));
   out.param_count = static_cast<std::uint16_t>(parameters_.size());
   out.param_index = 0xFFFF;
   send(out);

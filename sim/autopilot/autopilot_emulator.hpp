@@ -10,9 +10,9 @@
 
 #include "core/pose.hpp"
 #include "core/time.hpp"
-#include "models/wire/mavlink/parameter.hpp"
-#include "models/wire/mavlink/parser.hpp"
 #include "sim/autopilot/flight_controller.hpp"
+#include "wire/mavlink/parameter.hpp"
+#include "wire/mavlink/parser.hpp"
 
 namespace vantage::sim {
 
@@ -63,16 +63,15 @@ class AutopilotEmulator {
   [[nodiscard]] std::int64_t ignored() const { return ignored_; }
 
  private:
-  void take(const models::mavlink::Frame& frame);
-  void take_command(const models::mavlink::CommandLong& command,
-                    const models::mavlink::Origin& from);
-  std::uint8_t obey(const models::mavlink::CommandLong& command);
-  std::uint8_t set_interval(const models::mavlink::CommandLong& command);
-  void take_odometry(const models::mavlink::Odometry& odometry);
-  void take_vision(const models::mavlink::VisionPositionEstimate& vision);
-  void take_target(const models::mavlink::SetPositionTargetLocalNed& target);
-  void take_timesync(const models::mavlink::Timesync& message);
-  bool take_parameter_talk(const models::mavlink::Frame& frame);
+  void take(const wire::mavlink::Frame& frame);
+  void take_command(const wire::mavlink::CommandLong& command, const wire::mavlink::Origin& from);
+  std::uint8_t obey(const wire::mavlink::CommandLong& command);
+  std::uint8_t set_interval(const wire::mavlink::CommandLong& command);
+  void take_odometry(const wire::mavlink::Odometry& odometry);
+  void take_vision(const wire::mavlink::VisionPositionEstimate& vision);
+  void take_target(const wire::mavlink::SetPositionTargetLocalNed& target);
+  void take_timesync(const wire::mavlink::Timesync& message);
+  bool take_parameter_talk(const wire::mavlink::Frame& frame);
   void say_parameter(const std::string& name);
   /// Makes the controller obey the parameters as they are now.
   void obey_parameters();
@@ -84,7 +83,7 @@ class AutopilotEmulator {
   void speak();
   void speak_once(std::uint32_t message_id);
   [[nodiscard]] bool has_listener() const;
-  void say(const models::mavlink::Statustext& text);
+  void say(const wire::mavlink::Statustext& text);
   template <class Message>
   void send(const Message& message);
 
@@ -93,7 +92,7 @@ class AutopilotEmulator {
   Time boot_;
   Time now_;
   FlightController controller_;
-  models::mavlink::Parser parser_;
+  wire::mavlink::Parser parser_;
   std::vector<std::vector<std::uint8_t>> output_;
   std::uint8_t next_sequence_ = 0;
   std::uint16_t next_text_ = 0;  ///< of those that go in pieces
@@ -104,7 +103,7 @@ class AutopilotEmulator {
   std::map<std::uint32_t, Stream> streams_;
   struct Parameter {
     double value = 0.0;
-    std::uint8_t type = models::mavlink::parameter_type::kFloat;
+    std::uint8_t type = wire::mavlink::parameter_type::kFloat;
   };
   std::map<std::string, Parameter> parameters_;
   std::optional<std::int64_t> host_minus_own_ns_;

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/wire/mavlink/vocabulary.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
-
-namespace wire = models::mavlink;
 
 constexpr std::size_t kOutputMax = 1024;  // datagrams that nobody fetches: the oldest half goes
 constexpr std::uint8_t kQuadrotor = 2;
@@ -18,8 +16,8 @@ constexpr std::uint16_t kNoVoltage = 0xFFFF;
 
 float f32(double x) { return static_cast<float>(x); }
 
-wire::BatteryStatus battery_status(const Airframe& airframe, BatteryReport report) {
-  wire::BatteryStatus out;
+wire::mavlink::BatteryStatus battery_status(const Airframe& airframe, BatteryReport report) {
+  wire::mavlink::BatteryStatus out;
   out.battery_remaining =
       report == BatteryReport::kVoltageOnly ? std::int8_t{-1}
       : report == BatteryReport::kFromFull
@@ -40,14 +38,15 @@ void AutopilotEmulator::send(const Message& message) {
   if (output_.size() >= kOutputMax) {
     output_.erase(output_.begin(), output_.begin() + kOutputMax / 2);
   }
-  wire::append_bytes(
-      wire::pack(message, {spec_.system_id, wire::kComponentAutopilot, next_sequence_++}),
+  wire::mavlink::append_bytes(
+      wire::mavlink::pack(message,
+                          {spec_.system_id, wire::mavlink::kComponentAutopilot, next_sequence_++}),
       output_.emplace_back());
 }
-template void AutopilotEmulator::send(const wire::CommandAck&);
-template void AutopilotEmulator::send(const wire::GpsGlobalOrigin&);
-template void AutopilotEmulator::send(const wire::ParamValue&);
-template void AutopilotEmulator::send(const wire::Timesync&);
+template void AutopilotEmulator::send(const wire::mavlink::CommandAck&);
+template void AutopilotEmulator::send(const wire::mavlink::GpsGlobalOrigin&);
+template void AutopilotEmulator::send(const wire::mavlink::ParamValue&);
+template void AutopilotEmulator::send(const wire::mavlink::Timesync&);
 
 bool AutopilotEmulator::has_listener() const {
   constexpr Duration kStationLost{2'500'000};
@@ -55,7 +54,7 @@ bool AutopilotEmulator::has_listener() const {
          (station_heard_ && now_ - *station_heard_ <= kStationLost);
 }
 
-void AutopilotEmulator::say(const wire::Statustext& text) {
+void AutopilotEmulator::say(const wire::mavlink::Statustext& text) {
   if (has_listener()) {
     send(text);
   }
@@ -63,7 +62,7 @@ void AutopilotEmulator::say(const wire::Statustext& text) {
 
 void AutopilotEmulator::speak() {
   for (const SpokenText& spoken : controller_.take_texts()) {
-    wire::Statustext text;
+    wire::mavlink::Statustext text;
     text.severity = spoken.severity;
     const std::size_t room = text.text.size();
     if (spoken.text.size() > room) {
@@ -88,23 +87,23 @@ void AutopilotEmulator::speak_once(std::uint32_t message_id) {
   const Airframe& airframe = controller_.airframe();
   const auto boot_ms = static_cast<std::uint32_t>((now_ - boot_).count() / 1000);
   switch (message_id) {
-    case wire::Heartbeat::kMessage.id: {
-      wire::Heartbeat out;
+    case wire::mavlink::Heartbeat::kMessage.id: {
+      wire::mavlink::Heartbeat out;
       out.custom_mode = controller_.mode();
       out.type = kQuadrotor;
       out.autopilot = profile_.autopilot_id;
       out.base_mode =
-          static_cast<std::uint8_t>(1 | (controller_.is_armed() ? wire::kArmedFlag : 0));
-      out.system_status = controller_.is_armed() ? wire::kStateActive : kStandby;
+          static_cast<std::uint8_t>(1 | (controller_.is_armed() ? wire::mavlink::kArmedFlag : 0));
+      out.system_status = controller_.is_armed() ? wire::mavlink::kStateActive : kStandby;
       out.mavlink_version = 3;
       return send(out);
     }
-    case wire::Timesync::kMessage.id: {
-      wire::Timesync out;
+    case wire::mavlink::Timesync::kMessage.id: {
+      wire::mavlink::Timesync out;
       out.ts1 = std::max<std::int64_t>(1, (now_ - boot_).count() * 1000);
       return send(out);
     }
-    case wire::LocalPositionNed::kMessage.id: {
+    case wire::mavlink::LocalPositionNed::kMessage.id: {
       const bool is_fed = controller_.has_position(now_);
       if (!is_fed && profile_.needs_origin) {
         return;
@@ -114,34 +113,34 @@ void AutopilotEmulator::speak_once(std::uint32_t message_id) {
           is_fed ? controller_.estimator().position_m() : Eigen::Vector3d::Zero();
       const Eigen::Vector3d velocity_mps =
           is_fed ? airframe.velocity_mps() : Eigen::Vector3d::Zero();
-      return send(wire::LocalPositionNed{boot_ms, f32(position_m.x()), f32(position_m.y()),
-                                         f32(position_m.z()), f32(velocity_mps.x()),
-                                         f32(velocity_mps.y()), f32(velocity_mps.z())});
+      return send(wire::mavlink::LocalPositionNed{boot_ms, f32(position_m.x()), f32(position_m.y()),
+                                                  f32(position_m.z()), f32(velocity_mps.x()),
+                                                  f32(velocity_mps.y()), f32(velocity_mps.z())});
     }
-    case wire::Attitude::kMessage.id: {
+    case wire::mavlink::Attitude::kMessage.id: {
       const Eigen::Matrix3d R = airframe.local_from_body().toRotationMatrix();
-      return send(wire::Attitude{boot_ms, f32(std::atan2(R(2, 1), R(2, 2))),
-                                 f32(-std::asin(std::clamp(R(2, 0), -1.0, 1.0))),
-                                 f32(std::atan2(R(1, 0), R(0, 0))), 0.0F, 0.0F,
-                                 f32(airframe.yaw_rate_radps())});
+      return send(wire::mavlink::Attitude{boot_ms, f32(std::atan2(R(2, 1), R(2, 2))),
+                                          f32(-std::asin(std::clamp(R(2, 0), -1.0, 1.0))),
+                                          f32(std::atan2(R(1, 0), R(0, 0))), 0.0F, 0.0F,
+                                          f32(airframe.yaw_rate_radps())});
     }
-    case wire::EstimatorStatus::kMessage.id: {
-      wire::EstimatorStatus out;
+    case wire::mavlink::EstimatorStatus::kMessage.id: {
+      wire::mavlink::EstimatorStatus out;
       out.time_usec = static_cast<std::uint64_t>((now_ - boot_).count());
       out.flags = controller_.estimator_flags(now_);
       return send(out);
     }
-    case wire::EkfStatusReport::kMessage.id: {
-      wire::EkfStatusReport out;
+    case wire::mavlink::EkfStatusReport::kMessage.id: {
+      wire::mavlink::EkfStatusReport out;
       out.flags = controller_.estimator_flags(now_);
       return send(out);
     }
-    case wire::ExtendedSysState::kMessage.id:
-      return send(wire::ExtendedSysState{0, controller_.landed_state()});
-    case wire::BatteryStatus::kMessage.id:
+    case wire::mavlink::ExtendedSysState::kMessage.id:
+      return send(wire::mavlink::ExtendedSysState{0, controller_.landed_state()});
+    case wire::mavlink::BatteryStatus::kMessage.id:
       return send(battery_status(airframe, spec_.battery));
-    case wire::SysStatus::kMessage.id: {
-      wire::SysStatus out;
+    case wire::mavlink::SysStatus::kMessage.id: {
+      wire::mavlink::SysStatus out;
       out.voltage_battery = battery_status(airframe, spec_.battery).voltages[0];
       out.battery_remaining = battery_status(airframe, spec_.battery).battery_remaining;
       return send(out);

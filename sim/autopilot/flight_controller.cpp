@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/angle.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -67,7 +67,7 @@ void FlightController::take_heartbeat(int system_id, Time now) {
 bool FlightController::has_position(Time now) const { return estimator_.is_ready(now); }
 
 std::uint16_t FlightController::estimator_flags(Time now) const {
-  namespace bit = models::mavlink::estimator;
+  namespace bit = wire::mavlink::estimator;
   constexpr double kStaleS = 0.6;
   const bool is_landed = landed_state() == 1;
   std::uint16_t flags = is_landed ? profile_.flags_ground : profile_.flags_air;

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/autopilot/pose_estimator.hpp"
 
 namespace vantage::sim {

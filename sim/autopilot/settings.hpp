@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::sim {
 

@@ -12,12 +12,12 @@
 
 #include "core/address.hpp"
 #include "core/check.hpp"
-#include "models/wire/sitl/json_physics.hpp"
+#include "wire/sitl/json_physics.hpp"
 
 namespace vantage::sim {
 namespace {
 
-namespace sitl = models::sitl;
+namespace sitl = wire::sitl;
 
 constexpr double kPulseOffUs = 1000.0;
 constexpr double kPulseRangeUs = 1000.0;

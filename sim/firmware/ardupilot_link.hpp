@@ -10,7 +10,7 @@
 
 namespace vantage::sim {
 
-/// ArduPilot's firmware by its JSON physics back end, over UDP (models/wire/sitl). It speaks first,
+/// ArduPilot's firmware by its JSON physics back end, over UDP (wire/sitl). It speaks first,
 /// and each of its datagrams is answered once.
 class ArdupilotLink : public FirmwareLink {
  public:

@@ -16,12 +16,10 @@
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "core/serial_line.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
-
-namespace wire = models::mavlink;
 
 // fields_updated of HIL_SENSOR.
 constexpr std::uint32_t kInertialFields = 0x3F;
@@ -66,8 +64,8 @@ int accept_newest(int listener) {
 
 float narrow(double value) { return static_cast<float>(value); }
 
-wire::HilSensor words_of(const FirmwareSensors& sensors, std::int64_t sample) {
-  wire::HilSensor out;
+wire::mavlink::HilSensor words_of(const FirmwareSensors& sensors, std::int64_t sample) {
+  wire::mavlink::HilSensor out;
   out.time_usec = static_cast<std::uint64_t>(sensors.since_start.count());
   out.xacc = narrow(sensors.specific_force_body_mps2.x());
   out.yacc = narrow(sensors.specific_force_body_mps2.y());
@@ -172,7 +170,8 @@ bool Px4Link::write(const Message& message) {
     ++counts_.unsent;
     return false;
   }
-  wire::append_bytes(wire::pack(message, {kOwnSystemId, 1, sequence_++}), waiting_);
+  wire::mavlink::append_bytes(wire::mavlink::pack(message, {kOwnSystemId, 1, sequence_++}),
+                              waiting_);
   if (!write_some()) {
     waiting_.clear();
     ++counts_.unsent;
@@ -187,21 +186,21 @@ bool Px4Link::send(const FirmwareSensors& sensors) {
     return false;
   }
   if (samples_ % kHeartbeatEvery == 0) {  // a board's USB line wakes up when it is spoken to
-    wire::Heartbeat heartbeat;
-    heartbeat.type = wire::type::kOnboardController;
+    wire::mavlink::Heartbeat heartbeat;
+    heartbeat.type = wire::mavlink::type::kOnboardController;
     heartbeat.autopilot = wire::autopilot::kNone;
-    heartbeat.system_status = wire::kStateActive;
+    heartbeat.system_status = wire::mavlink::kStateActive;
     heartbeat.mavlink_version = 3;
     write(heartbeat);
   }
-  const wire::HilSensor words = words_of(sensors, samples_++);
+  const wire::mavlink::HilSensor words = words_of(sensors, samples_++);
   last_sent_usec_ = words.time_usec;
   newest_.reset();
   return line_ >= 0 && write(words);
 }
 
-void Px4Link::hear(const models::mavlink::Frame& frame) {
-  const auto controls = wire::unpack<wire::HilActuatorControls>(frame);
+void Px4Link::hear(const wire::mavlink::Frame& frame) {
+  const auto controls = wire::mavlink::unpack<wire::mavlink::HilActuatorControls>(frame);
   if (!controls) {
     return;
   }
@@ -210,7 +209,7 @@ void Px4Link::hear(const models::mavlink::Frame& frame) {
     return;
   }
   newest_.emplace();
-  for (std::size_t i = 0; i < kMotors && (controls->mode & wire::kArmedFlag) != 0; ++i) {
+  for (std::size_t i = 0; i < kMotors && (controls->mode & wire::mavlink::kArmedFlag) != 0; ++i) {
     const double throttle = controls->controls[i];
     newest_->throttles[i] = throttle > 0.0 ? std::min(throttle, 1.0) : 0.0;  // not a number: none
   }
@@ -221,7 +220,7 @@ void Px4Link::read() {
     const ssize_t got = ::read(line_, buffer_.data(), buffer_.size());
     if (got > 0) {
       parser_.feed({buffer_.data(), static_cast<std::size_t>(got)},
-                   [this](const wire::Frame& frame) { hear(frame); });
+                   [this](const wire::mavlink::Frame& frame) { hear(frame); });
     } else if (got < 0 && errno == EAGAIN) {
       return;
     } else if (got == 0 || errno != EINTR) {

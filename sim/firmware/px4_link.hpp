@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "models/wire/mavlink/parser.hpp"
 #include "sim/firmware/firmware_link.hpp"
+#include "wire/mavlink/parser.hpp"
 
 namespace vantage::sim {
 
@@ -55,13 +55,13 @@ class Px4Link : public FirmwareLink {
   void hang_up();
   void connect();
   void read();
-  void hear(const models::mavlink::Frame& frame);
+  void hear(const wire::mavlink::Frame& frame);
 
   int listener_;  ///< −1: none
   bool is_lockstep_;
   std::function<int()> open_;  ///< a descriptor of a new line to the firmware; −1: there is none
   int line_ = -1;
-  models::mavlink::Parser parser_;
+  wire::mavlink::Parser parser_;
   std::uint8_t sequence_ = 0;
   std::int64_t samples_ = 0;
   std::uint64_t last_sent_usec_ = 0;

@@ -37,7 +37,7 @@ Eigen::Matrix<double, N, 1> cut(const Eigen::Matrix<double, N, 1>& x, double nor
 
 }  // namespace
 
-QuadrotorParameters parameters_in(const std::optional<models::WindSpec>& wind) {
+QuadrotorParameters parameters_in(const std::optional<scenario::WindSpec>& wind) {
   QuadrotorParameters out;
   if (wind) {
     out.wind_mean_mps2 = kDragPerS * Eigen::Vector2d(wind->x_mps, wind->y_mps);
@@ -46,8 +46,8 @@ QuadrotorParameters parameters_in(const std::optional<models::WindSpec>& wind) {
   return out;
 }
 
-Quadrotor::Quadrotor(const models::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
-                     Time start, const QuadrotorParameters& parameters)
+Quadrotor::Quadrotor(const scenario::RobotSpec& spec, double tracking_tolerance_m,
+                     std::uint64_t seed, Time start, const QuadrotorParameters& parameters)
     : name_(spec.name),
       limits_(spec.limits),
       height_m_(spec.height_m),

@@ -9,7 +9,7 @@
 #include "core/pose.hpp"
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/quadrotor/course.hpp"
 #include "sim/vehicle.hpp"
 
@@ -34,7 +34,7 @@ struct QuadrotorParameters {
 };
 
 /// A vehicle in that air, whose drag turns wind into acceleration; its own light gusts without one.
-QuadrotorParameters parameters_in(const std::optional<models::WindSpec>& wind);
+QuadrotorParameters parameters_in(const std::optional<scenario::WindSpec>& wind);
 
 /// What became of a plan that was offered to a vehicle.
 enum class [[nodiscard]] PlanVerdict{
@@ -57,7 +57,7 @@ enum class [[nodiscard]] PlanVerdict{
 class Quadrotor : public Vehicle {
  public:
   /// Hovers at its start, following.
-  Quadrotor(const models::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
+  Quadrotor(const scenario::RobotSpec& spec, double tracking_tolerance_m, std::uint64_t seed,
             Time start, const QuadrotorParameters& parameters = {});
 
   /// Takes a plan if it is finite, not older than the newest one, and its state at

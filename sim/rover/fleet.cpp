@@ -48,7 +48,7 @@ double uniform(std::mt19937_64& rng, double low, double high) {
 
 }  // namespace
 
-RoverFleet::RoverFleet(const models::World& world, const models::TargetTruthSpec& truth,
+RoverFleet::RoverFleet(const models::World& world, const scenario::TargetTruthSpec& truth,
                        const std::vector<Start>& starts, std::uint64_t seed,
                        const RoverParameters& parameters)
     : world_(world), truth_(truth), parameters_(parameters), map_(world) {

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/pose.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/rover/route.hpp"
 #include "sim/rover/rover.hpp"
 
@@ -29,7 +29,7 @@ class RoverFleet {
     double radius_m = 0.2;
   };
 
-  RoverFleet(const models::World& world, const models::TargetTruthSpec& truth,
+  RoverFleet(const models::World& world, const scenario::TargetTruthSpec& truth,
              const std::vector<Start>& starts, std::uint64_t seed,
              const RoverParameters& parameters = {});
 
@@ -70,7 +70,7 @@ class RoverFleet {
   [[nodiscard]] bool is_safe(std::size_t i, const StoppingPath& path) const;
 
   models::World world_;
-  models::TargetTruthSpec truth_;
+  scenario::TargetTruthSpec truth_;
   RoverParameters parameters_;
   RouteMap map_;
   std::vector<Rover> rovers_;

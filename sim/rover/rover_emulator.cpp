@@ -8,8 +8,6 @@
 namespace vantage::sim {
 namespace {
 
-namespace wire = models::rover;
-
 constexpr Duration kStep{5'000};
 
 }  // namespace
@@ -20,7 +18,7 @@ RoverEmulator::RoverEmulator(const RoverEmulatorSpec& spec, Time start)
 }
 
 bool RoverEmulator::is_watchdog_out() const {
-  return session_ == 0 || to_seconds(now_ - command_arrival_) > wire::kWatchdogS;
+  return session_ == 0 || to_seconds(now_ - command_arrival_) > wire::rover::kWatchdogS;
 }
 
 void RoverEmulator::advance_to(Time now) {
@@ -54,17 +52,17 @@ void RoverEmulator::step(double dt_s) {
 
 void RoverEmulator::receive(std::span<const std::uint8_t> datagram, Time now) {
   advance_to(now);
-  wire::Command command;
-  if (wire::decode(datagram, command) != wire::Verdict::kAccepted ||
+  wire::rover::Command command;
+  if (wire::rover::decode(datagram, command) != wire::rover::Verdict::kAccepted ||
       command.robot != spec_.number) {
     ++refused_;
     return;
   }
   // Whoever asks for a stop, and however late it comes: it is a stop.
-  is_stopped_ = is_stopped_ || (command.flags & wire::kEmergencyStop) != 0;
+  is_stopped_ = is_stopped_ || (command.flags & wire::rover::kEmergencyStop) != 0;
   const bool takes_over = command.session != session_ && is_watchdog_out();
   const bool goes_on =
-      command.session == session_ && wire::is_after(command.sequence, command_sequence_);
+      command.session == session_ && wire::rover::is_after(command.sequence, command_sequence_);
   if (!takes_over && !goes_on) {
     ++refused_;
     return;
@@ -72,14 +70,14 @@ void RoverEmulator::receive(std::span<const std::uint8_t> datagram, Time now) {
   obey(command, now);
 }
 
-void RoverEmulator::obey(const wire::Command& command, Time now) {
+void RoverEmulator::obey(const wire::rover::Command& command, Time now) {
   session_ = command.session;
   command_sequence_ = command.sequence;
   command_time_us_ = command.time_us;
   command_arrival_ = now;
-  const bool asks_stop = (command.flags & wire::kEmergencyStop) != 0;
-  is_driving_ = (command.flags & wire::kDrive) != 0 && !asks_stop;
-  if ((command.flags & wire::kReleaseStop) != 0 && !asks_stop && !is_driving_) {
+  const bool asks_stop = (command.flags & wire::rover::kEmergencyStop) != 0;
+  is_driving_ = (command.flags & wire::rover::kDrive) != 0 && !asks_stop;
+  if ((command.flags & wire::rover::kReleaseStop) != 0 && !asks_stop && !is_driving_) {
     is_stopped_ = false;
   }
   demands_.push_back(
@@ -87,12 +85,12 @@ void RoverEmulator::obey(const wire::Command& command, Time now) {
        {static_cast<double>(command.speed_mps), static_cast<double>(command.yaw_rate_radps)}});
 }
 
-std::optional<std::array<std::uint8_t, wire::kTelemetryBytes>> RoverEmulator::take_output() {
+std::optional<std::array<std::uint8_t, wire::rover::kTelemetryBytes>> RoverEmulator::take_output() {
   if (now_ < next_telemetry_) {
     return std::nullopt;
   }
-  next_telemetry_ = now_ + from_seconds(wire::kTelemetryPeriodS);
-  wire::Telemetry out;
+  next_telemetry_ = now_ + from_seconds(wire::rover::kTelemetryPeriodS);
+  wire::rover::Telemetry out;
   out.robot = spec_.number;
   out.boot = spec_.boot;
   out.sequence = telemetry_sequence_++;
@@ -103,11 +101,12 @@ std::optional<std::array<std::uint8_t, wire::kTelemetryBytes>> RoverEmulator::ta
   out.yaw_rate_radps = static_cast<float>(state_.yaw_rate_radps);
   out.battery_share = static_cast<float>(battery_share_);
   const auto bit = [](bool is_set, std::uint32_t flag) { return is_set ? flag : 0U; };
-  out.flags = bit(is_driving_ && !is_stopped_ && !is_watchdog_out(), wire::kDriving) |
-              bit(is_stopped_, wire::kStopLatched) | bit(is_watchdog_out(), wire::kWatchdogOut) |
-              bit(has_motor_failed_, wire::kMotorFailed);
+  out.flags = bit(is_driving_ && !is_stopped_ && !is_watchdog_out(), wire::rover::kDriving) |
+              bit(is_stopped_, wire::rover::kStopLatched) |
+              bit(is_watchdog_out(), wire::rover::kWatchdogOut) |
+              bit(has_motor_failed_, wire::rover::kMotorFailed);
   out.refused = static_cast<std::uint32_t>(refused_);
-  return wire::encode(out);
+  return wire::rover::encode(out);
 }
 
 }  // namespace vantage::sim

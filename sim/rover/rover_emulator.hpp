@@ -7,8 +7,8 @@
 #include <span>
 
 #include "core/time.hpp"
-#include "models/wire/rover/packet.hpp"
 #include "sim/rover/rover.hpp"
+#include "wire/rover/packet.hpp"
 
 namespace vantage::sim {
 
@@ -36,7 +36,7 @@ class RoverEmulator {
   /// One datagram, arrived at `now`.
   void receive(std::span<const std::uint8_t> datagram, Time now);
   /// The telemetry that is due, if it is.
-  std::optional<std::array<std::uint8_t, models::rover::kTelemetryBytes>> take_output();
+  std::optional<std::array<std::uint8_t, wire::rover::kTelemetryBytes>> take_output();
 
   /// The button on its back.
   void press_stop() { is_stopped_ = true; }
@@ -56,7 +56,7 @@ class RoverEmulator {
   };
   [[nodiscard]] bool is_watchdog_out() const;
   void step(double dt_s);
-  void obey(const models::rover::Command& command, Time now);
+  void obey(const wire::rover::Command& command, Time now);
 
   RoverEmulatorSpec spec_;
   RoverState state_;

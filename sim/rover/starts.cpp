@@ -23,12 +23,12 @@ struct Placed {
 
 }  // namespace
 
-std::vector<Pose2> target_starts(const models::Scenario& scenario, std::uint64_t seed) {
+std::vector<Pose2> target_starts(const scenario::Scenario& scenario, std::uint64_t seed) {
   std::mt19937_64 rng = random_stream(seed, "target starts");
   std::uniform_real_distribution<double> share(0.0, 1.0);
   const models::Rectangle& bounds = scenario.world.bounds;
   std::vector<Placed> placed;
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     if (target.start) {
       placed.push_back({target.start->position_m(), target.radius_m});
     }
@@ -36,7 +36,7 @@ std::vector<Pose2> target_starts(const models::Scenario& scenario, std::uint64_t
   const auto is_free = [&](const Eigen::Vector2d& p_m, double radius_m, double relax) {
     return models::clearance_m(scenario.world, p_m) >= radius_m + kFromWallsM * relax &&
            std::all_of(scenario.robots.begin(), scenario.robots.end(),
-                       [&](const models::RobotSpec& robot) {
+                       [&](const scenario::RobotSpec& robot) {
                          return (robot.start.position_m() - p_m).norm() >= kFromRobotsM * relax;
                        }) &&
            std::all_of(placed.begin(), placed.end(), [&](const Placed& other) {
@@ -46,7 +46,7 @@ std::vector<Pose2> target_starts(const models::Scenario& scenario, std::uint64_t
   };
 
   std::vector<Pose2> starts;
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     if (target.start) {
       starts.push_back(*target.start);
       continue;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/pose.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::sim {
 
@@ -12,6 +12,6 @@ namespace vantage::sim {
 /// free ground by `seed`, 1 m away from every robot's start and 0.3 m (between surfaces) from
 /// other targets; these distances are halved, up to four times, while the ground is too crowded.
 /// @throws UsageError when a target still finds no room.
-std::vector<Pose2> target_starts(const models::Scenario& scenario, std::uint64_t seed);
+std::vector<Pose2> target_starts(const scenario::Scenario& scenario, std::uint64_t seed);
 
 }  // namespace vantage::sim

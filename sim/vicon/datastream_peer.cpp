@@ -6,20 +6,19 @@
 
 #include <Eigen/Geometry>
 
-#include "models/wire/vicon/rotation.hpp"
+#include "wire/vicon/rotation.hpp"
 
 namespace vantage::sim::vicon {
 namespace {
 
-namespace wire = models::vicon;
-
 // What this server can send; of these, what is static and what is dynamic.
-constexpr std::array<std::uint32_t, 5> kStatic{wire::kStreamInfo, wire::kSubjectInfo,
-                                               wire::kSubjectHealth, wire::kApplicationInfo,
-                                               wire::kObjectQuality};
+constexpr std::array<std::uint32_t, 5> kStatic{
+    wire::vicon::kStreamInfo, wire::vicon::kSubjectInfo, wire::vicon::kSubjectHealth,
+    wire::vicon::kApplicationInfo, wire::vicon::kObjectQuality};
 constexpr std::array<std::uint32_t, 7> kDynamic{
-    wire::kFrameInfo,         wire::kLocalSegments, wire::kGlobalSegments,     wire::kLatencyInfo,
-    wire::kHardwareFrameInfo, wire::kFrameRateInfo, wire::kLightweightSegments};
+    wire::vicon::kFrameInfo,          wire::vicon::kLocalSegments,     wire::vicon::kGlobalSegments,
+    wire::vicon::kLatencyInfo,        wire::vicon::kHardwareFrameInfo, wire::vicon::kFrameRateInfo,
+    wire::vicon::kLightweightSegments};
 constexpr std::size_t kClientPacketBytesMax = std::size_t{1} << 16U;
 constexpr std::uint32_t kFramesWantedMax = 1000;
 constexpr std::uint32_t kRootSegment = 1;
@@ -27,7 +26,7 @@ constexpr std::uint32_t kRootSegment = 1;
 std::uint32_t subject_id(std::size_t index) { return static_cast<std::uint32_t>(index + 1); }
 
 /// Tracker is asked for the share of each stage; two are enough to show that they add up.
-wire::LatencyInfo latency_of(const EmulatedFrame& frame) {
+wire::vicon::LatencyInfo latency_of(const EmulatedFrame& frame) {
   return {{{"Camera", 0.25 * frame.latency_s}, {"Processing", 0.75 * frame.latency_s}}};
 }
 
@@ -35,17 +34,17 @@ wire::LatencyInfo latency_of(const EmulatedFrame& frame) {
 
 DataStreamPeer::DataStreamPeer(const ServerSettings& settings)
     : settings_(settings), stream_(kClientPacketBytesMax) {
-  wire::ObjectEnums offered;
+  wire::vicon::ObjectEnums offered;
   offered.types.assign(kStatic.begin(), kStatic.end());
   offered.types.insert(offered.types.end(), kDynamic.begin(), kDynamic.end());
-  offered.types.push_back(wire::kContents);
+  offered.types.push_back(wire::vicon::kContents);
   std::sort(offered.types.begin(), offered.types.end());
-  wire::PacketWriter packet(outgoing);
+  wire::vicon::PacketWriter packet(outgoing);
   append(packet, offered);
   packet.finish();
 }
 
-bool DataStreamPeer::receive(wire::Bytes bytes) {
+bool DataStreamPeer::receive(wire::vicon::Bytes bytes) {
   while (!bytes.empty()) {
     const std::size_t taken = stream_.push(bytes);
     if (taken == 0) {
@@ -53,14 +52,14 @@ bool DataStreamPeer::receive(wire::Bytes bytes) {
     }
     bytes = bytes.subspan(taken);
     for (;;) {
-      const wire::Framed packet = wire::next_packet(stream_.view());
-      if (packet.state == wire::Framing::kBroken) {
+      const wire::vicon::Framed packet = wire::vicon::next_packet(stream_.view());
+      if (packet.state == wire::vicon::Framing::kBroken) {
         return false;
       }
-      if (packet.state == wire::Framing::kNeedMore) {
+      if (packet.state == wire::vicon::Framing::kNeedMore) {
         break;
       }
-      wire::BlockCursor cursor(packet.body);
+      wire::vicon::BlockCursor cursor(packet.body);
       while (const auto block = cursor.next()) {
         on_block(*block);
       }
@@ -73,23 +72,23 @@ bool DataStreamPeer::receive(wire::Bytes bytes) {
   return true;
 }
 
-void DataStreamPeer::on_block(const wire::Block& block) {
-  wire::ObjectEnums enums;
-  wire::RequestFrame request;
-  wire::RequestNextFrame next;
-  wire::Ping ping;
-  if (block.type == wire::kObjectEnums && decode(block.body, enums)) {
+void DataStreamPeer::on_block(const wire::vicon::Block& block) {
+  wire::vicon::ObjectEnums enums;
+  wire::vicon::RequestFrame request;
+  wire::vicon::RequestNextFrame next;
+  wire::vicon::Ping ping;
+  if (block.type == wire::vicon::kObjectEnums && decode(block.body, enums)) {
     asked_ = enums;
     is_static_due_ = true;
-  } else if (block.type == wire::kRequestFrame && decode(block.body, request)) {
+  } else if (block.type == wire::vicon::kRequestFrame && decode(block.body, request)) {
     is_streaming_ = request.streaming;
     frames_wanted_ = request.streaming ? 0 : std::max(frames_wanted_, 1U);
-  } else if (block.type == wire::kRequestNextFrame && decode(block.body, next)) {
+  } else if (block.type == wire::vicon::kRequestNextFrame && decode(block.body, next)) {
     frames_wanted_ =
         std::min(frames_wanted_ + std::min(next.count, kFramesWantedMax), kFramesWantedMax);
-  } else if (block.type == wire::kPing && decode(block.body, ping) &&
+  } else if (block.type == wire::vicon::kPing && decode(block.body, ping) &&
              outgoing.size() < settings_.backlog_bytes_max) {
-    wire::PacketWriter packet(outgoing);
+    wire::vicon::PacketWriter packet(outgoing);
     append(packet, ping);
     packet.finish();
   }
@@ -122,8 +121,8 @@ void DataStreamPeer::on_frame(const EmulatedFrame& frame) {
   }
   const bool has_static = has_new_subjects(frame) || is_static_due_;
   is_static_due_ = false;
-  wire::PacketWriter packet(outgoing);
-  if (is_asked(wire::kContents)) {
+  wire::vicon::PacketWriter packet(outgoing);
+  if (is_asked(wire::vicon::kContents)) {
     append_contents(packet, frame, has_static);
   }
   if (has_static) {
@@ -135,14 +134,15 @@ void DataStreamPeer::on_frame(const EmulatedFrame& frame) {
   ++frames_sent;
 }
 
-void DataStreamPeer::append_contents(wire::PacketWriter& packet, const EmulatedFrame& frame,
+void DataStreamPeer::append_contents(wire::vicon::PacketWriter& packet, const EmulatedFrame& frame,
                                      bool has_static) const {
-  wire::Contents contents;
+  wire::vicon::Contents contents;
   for (const std::uint32_t type : asked_.types) {
     const bool is_of_static = std::find(kStatic.begin(), kStatic.end(), type) != kStatic.end();
-    const bool is_each_subject = type == wire::kSubjectInfo || type == wire::kObjectQuality ||
-                                 type == wire::kSubjectHealth || type == wire::kGlobalSegments ||
-                                 type == wire::kLocalSegments || type == wire::kLightweightSegments;
+    const bool is_each_subject =
+        type == wire::vicon::kSubjectInfo || type == wire::vicon::kObjectQuality ||
+        type == wire::vicon::kSubjectHealth || type == wire::vicon::kGlobalSegments ||
+        type == wire::vicon::kLocalSegments || type == wire::vicon::kLightweightSegments;
     const bool is_known =
         is_of_static || std::find(kDynamic.begin(), kDynamic.end(), type) != kDynamic.end();
     if (is_of_static && !has_static) {
@@ -155,52 +155,54 @@ void DataStreamPeer::append_contents(wire::PacketWriter& packet, const EmulatedF
   append(packet, contents);
 }
 
-void DataStreamPeer::append_static(wire::PacketWriter& packet) const {
-  if (is_asked(wire::kStreamInfo)) {
-    append(packet,
-           wire::StreamInfo{std::llround(wire::StreamInfo::kTicksPerSecond / settings_.rate_hz)});
+void DataStreamPeer::append_static(wire::vicon::PacketWriter& packet) const {
+  if (is_asked(wire::vicon::kStreamInfo)) {
+    append(packet, wire::vicon::StreamInfo{
+                       std::llround(wire::vicon::StreamInfo::kTicksPerSecond / settings_.rate_hz)});
   }
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
-    if (is_asked(wire::kSubjectInfo)) {
-      wire::SubjectInfo subject;
+    if (is_asked(wire::vicon::kSubjectInfo)) {
+      wire::vicon::SubjectInfo subject;
       subject.subject_id = subject_id(i);
       subject.name = subjects_[i];
       subject.segments = {{0, kRootSegment, {}, subjects_[i]}};
       append(packet, subject);
     }
-    if (is_asked(wire::kSubjectHealth)) {
-      append(packet, wire::SubjectHealth{subject_id(i), 0.0, 1.0});
+    if (is_asked(wire::vicon::kSubjectHealth)) {
+      append(packet, wire::vicon::SubjectHealth{subject_id(i), 0.0, 1.0});
     }
-    if (is_asked(wire::kObjectQuality)) {
-      append(packet, wire::ObjectQuality{subject_id(i), 1.0});
+    if (is_asked(wire::vicon::kObjectQuality)) {
+      append(packet, wire::vicon::ObjectQuality{subject_id(i), 1.0});
     }
   }
-  if (is_asked(wire::kApplicationInfo)) {
-    append(packet, wire::ApplicationInfo{settings_.is_y_up});
+  if (is_asked(wire::vicon::kApplicationInfo)) {
+    append(packet, wire::vicon::ApplicationInfo{settings_.is_y_up});
   }
 }
 
-void DataStreamPeer::append_dynamic(wire::PacketWriter& packet, const EmulatedFrame& frame) const {
-  append(packet, wire::FrameInfo{frame.number});  // always: a packet without is no frame
-  if (is_asked(wire::kHardwareFrameInfo)) {
-    append(packet, wire::HardwareFrameInfo{frame.number});
+void DataStreamPeer::append_dynamic(wire::vicon::PacketWriter& packet,
+                                    const EmulatedFrame& frame) const {
+  append(packet, wire::vicon::FrameInfo{frame.number});  // always: a packet without is no frame
+  if (is_asked(wire::vicon::kHardwareFrameInfo)) {
+    append(packet, wire::vicon::HardwareFrameInfo{frame.number});
   }
-  if (is_asked(wire::kLatencyInfo)) {
+  if (is_asked(wire::vicon::kLatencyInfo)) {
     append(packet, latency_of(frame));
   }
-  if (is_asked(wire::kFrameRateInfo)) {
-    append(packet, wire::FrameRateInfo{{{"System Frame Rate", settings_.rate_hz}}});
+  if (is_asked(wire::vicon::kFrameRateInfo)) {
+    append(packet, wire::vicon::FrameRateInfo{{{"System Frame Rate", settings_.rate_hz}}});
   }
   append_poses(packet, frame);
 }
 
-void DataStreamPeer::append_poses(wire::PacketWriter& packet, const EmulatedFrame& frame) const {
+void DataStreamPeer::append_poses(wire::vicon::PacketWriter& packet,
+                                  const EmulatedFrame& frame) const {
   for (std::size_t i = 0; i < frame.bodies.size(); ++i) {
     const EmulatedBody& body = frame.bodies[i];
-    const Pose3 pose =
-        settings_.is_y_up ? wire::y_up_from_z_up(body.world_from_body) : body.world_from_body;
-    wire::Segments segments;
-    wire::LightweightSegments light;
+    const Pose3 pose = settings_.is_y_up ? wire::vicon::y_up_from_z_up(body.world_from_body)
+                                         : body.world_from_body;
+    wire::vicon::Segments segments;
+    wire::vicon::LightweightSegments light;
     segments.subject_id = light.subject_id = subject_id(i);
     if (!body.is_occluded) {
       const Eigen::AngleAxisd turn(pose.rotation);
@@ -208,13 +210,13 @@ void DataStreamPeer::append_poses(wire::PacketWriter& packet, const EmulatedFram
       light.poses = {{kRootSegment, (1e3 * pose.translation_m).cast<float>(),
                       (turn.angle() * turn.axis()).cast<float>()}};
     }
-    if (is_asked(wire::kGlobalSegments)) {
-      append(packet, segments, wire::kGlobalSegments);
+    if (is_asked(wire::vicon::kGlobalSegments)) {
+      append(packet, segments, wire::vicon::kGlobalSegments);
     }
-    if (is_asked(wire::kLocalSegments)) {  // of a root: the same
-      append(packet, segments, wire::kLocalSegments);
+    if (is_asked(wire::vicon::kLocalSegments)) {  // of a root: the same
+      append(packet, segments, wire::vicon::kLocalSegments);
     }
-    if (is_asked(wire::kLightweightSegments)) {
+    if (is_asked(wire::vicon::kLightweightSegments)) {
       append(packet, light);
     }
   }

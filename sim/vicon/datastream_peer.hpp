@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "models/wire/vicon/datastream_blocks.hpp"
 #include "sim/vicon/peer.hpp"
+#include "wire/vicon/datastream_blocks.hpp"
 
 namespace vantage::sim::vicon {
 
@@ -17,22 +17,22 @@ class DataStreamPeer : public Peer {
  public:
   explicit DataStreamPeer(const ServerSettings& settings);
 
-  [[nodiscard]] bool receive(models::vicon::Bytes bytes) override;
+  [[nodiscard]] bool receive(wire::vicon::Bytes bytes) override;
   void on_frame(const EmulatedFrame& frame) override;
 
  private:
-  void on_block(const models::vicon::Block& block);
+  void on_block(const wire::vicon::Block& block);
   [[nodiscard]] bool is_asked(std::uint32_t type) const;
   [[nodiscard]] bool has_new_subjects(const EmulatedFrame& frame);
-  void append_contents(models::vicon::PacketWriter& packet, const EmulatedFrame& frame,
+  void append_contents(wire::vicon::PacketWriter& packet, const EmulatedFrame& frame,
                        bool has_static) const;
-  void append_static(models::vicon::PacketWriter& packet) const;
-  void append_dynamic(models::vicon::PacketWriter& packet, const EmulatedFrame& frame) const;
-  void append_poses(models::vicon::PacketWriter& packet, const EmulatedFrame& frame) const;
+  void append_static(wire::vicon::PacketWriter& packet) const;
+  void append_dynamic(wire::vicon::PacketWriter& packet, const EmulatedFrame& frame) const;
+  void append_poses(wire::vicon::PacketWriter& packet, const EmulatedFrame& frame) const;
 
   ServerSettings settings_;
-  models::vicon::StreamBuffer stream_;
-  models::vicon::ObjectEnums asked_;
+  wire::vicon::StreamBuffer stream_;
+  wire::vicon::ObjectEnums asked_;
   std::vector<std::string> subjects_;
   bool is_static_due_ = true;
   bool is_streaming_ = false;

@@ -6,7 +6,7 @@
 
 #include "core/pose.hpp"
 #include "core/time.hpp"
-#include "models/scenario/mocap_spec.hpp"
+#include "scenario/mocap_spec.hpp"
 
 namespace vantage::sim::vicon {
 
@@ -32,7 +32,7 @@ enum class OcclusionStyle {
 };
 
 struct ServerSettings {
-  models::MocapProtocol protocol = models::MocapProtocol::kDataStream;
+  scenario::MocapProtocol protocol = scenario::MocapProtocol::kDataStream;
   double rate_hz = 100.0;
   std::size_t block_bytes = 256;  ///< of an object stream's datagram: 256, 512 or 1024
   bool is_y_up = false;           ///< the world that is sent, as Nexus and Blade have it

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "models/wire/vicon/object_stream.hpp"
 #include "sim/vicon/emulated_frame.hpp"
+#include "wire/vicon/object_stream.hpp"
 
 namespace vantage::sim::vicon {
 
@@ -21,7 +21,7 @@ class ObjectStreamServer {
 
  private:
   ServerSettings settings_;
-  std::map<std::string, models::vicon::TrackerObject> last_seen_;  ///< for kRepeated
+  std::map<std::string, wire::vicon::TrackerObject> last_seen_;  ///< for kRepeated
   std::vector<std::vector<std::uint8_t>> datagrams_;
 };
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "models/wire/vicon/bytes.hpp"
 #include "sim/vicon/emulated_frame.hpp"
+#include "wire/vicon/bytes.hpp"
 
 namespace vantage::sim::vicon {
 
@@ -20,7 +20,7 @@ class Peer {
   Peer& operator=(Peer&&) = delete;
 
   /// The client's bytes, cut anywhere. False: it does not speak this protocol; hang up.
-  [[nodiscard]] virtual bool receive(models::vicon::Bytes bytes) = 0;
+  [[nodiscard]] virtual bool receive(wire::vicon::Bytes bytes) = 0;
   /// The newest frame; sent now, later or never, as the client has asked.
   virtual void on_frame(const EmulatedFrame& frame) = 0;
 

@@ -14,9 +14,9 @@
 
 #include "core/address.hpp"
 #include "core/check.hpp"
-#include "models/wire/vicon/vrpn.hpp"
 #include "sim/vicon/datastream_peer.hpp"
 #include "sim/vicon/vrpn_peer.hpp"
+#include "wire/vicon/vrpn.hpp"
 
 namespace vantage::sim::vicon {
 namespace {
@@ -57,7 +57,7 @@ struct SocketServer::Client {
 
 SocketServer::SocketServer(const ServerSettings& settings, const std::string& host, int port)
     : settings_(settings), port_(port), object_stream_(settings) {
-  if (settings.protocol != models::MocapProtocol::kObjectStream) {
+  if (settings.protocol != scenario::MocapProtocol::kObjectStream) {
     listen_at(host, port);
     return;
   }
@@ -90,7 +90,7 @@ void SocketServer::listen_at(const std::string& host, int port) {
     throw StartupError("cannot listen at " + host + ":" + std::to_string(port) + ": " + why);
   }
   port_ = bound_port(listener_);
-  if (settings_.protocol == models::MocapProtocol::kVrpn) {
+  if (settings_.protocol == scenario::MocapProtocol::kVrpn) {
     address.sin_port = htons(static_cast<std::uint16_t>(port_));
     datagrams_ = socket(AF_INET, SOCK_DGRAM | kSocketFlags, 0);
     if (bind(datagrams_, as_sockaddr(address), sizeof address) != 0) {
@@ -105,7 +105,7 @@ void SocketServer::listen_at(const std::string& host, int port) {
 std::size_t SocketServer::clients() const { return clients_.size(); }
 
 std::unique_ptr<Peer> SocketServer::make_peer() const {
-  if (settings_.protocol == models::MocapProtocol::kVrpn) {
+  if (settings_.protocol == scenario::MocapProtocol::kVrpn) {
     return std::make_unique<VrpnPeer>(settings_);
   }
   return std::make_unique<DataStreamPeer>(settings_);
@@ -140,8 +140,8 @@ void SocketServer::on_callbacks() {
     if (bytes < 0) {
       return;
     }
-    const auto callback = models::vicon::decode_vrpn_callback(
-        models::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)));
+    const auto callback = wire::vicon::decode_vrpn_callback(
+        wire::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)));
     if (!callback) {
       continue;
     }
@@ -163,8 +163,8 @@ void SocketServer::read(Client& client) {
     if (bytes < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
       return;
     }
-    if (bytes <= 0 || !client.peer->receive(
-                          models::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)))) {
+    if (bytes <= 0 ||
+        !client.peer->receive(wire::vicon::Bytes(buffer).first(static_cast<std::size_t>(bytes)))) {
       client.is_gone = true;
       return;
     }
@@ -202,7 +202,7 @@ void SocketServer::wait(std::chrono::nanoseconds timeout) {
     polled.push_back({client->fd, static_cast<short>(is_waiting ? POLLIN | POLLOUT : POLLIN), 0});
   }
   polled.push_back({listener_, POLLIN, 0});
-  const bool hears = settings_.protocol == models::MocapProtocol::kVrpn;
+  const bool hears = settings_.protocol == scenario::MocapProtocol::kVrpn;
   polled.push_back({hears ? datagrams_ : -1, POLLIN, 0});
   const std::int64_t ns = std::max<std::int64_t>(timeout.count(), 0);
   const timespec limit{ns / 1'000'000'000, ns % 1'000'000'000};
@@ -228,7 +228,7 @@ void SocketServer::wait(std::chrono::nanoseconds timeout) {
 }
 
 void SocketServer::publish(const EmulatedFrame& frame) {
-  if (settings_.protocol == models::MocapProtocol::kObjectStream) {
+  if (settings_.protocol == scenario::MocapProtocol::kObjectStream) {
     for (const std::vector<std::uint8_t>& datagram : object_stream_.encode(frame)) {
       // Nobody listening is no fault of a server that only talks.
       const ssize_t sent = send(datagrams_, datagram.data(), datagram.size(), MSG_NOSIGNAL);

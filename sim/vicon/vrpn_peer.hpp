@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "models/wire/vicon/vrpn.hpp"
 #include "sim/vicon/peer.hpp"
+#include "wire/vicon/vrpn.hpp"
 
 namespace vantage::sim::vicon {
 
@@ -16,22 +16,22 @@ class VrpnPeer : public Peer {
  public:
   explicit VrpnPeer(const ServerSettings& settings);
 
-  [[nodiscard]] bool receive(models::vicon::Bytes bytes) override;
+  [[nodiscard]] bool receive(wire::vicon::Bytes bytes) override;
   void on_frame(const EmulatedFrame& frame) override;
 
  private:
   static constexpr std::size_t kNamesMax = 1024;
 
   std::int32_t sender_of(const std::string& name);
-  void on_message(const models::vicon::VrpnHeader& header, models::vicon::Bytes payload);
+  void on_message(const wire::vicon::VrpnHeader& header, wire::vicon::Bytes payload);
 
   ServerSettings settings_;
-  models::vicon::StreamBuffer stream_;
+  wire::vicon::StreamBuffer stream_;
   bool is_greeted_ = false;                      ///< the client's cookie has come
   std::map<std::string, std::int32_t> senders_;  ///< our numbers
   std::map<std::int32_t, std::string> client_senders_;
   std::map<std::int32_t, std::string> client_types_;
-  std::map<std::string, models::vicon::VrpnPose> last_seen_;  ///< for kRepeated
+  std::map<std::string, wire::vicon::VrpnPose> last_seen_;  ///< for kRepeated
 };
 
 }  // namespace vantage::sim::vicon

@@ -13,7 +13,7 @@ constexpr double kDrifterSpeedMaxMps = 2.0;
 
 }  // namespace
 
-Ground::Ground(const models::Scenario& scenario, std::uint64_t seed)
+Ground::Ground(const scenario::Scenario& scenario, std::uint64_t seed)
     : starts_(target_starts(scenario, seed)) {
   std::vector<RoverFleet::Start> rovers;
   std::vector<Disc> discs;
@@ -22,14 +22,14 @@ Ground::Ground(const models::Scenario& scenario, std::uint64_t seed)
     discs.push_back({starts_[i].position_m(), scenario.targets[i].radius_m});
   }
   switch (scenario.target_truth.motion) {
-    case models::TargetMotion::kRandomWaypoint:
+    case scenario::TargetMotion::kRandomWaypoint:
       rovers_.emplace(scenario.world, scenario.target_truth, rovers, seed);
       break;
-    case models::TargetMotion::kDoubleIntegrator:
+    case scenario::TargetMotion::kDoubleIntegrator:
       drifters_.emplace(scenario.world, discs, scenario.target_truth.acceleration_q,
                         kDrifterSpeedMaxMps, seed);
       break;
-    case models::TargetMotion::kStill:
+    case scenario::TargetMotion::kStill:
       break;
   }
 }

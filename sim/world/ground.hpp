@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/pose.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/rover/drifters.hpp"
 #include "sim/rover/fleet.hpp"
 
@@ -16,7 +16,7 @@ namespace vantage::sim {
 /// The scenario's targets as they really move, whatever their kind of motion.
 class Ground {
  public:
-  Ground(const models::Scenario& scenario, std::uint64_t seed);
+  Ground(const scenario::Scenario& scenario, std::uint64_t seed);
 
   /// From now on rovers come no nearer than `distance_m`, centre to centre, to these points.
   void keep_out(std::vector<Eigen::Vector2d> centres_m, double distance_m);

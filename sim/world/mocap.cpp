@@ -7,7 +7,7 @@
 
 namespace vantage::sim {
 
-MocapCamera::MocapCamera(const models::MocapSpec& spec, std::uint64_t seed)
+MocapCamera::MocapCamera(const scenario::MocapSpec& spec, std::uint64_t seed)
     : spec_(spec), latency_(from_seconds(spec.latency_s)), rng_(random_stream(seed, "mocap")) {
   require(spec.rate_hz > 0.0 && spec.rate_hz <= 1000.0, "mocap: rate_hz must be in (0, 1000]");
   require(spec.position_sigma_m >= 0.0 && spec.yaw_sigma_rad >= 0.0 && spec.latency_s >= 0.0,

@@ -5,7 +5,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::sim {
 
@@ -15,7 +15,7 @@ namespace vantage::sim {
 class MocapCamera {
  public:
   /// @throws UsageError for a rate outside (0, 1000] Hz, a negative noise or latency.
-  MocapCamera(const models::MocapSpec& spec, std::uint64_t seed);
+  MocapCamera(const scenario::MocapSpec& spec, std::uint64_t seed);
 
   /// 1/rate to the nearest microsecond.
   [[nodiscard]] Duration period() const { return period_; }
@@ -27,7 +27,7 @@ class MocapCamera {
   models::MocapFrame capture(const models::TruthFrame& truth);
 
  private:
-  models::MocapSpec spec_;
+  scenario::MocapSpec spec_;
   Duration period_;
   Duration latency_;
   std::mt19937_64 rng_;

@@ -18,11 +18,11 @@ Vehicle* find(const std::vector<Vehicle*>& vehicles, const std::string& name) {
   return found == vehicles.end() ? nullptr : *found;
 }
 
-std::vector<Quadrotor> quadrotors_of(const models::Scenario& scenario, std::uint64_t seed,
+std::vector<Quadrotor> quadrotors_of(const scenario::Scenario& scenario, std::uint64_t seed,
                                      Time start, const std::vector<Vehicle*>& given) {
   std::vector<Quadrotor> quadrotors;
-  for (const models::RobotSpec& robot : scenario.robots) {
-    if (robot.device != models::DeviceSource::kReal && find(given, robot.name) == nullptr) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    if (robot.device != scenario::DeviceSource::kReal && find(given, robot.name) == nullptr) {
       quadrotors.emplace_back(robot, scenario.planner.tracking_tolerance_m, seed, start,
                               parameters_in(scenario.wind));
     }
@@ -30,13 +30,13 @@ std::vector<Quadrotor> quadrotors_of(const models::Scenario& scenario, std::uint
   return quadrotors;
 }
 
-std::vector<Vehicle*> vehicles_of(const models::Scenario& scenario,
+std::vector<Vehicle*> vehicles_of(const scenario::Scenario& scenario,
                                   std::vector<Quadrotor>& quadrotors, std::vector<Vehicle*> given) {
   for (Quadrotor& quadrotor : quadrotors) {
     given.push_back(&quadrotor);
   }
   std::vector<Vehicle*> vehicles;
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     if (Vehicle* const vehicle = find(given, robot.name)) {
       vehicles.push_back(vehicle);
     }
@@ -45,12 +45,12 @@ std::vector<Vehicle*> vehicles_of(const models::Scenario& scenario,
 }
 
 std::vector<models::CollisionMonitor::Body> bodies_of(
-    const std::vector<Vehicle*>& vehicles, const std::vector<models::TargetSpec>& targets) {
+    const std::vector<Vehicle*>& vehicles, const std::vector<scenario::TargetSpec>& targets) {
   std::vector<models::CollisionMonitor::Body> bodies;
   for (const Vehicle* vehicle : vehicles) {
     bodies.push_back({vehicle->name(), vehicle->radius_m(), true});
   }
-  for (const models::TargetSpec& target : targets) {
+  for (const scenario::TargetSpec& target : targets) {
     bodies.push_back({target.name, target.radius_m, false});
   }
   return bodies;
@@ -58,7 +58,7 @@ std::vector<models::CollisionMonitor::Body> bodies_of(
 
 }  // namespace
 
-WorldSimulation::WorldSimulation(const models::Scenario& scenario, std::uint64_t seed, Time start,
+WorldSimulation::WorldSimulation(const scenario::Scenario& scenario, std::uint64_t seed, Time start,
                                  const std::vector<Vehicle*>& vehicles)
     : targets_(scenario.targets),
       time_(start),

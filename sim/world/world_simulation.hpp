@@ -8,7 +8,7 @@
 #include "core/time.hpp"
 #include "models/contact/collision_monitor.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/quadrotor/quadrotor.hpp"
 #include "sim/vehicle.hpp"
 #include "sim/world/ground.hpp"
@@ -33,7 +33,7 @@ class WorldSimulation {
 
   /// @param vehicles  fly instead of the Quadrotors of the same names; they outlive the world
   /// @throws UsageError for a scenario that cannot be simulated, saying which value and why.
-  WorldSimulation(const models::Scenario& scenario, std::uint64_t seed, Time start,
+  WorldSimulation(const scenario::Scenario& scenario, std::uint64_t seed, Time start,
                   const std::vector<Vehicle*>& vehicles = {});
 
   /// Steps on to `time` exactly; nothing when that is past.
@@ -62,7 +62,7 @@ class WorldSimulation {
   void watch();
   void keep_ground_free();
 
-  std::vector<models::TargetSpec> targets_;
+  std::vector<scenario::TargetSpec> targets_;
   Time time_;
   Time decided_;
   std::vector<Quadrotor> quadrotors_;

@@ -9,9 +9,9 @@
 
 #include "bus/auth/authenticator.hpp"
 #include "bus/auth/envelope.hpp"
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "test/bus/auth_support.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "test/bus/auth/auth_support.hpp"
 
 namespace vantage {
 namespace {
@@ -29,7 +29,7 @@ void Sign(benchmark::State& state, Role role) {
   std::uint64_t counter = 0;
   for (auto _ : state) {
     message = payload;
-    bus::auth::sign(key, channel_of(role), {key.id, 1, ++counter, role, models::TrialMode::kLive},
+    bus::auth::sign(key, channel_of(role), {key.id, 1, ++counter, role, scenario::TrialMode::kLive},
                     {}, message);
     benchmark::DoNotOptimize(message.data());
   }
@@ -42,15 +42,15 @@ void Verify(benchmark::State& state, Role role) {
   std::vector<std::uint8_t> message(static_cast<std::size_t>(state.range(0)), 7);
   bus::auth::sign(
       key, channel_of(role),
-      {key.id, 1, static_cast<std::uint64_t>(to_utime(kStart)), role, models::TrialMode::kLive}, {},
-      message);
+      {key.id, 1, static_cast<std::uint64_t>(to_utime(kStart)), role, scenario::TrialMode::kLive},
+      {}, message);
   bus::auth::SignatureBudgets budgets;
   budgets.fresh = bus::auth::Budget(1e9, 1e9);
   for (auto _ : state) {
     bus::auth::ReplayGuard replays;  // or all but the first were replayed
     const auto verdict =
         bus::auth::verify(keyring, channel_of(role), message,
-                          {models::TrialMode::kLive, kStart, true, false}, replays, budgets);
+                          {scenario::TrialMode::kLive, kStart, true, false}, replays, budgets);
     if (verdict.refusal != bus::auth::Refusal::kNone) {
       state.SkipWithError(bus::auth::name_of(verdict.refusal));
     }
@@ -62,14 +62,14 @@ void RefuseForged(benchmark::State& state) {
   keyring.add(test::key_of(Role::kOperator, 1));
   const bus::auth::Key key = test::key_of(Role::kOperator, 1);
   std::vector<std::uint8_t> message(static_cast<std::size_t>(state.range(0)), 7);
-  bus::auth::sign(key, "COMMAND", {key.id, 1, 5, Role::kOperator, models::TrialMode::kLive}, {},
+  bus::auth::sign(key, "COMMAND", {key.id, 1, 5, Role::kOperator, scenario::TrialMode::kLive}, {},
                   message);
   message[0] ^= 1U;
   bus::auth::SignatureBudgets budgets;
   bus::auth::ReplayGuard replays;
   for (auto _ : state) {
     benchmark::DoNotOptimize(bus::auth::verify(keyring, "COMMAND", message,
-                                               {models::TrialMode::kLive, kStart, true, false},
+                                               {scenario::TrialMode::kLive, kStart, true, false},
                                                replays, budgets));
   }
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/search/problem.hpp"
+#include "planner/problem/problem.hpp"
 
 namespace vantage::bench {
 

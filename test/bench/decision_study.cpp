@@ -10,13 +10,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "planner/team/decision/attack.hpp"
-#include "planner/team/decision/coordinate_descent.hpp"
-#include "planner/team/decision/distributed_local_search.hpp"
-#include "planner/team/decision/exhaustive.hpp"
-#include "planner/team/decision/local_search.hpp"
-#include "planner/team/decision/resilient.hpp"
-#include "planner/team/decision/team_set.hpp"
+#include "planner/decision/attack.hpp"
+#include "planner/decision/coordinate_descent.hpp"
+#include "planner/decision/distributed_local_search.hpp"
+#include "planner/decision/exhaustive.hpp"
+#include "planner/decision/local_search.hpp"
+#include "planner/decision/resilient.hpp"
+#include "planner/decision/team_set.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
 namespace vantage {

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "planner/search/motion_table.hpp"
+#include "planner/problem/motion_table.hpp"
 
 namespace vantage::bench {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "planner/search/problem.hpp"
+#include "planner/problem/problem.hpp"
 
 namespace vantage::bench {
 

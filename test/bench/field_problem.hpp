@@ -5,7 +5,7 @@
 
 #include "models/world/grid.hpp"
 #include "models/world/world.hpp"
-#include "planner/search/problem.hpp"
+#include "planner/problem/problem.hpp"
 
 namespace vantage::bench {
 

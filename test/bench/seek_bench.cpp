@@ -18,7 +18,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "bus/convert.hpp"
+#include "bus/convert/convert.hpp"
 #include "core/deadline.hpp"
 #include "logs/file/log_index.hpp"
 

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "core/cpu_time.hpp"
-#include "planner/team/decision/coordinate_descent.hpp"
-#include "planner/team/decision/distributed_local_search.hpp"
-#include "planner/team/decision/resilient.hpp"
-#include "planner/team/decision/team_bound.hpp"
-#include "tools/experiment/energy_trial.hpp"
+#include "experiments/energy_trial.hpp"
+#include "planner/decision/coordinate_descent.hpp"
+#include "planner/decision/distributed_local_search.hpp"
+#include "planner/decision/resilient.hpp"
+#include "planner/decision/team_bound.hpp"
 
 // How the team's algorithms grow with the team: n robots and n targets, all decided by one thread.
 // CPU time, and J beside a bound on what any choice is worth.
@@ -44,7 +44,7 @@ void run_one(int n, const Arguments& arguments, planner::ReducedValueIteration& 
     then_s = now_s;
     return lap;
   };
-  tools::EnergyTrial trial = tools::draw_energy_trial(n, arguments.seed, {}, search);
+  experiments::EnergyTrial trial = experiments::draw_energy_trial(n, arguments.seed, {}, search);
   const double drawn_s = lap_s();
   make_prices_equal(trial.team);
   lap_s();

@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 
-#include "bus/clock.hpp"
+#include "bus/node/clock.hpp"
 #include "core/deadline.hpp"
 #include "drivers/vicon/driver.hpp"
 #include "drivers/vicon/socket_link.hpp"
@@ -74,11 +74,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::string name = argv[1];
-  models::MocapSpec spec;
+  scenario::MocapSpec spec;
   spec.port = kPort;
-  spec.protocol = name == "vrpn"            ? models::MocapProtocol::kVrpn
-                  : name == "object_stream" ? models::MocapProtocol::kObjectStream
-                                            : models::MocapProtocol::kDataStream;
+  spec.protocol = name == "vrpn"            ? scenario::MocapProtocol::kVrpn
+                  : name == "object_stream" ? scenario::MocapProtocol::kObjectStream
+                                            : scenario::MocapProtocol::kDataStream;
   Load load;
   load.settings.protocol = spec.protocol;
   load.settings.rate_hz = std::atof(argv[2]);
@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
   const auto warm = static_cast<std::size_t>(kWarmUp_s * load.settings.rate_hz);
   std::size_t next = 0;  // VRPN has no frame numbers
   drivers::vicon::ViconDriver driver(spec, [&](const models::MocapFrame& frame) {
-    const std::size_t k = spec.protocol == models::MocapProtocol::kVrpn
+    const std::size_t k = spec.protocol == scenario::MocapProtocol::kVrpn
                               ? next++
                               : static_cast<std::size_t>(frame.frame_number);
     if (k < warm || k >= load.frames) {
@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
   });
   // The link stands before the first frame is sent.
   while (!driver.is_open() ||
-         (server.clients() == 0 && spec.protocol != models::MocapProtocol::kObjectStream)) {
+         (server.clients() == 0 && spec.protocol != scenario::MocapProtocol::kObjectStream)) {
     link.step();
     server.wait(std::chrono::milliseconds(1));
   }

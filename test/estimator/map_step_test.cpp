@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/transport.hpp"
+#include "bus/transport/transport.hpp"
 #include "test/estimator/mapping_scenario.hpp"
 
 namespace vantage::estimator {
@@ -63,7 +63,7 @@ class MapPublisherTest : public ::testing::Test {
     return 0;
   }
 
-  models::Scenario scenario_ = test::mapping_scenario({"Q1", "Q2"});
+  scenario::Scenario scenario_ = test::mapping_scenario({"Q1", "Q2"});
   models::GridGeometry grid_ = models::map_geometry(scenario_.world, scenario_.mapping);
   bus::InProcessHub hub_;
   std::unique_ptr<bus::Transport> own_end_ = hub_.connect();

@@ -3,20 +3,20 @@
 #include <string>
 #include <vector>
 
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::test {
 
 /// `robots` that map 8 × 6 m, hear each other within 3 m and look each 0.5 s.
-inline models::Scenario mapping_scenario(const std::vector<std::string>& robots) {
-  models::Scenario scenario;
+inline scenario::Scenario mapping_scenario(const std::vector<std::string>& robots) {
+  scenario::Scenario scenario;
   scenario.world.bounds = {{0.0, 0.0}, {8.0, 6.0}};
   for (const std::string& name : robots) {
-    models::RobotSpec robot;
+    scenario::RobotSpec robot;
     robot.name = name;
     scenario.robots.push_back(robot);
   }
-  scenario.planner.objective = models::PlanObjective::kMapping;
+  scenario.planner.objective = scenario::PlanObjective::kMapping;
   scenario.planner.step_s = 0.5;
   scenario.network.communication_range_m = 3.0;
   return scenario;

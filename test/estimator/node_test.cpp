@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/transport.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "estimator/app/replay_node.hpp"
 #include "test/estimator/filter_support.hpp"
@@ -22,11 +22,11 @@ using models::InputRef;
 
 const Time kStart = from_utime(1'700'000'000'100'000);  // 0.1 s after a multiple of τ
 
-models::Scenario two_robots() {
-  models::Scenario scenario;
+scenario::Scenario two_robots() {
+  scenario::Scenario scenario;
   scenario.world.bounds = {{-6.0, -6.0}, {6.0, 6.0}};
   for (const char* name : {"Q1", "Q2"}) {
-    models::RobotSpec robot;
+    scenario::RobotSpec robot;
     robot.name = name;
     robot.sensor.range_max_m = 5.0;
     scenario.robots.push_back(robot);
@@ -87,7 +87,7 @@ class NodeTest : public ::testing::Test {
     return set;
   }
 
-  models::Scenario scenario_ = two_robots();
+  scenario::Scenario scenario_ = two_robots();
   std::mt19937_64 rng_{12};
   bus::VirtualClock clock_{kStart};
   bus::InProcessHub hub_;
@@ -245,7 +245,7 @@ class Replay : public NodeTest {
 
 /// Plays a log into a fresh bus with a replay node, after `reorder` has had its way with it.
 struct Player {
-  explicit Player(const models::Scenario& scenario) : node{bus, clock, scenario, "Q1"} {
+  explicit Player(const scenario::Scenario& scenario) : node{bus, clock, scenario, "Q1"} {
     ear->subscribe("REPLAY_BELIEF_Q1", [&](std::string_view, std::span<const std::uint8_t> bytes) {
       vantage_lcm::belief_t wire;
       ASSERT_GE(wire.decode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);

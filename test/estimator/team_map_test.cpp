@@ -16,13 +16,13 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-models::Scenario mapping_scenario() {
-  models::Scenario scenario = test::mapping_scenario({"Q1", "Q2", "Q3"});
+scenario::Scenario mapping_scenario() {
+  scenario::Scenario scenario = test::mapping_scenario({"Q1", "Q2", "Q3"});
   scenario.world.obstacles = {{{{2.0, 2.0}, {3.0, 4.0}}, 3.0}, {{{5.0, 1.0}, {7.0, 2.0}}, 3.0}};
   return scenario;
 }
 
-models::RangeScan scan_of(const models::Scenario& scenario, test::Random& random) {
+models::RangeScan scan_of(const scenario::Scenario& scenario, test::Random& random) {
   Pose2 pose;
   do {
     pose = {random.uniform(0.1, 7.9), random.uniform(0.1, 5.9), random.uniform(-kPi, kPi)};
@@ -61,7 +61,7 @@ models::RobotMap map_of(TeamMap& team_map, const std::vector<std::vector<models:
 }
 
 TEST(TeamMap, IsThatOfAllScansInAnyOrderWhoeverTookThem) {
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5301);
   std::vector<models::RangeScan> scans;
   for (int i = 0; i < 60; ++i) {
@@ -88,7 +88,7 @@ TEST(TeamMap, IsThatOfAllScansInAnyOrderWhoeverTookThem) {
 }
 
 TEST(TeamMap, CountsATeammateOnceHoweverOftenItIsHeard) {
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5302);
   TeamMap q1(scenario, "Q1");
   TeamMap q2(scenario, "Q2");
@@ -102,7 +102,7 @@ TEST(TeamMap, CountsATeammateOnceHoweverOftenItIsHeard) {
 
 // A robot that hovers for hours brings its cells to the limits of a count.
 TEST(TeamMap, IsTheSameInAnyOrderOfTeammatesAtTheLimitsOfACountToo) {
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   TeamMap q1(scenario, "Q1");
   const models::RobotMap blank = map_of(q1, {{}});
   models::RobotMap far_up = blank;
@@ -118,7 +118,7 @@ TEST(TeamMap, IsTheSameInAnyOrderOfTeammatesAtTheLimitsOfACountToo) {
 }
 
 TEST(TeamMap, LearnsNothingOfJammedOrStrangeScans) {
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   test::Random random(5303);
   TeamMap team_map(scenario, "Q1");
   const models::RobotMap nothing = map_of(team_map, {{}});
@@ -136,7 +136,7 @@ TEST(TeamMap, LearnsNothingOfJammedOrStrangeScans) {
 }
 
 TEST(TeamMap, TakesUpWhatComesFromNearAndNowAndOfTheSameGround) {
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   TeamMap q1(scenario, "Q1");
   TeamMap q2(scenario, "Q2");
   models::RobotMap theirs = map_of(q2, {{}});

@@ -338,7 +338,7 @@ TEST(Measure, LeavesABeliefAloneBeyondTheGate) {
 }
 
 TEST(Discover, StatesThePriorWhereTheCameraIsSilent) {
-  models::EstimatorSpec spec;
+  scenario::EstimatorSpec spec;
   spec.target_model = {TargetKind::kRandomWalk, 3, 0.1};
   spec.prior_position_sigma_m = 2.0;
   models::SensorModel sensor;
@@ -368,7 +368,7 @@ TEST(Discover, StatesThePriorWhereTheCameraIsSilent) {
 }
 
 TEST(Discover, GivesTheMomentsOfAllThatTheFirstLookLeavesPossible) {
-  models::EstimatorSpec spec;
+  scenario::EstimatorSpec spec;
   spec.target_model = {TargetKind::kRandomWalk, 2, 0.1};
   models::SensorModel sensor;
   sensor.range_min_m = 0.1;

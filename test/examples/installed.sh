@@ -95,4 +95,4 @@ refused() {
 }
 refused gripper "there is no component 'gripper'; there are core, models"
 refused bus "component 'bus' needs" -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON
-refused scenario "component 'scenario' needs yaml-cpp" -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON
+refused scenario_reader "component 'scenario_reader' needs yaml-cpp" -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON

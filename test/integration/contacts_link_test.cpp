@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/bus.hpp"
-#include "bus/channels.hpp"
-#include "bus/clock.hpp"
+#include "bus/convert/channels.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
 #include "drivers/contacts/app/node.hpp"
 #include "test/integration/network_support.hpp"
 #include "test/sim/lab_scenario.hpp"
@@ -16,10 +16,10 @@ namespace vantage {
 namespace {
 
 TEST(ContactsLink, ACollisionOfRealVehiclesIsHeardOnTheNetwork) {
-  models::Scenario scenario = test::lab_scenario();
-  scenario.mocap.device = models::DeviceSource::kReal;
-  for (models::RobotSpec& robot : scenario.robots) {
-    robot.device = models::DeviceSource::kReal;
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.mocap.device = scenario::DeviceSource::kReal;
+  for (scenario::RobotSpec& robot : scenario.robots) {
+    robot.device = scenario::DeviceSource::kReal;
   }
   const auto judge_link = bus::open_transport(test::kUrl);
   const auto lab_link = bus::open_transport(test::kUrl);

@@ -29,11 +29,11 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/channels.hpp"
-#include "bus/clock.hpp"
-#include "bus/scenario_yaml.hpp"
-#include "bus/transport.hpp"
+#include "bus/convert/channels.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 #include "test/integration/processes.hpp"
 #include "tools/console/console.hpp"
 #include "tools/up/flight_program.hpp"
@@ -50,7 +50,7 @@ constexpr double kGiveUpS = 150.0;
 
 class Drill {
  public:
-  Drill(const models::Scenario& scenario, std::string what, int times, std::uint64_t seed,
+  Drill(const scenario::Scenario& scenario, std::string what, int times, std::uint64_t seed,
         const std::string& events)
       : scenario_(scenario),
         what_(std::move(what)),
@@ -201,7 +201,7 @@ class Drill {
   }
 
   bool cut(const std::string& robot, bool is_cut) const {
-    const models::RobotSpec& spec = *scenario_.find_robot(robot);
+    const scenario::RobotSpec& spec = *scenario_.find_robot(robot);
     const std::string& url = spec.autopilot->url;
     const int port = std::stoi(url.substr(url.rfind(':') + 1));
     const auto driver = test::find_processes("vantage-quadrotor", {"--robot", robot});
@@ -253,7 +253,7 @@ class Drill {
     std::cout << what_ << ", " << left_ << " to go" << std::endl;
   }
 
-  const models::Scenario& scenario_;
+  const scenario::Scenario& scenario_;
   std::string what_;
   int left_;
   std::mt19937_64 rng_;
@@ -285,7 +285,7 @@ int main(int argc, char** argv) {
     std::cout << "usage: flight_drill SCENARIO WHAT TIMES SEED EVENTS\n";
     return 2;
   }
-  const models::Scenario scenario = bus::load_scenario(argv[1]);
+  const scenario::Scenario scenario = scenario::load_scenario(argv[1]);
   Drill drill(scenario, argv[2], std::atoi(argv[3]), std::strtoull(argv[4], nullptr, 10), argv[5]);
   return drill.run() ? 0 : 1;
 }

@@ -11,10 +11,10 @@
 #include <unistd.h>
 
 #include "bus/auth/authenticator.hpp"
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
 #include "core/deadline.hpp"
-#include "test/bus/auth_support.hpp"
+#include "test/bus/auth/auth_support.hpp"
 #include "test/integration/network_support.hpp"
 
 // Users record and replay with LCM's own tools.

@@ -12,7 +12,7 @@
 
 #include <lcm/lcm.h>
 
-#include "bus/transport.hpp"
+#include "bus/transport/transport.hpp"
 
 namespace vantage::test {
 

@@ -10,7 +10,7 @@
 
 #include "core/process.hpp"
 #include "logs/file/log_index.hpp"
-#include "tools/replay/output_comparison.hpp"
+#include "trial/replay/output_comparison.hpp"
 
 namespace {
 
@@ -18,7 +18,7 @@ using namespace vantage;  // NOLINT(google-build-using-namespace): a test's main
 
 bool is_same(const logs::IndexedLog& original, const logs::IndexedLog& replayed,
              const std::string& channel, int least) {
-  tools::OutputComparison comparison;
+  trial::OutputComparison comparison;
   const auto for_each_on = [](const logs::IndexedLog& log, const std::string& name,
                               const auto& visit) {
     logs::LogScan scan = log.scan();
@@ -35,7 +35,7 @@ bool is_same(const logs::IndexedLog& original, const logs::IndexedLog& replayed,
               comparison.replayed(), comparison.logged(), comparison.different(),
               comparison.unexpected());
   if (comparison.first_difference()) {
-    for (const std::string& line : tools::describe(*comparison.first_difference())) {
+    for (const std::string& line : trial::describe(*comparison.first_difference())) {
       std::printf("  %s\n", line.c_str());
     }
   }

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "bus/auth/envelope.hpp"
-#include "test/bus/auth_support.hpp"
-#include "test/bus/sample_messages.hpp"
+#include "test/bus/auth/auth_support.hpp"
+#include "test/bus/convert/sample_messages.hpp"
 
 // Its test types need the names above.
-#include "bus/convert.hpp"
+#include "bus/convert/convert.hpp"
 
 namespace {
 
@@ -37,7 +37,7 @@ void write_both(const std::string& folder, const std::string& channel, test::Sam
   if (role == bus::auth::Role::kOperator) {
     echoes = {{bus::auth::destination_of("Q1"), 1}, {bus::auth::destination_of("Q2"), 2}};
   }
-  bus::auth::sign(key, channel, {key.id, 1, 1, role, models::TrialMode::kLive}, echoes, bytes);
+  bus::auth::sign(key, channel, {key.id, 1, 1, role, scenario::TrialMode::kLive}, echoes, bytes);
   write(stem + ".signed", bytes);
 }
 

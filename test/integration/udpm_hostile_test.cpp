@@ -7,7 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "bus/udpm/packet.hpp"
+#include "bus/transport/udpm_packet.hpp"
 #include "test/integration/network_support.hpp"
 
 // Datagrams that crash, confuse or fill other receivers, between good ones.

@@ -9,11 +9,11 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "bus/convert.hpp"
+#include "bus/convert/convert.hpp"
 #include "logs/export/csv_export.hpp"
 #include "logs/record/log_writer.hpp"
-#include "test/bus/message_types.hpp"
-#include "test/bus/sample_messages.hpp"
+#include "test/bus/convert/message_types.hpp"
+#include "test/bus/convert/sample_messages.hpp"
 #include "test/logs/file_support.hpp"
 
 namespace vantage::logs {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/scenario_yaml.hpp"
 #include "logs/foxglove/stream.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 
 namespace vantage::logs::foxglove {
 
@@ -43,8 +43,8 @@ class Notebook : public Sink {
   std::vector<Record> records;
 };
 
-inline models::Scenario lab() {
-  return bus::load_scenario(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml");
+inline scenario::Scenario lab() {
+  return scenario::load_scenario(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml");
 }
 
 inline models::ScenarioNotice lab_notice() {

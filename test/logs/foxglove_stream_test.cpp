@@ -62,19 +62,19 @@ TEST(Stream, PaintsAJammedSensorRedUntilItIsFree) {
 }
 
 TEST(RobotColour, IsOneForEachOfEightAndTheSameWhereverTheRobotIsDrawn) {
-  models::Scenario eight = lab();
+  scenario::Scenario eight = lab();
   eight.robots.resize(8);
   std::set<std::string> met;
   for (std::size_t i = 0; i < 8; ++i) {
     eight.robots[i].name = "Q" + std::to_string(8 - i);
   }
-  for (const models::RobotSpec& robot : eight.robots) {
+  for (const scenario::RobotSpec& robot : eight.robots) {
     met.insert(to_json(*robot_colour(eight, robot.name)).dump());
   }
   EXPECT_EQ(met.size(), 8U);
   EXPECT_FALSE(robot_colour(eight, "R1"));
 
-  const models::Scenario scenario = lab();
+  const scenario::Scenario scenario = lab();
   const Json colour = to_json(*robot_colour(scenario, "Q3"));
   EXPECT_EQ(scenario_json(lab_notice(), scenario)["robots"][2]["color"], colour);
   EXPECT_EQ(robots_scene(scenario, {}, Time{})["entities"][2]["cylinders"][0]["color"], colour);
@@ -116,7 +116,7 @@ models::TeamProposal proposal_of(const std::string& robot, Time end_of_round) {
 TEST(ProposalScene, LiesOnItsTrajectoriesAndLastsToTheEndOfTheRound) {
   const Time heard = from_utime(5'000'000);
   const models::TeamProposal proposal = proposal_of("Q2", from_utime(5'400'000));
-  const models::Scenario scenario = lab();
+  const scenario::Scenario scenario = lab();
   const Json made = proposal_scene(proposal, scenario, heard)["entities"][0];
   EXPECT_EQ(made["id"], "proposal/Q2");
   EXPECT_EQ(made["timestamp"], to_json(heard));
@@ -140,7 +140,7 @@ TEST(ProposalScene, LiesOnItsTrajectoriesAndLastsToTheEndOfTheRound) {
 }
 
 TEST(ProposalScene, FillsTheGapsOfTheNextRobotsWhereTheyAgree) {
-  const models::Scenario scenario = lab();
+  const scenario::Scenario scenario = lab();
   std::set<std::string> begins;
   std::size_t dashes = 0;
   for (const char* robot : {"Q1", "Q2"}) {

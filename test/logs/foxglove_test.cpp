@@ -11,7 +11,7 @@
 #include "logs/foxglove/schema.hpp"
 #include "logs/foxglove/stream.hpp"
 #include "logs/foxglove/values.hpp"
-#include "test/bus/sample_messages.hpp"
+#include "test/bus/convert/sample_messages.hpp"
 #include "test/logs/foxglove_notebook.hpp"
 
 namespace vantage::logs::foxglove {

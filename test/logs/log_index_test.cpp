@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "bus/convert.hpp"
+#include "bus/convert/convert.hpp"
 #include "core/check.hpp"
 #include "test/logs/damage.hpp"
 #include "test/logs/file_support.hpp"

@@ -14,8 +14,8 @@
 #include "logs/export/mcap_export.hpp"
 #include "logs/export/mcap_writer.hpp"
 #include "logs/record/log_writer.hpp"
-#include "test/bus/message_types.hpp"
-#include "test/bus/sample_messages.hpp"
+#include "test/bus/convert/message_types.hpp"
+#include "test/bus/convert/sample_messages.hpp"
 #include "test/logs/file_support.hpp"
 
 namespace vantage::logs {

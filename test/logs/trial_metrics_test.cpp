@@ -13,8 +13,8 @@ constexpr double kPriorSigma_m = 4.0;
 
 Time at_s(double seconds_s) { return from_utime(kStart) + from_seconds(seconds_s); }
 
-models::Scenario scenario() {
-  models::Scenario out;
+scenario::Scenario scenario() {
+  scenario::Scenario out;
   out.name = "bench";
   out.seed = 7;
   out.planner.step_s = 0.5;
@@ -236,7 +236,7 @@ TEST(TrialMetrics, CountsRoundsPlansAndFallbacks) {
 }
 
 TEST(TrialMetrics, CountsWhatPlannedMotionCostsUntilTheNextPlan) {
-  models::Scenario world = scenario();
+  scenario::Scenario world = scenario();
   world.planner.execute_steps = 3;
   world.world.regions = {{"wind", {{0.4, -1.0}, {0.9, 1.0}}, 5.0}};
   world.robots[0].energy = {0.5, 0.0, 1.0, 2.0, {"wind"}};

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/wire_walk.hpp"
-#include "test/bus/message_types.hpp"
-#include "test/bus/sample_messages.hpp"
+#include "bus/convert/wire_walk.hpp"
+#include "test/bus/convert/message_types.hpp"
+#include "test/bus/convert/sample_messages.hpp"
 
 namespace vantage::logs {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/channels.hpp"
-#include "bus/transport.hpp"
+#include "bus/convert/channels.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "test/sim/lab_scenario.hpp"
 
@@ -33,7 +33,7 @@ struct Lab {
   std::vector<models::VehicleStatus> statuses;
   std::vector<models::ContactReport> contacts;
 
-  explicit Lab(const models::Scenario& scenario = test::lab_scenario())
+  explicit Lab(const scenario::Scenario& scenario = test::lab_scenario())
       : node(sim_bus, clock, scenario) {
     bus.subscribe<models::MocapFrame>(bus::kVicon, [this](const models::MocapFrame& frame) {
       frames.push_back(frame);
@@ -164,7 +164,7 @@ TEST(SimNode, ObeysTheOperator) {
 }
 
 TEST(SimNode, ReportsACollisionOnTheBus) {
-  models::Scenario scenario = test::lab_scenario();
+  scenario::Scenario scenario = test::lab_scenario();
   scenario.robots[0].start = {1.0, 1.0, 0.0};
   scenario.robots[1].start = {1.3, 1.0, 0.0};
   scenario.robots[1].height_m = 1.0;
@@ -191,17 +191,17 @@ TEST(SimNode, CatchesUpInPiecesAfterAStall) {
 }
 
 TEST(SimNode, RefusesADeviceItCannotSimulate) {
-  models::Scenario scenario = test::lab_scenario();
-  scenario.robots[2].device = models::DeviceSource::kWire;
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.robots[2].device = scenario::DeviceSource::kWire;
   EXPECT_THROW(Lab{scenario}, StartupError);
   scenario = test::lab_scenario();
-  scenario.mocap.device = models::DeviceSource::kWire;
+  scenario.mocap.device = scenario::DeviceSource::kWire;
   EXPECT_THROW(Lab{scenario}, StartupError);
 }
 
 TEST(SimNode, LeavesViconToARealMocap) {
-  models::Scenario scenario = test::lab_scenario();
-  scenario.mocap.device = models::DeviceSource::kReal;
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.mocap.device = scenario::DeviceSource::kReal;
   Lab lab(scenario);
   lab.run_until(kStart + std::chrono::seconds(1));
   EXPECT_TRUE(lab.frames.empty());
@@ -210,7 +210,7 @@ TEST(SimNode, LeavesViconToARealMocap) {
 
 // All bytes of a run, in order of arrival.
 std::vector<std::uint8_t> bytes_of_run(std::uint64_t seed, Duration tick_every) {
-  models::Scenario scenario = test::lab_scenario();
+  scenario::Scenario scenario = test::lab_scenario();
   scenario.seed = seed;
   bus::InProcessHub hub;
   bus::VirtualClock clock(kStart);

@@ -24,8 +24,8 @@ constexpr Duration kStep{5'000};
 constexpr double kDtS = 0.005;
 using Scalar = Eigen::Matrix<double, 1, 1>;
 
-models::RobotSpec robot_spec(double speed_max_mps) {
-  models::RobotSpec spec;
+scenario::RobotSpec robot_spec(double speed_max_mps) {
+  scenario::RobotSpec spec;
   spec.name = "Q1";
   spec.start = {1.0, 2.0, 0.5};
   spec.height_m = 1.5;
@@ -143,7 +143,7 @@ TEST(Quadrotor, TracksTheFieldPlansWithinHalfAMetre) {
 TEST(Quadrotor, TurnsToAPlansYawTheShortWayAlsoThroughTheBack) {
   for (const double side : {1.0, -1.0}) {
     for (const double start_rad : {kPi - 0.1, 0.4}) {
-      models::RobotSpec spec = robot_spec(1.0);
+      scenario::RobotSpec spec = robot_spec(1.0);
       spec.start.yaw_rad = side * start_rad;
       Quadrotor vehicle(spec, 0.2, 1, kStart);
       models::Trajectory plan{kStart + Duration{500'000}, spec.start, 1.5, {}};

@@ -110,7 +110,7 @@ TEST(RouteMap, FindsNoWayThroughAWallOfDiscs) {
 }
 
 TEST(TargetStarts, AreFreeApartAndTheSameForTheSameSeed) {
-  const models::Scenario scenario = test::lab_scenario();
+  const scenario::Scenario scenario = test::lab_scenario();
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const auto starts = target_starts(scenario, seed);
     ASSERT_EQ(starts.size(), 5u);
@@ -129,7 +129,7 @@ TEST(TargetStarts, AreFreeApartAndTheSameForTheSameSeed) {
 }
 
 TEST(TargetStarts, RefusesAFullLab) {
-  models::Scenario scenario = test::lab_scenario();
+  scenario::Scenario scenario = test::lab_scenario();
   for (auto& target : scenario.targets) {
     target.radius_m = 1.9;
   }
@@ -141,7 +141,7 @@ TEST(TargetStarts, RefusesAFullLab) {
 class RoversFor300S : public ::testing::TestWithParam<int> {};
 
 TEST_P(RoversFor300S, NeverTouchAndReachWayPoints) {
-  const models::Scenario scenario = test::lab_scenario();
+  const scenario::Scenario scenario = test::lab_scenario();
   const auto seed = static_cast<std::uint64_t>(GetParam());
   std::vector<RoverFleet::Start> starts;
   for (const Pose2& pose : target_starts(scenario, seed)) {
@@ -192,8 +192,8 @@ TEST_P(RoversFor300S, NeverTouchAndReachWayPoints) {
 INSTANTIATE_TEST_SUITE_P(Seeds, RoversFor300S, ::testing::Range(1, 21));
 
 TEST(RoverFleet, RefusesASpeedThatRoversCannotDrive) {
-  const models::Scenario scenario = test::lab_scenario();
-  models::TargetTruthSpec truth;
+  const scenario::Scenario scenario = test::lab_scenario();
+  scenario::TargetTruthSpec truth;
   truth.speed_max_mps = 1.5;
   EXPECT_THROW(RoverFleet(scenario.world, truth, {}, 1), UsageError);
 }

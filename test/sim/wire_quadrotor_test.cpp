@@ -10,14 +10,12 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
-#include "models/wire/mavlink/messages.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
 #include "test/sim/lab_scenario.hpp"
+#include "wire/mavlink/messages.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
-
-namespace wire = models::mavlink;
 
 constexpr Time kStart = from_utime(1'700'000'000'003'000);
 
@@ -42,8 +40,8 @@ class DriverPort {
   [[nodiscard]] std::string url() const { return "udp://127.0.0.1:" + std::to_string(number_); }
 
   /// The frames that have been sent here; what was sent before on the loopback has arrived.
-  std::vector<wire::Frame> frames() {
-    std::vector<wire::Frame> out;
+  std::vector<wire::mavlink::Frame> frames() {
+    std::vector<wire::mavlink::Frame> out;
     std::array<std::uint8_t, 2048> buffer{};
     sockaddr_in from{};
     socklen_t size = sizeof from;
@@ -52,14 +50,14 @@ class DriverPort {
                            reinterpret_cast<sockaddr*>(&from), &size)) > 0) {
       vehicle_ = from;
       parser_.feed({buffer.data(), static_cast<std::size_t>(got)},
-                   [&](const wire::Frame& frame) { out.push_back(frame); });
+                   [&](const wire::mavlink::Frame& frame) { out.push_back(frame); });
     }
     return out;
   }
   template <class Message>
   void send(const Message& message) {
     std::vector<std::uint8_t> bytes;
-    wire::append_bytes(wire::pack(message, {255, 191, sequence_++}), bytes);
+    wire::mavlink::append_bytes(wire::mavlink::pack(message, {255, 191, sequence_++}), bytes);
     EXPECT_EQ(sendto(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&vehicle_),
                      sizeof vehicle_),
               static_cast<ssize_t>(bytes.size()));
@@ -69,13 +67,13 @@ class DriverPort {
   int fd_;
   std::uint16_t number_ = 0;
   sockaddr_in vehicle_{};
-  wire::Parser parser_;
+  wire::mavlink::Parser parser_;
   std::uint8_t sequence_ = 0;
 };
 
-models::RobotSpec robot_at(const std::string& url) {
-  models::RobotSpec robot = test::lab_scenario().robots[1];
-  robot.device = models::DeviceSource::kWire;
+scenario::RobotSpec robot_at(const std::string& url) {
+  scenario::RobotSpec robot = test::lab_scenario().robots[1];
+  robot.device = scenario::DeviceSource::kWire;
   robot.autopilot.emplace();
   robot.autopilot->url = url;
   return robot;
@@ -83,14 +81,14 @@ models::RobotSpec robot_at(const std::string& url) {
 
 TEST(WireQuadrotor, StandsAtItsStartAndSpeaksToTheDriversPort) {
   DriverPort port;
-  const models::RobotSpec robot = robot_at(port.url());
+  const scenario::RobotSpec robot = robot_at(port.url());
   WireQuadrotor vehicle(robot, {}, 7, 1, kStart);
   Time now = kStart;
-  std::vector<wire::Frame> heard;
+  std::vector<wire::mavlink::Frame> heard;
   for (int k = 0; k < 410; ++k, now += Duration{5'000}) {
     vehicle.step(now, 0.005);
     vehicle.exchange(now + Duration{5'000});
-    for (const wire::Frame& frame : port.frames()) {
+    for (const wire::mavlink::Frame& frame : port.frames()) {
       heard.push_back(frame);
     }
   }
@@ -98,9 +96,9 @@ TEST(WireQuadrotor, StandsAtItsStartAndSpeaksToTheDriversPort) {
             Eigen::Vector3d(robot.start.x_m, robot.start.y_m, 0.0));
   EXPECT_NEAR(flatten(vehicle.world_from_body()).yaw_rad, robot.start.yaw_rad, 1e-12);
   int heartbeats = 0;
-  for (const wire::Frame& frame : heard) {
+  for (const wire::mavlink::Frame& frame : heard) {
     EXPECT_EQ(frame.origin.system_id, 7);
-    heartbeats += wire::unpack<wire::Heartbeat>(frame) ? 1 : 0;
+    heartbeats += wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame) ? 1 : 0;
   }
   EXPECT_EQ(heartbeats, 3);  // at 1 Hz, in 2.05 s
 }
@@ -111,18 +109,18 @@ TEST(WireQuadrotor, HearsItsDriverAndMeasuresHowOldThePosesAre) {
   vehicle.step(kStart, 0.005);
   vehicle.exchange(kStart + Duration{5'000});
   ASSERT_FALSE(port.frames().empty());
-  wire::CommandLong command;
+  wire::mavlink::CommandLong command;
   command.target_system = 1;
-  command.command = wire::command::kArmDisarm;
+  command.command = wire::mavlink::command::kArmDisarm;
   command.param1 = 1.0F;
   port.send(command);
-  wire::Odometry odometry;
+  wire::mavlink::Odometry odometry;
   odometry.time_usec = static_cast<std::uint64_t>(to_utime(kStart));  // years ago
   port.send(odometry);
   vehicle.exchange(kStart + Duration{5'000});
   bool is_refused = false;
-  for (const wire::Frame& frame : port.frames()) {
-    const auto ack = wire::unpack<wire::CommandAck>(frame);
+  for (const wire::mavlink::Frame& frame : port.frames()) {
+    const auto ack = wire::mavlink::unpack<wire::mavlink::CommandAck>(frame);
     is_refused = is_refused || (ack && ack->result != 0);
   }
   EXPECT_TRUE(is_refused);  // without a position it does not arm
@@ -134,7 +132,7 @@ TEST(WireQuadrotor, HearsItsDriverAndMeasuresHowOldThePosesAre) {
 }
 
 TEST(WireQuadrotor, RefusesWhatCannotBeSimulatedOnTheWire) {
-  models::RobotSpec robot = test::lab_scenario().robots[0];
+  scenario::RobotSpec robot = test::lab_scenario().robots[0];
   EXPECT_THROW(WireQuadrotor(robot, {}, 1, 1, kStart), StartupError);  // no autopilot
   for (const char* url : {"", "serial:/dev/ttyUSB0:921600", "udp://127.0.0.1", "udp://:0"}) {
     EXPECT_THROW(WireQuadrotor(robot_at(url), {}, 1, 1, kStart), StartupError) << url;
@@ -159,7 +157,7 @@ TEST(LatencyRecord, GivesPercentilesToTheWidthOfABin) {
 }
 
 TEST(WireQuadrotor, DriftsWithTheScenariosWind) {
-  const models::WindSpec wind{2.0, 1.0, 0.0};
+  const scenario::WindSpec wind{2.0, 1.0, 0.0};
   Airframe body(airframe_in(wind), 1, {0.0, 0.0, 0.0}, 0.0);
   const Eigen::Vector3d upward(0.0, 0.0, -0.5);  // z down
   for (int k = 0; k < 600; ++k) {

@@ -6,22 +6,21 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
-#include "models/wire/rover/packet.hpp"
 #include "sim/vehicle_socket.hpp"
 #include "test/sim/lab_scenario.hpp"
 #include "test/support/udp_port.hpp"
+#include "wire/rover/packet.hpp"
 
 namespace vantage::sim {
 namespace {
 
-namespace wire = models::rover;
 using test::port_of_this_test;
 
 constexpr Time kStart = from_utime(1'700'000'000'003'000);
 
-models::RobotSpec robot_at(const std::string& url) {
-  models::RobotSpec robot = test::lab_scenario().robots[1];
-  robot.device = models::DeviceSource::kWire;
+scenario::RobotSpec robot_at(const std::string& url) {
+  scenario::RobotSpec robot = test::lab_scenario().robots[1];
+  robot.device = scenario::DeviceSource::kWire;
   robot.height_m = 0.2;
   robot.start = {-1.0, 0.5, 1.2};
   robot.rover.emplace();
@@ -38,7 +37,7 @@ Time step(WireRover& rover, Time now) {
 }
 
 TEST(WireRover, StandsAtItsStartAtTheHeightOfItsMarkers) {
-  const models::RobotSpec robot = robot_at("udpout://127.0.0.1:" + port_of_this_test(0));
+  const scenario::RobotSpec robot = robot_at("udpout://127.0.0.1:" + port_of_this_test(0));
   WireRover rover(robot, 1, kStart);
   Time now = kStart;
   for (int i = 0; i < 200; ++i) {
@@ -55,16 +54,16 @@ TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
   // Both ends of the wire have the same socket: a driver that waits is a rover that speaks first.
   WireRover rover(robot_at("udpout://127.0.0.1:" + port), 1, kStart);
   VehicleSocket driver("udp://127.0.0.1:" + port);
-  wire::Command command;
+  wire::rover::Command command;
   command.robot = 7;
   command.session = 41;
   command.speed_mps = 0.5F;
-  command.flags = wire::kDrive;
+  command.flags = wire::rover::kDrive;
   Time now = kStart;
   for (int i = 0; i < 400; ++i) {  // 2 s
     if (i % 4 == 0) {
       ++command.sequence;
-      driver.write(wire::encode(command));
+      driver.write(wire::rover::encode(command));
     }
     const Pose3 before = rover.world_from_body();
     now = step(rover, now);
@@ -84,7 +83,7 @@ TEST(WireRover, IsWhereItsWheelsHaveTakenIt) {
 }
 
 TEST(WireRover, RefusesWhatCannotBeSimulatedOnTheWire) {
-  models::RobotSpec robot = test::lab_scenario().robots[0];
+  scenario::RobotSpec robot = test::lab_scenario().robots[0];
   EXPECT_THROW(WireRover(robot, 1, kStart), StartupError);  // no rover
   for (const char* url :
        {"", "serial:/dev/ttyUSB0:921600", "udpout://127.0.0.1", "udpout://:0", "udp://:14550x"}) {

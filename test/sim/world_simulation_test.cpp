@@ -15,7 +15,7 @@ namespace {
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-models::RobotPlan circle_from(const models::RobotSpec& robot, Time start) {
+models::RobotPlan circle_from(const scenario::RobotSpec& robot, Time start) {
   models::RobotPlan plan;
   plan.robot = robot.name;
   plan.stamp.time = start;
@@ -28,9 +28,9 @@ models::RobotPlan circle_from(const models::RobotSpec& robot, Time start) {
 class LabFor300S : public ::testing::TestWithParam<int> {};
 
 TEST_P(LabFor300S, NothingTouches) {
-  const models::Scenario scenario = test::lab_scenario();
+  const scenario::Scenario scenario = test::lab_scenario();
   WorldSimulation world(scenario, static_cast<std::uint64_t>(GetParam()), kStart);
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     EXPECT_EQ(world.offer(circle_from(robot, kStart)), PlanVerdict::kAccepted);
   }
   world.advance_to(kStart + std::chrono::seconds(300));
@@ -47,12 +47,12 @@ TEST_P(LabFor300S, NothingTouches) {
 INSTANTIATE_TEST_SUITE_P(Seeds, LabFor300S, ::testing::Range(1, 5));
 
 TEST(WorldSimulation, BlowsOnWhatFliesByItself) {
-  models::Scenario scenario = test::lab_scenario();
-  scenario.wind = models::WindSpec{4.0, -2.0, 0.0};
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.wind = scenario::WindSpec{4.0, -2.0, 0.0};
   WorldSimulation world(scenario, 1, kStart);
   world.advance_to(kStart + std::chrono::seconds(20));
   for (const Quadrotor& quadrotor : world.quadrotors()) {
-    const models::RobotSpec& robot = *scenario.find_robot(quadrotor.name());
+    const scenario::RobotSpec& robot = *scenario.find_robot(quadrotor.name());
     const Eigen::Vector2d off_m = quadrotor.position_world_m().head<2>() - robot.start.position_m();
     // It gives way to a steady wind by drag · wind · (lag + half a step) / gain.
     const double per_mps_s = 0.25 * (0.15 + 0.0025) / 2.0;
@@ -74,8 +74,8 @@ std::vector<double> numbers_of(const models::TruthFrame& frame) {
 
 TEST(WorldSimulation, IsTheSameForTheSameSeedAndAnotherForAnother) {
   for (const auto motion :
-       {models::TargetMotion::kRandomWaypoint, models::TargetMotion::kDoubleIntegrator}) {
-    models::Scenario scenario = test::lab_scenario();
+       {scenario::TargetMotion::kRandomWaypoint, scenario::TargetMotion::kDoubleIntegrator}) {
+    scenario::Scenario scenario = test::lab_scenario();
     scenario.target_truth.motion = motion;
     WorldSimulation a(scenario, 7, kStart);
     WorldSimulation b(scenario, 7, kStart);
@@ -92,7 +92,7 @@ TEST(WorldSimulation, IsTheSameForTheSameSeedAndAnotherForAnother) {
 }
 
 TEST(WorldSimulation, DoesNotDependOnHowItIsStepped) {
-  const models::Scenario scenario = test::lab_scenario();
+  const scenario::Scenario scenario = test::lab_scenario();
   WorldSimulation often(scenario, 7, kStart);
   WorldSimulation once(scenario, 7, kStart);
   for (int k = 1; k <= 2000; ++k) {
@@ -105,10 +105,10 @@ TEST(WorldSimulation, DoesNotDependOnHowItIsStepped) {
 }
 
 TEST(WorldSimulation, LeavesStillTargetsWhereTheyAreAndRealRobotsOut) {
-  models::Scenario scenario = test::lab_scenario();
-  scenario.target_truth.motion = models::TargetMotion::kStill;
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.target_truth.motion = scenario::TargetMotion::kStill;
   scenario.targets[2].start = Pose2{2.0, 7.0, 1.0};
-  scenario.robots[1].device = models::DeviceSource::kReal;
+  scenario.robots[1].device = scenario::DeviceSource::kReal;
   WorldSimulation world(scenario, 1, kStart);
   world.advance_to(kStart + std::chrono::seconds(5));
   const models::TruthFrame truth = world.truth();
@@ -120,8 +120,8 @@ TEST(WorldSimulation, LeavesStillTargetsWhereTheyAreAndRealRobotsOut) {
 }
 
 TEST(WorldSimulation, ReportsAVehicleThatFallsOnARoverBelow) {
-  models::Scenario scenario = test::lab_scenario();
-  scenario.target_truth.motion = models::TargetMotion::kStill;
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.target_truth.motion = scenario::TargetMotion::kStill;
   scenario.targets[0].start = Pose2{1.0, 1.0, 0.0};
   WorldSimulation world(scenario, 1, kStart);
   models::OperatorCommand stop;
@@ -158,8 +158,8 @@ class Puppet : public Vehicle {
 };
 
 TEST(WorldSimulation, TakesTheCallersVehiclesForItsOwnBodies) {
-  models::Scenario scenario = test::lab_scenario();
-  scenario.robots[1].device = models::DeviceSource::kWire;
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.robots[1].device = scenario::DeviceSource::kWire;
   Puppet puppet("Q2", {2.0, 4.0, 1.0});
   puppet.velocity_mps = {-0.5, 0.0, 0.0};
   WorldSimulation world(scenario, 1, kStart, {&puppet});
@@ -182,10 +182,10 @@ TEST(WorldSimulation, TakesTheCallersVehiclesForItsOwnBodies) {
 }
 
 TEST(WorldSimulation, KeepsTheGroundFreeUnderALowVehicleAndOnlyThen) {
-  const models::Scenario scenario = test::lab_scenario();
+  const scenario::Scenario scenario = test::lab_scenario();
   Puppet puppet("Q2", {2.0, 4.0, 0.0});
   // The starts are drawn clear of the robots' own.
-  models::Scenario moved = scenario;
+  scenario::Scenario moved = scenario;
   moved.robots[1].start = {2.0, 4.0, 0.0};
   WorldSimulation world(moved, 3, kStart, {&puppet});
   const auto nearest_m = [&](int seconds) {
@@ -207,7 +207,7 @@ TEST(WorldSimulation, KeepsTheGroundFreeUnderALowVehicleAndOnlyThen) {
 }
 
 TEST(MocapCamera, AddsTheNoiseItStates) {
-  models::MocapSpec spec;
+  scenario::MocapSpec spec;
   spec.position_sigma_m = 0.01;
   spec.yaw_sigma_rad = 0.02;
   MocapCamera camera(spec, 5);
@@ -232,7 +232,7 @@ TEST(MocapCamera, AddsTheNoiseItStates) {
 }
 
 TEST(MocapCamera, CapturesAtWholePeriodsAndArrivesALatencyLater) {
-  models::MocapSpec spec;
+  scenario::MocapSpec spec;
   spec.rate_hz = 60.0;
   spec.latency_s = 0.007;
   MocapCamera camera(spec, 5);
@@ -249,7 +249,7 @@ TEST(MocapCamera, CapturesAtWholePeriodsAndArrivesALatencyLater) {
 }
 
 TEST(MocapCamera, RefusesARateThatIsNone) {
-  models::MocapSpec spec;
+  scenario::MocapSpec spec;
   spec.rate_hz = 0.0;
   EXPECT_THROW(MocapCamera(spec, 1), UsageError);
 }

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "bus/convert.hpp"
-#include "bus/scenario_yaml.hpp"
+#include "bus/convert/convert.hpp"
 #include "models/world/world.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 
 namespace vantage::test {
 namespace {
@@ -37,7 +37,7 @@ constexpr double kReactionS = 0.2;  // one that sets off is still becoming faste
 void FlightRecord::take(const lcm::LogEvent& event) {
   if (event.channel == "SCENARIO" && !scenario_) {
     if (const auto notice = decode<models::ScenarioNotice, vantage_lcm::scenario_t>(event)) {
-      scenario_ = bus::parse_scenario(notice->yaml, "SCENARIO");
+      scenario_ = scenario::parse_scenario(notice->yaml, "SCENARIO");
     }
   } else if (event.channel == "TRUTH") {
     const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event);
@@ -82,7 +82,7 @@ std::optional<Eigen::Vector3d> FlightRecord::place(const Robot& robot, Time time
 
 CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) const {
   CourseKept out;
-  const models::RobotSpec* const spec = scenario_ ? scenario_->find_robot(name) : nullptr;
+  const scenario::RobotSpec* const spec = scenario_ ? scenario_->find_robot(name) : nullptr;
   const auto follows = [](const models::VehicleStatus& said) {
     return said.state == FlightState::kFollow;
   };

@@ -11,7 +11,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::test {
 
@@ -54,7 +54,7 @@ class FlightRecord {
   [[nodiscard]] std::map<std::string, CourseKept> summaries() const;
   /// Nothing for a robot that TRUTH does not show then.
   [[nodiscard]] std::optional<Aftermath> after(const std::string& robot, Time event) const;
-  [[nodiscard]] const std::optional<models::Scenario>& scenario() const { return scenario_; }
+  [[nodiscard]] const std::optional<scenario::Scenario>& scenario() const { return scenario_; }
   /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
 
@@ -73,7 +73,7 @@ class FlightRecord {
   [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
   [[nodiscard]] CourseKept summary(const std::string& name, const Robot& robot) const;
 
-  std::optional<models::Scenario> scenario_;
+  std::optional<scenario::Scenario> scenario_;
   std::map<std::string, Robot> robots_;
   std::map<std::string, models::Stamp> newest_;  ///< of each robot's states; "": of the truth
 };

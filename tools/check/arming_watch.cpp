@@ -35,7 +35,7 @@ const char* explain(std::string_view reason) {
 
 }  // namespace
 
-ArmingWatch::ArmingWatch(bus::Bus& bus, const models::Scenario& scenario)
+ArmingWatch::ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario)
     : bus_(bus), scenario_(scenario) {
   // Heard so that what does not decode is counted.
   bus.subscribe<models::RobotPlan>(bus::plan_channel("*"), [](const models::RobotPlan&) {});
@@ -100,7 +100,7 @@ std::vector<std::string> ArmingWatch::blocks() const {
     }
   }
   append_refusals(out);
-  for (const models::RobotSpec& robot : scenario_.robots) {
+  for (const scenario::RobotSpec& robot : scenario_.robots) {
     const auto shown = frames_with_.find(robot.name);
     const int count = shown == frames_with_.end() ? 0 : shown->second;
     if (frames_ > 0 && count == 0) {

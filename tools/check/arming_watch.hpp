@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
+#include "bus/node/bus.hpp"
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::tools {
 
@@ -19,7 +19,7 @@ namespace vantage::tools {
 class ArmingWatch {
  public:
   /// `bus` and `scenario` must outlive it.
-  ArmingWatch(bus::Bus& bus, const models::Scenario& scenario);
+  ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario);
   ArmingWatch(const ArmingWatch&) = delete;
   ArmingWatch& operator=(const ArmingWatch&) = delete;
   ArmingWatch(ArmingWatch&&) = delete;
@@ -39,7 +39,7 @@ class ArmingWatch {
   void append_refusals(std::vector<std::string>& out) const;
 
   const bus::Bus& bus_;
-  const models::Scenario& scenario_;
+  const scenario::Scenario& scenario_;
   std::map<std::string, models::VehicleStatus> vehicles_;
   std::map<std::string, int> frames_with_;  ///< frames that show the body unoccluded
   int frames_ = 0;

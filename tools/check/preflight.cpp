@@ -8,21 +8,21 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bus/scenario_yaml.hpp"
-#include "bus/url.hpp"
+#include "bus/transport/url.hpp"
 #include "core/check.hpp"
-#include "drivers/quadrotor/safety/limits.hpp"
-#include "drivers/quadrotor/safety/plan_check.hpp"
+#include "drivers/safety/limits.hpp"
+#include "drivers/safety/plan_check.hpp"
 #include "models/plan/plan.hpp"
-#include "models/scenario/search_name.hpp"
 #include "models/world/world.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+#include "scenario/search_name.hpp"
 #include "sim/rover/starts.hpp"
 #include "tools/up/process_plan.hpp"
 
 namespace vantage::tools {
 namespace {
 
-using models::Scenario;
+using scenario::Scenario;
 
 const char* name_of(models::SensorKind kind) {
   switch (kind) {
@@ -40,13 +40,13 @@ const char* name_of(models::SensorKind kind) {
   return "unknown";
 }
 
-const char* name_of(models::DeviceSource source) {
+const char* name_of(scenario::DeviceSource source) {
   switch (source) {
-    case models::DeviceSource::kDirect:
+    case scenario::DeviceSource::kDirect:
       return "simulated";
-    case models::DeviceSource::kWire:
+    case scenario::DeviceSource::kWire:
       return "simulated behind its protocol";
-    case models::DeviceSource::kReal:
+    case scenario::DeviceSource::kReal:
       return "real";
   }
   return "unknown";
@@ -57,7 +57,7 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
   out.push_back(fmt::format("{}: {:g} x {:g} m, {} obstacles, {} regions; {:g} s, seed {}",
                             scenario.name, size_m.x(), size_m.y(), scenario.world.obstacles.size(),
                             scenario.world.regions.size(), scenario.duration_s, scenario.seed));
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     out.push_back(fmt::format(
         "robot {}: {}, starts at ({:g}, {:g}) at {:g} m, {} primitives up to {:g} m/s, sees "
         "{:g} m over {:.0f} deg ({})",
@@ -70,19 +70,19 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
                   scenario.network.communication_range_m > 0.0
                       ? fmt::format("within {:g} m", scenario.network.communication_range_m)
                       : std::string("without limit")));
-  const models::PlannerSpec& planner = scenario.planner;
+  const scenario::PlannerSpec& planner = scenario.planner;
   const double round_s = planner.execute_steps * planner.step_s;
   const std::string budget = planner.node_budget > 0
                                  ? fmt::format("{} nodes a slot", planner.node_budget)
                                  : fmt::format("{:g} s for the team", planner.team_budget_s);
   out.push_back(fmt::format("planner {}: horizon {} x {:g} s, a round each {:g} s, {}",
-                            models::search_name(planner), planner.horizon_steps, planner.step_s,
+                            scenario::search_name(planner), planner.horizon_steps, planner.step_s,
                             round_s, budget));
 }
 
 void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
-    const models::RobotSpec& robot = scenario.robots[i];
+    const scenario::RobotSpec& robot = scenario.robots[i];
     const double clear_m = models::clearance_m(scenario.world, robot.start.position_m());
     const double needed_m = robot.limits.radius_m + scenario.planner.obstacle_margin_m;
     if (clear_m <= needed_m) {
@@ -97,7 +97,7 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
     }
     const Eigen::Vector3d a_m = lift(robot.start, robot.height_m).translation_m;
     for (std::size_t j = i + 1; j < scenario.robots.size(); ++j) {
-      const models::RobotSpec& other = scenario.robots[j];
+      const scenario::RobotSpec& other = scenario.robots[j];
       const double apart_m = (a_m - lift(other.start, other.height_m).translation_m).norm();
       if (apart_m < scenario.planner.separation_m) {
         faults.push_back(fmt::format(
@@ -110,7 +110,7 @@ void check_robots(const Scenario& scenario, std::vector<std::string>& faults) {
 
 // What the vehicle's own flight safety would refuse or stop in flight.
 void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     if (scenario.planner.separation_m <= 2.0 * robot.limits.radius_m) {
       faults.push_back(
           fmt::format("robot {}: planner.separation_m is {:g}; vehicles of radius {:g} m touch at "
@@ -145,7 +145,8 @@ void check_safety(const Scenario& scenario, std::vector<std::string>& faults) {
 
 // "line 12: …", as the reader of the file would say it.
 std::string at_line(const Scenario& scenario, const std::string& key, const std::string& words) {
-  const int line = scenario.source_text.empty() ? 0 : bus::line_of_key(scenario.source_text, key);
+  const int line =
+      scenario.source_text.empty() ? 0 : scenario::line_of_key(scenario.source_text, key);
   return line > 0 ? fmt::format("line {}: {}", line, words) : words;
 }
 
@@ -173,7 +174,7 @@ void check_free_ground(const Scenario& scenario, std::vector<std::string>& fault
 }
 
 void check_targets(const Scenario& scenario, std::vector<std::string>& faults) {
-  for (const models::TargetSpec& target : scenario.targets) {
+  for (const scenario::TargetSpec& target : scenario.targets) {
     if (target.start &&
         models::clearance_m(scenario.world, target.start->position_m()) <= target.radius_m) {
       faults.push_back(
@@ -183,7 +184,7 @@ void check_targets(const Scenario& scenario, std::vector<std::string>& faults) {
 }
 
 void check_round(const Scenario& scenario, std::vector<std::string>& faults) {
-  const models::PlannerSpec& planner = scenario.planner;
+  const scenario::PlannerSpec& planner = scenario.planner;
   const double round_s = planner.execute_steps * planner.step_s;
   if (planner.team_budget_s + planner.publish_margin_s > round_s) {
     faults.push_back(fmt::format(
@@ -195,7 +196,7 @@ void check_round(const Scenario& scenario, std::vector<std::string>& faults) {
   }
 }
 
-double speed_max_mps(const models::RobotSpec& robot) {
+double speed_max_mps(const scenario::RobotSpec& robot) {
   double out = 0.0;
   for (const models::UnicycleControl& control : robot.primitives) {
     out = std::max(out, std::abs(control.speed_mps));
@@ -206,16 +207,16 @@ double speed_max_mps(const models::RobotSpec& robot) {
 // What is planned is checked with lost_way_m less the autopilot's own time-out.
 void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
   struct Lost {
-    const models::RobotSpec* robot = nullptr;
+    const scenario::RobotSpec* robot = nullptr;
     double speed_mps = 0.0;
     double way_m = 0.0;     ///< until it stands
     double beyond_m = 0.0;  ///< of it, what was not checked
   };
   Lost worst;
   double radius_m = 0.0;
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     radius_m = std::max(radius_m, robot.limits.radius_m);
-    if (robot.device == models::DeviceSource::kDirect) {
+    if (robot.device == scenario::DeviceSource::kDirect) {
       continue;  // it has no driver
     }
     drivers::SafetyLimits limits;
@@ -236,7 +237,7 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
   }
   const double separation_m = 2.0 * radius_m + kLossSpareM + worst.beyond_m;
   const double margin_m = kLossSpareM + worst.beyond_m;
-  const models::PlannerSpec& planner = scenario.planner;
+  const scenario::PlannerSpec& planner = scenario.planner;
   std::vector<std::string> changes;
   if (planner.separation_m < separation_m - 1e-9 && scenario.robots.size() > 1) {
     changes.push_back(
@@ -259,8 +260,8 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
 // Course), and does not know then what a plan says that comes later.
 void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) {
   double early_s = 0.0;
-  for (const models::RobotSpec& robot : scenario.robots) {
-    if (robot.device != models::DeviceSource::kDirect && robot.autopilot) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    if (robot.device != scenario::DeviceSource::kDirect && robot.autopilot) {
       early_s = std::max(
           early_s, drivers::SafetyLimits{}.setpoint_lead_s + drivers::half_window_s(robot.limits));
     }
@@ -276,7 +277,7 @@ void note_late_plans(const Scenario& scenario, std::vector<std::string>& notes) 
 void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
   const bool is_felt =
       std::any_of(scenario.robots.begin(), scenario.robots.end(), [](const auto& robot) {
-        return robot.device != models::DeviceSource::kReal && !robot.rover;
+        return robot.device != scenario::DeviceSource::kReal && !robot.rover;
       });
   if (scenario.wind && !is_felt) {
     notes.push_back(
@@ -290,10 +291,10 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
 
 MemoryRoom room_for_planners(const Scenario& scenario, std::optional<std::uint64_t> free_bytes) {
   std::size_t robots = scenario.hosts.empty() ? scenario.robots.size() : 0;
-  for (const models::HostSpec& host : scenario.hosts) {
+  for (const scenario::HostSpec& host : scenario.hosts) {
     const auto here = std::count_if(
         scenario.robots.begin(), scenario.robots.end(),
-        [&](const models::RobotSpec& robot) { return scenario.runs_on(host.name, robot.name); });
+        [&](const scenario::RobotSpec& robot) { return scenario.runs_on(host.name, robot.name); });
     robots = std::max(robots, static_cast<std::size_t>(here));
   }
   const double needed = kPlannerBytes * static_cast<double>(robots);

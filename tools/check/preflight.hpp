@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::tools {
 
@@ -30,7 +30,7 @@ struct Preflight {
 /// followed.
 inline constexpr double kLossSpareM = 0.1;
 
-Preflight check_preflight(const models::Scenario& scenario);
+Preflight check_preflight(const scenario::Scenario& scenario);
 
 /// What one robot's planner holds at most, measured: fifty in one process took 5.7 GB.
 inline constexpr double kPlannerBytes = 120e6;
@@ -39,7 +39,7 @@ struct MemoryRoom {
   std::string words;
 };
 /// Whether the planners of the host that has most of them find room, in a sentence.
-MemoryRoom room_for_planners(const models::Scenario& scenario,
+MemoryRoom room_for_planners(const scenario::Scenario& scenario,
                              std::optional<std::uint64_t> free_bytes);
 /// What this machine can still give out; nullopt when it does not say.
 std::optional<std::uint64_t> free_memory_bytes();

@@ -10,17 +10,17 @@ namespace vantage::tools {
 namespace {
 
 // Whatever the scenario says of arming, who asks for the parameters wants to know them.
-models::AutopilotSpec spec_of(const models::RobotSpec& robot) {
+scenario::AutopilotSpec spec_of(const scenario::RobotSpec& robot) {
   require(robot.autopilot.has_value(), "vehicle check: robot " + robot.name + " has no autopilot");
-  models::AutopilotSpec out = *robot.autopilot;
-  out.parameters = models::ParameterPolicy::kVerify;
+  scenario::AutopilotSpec out = *robot.autopilot;
+  out.parameters = scenario::ParameterPolicy::kVerify;
   return out;
 }
 
 }  // namespace
 
-VehicleCheck::VehicleCheck(const models::RobotSpec& robot,
-                           const std::optional<models::mavlink::SigningKey>& key, Time now)
+VehicleCheck::VehicleCheck(const scenario::RobotSpec& robot,
+                           const std::optional<wire::mavlink::SigningKey>& key, Time now)
     : robot_(robot.name), spec_(spec_of(robot)), link_(spec_, key), started_(now) {}
 
 void VehicleCheck::load() { link_.mend_parameters(); }
@@ -54,10 +54,10 @@ std::vector<drivers::ParameterCheck::Entry> VehicleCheck::differences() const {
   return out;
 }
 
-std::vector<const models::RobotSpec*> robots_with_autopilot(const models::Scenario& scenario) {
-  std::vector<const models::RobotSpec*> out;
-  for (const models::RobotSpec& robot : scenario.robots) {
-    if (robot.device != models::DeviceSource::kDirect && robot.autopilot &&
+std::vector<const scenario::RobotSpec*> robots_with_autopilot(const scenario::Scenario& scenario) {
+  std::vector<const scenario::RobotSpec*> out;
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    if (robot.device != scenario::DeviceSource::kDirect && robot.autopilot &&
         !robot.autopilot->url.empty()) {
       out.push_back(&robot);
     }
@@ -79,7 +79,7 @@ std::vector<std::string> describe(const VehicleCheck& vehicle, Time now) {
       fmt::format("  {:<16} {:>9}  {:<20}  {}", "parameter", "is", "wanted", "what it would do")};
   for (const auto& [rule, actual, is_settled] : differences) {
     out.push_back(fmt::format("  {:<16} {:>9}  {:<20}  {}{}", rule.name,
-                              actual ? models::parameter_text(*actual) : "not there", rule.wanted(),
+                              actual ? wire::parameter_text(*actual) : "not there", rule.wanted(),
                               rule.otherwise, rule.is_advised ? " (advised)" : ""));
   }
   return out;

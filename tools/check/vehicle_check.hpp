@@ -6,7 +6,7 @@
 
 #include "core/time.hpp"
 #include "drivers/quadrotor/autopilot_link.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::tools {
 
@@ -18,8 +18,8 @@ class VehicleCheck {
   static constexpr Duration kHeardWithin = std::chrono::seconds(10);
 
   /// @throws UsageError for a robot without an autopilot.
-  VehicleCheck(const models::RobotSpec& robot,
-               const std::optional<models::mavlink::SigningKey>& key, Time now);
+  VehicleCheck(const scenario::RobotSpec& robot,
+               const std::optional<wire::mavlink::SigningKey>& key, Time now);
 
   void receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now) {
     link_.receive(bytes, is_datagram, now);
@@ -47,13 +47,13 @@ class VehicleCheck {
 
  private:
   std::string robot_;
-  models::AutopilotSpec spec_;
+  scenario::AutopilotSpec spec_;
   drivers::AutopilotLink link_;
   Time started_;
 };
 
 /// The robots of a scenario that have an autopilot at the end of a wire.
-std::vector<const models::RobotSpec*> robots_with_autopilot(const models::Scenario& scenario);
+std::vector<const scenario::RobotSpec*> robots_with_autopilot(const scenario::Scenario& scenario);
 
 /// What was found, a line each: the differences as a table, or that there is none.
 std::vector<std::string> describe(const VehicleCheck& vehicle, Time now);

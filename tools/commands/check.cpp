@@ -5,19 +5,19 @@
 #include <nlohmann/json.hpp>
 
 #include "bus/auth/authenticator.hpp"
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/scenario_yaml.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/process.hpp"
 #include "logs/record/append_file.hpp"
+#include "logs/record/log_space.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 #include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/check_vehicles.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
-#include "tools/up/log_space.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -33,7 +33,7 @@ struct CheckArguments {
 };
 
 // What the running system itself says against arming.
-void listen(const models::Scenario& scenario, double listen_s, std::vector<std::string>& faults) {
+void listen(const scenario::Scenario& scenario, double listen_s, std::vector<std::string>& faults) {
   const auto transport = bus::open_transport(scenario.network.url);
   bus::Bus bus(*transport, bus::random_run_id());
   const ArmingWatch watch(bus, scenario);
@@ -47,21 +47,21 @@ void listen(const models::Scenario& scenario, double listen_s, std::vector<std::
   }
 }
 
-std::string security_words(const models::Scenario& scenario) {
-  const std::string mode = models::name_of(models::trial_mode(scenario));
+std::string security_words(const scenario::Scenario& scenario) {
+  const std::string mode = scenario::name_of(scenario::trial_mode(scenario));
   switch (scenario.security.mode) {
-    case models::SecurityMode::kOff:
+    case scenario::SecurityMode::kOff:
       return "messages are not signed: whoever is on the network is believed";
-    case models::SecurityMode::kWarn:
+    case scenario::SecurityMode::kWarn:
       return "messages are signed (" + mode + "); others are counted and believed";
-    case models::SecurityMode::kRequire:
+    case scenario::SecurityMode::kRequire:
       return "messages are signed (" + mode + "), and others refused";
   }
   return "";
 }
 
 int run_vehicles(const CheckArguments& arguments) {
-  const models::Scenario scenario = bus::load_scenario(arguments.scenario);
+  const scenario::Scenario scenario = scenario::load_scenario(arguments.scenario);
   VehicleCheckOptions options = arguments.vehicles;
   options.is_quiet = arguments.as_json;
   const VehicleReport report = check_vehicles(scenario, options);
@@ -79,11 +79,11 @@ int run(const CheckArguments& arguments) {
   if (arguments.is_of_vehicles) {
     return run_vehicles(arguments);
   }
-  const models::Scenario scenario = bus::load_scenario(arguments.scenario);
+  const scenario::Scenario scenario = scenario::load_scenario(arguments.scenario);
   Preflight preflight = check_preflight(scenario);
   const std::string log_path =
       arguments.log_path.empty() ? scenario.name + ".lcmlog" : arguments.log_path;
-  const LogRoom room = room_for_log(scenario, log_path, logs::free_bytes_for(log_path));
+  const logs::LogRoom room = logs::room_for_log(scenario, log_path, logs::free_bytes_for(log_path));
   (room.is_enough ? preflight.understood : preflight.faults).push_back(room.words);
   preflight.understood.push_back(security_words(scenario));
   for (std::string& fault : bus::auth::security_faults(scenario)) {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "bus/clock.hpp"
+#include "bus/node/clock.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "drivers/quadrotor/app/node.hpp"
@@ -43,9 +43,9 @@ struct Vehicle {
   }
 };
 
-std::vector<Vehicle> open(const models::Scenario& scenario, const std::string& only, Time now) {
+std::vector<Vehicle> open(const scenario::Scenario& scenario, const std::string& only, Time now) {
   std::vector<Vehicle> out;
-  for (const models::RobotSpec* robot : robots_with_autopilot(scenario)) {
+  for (const scenario::RobotSpec* robot : robots_with_autopilot(scenario)) {
     if (!only.empty() && robot->name != only) {
       continue;
     }
@@ -127,7 +127,8 @@ void print_all(const std::vector<Vehicle>& vehicles, Time now) {
 
 }  // namespace
 
-VehicleReport check_vehicles(const models::Scenario& scenario, const VehicleCheckOptions& options) {
+VehicleReport check_vehicles(const scenario::Scenario& scenario,
+                             const VehicleCheckOptions& options) {
   const bus::SystemClock clock;
   std::vector<Vehicle> vehicles = open(scenario, options.robot, clock.now());
   const bool shows_progress = !options.is_quiet && is_terminal();

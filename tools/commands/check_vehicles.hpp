@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::tools {
 
@@ -24,6 +24,7 @@ struct VehicleReport {
 /// Asks the autopilots of a scenario for their parameters, says what differs and, when told to,
 /// writes it and reads it back. Nothing is armed, and nothing written to an armed vehicle.
 /// @throws StartupError for a port that cannot be opened, no such robot, or nobody to confirm.
-VehicleReport check_vehicles(const models::Scenario& scenario, const VehicleCheckOptions& options);
+VehicleReport check_vehicles(const scenario::Scenario& scenario,
+                             const VehicleCheckOptions& options);
 
 }  // namespace vantage::tools

@@ -1,17 +1,14 @@
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "tools/scenario/overrides.hpp"
+#include "tools/command_line/runner.hpp"
 #include "tools/view/web_server.hpp"
+#include "trial/scenario/overrides.hpp"
 
 namespace vantage::tools {
-
-/// What the chosen subcommand does; its exit code.
-using Runner = std::function<int()>;
 
 // Each adds one subcommand to `root`, which sets `run` when it is chosen.
 void add_trial_command(CLI::App& root, Runner& run);
@@ -29,7 +26,7 @@ void add_log_command(CLI::App& root, Runner& run);
 
 /// --seed, --duration-s, --planner, --communication-range-m and --nodes, shared by all that run a
 /// trial.
-void add_override_options(CLI::App& command, Overrides& overrides);
+void add_override_options(CLI::App& command, trial::Overrides& overrides);
 /// --port and --bind of what is shown in the browser.
 void add_web_options(CLI::App& command, WebOptions& web);
 /// Prints where to look.

@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "bus/yaml_document.hpp"
 #include "core/check.hpp"
 #include "core/write_file.hpp"
+#include "scenario/reader/yaml_document.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
-#include "tools/scenario/config_folder.hpp"
+#include "trial/scenario/config_folder.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -22,7 +22,7 @@ struct CopyArguments {
 };
 
 int copy(const CopyArguments& arguments) {
-  const std::string source = config_path(arguments.name);
+  const std::string source = trial::config_path(arguments.name);
   const std::string output = arguments.output.empty()
                                  ? std::filesystem::path(source).filename().string()
                                  : arguments.output;
@@ -31,7 +31,7 @@ int copy(const CopyArguments& arguments) {
     throw StartupError(output + ": exists; --force writes over it");
   }
   require_writable(output);
-  write_file(output, bus::read_text_file(source));
+  write_file(output, scenario::read_text_file(source));
   print_line(output);
   print_line("check    vantage check " + shell_quoted(output));
   return 0;
@@ -39,8 +39,8 @@ int copy(const CopyArguments& arguments) {
 
 // Each with the first line of its file, which says what it is.
 int list() {
-  for (const std::string& name : config_names()) {
-    std::ifstream file(config_path(name));
+  for (const std::string& name : trial::config_names()) {
+    std::ifstream file(trial::config_path(name));
     std::string first;
     std::getline(file, first);
     const std::size_t begin = first.find_first_not_of("# ");

@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "bus/auth/authenticator.hpp"
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/scenario_yaml.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/process.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 #include "tools/commands/commands.hpp"
 
 namespace vantage::tools {
@@ -24,7 +24,7 @@ int run(const ConsoleArguments& arguments) {
   std::unique_ptr<bus::auth::Authenticator> authenticator;
   std::string url = arguments.url;
   if (!arguments.scenario.empty()) {
-    const models::Scenario scenario = bus::load_scenario(arguments.scenario);
+    const scenario::Scenario scenario = scenario::load_scenario(arguments.scenario);
     bus::auth::require_operator(scenario);
     authenticator = bus::auth::authenticator_for(scenario, false);
     url = url.empty() ? scenario.network.url : url;

@@ -8,9 +8,9 @@
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
-#include "tools/scenario/config_folder.hpp"
-#include "tools/trial/recipe.hpp"
 #include "tools/view/live_view.hpp"
+#include "trial/recipe.hpp"
+#include "trial/scenario/config_folder.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 struct DemoArguments {
   std::string scenario;  ///< empty: the lab that comes with vantage
   std::string directory = "demo-out";
-  Overrides overrides;
+  trial::Overrides overrides;
   bool as_json = false;
   bool is_shown = false;
   WebOptions web;
@@ -29,9 +29,10 @@ int run(DemoArguments arguments) {
     arguments.overrides.duration_s = 60.0;
   }
   if (arguments.scenario.empty()) {
-    arguments.scenario = config_path("lab");
+    arguments.scenario = trial::config_path("lab");
   }
-  const models::Scenario scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+  const scenario::Scenario scenario =
+      trial::load_scenario_with(arguments.scenario, arguments.overrides);
   DemoOptions options;
   options.directory = arguments.directory;
   options.quiet = arguments.as_json;
@@ -46,7 +47,8 @@ int run(DemoArguments arguments) {
       return view;
     };
   }
-  const DemoResult result = run_demo(scenario, trial_recipes(scenario), options, stop_requested);
+  const DemoResult result =
+      run_demo(scenario, trial::trial_recipes(scenario), options, stop_requested);
   if (!arguments.as_json) {
     print_line("");
   }

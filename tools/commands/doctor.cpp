@@ -7,9 +7,9 @@
 
 #include "core/check.hpp"
 #include "core/process.hpp"
-#include "models/scenario/mocap_spec.hpp"
+#include "scenario/mocap_spec.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/commands/numbers.hpp"
 #include "tools/doctor/vicon_doctor.hpp"
 #include "tools/live/screen.hpp"
 
@@ -20,7 +20,7 @@ struct DoctorArguments {
   std::string device;
   std::string host;
   std::vector<int> ports;
-  int udp_port = models::default_port(models::MocapProtocol::kObjectStream);
+  int udp_port = scenario::default_port(scenario::MocapProtocol::kObjectStream);
   double listen_s = 2.0;
   bool as_json = false;
 };
@@ -30,7 +30,7 @@ nlohmann::ordered_json to_json(const std::vector<ViconPort>& ports) {
   for (const ViconPort& port : ports) {
     nlohmann::ordered_json entry{{"port", port.port},
                                  {"answers", port.answer == Answer::kSpeech},
-                                 {"speaker", models::vicon::name_of(port.speaker)}};
+                                 {"speaker", wire::vicon::name_of(port.speaker)}};
     if (port.observed) {
       entry["frames"] = port.observed->frames;
       entry["rate_hz"] = port.observed->rate_hz;
@@ -52,8 +52,8 @@ int run(const DoctorArguments& arguments) {
   if (arguments.device != "vicon") {
     throw StartupError("doctor: knows 'vicon', not '" + arguments.device + "'");
   }
-  const std::vector<int> usual{models::default_port(models::MocapProtocol::kDataStream),
-                               models::default_port(models::MocapProtocol::kVrpn)};
+  const std::vector<int> usual{scenario::default_port(scenario::MocapProtocol::kDataStream),
+                               scenario::default_port(scenario::MocapProtocol::kVrpn)};
   const std::vector<ViconPort> ports =
       examine_vicon(arguments.host, arguments.ports.empty() ? usual : arguments.ports,
                     arguments.udp_port, from_seconds(arguments.listen_s), stop_requested);

@@ -1,4 +1,4 @@
-#include "tools/experiment/experiment.hpp"
+#include "experiments/experiment.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -11,13 +11,13 @@
 
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "experiments/sweep/report_page.hpp"
+#include "experiments/sweep/slurm_run.hpp"
+#include "experiments/sweep/sweep_run.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
-#include "tools/observe/announcer.hpp"
-#include "tools/sweep/report_page.hpp"
-#include "tools/sweep/slurm_run.hpp"
-#include "tools/sweep/sweep_run.hpp"
+#include "trial/observe/announcer.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -26,16 +26,16 @@ struct ExperimentArguments {
   std::string name;
   std::string shard;
   std::uint64_t seed = 1;
-  Extent extent;
-  SweepOptions options;
+  experiments::Extent extent;
+  experiments::SweepOptions options;
   bool is_on_slurm = false;
   bool is_left_alone = false;
-  SlurmOptions slurm;
+  experiments::SlurmOptions slurm;
 };
 
 // "2/8": the second of eight.
-Shard shard_of(const std::string& text) {
-  Shard shard;
+experiments::Shard shard_of(const std::string& text) {
+  experiments::Shard shard;
   char end = '\0';
   if (std::sscanf(text.c_str(), "%d/%d%c", &shard.number, &shard.of, &end) != 2 || shard.of < 1 ||
       shard.number < 1 || shard.number > shard.of) {
@@ -52,23 +52,23 @@ void show_line(const std::string& text) {
 }
 
 // Says what is kept and how to go on.
-void tell_stopped(const ExperimentArguments& arguments, const SweepIdentity& identity,
-                  const SweepProgress& progress) {
-  fmt::print(stderr,
-             "stopped with {} of {} units done; their rows are kept. To go on: {} --out {}{}\n",
-             progress.done, progress.units, command_of(identity, arguments.extent.trials),
-             shell_quoted(arguments.options.directory),
-             arguments.shard.empty() ? "" : " --shard " + arguments.shard);
+void tell_stopped(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
+                  const experiments::SweepProgress& progress) {
+  fmt::print(
+      stderr, "stopped with {} of {} units done; their rows are kept. To go on: {} --out {}{}\n",
+      progress.done, progress.units, experiments::command_of(identity, arguments.extent.trials),
+      shell_quoted(arguments.options.directory),
+      arguments.shard.empty() ? "" : " --shard " + arguments.shard);
 }
 
-int tell(const ExperimentArguments& arguments, const SweepIdentity& identity,
-         const SweepOutcome& outcome) {
+int tell(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
+         const experiments::SweepOutcome& outcome) {
   show_line("");
   for (const std::string& line : outcome.lines) {
     print_line(line);
   }
-  const std::string command = command_of(identity, arguments.extent.trials) + " --out " +
-                              shell_quoted(arguments.options.directory);
+  const std::string command = experiments::command_of(identity, arguments.extent.trials) +
+                              " --out " + shell_quoted(arguments.options.directory);
   if (outcome.is_stopped) {
     tell_stopped(arguments, identity, outcome.progress);
     return 1;
@@ -81,9 +81,9 @@ int tell(const ExperimentArguments& arguments, const SweepIdentity& identity,
 }
 
 // Exit code 1: interrupted, or jobs ended without all of their units.
-int run_as_jobs(ExperimentArguments& arguments, const SweepIdentity& identity, const Sweep& sweep,
-                const char* what) {
-  SlurmOptions& slurm = arguments.slurm;
+int run_as_jobs(ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
+                const experiments::Sweep& sweep, const char* what) {
+  experiments::SlurmOptions& slurm = arguments.slurm;
   slurm.command = {std::filesystem::read_symlink("/proc/self/exe").string(), "experiment",
                    identity.experiment, "--seed", std::to_string(identity.seed)};
   const std::vector<std::string> extent =
@@ -100,17 +100,22 @@ int run_as_jobs(ExperimentArguments& arguments, const SweepIdentity& identity, c
     show_line("");
     print_line(line);
   };
-  slurm.progress = [](const SweepProgress& progress, const std::string& jobs) {
-    show_line(progress_text(progress) + "; " + jobs);
+  slurm.progress = [](const experiments::SweepProgress& progress, const std::string& jobs) {
+    show_line(experiments::progress_text(progress) + "; " + jobs);
   };
-  const SlurmEnd end = run_on_slurm(sweep, identity, what, arguments.options, slurm);
-  return end == SlurmEnd::kCollected || (end == SlurmEnd::kSubmitted && !slurm.is_waiting) ? 0 : 1;
+  const experiments::SlurmEnd end =
+      experiments::run_on_slurm(sweep, identity, what, arguments.options, slurm);
+  return end == experiments::SlurmEnd::kCollected ||
+                 (end == experiments::SlurmEnd::kSubmitted && !slurm.is_waiting)
+             ? 0
+             : 1;
 }
 
 int run(ExperimentArguments arguments) {
-  const std::vector<Experiment>& all = all_experiments();
+  const std::vector<experiments::Experiment>& all = experiments::all_experiments();
   const auto experiment = std::find_if(
-      all.begin(), all.end(), [&](const Experiment& each) { return each.name == arguments.name; });
+      all.begin(), all.end(),
+      [&](const experiments::Experiment& each) { return each.name == arguments.name; });
   if (!arguments.shard.empty()) {
     arguments.options.shard = shard_of(arguments.shard);
   }
@@ -118,13 +123,13 @@ int run(ExperimentArguments arguments) {
     arguments.options.directory = "experiments/" + arguments.name;
   }
   arguments.options.stop = stop_requested;
-  const Sweep sweep = experiment->make(arguments.extent);
+  const experiments::Sweep sweep = experiment->make(arguments.extent);
   arguments.extent.trials = sweep.plan.trials;
-  const SweepIdentity identity{arguments.name, version(), arguments.seed,
-                               arguments.extent.is_smoke};
+  const experiments::SweepIdentity identity{arguments.name, trial::version(), arguments.seed,
+                                            arguments.extent.is_smoke};
   // A unit may take minutes: those that run are dropped, of which no row is begun.
-  arguments.options.progress = [&](const SweepProgress& progress) {
-    show_line(progress.is_stopping ? "" : progress_text(progress));
+  arguments.options.progress = [&](const experiments::SweepProgress& progress) {
+    show_line(progress.is_stopping ? "" : experiments::progress_text(progress));
     if (progress.is_stopping) {
       tell_stopped(arguments, identity, progress);
       std::_Exit(1);
@@ -133,7 +138,8 @@ int run(ExperimentArguments arguments) {
   if (arguments.is_on_slurm) {
     return run_as_jobs(arguments, identity, sweep, experiment->what);
   }
-  return tell(arguments, identity, run_sweep(sweep, identity, experiment->what, arguments.options));
+  return tell(arguments, identity,
+              experiments::run_sweep(sweep, identity, experiment->what, arguments.options));
 }
 
 }  // namespace
@@ -144,7 +150,7 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   auto arguments = std::make_shared<ExperimentArguments>();
   std::vector<std::string> names;
   std::string footer = "Experiments:\n";
-  for (const Experiment& experiment : all_experiments()) {
+  for (const experiments::Experiment& experiment : experiments::all_experiments()) {
     names.emplace_back(experiment.name);
     footer += fmt::format("  {:20} {}\n", experiment.name, experiment.what);
   }

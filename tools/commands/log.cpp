@@ -1,3 +1,4 @@
+#include "tools/commands/commands.hpp"
 #include "tools/log/log_commands.hpp"
 
 namespace vantage::tools {

@@ -7,15 +7,15 @@
 
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/commands/numbers.hpp"
-#include "tools/observe/announcer.hpp"
+#include "trial/observe/announcer.hpp"
 
 int main(int argc, char** argv) {
   return vantage::run_process("vantage", [&]() -> int {
     CLI::App app{"Teams of robots that plan where to look.", "vantage"};
     app.require_subcommand(1);
-    app.set_version_flag("--version", vantage::tools::version());
+    app.set_version_flag("--version", vantage::trial::version());
     vantage::tools::Runner run;
     vantage::tools::add_demo_command(app, run);
     vantage::tools::add_trial_command(app, run);

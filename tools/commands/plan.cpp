@@ -4,10 +4,10 @@
 
 #include "core/process.hpp"
 #include "core/write_file.hpp"
+#include "logs/picture/picture.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
-#include "tools/picture/picture.hpp"
 #include "tools/plan/algorithms.hpp"
 #include "tools/plan/plan_report.hpp"
 #include "tools/plan/problem_json.hpp"

@@ -6,15 +6,15 @@
 #include <fmt/format.h>
 
 #include "core/write_file.hpp"
+#include "logs/picture/picture.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
-#include "tools/picture/picture.hpp"
 
 namespace vantage::tools {
 
-void report_summary(const models::Scenario& scenario, const logs::TrialSummary& summary,
+void report_summary(const scenario::Scenario& scenario, const logs::TrialSummary& summary,
                     bool as_json) {
   clear_echo();
   if (as_json) {
@@ -26,12 +26,12 @@ void report_summary(const models::Scenario& scenario, const logs::TrialSummary& 
   }
 }
 
-bool write_pictures(const std::string& svg_path, const models::Scenario& scenario,
-                    const Scene& scene, const logs::TrialSummary& summary) {
+bool write_pictures(const std::string& svg_path, const scenario::Scenario& scenario,
+                    const logs::Scene& scene, const logs::TrialSummary& summary) {
   try {
-    write_file(svg_path, draw_picture(scenario, scene, summary));
+    write_file(svg_path, logs::draw_picture(scenario, scene, summary));
     const auto png_path = std::filesystem::path(svg_path).replace_extension(".png").string();
-    const Result<std::string> png = render_png(svg_path, png_path);
+    const Result<std::string> png = logs::render_png(svg_path, png_path);
     if (!png.ok()) {
       fmt::print(stderr, "vantage: {}\n", png.error().message);
     }
@@ -42,7 +42,7 @@ bool write_pictures(const std::string& svg_path, const models::Scenario& scenari
   }
 }
 
-void add_override_options(CLI::App& command, Overrides& overrides) {
+void add_override_options(CLI::App& command, trial::Overrides& overrides) {
   command.add_option("--seed", overrides.seed, "seed instead of the scenario's")
       ->check(seed_number());
   command.add_option("--duration-s", overrides.duration_s, "length instead of the scenario's")

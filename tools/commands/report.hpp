@@ -3,18 +3,18 @@
 #include <string>
 
 #include "logs/metrics/trial_summary.hpp"
-#include "models/scenario/scenario.hpp"
-#include "tools/picture/scene.hpp"
+#include "logs/picture/scene.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::tools {
 
 /// Prints the outcome of a trial: one JSON object on one line, or a table.
-void report_summary(const models::Scenario& scenario, const logs::TrialSummary& summary,
+void report_summary(const scenario::Scenario& scenario, const logs::TrialSummary& summary,
                     bool as_json);
 
 /// Writes `svg_path` and, beside it, a PNG when rsvg-convert is there; says on stderr when not.
 /// False when one could not be written, which is said, too.
-[[nodiscard]] bool write_pictures(const std::string& svg_path, const models::Scenario& scenario,
-                                  const Scene& scene, const logs::TrialSummary& summary);
+[[nodiscard]] bool write_pictures(const std::string& svg_path, const scenario::Scenario& scenario,
+                                  const logs::Scene& scene, const logs::TrialSummary& summary);
 
 }  // namespace vantage::tools

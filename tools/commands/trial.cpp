@@ -1,4 +1,4 @@
-#include "tools/trial/trial.hpp"
+#include "trial/trial.hpp"
 
 #include <cstdio>
 #include <memory>
@@ -10,14 +10,14 @@
 #include "core/write_file.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
-#include "tools/trial/recipe.hpp"
+#include "trial/recipe.hpp"
 
 namespace vantage::tools {
 namespace {
 
 struct TrialArguments {
   std::string scenario;
-  Overrides overrides;
+  trial::Overrides overrides;
   std::string log_path;
   std::string svg_path;
   bool as_json = false;
@@ -31,21 +31,22 @@ void show_progress(double share) {
 }
 
 int run(TrialArguments arguments) {
-  models::Scenario scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+  scenario::Scenario scenario = trial::load_scenario_with(arguments.scenario, arguments.overrides);
   if (scenario.planner.node_budget <= 0) {
-    arguments.overrides.node_budget = kDefaultNodeBudget;
-    scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+    arguments.overrides.node_budget = trial::kDefaultNodeBudget;
+    scenario = trial::load_scenario_with(arguments.scenario, arguments.overrides);
   }
   if (!arguments.svg_path.empty()) {
     require_writable(arguments.svg_path);
   }
-  TrialOptions options;
+  trial::TrialOptions options;
   options.log_path = arguments.log_path;
   if (::isatty(STDERR_FILENO) == 1) {
     options.progress = show_progress;
   }
   options.stop = stop_requested;
-  const TrialResult result = run_trial(scenario, trial_recipes(scenario), options);
+  const trial::TrialResult result =
+      trial::run_trial(scenario, trial::trial_recipes(scenario), options);
   report_summary(scenario, result.summary, arguments.as_json);
   if (result.log_error) {
     fmt::print(stderr, "vantage: {}; the log lacks {} messages\n", result.log_error->message,

@@ -14,8 +14,8 @@
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/record/append_file.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/commands/numbers.hpp"
 #include "tools/commands/report.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/up/up_report.hpp"
@@ -25,7 +25,7 @@ namespace {
 
 struct UpArguments {
   std::string scenario;
-  Overrides overrides;
+  trial::Overrides overrides;
   std::string host;
   bool all_hosts = false;
   std::string log_path;
@@ -38,9 +38,9 @@ struct UpArguments {
   RestartPolicy restarts;
 };
 
-void check_host(const models::Scenario& scenario, const UpArguments& arguments) {
+void check_host(const scenario::Scenario& scenario, const UpArguments& arguments) {
   std::vector<std::string> names;
-  for (const models::HostSpec& host : scenario.hosts) {
+  for (const scenario::HostSpec& host : scenario.hosts) {
     names.push_back(host.name);
   }
   if (arguments.host.empty()) {
@@ -59,10 +59,10 @@ void check_host(const models::Scenario& scenario, const UpArguments& arguments) 
   }
 }
 
-std::string log_path(const models::Scenario& scenario, const UpArguments& arguments) {
+std::string log_path(const scenario::Scenario& scenario, const UpArguments& arguments) {
   const bool is_named = !arguments.log_path.empty() || !arguments.log_folder.empty();
   const bool runs_logger =
-      arguments.host.empty() || scenario.runs_on(arguments.host, models::kLoggerPart);
+      arguments.host.empty() || scenario.runs_on(arguments.host, scenario::kLoggerPart);
   if (is_named && !runs_logger) {
     throw StartupError("host " + arguments.host +
                        " does not run the logger; `hosts` says who does");
@@ -82,7 +82,8 @@ std::string log_path(const models::Scenario& scenario, const UpArguments& argume
 }
 
 int run(const UpArguments& arguments) {
-  const models::Scenario scenario = load_scenario_with(arguments.scenario, arguments.overrides);
+  const scenario::Scenario scenario =
+      trial::load_scenario_with(arguments.scenario, arguments.overrides);
   check_host(scenario, arguments);
   UpOptions options;
   options.executables = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();

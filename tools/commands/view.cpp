@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "bus/transport.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
-#include "tools/commands/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/view/live_view.hpp"

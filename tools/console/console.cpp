@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
 #include "tools/console/terminal.hpp"
 #include "tools/live/screen.hpp"
-#include "tools/up/log_space.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -157,7 +157,7 @@ OperatorDesk::OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start)
       log_lost_.erase(health.process);
     }
   };
-  bus_.subscribe<models::ProcessHealth>(bus::health_channel(kLogHealth), on_log);
+  bus_.subscribe<models::ProcessHealth>(bus::health_channel(logs::kLogHealth), on_log);
   bus_.subscribe<models::ProcessHealth>(bus::health_channel(logs::RecorderNode::kName), on_log);
 }
 
@@ -261,7 +261,7 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
     const bool is_selected = selected.empty() || selected == name;
     out.push_back(fmt::format(
         "{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}", is_selected ? '>' : ' ', name,
-        is_silent ? "SILENT" : models::name_of(status.state), 100.0 * status.battery_share,
+        is_silent ? "SILENT" : scenario::name_of(status.state), 100.0 * status.battery_share,
         status.plan_round, to_seconds(now - heard.at), reasons));
   }
   if (vehicles_.empty()) {

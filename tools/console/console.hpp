@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
 #include "models/exchange/messages.hpp"
 #include "tools/console/operator_input.hpp"
 #include "tools/console/station.hpp"

@@ -1,41 +1,89 @@
 #!/usr/bin/env python3
-"""Fails if a folder includes a folder it may not see. The table is the architecture."""
+"""Fails if a folder includes a folder it may not see, if two folders see each other, or if a test is
+not where its subject is. The table is the architecture (docs/words.md says what each room is)."""
 
+import collections
 import pathlib
 import re
 import sys
 
-BASE = {"core", "models"}
+PURE = {"core", "models", "scenario"}
+TRIAL = PURE | {"wire", "bus", "vantage_lcm", "planner", "estimator", "sim", "drivers", "logs", "trial"}
 MAY_INCLUDE = {
     "core": {"core"},
-    "models": BASE,
-    "bus": BASE | {"bus", "vantage_lcm"},
-    "planner": BASE | {"planner"},
-    "estimator": BASE | {"estimator"},
-    "sim": BASE | {"sim"},
-    "drivers": BASE | {"drivers"},
-    "logs": BASE | {"bus", "vantage_lcm", "logs"},
-    "tools": BASE | {"bus", "vantage_lcm", "planner", "estimator", "sim", "drivers", "logs", "tools"},
-    "python": BASE | {"bus", "vantage_lcm", "planner", "estimator", "sim", "drivers", "logs", "tools", "python"},
+    "models": {"core", "models"},
+    "wire": {"core", "models", "wire"},
+    "scenario": PURE,
+    "bus": PURE | {"bus", "vantage_lcm"},
+    "planner": PURE | {"planner"},
+    "estimator": PURE | {"estimator"},
+    "sim": PURE | {"wire", "sim"},
+    "drivers": PURE | {"wire", "drivers"},
+    "logs": PURE | {"bus", "vantage_lcm", "logs"},
+    "trial": TRIAL,
+    "experiments": TRIAL | {"experiments"},
+    "tools": TRIAL | {"experiments", "tools"},
+    "python": TRIAL | {"experiments", "tools", "python"},
     "test": None,  # may include everything
 }
 # The app room of a process is its border: it alone also sees the bus.
 APP_EXTRA = {"bus"}
-INCLUDE = re.compile(r'^\s*#include "([^"/]+)/')
+# Folders of tests whose subject is no folder: networks, numbers, whole programs, what tests share.
+TESTS_OF_NO_FOLDER = {"bench", "data", "docs", "examples", "fuzz", "integration", "mutation", "support", "view"}
+INCLUDE = re.compile(r'^\s*#include "([^"]+)"')
 LCM = re.compile(r'^\s*#include <lcm/')
 
 
+def sources(root, folder):
+    return (p for p in sorted((root / folder).rglob("*.[ch]pp")) if "node_modules" not in p.parts)
+
+
 def violations(root):
+    seen_by = collections.defaultdict(dict)  # folder -> folder it sees -> where
     for folder, allowed in MAY_INCLUDE.items():
-        for path in sorted((root / folder).rglob("*.[ch]pp")):
+        for path in sources(root, folder):
             rel = path.relative_to(root)
-            seen = None if allowed is None else allowed | (APP_EXTRA if "app" in rel.parts else set())
+            may_see = None if allowed is None else allowed | (APP_EXTRA if "app" in rel.parts else set())
             for number, line in enumerate(path.read_text().splitlines(), 1):
-                found = INCLUDE.match(line)
-                if seen is not None and found and found.group(1) not in seen:
-                    yield f"{rel}:{number}: {folder}/ may not include {found.group(1)}/"
                 if LCM.match(line) and folder not in ("bus", "logs", "test"):
                     yield f"{rel}:{number}: only bus/ and logs/ may include LCM"
+                found = INCLUDE.match(line)
+                if not found or may_see is None:
+                    continue
+                target = pathlib.PurePath(found.group(1))
+                if target.parts[0] not in may_see:
+                    yield f"{rel}:{number}: {folder}/ may not include {target.parts[0]}/"
+                if str(target.parent) != str(rel.parent):
+                    seen_by[str(rel.parent)].setdefault(str(target.parent), f"{rel}:{number}")
+    yield from cycles(seen_by)
+    yield from misplaced_tests(root)
+
+
+def cycles(seen_by):
+    """Each group of folders that see each other, by one way round it."""
+    done = set()
+
+    def walk(folder, way):
+        if folder in way:
+            ring = way[way.index(folder):]
+            yield "folders see each other: " + ", ".join(
+                f"{a} sees {b} ({seen_by[a][b]})" for a, b in zip(ring, ring[1:] + ring[:1]))
+            return
+        if folder in done:
+            return
+        for target in sorted(seen_by.get(folder, ())):
+            yield from walk(target, way + [folder])
+        done.add(folder)
+
+    for folder in sorted(seen_by):
+        yield from walk(folder, [])
+
+
+def misplaced_tests(root):
+    for path in sorted((root / "test").rglob("*_test.cpp")):
+        folder = path.relative_to(root / "test").parent
+        if folder.parts[0] not in TESTS_OF_NO_FOLDER and not (root / folder).is_dir():
+            yield f"{path.relative_to(root)}: there is no {folder}/ that it could be about"
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
-#include "bus/clock.hpp"
+#include "bus/node/clock.hpp"
 #include "core/address.hpp"
 #include "core/deadline.hpp"
 #include "core/process.hpp"
@@ -20,8 +20,8 @@ namespace vantage::tools {
 namespace {
 
 using drivers::vicon::Descriptor;
-using models::MocapProtocol;
-using models::vicon::Speaker;
+using scenario::MocapProtocol;
+using wire::vicon::Speaker;
 
 constexpr int kConnect_ms = 1500;
 constexpr int kGreeting_ms = 1500;
@@ -67,7 +67,7 @@ void probe(sockaddr_in address, ViconPort& port, const Stop& stop) {
       return;
     }
     heard += static_cast<std::size_t>(bytes);
-    port.speaker = models::vicon::identify_stream(models::vicon::Bytes(buffer).first(heard));
+    port.speaker = wire::vicon::identify_stream(wire::vicon::Bytes(buffer).first(heard));
   }
 }
 
@@ -100,7 +100,7 @@ void note_troubles(const drivers::vicon::ViconDriver& driver, Observation& obser
   }
 }
 
-Observation observe(const models::MocapSpec& spec, Duration listen, const Stop& stop) {
+Observation observe(const scenario::MocapSpec& spec, Duration listen, const Stop& stop) {
   Observation observed;
   Time first{};
   Time last{};
@@ -154,7 +154,7 @@ std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<
     return require_host(host, 0);
   }();
   std::vector<ViconPort> out;
-  models::MocapSpec spec;
+  scenario::MocapSpec spec;
   spec.host = host;
   for (const int number : tcp_ports) {
     if (stop()) {
@@ -162,7 +162,7 @@ std::vector<ViconPort> examine_vicon(const std::string& host, const std::vector<
     }
     ViconPort port;
     port.port = number;
-    port.expected = number == models::default_port(MocapProtocol::kVrpn)
+    port.expected = number == scenario::default_port(MocapProtocol::kVrpn)
                         ? MocapProtocol::kVrpn
                         : MocapProtocol::kDataStream;
     probe(address, port, stop);

@@ -10,8 +10,8 @@
 #include <Eigen/Core>
 
 #include "core/time.hpp"
-#include "models/scenario/mocap_spec.hpp"
-#include "models/wire/vicon/identify.hpp"
+#include "scenario/mocap_spec.hpp"
+#include "wire/vicon/identify.hpp"
 
 namespace vantage::tools {
 
@@ -40,10 +40,10 @@ struct Observation {
 };
 
 struct ViconPort {
-  models::MocapProtocol expected = models::MocapProtocol::kDataStream;
+  scenario::MocapProtocol expected = scenario::MocapProtocol::kDataStream;
   int port = 0;
   Answer answer = Answer::kNone;
-  models::vicon::Speaker speaker = models::vicon::Speaker::kTooFewBytes;
+  wire::vicon::Speaker speaker = wire::vicon::Speaker::kTooFewBytes;
   std::optional<Observation> observed;  ///< when a mocap protocol is spoken there
 };
 

@@ -7,8 +7,8 @@
 namespace vantage::tools {
 namespace {
 
-using models::MocapProtocol;
-using models::vicon::Speaker;
+using scenario::MocapProtocol;
+using wire::vicon::Speaker;
 
 std::string place_of(const std::string& host, const ViconPort& port) {
   return port.expected == MocapProtocol::kObjectStream ? fmt::format("UDP port {}", port.port)
@@ -101,9 +101,9 @@ std::vector<std::string> describe(const std::string& host, const std::vector<Vic
   const std::string host_key =
       protocol == MocapProtocol::kObjectStream ? std::string() : ", host: " + host;
   const std::string port_key =
-      best->port == models::default_port(protocol) ? "" : fmt::format(", port: {}", best->port);
+      best->port == scenario::default_port(protocol) ? "" : fmt::format(", port: {}", best->port);
   out.push_back(fmt::format("for the scenario: mocap: {{device: real, protocol: {}{}{}}}",
-                            models::name_of(protocol), host_key, port_key));
+                            scenario::name_of(protocol), host_key, port_key));
   return out;
 }
 

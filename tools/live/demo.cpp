@@ -8,18 +8,18 @@
 #include <system_error>
 #include <utility>
 
-#include "bus/clock.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/write_file.hpp"
+#include "logs/picture/picture.hpp"
 #include "logs/record/log_spool.hpp"
 #include "logs/record/recorder.hpp"
 #include "tools/live/node_thread.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
-#include "tools/observe/announcer.hpp"
-#include "tools/observe/observer.hpp"
-#include "tools/picture/picture.hpp"
+#include "trial/observe/announcer.hpp"
+#include "trial/observe/observer.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -31,7 +31,7 @@ constexpr auto kWait = std::chrono::milliseconds(20);
 /// Tells the person in front of it how the trial goes.
 class Reporter {
  public:
-  Reporter(const models::Scenario& scenario, const DemoOptions& options, Time start)
+  Reporter(const scenario::Scenario& scenario, const DemoOptions& options, Time start)
       : scenario_(scenario), options_(options), start_(start), next_(start) {}
 
   void tick(Time now, const logs::TrialMetrics& metrics) {
@@ -49,16 +49,16 @@ class Reporter {
   }
 
  private:
-  const models::Scenario& scenario_;
+  const scenario::Scenario& scenario_;
   const DemoOptions& options_;
   Time start_;
   Time next_;
   Screen screen_;
 };
 
-void draw(const models::Scenario& scenario, const Scene& scene, DemoResult& result) {
+void draw(const scenario::Scenario& scenario, const logs::Scene& scene, DemoResult& result) {
   try {
-    write_file(result.svg_path, draw_picture(scenario, scene, result.summary));
+    write_file(result.svg_path, logs::draw_picture(scenario, scene, result.summary));
   } catch (const std::runtime_error& error) {
     result.failures.emplace_back(error.what());
     result.svg_path.clear();
@@ -66,7 +66,7 @@ void draw(const models::Scenario& scenario, const Scene& scene, DemoResult& resu
     return;
   }
   try {
-    const Result<std::string> png = render_png(result.svg_path, result.png_path);
+    const Result<std::string> png = logs::render_png(result.svg_path, result.png_path);
     if (!png.ok()) {
       result.png_path.clear();
       result.png_error = png.error().message;
@@ -79,8 +79,9 @@ void draw(const models::Scenario& scenario, const Scene& scene, DemoResult& resu
 
 }  // namespace
 
-DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
-                    const DemoOptions& options, const std::function<bool()>& stop) {
+DemoResult run_demo(const scenario::Scenario& scenario,
+                    const std::vector<trial::NodeRecipe>& recipes, const DemoOptions& options,
+                    const std::function<bool()>& stop) {
   std::error_code error;
   std::filesystem::create_directories(options.directory, error);
   if (error) {
@@ -107,13 +108,13 @@ DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeReci
   const std::shared_ptr<void> watcher = options.attach ? options.attach(hub) : nullptr;
   const auto own_transport = hub.connect();
   bus::Bus own_bus(*own_transport, bus::random_run_id());
-  Announcer announcer(own_bus, scenario, "demo");
+  trial::Announcer announcer(own_bus, scenario, "demo");
   const Time start = clock.now();
-  TrialObserver observer(own_bus, scenario, start);
+  trial::TrialObserver observer(own_bus, scenario, start);
   announcer.publish(start);
 
   std::deque<NodeThread> nodes;
-  for (const NodeRecipe& recipe : recipes) {
+  for (const trial::NodeRecipe& recipe : recipes) {
     nodes.emplace_back(hub, clock, recipe);
   }
   std::atomic<bool> is_over = false;

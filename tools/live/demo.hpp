@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "bus/transport.hpp"
+#include "bus/transport/transport.hpp"
 #include "logs/metrics/trial_summary.hpp"
-#include "models/scenario/scenario.hpp"
-#include "tools/trial/recipe.hpp"
+#include "scenario/scenario.hpp"
+#include "trial/recipe.hpp"
 
 namespace vantage::tools {
 
@@ -37,7 +37,8 @@ struct DemoResult {
 /// was sent by then is recorded and summed up all the same. What cannot be written any more is told
 /// and left out; it flies on.
 /// @throws StartupError when a file cannot be begun or a node refuses the scenario.
-DemoResult run_demo(const models::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
-                    const DemoOptions& options, const std::function<bool()>& stop);
+DemoResult run_demo(const scenario::Scenario& scenario,
+                    const std::vector<trial::NodeRecipe>& recipes, const DemoOptions& options,
+                    const std::function<bool()>& stop);
 
 }  // namespace vantage::tools

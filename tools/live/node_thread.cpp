@@ -5,7 +5,8 @@
 
 namespace vantage::tools {
 
-NodeThread::NodeThread(bus::InProcessHub& hub, const bus::Clock& clock, const NodeRecipe& recipe)
+NodeThread::NodeThread(bus::InProcessHub& hub, const bus::Clock& clock,
+                       const trial::NodeRecipe& recipe)
     : name_(recipe.name),
       clock_(clock),
       transport_(hub.connect()),

@@ -5,11 +5,11 @@
 #include <string>
 #include <thread>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
-#include "bus/transport.hpp"
-#include "tools/trial/recipe.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
+#include "bus/transport/transport.hpp"
+#include "trial/recipe.hpp"
 
 namespace vantage::tools {
 
@@ -17,7 +17,7 @@ namespace vantage::tools {
 /// join(); in between everything belongs to the node's thread.
 class NodeThread {
  public:
-  NodeThread(bus::InProcessHub& hub, const bus::Clock& clock, const NodeRecipe& recipe);
+  NodeThread(bus::InProcessHub& hub, const bus::Clock& clock, const trial::NodeRecipe& recipe);
   ~NodeThread() { join(); }
   NodeThread(const NodeThread&) = delete;
   NodeThread& operator=(const NodeThread&) = delete;

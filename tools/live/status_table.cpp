@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "logs/look/look.hpp"
-#include "models/scenario/search_name.hpp"
+#include "scenario/search_name.hpp"
 #include "tools/live/screen.hpp"
 
 namespace vantage::tools {
@@ -55,7 +55,7 @@ std::optional<Ink> ink_of(models::FlightState state) {
 
 std::string robot_row(const std::string& name, const logs::RobotStatus& robot, bool in_colour) {
   const std::string state =
-      word(fmt::format("{:>8}", robot.state ? models::name_of(*robot.state) : "-"),
+      word(fmt::format("{:>8}", robot.state ? scenario::name_of(*robot.state) : "-"),
            robot.state ? ink_of(*robot.state) : std::nullopt, in_colour);
   if (!robot.plan) {
     return fmt::format("{:<8} {} {:>7}", name, state, "-");
@@ -65,7 +65,7 @@ std::string robot_row(const std::string& name, const logs::RobotStatus& robot, b
   const double used_s = to_seconds(plan.finish - plan.slot_start);
   const bool is_searched = plan.source == models::PlanSource::kSearched;
   return fmt::format("{:<8} {} {:>7} {} {:>9.2f} {:>9} {}", name, state, plan.round % 100'000,
-                     word(fmt::format("{:>9}", models::name_of(plan.source)),
+                     word(fmt::format("{:>9}", scenario::name_of(plan.source)),
                           is_searched ? std::nullopt : std::optional(Ink::kWarning), in_colour),
                      plan.cost, plan.nodes,
                      word(fmt::format("{:>8.0f} %", slot_s > 0.0 ? 100.0 * used_s / slot_s : 0.0),
@@ -80,15 +80,16 @@ std::string count(const char* what, std::int64_t number, bool in_colour, Ink ink
 
 }  // namespace
 
-std::vector<std::string> status_table(const models::Scenario& scenario,
+std::vector<std::string> status_table(const scenario::Scenario& scenario,
                                       const logs::TrialMetrics& metrics, double elapsed_s,
                                       bool in_colour) {
   const auto quiet = [&](const std::string& text) { return word(text, Ink::kQuiet, in_colour); };
   std::vector<std::string> out;
   out.push_back(fmt::format("{} with {}   {:.0f} s of {:g} s", scenario.name,
-                            models::search_name(scenario.planner), elapsed_s, scenario.duration_s));
+                            scenario::search_name(scenario.planner), elapsed_s,
+                            scenario.duration_s));
   out.emplace_back();
-  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+  if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     out.push_back(fmt::format("{} {}", logs::look().measures.at("map_entropy").name,
                               cell(metrics.map_entropy_nats(), 0, "nat")));
   } else {
@@ -127,7 +128,7 @@ std::string status_line(const logs::TrialMetrics& metrics, double elapsed_s) {
       map_nats ? fmt::format("   map {:.0f} nat", *map_nats) : "");
 }
 
-std::vector<std::string> summary_table(const models::Scenario& scenario,
+std::vector<std::string> summary_table(const scenario::Scenario& scenario,
                                        const logs::TrialSummary& summary) {
   std::vector<std::string> out;
   out.push_back(fmt::format("{} with {}, seed {}, {:.1f} s", summary.scenario, summary.algorithm,

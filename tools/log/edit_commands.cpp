@@ -6,7 +6,7 @@
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/edit/edit.hpp"
-#include "tools/commands/numbers.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 

@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "logs/edit/edit.hpp"
 #include "logs/record/log_writer.hpp"
-#include "tools/commands/commands.hpp"
+#include "tools/command_line/runner.hpp"
 
 namespace vantage::tools {
 

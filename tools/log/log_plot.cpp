@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "core/child.hpp"
 #include "core/write_file.hpp"
 #include "logs/look/look.hpp"
-#include "tools/picture/picture.hpp"
-#include "tools/supervisor/child.hpp"
+#include "logs/picture/picture.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -44,8 +44,8 @@ bool is_whole(const std::string& path) {
 }
 
 // A robot has the colour of its place in the scenario, as everywhere.
-std::size_t place_of(const models::Scenario& scenario, const std::string& robot) {
-  const auto is_it = [&](const models::RobotSpec& each) { return each.name == robot; };
+std::size_t place_of(const scenario::Scenario& scenario, const std::string& robot) {
+  const auto is_it = [&](const scenario::RobotSpec& each) { return each.name == robot; };
   return static_cast<std::size_t>(
       std::find_if(scenario.robots.begin(), scenario.robots.end(), is_it) -
       scenario.robots.begin());
@@ -73,7 +73,7 @@ std::string plot_terminal(const std::string& picture_path, int height_px) {
   throw StartupError(picture_path + ": a picture's name ends in .png, .svg or .pdf");
 }
 
-std::string plot_script(const logs::LogAnalysis& analysis, const models::Scenario& scenario,
+std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scenario& scenario,
                         const std::string& title, const std::string& picture_path) {
   std::string out = "$course << EOD\n";
   for (const logs::CoursePoint& point : analysis.course) {

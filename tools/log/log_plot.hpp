@@ -4,7 +4,7 @@
 
 #include "core/result.hpp"
 #include "logs/analysis/log_analysis.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::tools {
 
@@ -15,7 +15,7 @@ std::string plot_terminal(const std::string& picture_path, int height_px = 1500)
 /// A gnuplot script, data included, that draws the course of a trial into `picture_path`: RMSE,
 /// entropy, targets found, deadline margins and gaps of the plans, over time. Pure.
 /// @throws StartupError as plot_terminal().
-std::string plot_script(const logs::LogAnalysis& analysis, const models::Scenario& scenario,
+std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scenario& scenario,
                         const std::string& title, const std::string& picture_path);
 
 /// Runs gnuplot on it; the Error says what is missing, or what could not be drawn. No part of a

@@ -1,10 +1,10 @@
 #include "tools/log/log_scenario.hpp"
 
-#include "bus/channels.hpp"
-#include "bus/convert.hpp"
-#include "bus/scenario_yaml.hpp"
-#include "bus/wire_walk.hpp"
+#include "bus/convert/channels.hpp"
+#include "bus/convert/convert.hpp"
+#include "bus/convert/wire_walk.hpp"
 #include "core/check.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 
 namespace vantage::tools {
 
@@ -26,12 +26,12 @@ std::optional<models::ScenarioNotice> find_scenario_notice(const logs::IndexedLo
   return std::nullopt;
 }
 
-models::Scenario scenario_of(const logs::IndexedLog& log) {
+scenario::Scenario scenario_of(const logs::IndexedLog& log) {
   const auto notice = find_scenario_notice(log);
   if (!notice) {
     throw StartupError(log.path() + ": no SCENARIO in it that says what was flown");
   }
-  return bus::parse_scenario(notice->yaml, log.path() + " (SCENARIO)");
+  return scenario::parse_scenario(notice->yaml, log.path() + " (SCENARIO)");
 }
 
 }  // namespace vantage::tools

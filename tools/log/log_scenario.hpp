@@ -4,7 +4,7 @@
 
 #include "logs/file/log_index.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::tools {
 
@@ -13,6 +13,6 @@ std::optional<models::ScenarioNotice> find_scenario_notice(const logs::IndexedLo
 
 /// The scenario that the log was flown with. @throws StartupError when the log does not say, or
 /// says what this version cannot read.
-models::Scenario scenario_of(const logs::IndexedLog& log);
+scenario::Scenario scenario_of(const logs::IndexedLog& log);
 
 }  // namespace vantage::tools

@@ -10,15 +10,15 @@
 #include "core/process.hpp"
 #include "core/utf8.hpp"
 #include "core/write_file.hpp"
+#include "experiments/sweep/compare.hpp"
+#include "experiments/sweep/sample.hpp"
 #include "logs/analysis/log_analysis.hpp"
-#include "models/scenario/search_name.hpp"
+#include "scenario/search_name.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/log/log_plot.hpp"
 #include "tools/log/log_scenario.hpp"
-#include "tools/sweep/compare.hpp"
-#include "tools/sweep/sample.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -35,7 +35,7 @@ std::string row(const std::string& name, const logs::Spread& spread) {
                      1e3 * spread.worst_s);
 }
 
-void print(const models::Scenario& scenario, const logs::LogAnalysis& analysis) {
+void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis) {
   for (const std::string& line : summary_table(scenario, analysis.summary)) {
     print_line(line);
   }
@@ -80,7 +80,7 @@ std::vector<std::pair<std::string, std::optional<double>>> figures_of(
 // Steps of one trial are not independent of each other, trials are: only over these is there a
 // band of what chance leaves open.
 void print_bands(const std::vector<logs::TrialSummary>& summaries) {
-  std::map<std::string, Sample> samples;
+  std::map<std::string, experiments::Sample> samples;
   for (const logs::TrialSummary& summary : summaries) {
     for (const auto& [name, value] : figures_of(summary)) {
       if (value) {
@@ -90,7 +90,7 @@ void print_bands(const std::vector<logs::TrialSummary>& summaries) {
   }
   print_line(fmt::format("mean of {} logs and 95 % band of it by Student's t", summaries.size()));
   for (const auto& [name, value] : figures_of(summaries.front())) {
-    const Sample& sample = samples[name];
+    const experiments::Sample& sample = samples[name];
     print_line(sample.size() == 0 ? fmt::format("{:<28} -", name)
                                   : fmt::format("{:<28} {:>8.3f} ± {:.3f}", name, sample.mean(),
                                                 sample.half_interval()));
@@ -102,7 +102,7 @@ int metrics(const MetricsArguments& arguments) {
   std::vector<logs::TrialSummary> summaries;
   for (const std::string& path : arguments.logs) {
     const logs::IndexedLog log(path, progress_line("reading"));
-    const models::Scenario scenario = scenario_of(log);
+    const scenario::Scenario scenario = scenario_of(log);
     const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
     if (arguments.as_json) {
       print_json(logs::to_json(analysis));
@@ -123,12 +123,12 @@ int plot(const MetricsArguments& arguments) {
   const EndsAtOnce drawing;
   const std::string& path = arguments.logs.front();
   const logs::IndexedLog log(path, progress_line("reading"));
-  const models::Scenario scenario = scenario_of(log);
+  const scenario::Scenario scenario = scenario_of(log);
   const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
   const std::string script = std::filesystem::path(arguments.output).replace_extension(".gp");
   const std::string title =
       fmt::format("{}: {} with {}", std::filesystem::path(path).filename().string(), scenario.name,
-                  models::search_name(scenario.planner));
+                  scenario::search_name(scenario.planner));
   const Result<std::string> drawn =
       draw_plot(plot_script(analysis, scenario, title, arguments.output), script, arguments.output);
   if (!drawn.ok()) {

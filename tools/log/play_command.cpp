@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bus/transport.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/play/player.hpp"
-#include "tools/commands/numbers.hpp"
+#include "tools/command_line/numbers.hpp"
 #include "tools/console/terminal.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
-#include "tools/observe/neighbours.hpp"
+#include "trial/observe/neighbours.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -69,8 +69,8 @@ void refuse_neighbours(const PlayArguments& arguments) {
     return;
   }
   const auto transport = bus::open_transport(arguments.url);
-  const auto rivals =
-      rivals_of_play(hear_channels(*transport, kListenToNeighbours, stop_requested));
+  const auto rivals = trial::rivals_of_play(
+      trial::hear_channels(*transport, trial::kListenToNeighbours, stop_requested));
   if (!rivals.empty()) {
     throw StartupError(rivals.front() +
                        ": play on another network (--url), under other names (--prefix), or all "

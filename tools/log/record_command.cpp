@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/process_usage.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/process_usage.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/record/recorder.hpp"

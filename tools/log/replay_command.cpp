@@ -7,7 +7,7 @@
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/log/log_scenario.hpp"
-#include "tools/replay/log_replay.hpp"
+#include "trial/replay/log_replay.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -20,10 +20,10 @@ struct ReplayArguments {
 
 using Json = nlohmann::ordered_json;
 
-bool is_good(const ReplayReport& report) { return report.outputs.is_exact(); }
+bool is_good(const trial::ReplayReport& report) { return report.outputs.is_exact(); }
 
-Json to_json(const std::string& node, const ReplayReport& report) {
-  const OutputComparison& outputs = report.outputs;
+Json to_json(const std::string& node, const trial::ReplayReport& report) {
+  const trial::OutputComparison& outputs = report.outputs;
   Json json{{"node", node},
             {"exact", is_good(report)},
             {"logged", outputs.logged()},
@@ -41,8 +41,8 @@ Json to_json(const std::string& node, const ReplayReport& report) {
   return json;
 }
 
-void print(const std::string& node, const ReplayReport& report) {
-  const OutputComparison& outputs = report.outputs;
+void print(const std::string& node, const trial::ReplayReport& report) {
+  const trial::OutputComparison& outputs = report.outputs;
   print_line(fmt::format("{}: {} of {} outputs made again, {} different{}", node,
                          outputs.replayed(), outputs.logged(), outputs.different(),
                          is_good(report) ? ": exact" : ""));
@@ -70,9 +70,9 @@ void print(const std::string& node, const ReplayReport& report) {
 int run(ReplayArguments arguments) {
   const EndsAtOnce comparing;
   const logs::IndexedLog log(arguments.log, progress_line("reading"));
-  const models::Scenario scenario = scenario_of(log);
+  const scenario::Scenario scenario = scenario_of(log);
   if (arguments.nodes.empty()) {
-    for (const models::RobotSpec& robot : scenario.robots) {
+    for (const scenario::RobotSpec& robot : scenario.robots) {
       arguments.nodes.push_back("estimator:" + robot.name);
       arguments.nodes.push_back("planner:" + robot.name);
     }
@@ -80,8 +80,8 @@ int run(ReplayArguments arguments) {
   bool all_good = true;
   Json all = Json::array();
   for (const std::string& node : arguments.nodes) {
-    const ReplayReport report =
-        replay_log(log, scenario, parse_replay_target(node, scenario), progress_line(node));
+    const trial::ReplayReport report = trial::replay_log(
+        log, scenario, trial::parse_replay_target(node, scenario), progress_line(node));
     all_good &= is_good(report);
     if (arguments.as_json) {
       all.push_back(to_json(node, report));

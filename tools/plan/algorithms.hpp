@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
-#include "planner/search/problem.hpp"
 
 namespace vantage::tools {
 

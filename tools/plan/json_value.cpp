@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "bus/yaml_value.hpp"
 #include "core/check.hpp"
+#include "scenario/reader/yaml_value.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -140,7 +140,7 @@ std::size_t JsonValue::word(const std::vector<std::string_view>& words) const {
                          ? std::find(words.begin(), words.end(), node_->get<std::string>())
                          : words.end();
   if (found == words.end()) {
-    refuse("must be one of " + bus::comma_separated(words));
+    refuse("must be one of " + scenario::comma_separated(words));
   }
   return static_cast<std::size_t>(found - words.begin());
 }
@@ -203,10 +203,11 @@ void JsonObject::finish() const {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) {
       continue;
     }
-    const std::string nearest = bus::nearest_word(key, known_);
+    const std::string nearest = scenario::nearest_word(key, known_);
     value_.complain(fmt::format("unknown key {}; {}", shown(nlohmann::json(key)),
-                                nearest.empty() ? "known here are " + bus::comma_separated(known_)
-                                                : "did you mean " + nearest + "?"));
+                                nearest.empty()
+                                    ? "known here are " + scenario::comma_separated(known_)
+                                    : "did you mean " + nearest + "?"));
   }
 }
 

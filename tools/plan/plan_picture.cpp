@@ -6,10 +6,10 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "logs/picture/layout.hpp"
+#include "logs/picture/map_layer.hpp"
+#include "logs/picture/svg.hpp"
 #include "models/plan/plan.hpp"
-#include "tools/picture/layout.hpp"
-#include "tools/picture/map_layer.hpp"
-#include "tools/picture/svg.hpp"
 #include "tools/plan/plan_report.hpp"
 
 namespace vantage::tools {
@@ -50,7 +50,7 @@ Course course_of(const planner::SearchProblem& problem, const planner::SearchTar
   return course;
 }
 
-void draw_ellipse(Svg& svg, const Layout& layout, const Eigen::Vector2d& mean_m,
+void draw_ellipse(logs::Svg& svg, const logs::Layout& layout, const Eigen::Vector2d& mean_m,
                   const Eigen::Matrix2d& covariance_m2, std::string_view style) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_m2);
   const Eigen::Vector2d half_px = logs::look().ellipse_radius() * layout.px_per_m *
@@ -61,25 +61,25 @@ void draw_ellipse(Svg& svg, const Layout& layout, const Eigen::Vector2d& mean_m,
   svg.ellipse(layout.page_from_world(mean_m), half_px, angle_deg, style);
 }
 
-void draw_target(Svg& svg, const Layout& layout, const Course& course) {
+void draw_target(logs::Svg& svg, const logs::Layout& layout, const Course& course) {
   draw_ellipse(svg, layout, course.mean_m.front(), course.before_m2,
                fmt::format(R"(class="prior" fill="none" stroke="{}" stroke-width="1.2" )"
                            R"(stroke-dasharray="4 4")",
-                           role_colour("fallback")));
+                           logs::role_colour("fallback")));
   Points way_px;
   for (const Eigen::Vector2d& mean_m : course.mean_m) {
     way_px.push_back(layout.page_from_world(mean_m));
   }
   svg.polyline(way_px, fmt::format(R"(fill="none" stroke="{}" stroke-width="1.4")",
-                                   role_colour("estimate")));
+                                   logs::role_colour("estimate")));
   draw_ellipse(svg, layout, course.mean_m.back(), course.after_m2,
                fmt::format(R"(class="target" fill="{0}" fill-opacity="0.12" stroke="{0}" )"
                            R"(stroke-width="1.6")",
-                           role_colour("estimate")));
-  svg.circle(way_px.back(), 2.5, fmt::format("fill=\"{}\"", role_colour("estimate")));
+                           logs::role_colour("estimate")));
+  svg.circle(way_px.back(), 2.5, fmt::format("fill=\"{}\"", logs::role_colour("estimate")));
 }
 
-void draw_path(Svg& svg, const Layout& layout, const planner::SearchProblem& problem,
+void draw_path(logs::Svg& svg, const logs::Layout& layout, const planner::SearchProblem& problem,
                const planner::SearchResult& result) {
   constexpr int kPieces = 16;
   Points path_px{layout.page_from_world(problem.start.position_m())};
@@ -141,7 +141,8 @@ std::vector<Row> rows_of(const std::vector<std::string>& lines) {
   return rows;
 }
 
-double draw_numbers(Svg& svg, const Eigen::Vector2d& corner_px, const std::vector<Row>& rows) {
+double draw_numbers(logs::Svg& svg, const Eigen::Vector2d& corner_px,
+                    const std::vector<Row>& rows) {
   double y_px = corner_px.y() + 14.0;
   svg.text({corner_px.x(), y_px}, "Plan", kHead);
   y_px += 4.0;
@@ -153,7 +154,7 @@ double draw_numbers(Svg& svg, const Eigen::Vector2d& corner_px, const std::vecto
   return y_px;
 }
 
-void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, bool has_targets) {
+void draw_legend(logs::Svg& svg, const Eigen::Vector2d& corner_px, bool has_targets) {
   const Eigen::Vector2d dx(14, 0);
   Eigen::Vector2d at_px = corner_px + Eigen::Vector2d(0, 14);
   svg.text(at_px, "Legend", kHead);
@@ -175,14 +176,14 @@ void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, bool has_targets) {
   p_px = entry("target before the plan (prior), " + words + " ellipse");
   svg.ellipse(p_px, {14, 8}, 0.0,
               fmt::format(R"(fill="none" stroke="{}" stroke-width="1.2" stroke-dasharray="4 4")",
-                          role_colour("fallback")));
+                          logs::role_colour("fallback")));
   p_px = entry("target after it (posterior), " + words + " ellipse");
   svg.ellipse(p_px, {14, 8}, 0.0,
               fmt::format(R"(fill="{0}" fill-opacity="0.12" stroke="{0}" stroke-width="1.6")",
-                          role_colour("estimate")));
+                          logs::role_colour("estimate")));
   p_px = entry("way that its mean is predicted to go");
   svg.line(p_px - dx, p_px + dx,
-           fmt::format("stroke=\"{}\" stroke-width=\"1.4\"", role_colour("estimate")));
+           fmt::format("stroke=\"{}\" stroke-width=\"1.4\"", logs::role_colour("estimate")));
 }
 
 }  // namespace
@@ -190,15 +191,16 @@ void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, bool has_targets) {
 std::string draw_plan_picture(const PlanningProblem& planning, const PlanOutcome& outcome) {
   const planner::SearchProblem& problem = planning.problem;
   const std::vector<Row> rows = rows_of(to_lines(planning, outcome));
-  const Layout layout(planning.world->bounds, kRow_px * static_cast<double>(rows.size()) + 190.0);
-  models::Scenario scenario;
+  const logs::Layout layout(planning.world->bounds,
+                            kRow_px * static_cast<double>(rows.size()) + 190.0);
+  scenario::Scenario scenario;
   scenario.world = *planning.world;
-  Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
+  logs::Svg svg(layout.page_size_px.x(), layout.page_size_px.y());
   svg.open_clip(layout.map_corner_px, layout.map_size_px);
-  draw_ground(svg, layout, scenario, {});
+  logs::draw_ground(svg, layout, scenario, {});
   for (const Pose2& pose : outcome.result.poses) {
     for (const models::SensorModel& sensor : problem.sensors) {
-      draw_view(svg, layout, sensor, pose, path_colour());
+      logs::draw_view(svg, layout, sensor, pose, path_colour());
     }
   }
   for (const planner::SearchTarget& target : problem.targets) {
@@ -206,7 +208,7 @@ std::string draw_plan_picture(const PlanningProblem& planning, const PlanOutcome
   }
   draw_path(svg, layout, problem, outcome.result);
   svg.close_group();
-  draw_axes(svg, layout, *planning.world);
+  logs::draw_axes(svg, layout, *planning.world);
   svg.text({layout.map_corner_px.x(), 40.0}, planning.name.empty() ? outcome.source : planning.name,
            R"(font-size="22" font-weight="bold" fill="#202124")");
   const double end_px = draw_numbers(svg, layout.panel_corner_px, rows);

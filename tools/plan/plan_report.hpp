@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "planner/search/problem.hpp"
+#include "planner/problem/problem.hpp"
 #include "tools/plan/problem_json.hpp"
 #include "tools/plan/solver.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "planner/search/problem.hpp"
+#include "planner/problem/problem.hpp"
 #include "tools/plan/algorithms.hpp"
 
 namespace vantage::tools {

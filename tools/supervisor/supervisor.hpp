@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "core/child.hpp"
 #include "models/exchange/messages.hpp"
-#include "tools/supervisor/child.hpp"
 #include "tools/supervisor/restart_schedule.hpp"
 
 namespace vantage::tools {

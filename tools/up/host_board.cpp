@@ -16,8 +16,8 @@ constexpr double kMebibyte = 1024.0 * 1024.0;
 
 std::string row_of(const std::string& host, const models::SupervisedProcess& process) {
   return fmt::format("{:<8} {:<14} {:>9} {:>9} {:>8.1f} s {:>6.1f} % {:>7.1f} MiB  {}", host,
-                     process.name, models::name_of(process.phase), process.restarts, process.down_s,
-                     100.0 * process.cpu_share,
+                     process.name, scenario::name_of(process.phase), process.restarts,
+                     process.down_s, 100.0 * process.cpu_share,
                      static_cast<double>(process.memory_bytes) / kMebibyte, process.last_end);
 }
 
@@ -41,11 +41,11 @@ void UsageMeter::fill(const SupervisedStatus& status, const std::optional<Readin
   process.memory_bytes = reading->memory_bytes;
 }
 
-HostBoard::HostBoard(const models::Scenario& scenario, std::string own, std::int64_t own_run_id,
+HostBoard::HostBoard(const scenario::Scenario& scenario, std::string own, std::int64_t own_run_id,
                      Time start)
     : own_(std::move(own)), own_run_id_(own_run_id) {
   hosts_[own_].at = start;
-  for (const models::HostSpec& host : scenario.hosts) {
+  for (const scenario::HostSpec& host : scenario.hosts) {
     if (own_ != kOnlyHost) {
       hosts_[host.name].at = start;
     }

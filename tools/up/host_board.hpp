@@ -8,7 +8,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "tools/supervisor/supervisor.hpp"
 
 namespace vantage::tools {
@@ -44,7 +44,8 @@ class HostBoard {
   static constexpr double kSilentAfter_s = 3.0;
 
   /// @param own  the host that this supervisor is
-  HostBoard(const models::Scenario& scenario, std::string own, std::int64_t own_run_id, Time start);
+  HostBoard(const scenario::Scenario& scenario, std::string own, std::int64_t own_run_id,
+            Time start);
 
   /// What there is to say about it: a host that came (again), one that speaks under our own name.
   std::optional<std::string> on_report(const models::HostReport& report, Time now);

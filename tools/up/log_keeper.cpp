@@ -26,7 +26,8 @@ ProcessSpec recorder_process(const std::string& executables, const std::string& 
 
 // The recorder writes what it hears, so it listens once its file is no longer empty.
 LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
-                     const RestartPolicy& policy, Announcer& announcer, const bus::Clock& clock)
+                     const RestartPolicy& policy, trial::Announcer& announcer,
+                     const bus::Clock& clock)
     : path_(path), supervisor_(policy) {
   outcome_.path = path;
   std::error_code error;

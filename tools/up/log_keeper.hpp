@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "bus/clock.hpp"
-#include "tools/observe/announcer.hpp"
+#include "bus/node/clock.hpp"
 #include "tools/supervisor/supervisor.hpp"
+#include "trial/observe/announcer.hpp"
 
 namespace vantage::tools {
 
@@ -39,7 +39,7 @@ class LogKeeper {
   /// @throws StartupError when there is something at `path`, or the recorder cannot run, write, or
   ///         hear.
   LogKeeper(const ProcessSpec& recorder, const std::string& path, const RestartPolicy& policy,
-            Announcer& announcer, const bus::Clock& clock);
+            trial::Announcer& announcer, const bus::Clock& clock);
   LogKeeper(const LogKeeper&) = delete;
   LogKeeper& operator=(const LogKeeper&) = delete;
   LogKeeper(LogKeeper&&) = delete;

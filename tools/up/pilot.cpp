@@ -5,10 +5,10 @@
 
 namespace vantage::tools {
 
-Pilot::Pilot(bus::Bus& bus, const models::Scenario& scenario, Time start)
+Pilot::Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start)
     : now_(start), desk_(bus, true, start), program_(robots_with_driver(scenario)) {
-  for (const models::RobotSpec& robot : scenario.robots) {
-    if (robot.device == models::DeviceSource::kReal) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    if (robot.device == scenario::DeviceSource::kReal) {
       throw StartupError("robot " + robot.name +
                          " is real: a person arms it, with `vantage console`, not --fly");
     }

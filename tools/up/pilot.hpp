@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "models/scenario/scenario.hpp"
+#include "bus/node/bus.hpp"
+#include "scenario/scenario.hpp"
 #include "tools/console/console.hpp"
 #include "tools/up/flight_program.hpp"
 
@@ -15,7 +15,7 @@ class Pilot {
  public:
   /// Of all robots that a driver flies.
   /// @throws StartupError when one of them is real: a person arms it.
-  Pilot(bus::Bus& bus, const models::Scenario& scenario, Time start);
+  Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start);
   Pilot(const Pilot&) = delete;
   Pilot& operator=(const Pilot&) = delete;
   Pilot(Pilot&&) = delete;

@@ -14,15 +14,15 @@
 
 #include "core/address.hpp"
 #include "core/result.hpp"
-#include "models/autopilot/parameter_rules.hpp"
+#include "wire/autopilot/parameter_rules.hpp"
 
 namespace vantage::tools {
 
 namespace {
 
-using models::DeviceSource;
+using scenario::DeviceSource;
 
-bool has_driver(const models::RobotSpec& robot) { return robot.device != DeviceSource::kDirect; }
+bool has_driver(const scenario::RobotSpec& robot) { return robot.device != DeviceSource::kDirect; }
 
 constexpr const char* kDriverWaits = "udp://";
 // Where the driver tells autopilots that they are; see sim/firmware/firmware_sensors.
@@ -50,7 +50,7 @@ std::string absolute(const std::string& path) {
 }
 
 /// The port at which the driver waits for its autopilot.
-Result<int> driver_port(const models::RobotSpec& robot) {
+Result<int> driver_port(const scenario::RobotSpec& robot) {
   const std::string& url = robot.autopilot->url;
   const std::string refusal = "robot " + robot.name +
                               " has `firmware`, which speaks to its driver: `url` must be "
@@ -70,7 +70,7 @@ constexpr const char* kArdupilotAirframe =
     "BATT_VOLT_MULT 10.1\nBATT_AMP_PERVLT 17\n"
     "SIM_VIB_MOT_MASK 15\n";  // the motors that its simulated battery feeds: none but with this
 
-ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int system_id,
+ProcessSpec ardupilot_process(const scenario::RobotSpec& robot, int instance, int system_id,
                               const ProcessPlaces& places) {
   ProcessSpec out{
       "firmware " + robot.name,
@@ -81,7 +81,7 @@ ProcessSpec ardupilot_process(const models::RobotSpec& robot, int instance, int 
   if (defaults.empty()) {
     defaults = "parameters.parm";
     out.files[defaults] = kArdupilotAirframe +
-                          std::string(models::parameter_file(models::AutopilotDialect::kArdupilot));
+                          std::string(wire::parameter_file(models::AutopilotDialect::kArdupilot));
   }
   out.arguments.insert(out.arguments.end(), {"--defaults", defaults});
   out.folder = absolute(places.firmware_folder) + "/" + robot.name;
@@ -115,7 +115,7 @@ std::vector<std::string> px4_settings(std::istream& text) {
   return out;
 }
 
-ProcessSpec px4_process(const models::RobotSpec& robot, int instance, int system_id,
+ProcessSpec px4_process(const scenario::RobotSpec& robot, int instance, int system_id,
                         const ProcessPlaces& places) {
   const std::string binary = find_program(robot.firmware->binary);
   ProcessSpec out{"firmware " + robot.name, {"/usr/bin/env", "PX4_SIM_MODEL=none_iris"}};
@@ -123,7 +123,7 @@ ProcessSpec px4_process(const models::RobotSpec& robot, int instance, int system
   std::vector<std::string>& words = out.arguments;
   words.insert(words.end(), kPx4Airframe.begin(), kPx4Airframe.end());
   std::ifstream file(robot.firmware->parameters);
-  std::istringstream ours(models::parameter_file(models::AutopilotDialect::kPx4));
+  std::istringstream ours(wire::parameter_file(models::AutopilotDialect::kPx4));
   for (const std::string& setting :
        robot.firmware->parameters.empty() ? px4_settings(ours) : px4_settings(file)) {
     words.push_back(setting);
@@ -138,9 +138,9 @@ ProcessSpec px4_process(const models::RobotSpec& robot, int instance, int system
 
 }  // namespace
 
-std::vector<std::string> robots_with_driver(const models::Scenario& scenario) {
+std::vector<std::string> robots_with_driver(const scenario::Scenario& scenario) {
   std::vector<std::string> out;
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     if (has_driver(robot)) {
       out.push_back(robot.name);
     }
@@ -148,9 +148,9 @@ std::vector<std::string> robots_with_driver(const models::Scenario& scenario) {
   return out;
 }
 
-std::vector<std::string> device_faults(const models::Scenario& scenario) {
+std::vector<std::string> device_faults(const scenario::Scenario& scenario) {
   std::vector<std::string> out;
-  for (const models::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
     const bool is_real = robot.device == DeviceSource::kReal;
     if (is_real && scenario.mocap.device != DeviceSource::kReal) {
       out.push_back("robot " + robot.name +
@@ -182,7 +182,7 @@ std::vector<std::string> device_faults(const models::Scenario& scenario) {
   return out;
 }
 
-std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
+std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                                       const ProcessPlaces& places) {
   const auto command = [&places](const std::string& program) {
     return std::vector<std::string>{places.executables + "/" + program, "--scenario",
@@ -201,11 +201,11 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
       places.has_virtual_targets || scenario.mocap.device != DeviceSource::kReal ||
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
                   [](const auto& robot) { return robot.device != DeviceSource::kReal; });
-  if (is_simulated && runs(models::kSimPart)) {
+  if (is_simulated && runs(scenario::kSimPart)) {
     out.push_back({kSimProcess, command("vantage-sim"), true});
   }
-  for (const models::RobotSpec& robot : scenario.robots) {
-    if (robot.firmware && !robot.firmware->binary.empty() && runs(models::kSimPart)) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    if (robot.firmware && !robot.firmware->binary.empty() && runs(scenario::kSimPart)) {
       const int instance = scenario.firmware_instance(robot);
       const int system_id =
           robot.autopilot->system_id > 0 ? robot.autopilot->system_id : instance + 1;
@@ -214,13 +214,13 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
                         : ardupilot_process(robot, instance, system_id, places));
     }
   }
-  if (scenario.mocap.device != DeviceSource::kDirect && runs(models::kMocapPart)) {
+  if (scenario.mocap.device != DeviceSource::kDirect && runs(scenario::kMocapPart)) {
     out.push_back({"vicon", command("vantage-vicon"), true});
   }
   const bool has_real_robots =
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
                   [](const auto& robot) { return robot.device == DeviceSource::kReal; });
-  if (has_real_robots && runs(models::kMocapPart)) {
+  if (has_real_robots && runs(scenario::kMocapPart)) {
     out.push_back({"contacts", command("vantage-contacts")});
   }
   for (const std::string& robot : robots_with_driver(scenario)) {
@@ -229,7 +229,7 @@ std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
     }
   }
   for (const std::string program : {"sensor", "estimator", "planner"}) {
-    for (const models::RobotSpec& robot : scenario.robots) {
+    for (const scenario::RobotSpec& robot : scenario.robots) {
       if (runs(robot.name)) {
         add_for(program, robot.name);
       }

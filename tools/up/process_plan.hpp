@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "tools/supervisor/supervisor.hpp"
 
 namespace vantage::tools {
@@ -22,17 +22,17 @@ struct ProcessPlaces {
 };
 
 /// The robots that a driver process flies: those whose device is `wire` or `real`.
-std::vector<std::string> robots_with_driver(const models::Scenario& scenario);
+std::vector<std::string> robots_with_driver(const scenario::Scenario& scenario);
 
 /// What is wrong with the scenario's mixture of devices, each a sentence; empty: it can be flown.
-std::vector<std::string> device_faults(const models::Scenario& scenario);
+std::vector<std::string> device_faults(const scenario::Scenario& scenario);
 
 /// The processes of a trial on this host, in an order for people to read (any order will do): the
 /// simulator when anything is simulated, the firmware that flies simulated vehicles, the drivers of
 /// devices that are not `direct`, the judge of real bodies' contacts when a robot is real, then per
 /// robot sensor, estimator and planner. Essential are the simulator and the mocap driver: no
 /// vehicle does anything worth while without them.
-std::vector<ProcessSpec> process_plan(const models::Scenario& scenario,
+std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
                                       const ProcessPlaces& places);
 
 }  // namespace vantage::tools

@@ -16,25 +16,25 @@
 #include <unistd.h>
 
 #include "bus/auth/authenticator.hpp"
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/process_usage.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/process_usage.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "core/write_file.hpp"
 #include "logs/record/append_file.hpp"
+#include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/live/status_table.hpp"
-#include "tools/observe/announcer.hpp"
-#include "tools/observe/neighbours.hpp"
-#include "tools/observe/observer.hpp"
 #include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
-#include "tools/up/log_space.hpp"
 #include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
+#include "trial/observe/announcer.hpp"
+#include "trial/observe/neighbours.hpp"
+#include "trial/observe/observer.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -77,7 +77,7 @@ struct HandedClock : bus::SteadyClock {
 };
 
 /// Signs what `bus` says as `scenario` wants it, from the first message on.
-bus::Bus& secured(bus::Bus& bus, const models::Scenario& scenario, const bus::Clock& clock) {
+bus::Bus& secured(bus::Bus& bus, const scenario::Scenario& scenario, const bus::Clock& clock) {
   bus.secure(bus::auth::authenticator_for(scenario, false), clock);
   return bus;
 }
@@ -122,7 +122,7 @@ class Teller {
     }
   }
 
-  void show(Time now, const models::Scenario& scenario, const logs::TrialMetrics& metrics,
+  void show(Time now, const scenario::Scenario& scenario, const logs::TrialMetrics& metrics,
             double elapsed_s, const HostBoard& board) {
     if (options_.quiet || now < next_) {
       return;
@@ -155,12 +155,12 @@ class Teller {
 /// that the log is first and, destroyed in reverse also when starting fails half-way, last to go.
 class Up {
  public:
-  Up(const models::Scenario& scenario, const UpOptions& options);
+  Up(const scenario::Scenario& scenario, const UpOptions& options);
   UpResult run(const std::function<bool()>& stop);
 
  private:
   [[nodiscard]] bool announces() const {
-    return options_.host.empty() || scenario_.runs_on(options_.host, models::kLoggerPart);
+    return options_.host.empty() || scenario_.runs_on(options_.host, scenario::kLoggerPart);
   }
   void listen();
   void turn();
@@ -179,20 +179,20 @@ class Up {
     }
   }
 
-  const models::Scenario& scenario_;
+  const scenario::Scenario& scenario_;
   const UpOptions& options_;
   const std::string host_;
   const std::unique_ptr<bus::Transport> transport_;
   bus::Bus bus_;
   const HandedClock clock_;
-  Announcer announcer_;
+  trial::Announcer announcer_;
   const TemporaryScenario file_;
   std::unique_ptr<LogKeeper> keeper_;
   const Time start_;
-  TrialObserver observer_;
+  trial::TrialObserver observer_;
   HostBoard board_;
   UsageMeter meter_;
-  LogWatch log_watch_;
+  logs::LogWatch log_watch_;
   bool is_log_refused_ = false;  ///< says the recorder
   Time next_log_look_{};
   Time next_log_health_{};
@@ -206,7 +206,7 @@ class Up {
   UpResult result_;
 };
 
-Up::Up(const models::Scenario& scenario, const UpOptions& options)
+Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
     : scenario_(scenario),
       options_(options),
       host_(options.host.empty() ? kOnlyHost : options.host),
@@ -223,7 +223,7 @@ Up::Up(const models::Scenario& scenario, const UpOptions& options)
       start_(clock_.now()),
       observer_(bus_, scenario, start_),
       board_(scenario, host_, bus_.run_id(), start_),
-      log_watch_(kLogBytesPerRobotS * static_cast<double>(scenario.robots.size())),
+      log_watch_(logs::kLogBytesPerRobotS * static_cast<double>(scenario.robots.size())),
       teller_(options),
       pilot_(options.fly ? std::make_unique<Pilot>(bus_, scenario, start_) : nullptr),
       team_(options.restarts) {
@@ -351,7 +351,7 @@ void Up::watch_log(Time now) {
                       monotonic_now());
   tell(words);
   if (words || now >= next_log_health_) {
-    bus_.publish(bus::health_channel(kLogHealth), log_watch_.health(now));
+    bus_.publish(bus::health_channel(logs::kLogHealth), log_watch_.health(now));
     next_log_health_ = now + kReportPeriod;
   }
   result_.log_was_unwritten |= was_written && !log_watch_.is_written();
@@ -470,7 +470,7 @@ UpResult Up::run(const std::function<bool()>& stop) {
 
 }  // namespace
 
-UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
+UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
                 const std::function<bool()>& stop) {
   if (const auto faults = device_faults(scenario); !faults.empty()) {
     throw StartupError(faults.front());
@@ -482,8 +482,8 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
     bus::auth::require_operator(scenario);
   }
   if (!options.log_path.empty()) {
-    const LogRoom room =
-        room_for_log(scenario, options.log_path, logs::free_bytes_for(options.log_path));
+    const logs::LogRoom room =
+        logs::room_for_log(scenario, options.log_path, logs::free_bytes_for(options.log_path));
     if (!room.is_enough) {
       throw StartupError(room.words +
                          ": make room, write elsewhere (--log), fly for a shorter "
@@ -492,8 +492,8 @@ UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
   }
   if (!options.beside_others) {
     const auto transport = bus::open_transport(scenario.network.url);
-    const auto rivals =
-        rivals_of_up(scenario, options.host, hear_channels(*transport, kListenToNeighbours, stop));
+    const auto rivals = trial::rivals_of_up(
+        scenario, options.host, trial::hear_channels(*transport, trial::kListenToNeighbours, stop));
     if (!rivals.empty()) {
       throw StartupError(rivals.front() +
                          ": end it, use another network (--url), or start beside it with "

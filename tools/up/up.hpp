@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "logs/metrics/trial_summary.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "tools/supervisor/supervisor.hpp"
 #include "tools/up/log_keeper.hpp"
 
@@ -57,7 +57,7 @@ struct UpResult {
 /// there is no room for the log, the network, the logger or a program cannot be used, the devices
 /// do
 ///         not fit together, or `fly` is asked for a real robot: these are armed by a person.
-UpResult run_up(const models::Scenario& scenario, const UpOptions& options,
+UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
                 const std::function<bool()>& stop);
 
 }  // namespace vantage::tools

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
 #include "logs/foxglove/stream.hpp"
 
 namespace vantage::tools {

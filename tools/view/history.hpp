@@ -6,7 +6,7 @@
 #include <mutex>
 #include <string>
 
-#include "bus/clock.hpp"
+#include "bus/node/clock.hpp"
 #include "core/time.hpp"
 #include "logs/foxglove/stream.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
 #include "core/deadline.hpp"
 #include "tools/view/feed.hpp"
 #include "tools/view/log_view.hpp"

@@ -7,8 +7,8 @@
 #include <string>
 #include <thread>
 
-#include "bus/clock.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
 #include "logs/file/log_index.hpp"
 #include "tools/view/broker.hpp"
 #include "tools/view/history.hpp"

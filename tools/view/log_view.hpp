@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "bus/clock.hpp"
-#include "bus/transport.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
 #include "logs/file/event_table.hpp"
 #include "tools/view/broker.hpp"
 #include "tools/view/feed.hpp"

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "bus/node_main.hpp"
+#include "bus/node/node_main.hpp"
 #include "drivers/contacts/app/node.hpp"
 
 int main(int argc, char** argv) {
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   return bus::node_main(
       {"vantage-contacts", "Judges contacts and near misses of real bodies, as cameras see them."},
       argc, argv,
-      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+      [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {
         return std::make_unique<drivers::ContactsNode>(bus, clock, scenario);
       });

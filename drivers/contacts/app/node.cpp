@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -11,7 +11,8 @@ constexpr Duration kIdle = std::chrono::seconds(1);
 
 }  // namespace
 
-ContactsNode::ContactsNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario)
+ContactsNode::ContactsNode(bus::Bus& bus, const bus::Clock& clock,
+                           const scenario::Scenario& scenario)
     : judge_(scenario), next_tick_(clock.now() + kIdle) {
   bus.subscribe<models::MocapFrame>(bus::kVicon, [this, &bus](const models::MocapFrame& frame) {
     for (models::ContactReport& contact : judge_.on_frame(frame)) {

@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
 #include "core/time.hpp"
 #include "drivers/contacts/contact_judge.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
@@ -17,7 +17,7 @@ namespace vantage::drivers {
 /// no simulator judges.
 class ContactsNode : public bus::Node {
  public:
-  ContactsNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario);
+  ContactsNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario);
 
   [[nodiscard]] std::string name() const override { return "CONTACTS"; }
   /// It works when frames arrive; the tick has nothing to do.

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "bus/node_main.hpp"
+#include "bus/node/node_main.hpp"
 #include "core/check.hpp"
 #include "drivers/quadrotor/app/node.hpp"
 
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
       {"vantage-quadrotor", "Flies one quadrotor with a MAVLink autopilot.", true}, argc, argv,
-      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+      [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
         const auto& autopilot = scenario.find_robot(arguments.robot)->autopilot;
         if (!autopilot) {

@@ -9,24 +9,24 @@ namespace {
 
 constexpr Duration kTickPeriod = std::chrono::milliseconds(5);
 
-std::string key_file_of(const models::Scenario& scenario, const std::string& robot) {
-  const models::RobotSpec* spec = scenario.find_robot(robot);
+std::string key_file_of(const scenario::Scenario& scenario, const std::string& robot) {
+  const scenario::RobotSpec* spec = scenario.find_robot(robot);
   return spec != nullptr && spec->autopilot ? spec->autopilot->key_file : "";
 }
 
 }  // namespace
 
-std::optional<models::mavlink::SigningKey> load_key(const std::string& file) {
+std::optional<wire::mavlink::SigningKey> load_key(const std::string& file) {
   if (file.empty()) {
     return std::nullopt;
   }
-  models::mavlink::SigningKey key{};
+  wire::mavlink::SigningKey key{};
   bus::auth::read_secret_file(file, key, "signing key");
   return key;
 }
 
 QuadrotorNode::QuadrotorNode(bus::Bus& bus, const bus::Clock& clock,
-                             const models::Scenario& scenario, const std::string& robot,
+                             const scenario::Scenario& scenario, const std::string& robot,
                              std::unique_ptr<Port> port)
     : VehicleNode("QUADROTOR_" + robot, kTickPeriod, bus, clock, scenario, robot, std::move(port),
                   load_key(key_file_of(scenario, robot))) {}

@@ -14,14 +14,14 @@ namespace vantage::drivers {
 /// The 32 bytes of a key file; nullopt for an empty name.
 /// @throws StartupError for a file that cannot be read, is not 32 bytes long, belongs to another
 /// user or may be read or changed by others (its mode must be 0600 or less).
-std::optional<models::mavlink::SigningKey> load_key(const std::string& file);
+std::optional<wire::mavlink::SigningKey> load_key(const std::string& file);
 
 /// vantage-quadrotor of one robot on the bus. MAVLink on its port, looked at each 5 ms; a pose is
 /// forwarded at once, and a command obeyed at once.
 class QuadrotorNode : public VehicleNode<QuadrotorDriver> {
  public:
   /// @throws UsageError for a robot that is not in the scenario or has no autopilot.
-  QuadrotorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+  QuadrotorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                 const std::string& robot, std::unique_ptr<Port> port);
 
  private:

@@ -9,7 +9,7 @@ constexpr Duration kTickPeriod = std::chrono::milliseconds(20);
 
 }  // namespace
 
-RoverNode::RoverNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+RoverNode::RoverNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                      const std::string& robot, std::unique_ptr<Port> port)
     : VehicleNode("ROVER_" + robot, kTickPeriod, bus, clock, scenario, robot, std::move(port),
                   static_cast<std::uint32_t>(bus.run_id())) {}

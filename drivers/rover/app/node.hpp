@@ -15,7 +15,7 @@ namespace vantage::drivers {
 class RoverNode : public VehicleNode<RoverDriver> {
  public:
   /// @throws UsageError for a robot that is not in the scenario or is no rover.
-  RoverNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+  RoverNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
             const std::string& robot, std::unique_ptr<Port> port);
 
  private:

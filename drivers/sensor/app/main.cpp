@@ -3,14 +3,14 @@
 
 #include <memory>
 
-#include "bus/node_main.hpp"
+#include "bus/node/node_main.hpp"
 #include "drivers/sensor/app/node.hpp"
 
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
       {"vantage-sensor", "Measures targets for one robot from mocap poses.", true}, argc, argv,
-      [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+      [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& arguments) -> std::unique_ptr<bus::Node> {
         return std::make_unique<drivers::SensorNode>(bus, clock, scenario, arguments.robot);
       });

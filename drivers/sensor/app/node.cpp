@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 #include "core/check.hpp"
 
 namespace vantage::drivers {
@@ -20,7 +20,7 @@ models::InputRef ref_to(const std::string& channel, const models::Stamp& stamp) 
 
 }  // namespace
 
-SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                        const std::string& robot, Look look)
     : bus_(bus),
       robot_(robot),
@@ -33,7 +33,7 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const models::Sce
       return sensor.look(frame, jammed);
     };
   }
-  if (scenario.planner.objective == models::PlanObjective::kMapping) {
+  if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     scanner_.emplace(scenario, robot);
   }
   bus_.subscribe<models::MocapFrame>(bus::kVicon,

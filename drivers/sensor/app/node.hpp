@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
 #include "core/time.hpp"
 #include "drivers/sensor/pose_sensor.hpp"
 #include "drivers/sensor/range_scanner.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
@@ -31,7 +31,7 @@ class SensorNode : public bus::Node {
 
   /// @param look  another sensor than the scenario's; empty: PoseSensor
   /// @throws UsageError for a robot that is not in the scenario or a step that is not positive.
-  SensorNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+  SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
              const std::string& robot, Look look = {});
 
   [[nodiscard]] std::string name() const override { return "SENSOR_" + robot_; }

@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/channels.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
+#include "bus/convert/channels.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
 #include "core/time.hpp"
-#include "drivers/quadrotor/safety/limits.hpp"
+#include "drivers/safety/limits.hpp"
 #include "drivers/vehicle/port.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
@@ -62,7 +62,7 @@ class VehicleNode : public bus::Node {
   /// @param own   the last argument of the Driver, after scenario, robot and limits
   template <class Own>
   VehicleNode(const std::string& name, Duration tick_period, bus::Bus& bus, const bus::Clock& clock,
-              const models::Scenario& scenario, const std::string& robot,
+              const scenario::Scenario& scenario, const std::string& robot,
               std::unique_ptr<Port> port, const Own& own)
       : bus_(bus),
         clock_(clock),

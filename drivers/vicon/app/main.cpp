@@ -5,18 +5,18 @@
 #include <memory>
 #include <string>
 
-#include "bus/node_main.hpp"
+#include "bus/node/node_main.hpp"
 #include "drivers/vicon/app/node.hpp"
 
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
-  return bus::node_main({"vantage-vicon", "Publishes what a Vicon or VRPN server sees."}, argc,
-                        argv,
-                        [](bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
-                           const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {
-                          return std::make_unique<drivers::ViconNode>(
-                              bus, clock, scenario, [](const std::string& status) {
-                                std::fprintf(stderr, "vantage-vicon: %s\n", status.c_str());
-                              });
-                        });
+  return bus::node_main(
+      {"vantage-vicon", "Publishes what a Vicon or VRPN server sees."}, argc, argv,
+      [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
+         const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {
+        return std::make_unique<drivers::ViconNode>(
+            bus, clock, scenario, [](const std::string& status) {
+              std::fprintf(stderr, "vantage-vicon: %s\n", status.c_str());
+            });
+      });
 }

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "bus/channels.hpp"
+#include "bus/convert/channels.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 
@@ -15,8 +15,8 @@ constexpr Duration kTickMin{200};
 constexpr std::size_t kSaidMax = 32;
 constexpr Duration kTickMax = std::chrono::milliseconds(100);
 
-const models::MocapSpec& checked(const models::MocapSpec& spec) {
-  if (spec.device == models::DeviceSource::kDirect) {
+const scenario::MocapSpec& checked(const scenario::MocapSpec& spec) {
+  if (spec.device == scenario::DeviceSource::kDirect) {
     throw StartupError(
         "mocap is 'direct': the simulator publishes it itself; set mocap.device to wire or real");
   }
@@ -25,7 +25,7 @@ const models::MocapSpec& checked(const models::MocapSpec& spec) {
 
 }  // namespace
 
-ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                      std::function<void(const std::string&)> say)
     : bus_(bus),
       clock_(clock),
@@ -37,7 +37,7 @@ ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const models::Scena
       link_(driver_, [this] { return moment(); }),
       say_(std::move(say)),
       next_tick_(clock.now()) {
-  if (scenario.mocap.device == models::DeviceSource::kReal) {  // a simulated one sees them itself
+  if (scenario.mocap.device == scenario::DeviceSource::kReal) {  // a simulated one sees them itself
     bus_.subscribe<models::TruthFrame>(
         bus::kTruth, [this](const models::TruthFrame& truth) { virtual_bodies_.on_truth(truth); });
   }

@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.hpp"
-#include "bus/clock.hpp"
-#include "bus/node.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
 #include "core/time.hpp"
 #include "drivers/vicon/driver.hpp"
 #include "drivers/vicon/socket_link.hpp"
 #include "drivers/vicon/virtual_bodies.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
 
@@ -22,7 +22,7 @@ class ViconNode : public bus::Node {
  public:
   /// @throws StartupError for a scenario whose mocap is `direct`: then the simulator publishes
   /// VICON.
-  ViconNode(bus::Bus& bus, const bus::Clock& clock, const models::Scenario& scenario,
+  ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
             std::function<void(const std::string&)> say);
 
   [[nodiscard]] std::string name() const override { return "VICON"; }

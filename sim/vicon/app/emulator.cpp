@@ -11,11 +11,11 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bus/clock.hpp"
-#include "bus/scenario_yaml.hpp"
+#include "bus/node/clock.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "core/process.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 #include "sim/vicon/app/source.hpp"
 #include "sim/vicon/socket_server.hpp"
 
@@ -40,7 +40,7 @@ struct Arguments {
 constexpr double kOcclusionPeriod_s = 10.0;
 
 void add_options(CLI::App& app, Arguments& arguments) {
-  using models::MocapProtocol;
+  using scenario::MocapProtocol;
   const std::map<std::string, MocapProtocol> protocols{
       {"datastream", MocapProtocol::kDataStream},
       {"object_stream", MocapProtocol::kObjectStream},
@@ -86,7 +86,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
 
 std::unique_ptr<Source> make_source(const Arguments& arguments, Time start) {
   if (!arguments.scenario.empty()) {
-    return std::make_unique<ScenarioWorld>(bus::load_scenario(arguments.scenario), start);
+    return std::make_unique<ScenarioWorld>(scenario::load_scenario(arguments.scenario), start);
   }
   if (!arguments.flights.empty()) {
     return std::make_unique<Flights>(arguments.flights, arguments.is_endless);
@@ -108,13 +108,13 @@ int serve(const Arguments& arguments) {
   const bus::SystemClock clock;
   const Time start = clock.now();
   const std::unique_ptr<Source> source = make_source(arguments, start);
-  const bool is_sender = arguments.settings.protocol == models::MocapProtocol::kObjectStream;
+  const bool is_sender = arguments.settings.protocol == scenario::MocapProtocol::kObjectStream;
   const int port =
-      arguments.port > 0 ? arguments.port : models::default_port(arguments.settings.protocol);
+      arguments.port > 0 ? arguments.port : scenario::default_port(arguments.settings.protocol);
   SocketServer server(arguments.settings, is_sender ? arguments.to : arguments.host, port);
   std::fprintf(stderr, "vantage-vicon-emulator: %s %s port %d, %g Hz\n",
-               models::name_of(arguments.settings.protocol), is_sender ? "to" : "at", server.port(),
-               arguments.settings.rate_hz);
+               scenario::name_of(arguments.settings.protocol), is_sender ? "to" : "at",
+               server.port(), arguments.settings.rate_hz);
   const std::int64_t start_ns = monotonic_ns();
   EmulatedFrame frame;
   frame.latency_s = arguments.latency_s;

@@ -56,7 +56,7 @@ bool Flights::look(double time_s, EmulatedFrame& frame) {
   return true;
 }
 
-ScenarioWorld::ScenarioWorld(const models::Scenario& scenario, Time start)
+ScenarioWorld::ScenarioWorld(const scenario::Scenario& scenario, Time start)
     : world_(scenario, scenario.seed, start), start_(start) {}
 
 bool ScenarioWorld::look(double time_s, EmulatedFrame& frame) {

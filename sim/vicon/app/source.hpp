@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/vicon/emulated_frame.hpp"
 #include "sim/vicon/recorded_flight.hpp"
 #include "sim/world/world_simulation.hpp"
@@ -50,7 +50,7 @@ class Flights : public Source {
 /// A scenario's world with nobody planning: robots stand, targets move.
 class ScenarioWorld : public Source {
  public:
-  ScenarioWorld(const models::Scenario& scenario, Time start);
+  ScenarioWorld(const scenario::Scenario& scenario, Time start);
   bool look(double time_s, EmulatedFrame& frame) override;
 
  private:

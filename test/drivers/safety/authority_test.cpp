@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/authority.hpp"
+#include "drivers/safety/authority.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drivers/quadrotor/safety/surroundings.hpp"
+#include "drivers/safety/surroundings.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 
 // Where one comes down, and who comes near.

@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/course.hpp"
+#include "drivers/safety/course.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
-#include "drivers/quadrotor/safety/lift.hpp"
+#include "drivers/safety/lift.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 
 namespace vantage::test {
@@ -214,7 +214,7 @@ TEST(FirstLiftOfThree, ABodyThatRisesUntoldStopsItsMotors) {
 // Real autopilots take half a minute until they arm, and seconds to spool up: by then the order in
 // which vehicles were told is forgotten, and mocap shows nothing yet. So they say it themselves.
 TEST(LiftQueue, WaitsForWhoSaysThatItLiftsAndThenGoesByName) {
-  const models::Scenario scenario = FlightBench::scenario();
+  const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
   drivers::LiftQueue second(scenario, "Q2");
@@ -249,7 +249,7 @@ TEST(LiftQueue, WaitsForWhoSaysThatItLiftsAndThenGoesByName) {
 
 // Two whose motors begin to turn at the same instant.
 TEST(LiftQueue, LetsNoTwoBeginTogether) {
-  const models::Scenario scenario = FlightBench::scenario();
+  const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q1");
   const Time start = from_utime(1'700'000'000'000'000);
   double begun_s[3] = {};
@@ -270,7 +270,7 @@ TEST(LiftQueue, LetsNoTwoBeginTogether) {
 // The one before us by name stands there and does not rise, or rises and is never proven; and once
 // more.
 TEST(LiftQueue, WaitsForWhoIsBeforeUsAsLongAsItStates) {
-  const models::Scenario scenario = FlightBench::scenario();
+  const scenario::Scenario scenario = FlightBench::scenario();
   const drivers::SafetyLimits limits = drivers::limits_for(scenario, "Q2");
   const Time start = from_utime(1'700'000'000'000'000);
   constexpr double kSlackS = 6.0;       // for its motors

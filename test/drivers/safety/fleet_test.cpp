@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/fleet.hpp"
+#include "drivers/safety/fleet.hpp"
 
 #include <algorithm>
 #include <map>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drivers/quadrotor/safety/inputs.hpp"
+#include "drivers/safety/inputs.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/bisect.hpp"
 
@@ -29,7 +29,7 @@ class TeammatesPlans : public testing::Test {
     return fleet.on_plan(plan, limits, kStart + from_seconds(at_s));
   }
 
-  models::Scenario scenario = test::FlightBench::scenario();
+  scenario::Scenario scenario = test::FlightBench::scenario();
   SafetyLimits limits = limits_for(scenario, "Q1");
   Fleet fleet{scenario, "Q1"};
 };
@@ -101,7 +101,7 @@ class Seen : public testing::Test {
     return i < courses.size() ? courses[i] : OtherCourse{};
   }
 
-  models::Scenario scenario = test::FlightBench::scenario();
+  scenario::Scenario scenario = test::FlightBench::scenario();
   SafetyLimits limits = limits_for(scenario, "Q2");
   Fleet fleet{scenario, "Q2"};
   std::int64_t sequence = 0;

@@ -32,15 +32,15 @@ bool has(const VehicleKnobs& knobs, BodyFault fault) {
 
 }  // namespace
 
-models::Scenario FlightBench::scenario() {
-  models::Scenario out;
+scenario::Scenario FlightBench::scenario() {
+  scenario::Scenario out;
   out.name = "bench";
   out.world.bounds = {{-4.0, -2.2}, {4.0, 2.2}};
   out.world.ceiling_m = 3.0;
   out.planner.execute_steps = 2;
   out.world.obstacles = {{{{-0.3, 0.5}, {0.3, 0.8}}, 2.5}};
   for (int i = 0; i < 3; ++i) {
-    models::RobotSpec robot;
+    scenario::RobotSpec robot;
     robot.name = std::string("Q") + std::to_string(i + 1);
     robot.start = {-2.0 + i, -1.3 + 1.3 * i, 0.0};
     robot.height_m = 1.0;
@@ -55,7 +55,7 @@ models::Scenario FlightBench::scenario() {
 
 FlightBench::FlightBench(std::uint64_t seed, bool trusts_plans)
     : scenario_(scenario()), trusts_plans_(trusts_plans), random_(seed) {
-  for (const models::RobotSpec& robot : scenario_.robots) {
+  for (const scenario::RobotSpec& robot : scenario_.robots) {
     Vehicle vehicle;
     vehicle.name = robot.name;
     restart_driver(vehicle);

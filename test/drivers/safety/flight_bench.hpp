@@ -11,9 +11,9 @@
 #include <Eigen/Core>
 
 #include "core/time.hpp"
-#include "drivers/quadrotor/safety/guard.hpp"
+#include "drivers/safety/guard.hpp"
 #include "models/exchange/messages.hpp"
-#include "models/scenario/scenario.hpp"
+#include "scenario/scenario.hpp"
 #include "test/support/random.hpp"
 
 // A small closed loop in virtual time: three point-mass vehicles with lag behind a stand-in for the
@@ -185,7 +185,7 @@ class FlightBench {
   /// Everything that must never happen and did, in words.
   [[nodiscard]] const std::vector<std::string>& violations() const { return violations_; }
   [[nodiscard]] double closest_m() const { return closest_m_; }
-  static models::Scenario scenario();
+  static scenario::Scenario scenario();
 
  private:
   struct Flight {  ///< a frame on its way
@@ -209,7 +209,7 @@ class FlightBench {
   void fly(Vehicle& vehicle);
   void check();
 
-  models::Scenario scenario_;
+  scenario::Scenario scenario_;
   bool trusts_plans_;
   Random random_;
   std::vector<Vehicle> vehicles_;

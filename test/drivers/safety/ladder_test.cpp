@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/ladder.hpp"
+#include "drivers/safety/ladder.hpp"
 
 #include <set>
 #include <string>

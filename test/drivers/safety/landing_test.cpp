@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
-#include "drivers/quadrotor/safety/plan_check.hpp"
-#include "drivers/quadrotor/safety/surroundings.hpp"
+#include "drivers/safety/plan_check.hpp"
+#include "drivers/safety/surroundings.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/random.hpp"
 

@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/limits.hpp"
+#include "drivers/safety/limits.hpp"
 
 #include <limits>
 #include <string>
@@ -126,7 +126,7 @@ class FromTheScenario : public testing::Test {
   [[nodiscard]] SafetyLimits of(const std::string& robot = "Q1") const {
     return limits_for(scenario, robot);
   }
-  models::Scenario scenario = test::FlightBench::scenario();
+  scenario::Scenario scenario = test::FlightBench::scenario();
 };
 
 TEST_F(FromTheScenario, EachLimitIsWhatTheScenarioSays) {

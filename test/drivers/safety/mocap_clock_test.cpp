@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/mocap_clock.hpp"
+#include "drivers/safety/mocap_clock.hpp"
 
 #include <cmath>
 

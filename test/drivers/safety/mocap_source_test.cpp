@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/mocap_source.hpp"
+#include "drivers/safety/mocap_source.hpp"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "drivers/quadrotor/safety/plan_check.hpp"
-#include "drivers/quadrotor/safety/pose_monitor.hpp"
+#include "drivers/safety/plan_check.hpp"
+#include "drivers/safety/pose_monitor.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 
 namespace vantage::test {

@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/plan_check.hpp"
+#include "drivers/safety/plan_check.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/plan_gate.hpp"
+#include "drivers/safety/plan_gate.hpp"
 
 #include <map>
 #include <string>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
-#include "drivers/quadrotor/safety/inputs.hpp"
+#include "drivers/safety/inputs.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/allocation_counter.hpp"
 #include "test/support/bisect.hpp"

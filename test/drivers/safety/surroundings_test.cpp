@@ -1,4 +1,4 @@
-#include "drivers/quadrotor/safety/surroundings.hpp"
+#include "drivers/safety/surroundings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
-#include "drivers/quadrotor/safety/plan_check.hpp"
+#include "drivers/safety/plan_check.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/bisect.hpp"
 #include "test/support/random.hpp"

@@ -26,7 +26,7 @@ int main() {
   PRINT(models::Gaussian);
   PRINT(models::Information);
   PRINT(models::Measurement);
-  PRINT(models::Scenario);
+  PRINT(scenario::Scenario);
   PRINT(models::World);
   PRINT(models::MocapBody);
   PRINT(models::RobotBelief);

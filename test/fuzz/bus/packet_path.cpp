@@ -23,9 +23,9 @@
 #include <vantage_lcm/truth_t.hpp>
 #include <vantage_lcm/vicon_frame_t.hpp>
 
-#include "bus/udpm/packet.hpp"
-#include "bus/udpm/reassembly.hpp"
-#include "bus/wire_walk.hpp"
+#include "bus/convert/wire_walk.hpp"
+#include "bus/transport/udpm_packet.hpp"
+#include "bus/transport/udpm_reassembly.hpp"
 #include "logs/file/log_event.hpp"
 
 namespace vantage::test {

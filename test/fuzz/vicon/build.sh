@@ -8,8 +8,8 @@ cd "$(dirname "$0")/../../.."
 mkdir -p "$out/objects"
 flags=(-std=c++20 -O2 -g1 -I. -isystem /usr/include/eigen3 -fno-sanitize-recover=all
   -fsanitize=fuzzer-no-link,address,undefined)
-sources=(core/pose.cpp core/check.cpp models/scenario/mocap_spec.cpp
-  models/wire/vicon/*.cpp drivers/vicon/*.cpp sim/vicon/*.cpp test/fuzz/vicon/harness.cpp)
+sources=(core/pose.cpp core/check.cpp scenario/mocap_spec.cpp
+  wire/vicon/*.cpp drivers/vicon/*.cpp sim/vicon/*.cpp test/fuzz/vicon/harness.cpp)
 objects=()
 for source in "${sources[@]}"; do
   [[ "$source" == *.cpp && "$source" != *socket_* ]] || continue

@@ -11,13 +11,13 @@
 #include "sim/vicon/datastream_peer.hpp"
 #include "sim/vicon/object_stream_server.hpp"
 #include "sim/vicon/vrpn_peer.hpp"
-#include "test/drivers/vicon_bench.hpp"
+#include "test/drivers/vicon/vicon_bench.hpp"
 
 namespace vantage::test {
 namespace {
 
-using models::MocapProtocol;
-using models::vicon::Bytes;
+using scenario::MocapProtocol;
+using wire::vicon::Bytes;
 
 constexpr std::size_t kOutgoingMax = std::size_t{1} << 20U;
 
@@ -38,8 +38,8 @@ void check(const models::MocapFrame& frame) {
   }
 }
 
-models::MocapSpec spec_of(MocapProtocol protocol) {
-  models::MocapSpec spec;
+scenario::MocapSpec spec_of(MocapProtocol protocol) {
+  scenario::MocapSpec spec;
   spec.protocol = protocol;
   return spec;
 }
@@ -124,7 +124,7 @@ void fuzz_server(MocapProtocol protocol, Bytes input) {
 }
 
 std::vector<std::vector<std::uint8_t>> server_samples(MocapProtocol protocol) {
-  const models::MocapSpec spec = spec_of(protocol);
+  const scenario::MocapSpec spec = spec_of(protocol);
   sim::vicon::ServerSettings settings = ViconBench::settings_for(spec);
   std::vector<std::vector<std::uint8_t>> samples;
   for (const int bodies : {0, 1, 2, 3}) {
@@ -160,9 +160,9 @@ std::vector<std::vector<std::uint8_t>> server_samples(MocapProtocol protocol) {
 }
 
 std::vector<std::vector<std::uint8_t>> client_samples(MocapProtocol protocol) {
-  models::MocapSpec spec = spec_of(protocol);
+  scenario::MocapSpec spec = spec_of(protocol);
   std::vector<std::vector<std::uint8_t>> samples;
-  for (const auto mode : {models::StreamMode::kPush, models::StreamMode::kPreFetch}) {
+  for (const auto mode : {scenario::StreamMode::kPush, scenario::StreamMode::kPreFetch}) {
     spec.mode = mode;
     drivers::vicon::ViconDriver driver(spec, check);
     drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};

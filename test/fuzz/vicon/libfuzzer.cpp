@@ -3,8 +3,8 @@
 #include "test/fuzz/vicon/harness.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  using vantage::models::MocapProtocol;
-  const vantage::models::vicon::Bytes input(bytes, size);
+  using vantage::scenario::MocapProtocol;
+  const vantage::wire::vicon::Bytes input(bytes, size);
   VANTAGE_FUZZ_TARGET(input);
   return 0;
 }

@@ -7,7 +7,7 @@
 #include "test/fuzz/vicon/harness.hpp"
 
 int main(int argc, char** argv) {
-  using vantage::models::MocapProtocol;
+  using vantage::scenario::MocapProtocol;
   if (argc != 2) {
     return 2;
   }

@@ -1,12 +1,12 @@
-#include "planner/team/decision/candidate.hpp"
+#include "planner/decision/candidate.hpp"
 
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
-#include "planner/team/decision/team_set.hpp"
-#include "test/planner/random_problem.hpp"
+#include "planner/decision/team_set.hpp"
+#include "test/planner/problem/random_problem.hpp"
 
 namespace vantage::planner {
 namespace {

@@ -1,4 +1,4 @@
-#include "planner/team/decision/local_search_session.hpp"
+#include "planner/decision/local_search_session.hpp"
 
 #include <deque>
 #include <map>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planner/team/decision/distributed_local_search.hpp"
+#include "planner/decision/distributed_local_search.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
 namespace vantage::planner {

@@ -1,15 +1,15 @@
-#include "planner/team/decision/local_search.hpp"
+#include "planner/decision/local_search.hpp"
 
 #include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
-#include "planner/team/decision/coordinate_descent.hpp"
-#include "planner/team/decision/distributed_local_search.hpp"
-#include "planner/team/decision/exhaustive.hpp"
-#include "planner/team/decision/team_bound.hpp"
-#include "planner/team/decision/team_set.hpp"
+#include "planner/decision/coordinate_descent.hpp"
+#include "planner/decision/distributed_local_search.hpp"
+#include "planner/decision/exhaustive.hpp"
+#include "planner/decision/team_bound.hpp"
+#include "planner/decision/team_set.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
 namespace vantage::planner {

@@ -1,4 +1,4 @@
-#include "planner/team/decision/resilient.hpp"
+#include "planner/decision/resilient.hpp"
 
 #include <bit>
 #include <map>
@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "planner/team/decision/attack.hpp"
-#include "planner/team/decision/exhaustive.hpp"
-#include "planner/team/decision/team_set.hpp"
+#include "planner/decision/attack.hpp"
+#include "planner/decision/exhaustive.hpp"
+#include "planner/decision/team_set.hpp"
 #include "test/planner/decision/team_instance.hpp"
-#include "test/planner/random_problem.hpp"
+#include "test/planner/problem/random_problem.hpp"
 
 namespace vantage::planner {
 namespace {

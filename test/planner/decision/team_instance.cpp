@@ -1,6 +1,6 @@
 #include "test/planner/decision/team_instance.hpp"
 
-#include "test/planner/random_problem.hpp"
+#include "test/planner/problem/random_problem.hpp"
 
 namespace vantage::test {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "planner/team/decision/team_oracle.hpp"
+#include "planner/decision/team_oracle.hpp"
 
 namespace vantage::test {
 

@@ -1,4 +1,4 @@
-#include "planner/team/decision/team_set.hpp"
+#include "planner/decision/team_set.hpp"
 
 #include <limits>
 
@@ -6,7 +6,7 @@
 
 #include "core/check.hpp"
 #include "test/planner/decision/team_instance.hpp"
-#include "test/planner/random_problem.hpp"
+#include "test/planner/problem/random_problem.hpp"
 
 namespace vantage::planner {
 namespace {

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "planner/team/robot_planner.hpp"
-#include "planner/team/trajectory_tools.hpp"
-#include "test/planner/team_scenario.hpp"
+#include "planner/robot/robot_planner.hpp"
+#include "planner/robot/trajectory_tools.hpp"
+#include "test/planner/robot/team_scenario.hpp"
 #include "test/support/random.hpp"
 
 namespace vantage::planner {
@@ -21,10 +21,10 @@ using vantage::test::Random;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
-models::Scenario mapping_scenario() {
-  models::Scenario scenario = test::lab_scenario();
+scenario::Scenario mapping_scenario() {
+  scenario::Scenario scenario = test::lab_scenario();
   scenario.targets.clear();
-  scenario.planner.objective = models::PlanObjective::kMapping;
+  scenario.planner.objective = scenario::PlanObjective::kMapping;
   scenario.planner.horizon_steps = 4;
   scenario.mapping.scanner.beams = 24;
   scenario.mapping.planned_beams = 24;
@@ -32,7 +32,7 @@ models::Scenario mapping_scenario() {
 }
 
 // Some cells known, most not.
-models::RobotMap map_in_patches(const models::Scenario& scenario, Random& random) {
+models::RobotMap map_in_patches(const scenario::Scenario& scenario, Random& random) {
   models::RobotMap map;
   map.grid = models::map_geometry(scenario.world, scenario.mapping);
   for (int cell = 0; cell < map.grid.size(); ++cell) {
@@ -45,9 +45,9 @@ models::RobotMap map_in_patches(const models::Scenario& scenario, Random& random
 
 // Robot 0 of the lab somewhere, moving, with two teammates that go on.
 struct Bench {
-  Bench(const models::Scenario& lab, Random& random)
+  Bench(const scenario::Scenario& lab, Random& random)
       : scenario(lab), field(scenario.world, 0.05), map(map_in_patches(scenario, random)) {
-    const models::RobotSpec& robot = scenario.robots[0];
+    const scenario::RobotSpec& robot = scenario.robots[0];
     problem.start_time = kStart;
     problem.start = {random.uniform(-3.4, 3.4), random.uniform(-1.4, 1.4),
                      random.uniform(-kPi, kPi)};
@@ -73,7 +73,7 @@ struct Bench {
     }
   }
 
-  models::Scenario scenario;
+  scenario::Scenario scenario;
   models::DistanceField field;
   models::RobotMap map;
   SearchProblem problem;
@@ -93,7 +93,7 @@ std::vector<MapRoute> fixed_routes(const Bench& bench) {
 
 TEST(MapPlanner, FindsTheBestOfAllSafeRoutesOnWhatTheMapSays) {
   Random random(5401);
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   int compared = 0;
   for (int i = 0; i < 40; ++i) {
     const Bench bench(scenario, random);
@@ -162,7 +162,7 @@ TEST(MapPlanner, FindsTheBestOfAllSafeRoutesOnWhatTheMapSays) {
 
 TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
   Random random(5402);
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   int improved = 0;
   for (int i = 0; i < 5; ++i) {
     const Bench bench(scenario, random);
@@ -200,7 +200,7 @@ TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
 }
 
 TEST(RobotPlanner, MapsWithTheSameLadder) {
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   const double clearance_m =
       scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
   Random random(5403);
@@ -231,7 +231,7 @@ TEST(RobotPlanner, MapsWithTheSameLadder) {
 }
 
 TEST(RobotPlanner, CountsOnTheScansOfTeammatesThatSeeAndNotOnTheBait) {
-  models::Scenario scenario = mapping_scenario();
+  scenario::Scenario scenario = mapping_scenario();
   scenario.planner.attacks_max = 1;
   const Deadline deadline = Deadline::nodes(20'000);
   // Q2 will go where Q1 would like to go: it stays apart by height alone.
@@ -265,7 +265,7 @@ TEST(RobotPlanner, CountsOnTheScansOfTeammatesThatSeeAndNotOnTheBait) {
 }
 
 TEST(RobotPlanner, PlansOnNoMapOfAnotherGround) {
-  const models::Scenario scenario = mapping_scenario();
+  const scenario::Scenario scenario = mapping_scenario();
   RobotPlanner planner(scenario, "Q1");
   const Deadline deadline = Deadline::nodes(20'000);
   PlanInputs inputs = test::first_inputs(scenario, 0);

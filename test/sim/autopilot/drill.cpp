@@ -110,9 +110,9 @@ class Player {
 
   /// All that a target can say, as the driver does.
   void tell(const Line& line) {
-    wire::SetPositionTargetLocalNed out =
+    wire::mavlink::SetPositionTargetLocalNed out =
         Hand::position(f32(base_m_ + line.x_m), 0.0F, height_m_, yaw_rad_);
-    out.type_mask = wire::mask::kNothingIgnored;
+    out.type_mask = wire::mavlink::mask::kNothingIgnored;
     out.vx = f32(line.v_mps);
     out.afx = f32(line.a_mps2);
     hand_.target = out;
@@ -130,10 +130,12 @@ class Player {
 
   void wake_up() {
     run_until([&] { return hand_.last_heartbeat.has_value(); }, 20.0);
-    for (const auto id : {wire::Heartbeat::kMessage.id, wire::EstimatorStatus::kMessage.id,
-                          wire::EkfStatusReport::kMessage.id, wire::ExtendedSysState::kMessage.id,
-                          wire::LocalPositionNed::kMessage.id}) {
-      hand_.command(wire::command::kSetMessageInterval, static_cast<float>(id), 100'000.0F);
+    for (const auto id :
+         {wire::mavlink::Heartbeat::kMessage.id, wire::mavlink::EstimatorStatus::kMessage.id,
+          wire::mavlink::EkfStatusReport::kMessage.id, wire::mavlink::ExtendedSysState::kMessage.id,
+          wire::mavlink::LocalPositionNed::kMessage.id}) {
+      hand_.command(wire::mavlink::command::kSetMessageInterval, static_cast<float>(id),
+                    100'000.0F);
     }
     for (const auto& [name, value] : drill_.parameters) {
       hand_.set_parameter(name, value);
@@ -144,8 +146,9 @@ class Player {
   }
 
   int ask_for_mode() {
-    return drill_.dialect == AutopilotDialect::kPx4 ? hand_.command(wire::command::kSetMode, 1, 6)
-                                                    : hand_.command(wire::command::kSetMode, 1, 4);
+    return drill_.dialect == AutopilotDialect::kPx4
+               ? hand_.command(wire::mavlink::command::kSetMode, 1, 6)
+               : hand_.command(wire::mavlink::command::kSetMode, 1, 4);
   }
   void see_poses() {
     mark("poses");
@@ -161,7 +164,7 @@ class Player {
     while (hand_.time_s() < end_s && !hand_.says_armed()) {
       if (drill_.dialect == AutopilotDialect::kArdupilot && !has_origin_) {
         mark("origin");
-        wire::SetGpsGlobalOrigin origin;
+        wire::mavlink::SetGpsGlobalOrigin origin;
         origin.latitude = 399'522'000;
         origin.longitude = -751'932'000;
         origin.altitude = 10'000;
@@ -170,7 +173,7 @@ class Player {
         has_origin_ = true;
       }
       ask_for_mode();
-      hand_.command(wire::command::kArmDisarm, 1);
+      hand_.command(wire::mavlink::command::kArmDisarm, 1);
       run_until([&] { return hand_.says_armed(); }, 1.0);
     }
     return hand_.says_armed();
@@ -183,7 +186,7 @@ class Player {
       if (!is_px4) {
         ask_for_mode();
       }
-      hand_.command(wire::command::kArmDisarm, 1);
+      hand_.command(wire::mavlink::command::kArmDisarm, 1);
       run(1.0);
     }
     see_poses();
@@ -210,7 +213,7 @@ class Player {
   void ask_without_targets() {
     mark("no set-points");
     ask_for_mode();
-    hand_.command(wire::command::kArmDisarm, 1);
+    hand_.command(wire::mavlink::command::kArmDisarm, 1);
     run(1.0);
   }
 
@@ -226,7 +229,7 @@ class Player {
     }
     if (drill_.dialect == AutopilotDialect::kArdupilot) {
       mark("take off");
-      hand_.command(wire::command::kTakeOff, 0, 0, 0, kHeightM);
+      hand_.command(wire::mavlink::command::kTakeOff, 0, 0, 0, kHeightM);
       run(8.0);
       height_m_ = -kHeightM;
     } else {
@@ -315,9 +318,9 @@ class Player {
     mark("land");
     hand_.target.reset();
     if (drill_.dialect == AutopilotDialect::kPx4) {
-      hand_.command(wire::command::kLand, 0);
+      hand_.command(wire::mavlink::command::kLand, 0);
     } else {
-      hand_.command(wire::command::kSetMode, 1, 9);
+      hand_.command(wire::mavlink::command::kSetMode, 1, 9);
     }
     wait_for_disarming(20.0);
   }

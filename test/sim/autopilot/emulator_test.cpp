@@ -38,7 +38,7 @@ Hand flying_ardupilot() {
   listen(hand);
   hand.sends_poses = true;
   hand.run(5.0);
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
   hand.run(21.0);
   EXPECT_EQ(hand.command(176, 1, 4), 0);
   EXPECT_EQ(hand.command(400, 1), 0);
@@ -65,12 +65,12 @@ TEST(EmulatedPx4, SaysWhyItRefusesToGroundStationsAlone) {
   Hand hand(AutopilotDialect::kPx4);
   listen(hand);
   hand.run(1.0);
-  models::mavlink::Heartbeat heartbeat;
-  heartbeat.type = models::mavlink::type::kOnboardController;
+  wire::mavlink::Heartbeat heartbeat;
+  heartbeat.type = wire::mavlink::type::kOnboardController;
   hand.send(heartbeat);
   EXPECT_EQ(hand.command(400, 1), 1);
   EXPECT_TRUE(hand.last_text.empty());
-  heartbeat.type = models::mavlink::type::kGroundStation;
+  heartbeat.type = wire::mavlink::type::kGroundStation;
   hand.send(heartbeat);
   EXPECT_EQ(hand.command(400, 1), 1);
   EXPECT_FALSE(hand.last_text.empty());
@@ -166,19 +166,19 @@ TEST(EmulatedArdupilot, KnowsItsPositionWithoutAnOriginAndDoesNotArm) {
   hand.run(20.0);
   EXPECT_EQ(hand.command(400, 1), 4);
   EXPECT_EQ(hand.last_text, "Arm: AHRS: waiting for home");
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
   EXPECT_EQ(hand.command(400, 1), 0);
 }
 
 TEST(EmulatedArdupilot, TakesNoOriginBeforeItsEstimatorRuns) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.run(3.0);
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
   EXPECT_EQ(hand.origins, 0);
   hand.run(1.0);
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
   EXPECT_EQ(hand.origins, 1);  // it says so, and takes no other
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
   EXPECT_EQ(hand.origins, 1);
 }
 
@@ -186,7 +186,7 @@ TEST(EmulatedArdupilot, RefusesToArmForTwentyTwoSecondsAndSaysWhy) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.sends_poses = true;
   hand.run(5.0);
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
   hand.run(5.0);
   EXPECT_EQ(hand.command(400, 1), 4);
   EXPECT_EQ(hand.last_text, "Arm: Accels inconsistent");
@@ -200,10 +200,10 @@ TEST(EmulatedArdupilot, RefusesToArmForTwentyTwoSecondsAndSaysWhy) {
 TEST(EmulatedArdupilot, IgnoresPosesInAnyFrameButTheOne) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.sends_poses = true;
-  hand.frame = models::mavlink::frame::kLocalNed;
+  hand.frame = wire::mavlink::frame::kLocalNed;
   hand.run(7.0);
   EXPECT_EQ(hand.emulator.controller().estimator().poses(), 0);
-  hand.frame = models::mavlink::frame::kLocalFrd;
+  hand.frame = wire::mavlink::frame::kLocalFrd;
   hand.run(2.0);
   EXPECT_GT(hand.emulator.controller().estimator().poses(), 0);
 }
@@ -273,7 +273,7 @@ TEST(EmulatedArdupilot, DisarmsWhenItIsNotTakenOffInTenSeconds) {
   Hand hand(AutopilotDialect::kArdupilot);
   hand.sends_poses = true;
   hand.run(5.0);
-  hand.send(models::mavlink::SetGpsGlobalOrigin{});
+  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
   hand.run(21.0);
   EXPECT_EQ(hand.command(176, 1, 4), 0);
   EXPECT_EQ(hand.command(400, 1), 0);

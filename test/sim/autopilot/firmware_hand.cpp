@@ -39,10 +39,10 @@ sim::MultirotorParameters parameters() {
 
 tools::ProcessSpec process_for(models::AutopilotDialect dialect, const std::string& binary,
                                const std::string& folder) {
-  models::Scenario scenario;
-  models::RobotSpec robot;
+  scenario::Scenario scenario;
+  scenario::RobotSpec robot;
   robot.name = "FIRMWARE";
-  robot.device = models::DeviceSource::kWire;
+  robot.device = scenario::DeviceSource::kWire;
   robot.autopilot.emplace();
   robot.autopilot->dialect = dialect;
   robot.autopilot->url = kDriverUrl;
@@ -79,12 +79,12 @@ FirmwareHand::FirmwareHand(models::AutopilotDialect spoken, const std::string& b
   for (const std::string& word : process.arguments) {
     command_line_ += (command_line_.empty() ? "" : " ") + word;
   }
-  tools::ChildPlace place;
+  ChildPlace place;
   place.folder = process.folder;
   place.end_signal = SIGKILL;
   place.output = ::open((process.folder + "/output.txt").c_str(),
                         O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  Result<tools::Child> child = tools::Child::start(process.arguments, place);
+  Result<Child> child = Child::start(process.arguments, place);
   ::close(place.output);
   if (!child.ok()) {
     throw StartupError(child.error().message);

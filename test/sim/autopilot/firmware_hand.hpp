@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
+#include "core/child.hpp"
 #include "drivers/vehicle/port.hpp"
 #include "sim/firmware/firmware_link.hpp"
 #include "sim/firmware/firmware_sensors.hpp"
 #include "sim/firmware/multirotor.hpp"
 #include "test/sim/autopilot/hand.hpp"
-#include "tools/supervisor/child.hpp"
 
 namespace vantage::test {
 
@@ -48,7 +48,7 @@ class FirmwareHand : public Hand {
   Body seen_;
   std::int64_t begun_ns_;
   std::string command_line_;
-  std::optional<tools::Child> child_;
+  std::optional<Child> child_;
   std::array<std::uint8_t, 2048> buffer_{};
 };
 

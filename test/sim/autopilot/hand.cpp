@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/axes.hpp"
-#include "models/wire/mavlink/parameter.hpp"
+#include "wire/mavlink/parameter.hpp"
 
 namespace vantage::test {
 namespace {
@@ -38,10 +38,10 @@ std::string one_line(const char* text, std::size_t room) {
 
 void Hand::tick() {
   if (sends_heartbeats && ticks_ % kHeartbeatTicks == 0) {
-    wire::Heartbeat heartbeat;
-    heartbeat.type = wire::type::kGroundStation;
-    heartbeat.autopilot = wire::autopilot::kNone;
-    heartbeat.system_status = wire::kStateActive;
+    wire::mavlink::Heartbeat heartbeat;
+    heartbeat.type = wire::mavlink::type::kGroundStation;
+    heartbeat.autopilot = wire::mavlink::autopilot::kNone;
+    heartbeat.system_status = wire::mavlink::kStateActive;
     heartbeat.mavlink_version = 3;
     send(heartbeat);
   }
@@ -65,7 +65,7 @@ void Hand::run(double seconds) {
 
 int Hand::command(std::uint16_t number, float p1, float p2, float p3, float p7) {
   last_ack.reset();
-  wire::CommandLong out;
+  wire::mavlink::CommandLong out;
   out.command = number;
   out.param1 = p1;
   out.param2 = p2;
@@ -83,10 +83,10 @@ int Hand::command(std::uint16_t number, float p1, float p2, float p3, float p7) 
 
 void Hand::set_parameter(const std::string& name, double value) {
   last_parameter.reset();
-  wire::ParamSet out;
+  wire::mavlink::ParamSet out;
   out.param_value = f32(value);
-  out.param_type = wire::parameter_type::kFloat;
-  out.param_id = wire::parameter_id(name);
+  out.param_type = wire::mavlink::parameter_type::kFloat;
+  out.param_id = wire::mavlink::parameter_id(name);
   out.target_system = 1;
   out.target_component = 1;
   send(out);
@@ -101,7 +101,7 @@ void Hand::send_pose() {
   const Eigen::Quaterniond local_from_body = turn_axes(from.world_from_body.rotation);
   const Eigen::Vector3d velocity_mps =
       local_from_body.conjugate() * turn_axes(from.velocity_world_mps);
-  wire::Odometry odometry;
+  wire::mavlink::Odometry odometry;
   odometry.time_usec = static_cast<std::uint64_t>(to_utime(from.time));
   odometry.x = f32(position_m.x());
   odometry.y = f32(position_m.y());
@@ -117,16 +117,17 @@ void Hand::send_pose() {
   odometry.pose_covariance = covariance(1e-4);
   odometry.velocity_covariance = covariance(1e-3);
   odometry.frame_id = frame;
-  odometry.child_frame_id = wire::frame::kBodyFrd;
+  odometry.child_frame_id = wire::mavlink::frame::kBodyFrd;
   odometry.estimator_type = estimator_type;
   odometry.quality = 100;
   send(odometry);
 }
 
-wire::SetPositionTargetLocalNed Hand::velocity(float vx, float vy, float vz, float yaw_rate) {
-  wire::SetPositionTargetLocalNed out;
-  out.type_mask = wire::mask::kVelocityAndYawRate;
-  out.coordinate_frame = wire::frame::kLocalNed;
+wire::mavlink::SetPositionTargetLocalNed Hand::velocity(float vx, float vy, float vz,
+                                                        float yaw_rate) {
+  wire::mavlink::SetPositionTargetLocalNed out;
+  out.type_mask = wire::mavlink::mask::kVelocityAndYawRate;
+  out.coordinate_frame = wire::mavlink::frame::kLocalNed;
   out.vx = vx;
   out.vy = vy;
   out.vz = vz;
@@ -134,10 +135,10 @@ wire::SetPositionTargetLocalNed Hand::velocity(float vx, float vy, float vz, flo
   return out;
 }
 
-wire::SetPositionTargetLocalNed Hand::position(float x, float y, float z, float yaw) {
-  wire::SetPositionTargetLocalNed out;
-  out.type_mask = wire::mask::kPositionAndYaw;
-  out.coordinate_frame = wire::frame::kLocalNed;
+wire::mavlink::SetPositionTargetLocalNed Hand::position(float x, float y, float z, float yaw) {
+  wire::mavlink::SetPositionTargetLocalNed out;
+  out.type_mask = wire::mavlink::mask::kPositionAndYaw;
+  out.coordinate_frame = wire::mavlink::frame::kLocalNed;
   out.x = x;
   out.y = y;
   out.z = z;
@@ -152,13 +153,13 @@ void Hand::note(const std::string& kind, const std::string& what) {
 }
 
 void Hand::hear(std::span<const std::uint8_t> bytes) {
-  parser_.feed(bytes, [this](const wire::Frame& got) { hear(got); });
+  parser_.feed(bytes, [this](const wire::mavlink::Frame& got) { hear(got); });
   if (const auto reply = std::exchange(owed_, std::nullopt)) {
     send(*reply);
   }
 }
 
-void Hand::hear(const wire::Frame& got) {
+void Hand::hear(const wire::mavlink::Frame& got) {
   const auto hear_flags = [this](std::uint16_t fresh) {
     if (fresh != flags) {
       constexpr const char* kDigits = "0123456789ABCDEF";
@@ -173,15 +174,15 @@ void Hand::hear(const wire::Frame& got) {
   if (got.origin.system_id != 1) {
     return;
   }
-  if (const auto ack = wire::unpack<wire::CommandAck>(got)) {
+  if (const auto ack = wire::mavlink::unpack<wire::mavlink::CommandAck>(got)) {
     last_ack = ack;
-    if (ack->command != wire::command::kSetMessageInterval) {
+    if (ack->command != wire::mavlink::command::kSetMessageInterval) {
       note("ack", std::to_string(ack->command) + " " + std::to_string(ack->result));
     }
-  } else if (const auto text = wire::unpack<wire::Statustext>(got)) {
+  } else if (const auto text = wire::mavlink::unpack<wire::mavlink::Statustext>(got)) {
     last_text = one_line(text->text.data(), text->text.size());
     note("text", last_text);
-  } else if (const auto heartbeat = wire::unpack<wire::Heartbeat>(got)) {
+  } else if (const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(got)) {
     const bool was_armed = says_armed();
     const bool is_new_mode =
         !last_heartbeat || last_heartbeat->custom_mode != heartbeat->custom_mode;
@@ -192,18 +193,18 @@ void Hand::hear(const wire::Frame& got) {
     if (says_armed() != was_armed) {
       note("armed", says_armed() ? "yes" : "no");
     }
-  } else if (const auto px4 = wire::unpack<wire::EstimatorStatus>(got)) {
+  } else if (const auto px4 = wire::mavlink::unpack<wire::mavlink::EstimatorStatus>(got)) {
     hear_flags(px4->flags);
-  } else if (const auto ekf = wire::unpack<wire::EkfStatusReport>(got)) {
+  } else if (const auto ekf = wire::mavlink::unpack<wire::mavlink::EkfStatusReport>(got)) {
     hear_flags(ekf->flags);
-  } else if (const auto state = wire::unpack<wire::ExtendedSysState>(got)) {
+  } else if (const auto state = wire::mavlink::unpack<wire::mavlink::ExtendedSysState>(got)) {
     if (state->landed_state != landed) {
       note("landed", std::to_string(state->landed_state));
     }
     landed = state->landed_state;
-  } else if (const auto value = wire::unpack<wire::ParamValue>(got)) {
+  } else if (const auto value = wire::mavlink::unpack<wire::mavlink::ParamValue>(got)) {
     last_parameter = value;
-  } else if (const auto timesync = wire::unpack<wire::Timesync>(got)) {
+  } else if (const auto timesync = wire::mavlink::unpack<wire::mavlink::Timesync>(got)) {
     if (timesync->tc1 == 0) {
       owed_.emplace();
       owed_->tc1 = to_utime(now) * 1000;
@@ -211,10 +212,10 @@ void Hand::hear(const wire::Frame& got) {
       owed_->target_system = 1;
       owed_->target_component = 1;
     }
-  } else if (got.message_id == wire::GpsGlobalOrigin::kMessage.id) {
+  } else if (got.message_id == wire::mavlink::GpsGlobalOrigin::kMessage.id) {
     ++origins;
     note("origin", "confirmed");
-  } else if (got.message_id == wire::LocalPositionNed::kMessage.id) {
+  } else if (got.message_id == wire::mavlink::LocalPositionNed::kMessage.id) {
     if (positions++ == 0) {
       note("position", "first");
     }

@@ -8,16 +8,14 @@
 
 #include "core/pose.hpp"
 #include "core/time.hpp"
-#include "models/scenario/scenario.hpp"
-#include "models/wire/mavlink/messages.hpp"
-#include "models/wire/mavlink/parser.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "scenario/scenario.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
 #include "test/sim/autopilot/recording.hpp"
+#include "wire/mavlink/messages.hpp"
+#include "wire/mavlink/parser.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::test {
-
-namespace wire = models::mavlink;
 
 /// A hand that speaks MAVLink to an autopilot, message by message, in virtual time: it does nothing
 /// that it is not told. Whose autopilot it is, its descendants know.
@@ -36,7 +34,7 @@ class Hand {
   template <class Message>
   void send(const Message& message) {
     std::vector<std::uint8_t> bytes;
-    wire::append_bytes(wire::pack(message, {255, 191, sequence_++}), bytes);
+    wire::mavlink::append_bytes(wire::mavlink::pack(message, {255, 191, sequence_++}), bytes);
     transmit(bytes);
   }
 
@@ -44,8 +42,9 @@ class Hand {
   int command(std::uint16_t number, float p1, float p2 = 0.0F, float p3 = 0.0F, float p7 = 0.0F);
   void set_parameter(const std::string& name, double value);
 
-  static wire::SetPositionTargetLocalNed velocity(float vx, float vy, float vz, float yaw_rate);
-  static wire::SetPositionTargetLocalNed position(float x, float y, float z, float yaw);
+  static wire::mavlink::SetPositionTargetLocalNed velocity(float vx, float vy, float vz,
+                                                           float yaw_rate);
+  static wire::mavlink::SetPositionTargetLocalNed position(float x, float y, float z, float yaw);
 
   /// The body's truth, and where it was at the instant that the cameras see.
   struct Body {
@@ -62,22 +61,22 @@ class Hand {
   bool sends_poses = false;
   Eigen::Vector3d pose_offset_m = Eigen::Vector3d::Zero();  ///< of the poses sent; z down
   bool sends_heartbeats = false;
-  std::uint8_t frame = wire::frame::kLocalFrd;
-  std::uint8_t estimator_type = wire::kEstimatorVision;
-  std::optional<wire::SetPositionTargetLocalNed> target;
+  std::uint8_t frame = wire::mavlink::frame::kLocalFrd;
+  std::uint8_t estimator_type = wire::mavlink::kEstimatorVision;
+  std::optional<wire::mavlink::SetPositionTargetLocalNed> target;
   Recording* recording = nullptr;  ///< gets what is heard
 
   // What was heard last.
-  std::optional<wire::CommandAck> last_ack;
-  std::optional<wire::Heartbeat> last_heartbeat;
-  std::optional<wire::ParamValue> last_parameter;
+  std::optional<wire::mavlink::CommandAck> last_ack;
+  std::optional<wire::mavlink::Heartbeat> last_heartbeat;
+  std::optional<wire::mavlink::ParamValue> last_parameter;
   std::string last_text;
   std::uint16_t flags = 0;
   std::uint8_t landed = 0;
   int positions = 0;
   int origins = 0;
   [[nodiscard]] bool says_armed() const {
-    return last_heartbeat && (last_heartbeat->base_mode & wire::kArmedFlag) != 0;
+    return last_heartbeat && (last_heartbeat->base_mode & wire::mavlink::kArmedFlag) != 0;
   }
 
  protected:
@@ -88,11 +87,11 @@ class Hand {
 
  private:
   void send_pose();
-  void hear(const wire::Frame& frame);
+  void hear(const wire::mavlink::Frame& frame);
   void note(const std::string& kind, const std::string& what);
 
-  wire::Parser parser_;
-  std::optional<wire::Timesync> owed_;  ///< an answer
+  wire::mavlink::Parser parser_;
+  std::optional<wire::mavlink::Timesync> owed_;  ///< an answer
   std::uint8_t sequence_ = 0;
   std::int64_t ticks_ = 0;
 };

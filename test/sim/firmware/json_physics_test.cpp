@@ -1,11 +1,11 @@
-#include "models/wire/sitl/json_physics.hpp"
+#include "wire/sitl/json_physics.hpp"
 
 #include <cstdio>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace vantage::models::sitl {
+namespace vantage::wire::sitl {
 namespace {
 
 // As ArduCopter 4.6.2 sent it: 1500 µs on the first output, 1000 on the others; frame 3.
@@ -18,13 +18,13 @@ const std::vector<std::uint8_t> kRecorded = [] {
 }();
 
 TEST(JsonPhysics, ReadsTheFirmwaresOutputs) {
-  const auto outputs = parse_servo_outputs(kRecorded);
+  const auto outputs = wire::sitl::parse_servo_outputs(kRecorded);
   ASSERT_TRUE(outputs);
   EXPECT_EQ(outputs->frame_rate_hz, 1200);
   EXPECT_EQ(outputs->frame_count, 3U);
   EXPECT_EQ(outputs->pulse_us[0], 1500);
   EXPECT_EQ(outputs->pulse_us[15], 1000);
-  const auto bytes = format_servo_outputs(*outputs);
+  const auto bytes = wire::sitl::format_servo_outputs(*outputs);
   EXPECT_EQ(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), kRecorded);
 }
 
@@ -33,7 +33,7 @@ TEST(JsonPhysics, TakesThirtyTwoOutputsToo) {
   wide[0] = 0x81;
   wide[1] = 0x73;
   wide.resize(72, 0);
-  const auto outputs = parse_servo_outputs(wide);
+  const auto outputs = wire::sitl::parse_servo_outputs(wide);
   ASSERT_TRUE(outputs);
   EXPECT_EQ(outputs->pulse_us[0], 1500);
 }
@@ -42,26 +42,26 @@ TEST(JsonPhysics, RefusesEveryOtherLengthAndMagic) {
   for (std::size_t length = 0; length < 80; ++length) {
     std::vector<std::uint8_t> bytes = kRecorded;
     bytes.resize(length, 0);
-    EXPECT_EQ(parse_servo_outputs(bytes).has_value(), length == 40) << length;
+    EXPECT_EQ(wire::sitl::parse_servo_outputs(bytes).has_value(), length == 40) << length;
   }
   for (std::size_t i = 0; i < 2; ++i) {
     std::vector<std::uint8_t> bytes = kRecorded;
     bytes[i] ^= 1U;
-    EXPECT_FALSE(parse_servo_outputs(bytes));
+    EXPECT_FALSE(wire::sitl::parse_servo_outputs(bytes));
   }
 }
 
 // The firmware's reader looks for a key, steps over the quote and the colon and reads with
 // "[%f, %f, %f]": a blank before the bracket is not read over.
 TEST(JsonPhysics, IsReadByAReaderLikeTheFirmwares) {
-  JsonSensors sensors;
+  wire::sitl::JsonSensors sensors;
   sensors.time_s = 12.5;
   sensors.gyro_body_radps = {0.1, -0.2, 1e-9};
   sensors.specific_force_body_mps2 = {0.5, 0.0, -9.81};
   sensors.position_local_m = {-3.0, 0.25, -1.5};
   sensors.velocity_local_mps = {0.75, -0.5, 0.125};
   sensors.local_from_body = Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5);
-  const std::string text = format_json_sensors(sensors);
+  const std::string text = wire::sitl::format_json_sensors(sensors);
   ASSERT_EQ(text.front(), '\n');
   ASSERT_EQ(text.back(), '\n');
   const auto read3 = [&text](const char* key) {
@@ -82,4 +82,4 @@ TEST(JsonPhysics, IsReadByAReaderLikeTheFirmwares) {
 }
 
 }  // namespace
-}  // namespace vantage::models::sitl
+}  // namespace vantage::wire::sitl

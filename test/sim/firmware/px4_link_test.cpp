@@ -16,12 +16,10 @@
 
 #include "core/address.hpp"
 #include "core/check.hpp"
-#include "models/wire/mavlink/vocabulary.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
-
-namespace wire = models::mavlink;
 
 constexpr Duration kLong = std::chrono::seconds(5);
 
@@ -46,17 +44,17 @@ class FakeFirmware {
   }
 
   void say(std::uint64_t time_usec, std::array<float, 4> throttles, bool is_armed = true) {
-    wire::HilActuatorControls controls;
+    wire::mavlink::HilActuatorControls controls;
     controls.time_usec = time_usec;
     controls.flags = 1;
-    controls.mode = is_armed ? wire::kArmedFlag : 0;
+    controls.mode = is_armed ? wire::mavlink::kArmedFlag : 0;
     std::copy(throttles.begin(), throttles.end(), controls.controls.begin());
     std::vector<std::uint8_t> bytes;
-    wire::append_bytes(wire::pack(controls, {1, 1, 0}), bytes);
+    wire::mavlink::append_bytes(wire::mavlink::pack(controls, {1, 1, 0}), bytes);
     ASSERT_EQ(write(fd_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
   }
   /// The next sensors that the simulator sends.
-  wire::HilSensor hear() {
+  wire::mavlink::HilSensor hear() {
     while (heard_.empty()) {
       pollfd polled{fd_, POLLIN, 0};
       std::array<std::uint8_t, 1024> bytes{};
@@ -69,13 +67,14 @@ class FakeFirmware {
         ADD_FAILURE() << "the simulator hung up";
         return {};
       }
-      parser_.feed({bytes.data(), static_cast<std::size_t>(got)}, [this](const wire::Frame& frame) {
-        if (const auto sensors = wire::unpack<wire::HilSensor>(frame)) {
-          heard_.push_back(*sensors);
-        }
-      });
+      parser_.feed(
+          {bytes.data(), static_cast<std::size_t>(got)}, [this](const wire::mavlink::Frame& frame) {
+            if (const auto sensors = wire::mavlink::unpack<wire::mavlink::HilSensor>(frame)) {
+              heard_.push_back(*sensors);
+            }
+          });
     }
-    const wire::HilSensor out = heard_.front();
+    const wire::mavlink::HilSensor out = heard_.front();
     heard_.erase(heard_.begin());
     return out;
   }
@@ -99,8 +98,8 @@ class FakeFirmware {
 
  private:
   int fd_;
-  wire::Parser parser_;
-  std::vector<wire::HilSensor> heard_;
+  wire::mavlink::Parser parser_;
+  std::vector<wire::mavlink::HilSensor> heard_;
 };
 
 struct Listening {
@@ -135,7 +134,7 @@ TEST(Px4Link, SaysWhatTheSensorsFeelInTheFirmwaresUnits) {
   EXPECT_FALSE(link->send(sensors_at(Duration{4'000})));  // nobody is there
   FakeFirmware firmware(FakeFirmware::connected_to(port));
   ASSERT_TRUE(link->send(sensors_at(Duration{8'000})));
-  const wire::HilSensor heard = firmware.hear();
+  const wire::mavlink::HilSensor heard = firmware.hear();
   EXPECT_EQ(heard.time_usec, 8'000U);
   EXPECT_FLOAT_EQ(heard.xgyro, 0.1F);
   EXPECT_FLOAT_EQ(heard.ygyro, -0.2F);
@@ -241,14 +240,14 @@ TEST(Px4Link, NeverWaitsForAFirmwareThatDoesNotRead) {
   // What it reads in the end is whole frames in their order; the last one may wait to be ended.
   std::uint64_t last_usec = 0;
   for (int i = 0; i < told - 1; ++i) {
-    const wire::HilSensor heard = firmware.hear();
+    const wire::mavlink::HilSensor heard = firmware.hear();
     ASSERT_GT(heard.time_usec, last_usec);
     last_usec = heard.time_usec;
   }
   const Duration later = (kSamples + 1) * link->period();
   ASSERT_TRUE(link->send(sensors_at(later)));
   while (last_usec < static_cast<std::uint64_t>(later.count())) {
-    const wire::HilSensor heard = firmware.hear();
+    const wire::mavlink::HilSensor heard = firmware.hear();
     ASSERT_GT(heard.time_usec, last_usec);
     last_usec = heard.time_usec;
   }

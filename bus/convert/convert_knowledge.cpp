@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <limits>
+
+#include "bus/convert/convert_parts.hpp"
+
+// What robots see and believe: MEASUREMENT_R and BELIEF_R.
+
+namespace vantage::bus {
+
+using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+
+namespace {
+
+constexpr int kTargetDimMin = 2;
+
+std::optional<models::Detection> detection_from(const vantage_lcm::detection_t& wire) {
+  const bool has_shape =
+      wire.dim >= 1 && wire.dim <= models::kMaxMeasurementDim && is_count(wire.dim, wire.z.size());
+  const auto V = has_shape ? definite_from(wire.covariance_z, wire.dim) : std::nullopt;
+  if (wire.target_id < 0 || !V) {
+    return std::nullopt;
+  }
+  models::Detection detection;
+  detection.target_id = wire.target_id;
+  detection.measurement.z = Eigen::Map<const Eigen::VectorXd>(wire.z.data(), wire.dim);
+  detection.measurement.V = *V;
+  if (!detection.measurement.z.allFinite()) {
+    return std::nullopt;
+  }
+  return detection;
+}
+
+std::optional<models::TargetBelief> target_from(const vantage_lcm::target_belief_t& wire) {
+  const bool has_shape = wire.dim >= kTargetDimMin && wire.dim <= models::kMaxTargetDim &&
+                         is_count(wire.dim, wire.information_vector.size());
+  const auto Omega = has_shape ? definite_from(wire.information_matrix, wire.dim) : std::nullopt;
+  if (wire.target_id < 0 || !Omega || !is_utime(wire.last_seen_utime)) {
+    return std::nullopt;
+  }
+  models::TargetBelief target;
+  target.target_id = wire.target_id;
+  target.information.vector =
+      Eigen::Map<const Eigen::VectorXd>(wire.information_vector.data(), wire.dim);
+  target.information.matrix = *Omega;
+  target.last_seen = from_utime(wire.last_seen_utime);
+  if (!target.information.vector.allFinite()) {
+    return std::nullopt;
+  }
+  return target;
+}
+
+}  // namespace
+
+vantage_lcm::measurement_t to_wire(const models::DetectionSet& detections) {
+  vantage_lcm::measurement_t wire{};
+  stamp_to(detections.stamp, wire);
+  wire.robot = detections.robot;
+  viewpoint_to(detections.viewpoint, wire);
+  wire.jammed = detections.jammed ? 1 : 0;
+  wire.num_detections = count_of(detections.detections.size());
+  wire.detections.resize(detections.detections.size());
+  for (std::size_t i = 0; i < detections.detections.size(); ++i) {
+    const models::Detection& detection = detections.detections[i];
+    const models::MeasurementVector& z = detection.measurement.z;
+    const int dim = static_cast<int>(z.size());
+    wire.detections[i].target_id = detection.target_id;
+    wire.detections[i].dim = dim;
+    wire.detections[i].z.assign(z.data(), z.data() + dim);
+    wire.detections[i].covariance_z = rows_to(detection.measurement.V, dim);
+  }
+  wire.num_inputs = count_of(detections.inputs.size());
+  wire.inputs = inputs_to(detections.inputs);
+  return wire;
+}
+
+std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& wire) {
+  const auto stamp = stamp_from(wire);
+  const auto viewpoint = viewpoint_from(wire);
+  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  if (!stamp || !viewpoint || !inputs || !is_text(wire.robot) || !is_boolean(wire.jammed) ||
+      !is_count(wire.num_detections, wire.detections.size())) {
+    return std::nullopt;
+  }
+  models::DetectionSet set{*stamp,           wire.robot, *viewpoint,
+                           wire.jammed != 0, {},         std::move(*inputs)};
+  set.detections.reserve(wire.detections.size());
+  for (const vantage_lcm::detection_t& each : wire.detections) {
+    const auto detection = detection_from(each);
+    if (!detection) {
+      return std::nullopt;
+    }
+    set.detections.push_back(*detection);
+  }
+  return set;
+}
+
+vantage_lcm::belief_t to_wire(const models::RobotBelief& belief) {
+  vantage_lcm::belief_t wire{};
+  stamp_to(belief.stamp, wire);
+  wire.robot = belief.robot;
+  wire.step = belief.step;
+  viewpoint_to(belief.viewpoint, wire);
+  wire.degree = belief.degree;
+  wire.num_targets = count_of(belief.targets.size());
+  wire.targets.resize(belief.targets.size());
+  for (std::size_t i = 0; i < belief.targets.size(); ++i) {
+    const models::TargetBelief& target = belief.targets[i];
+    const models::StateVector& omega = target.information.vector;
+    const int dim = static_cast<int>(omega.size());
+    wire.targets[i].target_id = target.target_id;
+    wire.targets[i].dim = dim;
+    wire.targets[i].information_vector.assign(omega.data(), omega.data() + dim);
+    wire.targets[i].information_matrix = rows_to(target.information.matrix, dim);
+    wire.targets[i].last_seen_utime = to_utime(target.last_seen);
+  }
+  grid_to(belief.grid, wire);
+  wire.num_cells = count_of(belief.last_seen_utime.size());
+  wire.last_seen_utime = belief.last_seen_utime;
+  wire.num_inputs = count_of(belief.inputs.size());
+  wire.inputs = inputs_to(belief.inputs);
+  return wire;
+}
+
+std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire) {
+  const auto stamp = stamp_from(wire);
+  const auto viewpoint = viewpoint_from(wire);
+  const auto grid = grid_from(wire, wire.last_seen_utime.size());
+  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  if (!stamp || !viewpoint || !grid || !inputs || !is_text(wire.robot) || wire.step < 0 ||
+      wire.degree < 0 || !is_count(wire.num_targets, wire.targets.size()) ||
+      !std::all_of(wire.last_seen_utime.begin(), wire.last_seen_utime.end(), is_utime)) {
+    return std::nullopt;
+  }
+  models::RobotBelief belief;
+  belief.stamp = *stamp;
+  belief.robot = wire.robot;
+  belief.step = wire.step;
+  belief.viewpoint = *viewpoint;
+  belief.degree = wire.degree;
+  belief.targets.reserve(wire.targets.size());
+  int previous_id = -1;
+  for (const vantage_lcm::target_belief_t& each : wire.targets) {
+    const auto target = target_from(each);
+    if (!target || target->target_id <= previous_id) {
+      return std::nullopt;  // receivers rely on ascending ids
+    }
+    previous_id = target->target_id;
+    belief.targets.push_back(*target);
+  }
+  belief.grid = *grid;
+  belief.last_seen_utime = wire.last_seen_utime;
+  belief.inputs = std::move(*inputs);
+  return belief;
+}
+
+}  // namespace vantage::bus

@@ -1,0 +1,78 @@
+#include "bus/convert/convert_parts.hpp"
+
+// What robots know of the map: SCAN_R and MAP_R.
+
+namespace vantage::bus {
+
+using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
+
+vantage_lcm::scan_t to_wire(const models::RangeScan& scan) {
+  vantage_lcm::scan_t wire{};
+  stamp_to(scan.stamp, wire);
+  wire.robot = scan.robot;
+  viewpoint_to(scan.viewpoint, wire);
+  wire.jammed = scan.jammed ? 1 : 0;
+  wire.field_of_view_rad = scan.field_of_view_rad;
+  wire.range_max_m = scan.range_max_m;
+  wire.num_beams = count_of(scan.ranges_m.size());
+  wire.range_m = scan.ranges_m;
+  wire.num_inputs = count_of(scan.inputs.size());
+  wire.inputs = inputs_to(scan.inputs);
+  return wire;
+}
+
+std::optional<models::RangeScan> from_wire(const vantage_lcm::scan_t& wire) {
+  constexpr double kFullCircleRad = 2.0 * kPi + 1e-9;
+  const auto stamp = stamp_from(wire);
+  const auto viewpoint = viewpoint_from(wire);
+  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  if (!stamp || !viewpoint || !inputs || !is_text(wire.robot) || !is_boolean(wire.jammed) ||
+      !is_count(wire.num_beams, wire.range_m.size()) ||
+      !are_finite(wire.field_of_view_rad, wire.range_max_m) || wire.range_max_m <= 0.0 ||
+      wire.field_of_view_rad <= 0.0 || wire.field_of_view_rad > kFullCircleRad ||
+      (wire.jammed != 0 && wire.num_beams != 0)) {
+    return std::nullopt;
+  }
+  for (const double range_m : wire.range_m) {
+    if (!are_finite(range_m)) {
+      return std::nullopt;
+    }
+  }
+  return models::RangeScan{
+      *stamp,           wire.robot,   *viewpoint,        wire.jammed != 0, wire.field_of_view_rad,
+      wire.range_max_m, wire.range_m, std::move(*inputs)};
+}
+
+vantage_lcm::map_t to_wire(const models::RobotMap& map) {
+  vantage_lcm::map_t wire{};
+  stamp_to(map.stamp, wire);
+  wire.robot = map.robot;
+  wire.step = map.step;
+  viewpoint_to(map.viewpoint, wire);
+  grid_to(map.grid, wire);
+  wire.num_cells = count_of(map.own_looks.size());
+  wire.own_looks = map.own_looks;
+  wire.team_looks = map.team_looks;
+  wire.team_looks.resize(map.own_looks.size());
+  wire.entropy_nat = map.entropy_nats;
+  wire.num_inputs = count_of(map.inputs.size());
+  wire.inputs = inputs_to(map.inputs);
+  return wire;
+}
+
+std::optional<models::RobotMap> from_wire(const vantage_lcm::map_t& wire) {
+  const auto stamp = stamp_from(wire);
+  const auto viewpoint = viewpoint_from(wire);
+  const auto grid = grid_from(wire, wire.own_looks.size());
+  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  if (!stamp || !viewpoint || !grid || !inputs || !is_text(wire.robot) || wire.step < 0 ||
+      wire.team_looks.size() != wire.own_looks.size() || !are_finite(wire.entropy_nat) ||
+      wire.entropy_nat < 0.0) {
+    return std::nullopt;
+  }
+  return models::RobotMap{
+      *stamp,         wire.robot,      wire.step,        *viewpoint,        *grid,
+      wire.own_looks, wire.team_looks, wire.entropy_nat, std::move(*inputs)};
+}
+
+}  // namespace vantage::bus

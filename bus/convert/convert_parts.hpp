@@ -1,0 +1,133 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "vantage_lcm/input_ref_t.hpp"
+
+#include "bus/convert/convert.hpp"
+#include "core/angle.hpp"
+#include "core/linear.hpp"
+#include "models/exchange/messages.hpp"
+
+// Pieces that several messages share. `…_from` check and answer nullopt for what cannot be true;
+// `…_to` cannot fail.
+
+namespace vantage::bus::parts {
+
+inline constexpr std::size_t kTextBytesMax = 256;
+inline constexpr std::size_t kYamlBytesMax = std::size_t{1} << 20U;
+inline constexpr std::size_t kItemsMax = 10'000;  ///< targets, segments, bodies, inputs, …
+inline constexpr std::size_t kCellsMax = 1'000'000;
+/// The year 2286, in µs. Differences of two such times never overflow.
+inline constexpr std::int64_t kUtimeMax = 10'000'000'000'000'000;
+/// Of a motion: farther from the origin, longer, faster (m/s, rad/s, m/s²) nothing here moves. What
+/// is worked out of one within these stays finite.
+inline constexpr double kPlaceMax_m = 1e6;
+inline constexpr double kMotionMax_s = 3600.0;
+inline constexpr double kRateMax = 1e3;
+inline constexpr double kAsymmetryMax = 1e-9;  ///< relative to the largest entry
+inline constexpr double kQuaternionNormErrorMax = 1e-3;
+
+/// Up to 4×4, in place: covariances of measurements and information of targets.
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, 4, 4>;
+using Rows = std::vector<std::vector<double>>;
+
+bool is_utime(std::int64_t utime);
+/// At most `bytes_max` bytes of UTF-8 without NUL.
+bool is_text(const std::string& text, std::size_t bytes_max = kTextBytesMax);
+/// The count on the wire, the elements there are and the cap agree.
+bool is_count(std::int64_t count, std::size_t elements, std::size_t cap = kItemsMax);
+template <class... Doubles>
+bool are_finite(Doubles... values) {
+  return (std::isfinite(values) && ...);
+}
+
+std::optional<Pose2> pose2_from(double x_m, double y_m, double yaw_rad);
+std::optional<Pose3> pose3_from(const double (&position_m)[3], const double (&quaternion_wxyz)[4]);
+void pose3_to(const Pose3& pose, double (&position_m)[3], double (&quaternion_wxyz)[4]);
+
+/// A symmetric positive definite dim × dim matrix.
+std::optional<SmallMatrix> definite_from(const Rows& rows, int dim);
+/// Row-major; what `M` lacks of dim × dim becomes NaN, which no receiver accepts.
+Rows rows_to(const SmallMatrix& M, int dim);
+
+std::optional<std::vector<models::InputRef>> inputs_from(
+    std::int32_t count, const std::vector<vantage_lcm::input_ref_t>& wire);
+std::vector<vantage_lcm::input_ref_t> inputs_to(const std::vector<models::InputRef>& inputs);
+
+inline std::int32_t count_of(std::size_t elements) { return static_cast<std::int32_t>(elements); }
+
+template <class Enum>
+std::optional<Enum> enumerator_from(std::int32_t value, Enum last) {
+  if (value < 0 || value > static_cast<std::int32_t>(last)) {
+    return std::nullopt;
+  }
+  return static_cast<Enum>(value);
+}
+
+/// Booleans travel as bytes; only 0 and 1 are ones.
+inline bool is_boolean(std::int8_t value) { return value == 0 || value == 1; }
+
+template <class Wire>
+void stamp_to(const models::Stamp& stamp, Wire& wire) {
+  wire.utime = to_utime(stamp.time);
+  wire.run_id = stamp.run_id;
+  wire.sequence = stamp.sequence;
+}
+
+template <class Wire>
+std::optional<models::Stamp> stamp_from(const Wire& wire) {
+  if (!is_utime(wire.utime) || wire.sequence < 0) {
+    return std::nullopt;
+  }
+  return models::Stamp{from_utime(wire.utime), wire.run_id, wire.sequence};
+}
+
+template <class Wire>
+void viewpoint_to(const models::Viewpoint& from, Wire& wire) {
+  wire.x_world_m = from.world_from_body.x_m;
+  wire.y_world_m = from.world_from_body.y_m;
+  wire.yaw_world_rad = from.world_from_body.yaw_rad;
+  wire.height_m = from.height_m;
+}
+
+template <class Wire>
+std::optional<models::Viewpoint> viewpoint_from(const Wire& wire) {
+  const auto pose = pose2_from(wire.x_world_m, wire.y_world_m, wire.yaw_world_rad);
+  if (!pose || !are_finite(wire.height_m)) {
+    return std::nullopt;
+  }
+  return models::Viewpoint{*pose, wire.height_m};
+}
+
+template <class Wire>
+void grid_to(const models::GridGeometry& grid, Wire& wire) {
+  wire.grid_origin_x_m = grid.origin_m.x();
+  wire.grid_origin_y_m = grid.origin_m.y();
+  wire.grid_resolution_m = grid.resolution_m;
+  wire.grid_columns = grid.columns;
+  wire.grid_rows = grid.rows;
+}
+
+/// `cells`: how many elements of each cell's array there are.
+template <class Wire>
+std::optional<models::GridGeometry> grid_from(const Wire& wire, std::size_t cells) {
+  if (!are_finite(wire.grid_origin_x_m, wire.grid_origin_y_m, wire.grid_resolution_m) ||
+      wire.grid_resolution_m <= 0.0 || wire.grid_columns < 0 || wire.grid_rows < 0 ||
+      !is_count(wire.num_cells, cells, kCellsMax) ||
+      std::int64_t{wire.grid_columns} * wire.grid_rows != wire.num_cells) {
+    return std::nullopt;
+  }
+  return models::GridGeometry{{wire.grid_origin_x_m, wire.grid_origin_y_m},
+                              wire.grid_resolution_m,
+                              wire.grid_columns,
+                              wire.grid_rows};
+}
+
+}  // namespace vantage::bus::parts

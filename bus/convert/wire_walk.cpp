@@ -1,0 +1,100 @@
+#include "bus/convert/wire_walk.hpp"
+
+#include <cstddef>
+
+namespace vantage::bus {
+namespace {
+
+constexpr std::size_t kMaxFields = 64;
+constexpr int kMaxDepth = 8;
+
+class Walker {
+ public:
+  explicit Walker(std::span<const std::uint8_t> left) : left_(left) {}
+
+  bool walk_struct(const WireSchema& schema, int depth) {
+    if (depth > kMaxDepth || schema.fields.size() > kMaxFields) {
+      return false;
+    }
+    std::array<std::int64_t, kMaxFields> integers{};
+    for (std::size_t i = 0; i < schema.fields.size(); ++i) {
+      const WireField& field = schema.fields[i];
+      std::uint64_t count = 1;
+      for (const WireDim& dim : field.dims) {
+        const std::int64_t length =
+            dim.field < 0 ? dim.constant : integers[static_cast<std::size_t>(dim.field)];
+        // Every dimension on its own as well: n rows of nothing take no bytes but n vectors.
+        if (length < 0 || (dim.field >= 0 && length > left_bytes())) {
+          return false;
+        }
+        count *= static_cast<std::uint64_t>(length);
+      }
+      if (count > left_.size() ||
+          count * static_cast<std::uint64_t>(field.least_bytes) > left_.size()) {
+        return false;
+      }
+      if (field.kind == WireKind::kInteger && count == 1) {
+        integers[i] = integer(static_cast<std::size_t>(field.least_bytes));
+      }
+      if (!walk_elements(field, static_cast<std::size_t>(count), depth)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool is_at_end() const { return left_.empty(); }
+
+ private:
+  [[nodiscard]] std::int64_t left_bytes() const { return static_cast<std::int64_t>(left_.size()); }
+
+  bool walk_elements(const WireField& field, std::size_t count, int depth) {
+    if (field.kind == WireKind::kBytes || field.kind == WireKind::kInteger) {
+      left_ = left_.subspan(count * static_cast<std::size_t>(field.least_bytes));
+      return true;
+    }
+    for (std::size_t n = 0; n < count; ++n) {
+      if (!(field.kind == WireKind::kString ? walk_string()
+                                            : walk_struct(*field.nested, depth + 1))) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool walk_string() {
+    constexpr std::size_t kLengthBytes = 4;
+    if (left_.size() < kLengthBytes) {
+      return false;
+    }
+    const std::int64_t length = integer(kLengthBytes);  // counts the NUL
+    left_ = left_.subspan(kLengthBytes);
+    if (length < 1 || length > left_bytes()) {
+      return false;
+    }
+    const auto taken = static_cast<std::size_t>(length);
+    const bool is_terminated = left_[taken - 1] == 0;
+    left_ = left_.subspan(taken);
+    return is_terminated;
+  }
+
+  /// The big-endian signed integer of `width` bytes that comes next; does not advance.
+  [[nodiscard]] std::int64_t integer(std::size_t width) const {
+    std::uint64_t value = (left_[0] & 0x80U) != 0 ? ~std::uint64_t{0} : 0;
+    for (const std::uint8_t byte : left_.first(width)) {
+      value = (value << 8U) | byte;
+    }
+    return static_cast<std::int64_t>(value);
+  }
+
+  std::span<const std::uint8_t> left_;
+};
+
+}  // namespace
+
+bool is_well_formed(const WireSchema& schema, std::span<const std::uint8_t> body) {
+  Walker walker(body);
+  return walker.walk_struct(schema, 0) && walker.is_at_end();
+}
+
+}  // namespace vantage::bus

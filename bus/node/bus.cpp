@@ -1,0 +1,241 @@
+#include "bus/node/bus.hpp"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include "bus/auth/authenticator.hpp"
+#include "bus/transport/channel_pattern.hpp"
+#include "core/deadline.hpp"
+
+namespace vantage::bus {
+namespace {
+
+/// Counts by channel keep their size whatever names arrive; the rest share one entry.
+constexpr std::size_t kCountedChannelsMax = 1024;
+constexpr const char* kOtherChannels = "(other)";
+
+void add_nonzero(std::vector<models::NamedCount>& counts, std::string name, std::int64_t count) {
+  if (count != 0) {
+    counts.push_back({std::move(name), count});
+  }
+}
+
+/// What decides on the budget by which a command is verified, before anything of it is proven.
+bool says_emergency_stop(std::span<const std::uint8_t> bytes) {
+  const auto wire = decode_wire<vantage_lcm::command_t>(bytes);
+  return wire && wire->action == static_cast<int>(models::OperatorAction::kEmergencyStop);
+}
+
+}  // namespace
+
+std::int64_t random_run_id() {
+  std::random_device entropy;
+  std::uniform_int_distribution<std::int64_t> any(1);
+  return any(entropy);
+}
+
+Bus::Bus(Transport& transport, std::int64_t run_id, std::string publish_prefix)
+    : transport_(transport),
+      run_id_(run_id),
+      publish_prefix_(std::move(publish_prefix)),
+      self_(std::make_shared<Bus*>(this)) {}
+
+Bus::~Bus() = default;
+
+void Bus::secure(std::unique_ptr<auth::Authenticator> authenticator, const Clock& clock) {
+  authenticator_ = std::move(authenticator);
+  signing_clock_ = &clock;
+  if (authenticator_ && !answers_to_.empty()) {
+    authenticator_->answer_to(answers_to_);
+  }
+}
+
+void Bus::answer_to(const std::string& robot) {
+  answers_to_ = robot;
+  if (authenticator_) {
+    authenticator_->answer_to(robot);
+  }
+}
+
+bool Bus::renew_session() {
+  if (authenticator_) {
+    authenticator_->renew_session(signing_clock_->now());
+  }
+  return authenticator_ != nullptr;
+}
+
+void Bus::seal(const std::string& channel, const std::string& robot) {
+  authenticator_->seal(channel, robot, signing_clock_->now(), buffer_);
+}
+
+bool Bus::open(Delivery& delivery) {
+  if (!authenticator_) {
+    hears_signed_ = hears_signed_ || auth::split(delivery.bytes).has_value();
+    return true;
+  }
+  const bool is_stop = delivery.name == kCommand.name && says_emergency_stop(delivery.bytes);
+  const auth::Authenticator::Judged judged = authenticator_->judge(
+      delivery.name, delivery.bytes, signing_clock_->now(), clock_ != nullptr, is_stop);
+  delivery.bytes = judged.payload;
+  delivery.echo = judged.echo;
+  return judged.may_pass;
+}
+
+bool Bus::is_said_to_us(Delivery& delivery, const models::OperatorCommand& command) {
+  if (delivery.echo == auth::Refusal::kNone || passes_every_filter(command)) {
+    return true;
+  }
+  if (!command.robot.empty() && command.robot != answers_to_) {
+    return false;  // said to another: nothing is wrong with it
+  }
+  if (!std::exchange(delivery.is_echo_counted, true)) {
+    delivery.echo =
+        authenticator_->refuse(delivery.name, delivery.echo) ? auth::Refusal::kNone : delivery.echo;
+  }
+  return delivery.echo == auth::Refusal::kNone;
+}
+
+int Bus::handle(std::chrono::microseconds timeout) { return transport_.handle(timeout); }
+
+std::int64_t Bus::next_sequence(const std::string& channel) { return next_sequence_[channel]++; }
+
+bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
+  return transport_.publish(channel, bytes);
+}
+
+void Bus::add_subscription(Subscription subscription) {
+  bool is_new = true;
+  for (const Subscription& known : subscriptions_) {
+    is_new = is_new && known.pattern != subscription.pattern;
+  }
+  // A flood of other names must not take the place of a channel that was asked for by name.
+  if (!subscription.pattern.ends_with('*')) {
+    if (subscription.is_shared) {
+      shared_streams_.try_emplace(subscription.pattern);
+    } else {
+      streams_.try_emplace(subscription.pattern);
+    }
+  }
+  const std::size_t index = subscriptions_.size();
+  subscriptions_.push_back(std::move(subscription));
+  if (is_new) {
+    transport_.subscribe(subscriptions_[index].pattern,
+                         [self = std::weak_ptr<Bus*>(self_), index](
+                             std::string_view name, std::span<const std::uint8_t> bytes) {
+                           if (const auto bus = self.lock()) {
+                             (*bus)->on_message(index, name, bytes);
+                           }
+                         });
+  }
+}
+
+// The transport calls once for each distinct pattern that hears a message. The first of them
+// serves all subscriptions, so that the stream is judged once; the others find nothing to do.
+void Bus::on_message(std::size_t subscription, std::string_view name,
+                     std::span<const std::uint8_t> bytes) {
+  for (std::size_t i = 0; i < subscription; ++i) {
+    if (channel_matches(subscriptions_[i].pattern, name)) {
+      return;
+    }
+  }
+  const std::int64_t start_ns = monotonic_ns();
+  Delivery delivery{std::string(name), bytes};
+  if (!open(delivery)) {
+    handling_ns_ += monotonic_ns() - start_ns;
+    return;
+  }
+  for (std::size_t i = subscription; i < subscriptions_.size(); ++i) {
+    if (channel_matches(subscriptions_[i].pattern, name)) {
+      delivery.is_shared = subscriptions_[i].is_shared;
+      delivery.lease = subscriptions_[i].lease;
+      subscriptions_[i].deliver(delivery);
+    }
+  }
+  handling_ns_ += monotonic_ns() - start_ns;
+}
+
+bool Bus::is_fresh(Delivery& delivery, const models::Stamp& stamp) {
+  if (!delivery.is_fresh) {
+    const bool is_known =
+        streams_.contains(delivery.name) || shared_streams_.contains(delivery.name);
+    if (!is_known && streams_.size() + shared_streams_.size() >= kStreamsMax) {
+      ++streams_refused_;
+      delivery.is_fresh = false;
+    } else {
+      const StreamRules rules{clock_ == nullptr ? std::nullopt : std::optional(clock_->now()),
+                              delivery.lease};
+      const Arrival arrival = delivery.is_shared
+                                  ? shared_streams_[delivery.name].judge(stamp, rules)
+                                  : streams_[delivery.name].judge(stamp, rules);
+      delivery.is_fresh = arrival == Arrival::kFresh;
+    }
+  }
+  return *delivery.is_fresh;
+}
+
+void Bus::count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& counts) {
+  if (!delivery.is_faulty) {
+    delivery.is_faulty = true;
+    const bool has_room = counts.contains(delivery.name) || counts.size() < kCountedChannelsMax;
+    ++counts[has_room ? delivery.name : kOtherChannels];
+  }
+}
+
+std::int64_t Bus::messages_lost() const {
+  std::int64_t lost = 0;
+  for (const auto& [name, counts] : stream_counts()) {
+    lost += counts.lost;
+  }
+  return lost;
+}
+
+std::map<std::string, StreamCounts> Bus::stream_counts() const {
+  std::map<std::string, StreamCounts> counts;
+  for (const auto& [name, stream] : streams_) {
+    counts[name] = stream.counts();
+  }
+  for (const auto& [name, stream] : shared_streams_) {
+    if (const StreamCounts shared = stream.counts(); shared.runs > 0) {
+      counts[name] = shared;
+    }
+  }
+  return counts;
+}
+
+std::vector<models::NamedCount> Bus::counters() const {
+  std::vector<models::NamedCount> counts;
+  const TransportStats stats = transport_.stats();
+  add_nonzero(counts, "transport.messages_sent", stats.messages_sent);
+  add_nonzero(counts, "transport.messages_received", stats.messages_received);
+  add_nonzero(counts, "transport.send_errors", stats.send_errors);
+  add_nonzero(counts, "transport.malformed_datagrams", stats.malformed_datagrams);
+  add_nonzero(counts, "transport.incomplete_messages", stats.incomplete_messages);
+  add_nonzero(counts, "transport.queue_overflows", stats.queue_overflows);
+  add_nonzero(counts, "transport.oversized_messages", stats.oversized_messages);
+  add_nonzero(counts, "transport.duplicate_fragments", stats.duplicate_fragments);
+  add_nonzero(counts, "transport.kernel_drops", stats.kernel_drops);
+  add_nonzero(counts, "transport.receive_buffer_short_bytes", stats.receive_buffer_short_bytes);
+  add_nonzero(counts, "bus.streams_refused", streams_refused_);
+  for (const auto& [name, count] : decode_errors_) {
+    add_nonzero(counts, name + ".decode_errors", count);
+  }
+  for (const auto& [name, count] : refused_) {
+    add_nonzero(counts, name + ".refused", count);
+  }
+  if (authenticator_) {
+    authenticator_->count(counts);
+  }
+  for (const auto& [name, stream] : stream_counts()) {
+    add_nonzero(counts, name + ".fresh", stream.fresh);
+    add_nonzero(counts, name + ".lost", stream.lost);
+    add_nonzero(counts, name + ".duplicates", stream.duplicates);
+    add_nonzero(counts, name + ".reordered", stream.reordered);
+    add_nonzero(counts, name + ".old_runs", stream.old_runs);
+    add_nonzero(counts, name + ".too_far_ahead", stream.too_far_ahead);
+    add_nonzero(counts, name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1));
+  }
+  return counts;
+}
+
+}  // namespace vantage::bus

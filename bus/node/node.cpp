@@ -1,0 +1,120 @@
+#include "bus/node/node.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include <poll.h>
+
+#include "bus/convert/channels.hpp"
+#include "core/deadline.hpp"
+
+namespace vantage::bus {
+namespace {
+
+constexpr Duration kReportPeriod = std::chrono::seconds(1);
+constexpr Duration kReportOnChangePeriod = std::chrono::milliseconds(100);
+constexpr Duration kStopPollPeriod = std::chrono::milliseconds(50);
+
+/// Traffic, measured durations and kinds of rounds: what changes without anything being wrong.
+bool is_plain_traffic(std::string_view counter) {
+  return counter == "transport.messages_sent" || counter == "transport.messages_received" ||
+         counter.ends_with(".fresh") || counter.ends_with("_us") || counter.ends_with("_rounds");
+}
+
+/// Whether `fd` became readable within `timeout`.
+bool wait_for(int fd, Duration timeout) {
+  const timespec limit{timeout.count() / 1'000'000, timeout.count() % 1'000'000 * 1'000};
+  pollfd polled{fd, POLLIN, 0};
+  return ppoll(&polled, 1, &limit, nullptr) > 0;
+}
+
+}  // namespace
+
+HealthReporter::HealthReporter(Bus& bus, const Node& node, Usage usage)
+    : bus_(bus),
+      node_(node),
+      usage_(std::move(usage)),
+      trouble_reported_(trouble()),
+      trouble_last_second_(trouble_reported_) {}
+
+std::int64_t HealthReporter::trouble() const {
+  // Unsigned: a saturated count must wrap, not overflow; only change matters.
+  auto sum = static_cast<std::uint64_t>(node_.deadlines_missed());
+  for (const models::NamedCount& counter : bus_.counters()) {
+    sum += is_plain_traffic(counter.name) ? 0 : static_cast<std::uint64_t>(counter.count);
+  }
+  for (const models::NamedCount& counter : node_.counters()) {
+    sum += is_plain_traffic(counter.name) ? 0 : static_cast<std::uint64_t>(counter.count);
+  }
+  return static_cast<std::int64_t>(sum);
+}
+
+void HealthReporter::on_loop(Time now, double loop_s) {
+  ++loops_;
+  loop_worst_s_ = std::max(loop_worst_s_, loop_s);
+  const bool is_due = now >= next_;
+  if (!is_due && now < next_on_change_) {
+    return;
+  }
+  const std::int64_t trouble_now = trouble();
+  if (is_due || trouble_now != trouble_reported_) {
+    const bool is_degraded = trouble_now != trouble_last_second_;
+    publish(now, is_degraded ? models::ProcessState::kDegraded : models::ProcessState::kRunning);
+    if (is_due) {
+      trouble_last_second_ = trouble_now;
+      next_ = now + kReportPeriod;
+    }
+  }
+}
+
+void HealthReporter::publish(Time now, models::ProcessState state) {
+  models::ProcessHealth health;
+  health.stamp.time = now;
+  health.process = node_.name();
+  health.state = state;
+  health.counters = bus_.counters();
+  for (models::NamedCount& counter : node_.counters()) {
+    health.counters.push_back(std::move(counter));
+  }
+  if (usage_) {
+    for (models::NamedCount& counter : usage_()) {
+      health.counters.push_back(std::move(counter));
+    }
+  }
+  health.loops = loops_;
+  health.loop_worst_s = loop_worst_s_;
+  health.deadlines_missed = node_.deadlines_missed();
+  trouble_reported_ = trouble();
+  bus_.publish(health_channel(node_.name()), std::move(health));
+  loop_worst_s_ = 0.0;
+  next_on_change_ = now + kReportOnChangePeriod;
+}
+
+void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop,
+              const Usage& usage) {
+  HealthReporter health(bus, node, usage);
+  health.publish(clock.now(), models::ProcessState::kStarting);
+  while (!stop()) {
+    Duration wait = std::clamp(node.next_tick() - clock.now(), Duration{0}, kStopPollPeriod);
+    bool is_woken = false;
+    if (node.wakes_on() >= 0) {
+      is_woken = wait_for(node.wakes_on(), wait);
+      wait = Duration{0};
+    }
+    const double handled_before_s = bus.handling_s();
+    if (bus.handle(wait) == kSourceEnded) {
+      break;
+    }
+    const std::int64_t tick_start_ns = monotonic_ns();
+    const Time now = clock.now();
+    if (is_woken || now >= node.next_tick()) {
+      node.tick(now);
+    }
+    const double tick_s = static_cast<double>(monotonic_ns() - tick_start_ns) * 1e-9;
+    health.on_loop(now, tick_s + bus.handling_s() - handled_before_s);
+  }
+  health.publish(clock.now(), models::ProcessState::kStopping);
+}
+
+}  // namespace vantage::bus

@@ -1,0 +1,80 @@
+#include "bus/node/node_main.hpp"
+
+#include <cstdint>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include "bus/auth/authenticator.hpp"
+#include "bus/node/process_usage.hpp"
+#include "bus/transport/transport.hpp"
+#include "core/check.hpp"
+#include "core/process.hpp"
+#include "core/real_time.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+
+namespace vantage::bus {
+
+int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node) {
+  return run_process(program.name, [&]() -> int {
+    const RealTime real_time = take_real_time(argc, argv);
+    CLI::App app{program.description, program.name};
+    app.footer(
+        "Real time:\n"
+        "  --fifo PRIORITY             SCHED_FIFO with this priority, 1 to 99\n"
+        "  --cpu N                     on this CPU only\n"
+        "  --lock-memory               no page is swapped out or faulted in late\n"
+        "What the system does not grant is refused at once, with the limit to raise.");
+    NodeArguments arguments;
+    std::optional<std::uint64_t> seed;
+    std::string planner;
+    app.add_option("--scenario", arguments.scenario, "scenario file")->required();
+    auto* robot = app.add_option("--robot", arguments.robot, "robot of the scenario");
+    if (program.needs_robot) {
+      robot->required();
+    }
+    app.add_option("--url", arguments.url, "LCM URL instead of the scenario's");
+    app.add_option("--seed", seed, "seed instead of the scenario's");
+    app.add_option("--planner", planner, "planning algorithm instead of the scenario's");
+    app.add_option("--publish-prefix", arguments.publish_prefix,
+                   "put before every channel published on");
+    if (program.can_replay) {
+      app.add_flag("--replay", arguments.replay,
+                   "recompute what a replayed log says was computed, from the inputs it names");
+    }
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return app.exit(error) == 0 ? 0 : 2;
+    }
+
+    scenario::Scenario scenario = scenario::load_scenario(arguments.scenario);
+    if (seed) {
+      scenario.seed = *seed;
+    }
+    if (!planner.empty()) {
+      const auto algorithm = scenario::parse_algorithm(planner);
+      if (!algorithm) {
+        throw StartupError("--planner: unknown algorithm '" + planner + "'");
+      }
+      scenario.planner.algorithm = *algorithm;
+    }
+    if (program.needs_robot && scenario.find_robot(arguments.robot) == nullptr) {
+      throw StartupError("no robot '" + arguments.robot + "' in " + arguments.scenario);
+    }
+    const auto transport =
+        open_transport(arguments.url.empty() ? scenario.network.url : arguments.url);
+    Bus bus(*transport, random_run_id(), arguments.publish_prefix);
+    const SteadyClock clock;
+    bus.secure(auth::authenticator_for(scenario, arguments.replay), clock);
+    if (!arguments.replay) {
+      bus.keep_time(clock);
+    }
+    apply(real_time);  // after the network's own threads, before the node prepares its memory
+    const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);
+    run_node(bus, *node, clock, stop_requested, usage_counters);
+    return 0;
+  });
+}
+
+}  // namespace vantage::bus

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/node/node.hpp"
+#include "scenario/scenario.hpp"
+
+namespace vantage::bus {
+
+/// What is the same in every process of the stack: the name, the flags, opening the bus, running.
+struct NodeProgram {
+  std::string name;         ///< of the executable
+  std::string description;  ///< one sentence for --help
+  bool needs_robot = false;
+  bool can_replay = false;
+};
+
+struct NodeArguments {
+  std::string scenario;
+  std::string robot;
+  std::string url;  ///< empty: the scenario's
+  std::string publish_prefix;
+  bool replay = false;
+};
+
+using MakeNode = std::function<std::unique_ptr<Node>(
+    Bus& bus, const Clock& clock, const scenario::Scenario& scenario, const NodeArguments&)>;
+
+/// The whole of a node's main(): parses --scenario, --robot, --url, --seed, --planner,
+/// --publish-prefix, --replay and the real-time options of core/real_time, loads the scenario,
+/// opens the transport, runs the node on the system clock until a signal asks it to stop. Returns
+/// the exit code (0, 1 failed running, 2 could not start).
+int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode& make_node);
+
+}  // namespace vantage::bus

@@ -1,0 +1,164 @@
+#include "bus/node/stream_monitor.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace vantage::bus {
+namespace {
+
+/// A hostile sequence number may claim that 2⁶³ messages were lost, more than once.
+void add_saturating(std::int64_t& sum, std::int64_t more) {
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  sum = more > kMax - sum ? kMax : sum + more;
+}
+
+void add(StreamCounts& sum, const StreamCounts& more) {
+  add_saturating(sum.fresh, more.fresh);
+  add_saturating(sum.lost, more.lost);
+  add_saturating(sum.duplicates, more.duplicates);
+  add_saturating(sum.reordered, more.reordered);
+  add_saturating(sum.old_runs, more.old_runs);
+  add_saturating(sum.too_far_ahead, more.too_far_ahead);
+  add_saturating(sum.runs, more.runs);
+}
+
+}  // namespace
+
+void StreamMonitor::advance_to(const models::Stamp& stamp, const StreamRules& rules) {
+  const std::int64_t skipped =
+      stamp.sequence - (newest_sequence_ + 1);  // in this order: no overflow
+  add_saturating(counts_.lost, skipped);
+  const auto kept = static_cast<std::int64_t>(kMissingKept);
+  if (skipped > kept) {
+    gap_begin_ = newest_sequence_;
+    gap_lost_ = skipped;
+  }
+  for (std::int64_t missing = stamp.sequence - std::min(skipped, kept); missing < stamp.sequence;
+       ++missing) {
+    missing_.push_back(missing);
+  }
+  if (missing_.size() > kMissingKept) {
+    missing_.erase(missing_.begin(), missing_.end() - static_cast<std::ptrdiff_t>(kMissingKept));
+  }
+  newest_sequence_ = stamp.sequence;
+  const Time believed = rules.now ? std::min(stamp.time, *rules.now + kFutureMax) : stamp.time;
+  newest_time_ = std::max(newest_time_, believed);
+  heard_ = rules.now;
+  refused_steps_ = 0;
+  ++counts_.fresh;
+}
+
+void StreamMonitor::go_back_before_gap() {
+  counts_.lost -= std::min(counts_.lost, gap_lost_);
+  newest_sequence_ = gap_begin_;
+  gap_begin_ = -1;
+  missing_.clear();
+}
+
+bool StreamMonitor::believes_step(std::int64_t sequence, const StreamRules& rules) {
+  const bool goes_on = refused_steps_ > 0 && sequence > refused_sequence_ &&
+                       sequence - refused_sequence_ <= kStepMax;
+  refused_steps_ = goes_on ? refused_steps_ + 1 : 1;
+  refused_sequence_ = sequence;
+  const bool is_silent = !rules.now || !heard_ || *rules.now - *heard_ >= kBelieveSilence;
+  return refused_steps_ >= kBelieveSteps && is_silent;
+}
+
+bool StreamMonitor::may_begin(const models::Stamp& stamp, const StreamRules& rules) const {
+  if (!heard_any_) {
+    return true;
+  }
+  if (rules.lease > Duration{} && rules.now && heard_) {
+    return *rules.now - *heard_ >= rules.lease;
+  }
+  const bool is_retired =
+      std::find(retired_runs_.begin(), retired_runs_.end(), stamp.run_id) != retired_runs_.end();
+  return !is_retired && stamp.time >= newest_time_;
+}
+
+void StreamMonitor::begin_run(const models::Stamp& stamp) {
+  if (heard_any_) {
+    retired_runs_.push_back(run_id_);
+    if (retired_runs_.size() > kRetiredRunsKept) {
+      retired_runs_.erase(retired_runs_.begin());
+    }
+  }
+  // Of the first run heard, or of one that comes back, what came before is none of our business; a
+  // later one starts at 0, unless that cannot be.
+  const bool was_retired = std::erase(retired_runs_, stamp.run_id) > 0;
+  const bool is_late = !heard_any_ || was_retired || stamp.sequence >= kStepMax;
+  first_sequence_ = is_late ? stamp.sequence : 0;
+  newest_sequence_ = first_sequence_ - 1;
+  missing_.clear();
+  gap_begin_ = -1;
+  refused_steps_ = 0;
+  heard_any_ = true;
+  run_id_ = stamp.run_id;
+  newest_time_ = Time::min();
+  ++counts_.runs;
+}
+
+Arrival StreamMonitor::judge(const models::Stamp& stamp, const StreamRules& rules) {
+  if (!heard_any_ || stamp.run_id != run_id_) {
+    if (!may_begin(stamp, rules)) {
+      ++counts_.old_runs;
+      return Arrival::kOldRun;
+    }
+    begin_run(stamp);
+  }
+  if (stamp.sequence > newest_sequence_) {
+    if (stamp.sequence - newest_sequence_ > kStepMax && !believes_step(stamp.sequence, rules)) {
+      ++counts_.too_far_ahead;
+      return Arrival::kTooFarAhead;
+    }
+    advance_to(stamp, rules);
+    return Arrival::kFresh;
+  }
+  const auto missing = std::find(missing_.begin(), missing_.end(), stamp.sequence);
+  const bool was_before_first = stamp.sequence < first_sequence_;
+  const bool gap_was_forged = stamp.sequence > gap_begin_ && gap_begin_ >= 0 &&
+                              missing == missing_.end() && stamp.time > newest_time_;
+  if (gap_was_forged) {
+    go_back_before_gap();
+    advance_to(stamp, rules);
+    return Arrival::kFresh;
+  }
+  if (missing == missing_.end() && !was_before_first) {
+    ++counts_.duplicates;
+    return Arrival::kDuplicate;
+  }
+  if (missing != missing_.end()) {
+    missing_.erase(missing);
+    --counts_.lost;
+  }
+  ++counts_.reordered;
+  return Arrival::kReordered;
+}
+
+Arrival SharedStreamMonitor::judge(const models::Stamp& stamp, const StreamRules& rules) {
+  ++judged_;
+  auto run = std::find_if(runs_.begin(), runs_.end(),
+                          [&](const Run& known) { return known.run_id == stamp.run_id; });
+  if (run == runs_.end()) {
+    if (runs_.size() == kRunsKept) {
+      const auto silent = std::min_element(
+          runs_.begin(), runs_.end(),
+          [](const Run& a, const Run& b) { return a.judged_last < b.judged_last; });
+      add(forgotten_, silent->stream.counts());
+      runs_.erase(silent);
+    }
+    run = runs_.insert(runs_.end(), Run{stamp.run_id, 0, {}});
+  }
+  run->judged_last = judged_;
+  return run->stream.judge(stamp, rules);
+}
+
+StreamCounts SharedStreamMonitor::counts() const {
+  StreamCounts total = forgotten_;
+  for (const Run& run : runs_) {
+    add(total, run.stream.counts());
+  }
+  return total;
+}
+
+}  // namespace vantage::bus

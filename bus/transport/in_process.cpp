@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "bus/transport/channel_pattern.hpp"
+#include "bus/transport/transport.hpp"
+#include "core/check.hpp"
+
+namespace vantage::bus {
+namespace {
+
+struct Posted {
+  std::string channel;
+  std::vector<std::uint8_t> bytes;
+};
+
+}  // namespace
+
+struct InProcessHub::State {
+  class Endpoint;
+
+  std::size_t queue_capacity = 0;
+  /// Held during a whole publish, so that all endpoints hear all messages in one order. Taken
+  /// before an endpoint's own mutex, never after.
+  std::mutex mutex;
+  std::vector<Endpoint*> endpoints;
+};
+
+class InProcessHub::State::Endpoint : public Transport {
+ public:
+  explicit Endpoint(State& hub) : hub_(hub) {
+    const std::lock_guard lock(hub_.mutex);
+    hub_.endpoints.push_back(this);
+  }
+
+  ~Endpoint() override {
+    const std::lock_guard lock(hub_.mutex);
+    std::erase(hub_.endpoints, this);
+  }
+  Endpoint(const Endpoint&) = delete;
+  Endpoint& operator=(const Endpoint&) = delete;
+  Endpoint(Endpoint&&) = delete;
+  Endpoint& operator=(Endpoint&&) = delete;
+
+  void subscribe(const std::string& channel, Handler handler) override {
+    const std::lock_guard lock(mutex_);
+    subscriptions_.push_back({channel, std::move(handler)});
+  }
+
+  bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
+    const auto posted = std::make_shared<const Posted>(
+        Posted{channel, std::vector<std::uint8_t>(bytes.begin(), bytes.end())});
+    const std::lock_guard lock(hub_.mutex);
+    for (Endpoint* endpoint : hub_.endpoints) {
+      endpoint->enqueue(posted);
+    }
+    const std::lock_guard own_lock(mutex_);
+    ++stats_.messages_sent;
+    return true;
+  }
+
+  // What handlers publish meanwhile waits for the next handle(): a pair of nodes that answer each
+  // other must not keep this one from returning.
+  int handle(std::chrono::microseconds timeout) override {
+    std::size_t batch = 0;
+    {
+      std::unique_lock lock(mutex_);
+      // Who does not wait does not go to sleep either: a timed wait of nothing still costs what the
+      // kernel rounds a timer up to, and virtual time asks thousands of times a second.
+      if (queue_.empty() && timeout.count() > 0) {
+        arrived_.wait_for(lock, timeout, [&] { return !queue_.empty(); });
+      }
+      batch = queue_.size();
+    }
+    int handled = 0;
+    for (; batch > 0; --batch) {
+      const std::shared_ptr<const Posted> posted = take();
+      if (posted == nullptr) {
+        break;
+      }
+      ++handled;
+      dispatch(*posted);
+    }
+    return handled;
+  }
+
+  [[nodiscard]] TransportStats stats() const override {
+    const std::lock_guard lock(mutex_);
+    return stats_;
+  }
+
+ private:
+  struct Subscription {
+    std::string pattern;
+    Handler handler;
+  };
+
+  void enqueue(const std::shared_ptr<const Posted>& posted) {
+    const std::lock_guard lock(mutex_);
+    const bool is_wanted = std::any_of(
+        subscriptions_.begin(), subscriptions_.end(),
+        [&](const Subscription& each) { return channel_matches(each.pattern, posted->channel); });
+    if (!is_wanted) {
+      return;
+    }
+    if (queue_.size() >= hub_.queue_capacity) {
+      queue_.pop_front();
+      ++stats_.queue_overflows;
+    }
+    queue_.push_back(posted);
+    arrived_.notify_one();
+  }
+
+  std::shared_ptr<const Posted> take() {
+    const std::lock_guard lock(mutex_);
+    if (queue_.empty()) {
+      return nullptr;
+    }
+    std::shared_ptr<const Posted> posted = std::move(queue_.front());
+    queue_.pop_front();
+    ++stats_.messages_received;
+    return posted;
+  }
+
+  // Only the owner's thread adds subscriptions, and a deque keeps its elements where they are, so
+  // handlers run without the lock and may subscribe and publish.
+  void dispatch(const Posted& posted) {
+    for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
+      if (channel_matches(subscriptions_[i].pattern, posted.channel)) {
+        subscriptions_[i].handler(posted.channel, posted.bytes);
+      }
+    }
+  }
+
+  State& hub_;
+  mutable std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::deque<Subscription> subscriptions_;
+  std::deque<std::shared_ptr<const Posted>> queue_;
+  TransportStats stats_;
+};
+
+InProcessHub::InProcessHub(std::size_t queue_capacity) : state_(std::make_unique<State>()) {
+  require(queue_capacity > 0, "queue_capacity must be at least 1");
+  state_->queue_capacity = queue_capacity;
+}
+
+InProcessHub::~InProcessHub() = default;
+
+std::unique_ptr<Transport> InProcessHub::connect() {
+  return std::make_unique<State::Endpoint>(*state_);
+}
+
+}  // namespace vantage::bus

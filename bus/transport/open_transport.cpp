@@ -1,0 +1,26 @@
+#include <cstdlib>
+
+#include "bus/transport/lcm_transport.hpp"
+#include "bus/transport/transport.hpp"
+#include "bus/transport/udpm_transport.hpp"
+#include "bus/transport/url.hpp"
+#include "core/check.hpp"
+
+namespace vantage::bus {
+
+std::unique_ptr<Transport> open_transport(const std::string& url) {
+  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
+  const std::string fallback =
+      from_environment != nullptr && *from_environment != '\0' ? from_environment : kDefaultUrl;
+  const std::string& chosen = url.empty() ? fallback : url;
+  const Url parsed = parse_url(chosen);
+  if (parsed.scheme == "udpm") {
+    return std::make_unique<udpm::UdpmTransport>(parse_udpm(parsed));
+  }
+  if (parsed.scheme == "memq" || parsed.scheme == "file") {
+    return std::make_unique<LcmTransport>(chosen);
+  }
+  throw StartupError("LCM url '" + chosen + "': unknown scheme (udpm, memq, file)");
+}
+
+}  // namespace vantage::bus

@@ -1,0 +1,190 @@
+#include "bus/transport/udpm_socket.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include <arpa/inet.h>
+#include <net/if.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include "bus/transport/udpm_packet.hpp"
+#include "core/address.hpp"
+#include "core/check.hpp"
+
+namespace vantage::bus::udpm {
+namespace {
+
+constexpr int kSendBufferBytes = 1 << 20;
+constexpr suseconds_t kSendTimeoutUs = 100'000;
+
+std::string reason() { return std::system_category().message(errno); }
+
+template <class Option>
+bool set_option(int fd, int level, int name, const Option& value) {
+  return setsockopt(fd, level, name, &value, sizeof value) == 0;
+}
+
+template <class Option>
+void require_option(int fd, int level, int name, const Option& value, const char* what) {
+  if (!set_option(fd, level, name, value)) {
+    throw StartupError(std::string("LCM udpm: cannot set ") + what + ": " + reason());
+  }
+}
+
+std::string advice(const UdpmAddress& address) {
+  return address.interface.empty()
+             ? ". Is there a multicast route? On one host: ip link set lo up; "
+               "ip route add 224.0.0.0/4 dev lo"
+             : " (interface=" + address.interface + ")";
+}
+
+int open_udp() { return socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0); }
+
+}  // namespace
+
+MulticastSocket::Descriptor::~Descriptor() {
+  if (fd_ >= 0) {
+    close(fd_);
+  }
+}
+
+MulticastSocket::MulticastSocket(const UdpmAddress& address)
+    : receiver_(open_udp()), sender_(open_udp()), buffer_(kDatagramBytesMax + 1) {
+  if (receiver_.fd() < 0 || sender_.fd() < 0) {
+    throw StartupError("LCM udpm: cannot make a socket: " + reason());
+  }
+  group_.sin_family = AF_INET;
+  group_.sin_port = htons(static_cast<std::uint16_t>(address.port));
+  inet_pton(AF_INET, address.group.c_str(), &group_.sin_addr);  // checked by parse_udpm
+  membership_.imr_multiaddr = group_.sin_addr;
+  find_interface(address.interface);
+  open_receiver(address);
+  open_sender(address);
+}
+
+MulticastSocket::~MulticastSocket() = default;
+
+void MulticastSocket::find_interface(const std::string& interface) {
+  if (interface.empty() || inet_pton(AF_INET, interface.c_str(), &membership_.imr_address) == 1) {
+    return;  // an address that is none of ours is refused by the kernel
+  }
+  membership_.imr_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
+  if (membership_.imr_ifindex == 0) {
+    throw StartupError("LCM udpm: interface=" + interface + ": " + reason() +
+                       ". 'ip -4 address' shows what there is");
+  }
+}
+
+void MulticastSocket::open_receiver(const UdpmAddress& address) {
+  const int fd = receiver_.fd();
+  // Both: liblcm shares its port by the first, and two of ours must share whatever others set.
+  require_option(fd, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
+  require_option(fd, SOL_SOCKET, SO_REUSEPORT, 1, "SO_REUSEPORT");
+  // The privileged call may pass net.core.rmem_max; without the privilege the plain one is clamped.
+  if (!set_option(fd, SOL_SOCKET, SO_RCVBUFFORCE, address.recv_buf_bytes)) {
+    require_option(fd, SOL_SOCKET, SO_RCVBUF, address.recv_buf_bytes, "SO_RCVBUF");
+  }
+  int doubled = 0;  // the kernel answers twice what it was asked, book-keeping included
+  socklen_t size = sizeof doubled;
+  getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &doubled, &size);
+  receive_buffer_bytes_ = doubled / 2;
+  set_option(fd, SOL_SOCKET, SO_RXQ_OVFL, 1);       // best effort: counts drops
+  set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);  // only the group that was joined here
+  // Bound to the group, not to any address: what is sent to this host's own addresses stays out.
+  if (bind(fd, as_sockaddr(group_), sizeof group_) != 0) {
+    throw StartupError("LCM udpm: cannot listen on " + address.group + ":" +
+                       std::to_string(address.port) + ": " + reason());
+  }
+  // With a card named, what comes to the group by another one is not heard.
+  if (!set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership_)) {
+    throw StartupError("LCM udpm: cannot join " + address.group + ": " + reason() +
+                       advice(address));
+  }
+}
+
+void MulticastSocket::open_sender(const UdpmAddress& address) {
+  const int fd = sender_.fd();
+  require_option(fd, IPPROTO_IP, IP_MULTICAST_TTL, static_cast<std::uint8_t>(address.ttl),
+                 "IP_MULTICAST_TTL");
+  require_option(fd, IPPROTO_IP, IP_MULTICAST_LOOP, std::uint8_t{1}, "IP_MULTICAST_LOOP");
+  set_option(fd, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);  // clamped: no harm
+  require_option(fd, SOL_SOCKET, SO_SNDTIMEO, timeval{0, kSendTimeoutUs}, "SO_SNDTIMEO");
+  // Connecting sends nothing, but it looks for the route at once. A socket of its own, because a
+  // connected one would keep the route even when the interface changes.
+  const Descriptor probe(open_udp());
+  if (probe.fd() < 0) {
+    throw StartupError("LCM udpm: cannot make a socket: " + reason());
+  }
+  if (!address.interface.empty()) {
+    require_option(fd, IPPROTO_IP, IP_MULTICAST_IF, membership_, "IP_MULTICAST_IF");
+    require_option(probe.fd(), IPPROTO_IP, IP_MULTICAST_IF, membership_, "IP_MULTICAST_IF");
+  }
+  if (connect(probe.fd(), as_sockaddr(group_), sizeof group_) != 0) {
+    throw StartupError("LCM udpm: nothing can be sent to " + address.group + ": " + reason() +
+                       advice(address));
+  }
+}
+
+bool MulticastSocket::send(std::span<const std::uint8_t> head,
+                           std::span<const std::uint8_t> payload) {
+  // sendmsg does not write through these, but C has no way to say so.
+  std::array<iovec, 2> pieces{
+      iovec{const_cast<std::uint8_t*>(head.data()), head.size()},         // NOLINT
+      iovec{const_cast<std::uint8_t*>(payload.data()), payload.size()}};  // NOLINT
+  msghdr message{};
+  message.msg_name = &group_;
+  message.msg_namelen = sizeof group_;
+  message.msg_iov = pieces.data();
+  message.msg_iovlen = pieces.size();
+  ssize_t sent = -1;
+  do {
+    sent = sendmsg(sender_.fd(), &message, MSG_NOSIGNAL);
+  } while (sent < 0 && errno == EINTR);
+  return sent == static_cast<ssize_t>(head.size() + payload.size());
+}
+
+bool MulticastSocket::wait(std::chrono::nanoseconds timeout) {
+  constexpr std::int64_t kNsPerS = 1'000'000'000;
+  const std::int64_t ns = std::max<std::int64_t>(timeout.count(), 0);
+  const timespec limit{ns / kNsPerS, ns % kNsPerS};
+  pollfd polled{receiver_.fd(), POLLIN, 0};
+  return ppoll(&polled, 1, &limit, nullptr) > 0;
+}
+
+std::optional<Datagram> MulticastSocket::receive() {
+  sockaddr_in from{};
+  iovec piece{buffer_.data(), buffer_.size()};
+  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(std::uint32_t))> control{};
+  msghdr message{};
+  message.msg_name = &from;
+  message.msg_namelen = sizeof from;
+  message.msg_iov = &piece;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t size = recvmsg(receiver_.fd(), &message, MSG_DONTWAIT);
+  if (size < 0) {
+    return std::nullopt;
+  }
+  for (cmsghdr* each = CMSG_FIRSTHDR(&message); each != nullptr;
+       each = CMSG_NXTHDR(&message, each)) {
+    if (each->cmsg_level == SOL_SOCKET && each->cmsg_type == SO_RXQ_OVFL) {
+      std::uint32_t drops = 0;
+      std::memcpy(&drops, CMSG_DATA(each), sizeof drops);
+      kernel_drops_ += drops - kernel_drops_seen_;
+      kernel_drops_seen_ = drops;
+    }
+  }
+  const std::uint64_t source =
+      (std::uint64_t{ntohl(from.sin_addr.s_addr)} << 16U) | ntohs(from.sin_port);
+  return Datagram{source, std::span(buffer_).first(static_cast<std::size_t>(size))};
+}
+
+}  // namespace vantage::bus::udpm

@@ -1,0 +1,194 @@
+#include "bus/transport/udpm_transport.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "bus/transport/channel_pattern.hpp"
+#include "core/check.hpp"
+#include "core/deadline.hpp"
+
+namespace vantage::bus::udpm {
+namespace {
+
+constexpr int kMessagesPerHandle = 4096;
+constexpr int kDatagramsPerTaking = 256;  // a flood of junk must not keep messages from handlers
+constexpr std::int64_t kOvertimeNs = 5'000'000;  // beyond what the caller has given
+constexpr std::int64_t kTakePeriodNs = 100'000;  // the kernel is asked again after that
+constexpr std::size_t kMessageOverheadBytes = 128;
+
+std::size_t cost_of(const AssembledMessage& message) {
+  return message.payload.size() + kMessageOverheadBytes;
+}
+
+ReassemblyLimits limits_for(std::size_t message_bytes_max) {
+  ReassemblyLimits limits;
+  limits.message_bytes_max = message_bytes_max;
+  limits.source_bytes_max = std::max(limits.source_bytes_max, 2 * message_bytes_max);
+  limits.total_bytes_max = std::max(limits.total_bytes_max, 4 * message_bytes_max);
+  return limits;
+}
+
+/// True while it lives; also when a handler throws.
+class Handling {
+ public:
+  explicit Handling(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Handling() { flag_ = false; }
+  Handling(const Handling&) = delete;
+  Handling& operator=(const Handling&) = delete;
+  Handling(Handling&&) = delete;
+  Handling& operator=(Handling&&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+}  // namespace
+
+UdpmTransport::UdpmTransport(const UdpmAddress& address)
+    : message_bytes_max_(static_cast<std::size_t>(address.message_bytes_max)),
+      receive_buffer_asked_bytes_(address.recv_buf_bytes),
+      arrived_bytes_max_(static_cast<std::size_t>(address.recv_buf_bytes)),
+      socket_(address),
+      reassembler_(limits_for(message_bytes_max_)) {}
+
+void UdpmTransport::subscribe(const std::string& channel, Handler handler) {
+  subscriptions_.push_back({channel, std::move(handler)});
+}
+
+bool UdpmTransport::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {
+  // What our own receivers would refuse is refused here, where somebody can be told.
+  const bool is_possible = is_channel_name(channel) && bytes.size() <= message_bytes_max_;
+  const auto cut = is_possible ? cut_message(channel.size(), bytes.size()) : std::nullopt;
+  if (!cut) {
+    ++stats_.send_errors;
+    return false;
+  }
+  const std::uint32_t sequence = next_sequence_++;
+  const bool is_sent = cut->fragments == 1
+                           ? socket_.send(PacketHead::of_short(sequence, channel).bytes(), bytes)
+                           : send_fragments(channel, bytes, *cut, sequence);
+  ++(is_sent ? stats_.messages_sent : stats_.send_errors);
+  return is_sent;
+}
+
+bool UdpmTransport::send_fragments(const std::string& channel, std::span<const std::uint8_t> bytes,
+                                   const Cut& cut, std::uint32_t sequence) {
+  std::size_t offset = 0;
+  for (std::size_t i = 0; i < cut.fragments; ++i) {
+    const std::size_t size =
+        std::min(i == 0 ? cut.first_bytes : kFragmentBytesMax, bytes.size() - offset);
+    const PacketHead head = PacketHead::of_fragment(
+        sequence, static_cast<std::uint32_t>(bytes.size()), static_cast<std::uint32_t>(offset),
+        static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(cut.fragments), channel);
+    if (!socket_.send(head.bytes(), bytes.subspan(offset, size))) {
+      return false;  // the rest would be of no use
+    }
+    offset += size;
+  }
+  return true;
+}
+
+int UdpmTransport::handle(std::chrono::microseconds timeout) {
+  if (is_handling_) {
+    throw UsageError("Transport::handle() called from a handler");
+  }
+  const Handling handling(is_handling_);
+  const std::int64_t deadline_ns =
+      monotonic_ns() + std::chrono::nanoseconds(std::max(timeout, {})).count();
+  int handled = 0;
+  while (handled < kMessagesPerHandle) {
+    if (arrived_.empty() || monotonic_ns() - taken_at_ns_ > kTakePeriodNs) {
+      take_arrived();
+    }
+    if (arrived_.empty()) {
+      const std::int64_t left_ns = deadline_ns - monotonic_ns();
+      // Junk and other people's channels are no reason to stop waiting.
+      if (handled > 0 || left_ns <= 0 || !socket_.wait(std::chrono::nanoseconds(left_ns))) {
+        break;
+      }
+      continue;
+    }
+    const AssembledMessage message = std::move(arrived_.front());
+    arrived_.pop_front();
+    arrived_bytes_ -= cost_of(message);
+    ++handled;
+    dispatch(message);
+    // A flood must not keep the caller from its own work.
+    if (monotonic_ns() - deadline_ns > kOvertimeNs) {
+      break;
+    }
+  }
+  reassembler_.expire(monotonic_ns());
+  return handled;
+}
+
+void UdpmTransport::take_arrived() {
+  for (int i = 0; i < kDatagramsPerTaking; ++i) {
+    const auto datagram = socket_.receive();
+    if (!datagram) {
+      break;
+    }
+    take(*datagram);
+  }
+  taken_at_ns_ = monotonic_ns();
+}
+
+void UdpmTransport::take(const Datagram& datagram) {
+  const std::optional<Packet> packet = parse_packet(datagram.bytes);
+  if (!packet) {
+    ++stats_.malformed_datagrams;
+    return;
+  }
+  if (!packet->is_fragment) {
+    if (is_wanted(packet->channel)) {
+      enqueue({std::string(packet->channel), {packet->payload.begin(), packet->payload.end()}});
+    }
+    return;
+  }
+  auto message = reassembler_.add(datagram.source, *packet, monotonic_ns());
+  if (message && is_wanted(message->channel)) {
+    enqueue(std::move(*message));
+  }
+}
+
+void UdpmTransport::enqueue(AssembledMessage message) {
+  arrived_bytes_ += cost_of(message);
+  arrived_.push_back(std::move(message));
+  while (arrived_bytes_ > arrived_bytes_max_ && arrived_.size() > 1) {
+    arrived_bytes_ -= cost_of(arrived_.front());
+    arrived_.pop_front();
+    ++stats_.queue_overflows;
+  }
+}
+
+bool UdpmTransport::is_wanted(std::string_view channel) const {
+  return std::any_of(subscriptions_.begin(), subscriptions_.end(),
+                     [channel](const Subscription& subscription) {
+                       return channel_matches(subscription.pattern, channel);
+                     });
+}
+
+void UdpmTransport::dispatch(const AssembledMessage& message) {
+  ++stats_.messages_received;
+  for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
+    if (channel_matches(subscriptions_[i].pattern, message.channel)) {
+      subscriptions_[i].handler(message.channel, message.payload);
+    }
+  }
+}
+
+TransportStats UdpmTransport::stats() const {
+  TransportStats stats = stats_;
+  const ReassemblyCounts& fragments = reassembler_.counts();
+  stats.malformed_datagrams += fragments.conflicting;
+  stats.incomplete_messages = fragments.incomplete;
+  stats.oversized_messages = fragments.oversized;
+  stats.duplicate_fragments = fragments.duplicates;
+  stats.kernel_drops = socket_.kernel_drops();
+  stats.receive_buffer_bytes = socket_.receive_buffer_bytes();
+  stats.receive_buffer_short_bytes =
+      std::max<std::int64_t>(0, receive_buffer_asked_bytes_ - stats.receive_buffer_bytes);
+  return stats;
+}
+
+}  // namespace vantage::bus::udpm

@@ -1,0 +1,122 @@
+#include "drivers/safety/authority.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/safety/inputs.hpp"
+
+namespace vantage::drivers {
+
+bool PlannerLease::admit(std::int64_t run_id, Time now, double lease_s) {
+  if (!is_held_ || run_id == holder_ || to_seconds(now - heard_) > lease_s) {
+    takeovers_ += is_held_ && run_id != holder_ ? 1 : 0;
+    is_held_ = true;
+    holder_ = run_id;
+    heard_ = now;
+    return true;
+  }
+  other_spoke_ = true;
+  other_heard_ = now;
+  return false;
+}
+
+double PlannerLease::age_s(Time now) const { return is_held_ ? to_seconds(now - heard_) : kNever; }
+
+bool PlannerLease::is_contested(Time now, double lease_s) const {
+  return other_spoke_ && to_seconds(now - other_heard_) <= lease_s;
+}
+
+OperatorAuthority::Station* OperatorAuthority::find(std::int64_t run_id) {
+  const auto end = stations_.begin() + static_cast<std::ptrdiff_t>(station_count_);
+  const auto found = std::find_if(stations_.begin(), end, [run_id](const Station& station) {
+    return station.run_id == run_id;
+  });
+  return found == end ? nullptr : &*found;
+}
+
+OperatorAuthority::Station& OperatorAuthority::place() {
+  if (station_count_ < kStationsMax) {
+    return stations_[station_count_++];
+  }
+  const auto last = [this](const Station& station) {
+    return is_held_ && station.run_id == in_charge_ ? Time::max() : station.heard;
+  };
+  return *std::min_element(stations_.begin(), stations_.end(),
+                           [&](const auto& a, const auto& b) { return last(a) < last(b); });
+}
+
+bool OperatorAuthority::is_of_now(Time stamp, Duration ahead, Time now) {
+  return std::abs(to_seconds(now + ahead - stamp)) <= kFreshS;
+}
+
+OperatorAuthority::Station* OperatorAuthority::learn(const models::OperatorCommand& command,
+                                                     Time now) {
+  const models::Stamp& stamp = command.stamp;
+  Station* const station = find(stamp.run_id);
+  if (command.action != models::OperatorAction::kHeartbeat) {
+    return station;
+  }
+  if (is_of_now(stamp.time, {}, now)) {
+    if (station == nullptr) {
+      Station& added = place();
+      added = {stamp.run_id, stamp.sequence - 1, stamp.time, now, {}};
+      return &added;
+    }
+    clocks_set_ += station->ahead != Duration{} ? 1 : 0;
+    station->ahead = {};
+    return station;
+  }
+  const bool goes_on = station != nullptr && stamp.sequence > station->sequence &&
+                       stamp.sequence - station->sequence <= kGoesOnMax;
+  if (goes_on && !is_of_now(stamp.time, station->ahead, now)) {
+    ++clocks_set_;
+    station->ahead = stamp.time - now;
+    station->stamp = stamp.time - Duration{1};
+  }
+  return station;
+}
+
+bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, double silent_s) {
+  const models::OperatorAction action = command.action;
+  const models::Stamp& stamp = command.stamp;
+  Station* const station = learn(command, now);
+  const bool is_newer =
+      station != nullptr && (stamp.sequence > station->sequence || stamp.time > station->stamp);
+  const bool is_now = is_of_now(stamp.time, {}, now) ||
+                      (station != nullptr && is_of_now(stamp.time, station->ahead, now));
+  const bool is_late = station != nullptr && stamp.sequence > station->sequence;
+  if (!is_now && !(models::makes_safer(action) && is_late)) {
+    ++not_of_now_;
+    return false;
+  }
+  const bool takes_over = action == models::OperatorAction::kHeartbeat && station != nullptr &&
+                          is_newer &&
+                          (!is_held_ || (stamp.run_id != in_charge_ && age_s(now) > silent_s));
+  if (takes_over) {
+    handovers_ += is_held_ ? 1 : 0;
+    is_held_ = true;
+    in_charge_ = stamp.run_id;
+  }
+  const bool counts = is_held_ && stamp.run_id == in_charge_ && is_newer && is_now;
+  if (counts) {
+    heard_ = now;
+  }
+  if (is_newer && is_now) {
+    station->sequence = stamp.sequence;
+    station->stamp = stamp.time;
+    station->heard = now;
+  }
+  return counts || models::makes_safer(action);
+}
+
+void OperatorAuthority::count(std::vector<models::NamedCount>& out) const {
+  out.push_back({"operator.handovers", handovers_});
+  out.push_back({"operator.other_time", not_of_now_});
+  out.push_back({"operator.clock_set", clocks_set_});
+}
+
+double OperatorAuthority::age_s(Time now) const {
+  return is_held_ ? to_seconds(now - heard_) : kNever;
+}
+
+}  // namespace vantage::drivers

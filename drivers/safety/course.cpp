@@ -1,0 +1,210 @@
+#include "drivers/safety/course.hpp"
+
+#include <algorithm>
+
+#include "core/angle.hpp"
+
+namespace vantage::drivers {
+
+BrakeWay BrakeWay::along(const HeldPlan& plan, double elapsed_s, double brake_mps2,
+                         double reaction_s, const Eigen::Vector3d& offset_m) {
+  BrakeWay way;
+  way.is_along_ = true;
+  way.plan_ = plan;
+  way.elapsed_s_ = elapsed_s;
+  way.offset_m_ = offset_m;
+  way.reaction_s_ = reaction_s;
+  const double now_mps = point_at(plan, elapsed_s).velocity_world_mps.norm();
+  const double then_mps = point_at(plan, elapsed_s + reaction_s).velocity_world_mps.norm();
+  way.brake_s_ = std::max(now_mps, then_mps) / brake_mps2;
+  return way;
+}
+
+BrakeWay BrakeWay::straight(const Eigen::Vector3d& position_m, const Eigen::Vector3d& velocity_mps,
+                            double yaw_rad, double brake_mps2, double reaction_s) {
+  BrakeWay way;
+  way.start_.position_world_m = position_m;
+  way.start_.velocity_world_mps = velocity_mps;
+  way.start_.yaw_rad = yaw_rad;
+  way.reaction_s_ = reaction_s;
+  way.brake_s_ = velocity_mps.norm() / brake_mps2;
+  return way;
+}
+
+PlanPoint BrakeWay::at(double t_s) const {
+  // Uniform until the reaction, then s(u) = u − u²/(2 T): a clock that slows from 1 to 0.
+  const double u = std::clamp(t_s - reaction_s_, 0.0, brake_s_);
+  const double gone_s =
+      std::clamp(t_s, 0.0, reaction_s_) + (brake_s_ > 0.0 ? u - 0.5 * u * u / brake_s_ : 0.0);
+  const double rate = brake_s_ > 0.0 ? 1.0 - u / brake_s_ : 0.0;
+  PlanPoint out = start_;
+  if (is_along_) {
+    out = point_at(plan_, elapsed_s_ + gone_s);
+    out.position_world_m += offset_m_;
+  } else {
+    out.position_world_m += start_.velocity_world_mps * gone_s;
+  }
+  if (u > 0.0 && u < brake_s_) {
+    out.acceleration_world_mps2 = -out.velocity_world_mps / brake_s_;
+  }
+  out.velocity_world_mps *= rate;
+  out.yaw_rate_radps *= rate;
+  return out;
+}
+
+void Course::stand(const Eigen::Vector3d& position_m, double yaw_rad, Time now) {
+  mode_ = Mode::kStand;
+  begin_ = now;
+  from_ = {};
+  from_.position_world_m = position_m;
+  from_.yaw_rad = yaw_rad;
+  has_next_ = false;
+}
+
+void Course::follow(const HeldPlan& plan, Time now) {
+  if (plan.start_time > now) {
+    next_ = plan;
+    has_next_ = true;
+  } else {
+    begin(plan);
+  }
+}
+
+void Course::begin(const HeldPlan& plan) {
+  has_past_ = mode_ == Mode::kPlan;
+  if (has_past_) {
+    past_ = plan_;
+    past_lag_s_ = lag_s_;
+  }
+  mode_ = Mode::kPlan;
+  plan_ = plan;
+  lag_s_ = 0.0;
+  has_next_ = false;
+}
+
+void Course::stop(const BrakeWay& way, Time now) {
+  mode_ = Mode::kBrake;
+  begin_ = now;
+  way_ = way;
+  has_next_ = false;
+}
+
+void Course::shift(const Eigen::Vector3d& to_m, double speed_mps, Time now) {
+  from_ = at(now);
+  from_.velocity_world_mps.setZero();
+  from_.yaw_rate_radps = 0.0;
+  mode_ = Mode::kShift;
+  begin_ = now;
+  to_m_ = to_m;
+  shift_mps_ = speed_mps;
+  has_next_ = false;
+}
+
+void Course::advance(Time now, double dt_s, double rate) {
+  now_ = now;
+  if (has_next_ && next_.start_time <= now) {
+    begin(HeldPlan(next_));
+  }
+  if (mode_ == Mode::kPlan) {
+    lag_s_ += (1.0 - rate) * dt_s;
+  }
+}
+
+double Course::elapsed_s(Time now) const { return to_seconds(now - plan_.start_time) - lag_s_; }
+
+PlanPoint Course::on_plan(double elapsed_s) const {
+  const bool is_beyond = round_s_ > 0.0 && elapsed_s > round_s_;
+  if (!is_beyond || has_next_ || this->elapsed_s(now_) >= round_s_) {
+    return point_at(plan_, elapsed_s);
+  }
+  PlanPoint out = point_at(plan_, round_s_);
+  out.position_world_m += (elapsed_s - round_s_) * out.velocity_world_mps;
+  out.yaw_rate_radps = 0.0;
+  return out;
+}
+
+PlanPoint Course::planned_at(Time time, double lag_s) const {
+  if (has_next_ && time >= next_.start_time) {
+    return point_at(next_, to_seconds(time - next_.start_time));
+  }
+  switch (mode_) {
+    case Mode::kStand:
+      return from_;
+    case Mode::kPlan:
+      if (has_past_ && time < plan_.start_time) {
+        return point_at(past_, to_seconds(time - past_.start_time) - past_lag_s_);
+      }
+      return on_plan(to_seconds(time - plan_.start_time) - lag_s);
+    case Mode::kBrake:
+      return way_.at(to_seconds(time - begin_));
+    case Mode::kShift: {
+      PlanPoint out = from_;
+      const Eigen::Vector3d way_m = to_m_ - from_.position_world_m;
+      const double length_m = way_m.norm();
+      // Half a window late: smoothed, it begins at rest.
+      const double gone_m = shift_mps_ * std::max(0.0, to_seconds(time - begin_) - half_window_s_);
+      if (gone_m >= length_m) {
+        out.position_world_m = to_m_;
+      } else {
+        out.position_world_m += way_m * (gone_m / length_m);
+        out.velocity_world_mps = way_m * (shift_mps_ / length_m);
+      }
+      return out;
+    }
+  }
+  return from_;
+}
+
+PlanPoint Course::smoothed_at(Time time, double lag_s) const {
+  constexpr int kIntervals = 16;
+  PlanPoint out = planned_at(time, lag_s);
+  const bool is_near_next = has_next_ && time + from_seconds(half_window_s_) >= next_.start_time;
+  const bool changes_speed = mode_ == Mode::kPlan || mode_ == Mode::kShift || is_near_next;
+  if (!(half_window_s_ > 0.0) || !changes_speed) {
+    return out;
+  }
+  // Trapezoids over the window: places, and yaw as turned since its beginning.
+  const PlanPoint first = planned_at(time - from_seconds(half_window_s_), lag_s);
+  PlanPoint last = first;
+  Eigen::Vector3d sum_m = 0.5 * first.position_world_m;
+  double turned_rad = 0.0;
+  double sum_rad = 0.0;
+  for (int i = 1; i <= kIntervals; ++i) {
+    const double at_s = half_window_s_ * (2.0 * i / kIntervals - 1.0);
+    const PlanPoint here = planned_at(time + from_seconds(at_s), lag_s);
+    const double weight = i < kIntervals ? 1.0 : 0.5;
+    turned_rad += wrap_to_pi(here.yaw_rad - last.yaw_rad);
+    sum_m += weight * here.position_world_m;
+    sum_rad += weight * turned_rad;
+    last = here;
+  }
+  const double window_s = 2.0 * half_window_s_;
+  out.position_world_m = sum_m / kIntervals;
+  out.velocity_world_mps = (last.position_world_m - first.position_world_m) / window_s;
+  out.acceleration_world_mps2 = (last.velocity_world_mps - first.velocity_world_mps) / window_s;
+  out.yaw_rad = wrap_to_pi(first.yaw_rad + sum_rad / kIntervals);
+  out.yaw_rate_radps = turned_rad / window_s;
+  return out;
+}
+
+bool Course::has_plan(Time now) const {
+  return mode_ == Mode::kPlan && elapsed_s(now) <= duration_s(plan_);
+}
+
+bool Course::is_standing(Time now) const {
+  switch (mode_) {
+    case Mode::kStand:
+      return true;
+    case Mode::kPlan:
+      return false;
+    case Mode::kBrake:
+      return to_seconds(now - begin_) >= way_.duration_s();
+    case Mode::kShift: {
+      const double way_s = (to_m_ - from_.position_world_m).norm() / shift_mps_;
+      return to_seconds(now - begin_) >= way_s + 2.0 * half_window_s_;
+    }
+  }
+  return false;
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,321 @@
+#include "drivers/safety/guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "core/check.hpp"
+#include "drivers/safety/guard_parts.hpp"
+
+namespace vantage::drivers {
+
+using models::FlightState;
+
+namespace {
+
+constexpr double kMovingMps = 0.1;
+constexpr const char* kFirstLift = "first lift";  // as vehicles tell each other
+
+bool is_sound(const AutopilotReport& report) {
+  return std::isfinite(report.tilt_rad) && std::isfinite(report.thrust_share) &&
+         (!report.has_position ||
+          (report.position_world_m.allFinite() && report.velocity_world_mps.allFinite())) &&
+         (!report.has_attitude ||
+          (report.world_from_body.coeffs().allFinite() && std::isfinite(report.yaw_rate_radps)));
+}
+
+std::vector<std::string> names_of(const Reasons& reasons) {
+  std::vector<std::string> out;
+  const auto rows = conditions();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (reasons[i]) {
+      out.emplace_back(rows[i].name);
+    }
+  }
+  return out;
+}
+
+// What became of `arm` and `take-off` on the ground.
+void say_orders(const LadderState& ladder, const SafetyInputs& in,
+                std::vector<std::string>& reasons) {
+  if (ladder.arm.is_given && !ladder.wants_armed) {
+    reasons.emplace_back("arm waits");
+  }
+  if (ladder.take_off.is_given) {
+    reasons.emplace_back(in.autopilot_armed ? "take-off waits" : "take-off waits: motors");
+  }
+  if (ladder.refusal.order != Refusal::Order::kNone) {
+    const bool is_arm = ladder.refusal.order == Refusal::Order::kArm;
+    std::string why = is_arm ? "arm refused: " : "take-off refused: ";
+    const std::vector<std::string> names = names_of(ladder.refusal.reasons);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      why += (i == 0 ? "" : ", ") + names[i];
+    }
+    reasons.push_back(why + (names.empty() ? "not armed" : ""));
+  }
+}
+
+}  // namespace
+
+FlightGuard::FlightGuard(const scenario::Scenario& scenario, const std::string& robot,
+                         const SafetyLimits& limits) {
+  require(scenario.find_robot(robot) != nullptr,
+          "flight safety: robot " + robot + " is not in the scenario");
+  check_limits(limits);
+  parts_ = std::make_unique<Parts>(scenario, robot, limits);
+}
+
+FlightGuard::~FlightGuard() = default;
+
+bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
+  Parts& p = *parts_;
+  const MocapSource::Standing standing = p.source.judge(frame, now);
+  if (standing == MocapSource::Standing::kRefused) {
+    return false;
+  }
+  const NamedBody found = find_unique(frame, p.name);
+  const bool airborne = is_airborne(p.ladder.state);
+  // A source that takes over after arming must show the vehicle where it is.
+  const bool is_candidate = standing == MocapSource::Standing::kCandidate;
+  const bool is_pinned = airborne || (is_candidate && p.autopilot.armed);
+  const bool comes_down = p.ladder.state == FlightState::kLand && p.is_sinking;
+  const BodyContext context{is_pinned, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
+                            !airborne || p.in.height_m < p.limits.safe_height_m,
+                            comes_down ? p.limits.descent_mps * p.pose_age_s(now) : 0.0};
+  PoseMonitor pose = p.pose;
+  PoseVerdict verdict = PoseVerdict::kDuplicate;
+  if (found.is_unique) {
+    verdict = pose.judge(found.body, context, p.limits, now);
+  }
+  ++p.pose_counts[static_cast<std::size_t>(verdict)];
+  if (is_candidate) {
+    if (verdict != PoseVerdict::kAccepted) {
+      return false;
+    }
+    p.source.confirm(frame, now);
+  }
+  p.pose = pose;
+  const bool clock_goes_on = p.clock.on_frame(frame.stamp.time, frame.arrival, frame.frame_number);
+  p.clocks_set += clock_goes_on ? 0 : 1;
+  p.fleet.on_mocap(frame, p.limits, now);
+  return true;
+}
+
+PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
+  Parts& p = *parts_;
+  HeldPlan held;
+  const PlanVerdict verdict = p.plans.judge(
+      plan, {p.may_take_plans(), p.course, p.height_ref_m, p.fleet.courses(now, p.limits)},
+      p.limits, now, held);
+  if (verdict == PlanVerdict::kAccepted) {
+    p.course.follow(held, now);
+  }
+  return verdict;
+}
+
+void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time now) {
+  (void)parts_->fleet.on_plan(plan, parts_->limits, now);  // counted there
+}
+
+void FlightGuard::on_teammate_status(const models::VehicleStatus& status, Time now) {
+  const bool is_lifting =
+      std::find(status.reasons.begin(), status.reasons.end(), kFirstLift) != status.reasons.end();
+  if (is_lifting && is_airborne(status.state)) {
+    parts_->lift_queue.on_lifting(status.robot, now);
+  }
+}
+
+CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, Time now) {
+  using models::OperatorAction;
+  Parts& p = *parts_;
+  const bool is_ours = command.robot.empty() || command.robot == p.name;
+  if (!p.authority.admit(command, now, p.limits.operator_age_hold_s)) {
+    p.commands_refused += is_ours && command.action != OperatorAction::kHeartbeat ? 1 : 0;
+    return is_ours ? CommandVerdict::kNotInCharge : CommandVerdict::kNotForUs;
+  }
+  if (command.action == OperatorAction::kTakeOff) {
+    p.lift_queue.on_take_off(command.robot);  // whoever is told: they lift one after the other
+  }
+  if (!is_ours) {
+    return CommandVerdict::kNotForUs;
+  }
+  if (command.action == OperatorAction::kEmergencyStop) {
+    p.emergency_stop = true;
+    return CommandVerdict::kObeyed;
+  }
+  if (command.action == OperatorAction::kHeartbeat) {
+    return CommandVerdict::kObeyed;
+  }
+  const bool airborne = is_airborne(p.ladder.state);
+  const bool on_ground_only =
+      command.action == OperatorAction::kArm || command.action == OperatorAction::kTakeOff;
+  const bool is_harmless = !on_ground_only && command.action != OperatorAction::kFollow;
+  if (on_ground_only == airborne && !is_harmless) {
+    ++p.commands_refused;
+    return CommandVerdict::kRefused;
+  }
+  // Of several commands within one tick the safest counts.
+  const auto severity = [](OperatorAction action) { return static_cast<int>(action); };
+  if (!p.request || severity(command.action) > severity(*p.request)) {
+    p.request = command.action;
+  }
+  return CommandVerdict::kObeyed;
+}
+
+void FlightGuard::on_heartbeat(Time now) {
+  Parts& p = *parts_;
+  p.has_heartbeat = true;
+  p.heartbeat_at = now;
+  p.disarmed_beats = p.autopilot.armed ? 0 : std::min(p.disarmed_beats + 1, 1000);
+}
+
+void FlightGuard::on_autopilot(const AutopilotReport& report, Time now) {
+  Parts& p = *parts_;
+  if (!is_sound(report)) {
+    ++p.reports_refused;
+    return;
+  }
+  p.autopilot = report;
+  p.has_telemetry = true;
+  p.telemetry_at = now;
+}
+
+void FlightGuard::on_battery(double share, Time now) {
+  Parts& p = *parts_;
+  if (!(share >= 0.0 && share <= 1.0)) {
+    ++p.reports_refused;
+    return;
+  }
+  if (!p.has_battery || share != p.battery_share) {
+    p.battery_changed_at = now;
+  }
+  p.has_battery = true;
+  p.battery_share = share;
+  p.battery_at = now;
+}
+
+void FlightGuard::on_map(bool is_same) { parts_->map_differs = !is_same; }
+
+GuardOutput FlightGuard::tick(Time now) {
+  Parts& p = *parts_;
+  const double dt_s = p.has_ticked ? std::max(0.0, to_seconds(now - p.last_tick)) : 0.0;
+  const double warn_s = p.limits.pose_age_warn_s;
+  const double rate = std::clamp(
+      (p.limits.pose_age_hold_s - p.pose_age_s(now)) / (p.limits.pose_age_hold_s - warn_s), 0.0,
+      1.0);
+  p.course.advance(now, dt_s, rate);
+  p.look(now);
+  p.stalls += p.in.since_last_tick_s > p.limits.stall_hold_s ? 1 : 0;
+
+  const FlightState before = p.ladder.state;
+  const LadderState& ladder = p.ladder;
+  const auto orders = [&ladder] {
+    return std::tuple(ladder.refusal.order, ladder.refusal.reasons, ladder.arm.is_given,
+                      ladder.take_off.is_given, ladder.wants_armed);
+  };
+  const auto orders_before = orders();
+  p.ladder = step_ladder(p.ladder, p.in, p.limits);
+  if (p.ladder.state != before) {
+    p.change(before, now);
+  }
+  if (p.ladder.state == FlightState::kHold && !p.may_take_plans()) {
+    // A plan that was taken while nothing forbade it must not begin once something does.
+    p.course.forget_next();
+    if (p.course.is_on_plan()) {
+      p.course.stop(p.brake_way(now, 0.0), now);
+    }
+  }
+  if (p.ladder.state == FlightState::kHold) {
+    p.move_off(now);
+  }
+  const double height_before_m = p.height_ref_m;
+  if (p.ladder.state == FlightState::kLand) {
+    p.land(now, dt_s);
+  } else if (is_airborne(p.ladder.state)) {
+    p.move_height(dt_s);
+  }
+  const double rate_mps = dt_s > 0.0 ? (p.height_ref_m - height_before_m) / dt_s : 0.0;
+  p.height_rate_mps = std::clamp(rate_mps, -p.limits.climb_mps, p.limits.climb_mps);
+
+  if (!p.ladder.take_off.is_given && !p.lift.is_under_way()) {
+    p.lift_queue.forget_own();
+  }
+
+  GuardOutput out;
+  out.state = p.ladder.state;
+  out.setpoint = p.setpoint(now);
+  out.wants_armed = p.ladder.wants_armed;
+  out.is_sinking = p.ladder.state == FlightState::kLand && p.is_sinking;
+  out.climb_to_m = p.height_goal_m;
+  out.reasons = p.ladder.latched;
+  if (p.ladder.state == FlightState::kIdle) {
+    out.reasons = arming_blocks(p.in, p.limits);
+    if (p.ladder.take_off.is_given) {
+      out.reasons |= take_off_blocks(p.in, p.limits);
+    }
+  }
+  out.changed = out.state != before || out.reasons != p.reasons || orders() != orders_before;
+  p.reasons = out.reasons;
+  p.emergency_stop = false;
+  p.request.reset();
+  p.last_tick = now;
+  p.has_ticked = true;
+  return out;
+}
+
+models::VehicleStatus FlightGuard::status(Time now) const {
+  const Parts& p = *parts_;
+  models::VehicleStatus out;
+  out.stamp.time = now;
+  out.robot = p.name;
+  out.state = p.ladder.state;
+  out.battery_share = p.battery_share;
+  if (p.setpoint(now).kind == FlightSetpoint::Kind::kTrack) {
+    const PlanPoint asked = p.course.at(now);  // now, not when it will be answered
+    out.setpoint = {asked.position_world_m.x(), asked.position_world_m.y(), asked.yaw_rad};
+    out.setpoint_height_m = std::max(0.0, p.height_ref_m);
+  } else {
+    out.setpoint = flatten(p.pose.world_from_body());
+  }
+  out.plan_round = p.ladder.state == FlightState::kFollow ? p.plans.round() : -1;
+  out.reasons = names_of(p.reasons);
+  if (p.lift.is_under_way()) {
+    out.reasons.emplace_back(kFirstLift);
+  }
+  if (p.ladder.state == FlightState::kHold && out.reasons.empty()) {
+    out.reasons.emplace_back("operator");
+  }
+  if (p.ladder.state == FlightState::kIdle) {
+    say_orders(p.ladder, p.in, out.reasons);
+  }
+  if (const char* const complaint = p.source.complaint(now)) {
+    out.reasons.emplace_back(complaint);
+  }
+  return out;
+}
+
+std::vector<models::NamedCount> FlightGuard::counters() const {
+  const Parts& p = *parts_;
+  std::vector<models::NamedCount> out;
+  p.plans.count(out);
+  for (std::size_t i = 1; i < kPoseVerdicts; ++i) {
+    out.push_back({std::string("pose.") + name_of(static_cast<PoseVerdict>(i)), p.pose_counts[i]});
+  }
+  out.push_back({"mocap.clock_set", p.clocks_set});
+  p.source.count(out);
+  out.push_back({"mocap.unknown_bodies", p.fleet.unknown_bodies()});
+  out.push_back({"mocap.others_refused", p.fleet.poses_refused()});
+  out.push_back({"plan.teammate_refused", p.fleet.plans_refused()});
+  out.push_back({"autopilot.refused", p.reports_refused});
+  out.push_back({"command.refused", p.commands_refused});
+  out.push_back({"planner.takeovers", p.plans.lease().takeovers()});
+  p.authority.count(out);
+  out.push_back({"tick.stalls", p.stalls});
+  return out;
+}
+
+const SafetyInputs& FlightGuard::inputs() const { return parts_->in; }
+
+Pose3 FlightGuard::world_from_body() const { return parts_->pose.world_from_body(); }
+
+}  // namespace vantage::drivers

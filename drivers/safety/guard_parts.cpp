@@ -1,0 +1,404 @@
+#include "drivers/safety/guard_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/angle.hpp"
+#include "drivers/safety/latches.hpp"
+#include "drivers/safety/surroundings.hpp"
+
+namespace vantage::drivers {
+
+using models::FlightState;
+
+namespace {
+
+constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
+constexpr double kShiftMps = 0.4;         // to a landing spot
+constexpr double kMoveOffMps = 0.2;       // from what is too near
+constexpr double kShiftPatienceS = 6.0;   // then it comes down beside its spot
+constexpr double kAvoidPatienceS = 20.0;  // then it comes down whoever is below
+constexpr double kCommitM = 0.35;         // a landing that begins lower does not look around
+constexpr double kDoubtS = 0.2;           // longer than one lost word of the estimator's
+constexpr double kOverSpotM = 0.25;
+constexpr double kFallsMps = 1.0;  // faster than any landing
+constexpr int kDisarmedBeats = 3;
+constexpr double kClimbedM = 0.15;       // of its height: the climb is over
+constexpr double kClimbSlackS = 5.0;     // and over after twice its time and so much
+constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while nothing measures it
+
+}  // namespace
+
+bool FlightGuard::Parts::keeps_to_course(Time now) const {
+  const PlanPoint asked = course.at(now);
+  return course.is_on_plan() && pose_age_s(now) < limits.pose_age_land_s &&
+         (pose.velocity_world_mps() - asked.velocity_world_mps).norm() <= kSwerveMps &&
+         (pose.predict_m(now, kPredictS) - asked.position_world_m).norm() <= limits.tracking_hold_m;
+}
+
+BrakeWay FlightGuard::Parts::brake_way(Time now, double reaction_s) const {
+  const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
+  // One that has only just been told to go is not carried on by a plan that it must not begin.
+  const double asked_mps = course.at(now).velocity_world_mps.norm();
+  const bool sets_off =
+      reaction_s <= 0.0 && asked_mps > 2.0 * pose.velocity_world_mps().norm() + 0.1;
+  if (keeps_to_course(now) && !sets_off) {
+    const Eigen::Vector3d offset_m = here_m - course.at(now).position_world_m;
+    return BrakeWay::along(course.plan(), std::max(0.0, course.elapsed_s(now)),
+                           limits.vehicle.brake_mps2, reaction_s, offset_m);
+  }
+  return BrakeWay::straight(here_m, pose.velocity_world_mps(), course.at(now).yaw_rad,
+                            limits.vehicle.brake_mps2, reaction_s);
+}
+
+// An autopilot that says its motors are off while the body is seen to fly is not believed: the word
+// may be another's. When nobody sees it, it must say so several times.
+bool FlightGuard::Parts::believes_armed(Time now) const {
+  if (autopilot.armed || !in.autopilot_armed || !is_airborne(ladder.state)) {
+    return autopilot.armed;
+  }
+  if (pose_age_s(now) <= limits.pose_age_hold_s) {
+    const bool is_down = pose.predict_m(now, kPredictS).z() < limits.safe_height_m;
+    return !is_down && pose.velocity_world_mps().z() > -kFallsMps;
+  }
+  return disarmed_beats < kDisarmedBeats;
+}
+
+// Of what is asked; during a take-off, which the autopilot may do by its own law, of the whole way.
+double FlightGuard::Parts::height_error_m() const {
+  if (ladder.state == FlightState::kLand && is_sinking) {
+    return 0.0;
+  }
+  if (is_climbing) {
+    return std::max({0.0, climb_from_m - in.height_m, in.height_m - height_goal_m});
+  }
+  return std::abs(in.height_m - height_ref_m);
+}
+
+// Fills `in` with what is known at `now`.
+void FlightGuard::Parts::look(Time now) {
+  started_at = has_ticked ? started_at : now;
+  in.now = now;
+  in.since_last_tick_s = has_ticked ? to_seconds(now - last_tick) : 0.0;
+  in.autopilot_armed = believes_armed(now);
+  in.pose_age_s = pose_age_s(now);
+  in.telemetry_age_s = has_telemetry ? to_seconds(now - telemetry_at) : kNever;
+  const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
+  const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
+  const bool feels = autopilot.has_position && autopilot.estimator_good &&
+                     in.telemetry_age_s <= limits.telemetry_age_hold_s;
+  if (sees) {
+    blind_height_m = here_m.z();
+    in.height_m = here_m.z();
+  } else {
+    in.height_m = feels ? autopilot.position_world_m.z() : blind_height_m;
+  }
+  // Found in the air: by the cameras, or when they have said nothing for long by its own word.
+  const bool is_unseen =
+      std::min(in.pose_age_s, to_seconds(now - started_at)) > limits.pose_age_land_s;
+  const bool is_found = ladder.state == FlightState::kIdle && !ladder.wants_armed &&
+                        in.autopilot_armed && in.telemetry_age_s <= limits.telemetry_age_hold_s &&
+                        in.height_m - ground_m.value_or(0.0) > limits.safe_height_m &&
+                        (sees || (is_unseen && feels));
+  if (ladder.state == FlightState::kIdle && has_heartbeat && !autopilot.armed && sees) {
+    ground_m = in.height_m;
+  }
+  in.is_found_flying = is_found && autopilot.is_in_our_mode;
+  in.is_found_landing = is_found && autopilot.is_landing_itself;
+  has_flown = has_flown || is_found;
+  const bool airborne = is_airborne(ladder.state) || in.is_found_flying || in.is_found_landing;
+  // In the air what was never heard is as old as this process: it may have begun just now.
+  const auto aged = [&](double age_s) {
+    return age_s == kNever && airborne ? to_seconds(now - started_at) : age_s;
+  };
+  const auto age = [&](bool heard, Time at) { return aged(heard ? to_seconds(now - at) : kNever); };
+  in.pose_age_s = aged(in.pose_age_s);
+  in.telemetry_age_s = aged(in.telemetry_age_s);
+  in.pose_latency_s = clock.latency_s();
+  in.poses_rejected = pose.rejected_in_row();
+  in.poses_accepted = pose.accepted_in_row();
+  in.speed_mps = sees ? pose.velocity_world_mps().head<2>().norm() : 0.0;
+  in.tracking_error_m = 0.0;
+  if (is_airborne(ladder.state) && sees) {
+    const Eigen::Vector3d asked_m = course.at(now).position_world_m;
+    const Eigen::Vector3d on_time_m = course.on_time(now).position_world_m;
+    const double level_m =
+        std::max((here_m - asked_m).head<2>().norm(), (on_time_m - asked_m).head<2>().norm());
+    in.tracking_error_m = std::hypot(level_m, height_error_m());
+  }
+  in.has_plan = course.is_on_plan();
+  in.plan_ended = !course.has_plan(now);
+  plans.report(now, limits, in);
+  in.map_differs = map_differs;
+
+  if (pose.has_pose()) {
+    const auto bodies = fleet.bodies(now, limits);
+    const Surroundings around =
+        look_around(here_m, brake_way(now, limits.reaction_s), bodies, limits);
+    in.fence_now_m = around.fence_now_m;
+    in.fence_centre_m = around.fence_centre_m;
+    in.fence_stop_m = around.fence_stop_m;
+    in.obstacle_stop_m = around.obstacle_stop_m;
+    in.separation_now_m = around.separation_now_m;
+    in.separation_stop_m = around.separation_stop_m;
+    in.yields = around.yields;
+    in.near_m = near_soon_m(here_m, bodies, limits.take_off_look_s);
+    if (std::exchange(had_motors, in.autopilot_armed) != in.autopilot_armed) {
+      lift_queue.begin_turn(now);  // others' motors may have begun to turn at the same instant
+    }
+    lift_queue.look(bodies, limits, now);
+  }
+  look_at_autopilot(now);
+  look_at_lift(now);
+
+  in.heartbeat_age_s = age(has_heartbeat, heartbeat_at);
+  in.battery_share = battery_share;
+  in.battery_age_s = age(has_battery, battery_at);
+  in.flight_s = is_airborne(ladder.state) ? to_seconds(now - airborne_at) : 0.0;
+  in.battery_unchanged_s =
+      has_battery ? std::min(in.flight_s, to_seconds(now - battery_changed_at)) : 0.0;
+  in.operator_age_s = aged(authority.age_s(now));
+  in.emergency_stop = emergency_stop;
+  in.request = request;
+}
+
+// What the autopilot says, and how far mocap agrees.
+void FlightGuard::Parts::look_at_autopilot(Time now) {
+  in.autopilot_obeys = autopilot.obeys;
+  in.estimator_good = autopilot.estimator_good;
+  estimator_good_at = in.estimator_good ? now : estimator_good_at;
+  in.tilt_rad = autopilot.tilt_rad;
+  in.thrust_share = autopilot.thrust_share;
+  in.motor_failed = autopilot.motor_failed;
+  in.estimate_error_m = in.attitude_error_rad = in.yaw_error_rad = 0.0;
+  const Quaternion& seen = pose.world_from_body().rotation;
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  in.body_tilt_rad = pose.has_pose() ? std::acos(std::clamp((seen * up).z(), -1.0, 1.0)) : 0.0;
+  in.start_off_m = in.start_turn_rad = 0.0;
+  if (limits.start && pose.has_pose() && !has_flown) {
+    // A world that is turned as a whole looks right to every instrument on board.
+    const Pose2 here = flatten(pose.world_from_body());
+    in.start_off_m = (here.position_m() - limits.start->position_m()).norm();
+    in.start_turn_rad = std::abs(wrap_to_pi(here.yaw_rad - limits.start->yaw_rad));
+  }
+  const bool can_compare = autopilot.has_position && autopilot.estimator_good &&
+                           in.telemetry_age_s <= limits.telemetry_age_hold_s &&
+                           in.pose_age_s <= limits.pose_age_warn_s;
+  if (!can_compare) {
+    return;
+  }
+  in.estimate_error_m = (autopilot.position_world_m - pose.predict_m(now, kPredictS)).norm();
+  if (!autopilot.has_attitude) {
+    in.attitude_error_rad = in.yaw_error_rad = kNever;
+    return;
+  }
+  const Quaternion& felt = autopilot.world_from_body;
+  const double cosine = (seen.inverse() * up).dot(felt.inverse() * up);
+  in.attitude_error_rad = std::acos(std::clamp(cosine, -1.0, 1.0));
+  in.yaw_error_rad = std::abs(wrap_to_pi(flatten(pose.world_from_body()).yaw_rad -
+                                         flatten({Eigen::Vector3d::Zero(), felt}).yaw_rad));
+}
+
+// How the take-off goes, its own and the others'.
+void FlightGuard::Parts::look_at_lift(Time now) {
+  const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
+  const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
+  const bool stands_armed =
+      ladder.state == FlightState::kIdle && ladder.wants_armed && in.autopilot_armed;
+  stand_height_m = stands_armed ? stand_height_m : in.height_m;
+  in.risen_untold_m = stands_armed && sees ? in.height_m - stand_height_m : 0.0;
+  in.is_lift_taken = lift_queue.is_taken();
+  in.unrisen_s = lift.unrisen_s(here_m, limits, now);
+  in.unproven_s = lift.unproven_s(now);
+  in.other_risen_m = in.unrisen_s > 0.0 ? lift_queue.other_risen_m() : 0.0;
+  const Eigen::Vector3d soon_m = here_m + limits.reaction_s * pose.velocity_world_mps();
+  in.lift_astray_m = sees ? std::max(lift.astray_m(here_m), lift.astray_m(soon_m)) : 0.0;
+  in.lift_climb_error_mps = in.lift_turn_error_radps = 0.0;
+  const bool can_compare = lift.is_under_way() && sees && autopilot.has_position &&
+                           in.telemetry_age_s <= limits.telemetry_age_hold_s;
+  if (can_compare) {
+    in.lift_climb_error_mps =
+        std::abs(autopilot.velocity_world_mps.z() - pose.velocity_world_mps().z());
+    in.lift_turn_error_radps = std::abs(autopilot.yaw_rate_radps - pose.turn_radps());
+  }
+}
+
+// What begins when the state changes.
+void FlightGuard::Parts::change(FlightState before, Time now) {
+  const FlightState state = ladder.state;
+  if (!is_airborne(before) && is_airborne(state)) {
+    airborne_at = now;
+    const Pose2 here = flatten(pose.world_from_body());
+    course.stand(pose.world_from_body().translation_m, here.yaw_rad, now);
+    height_ref_m = height_goal_m = in.height_m;
+    if (!in.is_found_flying && !in.is_found_landing) {
+      lift_off(now);
+    }
+  }
+  const bool lands = state == FlightState::kLand && before != FlightState::kLand;
+  const bool leaves_plan = before == FlightState::kFollow || (lands && course.is_on_plan());
+  if (leaves_plan && is_airborne(state)) {
+    if (in.plan_ended && course.is_on_plan() && !course.has_next()) {
+      // The plan's own hover, which was checked with it.
+      const PlanPoint end = course.at(now);
+      course.stand(end.position_world_m, end.yaw_rad, now);
+    } else {
+      course.stop(brake_way(now, 0.0), now);
+    }
+  }
+  if (lands || !is_airborne(state)) {
+    lift.end();
+    is_climbing = false;
+  }
+  if (lands) {
+    course.forget_next();
+    landing_since = spot_since = now;
+    has_spot = false;
+    is_sinking = false;
+    // A climb ends here, and on the way up, near the ground, down is nearest.
+    height_ref_m = height_goal_m = std::min(height_ref_m, in.height_m);
+    is_committed = in.height_m < kCommitM;
+  }
+}
+
+void FlightGuard::Parts::lift_off(Time now) {
+  lift.begin(pose.world_from_body(), fleet.bodies(now, limits), limits, now);
+  lift_queue.begin_own();
+  height_ref_m = climb_from_m = lift.rest_m();
+  height_goal_m = lift.height_m();
+  is_climbing = true;
+  climb_since = now;
+}
+
+// Who hovers where a gust would make it touch something moves away from it.
+void FlightGuard::Parts::move_off(Time now) {
+  if (lift.is_under_way() || !course.is_standing(now) || in.pose_age_s > limits.pose_age_warn_s ||
+      !in.estimator_good) {
+    return;
+  }
+  const Eigen::Vector3d hover_m = course.at(now).position_world_m;
+  if (const auto clear_m = clear_spot(hover_m, fleet.bodies(now, limits), limits)) {
+    course.shift(*clear_m, kMoveOffMps, now);
+  }
+}
+
+bool FlightGuard::Parts::is_blind() const {
+  return in.pose_age_s > limits.pose_age_kill_s || to_seconds(in.now - estimator_good_at) > kDoubtS;
+}
+
+// Stops, moves to where it may come down, comes down; stops again when somebody walks in below,
+// until it is committed, low or late, or blind.
+void FlightGuard::Parts::land(Time now, double dt_s) {
+  const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
+  const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
+  const bool was_committed = is_committed;
+  is_committed = is_committed || (is_sinking && in.height_m < limits.safe_height_m) ||
+                 to_seconds(now - landing_since) > kAvoidPatienceS;
+  const auto bodies = fleet.bodies(now, limits);
+  const PlanPoint asked = course.at(now);
+  const Eigen::Vector3d hover_m(asked.position_world_m.x(), asked.position_world_m.y(), here_m.z());
+  const Eigen::Vector3d level_spot_m(spot_m.x(), spot_m.y(), here_m.z());
+  const bool is_below_us = is_occupied_below(here_m, bodies, limits);
+  const bool is_free = !is_below_us && !is_occupied_below(hover_m, bodies, limits);
+  if (is_committed) {
+    if (!was_committed && !course.is_standing(now)) {
+      course.stop(brake_way(now, 0.0), now);
+    }
+  } else if (sees && course.is_standing(now)) {
+    if (!has_spot || !is_free) {
+      spot_m = landing_spot(is_below_us ? here_m : hover_m, bodies, limits);
+      spot_m.z() = asked.position_world_m.z();
+      if ((spot_m - asked.position_world_m).norm() > 1e-6) {
+        course.shift(spot_m, kShiftMps, now);
+        spot_since = now;
+      }
+      has_spot = true;
+    }
+  } else if (sees && has_spot && is_way_taken(hover_m, level_spot_m, bodies, limits)) {
+    course.stop(brake_way(now, 0.0), now);
+    has_spot = false;
+  }
+  const bool is_there = course.is_standing(now) && (has_spot || !sees) &&
+                        ((here_m - course.at(now).position_world_m).head<2>().norm() < kOverSpotM ||
+                         to_seconds(now - spot_since) > kShiftPatienceS);
+  if ((is_there && is_free) || is_committed || is_blind()) {
+    is_sinking = true;
+    height_goal_m = -limits.descent_mps;  // through the floor: the ground ends it
+    const double sink_m = limits.descent_mps * dt_s;
+    height_ref_m = std::max({height_goal_m, height_ref_m - sink_m, in.height_m - 0.5});
+    blind_height_m = std::max(0.0, blind_height_m - kBlindSinkShare * sink_m);
+  } else if (is_sinking) {
+    is_sinking = false;
+    height_ref_m = std::max(height_ref_m, in.height_m);  // what is asked was lower already
+  }
+}
+
+void FlightGuard::Parts::move_height(double dt_s) {
+  if (lift.is_under_way() && in.pose_age_s <= limits.pose_age_warn_s) {
+    const Pose3& body = pose.world_from_body();
+    if (lift.step(body.translation_m, flatten(body).yaw_rad, course, limits, in.now)) {
+      has_flown = true;
+      height_goal_m = limits.take_off_height_m;
+      climb_since = in.now;
+    }
+  } else if (is_climbing && !lift.is_under_way()) {
+    const double climb_s = (height_goal_m - climb_from_m) / limits.climb_mps;
+    is_climbing = std::abs(in.height_m - height_goal_m) > kClimbedM &&
+                  to_seconds(in.now - climb_since) < kClimbSlackS + 2.0 * climb_s;
+  }
+  if (ladder.state == FlightState::kFollow && course.is_on_plan()) {
+    height_goal_m = course.plan().height_m;
+  }
+  const bool climbs_on = is_climbing && !lift.is_under_way() && height_ref_m < height_goal_m;
+  if (climbs_on && is_climb_taken(pose.predict_m(in.now, kPredictS), height_goal_m,
+                                  fleet.bodies(in.now, limits), limits)) {
+    climb_since = in.now;  // whoever flies there goes on first
+    return;
+  }
+  const double step_m = limits.climb_mps * dt_s;
+  height_ref_m += std::clamp(height_goal_m - height_ref_m, -step_m, step_m);
+}
+
+FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {
+  FlightSetpoint out;
+  switch (ladder.state) {
+    case FlightState::kIdle:
+      return out;
+    case FlightState::kKilled:
+      out.kind = FlightSetpoint::Kind::kMotorsOff;
+      return out;
+    case FlightState::kLand:
+      if (is_blind()) {
+        out.kind = FlightSetpoint::Kind::kBlindLand;
+        return out;
+      }
+      break;
+    case FlightState::kFollow:
+    case FlightState::kHold:
+      break;
+  }
+  // One instant, so that place and velocity fit together. To accelerate it has to tilt first, and
+  // what comes late there comes as a speed that nobody asked for.
+  const PlanPoint soon = course.at(now + from_seconds(limits.setpoint_lead_s));
+  const PlanPoint then = course.at(now + from_seconds(limits.acceleration_lead_s));
+  out.kind = FlightSetpoint::Kind::kTrack;
+  out.position_world_m = soon.position_world_m;
+  out.position_world_m.z() = height_ref_m + limits.setpoint_lead_s * height_rate_mps;
+  out.velocity_world_mps = soon.velocity_world_mps;
+  out.velocity_world_mps.z() = height_rate_mps;
+  out.acceleration_world_mps2 = then.acceleration_world_mps2;
+  out.yaw_rad = soon.yaw_rad;
+  out.yaw_rate_radps = soon.yaw_rate_radps;
+  return out;
+}
+
+bool FlightGuard::Parts::may_take_plans() const {
+  if (ladder.state == FlightState::kFollow) {
+    return true;
+  }
+  return ladder.state == FlightState::kHold && ladder.wants_follow && !is_climbing &&
+         !waits_for_more_than_a_plan(conditions(), ladder.latched);
+}
+
+}  // namespace vantage::drivers

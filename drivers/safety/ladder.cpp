@@ -1,0 +1,176 @@
+#include "drivers/safety/ladder.hpp"
+
+#include <chrono>
+
+#include "drivers/safety/latches.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::FlightState;
+using models::OperatorAction;
+
+constexpr double kStoppingS = 2.5;  // a disarming on its way, and the heartbeat that tells of it
+
+void come_to_rest(LadderState& next, FlightState state) {
+  next.state = state;
+  next.wants_armed = false;
+  next.arm = next.take_off = {};
+  next.wants_follow = false;
+}
+
+void refuse(LadderState& next, Refusal::Order order, const Reasons& reasons) {
+  next.refusal = {order, reasons};
+  next.take_off = {};
+  if (order == Refusal::Order::kArm) {
+    next.arm = {};
+    next.wants_armed = false;
+  }
+}
+
+// The orders that were given and are not obeyed yet.
+void hear_orders(LadderState& next, const SafetyInputs& inputs) {
+  if (asks(inputs, OperatorAction::kArm)) {
+    next.arm = {true, inputs.now};
+    next.forbidden_at = inputs.now - std::chrono::hours(1);  // nothing before counts
+    next.refusal = {};
+  } else if (asks(inputs, OperatorAction::kTakeOff)) {
+    next.refusal = {};
+    if (next.arm.is_given) {
+      next.take_off = {true, inputs.now};
+    } else {
+      refuse(next, Refusal::Order::kTakeOff, {});
+    }
+  } else if (asks(inputs, OperatorAction::kLand) || asks(inputs, OperatorAction::kHold)) {
+    next.arm = next.take_off = {};
+    next.refusal = {};
+  }
+}
+
+void step_idle(LadderState& next, const SafetyInputs& inputs, const SafetyLimits& limits) {
+  next.latched.reset();
+  next.wants_follow = false;
+  if (inputs.emergency_stop || inputs.risen_untold_m > limits.lift_other_m) {
+    latch(next, conditions(), inputs, limits);
+    come_to_rest(next, FlightState::kKilled);
+    return;
+  }
+  if (inputs.is_found_flying || inputs.is_found_landing) {
+    latch(next, conditions(), inputs, limits);
+    next.state = inputs.is_found_landing ? FlightState::kLand : FlightState::kHold;
+    next.wants_armed = true;
+    next.refusal = {};
+    return;
+  }
+  hear_orders(next, inputs);
+  const auto has_waited = [&](const GroundOrder& order) {
+    return to_seconds(inputs.now - order.waits_since) > limits.arm_wait_s;
+  };
+  const Reasons blocks = arming_blocks(inputs, limits);
+  if (blocks.none()) {
+    next.arm.waits_since = inputs.now;
+    // Motors do not idle for others: autopilots stop them by themselves, and that ends an order.
+    const bool is_turn = !next.take_off.is_given || !inputs.is_lift_taken;
+    next.its_turn_at = is_turn ? inputs.now : next.its_turn_at;
+    next.wants_armed =
+        next.arm.is_given && to_seconds(inputs.now - next.its_turn_at) <= limits.lift_idle_s &&
+        (next.wants_armed || to_seconds(inputs.now - next.forbidden_at) >= limits.clear_s);
+  } else {
+    next.forbidden_at = inputs.now;
+    next.wants_armed = false;
+    if (next.arm.is_given && (has_waited(next.arm) || needs_operator(conditions(), blocks))) {
+      refuse(next, Refusal::Order::kArm, blocks);
+    }
+  }
+  next.is_stopping = inputs.autopilot_armed && (next.is_stopping || !next.wants_armed);
+  next.unwanted_at = next.wants_armed ? next.unwanted_at : inputs.now;
+  if (!next.take_off.is_given) {
+    return;
+  }
+  const bool may_stop = next.is_stopping && to_seconds(inputs.now - next.unwanted_at) < kStoppingS;
+  const Reasons near = take_off_blocks(inputs, limits);
+  if (inputs.is_lift_taken) {
+    next.take_off.waits_since = inputs.now;  // its turn will come
+  } else if (has_waited(next.take_off)) {
+    refuse(next, Refusal::Order::kTakeOff, near | blocks);
+  } else if (next.wants_armed && inputs.autopilot_armed && !may_stop && near.none()) {
+    next.state = FlightState::kHold;
+    next.take_off = {};
+  }
+}
+
+void step_airborne(LadderState& next, const SafetyInputs& inputs, const SafetyLimits& limits) {
+  latch(next, conditions(), inputs, limits);
+  if (acts(conditions(), next.latched, Severity::kKill)) {
+    come_to_rest(next, FlightState::kKilled);
+    return;
+  }
+  if (!inputs.autopilot_armed) {  // landed, or the pilot took the motors away
+    come_to_rest(next, FlightState::kIdle);
+    next.latched.reset();
+    return;
+  }
+  if (asks(inputs, OperatorAction::kFollow)) {
+    next.wants_follow = true;
+  } else if (asks(inputs, OperatorAction::kHold)) {
+    next.wants_follow = false;
+  }
+  if (next.state == FlightState::kLand || acts(conditions(), next.latched, Severity::kLand) ||
+      asks(inputs, OperatorAction::kLand)) {
+    next.state = FlightState::kLand;
+    next.wants_follow = false;
+    const bool is_down =
+        inputs.height_m < limits.touch_height_m && inputs.pose_age_s < limits.pose_age_hold_s;
+    next.wants_armed = next.wants_armed && !is_down;
+    next.arm = next.take_off = {};
+    return;
+  }
+  const bool may_follow = next.wants_follow && !acts(conditions(), next.latched, Severity::kHold);
+  next.state = may_follow ? FlightState::kFollow : FlightState::kHold;
+}
+
+void step_killed(LadderState& next, const SafetyInputs& inputs) {
+  const bool is_down = !inputs.autopilot_armed || inputs.heartbeat_age_s == kNever;
+  if (asks(inputs, OperatorAction::kArm) && is_down &&
+      !holds_any(conditions(), next, Clearing::kRearm)) {
+    come_to_rest(next, FlightState::kIdle);
+    next.latched.reset();
+  }
+}
+
+}  // namespace
+
+bool is_airborne(FlightState state) {
+  return state == FlightState::kFollow || state == FlightState::kHold ||
+         state == FlightState::kLand;
+}
+
+LadderState step_ladder(const LadderState& before, const SafetyInputs& inputs,
+                        const SafetyLimits& limits) {
+  LadderState next = before;
+  watch(next, conditions(), inputs, limits);
+  switch (before.state) {
+    case FlightState::kIdle:
+      step_idle(next, inputs, limits);
+      break;
+    case FlightState::kFollow:
+    case FlightState::kHold:
+    case FlightState::kLand:
+      step_airborne(next, inputs, limits);
+      break;
+    case FlightState::kKilled:
+      step_killed(next, inputs);
+      break;
+  }
+  return next;
+}
+
+Reasons arming_blocks(const SafetyInputs& inputs, const SafetyLimits& limits) {
+  return arming_blocks(conditions(), inputs, limits);
+}
+
+Reasons take_off_blocks(const SafetyInputs& inputs, const SafetyLimits& limits) {
+  return take_off_blocks(conditions(), inputs, limits);
+}
+
+}  // namespace vantage::drivers

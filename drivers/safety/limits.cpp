@@ -1,0 +1,144 @@
+#include "drivers/safety/limits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/check.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+struct Bound {
+  const char* name;
+  double value;
+};
+
+void rises(const Bound& low, const Bound& high) {
+  require(low.value > 0.0 && low.value < high.value && std::isfinite(high.value),
+          std::string("safety limits: 0 < ") + low.name + " < " + high.name);
+}
+
+/// Of the whole chain, capture of the pose to the first change of velocity.
+double reaction_s(models::AutopilotDialect dialect) {
+  switch (dialect) {
+    case models::AutopilotDialect::kPx4:
+      return 0.20;
+    case models::AutopilotDialect::kArdupilot:
+      return 0.20;
+  }
+  return 0.20;
+}
+
+/// From the last set-point to the first change of velocity beyond that: the autopilot's time-out,
+/// as our parameters set it, and how gently it stops then. Measured: 15 kills of a driver each.
+double setpoint_loss_s(models::AutopilotDialect dialect) {
+  switch (dialect) {
+    case models::AutopilotDialect::kPx4:
+      return 0.30;
+    case models::AutopilotDialect::kArdupilot:
+      return 0.45;
+  }
+  return 0.45;
+}
+
+double way_m(double speed_mps, double on_s, double brake_mps2) {
+  return speed_mps * on_s + 0.5 * speed_mps * speed_mps / brake_mps2;
+}
+
+}  // namespace
+
+double stopping_way_m(const SafetyLimits& limits, double speed_mps) {
+  return way_m(speed_mps, limits.reaction_s, limits.vehicle.brake_mps2);
+}
+
+double lost_way_m(const SafetyLimits& limits, double speed_mps) {
+  return way_m(speed_mps, limits.setpoint_loss_s + limits.reaction_s, limits.vehicle.brake_mps2);
+}
+
+double half_window_s(const models::VehicleLimits& vehicle) {
+  return vehicle.speed_max_mps / (2.0 * vehicle.brake_mps2);
+}
+
+SafetyLimits limits_for(const scenario::Scenario& scenario, const std::string& robot) {
+  const scenario::RobotSpec* spec = scenario.find_robot(robot);
+  require(spec != nullptr, "flight safety: robot " + robot + " is not in the scenario");
+  SafetyLimits limits;
+  limits.fence = scenario.world;
+  limits.vehicle = spec->limits;
+  if (spec->autopilot) {
+    limits.reaction_s = reaction_s(spec->autopilot->dialect);
+    limits.setpoint_loss_s = setpoint_loss_s(spec->autopilot->dialect);
+  }
+  limits.take_off_height_m = spec->height_m;
+  limits.start = spec->start;
+  // Plans are checked to the planner's separation; rounding on the wire must not refuse one.
+  limits.plan_separation_m = scenario.planner.separation_m - 0.01;
+  const double contact_m = 2.0 * spec->limits.radius_m;
+  limits.separation_land_m = contact_m;
+  limits.separation_hold_m =
+      contact_m + 0.5 * std::max(0.02, scenario.planner.separation_m - contact_m);
+  limits.landing_clearance_m = contact_m + 0.2;
+  // Nearer than this the planner finds no way out, and it would hover there for ever.
+  limits.hover_clearance_m = std::max(0.05, scenario.planner.obstacle_margin_m);
+  const double round_s = scenario.planner.execute_steps * scenario.planner.step_s;
+  limits.round_s = round_s;
+  limits.plan_age_hold_s = std::max(limits.plan_age_hold_s, round_s + 0.5);
+  limits.plan_silent_warn_s = limits.plan_age_hold_s;
+  limits.planner_lease_s = std::max(limits.planner_lease_s, round_s + 0.5);
+  limits.plan_future_max_s = std::max(limits.plan_future_max_s, 2.0 * round_s);
+  limits.tracking_hold_m = 2.0 * scenario.planner.tracking_tolerance_m;
+  limits.tracking_land_m = 5.0 * scenario.planner.tracking_tolerance_m;
+  limits.plan_start_tolerance_m = 2.0 * scenario.planner.tracking_tolerance_m;
+  check_limits(limits);
+  return limits;
+}
+
+void check_limits(const SafetyLimits& l) {
+  rises({"pose_age_warn_s", l.pose_age_warn_s}, {"pose_age_hold_s", l.pose_age_hold_s});
+  rises({"pose_age_hold_s", l.pose_age_hold_s}, {"pose_age_land_s", l.pose_age_land_s});
+  rises({"pose_age_land_s", l.pose_age_land_s}, {"pose_age_kill_s", l.pose_age_kill_s});
+  rises({"pose_gate_m", l.pose_gate_m}, {"pose_gate_max_m", l.pose_gate_max_m});
+  rises({"tracking_hold_m", l.tracking_hold_m}, {"tracking_land_m", l.tracking_land_m});
+  rises({"lift_other_m", l.lift_other_m}, {"lift_risen_m", l.lift_risen_m});
+  rises({"lift_risen_m", l.lift_risen_m}, {"lift_height_m", l.lift_height_m});
+  rises({"lift_height_m", l.lift_height_m}, {"lift_over_m", l.lift_over_m});
+  rises({"lift_step_m", l.lift_step_m}, {"lift_astray_m", l.lift_astray_m});
+  rises({"separation_land_m", l.separation_land_m}, {"separation_hold_m", l.separation_hold_m});
+  rises({"battery_empty_share", l.battery_empty_share},
+        {"battery_land_share", l.battery_land_share});
+  rises({"battery_land_share", l.battery_land_share}, {"battery_low_share", l.battery_low_share});
+  rises({"battery_low_share", l.battery_low_share}, {"battery_arm_share", l.battery_arm_share});
+  rises({"heartbeat_age_hold_s", l.heartbeat_age_hold_s},
+        {"heartbeat_age_land_s", l.heartbeat_age_land_s});
+  rises({"estimate_error_hold_m", l.estimate_error_hold_m},
+        {"estimate_error_land_m", l.estimate_error_land_m});
+  rises({"operator_age_hold_s", l.operator_age_hold_s},
+        {"operator_age_land_s", l.operator_age_land_s});
+  const std::array<Bound, 16> positive = {{
+      {"safe_height_m", l.safe_height_m},
+      {"reaction_s", l.reaction_s},
+      {"setpoint_loss_s", l.setpoint_loss_s},
+      {"plan_separation_m", l.plan_separation_m},
+      {"planner_lease_s", l.planner_lease_s},
+      {"climb_mps", l.climb_mps},
+      {"descent_mps", l.descent_mps},
+      {"flight_max_s", l.flight_max_s},
+      {"lift_wait_s", l.lift_wait_s},
+      {"lift_proof_s", l.lift_proof_s},
+      {"arm_wait_s", l.arm_wait_s},
+      {"clear_s", l.clear_s},
+      {"speed_max_mps", l.vehicle.speed_max_mps},
+      {"yaw_rate_max_radps", l.vehicle.yaw_rate_max_radps},
+      {"brake_mps2", l.vehicle.brake_mps2},
+      {"take_off_height_m", l.take_off_height_m},
+  }};
+  for (const Bound& bound : positive) {
+    require(std::isfinite(bound.value) && bound.value > 0.0,
+            std::string("safety limits: ") + bound.name + " must be positive and finite");
+  }
+  require(l.take_off_height_m < l.fence.ceiling_m,
+          "safety limits: take_off_height_m must lie below the ceiling");
+}
+
+}  // namespace vantage::drivers

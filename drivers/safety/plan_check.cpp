@@ -1,0 +1,163 @@
+#include "drivers/safety/plan_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vantage::drivers {
+namespace {
+
+constexpr double kSlack = 1e-6;         // of numbers that went over the wire
+constexpr double kStepMinS = 1e-3;      // at 2 m/s: 2 mm
+constexpr double kDurationMaxS = 60.0;  // of a whole plan
+constexpr double kFarM = 1e6;
+
+bool is_finite(const HeldPlan& plan) {
+  bool finite = std::abs(plan.start.x_m) < kFarM && std::abs(plan.start.y_m) < kFarM &&
+                std::isfinite(plan.start.yaw_rad) && std::abs(plan.height_m) < kFarM;
+  double sum_s = 0.0;
+  for (std::size_t i = 0; i < plan.count; ++i) {
+    const models::PlanSegment& segment = plan.segments[i];
+    finite = finite && std::isfinite(segment.control.speed_mps) &&
+             std::isfinite(segment.control.yaw_rate_radps) && segment.duration_s >= 0.0 &&
+             segment.brake_mps2 >= 0.0 && std::isfinite(segment.brake_mps2);
+    sum_s += segment.duration_s;
+  }
+  return finite && sum_s <= kDurationMaxS;  // false for NaN and infinity, too
+}
+
+bool is_feasible(const HeldPlan& plan, const SafetyLimits& limits) {
+  const models::VehicleLimits& can = limits.vehicle;
+  const double more = 1.0 + kSlack;
+  double speed_before_mps = 0.0;
+  for (std::size_t i = 0; i < plan.count; ++i) {
+    const models::PlanSegment& segment = plan.segments[i];
+    const double v = segment.control.speed_mps;
+    const double w = segment.control.yaw_rate_radps;
+    const bool within = std::abs(v) <= can.speed_max_mps * more &&
+                        std::abs(w) <= can.yaw_rate_max_radps * more &&
+                        std::abs(v * w) <= limits.lateral_max_mps2 * more &&
+                        segment.brake_mps2 <= can.brake_mps2 * more &&
+                        (segment.brake_mps2 == 0.0 || std::abs(w) <= kSlack) &&
+                        std::abs(v - speed_before_mps) <= can.speed_max_mps * more;
+    if (!within) {
+      return false;
+    }
+    speed_before_mps = v;
+  }
+  return true;
+}
+
+bool ends_at_rest(const HeldPlan& plan) {
+  if (plan.count == 0) {
+    return true;
+  }
+  const models::PlanSegment& last = plan.segments[plan.count - 1];
+  const double speed_mps = std::abs(last.control.speed_mps);
+  const bool stops =
+      last.brake_mps2 > 0.0 && speed_mps <= last.brake_mps2 * (last.duration_s + kSlack) + kSlack;
+  return stops || (speed_mps <= kSlack && last.brake_mps2 == 0.0);
+}
+
+// Outside distance and inside depth of a rectangle in one: the signed distance.
+double signed_distance_m(const models::Rectangle& box, const Eigen::Vector2d& p_m) {
+  const double out_x = std::max(box.min_m.x() - p_m.x(), p_m.x() - box.max_m.x());
+  const double out_y = std::max(box.min_m.y() - p_m.y(), p_m.y() - box.max_m.y());
+  return std::hypot(std::max(out_x, 0.0), std::max(out_y, 0.0)) +
+         std::min(std::max(out_x, out_y), 0.0);
+}
+
+// What is left between the vehicle at `here` and everything that does not move.
+struct Room {
+  double fence_m;
+  double obstacle_m;
+};
+
+Room room_at(const PlanPoint& here, const SafetyLimits& limits) {
+  const Eigen::Vector2d p_m = here.position_world_m.head<2>();
+  return {fence_distance_m(limits.fence, p_m) - limits.vehicle.radius_m,
+          obstacle_distance_m(limits.fence, p_m) - limits.vehicle.radius_m};
+}
+
+}  // namespace
+
+const char* name_of(PlanVerdict verdict) {
+  static constexpr std::array<const char*, kPlanVerdicts> kNames = {
+      "accepted",     "wrong vehicle", "stale",    "too far ahead", "not finite",
+      "infeasible",   "no hover",      "no lease", "not following", "discontinuous",
+      "out of fence", "obstacle",      "teammate"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+double obstacle_distance_m(const models::World& world, const Eigen::Vector2d& p_m) {
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const models::Obstacle& obstacle : world.obstacles) {
+    least_m = std::min(least_m, signed_distance_m(obstacle.footprint, p_m));
+  }
+  return least_m;
+}
+
+double fence_distance_m(const models::World& world, const Eigen::Vector2d& p_m) {
+  return -signed_distance_m(world.bounds, p_m);
+}
+
+PlanVerdict check_shape(const HeldPlan& plan, const SafetyLimits& limits) {
+  if (!is_finite(plan)) {
+    return PlanVerdict::kNotFinite;
+  }
+  if (!is_feasible(plan, limits)) {
+    return PlanVerdict::kInfeasible;
+  }
+  return ends_at_rest(plan) ? PlanVerdict::kAccepted : PlanVerdict::kNoHover;
+}
+
+PlanVerdict check_way(const HeldPlan& plan, Time now, const SafetyLimits& limits,
+                      std::span<const OtherCourse> others) {
+  if (plan.height_m <= 0.0 || plan.height_m >= limits.fence.ceiling_m) {
+    return PlanVerdict::kOutsideFence;
+  }
+  // Times count from `now`. Every course has stopped at `end_s`.
+  const double offset_s = to_seconds(now - plan.start_time);
+  const double own_end_s = duration_s(plan) - offset_s;
+  double end_s = std::max(0.0, own_end_s);
+  for (const OtherCourse& other : others) {
+    if (other.plan != nullptr) {
+      end_s = std::max(end_s, duration_s(*other.plan) - to_seconds(now - other.plan->start_time));
+    }
+  }
+  for (double t_s = 0.0;;) {
+    const PlanPoint here = point_at(plan, t_s + offset_s);
+    const Room room = room_at(here, limits);
+    if (room.fence_m < -kSlack) {
+      return PlanVerdict::kOutsideFence;
+    }
+    if (room.obstacle_m < -kSlack) {
+      return PlanVerdict::kObstacle;
+    }
+    const double own_mps = limits.vehicle.speed_max_mps;
+    double step_s = std::min(room.fence_m, room.obstacle_m) / own_mps;
+    if (t_s > own_end_s) {
+      step_s = end_s;  // it hovers; only others move
+    }
+    for (const OtherCourse& other : others) {
+      const Eigen::Vector3d other_m =
+          other.plan == nullptr
+              ? other.position_world_m
+              : point_at(*other.plan, t_s + to_seconds(now - other.plan->start_time))
+                    .position_world_m;
+      const double apart_m = (here.position_world_m - other_m).norm() - limits.plan_separation_m;
+      if (apart_m < -kSlack) {
+        return PlanVerdict::kTeammate;
+      }
+      const double other_mps =
+          other.plan == nullptr ? 0.0 : speed_max_mps(*other.plan, 0.0, kDurationMaxS);
+      step_s = std::min(step_s, apart_m / (own_mps + other_mps));
+    }
+    if (t_s >= end_s) {
+      return PlanVerdict::kAccepted;
+    }
+    t_s = std::min(end_s, t_s + std::max(step_s, kStepMinS));
+  }
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "core/pose.hpp"
+#include "core/time.hpp"
+#include "drivers/safety/limits.hpp"
+#include "models/plan/plan.hpp"
+
+// The plan check of flight safety. It shares no code path with the search: motions are evaluated
+// by their own closed form and swept by their own method over the obstacles themselves.
+
+namespace vantage::drivers {
+
+/// What became of a plan. The first that applies, in this order.
+enum class [[nodiscard]] PlanVerdict{
+    kAccepted,      kWrongVehicle,
+    kStale,  ///< not newer than the one accepted, or starts too long ago
+    kTooFarAhead,
+    kNotFinite,     ///< or a count, duration or deceleration that cannot be
+    kInfeasible,    ///< faster, tighter or harder braking than the vehicle can
+    kNoHover,       ///< does not end at rest
+    kNoLease,       ///< another planner holds the lease
+    kNotFollowing,  ///< the vehicle does not follow plans now
+    kDiscontinuous, kOutsideFence, kObstacle, kTeammate,
+};
+inline constexpr std::size_t kPlanVerdicts = 13;
+
+/// As reasons and counters write it.
+const char* name_of(PlanVerdict verdict);
+
+/// A plan in a fixed space, so that holding one never allocates.
+struct HeldPlan {
+  static constexpr std::size_t kSegmentsMax = 64;
+  Time start_time{};
+  Pose2 start;
+  double height_m = 0.0;
+  std::size_t count = 0;
+  std::array<models::PlanSegment, kSegmentsMax> segments{};
+};
+
+/// A state on a plan.
+struct PlanPoint {
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();  ///< where a course knows it
+  double yaw_rad = 0.0;
+  double yaw_rate_radps = 0.0;
+};
+
+/// Copies a trajectory. False, and nothing usable, when it has too many segments.
+bool hold_plan(const models::Trajectory& trajectory, HeldPlan& out);
+double duration_s(const HeldPlan& plan);
+/// The state `elapsed_s` after the start; the start at rest before it, the hover after the end.
+PlanPoint point_at(const HeldPlan& plan, double elapsed_s);
+/// The fastest that the plan moves within [from_s, to_s] after its start.
+double speed_max_mps(const HeldPlan& plan, double from_s, double to_s);
+
+/// Another body that the plan must keep away from: on its own plan, or where it is.
+struct OtherCourse {
+  const HeldPlan* plan = nullptr;  ///< nullptr: stays at position_world_m
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();
+};
+
+/// kAccepted, kNotFinite, kInfeasible or kNoHover, from the plan alone.
+PlanVerdict check_shape(const HeldPlan& plan, const SafetyLimits& limits);
+/// kAccepted, kOutsideFence, kObstacle or kTeammate for the rest of the plan from `now` on.
+/// Advances by as much as the distance left allows, so nothing thinner than 2 mm is stepped over.
+PlanVerdict check_way(const HeldPlan& plan, Time now, const SafetyLimits& limits,
+                      std::span<const OtherCourse> others);
+
+/// Distance from `p_m` to the nearest obstacle, exactly; negative inside one. +∞ without any.
+double obstacle_distance_m(const models::World& world, const Eigen::Vector2d& p_m);
+/// Distance from `p_m` to the bounds from inside; negative outside.
+double fence_distance_m(const models::World& world, const Eigen::Vector2d& p_m);
+
+}  // namespace vantage::drivers

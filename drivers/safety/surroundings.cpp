@@ -1,0 +1,237 @@
+#include "drivers/safety/surroundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/angle.hpp"
+#include "models/world/world.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr int kSamples = 16;     // along the braking way
+constexpr double kLevelM = 0.3;  // within it, two heights are one
+constexpr double kStandsMps = 0.1;
+constexpr double kFenceSpareM = 0.1;
+constexpr double kObstacleSpareM = 0.05;
+constexpr double kHoverSpareM = 0.05;  // beyond hover_clearance_m, where one goes to
+constexpr double kBelowSpareM = 0.1;   // beyond landing_clearance_m, the same
+
+double tube_m(const OtherBody& body, const SafetyLimits& limits) {
+  const double unseen_s = std::max(0.0, body.age_s - limits.pose_age_hold_s);
+  return std::min(limits.other_pose_growth_max_m, limits.other_pose_growth_mps * unseen_s);
+}
+
+double fence_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
+  return std::min(fence_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m,
+                  limits.fence.ceiling_m - p_m.z());
+}
+
+double obstacle_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
+  return obstacle_distance_m(limits.fence, p_m.head<2>()) - limits.vehicle.radius_m;
+}
+
+// Least distance of the centres while we brake along `way` and the other straight from its
+// velocity.
+double closest_stop_m(const BrakeWay& way, const OtherBody& body,
+                      const Eigen::Vector3d& velocity_mps, const SafetyLimits& limits) {
+  const BrakeWay theirs = BrakeWay::straight(body.position_world_m, velocity_mps, 0.0,
+                                             limits.vehicle.brake_mps2, limits.reaction_s);
+  const double end_s = std::max(way.duration_s(), theirs.duration_s());
+  double least_m = (way.at(0.0).position_world_m - body.position_world_m).norm();
+  for (int i = 0; i < kSamples; ++i) {
+    const double t0_s = end_s * i / kSamples;
+    const double t1_s = end_s * (i + 1) / kSamples;
+    least_m =
+        std::min(least_m, models::closest_approach_m(
+                              way.at(t0_s).position_world_m, way.at(t1_s).position_world_m,
+                              theirs.at(t0_s).position_world_m, theirs.at(t1_s).position_world_m));
+  }
+  return least_m;
+}
+
+Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
+  const double margin_m = limits.vehicle.radius_m + kFenceSpareM;
+  const models::Rectangle& bounds = limits.fence.bounds;
+  Eigen::Vector3d out = p_m;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double low_m = bounds.min_m(axis) + margin_m;
+    const double high_m = bounds.max_m(axis) - margin_m;
+    out(axis) = low_m < high_m ? std::clamp(p_m(axis), low_m, high_m) : 0.5 * (low_m + high_m);
+  }
+  return out;
+}
+
+// On the straight way the body, where it is, would be nearer than it should and than it is now.
+bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const OtherBody& body,
+           const SafetyLimits& limits) {
+  const Eigen::Vector3d& q_m = body.position_world_m;
+  const double now_m = (from_m - q_m).norm();
+  const double least_m = models::closest_approach_m(from_m, to_m, q_m, q_m);
+  return least_m < std::min(now_m, limits.separation_hold_m) - 1e-9;
+}
+
+bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                  std::span<const OtherBody> others, const SafetyLimits& limits) {
+  for (int i = 0; i <= kSamples; ++i) {
+    const Eigen::Vector3d p_m = from_m + (to_m - from_m) * (static_cast<double>(i) / kSamples);
+    if (obstacle_edge_m(p_m, limits) < kObstacleSpareM) {
+      return false;
+    }
+  }
+  return std::none_of(others.begin(), others.end(),
+                      [&](const OtherBody& body) { return meets(from_m, to_m, body, limits); });
+}
+
+}  // namespace
+
+Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
+                         std::span<const OtherBody> others, const SafetyLimits& limits) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Surroundings out;
+  out.fence_centre_m = std::min(fence_distance_m(limits.fence, position_m.head<2>()),
+                                limits.fence.ceiling_m - position_m.z());
+  out.fence_now_m = fence_edge_m(position_m, limits);
+  out.fence_stop_m = kFar;
+  out.obstacle_stop_m = kFar;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double t_s = way.duration_s() * i / kSamples;
+    const Eigen::Vector3d p_m = way.at(t_s).position_world_m;
+    out.fence_stop_m = std::min(out.fence_stop_m, fence_edge_m(p_m, limits));
+    out.obstacle_stop_m = std::min(out.obstacle_stop_m, obstacle_edge_m(p_m, limits));
+  }
+  out.separation_now_m = kFar;
+  out.separation_stop_m = kFar;
+  for (const OtherBody& body : others) {
+    const double less_m = tube_m(body, limits);
+    const double apart_m = (position_m - body.position_world_m).norm() - less_m;
+    out.separation_now_m = std::min(out.separation_now_m, apart_m);
+    double least_m =
+        std::min(apart_m, closest_stop_m(way, body, body.velocity_world_mps, limits) - less_m);
+    if (body.planned_world_mps != body.velocity_world_mps) {
+      least_m =
+          std::min(least_m, closest_stop_m(way, body, body.planned_world_mps, limits) - less_m);
+    }
+    if (least_m < out.separation_stop_m) {
+      out.separation_stop_m = least_m;
+      out.yields = body.goes_first;
+    }
+  }
+  return out;
+}
+
+double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                   double look_s) {
+  double least_m = std::numeric_limits<double>::infinity();
+  const auto level = [](const Eigen::Vector3d& v) { return Eigen::Vector3d(v.x(), v.y(), 0.0); };
+  const Eigen::Vector3d here_m = level(position_m);
+  for (const OtherBody& body : others) {
+    const Eigen::Vector3d velocity_mps = level(body.velocity_world_mps);
+    if (body.robot >= 0 && velocity_mps.norm() < kStandsMps) {
+      continue;
+    }
+    const Eigen::Vector3d from_m = level(body.position_world_m);
+    least_m = std::min(least_m, models::closest_approach_m(here_m, here_m, from_m,
+                                                           from_m + look_s * velocity_mps));
+  }
+  return least_m;
+}
+
+bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                       const SafetyLimits& limits, double spare_m) {
+  return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
+    const Eigen::Vector3d away_m = position_m - body.position_world_m;
+    const bool is_below = away_m.z() > kLevelM || (away_m.z() > -kLevelM && body.goes_first);
+    const double needed_m = limits.landing_clearance_m + tube_m(body, limits) + spare_m;
+    return is_below && away_m.head<2>().norm() < needed_m;
+  });
+}
+
+bool is_way_taken(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                  std::span<const OtherBody> others, const SafetyLimits& limits) {
+  return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
+    return body.goes_first && meets(from_m, to_m, body, limits);
+  });
+}
+
+Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
+                             const SafetyLimits& limits) {
+  constexpr int kRings = 6;
+  constexpr int kBearings = 12;
+  const Eigen::Vector3d home_m = inside(hover_m, limits);
+  const auto is_free = [&](const Eigen::Vector3d& spot_m) {
+    return !is_occupied_below(spot_m, others, limits, kBelowSpareM) &&
+           is_way_clear(hover_m, spot_m, others, limits);
+  };
+  if (is_free(home_m)) {
+    return home_m;
+  }
+  // Whoever moves strays: first where there is room for that, then where there is just enough.
+  const double roomy_m = limits.hover_clearance_m + kHoverSpareM;
+  for (const bool is_roomy : {true, false}) {
+    for (int ring = 1; ring <= kRings; ++ring) {
+      for (int bearing = 0; bearing < kBearings; ++bearing) {
+        const double angle_rad = 2.0 * kPi * bearing / kBearings;
+        const Eigen::Vector3d spot_m =
+            home_m + 0.25 * ring * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+        const double edge_m =
+            std::min(fence_edge_m(spot_m, limits), obstacle_edge_m(spot_m, limits));
+        if (inside(spot_m, limits) == spot_m && (!is_roomy || edge_m >= roomy_m) &&
+            is_free(spot_m)) {
+          return spot_m;
+        }
+      }
+    }
+  }
+  return home_m;
+}
+
+bool is_climb_taken(const Eigen::Vector3d& position_m, double goal_m,
+                    std::span<const OtherBody> others, const SafetyLimits& limits) {
+  constexpr double kLookS = 2.0;
+  constexpr double kRoomM = 0.25;  // for a turn that it makes meanwhile
+  return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
+    const double z_m = body.position_world_m.z();
+    const bool is_on_the_way =
+        body.robot >= 0 && z_m > position_m.z() && z_m < goal_m + limits.separation_hold_m;
+    const Eigen::Vector3d flat(1.0, 1.0, 0.0);
+    const Eigen::Vector3d here_m = position_m.cwiseProduct(flat);
+    const Eigen::Vector3d from_m = body.position_world_m.cwiseProduct(flat);
+    const Eigen::Vector3d to_m = from_m + kLookS * body.velocity_world_mps.cwiseProduct(flat);
+    const double needed_m = limits.separation_hold_m + kRoomM + tube_m(body, limits);
+    return is_on_the_way && models::closest_approach_m(here_m, here_m, from_m, to_m) < needed_m;
+  });
+}
+
+std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
+                                          std::span<const OtherBody> others,
+                                          const SafetyLimits& limits) {
+  constexpr double kRingM = 0.05;
+  constexpr int kRings = 12;
+  constexpr int kBearings = 24;
+  const auto edge_m = [&limits](const Eigen::Vector3d& p_m) {
+    return std::min(fence_edge_m(p_m, limits), obstacle_edge_m(p_m, limits));
+  };
+  if (edge_m(hover_m) >= limits.hover_clearance_m) {
+    return std::nullopt;
+  }
+  for (int ring = 1; ring <= kRings; ++ring) {
+    for (int bearing = 0; bearing < kBearings; ++bearing) {
+      const double angle_rad = 2.0 * kPi * bearing / kBearings;
+      const Eigen::Vector3d spot_m =
+          hover_m + kRingM * ring * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+      const bool is_apart = std::all_of(others.begin(), others.end(), [&](const OtherBody& body) {
+        const double now_m = (hover_m - body.position_world_m).norm();
+        return (spot_m - body.position_world_m).norm() >=
+               std::min(now_m, limits.separation_hold_m + kHoverSpareM);
+      });
+      if (is_apart && edge_m(spot_m) >= limits.hover_clearance_m + kHoverSpareM) {
+        return spot_m;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace vantage::drivers

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "drivers/safety/course.hpp"
+#include "drivers/safety/limits.hpp"
+
+namespace vantage::drivers {
+
+/// Another body as it was last seen.
+struct OtherBody {
+  Eigen::Vector3d position_world_m = Eigen::Vector3d::Zero();    ///< moved on to now
+  Eigen::Vector3d velocity_world_mps = Eigen::Vector3d::Zero();  ///< as measured
+  /// What its plan is about to ask of it; as measured when nothing is known. A promise: it may make
+  /// things worse, never better.
+  Eigen::Vector3d planned_world_mps = Eigen::Vector3d::Zero();
+  double age_s = 0.0;
+  bool goes_first = true;  ///< before us, where one must yield
+  int robot = -1;          ///< which of the scenario's robots it is; −1: none
+};
+
+/// What is left around the vehicle, now and if it braked now. Distances as in SafetyInputs.
+struct Surroundings {
+  double fence_now_m = 0.0;
+  double fence_centre_m = 0.0;
+  double fence_stop_m = 0.0;
+  double obstacle_stop_m = 0.0;
+  double separation_now_m = 0.0;
+  double separation_stop_m = 0.0;
+  bool yields = false;
+};
+
+/// Looks along the braking way and at every other body, each braking straight as hard as we do,
+/// from what it does and from what it plans to do, whichever is worse; a body not seen lately has
+/// a tube around it that widens. Allocates nothing.
+Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
+                         std::span<const OtherBody> others, const SafetyLimits& limits);
+
+/// Least distance, seen from above, from `position_m` to a body that moves, or is no robot, within
+/// the next `look_s` if each goes on as it does. Robots that stand wait for their turn.
+double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                   double look_s);
+
+/// Where to come down from a hover at `hover_m`: there, or the nearest of some places around from
+/// where nothing is below, inside the fence and clear of obstacles, with the way there clear: clear
+/// by hover_clearance_m and 0.05 m, or by less when there is no such place. Places are 0.1 m
+/// farther from bodies below than is_occupied_below() asks. The hover itself, brought inside the
+/// fence, when there is none at all.
+Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
+                             const SafetyLimits& limits);
+
+/// True when one to give way to is so near the straight way that going on would bring it nearer
+/// than separation_hold_m.
+bool is_way_taken(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
+                  std::span<const OtherBody> others, const SafetyLimits& limits);
+
+/// True when a body lies below `position_m` or beside it, nearer than landing_clearance_m and
+/// `spare_m` seen from above, and is one to give way to. Around one not seen lately is its tube.
+bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
+                       const SafetyLimits& limits, double spare_m = 0.0);
+
+/// True when another robot is, or comes within two seconds straight on, so near seen from above
+/// that a climb from `position_m` to `goal_m` would meet it: one higher than we are, and no higher
+/// than the goal and separation_hold_m.
+bool is_climb_taken(const Eigen::Vector3d& position_m, double goal_m,
+                    std::span<const OtherBody> others, const SafetyLimits& limits);
+
+/// Where a vehicle that hovers too near the fence or an obstacle had better hover: the nearest of
+/// some places clear of both by hover_clearance_m and 0.05 m, no nearer to other bodies than it
+/// should be. Nothing when it is clear by hover_clearance_m already, or no such place is near.
+std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
+                                          std::span<const OtherBody> others,
+                                          const SafetyLimits& limits);
+
+}  // namespace vantage::drivers

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+
+#include "planner/decision/attack.hpp"
+
+namespace vantage::experiments {
+
+/// An attacker that experiments are run with, as a cell and as words.
+struct NamedAttacker {
+  planner::Attacker attacker;
+  const char* name;
+  const char* text;
+};
+
+/// The first is the source's.
+inline constexpr std::array<NamedAttacker, 2> kAttackers = {
+    {{planner::Attacker::kGreedy, "greedy", "greatest loss to the team, greedily"},
+     {planner::Attacker::kBestAlone, "best_alone", "robots whose plans alone are worth most"}}};
+
+}  // namespace vantage::experiments

@@ -1,0 +1,34 @@
+#include "experiments/experiment.hpp"
+
+namespace vantage::experiments {
+
+const std::vector<Experiment>& all_experiments() {
+  static const std::vector<Experiment> experiments = {
+      {"active-mapping", "Mapping landmarks by A*, ARVI and AEGIS (Fig. 2.2 to 2.5)",
+       active_mapping},
+      {"tracking-communication", "Tracking against the range of communication (Fig. 3.3 a–c)",
+       tracking_communication},
+      {"tracking-time", "Tracking against the time for planning (Fig. 3.3 d–f)", tracking_time},
+      {"tracking-noise", "Tracking against the noise of the sensors (Fig. 3.3 g–i)",
+       tracking_noise},
+      {"hardware", "The lab's trial of five rovers and three quadrotors (Fig. 3.4)", hardware},
+      {"dls-savings",
+       "Oracle calls and proposals that lazy search and a warm start save (Fig. 3.6)", dls_savings},
+      {"dls-objective", "Distributed local search against coordinate descent (Fig. 3.7)",
+       dls_objective},
+      {"heterogeneous", "Two UGVs and a UAV: information against energy (Fig. 3.8, 3.9)",
+       heterogeneous},
+      {"resilient-tracking",
+       "Tracking under attack, RAIN against coordinate descent (Table 4.1, Fig. 4.3)",
+       resilient_tracking},
+      {"resilient-mapping", "Mapping under attack, RAIN against coordinate descent (Fig. 4.4, 4.5)",
+       resilient_mapping},
+      {"surveillance", "Watching a camp under attack, RAIN against coordinate descent (Fig. 4.7)",
+       surveillance},
+      {"resilient-hardware", "Two robots, two targets, one sensor always jammed (Fig. 4.9)",
+       resilient_hardware},
+  };
+  return experiments;
+}
+
+}  // namespace vantage::experiments

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "experiments/sweep/sweep.hpp"
+
+namespace vantage::experiments {
+
+/// One experiment of the dissertation that a command reproduces.
+struct Experiment {
+  const char* name;
+  const char* what;
+  Sweep (*make)(const Extent& extent);
+};
+const std::vector<Experiment>& all_experiments();
+
+/// Fig. 2.2 to 2.5: A*, ARVI and AEGIS from a hundred starts.
+Sweep active_mapping(const Extent& extent);
+/// Fig. 3.3 a–c, d–f, g–i: tracking against communication range, planning time and noise.
+Sweep tracking_communication(const Extent& extent);
+Sweep tracking_time(const Extent& extent);
+Sweep tracking_noise(const Extent& extent);
+/// Fig. 3.4: the lab's trial, simulated, and three planners that do not think ahead.
+Sweep hardware(const Extent& extent);
+/// Fig. 3.6: oracle calls and proposals of distributed local search, naive, lazy, warm and both.
+Sweep dls_savings(const Extent& extent);
+/// Fig. 3.7: J of distributed local search against coordinate descent in both orders.
+Sweep dls_objective(const Extent& extent);
+/// Fig. 3.8, 3.9: two UGVs and a UAV among mud and wind, information against energy.
+Sweep heterogeneous(const Extent& extent);
+/// Table 4.1 and Fig. 4.3: tracking under worst-case attacks, RAIN against coordinate descent.
+Sweep resilient_tracking(const Extent& extent);
+/// Fig. 4.4 and 4.5: mapping under attack, RAIN against coordinate descent.
+Sweep resilient_mapping(const Extent& extent);
+/// Fig. 4.7: a camp watched over under attack, planned anew every 1 to 10 steps.
+Sweep surveillance(const Extent& extent);
+/// Fig. 4.9: two robots and two targets, one robot jammed at all times, simulated.
+Sweep resilient_hardware(const Extent& extent);
+
+}  // namespace vantage::experiments

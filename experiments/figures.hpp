@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "models/world/world.hpp"
+
+// gnuplot scripts, each run in the directory of its experiment's files; SVG and PNG come out.
+
+namespace vantage::experiments {
+
+std::string dls_savings_figure();
+std::string dls_objective_figure();
+/// Information over energy (Fig. 3.8), and the ways that each method chose in one trial in `world`
+/// (Fig. 3.9) under `titles`, each in quotes.
+std::string heterogeneous_figures(const models::World& world, const std::string& titles);
+std::string resilient_tracking_figure();
+/// Maps of the first trial of RAIN with two attacks (Fig. 4.4), and entropy over time (Fig. 4.5).
+std::string resilient_mapping_figures();
+/// The heuristic (Fig. 2.3), search trees (2.2, 2.5) and the cost of their paths (2.4).
+std::string active_mapping_figures();
+/// Means with their intervals of a sweep of team trials (Fig. 3.3, 3.4). `columns` name a setting.
+std::string team_figure(const std::string& name, const std::string& axis,
+                        const std::string& columns);
+
+/// Of surveillance: the measures against T_REPLAN from summary.csv, α = 2; the camp and the ways of
+/// one trial.
+std::string surveillance_figures();
+/// Of resilient-hardware: ways of one trial and distances to both targets, both planners.
+std::string resilient_hardware_figure();
+
+}  // namespace vantage::experiments

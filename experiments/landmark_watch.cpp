@@ -1,0 +1,299 @@
+#include "experiments/landmark_watch.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/check.hpp"
+#include "models/belief/gaussian.hpp"
+#include "models/world/grid.hpp"
+#include "planner/decision/resilient.hpp"
+#include "planner/problem/fixed_information.hpp"
+#include "planner/search/arvi.hpp"
+
+namespace vantage::experiments {
+namespace {
+
+constexpr double kFieldResolution_m = 0.5;
+constexpr double kTurnOnTheSpot_radps = 2.0;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+class Mean {
+ public:
+  void add(double value) {
+    sum_ += value;
+    count_ += 1.0;
+  }
+  // NaN: of nothing.
+  [[nodiscard]] double value() const {
+    return count_ > 0.0 ? sum_ / count_ : std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  double sum_ = 0.0;
+  double count_ = 0.0;
+};
+
+class LandmarkWatch {
+ public:
+  LandmarkWatch(const WatchSetting& setting, std::span<const models::Viewpoint> starts,
+                bool is_resilient)
+      : setting_(setting),
+        is_resilient_(is_resilient),
+        search_({200'000, 8'000'000, static_cast<int>(setting.landmarks_m.size()),
+                 setting.plan_steps, 0}) {
+    require(setting.replan_steps >= 1 && setting.replan_steps <= setting.plan_steps,
+            "watch: replan_steps must be in [1, plan_steps]");
+    const int n = setting.landmark_model.dim();
+    steps_unseen_.assign(setting.landmarks_m.size(), 0);
+    for (const models::PositionVector& landmark_m : setting.landmarks_m) {
+      models::Gaussian prior{
+          models::StateVector::Zero(n),
+          setting.prior_sigma_m * setting.prior_sigma_m * models::StateMatrix::Identity(n, n)};
+      prior.mean.head(landmark_m.size()) = landmark_m;
+      beliefs_.push_back(prior);
+    }
+    for (const models::Viewpoint& start : starts) {
+      robots_.push_back({start, world_at(setting, start.height_m), {}, {}, {}});
+      require(models::clearance_m(robots_.back().world, start.world_from_body.position_m()) >
+                  setting.clearance_m,
+              "watch: a robot's start must be free");
+    }
+    for (Robot& robot : robots_) {
+      robot.field = models::DistanceField(robot.world, kFieldResolution_m);
+    }
+    attacked_.assign(robots_.size(), 0);
+  }
+
+  WatchRun run() {
+    WatchRun run;
+    note_poses(run);
+    for (int step = 0; step < setting_.task_steps; ++step) {
+      const int of_plan = step % setting_.replan_steps;
+      if (of_plan == 0) {
+        plan();
+        attack();
+      }
+      for (Robot& robot : robots_) {
+        run.turns_on_the_spot += move(robot, of_plan) ? 0 : 1;
+      }
+      look(run);
+      note_poses(run);
+      run.attacked.push_back(attacked_);
+    }
+    return run;
+  }
+
+ private:
+  struct Robot {
+    models::Viewpoint at;
+    models::World world;
+    models::DistanceField field;
+    planner::SearchProblem problem;
+    planner::SearchResult plan;
+  };
+
+  // As plans are to predict them: with the noise of the coming step for all of theirs.
+  [[nodiscard]] std::vector<planner::SearchTarget> planned_targets() const {
+    std::vector<planner::SearchTarget> targets;
+    for (std::size_t m = 0; m < beliefs_.size(); ++m) {
+      models::TargetModel model = setting_.landmark_model;
+      if (model.kind == models::TargetKind::kGrowingUncertainty) {
+        model.kind = models::TargetKind::kRandomWalk;
+        model.q *= steps_unseen_[m] / setting_.step_s;
+      }
+      targets.push_back({model, beliefs_[m]});
+    }
+    return targets;
+  }
+
+  void set_up(Robot& robot) const {
+    planner::SearchProblem& problem = robot.problem;
+    problem.start = robot.at.world_from_body;
+    problem.height_m = robot.at.height_m;
+    problem.controls = setting_.controls;
+    problem.horizon_steps = setting_.plan_steps;
+    problem.step_s = setting_.step_s;
+    problem.sensors = {setting_.sensor};
+    problem.targets = planned_targets();
+    problem.fixed_information.clear();
+    problem.world = &robot.world;
+    problem.field = &robot.field;
+    problem.clearance_m = setting_.clearance_m;
+    problem.obstacles_block_sight = false;
+  }
+
+  // Of poses within δ of one another the cheapest is gone on from, whatever it knows: plans differ
+  // in where they lead, and a way to a landmark out of sight costs nothing until it is seen.
+  [[nodiscard]] planner::ReducedOptions reduction() const {
+    planner::ReducedOptions options;
+    options.search = planner::ReducedSearch::kSinglePass;
+    options.epsilon = 1e9;
+    options.delta_m = setting_.delta_m;
+    options.yaw_weight_m_per_rad = 0.3;
+    return options;
+  }
+
+  // What its plan alone beside those of `beside` gains, nats.
+  double plan_robot(int i, const std::vector<int>& beside) {
+    Robot& robot = robots_[index(i)];
+    std::vector<planner::FixedTeammate> teammates;
+    for (const int other : beside) {
+      const Robot& fixed = robots_[index(other)];
+      teammates.push_back(
+          {planner::to_trajectory(fixed.problem, fixed.plan), setting_.sensor, false});
+    }
+    robot.problem.fixed_information = planner::fixed_information(robot.problem, teammates);
+    robot.plan = search_.plan(robot.problem, reduction(), Deadline::never());
+    planner::SearchProblem blind = robot.problem;
+    blind.sensors.clear();
+    return 0.5 * (planner::score(blind, robot.plan.poses) - robot.plan.cost);
+  }
+
+  void plan() {
+    for (Robot& robot : robots_) {
+      set_up(robot);
+    }
+    planner::plan_round_resiliently(
+        static_cast<int>(robots_.size()), is_resilient_ ? setting_.attacks : 0,
+        [&](int robot, const std::vector<int>& beside) { return plan_robot(robot, beside); });
+  }
+
+  void attack() {
+    attacked_.assign(robots_.size(), 0);
+    if (setting_.jammed_robot >= 0) {
+      attacked_[index(setting_.jammed_robot)] = 1;
+      return;
+    }
+    planner::TeamProblem team;
+    team.targets = planned_targets();
+    team.horizon_steps = setting_.plan_steps;
+    team.step_s = setting_.step_s;
+    team.measure = planner::InformationMeasure::kLogDet;
+    planner::Choice everybody;
+    for (const Robot& robot : robots_) {
+      everybody.push_back(static_cast<planner::CandidateId>(team.candidates.size()));
+      team.candidates.push_back({planner::make_candidate(robot.problem, {}, robot.plan)});
+    }
+    const planner::TeamOracle oracle(team);
+    const planner::Attack attack =
+        planner::attack_by(setting_.attacker, oracle, everybody, setting_.attacks);
+    for (const int robot : attack.robots) {
+      attacked_[index(robot)] = 1;
+    }
+  }
+
+  // One step of its plan; false when there is none and it turns instead.
+  bool move(Robot& robot, int of_plan) const {
+    if (of_plan < robot.plan.moving_steps) {
+      robot.at.world_from_body = robot.plan.poses[index(of_plan)];
+      return true;
+    }
+    robot.at.world_from_body = models::step_unicycle(robot.at.world_from_body,
+                                                     {0.0, kTurnOnTheSpot_radps}, setting_.step_s);
+    return false;
+  }
+
+  void look(WatchRun& run) {
+    std::vector<char> seen(beliefs_.size(), 0);
+    double entropy_nats = 0.0;
+    const models::TargetModel& model = setting_.landmark_model;
+    const models::StateMatrix A = model.transition(setting_.step_s);
+    for (std::size_t m = 0; m < beliefs_.size(); ++m) {
+      beliefs_[m] =
+          models::predict(beliefs_[m], A, model.process_noise(setting_.step_s, steps_unseen_[m]));
+      ++steps_unseen_[m];
+      const models::PositionVector& landmark_m = setting_.landmarks_m[m];
+      models::PositionMatrix M = models::PositionMatrix::Zero(landmark_m.size(), landmark_m.size());
+      for (std::size_t i = 0; i < robots_.size(); ++i) {
+        if (attacked_[i] == 0 && models::in_view(setting_.sensor, robots_[i].at, landmark_m)) {
+          M += models::information(setting_.sensor, robots_[i].at, landmark_m);
+          seen[m] = 1;
+        }
+      }
+      if (seen[m] != 0) {
+        beliefs_[m].covariance = models::update_covariance(beliefs_[m].covariance, M);
+        steps_unseen_[m] = 0;
+      }
+      entropy_nats += models::entropy_nats(beliefs_[m]);
+    }
+    run.entropy_nats.push_back(entropy_nats / static_cast<double>(beliefs_.size()));
+    run.seen.push_back(std::move(seen));
+  }
+
+  void note_poses(WatchRun& run) const {
+    std::vector<Pose2>& poses = run.poses.emplace_back();
+    for (const Robot& robot : robots_) {
+      poses.push_back(robot.at.world_from_body);
+    }
+  }
+
+  const WatchSetting& setting_;
+  bool is_resilient_;
+  planner::ReducedValueIteration search_;
+  std::vector<models::Gaussian> beliefs_;
+  std::vector<int> steps_unseen_;  ///< of each landmark
+  std::vector<Robot> robots_;
+  std::vector<char> attacked_;
+};
+
+}  // namespace
+
+models::World world_at(const WatchSetting& setting, double height_m) {
+  models::World world = setting.world;
+  std::erase_if(world.obstacles, [&](const models::Obstacle& obstacle) {
+    return obstacle.height_m <= height_m - setting.overfly_m;
+  });
+  return world;
+}
+
+WatchRun watch(const WatchSetting& setting, std::span<const models::Viewpoint> starts,
+               bool is_resilient) {
+  return LandmarkWatch(setting, starts, is_resilient).run();
+}
+
+Revisits revisits(const std::vector<std::vector<char>>& seen) {
+  const int steps = static_cast<int>(seen.size());
+  const std::size_t landmarks = seen.empty() ? 0 : seen.front().size();
+  Revisits result;
+  Mean intervals;
+  Mean with_ends;
+  Mean by_landmark;
+  Mean absences;
+  Mean ages;
+  for (std::size_t m = 0; m < landmarks; ++m) {
+    Mean of_landmark;
+    int last = 0;  // step of the last observation, counted from 1; 0: the start
+    const auto end_interval = [&](int step) {
+      of_landmark.add(step - last);
+      with_ends.add(step - last);
+      result.longest = std::max(result.longest, step - last);
+    };
+    for (int step = 1; step <= steps; ++step) {
+      if (seen[index(step - 1)][m] != 0) {
+        end_interval(step);
+        if (last > 0) {
+          intervals.add(step - last);
+        }
+        if (last > 0 && step - last > 1) {
+          absences.add(step - last);
+        }
+        last = step;
+      }
+      ages.add(step - last);
+    }
+    result.never_seen += last == 0 ? 1 : 0;
+    if (last < steps) {
+      end_interval(steps);
+    }
+    by_landmark.add(of_landmark.value());
+  }
+  result.interval = intervals.value();
+  result.interval_with_ends = with_ends.value();
+  result.interval_by_landmark = by_landmark.value();
+  result.age = ages.value();
+  result.absence = absences.value();
+  return result;
+}
+
+}  // namespace vantage::experiments

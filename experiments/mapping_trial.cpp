@@ -1,0 +1,189 @@
+#include "experiments/mapping_trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/check.hpp"
+#include "models/mapping/beam_scan.hpp"
+#include "planner/problem/motion_table.hpp"
+#include "sim/random.hpp"
+
+namespace vantage::experiments {
+namespace {
+
+using models::OccupancyBelief;
+using planner::MapRoute;
+
+constexpr double kStartSquare_m = 3.0;  // half the side of the square that a team starts in
+
+// A number in [low, high) that is the same with every standard library.
+double uniform(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
+}
+
+std::vector<Pose2> draw_starts(const MappingSetup& setup, std::mt19937_64& random) {
+  const models::Rectangle& bounds = setup.world.bounds;
+  const double clear_m = setup.drive.radius_m + 0.3;
+  const auto draw = [&](const Eigen::Vector2d& low_m, const Eigen::Vector2d& high_m) {
+    return Pose2{uniform(random, low_m.x(), high_m.x()), uniform(random, low_m.y(), high_m.y()),
+                 uniform(random, -kPi, kPi)};
+  };
+  std::vector<Pose2> starts;
+  for (int tries = 0; static_cast<int>(starts.size()) < setup.robots; ++tries) {
+    require(tries < 100'000, "the world has no room for the team to start in");
+    const bool is_first = starts.empty();
+    const Eigen::Vector2d side_m = Eigen::Vector2d::Constant(kStartSquare_m);
+    const Pose2 start =
+        is_first ? draw(bounds.min_m, bounds.max_m)
+                 : draw(starts[0].position_m() - side_m, starts[0].position_m() + side_m);
+    const bool is_apart = std::none_of(starts.begin(), starts.end(), [&](const Pose2& other) {
+      return (other.position_m() - start.position_m()).norm() < 2.0 * clear_m;
+    });
+    if (is_apart && models::clearance_m(setup.world, start.position_m()) > clear_m) {
+      starts.push_back(start);
+    }
+    if (tries % 1'000 == 999) {
+      starts.clear();  // a place that is too narrow for all
+    }
+  }
+  return starts;
+}
+
+class MappingTrial {
+ public:
+  MappingTrial(const MappingSetup& setup, std::uint64_t seed)
+      : setup_(setup),
+        ground_(setup, seed),
+        attacker_(sim::random_stream(seed, "mapping attack")) {}
+
+  MappingOutcome run() {
+    MappingOutcome outcome{{}, 0, 0, 0, 0.0, ground_.map(), ground_.map()};
+    look({}, outcome);
+    while (static_cast<int>(outcome.steps.size()) <= setup_.steps) {
+      models::BeamSensor planned = setup_.scanner;
+      planned.beams = setup_.planned_beams;
+      planner::ViewTable views(ground_.map(), planned, setup_.views);
+      const planner::DriveMap drive(ground_.map(), setup_.drive);
+      planner::MappingSearch search(views, drive, setup_.search);
+      const std::vector<MapRoute> routes = setup_.planner(search, ground_.poses(), setup_.attacks);
+      const std::vector<int> attacked =
+          attacked_robots(setup_.attack, setup_.attacks, routes, search, attacker_);
+      for (const MapRoute& route : routes) {
+        outcome.nodes += route.nodes;
+      }
+      outcome.beam_cells += views.beam_cells();
+      follow(routes, attacked, outcome);
+    }
+    outcome.map = ground_.map();
+    outcome.wrong_share = wrong_share();
+    return outcome;
+  }
+
+ private:
+  void follow(const std::vector<MapRoute>& routes, const std::vector<int>& attacked,
+              MappingOutcome& outcome) {
+    const std::size_t robots = ground_.poses().size();
+    std::vector<bool> stopped(robots, false);
+    const std::size_t horizon = static_cast<std::size_t>(setup_.search.horizon_steps);
+    for (std::size_t t = 0; t < horizon && static_cast<int>(outcome.steps.size()) <= setup_.steps;
+         ++t) {
+      for (std::size_t robot = 0; robot < robots; ++robot) {
+        const std::vector<int>& controls = routes[robot].controls;
+        if (stopped[robot] || t >= controls.size()) {
+          continue;
+        }
+        const models::UnicycleControl& control =
+            setup_.search.controls[static_cast<std::size_t>(controls[t])];
+        if (!ground_.drive(robot, control)) {
+          stopped[robot] = true;
+          ++outcome.stopped;
+        }
+      }
+      look(attacked, outcome);
+    }
+  }
+
+  void look(const std::vector<int>& attacked, MappingOutcome& outcome) {
+    ground_.look(attacked);
+    outcome.steps.push_back({ground_.map().entropy_nats(), ground_.poses(), attacked});
+    if (static_cast<int>(outcome.steps.size()) == setup_.steps / 2 + 1) {
+      outcome.halfway = ground_.map();
+    }
+  }
+
+  [[nodiscard]] double wrong_share() const {
+    const OccupancyBelief& map = ground_.map();
+    int wrong = 0;
+    int known = 0;
+    for (int cell = 0; cell < map.geometry().size(); ++cell) {
+      const double o = map.occupancy(cell);
+      if (o > 0.1 && o < 0.9) {
+        continue;
+      }
+      ++known;
+      // A cell that an obstacle's edge runs through may be called either.
+      const double clearance_m = models::clearance_m(setup_.world, map.geometry().centre_m(cell));
+      const double edge_m = 0.71 * map.geometry().resolution_m;
+      wrong += (o < 0.5 && clearance_m < -edge_m) || (o > 0.5 && clearance_m > edge_m) ? 1 : 0;
+    }
+    return known == 0 ? 0.0 : static_cast<double>(wrong) / known;
+  }
+
+  const MappingSetup& setup_;
+  MappedWorld ground_;
+  std::mt19937_64 attacker_;
+};
+
+}  // namespace
+
+MappedWorld::MappedWorld(const MappingSetup& setup, std::uint64_t seed)
+    : setup_(setup),
+      noise_(sim::random_stream(seed, "mapping scan")),
+      fusion_(setup.scanner, setup.inverse),
+      map_(models::GridGeometry::covering(setup.world.bounds, setup.resolution_m),
+           setup.clamp_log_odds) {
+  std::mt19937_64 starts = sim::random_stream(seed, "mapping start");
+  poses_ = draw_starts(setup, starts);
+}
+
+// A robot that came no nearer to what stopped it might never see it, and try the same for ever.
+bool MappedWorld::drive(std::size_t robot, const models::UnicycleControl& control) {
+  constexpr int kParts = 16;
+  Pose2& pose = poses_[robot];
+  const double step_s = setup_.search.step_s;
+  int parts = kParts;
+  while (parts > 0 && !planner::arc_is_clear(setup_.world, pose, control, step_s * parts / kParts,
+                                             setup_.drive.radius_m)) {
+    --parts;
+  }
+  const bool is_clear = parts == kParts;
+  const int driven = is_clear ? kParts : std::max(0, parts - 1);
+  pose = models::step_unicycle(pose, control, step_s * driven / kParts);
+  return is_clear;
+}
+
+// All scan, so that one's attack shifts no other's noise.
+void MappedWorld::look(std::span<const int> attacked) {
+  for (std::size_t robot = 0; robot < poses_.size(); ++robot) {
+    const std::vector<double> ranges_m =
+        models::beam_scan(setup_.world, setup_.scanner, poses_[robot], noise_);
+    if (!std::binary_search(attacked.begin(), attacked.end(), static_cast<int>(robot))) {
+      fusion_.fuse(poses_[robot], ranges_m, map_);
+    }
+  }
+}
+
+std::vector<MapRoute> plan_by_coordinate_descent(planner::MappingSearch& search,
+                                                 std::span<const Pose2> starts, int /*attacks*/) {
+  std::vector<int> order(starts.size());
+  std::iota(order.begin(), order.end(), 0);
+  return search.coordinate_descent(starts, order);
+}
+
+MappingOutcome run_mapping_trial(const MappingSetup& setup, std::uint64_t seed) {
+  require(setup.robots >= 1 && setup.steps >= 1, "a mapping trial must have robots and steps");
+  return MappingTrial(setup, seed).run();
+}
+
+}  // namespace vantage::experiments

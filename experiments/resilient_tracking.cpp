@@ -1,0 +1,196 @@
+#include "experiments/resilient_tracking.hpp"
+
+#include <cmath>
+#include <random>
+
+#include "models/motion/unicycle.hpp"
+#include "models/world/grid.hpp"
+#include "planner/decision/resilient.hpp"
+#include "planner/problem/fixed_information.hpp"
+#include "planner/search/beam.hpp"
+
+namespace vantage::experiments {
+namespace {
+
+constexpr double kSide_m = 64.0;
+constexpr double kStep_s = 0.5;
+constexpr double kFieldResolution_m = 0.5;
+// Of a beam's width: with less, plans of 25 steps stay with the target they begin at.
+constexpr double kBreadth = 0.6;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+models::SensorModel tracking_sensor() {
+  models::SensorModel sensor;
+  sensor.kind = models::SensorKind::kRangeBearing;
+  sensor.range_max_m = 10.0;
+  sensor.fov_rad = radians(94.0);
+  sensor.range_sigma_m = 0.15;
+  sensor.bearing_sigma_rad = radians(5.0);
+  sensor.variance_grows_with_range = true;
+  return sensor;
+}
+
+models::World square_world() {
+  models::World world;
+  world.bounds = {{0.0, 0.0}, {kSide_m, kSide_m}};
+  return world;
+}
+
+TargetSetting target_setting(const TrackingSetting& setting) {
+  TargetSetting of_targets;
+  of_targets.count = setting.targets;
+  of_targets.start_side_m = setting.start_side_m;
+  of_targets.step_s = kStep_s;
+  of_targets.prior_position_sigma_m = setting.prior_position_sigma_m;
+  of_targets.prior_velocity_sigma_mps = setting.prior_velocity_sigma_mps;
+  of_targets.detection_probability = setting.detection_probability;
+  return of_targets;
+}
+
+class TrackingTask {
+ public:
+  TrackingTask(const TrackingSetting& setting, bool is_resilient, std::uint64_t seed)
+      : setting_(setting),
+        is_resilient_(is_resilient),
+        world_(square_world()),
+        field_(world_, kFieldResolution_m),
+        targets_(target_setting(setting), world_, 2 * seed),
+        search_(capacity(setting)) {
+    std::mt19937_64 rng(2 * seed + 1);
+    std::uniform_real_distribution<double> off_m(-0.5 * setting.start_side_m,
+                                                 0.5 * setting.start_side_m);
+    std::uniform_real_distribution<double> heading(-kPi, kPi);
+    for (int i = 0; i < setting.robots; ++i) {
+      const double x_m = 0.5 * kSide_m + off_m(rng);
+      const double y_m = 0.5 * kSide_m + off_m(rng);
+      poses_.push_back({x_m, y_m, heading(rng)});
+    }
+    problems_.resize(poses_.size());
+    plans_.resize(poses_.size());
+    attacked_.assign(poses_.size(), 0);
+  }
+
+  TrackingRun run() {
+    TrackingRun run;
+    for (int step = 0; step < setting_.task_steps; ++step) {
+      if (step % setting_.plan_steps == 0) {
+        plan();
+      }
+      for (std::size_t i = 0; i < poses_.size(); ++i) {
+        poses_[i] = plans_[i].poses[index(step % setting_.plan_steps)];
+      }
+      targets_.move();
+      targets_.look(tracking_sensor(), poses_, attacked_);
+      note(run);
+    }
+    return run;
+  }
+
+ private:
+  static planner::SearchCapacity capacity(const TrackingSetting& setting) {
+    return {index(static_cast<int>(setting.nodes_per_plan)) + 4'096, 4'000'000, setting.targets,
+            setting.plan_steps, 0};
+  }
+
+  [[nodiscard]] models::SensorModel planned_sensor() const {
+    models::SensorModel sensor = tracking_sensor();
+    sensor.range_min_m = setting_.plan_range_min_m;
+    return sensor;
+  }
+
+  void set_up_problems() {
+    for (std::size_t i = 0; i < problems_.size(); ++i) {
+      planner::SearchProblem& problem = problems_[i];
+      problem.start = poses_[i];
+      problem.controls = models::standard_primitives();
+      problem.horizon_steps = setting_.plan_steps;
+      problem.step_s = kStep_s;
+      problem.sensors = {planned_sensor()};
+      problem.world = &world_;
+      problem.field = &field_;
+      problem.targets.clear();
+      for (const models::Gaussian& belief : targets_.beliefs()) {
+        problem.targets.push_back({targets_.model(), belief});
+      }
+      problem.fixed_information.clear();
+    }
+  }
+
+  double plan_robot(int robot, const std::vector<int>& beside) {
+    planner::SearchProblem& problem = problems_[index(robot)];
+    std::vector<planner::FixedTeammate> teammates;
+    for (const int other : beside) {
+      teammates.push_back({planner::to_trajectory(problems_[index(other)], plans_[index(other)]),
+                           planned_sensor(), false});
+    }
+    problem.fixed_information = planner::fixed_information(problem, teammates);
+    planner::BeamOptions options;
+    options.breadth = kBreadth;
+    plans_[index(robot)] = search_.plan(problem, options, Deadline::nodes(setting_.nodes_per_plan));
+    planner::SearchProblem blind = problem;
+    blind.sensors.clear();
+    const planner::SearchResult& plan = plans_[index(robot)];
+    return 0.5 * (planner::score(blind, plan.poses) - plan.cost);
+  }
+
+  void plan() {
+    set_up_problems();
+    planner::plan_round_resiliently(
+        setting_.robots, is_resilient_ ? setting_.attacks : 0,
+        [&](int robot, const std::vector<int>& beside) { return plan_robot(robot, beside); });
+    planner::TeamProblem team;
+    team.targets = problems_.front().targets;
+    team.horizon_steps = setting_.plan_steps;
+    team.step_s = kStep_s;
+    team.measure = planner::InformationMeasure::kLogDet;
+    planner::Choice everybody;
+    for (std::size_t i = 0; i < plans_.size(); ++i) {
+      team.candidates.push_back({planner::make_candidate(problems_[i], {}, plans_[i])});
+      everybody.push_back(static_cast<planner::CandidateId>(i));
+    }
+    const planner::TeamOracle oracle(team);
+    attacked_.assign(plans_.size(), 0);
+    const planner::Attack attack =
+        planner::attack_by(setting_.attacker, oracle, everybody, setting_.attacks);
+    for (const int robot : attack.robots) {
+      attacked_[index(robot)] = 1;
+    }
+  }
+
+  void note(TrackingRun& run) const {
+    const std::vector<TargetStep> steps = targets_.steps();
+    const auto count = static_cast<double>(steps.size());
+    double squared_m2 = 0.0;
+    for (const TargetStep& step : steps) {
+      squared_m2 += step.error_m * step.error_m;
+    }
+    double entropy_nats = 0.0;
+    for (const models::Gaussian& belief : targets_.beliefs()) {
+      entropy_nats += models::entropy_nats(belief);
+    }
+    run.rmse_m.push_back(std::sqrt(squared_m2 / count));
+    run.entropy_nats.push_back(entropy_nats / count);
+    run.targets.push_back(steps);
+  }
+
+  TrackingSetting setting_;
+  bool is_resilient_;
+  models::World world_;
+  models::DistanceField field_;
+  TrackedTargets targets_;
+  planner::RefiningBeam search_;
+  std::vector<Pose2> poses_;
+  std::vector<planner::SearchProblem> problems_;
+  std::vector<planner::SearchResult> plans_;
+  std::vector<char> attacked_;
+};
+
+}  // namespace
+
+TrackingRun track_under_attack(const TrackingSetting& setting, bool is_resilient,
+                               std::uint64_t seed) {
+  return TrackingTask(setting, is_resilient, seed).run();
+}
+
+}  // namespace vantage::experiments

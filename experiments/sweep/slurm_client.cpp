@@ -1,0 +1,92 @@
+#include "experiments/sweep/slurm_client.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "core/check.hpp"
+#include "core/child.hpp"
+#include "experiments/sweep/slurm_job.hpp"
+
+namespace vantage::experiments {
+namespace {
+
+std::string trimmed(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) {
+    text.pop_back();
+  }
+  return text;
+}
+
+std::vector<std::string> joined(std::vector<std::string> words,
+                                const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+template <class Rule>
+auto count_of(const SlurmQueue& queue, const Rule& rule) {
+  return std::count_if(queue.tasks.begin(), queue.tasks.end(),
+                       [&](const auto& task) { return rule(task.second); });
+}
+
+}  // namespace
+
+std::string SlurmJobs::are() const {
+  return collector.empty() ? fmt::format("job {} is", array)
+                           : fmt::format("jobs {} and {} are", array, collector);
+}
+
+bool SlurmQueue::is_array_live() const { return count_of(*this, is_live) > 0; }
+
+bool SlurmQueue::is_collector_live() const { return !collector.empty() && is_live(collector); }
+
+std::string SlurmQueue::describe() const {
+  const auto running = count_of(*this, [](const std::string& state) { return state == "RUNNING"; });
+  return fmt::format("tasks: {} running, {} waiting", running, count_of(*this, is_live) - running);
+}
+
+std::string submit_job(const std::vector<std::string>& options, const std::string& script) {
+  const Result<tools::Answer> answer =
+      ask(joined(joined({"sbatch", "--parsable"}, options), {script}));
+  if (!answer.ok()) {
+    throw StartupError(answer.error().message +
+                       "; --slurm is for a machine from which jobs are submitted to a cluster");
+  }
+  const std::string job = job_of(answer.value().text);
+  if (!answer.value().exit.is_success() || job.empty()) {
+    throw StartupError("Slurm did not take the job: " + trimmed(answer.value().text));
+  }
+  return job;
+}
+
+Result<SlurmQueue> ask_queue(const SlurmJobs& jobs) {
+  const Result<tools::Answer> answer =
+      ask({"squeue", "--noheader", "--array", "--states=all", "--format=%i|%T",
+           "--jobs=" + jobs.array + (jobs.collector.empty() ? "" : "," + jobs.collector)});
+  if (!answer.ok()) {
+    return answer.error();
+  }
+  const std::string& text = answer.value().text;
+  const bool is_forgotten = text.find("Invalid job id") != std::string::npos;
+  if (!answer.value().exit.is_success() && !is_forgotten) {
+    return Error{trimmed(text)};
+  }
+  SlurmQueue queue;
+  for (const auto& [job, state] : states_of(text)) {
+    const std::size_t underscore = job.find('_');
+    if (job == jobs.collector) {
+      queue.collector = state;
+    } else if (underscore != std::string::npos && job.substr(0, underscore) == jobs.array) {
+      queue.tasks[std::atoi(job.c_str() + underscore + 1)] = state;
+    }
+  }
+  return queue;
+}
+
+void cancel_jobs(const std::vector<std::string>& arguments) {
+  static_cast<void>(ask(joined({"scancel", "--quiet"}, arguments)));
+}
+
+}  // namespace vantage::experiments

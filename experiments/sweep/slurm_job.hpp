@@ -1,0 +1,40 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "experiments/sweep/sweep.hpp"
+
+// A sweep as Slurm jobs, as far as text goes: an array of its shards and one that collects them.
+
+namespace vantage::experiments {
+
+/// What both jobs run.
+struct SlurmScripts {
+  std::string shards;   ///< of each task of the array: the shard of its number
+  std::string collect;  ///< the same command without a shard
+};
+/// `command` is the program with its arguments but for --shard; nothing in it is expanded.
+SlurmScripts slurm_scripts(const std::vector<std::string>& command, int shards);
+
+/// The numbers of the shards, of `of`, that have a unit which is not in `done`.
+std::vector<int> shards_lacking(const SweepPlan& plan, int of,
+                                const std::map<Unit, UnitRows>& done);
+
+/// "1-3,7" of ascending numbers, as sbatch --array has it.
+std::string array_text(const std::vector<int>& numbers);
+
+/// The number of the job in what `sbatch --parsable` said, warnings included; "" when there is
+/// none.
+std::string job_of(const std::string& answer);
+
+/// States as squeue names them, by job: of tasks "12_3", of a job that is no array "13". Words are
+/// those of `squeue --noheader --array --format=%i|%T`.
+std::map<std::string, std::string> states_of(const std::string& answer);
+/// Whether a job in that state may still write.
+bool is_live(const std::string& state);
+/// Whether it ended otherwise than by its own success.
+bool is_failure(const std::string& state);
+
+}  // namespace vantage::experiments

@@ -1,0 +1,248 @@
+#include "experiments/sweep/slurm_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/check.hpp"
+#include "core/write_file.hpp"
+#include "experiments/sweep/row_files.hpp"
+#include "experiments/sweep/slurm_client.hpp"
+#include "experiments/sweep/slurm_job.hpp"
+
+namespace vantage::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+std::string last_line_of(const fs::path& path) {
+  std::ifstream file(path);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    last = line.empty() ? last : line;
+  }
+  return last;
+}
+
+class SlurmRun {
+ public:
+  SlurmRun(const Sweep& sweep, const SweepIdentity& identity, const std::string& what,
+           const SweepOptions& options, const SlurmOptions& slurm)
+      : sweep_(sweep),
+        identity_(identity),
+        what_(what),
+        options_(options),
+        slurm_(slurm),
+        folder_(fs::absolute(options.directory) / "slurm") {}
+
+  SlurmEnd run() {
+    claim_directory(options_.directory, identity_, sweep_.plan);
+    read_submitted();
+    if (!submitted_.array.empty() && is_in_queue()) {
+      slurm_.tell(fmt::format("{} in the queue: nothing is submitted", submitted_.are()));
+    } else {
+      const auto done = read_rows(options_.directory, sweep_.plan, identity_).done;
+      const std::vector<int> lacking = shards_lacking(sweep_.plan, slurm_.shards, done);
+      if (lacking.empty()) {
+        return collect();
+      }
+      submit(lacking);
+    }
+    return slurm_.is_waiting ? wait() : left_alone();
+  }
+
+ private:
+  SlurmEnd collect() const {
+    for (const std::string& line : run_sweep(sweep_, identity_, what_, options_).lines) {
+      slurm_.tell(line);
+    }
+    return SlurmEnd::kCollected;
+  }
+
+  void read_submitted() {
+    std::ifstream file(folder_ / "submitted.json");
+    const auto json = nlohmann::json::parse(file, nullptr, false);
+    if (json.is_object()) {
+      submitted_ = {json.value("array", ""), json.value("collector", ""), json.value("shards", 0)};
+    }
+  }
+
+  void keep_submitted() const {
+    write_file(folder_ / "submitted.json", nlohmann::json{{"array", submitted_.array},
+                                                          {"collector", submitted_.collector},
+                                                          {"shards", submitted_.shards}}
+                                                   .dump() +
+                                               "\n");
+  }
+
+  [[nodiscard]] fs::path log_of(int shard) const {
+    return folder_ / fmt::format("shard_{}.log", shard);
+  }
+
+  [[nodiscard]] bool is_in_queue() const {
+    const Result<SlurmQueue> now = ask_queue(submitted_);
+    if (!now.ok()) {
+      throw StartupError(fmt::format(
+          "{} perhaps in the queue, and Slurm cannot be asked: {}; nothing is submitted",
+          submitted_.are(), now.error().message));
+    }
+    return now.value().is_array_live() || now.value().is_collector_live();
+  }
+
+  // The number that the job got.
+  [[nodiscard]] std::string sbatch(std::vector<std::string> options, const char* script) const {
+    options.push_back("--chdir=" + folder_.string());
+    options.push_back("--job-name=vantage-" + identity_.experiment);
+    options.insert(options.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
+    return submit_job(options, (folder_ / script).string());
+  }
+
+  void submit(const std::vector<int>& lacking) {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    const SlurmScripts scripts = slurm_scripts(slurm_.command, slurm_.shards);
+    write_file(folder_ / "shards.sh", scripts.shards);
+    write_file(folder_ / "collect.sh", scripts.collect);
+    for (const int shard : lacking) {
+      fs::remove(log_of(shard),
+                 error);  // of an earlier job, that its words are not taken for these
+    }
+    submitted_ = {"", "", slurm_.shards};
+    submitted_.array = sbatch({"--array=" + array_text(lacking), "--output=shard_%a.log",
+                               fmt::format("--cpus-per-task={}", slurm_.cores_per_task)},
+                              "shards.sh");
+    keep_submitted();
+    try {
+      submitted_.collector = sbatch({"--dependency=afterok:" + submitted_.array,
+                                     "--kill-on-invalid-dep=yes", "--output=collect.log"},
+                                    "collect.sh");
+    } catch (const StartupError& refusal) {
+      cancel_jobs({submitted_.array});
+      throw StartupError(
+          fmt::format("{} (that collects; job {} is cancelled)", refusal.what(), submitted_.array));
+    }
+    keep_submitted();
+    slurm_.tell(
+        fmt::format("submitted: job {} of shards {} of {}, job {} that collects them; logs in {}",
+                    submitted_.array, array_text(lacking), slurm_.shards, submitted_.collector,
+                    folder_.string()));
+  }
+
+  SlurmEnd left_alone() const {
+    slurm_.tell(
+        fmt::format("{} left to run; results will be in {}. The same command waits for "
+                    "them. To cancel: scancel {} {}",
+                    submitted_.are(), options_.directory, submitted_.array, submitted_.collector));
+    return SlurmEnd::kSubmitted;
+  }
+
+  // Up to `time`; false when told to stop.
+  [[nodiscard]] bool pause(std::chrono::milliseconds time) const {
+    const auto until = Clock::now() + time;
+    while (Clock::now() < until) {
+      if (options_.stop && options_.stop()) {
+        return false;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return true;
+  }
+
+  SweepProgress progress_now() {
+    SweepProgress progress;
+    progress.units = units_of(sweep_.plan, {}).size();
+    progress.done = read_rows(options_.directory, sweep_.plan, identity_).done.size();
+    done_before_ = done_before_.value_or(progress.done);
+    progress.done_before = *done_before_;
+    progress.elapsed_s = std::chrono::duration<double>(Clock::now() - start_).count();
+    return progress;
+  }
+
+  // Often at first, for jobs that are short, then gently for whoever runs the cluster.
+  [[nodiscard]] std::chrono::milliseconds poll_period() const {
+    using std::chrono::milliseconds;
+    return std::clamp(std::chrono::duration_cast<milliseconds>(Clock::now() - start_) / 10,
+                      milliseconds(1'000), milliseconds(20'000));
+  }
+
+  SlurmEnd wait() {
+    // What a node wrote may be seen here a while later, on a file system of a network.
+    constexpr std::chrono::seconds kSeenWithin{60};
+    std::optional<Clock::time_point> ended;
+    std::map<int, std::string> last;  // the last known state of each task
+    while (true) {
+      const Result<SlurmQueue> now = ask_queue(submitted_);
+      const SweepProgress progress = progress_now();
+      if (slurm_.progress) {
+        slurm_.progress(progress, now.ok() ? now.value().describe() : now.error().message);
+      }
+      if (now.ok()) {
+        for (const auto& [shard, state] : now.value().tasks) {
+          last[shard] = state;
+        }
+      }
+      if (now.ok() && !now.value().is_array_live()) {
+        ended = ended.value_or(Clock::now());
+        if (progress.done < progress.units) {
+          // The collecting job is cancelled when a task fails, or is cancelled before it begins.
+          const bool has_failed = is_failure(now.value().collector) ||
+                                  std::any_of(last.begin(), last.end(), [](const auto& task) {
+                                    return is_failure(task.second);
+                                  });
+          if (has_failed || Clock::now() - *ended > kSeenWithin) {
+            cancel_jobs({submitted_.collector});
+            return tell_lacking(last);
+          }
+        } else if (now.value().is_collector_live()) {
+          cancel_jobs({"--state=PENDING", submitted_.collector});
+        } else {
+          return collect();
+        }
+      }
+      if (!pause(ended ? std::chrono::milliseconds(500) : poll_period())) {
+        return left_alone();
+      }
+    }
+  }
+
+  SlurmEnd tell_lacking(const std::map<int, std::string>& last) const {
+    const auto done = read_rows(options_.directory, sweep_.plan, identity_).done;
+    for (const int shard : shards_lacking(sweep_.plan, submitted_.shards, done)) {
+      const auto state = last.find(shard);
+      const fs::path log = log_of(shard);
+      slurm_.tell(fmt::format(
+          "shard {} lacks units: {}; {}", shard,
+          state == last.end() ? "not in the queue any more" : state->second,
+          fs::exists(log) ? log.string() + " ends: " + last_line_of(log) : "it did not begin"));
+    }
+    slurm_.tell("the same command submits what lacks");
+    return SlurmEnd::kLacking;
+  }
+
+  const Sweep& sweep_;
+  const SweepIdentity& identity_;
+  const std::string& what_;
+  const SweepOptions& options_;
+  const SlurmOptions& slurm_;
+  fs::path folder_;
+  SlurmJobs submitted_;
+  Clock::time_point start_ = Clock::now();
+  std::optional<std::size_t> done_before_;
+};
+
+}  // namespace
+
+SlurmEnd run_on_slurm(const Sweep& sweep, const SweepIdentity& identity, const std::string& what,
+                      const SweepOptions& options, const SlurmOptions& slurm) {
+  return SlurmRun(sweep, identity, what, options, slurm).run();
+}
+
+}  // namespace vantage::experiments

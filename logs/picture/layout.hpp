@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "logs/look/look.hpp"
+#include "models/world/world.hpp"
+
+namespace vantage::logs {
+
+/// Where things are on the page, and the map from the world to it.
+struct Layout {
+  static constexpr double kMargin_px = 56.0;
+  static constexpr double kHeader_px = 92.0;
+  static constexpr double kPanel_px = 372.0;
+
+  /// The page is as tall as the taller of the map and the panel beside it.
+  Layout(const models::Rectangle& bounds, double panel_height_px);
+
+  [[nodiscard]] Eigen::Vector2d page_from_world(const Eigen::Vector2d& p_m) const {
+    return {map_corner_px.x() + (p_m.x() - world_min_m.x()) * px_per_m,
+            map_corner_px.y() + map_size_px.y() - (p_m.y() - world_min_m.y()) * px_per_m};
+  }
+
+  Eigen::Vector2d world_min_m;
+  double px_per_m = 1.0;
+  Eigen::Vector2d map_corner_px;
+  Eigen::Vector2d map_size_px;
+  Eigen::Vector2d page_size_px;
+  Eigen::Vector2d panel_corner_px;
+};
+
+/// Pictures are on white: the table's colours for a light ground.
+inline std::string_view role_colour(const char* role) { return logs::look().roles.at(role).light; }
+inline std::string_view robot_colour(std::size_t index) {
+  return logs::robot_look(index).body_paint().light;
+}
+inline std::string_view robot_core_colour(std::size_t index) {
+  return logs::robot_look(index).core_paint().light;
+}
+
+}  // namespace vantage::logs

@@ -1,0 +1,70 @@
+#include "logs/picture/scene.hpp"
+
+#include <algorithm>
+
+namespace vantage::logs {
+namespace {
+
+constexpr double kThinning_s = 0.1;
+constexpr double kThinning_m = 0.02;
+
+void extend(std::vector<TrackPoint>& track, Time time, const Eigen::Vector2d& position_m) {
+  const bool keep = track.empty() || (to_seconds(time - track.back().time) >= kThinning_s &&
+                                      (position_m - track.back().position_m).norm() >= kThinning_m);
+  if (keep) {
+    track.push_back({time, position_m});
+  }
+}
+
+}  // namespace
+
+SceneRecorder::SceneRecorder(const scenario::Scenario& scenario) {
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    scene_.robots[robot.name];
+  }
+  for (const scenario::TargetSpec& target : scenario.targets) {
+    scene_.targets[target.id];
+  }
+}
+
+void SceneRecorder::on_truth(const models::TruthFrame& frame) {
+  scene_.time = std::max(scene_.time, frame.stamp.time);
+  for (const models::TruthBody& body : frame.bodies) {
+    const Pose2 pose = flatten(body.world_from_body);
+    if (body.target_id >= 0) {
+      extend(scene_.targets[body.target_id].track, frame.stamp.time, pose.position_m());
+    } else {
+      RobotScene& robot = scene_.robots[body.name];
+      extend(robot.track, frame.stamp.time, pose.position_m());
+      robot.world_from_body = pose;
+    }
+  }
+}
+
+void SceneRecorder::on_belief(const models::RobotBelief& belief) {
+  scene_.time = std::max(scene_.time, belief.stamp.time);
+  if (!(scene_.grid == belief.grid)) {
+    scene_.grid = belief.grid;
+    scene_.last_seen_utime = belief.last_seen_utime;
+    return;
+  }
+  for (std::size_t i = 0; i < scene_.last_seen_utime.size(); ++i) {
+    scene_.last_seen_utime[i] = std::max(scene_.last_seen_utime[i], belief.last_seen_utime[i]);
+  }
+}
+
+void SceneRecorder::on_map(const models::RobotMap& map) {
+  scene_.time = std::max(scene_.time, map.stamp.time);
+  scene_.map_entropies_nats[map.robot] = map.entropy_nats;
+  scene_.map = map;
+}
+
+void SceneRecorder::on_attack(const models::AttackNotice& attack) {
+  scene_.jammed = {attack.jammed.begin(), attack.jammed.end()};
+}
+
+void SceneRecorder::on_plan(const models::RobotPlan& plan) {
+  scene_.robots[plan.robot].plan = plan;
+}
+
+}  // namespace vantage::logs

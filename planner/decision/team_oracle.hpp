@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planner/decision/candidate.hpp"
+#include "planner/decision/target_courses.hpp"
+
+namespace vantage::planner {
+
+/// Index of a candidate among all of the team's, robot after robot.
+using CandidateId = std::int32_t;
+inline constexpr CandidateId kNoCandidate = -1;
+
+/// S: the candidate of each robot, or kNoCandidate. At most one a robot (a partition matroid).
+using Choice = std::vector<CandidateId>;
+
+/// Choose at most one candidate for each robot such that J(S) = I(S) − C(S) is largest.
+/// Source: dissertation Problem 4 (eq. 3.13).
+struct TeamProblem {
+  std::vector<SearchTarget> targets;  ///< in the order that the looks count them
+  int horizon_steps = 10;
+  double step_s = 0.5;
+  InformationMeasure measure = InformationMeasure::kMutual;
+  std::vector<std::vector<Candidate>> candidates;  ///< [robot]
+};
+
+/// What does not depend on S: candidates by number, the targets' motion, the value of each
+/// candidate alone. Sets are valued by TeamSet.
+class TeamOracle {
+ public:
+  /// Values each candidate alone that does not bring what it gains (Candidate::mutual_nats): one
+  /// oracle call for each. `problem` must outlive this.
+  /// @throws UsageError when a look is out of range or order, or a cost is negative
+  explicit TeamOracle(const TeamProblem& problem);
+
+  [[nodiscard]] int robot_count() const { return static_cast<int>(problem_->candidates.size()); }
+  /// N, of the whole team.
+  [[nodiscard]] CandidateId candidate_count() const { return begin_.back(); }
+  /// The candidates of a robot are begin(robot) … end(robot) − 1.
+  [[nodiscard]] CandidateId begin(int robot) const { return begin_[index(robot)]; }
+  [[nodiscard]] CandidateId end(int robot) const { return begin_[index(robot) + 1]; }
+  [[nodiscard]] int robot_of(CandidateId id) const { return robot_of_[index(id)]; }
+  [[nodiscard]] const Candidate& candidate(CandidateId id) const { return *candidates_[index(id)]; }
+
+  /// J({id}), nats; J(∅) = 0.
+  [[nodiscard]] double alone(CandidateId id) const { return alone_[index(id)]; }
+  /// The robot's candidates from the best alone to the worst, equals by number.
+  [[nodiscard]] std::span<const CandidateId> by_value(int robot) const;
+  /// O = Σ_i max_a r_i C_i(a), so that g = J + O ≥ 0 everywhere.
+  [[nodiscard]] double offset() const { return offset_; }
+  [[nodiscard]] bool is_submodular() const {
+    return problem_->measure == InformationMeasure::kMutual;
+  }
+  [[nodiscard]] const TeamProblem& problem() const { return *problem_; }
+  [[nodiscard]] int target_count() const { return courses_.beliefs().target_count(); }
+
+  [[nodiscard]] const TargetCourses& courses() const { return courses_; }
+  /// Oracle calls that valuing candidates alone took.
+  [[nodiscard]] std::int64_t calls() const { return calls_; }
+
+ private:
+  template <class Integer>
+  [[nodiscard]] static std::size_t index(Integer i) {
+    return static_cast<std::size_t>(i);
+  }
+  void check() const;
+
+  const TeamProblem* problem_;
+  TargetCourses courses_;
+  std::int64_t calls_ = 0;
+  std::vector<CandidateId> begin_;  ///< per robot, and the end
+  std::vector<int> robot_of_;
+  std::vector<const Candidate*> candidates_;
+  std::vector<double> alone_;
+  std::vector<CandidateId> by_value_;
+  double offset_ = 0.0;
+};
+
+}  // namespace vantage::planner

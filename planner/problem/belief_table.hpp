@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "planner/problem/block_kernels.hpp"
+#include "planner/problem/problem.hpp"
+
+namespace vantage::planner {
+
+/// What every node of a depth shares: where each target is expected, how uncertain it is if nobody
+/// of this search looks (teammates' fixed information included), and what that costs.
+///
+/// reset() is O(T·M); it allocates up to the sizes asked for at construction.
+class BeliefTable {
+ public:
+  BeliefTable(int targets_max, int horizon_max);
+
+  void reset(const SearchProblem& problem);
+
+  [[nodiscard]] int target_count() const { return static_cast<int>(layouts_.size()); }
+  [[nodiscard]] BlockLayout layout(int m) const { return layouts_[index(m)]; }
+  [[nodiscard]] int position_dim(int m) const { return layout(m) == BlockLayout::kSpatial ? 3 : 2; }
+
+  /// Predicted position of target m at depth t (z = 0 for planar targets), t = 0 … T.
+  [[nodiscard]] const Eigen::Vector3d& mean_m(int m, int t) const { return means_[at(m, t)]; }
+  /// Packed covariance of target m at depth t if no node ever measures it.
+  [[nodiscard]] const double* open_loop(int m, int t) const {
+    return &open_loop_[kMaxPacked * at(m, t)];
+  }
+  /// Determinant or trace of open_loop(m, t), whichever the cost needs.
+  [[nodiscard]] double open_loop_measure(int m, int t) const { return measures_[at(m, t)]; }
+  /// 1 / open_loop_measure(m, t).
+  [[nodiscard]] double open_loop_per_measure(int m, int t) const { return per_measures_[at(m, t)]; }
+  /// Stage cost of depth t if nothing is ever measured.
+  [[nodiscard]] double open_loop_cost(int t) const {
+    return stage_costs_[static_cast<std::size_t>(t)];
+  }
+
+  /// Prediction into depth t of a block at depth t − 1, teammates' information of t included.
+  void predict_into(int m, int t, const double* in, double* out) const;
+
+  [[nodiscard]] CostKind cost() const { return cost_; }
+  /// Whether teammates are sure to tell anything.
+  [[nodiscard]] bool has_fixed() const { return has_fixed_; }
+
+ private:
+  [[nodiscard]] static std::size_t index(int m) { return static_cast<std::size_t>(m); }
+  [[nodiscard]] std::size_t at(int m, int t) const { return index(t) * layouts_.size() + index(m); }
+
+  CostKind cost_ = CostKind::kLogDet;
+  bool has_fixed_ = false;
+  std::vector<BlockLayout> layouts_;
+  std::vector<StepNoise> noises_;
+  std::vector<Eigen::Vector3d> means_;
+  std::vector<double> open_loop_;
+  std::vector<double> measures_;
+  std::vector<double> per_measures_;
+  std::vector<double> stage_costs_;
+  std::vector<PackedInformation> fixed_;  ///< [t − 1][m]
+  std::vector<std::uint8_t> is_fixed_;    ///< whether fixed_ is not zero
+};
+
+/// Packs the upper triangle of a planar, spatial or moving covariance.
+void pack(BlockLayout layout, const models::StateMatrix& covariance, double* out);
+/// The full symmetric matrix of a packed block.
+models::StateMatrix unpack(BlockLayout layout, const double* packed);
+
+}  // namespace vantage::planner

@@ -1,0 +1,159 @@
+#include "planner/problem/problem.hpp"
+
+#include <cmath>
+
+#include "core/check.hpp"
+
+namespace vantage::planner {
+
+namespace {
+
+// require() makes a std::string of its rule even when the rule holds; a search may not allocate.
+void demand(bool holds, const char* rule) {
+  if (!holds) {
+    require(false, rule);
+  }
+}
+
+bool is_finite(const Pose2& pose) {
+  return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.yaw_rad);
+}
+
+bool is_positive(double x) { return x > 0.0 && std::isfinite(x); }
+bool is_not_negative(double x) { return x >= 0.0 && std::isfinite(x); }
+
+void require_valid(const models::SensorModel& sensor) {
+  demand(sensor.range_max_m > 0.0, "search: a sensor's range_max_m must be > 0");
+  demand(is_not_negative(sensor.range_min_m), "search: a sensor's range_min_m must be ≥ 0");
+  demand(is_positive(sensor.fov_rad), "search: a sensor's fov_rad must be > 0");
+  demand(is_positive(sensor.range_sigma_m) && is_positive(sensor.bearing_sigma_rad) &&
+             is_positive(sensor.position_sigma_m) && is_positive(sensor.pixel_sigma),
+         "search: a sensor's sigmas must be > 0");
+  demand(!sensor.variance_grows_with_range || is_positive(sensor.variance_floor),
+         "search: a sensor's variance_floor must be > 0");
+}
+
+void require_valid(const SearchTarget& target) {
+  const bool moves = target.model.kind == models::TargetKind::kDoubleIntegrator;
+  demand(target.model.position_dim == 2 || (target.model.position_dim == 3 && !moves),
+         "search: a target has 2 position coordinates, or 3 unless it is a double integrator");
+  demand(is_not_negative(target.model.q), "search: a target's q must be ≥ 0");
+  const models::StateMatrix& covariance = target.prior.covariance;
+  demand(target.prior.mean.size() == target.model.dim() &&
+             covariance.rows() == target.model.dim() && covariance.cols() == target.model.dim(),
+         "search: a prior's dimensions must be its target model's");
+  demand(target.prior.mean.allFinite(), "search: a prior mean must be finite");
+  demand(std::isfinite(models::log_det(covariance)),
+         "search: a prior covariance must be positive definite");
+  constexpr double kRounding = 1e-9;
+  demand((covariance - covariance.transpose()).cwiseAbs().maxCoeff() <=
+             kRounding * covariance.diagonal().maxCoeff(),
+         "search: a prior covariance must be symmetric");
+}
+
+void require_valid_information(const SearchProblem& problem) {
+  demand(problem.fixed_information.empty() ||
+             problem.fixed_information.size() == problem.targets.size(),
+         "search: fixed_information is for every target or for none");
+  for (std::size_t m = 0; m < problem.fixed_information.size(); ++m) {
+    demand(problem.fixed_information[m].size() >= static_cast<std::size_t>(problem.horizon_steps),
+           "search: fixed_information is for every step");
+    const int p = problem.targets[m].model.position_dim;
+    for (const models::PositionMatrix& M : problem.fixed_information[m]) {
+      demand(M.size() == 0 || (M.rows() == p && M.cols() == p && M.allFinite()),
+             "search: fixed_information is empty or position_dim square, and finite");
+    }
+  }
+}
+
+}  // namespace
+
+void require_valid(const SearchProblem& problem) {
+  demand(problem.horizon_steps >= 1 && problem.horizon_steps <= 255,
+         "search: horizon_steps must be in [1, 255]");
+  demand(is_positive(problem.step_s), "search: step_s must be > 0");
+  demand(!problem.controls.empty() && problem.controls.size() <= kMaxControls,
+         "search: between 1 and 64 controls");
+  for (const models::UnicycleControl& control : problem.controls) {
+    demand(is_not_negative(control.speed_mps) && std::isfinite(control.yaw_rate_radps),
+           "search: controls must be finite and not backwards");
+  }
+  demand(is_finite(problem.start) && std::isfinite(problem.height_m),
+         "search: the start must be finite");
+  demand(is_not_negative(problem.start_speed_mps), "search: start_speed_mps must be ≥ 0");
+  demand(is_not_negative(problem.brake_mps2), "search: brake_mps2 must be ≥ 0");
+  demand(is_not_negative(problem.clearance_m), "search: clearance_m must be ≥ 0");
+  demand(is_not_negative(problem.separation_m), "search: separation_m must be ≥ 0");
+  demand(problem.field == nullptr || problem.world != nullptr,
+         "search: a distance field needs its world");
+  for (const models::SensorModel& sensor : problem.sensors) {
+    require_valid(sensor);
+  }
+  demand(problem.targets.size() < 65'535, "search: fewer than 65535 targets");
+  for (const SearchTarget& target : problem.targets) {
+    require_valid(target);
+  }
+  require_valid_information(problem);
+}
+
+models::Trajectory to_trajectory(const SearchProblem& problem, const SearchResult& result) {
+  models::Trajectory trajectory;
+  trajectory.start_time = problem.start_time;
+  trajectory.start = problem.start;
+  trajectory.height_m = problem.height_m;
+  double speed_mps = problem.start_speed_mps;
+  for (const int c : result.controls) {
+    const models::UnicycleControl& control = problem.controls[static_cast<std::size_t>(c)];
+    trajectory.segments.push_back({control, problem.step_s, 0.0});
+    speed_mps = control.speed_mps;
+  }
+  if (problem.brake_mps2 > 0.0 && speed_mps > 0.0) {
+    for (const models::PlanSegment& segment : models::brake(speed_mps, problem.brake_mps2)) {
+      trajectory.segments.push_back(segment);
+    }
+  }
+  return trajectory;
+}
+
+double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
+  double cost = 0.0;
+  for (std::size_t m = 0; m < problem.targets.size(); ++m) {
+    const SearchTarget& target = problem.targets[m];
+    const models::StateMatrix A = target.model.transition(problem.step_s);
+    const models::StateMatrix W = target.model.process_noise(problem.step_s);
+    const int p = target.model.position_dim;
+    models::Gaussian belief = target.prior;
+    for (std::size_t t = 0; t < poses.size(); ++t) {
+      belief = models::predict(belief, A, W);
+      models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
+      if (!problem.fixed_information.empty() && problem.fixed_information[m][t].size() > 0) {
+        M += problem.fixed_information[m][t];
+      }
+      const models::PositionVector mean_m = belief.mean.head(p);
+      if (const models::World* const world = sight_world(problem);
+          world == nullptr ||
+          models::line_of_sight(*world, poses[t].position_m(), mean_m.head<2>())) {
+        for (const models::SensorModel& sensor : problem.sensors) {
+          M += models::information(sensor, {poses[t], problem.height_m}, mean_m);
+        }
+      }
+      belief.covariance = models::update_covariance(belief.covariance, M);
+      cost += problem.cost == CostKind::kLogDet ? models::log_det(belief.covariance)
+                                                : belief.covariance.trace();
+    }
+  }
+  return cost;
+}
+
+double kept_separation_m(const SearchProblem& problem, std::size_t i) {
+  // Steps are checked by chords, whose rounding must not forbid every way out.
+  constexpr double kChords_m = 0.01;
+  const models::Trajectory& teammate = problem.teammates[i];
+  Eigen::Vector3d away_m;
+  away_m << models::at(teammate, problem.start_time).world_from_body.position_m() -
+                problem.start.position_m(),
+      teammate.height_m - problem.height_m;
+  return std::min(problem.separation_m, std::max(0.0, away_m.norm() - kChords_m));
+}
+
+}  // namespace vantage::planner

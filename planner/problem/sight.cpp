@@ -1,0 +1,193 @@
+#include "planner/problem/sight.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/problem/belief_table.hpp"
+
+namespace vantage::planner {
+namespace {
+
+double square(double x) { return x * x; }
+
+}  // namespace
+
+void SightTable::reset(const SearchProblem& problem) {
+  problem_ = &problem;
+  sensors_.clear();
+  range_max_m_ = 0.0;
+  has_camera_ = false;
+  for (const models::SensorModel& model : problem.sensors) {
+    Sensor sensor;
+    sensor.range_max2_m2 = square(model.range_max_m);
+    sensor.range_min2_m2 = square(model.range_min_m);
+    if (model.fov_rad < 2.0 * kPi) {
+      sensor.cos_half_fov = std::cos(0.5 * model.fov_rad);
+      sensor.cos2_half_fov = square(sensor.cos_half_fov);
+    }
+    sensor.is_camera = model.kind == models::SensorKind::kCamera;
+    sensor.tells_direction = model.kind != models::SensorKind::kPosition;
+    if (!sensor.tells_direction) {
+      sensor.all_ways = 1.0 / square(model.position_sigma_m);
+    } else if (!sensor.is_camera) {
+      sensor.variance_grows = model.variance_grows_with_range;
+      sensor.variance_floor = model.variance_floor;
+      sensor.growth_per_m = 1.0 / model.range_max_m;
+      if (model.kind != models::SensorKind::kBearing) {
+        sensor.along_sight = square(model.calibration.range_scale / model.range_sigma_m);
+      }
+      if (model.kind != models::SensorKind::kRange) {
+        sensor.across_sight = 1.0 / square(model.bearing_sigma_rad);
+      }
+    }
+    has_camera_ = has_camera_ || sensor.is_camera;
+    range_max_m_ = std::max(range_max_m_, model.range_max_m);
+    sensors_.push_back(sensor);
+  }
+  const models::World* const world = sight_world(problem);
+  has_obstacles_ = world != nullptr && !world->obstacles.empty();
+}
+
+bool SightTable::look_planar(const Sensor& sensor, double dx_m, double dy_m, double cos_yaw,
+                             double sin_yaw, PackedInformation& sum) {
+  const double r2 = dx_m * dx_m + dy_m * dy_m;
+  if (r2 >= sensor.range_max2_m2 || r2 < sensor.range_min2_m2) {
+    return false;
+  }
+  const bool all_around = sensor.cos_half_fov < -1.0;
+  if (r2 == 0.0) {  // in no direction: only a position sensor that sees all around tells of it
+    if (sensor.tells_direction || !all_around) {
+      return false;
+    }
+  } else if (!all_around) {
+    const double along = dx_m * cos_yaw + dy_m * sin_yaw;
+    const double edge2 = sensor.cos2_half_fov * r2;
+    if (sensor.cos_half_fov >= 0.0 ? !(along > 0.0 && along * along > edge2)
+                                   : !(along > 0.0 || along * along < edge2)) {
+      return false;
+    }
+  }
+  if (!sensor.tells_direction) {
+    sum.m[0] += sensor.all_ways;
+    sum.m[2] += sensor.all_ways;
+    return true;
+  }
+  double per_r2 = 1.0 / r2;
+  const double across = sensor.across_sight * per_r2;
+  if (sensor.variance_grows) {
+    per_r2 /= std::max(sensor.variance_floor, std::sqrt(r2) * sensor.growth_per_m);
+  }
+  const double xx = dx_m * dx_m * per_r2;
+  const double xy = dx_m * dy_m * per_r2;
+  const double yy = dy_m * dy_m * per_r2;
+  sum.m[0] += sensor.along_sight * xx + across * yy;
+  sum.m[1] += (sensor.along_sight - across) * xy;
+  sum.m[2] += sensor.along_sight * yy + across * xx;
+  return true;
+}
+
+bool SightTable::look(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
+                      double cos_yaw, double sin_yaw, PackedInformation& out) const {
+  bool seen = false;
+  for (std::size_t s = 0; s < sensors_.size(); ++s) {
+    if (!spatial && !sensors_[s].is_camera) {
+      seen = look_planar(sensors_[s], target_m.x() - at.x_m, target_m.y() - at.y_m, cos_yaw,
+                         sin_yaw, out) ||
+             seen;
+      continue;
+    }
+    const models::SensorModel& sensor = problem_->sensors[s];
+    const models::Viewpoint from{at, problem_->height_m};
+    const models::PositionVector target = target_m.head(spatial ? 3 : 2);
+    if (!models::in_view(sensor, from, target)) {
+      continue;
+    }
+    const models::PositionMatrix M = models::information(sensor, from, target);
+    double packed[6];
+    pack(spatial ? BlockLayout::kSpatial : BlockLayout::kPlanar, M, packed);
+    for (int i = 0; i < (spatial ? 6 : 3); ++i) {
+      out.m[i] += packed[i];
+    }
+    seen = true;
+  }
+  return seen && (!has_obstacles_ || line_of_sight(at.position_m(), target_m.head<2>()));
+}
+
+LaneMask SightTable::sees(const Sensor& sensor, const Lanes& r2, const Lanes& along) {
+  const Lanes zero = {};
+  const LaneMask in_range = (r2 < sensor.range_max2_m2) & (r2 >= sensor.range_min2_m2);
+  if (sensor.cos_half_fov < -1.0) {
+    return sensor.tells_direction ? in_range & (r2 > zero) : in_range;
+  }
+  const Lanes along2 = along * along;
+  const Lanes edge2 = sensor.cos2_half_fov * r2;
+  return sensor.cos_half_fov >= 0.0 ? in_range & (along > zero) & (along2 > edge2)
+                                    : in_range & ((along > zero) | (along2 < edge2));
+}
+
+LaneMask SightTable::look_at(const Eigen::Vector3d& target_m, const Views& views, int group,
+                             InformationLanes& out) const {
+  const Lanes zero = {};
+  const int at = kLanes * group;
+  const Lanes dx = target_m.x() - load(views.x_m + at);
+  const Lanes dy = target_m.y() - load(views.y_m + at);
+  const Lanes dx2 = dx * dx;
+  const Lanes dy2 = dy * dy;
+  const Lanes r2 = dx2 + dy2;
+  const Lanes along = dx * load(views.cos_yaw + at) + dy * load(views.sin_yaw + at);
+  LaneMask seen = {};
+  out = {zero, zero, zero};
+  for (const Sensor& sensor : sensors_) {
+    const LaneMask now = sees(sensor, r2, along);
+    if (bits(now) == 0) {
+      continue;
+    }
+    seen |= now;
+    if (!sensor.tells_direction) {
+      const Lanes all_ways = now ? broadcast(sensor.all_ways) : zero;
+      out.m00 += all_ways;
+      out.m11 += all_ways;
+      continue;
+    }
+    Lanes per_r2 = 1.0 / r2;
+    const Lanes across = sensor.across_sight * per_r2;
+    if (sensor.variance_grows) {
+      const Lanes growth = sqrt(r2) * sensor.growth_per_m;
+      const Lanes floor = broadcast(sensor.variance_floor);
+      per_r2 /= growth > floor ? growth : floor;
+    }
+    per_r2 = now ? per_r2 : zero;
+    const Lanes side = now ? across : zero;
+    const Lanes xx = dx2 * per_r2;
+    const Lanes yy = dy2 * per_r2;
+    out.m00 += sensor.along_sight * xx + side * yy;
+    out.m01 += (sensor.along_sight - side) * (dx * dy * per_r2);
+    out.m11 += sensor.along_sight * yy + side * xx;
+  }
+  return seen;
+}
+
+bool SightTable::line_of_sight(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m) const {
+  if (problem_->field != nullptr) {  // from free disc to free disc, while they are large
+    constexpr int kDiscsMax = 8;
+    constexpr double kLeast_m = 0.1;
+    constexpr double kInwards = 1.0 - 1e-6;  // the field holds floats
+    const Eigen::Vector2d d_m = b_m - a_m;
+    const double length_m = d_m.norm();
+    double gone_m = 0.0;
+    for (int i = 0; i < kDiscsMax; ++i) {
+      const double free_m =
+          problem_->field->lower_bound_m(a_m + (gone_m / std::max(length_m, kLeast_m)) * d_m);
+      if (free_m < kLeast_m) {
+        break;
+      }
+      gone_m += kInwards * free_m;
+      if (gone_m >= length_m) {
+        return true;
+      }
+    }
+  }
+  return models::line_of_sight(*problem_->world, a_m, b_m);
+}
+
+}  // namespace vantage::planner

@@ -1,0 +1,445 @@
+#include "planner/robot/robot_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "core/check.hpp"
+#include "models/belief/exploration.hpp"
+#include "planner/decision/resilient.hpp"
+#include "planner/problem/belief_table.hpp"
+#include "planner/robot/baseline.hpp"
+#include "planner/robot/trajectory_tools.hpp"
+
+namespace vantage::planner {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kFieldResolution_m = 0.05;
+constexpr double kFieldCells_max = 500.0;  // along the longer side
+
+SearchCapacity capacity_for(const scenario::Scenario& scenario) {
+  SearchCapacity capacity;
+  capacity.targets_max = static_cast<int>(scenario.targets.size()) +
+                         std::max(0, scenario.planner.exploration.landmarks_max);
+  capacity.horizon_max = scenario.planner.horizon_steps;
+  capacity.teammates_max = 2 * static_cast<int>(scenario.robots.size());  // plans and hovers
+  return capacity;
+}
+
+double field_resolution_m(const models::World& world) {
+  const double longer_m = (world.bounds.max_m - world.bounds.min_m).maxCoeff();
+  return std::max(kFieldResolution_m, longer_m / kFieldCells_max);
+}
+
+// A different stream of random numbers for each robot and round, the same at every replay.
+std::uint64_t walk_seed(std::uint64_t seed, int robot_index, std::int64_t round) {
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),
+                         static_cast<std::uint32_t>(robot_index),
+                         static_cast<std::uint32_t>(round)};
+  std::uint32_t words[2];
+  sequence.generate(std::begin(words), std::end(words));
+  return (std::uint64_t{words[1]} << 32U) | words[0];
+}
+
+// Σ_{t=1}^{T} of the stage costs when nobody of the search looks.
+double cost_without_looks(const SearchProblem& problem) {
+  BeliefTable beliefs(static_cast<int>(problem.targets.size()), problem.horizon_steps);
+  beliefs.reset(problem);
+  double cost = 0.0;
+  for (int t = 1; t <= problem.horizon_steps; ++t) {
+    cost += beliefs.open_loop_cost(t);
+  }
+  return cost;
+}
+
+bool is_local_search(const scenario::PlannerSpec& planner) {
+  return planner.team_algorithm == scenario::TeamAlgorithm::kLocalSearch;
+}
+
+// Of what a vehicle passes between two heights, that which is nearest to another's height.
+double nearest_height_m(double other_m, double one_m, double two_m) {
+  return std::clamp(other_m, std::min(one_m, two_m), std::max(one_m, two_m));
+}
+
+// Whether a search can work on it: what it multiplies of such numbers stays finite.
+bool is_searchable(const models::Gaussian& prior) {
+  constexpr double kLargest = 1e30;  // m or m/s, and their squares
+  return prior.mean.cwiseAbs().maxCoeff() <= kLargest &&
+         prior.covariance.cwiseAbs().maxCoeff() <= kLargest &&
+         models::log_det(prior.covariance) >=
+             -std::log(kLargest) * static_cast<double>(prior.mean.size());
+}
+
+// Whether its plans are chosen from candidates, by what they tell and cost.
+bool chooses_candidates(const scenario::PlannerSpec& planner, const scenario::RobotSpec& robot) {
+  const bool has_tree = planner.algorithm == scenario::PlanAlgorithm::kArvi ||
+                        planner.algorithm == scenario::PlanAlgorithm::kRvi;
+  return is_local_search(planner) ||
+         (has_tree && planner.attacks_max == 0 && robot.energy.price_nats > 0.0);
+}
+
+}  // namespace
+
+RobotPlanner::RobotPlanner(const scenario::Scenario& scenario, const std::string& robot)
+    : scenario_(scenario), field_(scenario.world, field_resolution_m(scenario.world)) {
+  spec_ = scenario_.find_robot(robot);
+  require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
+  robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
+  if (scenario_.planner.objective == scenario::PlanObjective::kMapping) {
+    mapping_.emplace(scenario_);
+  } else if (chooses_candidates(scenario_.planner, *spec_)) {
+    exchange_ = std::make_unique<TeamExchange>(scenario_, robot_index_, capacity_for(scenario_));
+  } else if (scenario_.planner.algorithm == scenario::PlanAlgorithm::kBeam) {
+    beam_.emplace(capacity_for(scenario_));
+  } else {
+    reduced_.emplace(capacity_for(scenario_));
+  }
+  const double margin_m = spec_->limits.radius_m + scenario_.planner.obstacle_margin_m + 0.25;
+  sweep_ = lawn_mower_waypoints(scenario_.world.bounds, robot_index_, robot_count(),
+                                1.6 * spec_->sensor.range_max_m, margin_m);
+}
+
+models::RobotPlan RobotPlanner::blank_plan(const PlanInputs& inputs) const {
+  models::RobotPlan plan;
+  plan.stamp.time = inputs.slot.activation;
+  plan.robot = spec_->name;
+  plan.round = inputs.slot.round;
+  plan.horizon_steps = scenario_.planner.horizon_steps;
+  plan.step_s = scenario_.planner.step_s;
+  plan.cost = std::numeric_limits<double>::quiet_NaN();
+  plan.lower_bound = -kInfinity;
+  plan.epsilon = kInfinity;
+  plan.delta_m = kInfinity;
+  plan.slot_start = inputs.slot.begin;
+  plan.deadline = inputs.slot.end;
+  return plan;
+}
+
+std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInputs& inputs) {
+  const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(spec_->name) : nullptr;
+  const bool has_pose = body != nullptr && !body->occluded;
+  if (const auto hover = hover_off_plan(inputs)) {
+    ++counts_.off_plan;
+    return hover_at(*hover, spec_->height_m, inputs.slot.activation);
+  }
+  if (inputs.own_plan) {
+    const models::Trajectory& last = inputs.own_plan->trajectory;
+    bool on_plan = true;
+    if (has_pose && inputs.mocap->stamp.time >= last.start_time) {
+      const Pose2 expected = models::at(last, inputs.mocap->stamp.time).world_from_body;
+      const double off_m =
+          (expected.position_m() - flatten(body->world_from_body).position_m()).norm();
+      if (off_m > scenario_.planner.tracking_tolerance_m) {
+        ++counts_.off_plan;
+        // Far off, the vehicle has not followed at all (held by its operator, say): start anew
+        // from where it is. In between, its own feedback brings it back onto the plan.
+        on_plan = off_m <= 3.0 * scenario_.planner.tracking_tolerance_m;
+      }
+    }
+    if (on_plan) {
+      return rest_of(last, inputs.slot.activation);
+    }
+  }
+  if (!has_pose) {
+    counts_.no_pose += inputs.slot.is_proposal ? 0 : 1;
+    return std::nullopt;
+  }
+  if (!inputs.own_plan && flies_unknown_plan(inputs)) {
+    counts_.unknown_plan += inputs.slot.is_proposal ? 0 : 1;
+    return std::nullopt;
+  }
+  return hover_at(flatten(body->world_from_body), spec_->height_m, inputs.slot.activation);
+}
+
+// A vehicle that holds stands where its driver stopped it, and will not come back to its plan by
+// itself: the next one must begin there, or it is refused for ever.
+std::optional<Pose2> RobotPlanner::hover_off_plan(const PlanInputs& inputs) const {
+  constexpr double kTurnMaxRad = 0.4;
+  const auto own = inputs.team_statuses.find(spec_->name);
+  if (!inputs.own_plan || own == inputs.team_statuses.end() ||
+      own->second.state != models::FlightState::kHold) {
+    return std::nullopt;
+  }
+  const models::Trajectory& last = inputs.own_plan->trajectory;
+  const Pose2& hover = own->second.setpoint;
+  const Time when = std::max(own->second.stamp.time, last.start_time);
+  const Pose2 planned = models::at(last, when).world_from_body;
+  const bool is_off =
+      (planned.position_m() - hover.position_m()).norm() > scenario_.planner.tracking_tolerance_m ||
+      std::abs(wrap_to_pi(planned.yaw_rad - hover.yaw_rad)) > kTurnMaxRad;
+  return is_off ? std::optional(hover) : std::nullopt;
+}
+
+bool RobotPlanner::flies_unknown_plan(const PlanInputs& inputs) const {
+  const auto own = inputs.team_statuses.find(spec_->name);
+  if (own == inputs.team_statuses.end() || own->second.state != models::FlightState::kFollow ||
+      own->second.plan_round < 0) {
+    return false;
+  }
+  const std::int64_t rounds = inputs.slot.round - own->second.plan_round;
+  if (rounds < 0) {
+    return false;  // of another schedule
+  }
+  // Seen when the slot begins, it must stand.
+  const scenario::PlannerSpec& planner = scenario_.planner;
+  const double since_s = static_cast<double>(rounds * planner.execute_steps) * planner.step_s -
+                         to_seconds(inputs.slot.activation - inputs.slot.begin);
+  return since_s < planner.horizon_steps * planner.step_s +
+                       spec_->limits.speed_max_mps / spec_->limits.brake_mps2;
+}
+
+std::vector<int> RobotPlanner::bait_of(const PlanInputs& inputs) const {
+  std::vector<double> values(scenario_.robots.size(), 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto proposal = inputs.proposals.find(scenario_.robots[i].name);
+    if (proposal != inputs.proposals.end() && proposal->second.plan.round == inputs.slot.round) {
+      values[i] = proposal->second.value_nats;
+    }
+  }
+  std::vector<int> bait = bait_robots(values, scenario_.planner.attacks_max);
+  bait.erase(std::remove_if(bait.begin(), bait.end(),
+                            [&](int i) { return values[static_cast<std::size_t>(i)] <= 0.0; }),
+             bait.end());
+  return bait;
+}
+
+std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& inputs,
+                                                         const std::vector<int>& unseeing) const {
+  std::vector<FixedTeammate> teammates;
+  for (const scenario::RobotSpec& robot : scenario_.robots) {
+    if (robot.name == spec_->name) {
+      continue;
+    }
+    FixedTeammate teammate;
+    teammate.sensor = robot.sensor;
+    const auto index = static_cast<int>(&robot - scenario_.robots.data());
+    teammate.jammed =
+        std::find(unseeing.begin(), unseeing.end(), index) != unseeing.end() ||
+        (inputs.attack && std::find(inputs.attack->jammed.begin(), inputs.attack->jammed.end(),
+                                    robot.name) != inputs.attack->jammed.end());
+    const auto plan = inputs.team_plans.find(robot.name);
+    if (plan != inputs.team_plans.end()) {
+      teammate.trajectory = plan->second.trajectory;
+    } else {
+      // Never heard: it hovers where mocap sees it, or where the scenario starts it.
+      const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(robot.name) : nullptr;
+      const Pose2 pose =
+          body != nullptr && !body->occluded ? flatten(body->world_from_body) : robot.start;
+      teammate.trajectory = hover_at(pose, robot.height_m, inputs.slot.activation);
+    }
+    teammates.push_back(std::move(teammate));
+  }
+  return teammates;
+}
+
+std::vector<models::Trajectory> RobotPlanner::hovers_of_those_who_wait(
+    const PlanInputs& inputs) const {
+  std::vector<models::Trajectory> hovers;
+  for (const auto& [name, status] : inputs.team_statuses) {
+    const scenario::RobotSpec* robot = scenario_.find_robot(name);
+    const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(name) : nullptr;
+    // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
+    if (status.state != models::FlightState::kFollow && robot != nullptr && body != nullptr &&
+        !body->occluded && name != spec_->name) {
+      const double here_m = body->world_from_body.translation_m.z();
+      double height_m = robot->height_m;
+      if (status.state == models::FlightState::kHold) {  // it may be climbing there
+        height_m = nearest_height_m(spec_->height_m, here_m, robot->height_m);
+      } else if (status.state == models::FlightState::kLand) {
+        height_m = nearest_height_m(spec_->height_m, 0.0, here_m);
+      }
+      hovers.push_back(hover_at(flatten(body->world_from_body), height_m, inputs.slot.activation));
+    }
+  }
+  return hovers;
+}
+
+void RobotPlanner::add_targets(const models::RobotBelief& belief, Time start) {
+  const models::TargetModel& model = scenario_.estimator.target_model;
+  const double ahead_s = to_seconds(start - belief.stamp.time);
+  const models::StateMatrix A = model.transition(ahead_s);
+  const models::StateMatrix W = model.process_noise(ahead_s);
+  for (const models::TargetBelief& target : belief.targets) {
+    const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
+                              ? models::to_gaussian(target.information)
+                              : std::nullopt;
+    const models::Gaussian prior = gaussian ? models::predict(*gaussian, A, W) : models::Gaussian{};
+    if (!gaussian || !is_searchable(prior) || problem_.targets.size() >= scenario_.targets.size()) {
+      ++counts_.unusable_beliefs;
+      continue;
+    }
+    problem_.targets.push_back({model, prior});
+  }
+}
+
+void RobotPlanner::add_landmarks(const models::RobotBelief& belief, Time start) {
+  const models::ExplorationSpec& exploration = scenario_.planner.exploration;
+  if (exploration.landmarks_max <= 0) {
+    return;
+  }
+  models::VisibilityGrid grid(scenario_.world, scenario_.estimator.grid_resolution_m,
+                              scenario_.estimator.grid_memory_s);
+  if (!(belief.grid == grid.geometry()) ||
+      belief.last_seen_utime.size() != static_cast<std::size_t>(grid.geometry().size())) {
+    ++counts_.unusable_beliefs;
+    return;
+  }
+  grid.set_last_seen(belief.last_seen_utime);
+  const models::TargetModel still{models::TargetKind::kStatic, 2, 0.0};
+  for (const models::Gaussian& landmark :
+       models::exploration_landmarks(grid, exploration, problem_.start.position_m(), start)) {
+    problem_.targets.push_back({still, landmark});
+  }
+}
+
+void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed,
+                                  const std::vector<int>& unseeing) {
+  const scenario::PlannerSpec& planner = scenario_.planner;
+  problem_.start_time = inputs.slot.activation;
+  problem_.start = committed.start;
+  problem_.start_speed_mps = models::at(committed, committed.start_time).control.speed_mps;
+  problem_.height_m = spec_->height_m;
+  problem_.controls = spec_->primitives;
+  problem_.horizon_steps = planner.horizon_steps;
+  problem_.step_s = planner.step_s;
+  problem_.sensors = {spec_->sensor};
+  problem_.cost = CostKind::kLogDet;
+  problem_.world = &scenario_.world;
+  problem_.field = &field_;
+  problem_.clearance_m = spec_->limits.radius_m + planner.obstacle_margin_m;
+  // Both vehicles may be off their plans by the tolerance at once.
+  problem_.separation_m = planner.separation_m + 2.0 * planner.tracking_tolerance_m;
+  problem_.brake_mps2 = spec_->limits.brake_mps2;
+  problem_.targets.clear();
+  if (inputs.belief && !mapping_) {
+    add_targets(*inputs.belief, inputs.slot.activation);
+    add_landmarks(*inputs.belief, inputs.slot.activation);
+  }
+  const std::vector<FixedTeammate> teammates = fixed_teammates(inputs, unseeing);
+  problem_.teammates.clear();
+  for (const FixedTeammate& teammate : teammates) {
+    problem_.teammates.push_back(teammate.trajectory);
+  }
+  for (const models::Trajectory& hover : hovers_of_those_who_wait(inputs)) {
+    problem_.teammates.push_back(hover);
+  }
+  problem_.fixed_information = fixed_information(problem_, teammates);
+  if (mapping_) {
+    mapping_->set_up(problem_, inputs.map, teammates);
+    counts_.unusable_maps = mapping_->unusable_maps();
+  }
+}
+
+const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadline& deadline) {
+  if (mapping_) {
+    baseline_ = mapping_->search(problem_, deadline);
+    return baseline_;
+  }
+  const scenario::PlannerSpec& planner = scenario_.planner;
+  ReducedOptions options;
+  options.epsilon = planner.epsilon_initial;
+  options.delta_m = planner.delta_initial_m;
+  options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
+  switch (planner.algorithm) {
+    case scenario::PlanAlgorithm::kRandomWalk:
+      baseline_ =
+          plan_random_walk(problem_, walk_seed(scenario_.seed, robot_index_, inputs.slot.round));
+      return baseline_;
+    case scenario::PlanAlgorithm::kLawnMower:
+      baseline_ = plan_through(problem_, sweep_, sweep_next_);
+      return baseline_;
+    case scenario::PlanAlgorithm::kBeam:
+      return beam_->plan(problem_, {}, deadline);
+    case scenario::PlanAlgorithm::kGreedy:
+      options.search = ReducedSearch::kGreedy;
+      break;
+    case scenario::PlanAlgorithm::kRvi:
+      options.search = ReducedSearch::kSinglePass;
+      break;
+    case scenario::PlanAlgorithm::kArvi:
+      options.search = ReducedSearch::kAnytime;
+      break;
+  }
+  return reduced_->plan(problem_, options, deadline);
+}
+
+std::vector<int> RobotPlanner::all_robots() const {
+  std::vector<int> all(scenario_.robots.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
+                                                    const Deadline& deadline) {
+  const std::optional<models::Trajectory> committed = committed_motion(inputs);
+  if (!committed) {
+    return std::nullopt;
+  }
+  if (exchange_) {
+    return is_local_search(scenario_.planner) ? plan_of_solution(inputs, *committed)
+                                              : plan_by_worth(inputs, *committed, deadline);
+  }
+  const std::vector<int> bait = bait_of(inputs);
+  const bool is_bait = std::find(bait.begin(), bait.end(), robot_index_) != bait.end();
+  set_up_problem(inputs, *committed, is_bait ? all_robots() : bait);
+  models::RobotPlan plan = blank_plan(inputs);
+  if (is_bait) {
+    ++counts_.baits;
+    if (take(inputs.proposals.at(spec_->name).plan, plan)) {
+      return plan;
+    }
+  }
+  const SearchResult& result = search(inputs, deadline);
+  plan.nodes = result.replay_budget_nodes();
+  const bool rests = std::all_of(committed->segments.begin(), committed->segments.end(),
+                                 [](const auto& each) { return each.control.speed_mps == 0.0; });
+  const std::optional<std::size_t> crowder = rests ? too_near() : std::nullopt;
+  const bool stays = rests && !(result.found && result.moving_steps > 0);
+  if (stays && crowder) {
+    turn_away_from(*crowder, plan);
+    return plan;
+  }
+  if (stays && turn_to_a_way_out(plan)) {
+    return plan;
+  }
+  if (!take(result, plan)) {
+    fall_back(*committed, plan);
+  }
+  return plan;
+}
+
+std::optional<models::PlanProposal> RobotPlanner::propose(const PlanInputs& inputs,
+                                                          const Deadline& deadline) {
+  const std::optional<models::Trajectory> committed = committed_motion(inputs);
+  if (!committed) {
+    return std::nullopt;
+  }
+  set_up_problem(inputs, *committed, all_robots());
+  models::PlanProposal proposal{{}, 0.0, blank_plan(inputs)};
+  proposal.stamp.time = inputs.slot.activation;
+  const SearchResult& result = search(inputs, deadline);
+  proposal.plan.nodes = result.replay_budget_nodes();
+  if (take(result, proposal.plan)) {
+    proposal.value_nats = mapping_ ? mapping_->gain_nats()
+                                   : std::max(0.0, cost_without_looks(problem_) - result.cost);
+  } else {
+    fall_back(*committed, proposal.plan);
+  }
+  return proposal;
+}
+
+std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInputs& inputs) {
+  const std::optional<models::Trajectory> committed = committed_motion(inputs);
+  if (!committed) {
+    return std::nullopt;
+  }
+  set_up_problem(inputs, *committed, bait_of(inputs));
+  models::RobotPlan plan = blank_plan(inputs);
+  fall_back(*committed, plan);
+  return plan;
+}
+
+}  // namespace vantage::planner

@@ -1,0 +1,179 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/deadline.hpp"
+#include "models/exchange/messages.hpp"
+#include "planner/mapping/map_planner.hpp"
+#include "planner/problem/fixed_information.hpp"
+#include "planner/robot/round.hpp"
+#include "planner/robot/team_exchange.hpp"
+#include "planner/search/arvi.hpp"
+#include "planner/search/beam.hpp"
+#include "scenario/scenario.hpp"
+
+namespace vantage::planner {
+
+/// Everything that one robot's plan of one round is made from. Absent: not heard (yet).
+struct PlanInputs {
+  RoundSchedule::Slot slot;
+  std::optional<models::RobotBelief> belief;                   ///< own
+  std::optional<models::RobotMap> map;                         ///< own, of a scenario that maps
+  std::optional<models::MocapFrame> mocap;                     ///< where everybody is
+  std::optional<models::RobotPlan> own_plan;                   ///< last one published
+  std::map<std::string, models::RobotPlan> team_plans;         ///< newest of each teammate
+  std::map<std::string, models::VehicleStatus> team_statuses;  ///< do all follow their plans?
+  std::map<std::string, models::PlanProposal> proposals;       ///< newest of each robot, own too
+  std::optional<models::TeamProposal> solution;                ///< best known of a local search
+  std::optional<models::AttackNotice> attack;
+};
+
+/// What happened besides the plan, since construction.
+struct PlannerCounts {
+  std::int64_t fallbacks_shifted = 0;
+  std::int64_t fallbacks_braking = 0;
+  std::int64_t off_plan = 0;       ///< vehicle farther from its plan than the tolerance
+  std::int64_t checks_failed = 0;  ///< searched plans that the closing check refused
+  std::int64_t turns_away = 0;     ///< at rest too near a teammate or a wall, with no way out ahead
+  std::int64_t baits = 0;          ///< rounds in which this robot was bait
+  std::int64_t rests = 0;          ///< rounds in which no motion was worth its energy
+  std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
+  std::int64_t unknown_plan = 0;   ///< rounds in which it flew a plan of before a restart
+  /// Targets that cannot be predicted (of a clock that was ahead, say) or that the scenario has
+  /// not, and grids of another geometry.
+  std::int64_t unusable_beliefs = 0;
+  std::int64_t unusable_maps = 0;  ///< of another grid than the scenario's
+};
+
+/// One robot's share of a planning round, as a function of its inputs (and, for the sweeping
+/// baseline, of how far the sweep has got). Knows no clock: the caller says whether it was late.
+///
+/// The robot plans from where its committed plan has it at t_{k+1}, against the teammates' newest
+/// plans (their information and their swept motion). A teammate that is silent is taken to go on
+/// with its last plan, whose end is a hover; from one that says it does not follow plans its own
+/// place is kept free as well. The ladder: the best complete plan; else the last one shifted and
+/// checked again; else braking to a hover.
+///
+/// A planner that was started anew does not know what its robot flies, but every teammate does: it
+/// waits until that plan has come to its hover, and plans from there.
+///
+/// What the search gains is the scenario's planner.objective: the targets' beliefs or the map. All
+/// else is the same for both.
+///
+/// In a team that expects attacks (planner.attacks_max = α > 0) each robot first proposes what it
+/// would do alone. The α proposals of greatest value are the bait: those robots do as they
+/// proposed, and the others plan as if the bait saw nothing. Source: dissertation Alg. 9, 10
+/// (RAIN).
+///
+/// In a team that plans by local search (planner.team_algorithm) robots exchange proposals instead,
+/// begin_exchange() … improve(), and each plan does what the solution of its inputs gives the
+/// robot: a motion, which passes the closing check or falls back, or rest: so does a robot
+/// without any. A robot that pays for its energy (energy.price_nats > 0) weighs it in
+/// coordinate descent too, where no attacks are expected. Source: docs/decisions/0006.
+class RobotPlanner {
+ public:
+  RobotPlanner(const scenario::Scenario& scenario, const std::string& robot);
+
+  /// The plan of this slot. nullopt while the robot's pose was never known, and
+  /// while it flies a plan from before a restart.
+  std::optional<models::RobotPlan> plan(const PlanInputs& inputs, const Deadline& deadline);
+
+  /// What the robot would do in this slot's round if it were the only one that looks; the
+  /// teammates' committed motions are kept clear of. nullopt where plan() is.
+  std::optional<models::PlanProposal> propose(const PlanInputs& inputs, const Deadline& deadline);
+
+  /// Local search: begins the round of this slot, with candidates that are found by `deadline`.
+  /// false where plan() is nullopt: then nothing is heard or proposed.
+  bool begin_exchange(const PlanInputs& inputs, const Deadline& deadline);
+  /// Precondition: the team plans by local search.
+  [[nodiscard]] TeamExchange& exchange() { return *exchange_; }
+
+  /// What to publish instead when the search ended after its slot: teammates may already count on
+  /// the old plan, which every other committed plan is compatible with.
+  std::optional<models::RobotPlan> plan_without_search(const PlanInputs& inputs);
+
+  [[nodiscard]] const PlannerCounts& counts() const { return counts_; }
+  /// TEAM_PROPOSALs of a round that cannot be, since construction.
+  [[nodiscard]] std::int64_t proposals_refused() const {
+    return exchange_ ? exchange_->refused() : 0;
+  }
+  [[nodiscard]] int robot_index() const { return robot_index_; }
+  [[nodiscard]] int robot_count() const { return static_cast<int>(scenario_.robots.size()); }
+
+  /// The problem of the last plan(), for pictures and tests.
+  [[nodiscard]] const SearchProblem& problem() const { return problem_; }
+
+ private:
+  [[nodiscard]] models::RobotPlan blank_plan(const PlanInputs& inputs) const;
+  /// The motion that the robot is committed to, cut to start at t_{k+1}; nullopt, and counted,
+  /// while its pose was never known or it moves as nobody here knows.
+  std::optional<models::Trajectory> committed_motion(const PlanInputs& inputs);
+  /// Where the vehicle holds, when it says so and that is off its plan.
+  [[nodiscard]] std::optional<Pose2> hover_off_plan(const PlanInputs& inputs) const;
+  /// The vehicle says that it follows a plan that can still be moving when the slot begins.
+  [[nodiscard]] bool flies_unknown_plan(const PlanInputs& inputs) const;
+  /// The bait of the slot's round among the proposals that were heard, ascending by index.
+  [[nodiscard]] std::vector<int> bait_of(const PlanInputs& inputs) const;
+  /// The teammates; those of `unseeing` robots tell nothing.
+  [[nodiscard]] std::vector<FixedTeammate> fixed_teammates(const PlanInputs& inputs,
+                                                           const std::vector<int>& unseeing) const;
+  /// Where teammates hover or stand that do not follow plans.
+  [[nodiscard]] std::vector<models::Trajectory> hovers_of_those_who_wait(
+      const PlanInputs& inputs) const;
+  void set_up_problem(const PlanInputs& inputs, const models::Trajectory& committed,
+                      const std::vector<int>& unseeing);
+  [[nodiscard]] std::vector<int> all_robots() const;
+  /// Makes `plan` of what a search found; false when that is nothing, or not safe.
+  bool take(const SearchResult& result, models::RobotPlan& plan);
+  /// Makes `plan` of what was proposed; false when that was not searched, or is not safe now.
+  bool take(const models::RobotPlan& proposed, models::RobotPlan& plan) const;
+  void add_targets(const models::RobotBelief& belief, Time start);
+  void add_landmarks(const models::RobotBelief& belief, Time start);
+  const SearchResult& search(const PlanInputs& inputs, const Deadline& deadline);
+  [[nodiscard]] bool keeps_apart(const models::Trajectory& trajectory, double rounding_m) const;
+  [[nodiscard]] bool is_safe(const models::Trajectory& trajectory) const;
+  /// The nearest teammate that is nearer than asked for, by index; nullopt: none.
+  [[nodiscard]] std::optional<std::size_t> too_near() const;
+  /// On the spot, by an eighth of a turn: away from the teammate or, once it faces away, on and on,
+  /// until some heading has a way out. Turning moves no disc, so it is safe wherever hovering is.
+  void turn_away_from(std::size_t teammate, models::RobotPlan& plan);
+  /// The same where a wall is so near ahead that no motion can begin: towards the nearest heading
+  /// with a way out. False, and nothing done, where there is one already or nowhere.
+  bool turn_to_a_way_out(models::RobotPlan& plan);
+  /// An eighth of a turn on the spot, to the side of `off_rad`; to the left when that is nearly
+  /// ahead.
+  void turn(double off_rad, models::RobotPlan& plan);
+  void begin_candidates(const PlanInputs& inputs, const models::Trajectory& committed,
+                        const Deadline& deadline);
+  /// Coordinate descent over candidates, what they cost included.
+  models::RobotPlan plan_by_worth(const PlanInputs& inputs, const models::Trajectory& committed,
+                                  const Deadline& deadline);
+  /// Stops and rests; false where that is not safe.
+  bool rest(const models::Trajectory& committed, models::RobotPlan& plan);
+  /// What `inputs.solution` gives this robot, checked.
+  models::RobotPlan plan_of_solution(const PlanInputs& inputs, const models::Trajectory& committed);
+  /// Shifted or braking, whichever is first safe.
+  void fall_back(const models::Trajectory& committed, models::RobotPlan& plan);
+
+  scenario::Scenario scenario_;
+  const scenario::RobotSpec* spec_ = nullptr;  ///< of this robot, in scenario_
+  int robot_index_ = 0;
+  models::DistanceField field_;
+  /// One of them, by the scenario's objective and algorithm.
+  std::optional<MapPlanner> mapping_;
+  std::optional<ReducedValueIteration> reduced_;
+  std::optional<RefiningBeam> beam_;
+  std::unique_ptr<TeamExchange> exchange_;  ///< where plans are chosen from candidates
+  SearchProblem problem_;
+  SearchResult baseline_;
+  std::vector<Eigen::Vector2d> sweep_;
+  std::size_t sweep_next_ = 0;
+  PlannerCounts counts_;
+};
+
+}  // namespace vantage::planner

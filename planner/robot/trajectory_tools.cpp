@@ -1,0 +1,59 @@
+#include "planner/robot/trajectory_tools.hpp"
+
+#include <algorithm>
+
+namespace vantage::planner {
+
+models::Trajectory rest_of(const models::Trajectory& trajectory, Time start) {
+  models::Trajectory rest;
+  rest.start_time = start;
+  rest.start = models::at(trajectory, start).world_from_body;
+  rest.height_m = trajectory.height_m;
+  double skip_s = to_seconds(start - trajectory.start_time);
+  for (const models::PlanSegment& segment : trajectory.segments) {
+    if (skip_s >= segment.duration_s) {
+      skip_s -= segment.duration_s;
+      continue;
+    }
+    models::PlanSegment left = segment;
+    left.duration_s -= skip_s;
+    left.control.speed_mps -= segment.brake_mps2 * skip_s;
+    rest.segments.push_back(left);
+    skip_s = 0.0;
+  }
+  return rest;
+}
+
+models::Trajectory stop_from(const models::Trajectory& trajectory, Time start, double brake_mps2) {
+  const models::TrajectoryPoint now = models::at(trajectory, start);
+  models::Trajectory stop = hover_at(now.world_from_body, trajectory.height_m, start);
+  if (now.control.speed_mps > 0.0) {
+    stop.segments = models::brake(now.control.speed_mps, brake_mps2);
+  }
+  return stop;
+}
+
+models::Trajectory hover_at(const Pose2& pose, double height_m, Time start) {
+  models::Trajectory hover;
+  hover.start_time = start;
+  hover.start = pose;
+  hover.height_m = height_m;
+  return hover;
+}
+
+bool is_of_plan_length(const models::Trajectory& motion, const scenario::PlannerSpec& planner,
+                       const std::vector<scenario::RobotSpec>& robots) {
+  const int steps_max = 4 * planner.horizon_steps;
+  double stop_s = 0.0;
+  for (const scenario::RobotSpec& robot : robots) {
+    stop_s = std::max(stop_s, robot.limits.speed_max_mps / robot.limits.brake_mps2);
+  }
+  double motion_s = 0.0;
+  for (const models::PlanSegment& segment : motion.segments) {
+    motion_s += segment.duration_s;
+  }
+  return motion.segments.size() <= static_cast<std::size_t>(steps_max) &&
+         motion_s <= steps_max * planner.step_s + stop_s;
+}
+
+}  // namespace vantage::planner

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "models/motion/unicycle.hpp"
+#include "models/world/world.hpp"
+#include "scenario/energy_spec.hpp"
+
+namespace vantage::scenario {
+
+/// c_ctrl(u) + c_state(x): what a step of `control` that begins at `at_m` costs, without its price.
+/// `world` may be null: no regions.
+double step_cost(const EnergySpec& energy, const models::World* world,
+                 const models::UnicycleControl& control, const Eigen::Vector2d& at_m);
+
+}  // namespace vantage::scenario

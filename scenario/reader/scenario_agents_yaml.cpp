@@ -1,0 +1,405 @@
+#include "scenario/reader/scenario_agents_yaml.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <Eigen/Core>
+#include <fmt/format.h>
+
+namespace vantage::scenario {
+namespace {
+using models::SensorKind;
+using models::SensorModel;
+
+constexpr std::size_t kRobotsMax = 64;
+constexpr int kTargetsMax = 1000;
+constexpr std::size_t kPrimitivesMax = 64;
+constexpr double kSpeedMaxMps = 50.0;
+constexpr double kYawRateMaxRadps = 20.0;
+
+/// A name that no body has yet: it is a channel's suffix and a mocap subject at once.
+void check_name(Mapping& from, const std::string& name, const Scenario& scenario) {
+  if (!is_channel_suffix(name)) {
+    from.refuse("name", "must be of A-Z and 0-9 only, is '" + name + "'");
+  }
+  const auto has_name = [&](const auto& body) { return body.name == name; };
+  if (std::any_of(scenario.robots.begin(), scenario.robots.end(), has_name) ||
+      std::any_of(scenario.targets.begin(), scenario.targets.end(), has_name)) {
+    from.refuse("name", "is taken: a robot or target before is called " + name);
+  }
+}
+
+void read_pose(Mapping& from, Pose2& pose) {
+  from.require("x_m");
+  from.require("y_m");
+  from.number("x_m", pose.x_m, from_to(-kLengthMaxM, kLengthMaxM));
+  from.number("y_m", pose.y_m, from_to(-kLengthMaxM, kLengthMaxM));
+  from.angle("yaw", pose.yaw_rad, from_to(-360.0, 360.0));
+  pose.yaw_rad = wrap_to_pi(pose.yaw_rad);
+}
+
+/// Refuses a start whose disc of `clearance_needed_m` touches a wall or an obstacle.
+void check_start(Mapping& from, const models::World& world, const Pose2& start,
+                 double clearance_needed_m) {
+  const Eigen::Vector2d position_m = start.position_m();
+  const std::string at = fmt::format("({}, {}) m", start.x_m, start.y_m);
+  if (!world.bounds.contains(position_m)) {
+    from.refuse("start", at + " is outside world.bounds");
+  }
+  const double clearance_m = models::clearance_m(world, position_m);
+  if (clearance_m < 0.0) {
+    from.refuse("start", at + " is inside an obstacle");
+  }
+  if (clearance_m < clearance_needed_m) {
+    from.refuse("start", fmt::format("must be at least {} m from obstacles and walls, {} is {:.3g}",
+                                     clearance_needed_m, at, clearance_m));
+  }
+}
+
+void check_sensor(Mapping& from, const SensorModel& sensor) {
+  if (sensor.range_min_m >= sensor.range_max_m) {
+    from.refuse("range_min_m", fmt::format("must be below range_max_m, {}, is {}",
+                                           sensor.range_max_m, sensor.range_min_m));
+  }
+  const bool has_bearing =
+      sensor.kind == SensorKind::kBearing || sensor.kind == SensorKind::kRangeBearing;
+  if (has_bearing && sensor.range_min_m <= 0.0) {
+    // What a bearing tells grows as 1/r²: without a least range its bound is infinite.
+    from.refuse("range_min_m", "must be above 0 for a sensor that measures bearings, is 0");
+  }
+}
+
+void read_sensor(Mapping& from, SensorModel& sensor) {
+  from.word("kind", sensor.kind,
+            {{"position", SensorKind::kPosition},
+             {"range", SensorKind::kRange},
+             {"bearing", SensorKind::kBearing},
+             {"range_bearing", SensorKind::kRangeBearing},
+             {"camera", SensorKind::kCamera}});
+  from.number("range_max_m", sensor.range_max_m, above_to(0.0, kLengthMaxM));
+  from.number("range_min_m", sensor.range_min_m, at_least(0.0));
+  from.angle("fov", sensor.fov_rad, above_to(0.0, 360.0));
+  from.number("range_sigma_m", sensor.range_sigma_m, above(0.0));
+  from.angle("bearing_sigma", sensor.bearing_sigma_rad, above_to(0.0, 180.0));
+  from.number("position_sigma_m", sensor.position_sigma_m, above(0.0));
+  from.number("pixel_sigma", sensor.pixel_sigma, above(0.0));
+  from.number("focal_length_pixels", sensor.focal_length_pixels, above(0.0));
+  from.angle("camera_tilt", sensor.camera_tilt_rad, from_to(0.0, 90.0));
+  from.number("depth_min_m", sensor.depth_min_m, above(0.0));
+  from.flag("variance_grows_with_range", sensor.variance_grows_with_range);
+  from.number("variance_floor", sensor.variance_floor, above_to(0.0, 1.0));
+  from.section("calibration", [&](Mapping& calibration) {
+    calibration.number("range_scale", sensor.calibration.range_scale, above(0.0));
+    calibration.number("range_bias_m", sensor.calibration.range_bias_m, any_number());
+  });
+  check_sensor(from, sensor);
+}
+
+void read_limits(Mapping& from, models::VehicleLimits& limits) {
+  from.number("speed_max_mps", limits.speed_max_mps, above_to(0.0, kSpeedMaxMps));
+  from.number("yaw_rate_max_radps", limits.yaw_rate_max_radps, above_to(0.0, kYawRateMaxRadps));
+  from.number("brake_mps2", limits.brake_mps2, above(0.0));
+  from.number("radius_m", limits.radius_m, above(0.0));
+}
+
+void read_primitives(Mapping& from, const models::VehicleLimits& limits,
+                     std::vector<models::UnicycleControl>& primitives) {
+  const std::optional<Value> value = from.find_required("primitives");
+  if (!value) {
+    return;
+  }
+  if (!value->node.IsSequence()) {
+    enum class Named { kStandard, kLab };
+    const Named name = value->word<Named>({{"standard", Named::kStandard}, {"lab", Named::kLab}});
+    primitives =
+        name == Named::kStandard ? models::standard_primitives() : models::lab_primitives();
+  }
+  for (const Value& item : value->node.IsSequence() ? value->items() : std::vector<Value>()) {
+    read_mapping({item}, [&](Mapping& primitive) {
+      models::UnicycleControl control;
+      primitive.require("speed_mps");
+      primitive.require("yaw_rate_radps");
+      primitive.number("speed_mps", control.speed_mps, at_least(0.0));
+      primitive.number("yaw_rate_radps", control.yaw_rate_radps, any_number());
+      primitives.push_back(control);
+    });
+  }
+  if (primitives.empty() || primitives.size() > kPrimitivesMax) {
+    value->refuse(fmt::format("must hold at least 1 and at most {} primitives, holds {}",
+                              kPrimitivesMax, primitives.size()));
+  }
+  for (const models::UnicycleControl& control : primitives) {
+    if (control.speed_mps > limits.speed_max_mps) {
+      value->refuse(fmt::format("speed_mps must be at most limits.speed_max_mps, {}, is {}",
+                                limits.speed_max_mps, control.speed_mps));
+    }
+    if (std::abs(control.yaw_rate_radps) > limits.yaw_rate_max_radps) {
+      value->refuse(
+          fmt::format("yaw_rate_radps must be at most limits.yaw_rate_max_radps, {}, either way; "
+                      "is {}",
+                      limits.yaw_rate_max_radps, control.yaw_rate_radps));
+    }
+  }
+}
+
+void read_energy(Mapping& from, const models::World& world, EnergySpec& energy) {
+  from.number("price_nats", energy.price_nats, at_least(0.0));
+  from.number("rest_cost", energy.rest_cost, at_least(0.0));
+  from.number("turn_cost", energy.turn_cost, at_least(0.0));
+  from.number("move_cost", energy.move_cost, at_least(0.0));
+  if (const std::optional<Value> regions = from.find("regions")) {
+    for (const Value& item : regions->items()) {
+      const std::string name = item.text();
+      const auto has_name = [&](const models::Region& region) { return region.name == name; };
+      if (std::none_of(world.regions.begin(), world.regions.end(), has_name)) {
+        item.refuse("must be the name of one of world.regions, is '" + name + "'");
+      }
+      energy.regions.push_back(name);
+    }
+  }
+}
+
+void read_battery(Mapping& from, BatterySpec& battery) {
+  constexpr int kCellsMax = 14;
+  constexpr double kCellMaxV = 5.0;
+  from.require("cells");
+  from.integer("cells", battery.cells, 1, kCellsMax);
+  from.number("empty_v", battery.empty_v, above_to(0.0, kCellMaxV));
+  from.number("full_v", battery.full_v, above_to(0.0, kCellMaxV));
+  if (battery.full_v <= battery.empty_v) {
+    from.refuse("full_v", fmt::format("must be above empty_v, {}, is {}; volts of one cell",
+                                      battery.empty_v, battery.full_v));
+  }
+}
+
+void read_autopilot(Mapping& from, AutopilotSpec& autopilot) {
+  constexpr int kSystemIdMax = 255;
+  from.require("dialect");
+  from.require("url");
+  from.word("dialect", autopilot.dialect,
+            {{"px4", models::AutopilotDialect::kPx4},
+             {"ardupilot", models::AutopilotDialect::kArdupilot}});
+  from.text("url", autopilot.url);
+  from.integer("system_id", autopilot.system_id, 0, kSystemIdMax);
+  from.text("key_file", autopilot.key_file);
+  from.word("parameters", autopilot.parameters,
+            {{"verify", ParameterPolicy::kVerify},
+             {"warn", ParameterPolicy::kWarn},
+             {"ignore", ParameterPolicy::kIgnore}});
+  from.section("battery",
+               [&](Mapping& battery) { read_battery(battery, autopilot.battery.emplace()); });
+  const bool is_known = autopilot.url.empty() || autopilot.url.starts_with("udp://") ||
+                        autopilot.url.starts_with("udpout://") ||
+                        autopilot.url.starts_with("serial:");
+  if (!is_known) {
+    from.refuse("url", "must begin with udp://, udpout:// or serial:, is '" + autopilot.url + "'");
+  }
+}
+
+void read_firmware(Mapping& from, FirmwareSpec& firmware) {
+  constexpr int kInstanceMax = 99;
+  from.text("binary", firmware.binary);
+  from.text("parameters", firmware.parameters);
+  from.text("serial", firmware.serial);
+  int instance = -1;
+  from.integer("instance", instance, 0, kInstanceMax);
+  if (instance >= 0) {
+    firmware.instance = instance;
+  }
+  if (!firmware.serial.empty() && !firmware.binary.empty()) {
+    from.refuse("serial", "is of a board, which runs its own firmware: leave `binary` out");
+  }
+}
+
+void read_rover(Mapping& from, RoverSpec& rover) {
+  constexpr int kNumberMax = 65535;
+  from.require("url");
+  from.text("url", rover.url);
+  from.integer("number", rover.number, 1, kNumberMax);
+  if (!rover.url.starts_with("udp://") && !rover.url.starts_with("udpout://")) {
+    from.refuse("url", "must begin with udp:// or udpout://, is '" + rover.url + "'");
+  }
+}
+
+Eigen::Vector3d start_in_space_m(const RobotSpec& robot) {
+  return {robot.start.x_m, robot.start.y_m, robot.height_m};
+}
+
+/// The planner keeps separation_m between any two vehicles from the first instant on.
+void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& scenario) {
+  for (const RobotSpec& other : scenario.robots) {
+    const double separation_m = scenario.planner.separation_m;
+    const double radii_m = robot.limits.radius_m + other.limits.radius_m;
+    if (separation_m < radii_m) {
+      from.refuse("limits",
+                  fmt::format("planner.separation_m must be at least the radii of {} and {}, {} m "
+                              "together; is {}",
+                              other.name, robot.name, radii_m, separation_m));
+    }
+    const double distance_m = (start_in_space_m(robot) - start_in_space_m(other)).norm();
+    if (distance_m < separation_m) {
+      from.refuse("start", fmt::format("must be at least planner.separation_m, {} m, from the "
+                                       "start of {}; is {:.3g}",
+                                       separation_m, other.name, distance_m));
+    }
+  }
+}
+
+void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
+  from.require("name");
+  from.require("start");
+  from.text("name", robot.name);
+  check_name(from, robot.name, scenario);
+  from.section("start", [&](Mapping& start) { read_pose(start, robot.start); });
+  from.number("height_m", robot.height_m, above(0.0));
+  from.section("limits", [&](Mapping& limits) { read_limits(limits, robot.limits); });
+  read_primitives(from, robot.limits, robot.primitives);
+  from.require("sensor");
+  from.section("sensor", [&](Mapping& sensor) { read_sensor(sensor, robot.sensor); });
+  from.section("energy",
+               [&](Mapping& energy) { read_energy(energy, scenario.world, robot.energy); });
+  read_device(from, robot.device);
+  from.section("autopilot",
+               [&](Mapping& autopilot) { read_autopilot(autopilot, robot.autopilot.emplace()); });
+  from.section("firmware",
+               [&](Mapping& firmware) { read_firmware(firmware, robot.firmware.emplace()); });
+  if (robot.firmware && !robot.autopilot) {
+    from.refuse("firmware", "needs an `autopilot`, whose dialect says which firmware it is");
+  }
+  if (robot.firmware && robot.device != DeviceSource::kWire) {
+    from.refuse("firmware", "flies a simulated vehicle: it needs device 'wire'");
+  }
+  if (robot.device == DeviceSource::kReal && robot.autopilot && robot.autopilot->system_id == 0) {
+    from.refuse("autopilot",
+                "must say the system_id, 1 to 255, of a real vehicle: 0 would fly "
+                "whichever speaks first");
+  }
+  from.section("rover", [&](Mapping& rover) { read_rover(rover, robot.rover.emplace()); });
+  if (robot.rover && robot.autopilot) {
+    from.refuse("rover", "a robot has an autopilot or is a rover, not both");
+  }
+  from.finish();
+
+  if (robot.height_m >= scenario.world.ceiling_m) {
+    from.refuse("height_m", fmt::format("must be below world.ceiling_m, {}, is {}",
+                                        scenario.world.ceiling_m, robot.height_m));
+  }
+  if (robot.height_m + robot.limits.radius_m > scenario.world.ceiling_m) {
+    from.refuse(
+        "height_m",
+        fmt::format("must be at most world.ceiling_m, {}, less the robot's radius_m, {}: it "
+                    "would touch the ceiling; is {}",
+                    scenario.world.ceiling_m, robot.limits.radius_m, robot.height_m));
+  }
+  check_start(from, scenario.world, robot.start,
+              robot.limits.radius_m + scenario.planner.obstacle_margin_m);
+  check_separation(from, robot, scenario);
+}
+
+void read_target(Mapping& from, const Scenario& scenario, TargetSpec& target) {
+  from.text("name", target.name);
+  check_name(from, target.name, scenario);
+  from.integer("id", target.id, 0, kTargetsMax - 1);
+  from.number("radius_m", target.radius_m, above_to(0.0, kLengthMaxM));
+  from.section("start", [&](Mapping& start) { read_pose(start, target.start.emplace()); });
+  from.finish();
+
+  const auto has_id = [&](const TargetSpec& other) { return other.id == target.id; };
+  if (std::any_of(scenario.targets.begin(), scenario.targets.end(), has_id)) {
+    from.refuse("id", fmt::format("is taken: a target before has the id {}", target.id));
+  }
+  if (target.start) {
+    check_start(from, scenario.world, *target.start, target.radius_m);
+  }
+}
+
+void read_target_count(Mapping& from, Scenario& scenario) {
+  int count = 0;
+  std::string prefix = "T";
+  double radius_m = TargetSpec{}.radius_m;
+  from.require("count");
+  from.integer("count", count, 1, kTargetsMax);
+  from.text("name_prefix", prefix);
+  from.number("radius_m", radius_m, above_to(0.0, kLengthMaxM));
+  for (int id = 0; id < count; ++id) {
+    TargetSpec target{.name = prefix + std::to_string(id + 1),
+                      .id = id,
+                      .start = std::nullopt,
+                      .radius_m = radius_m};
+    if (!is_channel_suffix(target.name)) {
+      from.refuse("name_prefix", "must be of A-Z and 0-9 only, is '" + prefix + "'");
+    }
+    if (scenario.find_robot(target.name) != nullptr) {
+      from.refuse("name_prefix", "makes the name " + target.name + ", which is a robot's");
+    }
+    scenario.targets.push_back(std::move(target));
+  }
+}
+
+}  // namespace
+
+bool is_channel_suffix(const std::string& name) {
+  return std::all_of(name.begin(), name.end(),
+                     [](char c) { return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); });
+}
+
+void read_device(Mapping& from, DeviceSource& device) {
+  from.word("device", device,
+            {{"direct", DeviceSource::kDirect},
+             {"wire", DeviceSource::kWire},
+             {"real", DeviceSource::kReal}});
+}
+
+void read_robots(Mapping& top, Scenario& scenario) {
+  const std::optional<Value> defaults = top.find("robot_defaults");
+  const std::optional<Value> list = top.find_required("robots");
+  const std::vector<Value> items = list ? list->items() : std::vector<Value>();
+  if (list && (items.empty() || items.size() > kRobotsMax)) {
+    list->refuse(fmt::format("must list at least 1 and at most {} robots, lists {}", kRobotsMax,
+                             items.size()));
+  }
+  for (const Value& item : items) {
+    std::vector<Value> layers{item};
+    if (defaults) {
+      layers.push_back(*defaults);
+    }
+    RobotSpec robot;
+    read_mapping(layers, [&](Mapping& from) { read_robot(from, scenario, robot); });
+    scenario.robots.push_back(std::move(robot));
+  }
+}
+
+void read_targets(Mapping& top, Scenario& scenario) {
+  // Who maps needs none.
+  const std::optional<Value> targets = scenario.planner.objective == PlanObjective::kMapping
+                                           ? top.find("targets")
+                                           : top.find_required("targets");
+  if (!targets) {
+    return;
+  }
+  if (targets->node.IsMap()) {
+    read_mapping({*targets}, [&](Mapping& from) { read_target_count(from, scenario); });
+    return;
+  }
+  const std::vector<Value> items = targets->items();
+  if (items.empty() || items.size() > kTargetsMax) {
+    targets->refuse(fmt::format("must list at least 1 and at most {} targets, lists {}",
+                                kTargetsMax, items.size()));
+  }
+  for (const Value& item : items) {
+    TargetSpec target;
+    target.id = static_cast<int>(scenario.targets.size());
+    target.name = fmt::format("T{}", target.id + 1);
+    read_mapping({item}, [&](Mapping& from) { read_target(from, scenario, target); });
+    scenario.targets.push_back(std::move(target));
+  }
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (scenario.targets[i].id >= static_cast<int>(items.size())) {
+      items[i].refuse(fmt::format("id must be at most {}, one less than there are targets; is {}",
+                                  items.size() - 1, scenario.targets[i].id));
+    }
+  }
+}
+
+}  // namespace vantage::scenario

@@ -1,0 +1,318 @@
+#include "scenario/reader/scenario_yaml.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "scenario/reader/scenario_agents_yaml.hpp"
+#include "scenario/reader/scenario_attacks_yaml.hpp"
+#include "scenario/reader/scenario_hosts_yaml.hpp"
+#include "scenario/reader/scenario_mapping_yaml.hpp"
+#include "scenario/reader/scenario_mocap_yaml.hpp"
+#include "scenario/reader/yaml_document.hpp"
+#include "scenario/reader/yaml_mapping.hpp"
+
+namespace vantage::scenario {
+namespace {
+
+constexpr double kDurationMaxS = 86'400.0;
+constexpr double kGridCellsMax = 4e6;
+
+void read_rectangle(Mapping& from, models::Rectangle& rectangle) {
+  const Range coordinate = from_to(-kLengthMaxM, kLengthMaxM);
+  const std::optional<Value> min = from.find_required("min_m");
+  const std::optional<Value> max = from.find_required("max_m");
+  if (!min || !max) {
+    return;
+  }
+  rectangle.min_m = min->point(coordinate);
+  rectangle.max_m = max->point(coordinate);
+  if (!(rectangle.min_m.array() < rectangle.max_m.array()).all()) {
+    max->refuse(fmt::format("must be above min_m, [{}, {}], in x and in y; is [{}, {}]",
+                            rectangle.min_m.x(), rectangle.min_m.y(), rectangle.max_m.x(),
+                            rectangle.max_m.y()));
+  }
+}
+
+void read_footprint(Mapping& from, models::Rectangle& footprint, const models::World& world) {
+  from.require("footprint");
+  from.section("footprint", [&](Mapping& rectangle) { read_rectangle(rectangle, footprint); });
+  from.finish();
+  if ((footprint.max_m.array() <= world.bounds.min_m.array()).any() ||
+      (footprint.min_m.array() >= world.bounds.max_m.array()).any()) {
+    from.refuse("footprint", "is wholly outside world.bounds");
+  }
+}
+
+void read_world(Mapping& from, models::World& world) {
+  from.require("bounds");
+  from.section("bounds", [&](Mapping& bounds) { read_rectangle(bounds, world.bounds); });
+  from.number("ceiling_m", world.ceiling_m, above_to(0.0, kLengthMaxM));
+  from.expect({"obstacles", "regions"});
+  from.finish();
+  if (const std::optional<Value> obstacles = from.find("obstacles")) {
+    for (const Value& item : obstacles->items()) {
+      read_mapping({item}, [&](Mapping& obstacle) {
+        models::Obstacle box;
+        obstacle.number("height_m", box.height_m, above_to(0.0, kLengthMaxM));
+        read_footprint(obstacle, box.footprint, world);
+        world.obstacles.push_back(box);
+      });
+    }
+  }
+  if (const std::optional<Value> regions = from.find("regions")) {
+    for (const Value& item : regions->items()) {
+      read_mapping({item}, [&](Mapping& region) {
+        models::Region part;
+        region.require("name");
+        region.text("name", part.name);
+        region.number("cost_per_step", part.cost_per_step, at_least(0.0));
+        read_footprint(region, part.footprint, world);
+        world.regions.push_back(part);
+      });
+    }
+  }
+}
+
+void read_target_truth(Mapping& from, TargetTruthSpec& truth) {
+  from.word("motion", truth.motion,
+            {{"random_waypoint", TargetMotion::kRandomWaypoint},
+             {"double_integrator", TargetMotion::kDoubleIntegrator},
+             {"still", TargetMotion::kStill}});
+  from.number("speed_min_mps", truth.speed_min_mps, above(0.0));
+  from.number("speed_max_mps", truth.speed_max_mps, above(0.0));
+  from.number("pause_max_s", truth.pause_max_s, from_to(0.0, kDurationMaxS));
+  from.number("acceleration_q", truth.acceleration_q, at_least(0.0));
+  if (truth.speed_min_mps > truth.speed_max_mps) {
+    from.refuse("speed_min_mps", fmt::format("must be at most speed_max_mps, {}, is {}",
+                                             truth.speed_max_mps, truth.speed_min_mps));
+  }
+}
+
+void read_target_model(Mapping& from, models::TargetModel& model) {
+  using models::TargetKind;
+  from.word("kind", model.kind,
+            {{"static", TargetKind::kStatic},
+             {"random_walk", TargetKind::kRandomWalk},
+             {"double_integrator", TargetKind::kDoubleIntegrator},
+             {"growing_uncertainty", TargetKind::kGrowingUncertainty}});
+  from.integer("position_dim", model.position_dim, 2, 3);
+  from.number("q", model.q, at_least(0.0));
+  if (model.kind == TargetKind::kDoubleIntegrator && model.position_dim != 2) {
+    from.refuse("position_dim", "must be 2 for a double integrator, is 3");
+  }
+}
+
+void check_grid(Mapping& from, const models::World& world, const EstimatorSpec& estimator) {
+  const Eigen::Vector2d size_m = world.bounds.max_m - world.bounds.min_m;
+  const double cells = (size_m / estimator.grid_resolution_m).array().ceil().prod();
+  if (cells > kGridCellsMax) {
+    from.refuse("grid_resolution_m",
+                fmt::format("must cut world.bounds into at most {} cells, {} makes {:.3g}",
+                            kGridCellsMax, estimator.grid_resolution_m, cells));
+  }
+}
+
+void read_estimator(Mapping& from, const models::World& world, EstimatorSpec& estimator) {
+  from.section("target_model",
+               [&](Mapping& model) { read_target_model(model, estimator.target_model); });
+  from.number("prior_position_sigma_m", estimator.prior_position_sigma_m, above(0.0));
+  from.number("prior_velocity_sigma_mps", estimator.prior_velocity_sigma_mps, above(0.0));
+  from.number("undiscovered_position_sigma_m", estimator.undiscovered_position_sigma_m, above(0.0));
+  from.number("grid_resolution_m", estimator.grid_resolution_m, above(0.0));
+  from.number("grid_memory_s", estimator.grid_memory_s, from_to(-1.0, kDurationMaxS));
+  from.number("gate_sigma", estimator.gate_sigma, at_least(0.0));
+  // At 1 a look that finds nothing would be proof, and its logarithm infinite.
+  from.number("detection_probability", estimator.detection_probability, from_below(0.0, 1.0));
+  from.flag("targets_stay_inside", estimator.targets_stay_inside);
+  check_grid(from, world, estimator);
+}
+
+void read_exploration(Mapping& from, models::ExplorationSpec& exploration) {
+  from.number("landmark_sigma_m", exploration.landmark_sigma_m, above(0.0));
+  from.number("landmark_spacing_m", exploration.landmark_spacing_m, above(0.0));
+  from.integer("landmarks_max", exploration.landmarks_max, 0, 1000);
+}
+
+void check_round(Mapping& from, const PlannerSpec& planner) {
+  if (planner.execute_steps > planner.horizon_steps) {
+    from.refuse("execute_steps", fmt::format("must be at most horizon_steps, {}, is {}",
+                                             planner.horizon_steps, planner.execute_steps));
+  }
+  const double round_s = planner.execute_steps * planner.step_s;
+  if (planner.publish_margin_s + planner.team_budget_s > round_s) {
+    from.refuse("team_budget_s",
+                fmt::format("must fit with publish_margin_s, {}, into a round of execute_steps · "
+                            "step_s = {} s; is {}",
+                            planner.publish_margin_s, round_s, planner.team_budget_s));
+  }
+}
+
+void check_team(Mapping& from, const PlannerSpec& planner) {
+  if (planner.team_algorithm != TeamAlgorithm::kLocalSearch) {
+    return;
+  }
+  if (planner.objective != PlanObjective::kTracking) {
+    from.refuse("team_algorithm", "local_search needs objective: tracking");
+  }
+  if (planner.algorithm != PlanAlgorithm::kArvi && planner.algorithm != PlanAlgorithm::kRvi) {
+    from.refuse("algorithm", fmt::format("must be arvi or rvi, which make the candidates of "
+                                         "team_algorithm: local_search; is {}",
+                                         name_of(planner.algorithm)));
+  }
+  if (planner.attacks_max > 0) {
+    from.refuse("attacks_max", fmt::format("must be 0 with team_algorithm: local_search, is {}",
+                                           planner.attacks_max));
+  }
+}
+
+void read_planner(Mapping& from, PlannerSpec& planner) {
+  from.word("objective", planner.objective,
+            {{"tracking", PlanObjective::kTracking}, {"mapping", PlanObjective::kMapping}});
+  from.word("algorithm", planner.algorithm,
+            {{"arvi", PlanAlgorithm::kArvi},
+             {"beam", PlanAlgorithm::kBeam},
+             {"rvi", PlanAlgorithm::kRvi},
+             {"greedy", PlanAlgorithm::kGreedy},
+             {"random_walk", PlanAlgorithm::kRandomWalk},
+             {"lawn_mower", PlanAlgorithm::kLawnMower}});
+  from.integer("horizon_steps", planner.horizon_steps, 1, 100);
+  from.number("step_s", planner.step_s, from_to(0.01, 60.0));
+  from.integer("execute_steps", planner.execute_steps, 1, 100);
+  from.number("team_budget_s", planner.team_budget_s, above(0.0));
+  from.number("publish_margin_s", planner.publish_margin_s, at_least(0.0));
+  if (const std::optional<Value> nodes = from.find("node_budget")) {
+    planner.node_budget = nodes->integer(0, std::numeric_limits<std::int64_t>::max());
+  }
+  from.number("epsilon_initial", planner.epsilon_initial, at_least(0.0));
+  from.number("delta_initial_m", planner.delta_initial_m, at_least(0.0));
+  from.number("yaw_weight_m_per_rad", planner.yaw_weight_m_per_rad, at_least(0.0));
+  from.word("team_algorithm", planner.team_algorithm,
+            {{"coordinate_descent", TeamAlgorithm::kCoordinateDescent},
+             {"local_search", TeamAlgorithm::kLocalSearch}});
+  from.integer("candidates_max", planner.candidates_max, 1, 10'000);
+  from.integer("attacks_max", planner.attacks_max, 0, 1000);
+  from.number("separation_m", planner.separation_m, above_to(0.0, kLengthMaxM));
+  from.number("obstacle_margin_m", planner.obstacle_margin_m, from_to(0.0, kLengthMaxM));
+  from.number("tracking_tolerance_m", planner.tracking_tolerance_m, above_to(0.0, kLengthMaxM));
+  from.section("exploration",
+               [&](Mapping& exploration) { read_exploration(exploration, planner.exploration); });
+  check_round(from, planner);
+  check_team(from, planner);
+}
+
+void read_network(Mapping& from, NetworkSpec& network) {
+  from.number("communication_range_m", network.communication_range_m, from_to(-1.0, kLengthMaxM));
+  from.text("url", network.url);
+  constexpr std::array<std::string_view, 2> kSchemes = {"udpm://", "memq://"};
+  const bool is_known = std::any_of(kSchemes.begin(), kSchemes.end(), [&](std::string_view scheme) {
+    return network.url.rfind(scheme, 0) == 0;
+  });
+  if (!is_known) {
+    from.refuse("url", "must begin with udpm:// or memq://, is '" + network.url + "'");
+  }
+}
+
+void read_security(Mapping& from, SecuritySpec& security) {
+  from.require("mode");
+  from.word("mode", security.mode,
+            {{"off", SecurityMode::kOff},
+             {"warn", SecurityMode::kWarn},
+             {"require", SecurityMode::kRequire}});
+  from.text("keys", security.keys);
+  if (security.mode != SecurityMode::kOff && security.keys.empty()) {
+    from.refuse("keys", "must name the folder that `vantage keys new` made");
+  }
+}
+
+/// The name becomes part of the names of logs.
+void read_name(Mapping& top, std::string& name) {
+  top.text("name", name);
+  const bool is_file_name = std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '_';
+  });
+  if (!is_file_name) {
+    top.refuse("name", "must be of letters, digits, - and _ only, is '" + name + "'");
+  }
+}
+
+void read_wind(Mapping& from, WindSpec& wind) {
+  constexpr double kWindMaxMps = 30.0;
+  from.number("x_mps", wind.x_mps, from_to(-kWindMaxMps, kWindMaxMps));
+  from.number("y_mps", wind.y_mps, from_to(-kWindMaxMps, kWindMaxMps));
+  from.number("gust_sigma_mps", wind.gust_sigma_mps, from_to(0.0, kWindMaxMps));
+}
+
+void read_scenario(Mapping& top, Scenario& scenario) {
+  top.expect({"name", "duration_s", "seed", "world", "robot_defaults", "robots", "targets",
+              "target_truth", "estimator", "planner", "mapping", "network", "mocap", "attacks",
+              "hosts", "wind", "security"});
+  for (const char* key : {"name", "world", "robots"}) {
+    top.require(key);
+  }
+  top.finish();
+
+  read_name(top, scenario.name);
+  top.number("duration_s", scenario.duration_s, above_to(0.0, kDurationMaxS));
+  if (const std::optional<Value> seed = top.find("seed")) {
+    scenario.seed = seed->unsigned_integer();
+  }
+  top.section("world", [&](Mapping& from) { read_world(from, scenario.world); });
+  top.section("wind", [&](Mapping& from) { read_wind(from, scenario.wind.emplace()); });
+  top.section("planner", [&](Mapping& from) { read_planner(from, scenario.planner); });
+  read_mapping_spec(top, scenario);
+  read_robots(top, scenario);
+  read_targets(top, scenario);
+  top.section("target_truth",
+              [&](Mapping& from) { read_target_truth(from, scenario.target_truth); });
+  const bool has_estimator = top.section("estimator", [&](Mapping& from) {
+    read_estimator(from, scenario.world, scenario.estimator);
+  });
+  if (!has_estimator) {
+    check_grid(top, scenario.world, scenario.estimator);
+  }
+  top.section("network", [&](Mapping& from) { read_network(from, scenario.network); });
+  top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
+  top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
+  read_attacks(top, scenario);
+  read_hosts(top, scenario);
+}
+
+}  // namespace
+
+Scenario load_scenario(const std::string& path) {
+  return parse_scenario(read_text_file(path), path);
+}
+
+Scenario parse_scenario(const std::string& yaml, const std::string& name) {
+  Scenario scenario;
+  scenario.source_text = yaml;
+  read_mapping({parse_document(yaml, name)}, [&](Mapping& top) { read_scenario(top, scenario); });
+  return scenario;
+}
+
+int line_of_key(const std::string& text, const std::string& path) {
+  YAML::Node node = YAML::Load(text);
+  std::istringstream keys(path);
+  int line = 0;
+  for (std::string key; node.IsMap() && std::getline(keys, key, '.');) {
+    YAML::Node next;
+    for (const auto& entry : node) {
+      if (entry.first.Scalar() == key) {
+        line = line_of(entry.first, line);
+        next.reset(entry.second);
+      }
+    }
+    node.reset(next);
+  }
+  return line;
+}
+
+}  // namespace vantage::scenario

@@ -1,0 +1,191 @@
+#include "scenario/reader/yaml_mapping.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/angle.hpp"
+
+namespace vantage::scenario {
+namespace {
+
+Value child(const Value& parent, const std::string& key, const YAML::Node& key_node,
+            const YAML::Node& node) {
+  return {node, parent.file, parent.path.empty() ? key : parent.path + "." + key,
+          line_of(key_node, parent.line)};
+}
+
+/// yaml-cpp keeps both of two equal keys and answers with the first; nobody means that.
+void check_keys(const Value& mapping) {
+  if (!mapping.node.IsMap()) {
+    mapping.refuse(mapping.node.IsNull() ? "has no value; expected a mapping of keys to values"
+                                         : "must be a mapping of keys to values");
+  }
+  std::map<std::string, int> first_line;
+  for (const auto& entry : mapping.node) {
+    if (!entry.first.IsScalar()) {
+      Value key = mapping;
+      key.line = line_of(entry.first, mapping.line);
+      key.refuse("every key must be a word");
+    }
+    const std::string& key = entry.first.Scalar();
+    const Value value = child(mapping, key, entry.first, entry.second);
+    const auto [first, is_new] = first_line.emplace(key, value.line);
+    if (!is_new) {
+      value.refuse(fmt::format("duplicate key, first given on line {}", first->second));
+    }
+  }
+}
+
+}  // namespace
+
+Mapping::Mapping(std::vector<Value> layers) : layers_(std::move(layers)) {
+  for (const Value& layer : layers_) {
+    check_keys(layer);
+  }
+}
+
+void Mapping::know(std::string_view key) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) {
+    known_.emplace_back(key);
+  }
+}
+
+std::optional<Value> Mapping::find_in(const Value& layer, std::string_view key) {
+  know(key);
+  for (const auto& entry : layer.node) {
+    if (entry.first.Scalar() == key) {
+      Value value = child(layer, std::string(key), entry.first, entry.second);
+      if (entry.second.IsNull()) {
+        value.refuse("has no value");
+      }
+      return value;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Value> Mapping::find(std::string_view key) {
+  for (const Value& layer : layers_) {
+    if (std::optional<Value> value = find_in(layer, key)) {
+      return value;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Value> Mapping::find_required(std::string_view key) {
+  std::optional<Value> value = find(key);
+  if (!value) {
+    missing_.emplace_back(key);
+  }
+  return value;
+}
+
+void Mapping::expect(std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    know(key);
+  }
+}
+
+void Mapping::require(std::string_view key) { static_cast<void>(find_required(key)); }
+
+void Mapping::number(std::string_view key, double& value, const Range& range) {
+  if (const std::optional<Value> found = find(key)) {
+    value = found->number(range);
+  }
+}
+
+void Mapping::angle(std::string_view stem, double& value_rad, const Range& range_deg) {
+  const std::string in_rad = std::string(stem) + "_rad";
+  const std::string in_deg = std::string(stem) + "_deg";
+  know(in_rad);
+  know(in_deg);
+  for (const Value& layer : layers_) {
+    const std::optional<Value> rad = find_in(layer, in_rad);
+    const std::optional<Value> deg = find_in(layer, in_deg);
+    if (rad && deg) {
+      (rad->line > deg->line ? *rad : *deg)
+          .refuse(fmt::format("given twice, as {} and as {}; keep one", in_rad, in_deg));
+    }
+    if (rad) {
+      value_rad = rad->number(range_deg.scaled(kPi / 180.0));
+      return;
+    }
+    if (deg) {
+      value_rad = radians(deg->number(range_deg));
+      return;
+    }
+  }
+}
+
+void Mapping::integer(std::string_view key, int& value, int min, int max) {
+  if (const std::optional<Value> found = find(key)) {
+    value = static_cast<int>(found->integer(min, max));
+  }
+}
+
+void Mapping::flag(std::string_view key, bool& value) {
+  if (const std::optional<Value> found = find(key)) {
+    value = found->flag();
+  }
+}
+
+void Mapping::text(std::string_view key, std::string& value) {
+  if (const std::optional<Value> found = find(key)) {
+    value = found->text();
+  }
+}
+
+bool Mapping::section(std::string_view key, const std::function<void(Mapping&)>& read) {
+  std::vector<Value> sections;
+  for (const Value& layer : layers_) {
+    if (std::optional<Value> value = find_in(layer, key)) {
+      sections.push_back(std::move(*value));
+    }
+  }
+  if (sections.empty()) {
+    return false;
+  }
+  read_mapping(std::move(sections), read);
+  return true;
+}
+
+void Mapping::refuse(std::string_view key, const std::string& what) {
+  if (const std::optional<Value> value = find(key)) {
+    value->refuse(what);
+  }
+  layers_.front().refuse(fmt::format("{}: {}", key, what));
+}
+
+void Mapping::finish() {
+  const std::vector<std::string_view> known(known_.begin(), known_.end());
+  for (const Value& layer : layers_) {
+    for (const auto& entry : layer.node) {
+      const std::string& key = entry.first.Scalar();
+      if (std::find(known_.begin(), known_.end(), key) != known_.end()) {
+        continue;
+      }
+      const Value value = child(layer, key, entry.first, entry.second);
+      const std::string nearest = nearest_word(key, known);
+      if (nearest.empty()) {
+        value.refuse("unknown key; known here are " + comma_separated(known));
+      }
+      value.refuse(fmt::format("unknown key{}; did you mean {}?",
+                               differs_in_unit(key, nearest) ? ", wrong unit" : "", nearest));
+    }
+  }
+  if (!missing_.empty()) {
+    layers_.front().refuse("missing required key " + missing_.front());
+  }
+}
+
+void read_mapping(std::vector<Value> layers, const std::function<void(Mapping&)>& read) {
+  Mapping mapping(std::move(layers));
+  read(mapping);
+  mapping.finish();
+}
+
+}  // namespace vantage::scenario

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenario/reader/yaml_value.hpp"
+
+namespace vantage::scenario {
+
+/// The keys of one mapping of the file, read one by one; in layers, the first of which wins key by
+/// key and, for mappings within, again key by key. That is how robot_defaults come to lie under
+/// every robot while each value keeps the line that it was written on.
+///
+/// A key that is absent leaves the variable as it is. Make one by read_mapping().
+class Mapping {
+ public:
+  void number(std::string_view key, double& value, const Range& range);
+  /// Reads `<stem>_rad` or `<stem>_deg`, of which at most one may stand in a layer.
+  void angle(std::string_view stem, double& value_rad, const Range& range_deg);
+  void integer(std::string_view key, int& value, int min, int max);
+  void flag(std::string_view key, bool& value);
+  void text(std::string_view key, std::string& value);
+  template <class Enum>
+  void word(std::string_view key, Enum& value,
+            std::initializer_list<std::pair<std::string_view, Enum>> vocabulary) {
+    if (const std::optional<Value> found = find(key)) {
+      value = found->word(vocabulary);
+    }
+  }
+  /// Calls `read` with the mapping under `key`, when there is one; whether there is.
+  bool section(std::string_view key, const std::function<void(Mapping&)>& read);
+
+  /// The value under `key` in the first layer that has it.
+  [[nodiscard]] std::optional<Value> find(std::string_view key);
+  /// As find(); when absent, finish() will say so and this returns nullopt.
+  [[nodiscard]] std::optional<Value> find_required(std::string_view key);
+  /// Makes finish() refuse the mapping when `key` is absent.
+  void require(std::string_view key);
+
+  /// Declares keys that are read later, so that finish() may be called first.
+  void expect(std::initializer_list<std::string_view> keys);
+
+  /// Refuses at the line of `key`, or of the mapping when `key` stands nowhere.
+  [[noreturn]] void refuse(std::string_view key, const std::string& what);
+
+  /// Refuses any key that nobody has asked for, then any required one that is absent.
+  void finish();
+
+ private:
+  friend void read_mapping(std::vector<Value> layers, const std::function<void(Mapping&)>& read);
+  explicit Mapping(std::vector<Value> layers);
+  [[nodiscard]] std::optional<Value> find_in(const Value& layer, std::string_view key);
+  void know(std::string_view key);
+
+  std::vector<Value> layers_;
+  std::vector<std::string> known_;
+  std::vector<std::string> missing_;
+};
+
+/// Runs `read` over the mapping that `layers` make together, then finish().
+/// @throws StartupError when a layer is no mapping, or has a key twice or one that is not a word.
+void read_mapping(std::vector<Value> layers, const std::function<void(Mapping&)>& read);
+
+}  // namespace vantage::scenario

@@ -1,0 +1,84 @@
+#include "scenario/scenario.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace vantage::scenario {
+namespace {
+
+constexpr std::array<std::pair<PlanAlgorithm, const char*>, 6> kAlgorithmNames{{
+    {PlanAlgorithm::kArvi, "arvi"},
+    {PlanAlgorithm::kBeam, "beam"},
+    {PlanAlgorithm::kRvi, "rvi"},
+    {PlanAlgorithm::kGreedy, "greedy"},
+    {PlanAlgorithm::kRandomWalk, "random_walk"},
+    {PlanAlgorithm::kLawnMower, "lawn_mower"},
+}};
+
+}  // namespace
+
+const char* name_of(PlanAlgorithm algorithm) {
+  for (const auto& [value, name] : kAlgorithmNames) {
+    if (value == algorithm) {
+      return name;
+    }
+  }
+  return "unknown";
+}
+
+std::optional<PlanAlgorithm> parse_algorithm(const std::string& name) {
+  for (const auto& [value, known] : kAlgorithmNames) {
+    if (name == known) {
+      return value;
+    }
+  }
+  return std::nullopt;
+}
+
+const char* name_of(TrialMode mode) {
+  switch (mode) {
+    case TrialMode::kLive:
+      return "live";
+    case TrialMode::kWire:
+      return "wire";
+    case TrialMode::kSimulation:
+      return "simulation";
+    case TrialMode::kReplay:
+      return "replay";
+  }
+  return "unknown";
+}
+
+TrialMode trial_mode(const Scenario& scenario) {
+  const auto has = [&](DeviceSource source) {
+    return scenario.mocap.device == source ||
+           std::any_of(scenario.robots.begin(), scenario.robots.end(),
+                       [source](const RobotSpec& robot) { return robot.device == source; });
+  };
+  if (has(DeviceSource::kReal)) {
+    return TrialMode::kLive;
+  }
+  return has(DeviceSource::kWire) ? TrialMode::kWire : TrialMode::kSimulation;
+}
+
+const RobotSpec* Scenario::find_robot(const std::string& robot) const {
+  const auto found = std::find_if(robots.begin(), robots.end(),
+                                  [&](const RobotSpec& spec) { return spec.name == robot; });
+  return found == robots.end() ? nullptr : &*found;
+}
+
+bool Scenario::runs_on(const std::string& host, const std::string& part) const {
+  const auto names = [&](const HostSpec& spec) {
+    return std::find(spec.runs.begin(), spec.runs.end(), part) != spec.runs.end();
+  };
+  const auto runner = std::find_if(hosts.begin(), hosts.end(), names);
+  return hosts.empty() || (runner == hosts.end() ? hosts.front() : *runner).name == host;
+}
+
+int Scenario::firmware_instance(const RobotSpec& robot) const {
+  const bool is_said = robot.firmware && robot.firmware->instance;
+  return is_said ? *robot.firmware->instance : static_cast<int>(&robot - robots.data());
+}
+
+}  // namespace vantage::scenario

@@ -1,0 +1,361 @@
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/auth/authenticator.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "test/bus/auth/auth_support.hpp"
+#include "test/bus/convert/message_types.hpp"
+
+// Signing and judging where messages come and go: nodes know nothing of it.
+
+namespace vantage::bus {
+namespace {
+
+using auth::Authenticator;
+using models::OperatorAction;
+using scenario::SecurityMode;
+using scenario::TrialMode;
+
+constexpr std::chrono::microseconds kNoWait{0};
+constexpr Time kStart = Time{Duration{1'700'000'000'000'000}};
+
+/// One process of a trial.
+struct Process {
+  Process(InProcessHub& hub, VirtualClock& clock, std::int64_t run,
+          std::unique_ptr<Authenticator> authenticator, bool keeps_time = true)
+      : transport(hub.connect()), bus(*transport, run) {
+    bus.secure(std::move(authenticator), clock);
+    if (keeps_time) {
+      bus.keep_time(clock);
+    }
+    bus.subscribe<models::MocapFrame>(kVicon,
+                                      [this](const models::MocapFrame& f) { frames.push_back(f); });
+    bus.subscribe<models::OperatorCommand>(
+        kCommand, [this](const models::OperatorCommand& c) { commands.push_back(c); });
+    bus.subscribe<models::VehicleStatus>(
+        quadrotor_channel("*"), [this](const models::VehicleStatus& s) { statuses.push_back(s); });
+    bus.subscribe<models::ProcessHealth>(health_channel("*"),
+                                         [this](const models::ProcessHealth&) { ++healths; });
+  }
+  void hear() {
+    while (bus.handle(kNoWait) > 0) {
+    }
+  }
+  [[nodiscard]] std::int64_t count(const std::string& name) const {
+    for (const models::NamedCount& counter : bus.counters()) {
+      if (counter.name == name) {
+        return counter.count;
+      }
+    }
+    return 0;
+  }
+
+  std::unique_ptr<Transport> transport;
+  Bus bus;
+  std::vector<models::MocapFrame> frames;
+  std::vector<models::OperatorCommand> commands;
+  std::vector<models::VehicleStatus> statuses;
+  int healths = 0;
+};
+
+class SecuredBus : public ::testing::Test {
+ protected:
+  SecuredBus() {
+    tap_->subscribe("*", [this](std::string_view channel, std::span<const std::uint8_t> bytes) {
+      heard_.push_back({std::string(channel), {bytes.begin(), bytes.end()}});
+    });
+    vehicle_.bus.answer_to("Q1");
+  }
+  void hear() {
+    while (tap_->handle(kNoWait) > 0) {
+    }
+    for (Process* process : {&lab_, &vehicle_, &station_}) {
+      process->hear();
+    }
+  }
+  void pass(Duration time) { clock_.set(clock_.now() + time); }
+  models::MocapFrame frame() const {
+    models::MocapFrame frame;
+    frame.stamp.time = frame.arrival = clock_.now();
+    return frame;
+  }
+  void say(OperatorAction action, const std::string& robot = "") {
+    models::OperatorCommand command;
+    command.stamp.time = clock_.now();
+    command.action = action;
+    command.robot = robot;
+    station_.bus.publish(kCommand, command);
+    hear();
+  }
+  void tell_status(Bus& bus) {
+    models::VehicleStatus status;
+    status.stamp.time = clock_.now();
+    status.robot = "Q1";
+    bus.publish(quadrotor_channel("Q1"), status);
+    hear();
+  }
+  void send_again(const std::pair<std::string, std::vector<std::uint8_t>>& message) {
+    tap_->publish(message.first, message.second);
+    hear();
+  }
+  void forge(const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+    send_again({channel, bytes});
+  }
+
+  InProcessHub hub_;
+  VirtualClock clock_{kStart};
+  std::shared_ptr<const auth::Keyring> keys_ = test::keys_of_a_trial();
+  std::unique_ptr<Transport> tap_ = hub_.connect();
+  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> heard_;
+  Process lab_{hub_, clock_, 1, test::authenticator(keys_)};
+  Process vehicle_{hub_, clock_, 2, test::authenticator(keys_)};
+  Process station_{hub_, clock_, 3, test::authenticator(keys_), false};
+};
+
+TEST_F(SecuredBus, IsUnderstoodByWhoKnowsAKeyAndByWhoKnowsOfNone) {
+  Process viewer(hub_, clock_, 9, nullptr);
+  EXPECT_FALSE(viewer.bus.hears_signed());
+  lab_.bus.publish(kVicon, frame());
+  hear();
+  viewer.hear();
+  ASSERT_EQ(vehicle_.frames.size(), 1U);
+  EXPECT_EQ(viewer.frames.size(), 1U);
+  EXPECT_TRUE(viewer.bus.hears_signed());
+  EXPECT_EQ(vehicle_.count("VICON.fresh"), 1);
+  // The payload is what it is without keys, byte for byte.
+  models::MocapFrame sent = frame();
+  sent.stamp.run_id = 1;
+  const auto payload = auth::payload_of(heard_.at(0).second);
+  EXPECT_EQ(std::vector<std::uint8_t>(payload.begin(), payload.end()), test::encoded(sent));
+}
+
+// The run id, the next number and a stamp of now are on the network for all to read.
+TEST_F(SecuredBus, RefusesAFrameWithTheRunAndTheNumberOfTheTrueOne) {
+  lab_.bus.publish(kVicon, frame());
+  hear();
+  models::MocapFrame forged = frame();
+  forged.stamp = {clock_.now(), 1, 1};
+  forge("VICON", test::encoded(forged));
+  EXPECT_EQ(vehicle_.frames.size(), 1U);
+  EXPECT_EQ(vehicle_.count("VICON.unsigned"), 1);
+  // With the trailer of the true one behind it.
+  std::vector<std::uint8_t> dressed = test::encoded(forged);
+  const auto& whole = heard_.at(0).second;
+  dressed.insert(dressed.end(),
+                 whole.begin() + static_cast<std::ptrdiff_t>(auth::payload_of(whole).size()),
+                 whole.end());
+  forge("VICON", dressed);
+  EXPECT_EQ(vehicle_.frames.size(), 1U);
+  EXPECT_EQ(vehicle_.count("VICON.bad_mac"), 1);
+  lab_.bus.publish(kVicon, frame());
+  hear();
+  EXPECT_EQ(vehicle_.frames.size(), 2U) << "and the true one's place is not taken";
+  EXPECT_EQ(vehicle_.count("VICON.duplicates"), 0);
+}
+
+TEST_F(SecuredBus, RefusesWhatAnotherTrialsKeysSigned) {
+  Process other(hub_, clock_, 4, test::authenticator(test::keys_of_a_trial(7)));
+  other.bus.publish(kVicon, frame());
+  hear();
+  EXPECT_TRUE(vehicle_.frames.empty());
+  EXPECT_EQ(vehicle_.count("VICON.unknown_key"), 1);
+}
+
+TEST_F(SecuredBus, RefusesASimulationAndAReplayWithTheSameKeys) {
+  Process simulation(hub_, clock_, 4,
+                     test::authenticator(keys_, {SecurityMode::kRequire, TrialMode::kSimulation}));
+  Process replay(hub_, clock_, 5,
+                 test::authenticator(keys_, {SecurityMode::kRequire, TrialMode::kLive, true}),
+                 false);
+  simulation.bus.publish(kVicon, frame());
+  replay.bus.publish(kVicon, frame());
+  hear();
+  EXPECT_TRUE(vehicle_.frames.empty());
+  EXPECT_EQ(vehicle_.count("VICON.wrong_mode"), 2);
+  lab_.bus.publish(kVicon, frame());
+  simulation.hear();
+  replay.hear();
+  EXPECT_EQ(simulation.count("VICON.wrong_mode"), 2) << "nor does a simulation take theirs";
+  EXPECT_EQ(replay.frames.size(), 3U) << "a replay takes what was said, whenever that was";
+}
+
+TEST_F(SecuredBus, RefusesWhatIsSentAgainNowAndLater) {
+  lab_.bus.publish(kVicon, frame());
+  hear();
+  send_again(heard_.at(0));
+  EXPECT_EQ(vehicle_.count("VICON.replayed"), 1);
+  pass(std::chrono::seconds(3));
+  Process late(hub_, clock_, 6, test::authenticator(keys_));
+  send_again(heard_.at(0));
+  late.hear();
+  EXPECT_TRUE(late.frames.empty()) << "it has not heard it before";
+  EXPECT_EQ(late.count("VICON.stale"), 1);
+}
+
+TEST_F(SecuredBus, StaysOpenToStrangersWhereNothingMoves) {
+  models::ProcessHealth health;
+  health.stamp = {clock_.now(), 77, 0};
+  health.process = "CAMERA";
+  forge("HEALTH_CAMERA", test::encoded(health));
+  EXPECT_EQ(vehicle_.healths, 1);
+  EXPECT_EQ(vehicle_.count("HEALTH_CAMERA.unsigned"), 0);
+}
+
+TEST_F(SecuredBus, WarnsAndTakesAllTheSameWhileKeysAreHandedOut) {
+  Process warned(hub_, clock_, 6, test::authenticator(keys_, {SecurityMode::kWarn}));
+  models::MocapFrame stranger = frame();
+  stranger.stamp = {clock_.now(), 77, 0};
+  forge("VICON", test::encoded(stranger));
+  warned.hear();
+  EXPECT_EQ(warned.frames.size(), 1U);
+  EXPECT_EQ(warned.count("VICON.unsigned"), 1);
+}
+
+TEST_F(SecuredBus, CountsWhatItHasNoKeyToSign) {
+  auto keys = std::make_shared<auth::Keyring>();
+  keys->add(test::key_of(auth::Role::kNode, 9));
+  Process poor(hub_, clock_, 6, test::authenticator(keys));
+  poor.bus.publish(kVicon, frame());
+  EXPECT_EQ(poor.count("VICON.no_key"), 1);
+}
+
+TEST_F(SecuredBus, RotatesWhileItRuns) {
+  auto both = std::make_shared<auth::Keyring>();
+  both->add(test::key_of(auth::Role::kMocap, 40));
+  auth::Key next = test::key_of(auth::Role::kMocap, 200);
+  next.use = auth::KeyUse::kNext;
+  both->add(std::move(next));
+  Process listener(hub_, clock_, 6, test::authenticator(both));
+  auto turned = std::make_shared<auth::Keyring>();
+  turned->add(test::key_of(auth::Role::kMocap, 200));
+  Process late(hub_, clock_, 1, test::authenticator(turned));
+  lab_.bus.publish(kVicon, frame());
+  listener.hear();
+  models::MocapFrame second = frame();
+  late.bus.publish(kVicon, second);
+  late.bus.publish(kVicon, second);
+  listener.hear();
+  EXPECT_EQ(listener.frames.size(), 2U) << "one of the old key, one of the new (0 was heard)";
+}
+
+// COMMAND
+
+TEST_F(SecuredBus, ACommandReachesTheVehicleWhoseNonceTheStationHeard) {
+  tell_status(vehicle_.bus);
+  say(OperatorAction::kHeartbeat);
+  say(OperatorAction::kTakeOff, "Q1");
+  ASSERT_EQ(vehicle_.commands.size(), 2U);
+  EXPECT_EQ(vehicle_.commands[1].action, OperatorAction::kTakeOff);
+  EXPECT_EQ(vehicle_.count("COMMAND.wrong_destination"), 0);
+}
+
+TEST_F(SecuredBus, ACommandOfAStationThatNeverHeardTheVehicleMayOnlyStopIt) {
+  for (const OperatorAction action :
+       {OperatorAction::kHeartbeat, OperatorAction::kArm, OperatorAction::kTakeOff,
+        OperatorAction::kFollow, OperatorAction::kHold, OperatorAction::kLand,
+        OperatorAction::kEmergencyStop}) {
+    say(action);
+  }
+  ASSERT_EQ(vehicle_.commands.size(), 3U);
+  EXPECT_EQ(vehicle_.commands[0].action, OperatorAction::kHold);
+  EXPECT_EQ(vehicle_.commands[2].action, OperatorAction::kEmergencyStop);
+  EXPECT_EQ(vehicle_.count("COMMAND.wrong_destination"), 4);
+  EXPECT_EQ(vehicle_.count("COMMAND.lost"), 0);
+}
+
+TEST_F(SecuredBus, ACommandToAnotherVehicleIsNeitherTakenNorCounted) {
+  tell_status(vehicle_.bus);
+  say(OperatorAction::kArm, "Q2");
+  say(OperatorAction::kHeartbeat);
+  EXPECT_EQ(vehicle_.commands.size(), 1U);
+  EXPECT_EQ(vehicle_.count("COMMAND.wrong_destination"), 0);
+  EXPECT_EQ(vehicle_.count("COMMAND.lost"), 0);
+}
+
+// A second vehicle's process is started anew, or armed: what was recorded before says nothing.
+TEST_F(SecuredBus, CommandsOfAnEarlierSessionAreRefused) {
+  tell_status(vehicle_.bus);
+  Process again(hub_, clock_, 7, test::authenticator(keys_));
+  again.bus.answer_to("Q1");
+  say(OperatorAction::kArm, "Q1");
+  again.hear();
+  EXPECT_TRUE(again.commands.empty());
+  EXPECT_EQ(again.count("COMMAND.wrong_session"), 1);
+
+  vehicle_.bus.renew_session();
+  say(OperatorAction::kTakeOff, "Q1");
+  EXPECT_EQ(vehicle_.commands.size(), 2U) << "said before the station could hear of it";
+  pass(std::chrono::milliseconds(1'100));
+  say(OperatorAction::kTakeOff, "Q1");
+  EXPECT_EQ(vehicle_.commands.size(), 2U);
+  EXPECT_EQ(vehicle_.count("COMMAND.wrong_session"), 1);
+  tell_status(vehicle_.bus);
+  say(OperatorAction::kTakeOff, "Q1");
+  EXPECT_EQ(vehicle_.commands.size(), 3U);
+}
+
+TEST_F(SecuredBus, OldStatusesThatAreSentAgainDisplaceNoLiveVehiclesNonce) {
+  tell_status(vehicle_.bus);
+  const auto old = heard_.back();
+  pass(std::chrono::seconds(1));
+  vehicle_.bus.renew_session();
+  tell_status(vehicle_.bus);
+  Process second(hub_, clock_, 8, test::authenticator(keys_), false);  // has heard neither
+  tell_status(vehicle_.bus);
+  second.hear();
+  send_again(old);
+  second.hear();
+  pass(std::chrono::milliseconds(1'500));
+  models::OperatorCommand command;
+  command.stamp.time = clock_.now();
+  command.action = OperatorAction::kArm;
+  second.bus.publish(kCommand, command);
+  hear();
+  EXPECT_EQ(vehicle_.commands.size(), 1U);
+}
+
+// Nobody who verifies commands can say any: a captured vehicle has all but the seed.
+TEST_F(SecuredBus, AProcessWithoutTheSeedSaysNoCommand) {
+  auto keys = std::make_shared<auth::Keyring>();
+  auth::Key key = test::key_of(auth::Role::kOperator, 160);
+  key.signing.reset();
+  keys->add(std::move(key));
+  Process captured(hub_, clock_, 6, test::authenticator(keys));
+  models::OperatorCommand command;
+  command.stamp.time = clock_.now();
+  command.action = OperatorAction::kEmergencyStop;
+  captured.bus.publish(kCommand, command);
+  hear();
+  EXPECT_TRUE(vehicle_.commands.empty());
+  EXPECT_EQ(vehicle_.count("COMMAND.unsigned"), 1);
+  EXPECT_EQ(captured.count("COMMAND.no_key"), 1);
+}
+
+TEST_F(SecuredBus, AStationWhoseClockIsWrongIsHeardByItsEcho) {
+  VirtualClock wrong(kStart + std::chrono::hours(1));
+  Process station(hub_, wrong, 8, test::authenticator(keys_), false);
+  tell_status(vehicle_.bus);
+  station.hear();
+  models::OperatorCommand command;
+  command.stamp.time = clock_.now();
+  command.action = OperatorAction::kHeartbeat;
+  station.bus.publish(kCommand, command);
+  hear();
+  EXPECT_EQ(vehicle_.commands.size(), 1U);
+}
+
+TEST(RefusalCounts, AreReadFromTheNamesOfCounters) {
+  const auto count = auth::parse_refusal("PLAN_Q1.bad_mac");
+  ASSERT_TRUE(count.has_value());
+  EXPECT_EQ(count->channel, "PLAN_Q1");
+  EXPECT_EQ(count->reason, "bad_mac");
+  EXPECT_FALSE(auth::parse_refusal("VICON.fresh").has_value());
+  EXPECT_FALSE(auth::parse_refusal("loops").has_value());
+}
+
+}  // namespace
+}  // namespace vantage::bus

@@ -1,0 +1,339 @@
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/auth/envelope.hpp"
+#include "test/bus/auth/auth_support.hpp"
+
+// Signing and judging as functions of values.
+
+namespace vantage::bus::auth {
+namespace {
+
+using Message = std::vector<std::uint8_t>;
+using scenario::TrialMode;
+
+constexpr Time kNow = Time{Duration{1'700'000'000'000'000}};
+constexpr std::uint64_t kNowCounter = 1'700'000'000'000'000;
+constexpr std::uint64_t kSession = 0x0123456789abcdef;
+
+Message bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
+
+Message from_hex(const std::string& hex) {
+  Message out;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    out.push_back(static_cast<std::uint8_t>(std::stoul(hex.substr(i, 2), nullptr, 16)));
+  }
+  return out;
+}
+
+/// One receiver that knows a trial's keys, and what others say to it.
+struct Receiver {
+  Keyring keyring;
+  ReplayGuard replays;
+  SignatureBudgets budgets;
+  Expectation expectation{TrialMode::kLive, kNow, true, false};
+
+  Refusal judge(const std::string& channel, Bytes message) {
+    return verify(keyring, channel, message, expectation, replays, budgets).refusal;
+  }
+};
+
+Receiver receiver_of(std::initializer_list<Role> roles) {
+  Receiver receiver;
+  for (const Role role : roles) {
+    receiver.keyring.add(test::key_of(role, static_cast<std::uint8_t>(role)));
+  }
+  return receiver;
+}
+
+Message signed_by(const Key& key, const std::string& channel, const Message& payload,
+                  std::uint64_t counter = kNowCounter, TrialMode mode = TrialMode::kLive,
+                  std::uint64_t session = kSession, std::vector<Echo> echoes = {}) {
+  Message message = payload;
+  sign(key, channel, {key.id, session, counter, key.role, mode}, echoes, message);
+  return message;
+}
+
+// Made by Python's hashlib.blake2b, as docs/security.md shows: what other programs have to make.
+TEST(Sign, MakesTheBytesThatAnIndependentProgramMakes) {
+  const Key key = test::key_of(Role::kMocap, 0);
+  EXPECT_EQ(key.id, 0x5b595a32U);
+  const Message payload = bytes_of("what the cameras saw");
+  Message expected = payload;
+  const Message trailer = from_hex(
+      "9e8bb761f005c6a18c87794d1b9984b95b595a320123456789abcdef00060a24181e400001010000"
+      "0176616e74616765");
+  expected.insert(expected.end(), trailer.begin(), trailer.end());
+  EXPECT_EQ(signed_by(key, "VICON", payload), expected);
+}
+
+// The same with an Ed25519 signature made by OpenSSL.
+TEST(Sign, MakesTheCommandThatAnIndependentProgramMakes) {
+  const Key key = test::key_of(Role::kOperator, 0);
+  const Message payload = bytes_of("land");
+  Message expected = payload;
+  const Message trailer = from_hex(
+      "08dab748111122223333444449aae286a0cdbaf47d9460c07e8bcf08358232d1fccd18875f01bdff"
+      "9e6b19c1aa47c32e5b576fe66fa923176419f3fe80fef25e595fb56204771d7d6ceac90e045c82c9"
+      "23b6b5bdae3972b0672b80582e8728d1fedcba987654321000060a24181e4001040201010176616e"
+      "74616765");
+  expected.insert(expected.end(), trailer.begin(), trailer.end());
+  EXPECT_EQ(destination_of("Q1"), 0x08dab748U);
+  EXPECT_EQ(signed_by(key, "COMMAND", payload, 1'700'000'000'000'001, TrialMode::kWire,
+                      0xfedcba9876543210, {{destination_of("Q1"), 0x1111222233334444}}),
+            expected);
+}
+
+TEST(Verify, BelievesWhatWasSignedAndHandsThePayloadOn) {
+  Receiver receiver = receiver_of({Role::kMocap, Role::kOperator});
+  for (const auto& [role, channel] :
+       {std::pair{Role::kMocap, "VICON"}, std::pair{Role::kOperator, "COMMAND"}}) {
+    const Message payload = bytes_of("something");
+    const Key key = test::key_of(role, static_cast<std::uint8_t>(role));
+    const Message message = signed_by(key, channel, payload);
+    const Verdict verdict = verify(receiver.keyring, channel, message, receiver.expectation,
+                                   receiver.replays, receiver.budgets);
+    EXPECT_EQ(verdict.refusal, Refusal::kNone) << name_of(verdict.refusal);
+    EXPECT_EQ(Message(verdict.payload.begin(), verdict.payload.end()), payload);
+  }
+}
+
+TEST(Verify, RefusesEachBitThatWasFlipped) {
+  std::mt19937_64 rng(20'261'123);
+  for (const Role role : {Role::kMocap, Role::kPlanner, Role::kOperator}) {
+    const std::string channel =
+        role == Role::kMocap ? "VICON" : (role == Role::kPlanner ? "PLAN_Q1" : "COMMAND");
+    const Key key = test::key_of(role, static_cast<std::uint8_t>(role));
+    for (int round = 0; round < 3; ++round) {
+      Message payload(rng() % 60);
+      for (std::uint8_t& byte : payload) {
+        byte = static_cast<std::uint8_t>(rng());
+      }
+      std::vector<Echo> echoes;
+      if (role == Role::kOperator) {
+        echoes = {{destination_of("Q1"), rng()}, {destination_of("Q2"), rng()}};
+      }
+      Message message =
+          signed_by(key, channel, payload, kNowCounter, TrialMode::kLive, rng(), echoes);
+      Receiver receiver = receiver_of({role});
+      receiver.budgets.fresh = Budget(1e9, 1e9);
+      for (std::size_t bit = 0; bit < 8 * message.size(); ++bit) {
+        message[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+        ASSERT_NE(receiver.judge(channel, message), Refusal::kNone) << name_of(role) << ' ' << bit;
+        message[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+      }
+      EXPECT_EQ(receiver.judge(channel, message), Refusal::kNone) << "and none of them counted";
+    }
+  }
+}
+
+// An attacker who has the MAC key, a captured vehicle say, changes what the signature covers.
+TEST(Verify, RefusesACommandWhoseMacIsRightAndWhoseSignatureIsNot) {
+  const Key station = test::key_of(Role::kOperator, 4);
+  Key captured = test::key_of(Role::kOperator, 4);
+  std::vector<std::uint8_t> other_seed(kSeedBytes, 9);
+  set_seed(captured, other_seed);  // its own pair, under the right MAC key and id
+  captured.id = station.id;
+  Receiver receiver = receiver_of({Role::kOperator});
+  EXPECT_EQ(receiver.judge("COMMAND", signed_by(captured, "COMMAND", bytes_of("arm"))),
+            Refusal::kBadSignature);
+  EXPECT_EQ(receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("arm"))),
+            Refusal::kNone);
+}
+
+TEST(Verify, NamesTheReason) {
+  const Key mocap = test::key_of(Role::kMocap, 1);
+  const Message payload = bytes_of("frame");
+  Receiver receiver = receiver_of({Role::kMocap, Role::kPlanner, Role::kNode});
+  EXPECT_EQ(receiver.judge("VICON", payload), Refusal::kUnsigned);
+  EXPECT_EQ(receiver.judge("VICON", signed_by(test::key_of(Role::kMocap, 77), "VICON", payload)),
+            Refusal::kUnknownKey);
+  EXPECT_EQ(receiver.judge("VICON", signed_by(test::key_of(Role::kNode, 5), "VICON", payload)),
+            Refusal::kWrongRole)
+      << "an estimator is no camera";
+  EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON2", payload)), Refusal::kBadMac)
+      << "said on another channel";
+  const Key planner = test::key_of(Role::kPlanner, 2);
+  EXPECT_EQ(receiver.judge("PLAN_Q2", signed_by(planner, "PLAN_Q1", payload)), Refusal::kBadMac)
+      << "another robot's plan";
+  for (const TrialMode mode : {TrialMode::kWire, TrialMode::kSimulation, TrialMode::kReplay}) {
+    EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON", payload, kNowCounter, mode)),
+              Refusal::kWrongMode)
+        << name_of(mode);
+  }
+  const std::uint64_t apart = 2'000'001;
+  for (const std::uint64_t counter :
+       {kNowCounter - apart, kNowCounter + apart, std::uint64_t{1}, ~std::uint64_t{0}}) {
+    EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON", payload, counter)),
+              Refusal::kStale);
+  }
+  EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON", payload)), Refusal::kNone);
+  EXPECT_EQ(receiver.judge("VICON", signed_by(mocap, "VICON", payload)), Refusal::kReplayed);
+}
+
+TEST(Verify, OfAForeignKeyOfTheSameIdSaysThatTheMacIsWrong) {
+  Key forged = test::key_of(Role::kMocap, 50);
+  forged.id = test::key_of(Role::kMocap, 1).id;
+  Receiver receiver = receiver_of({Role::kMocap});
+  EXPECT_EQ(receiver.judge("VICON", signed_by(forged, "VICON", bytes_of("x"))), Refusal::kBadMac);
+}
+
+TEST(Verify, AcceptsBothKeysOfARotation) {
+  Receiver receiver;
+  for (const auto& [first, use] :
+       {std::pair{1, KeyUse::kSigns}, std::pair{90, KeyUse::kNext}, std::pair{60, KeyUse::kOld}}) {
+    Key key = test::key_of(Role::kMocap, static_cast<std::uint8_t>(first));
+    key.use = use;
+    receiver.keyring.add(std::move(key));
+  }
+  for (const int first : {1, 60, 90}) {
+    const Key signing = test::key_of(Role::kMocap, static_cast<std::uint8_t>(first));
+    EXPECT_EQ(receiver.judge("VICON", signed_by(signing, "VICON", bytes_of("frame"))),
+              Refusal::kNone)
+        << "counters are of each key";
+  }
+}
+
+// Streams of several sessions, shuffled within less than the window and repeated at random: each
+// message is taken once, however late it comes, and what came long before the newest never.
+TEST(ReplayGuard, TakesEachMessageOnceInAnyOrderWithinTheWindow) {
+  std::mt19937_64 rng(7);
+  for (int trial = 0; trial < 50; ++trial) {
+    ReplayGuard guard;
+    std::vector<std::uint64_t> counters;
+    std::uint64_t counter = 1'000;
+    for (int i = 0; i < 500; ++i) {
+      counter += 1 + rng() % 50;
+      counters.push_back(counter);
+    }
+    std::vector<std::uint64_t> order = counters;
+    for (std::size_t i = 0; i + 20 < order.size(); i += 20) {
+      std::shuffle(order.begin() + static_cast<std::ptrdiff_t>(i),
+                   order.begin() + static_cast<std::ptrdiff_t>(i + 20), rng);
+    }
+    const std::uint64_t session = rng();
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      ASSERT_TRUE(guard.admit(1, session, order[i]));
+      ASSERT_FALSE(guard.admit(1, session, order[rng() % (i + 1)])) << "heard before";
+      ASSERT_TRUE(guard.admit(2, session, order[i])) << "of another key";
+    }
+    for (const std::uint64_t old : counters) {
+      ASSERT_FALSE(guard.admit(1, session, old));
+    }
+  }
+}
+
+TEST(ReplayGuard, RefusesWhatWasSkippedLongAgo) {
+  ReplayGuard guard;
+  for (std::uint64_t counter = 100; counter < 100 + 2 * ReplayGuard::kWindow; ++counter) {
+    ASSERT_TRUE(guard.admit(1, 1, counter));
+  }
+  EXPECT_FALSE(guard.admit(1, 1, 99));
+}
+
+TEST(ReplayGuard, KeepsItsSizeAndForgetsTheSessionSilentLongest) {
+  ReplayGuard guard;
+  ASSERT_TRUE(guard.admit(1, 0, 5));
+  for (std::uint64_t session = 1; session < ReplayGuard::kSessionsMax; ++session) {
+    ASSERT_TRUE(guard.admit(1, session, 5));
+  }
+  ASSERT_FALSE(guard.admit(1, 0, 5)) << "all are remembered; this one spoke last";
+  ASSERT_TRUE(guard.admit(1, 9'999, 5));
+  EXPECT_TRUE(guard.knows(1, 0));
+  EXPECT_FALSE(guard.knows(1, 1));
+}
+
+TEST(Echoes, SayToWhomACommandIsAndInWhichSession) {
+  const Key station = test::key_of(Role::kOperator, 4);
+  const std::uint32_t q1 = destination_of("Q1");
+  const std::uint32_t q2 = destination_of("Q2");
+  const Message message = signed_by(station, "COMMAND", bytes_of("arm"), kNowCounter,
+                                    TrialMode::kLive, kSession, {{q1, 11}, {q2, 22}});
+  const SignedParts parts = split(message).value();
+  const std::array<std::uint64_t, 2> of_q1{11, 10};
+  EXPECT_EQ(judge_echo(parts, q1, of_q1), Refusal::kNone);
+  EXPECT_EQ(judge_echo(parts, q2, of_q1), Refusal::kWrongSession);
+  EXPECT_EQ(judge_echo(parts, destination_of("Q3"), of_q1), Refusal::kWrongDestination);
+}
+
+// Somebody with the operator's MAC key sends commands without end.
+TEST(SignatureBudgets, BoundWhatAFloodOfForgedCommandsCostsAndLeaveRoomForStops) {
+  const Key station = test::key_of(Role::kOperator, 4);
+  Key captured = test::key_of(Role::kOperator, 4);
+  set_seed(captured, std::vector<std::uint8_t>(kSeedBytes, 9));
+  captured.id = station.id;
+  Receiver receiver = receiver_of({Role::kOperator});
+  ASSERT_EQ(receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter)),
+            Refusal::kNone);
+  int verified = 0;
+  std::uint64_t counter = kNowCounter;
+  for (int i = 0; i < 20'000; ++i) {  // in 2 s
+    receiver.expectation.now = kNow + Duration{100} * i;
+    const std::uint64_t session = i % 2 == 0 ? kSession : static_cast<std::uint64_t>(i);
+    const Refusal refusal = receiver.judge(
+        "COMMAND",
+        signed_by(captured, "COMMAND", bytes_of("arm"), ++counter, TrialMode::kLive, session));
+    ASSERT_TRUE(refusal == Refusal::kBadSignature || refusal == Refusal::kOverBudget);
+    verified += refusal == Refusal::kBadSignature ? 1 : 0;
+  }
+  EXPECT_LE(verified, 50 + 200 + 20 + 40 + 2) << "at most 13 ms of work for each";
+  receiver.expectation.is_emergency_stop = true;
+  EXPECT_EQ(receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("stop"), ++counter)),
+            Refusal::kNone);
+}
+
+// Somebody without any key sends what the operator said again and again.
+TEST(SignatureBudgets, AreNotUsedUpByWhatIsSentAgain) {
+  const Key station = test::key_of(Role::kOperator, 4);
+  Receiver receiver = receiver_of({Role::kOperator});
+  const Message beat = signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter);
+  ASSERT_EQ(receiver.judge("COMMAND", beat), Refusal::kNone);
+  for (int i = 0; i < 1'000; ++i) {
+    ASSERT_EQ(receiver.judge("COMMAND", beat), Refusal::kReplayed);
+  }
+  EXPECT_EQ(
+      receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter + 1)),
+      Refusal::kNone);
+}
+
+TEST(Split, ReadsNothingBeyondAnythingItIsGiven) {
+  std::mt19937_64 rng(3);
+  const Key key = test::key_of(Role::kOperator, 4);
+  for (int i = 0; i < 20'000; ++i) {
+    Message message = signed_by(key, "COMMAND", bytes_of("x"), 5, TrialMode::kLive, 1,
+                                std::vector<Echo>(rng() % 4));
+    for (std::size_t n = rng() % 4; n > 0; --n) {
+      message[rng() % message.size()] = static_cast<std::uint8_t>(rng());
+    }
+    if (rng() % 2 == 0) {
+      message.erase(message.begin(),
+                    message.begin() + static_cast<std::ptrdiff_t>(rng() % message.size()));
+    }
+    const auto parts = split(message);
+    if (parts) {
+      ASSERT_EQ(parts->payload.size() + parts->echoes.size() + parts->signature.size() +
+                    parts->mac.size() + parts->foot_bytes.size(),
+                message.size());
+    }
+  }
+  EXPECT_FALSE(split({}).has_value());
+}
+
+TEST(Policy, EveryChannelThatMovesAVehicleMustBeSigned) {
+  for (const char* channel :
+       {"VICON", "COMMAND", "PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1", "QUADROTOR_Q1",
+        "MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1", "MAP_Q1", "ATTACK", "SCENARIO", "TRUTH"}) {
+    EXPECT_TRUE(must_be_signed(channel)) << channel;
+  }
+  for (const char* channel :
+       {"HEALTH_PLANNER_Q1", "HOST_A", "COLLISION", "CAMERA", "", "REPLAY_VICON", "VICONS"}) {
+    EXPECT_FALSE(must_be_signed(channel)) << channel;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::bus::auth

@@ -1,0 +1,213 @@
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "bus/auth/authenticator.hpp"
+#include "bus/auth/keyring.hpp"
+#include "core/check.hpp"
+#include "test/bus/auth/auth_support.hpp"
+
+namespace vantage::bus::auth {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+std::string path_of(const std::string& folder, const Key& key, const char* suffix = nullptr) {
+  return folder + "/" + key_name(key) + "." + (suffix == nullptr ? name_of(key.use) : suffix);
+}
+
+std::string refusal_of(const std::string& folder) {
+  try {
+    static_cast<void>(load_keyring(folder));
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "loaded";
+}
+
+class KeyFolder : public ::testing::Test {
+ protected:
+  void SetUp() override { make_keys(folder()); }
+  [[nodiscard]] std::string folder() const { return outer_.file("keys"); }
+  [[nodiscard]] std::string file_of(Role role, const char* suffix = nullptr) const {
+    const Keyring keyring = load_keyring(folder());
+    for (const Key& key : keyring.keys()) {
+      if (key.role == role) {
+        return path_of(folder(), key, suffix);
+      }
+    }
+    return "";
+  }
+  TemporaryFolder outer_;
+};
+
+TEST_F(KeyFolder, HasAKeyOfEachRoleThatNobodyElseMayRead) {
+  const Keyring keyring = load_keyring(folder());
+  EXPECT_EQ(keyring.keys().size(), kRoles.size());
+  for (const Role role : kRoles) {
+    ASSERT_NE(keyring.signing(role), nullptr) << name_of(role);
+  }
+  struct stat status {};
+  ASSERT_EQ(stat(folder().c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0700U);
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(folder())) {
+    ASSERT_EQ(stat(entry.path().c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777U, 0600U) << entry.path();
+    ++files;
+  }
+  EXPECT_EQ(files, 6) << "five keys and the operator's seed";
+}
+
+TEST_F(KeyFolder, IsNotMadeTwice) { EXPECT_THROW(make_keys(folder()), StartupError); }
+
+TEST_F(KeyFolder, KeysDifferFromFolderToFolder) {
+  const std::string other = outer_.file("other");
+  make_keys(other);
+  const Keyring ours = load_keyring(folder());
+  const Keyring theirs = load_keyring(other);
+  for (const Role role : kRoles) {
+    EXPECT_EQ(theirs.find(ours.signing(role)->id), nullptr);
+  }
+}
+
+TEST_F(KeyFolder, IsRefusedWhenOthersMayReadOrChangeAKey) {
+  const std::string file = file_of(Role::kVehicle);
+  for (const unsigned mode : {0640U, 0604U, 0620U, 0602U}) {
+    ASSERT_EQ(chmod(file.c_str(), mode), 0);
+    EXPECT_NE(refusal_of(folder()).find("chmod 600 " + file), std::string::npos) << mode;
+  }
+  ASSERT_EQ(chmod(file.c_str(), 0600), 0);
+  EXPECT_EQ(refusal_of(folder()), "loaded");
+  ASSERT_EQ(chmod(folder().c_str(), 0770), 0);
+  EXPECT_NE(refusal_of(folder()).find("chmod 700"), std::string::npos);
+}
+
+TEST_F(KeyFolder, IsRefusedWhenAKeyIsAnothersOrALink) {
+  const std::string file = file_of(Role::kVehicle);
+  if (geteuid() == 0) {
+    ASSERT_EQ(chown(file.c_str(), 12345, getegid()), 0);
+    EXPECT_NE(refusal_of(folder()).find("belongs to another user"), std::string::npos);
+    ASSERT_EQ(chown(file.c_str(), 0, getegid()), 0);
+  }
+  fs::rename(file, outer_.file("elsewhere"));
+  fs::create_symlink(outer_.file("elsewhere"), file);
+  EXPECT_NE(refusal_of(folder()).find(file), std::string::npos);
+}
+
+TEST_F(KeyFolder, IsRefusedWhenAFileIsNotWhatItsNameSays) {
+  const std::string mocap = file_of(Role::kMocap);
+  const std::string vehicle = file_of(Role::kVehicle);
+  fs::copy_file(mocap, vehicle, fs::copy_options::overwrite_existing);
+  EXPECT_NE(refusal_of(folder()).find(vehicle), std::string::npos) << refusal_of(folder());
+  std::ofstream(vehicle) << "short";
+  EXPECT_NE(refusal_of(folder()).find("32 bytes"), std::string::npos);
+}
+
+TEST_F(KeyFolder, IsRefusedWhenARoleWouldSignWithTwoKeys) {
+  store_key(folder(), make_key(Role::kMocap));
+  EXPECT_NE(refusal_of(folder()).find("signs with"), std::string::npos);
+}
+
+// What a vehicle's host is given: everything but what says commands.
+TEST_F(KeyFolder, WithoutTheSeedVerifiesCommandsAndSaysNone) {
+  fs::remove(file_of(Role::kOperator, "sign"));
+  const Keyring keyring = load_keyring(folder());
+  EXPECT_EQ(keyring.signing(Role::kOperator), nullptr);
+  EXPECT_EQ(keyring.keys().size(), kRoles.size());
+}
+
+TEST_F(KeyFolder, OfAnotherOperatorsSeedIsRefused) {
+  const std::string seed = file_of(Role::kOperator, "sign");
+  fs::remove(seed);
+  write_secret_file(seed, std::vector<std::uint8_t>(kSeedBytes, 3));
+  EXPECT_NE(refusal_of(folder()).find("not the other half"), std::string::npos);
+}
+
+TEST_F(KeyFolder, IsRotatedWithoutAMomentInWhichSomebodyIsNotUnderstood) {
+  const Keyring before = load_keyring(folder());
+  begin_rotation(folder(), std::nullopt);
+  EXPECT_THROW(begin_rotation(folder(), std::nullopt), StartupError);
+  const Keyring between = load_keyring(folder());
+  EXPECT_EQ(between.keys().size(), 2 * kRoles.size());
+  end_rotation(folder(), std::nullopt);
+  const Keyring after = load_keyring(folder());
+  EXPECT_THROW(end_rotation(folder(), std::nullopt), StartupError);
+  for (const Role role : kRoles) {
+    EXPECT_EQ(between.signing(role)->id, before.signing(role)->id) << "as others know it";
+    EXPECT_NE(after.signing(role)->id, before.signing(role)->id);
+    EXPECT_NE(between.find(after.signing(role)->id), nullptr) << "who has not turned understands";
+    EXPECT_NE(after.find(before.signing(role)->id), nullptr) << "and is understood";
+    revoke_key(folder(), key_name(*after.find(before.signing(role)->id)));
+  }
+  const Keyring last = load_keyring(folder());
+  EXPECT_EQ(last.keys().size(), kRoles.size());
+  for (const Role role : kRoles) {
+    EXPECT_EQ(last.find(before.signing(role)->id), nullptr);
+    EXPECT_NE(last.signing(role), nullptr);
+  }
+  EXPECT_THROW(revoke_key(folder(), "mocap-00000000"), StartupError);
+}
+
+TEST_F(KeyFolder, RotatesOneRoleAlone) {
+  const Keyring before = load_keyring(folder());
+  begin_rotation(folder(), Role::kOperator);
+  end_rotation(folder(), Role::kOperator);
+  const Keyring after = load_keyring(folder());
+  EXPECT_NE(after.signing(Role::kOperator)->id, before.signing(Role::kOperator)->id);
+  EXPECT_EQ(after.signing(Role::kMocap)->id, before.signing(Role::kMocap)->id);
+}
+
+TEST(LoadKeyring, SaysHowToMakeAFolderThatIsMissing) {
+  EXPECT_NE(refusal_of("/nowhere/keys").find("vantage keys new"), std::string::npos);
+}
+
+scenario::Scenario scenario_of(scenario::SecurityMode mode, const std::string& keys,
+                               scenario::DeviceSource device) {
+  scenario::Scenario scenario;
+  scenario.security = {mode, keys};
+  scenario.mocap.device = device;
+  return scenario;
+}
+
+TEST_F(KeyFolder, IsForcedWhereADeviceIsReal) {
+  using scenario::DeviceSource;
+  using scenario::SecurityMode;
+  for (const SecurityMode mode : {SecurityMode::kOff, SecurityMode::kWarn}) {
+    const auto real = scenario_of(mode, folder(), DeviceSource::kReal);
+    EXPECT_THROW(static_cast<void>(authenticator_for(real, false)), StartupError);
+    EXPECT_EQ(security_faults(real).size(), 1U);
+    const auto wire = scenario_of(mode, folder(), DeviceSource::kWire);
+    EXPECT_NO_THROW(static_cast<void>(authenticator_for(wire, false)));
+    EXPECT_TRUE(security_faults(wire).empty());
+  }
+  const auto real = scenario_of(SecurityMode::kRequire, folder(), DeviceSource::kReal);
+  EXPECT_NE(authenticator_for(real, false), nullptr);
+  EXPECT_TRUE(security_faults(real).empty());
+  EXPECT_EQ(authenticator_for(scenario_of(SecurityMode::kOff, "", DeviceSource::kWire), false),
+            nullptr);
+}
+
+TEST_F(KeyFolder, IsMissedByName) {
+  using scenario::DeviceSource;
+  using scenario::SecurityMode;
+  const auto scenario = scenario_of(SecurityMode::kRequire, folder(), DeviceSource::kWire);
+  EXPECT_NO_THROW(require_operator(scenario));
+  fs::remove(file_of(Role::kOperator, "sign"));
+  EXPECT_THROW(require_operator(scenario), StartupError);
+  fs::remove(file_of(Role::kPlanner));
+  ASSERT_EQ(security_faults(scenario).size(), 1U);
+  EXPECT_NE(security_faults(scenario)[0].find("planner"), std::string::npos);
+  const auto nowhere = scenario_of(SecurityMode::kRequire, "/nowhere", DeviceSource::kWire);
+  EXPECT_EQ(security_faults(nowhere).size(), 1U);
+  EXPECT_THROW(static_cast<void>(authenticator_for(nowhere, false)), StartupError);
+  EXPECT_EQ(authenticator_for(nowhere, true), nullptr) << "a replay elsewhere";
+}
+
+}  // namespace
+}  // namespace vantage::bus::auth

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/convert/convert.hpp"
+
+namespace vantage::test {
+
+/// Everything that travels.
+using MessageTypes =
+    ::testing::Types<models::MocapFrame, models::DetectionSet, models::RobotBelief,
+                     models::RangeScan, models::RobotMap, models::RobotPlan, models::PlanProposal,
+                     models::TeamProposal, models::VehicleStatus, models::OperatorCommand,
+                     models::TruthFrame, models::ContactReport, models::AttackNotice,
+                     models::ProcessHealth, models::HostReport, models::ScenarioNotice>;
+
+/// The bytes that go out for `message`.
+template <class Message>
+std::vector<std::uint8_t> encoded(const Message& message) {
+  const auto wire = bus::to_wire(message);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire.getEncodedSize()));
+  wire.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+}  // namespace vantage::test

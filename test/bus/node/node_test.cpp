@@ -1,0 +1,230 @@
+#include "bus/node/node.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vantage::bus {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// Waiting on it moves the clock; what was published is kept.
+class WaitMovesTheClock : public Transport {
+ public:
+  explicit WaitMovesTheClock(VirtualClock& clock) : clock_(clock) {}
+  void subscribe(const std::string& channel, Handler handler) override {
+    own_->subscribe(channel, std::move(handler));
+  }
+  bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
+    return own_->publish(channel, bytes);
+  }
+  int handle(std::chrono::microseconds timeout) override {
+    longest_wait_ = std::max<Duration>(longest_wait_, timeout);
+    clock_.set(clock_.now() + timeout);
+    if (ends_at && clock_.now() >= *ends_at) {
+      return kSourceEnded;
+    }
+    return own_->handle(std::chrono::microseconds{0});
+  }
+  [[nodiscard]] TransportStats stats() const override { return own_->stats(); }
+  [[nodiscard]] Duration longest_wait() const { return longest_wait_; }
+  [[nodiscard]] InProcessHub& hub() { return hub_; }
+
+  std::optional<Time> ends_at;
+
+ private:
+  VirtualClock& clock_;
+  InProcessHub hub_;
+  std::unique_ptr<Transport> own_ = hub_.connect();
+  Duration longest_wait_{};
+};
+
+class Ticker : public Node {
+ public:
+  Ticker(Time first, Duration period) : next_(first), period_(period) {}
+  [[nodiscard]] std::string name() const override { return "TICKER"; }
+  [[nodiscard]] Time next_tick() const override { return next_; }
+  void tick(Time now) override {
+    ticks.push_back(now);
+    next_ = next_ + period_;
+  }
+  [[nodiscard]] std::vector<models::NamedCount> counters() const override {
+    return {{"stale_inputs", stale_inputs}, {"rest_rounds", rest_rounds}};
+  }
+
+  std::vector<Time> ticks;
+  std::int64_t stale_inputs = 0;
+  std::int64_t rest_rounds = 0;
+
+ private:
+  Time next_;
+  Duration period_;
+};
+
+class RunNode : public ::testing::Test {
+ protected:
+  RunNode() {
+    observer_.subscribe<models::ProcessHealth>(
+        health_channel("TICKER"), [this](const models::ProcessHealth& h) { health_.push_back(h); });
+  }
+  void run_until(Time end) {
+    run_node(bus_, node_, clock_, [this, end] { return clock_.now() >= end; });
+    observer_.handle(std::chrono::microseconds{0});
+  }
+
+  const Time start_ = from_utime(1'000'000'000);
+  VirtualClock clock_{start_};
+  WaitMovesTheClock transport_{clock_};
+  std::unique_ptr<Transport> observing_ = transport_.hub().connect();
+  Bus bus_{transport_, 1};
+  Bus observer_{*observing_, 2};
+  Ticker node_{start_ + milliseconds(5), milliseconds(20)};
+  std::vector<models::ProcessHealth> health_;
+};
+
+TEST_F(RunNode, TicksExactlyWhenTheNodeAskedFor) {
+  run_until(start_ + milliseconds(985));
+  ASSERT_EQ(node_.ticks.size(), 50U);
+  for (std::size_t i = 0; i < node_.ticks.size(); ++i) {
+    EXPECT_EQ(node_.ticks[i], start_ + milliseconds(5) + static_cast<int>(i) * milliseconds(20));
+  }
+}
+
+TEST_F(RunNode, AsksWhetherToStopEvenWhenTheNodeSleepsLong) {
+  Ticker sleeper(start_ + seconds(1'000), seconds(1));
+  int asked = 0;
+  run_node(bus_, sleeper, clock_, [&] { return ++asked > 10; });
+  EXPECT_TRUE(sleeper.ticks.empty());
+  EXPECT_LE(transport_.longest_wait(), milliseconds(50));
+}
+
+TEST_F(RunNode, ReportsItsHealthEachSecondFromStartingToStopping) {
+  run_until(start_ + milliseconds(3'500));
+  ASSERT_EQ(health_.size(), 6U) << "starting, at once, three seconds, stopping";
+  EXPECT_EQ(health_.front().state, models::ProcessState::kStarting);
+  EXPECT_EQ(health_.back().state, models::ProcessState::kStopping);
+  for (std::size_t i = 2; i + 1 < health_.size(); ++i) {
+    EXPECT_EQ(health_[i].state, models::ProcessState::kRunning);
+    EXPECT_EQ(health_[i].stamp.time - health_[i - 1].stamp.time, seconds(1));
+    EXPECT_GT(health_[i].loops, health_[i - 1].loops);
+  }
+}
+
+TEST_F(RunNode, LetsMessagesThroughBetweenTicks) {
+  int commands = 0;
+  bus_.subscribe<models::OperatorCommand>(kCommand, [&](const auto&) { ++commands; });
+  observer_.publish(kCommand, models::OperatorCommand{});
+  run_until(start_ + milliseconds(2));
+  EXPECT_EQ(commands, 1);
+}
+
+TEST_F(RunNode, EndsWithItsLog) {
+  transport_.ends_at = start_ + seconds(1);
+  run_node(bus_, node_, clock_, [] { return false; });
+  EXPECT_EQ(node_.ticks.size(), 50U);
+}
+
+TEST_F(RunNode, PassesOnWhatAHandlerThrows) {
+  bus_.subscribe<models::OperatorCommand>(kCommand,
+                                          [](const auto&) { throw std::runtime_error("no"); });
+  observer_.publish(kCommand, models::OperatorCommand{});
+  EXPECT_THROW(run_until(start_ + seconds(1)), std::runtime_error);
+}
+
+class Health : public RunNode {};
+
+TEST_F(Health, IsReportedAtOnceWhenSomethingWasDroppedAndDegradedForThatSecond) {
+  HealthReporter reporter(bus_, node_);
+  const auto loop = [&](Duration at) {
+    reporter.on_loop(start_ + at, 0.001);
+    observer_.handle(std::chrono::microseconds{0});
+    return health_.size();
+  };
+  EXPECT_EQ(loop(milliseconds(0)), 1U);
+  EXPECT_EQ(loop(milliseconds(500)), 1U) << "nothing new";
+  node_.stale_inputs = 3;
+  EXPECT_EQ(loop(milliseconds(510)), 2U);
+  EXPECT_EQ(health_.back().state, models::ProcessState::kDegraded);
+  ++node_.stale_inputs;
+  EXPECT_EQ(loop(milliseconds(520)), 2U) << "not more than ten times a second";
+  EXPECT_EQ(loop(milliseconds(610)), 3U);
+  EXPECT_EQ(loop(milliseconds(1'000)), 4U);
+  EXPECT_EQ(health_.back().state, models::ProcessState::kDegraded) << "in this second";
+  EXPECT_EQ(loop(milliseconds(2'000)), 5U);
+  EXPECT_EQ(health_.back().state, models::ProcessState::kRunning) << "nothing since";
+  ++node_.rest_rounds;
+  EXPECT_EQ(loop(milliseconds(2'500)), 5U) << "nothing is wrong with resting";
+}
+
+TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {
+  HealthReporter reporter(bus_, node_, [] {
+    return std::vector<models::NamedCount>{{"process.memory_bytes", 4096}};
+  });
+  node_.stale_inputs = 7;
+  reporter.on_loop(start_, 0.004);
+  reporter.on_loop(start_ + milliseconds(1), 0.2);
+  reporter.on_loop(start_ + seconds(1), 0.1);
+  observer_.handle(std::chrono::microseconds{0});
+  ASSERT_EQ(health_.size(), 2U);
+  EXPECT_EQ(health_[0].loop_worst_s, 0.004);
+  EXPECT_EQ(health_[1].loop_worst_s, 0.2);
+  EXPECT_EQ(health_[1].loops, 3);
+  for (int more = 2; more <= 3; ++more) {  // each second has a worst loop of its own
+    reporter.on_loop(start_ + seconds(more), 0.003);
+    observer_.handle(std::chrono::microseconds{0});
+    EXPECT_EQ(health_.back().loop_worst_s, 0.003);
+  }
+  std::map<std::string, std::int64_t> counters;
+  for (const models::NamedCount& counter : health_[1].counters) {
+    counters[counter.name] = counter.count;
+  }
+  EXPECT_EQ(counters["stale_inputs"], 7);
+  EXPECT_EQ(counters["transport.messages_sent"], 1);
+  EXPECT_EQ(counters["process.memory_bytes"], 4096);
+}
+
+/// Waiting on it moves the machine's monotonic clock; at given times somebody sets its wall clock.
+class SetWallClock : public Transport {
+ public:
+  void subscribe(const std::string& channel, Handler handler) override {
+    own_->subscribe(channel, std::move(handler));
+  }
+  bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
+    return own_->publish(channel, bytes);
+  }
+  int handle(std::chrono::microseconds timeout) override {
+    since_start += timeout;
+    return own_->handle(std::chrono::microseconds{0});
+  }
+  [[nodiscard]] TransportStats stats() const override { return own_->stats(); }
+  [[nodiscard]] Duration set() const {
+    return since_start < seconds(2)   ? Duration{0}
+           : since_start < seconds(4) ? Duration{-seconds(3)}
+           : since_start < seconds(6) ? Duration{-std::chrono::hours(1)}
+                                      : Duration{std::chrono::hours(1)};
+  }
+
+  Duration since_start{};
+
+ private:
+  InProcessHub hub_;
+  std::unique_ptr<Transport> own_ = hub_.connect();
+};
+
+TEST(RunNodeBySteadyClock, TicksOnWhateverTheWallClockIsSetTo) {
+  const Time start = from_utime(1'700'000'000'000'000);
+  SetWallClock machine;
+  const SteadyClock clock([&] { return std::chrono::nanoseconds(machine.since_start).count(); },
+                          [&] { return start + machine.since_start + machine.set(); });
+  Bus bus(machine, 1);
+  bus.keep_time(clock);
+  Ticker node(start + milliseconds(5), milliseconds(20));
+  run_node(bus, node, clock, [&] { return machine.since_start >= milliseconds(7'985); });
+  ASSERT_EQ(node.ticks.size(), 400U);
+  for (std::size_t i = 0; i < node.ticks.size(); ++i) {
+    EXPECT_EQ(node.ticks[i], start + milliseconds(5) + static_cast<int>(i) * milliseconds(20));
+  }
+}
+
+}  // namespace
+}  // namespace vantage::bus

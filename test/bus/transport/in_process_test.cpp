@@ -1,0 +1,138 @@
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/transport/channel_pattern.hpp"
+#include "bus/transport/transport.hpp"
+#include "core/check.hpp"
+
+namespace vantage::bus {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+constexpr std::chrono::microseconds kNow{0};
+constexpr std::chrono::seconds kLong{60};
+
+Transport::Handler into(std::vector<Bytes>& list) {
+  return [&list](std::string_view, std::span<const std::uint8_t> bytes) {
+    list.emplace_back(bytes.begin(), bytes.end());
+  };
+}
+
+TEST(InProcessHub, LetsEveryEndpointHearEveryEndpointItselfIncluded) {
+  InProcessHub hub;
+  const auto a = hub.connect();
+  const auto b = hub.connect();
+  std::vector<Bytes> at_a;
+  std::vector<Bytes> at_b;
+  a->subscribe("X", into(at_a));
+  b->subscribe("*", into(at_b));
+  EXPECT_TRUE(a->publish("X", Bytes{1}));
+  EXPECT_TRUE(b->publish("X", Bytes{2}));
+  EXPECT_TRUE(b->publish("Y", Bytes{3}));
+  EXPECT_EQ(a->handle(kNow), 2);
+  EXPECT_EQ(b->handle(kNow), 3);
+  EXPECT_EQ(at_a, (std::vector<Bytes>{{1}, {2}}));
+  EXPECT_EQ(at_b, (std::vector<Bytes>{{1}, {2}, {3}}));
+}
+
+TEST(InProcessHub, DropsTheOldestAndCountsIt) {
+  InProcessHub hub(3);
+  const auto slow = hub.connect();
+  const auto fast = hub.connect();
+  std::vector<Bytes> heard;
+  slow->subscribe("X", into(heard));
+  for (std::uint8_t i = 0; i < 5; ++i) {
+    fast->publish("X", Bytes{i});
+  }
+  EXPECT_EQ(slow->handle(kNow), 3);
+  EXPECT_EQ(heard, (std::vector<Bytes>{{2}, {3}, {4}}));
+  EXPECT_EQ(slow->stats().queue_overflows, 2);
+  EXPECT_EQ(slow->stats().messages_received, 3);
+  EXPECT_EQ(fast->stats().messages_sent, 5);
+  EXPECT_EQ(fast->stats().queue_overflows, 0) << "each endpoint has its own queue";
+}
+
+TEST(InProcessHub, LeavesAnswersOfHandlersForTheNextHandle) {
+  InProcessHub hub;
+  const auto endpoint = hub.connect();
+  int calls = 0;
+  endpoint->subscribe("X", [&](auto, auto) {
+    ++calls;
+    endpoint->publish("X", Bytes{});
+  });
+  endpoint->publish("X", Bytes{});
+  EXPECT_EQ(endpoint->handle(kNow), 1);
+  EXPECT_EQ(endpoint->handle(kNow), 1);
+  EXPECT_EQ(calls, 2);
+}
+
+TEST(InProcessHub, KeepsTheRestWhenAHandlerThrows) {
+  InProcessHub hub;
+  const auto endpoint = hub.connect();
+  std::vector<Bytes> heard;
+  endpoint->subscribe("X", [&](std::string_view, std::span<const std::uint8_t> bytes) {
+    if (bytes[0] == 0) {
+      throw std::runtime_error("handler");
+    }
+    heard.emplace_back(bytes.begin(), bytes.end());
+  });
+  endpoint->publish("X", Bytes{0});
+  endpoint->publish("X", Bytes{1});
+  EXPECT_THROW(endpoint->handle(kNow), std::runtime_error);
+  EXPECT_EQ(endpoint->handle(kNow), 1);
+  EXPECT_EQ(heard, (std::vector<Bytes>{{1}}));
+}
+
+TEST(InProcessHub, ForgetsEndpointsThatAreGone) {
+  InProcessHub hub;
+  const auto stays = hub.connect();
+  { const auto goes = hub.connect(); }
+  EXPECT_TRUE(stays->publish("X", Bytes{1}));
+}
+
+TEST(InProcessHub, RefusesAQueueOfNothing) { EXPECT_THROW(InProcessHub(0), UsageError); }
+
+// Two senders in threads of their own; both receivers must hear all of it, in the same order.
+TEST(InProcessHub, ShowsConcurrentPublishersInOneOrderToAll) {
+  constexpr int kEach = 2'000;
+  InProcessHub hub;
+  const auto a = hub.connect();
+  const auto b = hub.connect();
+  std::vector<Bytes> at_a;
+  std::vector<Bytes> at_b;
+  a->subscribe("*", into(at_a));
+  b->subscribe("*", into(at_b));
+  const auto send = [&hub](std::uint8_t who) {
+    const auto endpoint = hub.connect();
+    for (int i = 0; i < kEach; ++i) {
+      endpoint->publish("X", Bytes{who, static_cast<std::uint8_t>(i)});
+    }
+  };
+  std::thread first(send, std::uint8_t{1});
+  std::thread second(send, std::uint8_t{2});
+  while (at_a.size() < 2 * kEach && a->handle(kLong) > 0) {
+  }
+  first.join();
+  second.join();
+  while (at_b.size() < 2 * kEach && b->handle(kLong) > 0) {
+  }
+  EXPECT_EQ(at_a.size(), 2U * kEach);
+  EXPECT_EQ(at_a, at_b);
+}
+
+TEST(ChannelMatches, KnowsExactNamesAndPrefixes) {
+  EXPECT_TRUE(channel_matches("PLAN_Q1", "PLAN_Q1"));
+  EXPECT_FALSE(channel_matches("PLAN_Q1", "PLAN_Q12"));
+  EXPECT_FALSE(channel_matches("PLAN_Q12", "PLAN_Q1"));
+  EXPECT_TRUE(channel_matches("PLAN_*", "PLAN_Q1"));
+  EXPECT_TRUE(channel_matches("PLAN_*", "PLAN_"));
+  EXPECT_FALSE(channel_matches("PLAN_*", "PLAN"));
+  EXPECT_TRUE(channel_matches("*", "ANYTHING"));
+  EXPECT_FALSE(channel_matches("P.AN", "PLAN")) << "no regular expressions";
+}
+
+}  // namespace
+}  // namespace vantage::bus

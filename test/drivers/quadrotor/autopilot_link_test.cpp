@@ -1,0 +1,343 @@
+// What the driver says on the wire, against the protocol itself.
+
+#include "drivers/quadrotor/autopilot_link.hpp"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/support/near.hpp"
+#include "test/support/random.hpp"
+#include "wire/mavlink/vocabulary.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::AutopilotDialect;
+
+constexpr Time kNow = from_utime(1'700'000'000'123'456);
+
+/// A link, and what it says, unpacked.
+struct Bench {
+  explicit Bench(AutopilotDialect dialect, const std::optional<wire::mavlink::SigningKey>& key = {},
+                 scenario::ParameterPolicy parameters = scenario::ParameterPolicy::kIgnore)
+      : link({dialect, "", 1, "", parameters}, key) {}
+
+  std::vector<wire::mavlink::Frame> said() {
+    std::vector<wire::mavlink::Frame> out;
+    for (const WireMessage& message : link.take_output()) {
+      wire::mavlink::Parser parser;
+      parser.feed(message, [&out](const wire::mavlink::Frame& frame) { out.push_back(frame); });
+    }
+    return out;
+  }
+  template <class Message>
+  std::vector<Message> said_of() {
+    std::vector<Message> out;
+    for (const wire::mavlink::Frame& frame : said()) {
+      if (const auto message = wire::mavlink::unpack<Message>(frame)) {
+        out.push_back(*message);
+      }
+    }
+    return out;
+  }
+  template <class Message>
+  void hear(const Message& message, Time now, std::uint8_t system = 1, std::uint8_t component = 1) {
+    std::vector<std::uint8_t> bytes;
+    wire::mavlink::append_bytes(wire::mavlink::pack(message, {system, component, sequence++}),
+                                bytes);
+    link.receive(bytes, true, now);
+  }
+  void hear_heartbeat(Time now, std::uint8_t autopilot = 12) {
+    hear(wire::mavlink::Heartbeat{0, 2, autopilot, 0, 3, 3}, now);
+  }
+
+  std::string fault(Time now) const { return link.fault(now).value_or("none"); }
+  std::string warning() const {
+    return link.telemetry().newest_warning(kNow, Duration{0}).value_or("none");
+  }
+
+  AutopilotLink link;
+  std::uint8_t sequence = 0;
+};
+
+TEST(AutopilotLink, SaysItsHeartbeatFiveTimesASecondAsTheDialectExpects) {
+  for (const auto dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
+    Bench bench(dialect);
+    for (int i = 0; i < 500; ++i) {
+      bench.link.tick(kNow + i * Duration{20'000});
+    }
+    const std::vector<wire::mavlink::Frame> frames = bench.said();
+    ASSERT_EQ(frames.size(), 50U) << "to a vehicle that is not heard nothing else is said";
+    const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frames[0]);
+    ASSERT_TRUE(heartbeat.has_value());
+    const bool is_px4 = dialect == AutopilotDialect::kPx4;
+    EXPECT_EQ(heartbeat->type, 6);  // PX4 says why it refuses to ground stations alone
+    EXPECT_EQ(heartbeat->autopilot, 8);
+    EXPECT_EQ(heartbeat->system_status, 4);
+    EXPECT_EQ(frames[0].origin.system_id, is_px4 ? 254 : 255);
+    EXPECT_EQ(frames[0].origin.component_id, 191);
+  }
+}
+
+TEST(AutopilotLink, SendsPosesAsTheEstimatorsAcceptThem) {
+  test::Random random(1);
+  for (int i = 0; i < 200; ++i) {
+    Bench bench(AutopilotDialect::kPx4);
+    BodyState state;
+    state.capture = kNow;
+    state.world_from_body.translation_m = random.vector<3>(-5.0, 5.0);
+    state.world_from_body.rotation =
+        Eigen::Quaterniond(random.normal(), random.normal(), random.normal(), random.normal())
+            .normalized();
+    state.velocity_world_mps = random.vector<3>(-2.0, 2.0);
+    state.resets = 3;
+    bench.link.send_pose(state, kNow + Duration{7'000});
+    const auto poses = bench.said_of<wire::mavlink::Odometry>();
+    ASSERT_EQ(poses.size(), 1U);
+    const wire::mavlink::Odometry& odometry = poses[0];
+    EXPECT_EQ(odometry.frame_id, 20);
+    EXPECT_EQ(odometry.child_frame_id, 12);
+    EXPECT_EQ(odometry.estimator_type, 2) << "PX4 never reads type 6";
+    EXPECT_EQ(odometry.quality, 100);
+    EXPECT_EQ(odometry.reset_counter, 3);
+    EXPECT_EQ(odometry.time_usec, 1'700'000'000'123'456U) << "of the capture";
+    for (const std::size_t diagonal : {0U, 6U, 11U, 15U, 18U, 20U}) {
+      EXPECT_GT(odometry.pose_covariance[diagonal], 0.0F);
+      EXPECT_GT(odometry.velocity_covariance[diagonal], 0.0F);
+    }
+    // By rotation matrices: half a revolution about x turns both the world and the body.
+    const Eigen::DiagonalMatrix<double, 3> turn(1.0, -1.0, -1.0);
+    const Eigen::Matrix3d world_from_body = state.world_from_body.rotation.toRotationMatrix();
+    const Eigen::Matrix3d local_from_body = turn * world_from_body * turn;
+    const Eigen::Quaternionf q(odometry.q[0], odometry.q[1], odometry.q[2], odometry.q[3]);
+    EXPECT_TRUE(test::is_near(q.toRotationMatrix().cast<double>(), local_from_body, 1e-6));
+    const Eigen::Vector3d position_m(odometry.x, odometry.y, odometry.z);
+    EXPECT_TRUE(test::is_near(position_m, turn * state.world_from_body.translation_m, 1e-6));
+    const Eigen::Vector3d velocity_body_mps(odometry.vx, odometry.vy, odometry.vz);
+    EXPECT_TRUE(
+        test::is_near(local_from_body * velocity_body_mps, turn * state.velocity_world_mps, 1e-6));
+  }
+}
+
+TEST(AutopilotLink, TellsPlaceVelocityAndAccelerationInEachSetPoint) {
+  for (const AutopilotDialect dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
+    Bench bench(dialect);
+    Setpoint moving;
+    moving.position_world_m = {1.0, 2.0, 3.0};
+    moving.velocity_world_mps = {0.1, 0.2, 0.3};
+    moving.acceleration_world_mps2 = {-0.5, 0.25, 0.125};
+    moving.yaw_rad = 0.5;
+    moving.yaw_rate_radps = -0.4;
+    Setpoint standing;
+    standing.position_world_m = {1.0, 2.0, 3.0};
+    bench.link.send_setpoint(moving, kNow);
+    bench.link.send_setpoint(standing, kNow);
+    const auto targets = bench.said_of<wire::mavlink::SetPositionTargetLocalNed>();
+    ASSERT_EQ(targets.size(), 2U);
+    const wire::mavlink::SetPositionTargetLocalNed& t = targets[0];
+    EXPECT_EQ(t.coordinate_frame, 1);
+    EXPECT_EQ(t.target_system, 1);
+    EXPECT_EQ((std::vector{t.x, t.y, t.z, t.yaw}), (std::vector{1.0F, -2.0F, -3.0F, -0.5F}));
+    EXPECT_EQ((std::vector{t.vx, t.vy, t.vz, t.yaw_rate}), (std::vector{0.1F, -0.2F, -0.3F, 0.4F}));
+    EXPECT_EQ((std::vector{t.afx, t.afy, t.afz}), (std::vector{-0.5F, -0.25F, -0.125F}));
+    // One kind of set-point, whatever it asks for: no change of kind can upset an autopilot.
+    EXPECT_EQ(targets[0].type_mask, 0);
+    EXPECT_EQ(targets[1].type_mask, 0);
+  }
+}
+
+TEST(AutopilotLink, AnswersTheVehiclesClockAndMeasuresIt) {
+  Bench bench(AutopilotDialect::kPx4);
+  bench.hear_heartbeat(kNow);
+  wire::mavlink::Timesync request;
+  request.ts1 = 42;
+  bench.hear(request, kNow);
+  auto said = bench.said_of<wire::mavlink::Timesync>();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].tc1, to_utime(kNow) * 1000);
+  EXPECT_EQ(said[0].ts1, 42);
+
+  bench.link.tick(kNow);
+  said = bench.said_of<wire::mavlink::Timesync>();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].tc1, 0);
+  // The vehicle's clock began 100 s ago; 2 ms there, 2 ms back.
+  wire::mavlink::Timesync reply;
+  reply.tc1 = 100'002'000'000;
+  reply.ts1 = said[0].ts1;
+  bench.hear(reply, kNow + Duration{4'000});
+  EXPECT_EQ(bench.link.telemetry().clock_offset_ns(), 100'000'000'000 - to_utime(kNow) * 1000);
+  // An answer to nothing, of another time, changes nothing.
+  reply.tc1 = 5;
+  reply.ts1 = 1;
+  bench.hear(reply, kNow + Duration{4'000});
+  EXPECT_EQ(bench.link.telemetry().clock_offset_ns(), 100'000'000'000 - to_utime(kNow) * 1000);
+}
+
+TEST(AutopilotLink, AsksForStreamsOneAfterTheOtherUntilTheyCome) {
+  Bench bench(AutopilotDialect::kPx4);
+  std::map<int, int> asked;
+  for (int i = 0; i < 400; ++i) {
+    const Time now = kNow + i * Duration{20'000};
+    bench.hear_heartbeat(now);
+    bench.hear(wire::mavlink::LocalPositionNed{}, now);
+    bench.hear(wire::mavlink::EstimatorStatus{}, now);
+    bench.link.tick(now);
+    for (const auto& command : bench.said_of<wire::mavlink::CommandLong>()) {
+      ASSERT_EQ(command.command, 511);
+      EXPECT_GT(command.param2, 0.0F);
+      ++asked[static_cast<int>(command.param1)];
+      wire::mavlink::CommandAck ack;
+      ack.command = 511;
+      bench.hear(ack, now);
+    }
+  }
+  EXPECT_EQ(asked.count(32) + asked.count(230), 0U) << "these came by themselves";
+  for (const int id : {30, 245, 147, 1}) {
+    EXPECT_GE(asked[id], 2) << id;
+    EXPECT_LE(asked[id], 4) << id << ": asked again each three seconds, no more";
+  }
+}
+
+TEST(AutopilotLink, GivesArdupilotAnOriginUntilItHasOne) {
+  for (const auto dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
+    Bench bench(dialect);
+    const auto origins_in = [&bench](int from_s, int to_s) {
+      for (int i = from_s * 10; i < to_s * 10; ++i) {
+        bench.hear_heartbeat(kNow + i * Duration{100'000});
+        bench.link.tick(kNow + i * Duration{100'000});
+      }
+      return bench.said_of<wire::mavlink::SetGpsGlobalOrigin>().size();
+    };
+    const std::size_t wanted = dialect == AutopilotDialect::kPx4 ? 0U : 5U;
+    EXPECT_EQ(origins_in(0, 5), wanted);
+    // ArduCopter knows its place without an origin, and does not arm.
+    bench.hear(wire::mavlink::LocalPositionNed{}, kNow + std::chrono::seconds(5));
+    EXPECT_EQ(origins_in(5, 10), wanted);
+    bench.hear(wire::mavlink::GpsGlobalOrigin{}, kNow + std::chrono::seconds(10));
+    EXPECT_EQ(origins_in(10, 15), 0U);
+  }
+}
+
+TEST(AutopilotLink, HearsItsVehicleAlone) {
+  Bench bench(AutopilotDialect::kPx4);
+  bench.hear(wire::mavlink::Heartbeat{0, 2, 12, 128, 4, 3}, kNow, 9);
+  EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
+  EXPECT_STREQ(bench.fault(kNow).c_str(),
+               "no autopilot of this system id is heard, but others are");
+  bench.hear(wire::mavlink::Heartbeat{0, 6, 8, 128, 4, 3}, kNow, 1, 190);  // a gimbal, a station
+  EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
+  bench.hear_heartbeat(kNow);
+  EXPECT_FALSE(bench.link.fault(kNow).has_value());
+  EXPECT_STREQ(bench.fault(kNow + std::chrono::seconds(3)).c_str(),
+               "the autopilot has fallen silent");
+}
+
+TEST(AutopilotLink, TakesTheFirstAutopilotWhenNoneIsNamed) {
+  AutopilotLink link({AutopilotDialect::kArdupilot, "", 0, ""}, std::nullopt);
+  const auto hear = [&link](const wire::mavlink::Heartbeat& heartbeat, std::uint8_t system,
+                            std::uint8_t component) {
+    std::vector<std::uint8_t> bytes;
+    wire::mavlink::append_bytes(wire::mavlink::pack(heartbeat, {system, component, 0}), bytes);
+    link.receive(bytes, true, kNow);
+  };
+  hear({0, 6, 8, 0, 4, 3}, 255, 190);  // a ground station is no autopilot
+  hear({0, 2, 3, 0, 4, 3}, 17, 0);     // ArduPilot's first heartbeat comes from component 0
+  hear({0, 2, 3, 128, 4, 3}, 18, 1);
+  EXPECT_TRUE(link.telemetry().heartbeat_time().has_value());
+  EXPECT_FALSE(link.telemetry().is_armed()) << "it listened to the second one";
+}
+
+TEST(AutopilotLink, NamesVersionOne) {
+  Bench bench(AutopilotDialect::kPx4);
+  wire::mavlink::Frame frame =
+      wire::mavlink::pack(wire::mavlink::Heartbeat{0, 2, 12, 0, 3, 3}, {1, 1, 0});
+  frame.is_v1 = true;
+  frame.payload_size = 9;
+  frame.crc = wire::mavlink::crc_of(frame);
+  std::vector<std::uint8_t> bytes;
+  wire::mavlink::append_bytes(frame, bytes);
+  bench.link.receive(bytes, true, kNow);
+  EXPECT_STREQ(bench.fault(kNow).c_str(), "the autopilot speaks MAVLink 1; version 2 is needed");
+}
+
+TEST(AutopilotLink, SignsEverythingAndHearsNothingUnsigned) {
+  const wire::mavlink::SigningKey key{4, 5, 6};
+  Bench bench(AutopilotDialect::kPx4, key);
+  bench.hear_heartbeat(kNow);
+  EXPECT_FALSE(bench.link.telemetry().heartbeat_time().has_value());
+  wire::mavlink::Frame frame =
+      wire::mavlink::pack(wire::mavlink::Heartbeat{0, 2, 12, 0, 3, 3}, {1, 1, 9});
+  wire::mavlink::Signer vehicle(key, 0);
+  vehicle.sign(frame, kNow);
+  std::vector<std::uint8_t> bytes;
+  wire::mavlink::append_bytes(frame, bytes);
+  bench.link.receive(bytes, true, kNow);
+  EXPECT_TRUE(bench.link.telemetry().heartbeat_time().has_value());
+  bench.link.tick(kNow);
+  const std::vector<wire::mavlink::Frame> said = bench.said();
+  ASSERT_FALSE(said.empty());
+  for (const wire::mavlink::Frame& each : said) {
+    EXPECT_EQ(vehicle.check(each, kNow), wire::mavlink::SignatureVerdict::kGood);
+  }
+}
+
+TEST(AutopilotLink, PutsLongTextsTogether) {
+  Bench bench(AutopilotDialect::kPx4);
+  bench.hear_heartbeat(kNow);
+  wire::mavlink::Statustext text;
+  text.severity = 3;
+  text.id = 5;
+  text.text.fill('a');
+  std::string whole(51, 'a');
+  whole.back() = 'b';
+  bench.hear(text, kNow);
+  text.chunk_seq = 1;
+  text.text.fill('\0');
+  text.text[0] = 'b';
+  bench.hear(text, kNow);
+  EXPECT_EQ(bench.warning(), whole);
+  text = {};
+  text.severity = 6;
+  text.text[0] = 'i';
+  bench.hear(text, kNow);
+  EXPECT_EQ(bench.warning(), whole) << "information is no warning";
+}
+
+TEST(AutopilotLink, SurvivesAnythingOnTheWire) {
+  std::mt19937_64 rng(7);
+  for (const bool is_datagram : {true, false}) {
+    Bench bench(AutopilotDialect::kArdupilot);
+    std::vector<std::uint8_t> bytes;
+    for (int i = 0; i < 50'000; ++i) {
+      bytes.clear();
+      switch (rng() % 4) {
+        case 0:
+          wire::mavlink::append_bytes(wire::mavlink::pack(wire::mavlink::Statustext{}, {1, 1, 0}),
+                                      bytes);
+          break;
+        case 1:
+          wire::mavlink::append_bytes(wire::mavlink::pack(wire::mavlink::CommandAck{}, {1, 1, 0}),
+                                      bytes);
+          break;
+        default:
+          bytes.resize(rng() % 300);
+      }
+      for (std::uint8_t& byte : bytes) {
+        byte = rng() % 8 == 0 || rng() % 2 == 0 ? static_cast<std::uint8_t>(rng()) : byte;
+      }
+      bench.link.receive(bytes, is_datagram, kNow + i * Duration{1'000});
+      bench.link.tick(kNow + i * Duration{1'000});
+    }
+    EXPECT_LE(bench.link.take_output().size(), 1024U);
+    bench.hear_heartbeat(kNow + std::chrono::seconds(60), 3);
+    EXPECT_FALSE(bench.link.fault(kNow + std::chrono::seconds(60)).has_value());
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers

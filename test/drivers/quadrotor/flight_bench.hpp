@@ -1,0 +1,196 @@
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/quadrotor/driver.hpp"
+#include "sim/autopilot/autopilot_emulator.hpp"
+#include "test/sim/lab_scenario.hpp"
+
+namespace vantage::test {
+
+/// A driver, an emulated autopilot, mocap at 100 Hz, an operator and a planner, in virtual time.
+/// Q1 stands on the floor at (2, 2) and looks along y.
+class FlightBench {
+ public:
+  static constexpr Time kStart = from_utime(1'700'000'000'000'000);
+  static constexpr Duration kTick{5'000};
+  static constexpr Duration kLatency{5'000};
+  static constexpr double kFloorM = 0.05;  ///< height of its markers when it stands
+
+  static scenario::Scenario scenario_for(models::AutopilotDialect dialect) {
+    scenario::Scenario scenario = lab_scenario();
+    scenario.world.obstacles.clear();
+    scenario.robots.resize(1);
+    scenario.robots[0].start = {2.0, 2.0, kPi / 2};
+    scenario.robots[0].autopilot = scenario::AutopilotSpec{dialect, "udp://127.0.0.1:1", 1, ""};
+    return scenario;
+  }
+  static sim::AutopilotEmulatorSpec vehicle_for(models::AutopilotDialect dialect) {
+    sim::AutopilotEmulatorSpec spec;
+    spec.dialect = dialect;
+    spec.start = lift({2.0, 2.0, kPi / 2}, kFloorM);
+    return spec;
+  }
+
+  explicit FlightBench(models::AutopilotDialect dialect)
+      : FlightBench(dialect, vehicle_for(dialect)) {}
+  FlightBench(models::AutopilotDialect dialect, const sim::AutopilotEmulatorSpec& vehicle_spec)
+      : scenario(scenario_for(dialect)), vehicle(vehicle_spec, kStart) {
+    restart_driver();
+  }
+
+  void restart_driver() {
+    driver = std::make_unique<drivers::QuadrotorDriver>(scenario, "Q1",
+                                                        drivers::limits_for(scenario, "Q1"));
+  }
+
+  void run(double seconds) {
+    const Time end = now + from_seconds(seconds);
+    while (now < end) {
+      step();
+    }
+  }
+  /// Until `done`, at most `seconds`; whether it came.
+  bool run_until(const std::function<bool()>& done, double seconds) {
+    const Time end = now + from_seconds(seconds);
+    while (now < end && !done()) {
+      step();
+    }
+    return done();
+  }
+
+  void command(models::OperatorAction action) {
+    models::OperatorCommand out;
+    out.stamp = {now, 77, command_sequence++};
+    out.action = action;
+    driver->on_command(out, now);
+  }
+
+  /// A plan from where the driver is asked to be, `delay` from now.
+  models::RobotPlan plan(const Pose2& start, const std::vector<models::PlanSegment>& segments,
+                         Duration delay) {
+    models::RobotPlan out;
+    out.stamp = {now + delay, 55, plan_sequence++};
+    out.robot = "Q1";
+    out.round = plan_sequence;
+    out.trajectory = {now + delay, start, scenario.robots[0].height_m, segments};
+    return out;
+  }
+
+  /// Arms, takes off and comes to a hover; false when it did not.
+  bool take_off() {
+    if (!run_until([this] { return now > kStart + from_seconds(1.0) && reasons().empty(); },
+                   20.0)) {
+      return false;
+    }
+    command(models::OperatorAction::kArm);
+    if (!run_until([this] { return vehicle.controller().is_armed(); }, 60.0)) {
+      return false;
+    }
+    // The vehicle's heartbeat tells it a second later.
+    run(1.5);
+    command(models::OperatorAction::kTakeOff);
+    return run_until([this] { return height_error_m() < 0.1; }, 15.0);
+  }
+
+  models::VehicleStatus status() const { return driver->status(now); }
+  models::FlightState state() const { return status().state; }
+  bool has_reason(const std::string& part) const {
+    const auto reasons = status().reasons;
+    return std::any_of(reasons.begin(), reasons.end(), [&](const std::string& reason) {
+      return reason.find(part) != std::string::npos;
+    });
+  }
+  std::string reasons() const {
+    std::string out;
+    for (const std::string& reason : status().reasons) {
+      out += reason + "; ";
+    }
+    return out;
+  }
+  double height_error_m() const {
+    return std::abs(vehicle.world_from_body().translation_m.z() - scenario.robots[0].height_m);
+  }
+  bool is_armed() const { return vehicle.controller().is_armed(); }
+
+  scenario::Scenario scenario;
+  std::unique_ptr<drivers::QuadrotorDriver> driver;
+  sim::AutopilotEmulator vehicle;
+  Time now = kStart;
+  bool has_mocap = true;
+  bool has_operator = true;
+  bool is_wire_cut = false;
+  std::optional<Eigen::Vector3d> walker_m;  ///< where the scenario's first target is seen
+  std::function<void(Time)> on_step;
+  std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver, of the last step
+
+ private:
+  void step() {
+    now += kTick;
+    ++ticks_;
+    vehicle.advance_to(now);
+    for (const auto& datagram : vehicle.take_output()) {
+      if (!is_wire_cut) {
+        driver->receive(datagram, true, now);
+      }
+    }
+    if (ticks_ % 2 == 0) {
+      deliver_mocap();
+      capture_mocap();
+    }
+    if (has_operator && ticks_ % 40 == 0) {
+      command(models::OperatorAction::kHeartbeat);
+    }
+    driver->tick(now);
+    sent = driver->take_output();
+    for (const auto& datagram : sent) {
+      if (!is_wire_cut) {
+        vehicle.receive(datagram, now);
+      }
+    }
+    if (on_step) {
+      on_step(now);
+    }
+  }
+  void capture_mocap() {
+    models::MocapFrame frame;
+    frame.stamp = {now, 33, frame_sequence_++};
+    frame.frame_number = frame_sequence_;
+    models::MocapBody body;
+    body.name = "Q1";
+    body.world_from_body = vehicle.world_from_body();
+    // A tenth of a millimetre of noise, so that no two poses are the same bits.
+    body.world_from_body.translation_m.x() += 1e-4 * std::sin(static_cast<double>(ticks_));
+    frame.bodies.push_back(body);
+    if (walker_m) {
+      body.name = scenario.targets.front().name;
+      body.world_from_body = {};
+      body.world_from_body.translation_m = *walker_m;
+      frame.bodies.push_back(body);
+    }
+    waiting_.push_back(frame);
+  }
+  /// The frame captured a frame time ago.
+  void deliver_mocap() {
+    for (models::MocapFrame& frame : waiting_) {
+      frame.arrival = now;
+      if (has_mocap) {
+        driver->on_mocap(frame, now);
+      }
+    }
+    waiting_.clear();
+  }
+
+  std::int64_t ticks_ = 0;
+  std::int64_t frame_sequence_ = 0;
+  std::int64_t command_sequence = 0;
+  std::int64_t plan_sequence = 0;
+  std::vector<models::MocapFrame> waiting_;
+};
+
+}  // namespace vantage::test

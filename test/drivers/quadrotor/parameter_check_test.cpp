@@ -1,0 +1,168 @@
+// What is asked of an autopilot, how often, and what is made of its answers.
+
+#include "drivers/quadrotor/parameter_check.hpp"
+
+#include <map>
+
+#include <gtest/gtest.h>
+
+namespace vantage::drivers {
+namespace {
+
+using models::AutopilotDialect;
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+/// A check of three parameters, and an autopilot that answers what it knows.
+struct Bench {
+  ParameterCheck check{
+      AutopilotDialect::kArdupilot,
+      wire::mavlink::parse_parameter_rules("GUID_TIMEOUT 0.3 # at most 0.5: it flies on\n"
+                                           "FS_GCS_ENABLE 5 # exactly: it stays\n"
+                                           "VISO_DELAY_MS 10 # advised, exactly: late\n")};
+  std::map<std::string, double> known{
+      {"GUID_TIMEOUT", 0.3}, {"FS_GCS_ENABLE", 5.0}, {"VISO_DELAY_MS", 10.0}};
+  std::map<std::string, int> asked;
+  std::map<std::string, int> set;
+  Time now = kStart;
+
+  void answer(const std::string& name) {
+    if (known.contains(name)) {
+      check.take({static_cast<float>(known[name]), 3, 0, wire::mavlink::parameter_id(name), 9},
+                 now);
+    }
+  }
+  void run(double seconds, bool hears = true) {
+    const Time end = now + from_seconds(seconds);
+    for (; now < end; now += Duration{20'000}) {
+      const ParameterCheck::Due due = check.due(now);
+      for (const auto& read : due.reads) {
+        EXPECT_EQ(read.param_index, -1) << "by name";
+        ++asked[wire::mavlink::parameter_name(read.param_id)];
+        if (hears) {
+          answer(wire::mavlink::parameter_name(read.param_id));
+        }
+      }
+      for (const auto& one : due.sets) {
+        const std::string name = wire::mavlink::parameter_name(one.param_id);
+        ++set[name];
+        if (hears && known.contains(name)) {
+          known[name] = static_cast<double>(one.param_value);
+          answer(name);
+        }
+      }
+    }
+  }
+};
+
+TEST(ParameterCheck, AsksForEachOnceWhenItIsAnswered) {
+  Bench bench;
+  EXPECT_FALSE(bench.check.is_kept()) << "before anything is known";
+  EXPECT_EQ(bench.check.reasons(),
+            std::vector<std::string>{"reading the autopilot's parameters: 0 of 3"});
+  bench.run(5.0);
+  EXPECT_EQ(bench.asked.size(), 3U);
+  for (const auto& [name, count] : bench.asked) {
+    EXPECT_EQ(count, 1) << name;
+  }
+  EXPECT_TRUE(bench.check.is_complete());
+  EXPECT_TRUE(bench.check.is_kept());
+  EXPECT_TRUE(bench.check.reasons().empty());
+  EXPECT_NEAR(bench.check.setpoint_loss_s().value_or(0.0), 0.3, 1e-6);
+}
+
+TEST(ParameterCheck, RepeatsWhatIsNotAnsweredAndGivesItUp) {
+  Bench bench;
+  bench.known.erase("FS_GCS_ENABLE");
+  bench.run(2.0);
+  EXPECT_FALSE(bench.check.is_complete());
+  bench.run(3.0);
+  EXPECT_TRUE(bench.check.is_complete());
+  EXPECT_EQ(bench.asked["FS_GCS_ENABLE"], ParameterCheck::kAsksMax);
+  EXPECT_FALSE(bench.check.is_kept());
+  EXPECT_EQ(bench.check.reasons(),
+            std::vector<std::string>{"FS_GCS_ENABLE is not there, wanted is 5: it stays"});
+}
+
+TEST(ParameterCheck, KeepsOnlyAFewQuestionsUnderWay) {
+  Bench bench;
+  bench.check = ParameterCheck(AutopilotDialect::kArdupilot,
+                               wire::mavlink::parameter_rules(AutopilotDialect::kArdupilot));
+  EXPECT_EQ(bench.check.due(kStart).reads.size(),
+            static_cast<std::size_t>(ParameterCheck::kUnderWayMax));
+  EXPECT_TRUE(bench.check.due(kStart).reads.empty());
+}
+
+TEST(ParameterCheck, NamesADifferenceAndForgivesOneThatIsAdvised) {
+  Bench bench;
+  bench.known["GUID_TIMEOUT"] = 3.0;
+  bench.known["VISO_DELAY_MS"] = 60.0;
+  bench.run(2.0);
+  EXPECT_FALSE(bench.check.is_kept());
+  EXPECT_EQ(bench.check.reasons(),
+            std::vector<std::string>{"GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on"});
+  bench.known["GUID_TIMEOUT"] = 0.5;
+  bench.answer("GUID_TIMEOUT");  // somebody else changed it, and the autopilot tells everybody
+  EXPECT_TRUE(bench.check.is_kept());
+}
+
+TEST(ParameterCheck, AsksAgainLaterAndBelievesTheNewestWord) {
+  Bench bench;
+  bench.run(2.0);
+  ASSERT_TRUE(bench.check.is_kept());
+  bench.known["FS_GCS_ENABLE"] = 0.0;  // without telling us
+  bench.run(to_seconds(ParameterCheck::kRefresh) + 1.0);
+  EXPECT_FALSE(bench.check.is_kept());
+  bench.known.clear();
+  bench.run(2.0 * to_seconds(ParameterCheck::kRefresh));
+  EXPECT_EQ(bench.check.value("GUID_TIMEOUT"), std::nullopt) << "old words do not stay";
+}
+
+TEST(ParameterCheck, ForgetsAllWhenTheVehicleWasAway) {
+  Bench bench;
+  bench.run(2.0);
+  ASSERT_TRUE(bench.check.is_kept());
+  bench.check.restart();
+  EXPECT_FALSE(bench.check.is_kept());
+  EXPECT_EQ(bench.check.setpoint_loss_s(), std::nullopt);
+  bench.run(2.0);
+  EXPECT_TRUE(bench.check.is_kept());
+}
+
+TEST(ParameterCheck, MendsWhatDiffersAndNothingElse) {
+  Bench bench;
+  bench.known["GUID_TIMEOUT"] = 3.0;
+  bench.known["FS_GCS_ENABLE"] = 0.0;
+  bench.known.erase("VISO_DELAY_MS");
+  bench.run(5.0);
+  EXPECT_TRUE(bench.set.empty()) << "nothing is set unasked";
+  bench.check.mend();
+  EXPECT_FALSE(bench.check.is_complete());
+  bench.run(2.0);
+  EXPECT_TRUE(bench.check.is_complete());
+  EXPECT_EQ(bench.set, (std::map<std::string, int>{{"GUID_TIMEOUT", 1}, {"FS_GCS_ENABLE", 1}}));
+  EXPECT_TRUE(bench.check.is_kept());
+}
+
+TEST(ParameterCheck, GivesUpWhatDoesNotLetItselfBeSet) {
+  Bench bench;
+  bench.known["GUID_TIMEOUT"] = 3.0;
+  bench.run(2.0);
+  bench.check.mend();
+  bench.run(10.0, false);
+  EXPECT_TRUE(bench.check.is_complete());
+  EXPECT_EQ(bench.set["GUID_TIMEOUT"], ParameterCheck::kAsksMax);
+  EXPECT_FALSE(bench.check.is_kept());
+}
+
+TEST(ParameterCheck, IgnoresNamesItDidNotAskForAndNumbersThatAreNone) {
+  Bench bench;
+  bench.check.take({std::numeric_limits<float>::quiet_NaN(), 3, 0,
+                    wire::mavlink::parameter_id("GUID_TIMEOUT"), 9},
+                   kStart);
+  bench.check.take({1.0F, 3, 0, wire::mavlink::parameter_id("OTHER"), 9}, kStart);
+  EXPECT_EQ(bench.check.settled(), 0U);
+}
+
+}  // namespace
+}  // namespace vantage::drivers

@@ -1,0 +1,100 @@
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "bus/convert/channels.hpp"
+#include "bus/transport/transport.hpp"
+#include "core/check.hpp"
+#include "drivers/quadrotor/app/node.hpp"
+#include "sim/autopilot/endpoint.hpp"
+#include "test/drivers/quadrotor/flight_bench.hpp"
+#include "test/drivers/vehicle/vehicle_node_bench.hpp"
+#include "test/support/udp_port.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::AutopilotDialect;
+using models::OperatorAction;
+using test::FlightBench;
+using test::port_of_this_test;
+
+struct NodeBench : test::VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint> {
+  NodeBench(AutopilotDialect dialect, const std::string& url)
+      : VehicleNodeBench(FlightBench::scenario_for(dialect), FlightBench::vehicle_for(dialect), url,
+                         FlightBench::kStart, [](const sim::AutopilotEndpoint& quadrotor) {
+                           return quadrotor.emulator().world_from_body();
+                         }) {}
+  bool is_armed() const { return vehicle.emulator().controller().is_armed(); }
+  double height_m() const { return vehicle.emulator().world_from_body().translation_m.z(); }
+};
+
+void fly(NodeBench& bench) {
+  ASSERT_TRUE(bench.run_until(
+      [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 20.0));
+  bench.say(OperatorAction::kArm);
+  ASSERT_TRUE(bench.run_until([&] { return bench.is_armed(); }, 40.0));
+  bench.run(1.5);
+  bench.say(OperatorAction::kTakeOff);
+  ASSERT_TRUE(bench.run_until([&] { return bench.height_m() > 0.9; }, 15.0));
+  EXPECT_EQ(bench.statuses.back().state, models::FlightState::kHold);
+  EXPECT_GT(bench.statuses.back().battery_share, 0.9);
+  bench.say(OperatorAction::kLand);
+  ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 30.0));
+}
+
+TEST(QuadrotorNode, FliesAVehicleThatSpeaksToItsPort) {
+  NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(0));
+  fly(bench);
+  // At least ten words a second.
+  EXPECT_GT(static_cast<double>(bench.statuses.size()),
+            9.9 * to_seconds(bench.clock.now() - FlightBench::kStart));
+}
+
+TEST(QuadrotorNode, FliesAVehicleThatWaitsForIt) {
+  NodeBench bench(AutopilotDialect::kArdupilot, "udpout://127.0.0.1:" + port_of_this_test(1));
+  fly(bench);
+}
+
+TEST(QuadrotorNode, RefusesARobotThatHasNoAutopilot) {
+  bus::InProcessHub hub;
+  const auto side = hub.connect();
+  bus::Bus bus(*side, 1);
+  const bus::VirtualClock clock(FlightBench::kStart);
+  scenario::Scenario scenario = FlightBench::scenario_for(AutopilotDialect::kPx4);
+  scenario.robots[0].autopilot.reset();
+  const std::string url = "udpout://127.0.0.1:" + port_of_this_test(2);
+  EXPECT_THROW(QuadrotorNode(bus, clock, scenario, "Q1", open_port(url)), UsageError);
+  EXPECT_THROW(QuadrotorNode(bus, clock, scenario, "Q9", open_port(url)), UsageError);
+}
+
+TEST(LoadKey, TakesThirtyTwoBytesAndNothingElse) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("vantage_key_" + std::to_string(getpid()));
+  using std::filesystem::perms;
+  std::ofstream(file) << std::string(32, 'k');
+  for (const perms open_to : {perms::group_read, perms::group_write, perms::others_read}) {
+    std::filesystem::permissions(file, perms::owner_read | perms::owner_write | open_to);
+    EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError) << "others may use it";
+  }
+  std::filesystem::permissions(file, perms::owner_read | perms::owner_write);
+  const auto key = load_key(file.string());
+  ASSERT_TRUE(key.has_value());
+  EXPECT_EQ((*key)[31], 'k');
+  if (geteuid() == 0) {
+    ASSERT_EQ(chown(file.c_str(), 12345, getegid()), 0);
+    EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError) << "another's";
+    ASSERT_EQ(chown(file.c_str(), 0, getegid()), 0);
+  }
+  std::ofstream(file) << std::string(31, 'k');
+  EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError);
+  std::filesystem::remove(file);
+  EXPECT_THROW(static_cast<void>(load_key(file.string())), StartupError);
+  EXPECT_FALSE(load_key("").has_value());
+}
+
+}  // namespace
+}  // namespace vantage::drivers

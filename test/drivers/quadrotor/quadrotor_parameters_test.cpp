@@ -1,0 +1,163 @@
+// The driver and the parameters and battery of the autopilot that it is to arm.
+
+#include <gtest/gtest.h>
+
+#include "test/drivers/quadrotor/flight_bench.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::AutopilotDialect;
+using models::FlightState;
+using models::OperatorAction;
+using scenario::ParameterPolicy;
+using test::FlightBench;
+
+class Parameters : public ::testing::TestWithParam<AutopilotDialect> {
+ protected:
+  FlightBench bench{GetParam()};
+  /// The one that says how long it flies on.
+  std::string loss_name() const {
+    return GetParam() == AutopilotDialect::kPx4 ? "COM_OF_LOSS_T" : "GUID_TIMEOUT";
+  }
+  /// Asks for motors until they run, at most `seconds`.
+  bool arms_within(double seconds) {
+    bench.command(OperatorAction::kArm);
+    return bench.run_until([this] { return bench.is_armed(); }, seconds);
+  }
+  void use(ParameterPolicy policy) {
+    bench.scenario.robots[0].autopilot->parameters = policy;
+    bench.restart_driver();
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Dialects, Parameters,
+                         ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
+                         [](const auto& chosen) { return std::string(name_of(chosen.param)); });
+
+TEST_P(Parameters, ThatDifferForbidArmingAndSayWhatWouldHappen) {
+  bench.vehicle.set_parameter(loss_name(), 3.0);
+  bench.run(30.0);
+  EXPECT_TRUE(bench.has_reason(loss_name() + " is 3, wanted is at most")) << bench.reasons();
+  EXPECT_TRUE(bench.has_reason("it flies on for so long after the driver dies"));
+  EXPECT_FALSE(arms_within(10.0));
+  EXPECT_NEAR(bench.driver->parameters().setpoint_loss_s().value_or(0.0), 3.0, 1e-6);
+}
+
+TEST_P(Parameters, ThatAreMissingForbidArming) {
+  bench.vehicle.forget_parameter(loss_name());
+  bench.run(30.0);
+  EXPECT_TRUE(bench.has_reason(loss_name() + " is not there")) << bench.reasons();
+  EXPECT_FALSE(arms_within(10.0));
+}
+
+TEST_P(Parameters, ThatWereMendedLetItArm) {
+  bench.vehicle.set_parameter(loss_name(), 3.0);
+  bench.run(30.0);
+  ASSERT_TRUE(bench.has_reason(loss_name()));
+  bench.vehicle.set_parameter(loss_name(), 0.3);
+  bench.run(35.0);  // asked for again by then
+  EXPECT_FALSE(bench.has_reason(loss_name())) << bench.reasons();
+  EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
+}
+
+TEST_P(Parameters, AreReadAgainWhenTheVehicleWasAway) {
+  bench.run(10.0);
+  ASSERT_TRUE(bench.driver->parameters().is_kept());
+  bench.is_wire_cut = true;
+  bench.run(5.0);
+  bench.vehicle.set_parameter(loss_name(), 3.0);
+  bench.is_wire_cut = false;
+  bench.run(5.0);
+  EXPECT_FALSE(bench.driver->parameters().is_kept()) << "another value answers now";
+  EXPECT_FALSE(arms_within(10.0));
+}
+
+TEST_P(Parameters, AreToldOnlyWhereTheScenarioSaysSo) {
+  use(ParameterPolicy::kWarn);
+  bench.vehicle.set_parameter(loss_name(), 3.0);
+  bench.run(30.0);
+  EXPECT_TRUE(bench.has_reason("warning: " + loss_name() + " is 3")) << bench.reasons();
+  EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
+}
+
+TEST_P(Parameters, AreNotAskedForWhereTheScenarioSaysSo) {
+  use(ParameterPolicy::kIgnore);
+  bench.vehicle.set_parameter(loss_name(), 3.0);
+  bench.run(30.0);
+  EXPECT_EQ(bench.reasons(), "");
+  EXPECT_TRUE(arms_within(60.0)) << bench.reasons();
+}
+
+TEST_P(Parameters, AreNotAskedForInFlight) {
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  std::int64_t asked = 0;
+  bench.on_step = [&](Time) {
+    wire::mavlink::Parser parser;
+    for (const auto& datagram : bench.sent) {
+      parser.feed(datagram, [&](const wire::mavlink::Frame& frame) {
+        asked += frame.message_id == wire::mavlink::ParamRequestRead::kMessage.id ? 1 : 0;
+      });
+    }
+  };
+  bench.run(40.0);
+  EXPECT_EQ(asked, 0);
+}
+
+/// Vehicles whose autopilot does not know its charge.
+class Battery : public ::testing::TestWithParam<AutopilotDialect> {
+ protected:
+  static std::unique_ptr<FlightBench> bench_with(sim::BatteryReport report, double share) {
+    sim::AutopilotEmulatorSpec vehicle = FlightBench::vehicle_for(GetParam());
+    vehicle.battery = report;
+    vehicle.airframe.battery_start_share = share;
+    return std::make_unique<FlightBench>(GetParam(), vehicle);
+  }
+  /// The scenario says how to know it.
+  static std::unique_ptr<FlightBench> known_bench(sim::BatteryReport report, double share) {
+    auto bench = bench_with(report, share);
+    bench->scenario.robots[0].autopilot->battery = scenario::BatterySpec{3, 3.4, 4.1};
+    bench->restart_driver();
+    return bench;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Dialects, Battery,
+                         ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
+                         [](const auto& chosen) { return std::string(name_of(chosen.param)); });
+
+TEST_P(Battery, ThatTellsAVoltageAloneIsNamedAsTheObstacle) {
+  const auto bench = bench_with(sim::BatteryReport::kVoltageOnly, 1.0);
+  bench->run(30.0);
+  EXPECT_TRUE(bench->has_reason("does not tell its battery's charge")) << bench->reasons();
+  bench->command(OperatorAction::kArm);
+  EXPECT_FALSE(bench->run_until([&] { return bench->is_armed(); }, 10.0));
+}
+
+TEST_P(Battery, IsKnownByItsVoltageWhereTheScenarioSaysHow) {
+  const auto bench = known_bench(sim::BatteryReport::kVoltageOnly, 1.0);
+  ASSERT_TRUE(bench->take_off()) << bench->reasons();
+  bench->run(15.0);
+  EXPECT_EQ(bench->state(), FlightState::kHold) << bench->reasons();
+  const double share = bench->driver->telemetry().battery_share().value_or(-1.0);
+  EXPECT_GT(share, 0.4);
+  EXPECT_LT(share, 0.95) << "under load its voltage is lower";
+}
+
+TEST_P(Battery, LandsTheVehicleByItsVoltage) {
+  const auto bench = known_bench(sim::BatteryReport::kVoltageOnly, 1.0);
+  ASSERT_TRUE(bench->take_off()) << bench->reasons();
+  bench->vehicle.controller().airframe().set_battery_share(0.1);
+  EXPECT_TRUE(bench->run_until([&] { return bench->state() == FlightState::kLand; }, 40.0))
+      << bench->reasons();
+  EXPECT_TRUE(bench->run_until([&] { return !bench->is_armed(); }, 40.0)) << bench->reasons();
+}
+
+TEST_P(Battery, ThatIsNearlyEmptyIsNotBelievedToBeFull) {
+  // ArduCopter 4.6.2 was seen to tell 100 % of a three-cell battery at 10.6 V: it counts from full.
+  const auto bench = known_bench(sim::BatteryReport::kFromFull, 0.05);
+  bench->run(30.0);
+  EXPECT_LT(bench->driver->telemetry().battery_share().value_or(1.0), 0.45);
+  EXPECT_TRUE(bench->has_reason("battery")) << bench->reasons();
+}
+
+}  // namespace
+}  // namespace vantage::drivers

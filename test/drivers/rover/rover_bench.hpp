@@ -1,0 +1,171 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "drivers/rover/driver.hpp"
+#include "sim/rover/rover_emulator.hpp"
+#include "test/sim/lab_scenario.hpp"
+
+namespace vantage::test {
+
+/// A driver, an emulated rover whose tyres slip, mocap at 100 Hz with noise and 5 ms of latency, an
+/// operator and a planner, in virtual time. R1 stands at (1, 1) and looks along y.
+class RoverBench {
+ public:
+  static constexpr Time kStart = from_utime(1'700'000'000'000'000);
+  static constexpr Duration kStep{5'000};
+  static constexpr double kMarkersM = 0.2;  ///< height of its markers
+
+  static scenario::Scenario scenario_for() {
+    scenario::Scenario scenario = lab_scenario();
+    scenario.world.obstacles.clear();
+    scenario.targets.resize(1);
+    scenario.robots.resize(1);
+    scenario.robots[0].name = "R1";
+    scenario.robots[0].start = {1.0, 1.0, kPi / 2};
+    scenario.robots[0].height_m = kMarkersM;
+    scenario.robots[0].limits = {1.0, 2.0, 2.0, 0.2};
+    scenario.robots[0].rover = scenario::RoverSpec{"udpout://127.0.0.1:1", 7};
+    return scenario;
+  }
+  static sim::RoverEmulatorSpec rover_spec() {
+    sim::RoverEmulatorSpec spec;
+    spec.number = 7;
+    spec.start = {1.0, 1.0, kPi / 2};
+    return spec;
+  }
+
+  explicit RoverBench(const scenario::Scenario& given = scenario_for(),
+                      const sim::RoverEmulatorSpec& spec = rover_spec())
+      : scenario(given),
+        driver(scenario, "R1", drivers::limits_for(scenario, "R1"), 41),
+        rover(spec, kStart) {}
+
+  void step() {
+    if (steps % 2 == 0 && mocap_on) {
+      if (captured.stamp.time > Time{}) {
+        driver.on_mocap(captured, now);  // 5 ms old
+      }
+    }
+    captured = capture();
+    now += kStep;
+    rover.advance_to(now);
+    if (const auto telemetry = rover.take_output(); telemetry && telemetry_on) {
+      driver.receive(*telemetry, now);
+    }
+    if (steps % 40 == 0 && operator_on) {
+      (void)command(models::OperatorAction::kHeartbeat);
+    }
+    if (steps % 4 == 0 && driver_on) {
+      const drivers::RoverMessage sent = driver.tick(now);
+      if (commands_on) {
+        rover.receive(change ? change(sent) : sent, now);
+      }
+    }
+    ++steps;
+  }
+  void run(double seconds) {
+    const Time end = now + from_seconds(seconds);
+    while (now < end) {
+      step();
+    }
+  }
+  /// Until `done`, at most `seconds`; whether it came.
+  bool run_until(const std::function<bool()>& done, double seconds) {
+    const Time end = now + from_seconds(seconds);
+    while (now < end && !done()) {
+      step();
+    }
+    return done();
+  }
+
+  drivers::CommandVerdict command(models::OperatorAction action) {
+    models::OperatorCommand out;
+    out.stamp = {now, 77, command_sequence++};
+    out.action = action;
+    return driver.on_command(out, now);
+  }
+  /// From where it stands, `delay_s` from now, unless told otherwise.
+  drivers::PlanVerdict plan(const std::vector<models::PlanSegment>& segments, double delay_s = 0.3,
+                            std::optional<Pose2> start = std::nullopt) {
+    models::RobotPlan out;
+    out.stamp = {now + from_seconds(delay_s), 55, plan_sequence++};
+    out.robot = "R1";
+    out.round = plan_sequence;
+    out.trajectory = {out.stamp.time, start.value_or(rover.state().world_from_body), kMarkersM,
+                      segments};
+    return driver.on_plan(out, now);
+  }
+  /// Armed, and told to follow; a second and a half later.
+  bool make_ready() {
+    run(1.0);
+    const bool armed = command(models::OperatorAction::kArm) == drivers::CommandVerdict::kObeyed;
+    run(0.1);
+    const bool follows =
+        command(models::OperatorAction::kFollow) == drivers::CommandVerdict::kObeyed;
+    run(0.4);
+    return armed && follows;
+  }
+  /// Straight on along y at `speed_mps` for `seconds`, then braking.
+  static std::vector<models::PlanSegment> straight(double speed_mps, double seconds) {
+    return {{{speed_mps, 0.0}, seconds, 0.0}, {{speed_mps, 0.0}, speed_mps / 2.0, 2.0}};
+  }
+
+  [[nodiscard]] Eigen::Vector2d place_m() const {
+    return rover.state().world_from_body.position_m();
+  }
+  [[nodiscard]] bool stands() const { return rover.state().speed_mps == 0.0; }
+  [[nodiscard]] bool says(const std::string& reason) const {
+    const auto reasons = driver.status(now).reasons;
+    return std::find(reasons.begin(), reasons.end(), reason) != reasons.end();
+  }
+
+  scenario::Scenario scenario;
+  Time now = kStart;
+  drivers::RoverDriver driver;
+  sim::RoverEmulator rover;
+  std::int64_t steps = 0;
+  bool mocap_on = true;
+  bool telemetry_on = true;
+  bool commands_on = true;
+  bool operator_on = true;
+  bool driver_on = true;
+  std::optional<Pose3> seen_as;  ///< what mocap says instead of the truth
+  std::optional<Eigen::Vector2d> target_m;
+  std::function<drivers::RoverMessage(const drivers::RoverMessage&)> change;
+
+ private:
+  models::MocapFrame capture() {
+    std::uniform_real_distribution<double> noise_m(-3e-4, 3e-4);
+    models::MocapFrame frame;
+    frame.stamp.time = now;
+    frame.arrival = now + kStep;
+    frame.frame_number = steps;
+    models::MocapBody body;
+    body.name = "R1";
+    body.world_from_body = seen_as.value_or(lift(rover.state().world_from_body, kMarkersM));
+    body.world_from_body.translation_m += Eigen::Vector3d(noise_m(random), noise_m(random), 0.0);
+    frame.bodies.push_back(body);
+    if (target_m) {
+      models::MocapBody other;
+      other.name = scenario.targets[0].name;
+      other.world_from_body.translation_m = {target_m->x(), target_m->y(), kMarkersM};
+      frame.bodies.push_back(other);
+    }
+    return frame;
+  }
+
+  models::MocapFrame captured;
+  std::mt19937_64 random{7};
+  std::int64_t command_sequence = 0;
+  std::int64_t plan_sequence = 0;
+};
+
+}  // namespace vantage::test

@@ -1,0 +1,152 @@
+#include "drivers/sensor/pose_sensor.hpp"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "core/check.hpp"
+#include "test/sim/lab_scenario.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+models::MocapBody body(const std::string& name, const Pose2& pose, double height_m) {
+  models::MocapBody out;
+  out.name = name;
+  out.world_from_body = lift(pose, height_m);
+  return out;
+}
+
+/// Q1 at (2, 4) looking along +x at 1 m, and one rover beside it.
+models::MocapFrame frame_with(const Pose2& rover, Time time = kStart) {
+  models::MocapFrame frame;
+  frame.stamp.time = time;
+  frame.bodies = {body("Q1", {2.0, 4.0, 0.0}, 1.0), body("ROVER1", rover, 0.0)};
+  return frame;
+}
+
+scenario::Scenario scenario_with(models::SensorKind kind) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.robots[0].sensor.kind = kind;
+  return scenario;
+}
+
+// Whitened by its own covariance, the error of a measurement is standard normal: its squared norm
+// is χ² with one degree of freedom for each row, and the mean of n of them has σ = √(2 d / n).
+class EverySensor : public ::testing::TestWithParam<models::SensorKind> {};
+
+TEST_P(EverySensor, HasTheNoiseItStates) {
+  const scenario::Scenario scenario = scenario_with(GetParam());
+  const models::SensorModel& sensor = scenario.robots[0].sensor;
+  const PoseSensor driver(scenario, "Q1");
+  const models::Viewpoint from{{2.0, 4.0, 0.0}, 1.0};
+  const models::PositionVector target_m = Eigen::Vector2d(2.5, 4.3);
+  const models::MeasurementVector expected = models::observe(sensor, from, target_m);
+  const auto dim = expected.size();
+  constexpr int kLooks = 20000;
+  double chi2 = 0.0;
+  models::MeasurementVector mean = models::MeasurementVector::Zero(dim);
+  for (int k = 0; k < kLooks; ++k) {
+    const auto seen = driver.look(frame_with({2.5, 4.3, 0.0}, kStart + Duration{k}), false);
+    ASSERT_TRUE(seen);
+    ASSERT_EQ(seen->detections.size(), 1u);
+    const models::Measurement& measured = seen->detections[0].measurement;
+    const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(measured.V));
+    const Eigen::VectorXd white =
+        root.matrixL().solve(Eigen::VectorXd(models::innovation(sensor, measured.z, expected)));
+    chi2 += white.squaredNorm() / kLooks;
+    mean += white / kLooks;
+  }
+  const auto rows = static_cast<double>(dim);
+  EXPECT_NEAR(chi2, rows, 5.0 * std::sqrt(2.0 * rows / kLooks));
+  EXPECT_LT(mean.cwiseAbs().maxCoeff(), 5.0 / std::sqrt(kLooks));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, EverySensor,
+                         ::testing::Values(models::SensorKind::kPosition,
+                                           models::SensorKind::kRange, models::SensorKind::kBearing,
+                                           models::SensorKind::kRangeBearing,
+                                           models::SensorKind::kCamera));
+
+TEST(PoseSensor, SeesOnlyWhatIsInRangeInViewAndInSight) {
+  scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
+  scenario.robots[0].sensor.fov_rad = radians(90.0);
+  scenario.world.obstacles.push_back({{{2.4, 3.9}, {2.5, 4.1}}, 0.5});
+  const PoseSensor sensor(scenario, "Q1");
+  const auto sees = [&](double x_m, double y_m) {
+    return !sensor.look(frame_with({x_m, y_m, 0.0}), false)->detections.empty();
+  };
+  EXPECT_TRUE(sees(2.5, 4.3));
+  EXPECT_FALSE(sees(2.0, 4.5)) << "beside it";
+  EXPECT_FALSE(sees(2.8, 4.7)) << "beyond 1 m";
+  EXPECT_FALSE(sees(2.8, 4.0)) << "behind a box";
+}
+
+TEST(PoseSensor, SeesNothingOfAnOccludedTargetAndNothingWithoutItself) {
+  const PoseSensor sensor(scenario_with(models::SensorKind::kRangeBearing), "Q1");
+  models::MocapFrame frame = frame_with({2.5, 4.3, 0.0});
+  frame.bodies[1].occluded = true;
+  EXPECT_TRUE(sensor.look(frame, false)->detections.empty());
+  frame.bodies[0].occluded = true;
+  EXPECT_FALSE(sensor.look(frame, false));
+  frame.bodies.erase(frame.bodies.begin());
+  EXPECT_FALSE(sensor.look(frame, false));
+}
+
+TEST(PoseSensor, DoesNotLookWhenJammed) {
+  const PoseSensor sensor(scenario_with(models::SensorKind::kRangeBearing), "Q1");
+  const auto jammed = sensor.look(frame_with({2.5, 4.3, 0.0}), true);
+  ASSERT_TRUE(jammed);
+  EXPECT_TRUE(jammed->jammed);
+  EXPECT_TRUE(jammed->detections.empty());
+}
+
+TEST(PoseSensor, DrawsTheSameNoiseForTheSameInstantOnly) {
+  scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
+  const auto z = [&](const std::string& robot, Time time) {
+    models::MocapFrame frame = frame_with({2.5, 4.3, 0.0}, time);
+    frame.bodies.push_back(body("Q2", {2.0, 4.0, 0.0}, 1.5));
+    return Eigen::VectorXd(
+        PoseSensor(scenario, robot).look(frame, false)->detections.at(0).measurement.z);
+  };
+  const Eigen::VectorXd first = z("Q1", kStart);
+  EXPECT_EQ(first, z("Q1", kStart));
+  EXPECT_NE(first, z("Q1", kStart + Duration{500'000}));
+  EXPECT_NE(first, z("Q2", kStart));
+  scenario.seed += 1;
+  EXPECT_NE(first, z("Q1", kStart));
+}
+
+TEST(PoseSensor, RefusesAStranger) {
+  EXPECT_THROW(PoseSensor(test::lab_scenario(), "Q9"), UsageError);
+}
+
+TEST(Interpolate, GoesStraightAndTurnsTheShortWay) {
+  const models::MocapFrame before = frame_with({1.0, 1.0, 3.0}, kStart);
+  const models::MocapFrame after = frame_with({2.0, 3.0, -3.0}, kStart + Duration{20'000});
+  const models::MocapFrame between = interpolate(before, after, kStart + Duration{5'000});
+  EXPECT_EQ(between.stamp.time, kStart + Duration{5'000});
+  const Pose2 rover = flatten(between.find("ROVER1")->world_from_body);
+  EXPECT_NEAR(rover.x_m, 1.25, 1e-12);
+  EXPECT_NEAR(rover.y_m, 1.5, 1e-12);
+  EXPECT_NEAR(rover.yaw_rad, 3.0 + 0.25 * (2.0 * kPi - 6.0), 1e-9);
+}
+
+TEST(Interpolate, NeedsABodyInBothFrames) {
+  models::MocapFrame before = frame_with({1.0, 1.0, 3.0}, kStart);
+  const models::MocapFrame after = frame_with({2.0, 3.0, -3.0}, kStart + Duration{20'000});
+  before.bodies[1].occluded = true;
+  EXPECT_TRUE(interpolate(before, after, kStart).find("ROVER1")->occluded);
+  before.bodies.pop_back();
+  EXPECT_TRUE(interpolate(before, after, kStart).find("ROVER1")->occluded);
+  EXPECT_FALSE(interpolate(before, after, kStart).find("Q1")->occluded);
+}
+
+}  // namespace
+}  // namespace vantage::drivers

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bus/convert/channels.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/transport/transport.hpp"
+#include "drivers/vehicle/port.hpp"
+#include "models/exchange/messages.hpp"
+#include "scenario/scenario.hpp"
+#include "test/bus/auth/auth_support.hpp"
+
+namespace vantage::test {
+
+/// A vehicle's node with its socket and the emulated vehicle at the other end: virtual time, real
+/// datagrams on the loopback, an in-process bus with mocap at 100 Hz and an operator.
+template <class Node, class Endpoint>
+class VehicleNodeBench {
+ public:
+  using Place = std::function<Pose3(const Endpoint&)>;  ///< of its markers, in the world
+
+  template <class Spec>
+  VehicleNodeBench(const scenario::Scenario& given, const Spec& spec, const std::string& url,
+                   Time start, Place place_of)
+      : clock(start),
+        scenario(given),
+        node(node_bus, clock, scenario, robot(), drivers::open_port(url)),
+        vehicle(spec, url, start),
+        place(std::move(place_of)) {
+    lab.subscribe<models::VehicleStatus>(
+        bus::quadrotor_channel(robot()),
+        [this](const models::VehicleStatus& heard) { statuses.push_back(heard); });
+  }
+
+  /// From now on vehicle and lab sign and judge, as their processes do; the stranger has no key.
+  void secure(const std::shared_ptr<const bus::auth::Keyring>& keys,
+              const bus::auth::Authenticator::Rules& rules) {
+    node_bus.secure(authenticator(keys, rules), clock);
+    node_bus.keep_time(clock);
+    lab.secure(authenticator(keys, rules), clock);
+  }
+
+  void say(models::OperatorAction action) {
+    models::OperatorCommand command;
+    command.stamp.time = clock.now() + operator_clock;
+    command.action = action;
+    lab.publish(bus::kCommand, command);
+  }
+  /// Somebody else's message, with a run id and a sequence number of their choosing.
+  template <class Message>
+  void forge(const bus::Channel<Message>& channel, const Message& message) {
+    const auto wire = bus::to_wire(message);
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire.getEncodedSize()));
+    wire.encode(bytes.data(), 0, wire.getEncodedSize());
+    stranger->publish(channel.name, bytes);
+  }
+  bool run_until(const std::function<bool()>& done, double seconds) {
+    const Time end = clock.now() + from_seconds(seconds);
+    for (; clock.now() < end && !done(); ++steps) {
+      clock.set(clock.now() + Duration{5'000});
+      vehicle.run_to(clock.now());
+      if (steps % 2 == 0 && mocap != nullptr) {
+        mocap->publish(bus::kVicon, see());
+      }
+      if (steps % 40 == 0) {
+        say(models::OperatorAction::kHeartbeat);
+      }
+      if (each_step) {
+        each_step();
+      }
+      node_bus.handle(std::chrono::microseconds(0));
+      if (clock.now() >= node.next_tick()) {
+        node.tick(clock.now());
+      }
+      lab.handle(std::chrono::microseconds(0));
+    }
+    return done();
+  }
+  void run(double seconds) {
+    run_until([] { return false; }, seconds);
+  }
+  [[nodiscard]] const std::string& robot() const { return scenario.robots[0].name; }
+  /// What mocap sees now.
+  [[nodiscard]] models::MocapFrame see() const {
+    models::MocapFrame frame;
+    frame.stamp.time = frame.arrival = clock.now() + mocap_clock;
+    frame.frame_number = steps;
+    models::MocapBody body;
+    body.name = robot();
+    body.world_from_body = place(vehicle);
+    body.world_from_body.translation_m.x() += 1e-4 * std::sin(static_cast<double>(steps));
+    frame.bodies.push_back(body);
+    return frame;
+  }
+
+  bus::InProcessHub hub;
+  bus::VirtualClock clock;
+  std::unique_ptr<bus::Transport> node_side = hub.connect();
+  std::unique_ptr<bus::Transport> lab_side = hub.connect();
+  bus::Bus node_bus{*node_side, 11};
+  std::unique_ptr<bus::Transport> stranger = hub.connect();
+  bus::Bus lab{*lab_side, 22};
+  scenario::Scenario scenario;
+  Node node;
+  Endpoint vehicle;
+  Place place;
+  std::vector<models::VehicleStatus> statuses;
+  std::int64_t steps = 0;
+  bus::Bus* mocap = &lab;           ///< who publishes VICON; nullptr: nobody
+  Duration mocap_clock{};           ///< by which its clock is off
+  Duration operator_clock{};        ///< and the operator's
+  std::function<void()> each_step;  ///< what else happens
+};
+
+}  // namespace vantage::test

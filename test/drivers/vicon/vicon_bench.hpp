@@ -1,0 +1,149 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "drivers/vicon/driver.hpp"
+#include "models/exchange/messages.hpp"
+#include "scenario/mocap_spec.hpp"
+#include "sim/vicon/datastream_peer.hpp"
+#include "sim/vicon/object_stream_server.hpp"
+#include "sim/vicon/vrpn_peer.hpp"
+
+namespace vantage::test {
+
+/// A driver and the emulated server, joined by bytes in virtual time: no socket, no clock.
+class ViconBench {
+ public:
+  using Bytes = wire::vicon::Bytes;
+
+  /// @param chunk_bytes  how many bytes of a TCP stream arrive at once; 0: all
+  ViconBench(const scenario::MocapSpec& spec, const sim::vicon::ServerSettings& settings,
+             std::size_t chunk_bytes = 0)
+      : settings_(settings),
+        chunk_bytes_(chunk_bytes),
+        object_stream(settings),
+        driver(spec, [this](const models::MocapFrame& frame) { frames.push_back(frame); }) {}
+
+  static sim::vicon::ServerSettings settings_for(const scenario::MocapSpec& spec) {
+    sim::vicon::ServerSettings settings;
+    settings.protocol = spec.protocol;
+    settings.rate_hz = spec.rate_hz;
+    return settings;
+  }
+
+  drivers::vicon::Moment now() const { return {kEpoch + elapsed, elapsed}; }
+
+  /// Lets `time` pass, opening links as the driver wishes and with them a new server peer; bytes
+  /// go to and fro.
+  void pass(Duration time) {
+    const Duration end = elapsed + time;
+    do {
+      elapsed = std::min(end, elapsed + Duration{1'000});
+      driver.on_time(now());
+      if (driver.wants_close()) {
+        peer.reset();
+        driver.on_closed(now(), "closed");
+      }
+      if (driver.wants_open(now())) {
+        driver.on_opening(now());
+        if (is_server_up) {
+          connect();
+        } else {
+          driver.on_closed(now(), "nobody listens there");
+        }
+      }
+      exchange();
+    } while (elapsed < end);
+  }
+
+  /// The connection is cut; the server may stay away.
+  void cut() {
+    peer.reset();
+    driver.on_closed(now(), "cut");
+  }
+
+  /// The server publishes; what it sends arrives at this instant.
+  void publish(const sim::vicon::EmulatedFrame& frame) {
+    if (driver.is_datagram()) {
+      for (const auto& datagram : object_stream.encode(frame)) {
+        driver.receive(now(), datagram);
+      }
+      return;
+    }
+    if (peer) {
+      peer->on_frame(frame);
+      exchange();
+    }
+  }
+
+  /// Bytes to and fro until nobody has anything to say.
+  void exchange() {
+    while (peer && !(peer->outgoing.empty() && driver.outgoing().empty())) {
+      const std::vector<std::uint8_t> down = std::exchange(peer->outgoing, {});
+      const std::vector<std::uint8_t> up = std::exchange(driver.outgoing(), {});
+      in_chunks(down, [this](Bytes bytes) { driver.receive(now(), bytes); });
+      in_chunks(up, [this](Bytes bytes) {
+        if (peer && !peer->receive(bytes)) {
+          peer.reset();
+        }
+      });
+      if (driver.wants_close()) {
+        return;
+      }
+    }
+  }
+
+  static constexpr Time kEpoch = from_utime(1'700'000'000'000'000);
+
+ private:
+  sim::vicon::ServerSettings settings_;
+  std::size_t chunk_bytes_;
+
+ public:
+  bool is_server_up = true;
+  Duration elapsed{};
+  std::vector<models::MocapFrame> frames;
+  sim::vicon::ObjectStreamServer object_stream;
+  std::unique_ptr<sim::vicon::Peer> peer;
+  drivers::vicon::ViconDriver driver;
+
+ private:
+  void connect() {
+    if (settings_.protocol == scenario::MocapProtocol::kDataStream) {
+      peer = std::make_unique<sim::vicon::DataStreamPeer>(settings_);
+    } else if (settings_.protocol == scenario::MocapProtocol::kVrpn) {
+      peer = std::make_unique<sim::vicon::VrpnPeer>(settings_);
+    }
+    driver.on_opened(now());
+  }
+
+  template <class Take>
+  void in_chunks(const std::vector<std::uint8_t>& bytes, const Take& take) const {
+    const std::size_t chunk = chunk_bytes_ == 0 ? bytes.size() : chunk_bytes_;
+    for (std::size_t at = 0; at < bytes.size(); at += chunk) {
+      take(Bytes(bytes).subspan(at, std::min(chunk, bytes.size() - at)));
+    }
+  }
+};
+
+/// `count` bodies that fly on circles of their own, `time_s` into it.
+inline sim::vicon::EmulatedFrame circling(int count, double time_s) {
+  sim::vicon::EmulatedFrame frame;
+  frame.captured = ViconBench::kEpoch + from_seconds(time_s);
+  for (int i = 0; i < count; ++i) {
+    const double angle = time_s + i;
+    const Eigen::Vector3d position(2.0 * i + std::cos(angle), std::sin(angle),
+                                   1.0 + 0.2 * std::sin(0.7 * angle));
+    const Eigen::Quaterniond rotation(
+        Eigen::AngleAxisd(angle, Eigen::Vector3d(0.1, 0.2 * std::sin(angle), 1.0).normalized()));
+    frame.bodies.push_back({"BODY" + std::to_string(i), {position, rotation}, false});
+  }
+  return frame;
+}
+
+}  // namespace vantage::test

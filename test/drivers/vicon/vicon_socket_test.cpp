@@ -1,0 +1,309 @@
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "bus/convert/channels.hpp"
+#include "bus/transport/transport.hpp"
+#include "core/check.hpp"
+#include "core/deadline.hpp"
+#include "drivers/vicon/app/node.hpp"
+#include "sim/vicon/recorded_flight.hpp"
+#include "sim/vicon/socket_server.hpp"
+#include "test/drivers/vicon/vicon_bench.hpp"
+#include "test/sim/lab_scenario.hpp"
+#include "wire/vicon/vrpn.hpp"
+
+// The node and the emulated server on real sockets of this host's loopback. Nothing here depends on
+// how fast the machine is: each step waits until what it waits for has happened.
+
+namespace vantage::drivers {
+namespace {
+
+using scenario::MocapProtocol;
+using sim::vicon::EmulatedFrame;
+using sim::vicon::SocketServer;
+
+constexpr std::int64_t kPatience_ns = 60'000'000'000;  // until a test is given up
+
+int free_udp_port() {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  bind(fd, reinterpret_cast<sockaddr*>(&address), size);
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+struct SocketBench {
+  explicit SocketBench(MocapProtocol protocol, const std::string& host = "127.0.0.1") {
+    scenario.mocap.host = host;
+    scenario.mocap.device = scenario::DeviceSource::kReal;
+    scenario.mocap.protocol = protocol;
+    scenario.mocap.rate_hz = 100.0;
+    scenario.mocap.port = free_udp_port();
+    settings = test::ViconBench::settings_for(scenario.mocap);
+    start_server();
+    listener.subscribe<models::MocapFrame>(
+        bus::kVicon, [this](const models::MocapFrame& frame) { frames.push_back(frame); });
+    node = std::make_unique<ViconNode>(
+        bus, clock, scenario, [this](const std::string& status) { said.push_back(status); });
+  }
+
+  void start_server() {
+    server = std::make_unique<SocketServer>(settings, "127.0.0.1", scenario.mocap.port);
+  }
+
+  /// Lets both sides work until `is_done`, at most for kPatience.
+  template <class IsDone>
+  bool until(const IsDone& is_done) {
+    const std::int64_t end_ns = monotonic_ns() + kPatience_ns;
+    while (!is_done()) {
+      if (monotonic_ns() > end_ns) {
+        return false;
+      }
+      if (server) {
+        server->wait(std::chrono::microseconds(100));
+      }
+      node->tick(clock.now());
+      listener.handle(std::chrono::microseconds(0));
+    }
+    return true;
+  }
+
+  /// Sends frames until one has come, so that nothing of the next ones can be missed.
+  void warm_up() {
+    ASSERT_TRUE(until([&] {
+      if (frames.empty()) {
+        server->publish(next(7));
+      }
+      return !frames.empty();
+    })) << node->driver().status();
+    // What is still under way comes in, then it is forgotten.
+    const std::int64_t last = number - 1;
+    ASSERT_TRUE(until([&] {
+      return scenario.mocap.protocol == MocapProtocol::kVrpn ||
+             frames.back().frame_number == last || node->driver().frame_counts().frames == 0;
+    }));
+    frames.clear();
+  }
+
+  EmulatedFrame next(int bodies) {
+    EmulatedFrame frame = test::circling(bodies, 0.01 * static_cast<double>(number));
+    frame.number = number++;
+    return frame;
+  }
+
+  scenario::Scenario scenario = test::lab_scenario();
+  sim::vicon::ServerSettings settings;
+  bus::InProcessHub hub;
+  bus::SystemClock clock;
+  std::unique_ptr<bus::Transport> node_side = hub.connect();
+  std::unique_ptr<bus::Transport> other_side = hub.connect();
+  bus::Bus bus{*node_side, 11};
+  bus::Bus listener{*other_side, 22};
+  std::unique_ptr<SocketServer> server;
+  std::unique_ptr<ViconNode> node;
+  std::vector<models::MocapFrame> frames;
+  std::vector<std::string> said;
+  std::uint32_t number = 0;
+};
+
+class ViconSocket : public ::testing::TestWithParam<MocapProtocol> {};
+
+TEST_P(ViconSocket, CarriesTheRecordedFlightsWithoutALoss) {
+  std::vector<sim::vicon::RecordedFlight> flights;
+  for (const char* name : {"v1_01", "v1_02", "v1_03"}) {
+    try {
+      flights.push_back(sim::vicon::read_flight(std::string(VANTAGE_DATA_DIR) + "/vicon_flights/" +
+                                                name + ".csv"));
+    } catch (const StartupError&) {
+      GTEST_SKIP() << "recorded flights are not on this machine";
+    }
+  }
+  SocketBench bench(GetParam());
+  bench.warm_up();
+  double worst_m = 0.0;
+  // Each frame is awaited before the next: a quarter of a minute of flight, for time's sake.
+  for (std::size_t k = 0; k < 1500; ++k) {
+    EmulatedFrame frame;
+    // The server's clock: 100 Hz, however fast the frames are sent here.
+    frame.captured = test::ViconBench::kEpoch + 10'000 * Duration{bench.number};
+    frame.number = bench.number++;
+    for (const auto& flight : flights) {
+      frame.bodies.push_back({flight.name, flight.world_from_body[k], false});
+    }
+    const std::size_t before = bench.frames.size();
+    bench.server->publish(frame);
+    ASSERT_TRUE(bench.until([&] { return bench.frames.size() > before; })) << k;
+    if (k == 0 && bench.frames.back().find("v1_03") == nullptr) {
+      continue;  // other bodies than before: the first frame may come in parts
+    }
+    for (const auto& body : frame.bodies) {
+      const models::MocapBody* found = bench.frames.back().find(body.name);
+      ASSERT_TRUE(found != nullptr && !found->occluded) << body.name << " at " << k;
+      worst_m = std::max(
+          worst_m,
+          (found->world_from_body.translation_m - body.world_from_body.translation_m).norm());
+    }
+  }
+  EXPECT_LT(worst_m, 1e-9);
+  EXPECT_EQ(bench.node->driver().frame_counts().frames_lost, 0);
+  EXPECT_EQ(bench.listener.messages_lost(), 0);
+}
+
+// Datagrams of another sender than the one that the scenario names.
+TEST(ViconObjectStream, IsTakenFromTheConfiguredSenderAlone) {
+  const auto counted = [](const SocketBench& bench) {
+    const auto counters = bench.node->counters();
+    const auto found = std::find_if(counters.begin(), counters.end(), [](const auto& counter) {
+      return counter.name == "vicon.strangers";
+    });
+    return found == counters.end() ? 0 : found->count;
+  };
+  SocketBench other(MocapProtocol::kObjectStream, "127.0.0.2");
+  ASSERT_TRUE(other.until([&] {
+    other.server->publish(other.next(7));
+    return counted(other) > 20;
+  }));
+  EXPECT_TRUE(other.frames.empty());
+  SocketBench named(MocapProtocol::kObjectStream, "localhost");
+  named.warm_up();
+  EXPECT_EQ(counted(named), 0);
+}
+
+TEST_P(ViconSocket, ComesBackWhenTheServerIsKilledAndStartedAgain) {
+  SocketBench bench(GetParam());
+  for (int life = 0; life < 3; ++life) {
+    bench.warm_up();
+    const std::size_t before = bench.frames.size();
+    for (int k = 0; k < 20; ++k) {
+      const std::size_t had = bench.frames.size();
+      bench.server->publish(bench.next(7));
+      ASSERT_TRUE(bench.until([&] { return bench.frames.size() > had; }));
+    }
+    EXPECT_EQ(bench.frames.size() - before, 20u);
+    EXPECT_EQ(bench.frames.back().bodies.size(), 7u);
+    bench.server.reset();
+    if (GetParam() != MocapProtocol::kObjectStream) {
+      ASSERT_TRUE(bench.until([&] { return !bench.node->driver().is_open(); }));
+    }
+    bench.frames.clear();
+    bench.number = 0;
+    bench.start_server();
+  }
+  EXPECT_EQ(bench.node->driver().link_counts().connections_lost,
+            GetParam() == MocapProtocol::kObjectStream ? 0 : 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocols, ViconSocket,
+                         testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
+                                         MocapProtocol::kVrpn),
+                         [](const auto& protocol) {
+                           return std::string(scenario::name_of(protocol.param));
+                         });
+
+TEST(ViconNode, SaysWhichServerItFoundInsteadOfItsOwn) {
+  SocketBench bench(MocapProtocol::kVrpn);
+  bench.scenario.mocap.protocol = MocapProtocol::kDataStream;
+  std::vector<std::string> said;
+  ViconNode lost(bench.bus, bench.clock, bench.scenario,
+                 [&](const std::string& status) { said.push_back(status); });
+  ASSERT_TRUE(bench.until([&] {
+    lost.tick(bench.clock.now());
+    return !said.empty() && said.back().find("is a VRPN server, not") != std::string::npos;
+  }));
+  EXPECT_NE(said.back().find("set mocap.protocol: vrpn"), std::string::npos);
+  EXPECT_GE(lost.counters().size(), 1u);
+}
+
+TEST(ViconNode, IsNotForAScenarioWhoseMocapIsDirect) {
+  SocketBench bench(MocapProtocol::kVrpn);
+  bench.scenario.mocap.device = scenario::DeviceSource::kDirect;
+  EXPECT_THROW(ViconNode(bench.bus, bench.clock, bench.scenario, [](const std::string&) {}),
+               StartupError);
+}
+
+TEST(SocketServer, DialsBackToAVrpnClientThatCallsByDatagram) {
+  sim::vicon::ServerSettings settings;
+  settings.protocol = MocapProtocol::kVrpn;
+  SocketServer server(settings, "127.0.0.1", 0);
+  const int listener = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof own;
+  ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&own), size), 0);
+  ASSERT_EQ(listen(listener, 1), 0);
+  getsockname(listener, reinterpret_cast<sockaddr*>(&own), &size);
+
+  const int caller = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to = own;
+  to.sin_port = htons(static_cast<std::uint16_t>(server.port()));
+  std::vector<std::uint8_t> call;
+  wire::vicon::append_vrpn_callback(call, {"127.0.0.1", ntohs(own.sin_port)});
+  ASSERT_GT(sendto(caller, call.data(), call.size(), 0, reinterpret_cast<sockaddr*>(&to), size), 0);
+  server.wait(std::chrono::seconds(10));  // returns as soon as the call is there
+  const int line = accept(listener, nullptr, nullptr);
+  ASSERT_GE(line, 0);
+  server.wait(std::chrono::milliseconds(10));
+  std::vector<std::uint8_t> cookie(wire::vicon::kVrpnCookieBytes);
+  ASSERT_EQ(recv(line, cookie.data(), cookie.size(), MSG_WAITALL),
+            static_cast<ssize_t>(cookie.size()));
+  EXPECT_TRUE(wire::vicon::decode_vrpn_cookie(cookie));
+  EXPECT_EQ(server.clients(), 1u);
+  for (const int fd : {line, caller, listener}) {
+    close(fd);
+  }
+}
+
+TEST(SocketServer, ServesSeveralClientsAndSkipsFramesForOneThatDoesNotRead) {
+  sim::vicon::ServerSettings settings;
+  settings.backlog_bytes_max = 10'000;
+  SocketServer server(settings, "127.0.0.1", 0);
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.mocap.device = scenario::DeviceSource::kReal;
+  scenario.mocap.port = server.port();
+  std::vector<std::size_t> heard(3, 0);
+  const bus::SystemClock clock;
+  std::vector<std::unique_ptr<vicon::ViconDriver>> drivers;
+  std::vector<std::unique_ptr<vicon::SocketLink>> links;
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    drivers.push_back(std::make_unique<vicon::ViconDriver>(
+        scenario.mocap, [&heard, i](const models::MocapFrame&) { ++heard[i]; }));
+    links.push_back(std::make_unique<vicon::SocketLink>(*drivers.back(), [&clock] {
+      return vicon::Moment{clock.now(), Duration{monotonic_ns() / 1'000}};
+    }));
+  }
+  const std::int64_t end_ns = monotonic_ns() + kPatience_ns;
+  EmulatedFrame frame = test::circling(100, 0.0);
+  // The third client asks for frames and then hears no more.
+  while ((server.frames_skipped() == 0 || heard[0] < 100 || heard[1] < 100) &&
+         monotonic_ns() < end_ns) {
+    server.wait(std::chrono::microseconds(0));
+    ++frame.number;
+    server.publish(frame);
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      if (i < 2 || heard[2] == 0) {
+        links[i]->step();
+      }
+    }
+  }
+  EXPECT_EQ(server.clients(), 3u);
+  EXPECT_GE(heard[0], 100u);
+  EXPECT_GE(heard[1], 100u);
+  EXPECT_GT(server.frames_skipped(), 0);
+  EXPECT_EQ(drivers[0]->frame_counts().frames_lost, 0);
+}
+
+}  // namespace
+}  // namespace vantage::drivers

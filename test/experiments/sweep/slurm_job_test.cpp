@@ -1,0 +1,85 @@
+#include "experiments/sweep/slurm_job.hpp"
+
+#include <cstdlib>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "core/child.hpp"
+
+namespace vantage::experiments {
+namespace {
+
+// What a shell makes of `script` in the task of that number.
+std::string said_by(const std::string& script, const std::string& task) {
+  const Result<tools::Answer> answer =
+      ask({"env", "SLURM_ARRAY_TASK_ID=" + task, "sh", "-c", script.substr(script.find('\n'))});
+  EXPECT_TRUE(answer.ok() && answer.value().exit.is_success());
+  return answer.ok() ? answer.value().text : "";
+}
+
+TEST(SlurmScripts, HandEachWordOnUnchangedAndTheShardOfTheTask) {
+  const SlurmScripts scripts =
+      slurm_scripts({"printf", "<%s>\n", "two words", "it's", "$HOME `ls` \"*\" \\", ""}, 12);
+  const std::string words = "<two words>\n<it's>\n<$HOME `ls` \"*\" \\>\n<>\n";
+  EXPECT_EQ(said_by(scripts.collect, "3"), words);
+  EXPECT_EQ(said_by(scripts.shards, "3"), words + "<--shard>\n<3/12>\n");
+  EXPECT_EQ(scripts.shards.substr(0, 10), "#!/bin/sh\n");
+}
+
+// Together they have all that is not done, and none of them could be left out.
+TEST(ShardsLacking, HaveAllUnitsThatAreNotDone) {
+  std::mt19937 rng(7);
+  for (int round = 0; round < 200; ++round) {
+    SweepPlan plan;
+    plan.settings = {{"a"}, {"b", true}, {"c"}};
+    plan.trials = 1 + static_cast<int>(rng() % 5);
+    const int of = 1 + static_cast<int>(rng() % 9);
+    std::map<Unit, UnitRows> done;
+    std::set<Unit> undone;
+    for (const Unit& unit : units_of(plan, {})) {
+      if (rng() % 2 == 0) {
+        done[unit];
+      } else {
+        undone.insert(unit);
+      }
+    }
+    for (const int shard : shards_lacking(plan, of, done)) {
+      const std::size_t before = undone.size();
+      for (const Unit& unit : units_of(plan, {shard, of})) {
+        undone.erase(unit);
+      }
+      EXPECT_LT(undone.size(), before);
+    }
+    EXPECT_TRUE(undone.empty());
+  }
+}
+
+TEST(ArrayText, JoinsWhatIsInARow) {
+  EXPECT_EQ(array_text({}), "");
+  EXPECT_EQ(array_text({4}), "4");
+  EXPECT_EQ(array_text({1, 2, 3, 7, 9, 10}), "1-3,7,9-10");
+}
+
+TEST(JobOf, IsTheNumberAmongWarningsAndBeforeTheCluster) {
+  EXPECT_EQ(job_of("1234\n"), "1234");
+  EXPECT_EQ(job_of("sbatch: warning: 12 nodes\n77;east\n"), "77");
+  EXPECT_EQ(job_of("sbatch: error: invalid partition specified: none\n"), "");
+  EXPECT_EQ(job_of(""), "");
+}
+
+TEST(StatesOf, AreByJobAndSayWhatMayStillWrite) {
+  const auto states = states_of("12_1|RUNNING\n12_2|OUT_OF_MEMORY\n13|PENDING\nnonsense\n");
+  ASSERT_EQ(states.size(), 3U);
+  EXPECT_TRUE(is_live(states.at("12_1")));
+  EXPECT_FALSE(is_live(states.at("12_2")));
+  EXPECT_TRUE(is_live(states.at("13")));
+  EXPECT_FALSE(is_live("CANCELLED"));
+  EXPECT_TRUE(is_failure("CANCELLED"));
+  EXPECT_FALSE(is_failure("COMPLETED"));
+  EXPECT_FALSE(is_failure("RUNNING"));
+}
+
+}  // namespace
+}  // namespace vantage::experiments

@@ -1,0 +1,101 @@
+#include "logs/analysis/log_analysis.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "test/logs/file_support.hpp"
+#include "tools/log/log_plot.hpp"
+#include "tools/log/log_scenario.hpp"
+#include "trial/scenario/overrides.hpp"
+#include "trial/trial.hpp"
+
+namespace vantage::tools {
+namespace {
+
+TEST(SpreadOf, IsTheOrderStatisticsOfItsValues) {
+  std::vector<double> values;
+  for (int i = 100; i >= 0; --i) {
+    values.push_back(i);
+  }
+  const logs::Spread spread = logs::spread_of(values);
+  EXPECT_EQ(spread.count, 101);
+  EXPECT_DOUBLE_EQ(spread.mean_s, 50.0);
+  EXPECT_EQ(spread.median_s, 50.0);
+  EXPECT_EQ(spread.p95_s, 95.0);
+  EXPECT_EQ(spread.worst_s, 100.0);
+  EXPECT_EQ(spread.least_s, 0.0);
+  EXPECT_EQ(logs::spread_of({}).count, 0);
+}
+
+class AnalyseLog : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    trial::Overrides overrides;
+    overrides.seed = 2;
+    overrides.duration_s = 12.0;
+    overrides.node_budget = 200;
+    scenario_ = trial::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
+    trial::TrialOptions options;
+    options.log_path = folder_.file("trial.lcmlog");
+    flown_ = trial::run_trial(scenario_, trial::trial_recipes(scenario_), options).summary;
+  }
+  logs::test::TemporaryFolder folder_;
+  scenario::Scenario scenario_;
+  logs::TrialSummary flown_;
+};
+
+TEST_F(AnalyseLog, ComesToWhatTheTrialItselfCameTo) {
+  const logs::IndexedLog log(folder_.file("trial.lcmlog"));
+  const logs::LogAnalysis analysis = logs::analyse_log(log, scenario_of(log));
+  const logs::TrialSummary& read = analysis.summary;
+  EXPECT_EQ(read.discovery_time_s, flown_.discovery_time_s);
+  EXPECT_EQ(read.rmse_m, flown_.rmse_m);
+  EXPECT_EQ(read.entropy_nats, flown_.entropy_nats);
+  EXPECT_EQ(read.plans, flown_.plans);
+  EXPECT_EQ(read.rounds_late, flown_.rounds_late);
+  EXPECT_EQ(read.messages_lost, 0);
+  EXPECT_TRUE(analysis.lost.empty());
+  EXPECT_EQ(analysis.plans.size(), static_cast<std::size_t>(flown_.plans));
+  ASSERT_EQ(analysis.deadlines.size(), 3U);
+  for (const auto& [robot, record] : analysis.deadlines) {
+    EXPECT_GT(record.margin.least_s, 0.0) << robot;
+    EXPECT_EQ(record.late, 0) << robot;
+  }
+  // A look of the instant t is in the belief of t, logged a tenth of a step later; plans are made
+  // from beliefs of at most a round before.
+  const double step_s = scenario_.planner.step_s;
+  EXPECT_NEAR(analysis.latencies.at("look → belief").median_s, 0.1 * step_s, 1e-6);
+  EXPECT_GT(analysis.latencies.at("look → plan").least_s, 0.0);
+  EXPECT_LE(analysis.latencies.at("look → plan").median_s,
+            step_s * (scenario_.planner.execute_steps + 1));
+}
+
+TEST_F(AnalyseLog, HasACourseWhoseEntropyFalls) {
+  const logs::IndexedLog log(folder_.file("trial.lcmlog"));
+  const logs::LogAnalysis analysis = logs::analyse_log(log, scenario_of(log));
+  ASSERT_GE(analysis.course.size(), 20U);
+  for (std::size_t i = 1; i < analysis.course.size(); ++i) {
+    EXPECT_GT(analysis.course[i].at_s, analysis.course[i - 1].at_s);
+    EXPECT_GE(analysis.course[i].discovered, analysis.course[i - 1].discovered);
+  }
+  EXPECT_GT(analysis.course.back().discovered, 0);
+  EXPECT_LT(analysis.course.back().entropy_nats, analysis.course.front().entropy_nats);
+}
+
+TEST_F(AnalyseLog, IsDrawnByGnuplot) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "gnuplot is not installed";
+  }
+  const logs::IndexedLog log(folder_.file("trial.lcmlog"));
+  const logs::LogAnalysis analysis = logs::analyse_log(log, scenario_of(log));
+  const std::string png = folder_.file("it's a plot.png");
+  const auto drawn = draw_plot(plot_script(analysis, scenario_of(log), "a 'title'", png),
+                               folder_.file("p.gp"), png);
+  ASSERT_TRUE(drawn.ok()) << drawn.error().message;
+  EXPECT_GT(std::filesystem::file_size(png), 20'000U);
+}
+
+}  // namespace
+}  // namespace vantage::tools

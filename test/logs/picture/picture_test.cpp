@@ -1,0 +1,308 @@
+#include "logs/picture/picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <stack>
+#include <string_view>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "core/write_file.hpp"
+#include "logs/picture/label_placer.hpp"
+#include "logs/picture/layout.hpp"
+#include "logs/picture/svg.hpp"
+
+namespace vantage::logs {
+namespace {
+
+/// One tag of XML, between < and >.
+struct Tag {
+  std::string name;
+  bool is_closing = false;
+  bool is_empty = false;
+  bool is_good = false;  ///< name and attributes are as XML wants them
+};
+
+Tag parse_tag(std::string inside) {
+  Tag tag;
+  tag.is_closing = inside.starts_with('/');
+  tag.is_empty = inside.ends_with('/');
+  const std::size_t first = tag.is_closing ? 1 : 0;
+  inside = inside.substr(first, inside.size() - first - (tag.is_empty ? 1 : 0));
+  const std::size_t name_end = std::min(inside.find(' '), inside.size());
+  tag.name = inside.substr(0, name_end);
+  tag.is_good = !tag.name.empty() && !(tag.is_closing && name_end != inside.size());
+  std::set<std::string> seen;
+  std::size_t at = inside.find_first_not_of(' ', name_end);
+  while (tag.is_good && at < inside.size()) {
+    const std::size_t equals = inside.find("=\"", at);
+    const std::size_t end = equals == std::string::npos ? equals : inside.find('"', equals + 2);
+    const std::string key = inside.substr(at, equals == std::string::npos ? 0 : equals - at);
+    tag.is_good = end != std::string::npos && !key.empty() &&
+                  key.find_first_of(" <\"") == std::string::npos && seen.insert(key).second &&
+                  (end + 1 == inside.size() || inside[end + 1] == ' ');
+    at = tag.is_good ? inside.find_first_not_of(' ', end + 1) : at;
+  }
+  return tag;
+}
+
+/// Why `text` is not well-formed XML (tags nested and closed, attributes quoted and not repeated,
+/// nothing but known entities); empty when it is.
+std::string xml_fault(const std::string& text) {
+  constexpr std::array<std::string_view, 5> kEntities = {"&amp;", "&lt;", "&gt;", "&quot;",
+                                                         "&apos;"};
+  std::stack<std::string> open;
+  const std::size_t prologue = text.find("?>");
+  for (std::size_t at = prologue == std::string::npos ? 0 : prologue + 2; at < text.size(); ++at) {
+    const std::string_view rest = std::string_view(text).substr(at);
+    if (rest[0] == '&' && std::none_of(kEntities.begin(), kEntities.end(),
+                                       [&](std::string_view e) { return rest.starts_with(e); })) {
+      return "unknown entity: " + std::string(rest.substr(0, 60));
+    }
+    if (rest[0] != '<') {
+      continue;
+    }
+    const std::size_t end = rest.find('>');
+    const Tag tag = parse_tag(std::string(rest.substr(1, std::min(end, rest.size()) - 1)));
+    if (end == std::string_view::npos || !tag.is_good) {
+      return "cannot read: " + std::string(rest.substr(0, 60));
+    }
+    if (tag.is_closing && (open.empty() || open.top() != tag.name)) {
+      return "closes " + tag.name + " that is not open";
+    }
+    if (tag.is_closing) {
+      open.pop();
+    } else if (!tag.is_empty) {
+      open.push(tag.name);
+    }
+    at += end;
+  }
+  return open.empty() ? "" : "never closes " + open.top();
+}
+
+int count(const std::string& text, const std::string& what) {
+  int found = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) {
+    ++found;
+  }
+  return found;
+}
+
+struct Example {
+  scenario::Scenario scenario;
+  Scene scene;
+  logs::TrialSummary summary;
+};
+
+Example example() {
+  Example out;
+  out.scenario.name = "a<b & c";
+  out.scenario.world.bounds = {{-4.0, -2.0}, {4.0, 2.0}};
+  out.scenario.world.obstacles.push_back({{{-1.0, -1.0}, {0.0, 0.0}}, 2.0});
+  out.scenario.robots.resize(2);
+  out.scenario.robots[0].name = "Q1";
+  out.scenario.robots[0].sensor.range_max_m = 1.0;
+  out.scenario.robots[1].name = "Q2";
+  out.scenario.robots[1].sensor.fov_rad = 1.5;
+  out.scenario.robots[1].sensor.range_max_m = 1.0;
+  out.scenario.targets = {{"R1", 0, {}, 0.2}, {"R2", 1, {}, 0.2}};
+  out.summary.scenario = out.scenario.name;
+  out.summary.targets = 2;
+  out.summary.discovered = 1;
+  out.summary.discovery_time_s = {12.5, std::nullopt};
+  out.summary.rmse_per_target_m = {0.25, std::nullopt};
+  out.summary.entropy_per_target_nats = {0.5, 3.0};
+
+  SceneRecorder recorder(out.scenario);
+  for (int i = 0; i <= 600; ++i) {
+    models::TruthFrame truth;
+    truth.stamp.time = from_utime(1'000'000 + i * 100'000);
+    for (const auto& [name, id, y_m] :
+         {std::tuple{"Q1", -1, 0.5}, {"Q2", -1, -0.5}, {"R1", 0, 1.0}, {"R2", 1, -1.0}}) {
+      models::TruthBody body;
+      body.name = name;
+      body.target_id = id;
+      body.world_from_body = lift({-3.0 + 0.01 * i, y_m, 0.0}, 1.0);
+      truth.bodies.push_back(body);
+    }
+    recorder.on_truth(truth);
+  }
+  models::RobotBelief belief;
+  belief.robot = "Q1";
+  belief.stamp.time = from_utime(1'000'000);
+  belief.grid = models::GridGeometry::covering(out.scenario.world.bounds, 0.5);
+  belief.last_seen_utime.assign(static_cast<std::size_t>(belief.grid.size()), 0);
+  belief.last_seen_utime[3] = 900'000;
+  recorder.on_belief(belief);
+  models::RobotPlan plan;
+  plan.robot = "Q1";
+  plan.trajectory.start_time = from_utime(61'000'000);
+  plan.trajectory.start = {3.0, 0.5, 0.0};
+  plan.trajectory.segments = {{{1.0, 1.0}, 0.5, 0.0}};
+  recorder.on_plan(plan);
+  out.scene = recorder.scene();
+  logs::PositionEstimate estimate;
+  estimate.mean_m = Eigen::Vector2d(2.5, 1.0);
+  estimate.covariance_m2 = Eigen::Vector2d(0.04, 0.01).asDiagonal();
+  out.scene.targets[0].estimate = estimate;
+  return out;
+}
+
+TEST(DrawPicture, IsWellFormedXml) {
+  const Example it = example();
+  EXPECT_EQ(xml_fault(draw_picture(it.scenario, it.scene, it.summary)), "");
+  EXPECT_EQ(xml_fault(draw_picture(it.scenario, Scene{}, it.summary)), "");
+}
+
+TEST(XmlFault, FindsFaults) {
+  EXPECT_NE(xml_fault("<a><b></a></b>"), "");
+  EXPECT_NE(xml_fault("<a>1 & 2</a>"), "");
+  EXPECT_NE(xml_fault("<a x=1/>"), "");
+  EXPECT_NE(xml_fault("<a>"), "");
+  EXPECT_NE(xml_fault("<a x=\"1\" x=\"2\"/>"), "");
+  EXPECT_NE(xml_fault("<a x=\"1\"y=\"2\"/>"), "");
+  EXPECT_EQ(xml_fault("<a x=\"1 / 2\" y=\"2\">&amp;<b/></a>"), "");
+}
+
+TEST(DrawPicture, ShowsEverythingOnce) {
+  const Example it = example();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  EXPECT_EQ(count(svg, "class=\"obstacle\""), 1);
+  EXPECT_EQ(count(svg, "class=\"bounds\""), 1);
+  EXPECT_EQ(count(svg, "class=\"robot\""), 4) << "two in the map and two in the legend";
+  EXPECT_EQ(count(svg, "class=\"view\""), 2);
+  EXPECT_EQ(count(svg, "class=\"plan\""), 1);
+  EXPECT_EQ(count(svg, "class=\"truth\""), 2);
+  EXPECT_EQ(count(svg, "class=\"ellipse\""), 1);  // the target that nobody knows has none
+  EXPECT_NE(svg.find("a&lt;b &amp; c: 1 of 2 targets found"), std::string::npos);
+  EXPECT_NE(svg.find("12.5 s"), std::string::npos);
+}
+
+TEST(DrawPicture, DrawsTheEllipseThatHoldsWhatTheLegendSays) {
+  const Example it = example();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  // 8 m are 1040 px; σ are 0.1 m and 0.2 m (the smaller axis first), and √(−2 ln 0.05) of them
+  // hold 95 % in two dimensions.
+  EXPECT_NE(svg.find("<ellipse rx=\"31.82\" ry=\"63.64\""), std::string::npos);
+  EXPECT_NE(svg.find("estimate: mean and 95 % ellipse"), std::string::npos);
+}
+
+TEST(DrawPicture, PaintsAJammedRobotRedWithItsOwnColourInside) {
+  Example it = example();
+  const auto red = std::string(role_colour("jammed"));
+  const std::string calm = draw_picture(it.scenario, it.scene, it.summary);
+  EXPECT_EQ(calm.find(red), std::string::npos);
+  it.scene.jammed = {"Q2"};
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  EXPECT_NE(svg.find("Q2 jammed"), std::string::npos);
+  EXPECT_EQ(svg.find("Q1 jammed"), std::string::npos);
+  EXPECT_NE(svg.find("class=\"view\" fill=\"" + red), std::string::npos);
+  EXPECT_GT(count(svg, robot_colour(1).data()), 1) << "whose it is can still be seen";
+}
+
+TEST(DrawPicture, ShowsTheMapOfATeamThatMaps) {
+  Example it = example();
+  it.scenario.targets.clear();
+  it.scene.targets.clear();
+  it.scenario.planner.objective = scenario::PlanObjective::kMapping;
+  it.summary.targets = it.summary.discovered = 0;
+  it.summary.map_entropy_nats = 123.4;
+  SceneRecorder recorder(it.scenario);
+  models::RobotMap map;
+  map.robot = "Q1";
+  map.grid = models::GridGeometry::covering(it.scenario.world.bounds, 1.0);
+  map.team_looks.assign(static_cast<std::size_t>(map.grid.size()), 0);
+  map.team_looks[3] = 100;
+  map.team_looks[4] = -100;
+  map.entropy_nats = 77.0;
+  recorder.on_map(map);
+  const std::string svg = draw_picture(it.scenario, recorder.scene(), it.summary);
+  EXPECT_EQ(xml_fault(svg), "");
+  EXPECT_EQ(svg.find("targets found"), std::string::npos);
+  for (const char* words : {"map entropy 123 nat", "77 nat", "class=\"map\"", "mapped: occupied"}) {
+    EXPECT_NE(svg.find(words), std::string::npos) << words;
+  }
+  EXPECT_NE(svg.find(role_colour("occupied")), std::string::npos);
+}
+
+TEST(DrawPicture, ListsEveryRobotInTheLegend) {
+  Example it = example();
+  it.scenario.robots.resize(50);
+  for (std::size_t i = 0; i < 50; ++i) {
+    it.scenario.robots[i].name = "Q" + std::to_string(i + 1);
+  }
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  for (std::size_t i = 2; i < 50; ++i) {
+    EXPECT_NE(svg.find(">Q" + std::to_string(i + 1) + "<"), std::string::npos);
+  }
+}
+
+TEST(DrawPicture, IsTheSameForTheSameTrial) {
+  const Example a = example();
+  const Example b = example();
+  EXPECT_EQ(draw_picture(a.scenario, a.scene, a.summary),
+            draw_picture(b.scenario, b.scene, b.summary));
+}
+
+TEST(LabelPlacer, KeepsLabelsApartWhileThereIsRoom) {
+  LabelPlacer placer({Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 400)});
+  std::vector<Eigen::AlignedBox2d> boxes;
+  for (int i = 0; i < 6; ++i) {
+    boxes.push_back(placer.place({200.0 + i, 200.0}, {30.0, 14.0}));
+    for (std::size_t j = 0; j + 1 < boxes.size(); ++j) {
+      const auto both = boxes.back().intersection(boxes[j]);
+      EXPECT_TRUE(both.isEmpty() || both.volume() < 1e-9) << i << " " << j;
+    }
+  }
+}
+
+TEST(LabelPlacer, StaysOnThePage) {
+  const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 300));
+  LabelPlacer placer(page);
+  EXPECT_TRUE(page.contains(placer.place({399.0, 1.0}, {30.0, 14.0})));
+  EXPECT_TRUE(page.contains(placer.place({1.0, 299.0}, {30.0, 14.0})));
+}
+
+TEST(RenderPng, MakesAPngOrSaysWhatIsMissing) {
+  const std::string svg_path = ::testing::TempDir() + "vantage_picture.svg";
+  const std::string png_path = ::testing::TempDir() + "vantage_picture.png";
+  const Example it = example();
+  write_file(svg_path, draw_picture(it.scenario, it.scene, it.summary));
+  const Result<std::string> png = render_png(svg_path, png_path);
+  if (!png.ok()) {
+    EXPECT_NE(png.error().message.find("rsvg-convert"), std::string::npos);
+    return;
+  }
+  std::ifstream file(png_path, std::ios::binary);
+  std::string magic(4, ' ');
+  file.read(magic.data(), 4);
+  EXPECT_EQ(magic, "\x89PNG");
+}
+
+TEST(RenderPng, SaysFileAndReasonAndLeavesNothingHalf) {
+  const std::string folder = ::testing::TempDir() + "vantage_png";
+  std::filesystem::create_directories(folder);
+  write_file(folder + "/no.svg", "this is no picture");
+  const auto render = [&]() -> std::string {
+    try {
+      const Result<std::string> png = render_png(folder + "/no.svg", folder + "/no.png");
+      return png.ok() ? "drawn" : png.error().message;
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+  };
+  const std::string said = render();
+  EXPECT_TRUE(said.find("not installed") != std::string::npos ||
+              said == folder + "/no.png: cannot be written: rsvg-convert failed on " + folder +
+                          "/no.svg")
+      << said;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace vantage::logs

@@ -1,0 +1,94 @@
+#include "logs/record/log_space.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vantage::logs {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+scenario::Scenario three_robots() {
+  scenario::Scenario out;
+  out.duration_s = 240.0;
+  out.robots.resize(3);
+  return out;
+}
+
+TEST(RoomForLog, IsForTheWholeTrialAndItsLandings) {
+  const scenario::Scenario scenario = three_robots();
+  EXPECT_EQ(log_bytes_needed(scenario), 90'000'000U);  // 3 · 100 kB/s · 300 s
+  const LogRoom enough = room_for_log(scenario, "lab.lcmlog", 90'000'000U);
+  EXPECT_TRUE(enough.is_enough);
+  const LogRoom little = room_for_log(scenario, "lab.lcmlog", 89'900'000U);
+  EXPECT_FALSE(little.is_enough);
+  EXPECT_EQ(little.words, "log: 89.9 MB are free for lab.lcmlog; 300 s take 90.0 MB at most");
+  EXPECT_TRUE(room_for_log(scenario, "lab.lcmlog", std::nullopt).is_enough) << "nobody knows";
+}
+
+struct Watched {
+  LogWatch watch{300e3};
+  Time now = kStart;
+  std::optional<std::string> look(std::uint64_t size_bytes, std::uint64_t free_bytes) {
+    now += std::chrono::milliseconds(500);
+    return watch.look({size_bytes, free_bytes}, now);
+  }
+};
+
+TEST(LogWatch, IsSilentWhileTheLogGrows) {
+  Watched log;
+  for (std::uint64_t k = 0; k < 100; ++k) {
+    EXPECT_EQ(log.look(1000 * k, 1'000'000'000), std::nullopt);
+  }
+  EXPECT_EQ(log.watch.health(log.now).state, models::ProcessState::kRunning);
+}
+
+TEST(LogWatch, SaysOnceThatNothingIsWrittenAndThatItIsAgain) {
+  Watched log;
+  EXPECT_EQ(log.look(1000, 1'000'000'000), std::nullopt);
+  EXPECT_TRUE(log.look(1000, 0).has_value()) << "the disk is full";
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(log.look(1000, 0), std::nullopt);
+  }
+  const auto words = log.look(1000, 0);
+  ASSERT_TRUE(words.has_value());
+  EXPECT_NE(words->find("LOG NOT WRITTEN for 3 s, with 0.0 MB free"), std::string::npos) << *words;
+  EXPECT_FALSE(log.watch.is_written());
+  const models::ProcessHealth health = log.watch.health(log.now);
+  EXPECT_EQ(health.process, "LOG");
+  EXPECT_EQ(health.state, models::ProcessState::kDegraded);
+  EXPECT_EQ(log.look(1000, 0), std::nullopt) << "once";
+  EXPECT_TRUE(log.look(2000, 1'000'000'000).has_value());
+  EXPECT_TRUE(log.watch.is_written());
+}
+
+TEST(LogWatch, BelievesARecorderThatIsRefusedAtOnce) {
+  LogWatch watch{300e3};
+  EXPECT_EQ(watch.look({1000, 1'000'000'000}, kStart), std::nullopt);
+  EXPECT_TRUE(watch.look({1000, 0, true}, kStart).has_value());
+  EXPECT_FALSE(watch.is_written());
+  EXPECT_TRUE(watch.look({1000, 1'000'000'000, false}, kStart).has_value());
+  EXPECT_TRUE(watch.is_written());
+}
+
+// Whatever the disk says: a logger that died, or a file that another has taken away.
+TEST(LogWatch, GoesByTheFileThatDoesNotGrow) {
+  Watched log;
+  log.look(5000, 1'000'000'000);
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(log.look(0, 1'000'000'000), std::nullopt);
+  }
+  EXPECT_TRUE(log.look(0, 1'000'000'000).has_value());
+}
+
+TEST(LogWatch, SaysThatTheDiskIsNearlyFull) {
+  Watched log;
+  EXPECT_EQ(log.look(1000, 18'000'001), std::nullopt);
+  const auto words = log.look(2000, 9'000'000);
+  ASSERT_TRUE(words.has_value());
+  EXPECT_EQ(*words, "log: only 9.0 MB are left on its disk, for 30 s of flight");
+  EXPECT_EQ(log.watch.health(log.now).state, models::ProcessState::kDegraded);
+  EXPECT_TRUE(log.watch.is_written());
+}
+
+}  // namespace
+}  // namespace vantage::logs

@@ -1,0 +1,228 @@
+#include "planner/app/node.hpp"
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/transport/transport.hpp"
+#include "test/planner/robot/team_scenario.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A planner of Q1 on a bus in one process, and the world at the other end of it.
+class PlannerNodeTest : public ::testing::Test {
+ protected:
+  void deliver() {
+    while (world_.handle(0us) + robot_bus_.handle(0us) > 0) {
+    }
+  }
+
+  void start(const scenario::Scenario& scenario) {
+    scenario_ = scenario;
+    inputs_ = test::first_inputs(scenario, 0, 5);
+    clock_.set(inputs_.slot.activation - from_seconds(1.0));
+    node_ = std::make_unique<PlannerNode>(robot_bus_, clock_, scenario, "Q1");
+    world_.subscribe<models::RobotPlan>(bus::plan_channel("Q1"),
+                                        [this](const auto& plan) { plans_.push_back(plan); });
+    world_.publish(bus::kVicon, *inputs_.mocap);
+    inputs_.belief->robot = "Q1";
+  }
+
+  // Lets the node do what it wants to within the round.
+  void round() {
+    deliver();
+    while (node_->next_tick() < inputs_.slot.activation) {
+      clock_.set(node_->next_tick());
+      node_->tick(clock_.now());
+      deliver();
+    }
+  }
+
+  [[nodiscard]] models::RobotPlan plan_of(const std::string& robot) const {
+    models::RobotPlan plan;
+    plan.stamp.time = inputs_.slot.activation;
+    plan.robot = robot;
+    plan.round = inputs_.slot.round;
+    plan.lower_bound = -1.0;
+    plan.trajectory = {plan.stamp.time, scenario_.find_robot("Q2")->start, 1.5, {}};
+    return plan;
+  }
+
+  [[nodiscard]] std::int64_t count(const std::string& name) const {
+    for (const auto& counters : {node_->counters(), robot_bus_.counters()}) {
+      for (const models::NamedCount& counter : counters) {
+        if (counter.name == name) {
+          return counter.count;
+        }
+      }
+    }
+    return 0;
+  }
+
+  bus::VirtualClock clock_{Time{}};
+  bus::InProcessHub hub_;
+  std::unique_ptr<bus::Transport> world_end_ = hub_.connect();
+  std::unique_ptr<bus::Transport> robot_end_ = hub_.connect();
+  bus::Bus world_{*world_end_, 100};
+  bus::Bus robot_bus_{*robot_end_, 1};
+  scenario::Scenario scenario_;
+  PlanInputs inputs_;
+  std::unique_ptr<PlannerNode> node_;
+  std::vector<models::RobotPlan> plans_;
+};
+
+bool names(const models::RobotPlan& plan, const models::InputRef& input) {
+  return std::find(plan.inputs.begin(), plan.inputs.end(), input) != plan.inputs.end();
+}
+
+TEST_F(PlannerNodeTest, PlansOnNoMessageOfAnotherRobotThanItsChannels) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.attacks_max = 1;
+  start(scenario);
+  const auto own = world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  models::RobotBelief other = *inputs_.belief;
+  other.robot = "Q2";
+  other.targets.clear();
+  world_.publish(bus::belief_channel("Q1"), other);
+  const auto mate = world_.publish(bus::plan_channel("Q2"), plan_of("Q2"));
+  for (const char* robot : {"Q1", "Q3", "Q9"}) {
+    world_.publish(bus::plan_channel("Q2"), plan_of(robot));
+  }
+  world_.publish(bus::proposal_channel("Q2"),
+                 models::PlanProposal{{inputs_.slot.activation, 0, 0}, 1.0, plan_of("Q3")});
+  round();
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_TRUE(names(plans_[0], own));
+  EXPECT_TRUE(names(plans_[0], mate));
+  EXPECT_EQ(plans_[0].inputs.size(), 4U) << "and the mocap frame and its own proposal";
+  EXPECT_EQ(count("misaddressed"), 5);
+}
+
+TEST_F(PlannerNodeTest, GoesOnWhateverATeammateCallsAPlan) {
+  const auto spoil = [&](int kind) {
+    models::RobotPlan plan = plan_of("Q2");
+    std::vector<models::PlanSegment>& segments = plan.trajectory.segments;
+    segments = {{{0.5, 0.0}, 1.0, 0.0}};
+    switch (kind) {
+      case 0:
+        segments[0].duration_s = 2e4;
+        break;
+      case 1:
+        segments[0].control.speed_mps = 1e300;
+        break;
+      case 2:
+        segments[0].control.yaw_rate_radps = 1e300;
+        break;
+      case 3:
+        segments.assign(9'000, {{0.5, 0.0}, 0.0, 0.0});
+        break;
+      case 4:
+        plan.trajectory.start.x_m = 1e308;
+        break;
+      case 5:
+        plan.trajectory.height_m = 1e308;
+        break;
+      case 6:
+        segments[0].brake_mps2 = 1e300;
+        break;
+      default:
+        plan.stamp.time += 20'000s;
+    }
+    return plan;
+  };
+  start(test::lab_scenario());
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  const auto good = world_.publish(bus::plan_channel("Q2"), plan_of("Q2"));
+  for (int kind = 0; kind <= 7; ++kind) {
+    const auto bad = world_.publish(bus::plan_channel("Q2"), spoil(kind));
+    deliver();
+    EXPECT_EQ(count("PLAN_Q2.refused") + count("unusable_plans"), kind + 1);
+  }
+  ASSERT_NO_THROW(round());
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_TRUE(names(plans_[0], good));
+}
+
+TEST_F(PlannerNodeTest, TakesAPlanWhoseStopIsLongerThanItsHorizon) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.horizon_steps = 1;
+  scenario.planner.execute_steps = 1;
+  scenario.planner.step_s = 1.0;
+  scenario.robots[1].limits.speed_max_mps = 2.0;
+  scenario.robots[1].limits.brake_mps2 = 0.5;
+  start(scenario);
+  models::RobotPlan plan = plan_of("Q2");
+  plan.trajectory.segments = {{{2.0, 0.0}, 1.0, 0.0}, models::brake(2.0, 0.5).front()};
+  world_.publish(bus::plan_channel("Q2"), plan);
+  deliver();
+  EXPECT_EQ(count("unusable_plans"), 0);
+  plan.trajectory.segments.back().duration_s = 8.0;
+  world_.publish(bus::plan_channel("Q2"), plan);
+  deliver();
+  EXPECT_EQ(count("unusable_plans"), 1);
+}
+
+TEST_F(PlannerNodeTest, GoesOnWithoutABeliefThatCannotBe) {
+  const auto plan_on = [&](const models::RobotBelief& belief) {
+    RobotPlanner planner(test::lab_scenario(), "Q1");
+    PlanInputs inputs = inputs_;
+    inputs.belief = belief;
+    const auto plan = planner.plan(inputs, Deadline::nodes(200));
+    EXPECT_TRUE(plan);
+    return planner.counts().unusable_beliefs;
+  };
+  start(test::lab_scenario());
+  models::RobotBelief good = *inputs_.belief;
+  EXPECT_EQ(plan_on(good), 1) << "it has no grid";
+  const models::VisibilityGrid grid(scenario_.world, scenario_.estimator.grid_resolution_m,
+                                    scenario_.estimator.grid_memory_s);
+  good.grid = grid.geometry();
+  good.last_seen_utime.assign(static_cast<std::size_t>(good.grid.size()),
+                              models::VisibilityGrid::kNeverSeen);
+  EXPECT_EQ(plan_on(good), 0);
+  models::RobotBelief belief = good;
+  belief.stamp.time += 3600s;
+  EXPECT_EQ(plan_on(belief), 5) << "of a clock that was ahead";
+  belief = good;
+  belief.stamp.time -= 3600s * 24 * 365 * 50;
+  plan_on(belief);
+  for (const double scale : {1e-300, 1e-150, 1e-20, 1e20, 1e150, 1e300}) {
+    belief = good;
+    belief.targets[0].information.matrix *= scale;
+    EXPECT_LE(plan_on(belief), 1) << scale;
+    belief.targets[0].information.vector *= scale;
+    plan_on(belief);
+  }
+  belief = good;
+  belief.targets[0].information.vector *= 1e300;
+  EXPECT_EQ(plan_on(belief), 1);
+}
+
+TEST_F(PlannerNodeTest, CountsMapsThatItCannotPlanOn) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.targets.clear();
+  scenario.planner.objective = scenario::PlanObjective::kMapping;
+  scenario.planner.horizon_steps = 2;
+  start(scenario);
+  models::RobotMap map;
+  map.robot = "Q1";
+  map.grid = {{-4.0, -2.0}, 1.0, 8, 4};
+  map.own_looks.assign(32, 0);
+  map.team_looks = map.own_looks;
+  world_.publish(bus::map_channel("Q1"), map);
+  map.robot = "Q2";
+  world_.publish(bus::map_channel("Q1"), map);
+  round();
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_EQ(count("unusable_maps"), 1);
+  EXPECT_EQ(count("misaddressed"), 1);
+}
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,473 @@
+#include "planner/problem/motion_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "models/plan/plan.hpp"
+#include "planner/search/arvi.hpp"
+#include "test/planner/problem/random_problem.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using test::pick;
+using test::uniform;
+
+models::World random_world(std::mt19937_64& rng) {
+  models::World world;
+  world.bounds = {{-6.0, -6.0}, {6.0, 6.0}};
+  for (int i = pick(rng, 1, 6); i > 0; --i) {
+    const Eigen::Vector2d corner(uniform(rng, -6.0, 5.0), uniform(rng, -6.0, 5.0));
+    // Walls as thin as a centimetre are what sampling along a path would tunnel through.
+    const Eigen::Vector2d size(uniform(rng, 0.01, 2.0), uniform(rng, 0.01, 2.0));
+    world.obstacles.push_back({{corner, corner + size}, 10.0});
+  }
+  return world;
+}
+
+Pose2 random_pose(std::mt19937_64& rng) {
+  return {uniform(rng, -6.2, 6.2), uniform(rng, -6.2, 6.2), uniform(rng, -kPi, kPi)};
+}
+
+double sampled_clearance_m(const models::World& world, const Pose2& from,
+                           const models::UnicycleControl& control, double duration_s) {
+  constexpr int kSamples = 250;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kSamples; ++i) {
+    const Pose2 pose = models::step_unicycle(from, control, duration_s * i / kSamples);
+    least_m = std::min(least_m, models::clearance_m(world, pose.position_m()));
+  }
+  return least_m;
+}
+
+TEST(MotionTable, ArrivesWhereTheUnicycleDoes) {
+  std::mt19937_64 rng(30);
+  SearchProblem problem;
+  problem.controls = models::standard_primitives();
+  problem.controls.push_back({0.0, 0.0});
+  MotionTable motion(64, 16, 4);
+  motion.reset(problem);
+  for (int i = 0; i < 500; ++i) {
+    const Pose2 from = random_pose(rng);
+    for (int c = 0; c < motion.control_count(); ++c) {
+      const Pose2 expected = models::step_unicycle(
+          from, problem.controls[static_cast<std::size_t>(c)], problem.step_s);
+      const Pose2 to = motion.child(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c);
+      EXPECT_NEAR(to.x_m, expected.x_m, 1e-12);
+      EXPECT_NEAR(to.y_m, expected.y_m, 1e-12);
+      EXPECT_NEAR(wrap_to_pi(to.yaw_rad - expected.yaw_rad), 0.0, 1e-12);
+    }
+  }
+}
+
+TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
+  std::mt19937_64 rng(31);
+  int freed = 0;
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    const models::World world = random_world(rng);
+    const models::DistanceField field(world, 0.1);
+    SearchProblem problem;
+    problem.controls = models::standard_primitives();
+    problem.world = &world;
+    problem.clearance_m = pick(rng, 0, 1) == 0 ? 0.0 : uniform(rng, 0.0, 0.5);
+    MotionTable exact(64, 16, 4);
+    exact.reset(problem);
+    problem.field = &field;
+    MotionTable fast(64, 16, 4);
+    fast.reset(problem);
+    for (int k = 0; k < 20; ++k) {
+      const Pose2 from = random_pose(rng);
+      const double cos_yaw = std::cos(from.yaw_rad);
+      const double sin_yaw = std::sin(from.yaw_rad);
+      for (int c = 0; c < exact.control_count(); ++c) {
+        const models::UnicycleControl control = problem.controls[static_cast<std::size_t>(c)];
+        const double sampled_m = sampled_clearance_m(world, from, control, problem.step_s);
+        const bool free = exact.is_free(from, cos_yaw, sin_yaw, c, 0);
+        EXPECT_EQ(fast.is_free(from, cos_yaw, sin_yaw, c, 0), free);
+        if (free) {
+          ++freed;
+          EXPECT_GT(sampled_m, problem.clearance_m);
+        } else {
+          ++refused;  // between two samples clearance may drop by half of the way between them
+          EXPECT_LE(sampled_m, problem.clearance_m + 1.5 / 500.0 + 1e-5);
+        }
+      }
+    }
+  }
+  EXPECT_GT(freed, 1000);
+  EXPECT_GT(refused, 1000);
+}
+
+// Where the field decides and where the exact distances do lies within a cell of touching: started
+// there, the answer may be no other than arc_is_clear()'s, and never the bolder one.
+TEST(IsFree, NeverAcceptsByTheFieldWhatExactDistancesRefuse) {
+  std::mt19937_64 rng(33);
+  int grazing = 0;
+  int refused = 0;
+  for (int i = 0; i < 200; ++i) {
+    const models::World world = random_world(rng);
+    const models::DistanceField field(world, pick(rng, 0, 1) == 0 ? 0.05 : 0.3);
+    SearchProblem problem;
+    problem.controls = models::standard_primitives();
+    problem.controls.push_back({0.0, 1.0});
+    problem.world = &world;
+    problem.field = &field;
+    problem.clearance_m = pick(rng, 0, 1) == 0 ? 0.0 : uniform(rng, 0.0, 0.5);
+    MotionTable motion(64, 16, 4);
+    motion.reset(problem);
+    for (int k = 0; k < 100; ++k) {
+      Pose2 from = random_pose(rng);
+      for (int nearer = 0; nearer < 8; ++nearer) {  // down the field until it almost touches
+        const Eigen::Vector2d p_m = from.position_m();
+        const double spare_m = models::clearance_m(world, p_m) - problem.clearance_m;
+        const Eigen::Vector2d dx(1e-6, 0.0);
+        const Eigen::Vector2d dy(0.0, 1e-6);
+        const Eigen::Vector2d up(
+            models::clearance_m(world, p_m + dx) - models::clearance_m(world, p_m - dx),
+            models::clearance_m(world, p_m + dy) - models::clearance_m(world, p_m - dy));
+        const double to_go_m = spare_m - uniform(rng, -1e-3, 0.1);
+        if (up.norm() > 0.0) {
+          from.x_m -= to_go_m * up.x() / up.norm();
+          from.y_m -= to_go_m * up.y() / up.norm();
+        }
+      }
+      from.yaw_rad = uniform(rng, -kPi, kPi);
+      for (int c = 0; c < motion.control_count(); ++c) {
+        const bool clear = arc_is_clear(world, from, problem.controls[static_cast<std::size_t>(c)],
+                                        problem.step_s, problem.clearance_m);
+        const bool accepted =
+            motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0);
+        ASSERT_TRUE(clear || !accepted) << "world " << i << " control " << c;
+        ASSERT_EQ(accepted, clear) << "world " << i << " control " << c;
+        grazing += clear ? 1 : 0;
+        refused += clear ? 0 : 1;
+      }
+    }
+  }
+  EXPECT_GT(grazing, 20'000);
+  EXPECT_GT(refused, 20'000);
+}
+
+TEST(CanStop, IsTrueExactlyOfAStopThatStaysClear) {
+  std::mt19937_64 rng(32);
+  int stops = 0;
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    const models::World world = random_world(rng);
+    SearchProblem problem;
+    problem.controls = models::standard_primitives();
+    problem.world = &world;
+    problem.clearance_m = uniform(rng, 0.0, 0.4);
+    problem.brake_mps2 = uniform(rng, 1.0, 6.0);
+    MotionTable motion(64, 16, 4);
+    motion.reset(problem);
+    for (int k = 0; k < 20; ++k) {
+      const Pose2 at = random_pose(rng);
+      for (const int c : {0, 5}) {
+        const double speed_mps = problem.controls[static_cast<std::size_t>(c)].speed_mps;
+        const double way_m = 0.5 * speed_mps * speed_mps / problem.brake_mps2;
+        const double sampled_m = sampled_clearance_m(world, at, {way_m, 0.0}, 1.0);
+        if (motion.can_stop(at, c, 1)) {
+          ++stops;
+          EXPECT_GT(sampled_m, problem.clearance_m);
+        } else {
+          ++refused;
+          EXPECT_LE(sampled_m, problem.clearance_m + way_m / 500.0 + 1e-5);
+        }
+      }
+    }
+  }
+  EXPECT_GT(stops, 500);
+  EXPECT_GT(refused, 500);
+}
+
+// Least distance in space, at 1 ms, until everybody has long come to rest.
+double sampled_separation_m(const models::Trajectory& a, const models::Trajectory& b, Time from) {
+  const Time last = std::max(models::end_time(a), models::end_time(b)) + from_seconds(0.1);
+  double least_m = std::numeric_limits<double>::infinity();
+  for (Time t = from; t < last; t += from_seconds(0.001)) {
+    const Eigen::Vector2d offset = models::at(a, t).world_from_body.position_m() -
+                                   models::at(b, t).world_from_body.position_m();
+    least_m = std::min(least_m, std::hypot(offset.norm(), a.height_m - b.height_m));
+  }
+  return least_m;
+}
+
+struct TeamProblem {
+  models::World world;
+  models::DistanceField field;
+  SearchProblem problem;
+};
+
+// Teammates in a small arena, launched at other times and in other steps than ours, some still on
+// their way long after our horizon, so that their pieces straddle what ours do not.
+std::unique_ptr<TeamProblem> team_problem(std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  auto team = std::make_unique<TeamProblem>();
+  SearchProblem& problem = team->problem;
+  problem.start_time = from_utime(1'700'000'000'000'000);
+  problem.start = {uniform(rng, -3.0, 3.0), uniform(rng, -3.0, 3.0), uniform(rng, -kPi, kPi)};
+  problem.height_m = 1.0 + (pick(rng, 0, 2) == 0 ? uniform(rng, -0.4, 0.4) : 0.0);
+  problem.controls = models::standard_primitives();
+  problem.horizon_steps = pick(rng, 2, 6);
+  problem.separation_m = uniform(rng, 0.3, 0.8);
+  problem.brake_mps2 = uniform(rng, 2.0, 6.0);
+  problem.start_speed_mps = pick(rng, 0, 1) == 0 ? 0.0 : 1.0;
+  models::SensorModel sensor;
+  problem.sensors = {sensor};
+  problem.targets = {{{models::TargetKind::kStatic, 2, 0.0},
+                      {Eigen::Vector2d(uniform(rng, -3.0, 3.0), uniform(rng, -3.0, 3.0)),
+                       Eigen::Matrix2d::Identity()}}};
+  if (pick(rng, 0, 1) == 1) {
+    team->world = random_world(rng);
+    team->field = models::DistanceField(team->world, 0.1);
+    problem.world = &team->world;
+    problem.field = &team->field;
+    problem.clearance_m = 0.2;
+  }
+  for (int i = pick(rng, 1, 3); i > 0; --i) {
+    const double step_s = pick(rng, 0, 1) == 0 ? 0.5 : uniform(rng, 0.05, 0.6);
+    models::Trajectory teammate =
+        test::random_teammate(rng, problem.start_time, pick(rng, 0, 12), step_s);
+    if (pick(rng, 0, 3) == 0) {
+      for (models::PlanSegment& segment : teammate.segments) {
+        segment.control.speed_mps *= -1.0;  // teammates may be driven backwards
+      }
+    }
+    problem.teammates.push_back(teammate);
+  }
+  return team;
+}
+
+TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
+  ReducedValueIteration search({20'000, 200'000, 4, 8, 4});
+  int found = 0;
+  int stopped_early = 0;
+  int close = 0;
+  for (std::uint64_t seed = 0; seed < 160; ++seed) {
+    const auto team = team_problem(seed);
+    const SearchProblem& problem = team->problem;
+    const SearchResult& result =
+        search.plan(problem, {}, Deadline::nodes(seed % 5 == 0 ? 30 : 3'000));
+    if (!result.found) {
+      continue;
+    }
+    ++found;
+    stopped_early += result.moving_steps < problem.horizon_steps ? 1 : 0;
+    const models::Trajectory plan = to_trajectory(problem, result);
+    for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
+      const models::Trajectory& teammate = problem.teammates[i];
+      const double kept_m = kept_separation_m(problem, i);
+      const double sampled_m = sampled_separation_m(plan, teammate, problem.start_time);
+      EXPECT_GE(sampled_m, kept_m - 1e-5) << "seed " << seed;
+      EXPECT_TRUE(models::keeps_separation(plan, teammate, problem.start_time, kept_m - 1e-5))
+          << "seed " << seed;
+      close += sampled_m < problem.separation_m + 0.3 ? 1 : 0;
+    }
+    if (problem.world != nullptr) {
+      EXPECT_TRUE(
+          models::is_clear(team->world, plan, problem.start_time, problem.clearance_m - 1e-5))
+          << "seed " << seed;
+      for (Time t = problem.start_time; t < models::end_time(plan) + from_seconds(0.01);
+           t += from_seconds(0.002)) {
+        EXPECT_GT(
+            models::clearance_m(team->world, models::at(plan, t).world_from_body.position_m()),
+            problem.clearance_m - 1e-9);
+      }
+    }
+    EXPECT_EQ(models::at(plan, models::end_time(plan) + from_seconds(1.0)).control,
+              models::UnicycleControl{});
+  }
+  EXPECT_GT(found, 80);
+  EXPECT_GT(stopped_early, 3);
+  EXPECT_GT(close, 20);
+}
+
+TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {
+  ReducedValueIteration search({20'000, 200'000, 4, 8, 4});
+  std::mt19937_64 rng(5);
+  for (int i = 0; i < 40; ++i) {
+    SearchProblem problem;
+    problem.start_time = from_utime(1'700'000'000'000'000);
+    const double to_rad = uniform(rng, -kPi, kPi);
+    problem.start = {0.0, 0.0, to_rad + uniform(rng, -1.0, 1.0)};
+    problem.height_m = 1.5;
+    problem.controls = models::lab_primitives();
+    problem.horizon_steps = 6;
+    problem.separation_m = 1.0;
+    problem.brake_mps2 = 2.0;
+    problem.sensors = {models::SensorModel{}};
+    problem.targets = {
+        {{models::TargetKind::kStatic, 2, 0.0},
+         {3.0 * Eigen::Vector2d(std::cos(to_rad), std::sin(to_rad)), Eigen::Matrix2d::Identity()}}};
+    models::Trajectory hover;  // behind it and above
+    hover.start_time = problem.start_time;
+    hover.height_m = 2.0;
+    hover.start = {-0.6 * std::cos(to_rad), -0.6 * std::sin(to_rad), 0.0};
+    problem.teammates = {hover};
+    const double now_m = std::hypot(0.6, 0.5);
+    EXPECT_NEAR(kept_separation_m(problem, 0), now_m - 0.01, 1e-12);
+    const SearchResult& result = search.plan(problem, {}, Deadline::nodes(20'000));
+    ASSERT_TRUE(result.found) << i;
+    EXPECT_EQ(result.moving_steps, problem.horizon_steps) << i;
+    const models::Trajectory plan = to_trajectory(problem, result);
+    EXPECT_GE(sampled_separation_m(plan, hover, problem.start_time), now_m - 0.01 - 1e-9);
+    hover.start.x_m *= 2.0;
+    hover.start.y_m *= 2.0;
+    problem.teammates = {hover};
+    EXPECT_EQ(kept_separation_m(problem, 0), problem.separation_m);  // as asked, from afar
+  }
+}
+
+// A teammate that turns a full circle within one step ends where it began: its chord is no
+// measure of how far it goes.
+TEST(IsFree, SeesATeammateThatCirclesWithinOneStep) {
+  SearchProblem problem;
+  problem.horizon_steps = 2;
+  problem.step_s = 1.0;
+  problem.controls = {{0.0, 0.0}};
+  problem.separation_m = 0.5;
+  models::Trajectory teammate;
+  const double diameter_m = 20.0;
+  teammate.start = {-diameter_m, 0.0, -kPi / 2};
+  teammate.segments.push_back({{kPi * diameter_m, 2.0 * kPi}, 1.0, 0.0});
+  problem.teammates = {teammate};
+  MotionTable motion(64, 16, 4);
+  motion.reset(problem);
+  EXPECT_FALSE(motion.is_free({}, 1.0, 0.0, 0, 0));
+}
+
+// Turning one way and then the other within one straight piece leaves no net turn, yet bulges.
+TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
+  std::mt19937_64 rng(33);
+  for (int i = 0; i < 400; ++i) {
+    SearchProblem problem;
+    problem.start_time = from_utime(1'700'000'000'000'000);
+    problem.horizon_steps = 2;
+    problem.controls = {{0.0, 0.0}, {1.0, 0.0}};
+    problem.start.x_m = 100.0;  // not nearer than asked from the start
+    models::Trajectory teammate;
+    teammate.start_time = problem.start_time;
+    teammate.start = {-1.5, 0.0, 0.0};
+    for (int k = 0; k < 12; ++k) {
+      const double sign = k % 2 == 0 ? 1.0 : -1.0;
+      teammate.segments.push_back(
+          {{uniform(rng, 0.0, 6.0), sign * 10.0}, uniform(rng, 0.02, 0.1), 0.0});
+    }
+    problem.teammates = {teammate};
+    const Pose2 from{uniform(rng, -1.5, 1.5), uniform(rng, -0.6, 0.6), uniform(rng, -kPi, kPi)};
+    for (const int c : {0, 1}) {
+      models::Trajectory own;
+      own.start_time = problem.start_time;
+      own.start = from;
+      own.segments = {{problem.controls[static_cast<std::size_t>(c)], problem.step_s, 0.0}};
+      double least_m = std::numeric_limits<double>::infinity();
+      for (int ms = 0; ms <= 500; ++ms) {
+        const Time t = problem.start_time + from_seconds(0.001 * ms);
+        least_m = std::min(least_m, (models::at(own, t).world_from_body.position_m() -
+                                     models::at(teammate, t).world_from_body.position_m())
+                                        .norm());
+      }
+      // Asked for a hair more than what there is, it has to refuse.
+      problem.separation_m = least_m + 1e-4;
+      MotionTable motion(64, 16, 4);
+      motion.reset(problem);
+      EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
+      if (least_m > 0.6) {  // and it is not shy without end
+        problem.separation_m = least_m - 0.6;
+        motion.reset(problem);
+        EXPECT_TRUE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), c, 0));
+      }
+    }
+  }
+}
+
+// A stop that lasts longer than anything a teammate still does, beside one that hovers: for every
+// instant of it, however late.
+TEST(CanStop, SeesWhoHoversBesideTheEndOfALongStop) {
+  std::mt19937_64 rng(34);
+  int stops = 0;
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    SearchProblem problem;
+    problem.start_time = from_utime(1'700'000'000'000'000);
+    problem.horizon_steps = pick(rng, 1, 4);
+    problem.controls = {{1.0, 0.0}, {0.5, 0.0}};
+    problem.brake_mps2 = uniform(rng, 0.1, 1.0);  // up to ten seconds
+    problem.start.x_m = 100.0;                    // not nearer than asked from the start
+    models::Trajectory hover;
+    hover.start_time = problem.start_time;
+    problem.teammates = {hover};
+    for (const int c : {0, 1}) {
+      const double speed_mps = problem.controls[static_cast<std::size_t>(c)].speed_mps;
+      const double way_m = 0.5 * speed_mps * speed_mps / problem.brake_mps2;
+      // The hover lies beside a place on the last third of the way.
+      const double ahead_m = uniform(rng, 0.66, 1.2) * way_m;
+      const double beside_m = uniform(rng, -0.5, 0.5);
+      const double yaw_rad = uniform(rng, -kPi, kPi);
+      const Eigen::Vector2d from_m =
+          -(Eigen::Rotation2Dd(yaw_rad) * Eigen::Vector2d(ahead_m, beside_m));
+      const Pose2 at{from_m.x(), from_m.y(), yaw_rad};
+      const double least_m = std::hypot(std::max(0.0, ahead_m - way_m), beside_m);
+      for (const double spare_m : {-1e-3, 0.02}) {
+        problem.separation_m = least_m - spare_m;
+        MotionTable motion(64, 16, 4);
+        motion.reset(problem);
+        const bool may_stop = motion.can_stop(at, c, problem.horizon_steps);
+        EXPECT_EQ(may_stop, spare_m > 0.0) << i << " least " << least_m;
+        (may_stop ? stops : refused) += 1;
+      }
+    }
+  }
+  EXPECT_GT(stops, 300);
+  EXPECT_GT(refused, 300);
+}
+
+// An arc bulges beyond its chords, to the left and to the right: asked for a hair more than what
+// there is between it and a teammate, it has to be refused.
+TEST(IsFree, AllowsForTheBulgeOfItsOwnArc) {
+  std::mt19937_64 rng(35);
+  int accepted = 0;
+  for (int i = 0; i < 2000; ++i) {
+    SearchProblem problem;
+    problem.start_time = from_utime(1'700'000'000'000'000);
+    problem.horizon_steps = 2;
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    problem.controls = {{uniform(rng, 0.5, 2.0), side * uniform(rng, 0.5, 4.0)}};
+    problem.start.x_m = 100.0;
+    // A hover on the outer side of the arc's middle part, so that the bulge is what is nearest.
+    const Pose2 from{uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -kPi, kPi)};
+    const Pose2 middle =
+        models::step_unicycle(from, problem.controls[0], uniform(rng, 0.1, 0.9) * problem.step_s);
+    const double outwards_rad = middle.yaw_rad - side * 0.5 * kPi;
+    const double apart_m = uniform(rng, 0.3, 0.8);
+    models::Trajectory hover;
+    hover.start_time = problem.start_time;
+    hover.start = {middle.x_m + apart_m * std::cos(outwards_rad),
+                   middle.y_m + apart_m * std::sin(outwards_rad), 0.0};
+    problem.teammates = {hover};
+    double least_m = std::numeric_limits<double>::infinity();
+    for (int k = 0; k <= 2000; ++k) {
+      const Pose2 here =
+          models::step_unicycle(from, problem.controls[0], problem.step_s * k / 2000.0);
+      least_m = std::min(least_m, (here.position_m() - hover.start.position_m()).norm());
+    }
+    MotionTable motion(64, 16, 4);
+    problem.separation_m = least_m + 1e-4;
+    motion.reset(problem);
+    EXPECT_FALSE(motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), 0, 0)) << i;
+    problem.separation_m = least_m - 0.05;  // and it is not shy without end
+    motion.reset(problem);
+    accepted += motion.is_free(from, std::cos(from.yaw_rad), std::sin(from.yaw_rad), 0, 0) ? 1 : 0;
+  }
+  EXPECT_GT(accepted, 1900);
+}
+
+}  // namespace
+}  // namespace vantage::planner

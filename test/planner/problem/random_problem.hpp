@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <random>
+
+#include "models/world/grid.hpp"
+#include "models/world/world.hpp"
+#include "planner/problem/problem.hpp"
+
+namespace vantage::test {
+
+/// A problem together with the world that it points to.
+struct OwnedProblem {
+  std::unique_ptr<models::World> world;
+  std::unique_ptr<models::DistanceField> field;
+  planner::SearchProblem problem;
+};
+
+/// A small problem drawn by `seed`: any of the five sensors or two of them, every target model in
+/// every dimension, 1–6 targets, 1–5 steps, both costs; with and without a world, its distance
+/// field, a demanded stop, and teammates' information. |U|^T ≤ 700: exhaustion is cheap.
+OwnedProblem random_problem(std::uint64_t seed);
+
+/// A problem whose information is Lipschitz in the pose: range or range-bearing without limits of
+/// range or view, no world, every target out of reach by more than a metre.
+OwnedProblem smooth_problem(std::uint64_t seed);
+
+/// `steps` random primitives in the plane around the origin, then a stop at 2 m/s².
+models::Trajectory random_teammate(std::mt19937_64& rng, Time around, int steps, double step_s);
+
+double uniform(std::mt19937_64& rng, double low, double high);
+int pick(std::mt19937_64& rng, int low, int high);  ///< both ends included
+/// Symmetric positive definite n × n with eigenvalues between 10^-decades and 1, times `scale`.
+Eigen::MatrixXd random_spd(std::mt19937_64& rng, int n, double scale, double decades);
+
+}  // namespace vantage::test

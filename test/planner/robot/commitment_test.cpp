@@ -1,0 +1,100 @@
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "planner/robot/robot_planner.hpp"
+#include "test/planner/robot/team_scenario.hpp"
+
+namespace vantage::planner {
+namespace {
+
+// Stopped by its driver it stands where that stopped it, turned otherwise than its plan, and will
+// not come back: flown, 49 plans in a row began at the plan's heading and were refused.
+TEST(RobotPlanner, BeginsWhereItsVehicleHolds) {
+  const scenario::Scenario scenario = test::lab_scenario();
+  PlanInputs inputs = test::first_inputs(scenario, 0);
+  inputs.own_plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
+  ASSERT_TRUE(inputs.own_plan);
+  const Pose2 planned =
+      models::at(inputs.own_plan->trajectory, inputs.slot.activation).world_from_body;
+  models::VehicleStatus& status = inputs.team_statuses["Q1"];
+  status.stamp.time = inputs.slot.activation;
+  const auto start = [&](models::FlightState state, const Pose2& off) {
+    status.state = state;
+    status.setpoint = {planned.x_m + off.x_m, planned.y_m + off.y_m,
+                       wrap_to_pi(planned.yaw_rad + off.yaw_rad)};
+    const auto plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
+    return plan ? plan->trajectory.start : Pose2{99.0, 99.0, 0.0};
+  };
+  for (const Pose2& off :
+       {Pose2{0.0, 0.0, 1.2}, Pose2{0.0, 0.0, -1.2}, Pose2{0.3, 0.0, 0.0}, Pose2{0.0, -0.3, 0.0}}) {
+    const Pose2 held = start(models::FlightState::kHold, off);
+    EXPECT_LT((held.position_m() - status.setpoint.position_m()).norm(), 1e-9);
+    EXPECT_NEAR(wrap_to_pi(held.yaw_rad - status.setpoint.yaw_rad), 0.0, 1e-9);
+    EXPECT_EQ(start(models::FlightState::kFollow, off), planned);  // its feedback brings it back
+  }
+  EXPECT_EQ(start(models::FlightState::kHold, {0.1, 0.1, 0.3}), planned);  // near enough
+}
+
+// Flown: a vehicle at 1 m passed over one that climbed to 2 m, which was kept clear of at 2 m only.
+TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
+  const scenario::Scenario scenario = test::lab_scenario();
+  const auto kept_at_m = [&](const std::string& own, models::FlightState state, double here_m) {
+    PlanInputs inputs = test::first_inputs(scenario, own == "Q1" ? 0 : 2);
+    inputs.team_statuses["Q2"].state = state;  // flies at 1.5 m, Q1 at 1 m, Q3 at 2 m
+    for (models::MocapBody& body : inputs.mocap->bodies) {
+      body.world_from_body.translation_m.z() =
+          body.name == "Q2" ? here_m : body.world_from_body.translation_m.z();
+    }
+    RobotPlanner planner(scenario, own);
+    EXPECT_TRUE(planner.plan(inputs, Deadline::nodes(500)));
+    return planner.problem().teammates.back().height_m;
+  };
+  using models::FlightState;
+  // Lifting at 0.2 m, it will pass 1 m; it does not get to 2 m.
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 0.2), 1.0);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kHold, 0.2), 1.5);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.2), 1.2);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kHold, 1.5), 1.5);
+  // Landing from 1.4 m it passes 1 m, and not from 0.6 m.
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kLand, 1.4), 1.0);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kLand, 0.6), 0.6);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q3", FlightState::kLand, 1.4), 1.4);
+  EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kIdle, 0.0), 1.5);
+}
+
+// Flown: stopped by its operator half a metre from a wall, facing it, one vehicle hovered there for
+// seven minutes, for no primitive turns on the spot.
+TEST(RobotPlanner, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
+  scenario::Scenario scenario = test::lab_scenario();
+  const double nearest_m = scenario.robots[0].limits.radius_m + scenario.planner.obstacle_margin_m;
+  const Pose2 inward{0.0, 0.0, 0.3};  // off the wall's normal
+  for (const Pose2& start : {Pose2{0.0, 2.0 - nearest_m - 0.06, kPi / 2},
+                             Pose2{0.0, -2.0 + nearest_m + 0.06, -kPi / 2 + inward.yaw_rad},
+                             Pose2{4.0 - nearest_m - 0.06, 2.0 - nearest_m - 0.06, kPi / 4},
+                             Pose2{-4.0 + nearest_m + 0.06, 0.0, kPi}}) {
+    PlanInputs inputs = test::first_inputs(scenario, 0, 7);
+    inputs.mocap->bodies[0].world_from_body = lift(start, scenario.robots[0].height_m);
+    const RoundSchedule schedule(scenario.planner, 0, 3);
+    RobotPlanner planner(scenario, "Q1");
+    double gone_m = 0.0;
+    for (int round = 0; round < 8; ++round) {
+      const auto plan = planner.plan(inputs, Deadline::nodes(20'000));
+      ASSERT_TRUE(plan);
+      ASSERT_TRUE(models::is_clear(scenario.world, plan->trajectory, plan->trajectory.start_time,
+                                   nearest_m - 0.021));
+      inputs.own_plan = plan;
+      inputs.slot = schedule.slot(inputs.slot.round + 1);
+      const Pose2 then = models::at(plan->trajectory, inputs.slot.begin).world_from_body;
+      inputs.mocap->stamp.time = inputs.slot.begin;
+      inputs.mocap->bodies[0].world_from_body = lift(then, scenario.robots[0].height_m);
+      inputs.belief->stamp.time = inputs.slot.begin;
+      gone_m = std::max(gone_m, (then.position_m() - start.position_m()).norm());
+    }
+    EXPECT_GT(gone_m, 1.0) << start.x_m << " " << start.y_m;
+    EXPECT_GE(planner.counts().turns_away, 1);
+    EXPECT_LE(planner.counts().turns_away, 4);
+  }
+}
+
+}  // namespace
+}  // namespace vantage::planner

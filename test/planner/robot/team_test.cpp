@@ -1,0 +1,476 @@
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "planner/robot/baseline.hpp"
+#include "planner/robot/robot_planner.hpp"
+#include "planner/robot/round.hpp"
+#include "planner/robot/trajectory_tools.hpp"
+#include "test/planner/robot/team_scenario.hpp"
+
+namespace vantage::planner {
+namespace {
+
+constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
+
+TEST(RoundSchedule, GivesEachRobotItsOwnSlotBeforeTheRoundEnds) {
+  scenario::PlannerSpec spec;
+  spec.execute_steps = 2;
+  const int robots = 7;
+  for (std::int64_t round : {0L, 5L, 1'700'000'000L}) {
+    std::optional<Time> last_end;
+    for (int i = 0; i < robots; ++i) {
+      const auto slot = RoundSchedule(spec, i, robots).slot(round);
+      EXPECT_LT(slot.begin, slot.end);
+      EXPECT_LE(slot.end, slot.activation - from_seconds(spec.publish_margin_s));
+      EXPECT_EQ(to_utime(slot.activation), (round + 1) * 1'000'000);
+      if (last_end) {
+        EXPECT_EQ(slot.begin, *last_end);
+      }
+      last_end = slot.end;
+    }
+  }
+}
+
+TEST(RoundSchedule, FindsTheFirstSlotThatIsStillAhead) {
+  scenario::PlannerSpec spec;
+  const RoundSchedule schedule(spec, 1, 3);
+  std::mt19937_64 rng(3);
+  std::uniform_int_distribution<std::int64_t> any(0, 40'000'000);
+  for (int i = 0; i < 2'000; ++i) {
+    const Time now = from_utime(1'700'000'000'000'000 + any(rng));
+    const auto slot = schedule.next_slot(now);
+    EXPECT_GT(slot.begin, now);
+    EXPECT_LE(schedule.slot(slot.round - 1).begin, now);
+  }
+}
+
+TEST(RoundSchedule, RefusesABudgetThatDoesNotFit) {
+  scenario::PlannerSpec spec;
+  spec.execute_steps = 1;
+  spec.team_budget_s = 0.5;
+  spec.publish_margin_s = 0.1;
+  EXPECT_THROW(RoundSchedule(spec, 0, 1), UsageError);
+}
+
+models::Trajectory winding_trajectory(std::mt19937_64& rng) {
+  models::Trajectory trajectory;
+  trajectory.start_time = from_utime(1'700'000'000'000'000);
+  trajectory.start = {0.3, -0.2, 0.7};
+  trajectory.height_m = 1.5;
+  std::uniform_real_distribution<double> speed(0.0, 3.0);
+  std::uniform_real_distribution<double> yaw_rate(-3.0, 3.0);
+  double last_mps = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    last_mps = speed(rng);
+    trajectory.segments.push_back({{last_mps, yaw_rate(rng)}, 0.5, 0.0});
+  }
+  for (const auto& segment : models::brake(last_mps, 2.0)) {
+    trajectory.segments.push_back(segment);
+  }
+  return trajectory;
+}
+
+TEST(RestOf, IsTheSameMotionFromThereOn) {
+  std::mt19937_64 rng(11);
+  for (int i = 0; i < 200; ++i) {
+    const models::Trajectory whole = winding_trajectory(rng);
+    const double cut_s = std::uniform_real_distribution<double>(0.0, 6.0)(rng);
+    const Time cut = whole.start_time + from_seconds(cut_s);
+    const models::Trajectory rest = rest_of(whole, cut);
+    for (double s = 0.0; s < 7.0; s += 0.083) {
+      const auto a = models::at(whole, cut + from_seconds(s));
+      const auto b = models::at(rest, cut + from_seconds(s));
+      EXPECT_NEAR(a.world_from_body.x_m, b.world_from_body.x_m, 1e-5);
+      EXPECT_NEAR(a.world_from_body.y_m, b.world_from_body.y_m, 1e-5);
+      EXPECT_NEAR(wrap_to_pi(a.world_from_body.yaw_rad - b.world_from_body.yaw_rad), 0.0, 1e-5);
+    }
+  }
+}
+
+// A team that plans round after round against each other, on beliefs that a seed makes up. Mocap
+// sees every robot exactly on its plan.
+class Team {
+ public:
+  explicit Team(scenario::Scenario scenario, unsigned seed)
+      : scenario_(std::move(scenario)), rng_(seed) {
+    for (const scenario::RobotSpec& robot : scenario_.robots) {
+      planners_.emplace_back(scenario_, robot.name);
+    }
+  }
+
+  void run_round(std::int64_t round, double silent_share) {
+    for (std::size_t i = 0; i < planners_.size(); ++i) {
+      const scenario::RobotSpec& robot = scenario_.robots[i];
+      PlanInputs inputs;
+      inputs.slot =
+          RoundSchedule(scenario_.planner, static_cast<int>(i), static_cast<int>(planners_.size()))
+              .slot(round);
+      if (std::uniform_real_distribution<double>(0.0, 1.0)(rng_) < silent_share) {
+        continue;
+      }
+      inputs.mocap = mocap(inputs.slot.begin);
+      inputs.belief = belief(robot, inputs.slot.begin);
+      for (const auto& [name, plan] : plans_) {
+        if (name == robot.name) {
+          inputs.own_plan = plan;
+        } else {
+          inputs.team_plans[name] = plan;
+        }
+      }
+      const bool late = std::uniform_real_distribution<double>(0.0, 1.0)(rng_) < silent_share;
+      auto plan = late ? planners_[i].plan_without_search(inputs)
+                       : planners_[i].plan(inputs, Deadline::nodes(scenario_.planner.node_budget));
+      ASSERT_TRUE(plan.has_value());
+      plan->stamp.run_id = 1;
+      plan->stamp.sequence = round;
+      check(*plan);
+      plans_.insert_or_assign(robot.name, *plan);
+    }
+  }
+
+  /// Drives everybody along from `from` to `to` and notes what was nearest.
+  void fly(Time from, Time to) {
+    for (Time now = from; now < to; now += Duration{10'000}) {
+      for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
+        const Eigen::Vector3d a = position_m(scenario_.robots[i], now);
+        least_clearance_m_ =
+            std::min(least_clearance_m_, models::clearance_m(scenario_.world, a.head<2>()));
+        for (std::size_t j = 0; j < i; ++j) {
+          least_separation_m_ =
+              std::min(least_separation_m_, (a - position_m(scenario_.robots[j], now)).norm());
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] double least_separation_m() const { return least_separation_m_; }
+  [[nodiscard]] double least_clearance_m() const { return least_clearance_m_; }
+  [[nodiscard]] int searched() const { return searched_; }
+  [[nodiscard]] int planned() const { return planned_; }
+  [[nodiscard]] const std::map<std::string, models::RobotPlan>& plans() const { return plans_; }
+
+ private:
+  void check(const models::RobotPlan& plan) {
+    ++planned_;
+    searched_ += plan.source == models::PlanSource::kSearched ? 1 : 0;
+    EXPECT_EQ(plan.trajectory.start_time, plan.stamp.time);
+    // Ends in a hover …
+    const Time end = models::end_time(plan.trajectory);
+    EXPECT_EQ(models::at(plan.trajectory, end + from_seconds(1.0)).control.speed_mps, 0.0);
+    // … and begins where the last plan has the vehicle then.
+    const auto last = plans_.find(plan.robot);
+    if (last != plans_.end()) {
+      const Pose2 expected =
+          models::at(last->second.trajectory, plan.trajectory.start_time).world_from_body;
+      EXPECT_NEAR((expected.position_m() - plan.trajectory.start.position_m()).norm(), 0.0, 1e-9);
+    }
+  }
+
+  Eigen::Vector3d position_m(const scenario::RobotSpec& robot, Time now) const {
+    // The plan in force: the newest that has begun.
+    Pose2 pose = robot.start;
+    const auto in_force = in_force_.find(robot.name);
+    const auto newest = plans_.find(robot.name);
+    if (newest != plans_.end() && newest->second.stamp.time <= now) {
+      pose = models::at(newest->second.trajectory, now).world_from_body;
+      in_force_.insert_or_assign(robot.name, newest->second.trajectory);
+    } else if (in_force != in_force_.end()) {
+      pose = models::at(in_force->second, now).world_from_body;
+    }
+    return {pose.x_m, pose.y_m, robot.height_m};
+  }
+
+  models::MocapFrame mocap(Time now) {
+    models::MocapFrame frame;
+    frame.stamp.time = now;
+    for (const scenario::RobotSpec& robot : scenario_.robots) {
+      const Eigen::Vector3d p = position_m(robot, now);
+      frame.bodies.push_back({robot.name, lift({p.x(), p.y(), 0.0}, p.z()), false});
+    }
+    return frame;
+  }
+
+  models::RobotBelief belief(const scenario::RobotSpec& robot, Time now) {
+    models::RobotBelief belief;
+    belief.stamp.time = now;
+    belief.robot = robot.name;
+    const models::VisibilityGrid grid(scenario_.world, scenario_.estimator.grid_resolution_m, 0.0);
+    belief.grid = grid.geometry();
+    belief.last_seen_utime = grid.last_seen_utime();
+    std::uniform_real_distribution<double> x(-4.0, 4.0);
+    std::uniform_real_distribution<double> y(-2.0, 2.0);
+    for (int id = 0; id < 5; ++id) {
+      const models::Gaussian guess{Eigen::Vector2d(x(rng_), y(rng_)),
+                                   0.3 * Eigen::Matrix2d::Identity()};
+      belief.targets.push_back({id, *models::to_information(guess), now});
+    }
+    return belief;
+  }
+
+  scenario::Scenario scenario_;
+  std::mt19937_64 rng_;
+  std::vector<RobotPlanner> planners_;
+  std::map<std::string, models::RobotPlan> plans_;
+  mutable std::map<std::string, models::Trajectory> in_force_;
+  double least_separation_m_ = 1e9;
+  double least_clearance_m_ = 1e9;
+  int planned_ = 0;
+  int searched_ = 0;
+};
+
+class TeamSafety : public ::testing::TestWithParam<scenario::PlanAlgorithm> {};
+
+TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.algorithm = GetParam();
+  const double radius_m = scenario.robots[0].limits.radius_m;
+  for (unsigned seed : {1U, 2U}) {
+    Team team(scenario, seed);
+    for (std::int64_t round = kFirstRound; round < kFirstRound + 60; ++round) {
+      ASSERT_NO_FATAL_FAILURE(team.run_round(round, seed == 1 ? 0.0 : 0.2));
+      team.fly(Time{std::chrono::seconds(round + 1)}, Time{std::chrono::seconds(round + 2)});
+    }
+    // The stated separation plus what the tolerance of both vehicles may take away.
+    EXPECT_GE(team.least_separation_m(),
+              scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m - 0.02);
+    EXPECT_GE(team.least_clearance_m(), radius_m + scenario.planner.obstacle_margin_m - 0.02);
+    EXPECT_GT(team.searched(), team.planned() * (seed == 1 ? 9 : 5) / 10);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Planner, TeamSafety,
+    ::testing::Values(scenario::PlanAlgorithm::kArvi, scenario::PlanAlgorithm::kBeam,
+                      scenario::PlanAlgorithm::kGreedy, scenario::PlanAlgorithm::kRandomWalk,
+                      scenario::PlanAlgorithm::kLawnMower),
+    [](const auto& each) { return std::string(scenario::name_of(each.param)); });
+
+TEST(RobotPlanner, GoesOnWithItsPlanWhenTheSearchCameTooLate) {
+  Team team(test::lab_scenario(), 5);
+  ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound, 0.0));
+  const auto before = team.plans();
+  ASSERT_NO_FATAL_FAILURE(team.run_round(kFirstRound + 1, 1.1));  // everybody silent
+  for (const auto& [name, plan] : team.plans()) {
+    EXPECT_EQ(plan.round, before.at(name).round);
+  }
+}
+
+TEST(RobotPlanner, DecidesTheSameFromTheSameInputs) {
+  Team a(test::lab_scenario(), 9);
+  Team b(test::lab_scenario(), 9);
+  for (std::int64_t round = kFirstRound; round < kFirstRound + 5; ++round) {
+    ASSERT_NO_FATAL_FAILURE(a.run_round(round, 0.0));
+    ASSERT_NO_FATAL_FAILURE(b.run_round(round, 0.0));
+    for (const auto& [name, plan] : a.plans()) {
+      EXPECT_EQ(plan.cost, b.plans().at(name).cost);
+      EXPECT_EQ(plan.nodes, b.plans().at(name).nodes);
+    }
+  }
+}
+
+// A teammate on the ground plans flights and does not fly them yet.
+TEST(RobotPlanner, KeepsThePlaceOfATeammateThatDoesNotFollowFree) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.world.obstacles.clear();
+  scenario.robots.resize(2);
+  scenario.robots[0].start = {-1.5, 0.0, 0.0};
+  scenario.robots[1].start = {0.0, 0.0, kPi / 2};
+  const RoundSchedule schedule(scenario.planner, 0, 2);
+  PlanInputs inputs;
+  inputs.slot = schedule.slot(kFirstRound);
+  inputs.mocap.emplace().stamp.time = inputs.slot.begin;
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    inputs.mocap->bodies.push_back({robot.name, lift(robot.start, 0.0), false});
+  }
+  // What is to be seen is beyond the teammate, which says that it will be far away.
+  inputs.belief.emplace().stamp.time = inputs.slot.begin;
+  const models::Gaussian guess{Eigen::Vector2d(1.2, 0.0), 0.3 * Eigen::Matrix2d::Identity()};
+  inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
+  const std::string other = scenario.robots[1].name;
+  models::RobotPlan away;
+  away.robot = other;
+  away.trajectory = hover_at({0.0, 3.0, 0.0}, scenario.robots[1].height_m, inputs.slot.activation);
+  inputs.team_plans[other] = away;
+
+  const double asked_m =
+      scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m;
+  const Eigen::Vector3d place_m(0.0, 0.0, scenario.robots[1].height_m);
+  std::map<models::FlightState, double> nearest_m;
+  for (const models::FlightState state :
+       {models::FlightState::kFollow, models::FlightState::kIdle}) {
+    inputs.team_statuses[other].state = state;
+    RobotPlanner planner(scenario, scenario.robots[0].name);
+    const auto plan = planner.plan(inputs, Deadline::nodes(50'000));
+    ASSERT_TRUE(plan.has_value());
+    EXPECT_EQ(plan->source, models::PlanSource::kSearched);
+    nearest_m[state] = 1e9;
+    for (double s = 0.0; s < 8.0; s += 0.01) {
+      const Eigen::Vector2d at_m =
+          models::at(plan->trajectory, plan->trajectory.start_time + from_seconds(s))
+              .world_from_body.position_m();
+      nearest_m[state] = std::min(
+          nearest_m[state],
+          (Eigen::Vector3d(at_m.x(), at_m.y(), scenario.robots[0].height_m) - place_m).norm());
+    }
+  }
+  EXPECT_LT(nearest_m[models::FlightState::kFollow], asked_m - 0.1);  // through where it stands
+  EXPECT_GE(nearest_m[models::FlightState::kIdle], asked_m - 0.02);
+}
+
+// Started anew, a planner does not know the plan that its robot flies and its teammates plan
+// around.
+TEST(RobotPlanner, WaitsForTheEndOfAPlanItDoesNotKnow) {
+  const scenario::Scenario scenario = test::lab_scenario();  // plans of 6 rounds
+  PlanInputs inputs = test::first_inputs(scenario, 0);
+  models::VehicleStatus& status = inputs.team_statuses["Q1"];
+  status.state = models::FlightState::kFollow;
+  const auto plans_in = [&](std::int64_t rounds_later) {
+    RobotPlanner planner(scenario, "Q1");
+    status.plan_round = inputs.slot.round - rounds_later;
+    const bool is_planned = planner.plan(inputs, Deadline::nodes(500)).has_value();
+    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 1);
+    EXPECT_EQ(planner.plan_without_search(inputs).has_value(), is_planned);
+    PlanInputs before = inputs;
+    before.slot.is_proposal = true;
+    EXPECT_EQ(planner.propose(before, Deadline::nodes(500)).has_value(), is_planned);
+    EXPECT_EQ(planner.counts().unknown_plan, is_planned ? 0 : 2);  // of plans, not of proposals
+    EXPECT_EQ(planner.counts().no_pose, 0);
+    return is_planned;
+  };
+  for (std::int64_t rounds = 0; rounds <= 6; ++rounds) {
+    EXPECT_FALSE(plans_in(rounds)) << rounds;
+  }
+  EXPECT_TRUE(plans_in(8));
+  // It brakes for half a second after the steps of 6 s, and is seen when the slot begins.
+  inputs.slot.begin = inputs.slot.activation - from_seconds(0.49);
+  EXPECT_TRUE(plans_in(7));
+  inputs.slot.begin = inputs.slot.activation - from_seconds(0.51);
+  EXPECT_FALSE(plans_in(7));
+  inputs.slot.begin = inputs.slot.activation;
+  EXPECT_TRUE(plans_in(-1));  // a plan of a round to come cannot be: of another schedule
+
+  status.state = models::FlightState::kHold;  // it does not fly its plan
+  EXPECT_TRUE(plans_in(1));
+  status.state = models::FlightState::kFollow;
+  status.plan_round = -1;  // it has none yet
+  EXPECT_TRUE(RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500)).has_value());
+
+  inputs.own_plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
+  EXPECT_TRUE(plans_in(1));  // known
+}
+
+// However it faces a teammate that has come too near and stays, it turns and leaves.
+TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.world.obstacles.clear();
+  scenario.robots.resize(2);
+  scenario.robots[0].height_m = scenario.robots[1].height_m = 1.0;
+  const double asked_m =
+      scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m;
+  const RoundSchedule schedule(scenario.planner, 0, 2);
+  for (int i = 0; i < 8; ++i) {
+    scenario.robots[0].start = {0.75 * asked_m, 0.0, wrap_to_pi(i * kPi / 4.0)};
+    scenario.robots[1].start = {0.0, 0.0, 0.0};
+    RobotPlanner planner(scenario, scenario.robots[0].name);
+    PlanInputs inputs;
+    double apart_m = 0.0;
+    for (std::int64_t round = kFirstRound; round < kFirstRound + 15; ++round) {
+      inputs.slot = schedule.slot(round);
+      Pose2 at = scenario.robots[0].start;
+      if (inputs.own_plan && inputs.own_plan->trajectory.start_time <= inputs.slot.begin) {
+        at = models::at(inputs.own_plan->trajectory, inputs.slot.begin).world_from_body;
+      }
+      inputs.mocap.emplace().stamp.time = inputs.slot.begin;
+      inputs.mocap->bodies = {{scenario.robots[0].name, lift(at, 1.0), false},
+                              {scenario.robots[1].name, lift(Pose2{}, 1.0), false}};
+      inputs.belief.emplace().stamp.time = inputs.slot.begin;
+      const models::Gaussian guess{Eigen::Vector2d(3.0, 1.0), 0.3 * Eigen::Matrix2d::Identity()};
+      inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
+      const auto plan = planner.plan(inputs, Deadline::nodes(20'000));
+      ASSERT_TRUE(plan.has_value());
+      for (double s = 0.0; s < 8.0; s += 0.01) {
+        const Pose2 there =
+            models::at(plan->trajectory, plan->trajectory.start_time + from_seconds(s))
+                .world_from_body;
+        ASSERT_GE(there.position_m().norm(), 0.75 * asked_m - 0.03) << "heading " << i;
+      }
+      apart_m = plan->trajectory.start.position_m().norm();
+      inputs.own_plan = plan;
+    }
+    EXPECT_GE(apart_m, asked_m - 0.02) << "heading " << i;
+    EXPECT_LE(planner.counts().turns_away, 6) << "heading " << i;
+  }
+}
+
+// Two robots between two targets: planning after each other, they do not both go to the same one.
+TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.world.obstacles.clear();
+  scenario.robots.resize(2);
+  scenario.robots[0].start = {0.0, -0.6, 0.0};
+  scenario.robots[1].start = {0.0, 0.6, kPi / 2};
+  scenario.planner.exploration.landmarks_max = 0;
+  scenario.planner.node_budget = 30'000;
+
+  SearchProblem problem;
+  problem.start_time = Time{std::chrono::seconds(kFirstRound)};
+  problem.start = scenario.robots[1].start;
+  problem.controls = scenario.robots[1].primitives;
+  problem.horizon_steps = 6;
+  problem.sensors = {scenario.robots[1].sensor};
+  for (const double x_m : {-2.0, 1.8}) {  // the right one is nearer to both
+    problem.targets.push_back({scenario.estimator.target_model,
+                               {Eigen::Vector2d(x_m, 0.0), Eigen::Matrix2d::Identity()}});
+  }
+  FixedTeammate teammate;
+  teammate.sensor = scenario.robots[0].sensor;
+  teammate.trajectory = hover_at({1.8, -0.3, 0.0}, 1.0, problem.start_time);
+  const auto fixed = fixed_information(problem, {teammate});
+  EXPECT_TRUE(fixed[0][5].isZero(0.0));
+  EXPECT_GT(fixed[1][5].trace(), 0.0);
+
+  ReducedValueIteration search({});
+  const double alone_x_m = search.plan(problem, {}, Deadline::nodes(200'000)).poses.back().x_m;
+  problem.fixed_information = fixed;
+  const double after_x_m = search.plan(problem, {}, Deadline::nodes(200'000)).poses.back().x_m;
+  EXPECT_GT(alone_x_m, 0.5);
+  EXPECT_LT(after_x_m, -0.5);
+
+  teammate.jammed = true;
+  EXPECT_TRUE(fixed_information(problem, {teammate})[1][5].isZero(0.0));
+}
+
+TEST(LawnMower, CoversTheWholeFloor) {
+  const models::Rectangle bounds{{-4.0, -2.0}, {4.0, 2.0}};
+  const double range_m = 1.0;
+  std::vector<std::vector<Eigen::Vector2d>> paths;
+  for (int i = 0; i < 3; ++i) {
+    paths.push_back(lawn_mower_waypoints(bounds, i, 3, 1.6 * range_m, 0.5));
+  }
+  for (double x = -3.5; x <= 3.5; x += 0.25) {
+    for (double y = -1.5; y <= 1.5; y += 0.25) {
+      double nearest_m = 1e9;
+      for (const auto& path : paths) {
+        for (std::size_t k = 0; k + 1 < path.size(); ++k) {
+          const Eigen::Vector2d d = path[k + 1] - path[k];
+          const double s = std::clamp(
+              d.squaredNorm() > 0.0 ? (Eigen::Vector2d(x, y) - path[k]).dot(d) / d.squaredNorm()
+                                    : 0.0,
+              0.0, 1.0);
+          nearest_m = std::min(nearest_m, (path[k] + s * d - Eigen::Vector2d(x, y)).norm());
+        }
+      }
+      EXPECT_LT(nearest_m, range_m) << x << " " << y;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,154 @@
+#include "planner/search/beam.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "test/planner/problem/random_problem.hpp"
+#include "test/planner/search/exhaustive_oracle.hpp"
+#include "test/planner/search/same_result.hpp"
+#include "test/support/allocation_counter.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using test::OwnedProblem;
+
+constexpr std::uint64_t kProblems = 400;
+
+SearchCapacity small_capacity() { return {20'000, 800'000, 8, 8, 4}; }
+
+double slack(double cost) { return 1e-9 * std::max(1.0, std::abs(cost)); }
+
+// Narrow from the start, so that many passes leave something out.
+BeamOptions narrow() {
+  BeamOptions options;
+  options.first_width = 2;
+  options.growth = 1.5;
+  return options;
+}
+
+struct Solved {
+  OwnedProblem owned;
+  test::OracleAnswer best;
+};
+const std::vector<Solved>& solved_problems() {
+  static const std::vector<Solved> solved = [] {
+    std::vector<Solved> all;
+    for (std::uint64_t seed = 5000; seed < 5000 + kProblems; ++seed) {
+      Solved each{test::random_problem(seed), {}};
+      each.best = test::best_completion(each.owned.problem, test::start_of(each.owned.problem));
+      if (!each.best.undecided) {
+        all.push_back(std::move(each));
+      }
+    }
+    return all;
+  }();
+  return solved;
+}
+
+TEST(RefiningBeam, EndsAtTheOptimumAndSaysSo) {
+  RefiningBeam search(small_capacity());
+  int solvable = 0;
+  for (const Solved& each : solved_problems()) {
+    const SearchProblem& problem = each.owned.problem;
+    const SearchResult& result = search.plan(problem, narrow(), Deadline::never());
+    EXPECT_EQ(result.stop_reason, StopReason::kFinished);
+    if (!each.best.found) {
+      EXPECT_LT(result.moving_steps, problem.horizon_steps);
+      continue;
+    }
+    ++solvable;
+    ASSERT_TRUE(result.found);
+    EXPECT_NEAR(result.cost, each.best.cost, slack(each.best.cost));
+    EXPECT_EQ(result.lower_bound, result.cost);
+    EXPECT_NEAR(score(problem, result.poses), result.cost, 10.0 * slack(result.cost));
+  }
+  EXPECT_GE(solvable, 300);
+}
+
+// Whatever the budget: a plan as soon as one pass is through, no costlier than with less, and a
+// bound that no plan is below.
+TEST(RefiningBeam, NeverLiesInItsBoundAndNeverGetsWorse) {
+  RefiningBeam search(small_capacity());
+  int worse = 0;
+  for (const Solved& each : solved_problems()) {
+    if (!each.best.found) {
+      continue;
+    }
+    const SearchProblem& problem = each.owned.problem;
+    double last_cost = std::numeric_limits<double>::infinity();
+    for (std::int64_t budget_nodes = 0; budget_nodes < 2'000;
+         budget_nodes += 1 + budget_nodes / 2) {
+      const SearchResult& result = search.plan(problem, narrow(), Deadline::nodes(budget_nodes));
+      EXPECT_LE(result.lower_bound, result.cost);
+      if (!result.found || result.moving_steps < problem.horizon_steps) {
+        EXPECT_TRUE(std::isinf(last_cost)) << "a complete plan was lost";
+        continue;
+      }
+      EXPECT_LE(result.lower_bound, each.best.cost + slack(each.best.cost));
+      EXPECT_GE(result.cost, each.best.cost - slack(each.best.cost));
+      EXPECT_LE(result.cost, last_cost);
+      last_cost = result.cost;
+      worse += result.cost > each.best.cost + slack(each.best.cost) ? 1 : 0;
+    }
+    EXPECT_TRUE(std::isfinite(last_cost));
+  }
+  EXPECT_GT(worse, 300);
+}
+
+TEST(RefiningBeam, IsBitIdenticalOverAThousandRepetitions) {
+  RefiningBeam search(small_capacity());
+  RefiningBeam used(small_capacity());
+  const OwnedProblem owned = test::smooth_problem(8);
+  const Deadline budget = Deadline::nodes(1'000);
+  const SearchResult first = search.plan(owned.problem, narrow(), budget);
+  for (std::uint64_t i = 0; i < 1'000; ++i) {
+    if (i % 10 == 0) {  // what was planned before must leave no trace
+      used.plan(test::random_problem(i).problem, narrow(), Deadline::nodes(100));
+    }
+    test::expect_same(first, used.plan(owned.problem, narrow(), budget));
+    ASSERT_FALSE(HasFailure()) << "repetition " << i;
+  }
+}
+
+TEST(RefiningBeam, StoppedByTheClockIsReplayedByNodes) {
+  RefiningBeam search(small_capacity());
+  int stopped = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const OwnedProblem owned = test::random_problem(seed);
+    for (std::int64_t budget_ns = 3'000; budget_ns < 3'000'000; budget_ns *= 2) {
+      const SearchResult by_clock =
+          search.plan(owned.problem, narrow(), Deadline::at(monotonic_ns() + budget_ns));
+      test::expect_same(by_clock, search.plan(owned.problem, narrow(),
+                                              Deadline::nodes(by_clock.replay_budget_nodes())));
+      stopped += by_clock.stop_reason == StopReason::kDeadline ? 1 : 0;
+    }
+  }
+  EXPECT_GT(stopped, 40);
+}
+
+TEST(RefiningBeam, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
+  if (!test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the sanitizer has its own allocator";
+  }
+  RefiningBeam search(small_capacity());
+  for (std::uint64_t seed = 0; seed < 240; ++seed) {
+    const OwnedProblem owned = test::random_problem(seed);
+    const test::AllocationCounter allocations;
+    search.plan(owned.problem, narrow(), Deadline::nodes(3'000));
+    EXPECT_EQ(allocations.count(), 0u) << "seed " << seed;
+  }
+}
+
+TEST(RefiningBeam, SaysWhenItsArenaIsFullAndStillHasAPlan) {
+  const OwnedProblem owned = test::smooth_problem(3);
+  RefiningBeam search({80, 4'000, 8, 8, 4});
+  const SearchResult& result = search.plan(owned.problem, narrow(), Deadline::nodes(200'000));
+  EXPECT_NE(result.stop_reason, StopReason::kFinished);
+  EXPECT_EQ(result.moving_steps, owned.problem.horizon_steps);
+  EXPECT_LT(result.lower_bound, result.cost);
+}
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,90 @@
+#include "planner/search/candidate_grid.hpp"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "test/planner/problem/random_problem.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using test::uniform;
+
+SearchProblem scattered(std::mt19937_64& rng, int targets, double half_m, int horizon_steps) {
+  SearchProblem problem;
+  problem.horizon_steps = horizon_steps;
+  problem.controls = models::standard_primitives();
+  problem.start = {uniform(rng, -5.0, 5.0), uniform(rng, -5.0, 5.0), 0.0};
+  for (int m = 0; m < targets; ++m) {
+    SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.001}, {}};
+    target.prior.mean =
+        Eigen::Vector4d(uniform(rng, -half_m, half_m), uniform(rng, -half_m, half_m),
+                        uniform(rng, -2.0, 2.0), uniform(rng, -2.0, 2.0));
+    target.prior.covariance = Eigen::Matrix4d::Identity();
+    problem.targets.push_back(target);
+  }
+  return problem;
+}
+
+// Asks all over the reachable disc: nobody who may be seen is missing; returns the mean length.
+double expect_complete(const SearchProblem& problem, double reach_m, double range_m,
+                       CandidateGrid& grid, std::mt19937_64& rng) {
+  BeliefTable beliefs(static_cast<int>(problem.targets.size()), problem.horizon_steps);
+  beliefs.reset(problem);
+  grid.reset(beliefs, problem.start.position_m(), problem.horizon_steps, reach_m, range_m);
+  double listed = 0.0;
+  constexpr int kQueries = 2'000;
+  for (int i = 0; i < kQueries; ++i) {
+    const int t = test::pick(rng, 1, problem.horizon_steps);
+    const double away_m = t * reach_m * (i % 3 == 0 ? 1.0 : uniform(rng, 0.0, 1.0));
+    const double course_rad = uniform(rng, -kPi, kPi);
+    const Eigen::Vector2d p_m =
+        problem.start.position_m() +
+        away_m * Eigen::Vector2d(std::cos(course_rad), std::sin(course_rad));
+    const std::span<const std::uint16_t> near = grid.near(p_m, t);
+    EXPECT_TRUE(std::is_sorted(near.begin(), near.end()));
+    for (int m = 0; m < beliefs.target_count(); ++m) {
+      if ((beliefs.mean_m(m, t).head<2>() - p_m).norm() < range_m + reach_m) {
+        EXPECT_TRUE(std::binary_search(near.begin(), near.end(), static_cast<std::uint16_t>(m)))
+            << "target " << m << " at depth " << t;
+      }
+    }
+    listed += static_cast<double>(near.size()) / kQueries;
+  }
+  return listed;
+}
+
+TEST(CandidateGrid, MissesNobodyInSight) {
+  std::mt19937_64 rng(31);
+  CandidateGrid grid(400, 12);
+  for (int problem = 0; problem < 30; ++problem) {
+    const int horizon = test::pick(rng, 1, 12);
+    const SearchProblem scene = scattered(rng, test::pick(rng, 0, 400), 40.0, horizon);
+    const double reach_m = problem % 7 == 0 ? 0.0 : uniform(rng, 0.1, 2.0);
+    expect_complete(scene, reach_m, uniform(rng, 0.5, 15.0), grid, rng);
+    ASSERT_FALSE(HasFailure()) << problem;
+  }
+}
+
+TEST(CandidateGrid, MissesNobodyWhereItsPoolIsFull) {
+  std::mt19937_64 rng(32);
+  CandidateGrid grid(3'000, 12);  // all see all: 3000 a cell
+  const SearchProblem scene = scattered(rng, 3'000, 10.0, 6);
+  expect_complete(scene, 1.5, 40.0, grid, rng);
+}
+
+// What it is for: at equal density a list is as long however many targets there are.
+TEST(CandidateGrid, IsAsShortWithAThousandTargetsAsWithAHundred) {
+  std::mt19937_64 rng(33);
+  CandidateGrid grid(1'000, 6);
+  const double few = expect_complete(scattered(rng, 100, 64.0, 6), 1.5, 10.0, grid, rng);
+  const double many =
+      expect_complete(scattered(rng, 1'000, 64.0 * std::sqrt(10.0), 6), 1.5, 10.0, grid, rng);
+  EXPECT_LT(few, 12.0);
+  EXPECT_LT(many, 12.0);
+}
+
+}  // namespace
+}  // namespace vantage::planner

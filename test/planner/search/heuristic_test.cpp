@@ -1,0 +1,92 @@
+#include "planner/search/heuristic.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "test/planner/problem/random_problem.hpp"
+#include "test/planner/search/full_tree.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using test::FullTree;
+using test::OwnedProblem;
+
+constexpr std::int64_t kNodes = 100'000;  // of each sensor
+
+OwnedProblem problem_with(models::SensorKind kind, std::uint64_t seed) {
+  OwnedProblem owned = test::random_problem(seed);
+  owned.problem.sensors.resize(1);
+  models::SensorModel& sensor = owned.problem.sensors[0];
+  sensor.kind = kind;
+  if (kind == models::SensorKind::kBearing || kind == models::SensorKind::kRangeBearing) {
+    sensor.range_min_m = std::max(sensor.range_min_m, 0.3);
+  }
+  return owned;
+}
+
+double slack(double value) { return 1e-9 * std::max(1.0, std::abs(value)); }
+
+// What a node costs at least, from the root to the end.
+std::vector<double> bounds_of(const OwnedProblem& owned, const FullTree& full,
+                              InformationHeuristic& heuristic) {
+  heuristic.reset(owned.problem, full.expander.beliefs());
+  std::vector<double> bounds;
+  for (NodeId id = 0; id < full.tree.node_count(); ++id) {
+    const Node& node = full.tree[id];
+    bounds.push_back(node.cost + heuristic.cost_to_go(node.world_from_body, node.depth,
+                                                      full.tree.posterior(id)));
+  }
+  return bounds;
+}
+
+class Heuristic : public ::testing::TestWithParam<models::SensorKind> {};
+
+TEST_P(Heuristic, IsAdmissibleConsistentAndNotBelowItsStageFloors) {
+  InformationHeuristic heuristic(8, 8);
+  std::int64_t nodes = 0;
+  std::int64_t informed = 0;
+  for (std::uint64_t seed = 0; nodes < kNodes; ++seed) {
+    const OwnedProblem owned = problem_with(GetParam(), seed);
+    const FullTree full(owned.problem);
+    ASSERT_TRUE(full.complete);
+    const std::vector<double> bounds = bounds_of(owned, full, heuristic);
+    const std::vector<double> best = full.best_through(owned.problem.horizon_steps);
+    for (NodeId id = 0; id < full.tree.node_count(); ++id) {
+      const Node& node = full.tree[id];
+      ASSERT_FALSE(std::isnan(bounds[id]));
+      ASSERT_LE(bounds[id], best[id] + slack(best[id])) << "seed " << seed << " node " << id;
+      if (node.parent != kNoNode) {
+        ASSERT_LE(bounds[node.parent], bounds[id] + slack(bounds[id]))
+            << "seed " << seed << " node " << id;
+        const double stage = node.cost - full.tree[node.parent].cost;
+        ASSERT_LE(heuristic.stage_floor(node.depth), stage + slack(stage)) << "seed " << seed;
+      }
+      double floors = node.cost;
+      for (int k = node.depth + 1; k <= owned.problem.horizon_steps; ++k) {
+        floors += heuristic.stage_floor(k);
+      }
+      ASSERT_LE(floors, bounds[id] + slack(floors)) << "seed " << seed << " node " << id;
+      informed += bounds[id] > floors + slack(floors) ? 1 : 0;
+      ++nodes;
+    }
+  }
+  EXPECT_GT(informed, nodes / 6);  // three in four are leaves, where nothing is ahead
+}
+
+std::string name_of(const ::testing::TestParamInfo<models::SensorKind>& each) {
+  constexpr const char* kNames[] = {"Position", "Range", "Bearing", "RangeBearing", "Camera"};
+  return kNames[static_cast<int>(each.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(Planner, Heuristic,
+                         ::testing::Values(models::SensorKind::kPosition,
+                                           models::SensorKind::kRange, models::SensorKind::kBearing,
+                                           models::SensorKind::kRangeBearing,
+                                           models::SensorKind::kCamera),
+                         name_of);
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,166 @@
+#include "planner/search/near_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "planner/search/root_bound.hpp"
+#include "test/planner/problem/random_problem.hpp"
+#include "test/planner/search/exhaustive_oracle.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using test::OwnedProblem;
+using test::pick;
+using test::uniform;
+
+// Targets that the robot is among from the start: bearings from right beside them are what counts.
+OwnedProblem crowded_problem(std::uint64_t seed) {
+  std::mt19937_64 rng(0xBF58476D1CE4E5B9U * (seed + 1));
+  OwnedProblem owned;
+  SearchProblem& problem = owned.problem;
+  problem.horizon_steps = pick(rng, 2, 5);
+  const double speed_mps = uniform(rng, 0.3, 2.0);
+  problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.5}, {speed_mps, -2.5}};
+  if (problem.horizon_steps < 5) {
+    problem.controls.push_back({0.5 * speed_mps, 1.0});
+  }
+  if (pick(rng, 0, 3) == 0) {
+    problem.controls.push_back({0.0, 1.0});
+  }
+  problem.cost = pick(rng, 0, 2) == 0 ? CostKind::kTrace : CostKind::kLogDet;
+  models::SensorModel sensor;
+  sensor.kind =
+      pick(rng, 0, 2) == 0 ? models::SensorKind::kBearing : models::SensorKind::kRangeBearing;
+  sensor.range_max_m = uniform(rng, 1.0, 5.0);
+  sensor.range_min_m = pick(rng, 0, 1) == 0 ? 1e-3 : 0.05;
+  sensor.variance_grows_with_range = pick(rng, 0, 1) == 0;
+  if (pick(rng, 0, 1) == 0) {
+    sensor.fov_rad = radians(uniform(rng, 60.0, 300.0));
+  }
+  problem.sensors = {sensor};
+  for (int m = pick(rng, 1, 4); m > 0; --m) {
+    SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, uniform(rng, 0.0, 0.01)}, {}};
+    if (pick(rng, 0, 3) == 0) {
+      target.model = {models::TargetKind::kRandomWalk, 2, uniform(rng, 1e-4, 0.05)};
+    }
+    const int n = target.model.dim();
+    target.prior.mean = models::StateVector::Zero(n);
+    for (int i = 0; i < n; ++i) {
+      target.prior.mean(i) = i < 2 ? uniform(rng, -1.5, 1.5) : uniform(rng, -0.4, 0.4);
+    }
+    // One in two is right on the way of some control.
+    if (pick(rng, 0, 1) == 0) {
+      const auto& control = problem.controls[rng() % problem.controls.size()];
+      const int t = pick(rng, 1, problem.horizon_steps);
+      const Eigen::Vector2d p_m =
+          models::step_unicycle({}, control, t * problem.step_s).position_m();
+      for (int i = 0; i < 2; ++i) {
+        const double drift_m = n == 4 ? t * problem.step_s * target.prior.mean(i + 2) : 0.0;
+        target.prior.mean(i) = p_m(i) - drift_m + uniform(rng, -0.02, 0.02);
+      }
+    }
+    target.prior.covariance = test::random_spd(rng, n, uniform(rng, 0.1, 2.0), 1.0);
+    problem.targets.push_back(target);
+  }
+  return owned;
+}
+
+TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
+  RootBound root(8, 8);
+  BeliefTable beliefs(8, 8);
+  int tighter = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    const OwnedProblem owned = crowded_problem(seed);
+    const SearchProblem& problem = owned.problem;
+    const test::OracleAnswer best = test::best_completion(problem, test::start_of(problem));
+    ASSERT_TRUE(best.found);
+    beliefs.reset(problem);
+    const double any_plan = root.of_any_plan(problem, beliefs);
+    std::int64_t work_nodes = 0;
+    const auto moving = root.of_moving_plan(Deadline::never(), work_nodes);
+    EXPECT_FALSE(moving.expired);
+    EXPECT_GE(moving.cost, any_plan);
+    // The oracle's recursion loses digits right beside a target.
+    ASSERT_LE(moving.cost, best.cost + 1e-4 * std::max(1.0, std::abs(best.cost)))
+        << "seed " << seed;
+    tighter += moving.cost > any_plan + 0.1 ? 1 : 0;
+    for (std::int64_t budget_nodes = 0; budget_nodes < work_nodes; budget_nodes += 3) {
+      std::int64_t cut_work_nodes = 0;
+      const auto cut = root.of_moving_plan(Deadline::nodes(budget_nodes), cut_work_nodes);
+      ASSERT_LE(cut.cost, moving.cost);
+      ASSERT_GE(cut.cost, any_plan);
+    }
+  }
+  EXPECT_GT(tighter, 150);
+}
+
+// Several targets half a metre to a metre apart, and a robot among them that cannot get away or
+// right beside one: near all of them at every step, where discs that overlapped would let it be
+// near one at a time.
+OwnedProblem slow_among_targets(std::uint64_t seed) {
+  std::mt19937_64 rng(0x94D049BB133111EBU * (seed + 1));
+  OwnedProblem owned;
+  SearchProblem& problem = owned.problem;
+  problem.horizon_steps = pick(rng, 2, 5);
+  const double speed_mps = uniform(rng, 0.02, 0.2);
+  problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.0}, {speed_mps, -2.0}};
+  problem.cost = pick(rng, 0, 2) == 0 ? CostKind::kTrace : CostKind::kLogDet;
+  // As much in every direction, and more from nearer: then the bound, which knows no directions, is
+  // nearly what such a plan costs.
+  models::SensorModel sensor;
+  sensor.kind = models::SensorKind::kPosition;
+  sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
+  sensor.range_max_m = uniform(rng, 1.0, 3.0);
+  sensor.variance_grows_with_range = true;
+  sensor.variance_floor = uniform(rng, 0.0, 0.05);
+  if (pick(rng, 0, 2) == 0) {
+    sensor.kind = models::SensorKind::kRangeBearing;
+    sensor.range_min_m = 1e-3;
+    sensor.range_sigma_m = uniform(rng, 0.01, 0.1);
+    sensor.variance_grows_with_range = pick(rng, 0, 1) == 0;
+  }
+  problem.sensors = {sensor};
+  const int count = pick(rng, 2, 6);
+  const double spacing_m = uniform(rng, 0.5, 1.0) * (count > 3 ? 0.6 : 1.0);
+  const double ring_m = 0.5 * spacing_m / std::sin(kPi / count);
+  const double turn_rad = uniform(rng, -kPi, kPi);
+  for (int m = 0; m < count; ++m) {
+    SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, uniform(rng, 0.0, 0.01)}, {}};
+    target.prior.mean = models::StateVector::Zero(4);
+    const double bearing_rad = turn_rad + 2.0 * kPi * m / count;
+    target.prior.mean.head<2>() =
+        ring_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
+    target.prior.covariance = Eigen::Vector4d(1.0, 1.0, 0.01, 0.01).asDiagonal();
+    problem.targets.push_back(target);
+  }
+  return owned;
+}
+
+TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
+  RootBound root(8, 8);
+  BeliefTable beliefs(8, 8);
+  int tight = 0;  // tighter than what holds for every plan
+
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    const OwnedProblem owned = slow_among_targets(seed);
+    const SearchProblem& problem = owned.problem;
+    const test::OracleAnswer best = test::best_completion(problem, test::start_of(problem));
+    ASSERT_TRUE(best.found);
+    beliefs.reset(problem);
+    const double any_plan = root.of_any_plan(problem, beliefs);
+    std::int64_t work_nodes = 0;
+    const auto moving = root.of_moving_plan(Deadline::never(), work_nodes);
+    ASSERT_GE(moving.cost, any_plan);
+    ASSERT_LE(moving.cost, best.cost + 1e-6 * std::max(1.0, std::abs(best.cost)))
+        << "seed " << seed;
+    tight += moving.cost > any_plan + 0.1 ? 1 : 0;
+  }
+  EXPECT_GT(tight, 20);
+}
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,295 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+
+namespace vantage::scenario {
+namespace {
+
+/// One change of config/lab.yaml that must be refused. The '@' in `becomes` stands on the line
+/// that the message must name; it is taken out before reading.
+struct BadEdit {
+  const char* name;
+  const char* was;
+  const char* becomes;
+  const char* words;
+};
+
+void PrintTo(const BadEdit& edit, std::ostream* out) { *out << edit.name; }
+
+std::string lab_text() {
+  std::ifstream file(std::string(VANTAGE_SOURCE_DIR) + "/config/lab.yaml", std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::string refusal_of(const std::string& text) {
+  try {
+    static_cast<void>(parse_scenario(text, "lab.yaml"));
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+class BadScenario : public testing::TestWithParam<BadEdit> {};
+
+TEST_P(BadScenario, IsRefusedWithItsLineAndReason) {
+  std::string text = lab_text();
+  const std::string was = GetParam().was;
+  const std::size_t at = text.find(was);
+  ASSERT_NE(at, std::string::npos) << "lab.yaml has changed: no '" << was << "'";
+  text.replace(at, was.size(), GetParam().becomes);
+  const std::size_t mark = text.find('@');
+  ASSERT_NE(mark, std::string::npos);
+  text.erase(mark, 1);
+  const auto line =
+      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(mark), '\n');
+
+  const std::string refusal = refusal_of(text);
+  EXPECT_EQ(refusal.rfind("lab.yaml:" + std::to_string(line) + ": ", 0), 0U)
+      << "expected line " << line << " in: " << refusal;
+  EXPECT_NE(refusal.find(GetParam().words), std::string::npos)
+      << "expected '" << GetParam().words << "' in: " << refusal;
+}
+
+// clang-format off
+const BadEdit kKeys[] = {
+    {"UnknownKey", "duration_s: 300", "@duration: 300", "duration: unknown key, wrong unit; did you mean duration_s?"},
+    {"UnknownKeyWithin", "ceiling_m: 3", "@sealing_m: 3", "world.sealing_m: unknown key; did you mean ceiling_m?"},
+    {"UnknownKeyFarFromAll", "seed: 1 ", "@colour: 1 ", "colour: unknown key; known here are name, duration_s, seed, world"},
+    {"UnknownKeyInDefaults", "  device: direct             # direct", "  @devise: direct #", "robot_defaults.devise: unknown key; did you mean device?"},
+    {"UnknownKeyInRobot", "    height_m: 1.5", "    @heigth_m: 1.5", "robots[1].heigth_m: unknown key; did you mean height_m?"},
+    {"MergeKey", "seed: 1 ", "@<<: {} ", "<<: unknown key"},
+    {"Millimetres", "range_max_m: 1 ", "@range_max_mm: 1 ", "robot_defaults.sensor.range_max_mm: unknown key, wrong unit; did you mean range_max_m?"},
+    {"KilometresPerHour", "    speed_max_mps: 1 ", "    @speed_max_kmh: 1 ", "wrong unit; did you mean speed_max_mps?"},
+    {"Milliseconds", "  latency_s: 0.005", "  @latency_ms: 5", "mocap.latency_ms: unknown key, wrong unit; did you mean latency_s?"},
+    {"AngleWithoutUnit", "fov_deg: 360", "@fov: 360", "fov: unknown key, wrong unit; did you mean fov_rad?"},
+    {"DuplicateKey", "seed: 1 ", "seed: 1\n@seed: 2 ", "seed: duplicate key, first given on line"},
+    {"DuplicateKeyWithin", "  step_s: 0.5", "  step_s: 0.5\n  @step_s: 0.5", "planner.step_s: duplicate key, first given on line"},
+    {"DuplicateKeyInFlow", "{x_m: 0, y_m: 0, yaw_deg: 90}", "{x_m: 0, y_m: 0,\n      @x_m: 0}", "robots[1].start.x_m: duplicate key"},
+    {"AngleTwice", "fov_deg: 360 ", "fov_deg: 360\n    @fov_rad: 6 ", "fov_rad: given twice, as fov_rad and as fov_deg"},
+};
+
+const BadEdit kValues[] = {
+    {"TextForNumber", "duration_s: 300", "@duration_s: five minutes", "duration_s: must be a number, is 'five minutes'"},
+    {"NumberWithUnit", "duration_s: 300", "@duration_s: 300s", "must be a number, is '300s'"},
+    {"QuotedNumber", "duration_s: 300", "@duration_s: \"300\"", "must be a plain number, is the text '300'"},
+    {"ListForNumber", "duration_s: 300", "@duration_s: [300]", "must be a number, is a list"},
+    {"NothingForNumber", "duration_s: 300", "@duration_s:", "duration_s: has no value"},
+    {"NotANumber", "duration_s: 300", "@duration_s: .nan", "must be a finite number, is '.nan'"},
+    {"Infinity", "range_max_m: 1 ", "@range_max_m: .inf", "range_max_m: must be a finite number"},
+    {"CInfinity", "range_max_m: 1 ", "@range_max_m: -inf", "range_max_m: must be a finite number"},
+    {"TooLongANumber", "range_max_m: 1 ", "@range_max_m: 1e999", "must be a finite number, is '1e999'"},
+    {"FractionForInteger", "horizon_steps: 12", "@horizon_steps: 12.0", "must be a whole number, is '12.0'"},
+    {"NegativeSeed", "seed: 1 ", "@seed: -1 ", "seed: must be a whole number of at least 0"},
+    {"SeedOverflow", "seed: 1 ", "@seed: 18446744073709551616 ", "seed: must be a whole number of at least 0"},
+    {"WordForFlag", "variance_grows_with_range: false", "@variance_grows_with_range: no", "must be true or false, is 'no'"},
+    {"UnknownWord", "algorithm: arvi", "@algorithm: astar", "must be one of arvi, beam, rvi, greedy, random_walk, lawn_mower; is 'astar'"},
+    {"UnknownAutopilotKey", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:14540\", port: 1}\n", "autopilot.port: unknown key"},
+    {"AutopilotWithoutAUrl", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4}\n", "url"},
+    {"AutopilotWithAStrangeUrl", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"tcp://h:1\"}\n", "must begin with udp://, udpout:// or serial:"},
+    {"UnknownDialect", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: ino, url: \"udp://:1\"}\n", "must be one of px4, ardupilot"},
+    {"AutopilotSystemIdBeyondAByte", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", system_id: 256}\n", "system_id"},
+    {"SecurityWithoutKeys", "network:\n", "@security:\n  mode: require\nnetwork:\n", "must name the folder that `vantage keys new` made"},
+    {"SecurityOfAnUnknownMode", "network:\n", "security:\n  @mode: always\n  keys: keys\nnetwork:\n", "off"},
+    {"SecurityWithoutAMode", "network:\n", "@security: {keys: keys}\nnetwork:\n", "mode"},
+    {"RealAutopilotWithoutASystemId", "  - name: Q3\n", "  - name: Q3\n    device: real\n    @autopilot: {dialect: px4, url: \"udp://:1\"}\n", "must say the system_id, 1 to 255, of a real vehicle"},
+    {"UnknownParameterPolicy", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", parameters: perhaps}\n", "must be one of verify, warn, ignore; is 'perhaps'"},
+    {"BatteryWithoutCells", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {full_v: 4.2}}\n", "cells"},
+    {"BatteryFullerWhenEmpty", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {cells: 3, empty_v: 4.2, full_v: 4.1}}\n", "must be above empty_v, 4.2, is 4.1"},
+    {"RoverWithoutAUrl", "  - name: Q3\n", "  - name: Q3\n    @rover: {number: 1}\n", "url"},
+    {"RoverOnASerialLine", "  - name: Q3\n", "  - name: Q3\n    @rover: {url: \"serial:/dev/ttyS0\"}\n", "must begin with udp:// or udpout://"},
+    {"RoverNumberZero", "  - name: Q3\n", "  - name: Q3\n    @rover: {url: \"udp://:1\", number: 0}\n", "number"},
+    {"UnknownDevice", "  device: direct             # direct", "  @device: fake #", "must be one of direct, wire, real; is 'fake'"},
+    {"MappingForList", "  regions: []", "  @regions: {a: 1}", "world.regions: must be a list, is a mapping"},
+    {"PointOfThree", "max_m: [4, 2]", "@max_m: [4, 2, 3]", "world.bounds.max_m: must be a list of two numbers [x, y], is a list of 3"},
+    {"TextInPoint", "max_m: [4, 2]", "max_m: [4,\n      @two]", "world.bounds.max_m[1]: must be a number, is 'two'"},
+    {"BadName", "name: lab ", "@name: ../lab ", "must be of letters, digits, - and _ only"},
+    {"BadUrl", "url: \"udpm://", "@url: \"tcp://", "must begin with udpm:// or memq://"},
+};
+
+const BadEdit kRanges[] = {
+    {"NoDuration", "duration_s: 300", "@duration_s: 0", "must be above 0 and at most 86400, is 0"},
+    {"EmptyBounds", "max_m: [4, 2]", "@max_m: [4, -2]", "must be above min_m, [-4, -2], in x and in y; is [4, -2]"},
+    {"ObstacleInsideOut", "max_m: [-1.2, 1.1]", "@max_m: [-1.9, 1.1]", "world.obstacles[0].footprint.max_m: must be above min_m"},
+    {"ObstacleOutside", "{min_m: [-1.8, 0.5], max_m: [-1.2, 1.1]}", "@{min_m: [-1.8, 5], max_m: [-1.2, 6]}", "footprint: is wholly outside world.bounds"},
+    {"NegativeRange", "range_max_m: 1 ", "@range_max_m: -1 ", "range_max_m: must be above 0 and at most 10000, is -1"},
+    {"RangesCrossed", "range_min_m: 0.1", "@range_min_m: 1.5", "must be below range_max_m, 1, is 1.5"},
+    {"BearingWithoutLeastRange", "range_min_m: 0.1", "@range_min_m: 0", "must be above 0 for a sensor that measures bearings"},
+    {"CameraWithoutLeastDepth", "depth_min_m: 0.05", "@depth_min_m: 0", "depth_min_m: must be above 0, is 0"},
+    {"MoreThanATurn", "fov_deg: 360", "@fov_deg: 361", "must be above 0 and at most 360, is 361"},
+    {"SpeedsCrossed", "speed_min_mps: 0.2", "@speed_min_mps: 2", "must be at most speed_max_mps, 1.4, is 2"},
+    {"CertainDetection", "detection_probability: 0.9", "@detection_probability: 1", "must be at least 0 and below 1, is 1"},
+    {"EndlessGrid", "grid_resolution_m: 0.25", "@grid_resolution_m: 0.0001", "must cut world.bounds into at most"},
+    {"NegativeQ", "    q: 0.3", "    @q: -0.15", "estimator.target_model.q: must be at least 0, is -0.15"},
+    {"TargetsInFourDimensions", "position_dim: 2", "@position_dim: 4", "must be at least 2 and at most 3, is '4'"},
+    {"RoundTooShort", "team_budget_s: 0.5", "@team_budget_s: 0.96", "must fit with publish_margin_s, 0.05, into a round of execute_steps · step_s = 1 s; is 0.96"},
+    {"ExecutesBeyondItsHorizon", "execute_steps: 2", "@execute_steps: 13", "must be at most horizon_steps, 12, is 13"},
+    {"MocapOfAnUnknownProtocol", "  rate_hz: 50\n", "  rate_hz: 50\n  @protocol: natnet\n", "mocap.protocol: must be one of datastream, object_stream, vrpn; is 'natnet'"},
+    {"MocapPort", "  rate_hz: 50\n", "  rate_hz: 50\n  @port: 0\n", "mocap.port: must be at least 1 and at most 65535, is '0'"},
+    {"MocapBlock", "  rate_hz: 50\n", "  rate_hz: 50\n  @block_bytes: 500\n", "mocap.block_bytes: must be one of 256, 512, 1024; is 500"},
+    {"MocapUnknownKey", "  rate_hz: 50\n", "  rate_hz: 50\n  @adress: x\n", "mocap.adress: unknown key"},
+    {"MocapTooFast", "rate_hz: 50", "@rate_hz: 5000", "mocap.rate_hz: must be above 0 and at most 1000, is 5000"},
+};
+
+const BadEdit kTeams[] = {
+    {"DuplicateRobot", "  - name: Q2", "  - @name: Q1", "robots[1].name: is taken: a robot or target before is called Q1"},
+    {"LowerCaseRobot", "  - name: Q2", "  - @name: q2", "must be of A-Z and 0-9 only, is 'q2'"},
+    {"RobotNamedAsATarget", "name_prefix: R", "@name_prefix: Q", "makes the name Q1, which is a robot's"},
+    {"RobotWithoutName", "  - name: Q2\n    start: {x_m: 0,", "  - @start: {x_m: 0,", "robots[1]: missing required key name"},
+    {"StartOutside", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0, y_m: 2.5}", "robots[1].start: (0, 2.5) m is outside world.bounds"},
+    {"StartInObstacle", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 1.5, y_m: -0.8}", "robots[1].start: (1.5, -0.8) m is inside an obstacle"},
+    {"StartAtTheWall", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0, y_m: 1.9}", "must be at least 0.35 m from obstacles and walls, (0, 1.9) m is 0.1"},
+    {"StartsTooNear", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: -2.8, y_m: 0}", "must be at least planner.separation_m, 0.6 m, from the start of Q1; is 0.539"},
+    {"StartWithoutY", "    start: {x_m: 0, y_m: 0, yaw_deg: 90}", "    @start: {x_m: 0}", "robots[1].start: missing required key y_m"},
+    {"AboveTheCeiling", "height_m: 2.0", "@height_m: 3.0", "robots[2].height_m: must be below world.ceiling_m, 3, is 3"},
+    {"TouchingTheCeiling", "height_m: 2.0", "@height_m: 2.8", "robots[2].height_m: must be at most world.ceiling_m, 3, less the robot's radius_m, 0.25: it would touch the ceiling; is 2.8"},
+    {"NoPrimitives", "primitives: lab", "@primitives: []", "must hold at least 1 and at most 64 primitives, holds 0"},
+    {"PrimitivesTooFast", "primitives: lab", "@primitives: standard", "speed_mps must be at most limits.speed_max_mps, 1, is 3"},
+    {"PrimitivesTurnTooFast", "primitives: lab", "@primitives: [{speed_mps: 1, yaw_rate_radps: -4}]", "yaw_rate_radps must be at most limits.yaw_rate_max_radps, 3, either way; is -4"},
+    {"PrimitiveBackwards", "primitives: lab", "@primitives: [{speed_mps: -1, yaw_rate_radps: 0}]", "primitives[0].speed_mps: must be at least 0, is -1"},
+    {"PrimitivesUnknown", "primitives: lab", "@primitives: fast", "must be one of standard, lab; is 'fast'"},
+    {"NoTargets", "  count: 5 ", "  @count: 0 ", "targets.count: must be at least 1 and at most 1000, is '0'"},
+};
+// clang-format on
+
+std::string name_of(const testing::TestParamInfo<BadEdit>& edit) { return edit.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(Keys, BadScenario, testing::ValuesIn(kKeys), name_of);
+INSTANTIATE_TEST_SUITE_P(Values, BadScenario, testing::ValuesIn(kValues), name_of);
+INSTANTIATE_TEST_SUITE_P(Ranges, BadScenario, testing::ValuesIn(kRanges), name_of);
+INSTANTIATE_TEST_SUITE_P(Teams, BadScenario, testing::ValuesIn(kTeams), name_of);
+
+/// Whole files, and the whole sentence that each is refused with.
+struct BadFile {
+  const char* text;
+  const char* refusal;
+};
+
+const std::string kWorld = "world: {bounds: {min_m: [0, 0], max_m: [9, 9]}}\n";
+const std::string kRobot =
+    "robots: [{name: A, start: {x_m: 2, y_m: 2}, primitives: lab, sensor: {kind: range}}]\n";
+const std::string kTargets = "targets: {count: 1}\n";
+
+TEST(ParseScenario, NamesWhatIsMissing) {
+  EXPECT_EQ(refusal_of(kWorld + kRobot + kTargets), "lab.yaml:1: missing required key name");
+  EXPECT_EQ(refusal_of("name: x\n" + kRobot + kTargets), "lab.yaml:1: missing required key world");
+  EXPECT_EQ(refusal_of("name: x\n" + kWorld + kTargets), "lab.yaml:1: missing required key robots");
+  EXPECT_EQ(refusal_of("name: x\n" + kWorld + kRobot), "lab.yaml:1: missing required key targets");
+  EXPECT_EQ(refusal_of("name: x\nworld: {ceiling_m: 3}\n" + kRobot + kTargets),
+            "lab.yaml:2: world: missing required key bounds");
+  const auto with_robot = [](const std::string& robot) {
+    return refusal_of("name: x\n" + kWorld + "robots:\n  - " + robot + "\n" + kTargets);
+  };
+  EXPECT_EQ(with_robot("{name: A, primitives: lab, sensor: {kind: range}}"),
+            "lab.yaml:4: robots[0]: missing required key start");
+  EXPECT_EQ(with_robot("{name: A, start: {x_m: 2, y_m: 2}, primitives: lab}"),
+            "lab.yaml:4: robots[0]: missing required key sensor");
+  EXPECT_EQ(with_robot("{name: A, start: {x_m: 2, y_m: 2}, sensor: {kind: range}}"),
+            "lab.yaml:4: robots[0]: missing required key primitives");
+}
+
+TEST(ParseScenario, RefusesWhatIsNoScenarioAtAll) {
+  const BadFile files[] = {
+      {"", "lab.yaml:1: empty file; expected a scenario"},
+      {"# only\n# comments\n", "lab.yaml:1: empty file; expected a scenario"},
+      {"- a\n- list\n", "lab.yaml:1: must be a mapping of keys to values"},
+      {"name", "lab.yaml:1: must be a mapping of keys to values"},
+      {"name: a\n---\nname: b\n", "lab.yaml:3: a second document; a file holds one scenario"},
+      {"name: a\nworld:\n\tbounds: 1\n", "lab.yaml:3: tab character; use spaces"},
+      {"name: a\nwo\xFFrld: 1\n", "lab.yaml:2: byte 0xff is not UTF-8 text"},
+      {"name: a\nw\xC0\xAFld: 1\n", "lab.yaml:2: byte 0xc0 is not UTF-8 text"},
+      {"name: \x1b[31m\n", "lab.yaml:1: control character 0x1b"},
+      {"name: a\n? [b]\n: 1\n", "lab.yaml:2: every key must be a word"},
+  };
+  for (const BadFile& file : files) {
+    EXPECT_EQ(refusal_of(file.text), file.refusal) << "for: " << file.text;
+  }
+  EXPECT_EQ(refusal_of(std::string("name: a\0b\n", 10)), "lab.yaml:1: control character 0x00");
+  EXPECT_EQ(refusal_of("name: a\nworld: [1, 2\n").rfind("lab.yaml:3: not YAML: ", 0), 0U);
+  EXPECT_EQ(refusal_of(std::string(2'000'000, ' ')), "lab.yaml: must be at most 1048576 bytes");
+  EXPECT_NE(refusal_of("name: " + std::string(100'000, '[')).find("lab.yaml:"), std::string::npos);
+}
+
+TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
+  const std::string good = "name: x\n" + kWorld + kTargets;
+  EXPECT_EQ(refusal_of(good + kRobot), "accepted");
+  EXPECT_EQ(refusal_of(good + kRobot + "mocap: 5\n"),
+            "lab.yaml:5: mocap: must be a mapping of keys to values");
+  EXPECT_EQ(refusal_of(good + kRobot +
+                       "estimator:\n  target_model: {kind: double_integrator,\n"
+                       "    position_dim: 3}\n"),
+            "lab.yaml:7: estimator.target_model.position_dim: must be 2 for a double integrator, "
+            "is 3");
+  EXPECT_EQ(refusal_of(good + "robot_defaults: {primitives: lab, sensor: {kind: range}}\n"
+                              "robots:\n"
+                              "  - {name: A, start: {x_m: 2, y_m: 2}}\n"
+                              "  - {name: B, start: {x_m: 6, y_m: 6}, limits: {radius_m: 0.4}}\n"),
+            "lab.yaml:7: robots[1].limits: planner.separation_m must be at least the radii of A "
+            "and B, 0.65 m together; is 0.6");
+  EXPECT_EQ(refusal_of("name: x\nworld: {bounds: {min_m: [0, 0], max_m: [9000, 9000]}}\n" + kRobot +
+                       kTargets),
+            "lab.yaml:1: grid_resolution_m: must cut world.bounds into at most 4000000 cells, "
+            "0.25 makes 1.3e+09");
+  const std::string base = "name: x\n" + kWorld + kRobot;
+  EXPECT_EQ(refusal_of(base + "targets:\n  - {id: 1}\n  - {id: 1}\n"),
+            "lab.yaml:6: targets[1].id: is taken: a target before has the id 1");
+  EXPECT_EQ(refusal_of(base + "targets:\n  - {id: 0}\n  - {id: 2}\n"),
+            "lab.yaml:6: targets[1]: id must be at most 1, one less than there are targets; is 2");
+  EXPECT_EQ(refusal_of(base + "targets:\n  - {name: A}\n"),
+            "lab.yaml:5: targets[0].name: is taken: a robot or target before is called A");
+  EXPECT_EQ(refusal_of(base + "targets:\n  - {start: {x_m: 8.9, y_m: 5}}\n"),
+            "lab.yaml:5: targets[0].start: must be at least 0.2 m from obstacles and walls, "
+            "(8.9, 5) m is 0.1");
+  EXPECT_EQ(refusal_of(base + "targets: []\n"),
+            "lab.yaml:4: targets: must list at least 1 and at most 1000 targets, lists 0");
+  EXPECT_EQ(refusal_of("name: x\n" + kWorld + kTargets + "robots: []\n"),
+            "lab.yaml:4: robots: must list at least 1 and at most 64 robots, lists 0");
+}
+
+TEST(ParseScenario, RefusesHostsThatCannotBe) {
+  const std::string base = "name: x\n" + kWorld + kRobot + kTargets + "hosts:\n";
+  EXPECT_EQ(refusal_of(base + "  - {name: lab1, runs: []}\n"),
+            "lab.yaml:6: hosts[0].name: must be of A-Z and 0-9 only, is 'lab1'");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB}\n"),
+            "lab.yaml:6: hosts[0]: missing required key runs");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, run: []}\n"),
+            "lab.yaml:6: hosts[0].run: unknown key; did you mean runs?");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [A, B]}\n"),
+            "lab.yaml:6: hosts[0].runs[1]: must be a robot of the scenario, sim, vicon or logger; "
+            "is 'B'");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [A]}\n  - {name: AIR, runs: [A]}\n"),
+            "lab.yaml:7: hosts[1].runs[0]: 'A' runs on LAB already");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: [sim, sim]}\n"),
+            "lab.yaml:6: hosts[0].runs[1]: 'sim' runs on LAB already");
+  EXPECT_EQ(refusal_of(base + "  - {name: LAB, runs: []}\n  - {name: LAB, runs: []}\n"),
+            "lab.yaml:7: hosts[1].name: is taken: a host before is called LAB");
+  EXPECT_EQ(refusal_of("name: x\n" + kWorld + kRobot + kTargets + "hosts: []\n"),
+            "lab.yaml:5: hosts: must list at least 1 and at most 32 hosts, lists 0");
+}
+
+TEST(LoadScenario, RefusesPathsThatAreNoFile) {
+  const auto refusal = [](const std::string& path) -> std::string {
+    try {
+      static_cast<void>(load_scenario(path));
+    } catch (const StartupError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal("no/such.yaml"), "no/such.yaml: no such file");
+  const std::string folder = std::filesystem::temp_directory_path().string();
+  EXPECT_EQ(refusal(folder), folder + ": is a directory; expected a scenario file");
+  EXPECT_EQ(refusal("/dev/null"), "/dev/null: cannot be read");
+}
+
+}  // namespace
+}  // namespace vantage::scenario

@@ -1,0 +1,359 @@
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "bus/node/bus.hpp"
+#include "bus/transport/transport.hpp"
+#include "logs/record/log_space.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+#include "test/bus/auth/auth_support.hpp"
+#include "tools/check/arming_watch.hpp"
+#include "tools/check/preflight.hpp"
+#include "tools/console/console.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using models::OperatorAction;
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+scenario::Scenario lab() { return scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab.yaml"); }
+
+bool mentions(const std::vector<std::string>& lines, const std::string& words) {
+  return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+    return line.find(words) != std::string::npos;
+  });
+}
+
+TEST(OperatorDesk, RefusesTheSecondStationEverythingButTheEmergencyStop) {
+  bus::InProcessHub hub;
+  const auto link_a = hub.connect();
+  const auto link_b = hub.connect();
+  const auto link_v = hub.connect();
+  bus::Bus bus_a(*link_a, 11);
+  bus::Bus bus_b(*link_b, 12);
+  bus::Bus vehicle(*link_v, 13);
+  std::vector<models::OperatorCommand> heard;
+  vehicle.subscribe<models::OperatorCommand>(
+      bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
+  OperatorDesk first(bus_a, false, kStart);
+  std::optional<OperatorDesk> second;
+  for (int i = 0; i < 40; ++i) {
+    const Time now = kStart + from_seconds(0.1 * i);
+    if (i == 20) {
+      second.emplace(bus_b, false, now);
+    }
+    for (bus::Bus* each : {&bus_a, &bus_b, &vehicle}) {
+      each->handle(std::chrono::microseconds(0));
+    }
+    (void)first.tick(now);
+    if (second) {
+      (void)second->tick(now);
+    }
+  }
+  const Time now = kStart + from_seconds(4.0);
+  EXPECT_TRUE(first.send(now, OperatorAction::kArm, ""));
+  EXPECT_FALSE(second->send(now, OperatorAction::kArm, ""));
+  EXPECT_FALSE(second->send(now, OperatorAction::kHold, ""));
+  EXPECT_TRUE(second->send(now, OperatorAction::kEmergencyStop, ""));
+  EXPECT_TRUE(first.send(now, OperatorAction::kEmergencyStop, ""));
+  vehicle.handle(std::chrono::microseconds(0));
+  const auto count = [&](std::int64_t run, OperatorAction action) {
+    return std::count_if(heard.begin(), heard.end(), [&](const models::OperatorCommand& command) {
+      return command.stamp.run_id == run && command.action == action;
+    });
+  };
+  EXPECT_GT(count(11, OperatorAction::kHeartbeat), 10);
+  EXPECT_EQ(count(12, OperatorAction::kHeartbeat), 0);
+  EXPECT_EQ(count(12, OperatorAction::kArm), 0);
+  EXPECT_EQ(count(12, OperatorAction::kEmergencyStop), 1) << "both stops arrive";
+  EXPECT_EQ(count(11, OperatorAction::kEmergencyStop), 1);
+}
+
+// A console with a wrong clock is heard: what it says is stamped by the vehicles' clock.
+TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
+  for (const Duration off : {Duration(-std::chrono::hours(24)), Duration(std::chrono::hours(1)),
+                             Duration(std::chrono::milliseconds(300))}) {
+    bus::InProcessHub hub;
+    const auto link_desk = hub.connect();
+    const auto link_vehicle = hub.connect();
+    bus::Bus desk_bus(*link_desk, 11);
+    bus::Bus vehicle(*link_vehicle, 13);
+    std::vector<models::OperatorCommand> heard;
+    vehicle.subscribe<models::OperatorCommand>(
+        bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
+    OperatorDesk desk(desk_bus, false, kStart + off);
+    Time now = kStart;
+    for (int i = 0; i < 30; ++i) {
+      now = kStart + from_seconds(0.1 * i);
+      models::VehicleStatus status;
+      status.robot = "Q1";
+      status.stamp.time = now;
+      vehicle.publish(bus::quadrotor_channel("Q1"), status);
+      desk_bus.handle(std::chrono::microseconds(0));
+      (void)desk.tick(now + off);
+    }
+    heard.clear();
+    EXPECT_TRUE(desk.send(now + off, OperatorAction::kEmergencyStop, ""));
+    vehicle.handle(std::chrono::microseconds(0));
+    ASSERT_FALSE(heard.empty());
+    EXPECT_TRUE(std::any_of(heard.begin(), heard.end(), [&](const auto& command) {
+      return command.action == OperatorAction::kEmergencyStop &&
+             std::chrono::abs(command.stamp.time - now) <= std::chrono::milliseconds(300);
+    }));
+  }
+}
+
+TEST(OperatorDesk, ShowsThatTheLogIsNotWritten) {
+  bus::InProcessHub hub;
+  const auto link_desk = hub.connect();
+  const auto link_up = hub.connect();
+  bus::Bus desk_bus(*link_desk, 11);
+  bus::Bus up_bus(*link_up, 12);
+  OperatorDesk desk(desk_bus, false, kStart);
+  logs::LogWatch log(300e3);
+  const auto tell = [&](Time now, std::uint64_t size_bytes) {
+    (void)log.look({size_bytes, 0}, now);
+    up_bus.publish(bus::health_channel(logs::kLogHealth), log.health(now));
+    (void)desk.tick(now);
+    desk_bus.handle(std::chrono::microseconds(0));
+    return mentions(desk.vehicle_table(now, ""), "the log is not written");
+  };
+  EXPECT_FALSE(tell(kStart, 1000));
+  EXPECT_TRUE(tell(kStart + std::chrono::seconds(3), 1000));
+  EXPECT_FALSE(desk.is_log_lost(kStart + std::chrono::seconds(7))) << "nobody says so any more";
+  EXPECT_FALSE(tell(kStart + std::chrono::seconds(8), 2000));
+}
+
+// Of a partition in one direction each end knows by itself: vehicles by the heartbeat that fails to
+// come (fault 17), the operator by the vehicles' silence.
+TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
+  bus::InProcessHub hub;
+  const auto link_desk = hub.connect();
+  const auto link_vehicle = hub.connect();
+  bus::Bus desk_bus(*link_desk, 11);
+  bus::Bus vehicle(*link_vehicle, 13);
+  OperatorDesk desk(desk_bus, false, kStart);
+  models::VehicleStatus status;
+  status.robot = "Q1";
+  status.state = models::FlightState::kFollow;
+  status.stamp.time = kStart;
+  vehicle.publish(bus::quadrotor_channel("Q1"), status);
+  desk_bus.handle(std::chrono::microseconds(0));
+  EXPECT_TRUE(mentions(desk.vehicle_table(kStart + from_seconds(0.9), ""), "follow"));
+  const auto later = desk.vehicle_table(kStart + from_seconds(1.1), "");
+  EXPECT_TRUE(mentions(later, "SILENT"));
+  EXPECT_FALSE(mentions(later, "follow"));
+}
+
+/// A station in charge whose datagrams are lost while `is_lossy` says so.
+struct LossyDesk {
+  bus::InProcessHub hub;
+  std::unique_ptr<bus::Transport> desk_link = hub.connect();
+  std::unique_ptr<bus::Transport> vehicle_link = hub.connect();
+  bus::Bus desk_bus{*desk_link, 11};
+  bus::Bus vehicle{*vehicle_link, 13};
+  OperatorDesk desk{desk_bus, false, kStart};
+  std::function<bool(Time)> is_lossy = [](Time) { return false; };
+  std::vector<models::OperatorCommand> heard;
+  Time now = kStart;
+
+  LossyDesk() {
+    vehicle.subscribe<models::OperatorCommand>(bus::kCommand,
+                                               [this](const models::OperatorCommand& command) {
+                                                 if (!is_lossy(now)) {
+                                                   heard.push_back(command);
+                                                 }
+                                               });
+    pass(1.0);
+  }
+  void pass(double seconds) {
+    const Time end = now + from_seconds(seconds);
+    while (now < end) {
+      now += std::chrono::milliseconds(10);
+      (void)desk.tick(now);
+      vehicle.handle(std::chrono::microseconds(0));
+    }
+  }
+  void send(OperatorAction action, const std::string& robot = "") {
+    EXPECT_TRUE(desk.send(now, action, robot));
+    vehicle.handle(std::chrono::microseconds(0));
+  }
+  std::int64_t count(OperatorAction action, const std::string& robot = "") const {
+    return std::count_if(heard.begin(), heard.end(), [&](const models::OperatorCommand& command) {
+      return command.action == action && command.robot == robot;
+    });
+  }
+};
+
+TEST(OperatorDesk, IsHeardThoughHalfASecondOfDatagramsIsLost) {
+  for (const OperatorAction action :
+       {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
+    LossyDesk lab;
+    const Time given = lab.now;
+    lab.is_lossy = [given](Time now) { return now - given < std::chrono::milliseconds(500); };
+    lab.send(action);
+    lab.pass(0.49);
+    EXPECT_EQ(lab.count(action), 0);
+    lab.pass(0.5);
+    ASSERT_GE(lab.count(action), 1);
+    EXPECT_EQ(lab.heard.back().action, OperatorAction::kHeartbeat) << "the station goes on";
+    EXPECT_FALSE(lab.desk.is_saying());
+  }
+}
+
+TEST(OperatorDesk, SaysTheSameOrderAgainAndNotForEver) {
+  LossyDesk lab;
+  const Time given = lab.now;
+  lab.send(OperatorAction::kEmergencyStop, "Q1");
+  lab.pass(0.06);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), 2) << "the second comes soon";
+  lab.pass(10.0);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop, "Q1"), OperatorDesk::kSaid);
+  for (const models::OperatorCommand& command : lab.heard) {
+    if (command.action == OperatorAction::kEmergencyStop) {
+      EXPECT_EQ(command.stamp.time, given);
+    }
+  }
+  lab.heard.clear();
+  lab.send(OperatorAction::kArm);
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kArm), 1) << "what makes nothing safer is said once";
+}
+
+TEST(OperatorDesk, DoesNotSayAgainWhatALaterOrderHasUndone) {
+  LossyDesk lab;
+  lab.send(OperatorAction::kHold);
+  lab.send(OperatorAction::kFollow, "Q1");
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kHold), 1);
+  lab.send(OperatorAction::kHold, "Q2");
+  lab.send(OperatorAction::kFollow, "Q1");
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kHold, "Q2"), OperatorDesk::kSaid) << "Q1 is another";
+  lab.send(OperatorAction::kEmergencyStop);
+  lab.send(OperatorAction::kArm, "Q1");
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), OperatorDesk::kSaid);
+  lab.heard.clear();
+  lab.send(OperatorAction::kEmergencyStop);
+  lab.send(OperatorAction::kArm);
+  lab.pass(2.0);
+  EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), 1);
+}
+
+TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
+  bus::InProcessHub hub;
+  const auto link = hub.connect();
+  const auto link_watch = hub.connect();
+  bus::Bus lab_bus(*link, 1);
+  bus::Bus watch_bus(*link_watch, 2);
+  const scenario::Scenario scenario = lab();
+  const ArmingWatch watch(watch_bus, scenario);
+  EXPECT_TRUE(mentions(watch.blocks(), "no mocap frame"));
+  EXPECT_TRUE(mentions(watch.blocks(), "no operator's heartbeat"));
+
+  models::MocapFrame frame;
+  frame.stamp.time = frame.arrival = kStart;
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    models::MocapBody body;
+    body.name = robot.name;
+    body.occluded = robot.name == "Q2";
+    frame.bodies.push_back(body);
+    models::VehicleStatus status;
+    status.stamp.time = kStart;
+    status.robot = robot.name;
+    if (robot.name == "Q3") {
+      status.reasons = {"battery for take-off"};
+    }
+    lab_bus.publish(bus::quadrotor_channel(robot.name), status);
+  }
+  lab_bus.publish(bus::kVicon, frame);
+  models::OperatorCommand beat;
+  beat.stamp.time = kStart;
+  lab_bus.publish(bus::kCommand, beat);
+  watch_bus.handle(std::chrono::microseconds(0));
+  const std::vector<std::string> blocks = watch.blocks();
+  EXPECT_EQ(blocks.size(), 2U);
+  EXPECT_TRUE(mentions(blocks, "Q2: mocap shows no body"));
+  EXPECT_TRUE(mentions(blocks, "Q3: battery for take-off"));
+}
+
+TEST(ArmingWatch, NamesMessagesOfAnotherVersion) {
+  bus::InProcessHub hub;
+  const auto link = hub.connect();
+  const auto link_watch = hub.connect();
+  bus::Bus watch_bus(*link_watch, 2);
+  const scenario::Scenario scenario = lab();
+  const ArmingWatch watch(watch_bus, scenario);
+  EXPECT_FALSE(mentions(watch.blocks(), "version"));
+  const std::vector<std::uint8_t> other_type(64, 7);
+  link->publish("PLAN_Q1", other_type);
+  link->publish("PLAN_Q1", other_type);
+  watch_bus.handle(std::chrono::microseconds(0));
+  EXPECT_TRUE(mentions(watch.blocks(), "2 messages on PLAN_Q1 are not of this version's types"));
+}
+
+TEST(ArmingWatch, NamesWhatProcessesRefuseMeanwhileAndWhy) {
+  bus::InProcessHub hub;
+  const auto link = hub.connect();
+  const auto link_watch = hub.connect();
+  bus::Bus driver(*link, 1);
+  bus::Bus watch_bus(*link_watch, 2);
+  const scenario::Scenario scenario = lab();
+  const ArmingWatch watch(watch_bus, scenario);
+  models::ProcessHealth health;
+  health.process = "QUADROTOR_Q1";
+  const auto report = [&](std::vector<models::NamedCount> counters) {
+    health.counters = std::move(counters);
+    driver.publish(bus::health_channel(health.process), health);
+    watch_bus.handle(std::chrono::microseconds(0));
+  };
+  report({{"COMMAND.unsigned", 3}});
+  report({{"COMMAND.unsigned", 3}});
+  EXPECT_FALSE(mentions(watch.blocks(), "COMMAND of")) << "before anybody watched";
+  report({{"COMMAND.unsigned", 3}, {"VICON.bad_mac", 12}, {"VICON.lost", 5}});
+  EXPECT_TRUE(mentions(watch.blocks(), "VICON of QUADROTOR_Q1: 12 messages now (bad_mac)"));
+  EXPECT_FALSE(mentions(watch.blocks(), "COMMAND of"));
+  EXPECT_FALSE(mentions(watch.blocks(), "lost"));
+}
+
+TEST(OperatorDesk, SaysThatItIsNotHeardWhereMessagesAreSigned) {
+  bus::InProcessHub hub;
+  const auto link = hub.connect();
+  const auto link_v = hub.connect();
+  bus::Bus bus(*link, 11);
+  bus::Bus vehicle(*link_v, 13);
+  const bus::VirtualClock clock(kStart);
+  const OperatorDesk desk(bus, false, kStart);
+  const auto tell = [&] {
+    models::VehicleStatus status;
+    status.robot = "Q1";
+    vehicle.publish(bus::quadrotor_channel("Q1"), status);
+    bus.handle(std::chrono::microseconds(0));
+  };
+  tell();
+  EXPECT_FALSE(desk.is_unheard());
+  vehicle.secure(test::authenticator(test::keys_of_a_trial()), clock);
+  tell();
+  EXPECT_TRUE(desk.is_unheard());
+  EXPECT_TRUE(mentions(desk.vehicle_table(kStart, ""), "--scenario"));
+}
+
+TEST(CheckPreflight, RefusesWhatFlightSafetyWouldRefuseInFlight) {
+  scenario::Scenario scenario = lab();
+  scenario.planner.separation_m = 0.5;  // two radii
+  EXPECT_TRUE(mentions(check_preflight(scenario).faults, "touch at that distance"));
+  scenario = lab();
+  scenario.robots[1].primitives.push_back({1.0, 20.0});
+  EXPECT_TRUE(mentions(check_preflight(scenario).faults, "robot Q2: flight safety refuses"));
+  scenario = lab();
+  scenario.robots[2].height_m = scenario.world.ceiling_m;
+  EXPECT_TRUE(mentions(check_preflight(scenario).faults, "below the ceiling"));
+}
+
+}  // namespace
+}  // namespace vantage::tools

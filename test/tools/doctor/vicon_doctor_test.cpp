@@ -1,0 +1,133 @@
+#include "tools/doctor/vicon_doctor.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "sim/vicon/socket_server.hpp"
+#include "test/support/udp_port.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using scenario::MocapProtocol;
+using wire::vicon::Speaker;
+
+bool says(const std::vector<std::string>& lines, const std::string& words) {
+  return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+    return line.find(words) != std::string::npos;
+  });
+}
+
+std::string all_of(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) {
+    text += line + "\n";
+  }
+  return text;
+}
+
+ViconPort stream_of(MocapProtocol protocol, Speaker speaker, int port) {
+  ViconPort out;
+  out.expected = protocol;
+  out.port = port;
+  out.answer = Answer::kSpeech;
+  out.speaker = speaker;
+  out.observed.emplace();
+  out.observed->frames = 100;
+  out.observed->rate_hz = 100.0;
+  out.observed->bodies["QUAD"] = {100, 50, {1.0, 2.0, 3.0}};
+  return out;
+}
+
+TEST(DescribeVicon, SaysWhatIsThereAndWhatToWriteIntoTheScenario) {
+  const std::vector<ViconPort> ports{
+      stream_of(MocapProtocol::kDataStream, Speaker::kDataStream, 801)};
+  const auto lines = describe("10.0.0.9", ports);
+  EXPECT_TRUE(says(lines, "10.0.0.9:801: a Vicon DataStream server, 100.0 Hz, 1 bodies"));
+  EXPECT_TRUE(says(lines, "QUAD: seen in 50 % of the frames, last at (1.000, 2.000, 3.000) m"));
+  EXPECT_TRUE(says(lines, "mocap: {device: real, protocol: datastream, host: 10.0.0.9}"));
+  EXPECT_TRUE(is_usable(ports));
+}
+
+TEST(DescribeVicon, NamesTheProductThatAnswersAtAnothersPort) {
+  const std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, Speaker::kVrpn, 801)};
+  const auto lines = describe("10.0.0.9", ports);
+  EXPECT_TRUE(says(lines, "10.0.0.9:801: a VRPN server"));
+  EXPECT_TRUE(says(lines, "protocol: vrpn, host: 10.0.0.9, port: 801"));
+}
+
+TEST(DescribeVicon, SaysWhyThereMayBeNoPoses) {
+  std::vector<ViconPort> ports{stream_of(MocapProtocol::kDataStream, Speaker::kDataStream, 801)};
+  ports[0].observed->bodies["QUAD"].seen = 0;
+  EXPECT_TRUE(says(describe("h", ports), "Kinematic Fit"));
+  EXPECT_FALSE(is_usable(ports));
+  ports[0].observed->bodies.clear();
+  EXPECT_TRUE(says(describe("h", ports), "tick the objects"));
+  ports[0].answer = Answer::kRefused;
+  EXPECT_TRUE(says(describe("h", ports), "nobody listens"));
+  EXPECT_TRUE(says(describe("h", ports), "no motion capture found"));
+}
+
+TEST(DescribeVicon, SaysHowOftenATrackerReportsByItself) {
+  std::vector<ViconPort> ports{stream_of(MocapProtocol::kVrpn, Speaker::kVrpn, 3883)};
+  ports[0].observed->bodies["QUAD"].rate_hz = 50.0;
+  EXPECT_TRUE(says(describe("h", ports), "QUAD: 50.0 Hz, seen in 50 % of the frames"));
+}
+
+// Nothing was ever received: nobody is connected to anything.
+TEST(ExamineVicon, SaysThatNothingArrives) {
+  const auto ports = examine_vicon("127.0.0.1", {}, std::stoi(test::port_of_this_test(0)),
+                                   std::chrono::milliseconds(2'500));
+  const auto lines = describe("127.0.0.1", ports);
+  EXPECT_TRUE(says(lines, "nothing arrives")) << all_of(lines);
+  EXPECT_FALSE(says(lines, "connected")) << all_of(lines);
+}
+
+TEST(ExamineVicon, ReturnsWhatItHasWhenItIsToldToStop) {
+  int asked = 0;
+  const auto ports = examine_vicon("127.0.0.1", {1, 2, 3}, std::stoi(test::port_of_this_test(0)),
+                                   std::chrono::hours(1), [&] { return ++asked > 2; });
+  EXPECT_LT(ports.size(), 4U);
+}
+
+TEST(ExamineVicon, FindsAVrpnServerWhereADataStreamWasExpected) {
+  sim::vicon::ServerSettings settings;
+  settings.protocol = MocapProtocol::kVrpn;
+  sim::vicon::SocketServer server(settings, "127.0.0.1", 0);
+  std::atomic<bool> is_done = false;
+  std::thread thread([&] {
+    sim::vicon::EmulatedFrame frame;
+    frame.bodies.resize(1);
+    frame.bodies[0].name = "QUAD";
+    while (!is_done) {
+      frame.bodies[0].world_from_body.translation_m.x() += 1e-4;
+      frame.captured += Duration{10'000};
+      server.publish(frame);
+      server.wait(std::chrono::milliseconds(10));
+    }
+  });
+  const auto ports =
+      examine_vicon("127.0.0.1", {server.port()}, server.port(), std::chrono::seconds(2));
+  is_done = true;
+  thread.join();
+  ASSERT_EQ(ports.size(), 2u);
+  EXPECT_EQ(ports[0].answer, Answer::kSpeech);
+  EXPECT_EQ(ports[0].speaker, Speaker::kVrpn);
+  const auto lines = describe("127.0.0.1", ports);
+  EXPECT_TRUE(says(lines, "QUAD: ") && says(lines, " Hz, seen in 100 %")) << all_of(lines);
+  EXPECT_TRUE(says(lines, "protocol: vrpn")) << all_of(lines);
+}
+
+TEST(ExamineVicon, RefusesAHostThatDoesNotExist) {
+  EXPECT_THROW(static_cast<void>(examine_vicon("no.such.host.invalid", {}, 1, Duration{0})),
+               StartupError);
+}
+
+}  // namespace
+}  // namespace vantage::tools

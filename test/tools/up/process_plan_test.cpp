@@ -1,0 +1,176 @@
+#include "tools/up/process_plan.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+namespace vantage::tools {
+namespace {
+
+scenario::Scenario two_robots() {
+  scenario::Scenario out;
+  out.robots.resize(2);
+  out.robots[0].name = "Q1";
+  out.robots[1].name = "Q2";
+  return out;
+}
+
+TEST(ProcessPlan, HasOneSimulatorAndThreeProcessesARobot) {
+  const auto plan = process_plan(two_robots(), {"/opt/bin", "s.yaml", "udpm://x", ""});
+  ASSERT_EQ(plan.size(), 7U);
+  EXPECT_EQ(plan[0].name, "sim");
+  EXPECT_EQ(plan[0].arguments, (std::vector<std::string>{"/opt/bin/vantage-sim", "--scenario",
+                                                         "s.yaml", "--url", "udpm://x"}));
+  EXPECT_EQ(plan[6].name, "planner Q2");
+  EXPECT_EQ(plan[6].arguments,
+            (std::vector<std::string>{"/opt/bin/vantage-planner", "--scenario", "s.yaml", "--url",
+                                      "udpm://x", "--robot", "Q2"}));
+}
+
+TEST(ProcessPlan, StartsNoSimulatorWhenEveryDeviceIsReal) {
+  scenario::Scenario scenario = two_robots();
+  scenario.mocap.device = scenario::DeviceSource::kReal;
+  for (scenario::RobotSpec& robot : scenario.robots) {
+    robot.device = scenario::DeviceSource::kReal;
+  }
+  const auto plan = process_plan(scenario, {".", "s.yaml", "", ""});
+  EXPECT_TRUE(std::none_of(plan.begin(), plan.end(),
+                           [](const ProcessSpec& process) { return process.name == "sim"; }));
+}
+
+TEST(ProcessPlan, HasAJudgeOfContactsWhereTheMocapIsWhenARobotIsReal) {
+  scenario::Scenario scenario = two_robots();
+  scenario.mocap.device = scenario::DeviceSource::kReal;
+  const auto judges_at = [&scenario](const std::string& host) {
+    const auto plan = process_plan(scenario, {".", "s.yaml", "", host});
+    return std::count_if(plan.begin(), plan.end(), [](const ProcessSpec& process) {
+      return process.name == "contacts" && process.arguments.front() == "./vantage-contacts";
+    });
+  };
+  EXPECT_EQ(judges_at(""), 0) << "the simulator judges its own";
+  scenario.robots[1].device = scenario::DeviceSource::kReal;
+  EXPECT_EQ(judges_at(""), 1);
+  scenario.hosts = {{"LAB", {scenario::kMocapPart}}, {"AIR", {"Q1", "Q2"}}};
+  EXPECT_EQ(judges_at("LAB"), 1);
+  EXPECT_EQ(judges_at("AIR"), 0);
+}
+
+scenario::Scenario on_the_wire() {
+  scenario::Scenario scenario = two_robots();
+  scenario.mocap.device = scenario::DeviceSource::kWire;
+  for (scenario::RobotSpec& robot : scenario.robots) {
+    robot.device = scenario::DeviceSource::kWire;
+    robot.autopilot.emplace().url = "udp://:14540";
+  }
+  return scenario;
+}
+
+std::vector<std::string> names_of(const std::vector<ProcessSpec>& plan) {
+  std::vector<std::string> out;
+  for (const ProcessSpec& process : plan) {
+    out.push_back(process.name);
+  }
+  return out;
+}
+
+scenario::Scenario flown_by_px4() {
+  scenario::Scenario scenario = on_the_wire();
+  scenario.robots.resize(1);
+  scenario.robots[0].autopilot->dialect = models::AutopilotDialect::kPx4;
+  scenario.robots[0].firmware.emplace().binary = "/bin/sh";
+  return scenario;
+}
+
+TEST(ProcessPlan, StartsPx4InItsFolderWithOurParametersInItsEnvironment) {
+  scenario::Scenario scenario = flown_by_px4();
+  scenario.robots[0].autopilot->system_id = 7;
+  const auto plan =
+      process_plan(scenario, {"/opt/bin", "s.yaml", "", "", false, "/var/flights/firmware"});
+  const auto found = std::find_if(plan.begin(), plan.end(), [](const ProcessSpec& process) {
+    return process.name == "firmware Q1";
+  });
+  ASSERT_NE(found, plan.end());
+  EXPECT_EQ(found->folder, "/var/flights/firmware/Q1");
+  const std::vector<std::string>& words = found->arguments;
+  const auto has = [&words](const std::string& word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+  };
+  EXPECT_EQ(words.front(), "/usr/bin/env");
+  EXPECT_TRUE(has("PX4_PARAM_EKF2_EV_CTRL=15"));  // of config/autopilot/px4.params
+  EXPECT_TRUE(has("PX4_PARAM_MAV_SYS_ID=7"));
+  EXPECT_EQ(std::vector<std::string>(words.end() - 7, words.end()),
+            (std::vector<std::string>{"/bin/sh", "-d", "-i", "0", "-w", "/var/flights/firmware/Q1",
+                                      "/etc"}));
+}
+
+TEST(DeviceFaults, NameAnUrlThatPx4DoesNotSpeakTo) {
+  scenario::Scenario scenario = flown_by_px4();
+  EXPECT_TRUE(device_faults(scenario).empty());
+  scenario.robots[0].autopilot->url = "udp://:14541";
+  ASSERT_EQ(device_faults(scenario).size(), 1U);
+  EXPECT_NE(device_faults(scenario)[0].find("14540"), std::string::npos);
+}
+
+TEST(ProcessPlan, StartsADriverForEachDeviceThatIsNotDirect) {
+  scenario::Scenario scenario = on_the_wire();
+  EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", ""})),
+            (std::vector<std::string>{"sim", "vicon", "quadrotor Q1", "quadrotor Q2", "sensor Q1",
+                                      "sensor Q2", "estimator Q1", "estimator Q2", "planner Q1",
+                                      "planner Q2"}));
+  scenario.robots[0].device = scenario::DeviceSource::kDirect;
+  scenario.mocap.device = scenario::DeviceSource::kDirect;
+  const auto mixed = process_plan(scenario, {".", "s.yaml", "", ""});
+  EXPECT_EQ(mixed[1].name, "quadrotor Q2");
+  EXPECT_EQ(mixed[1].arguments, (std::vector<std::string>{"./vantage-quadrotor", "--scenario",
+                                                          "s.yaml", "--url", "", "--robot", "Q2"}));
+}
+
+TEST(ProcessPlan, StartsOnAHostWhatThisHostRuns) {
+  scenario::Scenario scenario = on_the_wire();
+  scenario.hosts = {{"LAB", {"sim", "Q2"}}, {"AIR", {"Q1"}}};
+  EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", "LAB"})),
+            (std::vector<std::string>{"sim", "vicon", "quadrotor Q2", "sensor Q2", "estimator Q2",
+                                      "planner Q2"}))
+      << "vicon, which none names, runs on the first";
+  EXPECT_EQ(names_of(process_plan(scenario, {".", "s.yaml", "", "AIR"})),
+            (std::vector<std::string>{"quadrotor Q1", "sensor Q1", "estimator Q1", "planner Q1"}));
+  EXPECT_EQ(process_plan(scenario, {".", "s.yaml", "", ""}).size(), 10U) << "all on one";
+}
+
+TEST(ProcessPlan, CallsTheSimulatorAndTheMocapDriverEssential) {
+  for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
+    EXPECT_EQ(process.is_essential, process.name == "sim" || process.name == "vicon")
+        << process.name;
+  }
+}
+
+TEST(ProcessPlan, StartsARoversOwnDriver) {
+  scenario::Scenario scenario = on_the_wire();
+  scenario.mocap.device = scenario::DeviceSource::kReal;
+  scenario.robots[0].device = scenario::DeviceSource::kReal;
+  scenario.robots[0].autopilot.reset();
+  scenario.robots[0].rover.emplace().url = "udpout://10.0.0.7:7700";
+  EXPECT_TRUE(device_faults(scenario).empty());
+  const auto names = names_of(process_plan(scenario, {".", "s.yaml", "", ""}));
+  EXPECT_NE(std::find(names.begin(), names.end(), "rover Q1"), names.end());
+  EXPECT_EQ(std::find(names.begin(), names.end(), "quadrotor Q1"), names.end());
+  scenario.robots[0].device = scenario::DeviceSource::kWire;
+  EXPECT_TRUE(device_faults(scenario).empty());
+  const auto on_wire = names_of(process_plan(scenario, {".", "s.yaml", "", ""}));
+  EXPECT_NE(std::find(on_wire.begin(), on_wire.end(), "rover Q1"), on_wire.end());
+  EXPECT_NE(std::find(on_wire.begin(), on_wire.end(), "sim"), on_wire.end());
+}
+
+TEST(DeviceFaults, NameARealRobotThatNobodySeesAndADriverWithoutAnAutopilot) {
+  scenario::Scenario scenario = on_the_wire();
+  EXPECT_TRUE(device_faults(scenario).empty());
+  scenario.robots[1].device = scenario::DeviceSource::kReal;
+  EXPECT_EQ(device_faults(scenario).size(), 1u);
+  scenario.mocap.device = scenario::DeviceSource::kReal;
+  EXPECT_TRUE(device_faults(scenario).empty());
+  scenario.robots[0].autopilot.reset();
+  EXPECT_EQ(device_faults(scenario).size(), 1u);
+}
+
+}  // namespace
+}  // namespace vantage::tools

@@ -1,0 +1,258 @@
+#include "trial/replay/log_replay.hpp"
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/convert/convert.hpp"
+#include "bus/convert/wire_walk.hpp"
+#include "core/check.hpp"
+#include "logs/record/log_writer.hpp"
+#include "test/logs/file_support.hpp"
+#include "tools/log/log_scenario.hpp"
+#include "trial/scenario/overrides.hpp"
+#include "trial/trial.hpp"
+
+namespace vantage::trial {
+namespace {
+
+using logs::test::Bytes;
+using logs::test::TemporaryFolder;
+
+/// A trial of 8 s and its log, flown once for all tests.
+class ReplayLog : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    Overrides overrides;
+    overrides.seed = 5;
+    overrides.duration_s = 8.0;
+    overrides.node_budget = 300;
+    const scenario::Scenario scenario =
+        load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
+    TrialOptions options;
+    options.log_path = folder_->file("trial.lcmlog");
+    run_trial(scenario, trial_recipes(scenario), options);
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static std::string trial() { return folder_->file("trial.lcmlog"); }
+
+  /// The trial's log with each event changed by `edit`, or left out where that says false.
+  static std::string edited(const std::function<bool(std::string_view, Bytes&)>& edit) {
+    const logs::IndexedLog log(trial());
+    std::string path = folder_->file("edited.lcmlog");
+    logs::LogWriter writer(path, logs::Existing::kReplace);
+    logs::LogScan scan = log.scan();
+    while (const auto event = scan.next()) {
+      Bytes data(event->data.begin(), event->data.end());
+      if (edit(event->channel, data)) {
+        writer.write(event->time, event->channel, data);
+      }
+    }
+    return path;
+  }
+
+  static ReplayReport replay(const std::string& path, const std::string& node) {
+    const logs::IndexedLog log(path);
+    const scenario::Scenario scenario = scenario_of(log);
+    return replay_log(log, scenario, parse_replay_target(node, scenario));
+  }
+
+  static std::unique_ptr<TemporaryFolder> folder_;
+};
+std::unique_ptr<TemporaryFolder> ReplayLog::folder_;
+
+TEST_F(ReplayLog, MakesEveryPlanAndBeliefOfATrialAgainToTheBit) {
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport plans = replay(trial(), std::string("planner:") + robot);
+    EXPECT_TRUE(plans.outputs.is_exact()) << robot;
+    EXPECT_GE(plans.outputs.replayed(), 7) << robot;
+    EXPECT_EQ(plans.not_replayed(), 0) << robot;
+    const ReplayReport beliefs = replay(trial(), std::string("estimator:") + robot);
+    EXPECT_TRUE(beliefs.outputs.is_exact()) << robot;
+    EXPECT_GE(beliefs.outputs.replayed(), 15) << robot;
+    EXPECT_EQ(beliefs.not_replayed(), 0) << robot;
+  }
+}
+
+TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
+  Overrides overrides;
+  overrides.duration_s = 12.0;
+  overrides.node_budget = 300;
+  const scenario::Scenario scenario =
+      load_scenario_with(VANTAGE_SOURCE_DIR "/config/mapping.yaml", overrides);
+  TrialOptions options;
+  options.log_path = folder_->file("mapping.lcmlog");
+  const logs::TrialSummary summary = run_trial(scenario, trial_recipes(scenario), options).summary;
+  EXPECT_EQ(summary.plans_missing, 0);
+  EXPECT_EQ(summary.collisions, 0);
+  EXPECT_EQ(summary.separation_violations, 0);
+  ASSERT_TRUE(summary.map_entropy_nats);
+  int jammed_scans = 0;
+  std::map<std::string, std::vector<double>> entropies_nats;
+  const logs::IndexedLog log(options.log_path);
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    if (event->channel == "SCAN_Q1") {
+      jammed_scans += bus::decode_wire<vantage_lcm::scan_t>(event->data)->jammed;
+    }
+    if (event->channel.starts_with("MAP_")) {
+      entropies_nats[std::string(event->channel)].push_back(
+          bus::decode_wire<vantage_lcm::map_t>(event->data)->entropy_nat);
+    }
+  }
+  EXPECT_GE(jammed_scans, 6) << "from 8 s on";
+  ASSERT_EQ(entropies_nats.size(), 3U);
+  for (const auto& [channel, of_robot] : entropies_nats) {
+    EXPECT_GE(of_robot.size(), 22U);
+    EXPECT_LT(of_robot.back(), 0.8 * of_robot.front()) << channel;
+  }
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport plans = replay(options.log_path, std::string("planner:") + robot);
+    EXPECT_TRUE(plans.outputs.is_exact()) << robot;
+    EXPECT_GE(plans.outputs.replayed(), 11) << robot;
+    EXPECT_EQ(plans.not_replayed(), 0) << robot;
+    const ReplayReport knowledge = replay(options.log_path, std::string("estimator:") + robot);
+    EXPECT_TRUE(knowledge.outputs.is_exact()) << robot;
+    EXPECT_GE(knowledge.outputs.replayed(), 2 * 22) << robot << ": beliefs and maps";
+    EXPECT_EQ(knowledge.not_replayed(), 0) << robot;
+  }
+}
+
+TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
+  Overrides overrides;
+  overrides.seed = 2;
+  overrides.duration_s = 8.0;
+  overrides.node_budget = 300;
+  scenario::Scenario scenario =
+      load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-attack.yaml", overrides);
+  ASSERT_EQ(scenario.planner.attacks_max, 1);
+  TrialOptions options;
+  options.log_path = folder_->file("attack.lcmlog");
+  run_trial(scenario, trial_recipes(scenario), options);
+  int proposals = 0;
+  int jammed_looks = 0;
+  const logs::IndexedLog log(options.log_path);
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    proposals += event->channel.starts_with("PROPOSAL_") ? 1 : 0;
+    if (event->channel == "MEASUREMENT_Q1") {
+      jammed_looks += bus::decode_wire<vantage_lcm::measurement_t>(event->data)->jammed;
+    }
+  }
+  EXPECT_GE(proposals, 3 * 7);
+  EXPECT_GE(jammed_looks, 4);
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport plans = replay(options.log_path, std::string("planner:") + robot);
+    EXPECT_TRUE(plans.outputs.is_exact()) << robot;
+    EXPECT_GE(plans.outputs.replayed(), 7) << robot;
+    EXPECT_EQ(plans.not_replayed(), 0) << robot;
+  }
+}
+
+TEST_F(ReplayLog, MakesThePlansAndProposalsOfALocalSearchAgain) {
+  Overrides overrides;
+  overrides.seed = 2;
+  overrides.duration_s = 14.0;
+  overrides.node_budget = 1000;
+  scenario::Scenario scenario =
+      load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-energy.yaml", overrides);
+  ASSERT_EQ(scenario.planner.team_algorithm, scenario::TeamAlgorithm::kLocalSearch);
+  TrialOptions options;
+  options.log_path = folder_->file("energy.lcmlog");
+  run_trial(scenario, trial_recipes(scenario), options);
+  std::map<std::string, int> said;
+  const logs::IndexedLog log(options.log_path);
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    said[std::string(event->channel)]++;
+  }
+  for (const std::string robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport outputs = replay(options.log_path, "planner:" + robot);
+    EXPECT_TRUE(outputs.outputs.is_exact()) << robot;
+    EXPECT_GE(said["TEAM_PROPOSAL_" + robot], 4) << robot;
+    EXPECT_EQ(outputs.outputs.replayed(), said["PLAN_" + robot] + said["TEAM_PROPOSAL_" + robot]);
+    EXPECT_EQ(outputs.not_replayed(), 0) << robot;
+  }
+}
+
+TEST_F(ReplayLog, NamesTheFirstMemberThatDiffers) {
+  int seen = 0;
+  const std::string path = edited([&](std::string_view channel, Bytes& data) {
+    if (channel == "PLAN_Q2" && ++seen == 4) {
+      auto wire = bus::decode_wire<vantage_lcm::plan_t>(data).value();
+      wire.segments.at(1).speed_mps += 1e-12;
+      data = logs::test::encoded(wire);
+    }
+    return true;
+  });
+  const ReplayReport report = replay(path, "planner:Q2");
+  EXPECT_FALSE(report.outputs.is_exact());
+  ASSERT_TRUE(report.outputs.first_difference().has_value());
+  EXPECT_EQ(report.outputs.first_difference()->member, "segments[1].speed_mps");
+  EXPECT_NE(report.outputs.first_difference()->logged, report.outputs.first_difference()->replayed);
+  EXPECT_FALSE(report.outputs.first_difference()->inputs.empty());
+}
+
+TEST_F(ReplayLog, NoticesAnotherInput) {
+  int seen = 0;
+  const std::string path = edited([&](std::string_view channel, Bytes& data) {
+    if (channel == "MEASUREMENT_Q1") {
+      auto wire = bus::decode_wire<vantage_lcm::measurement_t>(data).value();
+      if (wire.num_detections > 0 && ++seen == 1) {
+        wire.detections[0].z[0] += 1e-9;
+        data = logs::test::encoded(wire);
+      }
+    }
+    return true;
+  });
+  ASSERT_GE(seen, 1);
+  EXPECT_GE(replay(path, "estimator:Q1").outputs.different(), 1);
+}
+
+TEST_F(ReplayLog, SaysWhatCouldNotBeMadeAgain) {
+  int seen = 0;
+  const std::string path = edited(
+      [&](std::string_view channel, Bytes&) { return channel != "BELIEF_Q1" || ++seen != 10; });
+  const ReplayReport plans = replay(path, "planner:Q1");
+  EXPECT_EQ(plans.outputs.different(), 0);
+  EXPECT_GE(plans.not_replayed(), 0);
+  EXPECT_LE(plans.not_replayed(), 1);
+  const ReplayReport beliefs = replay(path, "estimator:Q1");
+  EXPECT_EQ(beliefs.outputs.different(), 0);
+  EXPECT_EQ(beliefs.not_replayed(), 1) << "the step after the lost one goes on from the log";
+}
+
+TEST_F(ReplayLog, RefusesNodesThatAreNot) {
+  const logs::IndexedLog log(trial());
+  const scenario::Scenario scenario = scenario_of(log);
+  EXPECT_THROW(parse_replay_target("planner", scenario), UsageError);
+  EXPECT_THROW(parse_replay_target("sim:Q1", scenario), UsageError);
+  EXPECT_THROW(parse_replay_target("planner:Q9", scenario), UsageError);
+}
+
+TEST(OutputComparison, IsNotExactWhenNothingWasCompared) {
+  EXPECT_FALSE(OutputComparison().is_exact());
+}
+
+TEST(OutputComparison, TellsBitsApartThatReadTheSame) {
+  vantage_lcm::plan_t plan{};
+  plan.robot = "Q1";
+  OutputComparison comparison;
+  comparison.add_logged(logs::test::encoded(plan));
+  plan.run_id = 5;
+  plan.sequence = 9;
+  comparison.add_replayed(logs::test::encoded(plan));
+  EXPECT_TRUE(comparison.is_exact()) << "who published it does not matter";
+  plan.height_m = -0.0;
+  comparison.add_replayed(logs::test::encoded(plan));
+  EXPECT_EQ(comparison.different(), 1);
+}
+
+}  // namespace
+}  // namespace vantage::trial

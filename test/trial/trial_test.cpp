@@ -1,0 +1,158 @@
+#include "trial/trial.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
+
+#include "bus/convert/convert.hpp"
+#include "core/check.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+#include "trial/scenario/overrides.hpp"
+
+namespace vantage::trial {
+namespace {
+
+scenario::Scenario short_lab(std::uint64_t seed) {
+  Overrides overrides;
+  overrides.seed = seed;
+  overrides.duration_s = 6.0;
+  overrides.node_budget = 200;
+  return load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
+}
+
+std::string trial_json(std::uint64_t seed) {
+  const scenario::Scenario scenario = short_lab(seed);
+  return logs::to_json(run_trial(scenario, trial_recipes(scenario)).summary).dump();
+}
+
+TEST(RunTrial, IsAPureFunctionOfTheSeed) {
+  const std::string first = trial_json(3);
+  EXPECT_EQ(first, trial_json(3));
+  EXPECT_NE(first, trial_json(4));
+}
+
+TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {
+  const scenario::Scenario scenario = short_lab(6);
+  std::string logs[2];
+  for (std::string& log : logs) {
+    TrialOptions options;
+    options.log_path = ::testing::TempDir() + "vantage_trial_bytes.lcmlog";
+    std::filesystem::remove(options.log_path);
+    run_trial(scenario, trial_recipes(scenario), options);
+    std::ifstream file(options.log_path, std::ios::binary);
+    log.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  EXPECT_GT(logs[0].size(), 100'000U);
+  EXPECT_TRUE(logs[0] == logs[1]);  // run ids, sequences and times included
+}
+
+TEST(Trial, IsTheSameInPiecesOfAnyLength) {
+  const scenario::Scenario scenario = short_lab(6);
+  const std::string path = ::testing::TempDir() + "vantage_trial_pieces.lcmlog";
+  std::string logs[2];
+  std::string summaries[2];
+  for (const bool is_whole : {true, false}) {
+    std::filesystem::remove(path);
+    {
+      Trial trial(scenario, trial_recipes(scenario), path);
+      std::int64_t piece_us = is_whole ? 60'000'000 : 1'000;
+      while (trial.time() < trial.planned_end()) {
+        trial.advance_to(trial.time() + Duration{piece_us});
+        piece_us = 1 + piece_us * 7 / 3 % 1'000'003;
+        static_cast<void>(trial.result());  // asking changes nothing
+      }
+      EXPECT_EQ(trial.time(), trial.planned_end());
+      summaries[is_whole ? 0 : 1] = logs::to_json(trial.result().summary).dump();
+    }
+    std::ifstream file(path, std::ios::binary);
+    logs[is_whole ? 0 : 1].assign(std::istreambuf_iterator<char>(file), {});
+  }
+  EXPECT_GT(logs[0].size(), 100'000U);
+  EXPECT_TRUE(logs[0] == logs[1]);
+  EXPECT_EQ(summaries[0], summaries[1]);
+}
+
+TEST(RunTrial, PlansEveryRoundOfEveryRobotAndLosesNothing) {
+  const scenario::Scenario scenario = short_lab(1);
+  const TrialResult result = run_trial(scenario, trial_recipes(scenario));
+  EXPECT_GE(result.summary.rounds, 5);  // of 1 s each
+  EXPECT_EQ(result.summary.plans_missing, 0);
+  EXPECT_EQ(result.summary.messages_lost, 0);
+  EXPECT_EQ(result.summary.duration_s, 6.0);
+  EXPECT_EQ(result.summary.collisions, 0);
+  EXPECT_EQ(result.summary.discovery_time_s.size(), 5U);
+  EXPECT_TRUE(result.summary.min_separation_m);
+  for (const auto& [name, robot] : result.scene.robots) {
+    EXPECT_TRUE(robot.plan) << name;
+    EXPECT_TRUE(robot.world_from_body) << name;
+  }
+}
+
+TEST(RunTrial, StoppedEarlyIsTheShorterTrial) {
+  scenario::Scenario scenario = short_lab(2);
+  TrialOptions options;
+  int asked = 0;
+  options.stop = [&asked] { return ++asked == 3; };
+  const TrialResult stopped = run_trial(scenario, trial_recipes(scenario), options);
+  EXPECT_TRUE(stopped.was_stopped);
+  ASSERT_GT(stopped.summary.duration_s, 0.0);
+  ASSERT_LT(stopped.summary.duration_s, scenario.duration_s);
+  scenario.duration_s = stopped.summary.duration_s;
+  const TrialResult shorter = run_trial(scenario, trial_recipes(scenario));
+  EXPECT_FALSE(shorter.was_stopped);
+  EXPECT_EQ(logs::to_json(stopped.summary).dump(), logs::to_json(shorter.summary).dump());
+}
+
+TEST(RunTrial, RefusesATimeBudgetInVirtualTime) {
+  scenario::Scenario scenario = short_lab(1);
+  scenario.planner.node_budget = 0;
+  EXPECT_THROW(run_trial(scenario, {}), UsageError);
+}
+
+TEST(RunTrial, StartsOnAWholeRound) {
+  scenario::Scenario scenario = short_lab(1);
+  scenario.planner.step_s = 0.7;
+  scenario.planner.execute_steps = 3;
+  const std::int64_t start = to_utime(trial_start(scenario));
+  EXPECT_GE(start, 1'700'000'000'000'000);
+  EXPECT_LT(start, 1'700'000'000'000'000 + 2'100'000);
+  EXPECT_EQ(start % 2'100'000, 0);
+}
+
+TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
+  const scenario::Scenario scenario = short_lab(5);
+  TrialOptions options;
+  options.log_path = ::testing::TempDir() + "vantage_trial.lcmlog";
+  std::filesystem::remove(options.log_path);
+  run_trial(scenario, trial_recipes(scenario), options);
+
+  lcm::LogFile log(options.log_path, "r");
+  ASSERT_TRUE(log.good());
+  const lcm::LogEvent* event = log.readNextEvent();
+  ASSERT_NE(event, nullptr);
+  EXPECT_EQ(event->channel, "SCENARIO");
+  EXPECT_EQ(event->timestamp, to_utime(trial_start(scenario)));
+  vantage_lcm::scenario_t wire{};
+  ASSERT_GT(wire.decode(event->data, 0, event->datalen), 0);
+  EXPECT_EQ(scenario::parse_scenario(wire.yaml, "log").seed, 5U);
+
+  std::map<std::string, int> events;
+  std::int64_t newest = event->timestamp;
+  while ((event = log.readNextEvent()) != nullptr) {
+    EXPECT_GE(event->timestamp, newest);
+    newest = event->timestamp;
+    ++events[event->channel];
+  }
+  for (const std::string channel : {"VICON", "TRUTH", "MEASUREMENT_Q1", "BELIEF_Q2", "PLAN_Q3",
+                                    "QUADROTOR_Q1", "HEALTH_SIM", "HEALTH_PLANNER_Q1"}) {
+    EXPECT_GT(events[channel], 0) << channel;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::trial

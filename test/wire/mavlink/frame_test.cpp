@@ -1,0 +1,215 @@
+#include "wire/mavlink/frame.hpp"
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/wire/mavlink/hex.hpp"
+#include "test/wire/mavlink/random_message.hpp"
+#include "wire/mavlink/parser.hpp"
+
+namespace vantage::wire::mavlink {
+namespace {
+
+using test::bytes_of_hex;
+
+struct Row {
+  const char* name;
+  std::uint32_t id;
+  int crc_extra;
+  int base_bytes;
+  int full_bytes;
+};
+
+// Computed by others from the message definitions, and equal to the generated C headers.
+constexpr Row kTable[] = {
+    {"HEARTBEAT", 0, 50, 9, 9},
+    {"SYS_STATUS", 1, 124, 31, 43},
+    {"SYSTEM_TIME", 2, 137, 12, 12},
+    {"SET_MODE", 11, 89, 6, 6},
+    {"PARAM_REQUEST_READ", 20, 214, 20, 20},
+    {"PARAM_VALUE", 22, 220, 25, 25},
+    {"PARAM_SET", 23, 168, 23, 23},
+    {"ATTITUDE", 30, 39, 28, 28},
+    {"ATTITUDE_QUATERNION", 31, 246, 32, 48},
+    {"LOCAL_POSITION_NED", 32, 185, 28, 28},
+    {"SET_GPS_GLOBAL_ORIGIN", 48, 41, 13, 21},
+    {"GPS_GLOBAL_ORIGIN", 49, 39, 12, 20},
+    {"MANUAL_CONTROL", 69, 243, 11, 30},
+    {"COMMAND_INT", 75, 158, 35, 35},
+    {"COMMAND_LONG", 76, 152, 33, 33},
+    {"COMMAND_ACK", 77, 143, 3, 10},
+    {"SET_ATTITUDE_TARGET", 82, 49, 39, 51},
+    {"SET_POSITION_TARGET_LOCAL_NED", 84, 143, 53, 53},
+    {"POSITION_TARGET_LOCAL_NED", 85, 140, 51, 51},
+    {"HIL_ACTUATOR_CONTROLS", 93, 47, 81, 81},
+    {"VISION_POSITION_ESTIMATE", 102, 158, 32, 117},
+    {"VISION_SPEED_ESTIMATE", 103, 208, 20, 57},
+    {"VICON_POSITION_ESTIMATE", 104, 56, 32, 116},
+    {"HIL_SENSOR", 107, 108, 64, 65},
+    {"TIMESYNC", 111, 34, 16, 18},
+    {"DISTANCE_SENSOR", 132, 85, 14, 39},
+    {"ATT_POS_MOCAP", 138, 109, 36, 120},
+    {"BATTERY_STATUS", 147, 154, 36, 54},
+    {"AUTOPILOT_VERSION", 148, 178, 60, 78},
+    {"EKF_STATUS_REPORT", 193, 71, 22, 26},
+    {"ESTIMATOR_STATUS", 230, 163, 42, 42},
+    {"GPS_INPUT", 232, 151, 63, 65},
+    {"HOME_POSITION", 242, 104, 52, 60},
+    {"MESSAGE_INTERVAL", 244, 95, 6, 6},
+    {"EXTENDED_SYS_STATE", 245, 130, 2, 2},
+    {"STATUSTEXT", 253, 83, 51, 54},
+    {"ODOMETRY", 331, 91, 230, 233},
+};
+
+TEST(MessageDescriptions, GiveTheChecksumsAndLengthsOfTheDefinitions) {
+  for (const Row& row : kTable) {
+    const MessageInfo* const info = find_message(row.id);
+    ASSERT_NE(info, nullptr) << row.name;
+    EXPECT_EQ(info->name, row.name);
+    EXPECT_EQ(int{info->crc_extra}, row.crc_extra) << row.name;
+    EXPECT_EQ(int{info->base_bytes}, row.base_bytes) << row.name;
+    EXPECT_EQ(int{info->full_bytes}, row.full_bytes) << row.name;
+  }
+  EXPECT_EQ(std::size(kTable), std::tuple_size_v<AllMessages>);
+  EXPECT_EQ(find_message(99'999), nullptr);
+}
+
+TEST(MessageDescriptions, StandInWireOrderLargestElementsFirst) {
+  test::for_each_message([]<class Message>() {
+    std::size_t last = 8;
+    const Message message;
+    Message::Fields::for_each(message, [&](std::string_view name, const auto& field) {
+      using Shape = FieldShape<std::remove_cvref_t<decltype(field)>>;
+      EXPECT_LE(sizeof(typename Shape::Element), last) << Message::kMessage.name << "." << name;
+      last = sizeof(typename Shape::Element);
+    });
+  });
+}
+
+template <class Message>
+std::string hex_of(const Message& message, const Origin& origin) {
+  std::vector<std::uint8_t> bytes;
+  append_bytes(pack(message, origin), bytes);
+  return test::hex_of_bytes(bytes);
+}
+
+TEST(Pack, GivesTheBytesOfAHeartbeat) {
+  Heartbeat heartbeat;
+  heartbeat.type = 18;
+  heartbeat.autopilot = 8;
+  heartbeat.system_status = 4;
+  heartbeat.mavlink_version = 3;
+  EXPECT_EQ(hex_of(heartbeat, {255, 191, 0}), "fd09000000ffbf000000000000001208000403cb64");
+}
+
+TEST(Pack, GivesTheBytesOfAPositionTarget) {
+  SetPositionTargetLocalNed target;
+  target.time_boot_ms = 123456;
+  target.x = 1.5F;
+  target.y = -2.25F;
+  target.z = -1.0F;
+  target.yaw = 0.5F;
+  target.type_mask = 3576;
+  target.coordinate_frame = 1;
+  target.target_system = 1;
+  target.target_component = 1;
+  EXPECT_EQ(
+      hex_of(target, {255, 190, 7}),
+      "fd35000007ffbe54000040e201000000c03f000010c0000080bf000000000000000000000000000000000000"
+      "0000000000000000003f00000000f80d01010146a3");
+}
+
+CommandLong command(std::uint16_t number, float param1, float param2) {
+  CommandLong out;
+  out.command = number;
+  out.param1 = param1;
+  out.param2 = param2;
+  out.target_system = 1;
+  out.target_component = 1;
+  return out;
+}
+
+TEST(Pack, GivesTheBytesOfTheCommandsOfAFlight) {
+  EXPECT_EQ(
+      hex_of(command(400, 1.0F, 0.0F), {255, 191, 1}),
+      "fd20000001ffbf4c00000000803f000000000000000000000000000000000000000000000000900101012fbe");
+  EXPECT_EQ(
+      hex_of(command(176, 1.0F, 6.0F), {255, 191, 2}),
+      "fd20000002ffbf4c00000000803f0000c0400000000000000000000000000000000000000000b0000101d98f");
+  EXPECT_EQ(
+      hex_of(command(21, 0.0F, 0.0F), {255, 191, 8}),
+      "fd20000008ffbf4c000000000000000000000000000000000000000000000000000000000000150001013e5b");
+}
+
+TEST(Pack, GivesTheBytesOfATimesyncRequest) {
+  Timesync request;
+  request.ts1 = 123'456'789;
+  request.target_system = 1;
+  request.target_component = 1;
+  EXPECT_EQ(hex_of(request, {255, 191, 3}),
+            "fd12000003ffbf6f0000000000000000000015cd5b070000000001018063");
+}
+
+TEST(Pack, GivesTheBytesOfExternalPosesAndCutsTheirZeros) {
+  VisionPositionEstimate vision;
+  vision.usec = 1'000'000;
+  vision.x = 1.0F;
+  vision.y = 2.0F;
+  vision.z = -0.5F;
+  vision.yaw = 1.5F;
+  vision.covariance[0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(
+      hex_of(vision, {255, 197, 4}),
+      "fd24000004ffc566000040420f00000000000000803f00000040000000bf00000000000000000000c03f0000"
+      "c07f8be0");
+  AttPosMocap mocap;
+  mocap.time_usec = 1'000'000;
+  mocap.q[0] = 1.0F;
+  mocap.x = 1.0F;
+  mocap.y = 2.0F;
+  mocap.z = -0.5F;
+  EXPECT_EQ(
+      hex_of(mocap, {255, 197, 6}),
+      "fd24000006ffc58a000040420f00000000000000803f0000000000000000000000000000803f000000400000"
+      "00bfb560");
+}
+
+TEST(Pack, KeepsOneByteOfAMessageOfZeros) {
+  EXPECT_EQ(pack(MessageInterval{}, {1, 1, 0}).payload_size, 1);
+}
+
+TEST(Unpack, GivesBackEveryMessageWhateverItHolds) {
+  std::mt19937_64 rng(1);
+  test::for_each_message([&rng]<class Message>() {
+    for (int i = 0; i < 500; ++i) {
+      const Message sent = test::random_message<Message>(rng);
+      const Frame frame = pack(sent, {3, 4, static_cast<std::uint8_t>(i)});
+      const std::optional<Message> back = unpack<Message>(frame);
+      ASSERT_TRUE(back.has_value());
+      // The same values have the same bytes, also those that are not numbers.
+      const Frame again = pack(*back, frame.origin);
+      ASSERT_EQ(again.payload, frame.payload) << Message::kMessage.name;
+      ASSERT_EQ(again.crc, frame.crc);
+    }
+  });
+}
+
+TEST(Unpack, RefusesAnotherMessage) {
+  EXPECT_FALSE(unpack<Attitude>(pack(Heartbeat{}, {1, 1, 0})).has_value());
+}
+
+TEST(Unpack, IgnoresWhatGoesBeyondTheFieldsItKnows) {
+  Frame frame = pack(ExtendedSysState{1, 2}, {1, 1, 0});
+  frame.payload[2] = 77;
+  frame.payload_size = 3;
+  frame.crc = crc_of(frame);
+  const auto state = unpack<ExtendedSysState>(frame);
+  ASSERT_TRUE(state.has_value());
+  EXPECT_EQ(state->landed_state, 2);
+}
+
+}  // namespace
+}  // namespace vantage::wire::mavlink

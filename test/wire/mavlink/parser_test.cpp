@@ -1,0 +1,222 @@
+#include "wire/mavlink/parser.hpp"
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/wire/mavlink/hex.hpp"
+#include "test/wire/mavlink/random_message.hpp"
+
+namespace vantage::wire::mavlink {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes bytes_of(const Frame& frame) {
+  Bytes bytes;
+  append_bytes(frame, bytes);
+  return bytes;
+}
+
+std::vector<Frame> frames_in(Parser& parser, const Bytes& bytes) {
+  std::vector<Frame> frames;
+  parser.feed(bytes, [&frames](const Frame& frame) { frames.push_back(frame); });
+  return frames;
+}
+
+Frame attitude_frame(std::uint8_t sequence) {
+  Attitude attitude;
+  attitude.time_boot_ms = 1000U + sequence;
+  attitude.yawspeed = 0.25F;
+  return pack(attitude, {1, 1, sequence});
+}
+
+/// A frame of a message that nobody here knows, with a payload of `fill`.
+Bytes unknown_frame(std::uint8_t fill) {
+  constexpr std::array<std::uint8_t, 10> kHeader{kMarkerV2, 20, 0, 0, 9, 1, 1, 0x50, 0xC3, 0};
+  Bytes bytes(kHeader.size() + 22, fill);
+  std::ranges::copy(kHeader, bytes.begin());
+  return bytes;
+}
+
+void append(Bytes& to, const Bytes& more) { to.insert(to.end(), more.begin(), more.end()); }
+
+TEST(Parser, ReadsEachFrameWhenItsLastByteComes) {
+  Parser parser;
+  std::mt19937_64 rng(2);
+  test::for_each_message([&]<class Message>() {
+    const Frame sent = pack(test::random_message<Message>(rng), {7, 8, 9});
+    const Bytes bytes = bytes_of(sent);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      const std::vector<Frame> frames = frames_in(parser, {bytes[i]});
+      ASSERT_EQ(frames.size(), i + 1 == bytes.size() ? 1U : 0U) << Message::kMessage.name;
+      if (!frames.empty()) {
+        EXPECT_EQ(frames[0].message_id, sent.message_id);
+        EXPECT_EQ(frames[0].origin, sent.origin);
+        EXPECT_EQ(frames[0].payload, sent.payload);
+      }
+    }
+  });
+  EXPECT_EQ(parser.counts().bytes_skipped, 0);
+}
+
+TEST(Parser, FindsEveryFrameBetweenNoiseThatHoldsNoMarkers) {
+  std::mt19937_64 rng(3);
+  Bytes stream;
+  std::size_t noise = 0;
+  for (int i = 0; i < 200; ++i) {
+    for (std::size_t n = rng() % 40; n > 0; --n, ++noise) {
+      stream.push_back(static_cast<std::uint8_t>(rng() % 250));
+    }
+    append(stream, bytes_of(attitude_frame(static_cast<std::uint8_t>(i))));
+  }
+  Parser parser;
+  EXPECT_EQ(frames_in(parser, stream).size(), 200U);
+  EXPECT_EQ(parser.counts().bytes_skipped, static_cast<std::int64_t>(noise));
+}
+
+TEST(Parser, LosesNoGoodFrameToATornOneBeforeIt) {
+  Bytes torn = bytes_of(attitude_frame(0));
+  for (std::size_t length = 1; length < torn.size(); ++length) {
+    Bytes stream(torn.begin(), torn.begin() + static_cast<std::ptrdiff_t>(length));
+    for (std::uint8_t i = 1; i <= 3; ++i) {
+      append(stream, bytes_of(attitude_frame(i)));
+    }
+    Parser parser;
+    std::vector<Frame> frames = frames_in(parser, stream);
+    parser.flush([&frames](const Frame& frame) { frames.push_back(frame); });
+    ASSERT_EQ(frames.size(), 3U) << length << " bytes of the torn one";
+    EXPECT_EQ(frames[0].origin.sequence, 1);
+  }
+}
+
+TEST(Parser, RefusesAFrameWithAnyBitChanged) {
+  const Bytes good = bytes_of(attitude_frame(0));
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    Bytes bad = good;
+    bad[bit / 8] = static_cast<std::uint8_t>(bad[bit / 8] ^ (1U << (bit % 8)));
+    Parser parser;
+    EXPECT_TRUE(frames_in(parser, bad).empty()) << "bit " << bit;
+    std::size_t found = 0;
+    parser.flush([&found](const Frame&) { ++found; });
+    EXPECT_EQ(found, 0U);
+  }
+}
+
+TEST(Parser, CountsMessagesItDoesNotKnowAndReadsOn) {
+  Parser parser;
+  Bytes stream = unknown_frame(0xFD);  // a payload of markers leads nowhere
+  append(stream, bytes_of(attitude_frame(1)));
+  append(stream, unknown_frame(0));
+  EXPECT_EQ(frames_in(parser, stream).size(), 1U);
+  EXPECT_EQ(parser.counts().unknown, 2);
+  EXPECT_EQ(parser.counts().bytes_skipped, 0);
+}
+
+TEST(Parser, DropsFramesWithAFlagThatChangesWhatTheyMean) {
+  Frame frame = attitude_frame(1);
+  frame.incompatible_flags = 0x02;
+  frame.crc = crc_of(frame);
+  Parser parser;
+  EXPECT_TRUE(frames_in(parser, bytes_of(frame)).empty());
+  EXPECT_EQ(parser.counts().unknown_flags, 1);
+  frame.incompatible_flags = 0;
+  frame.compatible_flags = 0xFF;
+  frame.crc = crc_of(frame);
+  EXPECT_EQ(frames_in(parser, bytes_of(frame)).size(), 1U);
+}
+
+TEST(Parser, RecognisesVersionOne) {
+  Frame frame = pack(Heartbeat{4, 2, 3, 128, 4, 3}, {1, 1, 200});
+  frame.is_v1 = true;
+  frame.payload_size = 9;
+  frame.crc = crc_of(frame);
+  const Bytes bytes = bytes_of(frame);
+  // By hand: marker, length, sequence, system, component, id, payload.
+  EXPECT_EQ(test::hex_of_bytes(bytes).substr(0, 30), "fe09c8010100040000000203800403");
+  EXPECT_EQ(bytes.size(), 17U);
+  Parser parser;
+  const std::vector<Frame> frames = frames_in(parser, bytes);
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_TRUE(frames[0].is_v1);
+  EXPECT_EQ(parser.counts().frames_v1, 1);
+  const auto heartbeat = unpack<Heartbeat>(frames[0]);
+  ASSERT_TRUE(heartbeat.has_value());
+  EXPECT_EQ(heartbeat->custom_mode, 4U);
+  EXPECT_EQ(heartbeat->base_mode, 128);
+}
+
+TEST(Parser, FindsWhatAFalseStartWasHidingWhenTheDatagramEnds) {
+  Bytes datagram{kMarkerV2, 200, 0, 0, 0, 1, 1, 30, 0, 0};
+  append(datagram, bytes_of(attitude_frame(5)));
+  Parser parser;
+  EXPECT_TRUE(frames_in(parser, datagram).empty());
+  std::vector<Frame> frames;
+  parser.flush([&frames](const Frame& frame) { frames.push_back(frame); });
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(frames[0].origin.sequence, 5);
+  EXPECT_EQ(frames_in(parser, bytes_of(attitude_frame(6))).size(), 1U);
+}
+
+TEST(Parser, AccountsForEveryByteOfAnythingThatComes) {
+  std::mt19937_64 rng(4);
+  Parser parser;
+  std::int64_t fed = 0;
+  std::int64_t consumed = 0;
+  const auto consume = [&consumed](const Frame& frame) {
+    consumed += (frame.is_v1 ? 8 : 12) + frame.payload_size + (frame.signature ? 13 : 0);
+  };
+  Bytes chunk;
+  for (int i = 0; i < 200'000; ++i) {
+    chunk.clear();
+    switch (rng() % 4) {
+      case 0:  // a good frame
+        append(chunk, bytes_of(pack(test::random_message<Odometry>(rng), {1, 1, 0})));
+        break;
+      case 1:  // a frame with a few bytes changed
+        append(chunk, bytes_of(pack(test::random_message<BatteryStatus>(rng), {1, 1, 0})));
+        for (int n = 0; n < 3; ++n) {
+          chunk[rng() % chunk.size()] = static_cast<std::uint8_t>(rng());
+        }
+        break;
+      case 2:  // a piece of a frame
+        append(chunk, bytes_of(attitude_frame(0)));
+        chunk.resize(rng() % chunk.size());
+        break;
+      default:  // noise with many markers in it
+        for (std::size_t n = rng() % 64; n > 0; --n) {
+          const auto byte = static_cast<std::uint8_t>(rng());
+          chunk.push_back(byte < 64 ? (byte < 32 ? kMarkerV1 : kMarkerV2) : byte);
+        }
+    }
+    fed += static_cast<std::int64_t>(chunk.size());
+    parser.feed(chunk, consume);
+  }
+  parser.flush(consume);
+  // Frames of unknown messages are consumed without being handed on.
+  EXPECT_LE(parser.counts().bytes_skipped + consumed, fed);
+  EXPECT_GE(parser.counts().bytes_skipped + consumed + 280 * parser.counts().unknown, fed);
+  EXPECT_GT(parser.counts().frames, 40'000);
+  EXPECT_EQ(frames_in(parser, bytes_of(attitude_frame(6))).size(), 1U);
+}
+
+TEST(SequenceMonitor, CountsGapsOfEachSenderAcrossTheWrap) {
+  SequenceMonitor monitor;
+  for (int i = 250; i < 260; ++i) {
+    monitor.see({1, 1, static_cast<std::uint8_t>(i)});
+    monitor.see({2, 1, 0});  // another one that repeats itself
+  }
+  EXPECT_EQ(monitor.lost(), 0);
+  EXPECT_EQ(monitor.out_of_order(), 9);
+  monitor.see({1, 1, 9});  // 4 … 8 are missing
+  EXPECT_EQ(monitor.lost(), 5);
+  monitor.see({1, 1, 6});
+  EXPECT_EQ(monitor.out_of_order(), 10);
+  monitor.see({1, 1, 10});
+  EXPECT_EQ(monitor.lost(), 5);
+}
+
+}  // namespace
+}  // namespace vantage::wire::mavlink

@@ -1,0 +1,121 @@
+#include "wire/mavlink/signing.hpp"
+
+#include <gtest/gtest.h>
+
+namespace vantage::wire::mavlink {
+namespace {
+
+constexpr Time kNow = from_utime(1'767'225'600'000'000);  // 2026-01-01
+constexpr SigningKey kKey{1, 2, 3, 4, 5};
+
+Frame heartbeat() { return pack(Heartbeat{0, 18, 8, 0, 4, 3}, {255, 191, 0}); }
+
+TEST(SigningTimestamp, CountsTensOfMicrosecondsSince2015) {
+  EXPECT_EQ(signing_timestamp_10us(from_utime(1'420'070'400'000'000)), 0U);
+  EXPECT_EQ(signing_timestamp_10us(from_utime(1'420'070'401'000'000)), 100'000U);
+  EXPECT_EQ(signing_timestamp_10us(from_utime(0)), 0U);
+}
+
+TEST(Signer, AcceptsWhatItsPeerSigned) {
+  Signer sender(kKey, 3);
+  Signer receiver(kKey, 4);
+  for (int i = 0; i < 10; ++i) {  // also when no time passes
+    Frame frame = heartbeat();
+    sender.sign(frame, kNow);
+    EXPECT_EQ(frame.signature->link_id, 3);
+    EXPECT_EQ(receiver.check(frame, kNow), SignatureVerdict::kGood);
+  }
+}
+
+TEST(Signer, RefusesAnotherKeyAndEveryChange) {
+  Signer sender(kKey, 3);
+  Frame frame = heartbeat();
+  sender.sign(frame, kNow);
+  SigningKey other = kKey;
+  other[31] ^= 1;
+  EXPECT_EQ(Signer(other, 0).check(frame, kNow), SignatureVerdict::kWrong);
+  const auto expect_wrong = [](const Frame& changed) {
+    EXPECT_EQ(Signer(kKey, 0).check(changed, kNow), SignatureVerdict::kWrong);
+  };
+  Frame changed = frame;
+  changed.payload[0] ^= 1;
+  expect_wrong(changed);
+  changed = frame;
+  changed.origin.sequence ^= 1;
+  expect_wrong(changed);
+  changed = frame;
+  changed.signature->link_id ^= 1;
+  expect_wrong(changed);
+  changed = frame;
+  changed.signature->timestamp_10us += 1;
+  expect_wrong(changed);
+  EXPECT_EQ(Signer(kKey, 0).check(heartbeat(), kNow), SignatureVerdict::kUnsigned);
+}
+
+TEST(Signer, RefusesReplays) {
+  Signer sender(kKey, 3);
+  Signer receiver(kKey, 0);
+  Frame first = heartbeat();
+  Frame second = heartbeat();
+  sender.sign(first, kNow);
+  sender.sign(second, kNow);
+  EXPECT_EQ(receiver.check(second, kNow), SignatureVerdict::kGood);
+  EXPECT_EQ(receiver.check(second, kNow), SignatureVerdict::kReplayed);
+  EXPECT_EQ(receiver.check(first, kNow), SignatureVerdict::kReplayed);
+}
+
+TEST(Signer, RefusesANewStreamThatIsMoreThanAMinuteBehind) {
+  Signer sender(kKey, 3);
+  Frame frame = heartbeat();
+  sender.sign(frame, kNow);
+  EXPECT_EQ(Signer(kKey, 0).check(frame, kNow + std::chrono::seconds(60)), SignatureVerdict::kGood);
+  EXPECT_EQ(Signer(kKey, 0).check(frame, kNow + std::chrono::seconds(61)),
+            SignatureVerdict::kReplayed);
+}
+
+// Its clock is never behind its peer's: what it signs next is news to whoever has heard the peer,
+// and a stream that is a minute behind the peer is old, whatever our own clock says.
+TEST(Signer, SignsLaterThanWhatItsPeerHasSigned) {
+  Signer peer(kKey, 3);
+  Signer ours(kKey, 3);  // on the same link, with a clock an hour behind
+  const Time behind = kNow - std::chrono::hours(1);
+  for (int time = 0; time < 3; ++time) {
+    Frame theirs = heartbeat();
+    peer.sign(theirs, kNow + std::chrono::seconds(time));
+    ASSERT_EQ(ours.check(theirs, behind), SignatureVerdict::kGood);
+    Frame own = heartbeat();
+    ours.sign(own, behind);
+    EXPECT_EQ(own.signature->timestamp_10us, theirs.signature->timestamp_10us + 1);
+  }
+  Signer third(kKey, 9);
+  Frame old = heartbeat();
+  third.sign(old, kNow - std::chrono::seconds(61));
+  EXPECT_EQ(ours.check(old, behind), SignatureVerdict::kReplayed);
+}
+
+TEST(Signer, SignsEachMessageLaterThanTheLastWhateverTheClockDoes) {
+  Signer signer(kKey, 3);
+  std::uint64_t last_10us = 0;
+  for (const int seconds : {0, 0, 5, -10, -10, 6}) {
+    Frame frame = heartbeat();
+    signer.sign(frame, kNow + std::chrono::seconds(seconds));
+    EXPECT_GT(frame.signature->timestamp_10us, last_10us) << seconds;
+    EXPECT_GE(frame.signature->timestamp_10us,
+              signing_timestamp_10us(kNow + std::chrono::seconds(seconds)));
+    last_10us = frame.signature->timestamp_10us;
+  }
+}
+
+TEST(Signer, KeepsABoundedNumberOfStreams) {
+  Signer receiver(kKey, 0);
+  for (int link = 0; link < 256; ++link) {
+    Signer sender(kKey, static_cast<std::uint8_t>(link));
+    Frame frame = heartbeat();
+    sender.sign(frame, kNow);
+    EXPECT_EQ(receiver.check(frame, kNow),
+              link < 64 ? SignatureVerdict::kGood : SignatureVerdict::kTooManyStreams);
+  }
+}
+
+}  // namespace
+}  // namespace vantage::wire::mavlink

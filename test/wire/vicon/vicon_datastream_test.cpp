@@ -1,0 +1,202 @@
+#include <gtest/gtest.h>
+
+#include "test/wire/vicon/vicon_bytes.hpp"
+#include "wire/vicon/datastream_blocks.hpp"
+
+namespace vantage::wire::vicon {
+namespace {
+
+using test::from_hex;
+
+/// The packet that holds just `value`.
+template <class Value>
+std::vector<std::uint8_t> packet_of(const Value& value) {
+  std::vector<std::uint8_t> bytes;
+  PacketWriter packet(bytes);
+  append(packet, value);
+  packet.finish();
+  return bytes;
+}
+
+/// The only block of `packet`; its body must outlive the answer.
+Block only_block(const std::vector<std::uint8_t>& packet) {
+  const Framed framed = next_packet(packet);
+  EXPECT_EQ(framed.state, Framing::kWhole);
+  EXPECT_EQ(framed.bytes, packet.size());
+  BlockCursor cursor(framed.body);
+  const auto block = cursor.next();
+  EXPECT_TRUE(block);
+  EXPECT_FALSE(cursor.next());
+  EXPECT_FALSE(cursor.is_broken());
+  return block.value_or(Block{});
+}
+
+/// What comes back from encoding `value`; every shorter body must be refused.
+template <class Value>
+Value there_and_back(const Value& value, std::uint32_t type) {
+  const std::vector<std::uint8_t> packet = packet_of(value);
+  const Block block = only_block(packet);
+  EXPECT_EQ(block.type, type);
+  Value read;
+  for (std::size_t bytes = 0; bytes < block.body.size(); ++bytes) {
+    EXPECT_FALSE(decode(block.body.first(bytes), read)) << "of type " << type << " at " << bytes;
+  }
+  std::vector<std::uint8_t> longer(block.body.begin(), block.body.end());
+  longer.insert(longer.end(), 3, 0xEE);
+  EXPECT_TRUE(decode(longer, read)) << "bytes behind the known ones are a later version's";
+  EXPECT_TRUE(decode(block.body, read));
+  EXPECT_EQ(packet_of(read), packet);
+  return read;
+}
+
+TEST(DataStream, ServersFirstPacketHasTheWorkedBytes) {
+  const auto bytes = from_hex(
+      "01 00 2B 1A | 14 00 00 00 | A1 86 01 00 | 0C 00 00 00 | 02 00 00 00 | 05 00 00 00 | 09 00 "
+      "00 "
+      "00");
+  EXPECT_EQ(packet_of(ObjectEnums{{5, 9}}), bytes);
+  const Block block = only_block(bytes);
+  EXPECT_EQ(block.type, kObjectEnums);
+  ObjectEnums enums;
+  ASSERT_TRUE(decode(block.body, enums));
+  EXPECT_EQ(enums.types, (std::vector<std::uint32_t>{5, 9}));
+}
+
+TEST(DataStream, ClientsRequestHasTheWorkedBytes) {
+  const auto bytes = from_hex("01 00 2B 1A | 09 00 00 00 | A2 86 01 00 | 01 00 00 00 | 01");
+  EXPECT_EQ(packet_of(RequestFrame{true}), bytes);
+  RequestFrame request;
+  ASSERT_TRUE(decode(only_block(bytes).body, request));
+  EXPECT_TRUE(request.streaming);
+}
+
+TEST(DataStream, BlocksComeBackAsTheyWere) {
+  EXPECT_EQ(there_and_back(RequestNextFrame{7}, 100008).count, 7u);
+  EXPECT_EQ(there_and_back(Ping{0x0123456789ABCDEF}, 42).id, 0x0123456789ABCDEFu);
+  EXPECT_EQ(there_and_back(FrameInfo{123456}, 5).frame_number, 123456u);
+  EXPECT_EQ(there_and_back(HardwareFrameInfo{99}, 36).frame_number, 99u);
+  EXPECT_TRUE(there_and_back(ApplicationInfo{true}, 37).is_y_up);
+  EXPECT_EQ(there_and_back(StreamInfo{1'350'000}, 1).rate_hz(), 100.0);
+  EXPECT_EQ(StreamInfo{0}.rate_hz(), 0.0);
+  EXPECT_EQ(there_and_back(ObjectQuality{3, 0.75}, 40).quality, 0.75);
+  EXPECT_EQ(there_and_back(SubjectHealth{3, 0.5, 0.25}, 29).health, 0.25);
+  EXPECT_EQ(there_and_back(Timecode{1, 2, 3, 4, 5, 6, 7, 8, 9}, 23).field, 9);
+  const LatencyInfo latency = there_and_back(LatencyInfo{{{"Camera", 0.002}, {"Core", 0.003}}}, 26);
+  EXPECT_DOUBLE_EQ(latency.total_s(), 0.005);
+  EXPECT_EQ(latency.stages[1].name, "Core");
+  EXPECT_EQ(there_and_back(FrameRateInfo{{{"System", 100.0}}}, 39).rates[0].rate_hz, 100.0);
+  const Contents contents = there_and_back(Contents{{{5, 1}, {9, 2}}, {2, 37}}, 100004);
+  EXPECT_EQ(contents.sent[1].blocks, 2u);
+  EXPECT_TRUE(contents.is_unchanged(37));
+  EXPECT_FALSE(contents.is_unchanged(9));
+}
+
+TEST(DataStream, SubjectsAndPosesComeBackAsTheyWere) {
+  SubjectInfo subject;
+  subject.subject_id = 4;
+  subject.name = "drohne ä";  // UTF-8 passes through
+  subject.segments = {{0, 1, {1, 2, 3, 4, 5, 6}, "drohne ä"}, {1, 2, {}, "arm"}};
+  subject.markers = {{1, "m1"}, {2, ""}};
+  subject.attachments = {{1, 1}, {2, 2}};
+  const SubjectInfo subject_back = there_and_back(subject, 2);
+  EXPECT_EQ(subject_back.segments[1].name, "arm");
+  EXPECT_EQ(subject_back.segments[0].bounds[5], 6.0F);
+  EXPECT_EQ(subject_back.attachments[1].segment_id, 2u);
+
+  Segments segments;
+  segments.subject_id = 4;
+  segments.poses.resize(2);
+  segments.poses[1].segment_id = 2;
+  segments.poses[1].translation_mm = {1.5, -2.5, 3.5};
+  segments.poses[1].world_from_body << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  const Segments segments_back = there_and_back(segments, 9);
+  EXPECT_EQ(segments_back.poses[1].world_from_body, segments.poses[1].world_from_body);
+
+  LightweightSegments light;
+  light.subject_id = 4;
+  light.poses = {{1, {1.0F, 2.0F, 3.0F}, {0.1F, 0.2F, 0.3F}}};
+  EXPECT_EQ(there_and_back(light, 901).poses[0].angle_axis_rad.z(), 0.3F);
+}
+
+TEST(DataStream, RotationsAreRowMajor) {
+  Segments segments;
+  segments.poses.resize(1);
+  segments.poses[0].world_from_body << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+  const std::vector<std::uint8_t> packet = packet_of(segments);
+  Reader<std::endian::little> reader(only_block(packet).body);
+  static_cast<void>(reader.take(4 + 4 + 4 + 3 * 8));
+  for (int k = 1; k <= 9; ++k) {
+    EXPECT_EQ(reader.f64(), k);
+  }
+}
+
+TEST(NextPacket, KnowsAWrongStreamFromItsFirstWrongByte) {
+  EXPECT_EQ(next_packet({}).state, Framing::kNeedMore);
+  EXPECT_EQ(next_packet(from_hex("01")).state, Framing::kNeedMore);
+  EXPECT_EQ(next_packet(from_hex("0100 2B1A 0000")).state, Framing::kNeedMore);
+  EXPECT_EQ(next_packet(from_hex("76")).state, Framing::kBroken);
+  EXPECT_EQ(next_packet(from_hex("0100 2C")).state, Framing::kBroken);
+  EXPECT_EQ(next_packet(from_hex("0100 2B1A ffffffff")).state, Framing::kBroken) << "4 GiB";
+  const auto empty = from_hex("0100 2B1A 00000000");
+  EXPECT_EQ(next_packet(empty).state, Framing::kWhole);
+  EXPECT_EQ(next_packet(empty).bytes, 8u);
+}
+
+TEST(BlockCursor, StopsAtABlockThatIsLongerThanItsPacket) {
+  const auto body = from_hex("05000000 04000000 01020304 | 09000000 ff000000 00");
+  BlockCursor cursor(body);
+  const auto first = cursor.next();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->type, 5u);
+  EXPECT_FALSE(cursor.next());
+  EXPECT_TRUE(cursor.is_broken());
+  EXPECT_FALSE(cursor.next());
+}
+
+TEST(Decode, RefusesCountsThatTheBodyCannotHoldWithoutReservingThem) {
+  SubjectInfo subject;
+  EXPECT_FALSE(decode(from_hex("01000000 ffffffff"), subject));
+  EXPECT_FALSE(decode(from_hex("01000000 00000000 ffffffff"), subject));
+  Segments segments;
+  EXPECT_FALSE(decode(from_hex("01000000 ffffff7f"), segments));
+  EXPECT_TRUE(segments.poses.empty());
+  ObjectEnums enums;
+  EXPECT_FALSE(decode(from_hex("00000040"), enums)) << "4 · count overflows 32 bits";
+  Contents contents;
+  EXPECT_FALSE(decode(from_hex("00000020 00000000"), contents)) << "8 · count overflows 32 bits";
+}
+
+TEST(IsStatic, PartsTypesAsTheSdkDoes) {
+  for (const std::uint32_t type : {1u, 2u, 29u, 37u, 40u}) {
+    EXPECT_TRUE(is_static(type) && !is_dynamic(type)) << type;
+  }
+  for (const std::uint32_t type : {5u, 8u, 9u, 23u, 26u, 36u, 39u, 901u}) {
+    EXPECT_TRUE(is_dynamic(type) && !is_static(type)) << type;
+  }
+  for (const std::uint32_t type : {42u, 100001u, 100003u, 100004u}) {
+    EXPECT_TRUE(!is_dynamic(type) && !is_static(type)) << type;
+  }
+}
+
+TEST(StreamBuffer, NeverHoldsMoreThanItsCapacityAndLosesNothing) {
+  StreamBuffer buffer(16);
+  std::uint8_t next_in = 0;
+  std::uint8_t next_out = 0;
+  for (int i = 0; i < 1000; ++i) {
+    std::vector<std::uint8_t> bytes;
+    for (int k = 0; k < i % 23; ++k) {
+      bytes.push_back(static_cast<std::uint8_t>(next_in + k));
+    }
+    next_in = static_cast<std::uint8_t>(next_in + buffer.push(bytes));
+    ASSERT_LE(buffer.view().size(), 16u);
+    const std::size_t taken = buffer.view().size() / 2;
+    for (std::size_t k = 0; k < taken; ++k) {
+      ASSERT_EQ(buffer.view()[k], next_out++);
+    }
+    buffer.consume(taken);
+  }
+  EXPECT_EQ(buffer.capacity(), 16u);
+}
+
+}  // namespace
+}  // namespace vantage::wire::vicon

@@ -1,0 +1,86 @@
+#include "trial/observe/neighbours.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <string_view>
+
+#include "bus/convert/channels.hpp"
+#include "core/deadline.hpp"
+
+namespace vantage::trial {
+namespace {
+
+constexpr std::chrono::milliseconds kStep{50};
+constexpr std::size_t kChannelsMax = 10'000;
+
+/// What the channel's name says after `prefix`; empty for another channel.
+std::string after(const std::string& prefix, const std::string& channel) {
+  return channel.starts_with(prefix) ? channel.substr(prefix.size()) : "";
+}
+
+std::string host_in(const std::string& channel) {
+  return after(bus::host_channel("").name, channel);
+}
+std::string vehicle_in(const std::string& channel) {
+  return after(bus::quadrotor_channel("").name, channel);
+}
+
+}  // namespace
+
+std::set<std::string> hear_channels(bus::Transport& transport, Duration duration,
+                                    const std::function<bool()>& stop) {
+  const auto heard = std::make_shared<std::set<std::string>>();
+  transport.subscribe("*", [heard](std::string_view channel, const auto& /*bytes*/) {
+    if (heard->size() < kChannelsMax) {
+      heard->insert(std::string(channel));
+    }
+  });
+  const std::int64_t end_ns = monotonic_ns() + duration.count() * 1'000;
+  while (!stop() && monotonic_ns() < end_ns && transport.handle(kStep) != bus::kSourceEnded) {
+  }
+  return *heard;
+}
+
+std::vector<std::string> rivals_of_up(const scenario::Scenario& scenario, const std::string& host,
+                                      const std::set<std::string>& channels) {
+  const auto runs = [&](const std::string& part) {
+    return host.empty() || scenario.runs_on(host, part);
+  };
+  const auto is_of_trial = [&](const std::string& name) {
+    return !host.empty() && std::any_of(scenario.hosts.begin(), scenario.hosts.end(),
+                                        [&](const auto& each) { return each.name == name; });
+  };
+  std::vector<std::string> out;
+  for (const std::string& channel : channels) {
+    const std::string other = host_in(channel);
+    const std::string vehicle = vehicle_in(channel);
+    const scenario::RobotSpec* const robot = scenario.find_robot(vehicle);
+    const bool is_ours = robot != nullptr && robot->device != scenario::DeviceSource::kDirect;
+    if (!other.empty() && (other == host || !is_of_trial(other))) {
+      out.push_back("another `vantage up` runs on this network, as host " + other);
+    } else if (channel == bus::kTruth.name && runs(scenario::kSimPart)) {
+      out.emplace_back("a simulator runs on this network (TRUTH is published)");
+    } else if (!vehicle.empty() &&
+               (robot == nullptr || host.empty() || (is_ours && runs(vehicle)))) {
+      out.push_back("vehicle " + vehicle + " is alive on this network (" + channel +
+                    " is published)");
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> rivals_of_play(const std::set<std::string>& channels) {
+  std::vector<std::string> out;
+  for (const std::string& channel : channels) {
+    if (!vehicle_in(channel).empty()) {
+      out.push_back("vehicle " + vehicle_in(channel) + " is alive on this network");
+    } else if (!host_in(channel).empty()) {
+      out.push_back("`vantage up` runs on this network, as host " + host_in(channel));
+    } else if (channel == bus::kTruth.name) {
+      out.emplace_back("a simulator runs on this network");
+    }
+  }
+  return out;
+}
+
+}  // namespace vantage::trial

@@ -1,0 +1,123 @@
+#include "trial/replay/log_replay.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "bus/auth/authenticator.hpp"
+#include "bus/auth/keyring.hpp"
+#include "bus/convert/channels.hpp"
+#include "bus/node/bus.hpp"
+#include "bus/node/clock.hpp"
+#include "core/check.hpp"
+#include "estimator/app/replay_node.hpp"
+#include "planner/app/replay_node.hpp"
+
+namespace vantage::trial {
+namespace {
+
+constexpr const char* kPrefix = "REPLAY_";
+constexpr std::int64_t kRunId = 1;
+/// After the log's end, so that the node gives up waiting for what is not in it.
+constexpr Duration kClosing{5'000'000};
+constexpr Duration kClosingStep{100'000};
+constexpr std::int64_t kEventsPerReport = 1000;
+
+/// What the flight's own processes judged by; nullptr when they did not, or its keys are not here.
+std::unique_ptr<bus::auth::Authenticator> judge_of(const scenario::Scenario& scenario) {
+  std::error_code error;
+  if (scenario.security.mode == scenario::SecurityMode::kOff ||
+      !std::filesystem::exists(scenario.security.keys, error)) {
+    return nullptr;
+  }
+  return std::make_unique<bus::auth::Authenticator>(
+      std::make_shared<const bus::auth::Keyring>(bus::auth::load_keyring(scenario.security.keys)),
+      bus::auth::Authenticator::Rules{scenario.security.mode, scenario::trial_mode(scenario),
+                                      false});
+}
+
+}  // namespace
+
+ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenario& scenario) {
+  const std::size_t colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  require(colon != std::string::npos && (kind == "planner" || kind == "estimator"),
+          "node '" + text + "': want planner:ROBOT or estimator:ROBOT");
+  const std::string robot = text.substr(colon + 1);
+  require(scenario.find_robot(robot) != nullptr, "node '" + text + "': no such robot in the log");
+  return {kind == "planner" ? ReplayTarget::Kind::kPlanner : ReplayTarget::Kind::kEstimator, robot};
+}
+
+ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& scenario,
+                        const ReplayTarget& target, const std::function<void(double)>& progress) {
+  const bool is_planner = target.kind == ReplayTarget::Kind::kPlanner;
+  std::vector<std::string> outputs;
+  if (is_planner) {
+    outputs.push_back(bus::plan_channel(target.robot).name);
+    outputs.push_back(bus::team_proposal_channel(target.robot).name);
+  } else {
+    outputs.push_back(bus::belief_channel(target.robot).name);
+    outputs.push_back(bus::map_channel(target.robot).name);
+  }
+  ReplayReport report;
+  bus::VirtualClock clock(log.survey().first);
+  bus::InProcessHub hub;
+  const auto source = hub.connect();
+  const auto ear = hub.connect();
+  for (const std::string& output : outputs) {
+    ear->subscribe(kPrefix + output,
+                   [&](std::string_view /*channel*/, std::span<const std::uint8_t> message) {
+                     report.outputs.add_replayed(message);
+                   });
+  }
+  const auto endpoint = hub.connect();
+  bus::Bus bus(*endpoint, kRunId, kPrefix);
+  std::unique_ptr<bus::Node> node;
+  if (is_planner) {
+    node = std::make_unique<planner::PlannerReplayNode>(bus, clock, scenario, target.robot);
+  } else {
+    node = std::make_unique<estimator::EstimatorReplayNode>(bus, clock, scenario, target.robot);
+  }
+
+  const auto settle = [&] {
+    while (bus.handle(std::chrono::microseconds(0)) > 0) {
+    }
+    if (node->next_tick() <= clock.now()) {
+      node->tick(clock.now());
+    }
+    while (ear->handle(std::chrono::microseconds(0)) > 0) {
+    }
+  };
+  const auto judge = judge_of(scenario);
+  report.lacks_keys = !judge && scenario.security.mode != scenario::SecurityMode::kOff;
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    clock.set(std::max(clock.now(), event->time));
+    // The log has what was forged, too; the flight's processes did not heed it.
+    if (judge && !judge->judge(event->channel, event->data, event->time, false, false).may_pass) {
+      ++report.refused;
+      continue;
+    }
+    if (std::find(outputs.begin(), outputs.end(), event->channel) != outputs.end()) {
+      report.outputs.add_logged(event->data);
+    }
+    source->publish(std::string(event->channel), event->data);
+    ++report.events;
+    settle();
+    if (progress && report.events % kEventsPerReport == 0) {
+      progress(static_cast<double>(event->offset) / static_cast<double>(log.bytes().size()));
+    }
+  }
+  for (Duration passed{}; passed < kClosing; passed += kClosingStep) {
+    clock.set(clock.now() + kClosingStep);
+    settle();
+  }
+  if (progress) {
+    progress(1.0);
+  }
+  report.counters = node->counters();
+  return report;
+}
+
+}  // namespace vantage::trial

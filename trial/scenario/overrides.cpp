@@ -1,0 +1,51 @@
+#include "trial/scenario/overrides.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "scenario/reader/scenario_yaml.hpp"
+
+namespace vantage::trial {
+
+bool Overrides::is_empty() const {
+  return !seed && !duration_s && !planner && !communication_range_m && !node_budget && !url;
+}
+
+std::string apply_overrides(const std::string& yaml, const Overrides& overrides) {
+  if (overrides.is_empty()) {
+    return yaml;
+  }
+  YAML::Node root = YAML::Load(yaml);
+  if (overrides.seed) {
+    root["seed"] = *overrides.seed;
+  }
+  if (overrides.duration_s) {
+    root["duration_s"] = fmt::format("{}", *overrides.duration_s);
+  }
+  if (overrides.planner) {
+    root["planner"]["algorithm"] = *overrides.planner;
+  }
+  if (overrides.node_budget) {
+    root["planner"]["node_budget"] = *overrides.node_budget;
+  }
+  if (overrides.communication_range_m) {
+    root["network"]["communication_range_m"] = fmt::format("{}", *overrides.communication_range_m);
+  }
+  if (overrides.url) {
+    root["network"]["url"] = *overrides.url;
+  }
+  YAML::Emitter out;
+  out << root;
+  return std::string(out.c_str()) + "\n";
+}
+
+scenario::Scenario load_scenario_with(const std::string& path, const Overrides& overrides) {
+  scenario::Scenario scenario = scenario::load_scenario(path);
+  if (overrides.is_empty()) {
+    return scenario;
+  }
+  return scenario::parse_scenario(apply_overrides(scenario.source_text, overrides),
+                                  path + " with options");
+}
+
+}  // namespace vantage::trial

@@ -1,0 +1,72 @@
+#include "trial/virtual_loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+namespace vantage::trial {
+
+bus::Bus& VirtualTimeLoop::add_bus(std::int64_t run_id) {
+  Participant participant;
+  participant.transport = hub_.connect();
+  participant.bus = std::make_unique<bus::Bus>(*participant.transport, run_id);
+  participants_.push_back(std::move(participant));
+  return *participants_.back().bus;
+}
+
+void VirtualTimeLoop::add_node(const NodeRecipe& recipe, std::int64_t run_id) {
+  add_bus(run_id);
+  Participant& participant = participants_.back();
+  participant.node = recipe.make(*participant.bus, clock_);
+  participant.health = std::make_unique<bus::HealthReporter>(*participant.bus, *participant.node);
+}
+
+void VirtualTimeLoop::deliver() {
+  bool is_quiet = false;
+  while (!is_quiet) {
+    is_quiet = true;
+    for (Participant& participant : participants_) {
+      is_quiet &= participant.bus->handle(std::chrono::microseconds(0)) == 0;
+    }
+    on_delivered_();
+  }
+}
+
+void VirtualTimeLoop::run_until(Time end) {
+  deliver();
+  while (true) {
+    Time next = end;
+    for (const Participant& participant : participants_) {
+      if (participant.node != nullptr) {
+        next = std::min(next, participant.node->next_tick());
+      }
+    }
+    const Time now = std::max(next, clock_.now());
+    clock_.set(std::min(now, end));
+    if (now >= end) {
+      return;
+    }
+    for (Participant& participant : participants_) {
+      if (participant.node == nullptr || participant.node->next_tick() > now) {
+        continue;
+      }
+      participant.node->tick(now);
+      if (participant.node->next_tick() <= now) {
+        throw std::logic_error(participant.node->name() + ": its next tick does not move on");
+      }
+      participant.health->on_loop(now, 0.0);
+      deliver();
+    }
+  }
+}
+
+std::int64_t VirtualTimeLoop::messages_lost() const {
+  std::int64_t lost = 0;
+  for (const Participant& participant : participants_) {
+    lost += participant.bus->messages_lost() + participant.transport->stats().queue_overflows;
+  }
+  return lost;
+}
+
+}  // namespace vantage::trial

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+
+// Numbers of the MAVLink definitions that a driver uses; so does its peer in the simulator. Source:
+// common.xml, minimal.xml.
+
+namespace vantage::wire::mavlink {
+
+namespace command {
+constexpr std::uint16_t kLand = 21;
+constexpr std::uint16_t kTakeOff = 22;
+constexpr std::uint16_t kSetMode = 176;
+constexpr std::uint16_t kArmDisarm = 400;
+constexpr std::uint16_t kSetMessageInterval = 511;
+}  // namespace command
+
+constexpr float kForceDisarm = 21196.0F;
+
+namespace result {
+constexpr std::uint8_t kAccepted = 0;
+constexpr std::uint8_t kInProgress = 5;
+}  // namespace result
+
+namespace type {
+constexpr std::uint8_t kGroundStation = 6;
+constexpr std::uint8_t kOnboardController = 18;
+}  // namespace type
+
+namespace autopilot {
+constexpr std::uint8_t kArdupilot = 3;
+constexpr std::uint8_t kNone = 8;
+constexpr std::uint8_t kPx4 = 12;
+}  // namespace autopilot
+
+constexpr std::uint8_t kComponentAutopilot = 1;
+constexpr std::uint8_t kComponentOnboardComputer = 191;
+constexpr std::uint8_t kArmedFlag = 128;
+constexpr std::uint8_t kStateActive = 4;
+constexpr std::uint8_t kEstimatorVision = 2;
+
+namespace landed {
+constexpr std::uint8_t kUnknown = 0;
+constexpr std::uint8_t kOnGround = 1;
+}  // namespace landed
+
+namespace frame {
+constexpr std::uint8_t kLocalNed = 1;
+constexpr std::uint8_t kBodyFrd = 12;
+constexpr std::uint8_t kLocalFrd = 20;
+}  // namespace frame
+
+/// type_mask of a position target: what is to be ignored.
+namespace mask {
+constexpr std::uint16_t kNothingIgnored = 0;
+constexpr std::uint16_t kPositionAndYaw = 0x9F8;
+constexpr std::uint16_t kVelocityAndYawRate = 0x5C7;
+}  // namespace mask
+
+/// Of ESTIMATOR_STATUS and EKF_STATUS_REPORT alike.
+namespace estimator {
+constexpr std::uint16_t kAttitude = 1;
+constexpr std::uint16_t kHorizontalVelocity = 2;
+constexpr std::uint16_t kVerticalVelocity = 4;
+constexpr std::uint16_t kRelativePosition = 8;
+constexpr std::uint16_t kAbsolutePosition = 16;
+constexpr std::uint16_t kHeight = 32;
+constexpr std::uint16_t kConstantPosition = 128;
+constexpr std::uint16_t kUninitialised = 1024;  ///< of EKF_STATUS_REPORT alone
+}  // namespace estimator
+
+}  // namespace vantage::wire::mavlink

@@ -1,0 +1,96 @@
+#include "wire/vicon/identify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "wire/vicon/datastream.hpp"
+#include "wire/vicon/object_stream.hpp"
+#include "wire/vicon/vrpn.hpp"
+
+namespace vantage::wire::vicon {
+namespace {
+
+constexpr std::string_view kVrpnStart = "vrpn: ver. ";
+constexpr std::string_view kQualisysStart = "QTM RT Interface";
+constexpr std::size_t kQualisysHeaderBytes = 8;  // size and type of the packet
+constexpr std::size_t kBytesToTell = 8;
+constexpr double kCoordinateMax_mm = 1e7;
+
+std::string_view text_of(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+bool is_printable(char c) { return (c >= ' ' && c <= '~') || c == '\r' || c == '\n' || c == '\t'; }
+
+bool starts_alike(std::string_view a, std::string_view b) {
+  const std::size_t common = std::min(a.size(), b.size());
+  return a.substr(0, common) == b.substr(0, common);
+}
+
+/// Counts, sizes and numbers are what this stream has; nonsense hardly ever is.
+bool is_object_block(Bytes datagram) {
+  ObjectBlock block;
+  return decode_object_block(datagram, block) && !block.is_truncated && block.skipped_items == 0 &&
+         !block.objects.empty() &&
+         std::all_of(block.objects.begin(), block.objects.end(), [](const TrackerObject& object) {
+           return object.translation_mm.allFinite() && object.euler_xyz_rad.allFinite() &&
+                  object.translation_mm.cwiseAbs().maxCoeff() < kCoordinateMax_mm;
+         });
+}
+
+}  // namespace
+
+Speaker identify_stream(Bytes first_bytes) {
+  const std::string_view text = text_of(first_bytes);
+  if (first_bytes.empty()) {
+    return Speaker::kTooFewBytes;
+  }
+  if (next_packet(first_bytes).state != Framing::kBroken) {
+    return first_bytes.size() < 4 ? Speaker::kTooFewBytes : Speaker::kDataStream;
+  }
+  if (starts_alike(text, kVrpnStart)) {
+    return text.size() < kVrpnStart.size() ? Speaker::kTooFewBytes : Speaker::kVrpn;
+  }
+  if (text.size() > kQualisysHeaderBytes &&
+      starts_alike(text.substr(kQualisysHeaderBytes), kQualisysStart)) {
+    return Speaker::kQualisys;
+  }
+  const std::string_view head = text.substr(0, kBytesToTell);
+  if (std::all_of(head.begin(), head.end(), is_printable)) {
+    return Speaker::kText;
+  }
+  return first_bytes.size() < kBytesToTell ? Speaker::kTooFewBytes : Speaker::kUnknown;
+}
+
+Speaker identify_datagram(Bytes datagram) {
+  if (datagram.size() >= 4 && next_packet(datagram).state != Framing::kBroken) {
+    return Speaker::kDataStream;
+  }
+  if (decode_vrpn_callback(datagram)) {
+    return Speaker::kVrpn;
+  }
+  return is_object_block(datagram) ? Speaker::kObjectStream : Speaker::kUnknown;
+}
+
+const char* name_of(Speaker speaker) {
+  switch (speaker) {
+    case Speaker::kUnknown:
+      return "something unknown";
+    case Speaker::kTooFewBytes:
+      return "a server that does not speak";
+    case Speaker::kDataStream:
+      return "a Vicon DataStream server";
+    case Speaker::kVrpn:
+      return "a VRPN server";
+    case Speaker::kObjectStream:
+      return "Vicon Tracker's UDP object stream";
+    case Speaker::kQualisys:
+      return "Qualisys Track Manager";
+    case Speaker::kText:
+      return "a server that speaks text (not motion capture)";
+  }
+  return "something unknown";
+}
+
+}  // namespace vantage::wire::vicon

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "core/linear.hpp"
+#include "wire/vicon/bytes.hpp"
+#include "wire/vicon/stream_buffer.hpp"
+
+// VRPN (port 3883, TCP and UDP), all numbers big-endian: each side sends a cookie of 24 bytes, then
+// messages of a 24-byte header and a payload padded to a multiple of 8. Senders and types are
+// numbered by each side for itself and announced by name.
+
+namespace vantage::wire::vicon {
+
+inline constexpr int kVrpnPort = 3883;
+inline constexpr std::size_t kVrpnCookieBytes = 24;
+inline constexpr std::size_t kVrpnHeaderBytes = 24;
+inline constexpr std::size_t kVrpnMessageBytesMax = 65536;
+inline constexpr std::size_t kVrpnNameBytesMax = 128;
+
+// Types that need no announcement.
+inline constexpr std::int32_t kVrpnSenderDescription = -1;
+inline constexpr std::int32_t kVrpnTypeDescription = -2;
+inline constexpr std::int32_t kVrpnUdpDescription = -3;
+inline constexpr std::int32_t kVrpnLogDescription = -4;
+inline constexpr std::int32_t kVrpnDisconnect = -5;
+
+inline constexpr std::string_view kVrpnPoseType = "vrpn_Tracker Pos_Quat";
+inline constexpr std::string_view kVrpnVelocityType = "vrpn_Tracker Velocity";
+inline constexpr std::string_view kVrpnPingType = "vrpn_Base ping_message";
+inline constexpr std::string_view kVrpnPongType = "vrpn_Base pong_message";
+
+/// "vrpn: ver. 07.35", two spaces, log mode "0", zeros: 24 bytes.
+void append_vrpn_cookie(std::vector<std::uint8_t>& out, int minor = 35);
+/// The versions that `bytes`, the first 24 of a stream, name; nullopt when they are no cookie.
+struct VrpnVersion {
+  int major = 0;
+  int minor = 0;
+};
+std::optional<VrpnVersion> decode_vrpn_cookie(Bytes bytes);
+/// Only the major number has to agree.
+inline constexpr int kVrpnMajor = 7;
+
+struct VrpnHeader {
+  std::uint32_t seconds = 0;  ///< of the sender's clock, since the Unix epoch
+  std::uint32_t microseconds = 0;
+  std::int32_t sender = 0;
+  std::int32_t type = 0;
+};
+
+/// The first message of a stream that has its cookie behind it; `header` is set when it is whole.
+/// `body` is the payload without padding.
+Framed next_vrpn_message(Bytes stream, VrpnHeader& header);
+
+/// Appends a message with `payload` and its padding.
+void append_vrpn_message(std::vector<std::uint8_t>& out, const VrpnHeader& header, Bytes payload);
+
+/// The name that a description (type −1 or −2) announces for header.sender; nullopt when there is
+/// none of 1 … 128 bytes. The view is into `payload`.
+std::optional<std::string_view> decode_vrpn_name(Bytes payload);
+/// Announces `name` under `id`; `type` is kVrpnSenderDescription or kVrpnTypeDescription.
+void append_vrpn_name(std::vector<std::uint8_t>& out, std::int32_t type, std::int32_t id,
+                      std::string_view name);
+
+/// Pos_Quat: 64 bytes.
+struct VrpnPose {
+  std::int32_t sensor = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 4, 1, kUnaligned> quaternion_xyzw{0.0, 0.0, 0.0, 1.0};
+};
+std::optional<VrpnPose> decode_vrpn_pose(Bytes payload);
+void append_vrpn_pose(std::vector<std::uint8_t>& out, const VrpnHeader& header,
+                      const VrpnPose& pose);
+
+/// Velocity: 72 bytes; the rotation is the one made in `interval_s`.
+struct VrpnVelocity {
+  std::int32_t sensor = 0;
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 4, 1, kUnaligned> quaternion_xyzw{0.0, 0.0, 0.0, 1.0};
+  double interval_s = 0.0;
+};
+std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload);
+void append_vrpn_velocity(std::vector<std::uint8_t>& out, const VrpnHeader& header,
+                          const VrpnVelocity& velocity);
+
+/// The datagram by which a client asks a server to dial back: "<ip> <port>" and a NUL.
+struct VrpnCallback {
+  std::string address;
+  int port = 0;
+};
+std::optional<VrpnCallback> decode_vrpn_callback(Bytes datagram);
+void append_vrpn_callback(std::vector<std::uint8_t>& out, const VrpnCallback& callback);
+
+}  // namespace vantage::wire::vicon
