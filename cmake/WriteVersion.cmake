@@ -38,5 +38,5 @@ endif()
 file(CONFIGURE OUTPUT "${OUTPUT}" CONTENT [[
 #include "trial/observe/announcer.hpp"
 
-std::string vantage::tools::version() { return "@version_text@"; }
+std::string vantage::trial::version() { return "@version_text@"; }
 ]] @ONLY)

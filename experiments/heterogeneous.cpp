@@ -128,8 +128,7 @@ Sweep heterogeneous(const Extent& extent) {
       {"targets", "method,x_m,y_m,looks"}};
   sweep.run = [prices, cells = sweep.plan.settings, is_smoke = extent.is_smoke](
                   std::size_t setting, std::uint64_t seed) {
-    return trial::run_trial(prices[setting], cells[setting].cells == kPicturedPrice, seed,
-                            is_smoke);
+    return run_trial(prices[setting], cells[setting].cells == kPicturedPrice, seed, is_smoke);
   };
   sweep.summarise = [plan = sweep.plan, options](const Tables& tables) {
     Summary summary = summarise_heterogeneous(plan, tables);

@@ -37,10 +37,10 @@ std::array<float, 21> covariance(double first_three_sigma, double last_three_sig
   return out;
 }
 
-std::vector<wire::mavlink::ParameterRule> rules_for(const scenario::AutopilotSpec& spec) {
+std::vector<wire::ParameterRule> rules_for(const scenario::AutopilotSpec& spec) {
   return spec.parameters == scenario::ParameterPolicy::kIgnore
-             ? std::vector<wire::mavlink::ParameterRule>()
-             : wire::mavlink::parameter_rules(spec.dialect);
+             ? std::vector<wire::ParameterRule>()
+             : wire::parameter_rules(spec.dialect);
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ bool AutopilotLink::is_of_vehicle(const wire::mavlink::Frame& frame) {
   }
   if (system_id_ == 0) {
     const auto heartbeat = wire::mavlink::unpack<wire::mavlink::Heartbeat>(frame);
-    if (!heartbeat || heartbeat->autopilot == wire::autopilot::kNone ||
+    if (!heartbeat || heartbeat->autopilot == wire::mavlink::autopilot::kNone ||
         heartbeat->type == wire::mavlink::type::kGroundStation) {
       return false;
     }
@@ -132,7 +132,7 @@ void AutopilotLink::tick(Time now) {
     next_heartbeat_ = now + kHeartbeatPeriod;
     wire::mavlink::Heartbeat heartbeat;
     heartbeat.type = traits_.own_type;
-    heartbeat.autopilot = wire::autopilot::kNone;
+    heartbeat.autopilot = wire::mavlink::autopilot::kNone;
     heartbeat.system_status = wire::mavlink::kStateActive;
     heartbeat.mavlink_version = 3;
     send(heartbeat, now);

@@ -32,7 +32,7 @@ std::vector<WantedStream> streams_with(const WantedStream& estimator) {
 DialectTraits px4() {
   DialectTraits out;
   out.name = "PX4";
-  out.autopilot_id = wire::autopilot::kPx4;
+  out.autopilot_id = wire::mavlink::autopilot::kPx4;
   out.own_system_id = 254;
   out.own_type = wire::mavlink::type::kGroundStation;  // to others it never says why it refuses
   out.follow_mode = px4_mode(6);
@@ -47,7 +47,7 @@ DialectTraits px4() {
 DialectTraits ardupilot() {
   DialectTraits out;
   out.name = "ArduPilot";
-  out.autopilot_id = wire::autopilot::kArdupilot;
+  out.autopilot_id = wire::mavlink::autopilot::kArdupilot;
   out.own_system_id = 255;  // whose heartbeat its ground-station failsafe listens to
   out.own_type = wire::mavlink::type::kGroundStation;
   out.follow_mode = 4;

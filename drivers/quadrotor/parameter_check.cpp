@@ -14,9 +14,9 @@ constexpr std::size_t kReasonsMax = 3;
 }  // namespace
 
 ParameterCheck::ParameterCheck(models::AutopilotDialect dialect,
-                               const std::vector<wire::mavlink::ParameterRule>& rules)
+                               const std::vector<wire::ParameterRule>& rules)
     : dialect_(dialect),
-      encoding_(wire::mavlink::parameter_encoding(dialect)),
+      encoding_(wire::parameter_encoding(dialect)),
       entries_(rules.size()) {
   for (std::size_t i = 0; i < rules.size(); ++i) {
     entries_[i].known.rule = rules[i];
@@ -89,7 +89,7 @@ ParameterCheck::Due ParameterCheck::due(Time now) {
     under_way += item.next_ask ? 0 : 1;
     item.next_ask = now + kAnswerWait;
     ++item.asked;
-    const wire::mavlink::ParameterRule& rule = item.known.rule;
+    const wire::ParameterRule& rule = item.known.rule;
     if (item.is_to_be_set) {
       wire::mavlink::ParamSet& set = out.sets.emplace_back();
       set.param_value = wire::mavlink::encode_parameter(rule.value, item.type, encoding_);

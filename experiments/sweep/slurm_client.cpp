@@ -48,7 +48,7 @@ std::string SlurmQueue::describe() const {
 }
 
 std::string submit_job(const std::vector<std::string>& options, const std::string& script) {
-  const Result<tools::Answer> answer =
+  const Result<ChildAnswer> answer =
       ask(joined(joined({"sbatch", "--parsable"}, options), {script}));
   if (!answer.ok()) {
     throw StartupError(answer.error().message +
@@ -62,7 +62,7 @@ std::string submit_job(const std::vector<std::string>& options, const std::strin
 }
 
 Result<SlurmQueue> ask_queue(const SlurmJobs& jobs) {
-  const Result<tools::Answer> answer =
+  const Result<ChildAnswer> answer =
       ask({"squeue", "--noheader", "--array", "--states=all", "--format=%i|%T",
            "--jobs=" + jobs.array + (jobs.collector.empty() ? "" : "," + jobs.collector)});
   if (!answer.ok()) {

@@ -34,7 +34,7 @@ std::optional<Event> event_of(const models::RobotPlan& plan) {
   if (plan.source != models::PlanSource::kSearched) {
     return Event{plan.finish, LogLevel::kWarning, "fallback",
                  fmt::format("{}: plan of round {} is {}", plan.robot, shown_round(plan),
-                             scenario::name_of(plan.source))};
+                             name_of(plan.source))};
   }
   return std::nullopt;
 }
@@ -54,7 +54,7 @@ std::optional<Event> event_of(const models::VehicleStatus* before,
       : is_calm ? LogLevel::kInfo
                 : LogLevel::kWarning,
       "safety",
-      fmt::format("{}: {}{}", status.robot, scenario::name_of(status.state), reasons_of(status))};
+      fmt::format("{}: {}{}", status.robot, name_of(status.state), reasons_of(status))};
 }
 
 std::optional<Event> event_of(const models::AttackNotice* before,

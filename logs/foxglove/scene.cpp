@@ -216,7 +216,7 @@ Json plan_scene(const models::RobotPlan& plan, const std::optional<Colour>& of_r
   out["spheres"].push_back(
       cube({points.back(), Quaternion::Identity()}, Eigen::Vector3d::Constant(0.12), colour));
   out["metadata"].push_back(metadata("round", std::to_string(plan.round)));
-  out["metadata"].push_back(metadata("source", scenario::name_of(plan.source)));
+  out["metadata"].push_back(metadata("source", name_of(plan.source)));
   out["metadata"].push_back(metadata("late", plan.late ? "yes" : "no"));
   return scene_update({std::move(out)});
 }

@@ -139,7 +139,7 @@ Json plan_json(const models::RobotPlan& plan) {
   Json out{{"timestamp", to_json(plan.stamp.time)},
            {"robot", plan.robot},
            {"round", plan.round},
-           {"source", scenario::name_of(plan.source)},
+           {"source", name_of(plan.source)},
            {"passes", plan.passes},
            {"nodes", plan.nodes},
            {"margin_s", to_seconds(plan.deadline - plan.finish)},
@@ -155,7 +155,7 @@ Json plan_json(const models::RobotPlan& plan) {
 Json vehicle_json(const models::VehicleStatus& status) {
   return {{"timestamp", to_json(status.stamp.time)},
           {"robot", status.robot},
-          {"state", scenario::name_of(status.state)},
+          {"state", name_of(status.state)},
           {"battery_share", status.battery_share},
           {"plan_round", status.plan_round},
           {"setpoint",

@@ -290,7 +290,7 @@ py::dict plan_dict(const models::RobotPlan& plan, Time start) {
   }
   py::dict out;
   out["round"] = plan.round;
-  out["source"] = scenario::name_of(plan.source);
+  out["source"] = name_of(plan.source);
   out["start_s"] = to_seconds(plan.trajectory.start_time - start);
   out["step_s"] = plan.step_s;
   out["poses"] = poses_array(poses, poses.size());

@@ -27,7 +27,7 @@ AutopilotEmulator::AutopilotEmulator(const AutopilotEmulatorSpec& spec, Time boo
   streams_[wire::mavlink::Heartbeat::kMessage.id] = {std::chrono::seconds(1), boot};
   const bool is_px4 = spec.dialect == models::AutopilotDialect::kPx4;
   streams_[kTimesyncId] = {is_px4 ? Duration{100'000} : Duration{10'000'000}, boot};
-  for (const wire::mavlink::ParameterRule& rule : wire::mavlink::parameter_rules(spec.dialect)) {
+  for (const wire::ParameterRule& rule : wire::parameter_rules(spec.dialect)) {
     set_parameter(rule.name, rule.value);
   }
 }
@@ -275,7 +275,7 @@ bool AutopilotEmulator::take_parameter_talk(const wire::mavlink::Frame& frame) {
   const auto found = parameters_.find(wire::mavlink::parameter_name(set->param_id));
   if (is_for_me(set->target_system) && found != parameters_.end()) {
     found->second.value = wire::mavlink::decode_parameter(
-        set->param_value, set->param_type, wire::mavlink::parameter_encoding(spec_.dialect));
+        set->param_value, set->param_type, wire::parameter_encoding(spec_.dialect));
     obey_parameters();
     say_parameter(found->first);
   }
@@ -293,7 +293,7 @@ void AutopilotEmulator::say_parameter(const std::string& name) {
   out.param_id = wire::mavlink::parameter_id(name);
   out.param_type = type;
   out.param_value = wire::mavlink::encode_parameter(
-      value, type, wire::mavlink::parameter_encoding(spec_.dialect));
+      value, type, wire::parameter_encoding(spec_.dialect));
   out.param_count = static_cast<std::uint16_t>(parameters_.size());
   out.param_index = 0xFFFF;
   send(out);

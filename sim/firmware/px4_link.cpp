@@ -188,7 +188,7 @@ bool Px4Link::send(const FirmwareSensors& sensors) {
   if (samples_ % kHeartbeatEvery == 0) {  // a board's USB line wakes up when it is spoken to
     wire::mavlink::Heartbeat heartbeat;
     heartbeat.type = wire::mavlink::type::kOnboardController;
-    heartbeat.autopilot = wire::autopilot::kNone;
+    heartbeat.autopilot = wire::mavlink::autopilot::kNone;
     heartbeat.system_status = wire::mavlink::kStateActive;
     heartbeat.mavlink_version = 3;
     write(heartbeat);

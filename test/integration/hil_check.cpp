@@ -126,7 +126,7 @@ bool judge(const Seen& seen, const std::set<std::string>& level) {
     const bool has_landed = flight.state == FlightState::kIdle && flight.last_m < 0.1;
     std::printf("%s: up to %.2f m, %zu rounds followed, %.2f m away, %s at %.2f m\n", robot.c_str(),
                 flight.highest_m, flight.rounds.size(), flight.farthest_m,
-                scenario::name_of(flight.state), flight.last_m);
+                name_of(flight.state), flight.last_m);
     if (flight.rounds.empty()) {
       for (const std::string& reason : flight.ended_for) {
         std::printf("%s said: %s\n", robot.c_str(), reason.c_str());

@@ -48,7 +48,7 @@ void listen(const scenario::Scenario& scenario, double listen_s, std::vector<std
 }
 
 std::string security_words(const scenario::Scenario& scenario) {
-  const std::string mode = scenario::name_of(scenario::trial_mode(scenario));
+  const std::string mode = name_of(scenario::trial_mode(scenario));
   switch (scenario.security.mode) {
     case scenario::SecurityMode::kOff:
       return "messages are not signed: whoever is on the network is believed";

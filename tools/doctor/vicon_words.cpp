@@ -103,7 +103,7 @@ std::vector<std::string> describe(const std::string& host, const std::vector<Vic
   const std::string port_key =
       best->port == scenario::default_port(protocol) ? "" : fmt::format(", port: {}", best->port);
   out.push_back(fmt::format("for the scenario: mocap: {{device: real, protocol: {}{}{}}}",
-                            scenario::name_of(protocol), host_key, port_key));
+                            name_of(protocol), host_key, port_key));
   return out;
 }
 

@@ -55,7 +55,7 @@ std::optional<Ink> ink_of(models::FlightState state) {
 
 std::string robot_row(const std::string& name, const logs::RobotStatus& robot, bool in_colour) {
   const std::string state =
-      word(fmt::format("{:>8}", robot.state ? scenario::name_of(*robot.state) : "-"),
+      word(fmt::format("{:>8}", robot.state ? name_of(*robot.state) : "-"),
            robot.state ? ink_of(*robot.state) : std::nullopt, in_colour);
   if (!robot.plan) {
     return fmt::format("{:<8} {} {:>7}", name, state, "-");
@@ -65,7 +65,7 @@ std::string robot_row(const std::string& name, const logs::RobotStatus& robot, b
   const double used_s = to_seconds(plan.finish - plan.slot_start);
   const bool is_searched = plan.source == models::PlanSource::kSearched;
   return fmt::format("{:<8} {} {:>7} {} {:>9.2f} {:>9} {}", name, state, plan.round % 100'000,
-                     word(fmt::format("{:>9}", scenario::name_of(plan.source)),
+                     word(fmt::format("{:>9}", name_of(plan.source)),
                           is_searched ? std::nullopt : std::optional(Ink::kWarning), in_colour),
                      plan.cost, plan.nodes,
                      word(fmt::format("{:>8.0f} %", slot_s > 0.0 ? 100.0 * used_s / slot_s : 0.0),

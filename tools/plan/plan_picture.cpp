@@ -17,7 +17,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 
-std::string_view path_colour() { return robot_colour(0); }
+std::string_view path_colour() { return logs::robot_colour(0); }
 
 // Covariance of one target after the last step, and the way its mean is predicted to go.
 struct Course {

@@ -44,7 +44,7 @@ std::vector<std::string> remarks(const UpResult& result) {
       out.push_back(fmt::format(
           "{}: {} restarts, {:.1f} s down, {}", process.name, process.restarts, process.down_s,
           is_given_up(process) ? "given up (" + process.last_end + ")"
-                               : std::string(scenario::name_of(process.phase)) + " at the end"));
+                               : std::string(name_of(process.phase)) + " at the end"));
     }
   }
   if (result.world_restarts > 0) {

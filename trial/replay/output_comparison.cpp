@@ -120,8 +120,7 @@ void OutputComparison::add_replayed(std::span<const std::uint8_t> signed_message
   }
   ++different_;
   if (!first_ || key->index < first_->index) {
-    first_ = experiments::difference_of(key->index, *logs::message_json(logged),
-                                        *logs::message_json(message));
+    first_ = difference_of(key->index, *logs::message_json(logged), *logs::message_json(message));
   }
 }
 

@@ -17,7 +17,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 struct Bench {
   ParameterCheck check{
       AutopilotDialect::kArdupilot,
-      wire::mavlink::parse_parameter_rules("GUID_TIMEOUT 0.3 # at most 0.5: it flies on\n"
+      wire::parse_parameter_rules("GUID_TIMEOUT 0.3 # at most 0.5: it flies on\n"
                                            "FS_GCS_ENABLE 5 # exactly: it stays\n"
                                            "VISO_DELAY_MS 10 # advised, exactly: late\n")};
   std::map<std::string, double> known{
@@ -87,7 +87,7 @@ TEST(ParameterCheck, RepeatsWhatIsNotAnsweredAndGivesItUp) {
 TEST(ParameterCheck, KeepsOnlyAFewQuestionsUnderWay) {
   Bench bench;
   bench.check = ParameterCheck(AutopilotDialect::kArdupilot,
-                               wire::mavlink::parameter_rules(AutopilotDialect::kArdupilot));
+                               wire::parameter_rules(AutopilotDialect::kArdupilot));
   EXPECT_EQ(bench.check.due(kStart).reads.size(),
             static_cast<std::size_t>(ParameterCheck::kUnderWayMax));
   EXPECT_TRUE(bench.check.due(kStart).reads.empty());

@@ -77,12 +77,12 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
       std::string(other.name) == kSaysFollow && fault.end == models::FlightState::kHold;
   const int needed = goes_on ? 0 : std::min(severity_of(fault.end), ends_at_floor ? 2 : 3);
   EXPECT_GE(severity_of(outcome.end), needed)
-      << fault.name << " ends in " << scenario::name_of(outcome.end) << " with " << other.name;
+      << fault.name << " ends in " << name_of(outcome.end) << " with " << other.name;
   // What one plan was to do, the next one does when the other fault takes the first away.
   const double later_s = fault.strikes_by_plans && other.strikes_by_plans ? kRoundS : 0.0;
   for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
     EXPECT_GE(outcome.stage_s[s], 0.0)
-        << fault.name << " never reaches " << scenario::name_of(fault.stages[s].state) << " with "
+        << fault.name << " never reaches " << name_of(fault.stages[s].state) << " with "
         << other.name;
     EXPECT_LE(outcome.stage_s[s], fault.stages[s].within_s + other.delays_s + later_s + 1e-9)
         << fault.name << " is late with " << other.name;

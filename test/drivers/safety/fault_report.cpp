@@ -37,7 +37,7 @@ std::string row(const Fault& fault) {
   std::string reached;
   for (std::size_t i = 0; i < fault.stages.size(); ++i) {
     const double at_s = outcome.stage_s[i];
-    reached += (i == 0 ? "" : ", ") + std::string(scenario::name_of(fault.stages[i].state)) + " " +
+    reached += (i == 0 ? "" : ", ") + std::string(name_of(fault.stages[i].state)) + " " +
                (at_s < 0.0 ? "never" : seconds(at_s)) + " (" + seconds(fault.stages[i].within_s) +
                ")";
   }
@@ -45,7 +45,7 @@ std::string row(const Fault& fault) {
   const std::string what = fault.reason != nullptr    ? fault.reason
                            : fault.counter != nullptr ? std::string("`") + fault.counter + "`"
                                                       : "";
-  std::string end = scenario::name_of(outcome.end);
+  std::string end = name_of(outcome.end);
   for (const std::string& violation : run.violations) {
     end += " **" + violation + "**";
   }

@@ -43,11 +43,11 @@ TEST_P(FaultTable, ReactsInTimeAndEndsAsWritten) {
                  ", reasons: " + list(outcome.reasons));
     EXPECT_TRUE(outcome.reacted);
     for (std::size_t i = 0; i < fault.stages.size(); ++i) {
-      EXPECT_GE(outcome.stage_s[i], 0.0) << "never " << scenario::name_of(fault.stages[i].state);
+      EXPECT_GE(outcome.stage_s[i], 0.0) << "never " << name_of(fault.stages[i].state);
       EXPECT_LE(outcome.stage_s[i], fault.stages[i].within_s + 1e-9)
-          << scenario::name_of(fault.stages[i].state);
+          << name_of(fault.stages[i].state);
     }
-    EXPECT_STREQ(scenario::name_of(outcome.end), scenario::name_of(fault.end));
+    EXPECT_STREQ(name_of(outcome.end), name_of(fault.end));
     EXPECT_TRUE(run.violations.empty()) << list(run.violations);
     if (fault.stages.empty() && fault.end == FlightState::kFollow && !fault.trusts_plans) {
       EXPECT_GT(run.closest_m, 1.0);

@@ -98,7 +98,7 @@ TEST_P(ViconServerFuzz, KeepsItsPromisesWhateverAClientSends) {
 }
 
 std::string name_of(const ::testing::TestParamInfo<MocapProtocol>& protocol) {
-  return scenario::name_of(protocol.param);
+  return name_of(protocol.param);
 }
 
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconFuzz,

@@ -175,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, ViconLink,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
                                          MocapProtocol::kVrpn),
                          [](const auto& protocol) {
-                           return std::string(scenario::name_of(protocol.param));
+                           return std::string(name_of(protocol.param));
                          });
 
 /// A DataStream server by hand, one packet at a time.

@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, ViconSocket,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
                                          MocapProtocol::kVrpn),
                          [](const auto& protocol) {
-                           return std::string(scenario::name_of(protocol.param));
+                           return std::string(name_of(protocol.param));
                          });
 
 TEST(ViconNode, SaysWhichServerItFoundInsteadOfItsOwn) {

@@ -13,7 +13,7 @@ namespace {
 
 // What a shell makes of `script` in the task of that number.
 std::string said_by(const std::string& script, const std::string& task) {
-  const Result<tools::Answer> answer =
+  const Result<ChildAnswer> answer =
       ask({"env", "SLURM_ARRAY_TASK_ID=" + task, "sh", "-c", script.substr(script.find('\n'))});
   EXPECT_TRUE(answer.ok() && answer.value().exit.is_success());
   return answer.ok() ? answer.value().text : "";

@@ -250,7 +250,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(scenario::PlanAlgorithm::kArvi, scenario::PlanAlgorithm::kBeam,
                       scenario::PlanAlgorithm::kGreedy, scenario::PlanAlgorithm::kRandomWalk,
                       scenario::PlanAlgorithm::kLawnMower),
-    [](const auto& each) { return std::string(scenario::name_of(each.param)); });
+    [](const auto& each) { return std::string(name_of(each.param)); });
 
 TEST(RobotPlanner, GoesOnWithItsPlanWhenTheSearchCameTooLate) {
   Team team(test::lab_scenario(), 5);
