@@ -3,22 +3,22 @@
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
-namespace vantage::models {
+namespace vantage::scenario {
 namespace {
 
 TEST(FindRobot, GivesTheOneOfThatNameOrNone) {
-  scenario::Scenario scenario;
+  Scenario scenario;
   scenario.robots.resize(2);
   scenario.robots[0].name = "Q1";
   scenario.robots[1].name = "Q2";
   EXPECT_EQ(scenario.find_robot("Q2"), &scenario.robots[1]);
   EXPECT_EQ(scenario.find_robot("Q"), nullptr);
   EXPECT_EQ(scenario.find_robot(""), nullptr);
-  EXPECT_EQ(scenario::Scenario{}.find_robot("Q1"), nullptr);
+  EXPECT_EQ(Scenario{}.find_robot("Q1"), nullptr);
 }
 
 TEST(RunsOn, IsTheHostThatNamesItElseTheFirst) {
-  scenario::Scenario scenario;
+  Scenario scenario;
   EXPECT_TRUE(scenario.runs_on("LAB", "Q1")) << "without hosts all runs on any";
   scenario.hosts = {{"LAB", {"sim", "Q2"}}, {"AIR", {"Q1"}}};
   EXPECT_TRUE(scenario.runs_on("LAB", "Q2"));
@@ -30,14 +30,14 @@ TEST(RunsOn, IsTheHostThatNamesItElseTheFirst) {
 }
 
 TEST(FindBody, GivesTheOneOfThatNameOrNone) {
-  MocapFrame frame;
+  models::MocapFrame frame;
   frame.bodies.resize(2);
   frame.bodies[0].name = "Q1";
   frame.bodies[1].name = "ROVER1";
   EXPECT_EQ(frame.find("ROVER1"), &frame.bodies[1]);
   EXPECT_EQ(frame.find("rover1"), nullptr);
-  EXPECT_EQ(MocapFrame{}.find("Q1"), nullptr);
+  EXPECT_EQ(models::MocapFrame{}.find("Q1"), nullptr);
 }
 
 }  // namespace
-}  // namespace vantage::models
+}  // namespace vantage::scenario
