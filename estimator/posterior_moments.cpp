@@ -8,12 +8,13 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/sensor/law.hpp"
+
 namespace vantage::estimator {
 namespace {
 
 using models::PositionMatrix;
 using models::PositionVector;
-using models::SensorKind;
 
 /// What lies this far below the largest exponent (5σ of a Gaussian) is left out.
 constexpr double kNegligible = 12.5;
@@ -65,6 +66,7 @@ class Rays {
   Rays(const PositionPrior& prior, const models::SensorModel& sensor, const models::Viewpoint& from,
        const models::Measurement& measurement, const models::MeasurementMatrix& V_inverse)
       : sensor_(sensor),
+        law_(sensor.kind.law()),
         from_(from),
         z_(measurement.z),
         W_(V_inverse),
@@ -80,14 +82,12 @@ class Rays {
     linear_ = Omega_ * offset_m;
     constant_ = -0.5 * offset_m.dot(linear_);
     believed_rad_ = std::atan2(offset_m.y(), offset_m.x()) - from.world_from_body.yaw_rad;
-    if (sensor.kind == SensorKind::kPosition) {  // Gaussian as it is
-      PositionMatrix body_from_world = PositionMatrix::Identity(dim_, dim_);
-      const double c = std::cos(from.world_from_body.yaw_rad);
-      const double s = std::sin(from.world_from_body.yaw_rad);
-      body_from_world.topLeftCorner<2, 2>() << c, s, -s, c;
-      const PositionMatrix RtW = body_from_world.transpose() * W_;
-      Omega_ += RtW * body_from_world;
-      linear_ += RtW * z_;
+    if (law_.is_linear) {  // Gaussian as it is
+      const models::MeasurementJacobian H =
+          models::observation_jacobian(sensor, from, prior.mean_m);
+      const models::MeasurementJacobian HtW = H.transpose() * W_;
+      Omega_ += HtW * H;
+      linear_ += HtW * z_;
       constant_ -= 0.5 * z_.dot(W_ * z_);
     }
   }
@@ -100,19 +100,13 @@ class Rays {
   }
 
  private:
-  [[nodiscard]] bool sees_all_around() const { return sensor_.fov_rad >= 2.0 * kPi - 1e-9; }
-  [[nodiscard]] bool has_range() const {
-    return sensor_.kind == SensorKind::kRange || sensor_.kind == SensorKind::kRangeBearing;
-  }
-  [[nodiscard]] bool has_bearing() const {
-    return sensor_.kind == SensorKind::kBearing || sensor_.kind == SensorKind::kRangeBearing;
-  }
+  [[nodiscard]] bool sees_all_around() const { return models::sees_all_around(sensor_); }
 
   /// Bearings from body x that are possible.
   [[nodiscard]] Interval bearings_rad(bool is_limited) const {
     const double half_rad =
         is_limited && !sees_all_around() ? std::min(kPi, 0.5 * sensor_.fov_rad) : kPi;
-    if (!has_bearing()) {
+    if (!law_.measures_bearing) {
       // A full turn begins opposite to where the target was believed, or narrowing could not.
       const double middle_rad = half_rad == kPi ? believed_rad_ : 0.0;
       return {middle_rad - half_rad, middle_rad + half_rad};
@@ -131,10 +125,10 @@ class Rays {
   /// Distances along the ray that the sensor measures at.
   [[nodiscard]] Interval distances_m(double cos_elevation, double depth_share) const {
     Interval r{sensor_.range_min_m, sensor_.range_max_m};
-    if (has_bearing()) {
+    if (law_.measures_bearing) {
       r.low = std::max(r.low, kLeastRange_m) / std::max(cos_elevation, kLeastRange_m);
     }
-    if (sensor_.kind == SensorKind::kCamera) {
+    if (law_.depth_per_m != nullptr) {
       r.low = std::max(r.low, sensor_.depth_min_m / depth_share);
     }
     return r;
@@ -150,24 +144,22 @@ class Rays {
     double e = constant_;
     double depth_share = 1.0;
     const auto bearing_error_rad = [&] { return wrap_to_pi(z_(z_.rows() - 1) - bearing_rad); };
-    if (has_range()) {
+    if (law_.measures_range) {
       const double scale = sensor_.calibration.range_scale;
       const double z_m = z_(0) - sensor_.calibration.range_bias_m;
       a += scale * scale * W_(0, 0);
       c += scale * W_(0, 0) * z_m;
       e -= 0.5 * W_(0, 0) * z_m * z_m;
-      if (sensor_.kind == SensorKind::kRangeBearing) {
+      if (law_.measures_bearing) {
         const double error_rad = bearing_error_rad();
         c += scale * W_(0, 1) * error_rad;
         e -= (W_(0, 1) * z_m + 0.5 * W_(1, 1) * error_rad) * error_rad;
       }
-    } else if (sensor_.kind == SensorKind::kBearing) {
+    } else if (law_.measures_bearing) {
       const double error_rad = bearing_error_rad();
       e -= 0.5 * W_(0, 0) * error_rad * error_rad;
-    } else if (sensor_.kind == SensorKind::kCamera) {
-      // depth = cos τ · forward + sin τ · down, of a direction.
-      depth_share = std::cos(sensor_.camera_tilt_rad) * cos_elevation * std::cos(bearing_rad) -
-                    std::sin(sensor_.camera_tilt_rad) * direction(2);
+    } else if (law_.depth_per_m != nullptr) {
+      depth_share = law_.depth_per_m(sensor_, bearing_rad, cos_elevation, direction(2));
       if (depth_share <= 1e-6) {
         return out;
       }
@@ -310,6 +302,7 @@ class Rays {
   }
 
   const models::SensorModel& sensor_;
+  const models::SensorLaw& law_;
   const models::Viewpoint& from_;
   const models::MeasurementVector z_;
   const models::MeasurementMatrix W_;  // V⁻¹
@@ -321,7 +314,8 @@ class Rays {
   double believed_rad_ = 0.0;  // the prior's mean, from body x
 };
 
-/// A camera over targets on the ground: p on the axes of the posterior linearised at its top.
+/// Any sensor of targets on the ground, a camera above all: p on the axes of the posterior
+/// linearised at its top.
 class GroundGrid {
  public:
   GroundGrid(const PositionPrior& prior, const models::SensorModel& sensor,
@@ -452,7 +446,18 @@ std::optional<Total> within_limits(const Integral& integral) {
   return limited;
 }
 
+/// What z leaves possible has a simple form along each ray from the sensor.
+bool is_along_rays(const models::SensorModel& sensor, Eigen::Index position_dim) {
+  const models::SensorLaw& law = sensor.kind.law();
+  return law.is_linear || law.measures_range || law.measures_bearing ||
+         (law.depth_per_m != nullptr && position_dim == 3);
+}
+
 }  // namespace
+
+bool can_integrate(const models::SensorModel& sensor, Eigen::Index position_dim) {
+  return position_dim == 2 || is_along_rays(sensor, position_dim);
+}
 
 std::optional<PositionMoments> posterior_moments(const PositionPrior& prior,
                                                  const models::SensorModel& sensor,
@@ -464,10 +469,13 @@ std::optional<PositionMoments> posterior_moments(const PositionPrior& prior,
   }
   const models::MeasurementMatrix V_inverse =
       noise.solve(models::MeasurementMatrix::Identity(measurement.V.rows(), measurement.V.cols()));
-  const bool is_bent = sensor.kind == SensorKind::kCamera && prior.mean_m.size() == 2;
+  const Eigen::Index n = prior.mean_m.size();
+  if (!can_integrate(sensor, n)) {
+    return std::nullopt;
+  }
   std::optional<Total> total;
   PositionVector eye_m;
-  if (is_bent) {
+  if (!is_along_rays(sensor, n)) {
     total = within_limits(GroundGrid(prior, sensor, from, measurement, V_inverse));
     eye_m = PositionVector::Zero(2);
   } else {

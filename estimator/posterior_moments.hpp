@@ -23,6 +23,11 @@ struct PositionMoments {
   double mahalanobis2 = 0.0;
 };
 
+/// Whether posterior_moments() knows how to integrate over what `sensor` measures of targets with
+/// `position_dim` coordinates. Not, in space, over a kind that is neither linear nor of ranges,
+/// bearings or directions.
+bool can_integrate(const models::SensorModel& sensor, Eigen::Index position_dim);
+
 /// The moments of p(y) ∝ prior(y) · N(z; h(y), V) · 1[y in range and field of view], by quadrature
 /// on the sensor's own geometry. z was reported, so the target was in view; unless less than a
 /// thousandth of what prior and z leave possible is: then the limits are not what the sensor keeps
@@ -34,12 +39,12 @@ struct PositionMoments {
 /// the midpoint rule: 64 bearings in the plane, 32 × 32 directions in space. The fan starts as wide
 /// as view and bearing noise allow and is narrowed (at most 10 times) to the directions that count,
 /// so neither a beacon far away nor a target under the robot is missed. A camera over targets on
-/// the ground bends along the rays; there p is integrated on 31 × 31 points of the linearised
-/// posterior's own axes.
+/// the ground bends along the rays, and other kinds may; there p is integrated on 31 × 31 points of
+/// the linearised posterior's own axes.
 ///
-/// nullopt: V is not positive definite, z leaves nothing possible, or nothing bounds y.
-/// Cost: some 20 to 40 µs in the plane (a camera 150 µs), 1 ms in space; no allocation. A pure
-/// function.
+/// nullopt: !can_integrate, V is not positive definite, z leaves nothing possible, or nothing
+/// bounds y. Cost: some 20 to 40 µs in the plane (a camera 150 µs), 1 ms in space; no allocation. A
+/// pure function.
 std::optional<PositionMoments> posterior_moments(const PositionPrior& prior,
                                                  const models::SensorModel& sensor,
                                                  const models::Viewpoint& from,

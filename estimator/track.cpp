@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "estimator/posterior_moments.hpp"
+#include "models/sensor/law.hpp"
 
 namespace vantage::estimator {
 
@@ -85,7 +86,7 @@ bool is_linear_enough(const Tangent& tangent, const models::PositionMatrix& P_pp
   if (!tangent.H.allFinite() || !tangent.expected.allFinite()) {
     return false;
   }
-  return sensor.kind == models::SensorKind::kPosition ||
+  return sensor.kind.law().is_linear ||
          for_all_around(tangent.mean_m, root_of(P_pp, from), kCorner_sigma, false,
                         [&](const models::PositionVector& y_m) {
                           const MeasurementVector bend =
@@ -163,11 +164,12 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
   tangent.mean_m = prior->mean.head(n);
   tangent.expected = models::observe(sensor, from, tangent.mean_m);
   tangent.H = models::observation_jacobian(sensor, from, tangent.mean_m);
-  if (is_linear_enough(tangent, P_pp, sensor, from, noise)) {
+  const bool can_only_linearise = !can_integrate(sensor, n);
+  if (can_only_linearise || is_linear_enough(tangent, P_pp, sensor, from, noise)) {
     const MeasurementJacobian H = state_jacobian(tangent.H, belief.vector.size());
     const MeasurementVector nu = models::innovation(sensor, measurement.z, tangent.expected);
     const models::Gaussian posterior = models::update(*prior, H, measurement.V, nu);
-    if (is_clear_of_limits(posterior, n, sensor, from)) {
+    if (can_only_linearise || is_clear_of_limits(posterior, n, sensor, from)) {
       const MeasurementMatrix S = tangent.H * P_pp * tangent.H.transpose() + measurement.V;
       const MeasurementVector whitened = S.llt().matrixL().solve(nu);
       if (is_beyond_gate(whitened.squaredNorm())) {
@@ -200,7 +202,7 @@ std::optional<Information> discover(const scenario::EstimatorSpec& spec,
                                     const models::Viewpoint& from,
                                     const models::Measurement& measurement) {
   const int n = spec.target_model.position_dim;
-  if (sensor.kind == models::SensorKind::kRange || sensor.kind == models::SensorKind::kBearing) {
+  if (sensor.kind.law().position_from == nullptr) {
     return std::nullopt;
   }
   PositionPrior prior{models::PositionVector::Zero(n), models::PositionMatrix::Zero(n, n)};

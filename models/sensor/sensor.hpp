@@ -7,11 +7,13 @@
 
 #include "core/linear.hpp"
 #include "core/pose.hpp"
+#include "models/sensor/kind.hpp"
 #include "models/target/target_model.hpp"
 
-// The five Gaussian sensors of the dissertation, z = h(x, y) + v with v ~ N(0, V(x, y)).
-// Every one measures a target's position only. A target has a planar position (2 rows: it stands
-// on the ground, z = 0) or one in space (3 rows). Nothing here allocates.
+// Gaussian sensors, z = h(x, y) + v with v ~ N(0, V(x, y)): the five of the dissertation and
+// whatever has a law (models/sensor/law.hpp). Every one measures a target's position only. A target
+// has a planar position (2 rows: it stands on the ground, z = 0) or one in space (3 rows). Nothing
+// here allocates.
 
 namespace vantage::models {
 
@@ -24,8 +26,6 @@ using MeasurementMatrix =
 /// ∂z/∂state or ∂z/∂position: up to 3 × 4.
 using MeasurementJacobian =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, kUnaligned, 3, kMaxTargetDim>;
-
-enum class SensorKind { kPosition, kRange, kBearing, kRangeBearing, kCamera };
 
 /// Where a sensor is: the pose of its vehicle seen from above, and its height above the ground.
 struct Viewpoint {
@@ -42,7 +42,7 @@ struct RangeCalibration {
 /// One sensor. Ranges are horizontal for planar targets, in space for targets with three
 /// coordinates. Angles are of the horizontal plane.
 struct SensorModel {
-  SensorKind kind = SensorKind::kRangeBearing;
+  SensorKind kind = SensorKind::kRangeBearing;  ///< what the rest means, and which of it matters
   double range_max_m = 10.0;    ///< a target at this range or beyond gives no measurement
   double range_min_m = 0.0;     ///< nor one nearer than this; a bearing sensor needs it > 0, and
                                 ///< of the horizontal distance, which is where it is singular

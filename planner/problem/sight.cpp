@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/sensor/law.hpp"
 #include "planner/problem/belief_table.hpp"
 
 namespace vantage::planner {
@@ -16,7 +17,7 @@ void SightTable::reset(const SearchProblem& problem) {
   problem_ = &problem;
   sensors_.clear();
   range_max_m_ = 0.0;
-  has_camera_ = false;
+  asks_information_ = false;
   for (const models::SensorModel& model : problem.sensors) {
     Sensor sensor;
     sensor.range_max2_m2 = square(model.range_max_m);
@@ -25,22 +26,20 @@ void SightTable::reset(const SearchProblem& problem) {
       sensor.cos_half_fov = std::cos(0.5 * model.fov_rad);
       sensor.cos2_half_fov = square(sensor.cos_half_fov);
     }
-    sensor.is_camera = model.kind == models::SensorKind::kCamera;
-    sensor.tells_direction = model.kind != models::SensorKind::kPosition;
-    if (!sensor.tells_direction) {
-      sensor.all_ways = 1.0 / square(model.position_sigma_m);
-    } else if (!sensor.is_camera) {
+    if (const auto planar_law = model.kind.law().planar_law) {
+      const models::PlanarLaw law = planar_law(model);
+      sensor.along_sight = law.along_per_m2;
+      sensor.across_sight = law.across_per_rad2;
+      sensor.all_ways = law.all_ways_per_m2;
+      sensor.tells_direction = law.along_per_m2 > 0.0 || law.across_per_rad2 > 0.0;
+      sensor.asks_information = sensor.tells_direction && sensor.all_ways > 0.0;
       sensor.variance_grows = model.variance_grows_with_range;
       sensor.variance_floor = model.variance_floor;
       sensor.growth_per_m = 1.0 / model.range_max_m;
-      if (model.kind != models::SensorKind::kBearing) {
-        sensor.along_sight = square(model.calibration.range_scale / model.range_sigma_m);
-      }
-      if (model.kind != models::SensorKind::kRange) {
-        sensor.across_sight = 1.0 / square(model.bearing_sigma_rad);
-      }
+    } else {
+      sensor.asks_information = true;
     }
-    has_camera_ = has_camera_ || sensor.is_camera;
+    asks_information_ = asks_information_ || sensor.asks_information;
     range_max_m_ = std::max(range_max_m_, model.range_max_m);
     sensors_.push_back(sensor);
   }
@@ -90,7 +89,7 @@ bool SightTable::look(const Eigen::Vector3d& target_m, bool spatial, const Pose2
                       double cos_yaw, double sin_yaw, PackedInformation& out) const {
   bool seen = false;
   for (std::size_t s = 0; s < sensors_.size(); ++s) {
-    if (!spatial && !sensors_[s].is_camera) {
+    if (!spatial && !sensors_[s].asks_information) {
       seen = look_planar(sensors_[s], target_m.x() - at.x_m, target_m.y() - at.y_m, cos_yaw,
                          sin_yaw, out) ||
              seen;

@@ -43,7 +43,7 @@ class SightTable {
   /// Longest range over all sensors, m.
   [[nodiscard]] double range_max_m() const { return range_max_m_; }
   /// True when look_at() answers for every planar target: no sensor is a camera.
-  [[nodiscard]] bool has_lanes() const { return !has_camera_; }
+  [[nodiscard]] bool has_lanes() const { return !asks_information_; }
 
   /// Information of one look from `at`, packed, added to `out`; false when it is not seen.
   [[nodiscard]] bool look(const Eigen::Vector3d& target_m, bool spatial, const Pose2& at,
@@ -70,8 +70,8 @@ class SightTable {
     double all_ways = 0.0;      ///< of a position sensor
     double growth_per_m = 0.0;  ///< variance is max(floor, r · growth_per_m) times the full one
     double variance_floor = 1.0;
-    bool is_camera = false;
-    bool tells_direction = true;  ///< false: a position sensor
+    bool asks_information = false;  ///< has no planar law: information() is asked look by look
+    bool tells_direction = true;    ///< false: a position sensor
     bool variance_grows = false;
   };
   [[nodiscard]] static bool look_planar(const Sensor& sensor, double dx_m, double dy_m,
@@ -81,7 +81,7 @@ class SightTable {
   const SearchProblem* problem_ = nullptr;
   std::vector<Sensor> sensors_;
   double range_max_m_ = 0.0;
-  bool has_camera_ = false;
+  bool asks_information_ = false;
   bool has_obstacles_ = false;
 };
 

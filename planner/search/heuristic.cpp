@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "models/sensor/law.hpp"
 #include "planner/problem/log_product.hpp"
 
 namespace vantage::planner {
@@ -145,15 +146,16 @@ LookBound InformationHeuristic::look_bound(int m, double nearest_m, double farth
     if (strongest == 0.0) {
       continue;
     }
-    const bool pointed = !in_space && (sensor.kind == models::SensorKind::kRange ||
-                                       sensor.kind == models::SensorKind::kBearing ||
-                                       sensor.kind == models::SensorKind::kRangeBearing);
+    // What tells of one direction alone, or of two at right angles.
+    const models::SensorLaw& law = sensor.kind.law();
+    const bool pointed =
+        !in_space && law.planar_law != nullptr && law.planar_law(sensor).all_ways_per_m2 == 0.0;
     if (!pointed) {
       bound.all_round += strongest;
       continue;
     }
     double weakest = 0.0;
-    if (sensor.kind == models::SensorKind::kRangeBearing) {
+    if (law.measures_range && law.measures_bearing) {
       models::SensorModel part = sensor;
       part.kind = models::SensorKind::kRange;
       weakest = models::information_bound(part, from, reach_m, target);

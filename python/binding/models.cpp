@@ -60,12 +60,13 @@ const std::map<std::string, TargetKind>& target_kinds() {
 }
 
 const std::map<std::string, SensorKind>& sensor_kinds() {
-  static const std::map<std::string, SensorKind> kKinds{
-      {"position", SensorKind::kPosition},
-      {"range", SensorKind::kRange},
-      {"bearing", SensorKind::kBearing},
-      {"range_bearing", SensorKind::kRangeBearing},
-      {"camera", SensorKind::kCamera}};
+  static const std::map<std::string, SensorKind> kKinds = [] {
+    std::map<std::string, SensorKind> kinds;
+    for (const SensorKind kind : models::all_sensor_kinds()) {
+      kinds.emplace(kind.name(), kind);
+    }
+    return kinds;
+  }();
   return kKinds;
 }
 

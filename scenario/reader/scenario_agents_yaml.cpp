@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "models/sensor/law.hpp"
+
 namespace vantage::scenario {
 namespace {
 using models::SensorKind;
@@ -62,21 +64,18 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
     from.refuse("range_min_m", fmt::format("must be below range_max_m, {}, is {}",
                                            sensor.range_max_m, sensor.range_min_m));
   }
-  const bool has_bearing =
-      sensor.kind == SensorKind::kBearing || sensor.kind == SensorKind::kRangeBearing;
-  if (has_bearing && sensor.range_min_m <= 0.0) {
+  if (sensor.kind.law().measures_bearing && sensor.range_min_m <= 0.0) {
     // What a bearing tells grows as 1/r²: without a least range its bound is infinite.
     from.refuse("range_min_m", "must be above 0 for a sensor that measures bearings, is 0");
   }
 }
 
 void read_sensor(Mapping& from, SensorModel& sensor) {
-  from.word("kind", sensor.kind,
-            {{"position", SensorKind::kPosition},
-             {"range", SensorKind::kRange},
-             {"bearing", SensorKind::kBearing},
-             {"range_bearing", SensorKind::kRangeBearing},
-             {"camera", SensorKind::kCamera}});
+  std::vector<std::pair<std::string_view, SensorKind>> kinds;
+  for (const SensorKind kind : models::all_sensor_kinds()) {
+    kinds.emplace_back(kind.name(), kind);
+  }
+  from.word("kind", sensor.kind, kinds);
   from.number("range_max_m", sensor.range_max_m, above_to(0.0, kLengthMaxM));
   from.number("range_min_m", sensor.range_min_m, at_least(0.0));
   from.angle("fov", sensor.fov_rad, above_to(0.0, 360.0));

@@ -26,6 +26,11 @@ class Mapping {
   template <class Enum>
   void word(std::string_view key, Enum& value,
             std::initializer_list<std::pair<std::string_view, Enum>> vocabulary) {
+    word(key, value, std::vector<std::pair<std::string_view, Enum>>(vocabulary));
+  }
+  template <class Enum>
+  void word(std::string_view key, Enum& value,
+            const std::vector<std::pair<std::string_view, Enum>>& vocabulary) {
     if (const std::optional<Value> found = find(key)) {
       value = found->word(vocabulary);
     }

@@ -64,6 +64,10 @@ struct Value {
   template <class Enum>
   [[nodiscard]] Enum word(
       std::initializer_list<std::pair<std::string_view, Enum>> vocabulary) const {
+    return word(std::vector<std::pair<std::string_view, Enum>>(vocabulary));
+  }
+  template <class Enum>
+  [[nodiscard]] Enum word(const std::vector<std::pair<std::string_view, Enum>>& vocabulary) const {
     std::vector<std::string_view> words;
     for (const auto& [name, enumerator] : vocabulary) {
       words.push_back(name);

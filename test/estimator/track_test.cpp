@@ -130,7 +130,7 @@ TEST(Measure, AgreesWithTheCovarianceFormWhereTheSensorIsLinearEnough) {
                    ? 1
                    : 0;
     }
-    EXPECT_GT(alike, 25) << static_cast<int>(kind);
+    EXPECT_GT(alike, 25) << kind.name();
   }
 }
 
@@ -298,8 +298,8 @@ TEST(PosteriorMoments, InSpaceAreThoseOfBruteForce) {
       const auto oracle = test::dense_posterior(mean_m, Omega, sensor, from, z, true, 60);
       ASSERT_TRUE(found && oracle);
       const test::Difference d = test::difference(found->mean_m, found->covariance_m2, *oracle);
-      EXPECT_LT(d.mean_sigma, 0.05) << static_cast<int>(kind);
-      EXPECT_LT(d.covariance_share, 0.08) << static_cast<int>(kind);
+      EXPECT_LT(d.mean_sigma, 0.05) << kind.name();
+      EXPECT_LT(d.covariance_share, 0.08) << kind.name();
     }
   }
 }

@@ -24,22 +24,6 @@ namespace {
 
 using scenario::Scenario;
 
-const char* name_of(models::SensorKind kind) {
-  switch (kind) {
-    case models::SensorKind::kPosition:
-      return "position";
-    case models::SensorKind::kRange:
-      return "range";
-    case models::SensorKind::kBearing:
-      return "bearing";
-    case models::SensorKind::kRangeBearing:
-      return "range-bearing";
-    case models::SensorKind::kCamera:
-      return "camera";
-  }
-  return "unknown";
-}
-
 const char* name_of(scenario::DeviceSource source) {
   switch (source) {
     case scenario::DeviceSource::kDirect:
@@ -63,7 +47,7 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
         "{:g} m over {:.0f} deg ({})",
         robot.name, name_of(robot.device), robot.start.x_m, robot.start.y_m, robot.height_m,
         robot.primitives.size(), robot.limits.speed_max_mps, robot.sensor.range_max_m,
-        degrees(robot.sensor.fov_rad), name_of(robot.sensor.kind)));
+        degrees(robot.sensor.fov_rad), robot.sensor.kind.name()));
   }
   out.push_back(
       fmt::format("{} targets; communication {}", scenario.targets.size(),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "models/sensor/law.hpp"
 #include "planner/search/astar.hpp"
 #include "planner/search/beam.hpp"
 
@@ -91,7 +92,8 @@ std::string_view default_algorithm(const planner::SearchProblem& problem) {
     return target.model.kind == models::TargetKind::kStatic;
   };
   const auto only_ranges = [](const models::SensorModel& sensor) {
-    return sensor.kind == models::SensorKind::kRange;
+    const models::SensorLaw& law = sensor.kind.law();
+    return law.measures_range && !law.measures_bearing;
   };
   const bool is_mapping =
       std::all_of(problem.targets.begin(), problem.targets.end(), stands_still) &&

@@ -9,8 +9,7 @@
 namespace vantage::models {
 namespace {
 
-constexpr SensorKind kKinds[] = {SensorKind::kPosition, SensorKind::kRange, SensorKind::kBearing,
-                                 SensorKind::kRangeBearing, SensorKind::kCamera};
+const auto kKinds = all_sensor_kinds();
 
 double largest_eigenvalue(const PositionMatrix& M) {
   return Eigen::SelfAdjointEigenSolver<PositionMatrix>(M, Eigen::EigenvaluesOnly)
@@ -87,10 +86,10 @@ TEST(InformationBound, IsNeverExceededFromAnyReachableViewpoint) {
         }
         ++seen;
         ASSERT_LE(largest_eigenvalue(M), bound * (1.0 + 1e-12))
-            << "sensor kind " << static_cast<int>(kind) << ", reach " << question.reach_m;
+            << "sensor kind " << kind.name() << ", reach " << question.reach_m;
       }
     }
-    EXPECT_GT(seen, 3000) << "sensor kind " << static_cast<int>(kind);
+    EXPECT_GT(seen, 3000) << "sensor kind " << kind.name();
   }
 }
 
@@ -134,7 +133,7 @@ TEST(InformationBound, IsReachedByTheBestViewpoint) {
     const Viewpoint best{{1.0, 0.0, 0.0}, 2.0};
     const double attained = largest_eigenvalue(information(sensor, best, target));
     EXPECT_NEAR(information_bound(sensor, from, 1.0, target) / attained, 1.0, 1e-6)
-        << "sensor kind " << static_cast<int>(kind);
+        << "sensor kind " << kind.name();
   }
 }
 

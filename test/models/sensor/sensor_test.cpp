@@ -13,8 +13,7 @@
 namespace vantage::models {
 namespace {
 
-constexpr SensorKind kKinds[] = {SensorKind::kPosition, SensorKind::kRange, SensorKind::kBearing,
-                                 SensorKind::kRangeBearing, SensorKind::kCamera};
+const auto kKinds = all_sensor_kinds();
 
 SensorModel of_kind(SensorKind kind) {
   SensorModel sensor;

@@ -49,7 +49,7 @@ OwnedProblem short_sighted_problem(std::uint64_t seed) {
   }
   problem.cost = pick(rng, 0, 1) == 0 ? CostKind::kTrace : CostKind::kLogDet;
   models::SensorModel sensor;
-  constexpr models::SensorKind kKinds[] = {models::SensorKind::kRange, models::SensorKind::kRange,
+  const models::SensorKind kKinds[] = {models::SensorKind::kRange, models::SensorKind::kRange,
                                            models::SensorKind::kPosition,
                                            models::SensorKind::kRangeBearing};
   sensor.kind = kKinds[pick(rng, 0, 3)];

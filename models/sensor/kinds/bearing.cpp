@@ -1,0 +1,45 @@
+#include "models/sensor/kinds/kinds.hpp"
+
+// The direction to the target, rad from body x.
+
+namespace vantage::models::sensor_kinds {
+namespace {
+
+bool sees(const SensorModel& sensor, const Viewpoint& /*from*/, const SightLine& to) {
+  return is_beside(sensor, to);
+}
+
+MeasurementVector observe(const SensorModel& /*sensor*/, const Viewpoint& from, const SightLine& to,
+                          int /*position_dim*/) {
+  return Eigen::Matrix<double, 1, 1>(bearing_rad(from, to));
+}
+
+MeasurementJacobian jacobian(const SensorModel& /*sensor*/, const Viewpoint& /*from*/,
+                             const SightLine& to, int position_dim) {
+  return bearing_row(to, position_dim);
+}
+
+MeasurementVector variances(const SensorModel& sensor, const SightLine& to, int /*position_dim*/) {
+  return Eigen::Matrix<double, 1, 1>(square(sensor.bearing_sigma_rad) *
+                                     variance_growth(sensor, to.range_m));
+}
+
+PlanarLaw planar_law(const SensorModel& sensor) {
+  return {0.0, 1.0 / square(sensor.bearing_sigma_rad), 0.0};
+}
+
+}  // namespace
+
+constinit const SensorLaw bearing{
+    .name = "bearing",
+    .measures_bearing = true,
+    .measurement_dim = one_row,
+    .sees = sees,
+    .observe = observe,
+    .jacobian = jacobian,
+    .variances = variances,
+    .information_bound = bearing_information,
+    .planar_law = planar_law,
+};
+
+}  // namespace vantage::models::sensor_kinds

@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "models/sensor/kinds/kinds.hpp"
+
+// Image coordinates, pixels. Camera frame: x right, y down, z along the optical axis, which is
+// tilted down from body x.
+
+namespace vantage::models::sensor_kinds {
+namespace {
+
+// Rows: camera x, y, z in the level body frame.
+Eigen::Matrix3d camera_from_body(double tilt_rad) {
+  const double c = std::cos(tilt_rad);
+  const double s = std::sin(tilt_rad);
+  Eigen::Matrix3d R;
+  R << 0.0, -1.0, 0.0,  //
+      -s, 0.0, -c,      //
+      c, 0.0, -s;
+  return R;
+}
+
+Eigen::Matrix3d camera_from_world(const SensorModel& sensor, const Viewpoint& from) {
+  return camera_from_body(sensor.camera_tilt_rad) * body_from_world(from);
+}
+
+bool sees(const SensorModel& sensor, const Viewpoint& from, const SightLine& to) {
+  const Eigen::Vector3d q = camera_from_world(sensor, from) * to.offset_world_m;
+  const double depth_m = q.z();
+  return depth_m > 0.0 && depth_m >= sensor.depth_min_m;
+}
+
+MeasurementVector observe(const SensorModel& sensor, const Viewpoint& from, const SightLine& to,
+                          int /*position_dim*/) {
+  const Eigen::Vector3d q = camera_from_world(sensor, from) * to.offset_world_m;
+  return sensor.focal_length_pixels / q.z() * q.head<2>();
+}
+
+MeasurementJacobian jacobian(const SensorModel& sensor, const Viewpoint& from, const SightLine& to,
+                             int position_dim) {
+  const Eigen::Matrix3d R = camera_from_world(sensor, from);
+  const Eigen::Vector3d q = R * to.offset_world_m;
+  Eigen::Matrix<double, 2, 3> projection;                  // π'(q)
+  projection << 1.0 / q.z(), 0.0, -q.x() / square(q.z()),  //
+      0.0, 1.0 / q.z(), -q.y() / square(q.z());
+  const Eigen::Matrix<double, 2, 3> H_space = sensor.focal_length_pixels * projection * R;
+  return H_space.leftCols(position_dim);
+}
+
+MeasurementVector variances(const SensorModel& sensor, const SightLine& /*to*/,
+                            int /*position_dim*/) {
+  return Eigen::Vector2d::Constant(square(sensor.pixel_sigma));
+}
+
+// Source: dissertation 2.30 f. with d_min; the second bound is ours.
+double bound(const SensorModel& sensor, const ReachedDistances& reached) {
+  const bool in_space = reached.position_dim == 3;
+  const double drop_m = reached.drop_m;
+  const double horizontal_max_m =
+      in_space ? std::sqrt(square(sensor.range_max_m) - square(drop_m)) : sensor.range_max_m;
+  const double nearest_m = reached.horizontal_near_m;
+  const double farthest_m = std::min(reached.horizontal_far_m, horizontal_max_m);
+  const double c = std::cos(sensor.camera_tilt_rad);
+  const double s = std::sin(sensor.camera_tilt_rad);
+  // depth = c ρ cos β + s · drop is bilinear in ρ and cos β: extreme at the corners of their box.
+  const double least_cos = sees_all_around(sensor) ? -1.0 : std::cos(0.5 * sensor.fov_rad);
+  double depth_min_m = std::numeric_limits<double>::infinity();
+  double depth_max_m = -depth_min_m;
+  for (const double rho_m : {nearest_m, farthest_m}) {
+    for (const double cos_bearing : {least_cos, 1.0}) {
+      const double depth_m = c * rho_m * cos_bearing + s * drop_m;
+      depth_min_m = std::min(depth_min_m, depth_m);
+      depth_max_m = std::max(depth_max_m, depth_m);
+    }
+  }
+  if (depth_max_m + kLeastRange_m < sensor.depth_min_m) {
+    return 0.0;
+  }
+  const double depth_m = std::max(sensor.depth_min_m, depth_min_m - kLeastRange_m);
+  if (depth_m <= 0.0) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const double distance2_m2 = square(farthest_m) + square(drop_m);
+  double gain = distance2_m2 / square(square(depth_m));
+  if (!in_space) {
+    // Moves in the plane change depth by |c| at most: ‖P v‖ ≤ 1/d + ‖q_⊥‖ |c| / d². Exact for a
+    // camera that looks straight down, where the other bound is (‖q‖/d)² times too large.
+    const double across_m = std::sqrt(std::max(0.0, distance2_m2 - square(depth_m)));
+    gain = std::min(gain, square((1.0 + across_m * std::abs(c) / depth_m) / depth_m));
+  }
+  return square(sensor.focal_length_pixels / sensor.pixel_sigma) * gain;
+}
+
+std::optional<PositionVector> position_from(const SensorModel& sensor, const Viewpoint& from,
+                                            const MeasurementVector& z, int position_dim) {
+  const double f = sensor.focal_length_pixels;
+  const Eigen::Vector3d ray_world =
+      camera_from_world(sensor, from).transpose() * Eigen::Vector3d(z(0) / f, z(1) / f, 1.0);
+  const double depth_m = -from.height_m / ray_world.z();
+  if (!(depth_m > 0.0) || !std::isfinite(depth_m)) {
+    return std::nullopt;
+  }
+  PositionVector target_world_m = PositionVector::Zero(position_dim);
+  target_world_m.head<2>() = from.world_from_body.position_m() + depth_m * ray_world.head<2>();
+  return target_world_m;
+}
+
+double depth_per_m(const SensorModel& sensor, double bearing_rad, double cos_elevation, double up) {
+  return std::cos(sensor.camera_tilt_rad) * cos_elevation * std::cos(bearing_rad) -
+         std::sin(sensor.camera_tilt_rad) * up;
+}
+
+}  // namespace
+
+constinit const SensorLaw camera{
+    .name = "camera",
+    .measurement_dim = two_rows,
+    .sees = sees,
+    .observe = observe,
+    .jacobian = jacobian,
+    .variances = variances,
+    .information_bound = bound,
+    .position_from = position_from,
+    .depth_per_m = depth_per_m,
+};
+
+}  // namespace vantage::models::sensor_kinds
