@@ -13,6 +13,7 @@
 #include "test/estimator/dense_posterior.hpp"
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
+#include "test/support/own_sensor.hpp"
 
 namespace vantage::estimator {
 namespace {
@@ -102,9 +103,7 @@ LookCase draw_case(models::SensorKind kind, double range_max_m, double fov_deg, 
   return out;
 }
 
-constexpr std::array kEverySensor = {
-    models::SensorKind::kPosition, models::SensorKind::kRange, models::SensorKind::kBearing,
-    models::SensorKind::kRangeBearing, models::SensorKind::kCamera};
+const auto kEverySensor = models::all_sensor_kinds();
 
 TEST(Measure, AgreesWithTheCovarianceFormWhereTheSensorIsLinearEnough) {
   std::mt19937_64 rng(17);
@@ -132,6 +131,40 @@ TEST(Measure, AgreesWithTheCovarianceFormWhereTheSensorIsLinearEnough) {
     }
     EXPECT_GT(alike, 25) << kind.name();
   }
+}
+
+TEST(Measure, UsesASensorOfOnesOwn) {
+  std::mt19937_64 rng(5);
+  for (int trial = 0; trial < 20; ++trial) {
+    const LookCase c =
+        draw_case(test::signal_strength(), 10.0, trial % 2 == 0 ? 360.0 : 94.0, 0.02, rng);
+    auto information = models::to_information(c.belief).value();
+    ASSERT_EQ(measure(information, c.sensor, c.from, c.z, 0.0), Use::kUsed);
+    const Gaussian actual = models::to_gaussian(information).value();
+    const Eigen::MatrixXd Omega = Eigen::MatrixXd(c.belief.covariance).inverse();
+    const auto oracle =
+        test::dense_posterior(c.belief.mean, Omega, c.sensor, c.from, c.z, true, 160);
+    ASSERT_TRUE(oracle);
+    const test::Difference d = test::difference(actual.mean, actual.covariance, *oracle);
+    EXPECT_LT(d.mean_sigma, 0.15) << trial;
+    EXPECT_LT(d.covariance_share, 0.25) << trial;
+  }
+}
+
+TEST(Measure, LinearisesASensorOfOnesOwnInSpace) {
+  models::SensorModel sensor;
+  sensor.kind = test::signal_strength();
+  models::Viewpoint from = at(0.0, 0.0);
+  from.height_m = 1.0;
+  const Gaussian prior{Eigen::Vector3d(2.0, 1.0, 0.5), 0.01 * Eigen::Matrix3d::Identity()};
+  auto belief = models::to_information(prior).value();
+  const models::PositionVector there_m = Eigen::Vector3d(2.1, 1.0, 0.5);
+  const models::Measurement z{models::observe(sensor, from, there_m),
+                              models::noise_covariance(sensor, from, there_m)};
+  ASSERT_FALSE(can_integrate(sensor, 3));
+  ASSERT_EQ(measure(belief, sensor, from, z, 0.0), Use::kUsed);
+  EXPECT_GT(models::to_gaussian(belief)->mean(0), 2.0);
+  EXPECT_LT(models::to_gaussian(belief)->covariance(0, 0), 0.01);
 }
 
 /// Against brute force; prior σ of 2 % and 20 % of the range, all around and with a field of view.

@@ -6,6 +6,7 @@
 
 namespace vantage::models::sensor_kinds {
 
+// Listed in kinds.cpp.
 extern const SensorLaw position;
 extern const SensorLaw range;
 extern const SensorLaw bearing;

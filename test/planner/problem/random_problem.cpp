@@ -12,7 +12,7 @@ constexpr double kLeavesMax = 700.0;
 
 models::SensorModel random_sensor(std::mt19937_64& rng) {
   models::SensorModel sensor;
-  sensor.kind = static_cast<models::SensorKind>(pick(rng, 0, 4));
+  sensor.kind = models::all_sensor_kinds()[static_cast<std::size_t>(pick(rng, 0, 4))];
   sensor.range_max_m = uniform(rng, 2.5, 9.0);
   sensor.fov_rad = pick(rng, 0, 2) == 0 ? 2.0 * kPi : radians(uniform(rng, 60.0, 260.0));
   sensor.range_sigma_m = uniform(rng, 0.05, 0.4);

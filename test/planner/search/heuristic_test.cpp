@@ -7,6 +7,7 @@
 
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/full_tree.hpp"
+#include "test/support/own_sensor.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -21,7 +22,8 @@ OwnedProblem problem_with(models::SensorKind kind, std::uint64_t seed) {
   owned.problem.sensors.resize(1);
   models::SensorModel& sensor = owned.problem.sensors[0];
   sensor.kind = kind;
-  if (kind == models::SensorKind::kBearing || kind == models::SensorKind::kRangeBearing) {
+  // Where nearness has no limit, what a look tells has none.
+  if (kind.law().measures_bearing || kind == test::signal_strength()) {
     sensor.range_min_m = std::max(sensor.range_min_m, 0.3);
   }
   return owned;
@@ -76,17 +78,19 @@ TEST_P(Heuristic, IsAdmissibleConsistentAndNotBelowItsStageFloors) {
   EXPECT_GT(informed, nodes / 6);  // three in four are leaves, where nothing is ahead
 }
 
-std::string name_of(const ::testing::TestParamInfo<models::SensorKind>& each) {
-  constexpr const char* kNames[] = {"Position", "Range", "Bearing", "RangeBearing", "Camera"};
-  return kNames[static_cast<int>(each.param)];
+std::string name_of_case(const ::testing::TestParamInfo<models::SensorKind>& each) {
+  return std::string(each.param.name());
 }
 
-INSTANTIATE_TEST_SUITE_P(Planner, Heuristic,
-                         ::testing::Values(models::SensorKind::kPosition,
-                                           models::SensorKind::kRange, models::SensorKind::kBearing,
-                                           models::SensorKind::kRangeBearing,
-                                           models::SensorKind::kCamera),
-                         name_of);
+std::vector<models::SensorKind> kinds_and_one_of_ones_own() {
+  const auto ours = models::all_sensor_kinds();
+  std::vector<models::SensorKind> kinds(ours.begin(), ours.end());
+  kinds.push_back(test::signal_strength());
+  return kinds;
+}
+
+INSTANTIATE_TEST_SUITE_P(Planner, Heuristic, ::testing::ValuesIn(kinds_and_one_of_ones_own()),
+                         name_of_case);
 
 }  // namespace
 }  // namespace vantage::planner
