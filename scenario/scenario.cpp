@@ -1,41 +1,8 @@
 #include "scenario/scenario.hpp"
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 namespace vantage::scenario {
-namespace {
-
-constexpr std::array<std::pair<PlanAlgorithm, const char*>, 6> kAlgorithmNames{{
-    {PlanAlgorithm::kArvi, "arvi"},
-    {PlanAlgorithm::kBeam, "beam"},
-    {PlanAlgorithm::kRvi, "rvi"},
-    {PlanAlgorithm::kGreedy, "greedy"},
-    {PlanAlgorithm::kRandomWalk, "random_walk"},
-    {PlanAlgorithm::kLawnMower, "lawn_mower"},
-}};
-
-}  // namespace
-
-const char* name_of(PlanAlgorithm algorithm) {
-  for (const auto& [value, name] : kAlgorithmNames) {
-    if (value == algorithm) {
-      return name;
-    }
-  }
-  return "unknown";
-}
-
-std::optional<PlanAlgorithm> parse_algorithm(const std::string& name) {
-  for (const auto& [value, known] : kAlgorithmNames) {
-    if (name == known) {
-      return value;
-    }
-  }
-  return std::nullopt;
-}
-
 const char* name_of(TrialMode mode) {
   switch (mode) {
     case TrialMode::kLive:

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "models/autopilot/dialect.hpp"
@@ -123,12 +125,11 @@ enum class PlanObjective {
   kMapping,   ///< of which cells of the ground are occupied
 };
 
-enum class PlanAlgorithm { kArvi, kBeam, kRvi, kGreedy, kRandomWalk, kLawnMower };
-
-/// As scenario files and flags write it: "arvi", "beam", "rvi", "greedy", "random_walk",
-/// "lawn_mower".
-const char* name_of(PlanAlgorithm algorithm);
-std::optional<PlanAlgorithm> parse_algorithm(const std::string& name);
+/// The words of the searches that a robot may plan by: those of planner/search/catalogue, which a
+/// test holds them to.
+inline constexpr std::array<std::string_view, 10> kSearchWords = {
+    "arvi",  "beam",   "rvi",   "fvi",         "greedy",
+    "astar", "wastar", "aegis", "random_walk", "lawn_mower"};
 
 /// How the robots of a team agree on their plans.
 enum class TeamAlgorithm {
@@ -138,7 +139,7 @@ enum class TeamAlgorithm {
 
 struct PlannerSpec {
   PlanObjective objective = PlanObjective::kTracking;
-  PlanAlgorithm algorithm = PlanAlgorithm::kArvi;
+  std::string algorithm = "arvi";  ///< one of kSearchWords
   int horizon_steps = 12;          ///< T
   double step_s = 0.5;             ///< τ
   int execute_steps = 6;           ///< n_exec: a round lasts execute_steps · step_s

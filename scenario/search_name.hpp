@@ -1,12 +1,14 @@
 #pragma once
 
+#include <string>
+
 #include "scenario/scenario.hpp"
 
 namespace vantage::scenario {
 
 /// What a team plans by, in a word for people: the algorithm, or "mapping".
-inline const char* search_name(const PlannerSpec& planner) {
-  return planner.objective == PlanObjective::kMapping ? "mapping" : name_of(planner.algorithm);
+inline std::string search_name(const PlannerSpec& planner) {
+  return planner.objective == PlanObjective::kMapping ? "mapping" : planner.algorithm;
 }
 
 }  // namespace vantage::scenario

@@ -1,7 +1,6 @@
 #include "bus/node/node_main.hpp"
 
 #include <cstdint>
-#include <optional>
 
 #include <CLI/CLI.hpp>
 
@@ -11,7 +10,7 @@
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "core/real_time.hpp"
-#include "scenario/reader/scenario_yaml.hpp"
+#include "scenario/reader/overrides.hpp"
 
 namespace vantage::bus {
 
@@ -26,16 +25,15 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
         "  --lock-memory               no page is swapped out or faulted in late\n"
         "What the system does not grant is refused at once, with the limit to raise.");
     NodeArguments arguments;
-    std::optional<std::uint64_t> seed;
-    std::string planner;
+    scenario::Overrides overrides;
     app.add_option("--scenario", arguments.scenario, "scenario file")->required();
     auto* robot = app.add_option("--robot", arguments.robot, "robot of the scenario");
     if (program.needs_robot) {
       robot->required();
     }
     app.add_option("--url", arguments.url, "LCM URL instead of the scenario's");
-    app.add_option("--seed", seed, "seed instead of the scenario's");
-    app.add_option("--planner", planner, "planning algorithm instead of the scenario's");
+    app.add_option("--seed", overrides.seed, "seed instead of the scenario's");
+    app.add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's");
     app.add_option("--publish-prefix", arguments.publish_prefix,
                    "put before every channel published on");
     if (program.can_replay) {
@@ -48,17 +46,7 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
       return app.exit(error) == 0 ? 0 : 2;
     }
 
-    scenario::Scenario scenario = scenario::load_scenario(arguments.scenario);
-    if (seed) {
-      scenario.seed = *seed;
-    }
-    if (!planner.empty()) {
-      const auto algorithm = scenario::parse_algorithm(planner);
-      if (!algorithm) {
-        throw StartupError("--planner: unknown algorithm '" + planner + "'");
-      }
-      scenario.planner.algorithm = *algorithm;
-    }
+    const scenario::Scenario scenario = scenario::load_scenario_with(arguments.scenario, overrides);
     if (program.needs_robot && scenario.find_robot(arguments.robot) == nullptr) {
       throw StartupError("no robot '" + arguments.robot + "' in " + arguments.scenario);
     }

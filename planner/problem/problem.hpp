@@ -61,6 +61,7 @@ struct SearchProblem {
   /// Deceleration of the stop that must be possible, clear and apart at the end; 0: none demanded.
   double brake_mps2 = 0.0;
   double start_speed_mps = 0.0;  ///< at `start`, for the stop of a plan that moves no more
+  std::uint64_t seed = 0;        ///< of searches that draw
 };
 
 /// What stands between sensors and targets: the world, or null.

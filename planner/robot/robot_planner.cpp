@@ -10,7 +10,6 @@
 #include "models/belief/exploration.hpp"
 #include "planner/decision/resilient.hpp"
 #include "planner/problem/belief_table.hpp"
-#include "planner/robot/baseline.hpp"
 #include "planner/robot/trajectory_tools.hpp"
 
 namespace vantage::planner {
@@ -35,7 +34,7 @@ double field_resolution_m(const models::World& world) {
 }
 
 // A different stream of random numbers for each robot and round, the same at every replay.
-std::uint64_t walk_seed(std::uint64_t seed, int robot_index, std::int64_t round) {
+std::uint64_t draw_seed(std::uint64_t seed, int robot_index, std::int64_t round) {
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),
                          static_cast<std::uint32_t>(robot_index),
                          static_cast<std::uint32_t>(round)};
@@ -75,10 +74,18 @@ bool is_searchable(const models::Gaussian& prior) {
 
 // Whether its plans are chosen from candidates, by what they tell and cost.
 bool chooses_candidates(const scenario::PlannerSpec& planner, const scenario::RobotSpec& robot) {
-  const bool has_tree = planner.algorithm == scenario::PlanAlgorithm::kArvi ||
-                        planner.algorithm == scenario::PlanAlgorithm::kRvi;
-  return is_local_search(planner) ||
-         (has_tree && planner.attacks_max == 0 && robot.energy.price_nats > 0.0);
+  return is_local_search(planner) || (algorithm_called(planner.algorithm).makes_candidates &&
+                                      planner.attacks_max == 0 && robot.energy.price_nats > 0.0);
+}
+
+AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index) {
+  const scenario::PlannerSpec& planner = scenario.planner;
+  AlgorithmOptions options;
+  options.epsilon = planner.epsilon_initial;
+  options.delta_m = planner.delta_initial_m;
+  options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
+  options.sweep = {robot_index, static_cast<int>(scenario.robots.size())};
+  return options;
 }
 
 }  // namespace
@@ -92,14 +99,10 @@ RobotPlanner::RobotPlanner(const scenario::Scenario& scenario, const std::string
     mapping_.emplace(scenario_);
   } else if (chooses_candidates(scenario_.planner, *spec_)) {
     exchange_ = std::make_unique<TeamExchange>(scenario_, robot_index_, capacity_for(scenario_));
-  } else if (scenario_.planner.algorithm == scenario::PlanAlgorithm::kBeam) {
-    beam_.emplace(capacity_for(scenario_));
   } else {
-    reduced_.emplace(capacity_for(scenario_));
+    search_ = algorithm_called(scenario_.planner.algorithm)
+                  .make(capacity_for(scenario_), options_of(scenario_, robot_index_));
   }
-  const double margin_m = spec_->limits.radius_m + scenario_.planner.obstacle_margin_m + 0.25;
-  sweep_ = lawn_mower_waypoints(scenario_.world.bounds, robot_index_, robot_count(),
-                                1.6 * spec_->sensor.range_max_m, margin_m);
 }
 
 models::RobotPlan RobotPlanner::blank_plan(const PlanInputs& inputs) const {
@@ -335,35 +338,11 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
 
 const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadline& deadline) {
   if (mapping_) {
-    baseline_ = mapping_->search(problem_, deadline);
-    return baseline_;
+    mapping_result_ = mapping_->search(problem_, deadline);
+    return mapping_result_;
   }
-  const scenario::PlannerSpec& planner = scenario_.planner;
-  ReducedOptions options;
-  options.epsilon = planner.epsilon_initial;
-  options.delta_m = planner.delta_initial_m;
-  options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
-  switch (planner.algorithm) {
-    case scenario::PlanAlgorithm::kRandomWalk:
-      baseline_ =
-          plan_random_walk(problem_, walk_seed(scenario_.seed, robot_index_, inputs.slot.round));
-      return baseline_;
-    case scenario::PlanAlgorithm::kLawnMower:
-      baseline_ = plan_through(problem_, sweep_, sweep_next_);
-      return baseline_;
-    case scenario::PlanAlgorithm::kBeam:
-      return beam_->plan(problem_, {}, deadline);
-    case scenario::PlanAlgorithm::kGreedy:
-      options.search = ReducedSearch::kGreedy;
-      break;
-    case scenario::PlanAlgorithm::kRvi:
-      options.search = ReducedSearch::kSinglePass;
-      break;
-    case scenario::PlanAlgorithm::kArvi:
-      options.search = ReducedSearch::kAnytime;
-      break;
-  }
-  return reduced_->plan(problem_, options, deadline);
+  problem_.seed = draw_seed(scenario_.seed, robot_index_, inputs.slot.round);
+  return search_->plan(problem_, deadline);
 }
 
 std::vector<int> RobotPlanner::all_robots() const {

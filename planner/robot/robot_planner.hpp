@@ -13,8 +13,7 @@
 #include "planner/problem/fixed_information.hpp"
 #include "planner/robot/round.hpp"
 #include "planner/robot/team_exchange.hpp"
-#include "planner/search/arvi.hpp"
-#include "planner/search/beam.hpp"
+#include "planner/search/catalogue.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::planner {
@@ -166,13 +165,10 @@ class RobotPlanner {
   models::DistanceField field_;
   /// One of them, by the scenario's objective and algorithm.
   std::optional<MapPlanner> mapping_;
-  std::optional<ReducedValueIteration> reduced_;
-  std::optional<RefiningBeam> beam_;
+  std::unique_ptr<Search> search_;
   std::unique_ptr<TeamExchange> exchange_;  ///< where plans are chosen from candidates
   SearchProblem problem_;
-  SearchResult baseline_;
-  std::vector<Eigen::Vector2d> sweep_;
-  std::size_t sweep_next_ = 0;
+  SearchResult mapping_result_;
   PlannerCounts counts_;
 };
 

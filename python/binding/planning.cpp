@@ -380,7 +380,7 @@ while it searches; one Planner works on one problem at a time.)")
       "algorithms",
       [] {
         py::dict out;
-        for (const tools::Algorithm& each : tools::all_algorithms()) {
+        for (const planner::Algorithm& each : planner::all_algorithms()) {
           out[py::str(std::string(each.name))] = std::string(each.what);
         }
         return out;

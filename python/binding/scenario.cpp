@@ -6,8 +6,8 @@
 #include <pybind11/stl.h>
 
 #include "python/binding/bind.hpp"
+#include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
-#include "trial/scenario/overrides.hpp"
 
 namespace vantage::python {
 namespace {
@@ -42,13 +42,13 @@ strictly as everywhere: StartupError says line, key, rule and value, and what wa
           [](const Scenario& self, std::optional<std::uint64_t> seed,
              std::optional<double> duration_s, std::optional<std::string> planner,
              std::optional<double> communication_range_m, std::optional<std::int64_t> node_budget) {
-            trial::Overrides overrides;
+            scenario::Overrides overrides;
             overrides.seed = seed;
             overrides.duration_s = duration_s;
             overrides.planner = std::move(planner);
             overrides.communication_range_m = communication_range_m;
             overrides.node_budget = node_budget;
-            return parsed(trial::apply_overrides(self.value.source_text, overrides),
+            return parsed(scenario::apply_overrides(self.value.source_text, overrides),
                           overrides.is_empty() ? self.source : self.source + " with options");
           },
           py::kw_only(), py::arg("seed") = py::none(), py::arg("duration_s") = py::none(),

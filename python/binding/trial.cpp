@@ -14,8 +14,8 @@
 #include "drivers/sensor/app/node.hpp"
 #include "python/binding/bind.hpp"
 #include "python/binding/scenario.hpp"
+#include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
-#include "trial/scenario/overrides.hpp"
 
 namespace vantage::python {
 namespace {
@@ -104,12 +104,12 @@ std::shared_ptr<Scenario> with_node_budget(const std::shared_ptr<Scenario>& scen
   if (scenario->value.planner.node_budget > 0) {
     return scenario;
   }
-  trial::Overrides overrides;
+  scenario::Overrides overrides;
   overrides.node_budget = trial::kDefaultNodeBudget;
   const std::string name = scenario->source + " with options";
   return std::make_shared<Scenario>(
       Scenario{scenario::parse_scenario(
-                   trial::apply_overrides(scenario->value.source_text, overrides), name),
+                   scenario::apply_overrides(scenario->value.source_text, overrides), name),
                name});
 }
 

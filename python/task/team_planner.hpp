@@ -22,7 +22,7 @@ class TeamPlanner {
 };
 
 struct TeamPlannerSpec {
-  std::string algorithm = "arvi";  ///< tracking: of tools::all_algorithms(); mapping: "forward"
+  std::string algorithm = "arvi";  ///< tracking: of planner::all_algorithms(); mapping: "forward"
   int horizon_steps = 12;
   std::int64_t nodes = 2'000;  ///< of work, of each robot's search (tracking)
 };

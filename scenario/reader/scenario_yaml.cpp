@@ -161,10 +161,10 @@ void check_team(Mapping& from, const PlannerSpec& planner) {
   if (planner.objective != PlanObjective::kTracking) {
     from.refuse("team_algorithm", "local_search needs objective: tracking");
   }
-  if (planner.algorithm != PlanAlgorithm::kArvi && planner.algorithm != PlanAlgorithm::kRvi) {
+  if (planner.algorithm != "arvi" && planner.algorithm != "rvi") {
     from.refuse("algorithm", fmt::format("must be arvi or rvi, which make the candidates of "
                                          "team_algorithm: local_search; is {}",
-                                         name_of(planner.algorithm)));
+                                         planner.algorithm));
   }
   if (planner.attacks_max > 0) {
     from.refuse("attacks_max", fmt::format("must be 0 with team_algorithm: local_search, is {}",
@@ -175,13 +175,11 @@ void check_team(Mapping& from, const PlannerSpec& planner) {
 void read_planner(Mapping& from, PlannerSpec& planner) {
   from.word("objective", planner.objective,
             {{"tracking", PlanObjective::kTracking}, {"mapping", PlanObjective::kMapping}});
-  from.word("algorithm", planner.algorithm,
-            {{"arvi", PlanAlgorithm::kArvi},
-             {"beam", PlanAlgorithm::kBeam},
-             {"rvi", PlanAlgorithm::kRvi},
-             {"greedy", PlanAlgorithm::kGreedy},
-             {"random_walk", PlanAlgorithm::kRandomWalk},
-             {"lawn_mower", PlanAlgorithm::kLawnMower}});
+  std::vector<std::pair<std::string_view, std::string>> searches;
+  for (const std::string_view word : kSearchWords) {
+    searches.emplace_back(word, word);
+  }
+  from.word("algorithm", planner.algorithm, searches);
   from.integer("horizon_steps", planner.horizon_steps, 1, 100);
   from.number("step_s", planner.step_s, from_to(0.01, 60.0));
   from.integer("execute_steps", planner.execute_steps, 1, 100);

@@ -15,9 +15,9 @@
 
 #include "core/cpu_time.hpp"
 #include "core/real_time.hpp"
+#include "planner/search/catalogue.hpp"
 #include "test/bench/field_problem.hpp"
 #include "test/bench/tracking_family.hpp"
-#include "tools/plan/algorithms.hpp"
 
 // Is a plan always there on time? Many plans at each budget, against the clock: how long the search
 // goes on working after its deadline, and how late it returns by the wall. A plan through which the
@@ -178,10 +178,10 @@ void run(const Arguments& arguments) {
     obstructed.push_back(obstructed_problem(25, 12, seed % 2 == 0 ? 20 : 60, seed));
   }
   const std::vector<planner::SearchProblem> problems = problems_of(tracking, obstructed);
-  const tools::Algorithm& algorithm = tools::algorithm_called(arguments.algorithm);
-  const std::unique_ptr<tools::Search> search = algorithm.make(
-      tools::capacity_for(algorithm, tracking.back().problem, arguments.memory_mb << 20,
-                          tools::nodes_within(1e-3 * arguments.budgets_ms.back())),
+  const planner::Algorithm& algorithm = planner::algorithm_called(arguments.algorithm);
+  const std::unique_ptr<planner::Search> search = algorithm.make(
+      planner::capacity_for(algorithm, tracking.back().problem, arguments.memory_mb << 20,
+                            planner::nodes_within(1e-3 * arguments.budgets_ms.back())),
       {});
   apply(arguments.real_time);
   fmt::print(
@@ -196,7 +196,7 @@ void run(const Arguments& arguments) {
     print(budget_ms, arguments.algorithm,
           lateness_of(runs, budget_ms, timer, [&](std::size_t i, std::int64_t end_ns) {
             const planner::SearchProblem& problem = problems[i % problems.size()];
-            const planner::SearchResult& result = search->search(problem, Deadline::at(end_ns));
+            const planner::SearchResult& result = search->plan(problem, Deadline::at(end_ns));
             return Outcome{!result.found, result.stop_reason == planner::StopReason::kDeadline};
           }));
   }

@@ -65,8 +65,8 @@ void study(const Arguments& arguments) {
   for (const std::string& name : arguments.methods) {
     // One object for all problems: 25 targets are the most.
     planner::SearchCapacity capacity =
-        tools::capacity_for(tools::algorithm_called(name), hundred_problems().back().problem,
-                            arguments.memory_mb << 20, tools::nodes_within(5.0));
+        planner::capacity_for(planner::algorithm_called(name), hundred_problems().back().problem,
+                              arguments.memory_mb << 20, planner::nodes_within(5.0));
     for (const PlanningProblem& drawn : problems) {
       capacity.targets_max =
           std::max(capacity.targets_max, static_cast<int>(drawn.problem.targets.size()));

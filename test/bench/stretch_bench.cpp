@@ -9,9 +9,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "planner/search/catalogue.hpp"
 #include "test/bench/field_problem.hpp"
 #include "test/bench/tracking_family.hpp"
-#include "tools/plan/algorithms.hpp"
 
 // How long does a search work without looking at the clock? That is by how much it can be late when
 // it has its core. Under a budget of nodes a search does the same work every time, so each stretch
@@ -61,14 +61,15 @@ struct Arguments {
 
 /// Each stretch of a search of `problem`, the last up to its return: the shortest of `runs`, ns.
 /// Empty when two runs did not look equally often.
-std::vector<std::int64_t> stretches_of(tools::Search& search, const planner::SearchProblem& problem,
+std::vector<std::int64_t> stretches_of(planner::Search& search,
+                                       const planner::SearchProblem& problem,
                                        const Arguments& arguments) {
   const auto deadline =
       Deadline::either(arguments.nodes, std::numeric_limits<std::int64_t>::max() - 1);
   std::vector<std::int64_t> shortest;
   for (int run = 0; run < arguments.runs; ++run) {
     looks().begin();
-    search.search(problem, deadline);
+    search.plan(problem, deadline);
     looks().look();
     const std::vector<std::int64_t>& these = looks().stretches_ns();
     if (run == 0) {
@@ -126,10 +127,10 @@ void run(const Arguments& arguments) {
   fmt::print("{:>8} {:>10} {:>8} {:>8} {:>8} {:>8} {:>8} | {:>10} {:>10}\n", "search", "stretches",
              "p50_us", "p99", "p99.9", "max", "> 20 us", "closing", "set-up");
   for (const std::string& name : arguments.algorithms) {
-    const tools::Algorithm& algorithm = tools::algorithm_called(name);
+    const planner::Algorithm& algorithm = planner::algorithm_called(name);
     const auto search = algorithm.make(
-        tools::capacity_for(algorithm, tracking.back().problem, std::size_t{600} << 20U,
-                            static_cast<std::size_t>(2 * arguments.nodes)),
+        planner::capacity_for(algorithm, tracking.back().problem, std::size_t{600} << 20U,
+                              static_cast<std::size_t>(2 * arguments.nodes)),
         {});
     Stretches all;
     for (const planner::SearchProblem* problem : problems) {

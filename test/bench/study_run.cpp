@@ -28,7 +28,7 @@ StudyMethod make_method(const std::string& name, const planner::BeamOptions& bea
               return search->plan(problem, options, deadline);
             }};
   }
-  std::shared_ptr<tools::Search> search = tools::algorithm_called(name).make(capacity, {});
+  std::shared_ptr<planner::Search> search = planner::algorithm_called(name).make(capacity, {});
   return {name, [search](const auto& problem, const Deadline& deadline) -> Found {
             return search->search(problem, deadline);
           }};

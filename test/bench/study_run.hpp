@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planner/search/beam.hpp"
-#include "tools/plan/algorithms.hpp"
+#include "planner/search/catalogue.hpp"
 #include "tools/plan/problem_json.hpp"
 
 namespace vantage::bench {
@@ -18,8 +18,8 @@ struct StudyMethod {
   std::function<const planner::SearchResult&(const planner::SearchProblem&, const Deadline&)> plan;
 };
 
-/// `name` is of all_algorithms(); "beam" takes its options from `beam`. RVI is one pass at δ =
-/// 0.663 m on position alone and ε = ∞, what the peer's δ = 1.2 means in its metric.
+/// `name` is of planner::all_algorithms(); "beam" takes its options from `beam`. RVI is one pass at
+/// δ = 0.663 m on position alone and ε = ∞, what the peer's δ = 1.2 means in its metric.
 StudyMethod make_method(const std::string& name, const planner::BeamOptions& beam,
                         const planner::SearchCapacity& capacity);
 

@@ -11,8 +11,8 @@
 
 #include "bus/convert/convert.hpp"
 #include "core/check.hpp"
+#include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
-#include "trial/scenario/overrides.hpp"
 
 namespace vantage::trial {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "scenario/reader/overrides.hpp"
 #include "tools/command_line/runner.hpp"
 #include "tools/view/web_server.hpp"
-#include "trial/scenario/overrides.hpp"
 
 namespace vantage::tools {
 
@@ -26,7 +26,7 @@ void add_log_command(CLI::App& root, Runner& run);
 
 /// --seed, --duration-s, --planner, --communication-range-m and --nodes, shared by all that run a
 /// trial.
-void add_override_options(CLI::App& command, trial::Overrides& overrides);
+void add_override_options(CLI::App& command, scenario::Overrides& overrides);
 /// --port and --bind of what is shown in the browser.
 void add_web_options(CLI::App& command, WebOptions& web);
 /// Prints where to look.

@@ -18,7 +18,7 @@ namespace {
 struct DemoArguments {
   std::string scenario;  ///< empty: the lab that comes with vantage
   std::string directory = "demo-out";
-  trial::Overrides overrides;
+  scenario::Overrides overrides;
   bool as_json = false;
   bool is_shown = false;
   WebOptions web;
@@ -32,7 +32,7 @@ int run(DemoArguments arguments) {
     arguments.scenario = trial::config_path("lab");
   }
   const scenario::Scenario scenario =
-      trial::load_scenario_with(arguments.scenario, arguments.overrides);
+      scenario::load_scenario_with(arguments.scenario, arguments.overrides);
   DemoOptions options;
   options.directory = arguments.directory;
   options.quiet = arguments.as_json;

@@ -5,10 +5,10 @@
 #include "core/process.hpp"
 #include "core/write_file.hpp"
 #include "logs/picture/picture.hpp"
+#include "planner/search/catalogue.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
-#include "tools/plan/algorithms.hpp"
 #include "tools/plan/plan_report.hpp"
 #include "tools/plan/problem_json.hpp"
 #include "tools/plan/solver.hpp"
@@ -19,6 +19,7 @@ namespace {
 struct PlanArguments {
   std::string problem;
   PlanRequest request;
+  std::uint64_t seed = 0;
   std::string svg_path;
   bool as_json = false;
 };
@@ -28,7 +29,8 @@ int run(const PlanArguments& arguments) {
   if (!arguments.svg_path.empty()) {
     require_writable(arguments.svg_path);
   }
-  const PlanningProblem planning = load_problem(arguments.problem);
+  PlanningProblem planning = load_problem(arguments.problem);
+  planning.problem.seed = arguments.seed;
   Solver solver(arguments.request);
   solver.prepare(planning.problem);
   preparing.reset();
@@ -56,10 +58,11 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
   auto arguments = std::make_shared<PlanArguments>();
   command->add_option("problem", arguments->problem, "problem file (JSON)")->required();
   std::vector<std::string> names = {"default"};
-  std::string footer = "Algorithms:\n  default  what the planner study found best for its family\n";
-  for (const Algorithm& algorithm : all_algorithms()) {
+  std::string footer =
+      "Algorithms:\n  default      what the planner study found best for its family\n";
+  for (const planner::Algorithm& algorithm : planner::all_algorithms()) {
     names.emplace_back(algorithm.name);
-    footer += fmt::format("  {:7}  {}\n", algorithm.name, algorithm.what);
+    footer += fmt::format("  {:11}  {}\n", algorithm.name, algorithm.what);
   }
   command->add_option("--algorithm", arguments->request.algorithm, "which search")
       ->check(CLI::IsMember(names))
@@ -85,9 +88,7 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
   command->add_option("--weight", arguments->request.options.weight, "of the heuristic, ≥ 1")
       ->check(number_between(1.0, 1e6))
       ->capture_default_str();
-  command
-      ->add_option("--seed", arguments->request.options.seed,
-                   "for searches that draw; none of the present ones does")
+  command->add_option("--seed", arguments->seed, "for searches that draw")
       ->check(seed_number())
       ->capture_default_str();
   command->add_option("--memory-mb", arguments->request.memory_mb, "most memory of the search")

@@ -42,7 +42,7 @@ bool write_pictures(const std::string& svg_path, const scenario::Scenario& scena
   }
 }
 
-void add_override_options(CLI::App& command, trial::Overrides& overrides) {
+void add_override_options(CLI::App& command, scenario::Overrides& overrides) {
   command.add_option("--seed", overrides.seed, "seed instead of the scenario's")
       ->check(seed_number());
   command.add_option("--duration-s", overrides.duration_s, "length instead of the scenario's")

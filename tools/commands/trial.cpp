@@ -17,7 +17,7 @@ namespace {
 
 struct TrialArguments {
   std::string scenario;
-  trial::Overrides overrides;
+  scenario::Overrides overrides;
   std::string log_path;
   std::string svg_path;
   bool as_json = false;
@@ -31,10 +31,11 @@ void show_progress(double share) {
 }
 
 int run(TrialArguments arguments) {
-  scenario::Scenario scenario = trial::load_scenario_with(arguments.scenario, arguments.overrides);
+  scenario::Scenario scenario =
+      scenario::load_scenario_with(arguments.scenario, arguments.overrides);
   if (scenario.planner.node_budget <= 0) {
     arguments.overrides.node_budget = trial::kDefaultNodeBudget;
-    scenario = trial::load_scenario_with(arguments.scenario, arguments.overrides);
+    scenario = scenario::load_scenario_with(arguments.scenario, arguments.overrides);
   }
   if (!arguments.svg_path.empty()) {
     require_writable(arguments.svg_path);

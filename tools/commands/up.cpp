@@ -25,7 +25,7 @@ namespace {
 
 struct UpArguments {
   std::string scenario;
-  trial::Overrides overrides;
+  scenario::Overrides overrides;
   std::string host;
   bool all_hosts = false;
   std::string log_path;
@@ -83,7 +83,7 @@ std::string log_path(const scenario::Scenario& scenario, const UpArguments& argu
 
 int run(const UpArguments& arguments) {
   const scenario::Scenario scenario =
-      trial::load_scenario_with(arguments.scenario, arguments.overrides);
+      scenario::load_scenario_with(arguments.scenario, arguments.overrides);
   check_host(scenario, arguments);
   UpOptions options;
   options.executables = std::filesystem::read_symlink("/proc/self/exe").parent_path().string();

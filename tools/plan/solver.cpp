@@ -26,12 +26,13 @@ bool has_room(const planner::SearchCapacity& has, const planner::SearchCapacity&
 }  // namespace
 
 Solver::Solver(PlanRequest request) : request_(std::move(request)) {
-  const auto& all = all_algorithms();
+  const auto& all = planner::all_algorithms();
   if (request_.algorithm != kDefault &&
-      std::none_of(all.begin(), all.end(),
-                   [&](const Algorithm& each) { return each.name == request_.algorithm; })) {
+      std::none_of(all.begin(), all.end(), [&](const planner::Algorithm& each) {
+        return each.name == request_.algorithm;
+      })) {
     std::string names = kDefault;
-    for (const Algorithm& each : all) {
+    for (const planner::Algorithm& each : all) {
       names += fmt::format(", {}", each.name);
     }
     throw UsageError(
@@ -45,7 +46,7 @@ Solver::Solver(PlanRequest request) : request_(std::move(request)) {
   constexpr std::int64_t kMostNodes = 1'000'000'000'000;
   const std::int64_t nodes = request_.nodes.value_or(1);
   check(nodes >= 1 && nodes <= kMostNodes, "nodes", fmt::format("≥ 1 and ≤ {}", kMostNodes), nodes);
-  const AlgorithmOptions& options = request_.options;
+  const planner::AlgorithmOptions& options = request_.options;
   check(std::isfinite(options.epsilon) && options.epsilon >= 0.0, "epsilon", "≥ 0",
         options.epsilon);
   check(std::isfinite(options.delta_m) && options.delta_m >= 0.0, "delta_m", "≥ 0",
@@ -58,14 +59,14 @@ Solver::Solver(PlanRequest request) : request_(std::move(request)) {
 
 void Solver::prepare(const planner::SearchProblem& problem) {
   constexpr std::size_t kSlackNodes = 64;  // of the last piece of work
-  const Algorithm& algorithm =
-      algorithm_called(request_.algorithm == kDefault ? default_algorithm(problem)
-                                                      : std::string_view(request_.algorithm));
+  const planner::Algorithm& algorithm = planner::algorithm_called(
+      request_.algorithm == kDefault ? planner::default_algorithm(problem)
+                                     : std::string_view(request_.algorithm));
   const std::size_t nodes_max = request_.nodes
                                     ? static_cast<std::size_t>(*request_.nodes) + kSlackNodes
-                                    : nodes_within(request_.budget_s);
+                                    : planner::nodes_within(request_.budget_s);
   const planner::SearchCapacity needed =
-      capacity_for(algorithm, problem, request_.memory_mb << 20U, nodes_max);
+      planner::capacity_for(algorithm, problem, request_.memory_mb << 20U, nodes_max);
   if (search_ == nullptr || algorithm_ != &algorithm || !has_room(capacity_, needed)) {
     search_.reset();  // before the new arena is there, the old one's memory is free
     search_ = algorithm.make(needed, request_.options);
@@ -82,7 +83,7 @@ const PlanOutcome& Solver::solve(const planner::SearchProblem& problem, bool (*i
   const Deadline budget =
       request_.nodes ? Deadline::nodes(*request_.nodes)
                      : Deadline::at(start_ns + static_cast<std::int64_t>(1e9 * request_.budget_s));
-  outcome_.result = search_->search(problem, budget.unless(is_cancelled));
+  outcome_.result = search_->plan(problem, budget.unless(is_cancelled));
   outcome_.elapsed_s = 1e-9 * static_cast<double>(monotonic_ns() - start_ns);
   outcome_.cpu_s = thread_cpu_s() - cpu_start_s;
   outcome_.peak_bytes = search_->peak_bytes();

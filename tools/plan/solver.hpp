@@ -6,16 +6,17 @@
 #include <string>
 
 #include "planner/problem/problem.hpp"
-#include "tools/plan/algorithms.hpp"
+#include "planner/search/catalogue.hpp"
 
 namespace vantage::tools {
 
 /// How a planning problem is to be solved.
 struct PlanRequest {
-  std::string algorithm = "default";  ///< of all_algorithms(), or "default": what fits the problem
-  double budget_s = 1.0;              ///< time for the search alone
+  std::string algorithm =
+      "default";          ///< of planner::all_algorithms(), or "default": what fits the problem
+  double budget_s = 1.0;  ///< time for the search alone
   std::optional<std::int64_t> nodes;  ///< instead of time: the same answer to the bit, every time
-  AlgorithmOptions options;
+  planner::AlgorithmOptions options;
   std::size_t memory_mb = 512;  ///< most memory of the search
 };
 
@@ -48,9 +49,9 @@ class Solver {
 
  private:
   PlanRequest request_;
-  const Algorithm* algorithm_ = nullptr;
+  const planner::Algorithm* algorithm_ = nullptr;
   planner::SearchCapacity capacity_;
-  std::unique_ptr<Search> search_;
+  std::unique_ptr<planner::Search> search_;
   PlanOutcome outcome_;
 };
 

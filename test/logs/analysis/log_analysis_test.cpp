@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "scenario/reader/overrides.hpp"
 #include "test/logs/file_support.hpp"
 #include "tools/log/log_plot.hpp"
 #include "tools/log/log_scenario.hpp"
-#include "trial/scenario/overrides.hpp"
 #include "trial/trial.hpp"
 
 namespace vantage::tools {
@@ -32,11 +32,11 @@ TEST(SpreadOf, IsTheOrderStatisticsOfItsValues) {
 class AnalyseLog : public ::testing::Test {
  protected:
   void SetUp() override {
-    trial::Overrides overrides;
+    scenario::Overrides overrides;
     overrides.seed = 2;
     overrides.duration_s = 12.0;
     overrides.node_budget = 200;
-    scenario_ = trial::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
+    scenario_ = scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
     trial::TrialOptions options;
     options.log_path = folder_.file("trial.lcmlog");
     flown_ = trial::run_trial(scenario_, trial::trial_recipes(scenario_), options).summary;

@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
-#include "planner/robot/baseline.hpp"
 #include "planner/robot/robot_planner.hpp"
 #include "planner/robot/round.hpp"
 #include "planner/robot/trajectory_tools.hpp"
+#include "planner/search/baseline.hpp"
 #include "test/planner/robot/team_scenario.hpp"
 
 namespace vantage::planner {
@@ -225,7 +225,7 @@ class Team {
   int searched_ = 0;
 };
 
-class TeamSafety : public ::testing::TestWithParam<scenario::PlanAlgorithm> {};
+class TeamSafety : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
   scenario::Scenario scenario = test::lab_scenario();
@@ -245,12 +245,10 @@ TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Planner, TeamSafety,
-    ::testing::Values(scenario::PlanAlgorithm::kArvi, scenario::PlanAlgorithm::kBeam,
-                      scenario::PlanAlgorithm::kGreedy, scenario::PlanAlgorithm::kRandomWalk,
-                      scenario::PlanAlgorithm::kLawnMower),
-    [](const auto& each) { return std::string(name_of(each.param)); });
+INSTANTIATE_TEST_SUITE_P(Planner, TeamSafety,
+                         ::testing::Values("arvi", "beam", "astar", "wastar", "aegis", "greedy",
+                                           "random_walk", "lawn_mower"),
+                         [](const auto& each) { return std::string(each.param); });
 
 TEST(RobotPlanner, GoesOnWithItsPlanWhenTheSearchCameTooLate) {
   Team team(test::lab_scenario(), 5);

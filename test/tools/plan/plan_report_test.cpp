@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "tools/plan/algorithms.hpp"
+#include "planner/search/catalogue.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -24,7 +24,7 @@ PlanOutcome solve(const PlanningProblem& planning, std::string_view algorithm,
   const Algorithm& chosen = algorithm_called(algorithm);
   const auto search =
       chosen.make(capacity_for(chosen, planning.problem, std::size_t{64} << 20, 200'000), {});
-  outcome.result = search->search(planning.problem, Deadline::nodes(nodes));
+  outcome.result = search->plan(planning.problem, Deadline::nodes(nodes));
   outcome.peak_bytes = search->peak_bytes();
   return outcome;
 }

@@ -12,9 +12,9 @@
 #include "bus/convert/wire_walk.hpp"
 #include "core/check.hpp"
 #include "logs/record/log_writer.hpp"
+#include "scenario/reader/overrides.hpp"
 #include "test/logs/file_support.hpp"
 #include "tools/log/log_scenario.hpp"
-#include "trial/scenario/overrides.hpp"
 #include "trial/trial.hpp"
 
 namespace vantage::trial {

@@ -1,4 +1,4 @@
-#include "planner/robot/baseline.hpp"
+#include "planner/search/baseline.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,9 @@
 #include <limits>
 #include <numeric>
 #include <random>
+
+#include "core/check.hpp"
+#include "planner/problem/motion_table.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -78,43 +81,7 @@ class Descent {
   Rank rank_;
 };
 
-}  // namespace
-
-SearchResult plan_random_walk(const SearchProblem& problem, std::uint64_t seed) {
-  std::mt19937_64 rng(seed);
-  return Descent(problem,
-                 [&rng](const Pose2&, int, std::vector<int>& controls) {
-                   std::shuffle(controls.begin(), controls.end(), rng);
-                 })
-      .run();
-}
-
-std::vector<Eigen::Vector2d> lawn_mower_waypoints(const models::Rectangle& bounds, int index,
-                                                  int count, double spacing_m, double margin_m) {
-  const Eigen::Vector2d size_m = bounds.max_m - bounds.min_m;
-  const int along = size_m.y() >= size_m.x() ? 1 : 0;  // strips are cut across the longer side
-  const int across = 1 - along;
-  const double strip_m = size_m(along) / count;
-  const double low_m = bounds.min_m(along) + index * strip_m + margin_m;
-  const double high_m = bounds.min_m(along) + (index + 1) * strip_m - margin_m;
-  const int rows = std::max(1, static_cast<int>(std::ceil((high_m - low_m) / spacing_m)) + 1);
-  std::vector<Eigen::Vector2d> there;
-  for (int row = 0; row < rows; ++row) {
-    const double at_m =
-        rows == 1 ? 0.5 * (low_m + high_m) : low_m + (high_m - low_m) * row / (rows - 1);
-    for (int end = 0; end < 2; ++end) {
-      Eigen::Vector2d p;
-      p(along) = at_m;
-      p(across) =
-          (row + end) % 2 == 0 ? bounds.min_m(across) + margin_m : bounds.max_m(across) - margin_m;
-      there.push_back(p);
-    }
-  }
-  std::vector<Eigen::Vector2d> loop = there;
-  loop.insert(loop.end(), there.rbegin(), there.rend());
-  return loop;
-}
-
+// Through the way points from `next` on, which is moved on as they are reached.
 SearchResult plan_through(const SearchProblem& problem,
                           const std::vector<Eigen::Vector2d>& waypoints, std::size_t& next) {
   // A way point counts as reached within the tightest turn of a typical primitive.
@@ -160,6 +127,58 @@ SearchResult plan_through(const SearchProblem& problem,
     next = (next + 1) % waypoints.size();  // this one cannot be reached: do not insist
   }
   return result;
+}
+
+}  // namespace
+
+const SearchResult& RandomWalk::plan(const SearchProblem& problem,
+                                     const RandomWalkOptions& /*options*/,
+                                     const Deadline& /*deadline*/) {
+  std::mt19937_64 rng(problem.seed);
+  result_ = Descent(problem, [&rng](const Pose2&, int, std::vector<int>& controls) {
+              std::shuffle(controls.begin(), controls.end(), rng);
+            }).run();
+  return result_;
+}
+
+std::vector<Eigen::Vector2d> lawn_mower_waypoints(const models::Rectangle& bounds, int index,
+                                                  int count, double spacing_m, double margin_m) {
+  const Eigen::Vector2d size_m = bounds.max_m - bounds.min_m;
+  const int along = size_m.y() >= size_m.x() ? 1 : 0;  // strips are cut across the longer side
+  const int across = 1 - along;
+  const double strip_m = size_m(along) / count;
+  const double low_m = bounds.min_m(along) + index * strip_m + margin_m;
+  const double high_m = bounds.min_m(along) + (index + 1) * strip_m - margin_m;
+  const int rows = std::max(1, static_cast<int>(std::ceil((high_m - low_m) / spacing_m)) + 1);
+  std::vector<Eigen::Vector2d> there;
+  for (int row = 0; row < rows; ++row) {
+    const double at_m =
+        rows == 1 ? 0.5 * (low_m + high_m) : low_m + (high_m - low_m) * row / (rows - 1);
+    for (int end = 0; end < 2; ++end) {
+      Eigen::Vector2d p;
+      p(along) = at_m;
+      p(across) =
+          (row + end) % 2 == 0 ? bounds.min_m(across) + margin_m : bounds.max_m(across) - margin_m;
+      there.push_back(p);
+    }
+  }
+  std::vector<Eigen::Vector2d> loop = there;
+  loop.insert(loop.end(), there.rbegin(), there.rend());
+  return loop;
+}
+
+const SearchResult& LawnMower::plan(const SearchProblem& problem, const SweepShare& share,
+                                    const Deadline& /*deadline*/) {
+  constexpr double kRowsPerRange = 1.6;
+  constexpr double kBesideWall_m = 0.25;  // besides the clearance
+  require(problem.world != nullptr, "lawn_mower: the problem has no world to sweep");
+  if (waypoints_.empty()) {
+    const double range_m = problem.sensors.empty() ? 1.0 : problem.sensors.front().range_max_m;
+    waypoints_ = lawn_mower_waypoints(problem.world->bounds, share.index, share.count,
+                                      kRowsPerRange * range_m, problem.clearance_m + kBesideWall_m);
+  }
+  result_ = plan_through(problem, waypoints_, next_);
+  return result_;
 }
 
 }  // namespace vantage::planner

@@ -1,11 +1,11 @@
-#include "trial/scenario/overrides.hpp"
+#include "scenario/reader/overrides.hpp"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include "scenario/reader/scenario_yaml.hpp"
 
-namespace vantage::trial {
+namespace vantage::scenario {
 
 bool Overrides::is_empty() const {
   return !seed && !duration_s && !planner && !communication_range_m && !node_budget && !url;
@@ -39,13 +39,12 @@ std::string apply_overrides(const std::string& yaml, const Overrides& overrides)
   return std::string(out.c_str()) + "\n";
 }
 
-scenario::Scenario load_scenario_with(const std::string& path, const Overrides& overrides) {
-  scenario::Scenario scenario = scenario::load_scenario(path);
+Scenario load_scenario_with(const std::string& path, const Overrides& overrides) {
+  Scenario scenario = load_scenario(path);
   if (overrides.is_empty()) {
     return scenario;
   }
-  return scenario::parse_scenario(apply_overrides(scenario.source_text, overrides),
-                                  path + " with options");
+  return parse_scenario(apply_overrides(scenario.source_text, overrides), path + " with options");
 }
 
-}  // namespace vantage::trial
+}  // namespace vantage::scenario

@@ -1,27 +1,23 @@
-#include "tools/plan/algorithms.hpp"
+#include "planner/search/catalogue.hpp"
 
 #include <algorithm>
 #include <limits>
 
+#include "core/check.hpp"
 #include "models/sensor/law.hpp"
 #include "planner/search/astar.hpp"
 #include "planner/search/beam.hpp"
 
-namespace vantage::tools {
+namespace vantage::planner {
 namespace {
-
-using planner::ReducedOptions;
-using planner::ReducedSearch;
-using planner::SearchCapacity;
 
 template <class Planner, class Options>
 class Adapter final : public Search {
  public:
   Adapter(const SearchCapacity& capacity, const Options& options)
       : search_(capacity), options_(options) {}
-  const planner::SearchResult& search(const planner::SearchProblem& problem,
-                                      const Deadline& deadline) override {
-    const planner::SearchResult& result = search_.plan(problem, options_, deadline);
+  const SearchResult& plan(const SearchProblem& problem, const Deadline& deadline) override {
+    const SearchResult& result = search_.plan(problem, options_, deadline);
     peak_bytes_ = result.peak_bytes;
     return result;
   }
@@ -33,13 +29,16 @@ class Adapter final : public Search {
   std::size_t peak_bytes_ = 0;
 };
 
-using ReducedAdapter = Adapter<planner::ReducedValueIteration, ReducedOptions>;
-using BeamAdapter = Adapter<planner::RefiningBeam, planner::BeamOptions>;
-using BestFirstAdapter = Adapter<planner::BestFirstSearch, planner::BestFirstOptions>;
+using ReducedAdapter = Adapter<ReducedValueIteration, ReducedOptions>;
+using BeamAdapter = Adapter<RefiningBeam, BeamOptions>;
+using RandomWalkAdapter = Adapter<RandomWalk, RandomWalkOptions>;
+using LawnMowerAdapter = Adapter<LawnMower, SweepShare>;
+using BestFirstAdapter = Adapter<BestFirstSearch, BestFirstOptions>;
 
-Algorithm best_first(std::string_view name, std::string_view what, planner::BestFirst kind) {
-  return {name, what, 1.0, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
-            planner::BestFirstOptions best_first;
+Algorithm best_first(std::string_view name, std::string_view what, BestFirst kind) {
+  return {name, what, 1.0, false,
+          [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
+            BestFirstOptions best_first;
             best_first.search = kind;
             best_first.weight = options.weight;
             best_first.epsilon = options.epsilon;
@@ -49,11 +48,15 @@ Algorithm best_first(std::string_view name, std::string_view what, planner::Best
 }
 
 Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch kind) {
-  return {name, what, 1.0, [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
+  const bool makes_candidates =
+      kind == ReducedSearch::kAnytime || kind == ReducedSearch::kSinglePass;
+  return {name, what, 1.0, makes_candidates,
+          [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
             ReducedOptions reduced;
             reduced.search = kind;
             reduced.epsilon = options.epsilon;
             reduced.delta_m = options.delta_m;
+            reduced.yaw_weight_m_per_rad = options.yaw_weight_m_per_rad;
             return std::make_unique<ReducedAdapter>(capacity, reduced);
           }};
 }
@@ -62,9 +65,9 @@ Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch ki
 
 const std::vector<Algorithm>& all_algorithms() {
   static const std::vector<Algorithm> kAll = {
-      {"beam", "refining beam: passes of growing width and shrinking diversity cells", 0.25,
+      {"beam", "refining beam: passes of growing width and shrinking diversity cells", 0.25, false,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
-         return std::make_unique<BeamAdapter>(capacity, planner::BeamOptions{});
+         return std::make_unique<BeamAdapter>(capacity, BeamOptions{});
        }},
       reduced("arvi", "anytime reduced value iteration: passes of falling (epsilon, delta)",
               ReducedSearch::kAnytime),
@@ -72,23 +75,40 @@ const std::vector<Algorithm>& all_algorithms() {
               ReducedSearch::kSinglePass),
       reduced("fvi", "forward value iteration: everything, nothing pruned",
               ReducedSearch::kExhaustive),
-      best_first("astar", "A*: optimal, and proven so when it ends", planner::BestFirst::kAStar),
+      best_first("astar", "A*: optimal, and proven so when it ends", BestFirst::kAStar),
       best_first("wastar", "weighted A*: sooner, at most --weight from optimal",
-                 planner::BestFirst::kWeightedAStar),
+                 BestFirst::kWeightedAStar),
       best_first("aegis", "AEGIS: A* that leaves out what (epsilon, delta) dominates",
-                 planner::BestFirst::kAegis),
+                 BestFirst::kAegis),
       reduced("greedy", "the best next step, T times", ReducedSearch::kGreedy),
+      {"random_walk", "a random way that is safe, drawn by the problem's seed", 1.0, false,
+       [](const SearchCapacity& capacity, const AlgorithmOptions&) {
+         return std::make_unique<RandomWalkAdapter>(capacity, RandomWalkOptions{});
+       }},
+      {"lawn_mower", "rows over the robot's strip of the world, whatever is believed", 1.0, false,
+       [](const SearchCapacity& capacity, const AlgorithmOptions& options) {
+         return std::make_unique<LawnMowerAdapter>(capacity, options.sweep);
+       }},
   };
   return kAll;
 }
 
 const Algorithm& algorithm_called(std::string_view name) {
   const auto& all = all_algorithms();
-  return *std::find_if(all.begin(), all.end(), [&](const Algorithm& a) { return a.name == name; });
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Algorithm& a) { return a.name == name; });
+  if (found == all.end()) {
+    std::string names;
+    for (const Algorithm& each : all) {
+      names.append(names.empty() ? "" : ", ").append(each.name);
+    }
+    throw UsageError("algorithm: must be one of " + names + ", got " + std::string(name));
+  }
+  return *found;
 }
 
-std::string_view default_algorithm(const planner::SearchProblem& problem) {
-  const auto stands_still = [](const planner::SearchTarget& target) {
+std::string_view default_algorithm(const SearchProblem& problem) {
+  const auto stands_still = [](const SearchTarget& target) {
     return target.model.kind == models::TargetKind::kStatic;
   };
   const auto only_ranges = [](const models::SensorModel& sensor) {
@@ -101,9 +121,8 @@ std::string_view default_algorithm(const planner::SearchProblem& problem) {
   return is_mapping ? "astar" : "beam";
 }
 
-planner::SearchCapacity capacity_for(const Algorithm& algorithm,
-                                     const planner::SearchProblem& problem,
-                                     std::size_t memory_bytes, std::size_t nodes_max) {
+SearchCapacity capacity_for(const Algorithm& algorithm, const SearchProblem& problem,
+                            std::size_t memory_bytes, std::size_t nodes_max) {
   // A node with its record, its place in the lists, the index or the cells; and its share of the
   // blocks, which only the expanded have.
   constexpr std::size_t kNodeBytes = 48 + 12 + 200;
@@ -129,4 +148,4 @@ std::size_t nodes_within(double budget_s) {
   return static_cast<std::size_t>(std::min(kMost, kNodesPerSecondMax * budget_s));
 }
 
-}  // namespace vantage::tools
+}  // namespace vantage::planner

@@ -1,18 +1,18 @@
-#include "trial/scenario/overrides.hpp"
+#include "scenario/reader/overrides.hpp"
 
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 
-namespace vantage::trial {
+namespace vantage::scenario {
 namespace {
 
 const std::string kLab = VANTAGE_SOURCE_DIR "/config/lab.yaml";
 
 TEST(Overrides, LeaveTheTextAloneWhenThereAreNone) {
-  const scenario::Scenario scenario = load_scenario_with(kLab, {});
-  EXPECT_EQ(scenario.source_text, scenario::load_scenario(kLab).source_text);
+  const Scenario scenario = load_scenario_with(kLab, {});
+  EXPECT_EQ(scenario.source_text, load_scenario(kLab).source_text);
 }
 
 TEST(Overrides, AreWhatTheTextThenSays) {
@@ -23,17 +23,17 @@ TEST(Overrides, AreWhatTheTextThenSays) {
   overrides.communication_range_m = 7.0;
   overrides.node_budget = 321;
   overrides.url = "memq://";
-  const scenario::Scenario scenario = load_scenario_with(kLab, overrides);
-  const scenario::Scenario again = scenario::parse_scenario(scenario.source_text, "again");
-  for (const scenario::Scenario& each : {scenario, again}) {
+  const Scenario scenario = load_scenario_with(kLab, overrides);
+  const Scenario again = parse_scenario(scenario.source_text, "again");
+  for (const Scenario& each : {scenario, again}) {
     EXPECT_EQ(each.seed, 42U);
     EXPECT_EQ(each.duration_s, 12.5);
-    EXPECT_EQ(each.planner.algorithm, scenario::PlanAlgorithm::kLawnMower);
+    EXPECT_EQ(each.planner.algorithm, "lawn_mower");
     EXPECT_EQ(each.network.communication_range_m, 7.0);
     EXPECT_EQ(each.planner.node_budget, 321);
     EXPECT_EQ(each.network.url, "memq://");
-    EXPECT_EQ(each.robots.size(), scenario::load_scenario(kLab).robots.size());
-    EXPECT_EQ(each.robots[0].primitives, scenario::load_scenario(kLab).robots[0].primitives);
+    EXPECT_EQ(each.robots.size(), load_scenario(kLab).robots.size());
+    EXPECT_EQ(each.robots[0].primitives, load_scenario(kLab).robots[0].primitives);
   }
 }
 
@@ -44,4 +44,4 @@ TEST(Overrides, CannotSayWhatAScenarioCannot) {
 }
 
 }  // namespace
-}  // namespace vantage::trial
+}  // namespace vantage::scenario

@@ -6,7 +6,7 @@
 
 #include "scenario/scenario.hpp"
 
-namespace vantage::trial {
+namespace vantage::scenario {
 
 /// What a command line changes in a scenario file. Empty members change nothing.
 struct Overrides {
@@ -26,6 +26,6 @@ std::string apply_overrides(const std::string& yaml, const Overrides& overrides)
 
 /// Reads a scenario file and applies the overrides; `source_text` is the result's own text.
 /// @throws StartupError as scenario::load_scenario
-scenario::Scenario load_scenario_with(const std::string& path, const Overrides& overrides);
+Scenario load_scenario_with(const std::string& path, const Overrides& overrides);
 
-}  // namespace vantage::trial
+}  // namespace vantage::scenario
