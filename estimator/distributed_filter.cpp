@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kTeammatesReserved = 64;
 constexpr int kOwnLooksReserved = 4;
 
-/// √det Ω, a beliefs' share in a fusion; 0 when Ω is not positive definite.
+/// √det Ω, a belief's share in a fusion; 0 when Ω is not positive definite.
 double weight_of(const models::StateMatrix& Omega) {
   const Eigen::LLT<models::StateMatrix> root(Omega);
   return root.info() == Eigen::Success ? root.matrixLLT().diagonal().prod() : 0.0;

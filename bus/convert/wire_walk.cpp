@@ -92,6 +92,19 @@ class Walker {
 
 }  // namespace
 
+std::int64_t signed_value(WireNumber number, std::uint64_t bits) {
+  switch (number) {
+    case WireNumber::kInt8:
+      return static_cast<std::int8_t>(bits);
+    case WireNumber::kInt16:
+      return static_cast<std::int16_t>(bits);
+    case WireNumber::kInt32:
+      return static_cast<std::int32_t>(bits);
+    default:
+      return static_cast<std::int64_t>(bits);
+  }
+}
+
 bool is_well_formed(const WireSchema& schema, std::span<const std::uint8_t> body) {
   Walker walker(body);
   return walker.walk_struct(schema, 0) && walker.is_at_end();

@@ -26,6 +26,9 @@ enum class WireNumber : std::uint8_t {
   kDouble
 };
 
+/// Of an integer field's `bits`, as many as it has: the number, with its sign.
+std::int64_t signed_value(WireNumber number, std::uint64_t bits);
+
 struct WireSchema;
 
 /// One array dimension: the value of the integer field number `field`, or `constant` if that is −1.

@@ -61,18 +61,24 @@ PoseSensor::PoseSensor(const scenario::Scenario& scenario, const std::string& ro
       position_dim_(scenario.estimator.target_model.position_dim),
       seed_(scenario.seed) {}
 
-std::optional<models::DetectionSet> PoseSensor::look(const models::MocapFrame& frame,
-                                                     bool jammed) const {
-  const models::MocapBody* const self = frame.find(robot_);
+std::optional<models::DetectionSet> look_of(const models::MocapFrame& frame,
+                                            const std::string& robot, bool jammed) {
+  const models::MocapBody* const self = frame.find(robot);
   if (self == nullptr || self->occluded) {
     return std::nullopt;
   }
   models::DetectionSet seen;
   seen.stamp.time = frame.stamp.time;
-  seen.robot = robot_;
+  seen.robot = robot;
   seen.viewpoint = {flatten(self->world_from_body), self->world_from_body.translation_m.z()};
   seen.jammed = jammed;
-  if (jammed) {
+  return seen;
+}
+
+std::optional<models::DetectionSet> PoseSensor::look(const models::MocapFrame& frame,
+                                                     bool jammed) const {
+  std::optional<models::DetectionSet> seen = look_of(frame, robot_, jammed);
+  if (!seen || jammed) {
     return seen;
   }
   for (const scenario::TargetSpec& target : targets_) {
@@ -82,14 +88,14 @@ std::optional<models::DetectionSet> PoseSensor::look(const models::MocapFrame& f
     }
     const models::PositionVector position_m =
         body->world_from_body.translation_m.head(position_dim_);
-    if (!models::in_view(sensor_, seen.viewpoint, position_m) ||
-        !models::line_of_sight(world_, seen.viewpoint.world_from_body.position_m(),
+    if (!models::in_view(sensor_, seen->viewpoint, position_m) ||
+        !models::line_of_sight(world_, seen->viewpoint.world_from_body.position_m(),
                                position_m.head<2>())) {
       continue;
     }
     std::mt19937_64 noise = noise_of(seed_, robot_, target.id, frame.stamp.time);
-    seen.detections.push_back(
-        {target.id, models::sample(sensor_, seen.viewpoint, position_m, noise)});
+    seen->detections.push_back(
+        {target.id, models::sample(sensor_, seen->viewpoint, position_m, noise)});
   }
   return seen;
 }

@@ -22,6 +22,11 @@ models::MocapFrame interpolate(const models::MocapFrame& before, const models::M
 std::mt19937_64 noise_of(std::uint64_t seed, const std::string& robot, int stream, Time time);
 inline constexpr int kScanStream = -1;
 
+/// The look that `robot` begins at the instant of `frame`, of nothing yet; nullopt when the robot
+/// itself is not seen.
+std::optional<models::DetectionSet> look_of(const models::MocapFrame& frame,
+                                            const std::string& robot, bool jammed);
+
 /// A sensor that a lab does not have: it makes the measurements that one robot's sensor would,
 /// from everyone's poses.
 ///

@@ -100,22 +100,9 @@ class LogColumns::Reader {
       default:
         break;
     }
-    const std::int64_t value = signed_value(field.wire->number, bits);
+    const std::int64_t value = bus::signed_value(field.wire->number, bits);
     std::get<std::vector<std::int64_t>>(values).push_back(value);
     return value < 0 ? 0 : static_cast<std::size_t>(value);
-  }
-
-  static std::int64_t signed_value(WireNumber number, std::uint64_t bits) {
-    switch (number) {
-      case WireNumber::kInt8:
-        return static_cast<std::int8_t>(bits);
-      case WireNumber::kInt16:
-        return static_cast<std::int16_t>(bits);
-      case WireNumber::kInt32:
-        return static_cast<std::int32_t>(bits);
-      default:
-        return static_cast<std::int64_t>(bits);
-    }
   }
 
   std::uint64_t take(std::size_t width) {

@@ -82,18 +82,12 @@ class Reader {
         return bits != 0;
       case WireNumber::kByte:
         return static_cast<std::uint8_t>(bits);
-      case WireNumber::kInt8:
-        return static_cast<std::int8_t>(bits);
-      case WireNumber::kInt16:
-        return static_cast<std::int16_t>(bits);
-      case WireNumber::kInt32:
-        return static_cast<std::int32_t>(bits);
       case WireNumber::kFloat:
         return finite(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
       case WireNumber::kDouble:
         return finite(std::bit_cast<double>(bits));
       default:
-        return static_cast<std::int64_t>(bits);
+        return bus::signed_value(field.number, bits);
     }
   }
 

@@ -12,6 +12,7 @@
 
 #include "core/check.hpp"
 #include "drivers/sensor/app/node.hpp"
+#include "drivers/sensor/pose_sensor.hpp"
 #include "python/binding/bind.hpp"
 #include "python/binding/scenario.hpp"
 #include "scenario/reader/overrides.hpp"
@@ -38,20 +39,12 @@ class PythonSensor {
 
   std::optional<models::DetectionSet> operator()(const models::MocapFrame& frame,
                                                  bool jammed) const {
-    const models::MocapBody* self = frame.find(robot_);
-    if (self == nullptr || self->occluded) {
-      return std::nullopt;
-    }
-    models::DetectionSet seen;
-    seen.stamp.time = frame.stamp.time;
-    seen.robot = robot_;
-    seen.viewpoint = {flatten(self->world_from_body), self->world_from_body.translation_m.z()};
-    seen.jammed = jammed;
-    if (jammed) {
+    std::optional<models::DetectionSet> seen = drivers::look_of(frame, robot_, jammed);
+    if (!seen || jammed) {
       return seen;
     }
     const py::gil_scoped_acquire acquire;
-    const Pose2& pose = seen.viewpoint.world_from_body;
+    const Pose2& pose = seen->viewpoint.world_from_body;
     py::dict targets;
     for (const models::MocapBody& body : frame.bodies) {
       const auto id = ids_.find(body.name);
@@ -60,7 +53,7 @@ class PythonSensor {
       }
     }
     const py::object said = (*look_)(
-        array_of(Eigen::Vector4d(pose.x_m, pose.y_m, seen.viewpoint.height_m, pose.yaw_rad)),
+        array_of(Eigen::Vector4d(pose.x_m, pose.y_m, seen->viewpoint.height_m, pose.yaw_rad)),
         targets, to_seconds(frame.stamp.time.time_since_epoch()));
     for (const py::handle item : py::iter(said)) {
       const auto [id, z, V] = py::cast<std::tuple<int, Doubles, Doubles>>(item);
@@ -77,9 +70,9 @@ class PythonSensor {
           detection.measurement.V(i, j) = V.at(i, j);
         }
       }
-      seen.detections.push_back(detection);
+      seen->detections.push_back(detection);
     }
-    std::sort(seen.detections.begin(), seen.detections.end(),
+    std::sort(seen->detections.begin(), seen->detections.end(),
               [](const auto& a, const auto& b) { return a.target_id < b.target_id; });
     return seen;
   }

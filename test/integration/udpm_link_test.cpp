@@ -173,7 +173,9 @@ TEST_F(UdpmCards, CarryWhatIsSentOverTheirCable) {
   test::handle_until(*far_a.transport, [&] { return !far_a.heard.empty(); });
   ASSERT_EQ(far_a.heard.size(), 1U);
   EXPECT_TRUE(far_a.heard[0].second == test::random_bytes(150'000, 3));
-  // Its own END sometimes comes twice here, where both ends of a cable are one host's.
+  // Where both ends of a cable are one host's, its kernel (early demultiplexing of multicast, with
+  // accept_local) sometimes hands a datagram to the socket of the other end's card too: END comes
+  // twice. HERE, which never was on the cable, does not.
   EXPECT_EQ(far_b.hear_all().find("HERE"), std::string::npos)
       << "a time to live of 0 does not leave the host";
 }

@@ -55,7 +55,7 @@ int show(const KeysArguments& arguments) {
     }
   }
   if (arguments.as_json) {
-    print_line(list.dump());
+    print_json(list);
   }
   if (keyring.keys().empty()) {
     throw StartupError(arguments.folder + ": there are no keys; vantage keys new " +

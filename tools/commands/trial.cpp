@@ -78,10 +78,9 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
   command->add_option("--svg", arguments->svg_path, "draw the end of the trial, as SVG and PNG");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
-      "Ctrl-C, SIGTERM, a terminal that is closed, or a log that cannot be written any more end "
-      "it\n"
-      "early: log, summary and pictures of what was flown, exit code 1. So is that of a trial in\n"
-      "which anything collided. A log that is there already is not written over: exit code 2.\n"
+      "Ctrl-C, SIGTERM, a terminal that is closed, or a log that cannot be written any more end\n"
+      "it early: log, summary and pictures of what was flown, exit code 1. So is that of a trial\n"
+      "in which anything collided. A log that is there already is not written over: exit code 2.\n"
       "Examples:\n"
       "  vantage trial config/lab.yaml --seed 3 --json\n"
       "  vantage trial config/lab.yaml --planner greedy --duration-s 60 --svg greedy.svg\n"

@@ -73,19 +73,18 @@ class RoomWatch {
 void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
               const bus::TransportStats& heard) {
   if (arguments.as_json) {
-    print_line(nlohmann::ordered_json{{"path", report.path},
-                                      {"files", report.files},
-                                      {"events", report.events},
-                                      {"bytes", report.bytes},
-                                      {"events_lost", report.events_lost},
-                                      {"kernel_drops", heard.kernel_drops},
-                                      {"incomplete_messages", heard.incomplete_messages},
-                                      {"malformed_datagrams", heard.malformed_datagrams},
-                                      {"write_errors", report.write_errors},
-                                      {"sync_errors", report.sync_errors},
-                                      {"syncs_late", report.syncs_late},
-                                      {"at_risk_worst_us", report.at_risk_worst_us}}
-                   .dump());
+    print_json({{"path", report.path},
+                {"files", report.files},
+                {"events", report.events},
+                {"bytes", report.bytes},
+                {"events_lost", report.events_lost},
+                {"kernel_drops", heard.kernel_drops},
+                {"incomplete_messages", heard.incomplete_messages},
+                {"malformed_datagrams", heard.malformed_datagrams},
+                {"write_errors", report.write_errors},
+                {"sync_errors", report.sync_errors},
+                {"syncs_late", report.syncs_late},
+                {"at_risk_worst_us", report.at_risk_worst_us}});
     return;
   }
   print_line(fmt::format("{}: {} events, {:.1f} MB{}", arguments.log, report.events,
