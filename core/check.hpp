@@ -20,4 +20,11 @@ class StartupError : public std::runtime_error {
 /// Throws UsageError(`rule`) unless `holds`. For constructors and loaders, never in a loop.
 void require(bool holds, const std::string& rule);
 
+/// The same where nothing may be allocated while the rule holds.
+inline void demand(bool holds, const char* rule) {
+  if (!holds) {
+    require(false, rule);
+  }
+}
+
 }  // namespace vantage

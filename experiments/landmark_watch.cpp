@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/world/grid.hpp"
 #include "planner/decision/resilient.hpp"
@@ -15,8 +16,6 @@ namespace {
 
 constexpr double kFieldResolution_m = 0.5;
 constexpr double kTurnOnTheSpot_radps = 2.0;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 class Mean {
  public:

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/index.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/world/grid.hpp"
 #include "planner/decision/resilient.hpp"
@@ -17,8 +18,6 @@ constexpr double kStep_s = 0.5;
 constexpr double kFieldResolution_m = 0.5;
 // Of a beam's width: with less, plans of 25 steps stay with the target they begin at.
 constexpr double kBreadth = 0.6;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 models::SensorModel tracking_sensor() {
   models::SensorModel sensor;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -32,8 +33,6 @@ class Hash {
  private:
   std::uint64_t state_ = 0xcbf29ce484222325U;
 };
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

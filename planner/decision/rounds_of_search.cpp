@@ -1,11 +1,10 @@
 #include "planner/decision/rounds_of_search.hpp"
 
+#include "core/index.hpp"
 #include "planner/decision/team_set.hpp"
 
 namespace vantage::planner {
 namespace {
-
-std::size_t index(CandidateId i) { return static_cast<std::size_t>(i); }
 
 // The best single trajectory that is left; nobody's when there is none.
 Choice best_single(const TeamOracle& oracle, std::span<const char> excluded) {

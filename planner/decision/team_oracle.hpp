@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/index.hpp"
 #include "planner/decision/candidate.hpp"
 #include "planner/decision/target_courses.hpp"
 
@@ -61,10 +62,6 @@ class TeamOracle {
   [[nodiscard]] std::int64_t calls() const { return calls_; }
 
  private:
-  template <class Integer>
-  [[nodiscard]] static std::size_t index(Integer i) {
-    return static_cast<std::size_t>(i);
-  }
   void check() const;
 
   const TeamProblem* problem_;

@@ -2,13 +2,9 @@
 
 #include <algorithm>
 
+#include "core/index.hpp"
+
 namespace vantage::planner {
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 TeamSet::TeamSet(const TeamOracle& oracle)
     : oracle_(&oracle),
       depths_(index(oracle.problem().horizon_steps + 1)),

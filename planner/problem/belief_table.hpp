@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/index.hpp"
 #include "planner/problem/block_kernels.hpp"
 #include "planner/problem/problem.hpp"
 
@@ -47,7 +48,6 @@ class BeliefTable {
   [[nodiscard]] bool has_fixed() const { return has_fixed_; }
 
  private:
-  [[nodiscard]] static std::size_t index(int m) { return static_cast<std::size_t>(m); }
   [[nodiscard]] std::size_t at(int m, int t) const { return index(t) * layouts_.size() + index(m); }
 
   CostKind cost_ = CostKind::kLogDet;

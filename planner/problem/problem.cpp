@@ -1,19 +1,13 @@
 #include "planner/problem/problem.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "core/check.hpp"
 
 namespace vantage::planner {
 
 namespace {
-
-// require() makes a std::string of its rule even when the rule holds; a search may not allocate.
-void demand(bool holds, const char* rule) {
-  if (!holds) {
-    require(false, rule);
-  }
-}
 
 bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::isfinite(pose.yaw_rad);
@@ -94,6 +88,25 @@ void require_valid(const SearchProblem& problem) {
     require_valid(target);
   }
   require_valid_information(problem);
+}
+
+void SearchResult::reset() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  found = false;
+  controls.clear();
+  poses.clear();
+  history.clear();
+  cost = kInfinity;
+  moving_steps = 0;
+  lower_bound = -kInfinity;
+  epsilon = kInfinity;
+  delta_m = kInfinity;
+  passes = 0;
+  nodes_generated = 0;
+  nodes_expanded = 0;
+  work_nodes = 0;
+  peak_bytes = 0;
+  stop_reason = StopReason::kFinished;
 }
 
 models::Trajectory to_trajectory(const SearchProblem& problem, const SearchResult& result) {

@@ -114,6 +114,10 @@ struct SearchResult {
   StopReason stop_reason = StopReason::kFinished;
   std::vector<PassReport> history;  ///< one entry a finished pass, in order
 
+  /// As before a search: nothing found, nothing proven, nothing counted. What vectors have reserved
+  /// they keep.
+  void reset();
+
   /// The node budget under which the same search ends at the same place.
   [[nodiscard]] std::int64_t replay_budget_nodes() const {
     return stop_reason == StopReason::kDeadline ? work_nodes : work_nodes + 1;

@@ -5,21 +5,13 @@
 #include <limits>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-// require() makes a std::string of its rule even when the rule holds; a search may not allocate.
-void demand(bool holds, const char* rule) {
-  if (!holds) {
-    require(false, rule);
-  }
-}
 
 }  // namespace
 
@@ -41,11 +33,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
                                                 const ReducedOptions& options,
                                                 const Deadline& deadline) {
   require_valid(problem);
-  demand(problem.horizon_steps <= capacity_.horizon_max, "search: horizon_steps over capacity");
-  demand(problem.targets.size() <= index(capacity_.targets_max),
-         "search: more targets than capacity");
-  demand(problem.teammates.size() <= index(capacity_.teammates_max),
-         "search: more teammates than capacity");
+  require_fits(problem, capacity_);
   demand(options.halvings >= 0 && options.halvings <= 100, "search: halvings must be in [0, 100]");
   demand(options.epsilon >= 0.0 && options.delta_m >= 0.0, "search: ε and δ must be ≥ 0");
   demand(options.yaw_weight_m_per_rad >= 0.0, "search: the yaw weight must be ≥ 0");
@@ -59,18 +47,7 @@ const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
   fresh_peak_ = 0;
   index_peak_ = 0;
   best_leaf_ = kNoNode;
-  result_.found = false;
-  result_.controls.clear();
-  result_.poses.clear();
-  result_.history.clear();
-  result_.cost = kInfinity;
-  result_.moving_steps = 0;
-  result_.epsilon = kInfinity;
-  result_.delta_m = kInfinity;
-  result_.passes = 0;
-  result_.nodes_generated = 0;
-  result_.nodes_expanded = 0;
-  result_.work_nodes = 0;
+  result_.reset();
   result_.lower_bound = root_bound_.of_any_plan(problem, expander_.beliefs());
   double moving_bound = result_.lower_bound;
   open_node(levels_[0], tree_.add(expander_.root()));

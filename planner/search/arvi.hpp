@@ -5,6 +5,7 @@
 
 #include "core/deadline.hpp"
 #include "planner/problem/problem.hpp"
+#include "planner/search/capacity.hpp"
 #include "planner/search/cost_order.hpp"
 #include "planner/search/crossing_index.hpp"
 #include "planner/search/expander.hpp"
@@ -13,15 +14,6 @@
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
-
-/// How large a problem a search object is built for.
-struct SearchCapacity {
-  std::size_t nodes_max = 400'000;
-  std::size_t block_doubles_max = 8'000'000;
-  int targets_max = 64;
-  int horizon_max = 32;
-  int teammates_max = 16;
-};
 
 enum class ReducedSearch {
   kAnytime,     ///< ARVI: ε = δ = ∞ first, then the schedule, at last ε = δ = 0

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
@@ -22,15 +23,6 @@ enum NodeState : std::uint8_t {
   kSequenced = 3,
   kClosed = 4
 };
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-// require() makes a std::string of its rule even when the rule holds; a search may not allocate.
-void demand(bool holds, const char* rule) {
-  if (!holds) {
-    require(false, rule);
-  }
-}
 
 // Least key first; of equals the younger, which is as a rule the deeper.
 constexpr auto kAfter = [](const auto& a, const auto& b) {
@@ -84,18 +76,9 @@ void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions
   dives_ = true;
   least_dominated_ = kInfinity;
   best_parent_ = kNoNode;
-  result_.found = false;
-  result_.controls.clear();
-  result_.poses.clear();
-  result_.history.clear();
-  result_.cost = kInfinity;
-  result_.moving_steps = 0;
+  result_.reset();
   result_.epsilon = options.search == BestFirst::kAegis ? options.epsilon : 0.0;
   result_.delta_m = options.search == BestFirst::kAegis ? options.delta_m : 0.0;
-  result_.passes = 0;
-  result_.nodes_generated = 0;
-  result_.nodes_expanded = 0;
-  result_.work_nodes = 0;
   next_ = tree_.add(expander_.root());
   expander_.ensure_posterior(tree_, next_);
   stops_[0] = next_;
@@ -109,11 +92,7 @@ const SearchResult& BestFirstSearch::plan(const SearchProblem& problem,
                                           const Deadline& deadline) {
   require_valid(problem);
   demand(capacity_.nodes_max > 0, "search: no room for a node");
-  demand(problem.horizon_steps <= capacity_.horizon_max, "search: horizon_steps over capacity");
-  demand(problem.targets.size() <= index(capacity_.targets_max),
-         "search: more targets than capacity");
-  demand(problem.teammates.size() <= index(capacity_.teammates_max),
-         "search: more teammates than capacity");
+  require_fits(problem, capacity_);
   demand(options.epsilon >= 0.0 && options.delta_m >= 0.0, "search: ε and δ must be ≥ 0");
   demand(options.weight >= 1.0 && std::isfinite(options.weight), "search: the weight must be ≥ 1");
   demand(options.yaw_weight_m_per_rad >= 0.0, "search: the yaw weight must be ≥ 0");

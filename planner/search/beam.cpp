@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
@@ -17,15 +18,6 @@ constexpr std::size_t kChunk = 128;  // candidates looked through between two as
 constexpr int kPassesMax = 100;
 constexpr unsigned kRegionBits = 2;                 // a region is 4 cells wide in each of x, y, yaw
 constexpr double kGoldenShare = 0.618033988749895;  // no two passes have their cells' edges in line
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-// require() makes a std::string of its rule even when the rule holds; a search may not allocate.
-void demand(bool holds, const char* rule) {
-  if (!holds) {
-    require(false, rule);
-  }
-}
 
 std::uint64_t cell_index(double value, double cell, double offset) {
   constexpr double kCentre = 1'048'576.0;  // 2²⁰: 21 bits a coordinate
@@ -62,11 +54,7 @@ RefiningBeam::RefiningBeam(const SearchCapacity& capacity)
 const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamOptions& options,
                                        const Deadline& deadline) {
   require_valid(problem);
-  demand(problem.horizon_steps <= capacity_.horizon_max, "search: horizon_steps over capacity");
-  demand(problem.targets.size() <= index(capacity_.targets_max),
-         "search: more targets than capacity");
-  demand(problem.teammates.size() <= index(capacity_.teammates_max),
-         "search: more teammates than capacity");
+  require_fits(problem, capacity_);
   demand(options.first_width >= 1 && options.growth > 1.0, "beam: the width must grow");
   demand(options.cell_m > 0.0 && options.cell_rad > 0.0, "beam: cells must have an extent");
   demand(options.alternation > 0.0, "beam: alternation must be > 0");
@@ -78,20 +66,8 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   deadline_ = &deadline;
   expander_.reset(problem);
   sighting_.reset(problem, expander_);
-  result_.peak_bytes = 0;
   moving_bound_ = -kInfinity;
-  result_.found = false;
-  result_.controls.clear();
-  result_.poses.clear();
-  result_.history.clear();
-  result_.cost = kInfinity;
-  result_.moving_steps = 0;
-  result_.epsilon = kInfinity;
-  result_.delta_m = kInfinity;
-  result_.passes = 0;
-  result_.nodes_generated = 0;
-  result_.nodes_expanded = 0;
-  result_.work_nodes = 0;
+  result_.reset();
   result_.stop_reason = StopReason::kMemory;
   result_.lower_bound = root_bound_.of_any_plan(problem, expander_.beliefs());
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/index.hpp"
+
 namespace vantage::planner {
 namespace {
 
 constexpr double kRounding = 1.0 + 1e-9;  // outwards
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

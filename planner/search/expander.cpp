@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/index.hpp"
 #include "planner/problem/log_product.hpp"
 
 namespace vantage::planner {
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 Expander::Expander(int targets_max, int horizon_max, int teammates_max)
     : motion_(kMaxControls, horizon_max, teammates_max),
       beliefs_(targets_max, horizon_max),

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/index.hpp"
 #include "planner/problem/belief_table.hpp"
 #include "planner/problem/problem.hpp"
 #include "planner/search/averaged_block.hpp"
@@ -74,7 +75,6 @@ class InformationHeuristic {
   static constexpr int kRingsPerStep = 4;
   static constexpr int kRings = 96;
 
-  [[nodiscard]] static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] std::size_t at(int m, int depth) const {
     return index(m) * index(horizon_ + 1) + index(depth);
   }

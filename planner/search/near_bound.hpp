@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "core/index.hpp"
 #include "planner/search/averaged_block.hpp"
 #include "planner/search/heuristic.hpp"
 
@@ -48,7 +49,6 @@ class NearBound {
     double most_m = 0.0;
   };
 
-  [[nodiscard]] static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   [[nodiscard]] std::size_t at(int i, int k) const {
     return index(i) * index(horizon_ + 1) + index(k);
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "core/index.hpp"
 #include "planner/search/expander.hpp"
 #include "planner/search/heuristic.hpp"
 
@@ -72,7 +73,6 @@ class SequencingBound {
     std::uint32_t state = 0;
   };
 
-  [[nodiscard]] static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   /// c(k, n) of target i of those that take part, and rests_ from it.
   void fill_costs(int i, int depth, const double* block);
   void fill_rests(int i);

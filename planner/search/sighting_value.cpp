@@ -4,15 +4,10 @@
 #include <cmath>
 
 #include "core/angle.hpp"
+#include "core/index.hpp"
 #include "planner/problem/block_kernels.hpp"
 
 namespace vantage::planner {
-namespace {
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 void SightingValue::reset(const SearchProblem& problem, const Expander& expander) {
   problem_ = &problem;
   expander_ = &expander;

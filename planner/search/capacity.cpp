@@ -1,0 +1,16 @@
+#include "planner/search/capacity.hpp"
+
+#include "core/check.hpp"
+#include "core/index.hpp"
+
+namespace vantage::planner {
+
+void require_fits(const SearchProblem& problem, const SearchCapacity& capacity) {
+  demand(problem.horizon_steps <= capacity.horizon_max, "search: horizon_steps over capacity");
+  demand(problem.targets.size() <= index(capacity.targets_max),
+         "search: more targets than capacity");
+  demand(problem.teammates.size() <= index(capacity.teammates_max),
+         "search: more teammates than capacity");
+}
+
+}  // namespace vantage::planner
