@@ -4,6 +4,8 @@
 #include <iterator>
 #include <limits>
 
+#include "models/exchange/counts.hpp"
+
 namespace vantage::drivers {
 namespace {
 
@@ -119,14 +121,10 @@ std::vector<models::ContactReport> ContactJudge::on_frame(const models::MocapFra
 }
 
 std::vector<models::NamedCount> ContactJudge::counters() const {
-  const std::vector<models::NamedCount> all{{"contacts.gaps", gaps_},
-                                            {"contacts.frames_out_of_order", out_of_order_},
-                                            {"contacts.bodies_left_out", others_left_out_},
-                                            {"contacts.judges_differ", monitor_.disagreements()}};
-  std::vector<models::NamedCount> out;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(out),
-               [](const models::NamedCount& counter) { return counter.count != 0; });
-  return out;
+  return models::nonzero({{"contacts.gaps", gaps_},
+                          {"contacts.frames_out_of_order", out_of_order_},
+                          {"contacts.bodies_left_out", others_left_out_},
+                          {"contacts.judges_differ", monitor_.disagreements()}});
 }
 
 }  // namespace vantage::drivers

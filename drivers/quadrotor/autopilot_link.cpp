@@ -1,10 +1,10 @@
 #include "drivers/quadrotor/autopilot_link.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 
 #include "core/axes.hpp"
+#include "models/exchange/counts.hpp"
 #include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
@@ -303,18 +303,13 @@ std::optional<std::string> AutopilotLink::fault(Time now) const {
 
 std::vector<models::NamedCount> AutopilotLink::counters() const {
   const wire::mavlink::ParserCounts& parsed = parser_.counts();
-  const std::vector<models::NamedCount> all{
-      {"mavlink.frames_lost", sequence_.lost()},
-      {"mavlink.frames_out_of_order", sequence_.out_of_order()},
-      {"mavlink.bytes_skipped", parsed.bytes_skipped},
-      {"mavlink.frames_v1", parsed.frames_v1},
-      {"mavlink.unknown_flags", parsed.unknown_flags},
-      {"mavlink.signatures_refused", signatures_refused_},
-      {"mavlink.commands_unanswered", commands_.unanswered()}};
-  std::vector<models::NamedCount> counted;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
-               [](const models::NamedCount& counter) { return counter.count != 0; });
-  return counted;
+  return models::nonzero({{"mavlink.frames_lost", sequence_.lost()},
+                          {"mavlink.frames_out_of_order", sequence_.out_of_order()},
+                          {"mavlink.bytes_skipped", parsed.bytes_skipped},
+                          {"mavlink.frames_v1", parsed.frames_v1},
+                          {"mavlink.unknown_flags", parsed.unknown_flags},
+                          {"mavlink.signatures_refused", signatures_refused_},
+                          {"mavlink.commands_unanswered", commands_.unanswered()}});
 }
 
 }  // namespace vantage::drivers

@@ -1,10 +1,10 @@
 #include "estimator/app/map_step.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <memory>
 
 #include "bus/convert/channels.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::estimator {
 namespace {
@@ -109,14 +109,9 @@ void MapPublisher::step(const models::RobotBelief& belief, const models::InputRe
 
 std::vector<models::NamedCount> MapPublisher::counters() const {
   std::vector<models::NamedCount> all = map_.counters().named();
-  for (const models::NamedCount& own :
-       {models::NamedCount{"map.misaddressed", misaddressed_},
-        models::NamedCount{"map.runs_forgotten", runs_forgotten_},
-        models::NamedCount{"map.scans_overflowed", scans_overflowed_}}) {
-    if (own.count != 0) {
-      all.push_back(own);
-    }
-  }
+  models::append_nonzero(all, {{"map.misaddressed", misaddressed_},
+                               {"map.runs_forgotten", runs_forgotten_},
+                               {"map.scans_overflowed", scans_overflowed_}});
   return all;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bus/convert/channels.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::estimator {
 
@@ -134,14 +135,9 @@ void EstimatorNode::tick(Time now) {
 
 std::vector<models::NamedCount> EstimatorNode::counters() const {
   std::vector<models::NamedCount> all = filter_.counters().named();
-  for (const models::NamedCount& own :
-       {models::NamedCount{"looks_overflowed", looks_overflowed_},
-        models::NamedCount{"misaddressed", misaddressed_},
-        models::NamedCount{"viewpoint_unknown", viewpoint_unknown_}}) {
-    if (own.count != 0) {
-      all.push_back(own);
-    }
-  }
+  models::append_nonzero(all, {{"looks_overflowed", looks_overflowed_},
+                               {"misaddressed", misaddressed_},
+                               {"viewpoint_unknown", viewpoint_unknown_}});
   if (map_) {
     const std::vector<models::NamedCount> of_map = map_->counters();
     all.insert(all.end(), of_map.begin(), of_map.end());

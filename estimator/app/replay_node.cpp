@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bus/convert/channels.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::estimator {
 
@@ -170,13 +171,9 @@ void EstimatorReplayNode::redo(const models::RobotBelief& logged) {
 
 std::vector<models::NamedCount> EstimatorReplayNode::counters() const {
   std::vector<models::NamedCount> all = filter_.counters().named();
-  for (const models::NamedCount& own : {models::NamedCount{"steps_rebased", steps_rebased_},
-                                        models::NamedCount{"inputs_missing", inputs_missing_},
-                                        models::NamedCount{"differences", differences_}}) {
-    if (own.count != 0) {
-      all.push_back(own);
-    }
-  }
+  models::append_nonzero(all, {{"steps_rebased", steps_rebased_},
+                               {"inputs_missing", inputs_missing_},
+                               {"differences", differences_}});
   if (map_) {
     const std::vector<models::NamedCount> of_map = map_->counters();
     all.insert(all.end(), of_map.begin(), of_map.end());

@@ -1,12 +1,12 @@
 #include "sim/app/node.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
+#include "models/exchange/counts.hpp"
 #include "sim/app/wire_firmware.hpp"
 #include "sim/app/wire_quadrotor.hpp"
 #include "sim/app/wire_rover.hpp"
@@ -270,10 +270,7 @@ std::vector<models::NamedCount> SimNode::counters() const {
       all.push_back(std::move(counter));
     }
   }
-  std::vector<models::NamedCount> counted;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
-               [](const models::NamedCount& counter) { return counter.count != 0; });
-  return counted;
+  return models::nonzero(std::move(all));
 }
 
 }  // namespace vantage::sim

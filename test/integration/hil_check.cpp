@@ -22,11 +22,13 @@
 #include "bus/convert/convert.hpp"
 #include "drivers/safety/limits.hpp"
 #include "test/support/flight_record.hpp"
+#include "test/support/log_decode.hpp"
 
 namespace {
 
 using namespace vantage;  // NOLINT(google-build-using-namespace): a test's main alone
 using models::FlightState;
+using test::decode;
 
 struct Flight {
   std::set<std::int64_t> rounds;  // followed
@@ -48,15 +50,6 @@ struct Seen {
   std::vector<std::string> contacts;
   std::map<std::string, std::int64_t> counters;  // newest of each process
 };
-
-template <class Message, class Wire>
-std::optional<Message> decode(const lcm::LogEvent& event) {
-  Wire wire;
-  if (wire.decode(event.data, 0, event.datalen) != event.datalen) {
-    return std::nullopt;
-  }
-  return bus::from_wire(wire);
-}
 
 void on_frame(const models::MocapFrame& frame, Seen& seen) {
   ++seen.frames;
@@ -125,8 +118,8 @@ bool judge(const Seen& seen, const std::set<std::string>& level) {
   for (const auto& [robot, flight] : seen.flights) {
     const bool has_landed = flight.state == FlightState::kIdle && flight.last_m < 0.1;
     std::printf("%s: up to %.2f m, %zu rounds followed, %.2f m away, %s at %.2f m\n", robot.c_str(),
-                flight.highest_m, flight.rounds.size(), flight.farthest_m,
-                name_of(flight.state), flight.last_m);
+                flight.highest_m, flight.rounds.size(), flight.farthest_m, name_of(flight.state),
+                flight.last_m);
     if (flight.rounds.empty()) {
       for (const std::string& reason : flight.ended_for) {
         std::printf("%s said: %s\n", robot.c_str(), reason.c_str());

@@ -9,20 +9,12 @@
 #include "bus/convert/convert.hpp"
 #include "models/world/world.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/support/log_decode.hpp"
 
 namespace vantage::test {
 namespace {
 
 using models::FlightState;
-
-template <class Message, class Wire>
-std::optional<Message> decode(const lcm::LogEvent& event) {
-  Wire wire;
-  if (wire.decode(event.data, 0, event.datalen) != event.datalen) {
-    return std::nullopt;
-  }
-  return bus::from_wire(wire);
-}
 
 /// An old log that was played into the flight is none of it.
 bool is_of_now(const models::Stamp& stamp, const lcm::LogEvent& event) {

@@ -1,11 +1,11 @@
 #include "drivers/sensor/app/node.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -93,15 +93,10 @@ void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::In
 }
 
 std::vector<models::NamedCount> SensorNode::counters() const {
-  const std::vector<models::NamedCount> all{
-      {"sensor.steps_without_frames", steps_without_frames_},
-      {"sensor.steps_without_own_pose", steps_without_own_pose_},
-      {"sensor.frames_out_of_order", frames_out_of_order_},
-      {"sensor.mocap_restarts", mocap_restarts_}};
-  std::vector<models::NamedCount> counted;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
-               [](const models::NamedCount& counter) { return counter.count != 0; });
-  return counted;
+  return models::nonzero({{"sensor.steps_without_frames", steps_without_frames_},
+                          {"sensor.steps_without_own_pose", steps_without_own_pose_},
+                          {"sensor.frames_out_of_order", frames_out_of_order_},
+                          {"sensor.mocap_restarts", mocap_restarts_}});
 }
 
 }  // namespace vantage::drivers

@@ -1,12 +1,12 @@
 #include "drivers/vicon/app/node.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
+#include "models/exchange/counts.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -70,35 +70,31 @@ std::vector<models::NamedCount> ViconNode::counters() const {
   const vicon::LinkCounts& link = driver_.link_counts();
   const vicon::WireCounts& wire = driver_.wire_counts();
   const vicon::FrameCounts& frame = driver_.frame_counts();
-  const std::vector<models::NamedCount> all{{"vicon.connections_failed", link.connections_failed},
-                                            {"vicon.connections_lost", link.connections_lost},
-                                            {"vicon.strangers", link_.strangers()},
-                                            {"vicon.silences", link.silences},
-                                            {"vicon.broken_streams", wire.broken_streams},
-                                            {"vicon.broken_blocks", wire.broken_blocks},
-                                            {"vicon.frames_before_set", wire.frames_before_set},
-                                            {"vicon.unnamed_bodies", wire.unnamed_bodies},
-                                            {"vicon.late_blocks", wire.late_blocks},
-                                            {"vicon.duplicate_blocks", wire.duplicate_blocks},
-                                            {"vicon.frames_lost", frame.frames_lost},
-                                            {"vicon.frames_repeated", frame.frames_repeated},
-                                            {"vicon.frames_late", frame.frames_late},
-                                            {"vicon.server_restarts", frame.server_restarts},
-                                            {"vicon.latencies_refused", frame.latencies_refused},
-                                            {"vicon.poses_zero", frame.poses_zero},
-                                            {"vicon.poses_refused", frame.poses_refused},
-                                            {"vicon.poses_stuck", frame.poses_stuck},
-                                            {"vicon.poses_outlying", frame.poses_outlying},
-                                            {"vicon.poses_flipped", frame.poses_flipped},
-                                            {"vicon.poses_swapped", frame.poses_swapped},
-                                            {"vicon.poses_unconfirmed", frame.poses_unconfirmed},
-                                            {"vicon.names_refused", frame.names_refused},
-                                            {"vicon.names_twice", frame.names_twice},
-                                            {"vicon.names_taken", virtual_bodies_.names_taken()}};
-  std::vector<models::NamedCount> counted;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(counted),
-               [](const models::NamedCount& counter) { return counter.count != 0; });
-  return counted;
+  return models::nonzero({{"vicon.connections_failed", link.connections_failed},
+                          {"vicon.connections_lost", link.connections_lost},
+                          {"vicon.strangers", link_.strangers()},
+                          {"vicon.silences", link.silences},
+                          {"vicon.broken_streams", wire.broken_streams},
+                          {"vicon.broken_blocks", wire.broken_blocks},
+                          {"vicon.frames_before_set", wire.frames_before_set},
+                          {"vicon.unnamed_bodies", wire.unnamed_bodies},
+                          {"vicon.late_blocks", wire.late_blocks},
+                          {"vicon.duplicate_blocks", wire.duplicate_blocks},
+                          {"vicon.frames_lost", frame.frames_lost},
+                          {"vicon.frames_repeated", frame.frames_repeated},
+                          {"vicon.frames_late", frame.frames_late},
+                          {"vicon.server_restarts", frame.server_restarts},
+                          {"vicon.latencies_refused", frame.latencies_refused},
+                          {"vicon.poses_zero", frame.poses_zero},
+                          {"vicon.poses_refused", frame.poses_refused},
+                          {"vicon.poses_stuck", frame.poses_stuck},
+                          {"vicon.poses_outlying", frame.poses_outlying},
+                          {"vicon.poses_flipped", frame.poses_flipped},
+                          {"vicon.poses_swapped", frame.poses_swapped},
+                          {"vicon.poses_unconfirmed", frame.poses_unconfirmed},
+                          {"vicon.names_refused", frame.names_refused},
+                          {"vicon.names_twice", frame.names_twice},
+                          {"vicon.names_taken", virtual_bodies_.names_taken()}});
 }
 
 }  // namespace vantage::drivers
