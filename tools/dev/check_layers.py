@@ -29,7 +29,7 @@ MAY_INCLUDE = {
 # The app room of a process is its border: it alone also sees the bus.
 APP_EXTRA = {"bus"}
 # Folders of tests whose subject is no folder: networks, numbers, whole programs, what tests share.
-TESTS_OF_NO_FOLDER = {"bench", "data", "docs", "examples", "fuzz", "integration", "mutation", "support", "view"}
+TESTS_OF_NO_FOLDER = {"bench", "data", "docs", "examples", "fuzz", "guard", "integration", "mutation", "support", "view"}
 INCLUDE = re.compile(r'^\s*#include "([^"]+)"')
 LCM = re.compile(r'^\s*#include <lcm/')
 
