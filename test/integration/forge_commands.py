@@ -7,25 +7,16 @@ another one. Orders that are stamped now are left out: they cannot be told from 
 authentication. To be run in a network of its own.
 """
 
-import socket
 import struct
 import sys
 import time
 
-GROUP, PORT = "239.255.76.67", 7667
-MAGIC_SHORT = 0x4C433032
+from lcm_socket import GROUP, MAGIC_SHORT, PORT, receiver_and_sender
+
 DAY_US = 86_400_000_000
 LAND, EMERGENCY_STOP, HOLD = 5, 6, 4
 
-receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
-receiver.bind(("", PORT))
-receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
-                    socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1"))
-sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
-sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+receiver, sender = receiver_and_sender()
 
 end = time.monotonic() + float(sys.argv[1])
 ours = set()

@@ -9,10 +9,11 @@ that is given the first and the last instant of it, µs since the Unix epoch. To
 its own.
 """
 
-import socket
 import struct
 import sys
 import time
+
+from lcm_socket import GROUP, MAGIC_SHORT, PORT, receiver_and_sender
 
 sys.path.insert(0, sys.argv[1])
 from vantage_lcm.command_t import command_t  # noqa: E402
@@ -20,21 +21,11 @@ from vantage_lcm.plan_t import plan_t  # noqa: E402
 from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
 from vantage_lcm.vicon_frame_t import vicon_frame_t  # noqa: E402
 
-GROUP, PORT = "239.255.76.67", 7667
-MAGIC_SHORT = 0x4C433032
 FOLLOW, LAND, EMERGENCY_STOP, ARM = 1, 5, 6, 1
 SPAN_S, WAIT_S = 8.0, 60.0
 
-receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
-receiver.bind(("", PORT))
-receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
-                    socket.inet_aton(GROUP) + socket.inet_aton("127.0.0.1"))
+receiver, sender = receiver_and_sender()
 receiver.settimeout(1.0)
-sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
-sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
 
 
 def heard():
