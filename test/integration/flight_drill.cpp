@@ -10,6 +10,9 @@
 //   sensor,
 //                   quadrotor (each of that vehicle), vicon (everybody's)
 //
+// Several of them, parted by commas and without `cut`, `quadrotor` and `vicon`: each TIMES times,
+// to every vehicle on its own, so that much happens in a short flight.
+//
 // Vehicles that came down are flown again. EVENTS gets a line "µs WHAT ROBOT…" each time; what
 // became of it is in the log (hil_check --events EVENTS LOG). Exit code 0 when all was done and all
 // came down.
@@ -26,6 +29,7 @@
 #include <optional>
 #include <random>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -34,6 +38,7 @@
 #include "bus/node/clock.hpp"
 #include "bus/transport/transport.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/integration/drill_lanes.hpp"
 #include "test/integration/processes.hpp"
 #include "tools/console/console.hpp"
 #include "tools/up/flight_program.hpp"
@@ -46,7 +51,17 @@ using models::FlightState;
 using models::OperatorAction;
 
 constexpr double kRestS = 2.5;
+constexpr double kSilenceS = 8.0;
 constexpr double kGiveUpS = 150.0;
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> out;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) {
+    out.push_back(word);
+  }
+  return out;
+}
 
 class Drill {
  public:
@@ -54,7 +69,7 @@ class Drill {
         const std::string& events)
       : scenario_(scenario),
         what_(std::move(what)),
-        left_(times),
+        left_(times * static_cast<int>(words_of(what_).size())),
         rng_(seed),
         events_(events),
         transport_(bus::open_transport(scenario.network.url)),
@@ -63,10 +78,16 @@ class Drill {
         robots_(tools::robots_with_driver(scenario)),
         program_(robots_),
         program_since_(clock_.now()) {
+    if (what_.find(',') != std::string::npos) {
+      lanes_.emplace(words_of(what_), times, seed);
+    }
     bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
                                           [this](const models::VehicleStatus& status) {
                                             program_.on_status(status);
                                             states_[status.robot] = status.state;
+                                            if (lanes_) {
+                                              lanes_->on_status(status);
+                                            }
                                           });
   }
 
@@ -96,9 +117,13 @@ class Drill {
 
   void step(Time now) {
     mend_links();
-    silence_planner(now);
+    silence_planners(now);
     if (has_grounded_) {
       go_round(now);
+      return;
+    }
+    if (lanes_) {
+      step_lanes(now);
       return;
     }
     if (follow_at_ && now >= *follow_at_) {
@@ -108,7 +133,7 @@ class Drill {
     } else if (next_ && now >= *next_) {
       next_.reset();
       act(now);
-    } else if (!next_ && !follow_at_ && silent_.empty() && all(FlightState::kFollow)) {
+    } else if (!next_ && !follow_at_ && silent_until_.empty() && all(FlightState::kFollow)) {
       if (left_ == 0) {
         program_.bring_down();
       } else {
@@ -120,6 +145,46 @@ class Drill {
         desk_.send(now, order.action, order.robot);
       }
     }
+  }
+
+  /// Each vehicle on its own; one that came down for it is flown again with the others.
+  void step_lanes(Time now) {
+    has_grounded_ = std::any_of(states_.begin(), states_.end(), [this](const auto& each) {
+      const bool is_down = each.second == FlightState::kLand || each.second == FlightState::kIdle ||
+                           each.second == FlightState::kKilled;
+      return is_down && program_.have_flown().contains(each.first) && left_ > 0;
+    });
+    if (has_grounded_) {
+      last_act_ = now;
+      return;
+    }
+    if (const auto event = lanes_->due(now)) {
+      if (do_to(now, event->what, event->robot)) {
+        lanes_->happened(*event);
+        program_since_ = now;
+      }
+    }
+    if (left_ == 0 && silent_until_.empty() && to_seconds(now - last_act_) > kSilenceS) {
+      program_.bring_down();
+    }
+    for (const auto& order : program_.due(now)) {
+      desk_.send(now, order.action, order.robot);
+    }
+  }
+
+  /// False when it could not be done now.
+  bool do_to(Time now, const std::string& what, const std::string& robot) {
+    last_act_ = now;
+    if (what == "hold") {
+      desk_.send(now, OperatorAction::kHold, robot);
+    } else if (what == "plan-loss") {
+      silent_until_[robot] = now + from_seconds(kSilenceS);
+      lanes_->rest(robot, now + from_seconds(kSilenceS + 1.5));
+    } else if (!signal(what, robot)) {
+      return false;
+    }
+    note(now, {robot}, what);
+    return true;
   }
 
   /// What makes them land: each has its event while the others fly; then all come down, to begin
@@ -134,7 +199,7 @@ class Drill {
       }
       return;
     }
-    if (left_ > 0 && now >= next_victim_) {
+    if (left_ > 0 && now >= next_victim_ && !lanes_) {
       for (const std::string& robot : robots_) {
         if (!victims_.contains(robot) && states_[robot] == FlightState::kFollow) {
           strike(now, robot);
@@ -159,7 +224,7 @@ class Drill {
           std::uniform_int_distribution<std::size_t>(0, robots_.size())(rng_);
       held_ = chosen < robots_.size() ? robots_[chosen] : "";
       desk_.send(now, OperatorAction::kHold, held_);
-      note(now, held_.empty() ? robots_ : std::vector{held_});
+      note(now, held_.empty() ? robots_ : std::vector{held_}, what_);
       follow_at_ = now + from_seconds(kRestS);
       return;
     }
@@ -173,31 +238,39 @@ class Drill {
     next_victim_ = now + from_seconds(std::uniform_real_distribution<double>(0.5, 1.5)(rng_));
     victims_.insert(robot);
     if (what_ == "plan-loss") {
-      silent_ = robot;
-      note(now, {robot});
+      silent_until_[robot] = now + from_seconds(kSilenceS);
+      note(now, {robot}, what_);
       return;
     }
     if (what_ == "cut") {
       if (cut(robot, true)) {
         cut_.insert(robot);
-        note(now, {robot});
+        note(now, {robot}, what_);
       }
       return;
     }
-    const std::string program = what_.substr(5);
-    const bool is_shared = program == "vicon";
-    const auto found = test::find_processes(
-        "vantage-" + program,
-        is_shared ? std::vector<std::string>{} : std::vector<std::string>{"--robot", robot});
-    if (found.size() != 1) {
-      std::cerr << found.size() << " processes vantage-" << program << " of " << robot << "\n";
+    if (!signal(what_, robot)) {
       return;
     }
-    ::kill(found.front(), what_.starts_with("kill") ? SIGKILL : SIGSTOP);
+    const bool is_shared = what_.ends_with("vicon");
     if (is_shared) {
       victims_.insert(robots_.begin(), robots_.end());
     }
-    note(now, is_shared ? robots_ : std::vector{robot});
+    note(now, is_shared ? robots_ : std::vector{robot}, what_);
+  }
+
+  /// kill:PROGRAM or stop:PROGRAM; false when there is not one such process.
+  static bool signal(const std::string& what, const std::string& robot) {
+    const std::string program = what.substr(5);
+    const auto found = test::find_processes(
+        "vantage-" + program, program == "vicon" ? std::vector<std::string>{}
+                                                 : std::vector<std::string>{"--robot", robot});
+    if (found.size() != 1) {
+      std::cerr << found.size() << " processes vantage-" << program << " of " << robot << "\n";
+      return false;
+    }
+    ::kill(found.front(), what.starts_with("kill") ? SIGKILL : SIGSTOP);
+    return true;
   }
 
   bool cut(const std::string& robot, bool is_cut) const {
@@ -219,16 +292,15 @@ class Drill {
     return is_done;
   }
 
-  void silence_planner(Time now) {
-    constexpr double kSilenceS = 8.0;
-    if (!silent_.empty() && to_seconds(now - last_act_) > kSilenceS) {
-      silent_.clear();
-    }
-    if (!silent_.empty() && now >= next_order_) {
-      for (const pid_t planner : test::find_processes("vantage-planner", {"--robot", silent_})) {
-        ::kill(planner, SIGSTOP);
+  void silence_planners(Time now) {
+    std::erase_if(silent_until_, [now](const auto& each) { return now > each.second; });
+    if (!silent_until_.empty() && now >= next_silence_) {
+      for (const auto& [robot, until] : silent_until_) {
+        for (const pid_t planner : test::find_processes("vantage-planner", {"--robot", robot})) {
+          ::kill(planner, SIGSTOP);
+        }
       }
-      next_order_ = now + from_seconds(0.1);
+      next_silence_ = now + from_seconds(0.1);
       program_since_ = now;
     }
   }
@@ -243,14 +315,14 @@ class Drill {
     }
   }
 
-  void note(Time now, const std::vector<std::string>& robots) {
+  void note(Time now, const std::vector<std::string>& robots, const std::string& what) {
     --left_;
-    events_ << to_utime(now) << ' ' << what_;
+    events_ << to_utime(now) << ' ' << what;
     for (const std::string& robot : robots) {
       events_ << ' ' << robot;
     }
     events_ << std::endl;
-    std::cout << what_ << ", " << left_ << " to go" << std::endl;
+    std::cout << what << ", " << left_ << " to go" << std::endl;
   }
 
   const scenario::Scenario& scenario_;
@@ -271,11 +343,13 @@ class Drill {
   std::string held_;
   std::set<std::string> victims_;
   std::set<std::string> cut_;
-  std::string silent_;
+  std::map<std::string, Time> silent_until_;  ///< whose planners are stopped
+  std::optional<test::DrillLanes> lanes_;
   bool has_grounded_ = false;
   Time last_act_{};
   Time next_victim_{};
   Time next_order_{};
+  Time next_silence_{};
 };
 
 }  // namespace

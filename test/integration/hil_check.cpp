@@ -172,14 +172,18 @@ bool judge_course(const test::FlightRecord& record) {
 
 struct Worst {
   int times = 0;
+  int moving = 0;  // of them, from motion
   double speed_mps = 0.0;
   double distance_m = 0.0;
   double beyond_m = -1e9;  // of the distance, beyond the budget
   double outside_m = 0.0;
   double separation_m = 1e9;
+  double off_course_m = 0.0;
   double down_s = 0.0;
   int not_down = 0;
 };
+
+constexpr double kMovingMps = 0.1;
 
 // How far it may go on: hung up, killed or cut off, what its autopilot's time-out allows; told to
 // stop, its reaction and its brake.
@@ -205,26 +209,29 @@ void judge_events(const std::string& path, const test::FlightRecord& record) {
           budget_m(what, drivers::limits_for(*record.scenario(), robot), after->speed_mps);
       std::printf(
           "%s %s: %.2f m/s, %.2f m further (%.2f budgeted), %.2f m outside, %.2f m from "
-          "others, down after %.1f s\n",
+          "others, %.2f m off course, down after %.1f s\n",
           what.c_str(), robot.c_str(), after->speed_mps, after->distance_m, allowed_m,
-          after->outside_m, after->separation_m, after->down_s.value_or(-1.0));
+          after->outside_m, after->separation_m, after->off_course_m, after->down_s.value_or(-1.0));
       Worst& worst = table[what];
       ++worst.times;
+      worst.moving += after->speed_mps > kMovingMps ? 1 : 0;
       worst.speed_mps = std::max(worst.speed_mps, after->speed_mps);
       worst.distance_m = std::max(worst.distance_m, after->distance_m);
       worst.beyond_m = std::max(worst.beyond_m, after->distance_m - allowed_m);
       worst.outside_m = std::max(worst.outside_m, after->outside_m);
       worst.separation_m = std::min(worst.separation_m, after->separation_m);
+      worst.off_course_m = std::max(worst.off_course_m, after->off_course_m);
       worst.down_s = std::max(worst.down_s, after->down_s.value_or(0.0));
       worst.not_down += after->down_s ? 0 : 1;
     }
   }
   for (const auto& [what, worst] : table) {
     std::printf(
-        "EVENTS %s: %d times, up to %.2f m/s, %.2f m further at most, %+.2f m of the budget, "
-        "%.2f m outside, %.2f m from others, down within %.1f s but %d\n",
-        what.c_str(), worst.times, worst.speed_mps, worst.distance_m, worst.beyond_m,
-        worst.outside_m, worst.separation_m, worst.down_s, worst.not_down);
+        "EVENTS %s: %d times, %d from motion, up to %.2f m/s, %.2f m further at most, %+.2f m of "
+        "the budget, %.2f m outside, %.2f m from others, %.2f m off course, down within %.1f s but "
+        "%d\n",
+        what.c_str(), worst.times, worst.moving, worst.speed_mps, worst.distance_m, worst.beyond_m,
+        worst.outside_m, worst.separation_m, worst.off_course_m, worst.down_s, worst.not_down);
   }
 }
 

@@ -177,6 +177,7 @@ std::optional<Stop> FlightRecord::stop_at(const Robot& robot, std::size_t said) 
 std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event) const {
   constexpr double kStopS = 3.0;
   constexpr double kWatchedS = 12.0;
+  constexpr double kCourseS = 8.0;
   constexpr double kDownS = 30.0;
   constexpr double kDownM = 0.15;
   const auto robot = robots_.find(name);
@@ -190,6 +191,17 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
   }
   Aftermath out;
   out.separation_m = std::numeric_limits<double>::infinity();
+  for (const models::VehicleStatus& said : robot->second.said) {
+    const double since_s = to_seconds(said.stamp.time - event);
+    const bool is_flown = said.state == FlightState::kFollow || said.state == FlightState::kHold;
+    const auto here_m = since_s >= 0.0 && since_s <= kCourseS && is_flown
+                            ? place(robot->second, said.stamp.time)
+                            : std::nullopt;
+    if (here_m) {
+      const Eigen::Vector2d asked_m(said.setpoint.x_m, said.setpoint.y_m);
+      out.off_course_m = std::max(out.off_course_m, (here_m->head<2>() - asked_m).norm());
+    }
+  }
   for (auto at = begin; at != robot->second.truth.end(); ++at) {
     const double since_s = to_seconds(at->time - event);
     if (since_s > kDownS) {

@@ -44,6 +44,7 @@ struct Aftermath {
   double distance_m = 0.0;       ///< the farthest that it got from there within 3 s, horizontally
   double outside_m = 0.0;        ///< of its centre beyond the bounds or in an obstacle, within 12 s
   double separation_m = 0.0;     ///< the least from another vehicle within 12 s, both in the air
+  double off_course_m = 0.0;     ///< the farthest from where it was asked to be, within 8 s
   std::optional<double> down_s;  ///< until it was below 0.15 m, if within 30 s
 };
 
