@@ -53,7 +53,7 @@ DialectTraits ardupilot() {
   out.follow_mode = 4;
   out.land_mode = 9;
   out.takes_off_by_command = true;
-  out.lead_s = 0.1;
+  out.lead_s = 0.07;
   out.acceleration_lead_s = 0.16;
   out.needs_origin = true;
   out.streams = streams_with(stream<wire::mavlink::EkfStatusReport>(5.0));
