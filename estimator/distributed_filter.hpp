@@ -98,8 +98,8 @@ struct FilterCounters {
 /// no look is added to what holds it already: looks of t come after the fusion only where no belief
 /// of t is in it, and a look of a robot and instant that is there is not used again. So nothing is
 /// counted twice whatever the network repeats, reorders or loses. Covariances of targets that
-/// nobody sees grow until the world's bounds confine them, or without end where
-/// targets_stay_inside is off.
+/// nobody sees grow to a damped oscillator's surroundings; with other models until the world's
+/// bounds confine them, or without end where targets_stay_inside is off.
 ///
 /// A value: copies are independent. Pure: same inputs, same result.
 /// Source: dissertation 3.3, 3.4, Thm 9; covariance intersection: Julier, Uhlmann (1997).

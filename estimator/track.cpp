@@ -125,8 +125,6 @@ bool shift_position(Information& belief, const PositionPrior& prior,
   return true;
 }
 
-double growth(double steps) { return 0.5 * steps * (steps + 1.0); }
-
 }  // namespace
 
 std::optional<Information> propagate(const models::TargetModel& model, double step_s,
@@ -136,16 +134,12 @@ std::optional<Information> propagate(const models::TargetModel& model, double st
   if (to == from || model.kind == models::TargetKind::kStatic) {
     return information;
   }
-  const double elapsed_s = to_seconds(to - from);
-  const StateMatrix A = model.transition(elapsed_s);
-  if (model.kind == models::TargetKind::kGrowingUncertainty) {
-    const double until = to_seconds(to - last_seen) / step_s;
-    const double since = to_seconds(from - last_seen) / step_s;
-    const StateMatrix W =
-        model.q * (growth(until) - growth(since)) * StateMatrix::Identity(A.rows(), A.cols());
-    return models::predict(information, A, W);
+  const std::optional<models::Gaussian> belief = models::to_gaussian(information);
+  if (!belief) {
+    return std::nullopt;
   }
-  return models::predict(information, A, model.process_noise(elapsed_s));
+  return models::to_information(models::predict_unseen(*belief, model, to_seconds(to - from),
+                                                       to_seconds(from - last_seen), step_s));
 }
 
 Use measure(Information& belief, const models::SensorModel& sensor, const models::Viewpoint& from,
@@ -230,8 +224,13 @@ std::optional<Information> discover(const scenario::EstimatorSpec& spec,
   models::Gaussian found{models::StateVector::Zero(dim), models::StateMatrix::Zero(dim, dim)};
   found.mean.head(n) = seen->mean_m;
   found.covariance.topLeftCorner(n, n) = seen->covariance_m2;
-  found.covariance.diagonal().tail(dim - n).setConstant(spec.prior_velocity_sigma_mps *
-                                                        spec.prior_velocity_sigma_mps);
+  if (spec.target_model.kind == models::TargetKind::kDampedOscillator) {
+    found.covariance.diagonal().tail<2>() =
+        spec.target_model.surroundings.velocity_sigma_mps.cwiseAbs2();
+  } else {
+    found.covariance.diagonal().tail(dim - n).setConstant(spec.prior_velocity_sigma_mps *
+                                                          spec.prior_velocity_sigma_mps);
+  }
   return models::to_information(found);
 }
 

@@ -21,10 +21,9 @@ struct Track {
 };
 
 /// The belief of instant `from` brought to `to` ≥ `from`, exactly, whatever the elapsed time:
-/// Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω A ŷ with A and W of the whole interval. Carrying it in two parts
-/// gives the same. Growing uncertainty adds W = q (f(k_to) − f(k_from)) I with f(k) = k (k + 1)/2
-/// and k = (t − last_seen)/τ: at whole steps that is Σ q k, the sum of the steps' own noise.
-/// nullopt when Ω cannot be inverted.
+/// Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω (c + A (ŷ − c)) with A and W of the whole interval. Carrying it in
+/// two parts gives the same. Growing uncertainty adds its grown_noise() with k = (t − last_seen)/τ:
+/// at whole steps Σ q k, the sum of the steps' own noise. nullopt when Ω cannot be inverted.
 std::optional<models::Information> propagate(const models::TargetModel& model, double step_s,
                                              const models::Information& information, Time last_seen,
                                              Time from, Time to);

@@ -92,16 +92,11 @@ class LandmarkWatch {
     planner::SearchResult plan;
   };
 
-  // As plans are to predict them: with the noise of the coming step for all of theirs.
   [[nodiscard]] std::vector<planner::SearchTarget> planned_targets() const {
     std::vector<planner::SearchTarget> targets;
     for (std::size_t m = 0; m < beliefs_.size(); ++m) {
-      models::TargetModel model = setting_.landmark_model;
-      if (model.kind == models::TargetKind::kGrowingUncertainty) {
-        model.kind = models::TargetKind::kRandomWalk;
-        model.q *= steps_unseen_[m] / setting_.step_s;
-      }
-      targets.push_back({model, beliefs_[m]});
+      targets.push_back(
+          {setting_.landmark_model.as_planned(steps_unseen_[m], setting_.step_s), beliefs_[m]});
     }
     return targets;
   }

@@ -70,6 +70,23 @@ Gaussian predict(const Gaussian& belief, const StateMatrix& A, const StateMatrix
   return {A * belief.mean, symmetrised(predicted)};
 }
 
+Gaussian predict(const Gaussian& belief, const TargetModel& model, double dt_s) {
+  Gaussian predicted = predict(belief, model.transition(dt_s), model.process_noise(dt_s));
+  if (model.kind == TargetKind::kDampedOscillator) {
+    predicted.mean = model.expected(belief.mean, dt_s);
+  }
+  return predicted;
+}
+
+Gaussian predict_unseen(const Gaussian& belief, const TargetModel& model, double dt_s,
+                        double unseen_s, double step_s) {
+  if (model.kind != TargetKind::kGrowingUncertainty) {
+    return predict(belief, model, dt_s);
+  }
+  return predict(belief, model.transition(dt_s),
+                 model.grown_noise(unseen_s / step_s, (unseen_s + dt_s) / step_s));
+}
+
 std::optional<Information> predict(const Information& belief, const StateMatrix& A,
                                    const StateMatrix& W) {
   const std::optional<Gaussian> gaussian = to_gaussian(belief);

@@ -32,6 +32,12 @@ std::optional<Gaussian> to_gaussian(const Information& belief);
 
 /// ρᵖ: mean A y, covariance A Σ Aᵀ + W. Allocates nothing.
 Gaussian predict(const Gaussian& belief, const StateMatrix& A, const StateMatrix& W);
+/// The same by a target's own A and W of `dt_s`, the mean as it expects: c + A (y − c).
+Gaussian predict(const Gaussian& belief, const TargetModel& model, double dt_s);
+/// The same of a target that was last seen `unseen_s` before the belief's instant, where growing
+/// uncertainty counts in steps of `step_s`: what estimators and planners both go by.
+Gaussian predict_unseen(const Gaussian& belief, const TargetModel& model, double dt_s,
+                        double unseen_s, double step_s);
 /// Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω A ŷ; nullopt when Ω is singular.
 std::optional<Information> predict(const Information& belief, const StateMatrix& A,
                                    const StateMatrix& W);

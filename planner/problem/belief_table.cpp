@@ -6,22 +6,10 @@ namespace vantage::planner {
 namespace {
 
 BlockLayout layout_of(const models::TargetModel& model) {
-  if (model.kind == models::TargetKind::kDoubleIntegrator) {
+  if (model.has_velocity()) {
     return BlockLayout::kMoving;
   }
   return model.position_dim == 3 ? BlockLayout::kSpatial : BlockLayout::kPlanar;
-}
-
-StepNoise noise_of(const models::TargetModel& model, double step_s) {
-  const models::StateMatrix W = model.process_noise(step_s);
-  StepNoise noise;
-  noise.step_s = step_s;
-  noise.position = W(0, 0);
-  if (model.kind == models::TargetKind::kDoubleIntegrator) {
-    noise.cross = W(0, 2);
-    noise.velocity = W(2, 2);
-  }
-  return noise;
 }
 
 }  // namespace
@@ -63,7 +51,7 @@ BeliefTable::BeliefTable(int targets_max, int horizon_max) {
   const std::size_t targets = index(targets_max);
   const std::size_t cells = targets * index(horizon_max + 1);
   layouts_.reserve(targets);
-  noises_.reserve(targets);
+  motions_.reserve(targets);
   means_.reserve(cells);
   open_loop_.reserve(cells * kMaxPacked);
   measures_.reserve(cells);
@@ -74,7 +62,7 @@ BeliefTable::BeliefTable(int targets_max, int horizon_max) {
 }
 
 void BeliefTable::predict_into(int m, int t, const double* in, double* out) const {
-  planner::predict(layouts_[index(m)], noises_[index(m)], in, out);
+  planner::predict(layouts_[index(m)], motions_[index(m)], in, out);
   if (has_fixed_) {
     const std::size_t cell = at(m, t - 1);
     if (is_fixed_[cell] != 0) {
@@ -88,10 +76,10 @@ void BeliefTable::reset(const SearchProblem& problem) {
   const int horizon = problem.horizon_steps;
   cost_ = problem.cost;
   layouts_.clear();
-  noises_.clear();
+  motions_.clear();
   for (const SearchTarget& target : problem.targets) {
     layouts_.push_back(layout_of(target.model));
-    noises_.push_back(noise_of(target.model, problem.step_s));
+    motions_.push_back(step_motion(target.model, problem.step_s));
   }
   const std::size_t cells = index(targets) * index(horizon + 1);
   means_.resize(cells);
@@ -121,12 +109,11 @@ void BeliefTable::reset(const SearchProblem& problem) {
   for (int m = 0; m < targets; ++m) {
     const SearchTarget& target = problem.targets[index(m)];
     const int p = position_dim(m);
-    const models::StateMatrix A = target.model.transition(problem.step_s);
     models::StateVector mean = target.prior.mean;
     pack(layout(m), target.prior.covariance, &open_loop_[kMaxPacked * at(m, 0)]);
     for (int t = 0; t <= horizon; ++t) {
       if (t > 0) {
-        mean = (A * mean).eval();
+        mean = target.model.expected(mean, problem.step_s);
         predict_into(m, t, open_loop(m, t - 1), &open_loop_[kMaxPacked * at(m, t)]);
       }
       means_[at(m, t)] = Eigen::Vector3d(mean(0), mean(1), p == 3 ? mean(2) : 0.0);

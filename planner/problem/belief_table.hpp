@@ -53,7 +53,7 @@ class BeliefTable {
   CostKind cost_ = CostKind::kLogDet;
   bool has_fixed_ = false;
   std::vector<BlockLayout> layouts_;
-  std::vector<StepNoise> noises_;
+  std::vector<StepMotion> motions_;
   std::vector<Eigen::Vector3d> means_;
   std::vector<double> open_loop_;
   std::vector<double> measures_;

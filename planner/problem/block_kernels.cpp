@@ -40,6 +40,24 @@ int difference(BlockLayout layout, const double* a, double epsilon, const double
 
 }  // namespace
 
+StepMotion step_motion(const models::TargetModel& model, double step_s) {
+  const models::StateMatrix W = model.process_noise(step_s);
+  StepMotion motion;
+  motion.step_s = step_s;
+  motion.position = W(0, 0);
+  if (model.has_velocity()) {
+    motion.cross = W(0, 2);
+    motion.velocity = W(2, 2);
+  }
+  motion.is_bound = model.kind == models::TargetKind::kDampedOscillator;
+  if (motion.is_bound) {
+    const models::StateMatrix A = model.transition(step_s);
+    motion.x = {A(0, 0), A(0, 2), A(2, 0), A(2, 2), W(0, 0), W(0, 2), W(2, 2)};
+    motion.y = {A(1, 1), A(1, 3), A(3, 1), A(3, 3), W(1, 1), W(1, 3), W(3, 3)};
+  }
+  return motion;
+}
+
 bool dominates(BlockLayout layout, const double* a, double epsilon, const double* b) {
   double d[4][4];
   const int n = difference(layout, a, epsilon, b, d);

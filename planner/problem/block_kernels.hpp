@@ -32,13 +32,37 @@ struct PackedInformation {
   double m[6] = {0, 0, 0, 0, 0, 0};
 };
 
-/// What one step of prediction adds: W of the target's model, by its few distinct entries.
-struct StepNoise {
+/// One axis of a step of motion: A = [a b; c d] and W = [position cross; cross velocity].
+struct AxisMotion {
+  double a = 1.0;
+  double b = 0.0;
+  double c = 0.0;
+  double d = 1.0;
+  double position = 0.0;
+  double cross = 0.0;
+  double velocity = 0.0;
+};
+
+/// One step of prediction, A and W of the target's model by their few distinct entries. A target
+/// that moves freely (A = [1 step_s; 0 1] on both axes) has one W; a damped oscillator, `is_bound`,
+/// its own A and W on each axis.
+struct StepMotion {
   double step_s = 0.5;
   double position = 0.0;  ///< on the diagonal of P
   double cross = 0.0;     ///< on the diagonal of C
   double velocity = 0.0;  ///< on the diagonal of V
+  bool is_bound = false;
+  AxisMotion x = {};  ///< where is_bound
+  AxisMotion y = {};
+
+  /// Whether A is the same on both axes.
+  [[nodiscard]] bool is_alike() const {
+    return !is_bound || (x.a == y.a && x.b == y.b && x.c == y.c && x.d == y.d);
+  }
 };
+
+/// Of one step of `model`.
+StepMotion step_motion(const models::TargetModel& model, double step_s);
 
 inline double det2(const double* p) { return p[0] * p[2] - p[1] * p[1]; }
 
@@ -89,8 +113,32 @@ inline double trace(BlockLayout layout, const double* b) {
   return b[0] + b[2] + b[7] + b[9];
 }
 
+/// predict() of a moving block whose axes have their own A and W.
+inline void predict_bound(const AxisMotion& x, const AxisMotion& y, const double* in, double* out) {
+  const double p0 = in[0];
+  const double p1 = in[1];
+  const double p2 = in[2];
+  const double c0 = in[3];
+  const double c1 = in[4];
+  const double c2 = in[5];
+  const double c3 = in[6];
+  const double v0 = in[7];
+  const double v1 = in[8];
+  const double v2 = in[9];
+  out[0] = x.a * x.a * p0 + 2.0 * x.a * x.b * c0 + x.b * x.b * v0 + x.position;
+  out[1] = x.a * y.a * p1 + x.a * y.b * c1 + x.b * y.a * c2 + x.b * y.b * v1;
+  out[2] = y.a * y.a * p2 + 2.0 * y.a * y.b * c3 + y.b * y.b * v2 + y.position;
+  out[3] = x.a * x.c * p0 + (x.a * x.d + x.b * x.c) * c0 + x.b * x.d * v0 + x.cross;
+  out[4] = x.a * y.c * p1 + x.a * y.d * c1 + x.b * y.c * c2 + x.b * y.d * v1;
+  out[5] = y.a * x.c * p1 + y.a * x.d * c2 + y.b * x.c * c1 + y.b * x.d * v1;
+  out[6] = y.a * y.c * p2 + (y.a * y.d + y.b * y.c) * c3 + y.b * y.d * v2 + y.cross;
+  out[7] = x.c * x.c * p0 + 2.0 * x.c * x.d * c0 + x.d * x.d * v0 + x.velocity;
+  out[8] = x.c * y.c * p1 + x.c * y.d * c1 + x.d * y.c * c2 + x.d * y.d * v1;
+  out[9] = y.c * y.c * p2 + 2.0 * y.c * y.d * c3 + y.d * y.d * v2 + y.velocity;
+}
+
 /// A Σ Aᵀ + W. `in` may be `out`.
-inline void predict(BlockLayout layout, const StepNoise& w, const double* in, double* out) {
+inline void predict(BlockLayout layout, const StepMotion& w, const double* in, double* out) {
   if (layout == BlockLayout::kPlanar) {
     out[0] = in[0] + w.position;
     out[1] = in[1];
@@ -104,6 +152,10 @@ inline void predict(BlockLayout layout, const StepNoise& w, const double* in, do
     out[0] += w.position;
     out[3] += w.position;
     out[5] += w.position;
+    return;
+  }
+  if (w.is_bound) {
+    predict_bound(w.x, w.y, in, out);
     return;
   }
   const double h = w.step_s;

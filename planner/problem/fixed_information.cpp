@@ -11,11 +11,10 @@ std::vector<std::vector<models::PositionMatrix>> fixed_information(
   for (std::size_t m = 0; m < problem.targets.size(); ++m) {
     const SearchTarget& target = problem.targets[m];
     const int p = target.model.position_dim;
-    const models::StateMatrix A = target.model.transition(problem.step_s);
     models::StateVector mean = target.prior.mean;
     fixed[m].assign(steps, models::PositionMatrix::Zero(p, p));
     for (std::size_t t = 0; t < steps; ++t) {
-      mean = (A * mean).eval();
+      mean = target.model.expected(mean, problem.step_s);
       const models::PositionVector position_m = mean.head(p);
       const Time when =
           problem.start_time + from_seconds(static_cast<double>(t + 1) * problem.step_s);

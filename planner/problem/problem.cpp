@@ -28,10 +28,18 @@ void require_valid(const models::SensorModel& sensor) {
 }
 
 void require_valid(const SearchTarget& target) {
-  const bool moves = target.model.kind == models::TargetKind::kDoubleIntegrator;
-  demand(target.model.position_dim == 2 || (target.model.position_dim == 3 && !moves),
-         "search: a target has 2 position coordinates, or 3 unless it is a double integrator");
-  demand(is_not_negative(target.model.q), "search: a target's q must be ≥ 0");
+  const models::TargetModel& model = target.model;
+  demand(model.position_dim == 2 || (model.position_dim == 3 && !model.has_velocity()),
+         "search: a target has 2 position coordinates, or 3 unless it has a velocity");
+  demand(is_not_negative(model.q), "search: a target's q must be ≥ 0");
+  if (model.kind == models::TargetKind::kDampedOscillator) {
+    const models::Surroundings& around = model.surroundings;
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      demand(std::isfinite(around.center_m(i)) && is_positive(around.position_sigma_m(i)) &&
+                 is_positive(around.velocity_sigma_mps(i)) && is_positive(around.damping_per_s(i)),
+             "search: a damped oscillator's center must be finite, its sigmas and damping > 0");
+    }
+  }
   const models::StateMatrix& covariance = target.prior.covariance;
   demand(target.prior.mean.size() == target.model.dim() &&
              covariance.rows() == target.model.dim() && covariance.cols() == target.model.dim(),
@@ -132,12 +140,10 @@ double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
   double cost = 0.0;
   for (std::size_t m = 0; m < problem.targets.size(); ++m) {
     const SearchTarget& target = problem.targets[m];
-    const models::StateMatrix A = target.model.transition(problem.step_s);
-    const models::StateMatrix W = target.model.process_noise(problem.step_s);
     const int p = target.model.position_dim;
     models::Gaussian belief = target.prior;
     for (std::size_t t = 0; t < poses.size(); ++t) {
-      belief = models::predict(belief, A, W);
+      belief = models::predict(belief, target.model, problem.step_s);
       models::PositionMatrix M = models::PositionMatrix::Zero(p, p);
       if (!problem.fixed_information.empty() && problem.fixed_information[m][t].size() > 0) {
         M += problem.fixed_information[m][t];

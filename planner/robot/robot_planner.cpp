@@ -264,18 +264,20 @@ std::vector<models::Trajectory> RobotPlanner::hovers_of_those_who_wait(
 void RobotPlanner::add_targets(const models::RobotBelief& belief, Time start) {
   const models::TargetModel& model = scenario_.estimator.target_model;
   const double ahead_s = to_seconds(start - belief.stamp.time);
-  const models::StateMatrix A = model.transition(ahead_s);
-  const models::StateMatrix W = model.process_noise(ahead_s);
+  const double step_s = scenario_.planner.step_s;
   for (const models::TargetBelief& target : belief.targets) {
     const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
                               ? models::to_gaussian(target.information)
                               : std::nullopt;
-    const models::Gaussian prior = gaussian ? models::predict(*gaussian, A, W) : models::Gaussian{};
+    const double unseen_s = std::max(0.0, to_seconds(belief.stamp.time - target.last_seen));
+    const models::Gaussian prior =
+        gaussian ? models::predict_unseen(*gaussian, model, ahead_s, unseen_s, step_s)
+                 : models::Gaussian{};
     if (!gaussian || !is_searchable(prior) || problem_.targets.size() >= scenario_.targets.size()) {
       ++counts_.unusable_beliefs;
       continue;
     }
-    problem_.targets.push_back({model, prior});
+    problem_.targets.push_back({model.as_planned((unseen_s + ahead_s) / step_s, step_s), prior});
   }
 }
 

@@ -10,7 +10,9 @@ namespace vantage::planner {
 /// operator concave and monotone in Ω and treats all directions alike, so the average of the true
 /// Ω_k stays below what the recursion makes of the average, each look M entering by its average
 /// ½ tr M · I; and log det Ω is concave, tr Ω⁻¹ convex. Hence half of the looks' strength in every
-/// direction is enough for a bound, where M̄ = λ_max I takes all of it in both.
+/// direction is enough for a bound, where M̄ = λ_max I takes all of it in both. That treats all
+/// directions alike where A is the same on both axes; of unlike W the smaller one counts, as it is
+/// below both: with the same A they differ by a factor.
 /// Source: ours; concavity of the Riccati map as in Anderson & Duffin 1969 (parallel sum).
 class AveragedBlock {
  public:
@@ -47,9 +49,20 @@ class AveragedBlock {
     velocity_ = p / det;
   }
 
-  void predict(const StepNoise& w) {
+  /// Precondition: w.is_alike().
+  void predict(const StepMotion& w) {
     if (!moves_) {
       position_ += w.position;
+      return;
+    }
+    if (w.is_bound) {
+      const AxisMotion& least = w.x.position <= w.y.position ? w.x : w.y;
+      const auto [a, b, c, d, position, cross, velocity] = least;
+      const double p = position_;
+      position_ = a * a * p + 2.0 * a * b * cross_ + b * b * velocity_ + position;
+      const double crossed = a * c * p + (a * d + b * c) * cross_ + b * d * velocity_ + cross;
+      velocity_ = c * c * p + 2.0 * c * d * cross_ + d * d * velocity_ + velocity;
+      cross_ = crossed;
       return;
     }
     const double h = w.step_s;

@@ -29,7 +29,7 @@ InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max) : w
   const std::size_t depths = index(horizon_max + 1);
   points_.reserve(targets);
   sights_m_.reserve(targets);
-  noises_.reserve(targets);
+  motions_.reserve(targets);
   stays_.reserve(targets);
   has_fixed_.reserve(targets);
   only_own_looks_.reserve(targets);
@@ -55,7 +55,7 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
   const int targets = beliefs.target_count();
   points_.clear();
   sights_m_.clear();
-  noises_.clear();
+  motions_.clear();
   stays_.clear();
   has_fixed_.clear();
   only_own_looks_.clear();
@@ -69,10 +69,8 @@ void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable
     }
     points_.push_back(beliefs.mean_m(m, 0).head<2>());
     sights_m_.push_back(sight_m);
-    const models::StateMatrix W = target.model.process_noise(problem.step_s);
-    const bool moves = target.model.kind == models::TargetKind::kDoubleIntegrator;
-    noises_.push_back({problem.step_s, W(0, 0), moves ? W(0, 2) : 0.0, moves ? W(2, 2) : 0.0});
-    const bool stays = target.model.kind != models::TargetKind::kDoubleIntegrator;
+    motions_.push_back(step_motion(target.model, problem.step_s));
+    const bool stays = !target.model.has_velocity();
     stays_.push_back(stays ? 1 : 0);
     bool fixed = false;
     if (!problem.fixed_information.empty()) {
@@ -178,7 +176,7 @@ bool InformationHeuristic::for_each_step(int m, int t, const double* block, cons
   const bool trace_cost = beliefs_->cost() == CostKind::kTrace;
   const bool by_sum = layout == BlockLayout::kPlanar && !has_fixed(m);
   const bool by_recursion = !only_own_looks(m) || !by_sum;
-  const bool by_average = by_recursion && layout != BlockLayout::kSpatial && !has_fixed(m);
+  const bool by_average = by_recursion && is_averaged(m);
   AveragedBlock averaged;
   if (by_average) {
     averaged = AveragedBlock(layout, block);
@@ -215,7 +213,7 @@ bool InformationHeuristic::for_each_step(int m, int t, const double* block, cons
           std::max(measure, trace_cost ? trace(layout, recursed) : determinant(layout, recursed));
     }
     if (by_average) {
-      averaged.predict(noise(m));
+      averaged.predict(motion(m));
       averaged.update(look.average());
       measure = std::max(measure, trace_cost ? averaged.trace() : averaged.determinant());
     }

@@ -60,8 +60,12 @@ class InformationHeuristic {
   [[nodiscard]] bool stays(int m) const { return stays_[index(m)] != 0; }
   /// No process noise and no teammates' looks: its information is the sum of the own looks.
   [[nodiscard]] bool only_own_looks(int m) const { return only_own_looks_[index(m)] != 0; }
-  [[nodiscard]] const StepNoise& noise(int m) const { return noises_[index(m)]; }
+  [[nodiscard]] const StepMotion& motion(int m) const { return motions_[index(m)]; }
   [[nodiscard]] bool has_fixed(int m) const { return has_fixed_[index(m)] != 0; }
+  /// Whether AveragedBlock bounds it: planar, the same A on both axes, no teammates' looks.
+  [[nodiscard]] bool is_averaged(int m) const {
+    return beliefs_->layout(m) != BlockLayout::kSpatial && !has_fixed(m) && motion(m).is_alike();
+  }
   /// Cost of target m over the steps after `depth` when nobody looks any more at an untouched one.
   [[nodiscard]] double open_loop_rest(int m, int depth) const {
     return open_loop_rests_[at(m, depth)];
@@ -101,7 +105,7 @@ class InformationHeuristic {
   GeodesicTable ways_;
   std::vector<Eigen::Vector2d> points_;
   std::vector<double> sights_m_;
-  std::vector<StepNoise> noises_;
+  std::vector<StepMotion> motions_;
   std::vector<std::uint8_t> stays_;
   std::vector<std::uint8_t> has_fixed_;
   std::vector<std::uint8_t> only_own_looks_;

@@ -34,8 +34,7 @@ void NearBound::reset(const SearchProblem& problem, const BeliefTable& beliefs,
   takes_part_.assign(index(beliefs.target_count()), 0);
   constexpr int kStepsAtMost = 30;  // events are bits
   for (int m = 0; m < beliefs.target_count() && horizon_ <= kStepsAtMost; ++m) {
-    if (beliefs.layout(m) != BlockLayout::kSpatial && !heuristic.has_fixed(m) &&
-        !heuristic.only_own_looks(m)) {
+    if (heuristic.is_averaged(m) && !heuristic.only_own_looks(m)) {
       targets_.push_back(m);
       takes_part_[index(m)] = 1;
     }
@@ -133,7 +132,7 @@ bool NearBound::work() {
 double NearBound::rest_from_afar(int i, int k, AveragedBlock block) {
   double cost = 0.0;
   for (int l = k + 1; l <= horizon_ && work(); ++l) {
-    block.predict(heuristic_->noise(targets_[index(i)]));
+    block.predict(heuristic_->motion(targets_[index(i)]));
     block.update(afar_[at(i, l)]);
     cost += stage(block);
   }
@@ -145,7 +144,7 @@ void NearBound::save(int i, int k, const AveragedBlock& block, std::uint32_t eve
     return;
   }
   AveragedBlock predicted = block;
-  predicted.predict(heuristic_->noise(targets_[index(i)]));
+  predicted.predict(heuristic_->motion(targets_[index(i)]));
   AveragedBlock from_afar = predicted;
   from_afar.update(afar_[at(i, k)]);
   bool can_be = near_[at(i, k)] > afar_[at(i, k)];

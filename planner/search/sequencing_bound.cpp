@@ -213,7 +213,7 @@ void SequencingBound::fill_costs(int i, int depth, const double* block) {
         if (by_average) {
           AveragedBlock& average = row_averages_[index(n)];
           average = row_averages_[index(std::max(0, n - 1))];
-          average.predict(heuristic_->noise(m));
+          average.predict(heuristic_->motion(m));
           average.update(n > 0 ? looks_[index(i)].average() : 0.0);
           cost = std::max(cost, traces ? average.trace() : average.determinant());
         }

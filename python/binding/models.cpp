@@ -55,7 +55,8 @@ const std::map<std::string, TargetKind>& target_kinds() {
       {"static", TargetKind::kStatic},
       {"random_walk", TargetKind::kRandomWalk},
       {"double_integrator", TargetKind::kDoubleIntegrator},
-      {"growing_uncertainty", TargetKind::kGrowingUncertainty}};
+      {"growing_uncertainty", TargetKind::kGrowingUncertainty},
+      {"damped_oscillator", TargetKind::kDampedOscillator}};
   return kKinds;
 }
 
@@ -177,17 +178,30 @@ pose: x, y in m and yaw in rad; control (2,) or (n, 2): speed in m/s and yaw rat
   py::class_<TargetModel>(module, "TargetModel", R"(Linear motion of one target, y' = A y + w.
 
 TargetModel(kind="random_walk", *, q=0.0, position_dim=2): kind static, random_walk (q in m²/s),
-double_integrator (x, y, vx, vy; q in m²/s³) or growing_uncertainty (q in m²).)")
-      .def(py::init([](const std::string& kind, double q, int position_dim) {
+double_integrator (x, y, vx, vy; q in m²/s³) or growing_uncertainty (q in m²).
+TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps, damping_per_s):
+(x, y, vx, vy) that keeps to its surroundings, y' = c + A (y − c) + w; each is (x, y).)")
+      .def(py::init([](const std::string& kind, double q, int position_dim, const Doubles& center_m,
+                       const Doubles& position_sigma_m, const Doubles& velocity_sigma_mps,
+                       const Doubles& damping_per_s) {
              require(q >= 0.0, "q: must be ≥ 0");
              require(position_dim == 2 || position_dim == 3, "position_dim: must be 2 or 3");
-             const TargetModel model{kind_of(kind, target_kinds()), position_dim, q};
-             require(model.kind != TargetKind::kDoubleIntegrator || position_dim == 2,
-                     "position_dim: must be 2 for a double integrator, is 3");
+             TargetModel model{kind_of(kind, target_kinds()), position_dim, q};
+             require(!model.has_velocity() || position_dim == 2,
+                     "position_dim: must be 2 for a model with a velocity, is 3");
+             model.surroundings = {point_of(center_m), point_of(position_sigma_m),
+                                   point_of(velocity_sigma_mps), point_of(damping_per_s)};
+             require(model.surroundings.position_sigma_m.minCoeff() > 0.0 &&
+                         model.surroundings.velocity_sigma_mps.minCoeff() > 0.0 &&
+                         model.surroundings.damping_per_s.minCoeff() > 0.0,
+                     "sigmas and damping: must be > 0");
              return model;
            }),
            py::arg("kind") = "random_walk", py::kw_only(), py::arg("q") = 0.0,
-           py::arg("position_dim") = 2)
+           py::arg("position_dim") = 2, py::arg("center_m") = std::vector<double>{0.0, 0.0},
+           py::arg("position_sigma_m") = std::vector<double>{1.0, 1.0},
+           py::arg("velocity_sigma_mps") = std::vector<double>{1.0, 1.0},
+           py::arg("damping_per_s") = std::vector<double>{1.0, 1.0})
       .def_property_readonly(
           "kind", [](const TargetModel& m) { return word_of_kind(m.kind, target_kinds()); })
       .def_readonly("q", &TargetModel::q)
@@ -325,10 +339,10 @@ void bind_belief(py::module_& module) {
       [](const Doubles& mean, const Doubles& covariance, const TargetModel& model, double dt_s) {
         const Gaussian belief = gaussian_of(mean, covariance);
         require(belief.mean.size() == model.dim(), "mean: must have the target model's dimension");
-        return pair_of(models::predict(belief, model.transition(dt_s), model.process_noise(dt_s)));
+        return pair_of(models::predict(belief, model, dt_s));
       },
       py::arg("mean"), py::arg("covariance"), py::arg("model"), py::arg("dt_s"),
-      "(mean, covariance) after dt_s: A y, A Σ Aᵀ + W.");
+      "(mean, covariance) after dt_s: c + A (y − c), A Σ Aᵀ + W.");
   module.def(
       "measure",
       [](const Doubles& mean, const Doubles& covariance, const SensorModel& sensor,

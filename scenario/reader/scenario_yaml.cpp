@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <sstream>
@@ -95,17 +96,39 @@ void read_target_truth(Mapping& from, TargetTruthSpec& truth) {
   }
 }
 
-void read_target_model(Mapping& from, models::TargetModel& model) {
+/// By default those of a uniform draw in the world's bounds.
+void read_surroundings(Mapping& from, const models::World& world,
+                       models::Surroundings& surroundings) {
+  const auto pair = [&](const char* key, Eigen::Vector2d& value, const Range& range) {
+    if (const std::optional<Value> found = from.find(key)) {
+      value = found->point(range);
+    }
+  };
+  const models::Rectangle& bounds = world.bounds;
+  surroundings.center_m = 0.5 * (bounds.min_m + bounds.max_m);
+  surroundings.position_sigma_m = (bounds.max_m - bounds.min_m) / std::sqrt(12.0);
+  pair("center_m", surroundings.center_m, from_to(-kLengthMaxM, kLengthMaxM));
+  pair("position_sigma_m", surroundings.position_sigma_m, above_to(0.0, kLengthMaxM));
+  pair("velocity_sigma_mps", surroundings.velocity_sigma_mps, above(0.0));
+  pair("damping_per_s", surroundings.damping_per_s, above(0.0));
+}
+
+void read_target_model(Mapping& from, const models::World& world, models::TargetModel& model) {
   using models::TargetKind;
   from.word("kind", model.kind,
             {{"static", TargetKind::kStatic},
              {"random_walk", TargetKind::kRandomWalk},
              {"double_integrator", TargetKind::kDoubleIntegrator},
-             {"growing_uncertainty", TargetKind::kGrowingUncertainty}});
+             {"growing_uncertainty", TargetKind::kGrowingUncertainty},
+             {"damped_oscillator", TargetKind::kDampedOscillator}});
   from.integer("position_dim", model.position_dim, 2, 3);
   from.number("q", model.q, at_least(0.0));
-  if (model.kind == TargetKind::kDoubleIntegrator && model.position_dim != 2) {
-    from.refuse("position_dim", "must be 2 for a double integrator, is 3");
+  read_surroundings(from, world, model.surroundings);
+  if (model.has_velocity() && model.position_dim != 2) {
+    from.refuse("position_dim",
+                fmt::format("must be 2 for a {}, is 3", model.kind == TargetKind::kDoubleIntegrator
+                                                            ? "double integrator"
+                                                            : "damped oscillator"));
   }
 }
 
@@ -121,7 +144,7 @@ void check_grid(Mapping& from, const models::World& world, const EstimatorSpec& 
 
 void read_estimator(Mapping& from, const models::World& world, EstimatorSpec& estimator) {
   from.section("target_model",
-               [&](Mapping& model) { read_target_model(model, estimator.target_model); });
+               [&](Mapping& model) { read_target_model(model, world, estimator.target_model); });
   from.number("prior_position_sigma_m", estimator.prior_position_sigma_m, above(0.0));
   from.number("prior_velocity_sigma_mps", estimator.prior_velocity_sigma_mps, above(0.0));
   from.number("undiscovered_position_sigma_m", estimator.undiscovered_position_sigma_m, above(0.0));

@@ -1,5 +1,6 @@
 // filter_bench: how long a step of a robot's filter takes, processor time of its thread, with five
-// targets in the lab's room and a hundred in the field's, three robots that all hear each other.
+// targets in the lab's room and a hundred in the field's, three robots that all hear each other;
+// believed to walk at random, and to be damped oscillators.
 
 #include <algorithm>
 #include <cstdio>
@@ -25,12 +26,21 @@ double cpu_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-void measure_steps(int targets, const Eigen::Vector2d& half_m, double range_max_m) {
+models::TargetModel walk() { return {models::TargetKind::kRandomWalk, 2, 0.3}; }
+
+models::TargetModel oscillator(const Eigen::Vector2d& half_m) {
+  models::TargetModel model{models::TargetKind::kDampedOscillator};
+  model.surroundings = {Eigen::Vector2d::Zero(), 0.45 * half_m, {0.4, 0.25}, {0.3, 0.5}};
+  return model;
+}
+
+void measure_steps(const char* name, const models::TargetModel& model, int targets,
+                   const Eigen::Vector2d& half_m, double range_max_m) {
   models::SensorModel sensor;
   sensor.range_min_m = 0.1;
   sensor.range_max_m = range_max_m;
   sensor.range_sigma_m = 0.3;
-  FilterSpec spec = test::open_spec({models::TargetKind::kRandomWalk, 2, 0.3}, sensor, targets);
+  FilterSpec spec = test::open_spec(model, sensor, targets);
   spec.sensor = sensor;
   spec.robot = "Q0";
   for (int i = 0; i < kRobots; ++i) {
@@ -52,7 +62,10 @@ void measure_steps(int targets, const Eigen::Vector2d& half_m, double range_max_
   std::vector<models::Gaussian> start;
   for (int m = 0; m < targets; ++m) {
     truth.push_back(anywhere_m());
-    start.push_back({truth.back(), 0.5 * Eigen::Matrix2d::Identity()});
+    models::Gaussian belief{models::StateVector::Zero(model.dim()),
+                            0.5 * models::StateMatrix::Identity(model.dim(), model.dim())};
+    belief.mean.head<2>() = truth.back();
+    start.push_back(belief);
   }
   filter.rebase(test::prior(test::instant(0), start));
   std::vector<double> step_us;
@@ -79,13 +92,17 @@ void measure_steps(int targets, const Eigen::Vector2d& half_m, double range_max_
     step_us.push_back(cpu_us() - before_us);
   }
   std::sort(step_us.begin(), step_us.end());
-  std::printf("%3d targets: median %.0f us, 99 of 100 below %.0f us, worst %.0f us\n", targets,
-              step_us[kSteps / 2], step_us[kSteps * 99 / 100], step_us.back());
+  std::printf("%s, %3d targets: median %.0f us, 99 of 100 below %.0f us, worst %.0f us\n", name,
+              targets, step_us[kSteps / 2], step_us[kSteps * 99 / 100], step_us.back());
 }
 
 }  // namespace
 
 int main() {
-  measure_steps(5, {4.0, 2.0}, 1.0);
-  measure_steps(100, {32.0, 32.0}, 10.0);
+  const Eigen::Vector2d lab_m(4.0, 2.0);
+  const Eigen::Vector2d field_m(32.0, 32.0);
+  measure_steps("random walk", walk(), 5, lab_m, 1.0);
+  measure_steps("oscillator", oscillator(lab_m), 5, lab_m, 1.0);
+  measure_steps("random walk", walk(), 100, field_m, 10.0);
+  measure_steps("oscillator", oscillator(field_m), 100, field_m, 10.0);
 }

@@ -24,10 +24,13 @@ using test::at;
 using test::instant;
 using vantage::test::is_near;
 
+const models::Surroundings kLabSurroundings{{0.5, -0.5}, {1.75, 0.83}, {0.4, 0.25}, {0.3, 0.5}};
+
 TEST(Propagate, InTwoPartsIsTheSameAsInOne) {
-  for (const TargetKind kind : {TargetKind::kStatic, TargetKind::kRandomWalk,
-                                TargetKind::kDoubleIntegrator, TargetKind::kGrowingUncertainty}) {
-    const models::TargetModel model{kind, 2, 0.3};
+  for (const TargetKind kind :
+       {TargetKind::kStatic, TargetKind::kRandomWalk, TargetKind::kDoubleIntegrator,
+        TargetKind::kGrowingUncertainty, TargetKind::kDampedOscillator}) {
+    const models::TargetModel model{kind, 2, 0.3, kLabSurroundings};
     const Eigen::Index n = model.dim();
     const auto belief = models::to_information({models::StateVector::LinSpaced(n, -1.0, 2.0),
                                                 models::StateMatrix::Identity(n, n)})
@@ -42,15 +45,36 @@ TEST(Propagate, InTwoPartsIsTheSameAsInOne) {
   }
 }
 
+// Step by step, as the filter does it.
+TEST(Propagate, OfADampedOscillatorEndsWithItsSurroundingsAndGoesNoFurther) {
+  const models::TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kLabSurroundings};
+  models::StateMatrix sharp = 1e-4 * models::StateMatrix::Identity(4, 4);
+  models::Information belief =
+      models::to_information({Eigen::Vector4d(4.0, 2.0, -0.3, 0.2), sharp}).value();
+  double entropy_nats = -1e9;
+  for (int k = 0; k < 400; ++k) {
+    belief = propagate(model, 0.5, belief, instant(0), instant(k), instant(k + 1)).value();
+    const models::Gaussian now = models::to_gaussian(belief).value();
+    EXPECT_LE(now.covariance(0, 0), 1.75 * 1.75 + 1e-9);
+    EXPECT_LE(now.covariance(1, 1), 0.83 * 0.83 + 1e-9);
+    EXPECT_GE(models::entropy_nats(now), entropy_nats - 1e-9);
+    entropy_nats = models::entropy_nats(now);
+  }
+  const models::Gaussian last = models::to_gaussian(belief).value();
+  EXPECT_TRUE(is_near(last.mean, Eigen::Vector4d(0.5, -0.5, 0.0, 0.0), 1e-6));
+  EXPECT_TRUE(is_near(last.covariance.diagonal(),
+                      Eigen::Vector4d(1.75 * 1.75, 0.83 * 0.83, 0.4 * 0.4, 0.25 * 0.25), 1e-6));
+}
+
 TEST(Propagate, OfGrowingUncertaintyAddsTheStepsOwnNoise) {
   const models::TargetModel model{TargetKind::kGrowingUncertainty, 3, 0.01};
   const auto belief =
       models::to_information({models::StateVector::Zero(3), models::StateMatrix::Identity(3, 3)})
           .value();
-  // Seen two steps before; three more steps unseen: k = 3, 4, 5.
+  // Seen two steps before; three more steps unseen: k = 2, 3, 4.
   const auto later = propagate(model, 0.5, belief, instant(0), instant(2), instant(5)).value();
   double variance = 1.0;
-  for (int k = 3; k <= 5; ++k) {
+  for (int k = 2; k <= 4; ++k) {
     variance += model.process_noise(0.5, k)(0, 0);
   }
   EXPECT_TRUE(is_near(models::to_gaussian(later)->covariance,

@@ -28,14 +28,12 @@ struct Course {
 
 Course course_of(const planner::SearchProblem& problem, const planner::SearchTarget& target,
                  const std::vector<Pose2>& poses) {
-  const models::StateMatrix A = target.model.transition(problem.step_s);
-  const models::StateMatrix W = target.model.process_noise(problem.step_s);
   models::Gaussian belief = target.prior;
   Course course;
   course.mean_m.emplace_back(belief.mean.head<2>());
   course.before_m2 = belief.covariance.topLeftCorner<2, 2>();
   for (const Pose2& pose : poses) {
-    belief = models::predict(belief, A, W);
+    belief = models::predict(belief, target.model, problem.step_s);
     const models::PositionVector mean_m = belief.mean.head(2);
     models::PositionMatrix M = models::PositionMatrix::Zero(2, 2);
     if (models::line_of_sight(*problem.world, pose.position_m(), mean_m.head<2>())) {

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
@@ -7,15 +9,31 @@
 namespace vantage::models {
 namespace {
 
+// γ² below, at and above 4 σ_v²/σ_p²: it swings on one axis and creeps on the other.
+const Surroundings kSwings{{1.0, -2.0}, {1.8, 0.8}, {0.4, 0.25}, {0.3, 0.9}};
+const Surroundings kOnTheEdge{{0.0, 0.0}, {2.0, 1.0}, {0.5, 0.25}, {0.5, 0.5 + 1e-6}};
+
 const TargetModel kModels[] = {
-    {TargetKind::kStatic, 2, 0.3},           {TargetKind::kStatic, 3, 0.3},
-    {TargetKind::kRandomWalk, 2, 0.3},       {TargetKind::kRandomWalk, 3, 0.3},
-    {TargetKind::kDoubleIntegrator, 2, 0.3}, {TargetKind::kGrowingUncertainty, 3, 0.3},
+    {TargetKind::kStatic, 2, 0.3},
+    {TargetKind::kStatic, 3, 0.3},
+    {TargetKind::kRandomWalk, 2, 0.3},
+    {TargetKind::kRandomWalk, 3, 0.3},
+    {TargetKind::kDoubleIntegrator, 2, 0.3},
+    {TargetKind::kGrowingUncertainty, 3, 0.3},
+    {TargetKind::kDampedOscillator, 2, 0.0, kSwings},
+    {TargetKind::kDampedOscillator, 2, 0.0, kOnTheEdge},
 };
 
+// Where an oscillator comes to rest: N(c, σ_p²), N(0, σ_v²).
+StateMatrix stationary(const Surroundings& around) {
+  Eigen::Vector4d variances;
+  variances << around.position_sigma_m.cwiseAbs2(), around.velocity_sigma_mps.cwiseAbs2();
+  return variances.asDiagonal();
+}
+
 TEST(TargetModel, HasAsManyRowsAsItsState) {
-  const int expected[] = {2, 3, 2, 3, 4, 3};
-  for (int i = 0; i < 6; ++i) {
+  const int expected[] = {2, 3, 2, 3, 4, 3, 4, 4};
+  for (int i = 0; i < 8; ++i) {
     EXPECT_EQ(kModels[i].dim(), expected[i]);
     EXPECT_EQ(kModels[i].transition(0.5).rows(), expected[i]);
     EXPECT_EQ(kModels[i].process_noise(0.5).cols(), expected[i]);
@@ -29,9 +47,9 @@ TEST(TargetModel, ForgetsHowTimeWasCutIntoSteps) {
       continue;  // counted in steps, by definition
     }
     const StateMatrix A = model.transition(0.7);
-    EXPECT_TRUE(test::is_near((A * model.transition(0.3)).eval(), model.transition(1.0), 1e-15));
+    EXPECT_TRUE(test::is_near((A * model.transition(0.3)).eval(), model.transition(1.0), 1e-14));
     const StateMatrix W = A * model.process_noise(0.3) * A.transpose() + model.process_noise(0.7);
-    EXPECT_TRUE(test::is_near(W, model.process_noise(1.0), 1e-15));
+    EXPECT_TRUE(test::is_near(W, model.process_noise(1.0), 1e-14));
   }
 }
 
@@ -56,6 +74,73 @@ TEST(DoubleIntegrator, MovesByItsVelocity) {
   EXPECT_TRUE(test::is_near(y, Eigen::Vector4d(3.0, -2.0, 4.0, -8.0), 0.0));
 }
 
+TEST(DampedOscillator, StaysAsSpreadAsItIsInTheLongRun) {
+  for (const Surroundings& around : {kSwings, kOnTheEdge}) {
+    const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, around};
+    const StateMatrix P = stationary(around);
+    for (const double dt_s : {1e-3, 0.5, 3.0, 60.0}) {
+      const StateMatrix A = model.transition(dt_s);
+      EXPECT_TRUE(
+          test::is_near((A * P * A.transpose() + model.process_noise(dt_s)).eval(), P, 1e-14));
+    }
+    EXPECT_TRUE(test::is_near(model.process_noise(300.0), P, 1e-12));
+    EXPECT_TRUE(test::is_near(model.expected(Eigen::Vector4d(3.0, 1.0, 1.0, -1.0), 300.0).head(2),
+                              around.center_m, 1e-9));
+  }
+}
+
+// ẏ = F y by short Euler steps, and W = ∫ e^{Fs} G q Gᵀ e^{Fᵀs} ds with q = 2 γ σ_v².
+TEST(DampedOscillator, SolvesItsEquation) {
+  const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kSwings};
+  constexpr int kSteps = 200'000;
+  constexpr double kStep_s = 2.0 / kSteps;
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    const double omega = kSwings.velocity_sigma_mps(i) / kSwings.position_sigma_m(i);
+    Eigen::Matrix2d F;
+    F << 0.0, 1.0, -omega * omega, -kSwings.damping_per_s(i);
+    const double q = 2.0 * kSwings.damping_per_s(i) * kSwings.velocity_sigma_mps(i) *
+                     kSwings.velocity_sigma_mps(i);
+    Eigen::Matrix2d A = Eigen::Matrix2d::Identity();
+    Eigen::Matrix2d W = Eigen::Matrix2d::Zero();
+    for (int k = 0; k < kSteps; ++k) {
+      W += q * kStep_s * A.col(1) * A.col(1).transpose();
+      A += kStep_s * F * A;
+    }
+    const StateMatrix whole = model.transition(2.0);
+    const StateMatrix noise = model.process_noise(2.0);
+    for (Eigen::Index r = 0; r < 2; ++r) {
+      for (Eigen::Index c = 0; c < 2; ++c) {
+        EXPECT_NEAR(whole(i + 2 * r, i + 2 * c), A(r, c), 1e-5);
+        EXPECT_NEAR(noise(i + 2 * r, i + 2 * c), W(r, c), 1e-5);
+      }
+    }
+  }
+}
+
+// Wide surroundings and slow damping at the same q = 2 γ σ_v².
+TEST(DampedOscillator, IsADoubleIntegratorWhereItsRatesVanish) {
+  constexpr double kDamping_per_s = 1e-5;
+  const double sigma_mps = std::sqrt(0.3 / (2.0 * kDamping_per_s));
+  const TargetModel free{TargetKind::kDoubleIntegrator, 2, 0.3};
+  TargetModel bound{TargetKind::kDampedOscillator};
+  bound.surroundings.position_sigma_m.setConstant(1e5 * sigma_mps);
+  bound.surroundings.velocity_sigma_mps.setConstant(sigma_mps);
+  bound.surroundings.damping_per_s.setConstant(kDamping_per_s);
+  EXPECT_TRUE(test::is_near(bound.transition(0.5), free.transition(0.5), 1e-4));
+  const StateMatrix W = bound.process_noise(0.5);
+  EXPECT_NEAR(W(2, 2), 0.15, 1e-4);
+  EXPECT_NEAR(W(0, 2), 0.3 * 0.5 * 0.5 / 2.0, 1e-4);
+}
+
+TEST(DampedOscillator, ExpectsFreeMotionAtFirstAndTheCenterAtLast) {
+  const TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kSwings};
+  const Eigen::Vector4d y(3.0, -2.0, 0.4, 0.2);
+  EXPECT_TRUE(
+      test::is_near(model.expected(y, 1e-3).head(2), Eigen::Vector2d(3.0004, -1.9998), 1e-6));
+  const double away_m = (model.expected(y, 5.0).head<2>() - kSwings.center_m).norm();
+  EXPECT_LT(away_m, (y.head<2>() - kSwings.center_m).norm());
+}
+
 TEST(TargetModel, HasNoiseThatIsSymmetricAndNotNegative) {
   for (const TargetModel& model : kModels) {
     const Eigen::MatrixXd W = model.process_noise(0.5, 3);
@@ -68,6 +153,24 @@ TEST(StaticTarget, KnowsNoNoise) { EXPECT_TRUE(kModels[0].process_noise(10.0).is
 
 TEST(RandomWalk, SpreadsByQPerSecond) {
   EXPECT_TRUE(test::is_near(kModels[3].process_noise(2.0), 0.6 * Eigen::Matrix3d::Identity(), 0.0));
+}
+
+TEST(GrowingUncertainty, GrowsByTheStepsOwnNoiseHoweverTheyAreCut) {
+  const TargetModel& model = kModels[5];
+  double sum = 0.0;
+  for (int k = 0; k < 6; ++k) {
+    sum += model.process_noise(0.5, k)(0, 0);
+    EXPECT_NEAR(model.grown_noise(0.0, k + 1)(0, 0), sum, 1e-12);
+  }
+  const double cut = model.grown_noise(0.3, 2.7)(0, 0) + model.grown_noise(2.7, 6.0)(0, 0);
+  EXPECT_NEAR(cut, sum, 1e-12);
+}
+
+TEST(GrowingUncertainty, IsPlannedWithTheNoiseOfTheComingStep) {
+  const TargetModel planned = kModels[5].as_planned(4.0, 0.5);
+  EXPECT_EQ(planned.kind, TargetKind::kRandomWalk);
+  EXPECT_TRUE(test::is_near(planned.process_noise(0.5), kModels[5].process_noise(0.5, 4), 1e-12));
+  EXPECT_EQ(kModels[6].as_planned(4.0, 0.5).kind, TargetKind::kDampedOscillator);
 }
 
 TEST(GrowingUncertainty, GrowsWithTheStepsUnseenAndNotWithTime) {

@@ -79,8 +79,10 @@ TEST(BlockKernels, UnpackWhatTheyPacked) {
 TEST(BlockKernels, PredictLikeTheModels) {
   for_random_blocks([](const Case& c, std::mt19937_64& rng) {
     models::TargetModel model;
-    model.kind = c.layout == BlockLayout::kMoving ? models::TargetKind::kDoubleIntegrator
-                                                  : models::TargetKind::kRandomWalk;
+    model.kind = c.layout != BlockLayout::kMoving ? models::TargetKind::kRandomWalk
+                 : pick(rng, 0, 1) == 0           ? models::TargetKind::kDoubleIntegrator
+                                                  : models::TargetKind::kDampedOscillator;
+    model.surroundings = test::random_surroundings(rng);
     model.position_dim = position_dim(c.layout);
     model.q = uniform(rng, 0.0, 1.0);
     const double step_s = uniform(rng, 0.1, 2.0);
@@ -90,17 +92,13 @@ TEST(BlockKernels, PredictLikeTheModels) {
         models::predict(models::Gaussian{models::StateVector::Zero(model.dim()), c.covariance}, A,
                         W)
             .covariance;
-    StepNoise noise{step_s, W(0, 0), 0.0, 0.0};
-    if (c.layout == BlockLayout::kMoving) {
-      noise.cross = W(0, 2);
-      noise.velocity = W(2, 2);
-    }
+    const StepMotion motion = step_motion(model, step_s);
     double out[kMaxPacked];
-    predict(c.layout, noise, c.block, out);
+    predict(c.layout, motion, c.block, out);
     EXPECT_TRUE(is_near(unpack(c.layout, out), expected, 1e-12 * expected.norm()));
     double in_place[kMaxPacked];
     std::copy_n(c.block, kMaxPacked, in_place);
-    predict(c.layout, noise, in_place, in_place);
+    predict(c.layout, motion, in_place, in_place);
     EXPECT_TRUE(is_near(unpack(c.layout, in_place), unpack(c.layout, out), 0.0));
   });
 }

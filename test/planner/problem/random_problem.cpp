@@ -133,6 +133,34 @@ Eigen::MatrixXd random_spd(std::mt19937_64& rng, int n, double scale, double dec
   return 0.5 * (S + S.transpose());
 }
 
+models::Surroundings random_surroundings(std::mt19937_64& rng) {
+  models::Surroundings around;
+  const double omega = uniform(rng, 0.1, 1.0);
+  const bool is_alike = pick(rng, 0, 1) == 0;
+  around.damping_per_s.setConstant(uniform(rng, 0.1, 1.5));
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    around.center_m(i) = uniform(rng, -1.0, 1.0);
+    // Powers of two leave σ_v/σ_p, and with it A, exactly the same.
+    around.position_sigma_m(i) =
+        is_alike ? std::pow(2.0, pick(rng, -1, 2)) : uniform(rng, 0.5, 4.0);
+    around.velocity_sigma_mps(i) = omega * around.position_sigma_m(i);
+    if (!is_alike) {
+      around.velocity_sigma_mps(i) *= uniform(rng, 0.5, 2.0);
+      around.damping_per_s(i) *= uniform(rng, 0.5, 2.0);
+    }
+  }
+  return around;
+}
+
+void let_oscillate(std::mt19937_64& rng, planner::SearchProblem& problem) {
+  for (planner::SearchTarget& target : problem.targets) {
+    if (target.model.kind == models::TargetKind::kDoubleIntegrator) {
+      target.model.kind = models::TargetKind::kDampedOscillator;
+      target.model.surroundings = random_surroundings(rng);
+    }
+  }
+}
+
 OwnedProblem random_problem(std::uint64_t seed) {
   std::mt19937_64 rng(0x9E3779B97F4A7C15U * (seed + 1));
   OwnedProblem owned;
@@ -159,6 +187,9 @@ OwnedProblem random_problem(std::uint64_t seed) {
   }
   if (pick(rng, 0, 2) == 0) {
     add_fixed_information(rng, problem);
+  }
+  if (seed % 2 == 0) {  // last: nothing else is drawn otherwise
+    let_oscillate(rng, problem);
   }
   return owned;
 }

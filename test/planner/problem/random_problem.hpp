@@ -31,6 +31,10 @@ models::Trajectory random_teammate(std::mt19937_64& rng, Time around, int steps,
 
 double uniform(std::mt19937_64& rng, double low, double high);
 int pick(std::mt19937_64& rng, int low, int high);  ///< both ends included
+/// A damped oscillator's, of the size of a random problem; one in two with the same A on both axes.
+models::Surroundings random_surroundings(std::mt19937_64& rng);
+/// Makes damped oscillators of the double integrators in `problem`.
+void let_oscillate(std::mt19937_64& rng, planner::SearchProblem& problem);
 /// Symmetric positive definite n × n with eigenvalues between 10^-decades and 1, times `scale`.
 Eigen::MatrixXd random_spd(std::mt19937_64& rng, int n, double scale, double decades);
 

@@ -264,8 +264,7 @@ double isotropic_bound(const SearchProblem& problem) {
     const models::TargetModel& model = problem.targets[m].model;
     models::Gaussian belief = problem.targets[m].prior;
     for (int t = 1; t <= problem.horizon_steps; ++t) {
-      belief = models::predict(belief, model.transition(problem.step_s),
-                               model.process_noise(problem.step_s));
+      belief = models::predict(belief, model, problem.step_s);
       const int n = model.position_dim;
       const models::PositionVector mean_m = belief.mean.head(n);
       models::PositionMatrix M = models::PositionMatrix::Zero(n, n);

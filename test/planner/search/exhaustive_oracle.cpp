@@ -83,8 +83,7 @@ std::vector<models::Gaussian> look_from(const planner::SearchProblem& problem,
   std::vector<models::Gaussian> after;
   for (std::size_t m = 0; m < beliefs.size(); ++m) {
     const models::TargetModel& model = problem.targets[m].model;
-    models::Gaussian belief = models::predict(beliefs[m], model.transition(problem.step_s),
-                                              model.process_noise(problem.step_s));
+    models::Gaussian belief = models::predict(beliefs[m], model, problem.step_s);
     const models::PositionVector mean_m = belief.mean.head(model.position_dim);
     if (!problem.fixed_information.empty()) {
       const models::PositionMatrix& fixed =

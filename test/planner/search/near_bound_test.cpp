@@ -66,6 +66,9 @@ OwnedProblem crowded_problem(std::uint64_t seed) {
     target.prior.covariance = test::random_spd(rng, n, uniform(rng, 0.1, 2.0), 1.0);
     problem.targets.push_back(target);
   }
+  if (seed % 3 == 0) {
+    test::let_oscillate(rng, problem);
+  }
   return owned;
 }
 
@@ -136,6 +139,9 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
         ring_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
     target.prior.covariance = Eigen::Vector4d(1.0, 1.0, 0.01, 0.01).asDiagonal();
     problem.targets.push_back(target);
+  }
+  if (seed % 3 == 0) {
+    test::let_oscillate(rng, problem);
   }
   return owned;
 }

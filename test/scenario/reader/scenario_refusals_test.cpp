@@ -130,6 +130,9 @@ const BadEdit kRanges[] = {
     {"CertainDetection", "detection_probability: 0.9", "@detection_probability: 1", "must be at least 0 and below 1, is 1"},
     {"EndlessGrid", "grid_resolution_m: 0.25", "@grid_resolution_m: 0.0001", "must cut world.bounds into at most"},
     {"NegativeQ", "    q: 0.3", "    @q: -0.15", "estimator.target_model.q: must be at least 0, is -0.15"},
+    {"OscillatorWithoutDamping", "    q: 0.3", "    q: 0.3\n    @damping_per_s: [0.5, 0]", "estimator.target_model.damping_per_s[1]: must be above 0, is 0"},
+    {"OscillatorWithoutSpread", "    q: 0.3", "    q: 0.3\n    @position_sigma_m: [0, 1]", "estimator.target_model.position_sigma_m[0]: must be above 0 and at most 10000, is 0"},
+    {"OscillatorOfOneSigma", "    q: 0.3", "    q: 0.3\n    @velocity_sigma_mps: 0.4", "estimator.target_model.velocity_sigma_mps: must be a list of two numbers [x, y]"},
     {"TargetsInFourDimensions", "position_dim: 2", "@position_dim: 4", "must be at least 2 and at most 3, is '4'"},
     {"RoundTooShort", "team_budget_s: 0.5", "@team_budget_s: 0.96", "must fit with publish_margin_s, 0.05, into a round of execute_steps · step_s = 1 s; is 0.96"},
     {"ExecutesBeyondItsHorizon", "execute_steps: 2", "@execute_steps: 13", "must be at most horizon_steps, 12, is 13"},
@@ -228,6 +231,11 @@ TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
                        "estimator:\n  target_model: {kind: double_integrator,\n"
                        "    position_dim: 3}\n"),
             "lab.yaml:7: estimator.target_model.position_dim: must be 2 for a double integrator, "
+            "is 3");
+  EXPECT_EQ(refusal_of(good + kRobot +
+                       "estimator:\n  target_model: {kind: damped_oscillator,\n"
+                       "    position_dim: 3}\n"),
+            "lab.yaml:7: estimator.target_model.position_dim: must be 2 for a damped oscillator, "
             "is 3");
   EXPECT_EQ(refusal_of(good + "robot_defaults: {primitives: lab, sensor: {kind: range}}\n"
                               "robots:\n"

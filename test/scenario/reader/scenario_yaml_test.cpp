@@ -103,6 +103,27 @@ TEST(LoadScenario, ReadsTheSimulationOfTheField) {
   EXPECT_EQ(field.network.communication_range_m, 30.0);
 }
 
+TEST(ParseScenario, ReadsWhatADampedOscillatorIs) {
+  const auto model = [](const std::string& keys) {
+    return parse_scenario(
+               smallest_with("estimator: {target_model: {kind: damped_oscillator" + keys + "}}"),
+               "oscillator")
+        .estimator.target_model;
+  };
+  const models::TargetModel stated = model(
+      ", center_m: [1, 2], position_sigma_m: [3, 4], velocity_sigma_mps: [0.5, 0.6], "
+      "damping_per_s: [0.7, 0.8]");
+  EXPECT_EQ(stated.kind, models::TargetKind::kDampedOscillator);
+  EXPECT_EQ(stated.surroundings.center_m, Eigen::Vector2d(1.0, 2.0));
+  EXPECT_EQ(stated.surroundings.position_sigma_m, Eigen::Vector2d(3.0, 4.0));
+  EXPECT_EQ(stated.surroundings.velocity_sigma_mps, Eigen::Vector2d(0.5, 0.6));
+  EXPECT_EQ(stated.surroundings.damping_per_s, Eigen::Vector2d(0.7, 0.8));
+  const models::Rectangle bounds = parse_scenario(smallest_with(""), "bounds").world.bounds;
+  const models::Surroundings uniform = model("").surroundings;
+  EXPECT_EQ(uniform.center_m, 0.5 * (bounds.min_m + bounds.max_m));
+  EXPECT_EQ(uniform.position_sigma_m, (bounds.max_m - bounds.min_m) / std::sqrt(12.0));
+}
+
 TEST(LoadScenario, KeepsTheFileAsItIs) {
   std::ifstream file(config("lab.yaml"), std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -403,6 +424,7 @@ TEST(ParseScenario, KnowsEveryWordOfTheStructs) {
   EXPECT_EQ(model("random_walk"), models::TargetKind::kRandomWalk);
   EXPECT_EQ(model("double_integrator"), models::TargetKind::kDoubleIntegrator);
   EXPECT_EQ(model("growing_uncertainty"), models::TargetKind::kGrowingUncertainty);
+  EXPECT_EQ(model("damped_oscillator"), models::TargetKind::kDampedOscillator);
   const auto motion = [](const std::string& word) {
     return parse_scenario(smallest_with("target_truth: {motion: " + word + "}"), "words")
         .target_truth.motion;
