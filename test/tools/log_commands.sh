@@ -46,6 +46,8 @@ exits_with 2 "$vantage" log info missing.lcmlog
 "$vantage" log metrics flight.lcmlog
 "$vantage" log metrics flight.lcmlog flight.lcmlog | grep "NEES of a robot" > /dev/null
 "$vantage" log metrics flight.lcmlog --json | json 'd["rounds"]' > /dev/null
+"$vantage" log fit-motion flight.lcmlog | grep "target_model: {kind: damped_oscillator" > /dev/null
+"$vantage" log fit-motion flight.lcmlog --json | json 'len(d["models"])' | grep -q 3 || fail "fit-motion"
 "$vantage" trial "$scenario" --duration-s 6 --nodes 200 --log trial.lcmlog > trial.txt
 "$vantage" log replay trial.lcmlog --node planner:Q1 --node estimator:Q2
 exits_with 2 "$vantage" log replay trial.lcmlog --node planner:Q9

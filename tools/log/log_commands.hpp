@@ -19,6 +19,7 @@ void add_log_edit_commands(CLI::App& log, Runner& run);  ///< repair, slice, fil
 void add_log_replay_command(CLI::App& log, Runner& run);
 void add_log_export_command(CLI::App& log, Runner& run);
 void add_log_metrics_commands(CLI::App& log, Runner& run);  ///< metrics, plot
+void add_log_fit_motion_command(CLI::App& log, Runner& run);
 void add_log_play_command(CLI::App& log, Runner& run);
 void add_log_record_command(CLI::App& log, Runner& run);
 

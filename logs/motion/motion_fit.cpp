@@ -1,0 +1,235 @@
+#include "logs/motion/motion_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "core/angle.hpp"
+#include "core/check.hpp"
+
+namespace vantage::logs {
+namespace {
+
+constexpr std::size_t kHorizons = kHorizons_s.size();
+
+std::int64_t steps_of(double time_s) { return std::llround(time_s / TargetCourse::kCourseStep_s); }
+
+double log_likelihood(double squared_error, double variance) {
+  return -0.5 * (std::log(2.0 * kPi * variance) + squared_error / variance);
+}
+
+/// What a model makes of one coordinate h ahead: a y + b ẏ, variance w.
+struct Foretold {
+  double a = 1.0;
+  double b = 0.0;
+  double w = 0.0;
+};
+
+Foretold foretell(const models::TargetModel& model, Eigen::Index axis, double horizon_s) {
+  const models::StateMatrix A = model.transition(horizon_s);
+  const models::StateMatrix W = model.process_noise(horizon_s);
+  return {A(axis, axis), model.has_velocity() ? A(axis, axis + 2) : 0.0, W(axis, axis)};
+}
+
+using Point = Eigen::Vector3d;
+
+/// Where `cost` is least, near `start`, by a simplex whose first edges are `edge` long.
+template <class Cost>
+Point least(const Cost& cost, const Point& start, double edge) {
+  struct Corner {
+    Point at;
+    double cost;
+  };
+  const auto corner = [&](const Point& at) { return Corner{at, cost(at)}; };
+  std::array<Corner, 4> simplex = {corner(start), corner(start + edge * Point::UnitX()),
+                                   corner(start + edge * Point::UnitY()),
+                                   corner(start + edge * Point::UnitZ())};
+  constexpr int kRoundsMax = 500;
+  constexpr double kEnough = 1e-10;
+  for (int round = 0; round < kRoundsMax; ++round) {
+    std::sort(simplex.begin(), simplex.end(),
+              [](const Corner& a, const Corner& b) { return a.cost < b.cost; });
+    if (simplex.back().cost - simplex.front().cost < kEnough) {
+      break;
+    }
+    const Point middle = (simplex[0].at + simplex[1].at + simplex[2].at) / 3.0;
+    const Point back = middle - simplex.back().at;
+    const Corner reflected = corner(middle + back);
+    if (reflected.cost < simplex.front().cost) {
+      const Corner expanded = corner(middle + 2.0 * back);
+      simplex.back() = expanded.cost < reflected.cost ? expanded : reflected;
+    } else if (reflected.cost < simplex[2].cost) {
+      simplex.back() = reflected;
+    } else if (const Corner contracted = corner(middle - 0.5 * back);
+               contracted.cost < simplex.back().cost) {
+      simplex.back() = contracted;
+    } else {
+      for (std::size_t i = 1; i < simplex.size(); ++i) {
+        simplex[i] = corner(0.5 * (simplex[0].at + simplex[i].at));
+      }
+    }
+  }
+  return simplex.front().at;
+}
+
+/// The oscillator of one coordinate whose logarithms of σ_p, σ_v and γ these are.
+models::TargetModel oscillator(const Point& logarithms, Eigen::Index axis) {
+  models::TargetModel model{models::TargetKind::kDampedOscillator};
+  model.surroundings.position_sigma_m(axis) = std::exp(logarithms.x());
+  model.surroundings.velocity_sigma_mps(axis) = std::exp(logarithms.y());
+  model.surroundings.damping_per_s(axis) = std::exp(logarithms.z());
+  return model;
+}
+
+}  // namespace
+
+void TargetCourse::add(Time time, const Eigen::Vector2d& position_m) {
+  if (last_ && time <= *last_) {
+    return;
+  }
+  const std::int64_t step_us = from_seconds(kCourseStep_s).count();
+  if (last_ && time - *last_ <= from_seconds(kGapMax_s)) {
+    const std::int64_t from_us = to_utime(*last_);
+    const std::int64_t to_us = to_utime(time);
+    for (std::int64_t step = from_us / step_us + 1; step * step_us <= to_us; ++step) {
+      const double share =
+          static_cast<double>(step * step_us - from_us) / static_cast<double>(to_us - from_us);
+      places_m_.emplace_hint(places_m_.end(), step, last_m_ + share * (position_m - last_m_));
+    }
+  }
+  last_ = time;
+  last_m_ = position_m;
+}
+
+double MotionMoments::squared_error(double a, double b) const {
+  const Eigen::Vector3d weights(1.0, -a, -b);
+  return samples == 0 ? 0.0 : weights.dot(sum * weights) / static_cast<double>(samples);
+}
+
+void MotionSample::add(const TargetCourse& course, std::int64_t begin, std::int64_t end,
+                       double from_share, double to_share) {
+  const auto at_share = [&](double share) {
+    return begin + std::llround(share * static_cast<double>(end - begin));
+  };
+  const std::int64_t first = at_share(from_share);
+  const std::int64_t last = at_share(to_share);
+  const auto& places_m = course.places_m();
+  for (auto now = places_m.lower_bound(first + 1); now != places_m.end() && now->first <= last;
+       ++now) {
+    const auto before = places_m.find(now->first - 1);
+    if (before == places_m.end() || before->first < first) {
+      continue;
+    }
+    const Eigen::Vector2d velocity_mps =
+        (now->second - before->second) / TargetCourse::kCourseStep_s;
+    for (std::size_t h = 0; h < kHorizons; ++h) {
+      const auto later = places_m.find(now->first + steps_of(kHorizons_s[h]));
+      if (later == places_m.end() || later->first > last) {
+        continue;
+      }
+      for (Eigen::Index axis = 0; axis < 2; ++axis) {
+        const Eigen::Vector3d each(later->second(axis) - center_m(axis),
+                                   now->second(axis) - center_m(axis), velocity_mps(axis));
+        MotionMoments& sums = moments[static_cast<std::size_t>(axis)][h];
+        sums.sum += each * each.transpose();
+        ++sums.samples;
+      }
+    }
+  }
+}
+
+MotionScore judge(const models::TargetModel& model, const MotionSample& sample) {
+  MotionScore score;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    for (std::size_t h = 0; h < kHorizons; ++h) {
+      const Foretold next = foretell(model, axis, kHorizons_s[h]);
+      const double error =
+          sample.moments[static_cast<std::size_t>(axis)][h].squared_error(next.a, next.b);
+      score.nats += log_likelihood(error, next.w) / static_cast<double>(kHorizons);
+      score.nees[h] += error / next.w;
+    }
+  }
+  return score;
+}
+
+models::TargetModel fit_free(models::TargetKind kind, const MotionSample& sample) {
+  models::TargetModel model{kind, 2, 1.0};
+  double sum = 0.0;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    for (std::size_t h = 0; h < kHorizons; ++h) {
+      const Foretold next = foretell(model, axis, kHorizons_s[h]);
+      sum +=
+          sample.moments[static_cast<std::size_t>(axis)][h].squared_error(next.a, next.b) / next.w;
+    }
+  }
+  model.q = sum / (2.0 * static_cast<double>(kHorizons));
+  return model;
+}
+
+models::TargetModel fit_oscillator(const MotionSample& sample) {
+  models::TargetModel fitted{models::TargetKind::kDampedOscillator};
+  fitted.surroundings.center_m = sample.center_m;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    const auto& moments = sample.moments[static_cast<std::size_t>(axis)];
+    const auto cost = [&](const Point& logarithms) {
+      const models::TargetModel model = oscillator(logarithms, axis);
+      double sum = 0.0;
+      for (std::size_t h = 0; h < kHorizons; ++h) {
+        const Foretold next = foretell(model, axis, kHorizons_s[h]);
+        if (!(next.w > 0.0)) {
+          return std::numeric_limits<double>::infinity();
+        }
+        sum -= log_likelihood(moments[h].squared_error(next.a, next.b), next.w);
+      }
+      return sum;
+    };
+    // From the spread and the speed that the sample has, and a damping of once a second.
+    const Eigen::Matrix3d mean = moments.front().sum / static_cast<double>(moments.front().samples);
+    constexpr double kLeast = 1e-12;  // of a target that stood still
+    const Point start(0.5 * std::log(std::max(mean(1, 1), kLeast)),
+                      0.5 * std::log(std::max(mean(2, 2), kLeast)), 0.0);
+    const models::Surroundings best = oscillator(least(cost, start, 0.3), axis).surroundings;
+    fitted.surroundings.position_sigma_m(axis) = best.position_sigma_m(axis);
+    fitted.surroundings.velocity_sigma_mps(axis) = best.velocity_sigma_mps(axis);
+    fitted.surroundings.damping_per_s(axis) = best.damping_per_s(axis);
+  }
+  return fitted;
+}
+
+std::vector<FittedMotion> fit_motion(std::span<const std::vector<TargetCourse>> logs,
+                                     const Eigen::Vector2d& center_m, double fitted_share) {
+  MotionSample fitted;
+  MotionSample held_back;
+  fitted.center_m = held_back.center_m = center_m;
+  for (const std::vector<TargetCourse>& courses : logs) {
+    std::int64_t begin = std::numeric_limits<std::int64_t>::max();
+    std::int64_t end = std::numeric_limits<std::int64_t>::min();
+    for (const TargetCourse& course : courses) {
+      if (!course.places_m().empty()) {
+        begin = std::min(begin, course.places_m().begin()->first);
+        end = std::max(end, course.places_m().rbegin()->first);
+      }
+    }
+    for (const TargetCourse& course : courses) {
+      fitted.add(course, begin, end, 0.0, fitted_share);
+      held_back.add(course, begin, end, fitted_share, 1.0);
+    }
+  }
+  for (const MotionSample* sample : {&fitted, &held_back}) {
+    for (const MotionMoments& moments : sample->moments[0]) {
+      require(moments.samples > 0,
+              "fit-motion: the targets were not seen for long enough; both "
+              "parts of the time need more than 8 s");
+    }
+  }
+  std::vector<FittedMotion> all;
+  for (const models::TargetModel& model :
+       {fit_free(models::TargetKind::kRandomWalk, fitted),
+        fit_free(models::TargetKind::kDoubleIntegrator, fitted), fit_oscillator(fitted)}) {
+    all.push_back({model, judge(model, fitted), judge(model, held_back)});
+  }
+  return all;
+}
+
+}  // namespace vantage::logs

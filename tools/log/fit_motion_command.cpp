@@ -1,0 +1,172 @@
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/check.hpp"
+#include "core/process.hpp"
+#include "logs/file/message_visit.hpp"
+#include "logs/motion/motion_fit.hpp"
+#include "tools/live/screen.hpp"
+#include "tools/log/log_commands.hpp"
+#include "tools/log/log_scenario.hpp"
+
+namespace vantage::tools {
+namespace {
+
+struct FitArguments {
+  std::vector<std::string> logs;
+  double fitted_share = 0.7;
+  bool as_json = false;
+};
+
+/// Where the motion capture saw the scenario's targets.
+std::vector<logs::TargetCourse> courses_of(const logs::IndexedLog& log,
+                                           const scenario::Scenario& scenario) {
+  std::map<std::string, std::size_t> targets;
+  for (const scenario::TargetSpec& target : scenario.targets) {
+    targets.emplace(target.name, targets.size());
+  }
+  std::vector<logs::TargetCourse> courses(targets.size());
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    logs::visit_message(*event, [&]<class Message>(const Message& message) {
+      if constexpr (std::is_same_v<Message, models::MocapFrame>) {
+        for (const models::MocapBody& body : message.bodies) {
+          const auto target = targets.find(body.name);
+          if (target != targets.end() && !body.occluded) {
+            courses[target->second].add(message.stamp.time,
+                                        body.world_from_body.translation_m.head<2>());
+          }
+        }
+      }
+    });
+  }
+  return courses;
+}
+
+std::string name_of(const models::TargetModel& model) {
+  switch (model.kind) {
+    case models::TargetKind::kDoubleIntegrator:
+      return "double_integrator";
+    case models::TargetKind::kDampedOscillator:
+      return "damped_oscillator";
+    default:
+      return "random_walk";
+  }
+}
+
+/// The model as a scenario file has it.
+std::string yaml_of(const models::TargetModel& model) {
+  if (model.kind != models::TargetKind::kDampedOscillator) {
+    return fmt::format("{{kind: {}, q: {:.3g}}}", name_of(model), model.q);
+  }
+  const models::Surroundings& around = model.surroundings;
+  const auto pair = [](const Eigen::Vector2d& of) {
+    return fmt::format("[{:.3g}, {:.3g}]", of.x(), of.y());
+  };
+  return fmt::format(
+      "{{kind: damped_oscillator, position_sigma_m: {}, velocity_sigma_mps: {}, damping_per_s: "
+      "{}}}",
+      pair(around.position_sigma_m), pair(around.velocity_sigma_mps), pair(around.damping_per_s));
+}
+
+void print(const std::vector<logs::FittedMotion>& fits) {
+  std::string head = fmt::format("{:<18} {:>8} {:>10}", "model", "fitted", "held back");
+  for (const double horizon_s : logs::kHorizons_s) {
+    head += fmt::format(" {:>7}", fmt::format("{:g} s", horizon_s));
+  }
+  print_line(head);
+  const logs::FittedMotion* best = &fits.front();
+  for (const logs::FittedMotion& fit : fits) {
+    std::string line = fmt::format("{:<18} {:>8.3f} {:>10.3f}", name_of(fit.model), fit.fitted.nats,
+                                   fit.held_back.nats);
+    for (const double nees : fit.held_back.nees) {
+      line += fmt::format(" {:>7.2f}", nees);
+    }
+    print_line(line);
+    best = fit.held_back.nats > best->held_back.nats ? &fit : best;
+  }
+  print_line("");
+  for (const logs::FittedMotion& fit : fits) {
+    print_line(fmt::format("target_model: {}{}", yaml_of(fit.model),
+                           &fit == best ? "  # best on held-back time" : ""));
+  }
+}
+
+nlohmann::ordered_json to_json(const std::vector<logs::FittedMotion>& fits) {
+  nlohmann::ordered_json json;
+  json["horizons_s"] = logs::kHorizons_s;
+  for (const logs::FittedMotion& fit : fits) {
+    nlohmann::ordered_json one = {{"kind", name_of(fit.model)},
+                                  {"fitted_nats", fit.fitted.nats},
+                                  {"held_back_nats", fit.held_back.nats},
+                                  {"held_back_nees", fit.held_back.nees}};
+    if (fit.model.kind == models::TargetKind::kDampedOscillator) {
+      const models::Surroundings& around = fit.model.surroundings;
+      const auto pair = [](const Eigen::Vector2d& of) { return std::vector{of.x(), of.y()}; };
+      one["center_m"] = pair(around.center_m);
+      one["position_sigma_m"] = pair(around.position_sigma_m);
+      one["velocity_sigma_mps"] = pair(around.velocity_sigma_mps);
+      one["damping_per_s"] = pair(around.damping_per_s);
+    } else {
+      one["q"] = fit.model.q;
+    }
+    json["models"].push_back(one);
+  }
+  return json;
+}
+
+int fit(const FitArguments& arguments) {
+  const EndsAtOnce reading;
+  std::vector<std::vector<logs::TargetCourse>> courses;
+  Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
+  for (const std::string& path : arguments.logs) {
+    const logs::IndexedLog log(path, progress_line("reading"));
+    const scenario::Scenario scenario = scenario_of(log);
+    const models::Rectangle& bounds = scenario.world.bounds;
+    center_m = 0.5 * (bounds.min_m + bounds.max_m);
+    courses.push_back(courses_of(log, scenario));
+  }
+  const std::vector<logs::FittedMotion> fits =
+      logs::fit_motion(courses, center_m, arguments.fitted_share);
+  if (arguments.as_json) {
+    print_json(to_json(fits));
+  } else {
+    print(fits);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_log_fit_motion_command(CLI::App& log, Runner& chosen) {
+  auto arguments = std::make_shared<FitArguments>();
+  CLI::App* command = log.add_subcommand(
+      "fit-motion", "Fit motion models to how targets moved; for estimator.target_model.");
+  command
+      ->add_option("log", arguments->logs, "LCM event logs with VICON and SCENARIO, of one world")
+      ->required();
+  command
+      ->add_option("--fitted-share", arguments->fitted_share,
+                   "share of each log's time, from its start, that is fitted; the rest judges")
+      ->check(CLI::Range(0.1, 0.9))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->as_json, "print one JSON object");
+  command->footer(
+      "Each model foretells where a target will be 0.5 to 8 s ahead from where it is and how fast\n"
+      "it goes. 'fitted' and 'held back' are the mean log likelihood of a position in nats (more "
+      "is\n"
+      "better) on the time fitted to and on the rest; the columns are the NEES of predictions so\n"
+      "far ahead on the rest: 2 where the model knows how wrong it is.\n"
+      "Examples:\n"
+      "  vantage log fit-motion flight.lcmlog\n"
+      "  vantage log fit-motion trial_*.lcmlog --json");
+  command->callback([&chosen, arguments] { chosen = [arguments] { return fit(*arguments); }; });
+}
+
+}  // namespace vantage::tools
