@@ -48,7 +48,7 @@ TEST(Propagate, InTwoPartsIsTheSameAsInOne) {
 // Step by step, as the filter does it.
 TEST(Propagate, OfADampedOscillatorEndsWithItsSurroundingsAndGoesNoFurther) {
   const models::TargetModel model{TargetKind::kDampedOscillator, 2, 0.0, kLabSurroundings};
-  models::StateMatrix sharp = 1e-4 * models::StateMatrix::Identity(4, 4);
+  const models::StateMatrix sharp = 1e-4 * models::StateMatrix::Identity(4, 4);
   models::Information belief =
       models::to_information({Eigen::Vector4d(4.0, 2.0, -0.3, 0.2), sharp}).value();
   double entropy_nats = -1e9;

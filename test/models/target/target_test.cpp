@@ -110,8 +110,8 @@ TEST(DampedOscillator, SolvesItsEquation) {
     const StateMatrix noise = model.process_noise(2.0);
     for (Eigen::Index r = 0; r < 2; ++r) {
       for (Eigen::Index c = 0; c < 2; ++c) {
-        EXPECT_NEAR(whole(i + 2 * r, i + 2 * c), A(r, c), 1e-5);
-        EXPECT_NEAR(noise(i + 2 * r, i + 2 * c), W(r, c), 1e-5);
+        EXPECT_NEAR(whole(i + 2 * r, i + 2 * c), A(r, c), 3e-5);
+        EXPECT_NEAR(noise(i + 2 * r, i + 2 * c), W(r, c), 3e-5);
       }
     }
   }
@@ -137,7 +137,7 @@ TEST(DampedOscillator, ExpectsFreeMotionAtFirstAndTheCenterAtLast) {
   const Eigen::Vector4d y(3.0, -2.0, 0.4, 0.2);
   EXPECT_TRUE(
       test::is_near(model.expected(y, 1e-3).head(2), Eigen::Vector2d(3.0004, -1.9998), 1e-6));
-  const double away_m = (model.expected(y, 5.0).head<2>() - kSwings.center_m).norm();
+  const double away_m = (model.expected(y, 20.0).head<2>() - kSwings.center_m).norm();
   EXPECT_LT(away_m, (y.head<2>() - kSwings.center_m).norm());
 }
 
