@@ -3,6 +3,8 @@ include_guard()
 include(VantageComponents)
 
 option(VANTAGE_PORTABLE "Do not assume x86-64-v3 (AVX2, FMA)" OFF)
+option(VANTAGE_OWN_LIBM "sin, exp, log, … with the same bits on every machine (musl-dev)"
+  ${PROJECT_IS_TOP_LEVEL})
 option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
@@ -23,6 +25,18 @@ add_library(vantage_build_flags INTERFACE)
 target_compile_features(vantage_build_flags INTERFACE cxx_std_20)
 target_compile_definitions(vantage_build_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16 EIGEN_DONT_VECTORIZE)
+# Every bit is the same whatever compiler, flags, processor and C library (docs/decisions/0014): no
+# product and sum become one rounding where the processor could, and sin, exp, log, … are those of
+# core/libm, which no compiler may work out beforehand in its own way.
+target_compile_options(vantage_build_flags INTERFACE -ffp-contract=off)
+if(VANTAGE_OWN_LIBM)
+  foreach(function
+      sin cos tan asin acos atan atan2 exp exp2 expm1 log log10 log1p pow hypot erf erfc)
+    target_compile_options(vantage_build_flags INTERFACE -fno-builtin-${function})
+  endforeach()
+  target_include_directories(vantage_build_flags BEFORE INTERFACE
+    ${PROJECT_SOURCE_DIR}/core/libm/first)
+endif()
 target_compile_options(vantage_build_flags INTERFACE
   -pthread  # everywhere, or the precompiled headers do not fit where some library asks for it
   # Everywhere, so that what Python loads is made of the very objects that fly; without interposition

@@ -1,0 +1,206 @@
+#include <bit>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+// The bits of sin, exp, log, … are those that are written here: from every compiler, with every set
+// of flags, on every processor and C library (docs/decisions/0014).
+
+namespace {
+
+/// FNV-1a over the bits of doubles.
+class Digest {
+ public:
+  void add(double value) {
+    for (auto bits = std::bit_cast<std::uint64_t>(value), i = std::uint64_t{8}; i-- > 0;
+         bits >>= 8U) {
+      digest_ = (digest_ ^ (bits & 0xFFU)) * 1'099'511'628'211U;
+    }
+  }
+  [[nodiscard]] std::uint64_t value() const { return digest_; }
+
+ private:
+  std::uint64_t digest_ = 14'695'981'039'346'656'037U;
+};
+
+struct Function {
+  std::string name;
+  double (*of)(double);
+  long double (*exactly)(long double);  ///< the C library's, of 64 bits
+  double min;
+  double max;
+  double ulp;  ///< greatest error, as measured here and rounded up
+  std::uint64_t digest;
+};
+
+struct Function2 {
+  std::string name;
+  double (*of)(double, double);
+  long double (*exactly)(long double, long double);
+  double min;
+  double max;
+  double ulp;
+  std::uint64_t digest;
+};
+
+constexpr int kArguments = 20'000;
+
+/// In [min, max): the same from every library.
+double draw(std::mt19937_64& random, double min, double max) {
+  return min + (max - min) * (static_cast<double>(random() >> 11U) * 0x1p-53);
+}
+
+double ulp_between(double value, long double exactly) {
+  const double nearest = std::abs(static_cast<double>(exactly));
+  const long double ulp = static_cast<long double>(std::nextafter(nearest, HUGE_VAL)) -
+                          static_cast<long double>(nearest);
+  return static_cast<double>(std::abs(static_cast<long double>(value) - exactly) / ulp);
+}
+
+#define VANTAGE_FUNCTION(name) \
+#name, [](double x) { return std::name(x); }, [](long double x) { return std::name(x); }
+#define VANTAGE_FUNCTION2(name)                                      \
+#name, [](double x,                                                \
+            double y) { return std::name(x, y); }, [](long double x, \
+                                                      long double y) { return std::name(x, y); }
+
+const Function kFunctions[] = {
+    {VANTAGE_FUNCTION(sin), -10, 10, 1.0, 9568898146922644910U},
+    {VANTAGE_FUNCTION(sin), -1e9, 1e9, 1.0, 16579564061364543326U},
+    {VANTAGE_FUNCTION(cos), -10, 10, 1.0, 5451038503381544436U},
+    {VANTAGE_FUNCTION(cos), -1e9, 1e9, 1.0, 13438230631477354723U},
+    {VANTAGE_FUNCTION(tan), -10, 10, 1.0, 7270790857174486753U},
+    {VANTAGE_FUNCTION(asin), -1, 1, 1.0, 4430497940458766503U},
+    {VANTAGE_FUNCTION(acos), -1, 1, 1.0, 2573379082945642957U},
+    {VANTAGE_FUNCTION(atan), -20, 20, 1.0, 10535732334155221437U},
+    {VANTAGE_FUNCTION(exp), -700, 700, 1.0, 697524755175246722U},
+    {VANTAGE_FUNCTION(exp2), -1000, 1000, 1.0, 16821060683639917088U},
+    {VANTAGE_FUNCTION(expm1), -2, 2, 1.0, 13223490389814046335U},
+    {VANTAGE_FUNCTION(log), 1e-6, 20, 1.0, 16289179203447049991U},
+    {VANTAGE_FUNCTION(log10), 1e-6, 20, 1.0, 11168935009434329536U},
+    {VANTAGE_FUNCTION(log1p), -0.99, 20, 1.0, 15597485158151171464U},
+    {VANTAGE_FUNCTION(erf), -3, 3, 1.0, 6300775271183389352U},
+    {VANTAGE_FUNCTION(erfc), -3, 10, 2.2, 4057121933312279050U},
+};
+
+const Function2 kFunctions2[] = {
+    {VANTAGE_FUNCTION2(atan2), -10, 10, 1.5, 3490917986210223642U},
+    {VANTAGE_FUNCTION2(hypot), -10, 10, 1.0, 5080126860866788486U},
+    {VANTAGE_FUNCTION2(pow), 0.01, 30, 1.0, 1585699178893781785U},
+};
+
+#undef VANTAGE_FUNCTION
+#undef VANTAGE_FUNCTION2
+
+TEST(Libm, GivesTheBitsThatAreWrittenHere) {
+  for (const Function& function : kFunctions) {
+    std::mt19937_64 random(1);
+    Digest digest;
+    for (int i = 0; i < kArguments; ++i) {
+      digest.add(function.of(draw(random, function.min, function.max)));
+    }
+    EXPECT_EQ(digest.value(), function.digest) << function.name << " up to " << function.max;
+  }
+  for (const Function2& function : kFunctions2) {
+    std::mt19937_64 random(1);
+    Digest digest;
+    for (int i = 0; i < kArguments; ++i) {
+      const double x = draw(random, function.min, function.max);
+      const double y = draw(random, function.min, function.max);
+      digest.add(function.of(x, y));
+    }
+    EXPECT_EQ(digest.value(), function.digest) << function.name;
+  }
+}
+
+TEST(Libm, IsWithinItsShareOfTheLastDigit) {
+  for (const Function& function : kFunctions) {
+    std::mt19937_64 random(2);
+    double worst_ulp = 0.0;
+    for (int i = 0; i < kArguments; ++i) {
+      const double x = draw(random, function.min, function.max);
+      worst_ulp = std::max(
+          worst_ulp, ulp_between(function.of(x), function.exactly(static_cast<long double>(x))));
+    }
+    EXPECT_LE(worst_ulp, function.ulp) << function.name << " up to " << function.max;
+  }
+  for (const Function2& function : kFunctions2) {
+    std::mt19937_64 random(2);
+    double worst_ulp = 0.0;
+    for (int i = 0; i < kArguments; ++i) {
+      const double x = draw(random, function.min, function.max);
+      const double y = draw(random, function.min, function.max);
+      worst_ulp = std::max(
+          worst_ulp, ulp_between(function.of(x, y), function.exactly(static_cast<long double>(x),
+                                                                     static_cast<long double>(y))));
+    }
+    EXPECT_LE(worst_ulp, function.ulp) << function.name;
+  }
+}
+
+// As C says of the C library's.
+TEST(Libm, KnowsTheEdges) {
+  const double infinity = HUGE_VAL;
+  EXPECT_TRUE(std::isnan(std::sin(infinity)));
+  EXPECT_TRUE(std::isnan(std::log(-1.0)));
+  EXPECT_EQ(std::log(0.0), -infinity);
+  EXPECT_EQ(std::log1p(-1.0), -infinity);
+  EXPECT_EQ(std::exp(1000.0), infinity);
+  EXPECT_EQ(std::exp(-1000.0), 0.0);
+  EXPECT_TRUE(std::isnan(std::acos(1.0 + 1e-15)));
+  EXPECT_EQ(std::hypot(infinity, std::nan("")), infinity);
+  EXPECT_DOUBLE_EQ(std::hypot(3e200, 4e200), 5e200);
+  EXPECT_EQ(std::pow(0.0, 0.0), 1.0);
+  EXPECT_EQ(std::pow(-2.0, 3.0), -8.0);
+  EXPECT_TRUE(std::signbit(std::sin(-0.0)));
+  EXPECT_EQ(std::atan2(0.0, -1.0), std::atan2(0.0, -2.0));
+  EXPECT_EQ(std::sin(std::numeric_limits<double>::denorm_min()),
+            std::numeric_limits<double>::denorm_min());
+}
+
+// A compiler that works out constants beforehand rounds correctly; a library need not.
+TEST(Libm, IsAskedForConstantsToo) {
+  Digest folded;
+  Digest asked;
+  for (volatile double x : {0.1, 0.7, 2.5}) {
+    asked.add(std::sin(x) + std::tan(x));
+    asked.add(std::exp(x) + std::log(x));
+    asked.add(std::pow(x, 1.7) + std::hypot(x, 0.3));
+  }
+  const auto add = [&folded](double a, double b, double c) {
+    folded.add(a);
+    folded.add(b);
+    folded.add(c);
+  };
+  add(std::sin(0.1) + std::tan(0.1), std::exp(0.1) + std::log(0.1),
+      std::pow(0.1, 1.7) + std::hypot(0.1, 0.3));
+  add(std::sin(0.7) + std::tan(0.7), std::exp(0.7) + std::log(0.7),
+      std::pow(0.7, 1.7) + std::hypot(0.7, 0.3));
+  add(std::sin(2.5) + std::tan(2.5), std::exp(2.5) + std::log(2.5),
+      std::pow(2.5, 1.7) + std::hypot(2.5, 0.3));
+  EXPECT_EQ(folded.value(), asked.value());
+}
+
+// Templates of libraries call the same functions, and no product is rounded together with a sum.
+TEST(Libm, IsInsideTemplatesToo) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  Digest digest;
+  for (int i = 0; i < 1000; ++i) {
+    const double angle_rad = 3.0 * uniform(random);
+    const Eigen::Vector3d axis = Eigen::Vector3d(1.0, 0.5 * angle_rad, -0.3).normalized();
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(angle_rad, axis));
+    digest.add(normal(random));
+    digest.add((q * Eigen::Vector3d(0.1, 0.2, 0.3)).sum());
+    digest.add(q.angularDistance(Eigen::Quaterniond::Identity()));
+    digest.add(Eigen::Array3d(0.1, 0.2, 2.0 + angle_rad / 3.0).log().sum());
+    digest.add(0.1 * angle_rad + 0.3 * axis.y() - axis.squaredNorm());
+  }
+  EXPECT_EQ(digest.value(), 13869564233415538209U);
+}
+
+}  // namespace
