@@ -1,4 +1,4 @@
-/* musl's functions (CMakeLists.txt), under names of their own, for whoever includes <cmath>
+/* musl's functions (libm.cmake), under names of their own, for whoever includes <cmath>
    (first/cmath). An assembler name, not a macro: Eigen's and libstdc++'s templates, which call
    std::log, then also call these.
 

@@ -15,9 +15,7 @@ constexpr std::size_t kReasonsMax = 3;
 
 ParameterCheck::ParameterCheck(models::AutopilotDialect dialect,
                                const std::vector<wire::ParameterRule>& rules)
-    : dialect_(dialect),
-      encoding_(wire::parameter_encoding(dialect)),
-      entries_(rules.size()) {
+    : dialect_(dialect), encoding_(wire::parameter_encoding(dialect)), entries_(rules.size()) {
   for (std::size_t i = 0; i < rules.size(); ++i) {
     entries_[i].known.rule = rules[i];
   }

@@ -48,13 +48,12 @@ std::optional<Event> event_of(const models::VehicleStatus* before,
     return std::nullopt;
   }
   const bool is_killed = status.state == models::FlightState::kKilled;
-  return Event{
-      status.stamp.time,
-      is_killed ? LogLevel::kError
-      : is_calm ? LogLevel::kInfo
-                : LogLevel::kWarning,
-      "safety",
-      fmt::format("{}: {}{}", status.robot, name_of(status.state), reasons_of(status))};
+  return Event{status.stamp.time,
+               is_killed ? LogLevel::kError
+               : is_calm ? LogLevel::kInfo
+                         : LogLevel::kWarning,
+               "safety",
+               fmt::format("{}: {}{}", status.robot, name_of(status.state), reasons_of(status))};
 }
 
 std::optional<Event> event_of(const models::AttackNotice* before,

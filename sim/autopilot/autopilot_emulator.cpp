@@ -274,8 +274,8 @@ bool AutopilotEmulator::take_parameter_talk(const wire::mavlink::Frame& frame) {
   }
   const auto found = parameters_.find(wire::mavlink::parameter_name(set->param_id));
   if (is_for_me(set->target_system) && found != parameters_.end()) {
-    found->second.value = wire::mavlink::decode_parameter(
-        set->param_value, set->param_type, wire::parameter_encoding(spec_.dialect));
+    found->second.value = wire::mavlink::decode_parameter(set->param_value, set->param_type,
+                                                          wire::parameter_encoding(spec_.dialect));
     obey_parameters();
     say_parameter(found->first);
   }
@@ -292,8 +292,8 @@ void AutopilotEmulator::say_parameter(const std::string& name) {
   wire::mavlink::ParamValue out;
   out.param_id = wire::mavlink::parameter_id(name);
   out.param_type = type;
-  out.param_value = wire::mavlink::encode_parameter(
-      value, type, wire::parameter_encoding(spec_.dialect));
+  out.param_value =
+      wire::mavlink::encode_parameter(value, type, wire::parameter_encoding(spec_.dialect));
   out.param_count = static_cast<std::uint16_t>(parameters_.size());
   out.param_index = 0xFFFF;
   send(out);

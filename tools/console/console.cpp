@@ -259,10 +259,10 @@ std::vector<std::string> OperatorDesk::vehicle_table(Time now, const std::string
     }
     const bool is_silent = to_seconds(now - heard.at) > kHeardS;
     const bool is_selected = selected.empty() || selected == name;
-    out.push_back(fmt::format(
-        "{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}", is_selected ? '>' : ' ', name,
-        is_silent ? "SILENT" : name_of(status.state), 100.0 * status.battery_share,
-        status.plan_round, to_seconds(now - heard.at), reasons));
+    out.push_back(
+        fmt::format("{} {:<8} {:>8} {:>6.0f} % {:>8} {:>5.1f} s  {}", is_selected ? '>' : ' ', name,
+                    is_silent ? "SILENT" : name_of(status.state), 100.0 * status.battery_share,
+                    status.plan_round, to_seconds(now - heard.at), reasons));
   }
   if (vehicles_.empty()) {
     out.emplace_back("  no vehicle heard yet");

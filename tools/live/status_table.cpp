@@ -54,9 +54,8 @@ std::optional<Ink> ink_of(models::FlightState state) {
 }
 
 std::string robot_row(const std::string& name, const logs::RobotStatus& robot, bool in_colour) {
-  const std::string state =
-      word(fmt::format("{:>8}", robot.state ? name_of(*robot.state) : "-"),
-           robot.state ? ink_of(*robot.state) : std::nullopt, in_colour);
+  const std::string state = word(fmt::format("{:>8}", robot.state ? name_of(*robot.state) : "-"),
+                                 robot.state ? ink_of(*robot.state) : std::nullopt, in_colour);
   if (!robot.plan) {
     return fmt::format("{:<8} {} {:>7}", name, state, "-");
   }

@@ -16,8 +16,8 @@ constexpr double kMebibyte = 1024.0 * 1024.0;
 
 std::string row_of(const std::string& host, const models::SupervisedProcess& process) {
   return fmt::format("{:<8} {:<14} {:>9} {:>9} {:>8.1f} s {:>6.1f} % {:>7.1f} MiB  {}", host,
-                     process.name, name_of(process.phase), process.restarts,
-                     process.down_s, 100.0 * process.cpu_share,
+                     process.name, name_of(process.phase), process.restarts, process.down_s,
+                     100.0 * process.cpu_share,
                      static_cast<double>(process.memory_bytes) / kMebibyte, process.last_end);
 }
 

@@ -113,8 +113,8 @@ int serve(const Arguments& arguments) {
       arguments.port > 0 ? arguments.port : scenario::default_port(arguments.settings.protocol);
   SocketServer server(arguments.settings, is_sender ? arguments.to : arguments.host, port);
   std::fprintf(stderr, "vantage-vicon-emulator: %s %s port %d, %g Hz\n",
-               name_of(arguments.settings.protocol), is_sender ? "to" : "at",
-               server.port(), arguments.settings.rate_hz);
+               name_of(arguments.settings.protocol), is_sender ? "to" : "at", server.port(),
+               arguments.settings.rate_hz);
   const std::int64_t start_ns = monotonic_ns();
   EmulatedFrame frame;
   frame.latency_s = arguments.latency_s;

@@ -15,11 +15,10 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 /// A check of three parameters, and an autopilot that answers what it knows.
 struct Bench {
-  ParameterCheck check{
-      AutopilotDialect::kArdupilot,
-      wire::parse_parameter_rules("GUID_TIMEOUT 0.3 # at most 0.5: it flies on\n"
-                                           "FS_GCS_ENABLE 5 # exactly: it stays\n"
-                                           "VISO_DELAY_MS 10 # advised, exactly: late\n")};
+  ParameterCheck check{AutopilotDialect::kArdupilot,
+                       wire::parse_parameter_rules("GUID_TIMEOUT 0.3 # at most 0.5: it flies on\n"
+                                                   "FS_GCS_ENABLE 5 # exactly: it stays\n"
+                                                   "VISO_DELAY_MS 10 # advised, exactly: late\n")};
   std::map<std::string, double> known{
       {"GUID_TIMEOUT", 0.3}, {"FS_GCS_ENABLE", 5.0}, {"VISO_DELAY_MS", 10.0}};
   std::map<std::string, int> asked;

@@ -81,9 +81,8 @@ void expect_as_alone(const Fault& fault, const Outcome& outcome, const Fault& ot
   // What one plan was to do, the next one does when the other fault takes the first away.
   const double later_s = fault.strikes_by_plans && other.strikes_by_plans ? kRoundS : 0.0;
   for (std::size_t s = 0; s < fault.stages.size() - (ends_at_floor ? 1 : 0); ++s) {
-    EXPECT_GE(outcome.stage_s[s], 0.0)
-        << fault.name << " never reaches " << name_of(fault.stages[s].state) << " with "
-        << other.name;
+    EXPECT_GE(outcome.stage_s[s], 0.0) << fault.name << " never reaches "
+                                       << name_of(fault.stages[s].state) << " with " << other.name;
     EXPECT_LE(outcome.stage_s[s], fault.stages[s].within_s + other.delays_s + later_s + 1e-9)
         << fault.name << " is late with " << other.name;
   }

@@ -158,9 +158,7 @@ TEST_P(ViconFlight, IsTheSameBehindTheWireWithoutALoss) {
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconFlight,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
                                          MocapProtocol::kVrpn),
-                         [](const auto& protocol) {
-                           return std::string(name_of(protocol.param));
-                         });
+                         [](const auto& protocol) { return std::string(name_of(protocol.param)); });
 
 }  // namespace
 }  // namespace vantage::drivers::vicon

@@ -174,9 +174,7 @@ TEST_P(ViconLink, AllocatesNothingForAFrameOfBodiesItKnows) {
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconLink,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
                                          MocapProtocol::kVrpn),
-                         [](const auto& protocol) {
-                           return std::string(name_of(protocol.param));
-                         });
+                         [](const auto& protocol) { return std::string(name_of(protocol.param)); });
 
 /// A DataStream server by hand, one packet at a time.
 struct HandServer {

@@ -208,9 +208,7 @@ TEST_P(ViconSocket, ComesBackWhenTheServerIsKilledAndStartedAgain) {
 INSTANTIATE_TEST_SUITE_P(Protocols, ViconSocket,
                          testing::Values(MocapProtocol::kDataStream, MocapProtocol::kObjectStream,
                                          MocapProtocol::kVrpn),
-                         [](const auto& protocol) {
-                           return std::string(name_of(protocol.param));
-                         });
+                         [](const auto& protocol) { return std::string(name_of(protocol.param)); });
 
 TEST(ViconNode, SaysWhichServerItFoundInsteadOfItsOwn) {
   SocketBench bench(MocapProtocol::kVrpn);

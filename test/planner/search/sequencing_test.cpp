@@ -50,8 +50,8 @@ OwnedProblem short_sighted_problem(std::uint64_t seed) {
   problem.cost = pick(rng, 0, 1) == 0 ? CostKind::kTrace : CostKind::kLogDet;
   models::SensorModel sensor;
   const models::SensorKind kKinds[] = {models::SensorKind::kRange, models::SensorKind::kRange,
-                                           models::SensorKind::kPosition,
-                                           models::SensorKind::kRangeBearing};
+                                       models::SensorKind::kPosition,
+                                       models::SensorKind::kRangeBearing};
   sensor.kind = kKinds[pick(rng, 0, 3)];
   sensor.range_max_m = uniform(rng, 0.5, 1.5);
   sensor.range_min_m = sensor.kind == models::SensorKind::kRangeBearing ? 0.2 : 0.0;

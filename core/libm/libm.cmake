@@ -21,7 +21,7 @@ foreach(function IN LISTS functions ITEMS erfc)
   list(APPEND kept --keep-global-symbol=vantage_${function})
 endforeach()
 set(libm_object ${CMAKE_CURRENT_BINARY_DIR}/vantage_libm.o)
-set(work ${CMAKE_CURRENT_BINARY_DIR}/members)
+set(work ${CMAKE_CURRENT_BINARY_DIR}/libm_members)
 file(MAKE_DIRECTORY ${work})
 add_custom_command(
   OUTPUT ${libm_object}
@@ -34,5 +34,5 @@ add_custom_command(
   COMMENT "sin, exp, log, … out of musl"
   VERBATIM)
 set_source_files_properties(${libm_object}
-  TARGET_DIRECTORY vantage_core PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
+  PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
 target_sources(vantage_core PRIVATE ${libm_object})
