@@ -28,7 +28,13 @@ std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
                  }});
   add_per_robot<drivers::SensorNode>(out, scenario, "SENSOR_");
   add_per_robot<estimator::EstimatorNode>(out, scenario, "ESTIMATOR_");
-  add_per_robot<planner::PlannerNode>(out, scenario, "PLANNER_");
+  const auto workspace = std::make_shared<planner::Workspace>(scenario);
+  for (const scenario::RobotSpec& robot : scenario.robots) {
+    out.push_back({"PLANNER_" + robot.name,
+                   [workspace, name = robot.name](bus::Bus& bus, const bus::Clock& clock) {
+                     return std::make_unique<planner::PlannerNode>(bus, clock, workspace, name);
+                   }});
+  }
   return out;
 }
 

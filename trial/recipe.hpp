@@ -20,7 +20,7 @@ struct NodeRecipe {
 
 /// Every node of a wholly simulated trial, in the order in which those due at the same instant
 /// act: the simulator, then each robot's sensor, each estimator, each planner. `scenario` must
-/// outlive the nodes.
+/// outlive the nodes. The planners of one list share a workspace: one thread, one trial at a time.
 std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario);
 
 /// A run id that depends on these two alone; never 0.

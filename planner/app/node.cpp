@@ -37,14 +37,22 @@ const std::string& robot_of(const models::PlanProposal& proposal) { return propo
 
 PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                          const std::string& robot)
+    : PlannerNode(bus, clock, std::make_shared<Workspace>(scenario), robot) {}
+
+PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
+                         std::shared_ptr<Workspace> workspace, const std::string& robot)
     : bus_(bus),
       clock_(clock),
-      spec_(scenario.planner),
-      robots_(scenario.robots),
+      workspace_(std::move(workspace)),
+      spec_(workspace_->scenario().planner),
+      robots_(workspace_->scenario().robots),
       robot_(robot),
-      planner_(scenario, robot),
-      schedule_(scenario.planner, planner_.robot_index(), planner_.robot_count()),
+      planner_(workspace_, robot),
+      schedule_(spec_, planner_.robot_index(), planner_.robot_count()),
       slot_(schedule_.next_slot(clock.now() + (clock.is_real_time() ? kListening : Duration{0}))) {
+  if (clock.is_real_time()) {
+    planner_.prefault();
+  }
   subscribe_to<models::RobotBelief>(bus::belief_channel(robot), robot,
                                     [this](const auto& m) { inputs_.belief = m; });
   if (spec_.objective == scenario::PlanObjective::kMapping) {
@@ -53,7 +61,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock, const scenario:
   }
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
-  for (const scenario::RobotSpec& other : scenario.robots) {
+  for (const scenario::RobotSpec& other : robots_) {
     const std::string& name = other.name;
     subscribe_to<models::VehicleStatus>(
         bus::quadrotor_channel(name), name,

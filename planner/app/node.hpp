@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,9 @@ namespace vantage::planner {
 class PlannerNode : public bus::Node {
  public:
   PlannerNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
+              const std::string& robot);
+  /// One of several that run in turn in one thread and share a workspace.
+  PlannerNode(bus::Bus& bus, const bus::Clock& clock, std::shared_ptr<Workspace> workspace,
               const std::string& robot);
 
   [[nodiscard]] std::string name() const override { return "PLANNER_" + robot_; }
@@ -52,8 +56,9 @@ class PlannerNode : public bus::Node {
 
   bus::Bus& bus_;
   const bus::Clock& clock_;
-  scenario::PlannerSpec spec_;
-  std::vector<scenario::RobotSpec> robots_;
+  std::shared_ptr<Workspace> workspace_;
+  const scenario::PlannerSpec& spec_;
+  const std::vector<scenario::RobotSpec>& robots_;
   std::string robot_;
   RobotPlanner planner_;
   RoundSchedule schedule_;

@@ -16,23 +16,6 @@ namespace vantage::planner {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFieldResolution_m = 0.05;
-constexpr double kFieldCells_max = 500.0;  // along the longer side
-
-SearchCapacity capacity_for(const scenario::Scenario& scenario) {
-  SearchCapacity capacity;
-  capacity.targets_max = static_cast<int>(scenario.targets.size()) +
-                         std::max(0, scenario.planner.exploration.landmarks_max);
-  capacity.horizon_max = scenario.planner.horizon_steps;
-  capacity.teammates_max = 2 * static_cast<int>(scenario.robots.size());  // plans and hovers
-  return capacity;
-}
-
-double field_resolution_m(const models::World& world) {
-  const double longer_m = (world.bounds.max_m - world.bounds.min_m).maxCoeff();
-  return std::max(kFieldResolution_m, longer_m / kFieldCells_max);
-}
-
 // A different stream of random numbers for each robot and round, the same at every replay.
 std::uint64_t draw_seed(std::uint64_t seed, int robot_index, std::int64_t round) {
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),
@@ -78,31 +61,26 @@ bool chooses_candidates(const scenario::PlannerSpec& planner, const scenario::Ro
                                       planner.attacks_max == 0 && robot.energy.price_nats > 0.0);
 }
 
-AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index) {
-  const scenario::PlannerSpec& planner = scenario.planner;
-  AlgorithmOptions options;
-  options.epsilon = planner.epsilon_initial;
-  options.delta_m = planner.delta_initial_m;
-  options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
-  options.weight = 2.5;  // of wastar: as it is used in the source's library
-  options.sweep = {robot_index, static_cast<int>(scenario.robots.size())};
-  return options;
-}
-
 }  // namespace
 
 RobotPlanner::RobotPlanner(const scenario::Scenario& scenario, const std::string& robot)
-    : scenario_(scenario), field_(scenario.world, field_resolution_m(scenario.world)) {
+    : RobotPlanner(std::make_shared<Workspace>(scenario), robot) {}
+
+RobotPlanner::RobotPlanner(std::shared_ptr<Workspace> workspace, const std::string& robot)
+    : workspace_(std::move(workspace)), scenario_(workspace_->scenario()) {
   spec_ = scenario_.find_robot(robot);
   require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
   robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
   if (scenario_.planner.objective == scenario::PlanObjective::kMapping) {
     mapping_.emplace(scenario_);
   } else if (chooses_candidates(scenario_.planner, *spec_)) {
-    exchange_ = std::make_unique<TeamExchange>(scenario_, robot_index_, capacity_for(scenario_));
+    exchange_ = std::make_unique<TeamExchange>(scenario_, robot_index_, workspace_->reduced());
+  } else if (const Algorithm& algorithm = algorithm_called(scenario_.planner.algorithm);
+             algorithm.remembers) {
+    own_search_ = workspace_->make_search(robot_index_);
+    search_ = own_search_.get();
   } else {
-    search_ = algorithm_called(scenario_.planner.algorithm)
-                  .make(capacity_for(scenario_), options_of(scenario_, robot_index_));
+    search_ = &workspace_->search();
   }
 }
 
@@ -314,7 +292,7 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
   problem_.sensors = {spec_->sensor};
   problem_.cost = CostKind::kLogDet;
   problem_.world = &scenario_.world;
-  problem_.field = &field_;
+  problem_.field = &workspace_->field();
   problem_.clearance_m = spec_->limits.radius_m + planner.obstacle_margin_m;
   // Both vehicles may be off their plans by the tolerance at once.
   problem_.separation_m = planner.separation_m + 2.0 * planner.tracking_tolerance_m;

@@ -13,6 +13,7 @@
 #include "planner/problem/fixed_information.hpp"
 #include "planner/robot/round.hpp"
 #include "planner/robot/team_exchange.hpp"
+#include "planner/robot/workspace.hpp"
 #include "planner/search/catalogue.hpp"
 #include "scenario/scenario.hpp"
 
@@ -77,6 +78,11 @@ struct PlannerCounts {
 class RobotPlanner {
  public:
   RobotPlanner(const scenario::Scenario& scenario, const std::string& robot);
+  /// One of several planners that take turns in one workspace.
+  RobotPlanner(std::shared_ptr<Workspace> workspace, const std::string& robot);
+
+  /// For real time: no page of the search's memory is faulted in later.
+  void prefault() { workspace_->prefault(); }
 
   /// The plan of this slot. nullopt while the robot's pose was never known, and
   /// while it flies a plan from before a restart.
@@ -159,13 +165,14 @@ class RobotPlanner {
   /// Shifted or braking, whichever is first safe.
   void fall_back(const models::Trajectory& committed, models::RobotPlan& plan);
 
-  scenario::Scenario scenario_;
+  std::shared_ptr<Workspace> workspace_;
+  const scenario::Scenario& scenario_;         ///< the workspace's
   const scenario::RobotSpec* spec_ = nullptr;  ///< of this robot, in scenario_
   int robot_index_ = 0;
-  models::DistanceField field_;
-  /// One of them, by the scenario's objective and algorithm.
+  /// One of them at most, by the scenario's objective and algorithm.
   std::optional<MapPlanner> mapping_;
-  std::unique_ptr<Search> search_;
+  Search* search_ = nullptr;                ///< the workspace's, or own_search_
+  std::unique_ptr<Search> own_search_;      ///< of one that remembers
   std::unique_ptr<TeamExchange> exchange_;  ///< where plans are chosen from candidates
   SearchProblem problem_;
   SearchResult mapping_result_;

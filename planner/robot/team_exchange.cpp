@@ -21,8 +21,8 @@ models::Trajectory motion_of(const SearchProblem& problem, const Candidate& cand
 }  // namespace
 
 TeamExchange::TeamExchange(const scenario::Scenario& scenario, int robot,
-                           const SearchCapacity& capacity)
-    : robots_(scenario.robots), planner_(scenario.planner), robot_(robot), search_(capacity) {}
+                           ReducedValueIteration& search)
+    : robots_(scenario.robots), planner_(scenario.planner), robot_(robot), search_(search) {}
 
 bool TeamExchange::is_jammed(const std::string& robot) const {
   return std::find(jammed_.begin(), jammed_.end(), robot) != jammed_.end();

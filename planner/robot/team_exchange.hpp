@@ -18,7 +18,8 @@ namespace vantage::planner {
 /// motions through their sensors, keeps proposed motions apart.
 class TeamExchange {
  public:
-  TeamExchange(const scenario::Scenario& scenario, int robot, const SearchCapacity& capacity);
+  /// `scenario` and `search` must outlive it; the search may serve others between the rounds.
+  TeamExchange(const scenario::Scenario& scenario, int robot, ReducedValueIteration& search);
   ~TeamExchange() = default;
   TeamExchange(const TeamExchange&) = delete;  // a round refers to its exchange
   TeamExchange& operator=(const TeamExchange&) = delete;
@@ -60,10 +61,10 @@ class TeamExchange {
   [[nodiscard]] double kept_m(const models::Trajectory& a, const models::Trajectory& b) const;
   [[nodiscard]] bool is_jammed(const std::string& robot) const;
 
-  std::vector<scenario::RobotSpec> robots_;
-  scenario::PlannerSpec planner_;
+  const std::vector<scenario::RobotSpec>& robots_;
+  const scenario::PlannerSpec& planner_;
   int robot_;  ///< index into robots_
-  ReducedValueIteration search_;
+  ReducedValueIteration& search_;
   SearchProblem problem_;
   TeamProblem beliefs_;  ///< without candidates
   std::vector<std::string> jammed_;

@@ -29,6 +29,12 @@ ReducedValueIteration::ReducedValueIteration(const SearchCapacity& capacity)
   result_.history.reserve(kPassesMax);
 }
 
+void ReducedValueIteration::prefault() {
+  tree_.prefault();
+  index_.prefault();
+  fresh_.prefault();
+}
+
 const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
                                                 const ReducedOptions& options,
                                                 const Deadline& deadline) {

@@ -51,6 +51,13 @@ BestFirstSearch::BestFirstSearch(const SearchCapacity& capacity)
   result_.history.reserve(1);
 }
 
+void BestFirstSearch::prefault() {
+  tree_.prefault();
+  index_.prefault();
+  child_f_at_.prefault();
+  f_.prefault();
+}
+
 void BestFirstSearch::start(const SearchProblem& problem, const BestFirstOptions& options) {
   problem_ = &problem;
   options_ = options;

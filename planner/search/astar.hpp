@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "core/reserved_array.hpp"
 #include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
 #include "planner/search/crossing_index.hpp"
@@ -61,6 +62,9 @@ class BestFirstSearch {
  public:
   explicit BestFirstSearch(const SearchCapacity& capacity);
 
+  /// Takes all the memory that was reserved, so that no page fault comes in plan(): for real time.
+  void prefault();
+
   /// The best plan found by the deadline. The reference is good until the next call.
   /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
   const SearchResult& plan(const SearchProblem& problem, const BestFirstOptions& options,
@@ -103,10 +107,10 @@ class BestFirstSearch {
   SequencingBound sequencing_;
   CrossingIndex index_;
   std::vector<float> child_f_;  ///< of the children to be of nodes with a sequence, rounded down
-  std::vector<std::uint32_t> child_f_at_;  ///< per node: where, 0: nowhere
-  std::vector<double> f_;                  ///< per node: lower bound of every plan through it
-  std::vector<Entry> open_;                ///< a heap, least key first
-  std::vector<Entry> floors_;              ///< w > 1: a heap of plain f, with entries out of date
+  ReservedArray<std::uint32_t> child_f_at_;  ///< per node: where, 0: nowhere
+  ReservedArray<double> f_;                  ///< per node: lower bound of every plan through it
+  std::vector<Entry> open_;                  ///< a heap, least key first
+  std::vector<Entry> floors_;                ///< w > 1: a heap of plain f, with entries out of date
   std::size_t open_peak_ = 0;
   std::size_t floors_peak_ = 0;
   std::vector<double> floor_sums_;  ///< Σ_{k ≤ t} L_k

@@ -51,6 +51,15 @@ RefiningBeam::RefiningBeam(const SearchCapacity& capacity)
   result_.history.reserve(kPassesMax + 1);
 }
 
+void RefiningBeam::prefault() {
+  tree_.prefault();
+  candidates_.prefault();
+  ranks_.prefault();
+  marks_.prefault();
+  cells_.prefault();
+  regions_.prefault();
+}
+
 const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamOptions& options,
                                        const Deadline& deadline) {
   require_valid(problem);
@@ -207,7 +216,7 @@ RefiningBeam::Progress RefiningBeam::expand_level(Pass& pass, int t) {
   return Progress::kDone;
 }
 
-RefiningBeam::Cell& RefiningBeam::cell_at(std::vector<Cell>& cells, std::uint64_t key) const {
+RefiningBeam::Cell& RefiningBeam::cell_at(ReservedArray<Cell>& cells, std::uint64_t key) const {
   std::size_t slot = mixed(key) & cell_mask_;
   while (cells[slot].epoch == epoch_ && cells[slot].key != key) {
     slot = (slot + 1) & cell_mask_;

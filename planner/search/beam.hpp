@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/deadline.hpp"
+#include "core/reserved_array.hpp"
 #include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
 #include "planner/search/expander.hpp"
@@ -48,6 +49,9 @@ class RefiningBeam {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);
 
+  /// Takes all the memory that was reserved, so that no page fault comes in plan(): for real time.
+  void prefault();
+
   /// The best plan found by the deadline. The reference is good until the next call.
   /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
   const SearchResult& plan(const SearchProblem& problem, const BeamOptions& options,
@@ -81,7 +85,7 @@ class RefiningBeam {
   void run_passes(const BeamOptions& options, const Deadline& deadline, std::size_t width_max);
   Progress run(Pass& pass);
   Progress expand_level(Pass& pass, int t);
-  [[nodiscard]] Cell& cell_at(std::vector<Cell>& cells, std::uint64_t key) const;
+  [[nodiscard]] Cell& cell_at(ReservedArray<Cell>& cells, std::uint64_t key) const;
   void offer_candidate(Pass& pass, Candidate& candidate, double rank);
   /// Makes the `width` best candidates nodes of depth t.
   Progress select(Pass& pass, int t);
@@ -104,12 +108,12 @@ class RefiningBeam {
   RootBound root_bound_;
   std::vector<NodeId> level_begin_;  ///< first node of each depth of the pass
   int levels_ = 0;
-  std::vector<Candidate> candidates_;
+  ReservedArray<Candidate> candidates_;
   std::size_t candidate_count_ = 0;
-  std::vector<double> ranks_;  ///< of each candidate
-  std::vector<Mark> marks_;    ///< of each candidate
-  std::vector<Cell> cells_;    ///< open addressing; an entry of another epoch is empty
-  std::vector<Cell> regions_;  ///< the same for regions, blocks of cells
+  ReservedArray<double> ranks_;  ///< of each candidate
+  ReservedArray<Mark> marks_;    ///< of each candidate
+  ReservedArray<Cell> cells_;    ///< open addressing; an entry of another epoch is empty
+  ReservedArray<Cell> regions_;  ///< the same for regions, blocks of cells
   std::size_t cell_mask_ = 0;
   std::uint32_t epoch_ = 0;
   SightingValue sighting_;

@@ -6,7 +6,8 @@
 
 namespace vantage::planner {
 
-/// How large a problem a search object is built for.
+/// How large a problem a search object is built for. Its arenas are reserved for the largest and
+/// take memory as it is first used: small problems cost little however much is reserved.
 struct SearchCapacity {
   std::size_t nodes_max = 400'000;
   std::size_t block_doubles_max = 8'000'000;

@@ -21,6 +21,11 @@ class Adapter final : public Search {
     peak_bytes_ = result.peak_bytes;
     return result;
   }
+  void prefault() override {
+    if constexpr (requires { search_.prefault(); }) {
+      search_.prefault();
+    }
+  }
   [[nodiscard]] std::size_t peak_bytes() const override { return peak_bytes_; }
 
  private:
@@ -36,7 +41,11 @@ using LawnMowerAdapter = Adapter<LawnMower, SweepShare>;
 using BestFirstAdapter = Adapter<BestFirstSearch, BestFirstOptions>;
 
 Algorithm best_first(std::string_view name, std::string_view what, BestFirst kind) {
-  return {name, what, 1.0, false,
+  return {name,
+          what,
+          1.0,
+          false,
+          false,
           [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
             BestFirstOptions best_first;
             best_first.search = kind;
@@ -50,7 +59,11 @@ Algorithm best_first(std::string_view name, std::string_view what, BestFirst kin
 Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch kind) {
   const bool makes_candidates =
       kind == ReducedSearch::kAnytime || kind == ReducedSearch::kSinglePass;
-  return {name, what, 1.0, makes_candidates,
+  return {name,
+          what,
+          1.0,
+          false,
+          makes_candidates,
           [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
             ReducedOptions reduced;
             reduced.search = kind;
@@ -66,6 +79,7 @@ Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch ki
 const std::vector<Algorithm>& all_algorithms() {
   static const std::vector<Algorithm> kAll = {
       {"beam", "refining beam: passes of growing width and shrinking diversity cells", 0.25, false,
+       false,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
          return std::make_unique<BeamAdapter>(capacity, BeamOptions{});
        }},
@@ -81,11 +95,12 @@ const std::vector<Algorithm>& all_algorithms() {
       best_first("aegis", "AEGIS: A* that leaves out what (epsilon, delta) dominates",
                  BestFirst::kAegis),
       reduced("greedy", "the best next step, T times", ReducedSearch::kGreedy),
-      {"random_walk", "a random way that is safe, drawn by the problem's seed", 1.0, false,
+      {"random_walk", "a random way that is safe, drawn by the problem's seed", 1.0, false, false,
        [](const SearchCapacity& capacity, const AlgorithmOptions&) {
          return std::make_unique<RandomWalkAdapter>(capacity, RandomWalkOptions{});
        }},
-      {"lawn_mower", "rows over the robot's strip of the world, whatever is believed", 1.0, false,
+      {"lawn_mower", "rows over the robot's strip of the world, whatever is believed", 1.0, true,
+       false,
        [](const SearchCapacity& capacity, const AlgorithmOptions& options) {
          return std::make_unique<LawnMowerAdapter>(capacity, options.sweep);
        }},

@@ -36,6 +36,8 @@ class Search {
   /// The best plan found by the deadline. The reference is good until the next call.
   /// @throws UsageError when `problem` breaks a rule of require_valid or exceeds the capacity.
   virtual const SearchResult& plan(const SearchProblem& problem, const Deadline& deadline) = 0;
+  /// Takes all the memory that was reserved, so that no page fault comes in plan(): for real time.
+  virtual void prefault() {}
   /// Bytes that the last search had in use at its peak, of nodes, blocks and lists.
   [[nodiscard]] virtual std::size_t peak_bytes() const = 0;
 };
@@ -45,6 +47,7 @@ struct Algorithm {
   std::string_view name;
   std::string_view what;  ///< one line for --help
   double kept_share;      ///< of the nodes that it generates, at most
+  bool remembers;         ///< what it did in earlier plans: each robot has its own
   bool makes_candidates;  ///< its tree gives a team's decision many trajectories to choose from
   std::function<std::unique_ptr<Search>(const SearchCapacity&, const AlgorithmOptions&)> make;
 };

@@ -6,6 +6,11 @@ namespace vantage::planner {
 
 CostOrder::CostOrder(std::size_t entries_max) : entries_(entries_max), other_(entries_max) {}
 
+void CostOrder::prefault() {
+  entries_.prefault();
+  other_.prefault();
+}
+
 void CostOrder::clear() {
   count_ = 0;
   next_ = 0;
@@ -21,9 +26,9 @@ void CostOrder::sort_few() {  // std::stable_sort would allocate
   for (std::size_t i = 0; i < count_; ++i) {
     other_[i] = {entries_[i].key, static_cast<NodeId>(i)};
   }
-  std::sort(
-      other_.begin(), other_.begin() + static_cast<std::ptrdiff_t>(count_),
-      [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.id < b.id; });
+  std::sort(other_.begin(), other_.begin() + count_, [](const Entry& a, const Entry& b) {
+    return a.key != b.key ? a.key < b.key : a.id < b.id;
+  });
   for (std::size_t i = 0; i < count_; ++i) {
     other_[i].id = entries_[other_[i].id].id;
   }

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <utility>
 
+#include "core/reserved_array.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
@@ -15,6 +16,9 @@ namespace vantage::planner {
 class CostOrder {
  public:
   explicit CostOrder(std::size_t entries_max);
+
+  /// As Tree::prefault().
+  void prefault();
 
   void clear();
   /// Precondition: room, and `cost` is a number.
@@ -56,8 +60,8 @@ class CostOrder {
   bool place(int digit);
   void scatter(int digit, std::size_t begin, std::size_t end);
 
-  std::vector<Entry> entries_;
-  std::vector<Entry> other_;  ///< where a pass puts them
+  ReservedArray<Entry> entries_;
+  ReservedArray<Entry> other_;  ///< where a pass puts them
   std::size_t count_ = 0;
   std::size_t next_ = 0;
   std::array<std::array<std::uint32_t, kRadix>, kDigits> places_{};

@@ -11,6 +11,12 @@ CrossingIndex::CrossingIndex(std::size_t entries_max)
       epochs_(heads_.size()),
       entries_(entries_max + 1) {}
 
+void CrossingIndex::prefault() {
+  heads_.prefault();
+  epochs_.prefault();
+  entries_.prefault();
+}
+
 void CrossingIndex::reset(double delta_m) {
   constexpr double kFinestCell_m = 1e-3;
   cell_m_ = std::max(delta_m, kFinestCell_m);

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "core/pose.hpp"
+#include "core/reserved_array.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
@@ -28,6 +28,9 @@ class CrossingIndex {
  public:
   explicit CrossingIndex(std::size_t entries_max);
 
+  /// As Tree::prefault().
+  void prefault();
+
   /// Empties the index for crossings at `delta_m` ≥ 0 (at 0: equal positions).
   void reset(double delta_m);
   /// False when the index is full.
@@ -50,9 +53,9 @@ class CrossingIndex {
 
   double cell_m_ = 1.0;
   std::uint32_t epoch_ = 0;
-  std::vector<std::uint32_t> heads_;  ///< index into entries_, valid when epochs_ agrees
-  std::vector<std::uint32_t> epochs_;
-  std::vector<Entry> entries_;
+  ReservedArray<std::uint32_t> heads_;  ///< index into entries_, valid when epochs_ agrees
+  ReservedArray<std::uint32_t> epochs_;
+  ReservedArray<Entry> entries_;
   std::size_t count_ = 1;
 };
 

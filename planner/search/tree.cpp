@@ -10,6 +10,13 @@ Tree::Tree(std::size_t nodes_max, std::size_t block_doubles_max)
       targets_(block_doubles_max / 3 + 1),
       doubles_(block_doubles_max) {}
 
+void Tree::prefault() {
+  nodes_.prefault();
+  records_.prefault();
+  targets_.prefault();
+  doubles_.prefault();
+}
+
 void Tree::clear() {
   node_count_ = 0;
   record_count_ = 1;

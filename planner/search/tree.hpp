@@ -2,9 +2,9 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/pose.hpp"
+#include "core/reserved_array.hpp"
 
 namespace vantage::planner {
 
@@ -35,11 +35,13 @@ struct Blocks {
 
 /// The arena of one search: nodes and blocks in flat arrays sized at construction, no pointers
 /// chased, nothing freed until clear(). 48 bytes a node; blocks only for nodes that were expanded
-/// or compared.
+/// or compared. Memory is taken as it is first used, unless prefault() takes all of it.
 class Tree {
  public:
-  /// Touches every page, so that no page fault comes during a search.
   Tree(std::size_t nodes_max, std::size_t block_doubles_max);
+
+  /// Commits every page, so that no page fault comes during a search.
+  void prefault();
 
   void clear();
   /// kNoNode when the arena is full.
@@ -78,10 +80,10 @@ class Tree {
     std::uint32_t doubles = 0;
     std::uint32_t count = 0;
   };
-  std::vector<Node> nodes_;
-  std::vector<Record> records_;  ///< record 0 means none
-  std::vector<std::uint16_t> targets_;
-  std::vector<double> doubles_;
+  ReservedArray<Node> nodes_;
+  ReservedArray<Record> records_;  ///< record 0 means none
+  ReservedArray<std::uint16_t> targets_;
+  ReservedArray<double> doubles_;
   std::size_t node_count_ = 0;
   std::size_t record_count_ = 1;
   std::size_t target_count_ = 0;

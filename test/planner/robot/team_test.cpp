@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <optional>
 #include <random>
 #include <string>
@@ -269,6 +270,34 @@ TEST(RobotPlanner, DecidesTheSameFromTheSameInputs) {
     for (const auto& [name, plan] : a.plans()) {
       EXPECT_EQ(plan.cost, b.plans().at(name).cost);
       EXPECT_EQ(plan.nodes, b.plans().at(name).nodes);
+    }
+  }
+}
+
+// Planners that take turns in one workspace leave nothing behind in it.
+TEST(Workspace, ChangesNothingForThoseWhoShareIt) {
+  for (const scenario::PlanAlgorithm algorithm :
+       {scenario::PlanAlgorithm::kArvi, scenario::PlanAlgorithm::kRvi,
+        scenario::PlanAlgorithm::kBeam}) {
+    scenario::Scenario scenario = test::lab_scenario();
+    scenario.planner.algorithm = algorithm;
+    const auto shared = std::make_shared<Workspace>(scenario);
+    std::vector<RobotPlanner> sharing;
+    for (const scenario::RobotSpec& robot : scenario.robots) {
+      sharing.emplace_back(shared, robot.name);
+    }
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      for (std::size_t i = 0; i < sharing.size(); ++i) {
+        const PlanInputs inputs = test::first_inputs(scenario, i, seed);
+        const auto plan = sharing[i].plan(inputs, Deadline::nodes(2'000));
+        const auto alone =
+            RobotPlanner(scenario, scenario.robots[i].name).plan(inputs, Deadline::nodes(2'000));
+        ASSERT_TRUE(plan && alone);
+        EXPECT_EQ(plan->cost, alone->cost);
+        EXPECT_EQ(plan->lower_bound, alone->lower_bound);
+        EXPECT_EQ(plan->nodes, alone->nodes);
+        EXPECT_EQ(plan->trajectory.segments.size(), alone->trajectory.segments.size());
+      }
     }
   }
 }

@@ -7,6 +7,7 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/support/allocation_counter.hpp"
+#include "test/support/page_faults.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -223,6 +224,29 @@ TEST(Reduced, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
     search.plan(owned.problem, options(ReducedSearch::kAnytime), Deadline::nodes(2'000));
     EXPECT_EQ(allocations.count(), 0u) << "seed " << seed;
   }
+}
+
+// What is reserved for the worst case costs nothing where little is used; who flies takes it all at
+// the start. (A few pages of code or stack may be met for the first time.)
+TEST(Reduced, TakesMemoryAsItIsUsedUnlessAllOfItIsTakenBefore) {
+  if (!test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the sanitizer has its own memory";
+  }
+  constexpr long kFew = 16;
+  const OwnedProblem owned = test::random_problem(1);
+  const auto faults_of = [&](ReducedValueIteration& search) {
+    const test::PageFaultCounter faults;
+    search.plan(owned.problem, options(ReducedSearch::kAnytime), Deadline::nodes(20'000));
+    return faults.count();
+  };
+  const test::PageFaultCounter faults;
+  ReducedValueIteration lean{SearchCapacity{}};
+  EXPECT_LT(faults.count(), 1'000);  // 4 MB; 113 MB are reserved
+  EXPECT_GT(faults_of(lean), kFew);
+  EXPECT_LE(faults_of(lean), kFew);  // what it has, it keeps
+  ReducedValueIteration ready{SearchCapacity{}};
+  ready.prefault();
+  EXPECT_LE(faults_of(ready), kFew);
 }
 
 TEST(Reduced, SaysWhenItsArenaIsFullAndStillHasAPlan) {

@@ -8,6 +8,7 @@
 #include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/planner/search/same_result.hpp"
 #include "test/support/allocation_counter.hpp"
+#include "test/support/page_faults.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -139,6 +140,20 @@ TEST(RefiningBeam, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
     search.plan(owned.problem, narrow(), Deadline::nodes(3'000));
     EXPECT_EQ(allocations.count(), 0u) << "seed " << seed;
   }
+}
+
+TEST(RefiningBeam, FaultsNoPageInOnceAllMemoryIsTaken) {
+  if (!test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the sanitizer has its own memory";
+  }
+  constexpr long kFew = 16;  // of code or stack
+  const OwnedProblem owned = test::random_problem(1);
+  RefiningBeam(small_capacity()).plan(owned.problem, narrow(), Deadline::nodes(20'000));
+  RefiningBeam search{SearchCapacity{}};
+  search.prefault();
+  const test::PageFaultCounter faults;
+  search.plan(owned.problem, narrow(), Deadline::nodes(20'000));
+  EXPECT_LE(faults.count(), kFew);
 }
 
 TEST(RefiningBeam, SaysWhenItsArenaIsFullAndStillHasAPlan) {

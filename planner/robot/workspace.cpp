@@ -1,0 +1,66 @@
+#include "planner/robot/workspace.hpp"
+
+#include <algorithm>
+
+namespace vantage::planner {
+namespace {
+
+constexpr double kFieldResolution_m = 0.05;
+constexpr double kFieldCells_max = 500.0;  // along the longer side
+
+SearchCapacity capacity_for(const scenario::Scenario& scenario) {
+  SearchCapacity capacity;
+  capacity.targets_max = static_cast<int>(scenario.targets.size()) +
+                         std::max(0, scenario.planner.exploration.landmarks_max);
+  capacity.horizon_max = scenario.planner.horizon_steps;
+  capacity.teammates_max = 2 * static_cast<int>(scenario.robots.size());  // plans and hovers
+  return capacity;
+}
+
+double field_resolution_m(const models::World& world) {
+  const double longer_m = (world.bounds.max_m - world.bounds.min_m).maxCoeff();
+  return std::max(kFieldResolution_m, longer_m / kFieldCells_max);
+}
+
+AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index) {
+  const scenario::PlannerSpec& planner = scenario.planner;
+  AlgorithmOptions options;
+  options.epsilon = planner.epsilon_initial;
+  options.delta_m = planner.delta_initial_m;
+  options.yaw_weight_m_per_rad = planner.yaw_weight_m_per_rad;
+  options.weight = 2.5;  // of wastar: as it is used in the source's library
+  options.sweep = {robot_index, static_cast<int>(scenario.robots.size())};
+  return options;
+}
+
+}  // namespace
+
+Workspace::Workspace(const scenario::Scenario& scenario)
+    : scenario_(scenario), field_(scenario.world, field_resolution_m(scenario.world)) {}
+
+ReducedValueIteration& Workspace::reduced() {
+  return reduced_ ? *reduced_ : reduced_.emplace(capacity_for(scenario_));
+}
+
+std::unique_ptr<Search> Workspace::make_search(int robot_index) const {
+  return algorithm_called(scenario_.planner.algorithm)
+      .make(capacity_for(scenario_), options_of(scenario_, robot_index));
+}
+
+Search& Workspace::search() {
+  if (!search_) {
+    search_ = make_search(0);
+  }
+  return *search_;
+}
+
+void Workspace::prefault() {
+  if (search_) {
+    search_->prefault();
+  }
+  if (reduced_) {
+    reduced_->prefault();
+  }
+}
+
+}  // namespace vantage::planner

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "models/world/grid.hpp"
+#include "planner/search/arvi.hpp"
+#include "planner/search/catalogue.hpp"
+#include "scenario/scenario.hpp"
+
+namespace vantage::planner {
+
+/// What the planners of one thread have in common, so that a team in one process costs one of it:
+/// the scenario, its world's distance field, and the searches with their memory.
+///
+/// Planners take turns: what a search found has to be taken before the next one begins. A search
+/// keeps nothing from one plan to the next, so it finds the same whoever used it before.
+class Workspace {
+ public:
+  explicit Workspace(const scenario::Scenario& scenario);
+
+  [[nodiscard]] const scenario::Scenario& scenario() const { return scenario_; }
+  [[nodiscard]] const models::DistanceField& field() const { return field_; }
+  /// The scenario's search, for all who do not need one of their own (Algorithm::remembers). Built,
+  /// as reduced(), when it is first asked for.
+  Search& search();
+  /// The scenario's search for that robot alone.
+  [[nodiscard]] std::unique_ptr<Search> make_search(int robot_index) const;
+  /// Makes the candidates of a team's decision.
+  ReducedValueIteration& reduced();
+
+  /// For real time: the search that the scenario's planners use takes all of its memory now.
+  void prefault();
+
+ private:
+  scenario::Scenario scenario_;
+  models::DistanceField field_;
+  std::optional<ReducedValueIteration> reduced_;
+  std::unique_ptr<Search> search_;
+};
+
+}  // namespace vantage::planner

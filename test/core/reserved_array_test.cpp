@@ -1,0 +1,66 @@
+#include "core/reserved_array.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <new>
+
+#include <gtest/gtest.h>
+
+namespace vantage {
+namespace {
+
+constexpr std::size_t kMany = std::size_t{1} << 24;
+
+TEST(ReservedArray, IsZeroAndKeepsWhatIsWritten) {
+  ReservedArray<double> values(1000);
+  EXPECT_EQ(values.size(), 1000U);
+  EXPECT_TRUE(std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0; }));
+  values[999] = 3.5;
+  EXPECT_EQ(values[999], 3.5);
+}
+
+TEST(ReservedArray, CostsWhatIsWritten) {
+  ReservedArray<std::uint64_t> values(kMany);
+  EXPECT_EQ(values.committed_bytes(), 0U);
+  values[0] = 1;
+  values[kMany - 1] = 1;
+  EXPECT_GT(values.committed_bytes(), 0U);
+  EXPECT_LE(values.committed_bytes(), std::size_t{1} << 16);
+}
+
+TEST(ReservedArray, PrefaultCommitsAllAndChangesNothing) {
+  ReservedArray<std::uint32_t> values(300'000);
+  values[0] = 7;
+  values[1024] = 8;
+  values.prefault();
+  EXPECT_GE(values.committed_bytes(), values.size() * sizeof(std::uint32_t));
+  EXPECT_EQ(values[0], 7U);
+  EXPECT_EQ(values[1024], 8U);
+  EXPECT_EQ(values[299'999], 0U);
+}
+
+TEST(ReservedArray, MovesAndSwaps) {
+  ReservedArray<int> a(10);
+  a[3] = 3;
+  ReservedArray<int> b = std::move(a);
+  EXPECT_EQ(b.size(), 10U);
+  EXPECT_EQ(b[3], 3);
+  ReservedArray<int> c(20);
+  std::swap(b, c);
+  EXPECT_EQ(b.size(), 20U);
+  EXPECT_EQ(c[3], 3);
+}
+
+TEST(ReservedArray, OfNothingIsNothing) {
+  ReservedArray<int> none(0);
+  none.prefault();
+  EXPECT_EQ(none.begin(), none.end());
+  EXPECT_EQ(none.committed_bytes(), 0U);
+}
+
+TEST(ReservedArray, RefusesMoreThanThereIs) {
+  EXPECT_THROW(ReservedBytes(std::size_t{1} << 62), std::bad_alloc);
+}
+
+}  // namespace
+}  // namespace vantage
