@@ -9,7 +9,11 @@ namespace vantage::trial {
 
 bus::Bus& VirtualTimeLoop::add_bus(std::int64_t run_id) {
   Participant participant;
-  participant.transport = hub_.connect();
+  waiting_.push_back(0);
+  participant.transport = hub_.connect([this, index = participants_.size()] {
+    waiting_count_ += waiting_[index] == 0 ? 1 : 0;
+    waiting_[index] = 1;
+  });
   participant.bus = std::make_unique<bus::Bus>(*participant.transport, run_id);
   participants_.push_back(std::move(participant));
   return *participants_.back().bus;
@@ -22,15 +26,25 @@ void VirtualTimeLoop::add_node(const NodeRecipe& recipe, std::int64_t run_id) {
   participant.health = std::make_unique<bus::HealthReporter>(*participant.bus, *participant.node);
 }
 
+std::size_t VirtualTimeLoop::next_waiting(std::size_t from) const {
+  return static_cast<std::size_t>(
+      std::find(waiting_.begin() + static_cast<std::ptrdiff_t>(from), waiting_.end(), 1) -
+      waiting_.begin());
+}
+
+// Round after round in the order of connecting, as if everyone were asked, but that nobody is whom
+// nothing waits for.
 void VirtualTimeLoop::deliver() {
-  bool is_quiet = false;
-  while (!is_quiet) {
-    is_quiet = true;
-    for (Participant& participant : participants_) {
-      is_quiet &= participant.bus->handle(std::chrono::microseconds(0)) == 0;
+  while (waiting_count_ > 0) {
+    for (std::size_t i = next_waiting(0); i < participants_.size() && waiting_count_ > 0;
+         i = next_waiting(i + 1)) {
+      waiting_[i] = 0;
+      --waiting_count_;
+      participants_[i].bus->handle(std::chrono::microseconds(0));
     }
     on_delivered_();
   }
+  on_delivered_();
 }
 
 void VirtualTimeLoop::run_until(Time end) {

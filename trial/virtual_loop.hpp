@@ -46,8 +46,13 @@ class VirtualTimeLoop {
     std::unique_ptr<bus::Node> node;  ///< may be none
     std::unique_ptr<bus::HealthReporter> health;
   };
+  /// The first participant, from `from` on, that something waits for; none: participants_.size().
+  [[nodiscard]] std::size_t next_waiting(std::size_t from) const;
+
   bus::VirtualClock clock_;
   bus::InProcessHub hub_;
+  std::vector<std::uint8_t> waiting_;  ///< per participant: something is in its queue
+  std::size_t waiting_count_ = 0;
   std::vector<Participant> participants_;
   std::function<void()> on_delivered_ = [] {};
 };

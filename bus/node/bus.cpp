@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "bus/auth/authenticator.hpp"
-#include "bus/transport/channel_pattern.hpp"
 #include "core/deadline.hpp"
 
 namespace vantage::bus {
@@ -19,6 +18,32 @@ void add_nonzero(std::vector<models::NamedCount>& counts, std::string name, std:
   if (count != 0) {
     counts.push_back({std::move(name), count});
   }
+}
+
+/// Streams that are told of one by one; of more, one sum for each kind, "PLAN_*": what a process
+/// says of itself must not grow with the team.
+constexpr std::size_t kNamedStreamsMax = 256;
+
+std::map<std::string, StreamCounts> reported(std::map<std::string, StreamCounts> streams) {
+  if (streams.size() <= kNamedStreamsMax) {
+    return streams;
+  }
+  std::map<std::string, StreamCounts> kinds;
+  for (const auto& [name, stream] : streams) {
+    const std::size_t stem = name.rfind('_');
+    StreamCounts& sum = kinds[stem == std::string::npos ? name : name.substr(0, stem + 1) + "*"];
+    sum.fresh += stream.fresh;
+    sum.lost += stream.lost;
+    sum.duplicates += stream.duplicates;
+    sum.reordered += stream.reordered;
+    sum.old_runs += stream.old_runs;
+    sum.too_far_ahead += stream.too_far_ahead;
+    sum.runs += std::max<std::int64_t>(0, stream.runs - 1);
+  }
+  for (auto& [name, sum] : kinds) {
+    ++sum.runs;  // restarts are one less
+  }
+  return kinds;
 }
 
 /// What decides on the budget by which a command is verified, before anything of it is proven.
@@ -105,10 +130,7 @@ bool Bus::send(const std::string& channel, std::span<const std::uint8_t> bytes) 
 }
 
 void Bus::add_subscription(Subscription subscription) {
-  bool is_new = true;
-  for (const Subscription& known : subscriptions_) {
-    is_new = is_new && known.pattern != subscription.pattern;
-  }
+  const bool is_new = !index_.contains(subscription.pattern);
   // A flood of other names must not take the place of a channel that was asked for by name.
   if (!subscription.pattern.ends_with('*')) {
     if (subscription.is_shared) {
@@ -117,7 +139,7 @@ void Bus::add_subscription(Subscription subscription) {
       streams_.try_emplace(subscription.pattern);
     }
   }
-  const std::size_t index = subscriptions_.size();
+  const std::size_t index = index_.add(subscription.pattern);
   subscriptions_.push_back(std::move(subscription));
   if (is_new) {
     transport_.subscribe(subscriptions_[index].pattern,
@@ -134,10 +156,8 @@ void Bus::add_subscription(Subscription subscription) {
 // serves all subscriptions, so that the stream is judged once; the others find nothing to do.
 void Bus::on_message(std::size_t subscription, std::string_view name,
                      std::span<const std::uint8_t> bytes) {
-  for (std::size_t i = 0; i < subscription; ++i) {
-    if (channel_matches(subscriptions_[i].pattern, name)) {
-      return;
-    }
+  if (index_.next(name, 0) < subscription) {
+    return;
   }
   const std::int64_t start_ns = monotonic_ns();
   Delivery delivery{std::string(name), bytes};
@@ -145,12 +165,10 @@ void Bus::on_message(std::size_t subscription, std::string_view name,
     handling_ns_ += monotonic_ns() - start_ns;
     return;
   }
-  for (std::size_t i = subscription; i < subscriptions_.size(); ++i) {
-    if (channel_matches(subscriptions_[i].pattern, name)) {
-      delivery.is_shared = subscriptions_[i].is_shared;
-      delivery.lease = subscriptions_[i].lease;
-      subscriptions_[i].deliver(delivery);
-    }
+  for (auto i = index_.next(name, subscription); i; i = index_.next(name, *i + 1)) {
+    delivery.is_shared = subscriptions_[*i].is_shared;
+    delivery.lease = subscriptions_[*i].lease;
+    subscriptions_[*i].deliver(delivery);
   }
   handling_ns_ += monotonic_ns() - start_ns;
 }
@@ -226,7 +244,7 @@ std::vector<models::NamedCount> Bus::counters() const {
   if (authenticator_) {
     authenticator_->count(counts);
   }
-  for (const auto& [name, stream] : stream_counts()) {
+  for (const auto& [name, stream] : reported(stream_counts())) {
     add_nonzero(counts, name + ".fresh", stream.fresh);
     add_nonzero(counts, name + ".lost", stream.lost);
     add_nonzero(counts, name + ".duplicates", stream.duplicates);

@@ -17,6 +17,7 @@
 #include "bus/convert/convert.hpp"
 #include "bus/node/clock.hpp"
 #include "bus/node/stream_monitor.hpp"
+#include "bus/transport/channel_index.hpp"
 #include "bus/transport/transport.hpp"
 
 namespace vantage::bus {
@@ -93,7 +94,7 @@ class Bus {
   [[nodiscard]] double handling_s() const { return static_cast<double>(handling_ns_) * 1e-9; }
 
  private:
-  static constexpr std::size_t kStreamsMax = 1024;
+  static constexpr std::size_t kStreamsMax = 16'384;  ///< of a thousand robots
 
   /// One message on its way through the subscriptions that hear it.
   struct Delivery {
@@ -138,13 +139,14 @@ class Bus {
   std::int64_t run_id_;
   std::string publish_prefix_;
   std::deque<Subscription> subscriptions_;  ///< a deque: handlers may subscribe
+  ChannelIndex index_;                      ///< of subscriptions_
   std::shared_ptr<Bus*> self_;              ///< the transport's handlers look whether it is gone
   std::vector<std::uint8_t> buffer_;        ///< of the message being encoded
   std::int64_t handling_ns_ = 0;
   std::int64_t streams_refused_ = 0;  ///< messages on more channels than kStreamsMax
-  std::map<std::string, std::int64_t> next_sequence_;
-  std::map<std::string, StreamMonitor> streams_;
-  std::map<std::string, SharedStreamMonitor> shared_streams_;
+  ByName<std::int64_t> next_sequence_;
+  ByName<StreamMonitor> streams_;
+  ByName<SharedStreamMonitor> shared_streams_;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
   std::map<std::string, std::int64_t> refused_;        ///< by channel: decoded, but cannot be true
 };

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "bus/transport/channel_pattern.hpp"
+#include "bus/transport/channel_index.hpp"
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 
@@ -26,19 +26,24 @@ struct InProcessHub::State {
   /// Held during a whole publish, so that all endpoints hear all messages in one order. Taken
   /// before an endpoint's own mutex, never after.
   std::mutex mutex;
-  std::vector<Endpoint*> endpoints;
+  /// Who listens: by channel name, and by pattern. An endpoint is once in each list.
+  ByName<std::vector<Endpoint*>> listeners;
+  std::vector<Endpoint*> pattern_listeners;
 };
 
 class InProcessHub::State::Endpoint : public Transport {
  public:
-  explicit Endpoint(State& hub) : hub_(hub) {
-    const std::lock_guard lock(hub_.mutex);
-    hub_.endpoints.push_back(this);
-  }
+  Endpoint(State& hub, std::function<void()> on_arrival)
+      : hub_(hub), on_arrival_(std::move(on_arrival)) {}
 
   ~Endpoint() override {
     const std::lock_guard lock(hub_.mutex);
-    std::erase(hub_.endpoints, this);
+    std::erase(hub_.pattern_listeners, this);
+    for (const Subscription& each : subscriptions_) {
+      if (const auto found = hub_.listeners.find(each.pattern); found != hub_.listeners.end()) {
+        std::erase(found->second, this);
+      }
+    }
   }
   Endpoint(const Endpoint&) = delete;
   Endpoint& operator=(const Endpoint&) = delete;
@@ -46,7 +51,17 @@ class InProcessHub::State::Endpoint : public Transport {
   Endpoint& operator=(Endpoint&&) = delete;
 
   void subscribe(const std::string& channel, Handler handler) override {
+    const std::lock_guard hub_lock(hub_.mutex);
     const std::lock_guard lock(mutex_);
+    const bool is_pattern = channel.ends_with('*');
+    std::vector<Endpoint*>& all = is_pattern ? hub_.pattern_listeners : hub_.listeners[channel];
+    if (is_pattern ? patterns_.empty() : !index_.contains(channel)) {
+      all.push_back(this);
+    }
+    if (is_pattern) {
+      patterns_.push_back(channel);
+    }
+    index_.add(channel);
     subscriptions_.push_back({channel, std::move(handler)});
   }
 
@@ -54,8 +69,15 @@ class InProcessHub::State::Endpoint : public Transport {
     const auto posted = std::make_shared<const Posted>(
         Posted{channel, std::vector<std::uint8_t>(bytes.begin(), bytes.end())});
     const std::lock_guard lock(hub_.mutex);
-    for (Endpoint* endpoint : hub_.endpoints) {
-      endpoint->enqueue(posted);
+    if (const auto found = hub_.listeners.find(channel); found != hub_.listeners.end()) {
+      for (Endpoint* endpoint : found->second) {
+        endpoint->enqueue(posted);
+      }
+    }
+    for (Endpoint* endpoint : hub_.pattern_listeners) {
+      if (endpoint->hears_by_pattern_alone(channel)) {
+        endpoint->enqueue(posted);
+      }
     }
     const std::lock_guard own_lock(mutex_);
     ++stats_.messages_sent;
@@ -98,20 +120,25 @@ class InProcessHub::State::Endpoint : public Transport {
     Handler handler;
   };
 
+  [[nodiscard]] bool hears_by_pattern_alone(const std::string& channel) const {
+    const std::lock_guard lock(mutex_);
+    return !index_.contains(channel) &&
+           std::any_of(patterns_.begin(), patterns_.end(), [&](const std::string& pattern) {
+             return channel_matches(pattern, channel);
+           });
+  }
+
   void enqueue(const std::shared_ptr<const Posted>& posted) {
     const std::lock_guard lock(mutex_);
-    const bool is_wanted = std::any_of(
-        subscriptions_.begin(), subscriptions_.end(),
-        [&](const Subscription& each) { return channel_matches(each.pattern, posted->channel); });
-    if (!is_wanted) {
-      return;
-    }
     if (queue_.size() >= hub_.queue_capacity) {
       queue_.pop_front();
       ++stats_.queue_overflows;
     }
     queue_.push_back(posted);
     arrived_.notify_one();
+    if (on_arrival_) {
+      on_arrival_();
+    }
   }
 
   std::shared_ptr<const Posted> take() {
@@ -128,17 +155,18 @@ class InProcessHub::State::Endpoint : public Transport {
   // Only the owner's thread adds subscriptions, and a deque keeps its elements where they are, so
   // handlers run without the lock and may subscribe and publish.
   void dispatch(const Posted& posted) {
-    for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
-      if (channel_matches(subscriptions_[i].pattern, posted.channel)) {
-        subscriptions_[i].handler(posted.channel, posted.bytes);
-      }
+    for (auto i = index_.next(posted.channel, 0); i; i = index_.next(posted.channel, *i + 1)) {
+      subscriptions_[*i].handler(posted.channel, posted.bytes);
     }
   }
 
   State& hub_;
+  std::function<void()> on_arrival_;
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   std::deque<Subscription> subscriptions_;
+  ChannelIndex index_;  ///< of subscriptions_
+  std::vector<std::string> patterns_;
   std::deque<std::shared_ptr<const Posted>> queue_;
   TransportStats stats_;
 };
@@ -150,8 +178,8 @@ InProcessHub::InProcessHub(std::size_t queue_capacity) : state_(std::make_unique
 
 InProcessHub::~InProcessHub() = default;
 
-std::unique_ptr<Transport> InProcessHub::connect() {
-  return std::make_unique<State::Endpoint>(*state_);
+std::unique_ptr<Transport> InProcessHub::connect(std::function<void()> on_arrival) {
+  return std::make_unique<State::Endpoint>(*state_, std::move(on_arrival));
 }
 
 }  // namespace vantage::bus

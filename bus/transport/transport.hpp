@@ -73,8 +73,9 @@ class InProcessHub {
   InProcessHub(InProcessHub&&) = delete;
   InProcessHub& operator=(InProcessHub&&) = delete;
 
-  /// A new endpoint. The hub must outlive it.
-  std::unique_ptr<Transport> connect();
+  /// A new endpoint. The hub must outlive it. `on_arrival` is called with every message that is put
+  /// into its queue, by whoever published it: it has to be quick, and may not use the hub.
+  std::unique_ptr<Transport> connect(std::function<void()> on_arrival = {});
 
  private:
   struct State;

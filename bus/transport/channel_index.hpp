@@ -1,0 +1,78 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "bus/transport/channel_pattern.hpp"
+
+namespace vantage::bus {
+
+/// Hash of a name that is looked up by string_view, too.
+struct NameHash {
+  using is_transparent = void;
+  std::size_t operator()(std::string_view name) const {
+    return std::hash<std::string_view>{}(name);
+  }
+};
+
+/// Values by channel name.
+template <class Value>
+using ByName = std::unordered_map<std::string, Value, NameHash, std::equal_to<>>;
+
+/// Who listens to which channels, numbered as they were added: found by name, whatever others
+/// listen to. Patterns ("PREFIX*") are gone through one by one, so they should be few.
+class ChannelIndex {
+ public:
+  /// The pattern's number: 0, 1, …
+  std::size_t add(const std::string& pattern) {
+    if (pattern.ends_with('*')) {
+      prefixes_.push_back({pattern, count_});
+    } else {
+      exact_[pattern].push_back(count_);
+    }
+    return count_++;
+  }
+
+  /// Whether this very pattern was added.
+  [[nodiscard]] bool contains(const std::string& pattern) const {
+    return exact_.contains(pattern) ||
+           std::any_of(prefixes_.begin(), prefixes_.end(),
+                       [&](const Prefix& each) { return each.pattern == pattern; });
+  }
+
+  /// The least number, at least `from`, that hears `channel`.
+  [[nodiscard]] std::optional<std::size_t> next(std::string_view channel, std::size_t from) const {
+    std::optional<std::size_t> least;
+    if (const auto found = exact_.find(channel); found != exact_.end()) {
+      const std::vector<std::size_t>& numbers = found->second;
+      const auto at = std::lower_bound(numbers.begin(), numbers.end(), from);
+      if (at != numbers.end()) {
+        least = *at;
+      }
+    }
+    for (const Prefix& each : prefixes_) {
+      if (each.number >= from && (!least || each.number < *least) &&
+          channel_matches(each.pattern, channel)) {
+        least = each.number;
+      }
+    }
+    return least;
+  }
+
+ private:
+  struct Prefix {
+    std::string pattern;
+    std::size_t number = 0;
+  };
+  std::size_t count_ = 0;
+  ByName<std::vector<std::size_t>> exact_;
+  std::vector<Prefix> prefixes_;
+};
+
+}  // namespace vantage::bus
