@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "models/world/world.hpp"
 
@@ -30,16 +31,24 @@ void TruthHistory::add(const models::TruthFrame& frame) {
 }
 
 void TruthHistory::approach(const Frame& before, const Frame& after) {
-  for (auto a = after.robots.begin(); a != after.robots.end(); ++a) {
-    for (auto b = std::next(a); b != after.robots.end(); ++b) {
-      const auto a_before = before.robots.find(a->first);
-      const auto b_before = before.robots.find(b->first);
-      const bool both = a_before != before.robots.end() && b_before != before.robots.end();
-      const Eigen::Vector3d& a0 = both ? a_before->second : a->second;
-      const Eigen::Vector3d& b0 = both ? b_before->second : b->second;
-      const double distance_m = models::closest_approach_m(a0, a->second, b0, b->second);
-      min_separation_m_ = std::min(min_separation_m_, distance_m);
-    }
+  constexpr double kRoundingM = 1e-6;
+  std::vector<Eigen::Vector3d> to_m;
+  std::vector<const Eigen::Vector3d*> from_m;  // null: not seen before
+  double travelled_m = 0.0;
+  for (const auto& [name, position_m] : after.robots) {
+    const auto seen = before.robots.find(name);
+    to_m.push_back(position_m);
+    from_m.push_back(seen == before.robots.end() ? nullptr : &seen->second);
+    travelled_m = std::max(travelled_m,
+                           from_m.back() == nullptr ? 0.0 : (position_m - *from_m.back()).norm());
+  }
+  // Those who are farther apart cannot have come nearer than others did before.
+  const double within_m = min_separation_m_ + 2.0 * travelled_m + kRoundingM;
+  for (const auto& [i, j] : near_.find(to_m, within_m)) {
+    const bool both = from_m[i] != nullptr && from_m[j] != nullptr;
+    const double distance_m = models::closest_approach_m(both ? *from_m[i] : to_m[i], to_m[i],
+                                                         both ? *from_m[j] : to_m[j], to_m[j]);
+    min_separation_m_ = std::min(min_separation_m_, distance_m);
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
+#include "models/world/near_pairs.hpp"
 
 namespace vantage::logs {
 
@@ -41,6 +42,7 @@ class TruthHistory {
   void approach(const Frame& before, const Frame& after);
 
   double memory_s_;
+  models::NearPairs near_;
   std::deque<Frame> frames_;
   double min_separation_m_ = std::numeric_limits<double>::infinity();
   std::int64_t frames_ignored_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -113,22 +114,51 @@ void CollisionMonitor::update(Time now, std::span<const Eigen::Vector3d> centres
   old_m_.swap(new_m_);
 }
 
-void CollisionMonitor::check_pairs(Time now, std::vector<ContactReport>& begun) {
+double CollisionMonitor::watched_m() const {
+  double radius_m = 0.0;
+  double travelled_m = 0.0;
+  int robots = 0;
   for (std::size_t i = 0; i < new_m_.size(); ++i) {
-    for (std::size_t j = i + 1; j < new_m_.size(); ++j) {
-      const std::size_t pair = j * (j - 1) / 2 + i;
-      if (!new_m_[i].allFinite() || !new_m_[j].allFinite()) {
-        continue;
-      }
-      const double radii_m = bodies_[i].radius_m + bodies_[j].radius_m;
-      const double apart_m = closest_approach_m(old_m_[i], new_m_[i], old_m_[j], new_m_[j]);
-      const Judgement judgement{fcl_hit(geometry_->bodies[i], geometry_->bodies[j]),
-                                (new_m_[i] - new_m_[j]).norm() - radii_m, apart_m - radii_m};
-      judge(now, judgement, bodies_[i].name, bodies_[j].name, pairs_[pair], begun);
-      if (bodies_[i].is_robot && bodies_[j].is_robot) {
-        watch_separation(now, i, j, apart_m, pairs_[pair], begun);
-      }
+    radius_m = std::max(radius_m, bodies_[i].radius_m);
+    robots += bodies_[i].is_robot ? 1 : 0;
+    if (new_m_[i].allFinite()) {
+      travelled_m = std::max(travelled_m, (new_m_[i] - old_m_[i]).norm());
     }
+  }
+  // Two that are farther apart than min_separation_m_ even in the middle of the step change
+  // nothing.
+  const double separation_m =
+      robots < 2 ? 0.0 : std::max(min_separation_m_, separation_m_ + kReleaseM);
+  return std::max(2.0 * radius_m + kReleaseM, separation_m) + 2.0 * travelled_m + kRoundingM;
+}
+
+void CollisionMonitor::check_pairs(Time now, std::vector<ContactReport>& begun) {
+  const std::vector<NearPairs::Pair>& near = near_.find(new_m_, watched_m());
+  candidates_.clear();
+  std::set_union(near.begin(), near.end(), in_contact_.begin(), in_contact_.end(),
+                 std::back_inserter(candidates_));
+  in_contact_.clear();
+  for (const auto& [i, j] : candidates_) {
+    if (new_m_[i].allFinite() && new_m_[j].allFinite()) {
+      check_pair(now, i, j, begun);
+    }
+    const Contact& contact = pairs_[std::size_t{j} * (j - 1) / 2 + i];
+    if (contact.touching || contact.near) {
+      in_contact_.emplace_back(i, j);
+    }
+  }
+}
+
+void CollisionMonitor::check_pair(Time now, std::size_t i, std::size_t j,
+                                  std::vector<ContactReport>& begun) {
+  const std::size_t pair = j * (j - 1) / 2 + i;
+  const double radii_m = bodies_[i].radius_m + bodies_[j].radius_m;
+  const double apart_m = closest_approach_m(old_m_[i], new_m_[i], old_m_[j], new_m_[j]);
+  const Judgement judgement{fcl_hit(geometry_->bodies[i], geometry_->bodies[j]),
+                            (new_m_[i] - new_m_[j]).norm() - radii_m, apart_m - radii_m};
+  judge(now, judgement, bodies_[i].name, bodies_[j].name, pairs_[pair], begun);
+  if (bodies_[i].is_robot && bodies_[j].is_robot) {
+    watch_separation(now, i, j, apart_m, pairs_[pair], begun);
   }
 }
 

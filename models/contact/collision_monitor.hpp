@@ -10,6 +10,7 @@
 
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
+#include "models/world/near_pairs.hpp"
 #include "models/world/world.hpp"
 
 namespace vantage::models {
@@ -75,6 +76,9 @@ class CollisionMonitor {
   void watch_separation(Time now, std::size_t i, std::size_t j, double centres_apart_m,
                         Contact& contact, std::vector<ContactReport>& begun);
   void check_pairs(Time now, std::vector<ContactReport>& begun);
+  void check_pair(Time now, std::size_t i, std::size_t j, std::vector<ContactReport>& begun);
+  /// Pairs farther apart than this are no matter, whatever they did since the last step.
+  [[nodiscard]] double watched_m() const;
   void check_surroundings(Time now, std::size_t i, std::vector<ContactReport>& begun);
 
   World world_;
@@ -83,9 +87,12 @@ class CollisionMonitor {
   std::unique_ptr<Geometry> geometry_;
   std::vector<Eigen::Vector3d> old_m_;
   std::vector<Eigen::Vector3d> new_m_;
-  std::vector<Contact> pairs_;      ///< i < j: j (j − 1) / 2 + i
-  std::vector<Contact> obstacles_;  ///< body · obstacles + obstacle
-  std::vector<Contact> bounds_;     ///< per body
+  NearPairs near_;
+  std::vector<NearPairs::Pair> candidates_;
+  std::vector<NearPairs::Pair> in_contact_;  ///< touching or near at the last step, ascending
+  std::vector<Contact> pairs_;               ///< i < j: j (j − 1) / 2 + i
+  std::vector<Contact> obstacles_;           ///< body · obstacles + obstacle
+  std::vector<Contact> bounds_;              ///< per body
   std::vector<std::string> obstacle_names_;
   double min_separation_m_;
   std::int64_t non_finite_ = 0;

@@ -155,6 +155,14 @@ Time end_time(const Trajectory& trajectory) {
   return trajectory.start_time + from_seconds(duration_s);
 }
 
+double length_at_most_m(const Trajectory& trajectory) {
+  double length_m = 0.0;
+  for (const PlanSegment& segment : trajectory.segments) {
+    length_m += std::abs(segment.control.speed_mps) * std::max(0.0, segment.duration_s);
+  }
+  return length_m;
+}
+
 std::vector<PlanSegment> brake(double speed_mps, double brake_mps2) {
   if (speed_mps == 0.0) {
     return {};
@@ -164,6 +172,11 @@ std::vector<PlanSegment> brake(double speed_mps, double brake_mps2) {
 
 bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, double separation_m,
                       double piece_s) {
+  constexpr double kSlack_m = 1.0;  // of arcs over pieces: centimetres
+  if ((a.start.position_m() - b.start.position_m()).norm() >
+      length_at_most_m(a) + length_at_most_m(b) + separation_m + kSlack_m) {
+    return true;  // most of a large team
+  }
   Walker walk_a(a, from);
   Walker walk_b(b, from);
   const double height_difference_m = a.height_m - b.height_m;

@@ -44,6 +44,8 @@ struct TrajectoryPoint {
 TrajectoryPoint at(const Trajectory& trajectory, Time time);
 /// When the vehicle has come to rest.
 Time end_time(const Trajectory& trajectory);
+/// Its way from the start to the hover is no longer than this.
+double length_at_most_m(const Trajectory& trajectory);
 
 /// Straight stop from `speed_mps` at `brake_mps2`: one segment; none when already at rest.
 std::vector<PlanSegment> brake(double speed_mps, double brake_mps2);
