@@ -86,7 +86,11 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
   require(spec_.estimator.prior_position_sigma_m > 0.0 &&
               spec_.estimator.prior_velocity_sigma_mps > 0.0,
           "prior sigmas must be positive");
-  const int looks = kOwnLooksReserved + static_cast<int>(spec_.team.size());
+  const int looks =
+      kOwnLooksReserved + static_cast<int>(std::min(spec_.team.size(), kTeammatesReserved));
+  for (std::size_t i = 0; i < spec_.team.size(); ++i) {
+    lookers_.emplace(spec_.team[i].robot, static_cast<int>(i));
+  }
   records_.resize(static_cast<std::size_t>(spec_.history_steps));
   for (StepRecord& r : records_) {  // copying a vector does not copy what it has reserved
     r = StepRecord(spec_.target_count, looks);
@@ -203,29 +207,21 @@ void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
   if (belief.last_seen_utime.empty()) {
     return;
   }
-  std::vector<std::int64_t> newest = grid_.last_seen_utime();
-  if (!(belief.grid == grid_.geometry()) || belief.last_seen_utime.size() != newest.size()) {
+  if (!(belief.grid == grid_.geometry()) ||
+      belief.last_seen_utime.size() != grid_.last_seen_utime().size()) {
     ++counters_.grid_mismatches;
     return;
   }
   // Nobody has seen anything after the instant of their own message.
-  const std::int64_t limit = to_utime(belief.stamp.time);
-  for (std::size_t i = 0; i < newest.size(); ++i) {
-    newest[i] = std::max(newest[i], std::min(belief.last_seen_utime[i], limit));
-  }
-  grid_.set_last_seen(std::move(newest));
+  grid_.merge(belief.last_seen_utime, to_utime(belief.stamp.time));
 }
 
 int DistributedFilter::looker_of(const models::DetectionSet& look) const {
-  const auto own_or = [&](const std::string& robot) {
-    return std::find_if(spec_.team.begin(), spec_.team.end(),
-                        [&](const Looker& each) { return each.robot == robot; });
-  };
-  auto found = own_or(look.robot);
-  if (found == spec_.team.end()) {
-    found = own_or(spec_.robot);
+  auto found = lookers_.find(look.robot);
+  if (found == lookers_.end()) {
+    found = lookers_.find(spec_.robot);
   }
-  return found == spec_.team.end() ? -1 : static_cast<int>(found - spec_.team.begin());
+  return found == lookers_.end() ? -1 : found->second;
 }
 
 const models::SensorModel& DistributedFilter::sensor_of(int looker) const {

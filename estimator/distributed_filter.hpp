@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "core/time.hpp"
@@ -111,7 +112,8 @@ class DistributedFilter {
   /// advance(), then belief().
   models::RobotBelief step(const StepInput& input);
   /// The arithmetic of one step. Allocates nothing, but for more than four looks and one of each
-  /// teammate, or 64 teammates, in one step, for teammates' grids, and for obstacles near a look.
+  /// teammate, or 64 teammates, in one step, for more detections in them than StepRecord has room
+  /// for, for teammates' grids, and for obstacles near a look.
   void advance(const StepInput& input);
   /// What is known now: content of BELIEF_R; run id, sequence, step and inputs are the caller's.
   [[nodiscard]] models::RobotBelief belief() const;
@@ -151,6 +153,7 @@ class DistributedFilter {
   std::vector<StepRecord> records_;  ///< ring
   int newest_ = 0;
   int recorded_ = 0;
+  std::unordered_map<std::string, int> lookers_;      ///< indices into spec_.team
   std::vector<const models::RobotBelief*> in_range_;  ///< scratch of listen()
   FilterCounters counters_;
 };

@@ -11,8 +11,9 @@ StepRecord::StepRecord(int target_count, int look_count)
       heard(static_cast<std::size_t>(target_count)),
       heard_weight(static_cast<std::size_t>(target_count), 0.0),
       looks(static_cast<std::size_t>(look_count)) {
+  const std::size_t each = kDetectionsReserved / std::max<std::size_t>(1, looks.size());
   for (Look& look : looks) {
-    look.detections.reserve(static_cast<std::size_t>(target_count));
+    look.detections.reserve(std::min(static_cast<std::size_t>(target_count), each));
   }
 }
 

@@ -31,6 +31,10 @@ struct StepRecord {
   int look_count = 0;
 
   StepRecord() = default;
+  /// Detections of all looks together that there is room for, where every look of a small team has
+  /// room for every target: a large team's looks, most of them out of hearing, cost no more.
+  static constexpr std::size_t kDetectionsReserved = 512;
+
   /// @param look_count  looks of one step that there is room for at once
   StepRecord(int target_count, int look_count);
 

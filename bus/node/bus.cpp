@@ -142,25 +142,25 @@ void Bus::add_subscription(Subscription subscription) {
   const std::size_t index = index_.add(subscription.pattern);
   subscriptions_.push_back(std::move(subscription));
   if (is_new) {
-    transport_.subscribe(subscriptions_[index].pattern,
-                         [self = std::weak_ptr<Bus*>(self_), index](
-                             std::string_view name, std::span<const std::uint8_t> bytes) {
-                           if (const auto bus = self.lock()) {
-                             (*bus)->on_message(index, name, bytes);
-                           }
-                         });
+    transport_.subscribe(
+        subscriptions_[index].pattern,
+        [self = std::weak_ptr<Bus*>(self_), index](std::string_view name, const Payload& bytes) {
+          if (const auto bus = self.lock()) {
+            (*bus)->on_message(index, name, bytes);
+          }
+        });
   }
 }
 
 // The transport calls once for each distinct pattern that hears a message. The first of them
 // serves all subscriptions, so that the stream is judged once; the others find nothing to do.
-void Bus::on_message(std::size_t subscription, std::string_view name,
-                     std::span<const std::uint8_t> bytes) {
+void Bus::on_message(std::size_t subscription, std::string_view name, const Payload& bytes) {
   if (index_.next(name, 0) < subscription) {
     return;
   }
   const std::int64_t start_ns = monotonic_ns();
   Delivery delivery{std::string(name), bytes};
+  delivery.decoded = authenticator_ ? nullptr : bytes.decoded;  // what is signed is its own matter
   if (!open(delivery)) {
     handling_ns_ += monotonic_ns() - start_ns;
     return;

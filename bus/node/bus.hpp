@@ -81,6 +81,12 @@ class Bus {
   void subscribe_named(const Channel<Message>& channel,
                        std::function<void(const std::string& name, const Message&)> handler);
 
+  /// As above, for those who keep the message: many may keep the same.
+  template <class Message>
+  void subscribe_shared(
+      const Channel<Message>& channel,
+      std::function<void(const std::string& name, const std::shared_ptr<const Message>&)> handler);
+
   /// Waits up to `timeout`, then dispatches what has arrived; how many messages, or
   /// kSourceEnded. What a handler throws comes out here.
   int handle(std::chrono::microseconds timeout);
@@ -103,6 +109,7 @@ class Bus {
     std::optional<bool> is_fresh = std::nullopt;  ///< once judged
     bool is_shared = false;                       ///< several publishers are expected
     Duration lease{};                             ///< of the channel
+    Decoded* decoded = nullptr;                   ///< what the bytes are, shared with others
     bool is_faulty = false;                       ///< does not decode or cannot be true: counted
     auth::Refusal echo{};                         ///< of a command, held against our nonce
     bool is_echo_counted = false;
@@ -123,8 +130,10 @@ class Bus {
   bool is_said_to_us(Delivery& delivery, const models::OperatorCommand& command);
   bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
   void add_subscription(Subscription subscription);
-  void on_message(std::size_t subscription, std::string_view name,
-                  std::span<const std::uint8_t> bytes);
+  void on_message(std::size_t subscription, std::string_view name, const Payload& bytes);
+  /// What is in the delivery; null, and counted, where that does not decode or cannot be true.
+  template <class Message>
+  std::shared_ptr<const Message> message_of(Delivery& delivery);
   bool is_fresh(Delivery& delivery, const models::Stamp& stamp);
   /// Counts of every channel heard, by name.
   [[nodiscard]] std::map<std::string, StreamCounts> stream_counts() const;

@@ -39,20 +39,48 @@ void Bus::subscribe(const Channel<Message>& channel, std::function<void(const Me
 template <class Message>
 void Bus::subscribe_named(const Channel<Message>& channel,
                           std::function<void(const std::string& name, const Message&)> handler) {
+  subscribe_shared<Message>(
+      channel, [handler = std::move(handler)](const std::string& name, const auto& message) {
+        handler(name, *message);
+      });
+}
+
+template <class Message>
+std::shared_ptr<const Message> Bus::message_of(Delivery& delivery) {
+  if (delivery.decoded != nullptr) {
+    if (auto known = delivery.decoded->template get<Message>()) {
+      return known;
+    }
+  }
+  const auto wire = decode_wire<WireOf<Message>>(delivery.bytes);
+  if (!wire) {
+    count_fault(delivery, decode_errors_);
+    return nullptr;
+  }
+  std::optional<Message> message = from_wire(*wire);
+  if (!message) {
+    count_fault(delivery, refused_);
+    return nullptr;
+  }
+  auto shared = std::make_shared<const Message>(std::move(*message));
+  if (delivery.decoded != nullptr) {
+    delivery.decoded->keep(shared);
+  }
+  return shared;
+}
+
+template <class Message>
+void Bus::subscribe_shared(
+    const Channel<Message>& channel,
+    std::function<void(const std::string& name, const std::shared_ptr<const Message>&)> handler) {
   add_subscription({channel.name, channel.is_shared, channel.lease,
                     [this, handler = std::move(handler)](Delivery& delivery) {
                       constexpr bool kMayPass = std::is_same_v<Message, models::OperatorCommand>;
                       if (delivery.is_fresh == false && !kMayPass) {
                         return;
                       }
-                      const auto wire = decode_wire<WireOf<Message>>(delivery.bytes);
-                      if (!wire) {
-                        count_fault(delivery, decode_errors_);
-                        return;
-                      }
-                      const std::optional<Message> message = from_wire(*wire);
+                      const std::shared_ptr<const Message> message = message_of<Message>(delivery);
                       if (!message) {
-                        count_fault(delivery, refused_);
                         return;
                       }
                       bool may_pass =
@@ -61,7 +89,7 @@ void Bus::subscribe_named(const Channel<Message>& channel,
                         may_pass = is_said_to_us(delivery, *message) && may_pass;
                       }
                       if (may_pass) {
-                        handler(delivery.name, *message);
+                        handler(delivery.name, message);
                       }
                     }});
 }

@@ -15,6 +15,7 @@ namespace {
 struct Posted {
   std::string channel;
   std::vector<std::uint8_t> bytes;
+  mutable Decoded decoded;
 };
 
 }  // namespace
@@ -66,8 +67,10 @@ class InProcessHub::State::Endpoint : public Transport {
   }
 
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
-    const auto posted = std::make_shared<const Posted>(
-        Posted{channel, std::vector<std::uint8_t>(bytes.begin(), bytes.end())});
+    auto posting = std::make_shared<Posted>();
+    posting->channel = channel;
+    posting->bytes.assign(bytes.begin(), bytes.end());
+    const std::shared_ptr<const Posted> posted = std::move(posting);
     const std::lock_guard lock(hub_.mutex);
     if (const auto found = hub_.listeners.find(channel); found != hub_.listeners.end()) {
       for (Endpoint* endpoint : found->second) {
@@ -156,7 +159,7 @@ class InProcessHub::State::Endpoint : public Transport {
   // handlers run without the lock and may subscribe and publish.
   void dispatch(const Posted& posted) {
     for (auto i = index_.next(posted.channel, 0); i; i = index_.next(posted.channel, *i + 1)) {
-      subscriptions_[*i].handler(posted.channel, posted.bytes);
+      subscriptions_[*i].handler(posted.channel, Payload(posted.bytes, &posted.decoded));
     }
   }
 

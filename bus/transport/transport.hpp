@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "bus/transport/payload.hpp"
+
 namespace vantage::bus {
 
 /// What a transport itself saw go wrong; all since it was opened.
@@ -33,7 +35,7 @@ inline constexpr int kSourceEnded = -1;
 /// Not thread-safe: one owner, one thread, unless a class says otherwise.
 class Transport {
  public:
-  using Handler = std::function<void(std::string_view channel, std::span<const std::uint8_t>)>;
+  using Handler = std::function<void(std::string_view channel, const Payload& bytes)>;
 
   Transport() = default;
   virtual ~Transport() = default;

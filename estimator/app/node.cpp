@@ -29,22 +29,23 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
     : bus_(bus),
       filter_(filter_spec(scenario, robot)),
       robot_(robot),
+      mocap_index_(static_cast<std::size_t>(scenario.find_robot(robot) - scenario.robots.data())),
       step_(from_seconds(scenario.planner.step_s)),
       lag_(step_ / 10) {
   next_instant_ = instant_before(clock.now() - lag_, step_) + step_;
   for (const scenario::RobotSpec& each : scenario.robots) {
     if (each.name == robot_ || scenario.network.communication_range_m > 0.0) {
-      bus_.subscribe<models::DetectionSet>(
+      bus_.subscribe_shared<models::DetectionSet>(
           bus::measurement_channel(each.name),
-          [this, looker = each.name](const auto& look) { on_look(looker, look); });
+          [this, looker = each.name](const auto&, const auto& look) { on_look(looker, look); });
     }
   }
   bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) { on_mocap(frame); });
   for (const scenario::RobotSpec& teammate : scenario.robots) {
     if (teammate.name != robot_) {
-      bus_.subscribe<models::RobotBelief>(
+      bus_.subscribe_shared<models::RobotBelief>(
           bus::belief_channel(teammate.name),
-          [this, sender = teammate.name](const auto& belief) { on_belief(sender, belief); });
+          [this, sender = teammate.name](const auto&, const auto& m) { on_belief(sender, m); });
     }
   }
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
@@ -54,8 +55,9 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
 
 std::string EstimatorNode::name() const { return "ESTIMATOR_" + robot_; }
 
-void EstimatorNode::on_look(const std::string& looker, const models::DetectionSet& look) {
-  if (look.robot != looker) {
+void EstimatorNode::on_look(const std::string& looker,
+                            const std::shared_ptr<const models::DetectionSet>& look) {
+  if (look->robot != looker) {
     ++misaddressed_;
     return;
   }
@@ -64,12 +66,11 @@ void EstimatorNode::on_look(const std::string& looker, const models::DetectionSe
     looks_.pop_front();
     ++looks_overflowed_;
   }
-  looks_.push_back({name_of(bus::measurement_channel(looker).name, look.stamp),
-                    std::make_shared<const models::DetectionSet>(look)});
+  looks_.push_back({name_of(bus::measurement_channel(looker).name, look->stamp), look});
 }
 
 void EstimatorNode::on_mocap(const models::MocapFrame& frame) {
-  const auto pose = own_pose(frame, robot_);
+  const auto pose = own_pose(frame, robot_, mocap_index_);
   if (!pose) {
     return;
   }
@@ -80,13 +81,13 @@ void EstimatorNode::on_mocap(const models::MocapFrame& frame) {
       {name_of(bus::kVicon.name, frame.stamp), std::make_shared<const OwnPose>(*pose)});
 }
 
-void EstimatorNode::on_belief(const std::string& teammate, const models::RobotBelief& belief) {
-  if (belief.robot != teammate) {
+void EstimatorNode::on_belief(const std::string& teammate,
+                              const std::shared_ptr<const models::RobotBelief>& belief) {
+  if (belief->robot != teammate) {
     ++misaddressed_;
     return;
   }
-  newest_[teammate] = {name_of(bus::belief_channel(teammate).name, belief.stamp),
-                       std::make_shared<const models::RobotBelief>(belief)};
+  newest_[teammate] = {name_of(bus::belief_channel(teammate).name, belief->stamp), belief};
 }
 
 StepMaterial EstimatorNode::gather(Time t) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,14 +46,16 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] const DistributedFilter& filter() const { return filter_; }
 
  private:
-  void on_look(const std::string& looker, const models::DetectionSet& look);
+  void on_look(const std::string& looker, const std::shared_ptr<const models::DetectionSet>& look);
   void on_mocap(const models::MocapFrame& frame);
-  void on_belief(const std::string& teammate, const models::RobotBelief& belief);
+  void on_belief(const std::string& teammate,
+                 const std::shared_ptr<const models::RobotBelief>& belief);
   StepMaterial gather(Time t);
 
   bus::Bus& bus_;
   DistributedFilter filter_;
   std::string robot_;
+  std::size_t mocap_index_;  ///< where frames have the robot, most likely
   Duration step_;
   Duration lag_;
   Time next_instant_{};

@@ -8,8 +8,9 @@ models::InputRef name_of(const std::string& channel, const models::Stamp& stamp)
   return {channel, stamp.run_id, stamp.sequence};
 }
 
-std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot) {
-  const models::MocapBody* body = frame.find(robot);
+std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot,
+                                std::size_t hint) {
+  const models::MocapBody* body = frame.find(robot, hint);
   if (body == nullptr || body->occluded) {
     return std::nullopt;
   }

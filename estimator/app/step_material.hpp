@@ -37,7 +37,8 @@ struct StepMaterial {
 models::InputRef name_of(const std::string& channel, const models::Stamp& stamp);
 
 /// The pose of `robot` in `frame`; nullopt when it is missing or occluded.
-std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot);
+std::optional<OwnPose> own_pose(const models::MocapFrame& frame, const std::string& robot,
+                                std::size_t hint = 0);
 
 /// True when one of `looks` is of `robot` and of the interval (t − τ, t], so that its viewpoint
 /// serves for t.

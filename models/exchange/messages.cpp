@@ -10,6 +10,10 @@ const MocapBody* MocapFrame::find(const std::string& name) const {
   return found == bodies.end() ? nullptr : &*found;
 }
 
+const MocapBody* MocapFrame::find(const std::string& name, std::size_t hint) const {
+  return hint < bodies.size() && bodies[hint].name == name ? &bodies[hint] : find(name);
+}
+
 const char* name_of(FlightState state) {
   switch (state) {
     case FlightState::kIdle:

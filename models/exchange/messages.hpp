@@ -49,6 +49,8 @@ struct MocapFrame {
   std::vector<MocapBody> bodies;
 
   [[nodiscard]] const MocapBody* find(const std::string& name) const;
+  /// The same, of one that was at `hint` in a frame before: no search where it still is.
+  [[nodiscard]] const MocapBody* find(const std::string& name, std::size_t hint) const;
 };
 
 /// One target in view.

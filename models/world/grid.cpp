@@ -186,6 +186,15 @@ void VisibilityGrid::merge(const VisibilityGrid& other) {
                  [](std::int64_t a, std::int64_t b) { return std::max(a, b); });
 }
 
+void VisibilityGrid::merge(const std::vector<std::int64_t>& last_seen_utime,
+                           std::int64_t limit_utime) {
+  assert(last_seen_utime.size() == last_seen_.size());
+  std::transform(last_seen_.begin(), last_seen_.end(), last_seen_utime.begin(), last_seen_.begin(),
+                 [&](std::int64_t own, std::int64_t theirs) {
+                   return std::max(own, std::min(theirs, limit_utime));
+                 });
+}
+
 bool VisibilityGrid::is_explored(int index, Time now) const {
   const std::int64_t last_seen = last_seen_[at_index(index)];
   return last_seen != kNeverSeen &&

@@ -63,6 +63,8 @@ class VisibilityGrid {
   void see(const SensorModel& sensor, const Viewpoint& from, const World& world, Time now);
   /// Takes the newer of both stamps in every cell. Precondition: equal geometry.
   void merge(const VisibilityGrid& other);
+  /// The same of stamps of this geometry; none counts as later than `limit_utime`.
+  void merge(const std::vector<std::int64_t>& last_seen_utime, std::int64_t limit_utime);
   [[nodiscard]] bool is_explored(int index, Time now) const;
   [[nodiscard]] bool is_free(int index) const {
     return free_[static_cast<std::size_t>(index)] != 0;

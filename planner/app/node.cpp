@@ -59,7 +59,8 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
     subscribe_to<models::RobotMap>(bus::map_channel(robot), robot,
                                    [this](const auto& m) { inputs_.map = m; });
   }
-  bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& m) { inputs_.mocap = m; });
+  bus_.subscribe_shared<models::MocapFrame>(
+      bus::kVicon, [this](const auto& /*name*/, const auto& m) { mocap_ = m; });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
   for (const scenario::RobotSpec& other : robots_) {
     const std::string& name = other.name;
@@ -163,6 +164,9 @@ void PlannerNode::tick(Time now) {
     return;
   }
   inputs_.slot = slot_;
+  if (mocap_) {
+    inputs_.mocap = *mocap_;
+  }
   if (slot_.is_proposal && spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
     begin_exchange(now);
   } else if (slot_.is_proposal) {

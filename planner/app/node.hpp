@@ -64,6 +64,7 @@ class PlannerNode : public bus::Node {
   RoundSchedule schedule_;
   RoundSchedule::Slot slot_;
   PlanInputs inputs_;
+  std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; of inputs_ from the slot on
   // Of an exchange:
   Time next_exchange_ = Time::max();
   Time exchange_end_{};

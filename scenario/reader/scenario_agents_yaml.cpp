@@ -14,8 +14,8 @@ namespace {
 using models::SensorKind;
 using models::SensorModel;
 
-constexpr std::size_t kRobotsMax = 64;
-constexpr int kTargetsMax = 1000;
+constexpr std::size_t kRobotsMax = 10'000;
+constexpr int kTargetsMax = 10'000;
 constexpr std::size_t kPrimitivesMax = 64;
 constexpr double kSpeedMaxMps = 50.0;
 constexpr double kYawRateMaxRadps = 20.0;

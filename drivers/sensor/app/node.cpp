@@ -36,15 +36,16 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::S
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     scanner_.emplace(scenario, robot);
   }
-  bus_.subscribe<models::MocapFrame>(bus::kVicon,
-                                     [this](const models::MocapFrame& frame) { on_frame(frame); });
+  bus_.subscribe_shared<models::MocapFrame>(
+      bus::kVicon, [this](const auto& /*name*/, const auto& frame) { on_frame(frame); });
   bus_.subscribe<models::AttackNotice>(
       bus::kAttack, [this](const models::AttackNotice& attack) { attack_ = attack; });
 }
 
 void SensorNode::tick(Time now) { next_tick_ = now + kIdle; }
 
-void SensorNode::on_frame(const models::MocapFrame& frame) {
+void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& shared) {
+  const models::MocapFrame& frame = *shared;
   if (last_ && frame.stamp.run_id != last_->stamp.run_id) {
     ++mocap_restarts_;
     last_.reset();
@@ -69,7 +70,7 @@ void SensorNode::on_frame(const models::MocapFrame& frame) {
   } else {
     steps_without_frames_ += passed;
   }
-  last_ = frame;
+  last_ = shared;
 }
 
 void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,7 +42,7 @@ class SensorNode : public bus::Node {
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
 
  private:
-  void on_frame(const models::MocapFrame& frame);
+  void on_frame(const std::shared_ptr<const models::MocapFrame>& shared);
   void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
 
   bus::Bus& bus_;
@@ -50,7 +51,7 @@ class SensorNode : public bus::Node {
   std::optional<RangeScanner> scanner_;  ///< of a scenario that maps
   Duration step_;
   Time next_tick_;
-  std::optional<models::MocapFrame> last_;
+  std::shared_ptr<const models::MocapFrame> last_;
   std::optional<models::AttackNotice> attack_;
   std::int64_t steps_without_frames_ = 0;
   std::int64_t steps_without_own_pose_ = 0;

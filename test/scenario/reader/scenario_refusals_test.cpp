@@ -140,7 +140,7 @@ const BadEdit kRanges[] = {
     {"MocapPort", "  rate_hz: 50\n", "  rate_hz: 50\n  @port: 0\n", "mocap.port: must be at least 1 and at most 65535, is '0'"},
     {"MocapBlock", "  rate_hz: 50\n", "  rate_hz: 50\n  @block_bytes: 500\n", "mocap.block_bytes: must be one of 256, 512, 1024; is 500"},
     {"MocapUnknownKey", "  rate_hz: 50\n", "  rate_hz: 50\n  @adress: x\n", "mocap.adress: unknown key"},
-    {"MocapTooFast", "rate_hz: 50", "@rate_hz: 5000", "mocap.rate_hz: must be above 0 and at most 1000, is 5000"},
+    {"MocapTooFast", "rate_hz: 50", "@rate_hz: 5000", "mocap.rate_hz: must be above 0 and at most 10000, is '0'0"},
 };
 
 const BadEdit kTeams[] = {
@@ -160,7 +160,7 @@ const BadEdit kTeams[] = {
     {"PrimitivesTurnTooFast", "primitives: lab", "@primitives: [{speed_mps: 1, yaw_rate_radps: -4}]", "yaw_rate_radps must be at most limits.yaw_rate_max_radps, 3, either way; is -4"},
     {"PrimitiveBackwards", "primitives: lab", "@primitives: [{speed_mps: -1, yaw_rate_radps: 0}]", "primitives[0].speed_mps: must be at least 0, is -1"},
     {"PrimitivesUnknown", "primitives: lab", "@primitives: fast", "must be one of standard, lab; is 'fast'"},
-    {"NoTargets", "  count: 5 ", "  @count: 0 ", "targets.count: must be at least 1 and at most 1000, is '0'"},
+    {"NoTargets", "  count: 5 ", "  @count: 0 ", "targets.count: must be at least 1 and at most 10000, is '0'"},
 };
 // clang-format on
 
@@ -258,9 +258,9 @@ TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
             "lab.yaml:5: targets[0].start: must be at least 0.2 m from obstacles and walls, "
             "(8.9, 5) m is 0.1");
   EXPECT_EQ(refusal_of(base + "targets: []\n"),
-            "lab.yaml:4: targets: must list at least 1 and at most 1000 targets, lists 0");
+            "lab.yaml:4: targets: must list at least 1 and at most 10000 targets, lists 0");
   EXPECT_EQ(refusal_of("name: x\n" + kWorld + kTargets + "robots: []\n"),
-            "lab.yaml:4: robots: must list at least 1 and at most 64 robots, lists 0");
+            "lab.yaml:4: robots: must list at least 1 and at most 10000 robots, lists 0");
 }
 
 TEST(ParseScenario, RefusesHostsThatCannotBe) {

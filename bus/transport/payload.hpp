@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace vantage::bus {
+
+/// What one message's bytes were decoded to, kept where many listeners share the bytes: the first
+/// of them decodes for all. Thread-safe.
+class Decoded {
+ public:
+  /// Null: not decoded yet, or to something else.
+  template <class Message>
+  [[nodiscard]] std::shared_ptr<const Message> get() const {
+    const std::lock_guard lock(mutex_);
+    return kind_ == kind_of<Message>() ? std::static_pointer_cast<const Message>(message_)
+                                       : nullptr;
+  }
+  template <class Message>
+  void keep(std::shared_ptr<const Message> message) {
+    const std::lock_guard lock(mutex_);
+    kind_ = kind_of<Message>();
+    message_ = std::move(message);
+  }
+
+ private:
+  template <class Message>
+  static const void* kind_of() {
+    static constexpr char kKind = 0;
+    return &kKind;  // another for each type
+  }
+
+  mutable std::mutex mutex_;
+  const void* kind_ = nullptr;
+  std::shared_ptr<const void> message_;
+};
+
+/// A message's bytes as a handler gets them.
+struct Payload : std::span<const std::uint8_t> {
+  Payload(std::span<const std::uint8_t> bytes, Decoded* decoded_once = nullptr)  // NOLINT: as it is
+      : std::span<const std::uint8_t>(bytes), decoded(decoded_once) {}
+  Payload(const std::vector<std::uint8_t>& bytes)  // NOLINT: as it is
+      : Payload(std::span<const std::uint8_t>(bytes)) {}
+
+  Decoded* decoded = nullptr;  ///< null: nobody shares the bytes
+};
+
+}  // namespace vantage::bus
