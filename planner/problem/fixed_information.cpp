@@ -1,5 +1,7 @@
 #include "planner/problem/fixed_information.hpp"
 
+#include <limits>
+
 #include "planner/problem/look.hpp"
 
 namespace vantage::planner {
@@ -10,22 +12,50 @@ struct View {
   const models::SensorModel* sensor = nullptr;
 };
 
+// Where the targets are expected from the plan's start to its end.
+models::Rectangle around_targets(const SearchProblem& problem) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  models::Rectangle around{Eigen::Vector2d::Constant(kInfinity),
+                           Eigen::Vector2d::Constant(-kInfinity)};
+  for (const SearchTarget& target : problem.targets) {
+    const models::StateMatrix A =
+        target.model.transition(problem.step_s * problem.horizon_steps);  // means move straight
+    const Eigen::Vector2d from_m = target.prior.mean.head<2>();
+    const Eigen::Vector2d to_m = (A * target.prior.mean).eval().head<2>();
+    around.min_m = around.min_m.cwiseMin(from_m).cwiseMin(to_m);
+    around.max_m = around.max_m.cwiseMax(from_m).cwiseMax(to_m);
+  }
+  return around;
+}
+
+// False for a teammate from whose whole way no target is within range: most of a large team.
+bool may_see(const FixedTeammate& teammate, const models::Rectangle& around) {
+  constexpr double kSlack_m = 1e-3;
+  const Eigen::Array2d within_m = Eigen::Array2d::Constant(
+      models::length_at_most_m(teammate.trajectory) + teammate.sensor.range_max_m + kSlack_m);
+  const Eigen::Array2d from_m = teammate.trajectory.start.position_m().array();
+  return !((from_m + within_m < around.min_m.array()).any() ||
+           (from_m - within_m > around.max_m.array()).any());
+}
+
 }  // namespace
 
 std::vector<std::vector<models::PositionMatrix>> fixed_information(
     const SearchProblem& problem, const std::vector<FixedTeammate>& teammates) {
   const auto steps = static_cast<std::size_t>(problem.horizon_steps);
   // Where each teammate looks from, [step][teammate]: once, not for each target again.
+  const models::Rectangle around = around_targets(problem);
   std::vector<std::vector<View>> views(steps);
-  for (std::size_t t = 0; t < steps; ++t) {
-    const Time when =
-        problem.start_time + from_seconds(static_cast<double>(t + 1) * problem.step_s);
-    for (const FixedTeammate& teammate : teammates) {
-      if (!teammate.jammed) {
-        views[t].push_back(
-            {{models::at(teammate.trajectory, when).world_from_body, teammate.trajectory.height_m},
-             &teammate.sensor});
-      }
+  for (const FixedTeammate& teammate : teammates) {
+    if (teammate.jammed || !may_see(teammate, around)) {
+      continue;
+    }
+    for (std::size_t t = 0; t < steps; ++t) {
+      const Time when =
+          problem.start_time + from_seconds(static_cast<double>(t + 1) * problem.step_s);
+      views[t].push_back(
+          {{models::at(teammate.trajectory, when).world_from_body, teammate.trajectory.height_m},
+           &teammate.sensor});
     }
   }
   std::vector<std::vector<models::PositionMatrix>> fixed(problem.targets.size());

@@ -221,11 +221,13 @@ std::vector<models::Trajectory> RobotPlanner::hovers_of_those_who_wait(
     const PlanInputs& inputs) const {
   std::vector<models::Trajectory> hovers;
   for (const auto& [name, status] : inputs.team_statuses) {
+    if (status.state == models::FlightState::kFollow || name == spec_->name) {
+      continue;
+    }
     const scenario::RobotSpec* robot = scenario_.find_robot(name);
     const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(name) : nullptr;
     // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
-    if (status.state != models::FlightState::kFollow && robot != nullptr && body != nullptr &&
-        !body->occluded && name != spec_->name) {
+    if (robot != nullptr && body != nullptr && !body->occluded) {
       const double here_m = body->world_from_body.translation_m.z();
       double height_m = robot->height_m;
       if (status.state == models::FlightState::kHold) {  // it may be climbing there

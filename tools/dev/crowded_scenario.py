@@ -1,28 +1,49 @@
 #!/usr/bin/env python3
-"""crowded_scenario.py ROBOTS TARGETS: a scenario with so many, on standard output; for the viewer's
-frame rate, not for what the planners make of it (the lawn mower flies them)."""
-import sys
+"""A scenario with many robots and targets, on standard output.
 
-robots, targets = int(sys.argv[1]), int(sys.argv[2])
-columns = max(1, round(robots**0.5))
+As it is, for the viewer's frame rate and not for what planners make of it: 80 m × 80 m, flown by the
+lawn mower. With --area-m2, for how cost grows with a team (docs/results/scale.md): the field grows
+with the team, so that every robot has as many neighbours whatever the team's size.
+"""
+import argparse
+import math
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("robots", type=int)
+parser.add_argument("targets", type=int)
+parser.add_argument("--planner", default="lawn_mower", help="planner.algorithm")
+parser.add_argument("--nodes", type=int, help="planner.node_budget")
+parser.add_argument("--area-m2", type=float, help="of the field, for each robot; else 80 m × 80 m")
+parser.add_argument("--duration-s", type=float, default=60)
+given = parser.parse_args()
+
+columns = max(1, round(given.robots**0.5))
+rows = math.ceil(given.robots / columns)
+spacing_m = math.sqrt(given.area_m2) if given.area_m2 else 10
+half_m = 0.5 * spacing_m * max(columns, rows) if given.area_m2 else 40
+first_m = -half_m + 0.5 * spacing_m if given.area_m2 else -35
 print(f"""name: crowd
-duration_s: 60
+duration_s: {given.duration_s:g}
 seed: 1
 world:
-  bounds: {{min_m: [-40, -40], max_m: [40, 40]}}
-  ceiling_m: 30
-  obstacles:
-    - footprint: {{min_m: [-32, -32], max_m: [-28, -28]}}
-      height_m: 5
-robot_defaults:
+  bounds: {{min_m: [{-half_m:g}, {-half_m:g}], max_m: [{half_m:g}, {half_m:g}]}}
+  ceiling_m: 30""")
+if not given.area_m2:
+    print("""  obstacles:
+    - footprint: {min_m: [-32, -32], max_m: [-28, -28]}
+      height_m: 5""")
+print("""robot_defaults:
   primitives: standard
-  limits: {{speed_max_mps: 3, yaw_rate_max_radps: 3, brake_mps2: 4, radius_m: 0.25}}
-  sensor: {{kind: range_bearing, range_max_m: 8, range_min_m: 0.1, fov_deg: 94}}
+  limits: {speed_max_mps: 3, yaw_rate_max_radps: 3, brake_mps2: 4, radius_m: 0.25}
+  sensor: {kind: range_bearing, range_max_m: 8, range_min_m: 0.1, fov_deg: 94}
 robots:""")
-for i in range(robots):
-    x, y = (10 * (i % columns) - 35, 10 * (i // columns) - 35)
-    print(f"  - {{name: Q{i + 1}, start: {{x_m: {x}, y_m: {y}, yaw_deg: 0}}, height_m: {1 + 0.5 * i}}}")
-print(f"""targets: {{count: {targets}, name_prefix: R, radius_m: 0.2}}
-estimator: {{grid_resolution_m: 2}}
-planner: {{algorithm: lawn_mower, horizon_steps: 6, step_s: 0.5, execute_steps: 2, team_budget_s: 0.5}}
+for i in range(given.robots):
+    x, y = (first_m + spacing_m * (i % columns), first_m + spacing_m * (i // columns))
+    height_m = 1 + 0.5 * (i % 57)  # below the ceiling
+    print(f"  - {{name: Q{i + 1}, start: {{x_m: {x:g}, y_m: {y:g}, yaw_deg: 0}}, height_m: {height_m:g}}}")
+nodes = f", node_budget: {given.nodes}" if given.nodes else ""
+cell_m = 2 if not given.area_m2 else max(2.0, 2 * half_m / 100)
+print(f"""targets: {{count: {given.targets}, name_prefix: R, radius_m: 0.2}}
+estimator: {{grid_resolution_m: {cell_m:g}}}
+planner: {{algorithm: {given.planner}, horizon_steps: 6, step_s: 0.5, execute_steps: 2, team_budget_s: 0.5{nodes}}}
 network: {{communication_range_m: 10}}""")

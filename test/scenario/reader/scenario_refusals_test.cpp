@@ -140,7 +140,7 @@ const BadEdit kRanges[] = {
     {"MocapPort", "  rate_hz: 50\n", "  rate_hz: 50\n  @port: 0\n", "mocap.port: must be at least 1 and at most 65535, is '0'"},
     {"MocapBlock", "  rate_hz: 50\n", "  rate_hz: 50\n  @block_bytes: 500\n", "mocap.block_bytes: must be one of 256, 512, 1024; is 500"},
     {"MocapUnknownKey", "  rate_hz: 50\n", "  rate_hz: 50\n  @adress: x\n", "mocap.adress: unknown key"},
-    {"MocapTooFast", "rate_hz: 50", "@rate_hz: 5000", "mocap.rate_hz: must be above 0 and at most 10000, is '0'0"},
+    {"MocapTooFast", "rate_hz: 50", "@rate_hz: 5000", "mocap.rate_hz: must be above 0 and at most 1000, is 5000"},
 };
 
 const BadEdit kTeams[] = {
