@@ -2,7 +2,7 @@
 """A scenario with many robots and targets, on standard output.
 
 As it is, for the viewer's frame rate and not for what planners make of it: 80 m × 80 m, flown by the
-lawn mower. With --area-m2, for how cost grows with a team (docs/results/scale.md): the field grows
+lawn mower. With --area-m2, for how cost grows with a team (test/bench/trial_bench): the field grows
 with the team, so that every robot has as many neighbours whatever the team's size.
 """
 import argparse
