@@ -18,12 +18,13 @@ models::Rectangle around_targets(const SearchProblem& problem) {
   models::Rectangle around{Eigen::Vector2d::Constant(kInfinity),
                            Eigen::Vector2d::Constant(-kInfinity)};
   for (const SearchTarget& target : problem.targets) {
-    const models::StateMatrix A =
-        target.model.transition(problem.step_s * problem.horizon_steps);  // means move straight
-    const Eigen::Vector2d from_m = target.prior.mean.head<2>();
-    const Eigen::Vector2d to_m = (A * target.prior.mean).eval().head<2>();
-    around.min_m = around.min_m.cwiseMin(from_m).cwiseMin(to_m);
-    around.max_m = around.max_m.cwiseMax(from_m).cwiseMax(to_m);
+    models::StateVector mean = target.prior.mean;
+    for (int t = 0; t <= problem.horizon_steps; ++t) {  // no mean need move straight
+      const Eigen::Vector2d at_m = mean.head<2>();
+      around.min_m = around.min_m.cwiseMin(at_m);
+      around.max_m = around.max_m.cwiseMax(at_m);
+      mean = target.model.expected(mean, problem.step_s);
+    }
   }
   return around;
 }
