@@ -364,7 +364,9 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
     turn_away_from(*crowder, plan);
     return plan;
   }
-  if (stays && turn_to_a_way_out(plan)) {
+  // A search of a tree without a single child: from here, so turned, nothing can begin.
+  const bool is_boxed_in = !mapping_ && result.nodes_generated == 0;
+  if (stays && turn_to_a_way_out(is_boxed_in, plan)) {
     return plan;
   }
   if (!take(result, plan)) {

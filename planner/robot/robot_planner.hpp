@@ -147,9 +147,11 @@ class RobotPlanner {
   /// On the spot, by an eighth of a turn: away from the teammate or, once it faces away, on and on,
   /// until some heading has a way out. Turning moves no disc, so it is safe wherever hovering is.
   void turn_away_from(std::size_t teammate, models::RobotPlan& plan);
-  /// The same where a wall is so near ahead that no motion can begin: towards the nearest heading
-  /// with a way out. False, and nothing done, where there is one already or nowhere.
-  bool turn_to_a_way_out(models::RobotPlan& plan);
+  /// The same where walls or teammates are so near ahead that no motion can begin: towards the
+  /// nearest heading with a way out. False, and nothing done, where there is one already, unless
+  /// the search says otherwise (`is_boxed_in`: then on and on, to the left), and where there is
+  /// none.
+  bool turn_to_a_way_out(bool is_boxed_in, models::RobotPlan& plan);
   /// An eighth of a turn on the spot, to the side of `off_rad`; to the left when that is nearly
   /// ahead.
   void turn(double off_rad, models::RobotPlan& plan);

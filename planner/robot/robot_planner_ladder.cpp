@@ -58,7 +58,7 @@ void RobotPlanner::turn_away_from(std::size_t teammate, models::RobotPlan& plan)
   turn(wrap_to_pi(std::atan2(away_m.y(), away_m.x()) - problem_.start.yaw_rad), plan);
 }
 
-bool RobotPlanner::turn_to_a_way_out(models::RobotPlan& plan) {
+bool RobotPlanner::turn_to_a_way_out(bool is_boxed_in, models::RobotPlan& plan) {
   const auto is_way_out = [this](double turned_rad) {
     Pose2 from = problem_.start;
     from.yaw_rad = wrap_to_pi(from.yaw_rad + turned_rad);
@@ -69,11 +69,13 @@ bool RobotPlanner::turn_to_a_way_out(models::RobotPlan& plan) {
           for (const auto& stop : models::brake(control.speed_mps, problem_.brake_mps2)) {
             step.segments.push_back(stop);
           }
-          return control.speed_mps > 0.0 && models::is_clear(scenario_.world, step, step.start_time,
-                                                             problem_.clearance_m + kRounding_m);
+          // No more than the search asks for: where it stands, there may not be more.
+          return control.speed_mps > 0.0 &&
+                 models::is_clear(scenario_.world, step, step.start_time, problem_.clearance_m) &&
+                 keeps_apart(step, 0.0);
         });
   };
-  if (is_way_out(0.0)) {
+  if (!is_boxed_in && is_way_out(0.0)) {
     return false;  // it may stay because that is best
   }
   for (const double turn_rad : {kTurn_rad, 2.0 * kTurn_rad, 3.0 * kTurn_rad, kPi}) {
@@ -84,7 +86,10 @@ bool RobotPlanner::turn_to_a_way_out(models::RobotPlan& plan) {
       }
     }
   }
-  return false;
+  if (is_boxed_in) {
+    turn(kTurn_rad, plan);
+  }
+  return is_boxed_in;
 }
 
 void RobotPlanner::turn(double off_rad, models::RobotPlan& plan) {

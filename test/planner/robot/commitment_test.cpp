@@ -71,7 +71,10 @@ TEST(RobotPlanner, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
   for (const Pose2& start : {Pose2{0.0, 2.0 - nearest_m - 0.06, kPi / 2},
                              Pose2{0.0, -2.0 + nearest_m + 0.06, -kPi / 2 + inward.yaw_rad},
                              Pose2{4.0 - nearest_m - 0.06, 2.0 - nearest_m - 0.06, kPi / 4},
-                             Pose2{-4.0 + nearest_m + 0.06, 0.0, kPi}}) {
+                             Pose2{-4.0 + nearest_m + 0.06, 0.0, kPi},
+                             // Flown: as near as may be, less than the rounding of other checks.
+                             Pose2{4.0 - nearest_m - 0.011, -2.0 + nearest_m + 0.012, 0.0},
+                             Pose2{0.0, 2.0 - nearest_m - 0.003, kPi / 2}}) {
     PlanInputs inputs = test::first_inputs(scenario, 0, 7);
     inputs.mocap->bodies[0].world_from_body = lift(start, scenario.robots[0].height_m);
     const RoundSchedule schedule(scenario.planner, 0, 3);

@@ -436,6 +436,43 @@ TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
   }
 }
 
+// Flown: two that hovered as near to each other as they may, one facing the other, stayed there.
+TEST(RobotPlanner, LeavesATeammateThatIsAsNearAsItMayBe) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.world.obstacles.clear();
+  scenario.robots.resize(2);
+  scenario.robots[0].height_m = scenario.robots[1].height_m = 1.0;
+  const double asked_m =
+      scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m;
+  const RoundSchedule schedule(scenario.planner, 0, 2);
+  for (int i = 0; i < 8; ++i) {
+    scenario.robots[0].start = {asked_m + 0.004, 0.0, wrap_to_pi(i * kPi / 4.0)};
+    scenario.robots[1].start = {0.0, 0.0, 0.0};
+    RobotPlanner planner(scenario, scenario.robots[0].name);
+    PlanInputs inputs;
+    double gone_m = 0.0;
+    for (std::int64_t round = kFirstRound; round < kFirstRound + 12; ++round) {
+      inputs.slot = schedule.slot(round);
+      Pose2 at = scenario.robots[0].start;
+      if (inputs.own_plan && inputs.own_plan->trajectory.start_time <= inputs.slot.begin) {
+        at = models::at(inputs.own_plan->trajectory, inputs.slot.begin).world_from_body;
+      }
+      inputs.mocap.emplace().stamp.time = inputs.slot.begin;
+      inputs.mocap->bodies = {{scenario.robots[0].name, lift(at, 1.0), false},
+                              {scenario.robots[1].name, lift(Pose2{}, 1.0), false}};
+      inputs.belief.emplace().stamp.time = inputs.slot.begin;
+      const models::Gaussian guess{Eigen::Vector2d(3.0, 1.5), 0.3 * Eigen::Matrix2d::Identity()};
+      inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
+      const auto plan = planner.plan(inputs, Deadline::nodes(20'000));
+      ASSERT_TRUE(plan.has_value());
+      gone_m = std::max(gone_m, (at.position_m() - scenario.robots[0].start.position_m()).norm());
+      inputs.own_plan = plan;
+    }
+    EXPECT_GT(gone_m, 0.5) << "heading " << i;
+    EXPECT_LE(planner.counts().turns_away, 6) << "heading " << i;
+  }
+}
+
 // Two robots between two targets: planning after each other, they do not both go to the same one.
 TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
   scenario::Scenario scenario = test::lab_scenario();
