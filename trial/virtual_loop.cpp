@@ -11,7 +11,7 @@ bus::Bus& VirtualTimeLoop::add_bus(std::int64_t run_id) {
   Participant participant;
   waiting_.push_back(0);
   participant.transport = hub_.connect([this, index = participants_.size()] {
-    waiting_count_ += waiting_[index] == 0 ? 1 : 0;
+    waiting_count_ += waiting_[index] == 0 ? 1U : 0U;
     waiting_[index] = 1;
   });
   participant.bus = std::make_unique<bus::Bus>(*participant.transport, run_id);
