@@ -39,7 +39,7 @@ std::optional<RestartSchedule::Nanoseconds> RestartSchedule::on_end(Nanoseconds 
     return std::nullopt;
   }
   const double backoff_s =
-      std::min(policy_.backoff_first_s * std::exp2(streak_), policy_.backoff_max_s);
+      std::min(std::ldexp(policy_.backoff_first_s, streak_), policy_.backoff_max_s);
   ++streak_;
   return now_ns + nanoseconds(backoff_s);
 }
