@@ -276,9 +276,7 @@ TEST(RobotPlanner, DecidesTheSameFromTheSameInputs) {
 
 // Planners that take turns in one workspace leave nothing behind in it.
 TEST(Workspace, ChangesNothingForThoseWhoShareIt) {
-  for (const scenario::PlanAlgorithm algorithm :
-       {scenario::PlanAlgorithm::kArvi, scenario::PlanAlgorithm::kRvi,
-        scenario::PlanAlgorithm::kBeam}) {
+  for (const char* algorithm : {"arvi", "rvi", "beam", "astar", "aegis", "random_walk"}) {
     scenario::Scenario scenario = test::lab_scenario();
     scenario.planner.algorithm = algorithm;
     const auto shared = std::make_shared<Workspace>(scenario);
