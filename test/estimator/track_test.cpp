@@ -161,7 +161,7 @@ TEST(Measure, UsesASensorOfOnesOwn) {
   std::mt19937_64 rng(5);
   for (int trial = 0; trial < 20; ++trial) {
     const LookCase c =
-        draw_case(test::signal_strength(), 10.0, trial % 2 == 0 ? 360.0 : 94.0, 0.02, rng);
+        draw_case(vantage::test::signal_strength(), 10.0, trial % 2 == 0 ? 360.0 : 94.0, 0.02, rng);
     auto information = models::to_information(c.belief).value();
     ASSERT_EQ(measure(information, c.sensor, c.from, c.z, 0.0), Use::kUsed);
     const Gaussian actual = models::to_gaussian(information).value();
@@ -177,7 +177,7 @@ TEST(Measure, UsesASensorOfOnesOwn) {
 
 TEST(Measure, LinearisesASensorOfOnesOwnInSpace) {
   models::SensorModel sensor;
-  sensor.kind = test::signal_strength();
+  sensor.kind = vantage::test::signal_strength();
   models::Viewpoint from = at(0.0, 0.0);
   from.height_m = 1.0;
   const Gaussian prior{Eigen::Vector3d(2.0, 1.0, 0.5), 0.01 * Eigen::Matrix3d::Identity()};
