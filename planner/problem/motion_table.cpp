@@ -91,6 +91,9 @@ void MotionTable::reset(const SearchProblem& problem) {
   teammate_pieces_.clear();
   step_ways_m_.clear();
   kept_m_.clear();
+  for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
+    kept_m_.push_back(kept_separation_m(problem, i));
+  }
   int steps = problem.horizon_steps + 1;
   for (const models::Trajectory& teammate : problem.teammates) {
     const double left_s = to_seconds(models::end_time(teammate) - problem.start_time);
@@ -101,12 +104,7 @@ void MotionTable::reset(const SearchProblem& problem) {
     steps += static_cast<int>(std::ceil(speed_mps / problem.brake_mps2 / problem.step_s));
   }
   pieces_each_ = steps * kPieces;
-  for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
-    const models::Trajectory& teammate = problem.teammates[i];
-    if (!can_come_near(teammate)) {
-      continue;
-    }
-    kept_m_.push_back(kept_separation_m(problem, i));
+  for (const models::Trajectory& teammate : problem.teammates) {
     const double since_start_s = to_seconds(problem.start_time - teammate.start_time);
     for (int depth = 0; depth < steps; ++depth) {
       double way_m = 0.0;
@@ -126,17 +124,6 @@ void MotionTable::reset(const SearchProblem& problem) {
       step_ways_m_.push_back(way_m);
     }
   }
-}
-
-bool MotionTable::can_come_near(const models::Trajectory& teammate) const {
-  constexpr double kSlack_m = 1.0;  // of chords: centimetres
-  const double speed_mps = std::max(reach_m_ / problem_->step_s, problem_->start_speed_mps);
-  const double stop_m =
-      problem_->brake_mps2 > 0.0 ? 0.5 * speed_mps * speed_mps / problem_->brake_mps2 : 0.0;
-  const double ways_m =
-      problem_->horizon_steps * reach_m_ + stop_m + models::length_at_most_m(teammate);
-  return !((teammate.start.position_m() - problem_->start.position_m()).norm() >
-           problem_->separation_m + ways_m + kSlack_m);
 }
 
 void MotionTable::children(const Pose2& from, double cos_yaw, double sin_yaw, Views& out) const {
@@ -168,7 +155,7 @@ bool MotionTable::is_free(const Pose2& from, double cos_yaw, double sin_yaw, int
                                                   problem_->step_s, problem_->clearance_m))) {
     return false;
   }
-  return kept_m_.empty() || is_apart(from, cos_yaw, sin_yaw, primitive, depth);
+  return problem_->teammates.empty() || is_apart(from, cos_yaw, sin_yaw, primitive, depth);
 }
 
 bool MotionTable::is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
@@ -201,7 +188,7 @@ bool MotionTable::is_clear(const Pose2& from, double cos_yaw, double sin_yaw,
 bool MotionTable::is_apart(const Pose2& from, double cos_yaw, double sin_yaw,
                            const Primitive& primitive, int depth) const {
   const Eigen::Vector3d start(from.x_m, from.y_m, problem_->height_m);
-  for (std::size_t i = 0; i < kept_m_.size(); ++i) {
+  for (std::size_t i = 0; i < problem_->teammates.size(); ++i) {
     const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_) +
                                                     static_cast<std::size_t>(depth * kPieces)];
     // Far enough apart that one step cannot bring them together: both move at most this far.
@@ -248,7 +235,7 @@ bool MotionTable::can_stop_at(const Pose2& at, double speed_mps, int depth) cons
     const double d = speed_mps * t - 0.5 * problem_->brake_mps2 * t * t;
     return Eigen::Vector3d(at.x_m + cos_yaw * d, at.y_m + sin_yaw * d, problem_->height_m);
   };
-  for (std::size_t i = 0; i < kept_m_.size(); ++i) {
+  for (std::size_t i = 0; i < problem_->teammates.size(); ++i) {
     const TeammatePiece* pieces = &teammate_pieces_[i * static_cast<std::size_t>(pieces_each_)];
     Eigen::Vector3d a = along(0.0);
     int since = 0;

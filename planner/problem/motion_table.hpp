@@ -69,8 +69,6 @@ class MotionTable {
     return std::abs(wrapped) < kPi ? wrapped : wrap_to_pi(sum_rad);
   }
   [[nodiscard]] bool can_stop_at(const Pose2& at, double speed_mps, int depth) const;
-  /// False for a teammate that is so far off that its way and ours together cannot close the gap.
-  [[nodiscard]] bool can_come_near(const models::Trajectory& teammate) const;
 
   struct Primitive {
     Pose2 end;                             ///< body at start from body at end
@@ -98,8 +96,7 @@ class MotionTable {
   std::vector<Primitive> primitives_;
   Views ends_;  ///< the primitives' ends in the body frame, side by side
   double reach_m_ = 0.0;
-  int pieces_each_ = 0;  ///< of one teammate: until everybody hovers
-  // Of the teammates that can come near at all, in the problem's order:
+  int pieces_each_ = 0;                         ///< of one teammate: until everybody hovers
   std::vector<TeammatePiece> teammate_pieces_;  ///< [teammate][depth][piece]
   std::vector<double> step_ways_m_;             ///< [teammate][depth]: at most, in one step
   std::vector<double> kept_m_;                  ///< [teammate]: kept_separation_m
