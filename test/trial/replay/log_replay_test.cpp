@@ -28,12 +28,12 @@ class ReplayLog : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TemporaryFolder>();
-    Overrides overrides;
+    scenario::Overrides overrides;
     overrides.seed = 5;
     overrides.duration_s = 8.0;
     overrides.node_budget = 300;
     const scenario::Scenario scenario =
-        load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
+        scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
     TrialOptions options;
     options.log_path = folder_->file("trial.lcmlog");
     run_trial(scenario, trial_recipes(scenario), options);
@@ -59,7 +59,7 @@ class ReplayLog : public ::testing::Test {
 
   static ReplayReport replay(const std::string& path, const std::string& node) {
     const logs::IndexedLog log(path);
-    const scenario::Scenario scenario = scenario_of(log);
+    const scenario::Scenario scenario = tools::scenario_of(log);
     return replay_log(log, scenario, parse_replay_target(node, scenario));
   }
 
@@ -230,7 +230,7 @@ TEST_F(ReplayLog, SaysWhatCouldNotBeMadeAgain) {
 
 TEST_F(ReplayLog, RefusesNodesThatAreNot) {
   const logs::IndexedLog log(trial());
-  const scenario::Scenario scenario = scenario_of(log);
+  const scenario::Scenario scenario = tools::scenario_of(log);
   EXPECT_THROW(parse_replay_target("planner", scenario), UsageError);
   EXPECT_THROW(parse_replay_target("sim:Q1", scenario), UsageError);
   EXPECT_THROW(parse_replay_target("planner:Q9", scenario), UsageError);
