@@ -18,11 +18,11 @@ namespace vantage::trial {
 namespace {
 
 scenario::Scenario short_lab(std::uint64_t seed) {
-  Overrides overrides;
+  scenario::Overrides overrides;
   overrides.seed = seed;
   overrides.duration_s = 6.0;
   overrides.node_budget = 200;
-  return load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
+  return scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
 }
 
 std::string trial_json(std::uint64_t seed) {
