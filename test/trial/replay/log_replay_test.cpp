@@ -81,11 +81,11 @@ TEST_F(ReplayLog, MakesEveryPlanAndBeliefOfATrialAgainToTheBit) {
 }
 
 TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
-  Overrides overrides;
+  scenario::Overrides overrides;
   overrides.duration_s = 12.0;
   overrides.node_budget = 300;
   const scenario::Scenario scenario =
-      load_scenario_with(VANTAGE_SOURCE_DIR "/config/mapping.yaml", overrides);
+      scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/mapping.yaml", overrides);
   TrialOptions options;
   options.log_path = folder_->file("mapping.lcmlog");
   const logs::TrialSummary summary = run_trial(scenario, trial_recipes(scenario), options).summary;
@@ -125,12 +125,12 @@ TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
 }
 
 TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
-  Overrides overrides;
+  scenario::Overrides overrides;
   overrides.seed = 2;
   overrides.duration_s = 8.0;
   overrides.node_budget = 300;
   scenario::Scenario scenario =
-      load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-attack.yaml", overrides);
+      scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-attack.yaml", overrides);
   ASSERT_EQ(scenario.planner.attacks_max, 1);
   TrialOptions options;
   options.log_path = folder_->file("attack.lcmlog");
@@ -156,12 +156,12 @@ TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
 }
 
 TEST_F(ReplayLog, MakesThePlansAndProposalsOfALocalSearchAgain) {
-  Overrides overrides;
+  scenario::Overrides overrides;
   overrides.seed = 2;
   overrides.duration_s = 14.0;
   overrides.node_budget = 1000;
   scenario::Scenario scenario =
-      load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-energy.yaml", overrides);
+      scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-energy.yaml", overrides);
   ASSERT_EQ(scenario.planner.team_algorithm, scenario::TeamAlgorithm::kLocalSearch);
   TrialOptions options;
   options.log_path = folder_->file("energy.lcmlog");
