@@ -28,7 +28,7 @@ TEST(Child, TellsHowItEnded) {
 }
 
 TEST(Ask, TellsWhatWasSaidAndHowItEnded) {
-  const Result<Answer> answer = ask({"sh", "-c", "echo one; echo two >&2; exit 3"});
+  const Result<ChildAnswer> answer = ask({"sh", "-c", "echo one; echo two >&2; exit 3"});
   ASSERT_TRUE(answer.ok());
   EXPECT_EQ(answer.value().text, "one\ntwo\n");
   EXPECT_EQ(answer.value().exit.code, 3);
