@@ -9,7 +9,7 @@ trap 'rm -rf "$dir"' EXIT
 
 mkdir -p "$dir/bin" "$dir/tools"
 cp "$source/tools/setup" "$dir/tools"
-folders=(test/models/mavlink/peer test/logs/mcap_peer test/view/peer tools/view/page)
+folders=(test/wire/mavlink/peer test/logs/mcap_peer test/view/peer tools/view/page)
 for folder in "${folders[@]}"; do
   mkdir -p "$dir/$folder"
   cp "$source/$folder"/package*.json "$dir/$folder"

@@ -21,9 +21,9 @@ PlanOutcome solve(const PlanningProblem& planning, std::string_view algorithm,
   PlanOutcome outcome;
   outcome.source = "p.json";
   outcome.algorithm = algorithm;
-  const Algorithm& chosen = algorithm_called(algorithm);
-  const auto search =
-      chosen.make(capacity_for(chosen, planning.problem, std::size_t{64} << 20, 200'000), {});
+  const planner::Algorithm& chosen = planner::algorithm_called(algorithm);
+  const auto search = chosen.make(
+      planner::capacity_for(chosen, planning.problem, std::size_t{64} << 20, 200'000), {});
   outcome.result = search->plan(planning.problem, Deadline::nodes(nodes));
   outcome.peak_bytes = search->peak_bytes();
   return outcome;
@@ -107,7 +107,7 @@ void expect_clear_way(const PlanningProblem& planning, const json& printed) {
 TEST(PlanReport, PrintsTheCostThatItsControlsHave) {
   for (const char* name : {"tracking.json", "mapping.json"}) {
     const PlanningProblem planning = load_problem(in_repo(name));
-    for (const Algorithm& algorithm : all_algorithms()) {
+    for (const planner::Algorithm& algorithm : planner::all_algorithms()) {
       SCOPED_TRACE(std::string(name) + " " + std::string(algorithm.name));
       const json printed = json::parse(to_json(planning, solve(planning, algorithm.name)).dump());
       if (!printed["found"].get<bool>()) {

@@ -57,13 +57,13 @@ struct Vehicle {
   }
 };
 
-struct trial::Trial {
+struct Trial {
   std::vector<Vehicle> vehicles;
   FlightProgram program;
   Time now = kStart;
   std::vector<FlightProgram::Order> said;
 
-  explicit trial::Trial(const std::vector<std::string>& names) : program(names) {
+  explicit Trial(const std::vector<std::string>& names) : program(names) {
     for (const std::string& name : names) {
       vehicles.emplace_back().name = name;
     }
@@ -92,7 +92,7 @@ struct trial::Trial {
 };
 
 TEST(FlightProgram, TakesEveryVehicleUpAndDown) {
-  trial::Trial trial({"Q1", "Q2"});
+  Trial trial({"Q1", "Q2"});
   trial.vehicles[1].arming = std::chrono::seconds(25);  // as ArduPilot does
   trial.run(20.0);
   EXPECT_EQ(trial.vehicles[0].state, FlightState::kFollow);
@@ -113,7 +113,7 @@ TEST(FlightProgram, TakesEveryVehicleUpAndDown) {
 }
 
 TEST(FlightProgram, SaysFollowAgainAfterAHoldOfTheVehiclesOwn) {
-  trial::Trial trial({"Q1"});
+  Trial trial({"Q1"});
   trial.run(20.0);
   ASSERT_EQ(trial.vehicles[0].state, FlightState::kFollow);
   trial.vehicles[0].state = FlightState::kHold;
@@ -124,7 +124,7 @@ TEST(FlightProgram, SaysFollowAgainAfterAHoldOfTheVehiclesOwn) {
 }
 
 TEST(FlightProgram, LeavesAVehicleToAnotherStationButLandsItAtTheEnd) {
-  trial::Trial trial({"Q1", "Q2"});
+  Trial trial({"Q1", "Q2"});
   trial.run(20.0);
   models::OperatorCommand hold;
   hold.stamp.time = trial.now - std::chrono::hours(24);
@@ -148,7 +148,7 @@ TEST(FlightProgram, LeavesAVehicleToAnotherStationButLandsItAtTheEnd) {
 
 TEST(FlightProgram, DoesNotFlyWhatHasLandedOrIsKilled) {
   for (const FlightState state : {FlightState::kIdle, FlightState::kKilled}) {
-    trial::Trial trial({"Q1"});
+    Trial trial({"Q1"});
     trial.run(20.0);
     trial.vehicles[0].state = state;
     trial.said.clear();
@@ -161,7 +161,7 @@ TEST(FlightProgram, DoesNotFlyWhatHasLandedOrIsKilled) {
 }
 
 TEST(FlightProgram, BeginsAnewWhenMotorsStoppedBeforeTakeOff) {
-  trial::Trial trial({"Q1"});
+  Trial trial({"Q1"});
   trial.vehicles[0].arming = std::chrono::hours(1);
   trial.run(120.0);
   EXPECT_GT(trial.count(OperatorAction::kHold, "Q1"), 2);

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
-const std::string kPeer = std::string(VANTAGE_SOURCE_DIR) + "/test/models/mavlink/peer";
+const std::string kPeer = std::string(VANTAGE_SOURCE_DIR) + "/test/wire/mavlink/peer";
 constexpr int kMessages = 10'000;
 constexpr Time kNow = from_utime(1'767'225'600'000'000);
 
