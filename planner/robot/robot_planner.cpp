@@ -365,8 +365,8 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
     return plan;
   }
   // A search that ended without a single child: from here, so turned, nothing can begin.
-  const bool is_boxed_in = !mapping_ && result.nodes_generated == 0 &&
-                           result.stop_reason != StopReason::kDeadline;
+  const bool is_boxed_in =
+      !mapping_ && result.nodes_generated == 0 && result.stop_reason != StopReason::kDeadline;
   if (stays && turn_to_a_way_out(is_boxed_in, plan)) {
     return plan;
   }
