@@ -51,9 +51,12 @@ void FirmwareFlight::run() {
   bool is_silent = true;
   Counts counts;
   while (!is_over_) {
-    // In lockstep the next motors are the answer to the last sensors.
-    if (const auto command = link_->receive(
-            link_->is_lockstep() && !is_answered && !is_silent ? kSlice : Duration{0})) {
+    // In lockstep the next motors are the answer to the last sensors. From who is silent it may
+    // come until the next are due, no longer: an answer to older ones is none.
+    const std::int64_t spare_ns = std::max<std::int64_t>(0, due_ns + period_ns - monotonic_ns());
+    const Duration wait = is_silent ? Duration{spare_ns / 1'000} : kSlice;
+    if (const auto command =
+            link_->receive(link_->is_lockstep() && !is_answered ? wait : Duration{0})) {
       throttles = command->throttles;
       is_answered = true;
       is_silent = false;

@@ -45,6 +45,16 @@ class Obedient : public FirmwareLink {
   Duration last_{-1};
 };
 
+/// The same, but it takes a moment to answer: whoever does not wait hears nothing.
+class Thoughtful : public Obedient {
+ public:
+  using Obedient::Obedient;
+  std::optional<MotorCommand> receive(Duration timeout) override {
+    constexpr Duration kThinks{500};
+    return timeout < kThinks ? std::nullopt : Obedient::receive(timeout);
+  }
+};
+
 void wait_for(FirmwareFlight& flight, std::int64_t steps) {
   while (flight.counts().steps < steps) {
     std::this_thread::yield();
@@ -57,6 +67,23 @@ TEST(FirmwareFlight, EachSensorIsAnsweredBeforeTheNextAndTheBodyFlies) {
   FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Obedient>(shared));
   wait_for(flight, 200);
   EXPECT_EQ(shared->disorders, 0);
+  EXPECT_GT(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.2);
+}
+
+TEST(FirmwareFlight, FirmwareThatThinksBeforeItAnswersIsHeardFromTheStartAndAgain) {
+  auto shared = std::make_shared<Obedient::Shared>();
+  shared->throttle = 0.8;
+  FirmwareFlight flight({}, {}, 1, {}, std::make_unique<Thoughtful>(shared));
+  wait_for(flight, 200);
+  ASSERT_GT(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.2);
+  shared->is_silent = true;
+  while (flight.counts().silences == 0) {
+    std::this_thread::yield();
+  }
+  wait_for(flight, flight.counts().steps + 1200);
+  EXPECT_NEAR(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.0, 0.05);
+  shared->is_silent = false;
+  wait_for(flight, flight.counts().steps + 200);
   EXPECT_GT(flight.at(monotonic_ns()).world_from_body.translation_m.z(), 0.2);
 }
 
