@@ -27,11 +27,13 @@ Time instant_before(Time t, Duration step) {
 EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
                              const scenario::Scenario& scenario, const std::string& robot)
     : bus_(bus),
+      clock_(clock),
       filter_(filter_spec(scenario, robot)),
       robot_(robot),
       mocap_index_(static_cast<std::size_t>(scenario.find_robot(robot) - scenario.robots.data())),
       step_(from_seconds(scenario.planner.step_s)),
-      lag_(step_ / 10) {
+      lag_(step_ / 10),
+      lag_max_(step_ / 6) {
   next_instant_ = instant_before(clock.now() - lag_, step_) + step_;
   for (const scenario::RobotSpec& each : scenario.robots) {
     if (each.name == robot_ || scenario.network.communication_range_m > 0.0) {
@@ -67,6 +69,10 @@ void EstimatorNode::on_look(const std::string& looker,
     ++looks_overflowed_;
   }
   looks_.push_back({name_of(bus::measurement_channel(looker).name, look->stamp), look});
+  if (looker == robot_ && look->stamp.time > last_own_look_) {
+    last_own_look_ = look->stamp.time;
+    last_own_look_heard_ = clock_.now();
+  }
 }
 
 void EstimatorNode::on_mocap(const models::MocapFrame& frame) {
@@ -115,11 +121,22 @@ StepMaterial EstimatorNode::gather(Time t) {
   return material;
 }
 
+Time EstimatorNode::next_tick() const {
+  const Time soonest = next_instant_ + lag_;
+  const Time latest = next_instant_ + lag_max_;
+  const Duration since_look = next_instant_ - last_own_look_;
+  if (since_look >= 2 * step_) {
+    return soonest;  // none came of the last instant either
+  }
+  const bool is_awaited = since_look >= step_;
+  return is_awaited ? latest : std::clamp(last_own_look_heard_ + step_ / 100, soonest, latest);
+}
+
 void EstimatorNode::tick(Time now) {
-  const Time t = instant_before(now - lag_, step_);
-  if (t < next_instant_) {
+  if (now < next_tick()) {
     return;
   }
+  const Time t = instant_before(now - lag_, step_);
   instants_missed_ += (t - next_instant_) / step_;
   next_instant_ = t + step_;
   const models::RobotBelief made = make_step(filter_, t, steps_++, gather(t));

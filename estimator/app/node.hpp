@@ -24,7 +24,9 @@ namespace vantage::estimator {
 /// in range is the filter's business.
 ///
 /// A step is of the instant t = kτ of the absolute time, and is made a tenth of τ later so that
-/// the measurement of that instant has come; its message says `utime` = t, `step` = steps made
+/// the measurement of that instant has come. Where the own looks come later than that (they need
+/// a mocap frame that is old when it arrives) it waits for this one up to a sixth of τ, and a
+/// hundredth more for the teammates'. Its message says `utime` = t, `step` = steps made
 /// since the start, and names every message it used. Later looks wait for the next step; newest
 /// beliefs are used until they are stale.
 class EstimatorNode : public bus::Node {
@@ -34,7 +36,7 @@ class EstimatorNode : public bus::Node {
                 const std::string& robot);
 
   [[nodiscard]] std::string name() const override;
-  [[nodiscard]] Time next_tick() const override { return next_instant_ + lag_; }
+  [[nodiscard]] Time next_tick() const override;
   void tick(Time now) override;
   /// Those of the filter, and: looks_overflowed (more waited than fit), misaddressed (a robot's
   /// name inside a message is not that of its channel), viewpoint_unknown (steps that had to take
@@ -53,12 +55,16 @@ class EstimatorNode : public bus::Node {
   StepMaterial gather(Time t);
 
   bus::Bus& bus_;
+  const bus::Clock& clock_;
   DistributedFilter filter_;
   std::string robot_;
   std::size_t mocap_index_;  ///< where frames have the robot, most likely
   Duration step_;
   Duration lag_;
+  Duration lag_max_;
   Time next_instant_{};
+  Time last_own_look_{};        ///< the newest one's instant
+  Time last_own_look_heard_{};  ///< and when it came
   std::int64_t steps_ = 0;
   std::deque<Heard<models::DetectionSet>> looks_;             ///< not used yet
   std::deque<Heard<OwnPose>> poses_;                          ///< newest last

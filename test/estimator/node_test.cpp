@@ -136,6 +136,35 @@ TEST_F(NodeTest, PublishesAtEveryMultipleOfTheStepAndNamesItsInputs) {
   EXPECT_EQ(node.deadlines_missed(), 0);
 }
 
+TEST_F(NodeTest, WaitsForItsOwnLookWhereMocapIsOldAndNoLongerThanForOneThatStaysAway) {
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
+  std::vector<std::pair<Time, models::RobotBelief>> heard;
+  world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"), [&](const auto& belief) {
+    heard.emplace_back(clock_.now(), belief);
+  });
+  const Time t1 = kStart + 400ms;
+  const auto look_comes = [&](Time instant, Duration late) {
+    run_until(instant + late, {&node});
+    world_.publish(bus::measurement_channel("Q1"), look("Q1", instant, {0.0, -1.0, 0.3}));
+    deliver();
+  };
+  look_comes(t1, 72ms);  // nobody knew yet that looks come at all
+  look_comes(t1 + 500ms, 72ms);
+  look_comes(t1 + 1000ms, 20ms);
+  look_comes(t1 + 1500ms, 47ms);
+  run_until(t1 + 3100ms, {&node});  // and no more
+
+  ASSERT_EQ(heard.size(), 7u);
+  const Duration made_after[] = {50ms, 77ms, 50ms, 52ms, Duration{83'333}, 50ms, 50ms};
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    const Time instant = t1 + static_cast<int>(i) * 500ms;
+    EXPECT_EQ(heard[i].second.stamp.time, instant);
+    EXPECT_LT(std::chrono::abs(heard[i].first - instant - made_after[i]), 1us) << i;
+  }
+  EXPECT_EQ(heard[1].second.inputs.size(), 2u);  // the first, too late for its own, and its own
+  EXPECT_EQ(node.deadlines_missed(), 0);
+}
+
 TEST_F(NodeTest, CountsInstantsItSleptThrough) {
   EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
   std::vector<Time> heard;
