@@ -88,15 +88,19 @@ function(vantage_seal target)
     VERBATIM)
 endfunction()
 
-# vantage_library(<name> HEADERS a.hpp SOURCES a.cpp DEPS vantage::core [PRIVATE_DEPS …])
+# vantage_library(<name> UNITS a [HEADERS b.hpp] [SOURCES c.cpp] DEPS vantage::core [PRIVATE_DEPS …])
 #
-# Makes static library `vantage_<name>` with alias `vantage::<name>`. Includes are root-relative:
+# A unit is a header and the source of its name: a.hpp and a.cpp. Makes static library `vantage_<name>` with alias `vantage::<name>`. Includes are root-relative:
 # #include "models/sensor/sensor.hpp"; for others they are below vantage/ (VantageInstall). Listing
 # the headers lets `all_verify_interface_header_sets` prove that each one compiles on its own. Where
 # only some components are built (VANTAGE_COMPONENTS), a library whose dependencies are not there is
 # not made.
 function(vantage_library name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "UNITS;HEADERS;SOURCES;DEPS;PRIVATE_DEPS" ${ARGN})
+  foreach(unit IN LISTS ARG_UNITS)
+    list(APPEND ARG_HEADERS ${unit}.hpp)
+    list(APPEND ARG_SOURCES ${unit}.cpp)
+  endforeach()
   if(NOT VANTAGE_EVERYTHING)
     foreach(dependency IN LISTS ARG_DEPS ARG_PRIVATE_DEPS)
       if(NOT TARGET ${dependency})
@@ -158,6 +162,20 @@ function(vantage_app name)
 endfunction()
 # Everything that a person types and that these start: what tools/demo builds.
 add_custom_target(vantage_programs)
+
+# vantage_process(<name> [UNITS app/node …] [HEADERS …] DEPS vantage::bus) -> library `<name>_node`
+# (of app/node where nothing else is said) and executable `vantage-<name>` (of app/main.cpp): one
+# process of the stack.
+function(vantage_process name)
+  cmake_parse_arguments(ARG "" "" "UNITS;HEADERS;DEPS" ${ARGN})
+  if(NOT ARG_UNITS)
+    set(ARG_UNITS app/node)
+  endif()
+  vantage_library(${name}_node UNITS ${ARG_UNITS} HEADERS ${ARG_HEADERS} DEPS ${ARG_DEPS})
+  vantage_app(vantage-${name}
+    SOURCES app/main.cpp
+    DEPS vantage::${name}_node vantage::node_main)
+endfunction()
 
 # vantage_test(<room> SOURCES x_test.cpp DEPS vantage::models [LABEL unit] [TIMEOUT 60])
 #

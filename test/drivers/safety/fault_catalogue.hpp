@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,13 +19,16 @@ struct Stage {
   double within_s;
 };
 
+/// Sets knobs, afresh at each tick, `since_s` after the fault began.
+using Act = std::function<void(FlightBench& bench, double since_s)>;
+
 struct Fault {
   int number;        ///< on the list
   const char* name;  ///< of this case
   const char* what;
   const char* whom;  ///< vehicles that must react: "Q1", "Q1 Q2" or "all"
   double begins_s;   ///< after the injection, when something has to come first
-  void (*act)(FlightBench& bench, double since_s);
+  Act act;
   std::vector<Stage> stages;      ///< empty: it flies on
   const char* reason = nullptr;   ///< condition that must be among the reasons
   const char* counter = nullptr;  ///< that must have grown, of what is refused and flown through

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "test/drivers/safety/fault_catalogue.hpp"
@@ -28,6 +29,88 @@ inline void spoil(VehicleKnobs& knobs, PlanFault fault) {
 }
 /// True during one tick only.
 inline bool is_at(double since_s, double at_s) { return std::abs(since_s - at_s) < 0.004; }
+
+/// The knob of Q1, or of the room, stands there.
+template <class Knob, class Value = Knob>
+Act sets(Knob VehicleKnobs::*knob, Value value) {
+  return [knob, value](FlightBench& bench, double) { q1(bench).*knob = value; };
+}
+template <class Knob, class Value = Knob>
+Act sets(Knob RoomKnobs::*knob, Value value) {
+  return [knob, value](FlightBench& bench, double) { bench.room().*knob = value; };
+}
+/// At one tick.
+inline Act at(double at_s, Act act) {
+  return [at_s, act = std::move(act)](FlightBench& bench, double since_s) {
+    if (is_at(since_s, at_s)) {
+      act(bench, since_s);
+    }
+  };
+}
+inline Act lasting(double lasts_s, Act act) {
+  return [lasts_s, act = std::move(act)](FlightBench& bench, double since_s) {
+    if (since_s < lasts_s) {
+      act(bench, since_s);
+    }
+  };
+}
+inline Act from(double from_s, Act act) {
+  return [from_s, act = std::move(act)](FlightBench& bench, double since_s) {
+    if (since_s >= from_s) {
+      act(bench, since_s);
+    }
+  };
+}
+inline Act both(Act one, Act other) {
+  return [one = std::move(one), other = std::move(other)](FlightBench& bench, double since_s) {
+    one(bench, since_s);
+    other(bench, since_s);
+  };
+}
+/// The operator, once.
+inline Act says(OperatorAction action, double at_s = 0.0) {
+  return at(at_s, sets(&RoomKnobs::says, action));
+}
+
+/// How a fault goes on and ends.
+struct Course {
+  std::vector<Stage> stages;
+  const char* reason = nullptr;
+  const char* counter = nullptr;
+  FlightState end = kFollow;
+};
+inline Course flies_on() { return {}; }
+inline Course flies_on_counting(const char* counter) { return {{}, nullptr, counter}; }
+inline Course flies_on_saying(const char* reason, const char* counter = nullptr) {
+  return {{}, reason, counter};
+}
+inline Course ends(FlightState end, std::vector<Stage> stages, const char* reason = nullptr,
+                   const char* counter = nullptr) {
+  return {std::move(stages), reason, counter, end};
+}
+
+/// Of Q1, at once.
+inline Fault fault(int number, const char* name, const char* what, Act act, Course course) {
+  return {number,         name,          what,          "Q1",           0.0,
+          std::move(act), course.stages, course.reason, course.counter, course.end};
+}
+inline Fault on(const char* whom, Fault fault) {
+  fault.whom = whom;
+  return fault;
+}
+inline Fault everybody(Fault fault) { return on("all", std::move(fault)); }
+inline Fault after(double begins_s, Fault fault) {
+  fault.begins_s = begins_s;
+  return fault;
+}
+inline Fault delaying(double delays_s, Fault fault) {
+  fault.delays_s = delays_s;
+  return fault;
+}
+inline Fault trusting(Fault fault) {
+  fault.trusts_plans = true;
+  return fault;
+}
 
 /// Numbers 1 … 12: cameras, their computer, their clock.
 std::vector<Fault> of_mocap();

@@ -1,4 +1,3 @@
-#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -8,92 +7,15 @@
 
 #include <gtest/gtest.h>
 
-#include "core/check.hpp"
 #include "planner/robot/robot_planner.hpp"
 #include "planner/robot/round.hpp"
 #include "planner/robot/trajectory_tools.hpp"
-#include "planner/search/baseline.hpp"
 #include "test/planner/robot/team_scenario.hpp"
 
 namespace vantage::planner {
 namespace {
 
 constexpr std::int64_t kFirstRound = 1'700'000'000;  // rounds of 1 s since the epoch
-
-TEST(RoundSchedule, GivesEachRobotItsOwnSlotBeforeTheRoundEnds) {
-  scenario::PlannerSpec spec;
-  spec.execute_steps = 2;
-  const int robots = 7;
-  for (std::int64_t round : {0L, 5L, 1'700'000'000L}) {
-    std::optional<Time> last_end;
-    for (int i = 0; i < robots; ++i) {
-      const auto slot = RoundSchedule(spec, i, robots).slot(round);
-      EXPECT_LT(slot.begin, slot.end);
-      EXPECT_LE(slot.end, slot.activation - from_seconds(spec.publish_margin_s));
-      EXPECT_EQ(to_utime(slot.activation), (round + 1) * 1'000'000);
-      if (last_end) {
-        EXPECT_EQ(slot.begin, *last_end);
-      }
-      last_end = slot.end;
-    }
-  }
-}
-
-TEST(RoundSchedule, FindsTheFirstSlotThatIsStillAhead) {
-  scenario::PlannerSpec spec;
-  const RoundSchedule schedule(spec, 1, 3);
-  std::mt19937_64 rng(3);
-  std::uniform_int_distribution<std::int64_t> any(0, 40'000'000);
-  for (int i = 0; i < 2'000; ++i) {
-    const Time now = from_utime(1'700'000'000'000'000 + any(rng));
-    const auto slot = schedule.next_slot(now);
-    EXPECT_GT(slot.begin, now);
-    EXPECT_LE(schedule.slot(slot.round - 1).begin, now);
-  }
-}
-
-TEST(RoundSchedule, RefusesABudgetThatDoesNotFit) {
-  scenario::PlannerSpec spec;
-  spec.execute_steps = 1;
-  spec.team_budget_s = 0.5;
-  spec.publish_margin_s = 0.1;
-  EXPECT_THROW(RoundSchedule(spec, 0, 1), UsageError);
-}
-
-models::Trajectory winding_trajectory(std::mt19937_64& rng) {
-  models::Trajectory trajectory;
-  trajectory.start_time = from_utime(1'700'000'000'000'000);
-  trajectory.start = {0.3, -0.2, 0.7};
-  trajectory.height_m = 1.5;
-  std::uniform_real_distribution<double> speed(0.0, 3.0);
-  std::uniform_real_distribution<double> yaw_rate(-3.0, 3.0);
-  double last_mps = 0.0;
-  for (int i = 0; i < 6; ++i) {
-    last_mps = speed(rng);
-    trajectory.segments.push_back({{last_mps, yaw_rate(rng)}, 0.5, 0.0});
-  }
-  for (const auto& segment : models::brake(last_mps, 2.0)) {
-    trajectory.segments.push_back(segment);
-  }
-  return trajectory;
-}
-
-TEST(RestOf, IsTheSameMotionFromThereOn) {
-  std::mt19937_64 rng(11);
-  for (int i = 0; i < 200; ++i) {
-    const models::Trajectory whole = winding_trajectory(rng);
-    const double cut_s = std::uniform_real_distribution<double>(0.0, 6.0)(rng);
-    const Time cut = whole.start_time + from_seconds(cut_s);
-    const models::Trajectory rest = rest_of(whole, cut);
-    for (double s = 0.0; s < 7.0; s += 0.083) {
-      const auto a = models::at(whole, cut + from_seconds(s));
-      const auto b = models::at(rest, cut + from_seconds(s));
-      EXPECT_NEAR(a.world_from_body.x_m, b.world_from_body.x_m, 1e-5);
-      EXPECT_NEAR(a.world_from_body.y_m, b.world_from_body.y_m, 1e-5);
-      EXPECT_NEAR(wrap_to_pi(a.world_from_body.yaw_rad - b.world_from_body.yaw_rad), 0.0, 1e-5);
-    }
-  }
-}
 
 // A team that plans round after round against each other, on beliefs that a seed makes up. Mocap
 // sees every robot exactly on its plan.
@@ -389,149 +311,6 @@ TEST(RobotPlanner, WaitsForTheEndOfAPlanItDoesNotKnow) {
 
   inputs.own_plan = RobotPlanner(scenario, "Q1").plan(inputs, Deadline::nodes(500));
   EXPECT_TRUE(plans_in(1));  // known
-}
-
-// However it faces a teammate that has come too near and stays, it turns and leaves.
-TEST(RobotPlanner, LeavesATeammateThatIsTooNear) {
-  scenario::Scenario scenario = test::lab_scenario();
-  scenario.world.obstacles.clear();
-  scenario.robots.resize(2);
-  scenario.robots[0].height_m = scenario.robots[1].height_m = 1.0;
-  const double asked_m =
-      scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m;
-  const RoundSchedule schedule(scenario.planner, 0, 2);
-  for (int i = 0; i < 8; ++i) {
-    scenario.robots[0].start = {0.75 * asked_m, 0.0, wrap_to_pi(i * kPi / 4.0)};
-    scenario.robots[1].start = {0.0, 0.0, 0.0};
-    RobotPlanner planner(scenario, scenario.robots[0].name);
-    PlanInputs inputs;
-    double apart_m = 0.0;
-    for (std::int64_t round = kFirstRound; round < kFirstRound + 15; ++round) {
-      inputs.slot = schedule.slot(round);
-      Pose2 at = scenario.robots[0].start;
-      if (inputs.own_plan && inputs.own_plan->trajectory.start_time <= inputs.slot.begin) {
-        at = models::at(inputs.own_plan->trajectory, inputs.slot.begin).world_from_body;
-      }
-      inputs.mocap.emplace().stamp.time = inputs.slot.begin;
-      inputs.mocap->bodies = {{scenario.robots[0].name, lift(at, 1.0), false},
-                              {scenario.robots[1].name, lift(Pose2{}, 1.0), false}};
-      inputs.belief.emplace().stamp.time = inputs.slot.begin;
-      const models::Gaussian guess{Eigen::Vector2d(3.0, 1.0), 0.3 * Eigen::Matrix2d::Identity()};
-      inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
-      const auto plan = planner.plan(inputs, Deadline::nodes(20'000));
-      ASSERT_TRUE(plan.has_value());
-      for (double s = 0.0; s < 8.0; s += 0.01) {
-        const Pose2 there =
-            models::at(plan->trajectory, plan->trajectory.start_time + from_seconds(s))
-                .world_from_body;
-        ASSERT_GE(there.position_m().norm(), 0.75 * asked_m - 0.03) << "heading " << i;
-      }
-      apart_m = plan->trajectory.start.position_m().norm();
-      inputs.own_plan = plan;
-    }
-    EXPECT_GE(apart_m, asked_m - 0.02) << "heading " << i;
-    EXPECT_LE(planner.counts().turns_away, 6) << "heading " << i;
-  }
-}
-
-// Flown: two that hovered as near to each other as they may, one facing the other, stayed there.
-TEST(RobotPlanner, LeavesATeammateThatIsAsNearAsItMayBe) {
-  scenario::Scenario scenario = test::lab_scenario();
-  scenario.world.obstacles.clear();
-  scenario.robots.resize(2);
-  scenario.robots[0].height_m = scenario.robots[1].height_m = 1.0;
-  const double asked_m =
-      scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m;
-  const RoundSchedule schedule(scenario.planner, 0, 2);
-  for (int i = 0; i < 8; ++i) {
-    scenario.robots[0].start = {asked_m + 0.004, 0.0, wrap_to_pi(i * kPi / 4.0)};
-    scenario.robots[1].start = {0.0, 0.0, 0.0};
-    RobotPlanner planner(scenario, scenario.robots[0].name);
-    PlanInputs inputs;
-    double gone_m = 0.0;
-    for (std::int64_t round = kFirstRound; round < kFirstRound + 12; ++round) {
-      inputs.slot = schedule.slot(round);
-      Pose2 at = scenario.robots[0].start;
-      if (inputs.own_plan && inputs.own_plan->trajectory.start_time <= inputs.slot.begin) {
-        at = models::at(inputs.own_plan->trajectory, inputs.slot.begin).world_from_body;
-      }
-      inputs.mocap.emplace().stamp.time = inputs.slot.begin;
-      inputs.mocap->bodies = {{scenario.robots[0].name, lift(at, 1.0), false},
-                              {scenario.robots[1].name, lift(Pose2{}, 1.0), false}};
-      inputs.belief.emplace().stamp.time = inputs.slot.begin;
-      const models::Gaussian guess{Eigen::Vector2d(3.0, 1.5), 0.3 * Eigen::Matrix2d::Identity()};
-      inputs.belief->targets.push_back({0, *models::to_information(guess), inputs.slot.begin});
-      const auto plan = planner.plan(inputs, Deadline::nodes(20'000));
-      ASSERT_TRUE(plan.has_value());
-      gone_m = std::max(gone_m, (at.position_m() - scenario.robots[0].start.position_m()).norm());
-      inputs.own_plan = plan;
-    }
-    EXPECT_GT(gone_m, 0.5) << "heading " << i;
-    EXPECT_LE(planner.counts().turns_away, 6) << "heading " << i;
-  }
-}
-
-// Two robots between two targets: planning after each other, they do not both go to the same one.
-TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
-  scenario::Scenario scenario = test::lab_scenario();
-  scenario.world.obstacles.clear();
-  scenario.robots.resize(2);
-  scenario.robots[0].start = {0.0, -0.6, 0.0};
-  scenario.robots[1].start = {0.0, 0.6, kPi / 2};
-  scenario.planner.exploration.landmarks_max = 0;
-  scenario.planner.node_budget = 30'000;
-
-  SearchProblem problem;
-  problem.start_time = Time{std::chrono::seconds(kFirstRound)};
-  problem.start = scenario.robots[1].start;
-  problem.controls = scenario.robots[1].primitives;
-  problem.horizon_steps = 6;
-  problem.sensors = {scenario.robots[1].sensor};
-  for (const double x_m : {-2.0, 1.8}) {  // the right one is nearer to both
-    problem.targets.push_back({scenario.estimator.target_model,
-                               {Eigen::Vector2d(x_m, 0.0), Eigen::Matrix2d::Identity()}});
-  }
-  FixedTeammate teammate;
-  teammate.sensor = scenario.robots[0].sensor;
-  teammate.trajectory = hover_at({1.8, -0.3, 0.0}, 1.0, problem.start_time);
-  const auto fixed = fixed_information(problem, {teammate});
-  EXPECT_TRUE(fixed[0][5].isZero(0.0));
-  EXPECT_GT(fixed[1][5].trace(), 0.0);
-
-  ReducedValueIteration search({});
-  const double alone_x_m = search.plan(problem, {}, Deadline::nodes(200'000)).poses.back().x_m;
-  problem.fixed_information = fixed;
-  const double after_x_m = search.plan(problem, {}, Deadline::nodes(200'000)).poses.back().x_m;
-  EXPECT_GT(alone_x_m, 0.5);
-  EXPECT_LT(after_x_m, -0.5);
-
-  teammate.jammed = true;
-  EXPECT_TRUE(fixed_information(problem, {teammate})[1][5].isZero(0.0));
-}
-
-TEST(LawnMower, CoversTheWholeFloor) {
-  const models::Rectangle bounds{{-4.0, -2.0}, {4.0, 2.0}};
-  const double range_m = 1.0;
-  std::vector<std::vector<Eigen::Vector2d>> paths;
-  for (int i = 0; i < 3; ++i) {
-    paths.push_back(lawn_mower_waypoints(bounds, i, 3, 1.6 * range_m, 0.5));
-  }
-  for (double x = -3.5; x <= 3.5; x += 0.25) {
-    for (double y = -1.5; y <= 1.5; y += 0.25) {
-      double nearest_m = 1e9;
-      for (const auto& path : paths) {
-        for (std::size_t k = 0; k + 1 < path.size(); ++k) {
-          const Eigen::Vector2d d = path[k + 1] - path[k];
-          const double s = std::clamp(
-              d.squaredNorm() > 0.0 ? (Eigen::Vector2d(x, y) - path[k]).dot(d) / d.squaredNorm()
-                                    : 0.0,
-              0.0, 1.0);
-          nearest_m = std::min(nearest_m, (path[k] + s * d - Eigen::Vector2d(x, y)).norm());
-        }
-      }
-      EXPECT_LT(nearest_m, range_m) << x << " " << y;
-    }
-  }
 }
 
 }  // namespace
