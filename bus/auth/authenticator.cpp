@@ -87,13 +87,14 @@ void Authenticator::seal(std::string_view channel, std::string_view robot, Time 
 }
 
 Authenticator::Judged Authenticator::judge(std::string_view channel, Bytes message, Time now,
-                                           bool judges_time, bool is_emergency_stop) {
+                                           bool judges_time, bool is_emergency_stop,
+                                           std::uint64_t source) {
   if (rules_.is_replay) {
     return {true, payload_of(message)};
   }
   const Verdict verdict =
-      verify(*keyring_, channel, message, {rules_.trial, now, judges_time, is_emergency_stop},
-             replays_, budgets_);
+      verify(*keyring_, channel, message,
+             {rules_.trial, now, judges_time, is_emergency_stop, source}, replays_, budgets_);
   Judged judged{true, verdict.payload};
   if (verdict.refusal == Refusal::kUnsigned && !must_be_signed(channel)) {
     return judged;

@@ -52,9 +52,9 @@ class Authenticator {
     Refusal echo = Refusal::kNone;  ///< of a command that passes, held against this vehicle's nonce
   };
   /// What of `message` may go on, and counts why it may not. `judges_time`: whether the process
-  /// keeps the trial's time.
+  /// keeps the trial's time. `source`: who sent it, as far as can be seen (Payload::source).
   Judged judge(std::string_view channel, Bytes message, Time now, bool judges_time,
-               bool is_emergency_stop);
+               bool is_emergency_stop, std::uint64_t source = 0);
 
   /// Counts a refusal; whether the message may pass all the same (SecurityMode::kWarn).
   bool refuse(std::string_view channel, Refusal refusal);

@@ -42,6 +42,17 @@ std::vector<std::uint8_t> signed_text(std::string_view channel,
   return text;
 }
 
+/// Puts `one` into `all`, in the place of the one silent longest if there is no room.
+template <class One>
+One& added(One one, std::vector<One>& all, std::size_t count_max) {
+  if (all.size() < count_max) {
+    return all.emplace_back(std::move(one));
+  }
+  const auto oldest = std::min_element(
+      all.begin(), all.end(), [](const One& a, const One& b) { return a.asked < b.asked; });
+  return *oldest = std::move(one);
+}
+
 bool is_of_now(std::uint64_t counter, Time now) {
   constexpr auto kMax = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   const Time said = from_utime(static_cast<std::int64_t>(std::min(counter, kMax)));
@@ -49,18 +60,23 @@ bool is_of_now(std::uint64_t counter, Time now) {
 }
 
 Refusal judge_signature(const Key& key, std::string_view channel, const SignedParts& parts,
-                        Budget& budget, Time now) {
+                        SignatureBudgets& budgets, const Expectation& expectation) {
   if (parts.signature.empty()) {
     return Refusal::kBadSignature;
   }
-  if (!budget.take(now)) {
+  const Sender sender{expectation.source, parts.foot.session};
+  if (!budgets.take(sender, expectation.is_emergency_stop, expectation.now)) {
     return Refusal::kOverBudget;
   }
   const std::vector<std::uint8_t> text =
       signed_text(channel, {parts.payload, parts.echoes, parts.foot_bytes});
   const bool is_good = crypto_sign_ed25519_verify_detached(parts.signature.data(), text.data(),
                                                            text.size(), key.public_key.data()) == 0;
-  return is_good ? Refusal::kNone : Refusal::kBadSignature;
+  if (!is_good) {
+    return Refusal::kBadSignature;
+  }
+  budgets.prove(sender, expectation.now);
+  return Refusal::kNone;
 }
 
 Refusal judge(const Keyring& keyring, std::string_view channel, const SignedParts& parts,
@@ -86,10 +102,7 @@ Refusal judge(const Keyring& keyring, std::string_view channel, const SignedPart
     return Refusal::kReplayed;
   }
   if (key->role == Role::kOperator) {
-    Budget& budget = expectation.is_emergency_stop              ? budgets.stop
-                     : replays.knows(foot.key_id, foot.session) ? budgets.known
-                                                                : budgets.fresh;
-    const Refusal refusal = judge_signature(*key, channel, parts, budget, expectation.now);
+    const Refusal refusal = judge_signature(*key, channel, parts, budgets, expectation);
     if (refusal != Refusal::kNone) {
       return refusal;
     }
@@ -213,6 +226,45 @@ bool Budget::take(Time now) {
   }
   left_ -= 1.0;
   return true;
+}
+
+SignatureBudgets::Proven* SignatureBudgets::find(const Sender& sender) {
+  const auto found = std::find_if(senders_.begin(), senders_.end(), [&](const Proven& each) {
+    return each.sender.source == sender.source && each.sender.session == sender.session;
+  });
+  return found == senders_.end() ? nullptr : &*found;
+}
+
+SignatureBudgets::Host& SignatureBudgets::host_of(const Sender& sender) {
+  const std::uint64_t address = sender.source >> 16U;  // whatever port it speaks from
+  const auto found = std::find_if(hosts_.begin(), hosts_.end(),
+                                  [&](const Host& each) { return each.address == address; });
+  if (found != hosts_.end()) {
+    return *found;
+  }
+  return added({address, host_, {}}, hosts_, kHostsMax);
+}
+
+bool SignatureBudgets::take(const Sender& sender, bool is_stop, Time now) {
+  const auto take_from = [is_stop, now](Rates& rates) {
+    return (is_stop ? rates.stops : rates.orders).take(now);
+  };
+  if (Proven* const proven = find(sender)) {
+    proven->asked = now;
+    // Whoever forges its address and session, too, has to use up the others' as well.
+    if (take_from(proven->left)) {
+      return true;
+    }
+  }
+  Host& host = host_of(sender);
+  host.asked = now;
+  return take_from(host.left) && take_from(strangers_);
+}
+
+void SignatureBudgets::prove(const Sender& sender, Time now) {
+  if (find(sender) == nullptr) {
+    added({sender, proven_, now}, senders_, kProvenMax);
+  }
 }
 
 Verdict verify(const Keyring& keyring, std::string_view channel, Bytes message,

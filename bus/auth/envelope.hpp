@@ -96,12 +96,57 @@ class Budget {
   std::optional<Time> asked_;
 };
 
-/// What signatures may cost a process. Only those whose MAC is good are looked at, so only somebody
-/// who has the operator's MAC key, a vehicle say, can use a budget up.
-struct SignatureBudgets {
-  Budget known{100.0, 50.0};  ///< of sessions that were right before
-  Budget fresh{20.0, 20.0};   ///< of any other
-  Budget stop{100.0, 50.0};   ///< of emergency stops, whoever says them
+/// Who says something, as far as it can be seen before it is proven.
+struct Sender {
+  std::uint64_t source = 0;  ///< address and port, bus::Payload::source
+  std::uint64_t session = 0;
+};
+
+/// What signatures may cost a process, by who says them. Only those whose MAC is good are looked
+/// at, so only somebody who has the operator's MAC key, a vehicle say, can use a budget up. Whoever
+/// was right once has budgets of their own; strangers have one for each host, and one together.
+/// Emergency stops have others than everything else, each time.
+class SignatureBudgets {
+ public:
+  /// So many of what is no stop; stops.
+  struct Rates {
+    Budget orders;
+    Budget stops;
+  };
+  static constexpr std::size_t kProvenMax = 16;  ///< the one silent longest gives way
+  static constexpr std::size_t kHostsMax = 64;   ///< likewise
+
+  SignatureBudgets()
+      : SignatureBudgets({Budget(100.0, 50.0), Budget(100.0, 50.0)},
+                         {Budget(10.0, 10.0), Budget(20.0, 20.0)},
+                         {Budget(40.0, 40.0), Budget(100.0, 50.0)}) {}
+  SignatureBudgets(const Rates& proven, const Rates& host, const Rates& strangers)
+      : proven_(proven), host_(host), strangers_(strangers) {}
+
+  /// Whether what `sender` says may be verified now. `now` never goes back.
+  bool take(const Sender& sender, bool is_stop, Time now);
+  /// What `sender` said was right.
+  void prove(const Sender& sender, Time now);
+
+ private:
+  struct Proven {
+    Sender sender;
+    Rates left;
+    Time asked{};
+  };
+  struct Host {
+    std::uint64_t address = 0;
+    Rates left;
+    Time asked{};
+  };
+  [[nodiscard]] Proven* find(const Sender& sender);
+  [[nodiscard]] Host& host_of(const Sender& sender);
+
+  Rates proven_;  ///< as one begins
+  Rates host_;
+  Rates strangers_;
+  std::vector<Proven> senders_;
+  std::vector<Host> hosts_;
 };
 
 /// How far the sender's time may be from ours.
@@ -113,6 +158,7 @@ struct Expectation {
   Time now{};                      ///< by the receiver's steady clock
   bool judges_time = true;         ///< whether what is not of now is refused
   bool is_emergency_stop = false;  ///< the payload says so, before anything is proven
+  std::uint64_t source = 0;        ///< who sent it, as far as can be seen: Payload::source
 };
 
 struct Verdict {

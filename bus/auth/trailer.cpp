@@ -26,8 +26,9 @@ struct Family {
   bool must_be_signed;
 };
 
-// HEALTH_, HOST_, COLLISION and whatever others put on the bus only show. (TRUTH does not: where
-// the cameras are real, simulated bodies come into VICON by it.)
+// HOST_, COLLISION and whatever others put on the bus only show. (TRUTH does not: where the cameras
+// are real, simulated bodies come into VICON by it. HEALTH_ does not: the supervisor ends what is
+// silent, and a trial waits for a log that is not written.)
 constexpr std::array kFamilies{
     Family{"VICON", Role::kMocap, true},
     Family{"COMMAND", Role::kOperator, true},
@@ -40,6 +41,7 @@ constexpr std::array kFamilies{
     Family{"BELIEF_", Role::kNode, true},
     Family{"MAP_", Role::kNode, true},
     Family{"ATTACK", Role::kNode, true},
+    Family{"HEALTH_", Role::kNode, true},
     Family{"SCENARIO", Role::kNode, true},
     Family{"TRUTH", Role::kNode, true},
 };

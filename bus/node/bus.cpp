@@ -100,8 +100,9 @@ bool Bus::open(Delivery& delivery) {
     return true;
   }
   const bool is_stop = delivery.name == kCommand.name && says_emergency_stop(delivery.bytes);
-  const auth::Authenticator::Judged judged = authenticator_->judge(
-      delivery.name, delivery.bytes, signing_clock_->now(), clock_ != nullptr, is_stop);
+  const auth::Authenticator::Judged judged =
+      authenticator_->judge(delivery.name, delivery.bytes, signing_clock_->now(), clock_ != nullptr,
+                            is_stop, delivery.source);
   delivery.bytes = judged.payload;
   delivery.echo = judged.echo;
   return judged.may_pass;
@@ -160,6 +161,7 @@ void Bus::on_message(std::size_t subscription, std::string_view name, const Payl
   }
   const std::int64_t start_ns = monotonic_ns();
   Delivery delivery{std::string(name), bytes};
+  delivery.source = bytes.source;
   delivery.decoded = authenticator_ ? nullptr : bytes.decoded;  // what is signed is its own matter
   if (!open(delivery)) {
     handling_ns_ += monotonic_ns() - start_ns;

@@ -94,6 +94,8 @@ class Bus {
   [[nodiscard]] std::int64_t run_id() const { return run_id_; }
   /// Every counter of the transport and of the streams heard, non-zero ones, by name.
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
+  /// Messages of believed senders that were of no type of ours, over all channels heard.
+  [[nodiscard]] std::int64_t undecoded() const { return undecoded_; }
   /// Messages known to be missing (gaps) over all streams heard.
   [[nodiscard]] std::int64_t messages_lost() const;
   /// Time spent in handlers since the start, for loop statistics.
@@ -111,6 +113,7 @@ class Bus {
     Duration lease{};                             ///< of the channel
     Decoded* decoded = nullptr;                   ///< what the bytes are, shared with others
     bool is_faulty = false;                       ///< does not decode or cannot be true: counted
+    std::uint64_t source = 0;                     ///< who sent it, as far as can be seen
     auth::Refusal echo{};                         ///< of a command, held against our nonce
     bool is_echo_counted = false;
   };
@@ -156,6 +159,7 @@ class Bus {
   ByName<std::int64_t> next_sequence_;
   ByName<StreamMonitor> streams_;
   ByName<SharedStreamMonitor> shared_streams_;
+  std::int64_t undecoded_ = 0;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
   std::map<std::string, std::int64_t> refused_;        ///< by channel: decoded, but cannot be true
 };

@@ -54,6 +54,7 @@ std::shared_ptr<const Message> Bus::message_of(Delivery& delivery) {
   }
   const auto wire = decode_wire<WireOf<Message>>(delivery.bytes);
   if (!wire) {
+    undecoded_ += delivery.is_faulty ? 0 : 1;
     count_fault(delivery, decode_errors_);
     return nullptr;
   }

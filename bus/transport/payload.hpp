@@ -47,6 +47,8 @@ struct Payload : std::span<const std::uint8_t> {
       : Payload(std::span<const std::uint8_t>(bytes)) {}
 
   Decoded* decoded = nullptr;  ///< null: nobody shares the bytes
+  std::uint64_t source =
+      0;  ///< who sent them, as far as can be seen: an address and port; 0: unseen
 };
 
 }  // namespace vantage::bus

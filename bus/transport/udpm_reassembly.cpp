@@ -176,7 +176,7 @@ void Reassembler::drop(Partials::iterator partial) {
 std::optional<AssembledMessage> Reassembler::assemble(Partial& partial) {
   std::sort(partial.pieces.begin(), partial.pieces.end(),
             [](const Piece& a, const Piece& b) { return a.number < b.number; });
-  AssembledMessage message{std::move(partial.channel), {}};
+  AssembledMessage message{std::move(partial.channel), {}, partial.identity.source};
   message.payload.reserve(partial.identity.message_bytes);
   for (const Piece& piece : partial.pieces) {
     if (piece.offset != message.payload.size()) {

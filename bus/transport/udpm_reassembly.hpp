@@ -32,6 +32,7 @@ struct ReassemblyCounts {
 struct AssembledMessage {
   std::string channel;
   std::vector<std::uint8_t> payload;
+  std::uint64_t source = 0;  ///< the sender's address and port
 };
 
 /// Puts fragments together, in whatever order and however often they come.

@@ -141,7 +141,9 @@ void UdpmTransport::take(const Datagram& datagram) {
   }
   if (!packet->is_fragment) {
     if (is_wanted(packet->channel)) {
-      enqueue({std::string(packet->channel), {packet->payload.begin(), packet->payload.end()}});
+      enqueue({std::string(packet->channel),
+               {packet->payload.begin(), packet->payload.end()},
+               datagram.source});
     }
     return;
   }
@@ -170,9 +172,11 @@ bool UdpmTransport::is_wanted(std::string_view channel) const {
 
 void UdpmTransport::dispatch(const AssembledMessage& message) {
   ++stats_.messages_received;
+  Payload payload(message.payload);
+  payload.source = message.source;
   for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
     if (channel_matches(subscriptions_[i].pattern, message.channel)) {
-      subscriptions_[i].handler(message.channel, message.payload);
+      subscriptions_[i].handler(message.channel, payload);
     }
   }
 }

@@ -49,6 +49,8 @@ class QuadrotorDriver {
   void on_command(const models::OperatorCommand& command, Time now);
   /// Whether the scenario that others announce is the one flown here.
   void on_map(bool is_same) { guard_.on_map(is_same); }
+  /// Somebody said what is of no type of ours: another version of this program, perhaps.
+  void on_other_version(Time now) { guard_.on_other_version(now); }
   /// Does what is due. To be called every 5 ms or so; set-points go out at 50 Hz.
   void tick(Time now);
 

@@ -210,6 +210,7 @@ void RoverDriver::look(Time now) {
   in_.plan_ended = !course_.has_plan(now);
   plans_.report(now, limits_, in_);
   in_.map_differs = map_differs_;
+  in_.other_version_age_s = other_version_at_ ? to_seconds(now - *other_version_at_) : kNever;
   if (pose_.has_pose()) {
     const Surroundings around =
         look_around(here_m, brake_way(now), fleet_.bodies(now, limits_), limits_);

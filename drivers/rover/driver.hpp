@@ -46,6 +46,7 @@ class RoverDriver {
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
   void on_map(bool is_same) { map_differs_ = !is_same; }
+  void on_other_version(Time now) { other_version_at_ = now; }
   /// Drives through places instead of along a planner's plan, from where the rover stands, half a
   /// second from now on. Judged like a plan, and refused while a planner holds the lease.
   PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);
@@ -101,6 +102,7 @@ class RoverDriver {
   Time release_since_{};
   bool has_news_ = true;
   bool map_differs_ = false;
+  std::optional<Time> other_version_at_;
   bool emergency_stop_ = false;
   std::optional<models::OperatorAction> request_;
   std::array<std::int64_t, kPoseVerdicts> pose_counts_{};

@@ -129,6 +129,11 @@ constexpr auto
                 {"two planners", kNote, kAtOnce, true, 0.0,
                  "a run without the lease spoke within the lease", "at once",
                  [](const In& in, const Lim&) { return in.second_planner; }},
+                {"another version", kNote, kAtOnce, true, 0.0,
+                 "a message of no type of ours, in the last other_version_clear_s", "at once",
+                 [](const In& in, const Lim& lim) {
+                   return in.other_version_age_s < lim.other_version_clear_s;
+                 }},
                 {"plans refused", kNote, kAtOnce, false, 0.0,
                  "the newest plan did not pass the check", "at once",
                  [](const In& in, const Lim&) { return in.plans_refused > 0; }},

@@ -102,6 +102,8 @@ class FlightGuard {
   void on_battery(double share, Time now);
   /// Whether the scenario announced by others is the one flown here.
   void on_map(bool is_same);
+  /// Somebody said on a channel of ours what is of no type of ours.
+  void on_other_version(Time now);
 
   GuardOutput tick(Time now);
 

@@ -131,6 +131,7 @@ void FlightGuard::Parts::look(Time now) {
   in.plan_ended = !course.has_plan(now);
   plans.report(now, limits, in);
   in.map_differs = map_differs;
+  in.other_version_age_s = other_version_at ? to_seconds(now - *other_version_at) : kNever;
 
   if (pose.has_pose()) {
     const auto bodies = fleet.bodies(now, limits);

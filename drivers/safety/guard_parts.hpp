@@ -92,6 +92,7 @@ struct FlightGuard::Parts {
   bool has_heartbeat = false, has_telemetry = false, has_battery = false;
   double battery_share = 1.0;
   bool map_differs = false;
+  std::optional<Time> other_version_at;
   bool emergency_stop = false;
   std::optional<models::OperatorAction> request;
 

@@ -30,14 +30,15 @@ struct SafetyInputs {
   double start_turn_rad = 0.0;    ///< the same of yaw
 
   // Plan.
-  bool has_plan = true;         ///< a checked plan is on the course
-  bool plan_ended = false;      ///< it has come to its hover
-  double plan_age_s = 0.0;      ///< since the newest plan passed the check
-  double planner_age_s = 0.0;   ///< since the leaseholder's last message
-  int plans_late = 0;           ///< in a row
-  int plans_refused = 0;        ///< in a row
-  bool second_planner = false;  ///< a run without the lease spoke in the last seconds
-  bool map_differs = false;     ///< planner and vehicle do not fly in the same scenario
+  bool has_plan = true;                 ///< a checked plan is on the course
+  bool plan_ended = false;              ///< it has come to its hover
+  double plan_age_s = 0.0;              ///< since the newest plan passed the check
+  double planner_age_s = 0.0;           ///< since the leaseholder's last message
+  int plans_late = 0;                   ///< in a row
+  int plans_refused = 0;                ///< in a row
+  bool second_planner = false;          ///< a run without the lease spoke in the last seconds
+  bool map_differs = false;             ///< planner and vehicle do not fly in the same scenario
+  double other_version_age_s = kNever;  ///< since a message was heard that is of no type of ours
 
   // Distances of the vehicle's edge; negative is outside or in contact.
   double fence_now_m = kNever;

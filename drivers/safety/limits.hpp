@@ -39,6 +39,7 @@ struct SafetyLimits {
   double plan_future_max_s = 5.0;  ///< start after the arrival
   double plan_start_tolerance_m = 0.4;
   double plan_start_turn_rad = 0.8;
+  double other_version_clear_s = 5.0;  ///< nobody spoke another version for so long, to arm
   double planner_lease_s = 2.0;
   double tracking_hold_m = 0.4;  ///< in all three directions
   double tracking_land_m = 1.0;

@@ -274,6 +274,11 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
                 "must say the system_id, 1 to 255, of a real vehicle: 0 would fly "
                 "whichever speaks first");
   }
+  if (robot.device == DeviceSource::kReal && robot.autopilot && robot.autopilot->key_file.empty()) {
+    from.refuse("autopilot",
+                "must say the key_file of a real vehicle: without one whoever is on its network "
+                "flies it; docs/quadrotor.md says how the autopilot gets the key");
+  }
   from.section("rover", [&](Mapping& rover) { read_rover(rover, robot.rover.emplace()); });
   if (robot.rover && robot.autopilot) {
     from.refuse("rover", "a robot has an autopilot or is a rover, not both");

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bus/auth/authenticator.hpp"
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
 #include "bus/node/process_usage.hpp"
@@ -11,6 +12,7 @@
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "logs/record/recorder.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 
@@ -24,6 +26,7 @@ constexpr Duration kDrainPatience = std::chrono::milliseconds(100);
 struct RecordArguments {
   std::string log;
   std::string url;
+  std::string scenario;
   std::vector<std::string> include;
   std::vector<std::string> exclude;
   bool appends = false;
@@ -105,6 +108,10 @@ int run(const RecordArguments& arguments) {
                           logs::ChannelFilter(arguments.include, arguments.exclude), tell);
   bus::Bus bus(*transport, bus::random_run_id());
   bus.keep_time(clock);
+  if (!arguments.scenario.empty()) {
+    bus.secure(bus::auth::authenticator_for(scenario::load_scenario(arguments.scenario), false),
+               clock);
+  }
   const Time start = clock.now();
   const auto is_over = [&] {
     return stop_requested() || (arguments.duration_s > 0.0 &&
@@ -149,6 +156,8 @@ void add_log_record_command(CLI::App& log, Runner& chosen) {
   auto arguments = std::make_shared<RecordArguments>();
   command->add_option("log", arguments->log, "LCM event log to write, a new file")->required();
   command->add_option("--url", arguments->url, "LCM URL; $LCM_DEFAULT_URL when not given");
+  command->add_option("--scenario", arguments->scenario,
+                      "sign HEALTH_RECORDER with the keys of this scenario's `security`");
   command->add_option("--channels", arguments->include, "the ones to record (whole names)");
   command->add_option("--without", arguments->exclude, "the ones not to record");
   command->add_flag("--append", arguments->appends, "go on with the log where there is one");

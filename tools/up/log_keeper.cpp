@@ -17,11 +17,11 @@ constexpr auto kPatience = std::chrono::seconds(5);
 }  // namespace
 
 // How much room it needs is known to those who start it.
-ProcessSpec recorder_process(const std::string& executables, const std::string& url,
-                             const std::string& log_path) {
+ProcessSpec recorder_process(const std::string& executables, const std::string& scenario_path,
+                             const std::string& url, const std::string& log_path) {
   return {kRecorderProcess,
           {executables + "/vantage", "log", "record", log_path, "--append", "--url", url,
-           "--free-mib", "0", "--quiet"}};
+           "--scenario", scenario_path, "--free-mib", "0", "--quiet"}};
 }
 
 // The recorder writes what it hears, so it listens once its file is no longer empty.

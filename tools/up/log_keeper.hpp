@@ -16,9 +16,9 @@ namespace vantage::tools {
 /// The name of the recorder among the processes.
 inline constexpr const char* kRecorderProcess = "recorder";
 
-/// `vantage log record`, appending to `log_path`.
-ProcessSpec recorder_process(const std::string& executables, const std::string& url,
-                             const std::string& log_path);
+/// `vantage log record`, appending to `log_path`, signing as `scenario_path` says.
+ProcessSpec recorder_process(const std::string& executables, const std::string& scenario_path,
+                             const std::string& url, const std::string& log_path);
 
 /// What became of a trial's log.
 struct LogOutcome {

@@ -214,12 +214,12 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
       bus_(*transport_, bus::random_run_id()),
       announcer_(secured(bus_, scenario, clock_), scenario, "up"),
       file_(scenario.source_text),
-      keeper_(
-          options.log_path.empty()
-              ? nullptr
-              : std::make_unique<LogKeeper>(
-                    recorder_process(options.executables, scenario.network.url, options.log_path),
-                    options.log_path, options.restarts, announcer_, clock_)),
+      keeper_(options.log_path.empty()
+                  ? nullptr
+                  : std::make_unique<LogKeeper>(
+                        recorder_process(options.executables, file_.path(), scenario.network.url,
+                                         options.log_path),
+                        options.log_path, options.restarts, announcer_, clock_)),
       start_(clock_.now()),
       observer_(bus_, scenario, start_),
       board_(scenario, host_, bus_.run_id(), start_),

@@ -23,7 +23,7 @@ namespace vantage::drivers {
 /// The process of one vehicle on the bus, whatever its kind: VICON, PLAN_*, COMMAND and SCENARIO
 /// in, QUADROTOR_R out at 10 Hz and on change; its port looked at each tick. A kind says what its
 /// driver does with what arrives, and how it acts. Driver(scenario, robot, limits, own) has
-/// on_plan, on_map, take_news, status and counters.
+/// on_plan, on_map, on_other_version, take_news, status and counters.
 ///
 /// `now` is the stack's time, which never goes back (bus::SteadyClock), so that a clock that is set
 /// does not move a vehicle.
@@ -40,6 +40,9 @@ class VehicleNode : public bus::Node {
         break;
       }
       receive({buffer_.data(), got}, now);
+    }
+    if (const std::int64_t count = bus_.undecoded(); count != std::exchange(undecoded_, count)) {
+      driver_.on_other_version(now);
     }
     act(now);
     if (driver_.take_news() || now >= next_status_) {
@@ -137,6 +140,7 @@ class VehicleNode : public bus::Node {
   Duration tick_period_;
   Time next_tick_;
   Time next_status_{};
+  std::int64_t undecoded_ = 0;
   std::array<std::uint8_t, 2048> buffer_{};
 };
 

@@ -40,6 +40,8 @@ struct Process {
         quadrotor_channel("*"), [this](const models::VehicleStatus& s) { statuses.push_back(s); });
     bus.subscribe<models::ProcessHealth>(health_channel("*"),
                                          [this](const models::ProcessHealth&) { ++healths; });
+    bus.subscribe<models::HostReport>(host_channel("*"),
+                                      [this](const models::HostReport&) { ++hosts; });
   }
   void hear() {
     while (bus.handle(kNoWait) > 0) {
@@ -60,6 +62,7 @@ struct Process {
   std::vector<models::OperatorCommand> commands;
   std::vector<models::VehicleStatus> statuses;
   int healths = 0;
+  int hosts = 0;
 };
 
 class SecuredBus : public ::testing::Test {
@@ -197,12 +200,25 @@ TEST_F(SecuredBus, RefusesWhatIsSentAgainNowAndLater) {
 }
 
 TEST_F(SecuredBus, StaysOpenToStrangersWhereNothingMoves) {
+  models::HostReport report;
+  report.stamp = {clock_.now(), 77, 0};
+  report.host = "CAMERA";
+  forge("HOST_CAMERA", test::encoded(report));
+  EXPECT_EQ(vehicle_.hosts, 1);
+  EXPECT_EQ(vehicle_.count("HOST_CAMERA.unsigned"), 0);
+}
+
+// A sign of life in a hung process's name would keep the supervisor from ending it.
+TEST_F(SecuredBus, TakesNoStrangersWordForAnothersHealth) {
   models::ProcessHealth health;
   health.stamp = {clock_.now(), 77, 0};
-  health.process = "CAMERA";
-  forge("HEALTH_CAMERA", test::encoded(health));
+  health.process = "PLANNER_Q1";
+  forge("HEALTH_PLANNER_Q1", test::encoded(health));
+  EXPECT_EQ(vehicle_.healths, 0);
+  EXPECT_EQ(vehicle_.count("HEALTH_PLANNER_Q1.unsigned"), 1);
+  lab_.bus.publish(health_channel("PLANNER_Q1"), health);
+  hear();
   EXPECT_EQ(vehicle_.healths, 1);
-  EXPECT_EQ(vehicle_.count("HEALTH_CAMERA.unsigned"), 0);
 }
 
 TEST_F(SecuredBus, WarnsAndTakesAllTheSameWhileKeysAreHandedOut) {

@@ -1,4 +1,5 @@
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <string>
 #include <vector>
@@ -120,7 +121,8 @@ TEST(Verify, RefusesEachBitThatWasFlipped) {
       Message message =
           signed_by(key, channel, payload, kNowCounter, TrialMode::kLive, rng(), echoes);
       Receiver receiver = receiver_of({role});
-      receiver.budgets.fresh = Budget(1e9, 1e9);
+    const Budget any(1e9, 1e9);
+    receiver.budgets = SignatureBudgets({any, any}, {any, any}, {any, any});
       for (std::size_t bit = 0; bit < 8 * message.size(); ++bit) {
         message[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
         ASSERT_NE(receiver.judge(channel, message), Refusal::kNone) << name_of(role) << ' ' << bit;
@@ -286,6 +288,99 @@ TEST(SignatureBudgets, BoundWhatAFloodOfForgedCommandsCostsAndLeaveRoomForStops)
             Refusal::kNone);
 }
 
+/// Somebody who holds the operator's MAC key and not its seed: any vehicle that was taken.
+struct Attack {
+  explicit Attack(const Key& station) : captured(test::key_of(Role::kOperator, 4)) {
+    set_seed(captured, std::vector<std::uint8_t>(kSeedBytes, 9));
+    captured.id = station.id;
+  }
+  /// Judged by `receiver` as from `source`, as a stop or an order; whether it was verified.
+  bool strike(Receiver& receiver, bool is_stop, std::uint64_t source, std::uint64_t session) {
+    receiver.expectation.is_emergency_stop = is_stop;
+    receiver.expectation.source = source;
+    const Refusal refusal = receiver.judge(
+        "COMMAND",
+        signed_by(captured, "COMMAND", bytes_of("x"), ++counter, TrialMode::kLive, session));
+    EXPECT_TRUE(refusal == Refusal::kBadSignature || refusal == Refusal::kOverBudget);
+    return refusal == Refusal::kBadSignature;
+  }
+  Key captured;
+  std::uint64_t counter = kNowCounter;
+};
+
+/// The operator says something each 0.1 s of a second, as from `source`; how often it is heard.
+int heard_in_a_flood(Receiver& receiver, const Key& station, bool is_stop, std::uint64_t source,
+                     const std::function<void()>& flood) {
+  int heard = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    receiver.expectation.now += Duration{100};
+    flood();
+    if (i % 1'000 == 999) {
+      receiver.expectation.is_emergency_stop = is_stop;
+      receiver.expectation.source = source;
+      const auto said = signed_by(station, "COMMAND", bytes_of("word"),
+                                  kNowCounter + 1'000'000 + static_cast<std::uint64_t>(i));
+      heard += receiver.judge("COMMAND", said) == Refusal::kNone ? 1 : 0;
+    }
+  }
+  return heard;
+}
+
+constexpr std::uint64_t kStation = (std::uint64_t{0x0a000001} << 16U) | 40'000U;  // 10.0.0.1:40000
+constexpr std::uint64_t kAttacker = (std::uint64_t{0x0a000002} << 16U) | 40'000U;
+
+TEST(SignatureBudgets, AnotherHostsFloodOfStopsAndOrdersDelaysNoWordOfAStation) {
+  const Key station = test::key_of(Role::kOperator, 4);
+  for (const bool is_stop : {false, true}) {
+    Receiver receiver = receiver_of({Role::kOperator});
+    Attack attack(station);
+    receiver.expectation.source = kStation;
+    ASSERT_EQ(
+        receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter)),
+        Refusal::kNone);
+    int verified = 0;
+    const int heard = heard_in_a_flood(receiver, station, is_stop, kStation, [&] {
+      verified += attack.strike(receiver, is_stop, kAttacker, kSession) ? 1 : 0;
+    });
+    EXPECT_EQ(heard, 10) << is_stop;
+    EXPECT_LE(verified, 20 + 20) << "one host's, at most 2 ms of work in a second";
+  }
+}
+
+// Addresses are forged as easily as all else.
+TEST(SignatureBudgets, AFloodUnderAnyAddressDelaysNoWordOfAStationThatWasHeard) {
+  const Key station = test::key_of(Role::kOperator, 4);
+  for (const bool is_stop : {false, true}) {
+    Receiver receiver = receiver_of({Role::kOperator});
+    Attack attack(station);
+    std::mt19937_64 rng(7);
+    receiver.expectation.source = kStation;
+    ASSERT_EQ(
+        receiver.judge("COMMAND", signed_by(station, "COMMAND", bytes_of("beat"), kNowCounter)),
+        Refusal::kNone);
+    int verified = 0;
+    const int heard = heard_in_a_flood(receiver, station, is_stop, kStation, [&] {
+      const std::uint64_t session = rng() % 2 == 0 ? kSession : rng();
+      verified += attack.strike(receiver, is_stop, rng() >> 16U, session) ? 1 : 0;
+    });
+    EXPECT_EQ(heard, 10) << is_stop;
+    EXPECT_LE(verified, 50 + 100) << "all strangers' together, at most 7 ms of work in a second";
+  }
+}
+
+TEST(SignatureBudgets, AStationThatWasNeverHeardIsHeardThroughAnotherHostsFlood) {
+  const Key station = test::key_of(Role::kOperator, 4);
+  for (const bool is_stop : {false, true}) {
+    Receiver receiver = receiver_of({Role::kOperator});
+    Attack attack(station);
+    std::mt19937_64 rng(8);
+    const int heard = heard_in_a_flood(receiver, station, is_stop, kStation, [&] {
+      attack.strike(receiver, is_stop, kAttacker + rng() % 1'000, rng());
+    });
+    EXPECT_EQ(heard, 10) << is_stop;
+  }
+}
+
 // Somebody without any key sends what the operator said again and again.
 TEST(SignatureBudgets, AreNotUsedUpByWhatIsSentAgain) {
   const Key station = test::key_of(Role::kOperator, 4);
@@ -324,13 +419,12 @@ TEST(Split, ReadsNothingBeyondAnythingItIsGiven) {
 }
 
 TEST(Policy, EveryChannelThatMovesAVehicleMustBeSigned) {
-  for (const char* channel :
-       {"VICON", "COMMAND", "PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1", "QUADROTOR_Q1",
-        "MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1", "MAP_Q1", "ATTACK", "SCENARIO", "TRUTH"}) {
+  for (const char* channel : {"VICON", "COMMAND", "PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1",
+                              "QUADROTOR_Q1", "MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1", "MAP_Q1",
+                              "ATTACK", "SCENARIO", "TRUTH", "HEALTH_PLANNER_Q1"}) {
     EXPECT_TRUE(must_be_signed(channel)) << channel;
   }
-  for (const char* channel :
-       {"HEALTH_PLANNER_Q1", "HOST_A", "COLLISION", "CAMERA", "", "REPLAY_VICON", "VICONS"}) {
+  for (const char* channel : {"HOST_A", "COLLISION", "CAMERA", "", "REPLAY_VICON", "VICONS"}) {
     EXPECT_FALSE(must_be_signed(channel)) << channel;
   }
 }

@@ -102,6 +102,7 @@ const BadEdit kValues[] = {
     {"SecurityOfAnUnknownMode", "network:\n", "security:\n  @mode: always\n  keys: keys\nnetwork:\n", "off"},
     {"SecurityWithoutAMode", "network:\n", "@security: {keys: keys}\nnetwork:\n", "mode"},
     {"RealAutopilotWithoutASystemId", "  - name: Q3\n", "  - name: Q3\n    device: real\n    @autopilot: {dialect: px4, url: \"udp://:1\"}\n", "must say the system_id, 1 to 255, of a real vehicle"},
+    {"RealAutopilotThatDoesNotSign", "  - name: Q3\n", "  - name: Q3\n    device: real\n    @autopilot: {dialect: px4, url: \"udp://:1\", system_id: 1}\n", "must say the key_file of a real vehicle"},
     {"UnknownParameterPolicy", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", parameters: perhaps}\n", "must be one of verify, warn, ignore; is 'perhaps'"},
     {"BatteryWithoutCells", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {full_v: 4.2}}\n", "cells"},
     {"BatteryFullerWhenEmpty", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", battery: {cells: 3, empty_v: 4.2, full_v: 4.1}}\n", "must be above empty_v, 4.2, is 4.1"},

@@ -16,6 +16,23 @@ TEST(SigningTimestamp, CountsTensOfMicrosecondsSince2015) {
   EXPECT_EQ(signing_timestamp_10us(from_utime(0)), 0U);
 }
 
+// Bytes of a signed HEARTBEAT as the specification builds them, by Python's hashlib and a CRC of
+// its own: sha256(key + header + payload + CRC + link id + timestamp), the first six bytes.
+TEST(Signer, MakesTheBytesOfTheSpecification) {
+  SigningKey key{};
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    key[i] = static_cast<std::uint8_t>(i);
+  }
+  Frame frame = heartbeat();
+  Signer(key, 7).sign(frame, kNow);
+  std::vector<std::uint8_t> bytes;
+  append_bytes(frame, bytes);
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0xfd, 0x09, 0x01, 0x00, 0x00, 0xff, 0xbf, 0x00, 0x00,
+                                              0x00, 0x00, 0x00, 0x00, 0x00, 0x12, 0x08, 0x00, 0x04,
+                                              0x03, 0x2c, 0x9c, 0x07, 0x00, 0xe0, 0x3c, 0xd6, 0x92,
+                                              0x1f, 0xa4, 0x16, 0x74, 0x12, 0x03, 0x2d}));
+}
+
 TEST(Signer, AcceptsWhatItsPeerSigned) {
   Signer sender(kKey, 3);
   Signer receiver(kKey, 4);

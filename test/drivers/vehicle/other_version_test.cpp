@@ -1,0 +1,80 @@
+// A vehicle beside which somebody runs another version of this program, through its node and a bus.
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "bus/convert/channels.hpp"
+#include "drivers/quadrotor/app/node.hpp"
+#include "sim/autopilot/endpoint.hpp"
+#include "test/drivers/quadrotor/flight_bench.hpp"
+#include "test/drivers/vehicle/vehicle_node_bench.hpp"
+#include "test/support/udp_port.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::AutopilotDialect;
+using models::FlightState;
+using models::OperatorAction;
+using test::FlightBench;
+
+constexpr const char* kReason = "another version";
+
+class OtherVersion : public ::testing::Test {
+ protected:
+  [[nodiscard]] bool says_so() const {
+    const auto& reasons = bench_.statuses.back().reasons;
+    return std::find(reasons.begin(), reasons.end(), kReason) != reasons.end();
+  }
+  [[nodiscard]] bool is_armed() const { return bench_.vehicle.emulator().controller().is_armed(); }
+  void stand() {
+    ASSERT_TRUE(bench_.run_until(
+        [&] { return !bench_.statuses.empty() && bench_.statuses.back().reasons.empty(); }, 20.0));
+  }
+  /// A plan as another version would say it: its type's hash is another.
+  void speak_otherwise() { bench_.stranger->publish("PLAN_Q9", std::vector<std::uint8_t>(64, 7)); }
+
+  test::VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint> bench_{
+      FlightBench::scenario_for(AutopilotDialect::kPx4),
+      FlightBench::vehicle_for(AutopilotDialect::kPx4),
+      "udp://127.0.0.1:" + test::port_of_this_test(0), FlightBench::kStart,
+      [](const sim::AutopilotEndpoint& quadrotor) {
+        return quadrotor.emulator().world_from_body();
+      }};
+};
+
+TEST_F(OtherVersion, KeepsAVehicleFromArmingUntilItIsSilent) {
+  stand();
+  speak_otherwise();
+  bench_.run(0.5);
+  EXPECT_TRUE(says_so());
+  bench_.say(OperatorAction::kArm);
+  bench_.run(3.0);
+  EXPECT_FALSE(is_armed());
+  bench_.run(3.0);
+  EXPECT_FALSE(says_so());
+  bench_.say(OperatorAction::kArm);
+  EXPECT_TRUE(bench_.run_until([&] { return is_armed(); }, 40.0));
+}
+
+TEST_F(OtherVersion, IsOnlySaidInTheAir) {
+  stand();
+  bench_.say(OperatorAction::kArm);
+  ASSERT_TRUE(bench_.run_until([&] { return is_armed(); }, 40.0));
+  bench_.run(1.5);
+  bench_.say(OperatorAction::kTakeOff);
+  ASSERT_TRUE(bench_.run_until(
+      [&] { return bench_.vehicle.emulator().world_from_body().translation_m.z() > 0.9; }, 15.0));
+  bench_.run(3.0);
+  bench_.each_step = [&] { speak_otherwise(); };
+  bench_.statuses.clear();
+  bench_.run(2.0);
+  EXPECT_TRUE(says_so());
+  for (const models::VehicleStatus& status : bench_.statuses) {
+    EXPECT_EQ(status.state, FlightState::kHold);
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers
