@@ -43,13 +43,6 @@ inline Channel<models::RobotMap> map_channel(const std::string& robot) { return 
 inline Channel<models::RobotPlan> plan_channel(const std::string& robot) {
   return {"PLAN_" + robot};
 }
-/// Of planner.algorithm `external`: what the robot asks for, and what it is answered.
-inline Channel<models::RobotPlan> external_request_channel(const std::string& robot) {
-  return {"EXTERNAL_REQUEST_" + robot};
-}
-inline Channel<models::RobotPlan> external_plan_channel(const std::string& robot) {
-  return {"EXTERNAL_PLAN_" + robot};
-}
 inline Channel<models::PlanProposal> proposal_channel(const std::string& robot) {
   return {"PROPOSAL_" + robot};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "bus/convert/external_channels.hpp"
 #include "core/deadline.hpp"
 #include "planner/robot/trajectory_tools.hpp"
 #include "scenario/search_name.hpp"

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "bus/convert/external_channels.hpp"
 #include "core/deadline.hpp"
 
 namespace vantage::planner {

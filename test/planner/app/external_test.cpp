@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bus/convert/external_channels.hpp"
 #include "models/plan/plan.hpp"
 #include "planner/app/replay_node.hpp"
 #include "planner/robot/external_answer.hpp"
