@@ -115,17 +115,19 @@ class Stack(unittest.TestCase):
     """With the stack's own processes."""
 
     def follow(self, scenario_text):
-        """Measurements from Python, in the place of Q1's sensor: does the estimator of Q1 believe them?"""
+        """What the estimator of Q1 believes of examples/detector_node.py, which is in the place of Q1's sensor."""
         path = pathlib.Path(FOLDER.name, "lab.yaml")
         path.write_text(scenario_text)
-        node = live.Node("DETECTOR", scenario=path)
+        node = live.Node("WITNESS", scenario=path)
         beliefs, health = [], []
         node.subscribe("BELIEF_Q1", vantage_lcm.belief_t, lambda _, belief: beliefs.append(belief))
         node.subscribe("HEALTH_*", vantage_lcm.health_t, lambda _, each: health.append(each.process))
-        node.every(0.25, lambda utime: node.publish("MEASUREMENT_Q1", measurement()))
-        node.every(0.1, lambda utime: any(each.num_targets for each in beliefs[-3:]) and node.stop())
-        with Started(BIN / "vantage-estimator", "--scenario", path, "--robot", "Q1"):
-            node.run(20.0)
+        node.every(0.1, lambda utime: any(each.num_targets for each in beliefs[-3:]) and "DETECTOR" in health
+                   and "ESTIMATOR_Q1" in health and node.stop())
+        environment = {**os.environ, "PYTHONPATH": os.environ["PYTHONPATH"] + os.pathsep + FOLDER.name}
+        with Started(BIN / "vantage-estimator", "--scenario", path, "--robot", "Q1"), \
+                Started(sys.executable, SOURCE / "examples/detector_node.py", path, "Q1", env=environment):
+            node.run(30.0)
         self.assertIn("ESTIMATOR_Q1", health)
         self.assertIn("DETECTOR", health)
         return beliefs
