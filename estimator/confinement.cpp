@@ -22,12 +22,32 @@ struct Folded {
 
 Folded fold(double position_m, double min_m, double max_m) {
   const double width_m = max_m - min_m;
-  double along_m = std::fmod(position_m - min_m, 2.0 * width_m);
+  double along_m = position_m - min_m;
+  if (!(along_m >= 0.0 && along_m < 2.0 * width_m)) {  // else fmod() gives back what it gets
+    along_m = std::fmod(along_m, 2.0 * width_m);
+  }
   if (along_m < 0.0) {
     along_m += 2.0 * width_m;
   }
   return along_m <= width_m ? Folded{min_m + along_m, 1.0}
                             : Folded{min_m + 2.0 * width_m - along_m, -1.0};
+}
+
+// Whether every point of the rule is in `bounds`. Rounding is monotone, so that the outermost four,
+// computed as all are, are the outermost of all.
+bool are_all_inside(const ProductRule& rule, const Eigen::Vector2d& mean_m,
+                    const Eigen::Matrix2d& L, const models::Rectangle& bounds) {
+  const double first = rule.point.front();
+  const double last = rule.point[static_cast<std::size_t>(rule.size - 1)];
+  for (const double at_x : {first, last}) {
+    for (const double at_y : {first, last}) {
+      const Eigen::Vector2d y_m = mean_m + L * Eigen::Vector2d(at_x, at_y);
+      if (!bounds.contains(y_m)) {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -40,12 +60,14 @@ models::Gaussian reflect(const models::Gaussian& belief, const models::Rectangle
     return belief;
   }
   const Eigen::Matrix2d L = root.matrixL();
+  const ProductRule& rule = ProductRule::of(2);
+  if (are_all_inside(rule, belief.mean.head<2>(), L, bounds)) {
+    return belief;
+  }
   const Eigen::Matrix2d P_pv = belief.covariance.topRightCorner<2, 2>();
   const Eigen::Matrix2d G = root.matrixL().solve(P_pv).transpose();  // velocity from u
   const Eigen::Matrix2d C = belief.covariance.bottomRightCorner<2, 2>() - G * G.transpose();
-  const ProductRule& rule = ProductRule::of(2);
 
-  bool is_inside = true;
   Moment sum = Moment::Zero();
   Eigen::Matrix4d sum_of_squares = Eigen::Matrix4d::Zero();
   for (int i = 0; i < rule.size; ++i) {
@@ -57,7 +79,6 @@ models::Gaussian reflect(const models::Gaussian& belief, const models::Rectangle
       const Eigen::Vector2d y_m = belief.mean.head<2>() + L * u;
       const Folded x = fold(y_m.x(), bounds.min_m.x(), bounds.max_m.x());
       const Folded y = fold(y_m.y(), bounds.min_m.y(), bounds.max_m.y());
-      is_inside = is_inside && bounds.contains(y_m);
       const Eigen::Vector2d sign(x.sign, y.sign);
       Moment z;
       z << x.position_m, y.position_m, sign.cwiseProduct(belief.mean.tail<2>() + G * u);
@@ -66,9 +87,6 @@ models::Gaussian reflect(const models::Gaussian& belief, const models::Rectangle
       sum_of_squares.bottomRightCorner<2, 2>() +=
           weight * sign.asDiagonal() * C * sign.asDiagonal();
     }
-  }
-  if (is_inside) {
-    return belief;
   }
   models::Gaussian inside = belief;
   inside.mean = sum;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/check.hpp"
+#include "scenario/search_name.hpp"
 
 namespace vantage::trial {
 
@@ -76,6 +77,11 @@ TrialResult Trial::result() {
 
 TrialResult run_trial(const scenario::Scenario& scenario, const std::vector<NodeRecipe>& recipes,
                       const TrialOptions& options) {
+  if (scenario::is_external(scenario.planner)) {
+    throw StartupError(
+        "planner.algorithm: external asks a process on the bus, and a trial in virtual time has "
+        "none: fly it with `vantage up`, or in Python by Trial(scenario, planners=…)");
+  }
   Trial trial(scenario, recipes, options.log_path);
   constexpr int kProgressReports = 100;
   constexpr Duration kStopPeriod{500'000};

@@ -35,6 +35,7 @@ constexpr std::array kFamilies{
     Family{"PLAN_", Role::kPlanner, true},
     Family{"PROPOSAL_", Role::kPlanner, true},
     Family{"TEAM_PROPOSAL_", Role::kPlanner, true},
+    Family{"EXTERNAL_", Role::kPlanner, true},
     Family{"QUADROTOR_", Role::kVehicle, true},
     Family{"MEASUREMENT_", Role::kNode, true},
     Family{"SCAN_", Role::kNode, true},

@@ -25,10 +25,12 @@ Time instant_before(Time t, Duration step) {
 }  // namespace
 
 EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
-                             const scenario::Scenario& scenario, const std::string& robot)
+                             const scenario::Scenario& scenario, const std::string& robot,
+                             Believe believe)
     : bus_(bus),
       clock_(clock),
       filter_(filter_spec(scenario, robot)),
+      believe_(std::move(believe)),
       robot_(robot),
       mocap_index_(static_cast<std::size_t>(scenario.find_robot(robot) - scenario.robots.data())),
       step_(from_seconds(scenario.planner.step_s)),
@@ -139,7 +141,11 @@ void EstimatorNode::tick(Time now) {
   const Time t = instant_before(now - lag_, step_);
   instants_missed_ += (t - next_instant_) / step_;
   next_instant_ = t + step_;
-  const models::RobotBelief made = make_step(filter_, t, steps_++, gather(t));
+  const StepMaterial material = gather(t);
+  models::RobotBelief made = make_step(filter_, t, steps_++, material);
+  if (believe_) {
+    made.targets = believe_(t, material.looks);
+  }
   const models::InputRef published = bus_.publish(bus::belief_channel(robot_), made);
   if (map_) {
     map_->step(made, published);

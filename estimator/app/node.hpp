@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,9 +32,14 @@ namespace vantage::estimator {
 /// beliefs are used until they are stale.
 class EstimatorNode : public bus::Node {
  public:
+  /// What is believed of the targets at t, by ascending target_id, after the looks of its step.
+  using Believe = std::function<std::vector<models::TargetBelief>(
+      Time t, const std::vector<Heard<models::DetectionSet>>& looks)>;
+
+  /// @param believe  said instead of what the filter believes of the targets; none: the filter's
   /// @throws UsageError when `scenario` has no such robot.
   EstimatorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
-                const std::string& robot);
+                const std::string& robot, Believe believe = {});
 
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] Time next_tick() const override;
@@ -57,6 +63,7 @@ class EstimatorNode : public bus::Node {
   bus::Bus& bus_;
   const bus::Clock& clock_;
   DistributedFilter filter_;
+  Believe believe_;
   std::string robot_;
   std::size_t mocap_index_;  ///< where frames have the robot, most likely
   Duration step_;

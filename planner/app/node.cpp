@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "bus/convert/external_channels.hpp"
 #include "core/deadline.hpp"
 #include "planner/robot/trajectory_tools.hpp"
+#include "scenario/search_name.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -58,6 +60,10 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
   if (spec_.objective == scenario::PlanObjective::kMapping) {
     subscribe_to<models::RobotMap>(bus::map_channel(robot), robot,
                                    [this](const auto& m) { inputs_.map = m; });
+  }
+  if (scenario::is_external(spec_)) {
+    subscribe_to<models::RobotPlan>(bus::external_plan_channel(robot), robot,
+                                    [this](const auto& m) { hear_answer(m); });
   }
   bus_.subscribe_shared<models::MocapFrame>(
       bus::kVicon, [this](const auto& /*name*/, const auto& m) { mocap_ = m; });
@@ -145,6 +151,9 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
   if (inputs.solution && inputs.solution->round == inputs.slot.round) {
     add(bus::team_proposal_channel(inputs.solution->robot).name, inputs.solution->stamp);
   }
+  if (inputs.answer && inputs.answer->round == inputs.slot.round) {
+    add(bus::external_plan_channel(robot).name, inputs.answer->stamp);
+  }
   if (inputs.attack) {
     add(bus::kAttack.name, inputs.attack->stamp);
   }
@@ -157,13 +166,17 @@ void PlannerNode::tick(Time now) {
     return;
   }
   next_exchange_ = Time::max();
-  if (now >= slot_.end) {  // the whole slot was slept through
+  if (now >= slot_.end && !is_asking_) {  // the whole slot was slept through
     ++slots_skipped_;
     ++late_;
     slot_ = schedule_.next_slot(now);
     return;
   }
   inputs_.slot = slot_;
+  if (!is_asking_ && scenario::is_external(spec_) && ask(now)) {
+    return;  // until the answer has come or is due
+  }
+  is_asking_ = false;
   if (mocap_) {
     inputs_.mocap = *mocap_;
   }
@@ -245,7 +258,43 @@ void PlannerNode::exchange(Time now) {
   }
 }
 
+bool PlannerNode::ask(Time now) {
+  inputs_.answer.reset();
+  if (mocap_) {
+    inputs_.mocap = *mocap_;
+  }
+  std::optional<models::RobotPlan> question = planner_.question(inputs_);
+  answer_due_ = slot_.end - closing_of(slot_);
+  if (!question || now >= answer_due_) {
+    return false;
+  }
+  question->deadline = answer_due_;
+  question->finish = now;
+  question->inputs = names_of(inputs_, robot_);
+  is_asking_ = true;  // an answer may be there before publish() returns
+  asked_round_ = slot_.round;
+  bus_.publish(bus::external_request_channel(robot_), *question);
+  return true;
+}
+
+void PlannerNode::hear_answer(const models::RobotPlan& answer) {
+  const bool is_of_slot = answer.round == asked_round_;
+  const bool is_first = !inputs_.answer || inputs_.answer->round != answer.round;
+  if (is_asking_ && is_of_slot && is_first) {
+    ++answers_;
+    inputs_.answer = answer;
+    answer_due_ = clock_.now();
+  } else if (answer.round <= asked_round_ && is_first) {
+    ++answers_late_;
+  } else {
+    ++answers_unasked_;
+  }
+}
+
 void PlannerNode::plan(Time now) {
+  if (scenario::is_external(spec_) && asked_round_ == slot_.round && !inputs_.answer) {
+    ++answers_missing_;
+  }
   std::optional<models::RobotPlan> plan = planner_.plan(inputs_, deadline_of(now));
   const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - closing_of(slot_);
   const bool late = finish > slot_.end;
@@ -282,7 +331,12 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
           {"unusable_beliefs", counts.unusable_beliefs},
           {"unusable_maps", counts.unusable_maps},
           {"unusable_plans", unusable_plans_},
-          {"proposals_refused", planner_.proposals_refused()}};
+          {"proposals_refused", planner_.proposals_refused()},
+          {"external_rounds", answers_},
+          {"external_missing", answers_missing_},
+          {"external_late", answers_late_},
+          {"external_unasked", answers_unasked_},
+          {"external_refused", counts.answers_refused}};
 }
 
 }  // namespace vantage::planner

@@ -19,7 +19,8 @@ namespace vantage::planner {
 
 /// Joins a RobotPlanner to the bus: BELIEF_R (and MAP_R where the team maps), VICON, teammates'
 /// PLAN_* and ATTACK in, PLAN_R out, once a round in this robot's slot; in a team that expects
-/// attacks PROPOSAL_* besides, in and out; in one that plans by local search TEAM_PROPOSAL_*.
+/// attacks PROPOSAL_* besides, in and out; in one that plans by local search TEAM_PROPOSAL_*; of
+/// planner.algorithm `external` EXTERNAL_REQUEST_R out and EXTERNAL_PLAN_R in.
 ///
 /// Under a clock that is not real time the budget is planner.node_budget nodes.
 class PlannerNode : public bus::Node {
@@ -31,11 +32,16 @@ class PlannerNode : public bus::Node {
               const std::string& robot);
 
   [[nodiscard]] std::string name() const override { return "PLANNER_" + robot_; }
-  [[nodiscard]] Time next_tick() const override { return std::min(slot_.begin, next_exchange_); }
+  [[nodiscard]] Time next_tick() const override {
+    return is_asking_ ? answer_due_ : std::min(slot_.begin, next_exchange_);
+  }
   void tick(Time now) override;
   /// Those of the planner, and: slots_skipped, misaddressed (a robot's name inside a message is not
   /// that of its channel), unusable_plans (of teammates: too long, or for the far future),
-  /// proposals_refused (of the round of a local search, that cannot be).
+  /// proposals_refused (of the round of a local search, that cannot be). Where another process is
+  /// asked for plans: external_rounds (with an answer in time), external_missing (without),
+  /// external_late (answers after it), external_unasked (of no round that was asked for, or one
+  /// more), external_refused (no plan of their slot; those that are unsafe are plan_checks_failed).
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
 
@@ -52,6 +58,9 @@ class PlannerNode : public bus::Node {
   /// Searches for a while, publishes what it has found.
   void exchange(Time now);
   void hear(const models::TeamProposal& proposal);
+  /// Asks the process on the bus for the slot's plan; false when nothing can be asked (any more).
+  bool ask(Time now);
+  void hear_answer(const models::RobotPlan& answer);
   void plan(Time now);
 
   bus::Bus& bus_;
@@ -70,6 +79,14 @@ class PlannerNode : public bus::Node {
   Time exchange_end_{};
   std::vector<models::InputRef> exchange_inputs_;          ///< what the candidates were made from
   std::map<std::string, models::TeamProposal> overheard_;  ///< newest of each teammate
+  // Of planner.algorithm `external`:
+  bool is_asking_ = false;
+  Time answer_due_{};  ///< then the robot goes on without one
+  std::int64_t asked_round_ = -1;
+  std::int64_t answers_ = 0;
+  std::int64_t answers_missing_ = 0;
+  std::int64_t answers_late_ = 0;
+  std::int64_t answers_unasked_ = 0;
   std::int64_t late_ = 0;
   std::int64_t slots_skipped_ = 0;
   std::int64_t misaddressed_ = 0;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "bus/convert/external_channels.hpp"
 #include "core/deadline.hpp"
 
 namespace vantage::planner {
@@ -69,6 +70,9 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
         bus::map_channel(robot),
         [this](const std::string& name, const auto& m) { maps_.add(name, m); });
   }
+  bus_.subscribe_named<models::RobotPlan>(
+      bus::external_plan_channel(robot),
+      [this](const std::string& name, const auto& m) { answers_.add(name, m); });
   bus_.subscribe_named<models::MocapFrame>(
       bus::kVicon, [this](const std::string& name, const auto& m) { frames_.add(name, m); });
   bus_.subscribe_named<models::AttackNotice>(
@@ -117,6 +121,8 @@ bool PlannerReplayNode::gather(std::int64_t round, const std::vector<models::Inp
       inputs.solution = *solution;
     } else if (const auto* status = statuses_.find(name)) {
       inputs.team_statuses.insert_or_assign(status->robot, *status);
+    } else if (const auto* answer = answers_.find(name)) {
+      inputs.answer = *answer;
     } else if (const auto* plan = plans_.find(name)) {
       if (plan->robot == robot_) {
         inputs.own_plan = *plan;

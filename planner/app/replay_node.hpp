@@ -44,6 +44,7 @@ class PlannerReplayNode : public bus::Node {
   bus::InputStore<models::RobotMap> maps_{64};
   bus::InputStore<models::MocapFrame> frames_{4'000};
   bus::InputStore<models::RobotPlan> plans_{512};
+  bus::InputStore<models::RobotPlan> answers_{64};
   bus::InputStore<models::VehicleStatus> statuses_{4'000};
   bus::InputStore<models::PlanProposal> proposals_{512};
   bus::InputStore<models::AttackNotice> attacks_{64};

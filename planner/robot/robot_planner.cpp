@@ -11,6 +11,7 @@
 #include "planner/decision/resilient.hpp"
 #include "planner/problem/belief_table.hpp"
 #include "planner/robot/trajectory_tools.hpp"
+#include "scenario/search_name.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -73,6 +74,8 @@ RobotPlanner::RobotPlanner(std::shared_ptr<Workspace> workspace, const std::stri
   robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
   if (scenario_.planner.objective == scenario::PlanObjective::kMapping) {
     mapping_.emplace(scenario_);
+  } else if (scenario::is_external(scenario_.planner)) {
+    return;  // it searches nothing
   } else if (chooses_candidates(scenario_.planner, *spec_)) {
     exchange_ = std::make_unique<TeamExchange>(scenario_, robot_index_, workspace_->reduced());
   } else if (const Algorithm& algorithm = algorithm_called(scenario_.planner.algorithm);
@@ -339,6 +342,9 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
   const std::optional<models::Trajectory> committed = committed_motion(inputs);
   if (!committed) {
     return std::nullopt;
+  }
+  if (scenario::is_external(scenario_.planner)) {
+    return plan_of_answer(inputs, *committed);
   }
   if (exchange_) {
     return is_local_search(scenario_.planner) ? plan_of_solution(inputs, *committed)

@@ -31,6 +31,7 @@ struct PlanInputs {
   std::map<std::string, models::PlanProposal> proposals;       ///< newest of each robot, own too
   std::optional<models::TeamProposal> solution;                ///< best known of a local search
   std::optional<models::AttackNotice> attack;
+  std::optional<models::RobotPlan> answer;  ///< of the process that is asked for plans
 };
 
 /// What happened besides the plan, since construction.
@@ -47,7 +48,8 @@ struct PlannerCounts {
   /// Targets that cannot be predicted (of a clock that was ahead, say) or that the scenario has
   /// not, and grids of another geometry.
   std::int64_t unusable_beliefs = 0;
-  std::int64_t unusable_maps = 0;  ///< of another grid than the scenario's
+  std::int64_t unusable_maps = 0;    ///< of another grid than the scenario's
+  std::int64_t answers_refused = 0;  ///< that are no plan of their slot (motion_of_answer())
 };
 
 /// One robot's share of a planning round, as a function of its inputs (and, for the sweeping
@@ -75,6 +77,9 @@ struct PlannerCounts {
 /// robot: a motion, which passes the closing check or falls back, or rest: so does a robot
 /// without any. A robot that pays for its energy (energy.price_nats > 0) weighs it in
 /// coordinate descent too, where no attacks are expected. Source: docs/decisions/0006.
+///
+/// A robot of planner.algorithm `external` searches nothing: its plan is the answer in its inputs,
+/// if that passes the closing check, else what it falls back on.
 class RobotPlanner {
  public:
   RobotPlanner(const scenario::Scenario& scenario, const std::string& robot);
@@ -97,6 +102,11 @@ class RobotPlanner {
   bool begin_exchange(const PlanInputs& inputs, const Deadline& deadline);
   /// Precondition: the team plans by local search.
   [[nodiscard]] TeamExchange& exchange() { return *exchange_; }
+
+  /// Of planner.algorithm `external`: what another process is asked. The committed motion from
+  /// t_{k+1} on, as a plan that nobody searched; an answer begins where it does. nullopt where
+  /// plan() is. Counts nothing.
+  std::optional<models::RobotPlan> question(const PlanInputs& inputs);
 
   /// What to publish instead when the search ended after its slot: teammates may already count on
   /// the old plan, which every other committed plan is compatible with.
@@ -164,6 +174,8 @@ class RobotPlanner {
   bool rest(const models::Trajectory& committed, models::RobotPlan& plan);
   /// What `inputs.solution` gives this robot, checked.
   models::RobotPlan plan_of_solution(const PlanInputs& inputs, const models::Trajectory& committed);
+  /// What `inputs.answer` gives this robot, checked.
+  models::RobotPlan plan_of_answer(const PlanInputs& inputs, const models::Trajectory& committed);
   /// Shifted or braking, whichever is first safe.
   void fall_back(const models::Trajectory& committed, models::RobotPlan& plan);
 

@@ -1,5 +1,6 @@
 #include "core/check.hpp"
 #include "python/binding/bind.hpp"
+#include "python/binding/live.hpp"
 #include "trial/observe/announcer.hpp"
 
 PYBIND11_MODULE(_vantage, module) {
@@ -17,4 +18,5 @@ PYBIND11_MODULE(_vantage, module) {
   bind_trial(module);
   bind_logs(module);
   bind_env(module);
+  bind_live(module);
 }

@@ -5,6 +5,7 @@
 
 #include <pybind11/stl.h>
 
+#include "core/check.hpp"
 #include "python/binding/bind.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
@@ -105,6 +106,27 @@ strictly as everywhere: StartupError says line, key, rule and value, and what wa
             return matrix_array(out);
           },
           "(n, 4): xmin, ymin, xmax, ymax in m.")
+      .def_property_readonly(
+          "world", [](const Scenario& self) { return self.value.world; }, "Bounds and obstacles.")
+      .def_property_readonly(
+          "target_model", [](const Scenario& self) { return self.value.estimator.target_model; },
+          "What the estimators take the targets for.")
+      .def(
+          "sensor",
+          [](const Scenario& self, const std::string& robot) {
+            const scenario::RobotSpec* spec = self.value.find_robot(robot);
+            require(spec != nullptr, "robot: the scenario has no robot " + robot);
+            return spec->sensor;
+          },
+          py::arg("robot"), "The SensorModel of that robot.")
+      .def(
+          "clearance_m",
+          [](const Scenario& self, const std::string& robot) {
+            const scenario::RobotSpec* spec = self.value.find_robot(robot);
+            require(spec != nullptr, "robot: the scenario has no robot " + robot);
+            return spec->limits.radius_m + self.value.planner.obstacle_margin_m;
+          },
+          py::arg("robot"), "How far its plans have to keep from walls, m.")
       .def("__repr__", [](const Scenario& self) {
         return "<vantage.Scenario " + self.value.name + ": " +
                std::to_string(self.value.robots.size()) + " robots, " +

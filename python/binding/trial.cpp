@@ -12,93 +12,31 @@
 
 #include "core/check.hpp"
 #include "drivers/sensor/app/node.hpp"
-#include "drivers/sensor/pose_sensor.hpp"
+#include "estimator/app/node.hpp"
 #include "python/binding/bind.hpp"
+#include "python/binding/own_nodes.hpp"
 #include "python/binding/scenario.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "scenario/search_name.hpp"
 
 namespace vantage::python {
 namespace {
 
-using Sensors = std::map<std::string, py::function>;
+using Functions = std::map<std::string, py::function>;  // by robot
 
-// What a sensor written in Python says of a frame. Called by the trial's thread, without the
-// interpreter's lock.
-class PythonSensor {
- public:
-  PythonSensor(const scenario::Scenario& scenario, const std::string& robot,
-               std::shared_ptr<py::function> look)
-      : robot_(robot), look_(std::move(look)) {
-    const scenario::RobotSpec* spec = scenario.find_robot(robot);
-    measurement_dim_ = spec->sensor.measurement_dim(scenario.estimator.target_model.position_dim);
-    for (const scenario::TargetSpec& target : scenario.targets) {
-      ids_[target.name] = target.id;
-    }
+// As it is run: with a node budget, and by other planners than its own if there are any.
+std::shared_ptr<Scenario> as_run(const std::shared_ptr<Scenario>& scenario, bool has_planners) {
+  scenario::Overrides overrides;
+  if (scenario->value.planner.node_budget <= 0) {
+    overrides.node_budget = trial::kDefaultNodeBudget;
   }
-
-  std::optional<models::DetectionSet> operator()(const models::MocapFrame& frame,
-                                                 bool jammed) const {
-    std::optional<models::DetectionSet> seen = drivers::look_of(frame, robot_, jammed);
-    if (!seen || jammed) {
-      return seen;
-    }
-    const py::gil_scoped_acquire acquire;
-    const Pose2& pose = seen->viewpoint.world_from_body;
-    py::dict targets;
-    for (const models::MocapBody& body : frame.bodies) {
-      const auto id = ids_.find(body.name);
-      if (id != ids_.end() && !body.occluded) {
-        targets[py::int_(id->second)] = array_of(body.world_from_body.translation_m);
-      }
-    }
-    const py::object said = (*look_)(
-        array_of(Eigen::Vector4d(pose.x_m, pose.y_m, seen->viewpoint.height_m, pose.yaw_rad)),
-        targets, to_seconds(frame.stamp.time.time_since_epoch()));
-    for (const py::handle item : py::iter(said)) {
-      const auto [id, z, V] = py::cast<std::tuple<int, Doubles, Doubles>>(item);
-      const auto n = static_cast<py::ssize_t>(measurement_dim_);
-      require_shape(z, {n}, "z");
-      require_shape(V, {n, n}, "V");
-      models::Detection detection;
-      detection.target_id = id;
-      detection.measurement.z.resize(n);
-      detection.measurement.V.resize(n, n);
-      for (py::ssize_t i = 0; i < n; ++i) {
-        detection.measurement.z(i) = z.at(i);
-        for (py::ssize_t j = 0; j < n; ++j) {
-          detection.measurement.V(i, j) = V.at(i, j);
-        }
-      }
-      seen->detections.push_back(detection);
-    }
-    std::sort(seen->detections.begin(), seen->detections.end(),
-              [](const auto& a, const auto& b) { return a.target_id < b.target_id; });
-    return seen;
+  if (has_planners) {
+    overrides.planner = scenario::kExternalSearch;
   }
-
- private:
-  std::string robot_;
-  // Shared, because std::function copies: a Python reference may be copied under its lock alone.
-  std::shared_ptr<py::function> look_;
-  int measurement_dim_ = 0;
-  std::map<std::string, int> ids_;
-};
-
-// The owner is freed under the interpreter's lock, whoever is the last to let go.
-std::shared_ptr<py::function> kept(const py::function& function) {
-  return {new py::function(function), [](py::function* each) {
-            const py::gil_scoped_acquire acquire;
-            delete each;
-          }};
-}
-
-std::shared_ptr<Scenario> with_node_budget(const std::shared_ptr<Scenario>& scenario) {
-  if (scenario->value.planner.node_budget > 0) {
+  if (overrides.is_empty()) {
     return scenario;
   }
-  scenario::Overrides overrides;
-  overrides.node_budget = trial::kDefaultNodeBudget;
   const std::string name = scenario->source + " with options";
   return std::make_shared<Scenario>(
       Scenario{scenario::parse_scenario(
@@ -106,25 +44,48 @@ std::shared_ptr<Scenario> with_node_budget(const std::shared_ptr<Scenario>& scen
                name});
 }
 
+trial::NodeRecipe& recipe_of(const std::string& argument, const std::string& kind,
+                             const std::string& robot, std::vector<trial::NodeRecipe>& recipes) {
+  const auto recipe = std::find_if(recipes.begin(), recipes.end(),
+                                   [&](const auto& each) { return each.name == kind + robot; });
+  require(recipe != recipes.end(), argument + ": the scenario has no robot " + robot);
+  return *recipe;
+}
+
 class Trial {
  public:
   Trial(const std::shared_ptr<Scenario>& scenario, const std::string& log_path,
-        const Sensors& sensors)
-      : scenario_(with_node_budget(scenario)) {
-    std::vector<trial::NodeRecipe> recipes = trial::trial_recipes(scenario_->value);
+        const Functions& sensors, const Functions& planners, const Functions& filters)
+      : scenario_(as_run(scenario, !planners.empty())) {
+    const scenario::Scenario& value = scenario_->value;
+    std::vector<trial::NodeRecipe> recipes = trial::trial_recipes(value);
     for (const auto& [robot, look] : sensors) {
-      const auto recipe = std::find_if(
-          recipes.begin(), recipes.end(),
-          [&, name = "SENSOR_" + robot](const trial::NodeRecipe& r) { return r.name == name; });
-      require(recipe != recipes.end(), "sensors: the scenario has no robot " + robot);
-      recipe->make = [&scenario = scenario_->value, name = robot, call = kept(look)](
-                         bus::Bus& bus, const bus::Clock& clock) {
-        return std::make_unique<drivers::SensorNode>(bus, clock, scenario, name,
-                                                     PythonSensor(scenario, name, call));
-      };
+      recipe_of("sensors", "SENSOR_", robot, recipes).make =
+          [&value, name = robot, call = kept(look)](bus::Bus& bus, const bus::Clock& clock) {
+            return std::make_unique<drivers::SensorNode>(bus, clock, value, name,
+                                                         PythonSensor(value, name, call));
+          };
+    }
+    for (const auto& [robot, filter] : filters) {
+      recipe_of("filters", "ESTIMATOR_", robot, recipes).make =
+          [&value, name = robot, call = kept(filter)](bus::Bus& bus, const bus::Clock& clock) {
+            return std::make_unique<estimator::EstimatorNode>(bus, clock, value, name,
+                                                              PythonFilter(value, call));
+          };
+    }
+    for (const scenario::RobotSpec& robot : value.robots) {
+      require(!scenario::is_external(value.planner) || planners.contains(robot.name),
+              "planners: must have one for each robot, has none for " + robot.name);
+    }
+    for (const auto& [robot, plan] : planners) {
+      recipe_of("planners", "PLANNER_", robot, recipes);
+      recipes.push_back({"EXTERNAL_" + robot, [&value, name = robot, call = kept(plan)](
+                                                  bus::Bus& bus, const bus::Clock& /*clock*/) {
+                           return std::make_unique<PythonPlannerNode>(bus, value, name, call);
+                         }});
     }
     const py::gil_scoped_release release;
-    trial_ = std::make_unique<trial::Trial>(scenario_->value, recipes, log_path);
+    trial_ = std::make_unique<trial::Trial>(value, recipes, log_path);
   }
 
   ~Trial() {
@@ -313,26 +274,40 @@ void bind_trial(py::module_& module) {
   py::class_<Trial>(module, "Trial",
                     R"(One trial in virtual time: simulator, sensors, estimators, planners.
 
-Trial(scenario, *, log=None, sensors={}): the scenario may also be a path or a dict. A pure function
+Trial(scenario, *, log=None, sensors={}, planners={}, filters={}): the scenario may also be a path or a dict. A pure function
 of the scenario, its seed included, however it is stepped; the same as `vantage trial`. One without
 planner.node_budget gets 20 000 nodes a slot, as there. `log` is a path to write an LCM log to.
 
 sensors={"Q1": look}: look(viewpoint, targets, time_s) instead of that robot's sensor, each planning
 step; viewpoint (4,): x, y, z in m and yaw in rad; targets {id: (3,) m}; time_s since the Unix epoch.
 It gives a list of (id, z (k,), V (k, k)), z as the scenario's kind of sensor would: what is seen,
-where and how well is its business; what z means is not. It holds Python's lock while it looks.
+where and how well is its business; what z means is not.
+
+planners={"Q1": plan, …}, one for each robot: plan(question) instead of the scenario's search, once a
+round; question as vantage.own.Search says. It gives rows (n, 3) of speed in m/s, yaw rate in rad/s
+and seconds, or None. Checked like any plan; without one the robot falls back. The scenario, in logs
+too, says planner.algorithm: external.
+
+filters={"Q1": filter}: filter(looks, time_s) instead of what that robot's estimator believes of
+targets; looks, a list of (viewpoint, [(id, z, V), …]), are those since the last step. It gives
+{id: (mean (n,), covariance (n, n))}, n as the scenario's target model has it.
+
+Functions hold Python's lock while they work, and what they raise ends the step.
 
 Times are seconds since the trial's start. Other threads run while the trial is stepped.)")
-      .def(py::init([](const py::object& scenario, const py::object& log, const Sensors& sensors) {
+      .def(py::init([](const py::object& scenario, const py::object& log, const Functions& sensors,
+                       const Functions& planners, const Functions& filters) {
              py::object of = scenario;
              if (!py::isinstance<Scenario>(scenario)) {
                of = py::type::of<Scenario>()(scenario);
              }
              return std::make_unique<Trial>(py::cast<std::shared_ptr<Scenario>>(of),
-                                            log.is_none() ? "" : path_text(log), sensors);
+                                            log.is_none() ? "" : path_text(log), sensors, planners,
+                                            filters);
            }),
            py::arg("scenario"), py::kw_only(), py::arg("log") = py::none(),
-           py::arg("sensors") = Sensors{})
+           py::arg("sensors") = Functions{}, py::arg("planners") = Functions{},
+           py::arg("filters") = Functions{})
       .def_property_readonly("scenario", &Trial::scenario, "As it is run, node budget included.")
       .def_property_readonly("time_s", &Trial::time_s)
       .def_property_readonly("is_over", &Trial::is_over)

@@ -18,6 +18,7 @@
 #include "scenario/reader/scenario_mocap_yaml.hpp"
 #include "scenario/reader/yaml_document.hpp"
 #include "scenario/reader/yaml_mapping.hpp"
+#include "scenario/search_name.hpp"
 
 namespace vantage::scenario {
 namespace {
@@ -178,6 +179,11 @@ void check_round(Mapping& from, const PlannerSpec& planner) {
 }
 
 void check_team(Mapping& from, const PlannerSpec& planner) {
+  if (is_external(planner) && planner.attacks_max > 0) {
+    from.refuse("attacks_max",
+                fmt::format("must be 0 with algorithm: external, which proposes nothing; is {}",
+                            planner.attacks_max));
+  }
   if (planner.team_algorithm != TeamAlgorithm::kLocalSearch) {
     return;
   }
@@ -202,6 +208,7 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   for (const std::string_view word : kSearchWords) {
     searches.emplace_back(word, word);
   }
+  searches.emplace_back(kExternalSearch, kExternalSearch);
   from.word("algorithm", planner.algorithm, searches);
   from.integer("horizon_steps", planner.horizon_steps, 1, 100);
   from.number("step_s", planner.step_s, from_to(0.01, 60.0));

@@ -121,8 +121,8 @@ TEST(Verify, RefusesEachBitThatWasFlipped) {
       Message message =
           signed_by(key, channel, payload, kNowCounter, TrialMode::kLive, rng(), echoes);
       Receiver receiver = receiver_of({role});
-    const Budget any(1e9, 1e9);
-    receiver.budgets = SignatureBudgets({any, any}, {any, any}, {any, any});
+      const Budget any(1e9, 1e9);
+      receiver.budgets = SignatureBudgets({any, any}, {any, any}, {any, any});
       for (std::size_t bit = 0; bit < 8 * message.size(); ++bit) {
         message[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
         ASSERT_NE(receiver.judge(channel, message), Refusal::kNone) << name_of(role) << ' ' << bit;
@@ -419,9 +419,10 @@ TEST(Split, ReadsNothingBeyondAnythingItIsGiven) {
 }
 
 TEST(Policy, EveryChannelThatMovesAVehicleMustBeSigned) {
-  for (const char* channel : {"VICON", "COMMAND", "PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1",
-                              "QUADROTOR_Q1", "MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1", "MAP_Q1",
-                              "ATTACK", "SCENARIO", "TRUTH", "HEALTH_PLANNER_Q1"}) {
+  for (const char* channel :
+       {"VICON", "COMMAND", "PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1", "EXTERNAL_REQUEST_Q1",
+        "EXTERNAL_PLAN_Q1", "QUADROTOR_Q1", "MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1", "MAP_Q1",
+        "ATTACK", "SCENARIO", "TRUTH", "HEALTH_PLANNER_Q1"}) {
     EXPECT_TRUE(must_be_signed(channel)) << channel;
   }
   for (const char* channel : {"HOST_A", "COLLISION", "CAMERA", "", "REPLAY_VICON", "VICONS"}) {

@@ -1,0 +1,25 @@
+#!/usr/bin/env python3
+"""detector_node.py SCENARIO ROBOT: a sensor of one's own on the network, in the place of vantage-sensor: what it
+finds, ROBOT's estimator believes. Put your detector into find()."""
+import sys
+import numpy
+from vantage import live
+from vantage_lcm import detection_t, measurement_t
+
+def find():  # {target: (range in m, bearing in rad from where the robot looks)}
+    return {3: (1.0, 0.5)}
+
+def look(utime):
+    message = measurement_t()
+    message.utime, message.robot = utime, sys.argv[2]
+    for target, z in find().items():
+        seen = detection_t()
+        seen.target_id, seen.dim, seen.z = target, 2, z
+        seen.covariance_z = numpy.diag([0.1**2, 0.05**2]).tolist()
+        message.detections.append(seen)
+    message.num_detections = len(message.detections)
+    node.publish(f"MEASUREMENT_{message.robot}", message)
+
+node = live.Node("DETECTOR", scenario=sys.argv[1])
+node.every(0.5, look)
+node.run()

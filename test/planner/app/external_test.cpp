@@ -1,0 +1,186 @@
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/convert/external_channels.hpp"
+#include "models/plan/plan.hpp"
+#include "planner/app/replay_node.hpp"
+#include "planner/robot/external_answer.hpp"
+#include "test/planner/app/node_fixture.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using Answer = std::function<std::vector<models::RobotPlan>(const models::RobotPlan& question)>;
+
+scenario::Scenario external_scenario() {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.algorithm = "external";
+  return scenario;
+}
+
+models::RobotPlan drive(const models::RobotPlan& question, double speed_mps, double duration_s) {
+  models::RobotPlan answer = question;
+  answer.trajectory.segments = {{{speed_mps, 0.0}, duration_s, 0.0}};
+  return answer;
+}
+
+// The world's end of the bus answers as it is told to.
+class ExternalTest : public test::PlannerNodeTest {
+ protected:
+  void start_with(const Answer& answer) {
+    start(external_scenario());
+    world_.subscribe<models::RobotPlan>(
+        bus::external_request_channel("Q1"), [this, answer](const auto& question) {
+          questions_.push_back(question);
+          asked_at_ = clock_.now();
+          for (const models::RobotPlan& each : answer(question)) {
+            answers_.push_back(world_.publish(bus::external_plan_channel("Q1"), each));
+          }
+        });
+    world_.subscribe<models::RobotPlan>(bus::plan_channel("Q1"),
+                                        [this](const auto&) { published_at_ = clock_.now(); });
+    world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+    round();
+  }
+
+  std::vector<models::RobotPlan> questions_;
+  std::vector<models::InputRef> answers_;
+  Time asked_at_{};
+  Time published_at_{};
+};
+
+TEST_F(ExternalTest, FliesWhatItIsAnsweredAtOnceWithAStopOfItsOwn) {
+  start_with([](const auto& question) { return std::vector{drive(question, 0.5, 1.0)}; });
+  ASSERT_EQ(questions_.size(), 1U);
+  const models::RobotPlan& question = questions_[0];
+  EXPECT_EQ(question.source, models::PlanSource::kShifted);
+  EXPECT_EQ(question.trajectory.start_time, inputs_.slot.activation);
+  EXPECT_EQ(question.horizon_steps, scenario_.planner.horizon_steps);
+  EXPECT_GT(question.deadline, inputs_.slot.begin);
+  EXPECT_LT(question.deadline, inputs_.slot.end);
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_EQ(published_at_, asked_at_) << "teammates have the rest of the slot";
+  EXPECT_EQ(plans_[0].source, models::PlanSource::kSearched);
+  ASSERT_EQ(plans_[0].trajectory.segments.size(), 2U);
+  EXPECT_EQ(plans_[0].trajectory.segments[1].brake_mps2, scenario_.robots[0].limits.brake_mps2);
+  EXPECT_EQ(plans_[0].inputs.back(), answers_[0]);
+  EXPECT_EQ(count("external_rounds"), 1);
+  EXPECT_EQ(count("fallbacks_shifted"), 0);
+}
+
+TEST_F(ExternalTest, FallsBackInTimeWhenNobodyAnswers) {
+  start_with([](const auto&) { return std::vector<models::RobotPlan>{}; });
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_EQ(plans_[0].source, models::PlanSource::kShifted);
+  EXPECT_EQ(published_at_, questions_[0].deadline);
+  EXPECT_LT(published_at_, inputs_.slot.end);
+  EXPECT_EQ(count("external_missing"), 1);
+  EXPECT_EQ(count("fallbacks_shifted"), 1);
+  EXPECT_FALSE(plans_[0].late);
+}
+
+TEST_F(ExternalTest, CountsAnswersThatComeTooLateOrUnasked) {
+  start_with([](const auto&) { return std::vector<models::RobotPlan>{}; });
+  const models::RobotPlan late = drive(questions_[0], 0.5, 1.0);
+  world_.publish(bus::external_plan_channel("Q1"), late);
+  models::RobotPlan early = late;
+  early.round += 7;
+  world_.publish(bus::external_plan_channel("Q1"), early);
+  early.robot = "Q2";
+  world_.publish(bus::external_plan_channel("Q1"), early);
+  deliver();
+  EXPECT_EQ(count("external_late"), 1);
+  EXPECT_EQ(count("external_unasked"), 1);
+  EXPECT_EQ(count("misaddressed"), 1);
+  EXPECT_EQ(plans_.size(), 1U);
+}
+
+TEST_F(ExternalTest, TakesTheFirstAnswerAndAsksAgainInTheNextRound) {
+  start_with([](const auto& question) {
+    return std::vector{drive(question, 0.5, 1.0), drive(question, 0.25, 1.0)};
+  });
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_EQ(plans_[0].trajectory.segments[0].control.speed_mps, 0.5);
+  EXPECT_EQ(count("external_unasked"), 1);
+  inputs_.slot.activation += from_seconds(1.0);
+  round();
+  ASSERT_EQ(plans_.size(), 2U);
+  EXPECT_EQ(questions_[1].round, questions_[0].round + 1);
+  EXPECT_EQ(questions_[1].trajectory.start_time, inputs_.slot.activation);
+}
+
+TEST_F(ExternalTest, FallsBackOnAnUnsafeAnswer) {
+  start_with([](const auto& question) { return std::vector{drive(question, 1.0, 5.0)}; });
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_EQ(plans_[0].source, models::PlanSource::kShifted);
+  EXPECT_EQ(count("plan_checks_failed"), 1);
+  EXPECT_EQ(count("external_missing"), 0);
+}
+
+TEST_F(ExternalTest, IsReplayedFromItsInputs) {
+  start_with([](const auto& question) { return std::vector{drive(question, 0.5, 1.0)}; });
+  RobotPlanner planner(scenario_, "Q1");
+  PlanInputs inputs = inputs_;
+  inputs.answer = drive(questions_[0], 0.5, 1.0);
+  const auto again = planner.plan(inputs, Deadline::nodes(0));
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(is_same_decision(*again, plans_[0]));
+}
+
+// Every way in which an answer can be no plan of its slot.
+TEST(MotionOfAnswer, IsNoneOfWhatTheVehicleCannotFly) {
+  const scenario::Scenario scenario = external_scenario();
+  const models::VehicleLimits& limits = scenario.robots[0].limits;
+  models::RobotPlan question;
+  question.trajectory.start_time = Time{Duration{5'000'000}};
+  question.trajectory.start = {1.0, 2.0, 3.14};
+  question.trajectory.height_m = 1.0;
+  const models::RobotPlan good = drive(question, 0.5, 1.0);
+  const auto motion = [&](const models::RobotPlan& answer) {
+    return motion_of_answer(answer, question.trajectory, scenario.planner, limits);
+  };
+  ASSERT_TRUE(motion(good));
+  EXPECT_EQ(motion(good)->segments.size(), 2U);
+  EXPECT_TRUE(motion(question)) << "to stay is a plan";
+
+  const double kNan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::function<void(models::Trajectory&)>> spoilers = {
+      [](auto& t) { t.start_time += Duration{1}; },
+      [](auto& t) { t.start.x_m += 0.002; },
+      [](auto& t) { t.start.yaw_rad = -3.14; },
+      [](auto& t) { t.height_m += 0.01; },
+      [&](auto& t) { t.start.y_m = kNan; },
+      [&](auto& t) { t.segments[0].control.speed_mps = 1.001 * limits.speed_max_mps; },
+      [](auto& t) { t.segments[0].control.speed_mps = -0.1; },
+      [&](auto& t) { t.segments[0].control.speed_mps = kNan; },
+      [&](auto& t) { t.segments[0].control.yaw_rate_radps = -1.001 * limits.yaw_rate_max_radps; },
+      [](auto& t) { t.segments[0].duration_s = 0.0; },
+      [&](auto& t) { t.segments[0].duration_s = kNan; },
+      [](auto& t) { t.segments[0].duration_s = 6.001; },
+      [&](auto& t) { t.segments.assign(49, t.segments[0]); },
+      [&](auto& t) { t.segments[0].brake_mps2 = 1.001 * limits.brake_mps2; },
+      [](auto& t) { t.segments[0].brake_mps2 = 0.6; },  // it would end backwards
+      [](auto& t) {
+        t.segments[0] = {{0.5, 0.1}, 0.2, 0.5};
+      },
+  };
+  for (std::size_t i = 0; i < spoilers.size(); ++i) {
+    models::RobotPlan bad = good;
+    spoilers[i](bad.trajectory);
+    EXPECT_FALSE(motion(bad)) << "spoiler " << i;
+  }
+  models::RobotPlan near = good;
+  near.trajectory.start.x_m += 5e-4;
+  near.trajectory.start.yaw_rad -= 2.0 * kPi;
+  near.trajectory.segments.push_back(models::brake(0.5, 1.0).front());
+  ASSERT_TRUE(motion(near));
+  EXPECT_EQ(motion(near)->start.x_m, 1.0) << "from where it is committed to be";
+  EXPECT_EQ(motion(near)->segments.size(), 2U) << "it had its stop";
+}
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Channels of the running system, from Python: what C++ says is heard, what Python says is heard by C++ and
+by whoever speaks LCM; signed too. To be run in a network of its own (in_network.sh)."""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import vantage
+from here import BINARY, SOURCE
+from vantage import live
+
+BIN = pathlib.Path(os.environ["VANTAGE_BIN"])
+URL = "udpm://239.255.76.67:7667?ttl=0"
+FOLDER = tempfile.TemporaryDirectory()
+subprocess.run(["lcm-gen", "--python", "--ppath", FOLDER.name, *SOURCE.glob("lcmtypes/*.lcm")], check=True)
+sys.path.insert(0, FOLDER.name)
+import vantage_lcm  # noqa: E402: it has just been made
+
+
+def until(bus, condition, timeout_s=20.0):
+    """Handles messages until condition() or the timeout; whether it was the former."""
+    end = bus.utime + 1e6 * timeout_s
+    while not condition() and bus.utime < end:
+        bus.handle(0.05)
+    return condition()
+
+
+def measurement(robot="Q1"):
+    message = vantage_lcm.measurement_t()
+    message.robot, message.x_world_m = robot, 1.25
+    detection = vantage_lcm.detection_t()
+    detection.target_id, detection.dim = 3, 2
+    detection.z, detection.covariance_z = [1.0, 0.5], [[0.01, 0.0], [0.0, 0.02]]
+    message.detections, message.num_detections = [detection], 1
+    return message
+
+
+class Started:
+    """A process that is asked to end, and waited for."""
+
+    def __init__(self, *command, **how):
+        self.process = subprocess.Popen(list(map(str, command)), **how)
+
+    def __enter__(self):
+        return self.process
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        self.process.wait(20)
+
+
+class Live(unittest.TestCase):
+    def test_carries_any_type_and_bytes(self):
+        sender, receiver = live.Bus(URL), live.Bus(URL)
+        heard, raw, large = [], [], []
+        receiver.subscribe("MEASUREMENT_*", vantage_lcm.measurement_t, lambda *said: heard.append(said))
+        receiver.subscribe("MINE", None, lambda *said: raw.append(said))
+        receiver.subscribe("LARGE", None, lambda *said: large.append(said))
+        for _ in range(3):
+            self.assertTrue(sender.publish("MEASUREMENT_Q1", measurement()))
+        sender.publish("MINE", b"\x00\xff")
+        sender.publish("LARGE", bytes(300_000))
+        self.assertTrue(until(receiver, lambda: large))
+        self.assertEqual(raw, [("MINE", b"\x00\xff")])
+        self.assertEqual(large, [("LARGE", bytes(300_000))])
+        self.assertEqual([name for name, _ in heard], ["MEASUREMENT_Q1"] * 3)
+        self.assertEqual([each.sequence for _, each in heard], [0, 1, 2])
+        self.assertEqual(len({each.run_id for _, each in heard}), 1)
+        self.assertLess(abs(heard[0][1].utime - receiver.utime), 60e6)
+        self.assertEqual(list(heard[0][1].detections[0].z), [1.0, 0.5])
+
+    def test_counts_what_does_not_decode_and_hands_on_what_a_handler_raises(self):
+        sender, receiver = live.Bus(URL), live.Bus(URL)
+        receiver.subscribe("BELIEF_Q1", vantage_lcm.belief_t, lambda *said: self.fail("decoded"))
+        receiver.subscribe("BAD", None, lambda channel, data: 1 / 0)
+        sender.publish("BELIEF_Q1", b"no belief")
+        sender.publish("BELIEF_Q1", measurement())
+        self.assertTrue(until(receiver, lambda: receiver.counters.get("BELIEF_Q1.decode_errors") == 2))
+        sender.publish("BAD", b"")
+        with self.assertRaises(ZeroDivisionError):
+            until(receiver, lambda: False)
+        with self.assertRaisesRegex(vantage.UsageError, "1 to 63 bytes"):
+            sender.publish("X" * 64, b"")
+        with self.assertRaises(vantage.StartupError):
+            live.Bus("nonsense://")
+
+    def test_other_threads_run_while_it_waits(self):
+        bus = live.Bus(URL)
+        waiter = threading.Thread(target=bus.handle, args=(0.5,))
+        waiter.start()
+        turns = 0
+        while waiter.is_alive():
+            turns += 1
+        self.assertGreater(turns, 1000)
+        waiter.join()
+
+    def test_is_heard_by_stock_lcm(self):
+        log = pathlib.Path(FOLDER.name, "stock.lcmlog")
+        with Started("lcm-logger", "--quiet", "--force", f"--lcm-url={URL}", log):
+            bus = live.Bus(URL)
+            self.assertTrue(until(bus, lambda: bus.publish("MEASUREMENT_Q7", measurement("Q7"))
+                                  and log.exists() and b"MEASUREMENT_Q7" in log.read_bytes()))
+        said = vantage.Log(log)["MEASUREMENT_Q7"]
+        self.assertEqual(said.type, "measurement_t")
+        self.assertEqual(set(said["detections.z"]), {1.0, 0.5})
+
+
+class Stack(unittest.TestCase):
+    """With the stack's own processes."""
+
+    def follow(self, scenario_text):
+        """What the estimator of Q1 believes of examples/detector_node.py, which is in the place of Q1's sensor."""
+        path = pathlib.Path(FOLDER.name, "lab.yaml")
+        path.write_text(scenario_text)
+        node = live.Node("WITNESS", scenario=path)
+        beliefs, health = [], []
+        node.subscribe("BELIEF_Q1", vantage_lcm.belief_t, lambda _, belief: beliefs.append(belief))
+        node.subscribe("HEALTH_*", vantage_lcm.health_t, lambda _, each: health.append(each.process))
+        node.every(0.1, lambda utime: any(each.num_targets for each in beliefs[-3:]) and "DETECTOR" in health
+                   and "ESTIMATOR_Q1" in health and node.stop())
+        environment = {**os.environ, "PYTHONPATH": os.environ["PYTHONPATH"] + os.pathsep + FOLDER.name}
+        with Started(BIN / "vantage-estimator", "--scenario", path, "--robot", "Q1"), \
+                Started(sys.executable, SOURCE / "examples/detector_node.py", path, "Q1", env=environment):
+            node.run(30.0)
+        self.assertIn("ESTIMATOR_Q1", health)
+        self.assertIn("DETECTOR", health)
+        return beliefs
+
+    def test_an_estimator_believes_what_python_measures(self):
+        beliefs = self.follow((SOURCE / "config/lab.yaml").read_text())
+        self.assertEqual([each.target_id for each in beliefs[-1].targets], [3])
+
+    def test_signed_it_is_believed_where_strangers_are_not(self):
+        keys = pathlib.Path(FOLDER.name, "keys")
+        subprocess.run([BINARY, "keys", "new", keys], check=True, capture_output=True)
+        lab = (SOURCE / "config/lab.yaml").read_text()
+        beliefs = self.follow(lab + f"security: {{mode: require, keys: {keys}}}\n")
+        self.assertEqual([each.target_id for each in beliefs[-1].targets], [3])
+        scenario = vantage.Scenario.parse(lab + f"security: {{mode: require, keys: {keys}}}\n")
+        member, stranger = live.Bus(scenario=scenario), live.Bus(URL)
+        heard = []
+        member.subscribe("MEASUREMENT_Q1", vantage_lcm.measurement_t, lambda *said: heard.append(said))
+        stranger.publish("MEASUREMENT_Q1", measurement())
+        self.assertTrue(until(member, lambda: member.counters.get("MEASUREMENT_Q1.unsigned") == 1))
+        member.publish("MEASUREMENT_Q1", measurement())
+        self.assertTrue(until(member, lambda: heard))
+        self.assertEqual(len(heard), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
