@@ -1,6 +1,6 @@
-"""Where mutations are built and tried: a copy of the tree in build/mutate/tree, built in
-build/mutate/build. The checkout itself is only read, so nothing that ends this process can leave a
-mutation in it; what is left in the copy is put right when the next session begins."""
+"""Where mutations are built and tried: objects and a program of their own in build/mutate, linked with
+what the checkout's build folder has of all the rest. The checkout and its build are only read, so
+nothing that ends this process can leave a mutation in them."""
 
 import fcntl
 import hashlib
@@ -14,6 +14,7 @@ import shlex
 import shutil
 import signal
 import subprocess
+import threading
 import time
 
 from . import ledger, sites
@@ -21,9 +22,11 @@ from . import ledger, sites
 INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.M)
 GENERATED = "vantage_lcm_gen"  # headers that must be there before a file can be parsed
 BUILD_LIMIT_S = 1800.0
-QUICK_S = 0.5  # tests that take less are asked before those that take longer
-WALL_LIMIT_S = 300  # of a test that waits instead, and has no limit of its own
-# Optimised a little, with assertions, without what only a debugger reads: the quickest to build and run.
+TIERS_S = (0.03, 0.5, 3.0, math.inf)  # the cheapest tests are asked first
+QUICK_TIERS = 2  # of them, with --quick
+KILLERS = 12  # so many tests that noticed another bug nearby are asked before all others
+WALL_LIMIT_S = 900  # of a run of tests that waits instead
+# Where no build is found: optimised a little, with assertions, without what only a debugger reads.
 CONFIGURATION = ("-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1",
                  "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DVANTAGE_BUILD_TESTS=ON")
 
@@ -68,21 +71,24 @@ def source_files(root, path):
              if name.endswith((".cpp", ".hpp"))]
     if not path.startswith("test"):
         names = [name for name in names if not name.startswith("test/")]
-    return sorted(names)
+    return names
 
 
 def hash_of(path):
-    with open(path, "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest()
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
 
 
 class Workshop:
-    def __init__(self, root, exclude_labels="", exclude_tests="", only="", is_quick=False, jobs=1,
-                 limit_factor=5.0, limit_slack_s=5.0, say=print):
+    """The sources as they are, a build of them, and what is known of its tests."""
+
+    def __init__(self, root, build=None, exclude_labels="", exclude_tests="", only="", is_quick=False,
+                 jobs=1, limit_factor=5.0, limit_slack_s=5.0, say=print):
         self.root = pathlib.Path(root)
         self.place = self.root / "build" / "mutate"
-        self.tree = self.place / "tree"
-        self.build = self.place / "build"
+        release = self.root / "build" / "release"
+        self.is_given = build is not None  # and is then as it shall be
+        self.build = self.root / build if build else \
+            release if (release / "build.ninja").exists() else self.place / "build"
         self.exclude_labels = exclude_labels
         self.exclude_tests = exclude_tests
         self.only = only
@@ -93,58 +99,33 @@ class Workshop:
         self.say = say
         self.programs = None
         self.sites = {}
-        self.object_hashes = {}
         self.baselines = {}
-        self.numbers = None
+        self.links = {}
+        self.compiled = {}
+        self.is_one_at_a_time = threading.RLock()  # for what all mutations share
 
-    # --- the copy ---
+    # --- the build ---
 
     def open(self, is_for_tests):
-        """One session at a time; the copy is as the checkout."""
+        """One session at a time, or baselines are measured against each other."""
         self.place.mkdir(parents=True, exist_ok=True)
         self.lock = open(self.place / "lock", "w")
         try:
             fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             raise Trouble("another session is at work in build/mutate") from None
-        self.sync()
+        shutil.rmtree(self.place / "work", ignore_errors=True)
         if not (self.build / "build.ninja").exists():
-            self.say("configuring build/mutate/build")
-            self.command(["cmake", "-S", self.tree, "-B", self.build, *CONFIGURATION])
+            self.say(f"configuring {self.build}")
+            self.command(["cmake", "-S", self.root, "-B", self.build, *CONFIGURATION])
         if is_for_tests:
             self.read_graph()
-        elif self.targets().get(GENERATED):
-            self.command(["ninja", "-C", self.build, GENERATED])
-
-    def sync(self):
-        names = [n for n in git(self.root, "ls-files", "-z").split("\0") if n]
-        wanted = {self.tree / name for name in names}
-        for folder, _, files in os.walk(self.tree):
-            for file in files:
-                path = pathlib.Path(folder) / file
-                if path not in wanted:
-                    path.unlink()
-        for name in names:
-            source, copy = self.root / name, self.tree / name
-            if not source.exists():
-                continue
-            if not copy.exists() or copy.read_bytes() != source.read_bytes():
-                copy.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(source, copy)
-            shutil.copymode(source, copy)
-        # What stands beside the sources without being of them: fetched by npm, measured in a room.
-        links = {self.tree.parent / "shared": self.root.parent / "shared"}
-        for name in names:
-            if name.endswith("package-lock.json"):
-                modules = pathlib.Path(name).parent / "node_modules"
-                links[self.tree / modules] = self.root / modules
-        for link, target in links.items():
-            if target.is_dir() and not link.is_symlink():
-                link.symlink_to(target)
+        elif not self.is_given and self.targets().get(GENERATED):
+            self.ninja([GENERATED])
 
     # --- commands, none of which outlives us ---
 
-    def command(self, words, limit_s=BUILD_LIMIT_S, is_checked=True, cpu_limit_s=None):
+    def command(self, words, limit_s=BUILD_LIMIT_S, is_checked=True, cpu_limit_s=None, cwd=None, env=None):
         """Output and exit code; None for the code when it had to be stopped. The CPU time is that of
         each process: seconds of a clock say nothing on a busy machine."""
         def limit():
@@ -152,8 +133,8 @@ class Workshop:
                 resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(cpu_limit_s),) * 2)
 
         process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE,
-                                   stderr=subprocess.STDOUT, text=True, errors="replace",
-                                   start_new_session=True, preexec_fn=limit)
+                                   stderr=subprocess.STDOUT, text=True, errors="replace", cwd=cwd,
+                                   env=env, start_new_session=True, preexec_fn=limit)
         code = None
         try:
             output, _ = process.communicate(timeout=limit_s)
@@ -169,8 +150,9 @@ class Workshop:
             raise Trouble(f"{' '.join(map(str, words))}\n{output[-3000:]}")
         return output, code
 
-    def ninja(self, targets, limit_s=BUILD_LIMIT_S, is_checked=True):
-        return self.command(["ninja", "-j", self.jobs, "-C", self.build, *targets], limit_s, is_checked)
+    def ninja(self, targets):
+        if not self.is_given:
+            self.command(["ninja", "-j", self.jobs, "-C", self.build, *targets])
 
     # --- who sees what ---
 
@@ -184,7 +166,7 @@ class Workshop:
 
     def read_graph(self):
         """Of each test program, the objects that it is linked from; of each object, its source."""
-        self.command(["ninja", "-C", self.build, "build.ninja"])
+        self.ninja(["build.ninja"])
         self.programs = {}
         for name, rule in self.targets().items():
             if rule.startswith("CXX_EXECUTABLE_LINKER") and name.endswith("_test") and \
@@ -192,14 +174,16 @@ class Workshop:
                 inputs = self.command(["ninja", "-C", self.build, "-t", "inputs", name])[0].splitlines()
                 self.programs[name] = {i for i in inputs if i.endswith(".o")}
         self.source_of = {}
+        self.command_of = {}
         for entry in self.compile_commands():
             words = shlex.split(entry["command"])
-            self.source_of[words[words.index("-o") + 1]] = \
-                os.path.relpath(entry["file"], self.tree)
+            made = words[words.index("-o") + 1]
+            self.source_of[made] = os.path.relpath(entry["file"], self.root)
+            self.command_of[made] = words
         self.includers = {}
         for name in git(self.root, "ls-files", "-z", "--", "*.cpp", "*.hpp").split("\0"):
-            if name:
-                for match in INCLUDE.finditer((self.tree / name).read_bytes()):
+            if name and (self.root / name).exists():
+                for match in INCLUDE.finditer((self.root / name).read_bytes()):
                     included = match.group(1).decode()
                     beside = os.path.normpath(os.path.join(os.path.dirname(name), included))
                     for target in {included, beside}:
@@ -235,7 +219,7 @@ class Workshop:
 
     def arguments_for(self, name, commands):
         """libclang's arguments for a file: its own, or for a header those of one that includes it."""
-        by_source = {os.path.relpath(c["file"], self.tree): shlex.split(c["command"]) for c in commands}
+        by_source = {os.path.relpath(c["file"], self.root): shlex.split(c["command"]) for c in commands}
         folder = os.path.dirname(name)
         if name in by_source:
             return sites.parse_arguments(by_source[name])
@@ -255,131 +239,204 @@ class Workshop:
                 self.say(f"{name}: nothing that is built sees it")
                 continue
             if name not in self.sites:
-                self.sites[name] = sites.find_sites(self.tree / name, name, arguments)
+                self.sites[name] = sites.find_sites(self.root / name, name, arguments)
             yield from self.sites[name]
 
     # --- the unmutated tests ---
 
     def baseline(self, program):
-        """Builds the program as it is and runs its tests: hash, and seconds by test that passes."""
-        if program in self.baselines:
+        """Builds the program as it is and runs its tests: those that pass."""
+        with self.is_one_at_a_time:
+            if program not in self.baselines:
+                self.ninja([program])
+                self.baselines[program] = self.measured(program)
             return self.baselines[program]
-        self.ninja([program])
-        self.numbers = None  # a program's tests are known once it is built
+
+    def measured(self, program):
         digest = hash_of(self.build / program)
         kept = self.place / "baselines.json"
         known = json.loads(kept.read_text()) if kept.exists() else {}
+        key = f"{program} {digest}"
         tests = self.tests_of(program)
-        seconds = known.get(f"{program} {digest}", {})
-        new = [test for test in tests if test not in seconds]
-        if new:
+        if key not in known:
             begun = time.monotonic()
-            output, _ = self.ctest(new, stops=False)
-            seconds |= {test: None for test in new} | passes(output)
-            kept.write_text(json.dumps(known | {f"{program} {digest}": seconds}, indent=1))
-            self.say(f"  unmutated: {program}: {len(new)} tests, {time.monotonic() - begun:.0f} s")
-        failing = [test for test in tests if seconds[test] is None]
-        if failing:
-            self.say(f"  unmutated: {program}: fail, and are left out: {', '.join(failing)}")
-        self.baselines[program] = digest, {t: seconds[t] for t in tests if seconds[t] is not None}
-        return self.baselines[program]
+            seconds, failed = {}, set()
+            for group in by_kind(tests):
+                output, code = self.try_tests(self.build / program, group)
+                told = passes(output) if group[0].filter else {group[0].name: time.monotonic() - begun}
+                failed |= {t.name for t in group if code != 0 and t.key not in told or not t.filter and code}
+                seconds |= {t.name: told[t.key] for t in group if t.key in told and t.name not in failed}
+            known[key] = seconds
+            kept.write_text(json.dumps(known, indent=1))
+            self.say(f"  unmutated: {program}: {len(tests)} tests, {time.monotonic() - begun:.0f} s")
+            if failed:
+                self.say(f"  unmutated: {program}: fail, and are left out: {', '.join(sorted(failed))}")
+        return [test.timed(known[key][test.name]) for test in tests if test.name in known[key]]
 
     def tests_of(self, program):
-        """The names that ctest has for what is run by this program."""
-        output, _ = self.command(["ctest", "--test-dir", self.build, "--show-only=json-v1",
-                                  *self.label_words()])
-        path = str(self.build / program)
-        return [test["name"] for test in json.loads(output)["tests"] if path in test.get("command", ())
-                and not (self.exclude_tests and re.search(self.exclude_tests, test["name"]))]
+        """What ctest has of what is run by this program."""
+        told, _ = self.command(["ctest", "--test-dir", self.build, "--show-only=json-v1",
+                                *(["--label-exclude", self.exclude_labels] if self.exclude_labels else [])])
+        out = []
+        for entry in json.loads(told)["tests"]:
+            words = entry.get("command", ())
+            if words and words[0].endswith(f"/{program}") and \
+                    not (self.exclude_tests and re.search(self.exclude_tests, entry["name"])):
+                chosen = [w.partition("=")[2] for w in words if w.startswith("--gtest_filter=")]
+                place = next((p["value"] for p in entry["properties"] if p["name"] == "WORKING_DIRECTORY"), None)
+                out.append(Test(entry["name"], chosen[0] if chosen else "", place))
+        return out
 
-    def label_words(self):
-        return ["--label-exclude", self.exclude_labels] if self.exclude_labels else []
-
-    def ctest(self, tests, cpu_limit_s=None, stops=True):
-        """By numbers: names of hundreds are too long for a regular expression."""
-        if self.numbers is None:
-            output, _ = self.command(["ctest", "--test-dir", self.build, "--show-only=json-v1"])
-            self.numbers = {test["name"]: str(number) for number, test
-                            in enumerate(json.loads(output)["tests"], 1)}
-        words = ["ctest", "--test-dir", self.build, "--parallel", self.jobs,
-                 "--tests-information", "0,0,0," + ",".join(self.numbers[test] for test in tests),
-                 "--timeout", WALL_LIMIT_S, "--repeat", "until-pass:2"]  # a hiccup kills nothing
-        if stops:
-            words.append("--stop-on-failure")
-        return self.command(words, None, is_checked=False, cpu_limit_s=cpu_limit_s)
+    def try_tests(self, path, tests, cpu_limit_s=None):
+        """Output and exit code of a group that one process runs, until the first fails."""
+        words = [path]
+        if tests[0].filter:
+            words += ["--gtest_filter=" + ":".join(t.filter for t in tests)]
+            words += ["--gtest_fail_fast"] if cpu_limit_s is not None else []
+        scratch = self.place / "work" / f"scratch{threading.get_ident()}"
+        scratch.mkdir(parents=True, exist_ok=True)
+        return self.command(words, WALL_LIMIT_S, is_checked=False, cpu_limit_s=cpu_limit_s,
+                            cwd=tests[0].place, env={**os.environ, "TMPDIR": str(scratch)})
 
     # --- one mutation ---
 
-    def judge(self, site):
-        """Outcome, and by what, or which programs did not notice. The copy is whole again afterwards,
-        however this is left."""
-        seen_by = self.who_sees(site.file)
-        path = self.tree / site.file
-        source = path.read_bytes()
-        before = self.unmutated_objects(site.file, seen_by)
+    def judge(self, site, killers=()):
+        """Outcome, and by what, or which programs did not notice."""
+        place = self.place / "work" / site.id
+        try:
+            return self.judge_in(place, site, killers)
+        finally:
+            shutil.rmtree(place, ignore_errors=True)
+
+    def judge_in(self, place, site, killers):
         tried = []
-        for program, objects in seen_by:
-            digest, known = self.baseline(program)
+        made = {}  # object: how the mutated one is called
+        for program, objects in self.who_sees(site.file):
+            known = self.baseline(program)
             if not known:
                 continue
-            try:
-                path.write_bytes(site.apply(source))
-                output, code = self.ninja(sorted(objects), is_checked=False)
+            for wanted in sorted(objects - set(made)):
+                made[wanted] = place / f"{len(made)}.o"
+                output, code = self.compile(wanted, made[wanted], place / "sources", site,
+                                            site.apply((self.root / site.file).read_bytes()))
                 if code != 0:
                     return ledger.NOT_BUILT, first_error(output)
-                if before and all(hash_of(self.build / o) == h for o, h in before.items()):
-                    return ledger.SAME_CODE, ""
-                output, code = self.ninja([program], is_checked=False)
-                if code != 0:
-                    return ledger.KILLED, f"{program} cannot list its tests"
-                if hash_of(self.build / program) == digest:
-                    continue  # it links none of what has changed
-                tried.append(program.split("/")[-1])
-                killer = self.killer(known)
-                if killer:
-                    return ledger.KILLED, killer
-            finally:
-                path.write_bytes(source)
+            if len(tried) == 0 and site.file.endswith(".cpp") and all(
+                    hash_of(made[o]) == self.unmutated(o, site) for o in objects):
+                return ledger.SAME_CODE, ""
+            path = place / program.split("/")[-1]
+            output, code = self.link(program, {o: made[o] for o in objects}, path)
+            if code != 0:
+                return ledger.NOT_BUILT, first_error(output)
+            tried.append(path.name)
+            killer = self.killer(path, known, killers)
+            path.unlink()
+            if killer:
+                return ledger.KILLED, killer
         if self.is_quick:
             return ledger.PENDING, ""
         return ledger.SURVIVED, " ".join(tried) or "no test program that sees it"
 
-    def killer(self, known):
-        """The test that fails first; the quick ones are asked first."""
-        quick = [test for test, seconds in known.items() if seconds <= QUICK_S]
-        slow = [test for test, seconds in known.items() if seconds > QUICK_S]
-        for tests in filter(None, (quick, [] if self.is_quick else slow)):
-            limit_s = self.limit_slack_s + self.limit_factor * max(known[test] for test in tests)
-            output, code = self.ctest(tests, limit_s)
-            failed = failures(output)
-            if failed:
-                return failed[0]
-            if code != 0:
-                raise Trouble(f"ctest says {code}:\n{output[-2000:]}")
+    def compile(self, wanted, made, sources, site, text):
+        """An object from a file of which one, itself or a header, has another text."""
+        words = list(self.command_of[wanted])
+        words[words.index("-o") + 1] = made
+        overlay = sources / site.file
+        overlay.parent.mkdir(parents=True, exist_ok=True)
+        overlay.write_bytes(text)
+        source = self.source_of[wanted]
+        if source == site.file:
+            words[words.index("-c") + 1] = overlay
+        beside = [f"-iquote{(sources / source).parent}", f"-iquote{(self.root / source).parent}"]
+        # Before all other folders: the header that is mutated is found there.
+        words[1:1] = [*beside, f"-I{sources}", f"-ffile-prefix-map={sources}={self.root}"]
+        return self.command(words, is_checked=False, cwd=self.build)
+
+    def unmutated(self, wanted, site):
+        """Hash of what the compiler makes of a file as it is, in the same way."""
+        with self.is_one_at_a_time:
+            if wanted not in self.compiled:
+                place = self.place / "work" / "unmutated"
+                made = place / "o"
+                self.compile(wanted, made, place / "sources", site, (self.root / site.file).read_bytes())
+                self.compiled[wanted] = hash_of(made)
+                shutil.rmtree(place)
+            return self.compiled[wanted]
+
+    def link(self, program, made, path):
+        """The program with the mutated objects; they stand before the archives, which give the rest."""
+        if program not in self.links:
+            last = self.command(["ninja", "-C", self.build, "-t", "commands", program])[0].splitlines()[-1]
+            step = next(s for s in last.split(" && ") if f" -o {program}" in s)
+            self.links[program] = shlex.split(step)
+        words = [str(made.get(word, word)) for word in self.links[program]]
+        at = words.index("-o") + 1
+        words[at] = str(path)
+        words[at + 1:at + 1] = [str(m) for o, m in sorted(made.items()) if o not in self.links[program]]
+        return self.command(words, is_checked=False, cwd=self.build)
+
+    def killer(self, path, known, killers):
+        """The test that fails first; those are asked first that noticed other bugs nearby."""
+        old = [t for k in killers for t in known if t.name == k and t.seconds <= TIERS_S[-2]][:KILLERS]
+        rest = [t for t in known if t not in old]
+        tiers = [old]
+        for low, high in zip((-1.0, *TIERS_S), TIERS_S):
+            tiers.append([t for t in rest if low < t.seconds <= high])
+        for tests in tiers[:QUICK_TIERS + 1] if self.is_quick else tiers:
+            for group in by_kind(tests):
+                found = self.failing(path, group)
+                if found:
+                    return found
         return ""
 
-    def unmutated_objects(self, name, seen_by):
-        """Of a source file, what the compiler makes of it as it is: hash by object."""
-        if not name.endswith(".cpp"):
-            return {}
-        own = sorted(set().union(*(objects for _, objects in seen_by)))
-        if any(o not in self.object_hashes for o in own):
-            self.ninja(own)
-            self.object_hashes.update({o: hash_of(self.build / o) for o in own})
-        return {o: self.object_hashes[o] for o in own}
+    def failing(self, path, group):
+        """The first of a group that fails, twice: a hiccup kills nothing."""
+        while group:
+            limit_s = self.limit_slack_s + self.limit_factor * sum(t.seconds for t in group)
+            output, code = self.try_tests(path, group, limit_s)
+            if code == 0:
+                return ""
+            at = next((i for i, t in enumerate(group) if t.key == last_begun(output)), 0) \
+                if group[0].filter else 0
+            test = group[at]
+            limit_s = self.limit_slack_s + self.limit_factor * test.seconds
+            _, code = self.try_tests(path, [test], limit_s)
+            if code != 0:
+                how = "" if code == 1 else " (does not end)" if code in (None, -9, -24) else " (crashes)"
+                return test.name + how
+            # What comes after it has not been asked.
+            group = [t for t in group if t.key not in passes(output) and t is not test]
+        return ""
 
 
-def failures(output):
-    """Names of tests that failed; of one that did not just fail, how it ended."""
-    listed = output.partition("The following tests FAILED:")[2]
-    found = re.findall(r"^\s*\d+ - (.+?) \(([^()]*)\)\s*$", listed, re.M)
-    return [name if how == "Failed" else f"{name} ({how})" for name, how in found]
+class Test:
+    """A test as ctest knows it, and what chooses it in its program (nothing: it is the program)."""
+
+    def __init__(self, name, chosen, place, seconds=0.0):
+        self.name, self.filter, self.place, self.seconds = name, chosen, place, seconds
+        self.key = chosen or name
+
+    def timed(self, seconds):
+        return Test(self.name, self.filter, self.place, seconds)
+
+
+def by_kind(tests):
+    """Groups that one process can run."""
+    chosen = [t for t in tests if t.filter]
+    return ([chosen] if chosen else []) + [[t] for t in tests if not t.filter]
+
+
+def last_begun(output):
+    found = re.findall(r"^\[ RUN      \] (\S+)", output, re.M)
+    failed = re.findall(r"^\[  FAILED  \] ([^\s,]+),? ?.*\(\d+ ms\)$", output, re.M)
+    return failed[0] if failed else found[-1] if found else ""
 
 
 def passes(output):
     """Seconds by test."""
-    found = re.findall(r"^\s*\d+/\d+ Test\s+#\d+: (\S.*?) \.*\s+Passed\s+([\d.]+) sec", output, re.M)
-    return {name: float(seconds) for name, seconds in found}
+    found = re.findall(r"^\[       OK \] (\S+) \((\d+) ms\)$", output, re.M)
+    return {name: int(ms) / 1e3 for name, ms in found} | \
+        {name: 0.0 for name in re.findall(r"^\[  SKIPPED \] (\S+) \(\d+ ms\)$", output, re.M)}
 
 
 def first_error(output):
