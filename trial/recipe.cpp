@@ -1,5 +1,7 @@
 #include "trial/recipe.hpp"
 
+#include <utility>
+
 #include "drivers/sensor/app/node.hpp"
 #include "estimator/app/node.hpp"
 #include "planner/app/node.hpp"
@@ -32,7 +34,12 @@ std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
   for (const scenario::RobotSpec& robot : scenario.robots) {
     out.push_back({"PLANNER_" + robot.name,
                    [workspace, name = robot.name](bus::Bus& bus, const bus::Clock& clock) {
-                     return std::make_unique<planner::PlannerNode>(bus, clock, workspace, name);
+                     // In real time each node has a thread, and planners search at the same time.
+                     auto own = clock.is_real_time()
+                                    ? std::make_shared<planner::Workspace>(workspace->scenario())
+                                    : workspace;
+                     return std::make_unique<planner::PlannerNode>(bus, clock, std::move(own),
+                                                                   name);
                    }});
   }
   return out;

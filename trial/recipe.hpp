@@ -20,7 +20,8 @@ struct NodeRecipe {
 
 /// Every node of a wholly simulated trial, in the order in which those due at the same instant
 /// act: the simulator, then each robot's sensor, each estimator, each planner. `scenario` must
-/// outlive the nodes. The planners of one list share a workspace: one thread, one trial at a time.
+/// outlive the nodes. In virtual time the planners of one list share a workspace: one thread, one
+/// trial at a time; on a real clock each has one of its own.
 std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario);
 
 /// A run id that depends on these two alone; never 0.

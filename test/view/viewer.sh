@@ -1,5 +1,5 @@
 #!/bin/sh
-# viewer.sh channels|page log|live|proposals VANTAGE SOURCE_DIR: `vantage view` on the sample log,
+# viewer.sh channels|page log|live|late|proposals VANTAGE SOURCE_DIR: `vantage view` on the sample log,
 # `vantage demo --view`, or `vantage view` on a log of a team that plans by local search, read by Foxglove's own client or driven in headless Chromium. Screenshots go
 # to $VANTAGE_SHOTS when it is set. Exit code 77: what it needs is not there.
 what=$1
@@ -48,6 +48,8 @@ case $what in
     if grep -q 'not built' "$folder/out"; then
       skip "the page was not built"
     fi
-    node "$peer/page.mjs" "$url" "$kind" "${VANTAGE_SHOTS:-}"
+    script=page
+    [ "$kind" = late ] && script=late
+    node "$peer/$script.mjs" "$url" "$kind" "${VANTAGE_SHOTS:-}"
     ;;
 esac

@@ -3,38 +3,15 @@
 
 import assert from "node:assert";
 import { readFileSync } from "node:fs";
-import { chromium } from "playwright-core";
+import { finish, folder, kind, now, open as open_page, shot, until, url } from "./drive.mjs";
 
 const look = JSON.parse(readFileSync(new URL("../../../logs/look/look.json", import.meta.url)));
 
-const [url, kind, folder] = process.argv.slice(2);
-const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const kPatience_ms = 60_000;
-
-const browser = await chromium.launch({
-  executablePath,
-  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-});
-const complaints = [];
-
-/** @param prepare called with the page before it is loaded */
-async function open(width, height, scheme, draw, prepare) {
-  const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
-  page.setDefaultTimeout(kPatience_ms);
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
-  page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("requestfailed", (request) => complaints.push(`${request.url()} failed`));
-  page.on("request", (request) => request.url().startsWith(url) || request.url().startsWith("data:") || complaints.push(`asks for ${request.url()}`));
-  await prepare?.(page);
-  await page.goto(`${url}/${draw}`);
-  await page.waitForFunction(() => window.vantage?.stats().entities > 10);
+async function open(...how) {
+  const page = await open_page(...how);
   await page.evaluate(add_probes);
   return page;
 }
-
-const now = (page) => page.evaluate(() => window.vantage.state.now);
-const shot = (page, name) => folder && page.screenshot({ path: `${folder}/${kind}_${name}.png` });
-const until = (page, condition, argument) => page.waitForFunction(condition, argument);
 
 /** Gives the page `picture()`: the stage as it is drawn now, and where it is in the window; and
     `proposals()`: how many are shown. */
@@ -393,20 +370,6 @@ async function check_link(page) {
   assert(Math.abs(png.readUInt32BE(16) - stage.width) <= 2 && png.readUInt32BE(20) > stage.height);
 }
 
-/** Who comes later sees what there was. */
-async function check_late_join(page) {
-  await until(page, () => vantage.series("margin").Q1?.t.length > 12 && vantage.trail("Q1") > 5);
-  const known = await page.evaluate(() => ({ first: vantage.state.start + vantage.series("margin").Q1.t[0], count: vantage.series("margin").Q1.t.length }));
-  const late = await open(1366, 768, "light", "");
-  await until(late, () => vantage.series("margin").Q1?.t.length > 0);
-  const heard = await late.evaluate(() => ({ first: vantage.state.start + vantage.series("margin").Q1.t[0], times: vantage.series("margin").Q1.t, trail: vantage.trail("Q1"), events: document.querySelectorAll(".event").length }));
-  assert(heard.first <= known.first + 0.01, `from ${heard.first} on, the first viewer from ${known.first} on`);
-  assert(heard.times.length >= known.count);
-  assert(heard.times.every((time, i) => i === 0 || time > heard.times[i - 1]), "nothing twice");
-  assert(heard.trail > 5);
-  await late.close();
-}
-
 async function check_toggles(page) {
   // Of the plans alone: what else is shown comes and goes while robots fly.
   const plans_shown = (is_wanted) =>
@@ -490,7 +453,6 @@ for (const [width, height, scheme, name, draw] of [
       await check_toggles(page);
       await check_inspection(page);
     }
-    if (kind === "live") await check_late_join(page);
   }
   if (kind === "proposals") {
     await seek(page, 4.6); // once in 768 pixels it is a finger's work
@@ -509,6 +471,4 @@ for (const [width, height, scheme, name, draw] of [
   }
   await page.close();
 }
-await browser.close();
-assert.deepEqual([...new Set(complaints)], []);
-console.log("ok");
+await finish();

@@ -384,7 +384,8 @@ export class Charts {
     for (const chart of this.charts) {
       const name = chart.spec.fields?.get(topic);
       const value = name && !chart.is_whole ? number(member(record, chart.spec.path)) : null;
-      if (value !== null && value !== undefined) chart.put(name, time, value);
+      // The newest comes again to who subscribes anew.
+      if (value !== null && value !== undefined && chart.series.get(name)?.t.at(-1) !== time) chart.put(name, time, value);
     }
   }
 

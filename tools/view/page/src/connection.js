@@ -14,7 +14,9 @@ const kWays = "/transforms";
 const kWayPeriod_s = 0.2;
 const kPassedMax = 1000;
 
-const seconds_of = (nanoseconds) => Number(nanoseconds / 1000n) / 1e6;
+/** Seconds of microseconds since the epoch: one time is one number, whichever way it came. */
+export const seconds_of = (utime) => utime / 1e6;
+const seconds_at = (view, offset) => seconds_of(Number(view.getBigUint64(offset, true) / 1000n));
 export const seconds = (time) => time.sec + time.nsec * 1e-9;
 
 export class Connection {
@@ -80,11 +82,11 @@ export class Connection {
         this.read(topic, view);
       }
     } else if (kind === kTime) {
-      this.on.time(seconds_of(view.getBigUint64(1, true)));
+      this.on.time(seconds_at(view, 1));
     } else if (kind === kPlayback) {
       this.on.playback({
         status: ["playing", "paused", "buffering", "ended"][view.getUint8(1)],
-        time: seconds_of(view.getBigUint64(2, true)),
+        time: seconds_at(view, 2),
         speed: view.getFloat32(10, true),
         sought: view.getUint8(14) !== 0,
       });
@@ -94,7 +96,7 @@ export class Connection {
   /** @param view a record that another one takes the place of, or nothing */
   keep_way(view) {
     if (!view || this.passed.length >= kPassedMax) return;
-    const time = seconds_of(view.getBigUint64(5, true));
+    const time = seconds_at(view, 5);
     const since = time - this.passed_at;
     if (since >= 0 && since < kWayPeriod_s) return;
     this.passed_at = time;
@@ -103,7 +105,7 @@ export class Connection {
 
   read(topic, view) {
     const text = new TextDecoder().decode(new Uint8Array(view.buffer, 13));
-    const record = [topic, seconds_of(view.getBigUint64(5, true)), JSON.parse(text)];
+    const record = [topic, seconds_at(view, 5), JSON.parse(text)];
     if (this.held) this.held.push(record);
     else this.on.record(...record);
   }

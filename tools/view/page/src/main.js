@@ -2,7 +2,7 @@
 
 import "./style.css";
 import { Charts, live_window } from "./charts.js";
-import { Connection } from "./connection.js";
+import { Connection, seconds_of } from "./connection.js";
 import { write_legend } from "./legend.js";
 import { read_link, save, write_link } from "./link.js";
 import { color_of_role, digits, look, set_ground } from "./look.js";
@@ -32,6 +32,7 @@ const kLayers = [
 const kAlways = [/^\/transforms$/, /^\/world$/, /^\/robots$/, /^\/scenario$/, /^\/attack$/, /^\/team$/,
   /^\/events$/, /^\/vehicle\//, /^\/health\//, /^\/plan\/[^/]+\/status$/];
 const kTrails = "/trails";
+const kSetBack_s = 60; // a live record as much older than the newest is of a clock that was set back
 const kTrailPeriod_s = 0.2;
 const kTrailLengths_s = [2, 5, 10, 20, 60, 300];
 
@@ -49,6 +50,7 @@ const state = {
   jammed: [],
   colors: new Map(), // by body
   newest: new Map(), // by topic: of what says all there is to know
+  heard_until: new Map(), // by topic: time of the newest live record, by the history or as it came
   trail_s: look.trail_s,
   side: "status",
   wanted: read_link(location.hash), // by a link, not yet given
@@ -110,6 +112,7 @@ function clear_all() {
   world.clear_all();
   [vehicles, processes, events, charts, timeline, trails, topics].forEach((part) => part.clear());
   state.newest.clear();
+  state.heard_until.clear();
   state.start = state.range?.[0] ?? null;
   state.now = null;
   by_id("jammed").hidden = true;
@@ -125,12 +128,11 @@ async function load_history(session) {
     // The connection is gone as well, and will be tried again.
   }
   if (session !== state.session) return;
-  if (!state.range && history.length > 0) state.start = history[0][1] * 1e-6;
+  if (!state.range && history.length > 0) state.start = seconds_of(history[0][1]);
   state.has_history = state.range !== null && history.length > 0;
-  const newest = new Map(); // by topic [s]
   for (const [topic, utime, record] of history) {
-    const time = utime * 1e-6;
-    newest.set(topic, time);
+    const time = seconds_of(utime);
+    if (!state.range) state.heard_until.set(topic, time);
     if (topic === "/ways") {
       for (const [body, at] of Object.entries(record)) trails.add(body, time, ...at);
       state.trails_at = null; // what came late is drawn though the time stands
@@ -142,12 +144,21 @@ async function load_history(session) {
       charts.add(topic, time - state.start, record);
     }
   }
-  if (!state.range && history.length > 0) set_now(history.at(-1)[1] * 1e-6);
-  state.heard_until = newest;
+  if (!state.range && history.length > 0) set_now(seconds_of(history.at(-1)[1]));
   connection.go_on();
-  state.heard_until = new Map();
   charts.fields().forEach(([topic, path]) => plot(topic, path));
   give_wanted();
+}
+
+/** Whether a live record has been heard: by the history, or as it came. The server sends the newest again to who
+    subscribes, late or anew. */
+function was_heard(topic, time) {
+  if (state.range) return false;
+  const name = topic === "/transforms" ? "/ways" : topic; // what the history has of bodies
+  const until = state.heard_until.get(name) ?? -Infinity;
+  if (time <= until && time > until - kSetBack_s) return true;
+  if (topic !== "/events") state.heard_until.set(name, time); // of events two may have one time, and none is kept
+  return false;
 }
 
 function set_jammed(jammed) {
@@ -224,8 +235,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     set_now(now.time);
   },
   record: (topic, time, record) => {
-    // What the history has, it has of bodies as ways.
-    const is_known = time <= (state.heard_until?.get(topic === "/transforms" ? "/ways" : topic) ?? -Infinity);
+    const is_known = was_heard(topic, time);
     if (!state.range) set_now(Math.max(time, (state.now ?? 0) + (state.start ?? time)));
     topics.take(topic, record);
     if (topic === "/events") {
@@ -280,7 +290,7 @@ async function plot(topic, path) {
     const field = path.map((key) => `/${key.replaceAll("~", "~0").replaceAll("/", "~1")}`).join("");
     try {
       points = (await (await fetch(`api/series?${new URLSearchParams({ topic, field })}`)).json())
-        .map(([utime, value]) => [utime * 1e-6 - state.start, value]);
+        .map(([utime, value]) => [seconds_of(utime) - state.start, value]);
     } catch {
       points = []; // the connection is gone as well
     }

@@ -1,0 +1,39 @@
+// What the tests of the page share: a headless Chromium, pages of it that tell of every error in their
+// console, and what is asked of them again and again. Arguments: http://HOST:PORT KIND [FOLDER].
+
+import assert from "node:assert";
+import { chromium } from "playwright-core";
+
+export const [url, kind, folder] = process.argv.slice(2);
+const kPatience_ms = 60_000;
+
+export const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+});
+const complaints = [];
+
+/** @param prepare called with the page before it is loaded */
+export async function open(width, height, scheme, draw, prepare) {
+  const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
+  page.setDefaultTimeout(kPatience_ms);
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  page.on("requestfailed", (request) => complaints.push(`${request.url()} failed`));
+  page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(url) || complaints.push(`asks for ${request.url()}`));
+  await prepare?.(page);
+  await page.goto(`${url}/${draw}`);
+  await page.waitForFunction(() => window.vantage?.stats().entities > 10);
+  return page;
+}
+
+export const now = (page) => page.evaluate(() => window.vantage.state.now);
+export const shot = (page, name) => folder && page.screenshot({ path: `${folder}/${kind}_${name}.png` });
+export const until = (page, condition, argument) => page.waitForFunction(condition, argument);
+
+/** Ends the browser; fails where a page complained. */
+export async function finish() {
+  await browser.close();
+  assert.deepEqual([...new Set(complaints)], []);
+  console.log("ok");
+}

@@ -1,0 +1,57 @@
+// late.mjs http://HOST:PORT late [FOLDER]: who opens the page while a trial flies, or loses the server and finds
+// it again, sees what there was, and each record of it once.
+
+import assert from "node:assert";
+import { finish, open, until } from "./drive.mjs";
+
+/** Keeps of every WebSocket of the page the newest frame of each subscription, for repeat(). */
+function listen_in() {
+  const newest = new Map();
+  window.sockets = [];
+  window.WebSocket = class extends window.WebSocket {
+    constructor(...how) {
+      super(...how);
+      window.sockets.push(this);
+      this.addEventListener("message", ({ data }) => {
+        if (data instanceof ArrayBuffer && new DataView(data).getUint8(0) === 1) newest.set(new DataView(data).getUint32(1, true), data);
+      });
+    }
+  };
+  /** The newest of each once more, as a server sends what it keeps to who subscribes. */
+  window.repeat = () => newest.forEach((data) => window.sockets.at(-1).onmessage({ data }));
+}
+
+const heard = (page) =>
+  page.evaluate(() => {
+    const { t: times } = vantage.series("margin").Q1;
+    return { first: vantage.state.start + times[0], times, trail: vantage.trail("Q1"), events: document.querySelectorAll(".event").length };
+  });
+
+const twice = ({ times }) => times.filter((time, i) => i > 0 && time <= times[i - 1]);
+
+const first = await open(1366, 768, "light", "");
+await until(first, () => vantage.series("margin").Q1?.t.length > 12 && vantage.trail("Q1") > 5);
+const known = await heard(first);
+
+const late = await open(1366, 768, "light", "", (page) => page.addInitScript(listen_in));
+await until(late, () => vantage.series("margin").Q1?.t.length > 0);
+const told = await heard(late);
+assert(told.first <= known.first + 0.01, `from ${told.first} on, the first viewer from ${known.first} on`);
+assert(told.times.length >= known.times.length);
+assert.deepEqual(twice(told), []);
+assert(told.trail > 5);
+
+// What the server keeps comes again: nothing is charted twice, nor is what there was forgotten.
+await late.evaluate(() => repeat());
+const again = await heard(late);
+assert(again.times.length >= told.times.length, `${again.times.length} of ${told.times.length} are left`);
+assert.deepEqual(twice(again), [], "repeated");
+assert(again.events <= told.events + 1);
+
+// The connection is lost and comes again, to the same trial.
+await late.evaluate(() => window.sockets.at(-1).close());
+await until(late, (count) => window.sockets.length > 1 && vantage.series("margin").Q1.t.length > count + 2, again.times.length);
+const later = await heard(late);
+assert(later.first === again.first, "what there was stays");
+assert.deepEqual(twice(later), [], "connected again");
+await finish();
