@@ -124,6 +124,19 @@ if(VANTAGE_EVERYTHING)
     vantage-sensor vantage-sim vantage-vicon vantage-vicon-emulator
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
   install(DIRECTORY config DESTINATION ${data} COMPONENT runtime)
+  # What they are made of, where somebody can tell: python3 and dpkg.
+  find_program(PYTHON3_PROGRAM python3)
+  find_program(DPKG_QUERY dpkg-query)
+  if(PYTHON3_PROGRAM AND DPKG_QUERY)
+    install(CODE "
+      file(GLOB programs \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/vantage*\")
+      execute_process(
+        COMMAND \"${PYTHON3_PROGRAM}\" \"${PROJECT_SOURCE_DIR}/tools/dev/sbom\" --version ${PROJECT_VERSION} --made
+          --sources libeigen3-dev nlohmann-json3-dev libcli11-dev musl-dev
+          --npm \"${PROJECT_SOURCE_DIR}/tools/view/page/package.json\" --programs \${programs}
+        OUTPUT_FILE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${data}/sbom.cdx.json\"
+        COMMAND_ERROR_IS_FATAL ANY)" COMPONENT runtime)
+  endif()
   install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${data} COMPONENT runtime OPTIONAL)
   file(READ docs/systemd/vantage.service unit)
   string(REPLACE /usr/local/bin ${CMAKE_INSTALL_FULL_BINDIR} unit "${unit}")

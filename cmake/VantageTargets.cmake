@@ -5,6 +5,8 @@ include(VantageComponents)
 option(VANTAGE_PORTABLE "Do not assume x86-64-v3 (AVX2, FMA)" OFF)
 option(VANTAGE_OWN_LIBM "sin, exp, log, … with the same bits on every machine (musl-dev)"
   ${PROJECT_IS_TOP_LEVEL})
+option(VANTAGE_HARDENED
+  "For packages: stack and library hardening, and no folder of this machine in what is made" OFF)
 option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
@@ -46,6 +48,14 @@ target_compile_options(vantage_build_flags INTERFACE
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
   -Wdouble-promotion -Wimplicit-fallthrough
   $<$<BOOL:${VANTAGE_WARNINGS_AS_ERRORS}>:-Werror>)
+if(VANTAGE_HARDENED)
+  # Same sources, same bytes, wherever they lie and are built (test/tools/same_bytes.sh).
+  target_compile_options(vantage_build_flags INTERFACE
+    -ffile-prefix-map=${PROJECT_BINARY_DIR}=build -ffile-prefix-map=${PROJECT_SOURCE_DIR}=vantage
+    -fstack-protector-strong -fstack-clash-protection -fcf-protection
+    $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE> $<$<NOT:$<CONFIG:Debug>>:-D_FORTIFY_SOURCE=2>)
+  target_link_options(vantage_build_flags INTERFACE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
+endif()
 if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3)
 endif()

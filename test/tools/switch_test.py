@@ -128,6 +128,16 @@ def test_cuts_go_one_way():
     assert not pass_through("--cut", "1-2")[1]
 
 
+def test_harm_keeps_to_its_span_and_cuts_do_not():
+    words = "--loss 0.5 --duplicate 0.5 --flip 0.5 --reorder 0.5 --burst 2:0.5 --rate 400000 --span 10:20 --cut 1-2@30:31".split()
+    link, out = pass_through(*words)
+    calm = [(came - sent, number) for sent, came, number, _ in out if not 10 <= sent < 20]
+    assert len(calm) == 30_000 - 1_000 and link.counts["cut"] == 1_000
+    # Frames that wait at the rate when the span ends are of the span.
+    assert all(delay == 0 for delay, _ in calm)
+    assert link.counts["lost"] and link.counts["flipped"] and link.counts["doubled"] and link.counts["burst"]
+
+
 SENDER = """
 import socket, time
 ear = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

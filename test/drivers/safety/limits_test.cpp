@@ -49,6 +49,7 @@ TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
       {"plan_start_tolerance_m", is.plan_start_tolerance_m, 0.4},
       {"plan_start_turn_rad", is.plan_start_turn_rad, 0.8},
       {"planner_lease_s", is.planner_lease_s, 2.0},
+      {"other_version_clear_s", is.other_version_clear_s, 5.0},
       {"tracking_hold_m", is.tracking_hold_m, 0.4},
       {"tracking_land_m", is.tracking_land_m, 1.0},
       {"fence_land_m", is.fence_land_m, 0.0},

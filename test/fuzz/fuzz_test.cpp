@@ -1,0 +1,147 @@
+// Every harness on what it starts from, on what once broke it (test/fuzz/corpus), and on a number
+// of changes to both that is the same each time: VANTAGE_FUZZ_RUNS of them, 300 when not given.
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/fuzz/bus/packet_path.hpp"
+#include "test/fuzz/bus/receive_path.hpp"
+#include "test/fuzz/parsers/stream_parsers.hpp"
+#include "test/fuzz/parsers/text_parsers.hpp"
+#include "test/fuzz/vicon/harness.hpp"
+
+namespace vantage::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::uint8_t>;
+using scenario::MocapProtocol;
+
+struct Harness {
+  const char* name = "";
+  std::function<void(std::span<const std::uint8_t>)> run;
+  std::function<std::vector<Bytes>()> samples;
+};
+
+std::vector<Bytes> files_of(const fs::path& folder, const std::string& extension) {
+  std::vector<fs::path> paths;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    if (extension.empty() || entry.path().extension() == extension) {
+      paths.push_back(entry.path());
+    }
+  }
+  std::sort(paths.begin(), paths.end());
+  std::vector<Bytes> out;
+  for (const fs::path& path : paths) {
+    std::ifstream file(path, std::ios::binary);
+    out.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  }
+  return out;
+}
+
+std::vector<Harness> harnesses() {
+  const fs::path source = VANTAGE_SOURCE_DIR;
+  const auto vicon = [](MocapProtocol protocol) {
+    return std::pair{[protocol](std::span<const std::uint8_t> in) { fuzz_client(protocol, in); },
+                     [protocol] { return server_samples(protocol); }};
+  };
+  const auto datastream = vicon(MocapProtocol::kDataStream);
+  const auto objects = vicon(MocapProtocol::kObjectStream);
+  const auto vrpn = vicon(MocapProtocol::kVrpn);
+  return {
+      {"packet", fuzz_packet_path, packet_path_samples},
+      {"receive", fuzz_receive_path, receive_path_samples},
+      {"mavlink", fuzz_mavlink, mavlink_samples},
+      {"log", fuzz_log, log_samples},
+      {"viewer", fuzz_viewer, viewer_samples},
+      {"datastream", datastream.first, datastream.second},
+      {"object_stream", objects.first, objects.second},
+      {"vrpn", vrpn.first, vrpn.second},
+      {"scenario", fuzz_scenario, [=] { return files_of(source / "config", ".yaml"); }},
+      {"problem", fuzz_problem, [=] { return files_of(source / "test/tools/problems", ".json"); }}};
+}
+
+/// A few bits, bytes, pieces changed, left out, doubled or taken from `other`.
+Bytes changed(Bytes bytes, const Bytes& other, std::mt19937_64& rng) {
+  for (auto times = 1 + rng() % 4; times > 0; --times) {
+    const std::size_t size = bytes.size();
+    const auto at = static_cast<std::ptrdiff_t>(size == 0 ? 0 : rng() % size);
+    const auto length = static_cast<std::ptrdiff_t>(
+        std::min<std::uint64_t>(rng() % 16, size - static_cast<std::size_t>(at)));
+    const auto from = bytes.begin() + at;
+    switch (size == 0 ? 4 : rng() % 6) {
+      case 0:
+        *from ^= static_cast<std::uint8_t>(1U << (rng() % 8));
+        break;
+      case 1:
+        *from = static_cast<std::uint8_t>(std::array{0, 1, 127, 128, 255}[rng() % 5]);
+        break;
+      case 2:
+        bytes.erase(from, from + length);
+        break;
+      case 3: {
+        const Bytes piece(from, from + length);
+        bytes.insert(bytes.begin() + at, piece.begin(), piece.end());
+        break;
+      }
+      case 4: {
+        const std::size_t begin = other.empty() ? 0 : rng() % other.size();
+        const std::size_t count = std::min<std::size_t>(rng() % 200, other.size() - begin);
+        const auto first = other.begin() + static_cast<std::ptrdiff_t>(begin);
+        bytes.insert(bytes.begin() + at, first, first + static_cast<std::ptrdiff_t>(count));
+        break;
+      }
+      default:
+        bytes.resize(static_cast<std::size_t>(at));
+    }
+  }
+  return bytes;
+}
+
+class Fuzz : public ::testing::TestWithParam<Harness> {};
+
+TEST_P(Fuzz, KeepsItsPromises) {
+  const char* const asked = std::getenv("VANTAGE_FUZZ_RUNS");
+  const long long runs = asked == nullptr ? 300 : std::atoll(asked);
+  std::vector<Bytes> inputs = GetParam().samples();
+  ASSERT_FALSE(inputs.empty());
+  const fs::path corpus = fs::path(VANTAGE_SOURCE_DIR) / "test/fuzz/corpus" / GetParam().name;
+  const std::vector<Bytes> kept = files_of(corpus, "");
+  inputs.insert(inputs.end(), kept.begin(), kept.end());
+  for (const Bytes& input : inputs) {
+    GetParam().run(input);
+  }
+  std::mt19937_64 rng(20);
+  const auto begin = std::chrono::steady_clock::now();
+  for (long long i = 0; i < runs; ++i) {
+    const Bytes& one = inputs[rng() % inputs.size()];
+    const Bytes& other = inputs[rng() % inputs.size()];
+    GetParam().run(changed(one, other, rng));
+  }
+  if (asked != nullptr) {
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    std::printf("%s: %lld inputs in %.1f s, %.0f a second\n", GetParam().name, runs, took.count(),
+                static_cast<double>(runs) / took.count());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Harnesses, Fuzz, ::testing::ValuesIn(harnesses()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace vantage::test

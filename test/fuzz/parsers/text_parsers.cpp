@@ -1,0 +1,40 @@
+#include "test/fuzz/parsers/text_parsers.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "core/check.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+#include "tools/plan/problem_json.hpp"
+
+namespace vantage::test {
+namespace {
+
+/// Reads `input`; what is refused is refused in words that begin with the file's name.
+template <class Read>
+void read_or_refuse(std::span<const std::uint8_t> input, const Read& read) {
+  try {
+    static_cast<void>(read(std::string(input.begin(), input.end())));
+  } catch (const StartupError& error) {
+    if (!std::string_view(error.what()).starts_with("fuzzed:")) {
+      std::fprintf(stderr, "broken promise: a refusal names the file: %s\n", error.what());
+      std::abort();
+    }
+  }
+}
+
+}  // namespace
+
+void fuzz_scenario(std::span<const std::uint8_t> input) {
+  read_or_refuse(input,
+                 [](const std::string& text) { return scenario::parse_scenario(text, "fuzzed"); });
+}
+
+void fuzz_problem(std::span<const std::uint8_t> input) {
+  read_or_refuse(input,
+                 [](const std::string& text) { return tools::parse_problem(text, "fuzzed"); });
+}
+
+}  // namespace vantage::test
