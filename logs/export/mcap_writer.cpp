@@ -98,15 +98,16 @@ struct McapWriter::Compressor {
   std::string out;
 };
 
-McapWriter::McapWriter(const std::string& path)
+McapWriter::McapWriter(const std::string& path, McapEncoding encoding)
     : path_(path),
+      encoding_(std::move(encoding)),
       compressor_(std::make_unique<Compressor>()),
       out_(part_of(path), std::ios::binary) {
   if (!out_) {
     throw StartupError(path + ": cannot be written: " + std::strerror(errno));
   }
   put(kMagic);
-  put(record(kHeader, Content().text("").text("vantage")));
+  put(record(kHeader, Content().text(encoding_.profile).text("vantage")));
 }
 
 McapWriter::~McapWriter() { static_cast<void>(finish()); }
@@ -135,7 +136,7 @@ std::string McapWriter::schema_record(std::size_t index) const {
   return record(kSchema, Content()
                              .number(static_cast<std::uint16_t>(index + 1))
                              .text(schema.name)
-                             .text("jsonschema")
+                             .text(encoding_.schema)
                              .text(schema.text));
 }
 
@@ -145,7 +146,7 @@ std::string McapWriter::topic_record(std::size_t index) const {
                               .number(static_cast<std::uint16_t>(index))
                               .number(topic.schema)
                               .text(topic.name)
-                              .text("json")
+                              .text(encoding_.message)
                               .number(std::uint32_t{0}));  // no metadata
 }
 
@@ -168,7 +169,7 @@ std::uint16_t McapWriter::topic(const std::string& name, const std::string& sche
   return static_cast<std::uint16_t>(topics_.size() - 1);
 }
 
-void McapWriter::write(std::uint16_t topic, Time logged, Time published, std::string_view json) {
+void McapWriter::write(std::uint16_t topic, Time logged, Time published, std::string_view message) {
   const std::uint64_t logged_ns = nanoseconds(logged);
   chunk_times_[topic].emplace_back(logged_ns, chunk_.size());
   chunk_span_.add(logged_ns);
@@ -177,7 +178,7 @@ void McapWriter::write(std::uint16_t topic, Time logged, Time published, std::st
                                  .number(static_cast<std::uint32_t>(topics_[topic].messages))
                                  .number(logged_ns)
                                  .number(nanoseconds(published))
-                                 .raw(json));
+                                 .raw(message));
   ++topics_[topic].messages;
   ++messages_;
   if (chunk_.size() >= kChunkBytes) {

@@ -13,14 +13,21 @@
 
 namespace vantage::logs {
 
-/// Writes an MCAP file of JSON messages: chunks (compressed with zstd) with their indexes, a
-/// summary with schemas, channels, statistics and chunk index, checksums throughout; so viewers can
-/// seek in it. It has another name, PATH.part, until it is whole; one that cannot be written is not
-/// left. Source: the MCAP format specification, mcap.dev/spec.
+/// What the messages of an MCAP file are, all alike.
+struct McapEncoding {
+  std::string profile;  ///< what a reader may count on; "ros2"
+  std::string message = "json";
+  std::string schema = "jsonschema";
+};
+
+/// Writes an MCAP file of messages in one encoding: chunks (compressed with zstd) with their
+/// indexes, a summary with schemas, channels, statistics and chunk index, checksums throughout; so
+/// viewers can seek in it. It has another name, PATH.part, until it is whole; one that cannot be
+/// written is not left. Source: the MCAP format specification, mcap.dev/spec.
 class McapWriter {
  public:
   /// @throws StartupError "PATH: cannot be written: REASON".
-  explicit McapWriter(const std::string& path);
+  explicit McapWriter(const std::string& path, McapEncoding encoding = {});
   /// Finishes the file if finish() was not called.
   ~McapWriter();
   McapWriter(const McapWriter&) = delete;
@@ -29,11 +36,11 @@ class McapWriter {
   McapWriter& operator=(McapWriter&&) = delete;
 
   /// A new topic, or the one of that name. Topics with equal `schema_name` share the first one's
-  /// `schema_text` (JSON Schema).
+  /// `schema_text`.
   std::uint16_t topic(const std::string& name, const std::string& schema_name,
                       const std::string& schema_text);
   /// `topic`: an answer of topic().
-  void write(std::uint16_t topic, Time logged, Time published, std::string_view json);
+  void write(std::uint16_t topic, Time logged, Time published, std::string_view message);
   /// Writes what is pending and the summary, and gives the file its name. False when not all could
   /// be written; failure() says why.
   bool finish();
@@ -70,6 +77,7 @@ class McapWriter {
 
   struct Compressor;
   std::string path_;
+  McapEncoding encoding_;
   std::string failure_;
   std::unique_ptr<Compressor> compressor_;
   std::ofstream out_;

@@ -9,12 +9,17 @@
 
 namespace vantage::logs {
 
+/// Whether a channel is of planner.algorithm `external`: what others are asked for and answer is no
+/// plan of the robot's, though it looks like one.
+inline bool is_external(std::string_view channel) { return channel.starts_with("EXTERNAL_"); }
+
 /// Calls `visit` with the message in `event` as a value of models/exchange, by the type that its
-/// data name. False when it is none of the house's, does not decode or cannot be true.
+/// data name. False when it is none of the house's, does not decode or cannot be true, and for a
+/// channel that is_external().
 template <class Visit>
 bool visit_message(const LogEvent& event, Visit&& visit) {
   const bus::WireSchema* schema = type_of(event.data);
-  if (schema == nullptr) {
+  if (schema == nullptr || is_external(event.channel)) {
     return false;
   }
   bool was_visited = false;

@@ -23,6 +23,12 @@
 namespace vantage::python {
 namespace {
 
+// Channels of others may have any bytes in their names.
+py::str text_of(std::string_view name) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(name.data(), static_cast<Py_ssize_t>(name.size()), "surrogateescape"));
+}
+
 // Bytes under channel names; vantage.live makes messages of them.
 class LiveBus {
  public:
@@ -50,7 +56,7 @@ class LiveBus {
         const std::span<const std::uint8_t> bytes = payload;
         if (const auto said = opened(name, bytes)) {
           const py::gil_scoped_acquire acquire;
-          (*call)(py::str(name.data(), name.size()),
+          (*call)(text_of(name),
                   py::bytes(reinterpret_cast<const char*>(said->data()), said->size()));
         }
       });

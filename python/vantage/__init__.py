@@ -3,6 +3,8 @@
 Plans      Problem, Planner, Plan, plan(), algorithms()
 Trials     Scenario, Trial: the whole stack in virtual time, step by step
 Logs       Log, and what it gives, logs.Columns
+Live       vantage.live: read and publish the running system's channels, in a node of 20 lines
+Own        vantage.own: target models, costs, filters and planners written in Python
 Models     step_unicycle(), TargetModel, SensorModel, World; predict(), measure(), miss(), confine()
 Learning   vantage.env: environments with the interfaces of Gymnasium and PettingZoo
 
@@ -13,7 +15,7 @@ UsageError (an argument), both ValueErrors.
     import vantage
     print(vantage.plan("problem.json", nodes=100_000).cost)
 """
-from . import logs
+from . import live, logs, own
 from ._vantage import (
     Plan, Planner, Problem, Scenario, SensorModel, StartupError, TargetModel, Trial, UsageError, World,
     __version__, algorithms, confine, entropy_nats, lab_primitives, log_det, measure, miss, plan, predict,
@@ -22,5 +24,5 @@ from .logs import Log
 
 __all__ = [
     "Log", "Plan", "Planner", "Problem", "Scenario", "SensorModel", "StartupError", "TargetModel", "Trial",
-    "UsageError", "World", "algorithms", "confine", "entropy_nats", "lab_primitives", "log_det", "logs",
-    "measure", "miss", "plan", "predict", "standard_primitives", "step_unicycle"]
+    "UsageError", "World", "algorithms", "confine", "entropy_nats", "lab_primitives", "live", "log_det",
+    "logs", "measure", "miss", "own", "plan", "predict", "standard_primitives", "step_unicycle"]

@@ -6,7 +6,7 @@
 . "$(dirname "$0")/up_support.sh"
 python=$3 example=$4 types=$5 here=$(dirname "$0")
 lcm-gen --python --ppath "$dir/py" "$types"/*.lcm
-export PYTHONPATH="$PYTHONPATH:$dir/py"
+export PYTHONPATH="${PYTHONPATH:-}:$dir/py"
 "$bin/vantage" keys new "$dir/keys"
 { sed 's/algorithm: arvi /algorithm: external /' "$scenario"
   echo "security: {mode: require, keys: $dir/keys}"; } > "$dir/external.yaml"

@@ -20,6 +20,7 @@ struct ExportArguments {
   std::string format;
   std::string output;
   std::vector<std::string> include;
+  std::string profile = "foxglove";
   bool messages_only = false;
   bool force = false;
 };
@@ -73,6 +74,11 @@ int run(const ExportArguments& arguments) {
                                    stop_requested));
   }
   require_writable(arguments.output);
+  if (arguments.profile == "ros2") {
+    return report(log, arguments,
+                  logs::export_ros2(log, arguments.output, channels, progress_line("writing"),
+                                    stop_requested));
+  }
   return report(log, arguments,
                 logs::export_mcap(log, arguments.output, channels, !arguments.messages_only,
                                   progress_line("writing"), stop_requested));
@@ -91,6 +97,13 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
       ->required();
   command->add_option("--channels", arguments->include,
                       "the ones to write (expressions that match whole names); all else");
+  command
+      ->add_option(
+          "--profile", arguments->profile,
+          "mcap: foxglove (JSON, all messages), or ros2 (CDR in ROS 2's own types, what has "
+          "one: docs/ros2.md)")
+      ->check(CLI::IsMember({"foxglove", "ros2"}))
+      ->capture_default_str();
   command->add_flag("--messages-only", arguments->messages_only,
                     "mcap: without the pictures and events in the Foxglove schemas");
   command->add_flag("--force", arguments->force, "write over what is there");
@@ -103,7 +116,8 @@ void add_log_export_command(CLI::App& log, Runner& chosen) {
       "and when events were left out that are no messages of this version: each channel is named.\n"
       "Examples:\n"
       "  vantage log export flight.lcmlog --to csv --out flight-csv --channels 'PLAN_.*'\n"
-      "  vantage log export flight.lcmlog --to mcap --out flight.mcap");
+      "  vantage log export flight.lcmlog --to mcap --out flight.mcap\n"
+      "  vantage log export flight.lcmlog --to mcap --profile ros2 --out flight-ros2.mcap");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }
 

@@ -1,0 +1,204 @@
+#include "logs/export/ros2_messages.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "logs/export/cdr.hpp"
+#include "logs/export/ros2_definitions.hpp"
+#include "models/belief/gaussian.hpp"
+#include "models/mapping/beam.hpp"
+#include "models/plan/plan.hpp"
+
+namespace vantage::logs::ros2 {
+namespace {
+
+constexpr std::string_view kWorld = "world";
+constexpr double kUnknownVariance = 1e6;  // m² and rad²: of what nobody estimates
+
+Cdr& add_time(Cdr& out, Time time) {
+  constexpr std::int64_t kPerSecond = 1'000'000;
+  const std::int64_t utime = to_utime(time);
+  const std::int64_t seconds = (utime >= 0 ? utime : utime - kPerSecond + 1) / kPerSecond;
+  return out.number(static_cast<std::int32_t>(seconds))
+      .number(static_cast<std::uint32_t>((utime - seconds * kPerSecond) * 1'000));
+}
+
+Cdr& add_header(Cdr& out, Time time, std::string_view frame) {
+  return add_time(out, time).text(frame);
+}
+
+Cdr& add_place(Cdr& out, double x_m, double y_m, double z_m) {
+  return out.number(x_m).number(y_m).number(z_m);
+}
+
+// geometry_msgs has x, y, z, w; the stack's messages w, x, y, z.
+Cdr& add_yaw(Cdr& out, double yaw_rad) {
+  return out.number(0.0)
+      .number(0.0)
+      .number(std::sin(yaw_rad / 2.0))
+      .number(std::cos(yaw_rad / 2.0));
+}
+
+void add_transform(Cdr& out, Time time, const std::string& child, const Pose3& world_from_body) {
+  const auto& place_m = world_from_body.translation_m;
+  const auto& turn = world_from_body.rotation;
+  add_header(out, time, kWorld).text(child);
+  add_place(out, place_m.x(), place_m.y(), place_m.z());
+  out.number(turn.x()).number(turn.y()).number(turn.z()).number(turn.w());
+}
+
+template <class Bodies, class IsKnown>
+Message transforms(const std::string& topic, Time time, const Bodies& bodies,
+                   const IsKnown& is_known) {
+  Cdr out;
+  out.count(static_cast<std::size_t>(std::count_if(bodies.begin(), bodies.end(), is_known)));
+  for (const auto& body : bodies) {
+    if (is_known(body)) {
+      add_transform(out, time, body.name, body.world_from_body);
+    }
+  }
+  return {topic, "tf2_msgs/msg/TFMessage", time, out.bytes()};
+}
+
+Message pose_of(const models::RobotBelief& belief, const models::TargetBelief& target,
+                const models::Gaussian& known) {
+  constexpr int kPoseDim = 6;
+  const Eigen::Index position_dim = known.mean.size() == 3 ? 3 : 2;
+  Cdr out;
+  add_header(out, belief.stamp.time, kWorld);
+  add_place(out, known.mean(0), known.mean(1), position_dim == 3 ? known.mean(2) : 0.0);
+  add_yaw(out, 0.0);
+  for (Eigen::Index i = 0; i < kPoseDim; ++i) {
+    for (Eigen::Index j = 0; j < kPoseDim; ++j) {
+      const bool is_known = i < position_dim && j < position_dim;
+      out.number(is_known ? known.covariance(i, j) : (i == j ? kUnknownVariance : 0.0));
+    }
+  }
+  return {"/" + belief.robot + "/target_" + std::to_string(target.target_id),
+          "geometry_msgs/msg/PoseWithCovarianceStamped", belief.stamp.time, out.bytes()};
+}
+
+}  // namespace
+
+std::string_view definition_of(std::string_view type) {
+  const auto found = std::find_if(kDefinitions.begin(), kDefinitions.end(),
+                                  [&](const Definition& each) { return each.type == type; });
+  return found->text;
+}
+
+std::vector<Message> to_ros2(const models::MocapFrame& frame) {
+  return {transforms("/tf", frame.stamp.time, frame.bodies,
+                     [](const models::MocapBody& body) { return !body.occluded; })};
+}
+
+std::vector<Message> to_ros2(const models::TruthFrame& truth) {
+  return {transforms("/truth/tf", truth.stamp.time, truth.bodies,
+                     [](const models::TruthBody&) { return true; })};
+}
+
+std::vector<Message> to_ros2(const models::RobotBelief& belief) {
+  std::vector<Message> out;
+  for (const models::TargetBelief& target : belief.targets) {
+    if (const auto known = models::to_gaussian(target.information)) {
+      out.push_back(pose_of(belief, target, *known));
+    }
+  }
+  return out;
+}
+
+std::vector<Message> to_ros2(const models::RangeScan& scan) {
+  if (scan.jammed || scan.ranges_m.empty()) {
+    return {};
+  }
+  models::BeamSensor sensor;
+  sensor.beams = static_cast<int>(scan.ranges_m.size());
+  sensor.field_of_view_rad = scan.field_of_view_rad;
+  const bool is_all_round = scan.field_of_view_rad > 2.0 * kPi - 1e-9;
+  const double gaps = sensor.beams - (is_all_round ? 0 : 1);
+  const double step_rad = gaps > 0.0 ? scan.field_of_view_rad / gaps : 0.0;
+  // Beams that pass −π/π go on beyond it, as LaserScan counts.
+  const double first_rad = sensor.bearing_rad(0);
+  Cdr out;
+  add_header(out, scan.stamp.time, scan.robot);
+  for (const double value : {first_rad, first_rad + (sensor.beams - 1) * step_rad, step_rad, 0.0,
+                             0.0, 0.0, scan.range_max_m}) {
+    out.number(static_cast<float>(value));
+  }
+  out.count(scan.ranges_m.size());
+  for (const double range_m : scan.ranges_m) {
+    out.number(static_cast<float>(range_m));
+  }
+  out.count(0);  // no intensities
+  return {{"/" + scan.robot + "/scan", "sensor_msgs/msg/LaserScan", scan.stamp.time, out.bytes()}};
+}
+
+std::vector<Message> to_ros2(const models::RobotMap& map) {
+  constexpr std::int8_t kFree = 0;
+  constexpr std::int8_t kOccupied = 100;
+  Cdr out;
+  add_header(out, map.stamp.time, kWorld);
+  add_time(out, map.stamp.time).number(static_cast<float>(map.grid.resolution_m));
+  out.number(static_cast<std::uint32_t>(map.grid.columns));
+  out.number(static_cast<std::uint32_t>(map.grid.rows));
+  add_place(out, map.grid.origin_m.x(), map.grid.origin_m.y(), 0.0);
+  add_yaw(out, 0.0).count(map.team_looks.size());
+  for (const std::int16_t looks : map.team_looks) {
+    out.number(looks == 0 ? std::int8_t{-1} : (looks > 0 ? kOccupied : kFree));
+  }
+  return {{"/" + map.robot + "/map", "nav_msgs/msg/OccupancyGrid", map.stamp.time, out.bytes()}};
+}
+
+std::vector<Message> to_ros2(const models::RobotPlan& plan) {
+  const Time start = plan.trajectory.start_time;
+  const Duration step = from_seconds(plan.step_s);
+  constexpr int kPosesMax = 1'000;
+  std::vector<Time> times{start};
+  const Time end = models::end_time(plan.trajectory);
+  while (times.back() < end && std::ssize(times) < kPosesMax) {
+    times.push_back(std::min(times.back() + step, end));
+  }
+  Cdr out;
+  add_header(out, start, kWorld).count(times.size());
+  for (const Time time : times) {
+    const Pose2 pose = models::at(plan.trajectory, time).world_from_body;
+    add_header(out, time, kWorld);
+    add_place(out, pose.x_m, pose.y_m, plan.trajectory.height_m);
+    add_yaw(out, pose.yaw_rad);
+  }
+  return {{"/" + plan.robot + "/plan", "nav_msgs/msg/Path", start, out.bytes()}};
+}
+
+std::vector<Message> to_ros2(const models::VehicleStatus& status) {
+  constexpr auto kNan = std::numeric_limits<float>::quiet_NaN();
+  Cdr out;
+  add_header(out, status.stamp.time, status.robot);
+  for (int i = 0; i < 6; ++i) {  // voltage, temperature, current, charge, capacity, design_capacity
+    out.number(kNan);
+  }
+  out.number(static_cast<float>(status.battery_share));
+  out.number(std::uint8_t{0}).number(std::uint8_t{0}).number(std::uint8_t{0});  // unknown
+  out.number(std::uint8_t{1}).count(0).count(0).text("").text("");
+  return {{"/" + status.robot + "/battery", "sensor_msgs/msg/BatteryState", status.stamp.time,
+           out.bytes()}};
+}
+
+std::vector<Message> to_ros2(const models::ProcessHealth& health) {
+  constexpr std::uint8_t kOk = 0;
+  constexpr std::uint8_t kWarning = 1;
+  const bool is_degraded = health.state == models::ProcessState::kDegraded;
+  static constexpr std::array kStates{"starting", "running", "degraded", "stopping"};
+  Cdr out;
+  add_header(out, health.stamp.time, "").count(1);
+  out.number(is_degraded ? kWarning : kOk).text(health.process);
+  out.text(kStates[static_cast<std::size_t>(health.state)]).text("");
+  out.count(health.counters.size());
+  for (const models::NamedCount& counter : health.counters) {
+    out.text(counter.name).text(std::to_string(counter.count));
+  }
+  return {{"/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", health.stamp.time, out.bytes()}};
+}
+
+}  // namespace vantage::logs::ros2
