@@ -52,8 +52,7 @@ std::optional<models::TargetBelief> target_from(const vantage_lcm::target_belief
 }  // namespace
 
 vantage_lcm::measurement_t to_wire(const models::DetectionSet& detections) {
-  vantage_lcm::measurement_t wire{};
-  stamp_to(detections.stamp, wire);
+  auto wire = stamped<vantage_lcm::measurement_t>(detections.stamp);
   wire.robot = detections.robot;
   viewpoint_to(detections.viewpoint, wire);
   wire.jammed = detections.jammed ? 1 : 0;
@@ -68,15 +67,14 @@ vantage_lcm::measurement_t to_wire(const models::DetectionSet& detections) {
     wire.detections[i].z.assign(z.data(), z.data() + dim);
     wire.detections[i].covariance_z = rows_to(detection.measurement.V, dim);
   }
-  wire.num_inputs = count_of(detections.inputs.size());
-  wire.inputs = inputs_to(detections.inputs);
+  inputs_to(detections.inputs, wire);
   return wire;
 }
 
 std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& wire) {
   const auto stamp = stamp_from(wire);
   const auto viewpoint = viewpoint_from(wire);
-  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  auto inputs = inputs_from(wire);
   if (!stamp || !viewpoint || !inputs || !is_text(wire.robot) || !is_boolean(wire.jammed) ||
       !is_count(wire.num_detections, wire.detections.size())) {
     return std::nullopt;
@@ -95,8 +93,7 @@ std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& 
 }
 
 vantage_lcm::belief_t to_wire(const models::RobotBelief& belief) {
-  vantage_lcm::belief_t wire{};
-  stamp_to(belief.stamp, wire);
+  auto wire = stamped<vantage_lcm::belief_t>(belief.stamp);
   wire.robot = belief.robot;
   wire.step = belief.step;
   viewpoint_to(belief.viewpoint, wire);
@@ -116,8 +113,7 @@ vantage_lcm::belief_t to_wire(const models::RobotBelief& belief) {
   grid_to(belief.grid, wire);
   wire.num_cells = count_of(belief.last_seen_utime.size());
   wire.last_seen_utime = belief.last_seen_utime;
-  wire.num_inputs = count_of(belief.inputs.size());
-  wire.inputs = inputs_to(belief.inputs);
+  inputs_to(belief.inputs, wire);
   return wire;
 }
 
@@ -125,7 +121,7 @@ std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire) 
   const auto stamp = stamp_from(wire);
   const auto viewpoint = viewpoint_from(wire);
   const auto grid = grid_from(wire, wire.last_seen_utime.size());
-  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  auto inputs = inputs_from(wire);
   if (!stamp || !viewpoint || !grid || !inputs || !is_text(wire.robot) || wire.step < 0 ||
       wire.degree < 0 || !is_count(wire.num_targets, wire.targets.size()) ||
       !std::all_of(wire.last_seen_utime.begin(), wire.last_seen_utime.end(), is_utime)) {

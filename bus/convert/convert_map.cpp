@@ -7,8 +7,7 @@ namespace vantage::bus {
 using namespace parts;  // NOLINT(google-build-using-namespace): this room's own words
 
 vantage_lcm::scan_t to_wire(const models::RangeScan& scan) {
-  vantage_lcm::scan_t wire{};
-  stamp_to(scan.stamp, wire);
+  auto wire = stamped<vantage_lcm::scan_t>(scan.stamp);
   wire.robot = scan.robot;
   viewpoint_to(scan.viewpoint, wire);
   wire.jammed = scan.jammed ? 1 : 0;
@@ -16,8 +15,7 @@ vantage_lcm::scan_t to_wire(const models::RangeScan& scan) {
   wire.range_max_m = scan.range_max_m;
   wire.num_beams = count_of(scan.ranges_m.size());
   wire.range_m = scan.ranges_m;
-  wire.num_inputs = count_of(scan.inputs.size());
-  wire.inputs = inputs_to(scan.inputs);
+  inputs_to(scan.inputs, wire);
   return wire;
 }
 
@@ -25,7 +23,7 @@ std::optional<models::RangeScan> from_wire(const vantage_lcm::scan_t& wire) {
   constexpr double kFullCircleRad = 2.0 * kPi + 1e-9;
   const auto stamp = stamp_from(wire);
   const auto viewpoint = viewpoint_from(wire);
-  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  auto inputs = inputs_from(wire);
   if (!stamp || !viewpoint || !inputs || !is_text(wire.robot) || !is_boolean(wire.jammed) ||
       !is_count(wire.num_beams, wire.range_m.size()) ||
       !are_finite(wire.field_of_view_rad, wire.range_max_m) || wire.range_max_m <= 0.0 ||
@@ -44,8 +42,7 @@ std::optional<models::RangeScan> from_wire(const vantage_lcm::scan_t& wire) {
 }
 
 vantage_lcm::map_t to_wire(const models::RobotMap& map) {
-  vantage_lcm::map_t wire{};
-  stamp_to(map.stamp, wire);
+  auto wire = stamped<vantage_lcm::map_t>(map.stamp);
   wire.robot = map.robot;
   wire.step = map.step;
   viewpoint_to(map.viewpoint, wire);
@@ -55,8 +52,7 @@ vantage_lcm::map_t to_wire(const models::RobotMap& map) {
   wire.team_looks = map.team_looks;
   wire.team_looks.resize(map.own_looks.size());
   wire.entropy_nat = map.entropy_nats;
-  wire.num_inputs = count_of(map.inputs.size());
-  wire.inputs = inputs_to(map.inputs);
+  inputs_to(map.inputs, wire);
   return wire;
 }
 
@@ -64,7 +60,7 @@ std::optional<models::RobotMap> from_wire(const vantage_lcm::map_t& wire) {
   const auto stamp = stamp_from(wire);
   const auto viewpoint = viewpoint_from(wire);
   const auto grid = grid_from(wire, wire.own_looks.size());
-  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  auto inputs = inputs_from(wire);
   if (!stamp || !viewpoint || !grid || !inputs || !is_text(wire.robot) || wire.step < 0 ||
       wire.team_looks.size() != wire.own_looks.size() || !are_finite(wire.entropy_nat) ||
       wire.entropy_nat < 0.0) {

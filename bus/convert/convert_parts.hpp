@@ -63,6 +63,17 @@ std::vector<vantage_lcm::input_ref_t> inputs_to(const std::vector<models::InputR
 
 inline std::int32_t count_of(std::size_t elements) { return static_cast<std::int32_t>(elements); }
 
+/// The same of a message that names what it was made from.
+template <class Wire>
+auto inputs_from(const Wire& wire) {
+  return inputs_from(wire.num_inputs, wire.inputs);
+}
+template <class Wire>
+void inputs_to(const std::vector<models::InputRef>& inputs, Wire& wire) {
+  wire.num_inputs = count_of(inputs.size());
+  wire.inputs = inputs_to(inputs);
+}
+
 template <class Enum>
 std::optional<Enum> enumerator_from(std::int32_t value, Enum last) {
   if (value < 0 || value > static_cast<std::int32_t>(last)) {
@@ -79,6 +90,14 @@ void stamp_to(const models::Stamp& stamp, Wire& wire) {
   wire.utime = to_utime(stamp.time);
   wire.run_id = stamp.run_id;
   wire.sequence = stamp.sequence;
+}
+
+/// A message of `stamp` and nothing else yet.
+template <class Wire>
+Wire stamped(const models::Stamp& stamp) {
+  Wire wire{};
+  stamp_to(stamp, wire);
+  return wire;
 }
 
 template <class Wire>

@@ -68,6 +68,20 @@ std::optional<models::Trajectory> trajectory_from(const Wire& wire, Time start_t
   return trajectory;
 }
 
+/// Calls copy(plan's, wire's) with each number that both have.
+template <class Plan, class Wire, class Copy>
+void each_number(Plan& plan, Wire& wire, const Copy& copy) {
+  copy(plan.round, wire.round);
+  copy(plan.horizon_steps, wire.horizon_steps);
+  copy(plan.step_s, wire.step_s);
+  copy(plan.cost, wire.cost_nat);
+  copy(plan.lower_bound, wire.lower_bound_nat);
+  copy(plan.epsilon, wire.epsilon);
+  copy(plan.delta_m, wire.delta_m);
+  copy(plan.passes, wire.passes);
+  copy(plan.nodes, wire.nodes);
+}
+
 bool are_numbers_possible(const vantage_lcm::plan_t& wire) {
   return is_quality(wire) && are_finite(wire.step_s) && wire.step_s > 0.0 &&
          wire.horizon_steps >= 0 && wire.passes >= 0 && wire.nodes >= 0 &&
@@ -78,33 +92,23 @@ bool are_numbers_possible(const vantage_lcm::plan_t& wire) {
 }  // namespace
 
 vantage_lcm::plan_t to_wire(const models::RobotPlan& plan) {
-  vantage_lcm::plan_t wire{};
-  stamp_to(plan.stamp, wire);
+  auto wire = stamped<vantage_lcm::plan_t>(plan.stamp);
   wire.robot = plan.robot;
-  wire.round = plan.round;
   wire.source = static_cast<std::int32_t>(plan.source);
   trajectory_to(plan.trajectory, wire);
-  wire.horizon_steps = plan.horizon_steps;
-  wire.step_s = plan.step_s;
-  wire.cost_nat = plan.cost;
-  wire.lower_bound_nat = plan.lower_bound;
-  wire.epsilon = plan.epsilon;
-  wire.delta_m = plan.delta_m;
-  wire.passes = plan.passes;
-  wire.nodes = plan.nodes;
+  each_number(plan, wire, [](const auto& known, auto& sent) { sent = known; });
   wire.slot_start_utime = to_utime(plan.slot_start);
   wire.deadline_utime = to_utime(plan.deadline);
   wire.finish_utime = to_utime(plan.finish);
   wire.late = plan.late ? 1 : 0;
-  wire.num_inputs = count_of(plan.inputs.size());
-  wire.inputs = inputs_to(plan.inputs);
+  inputs_to(plan.inputs, wire);
   return wire;
 }
 
 std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire) {
   const auto stamp = stamp_from(wire);
   const auto source = enumerator_from(wire.source, models::PlanSource::kBraking);
-  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  auto inputs = inputs_from(wire);
   // The wire has one time for the message and its trajectory.
   auto trajectory = stamp ? trajectory_from(wire, stamp->time) : std::nullopt;
   if (!trajectory || !source || !inputs || !is_text(wire.robot) || !are_numbers_possible(wire)) {
@@ -113,17 +117,9 @@ std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire) {
   models::RobotPlan plan;
   plan.stamp = *stamp;
   plan.robot = wire.robot;
-  plan.round = wire.round;
   plan.source = *source;
   plan.trajectory = std::move(*trajectory);
-  plan.horizon_steps = wire.horizon_steps;
-  plan.step_s = wire.step_s;
-  plan.cost = wire.cost_nat;
-  plan.lower_bound = wire.lower_bound_nat;
-  plan.epsilon = wire.epsilon;
-  plan.delta_m = wire.delta_m;
-  plan.passes = wire.passes;
-  plan.nodes = wire.nodes;
+  each_number(plan, wire, [](auto& known, const auto& sent) { known = sent; });
   plan.slot_start = from_utime(wire.slot_start_utime);
   plan.deadline = from_utime(wire.deadline_utime);
   plan.finish = from_utime(wire.finish_utime);
@@ -133,8 +129,7 @@ std::optional<models::RobotPlan> from_wire(const vantage_lcm::plan_t& wire) {
 }
 
 vantage_lcm::proposal_t to_wire(const models::PlanProposal& proposal) {
-  vantage_lcm::proposal_t wire{};
-  stamp_to(proposal.stamp, wire);
+  auto wire = stamped<vantage_lcm::proposal_t>(proposal.stamp);
   wire.value_nat = proposal.value_nats;
   wire.plan = to_wire(proposal.plan);
   return wire;
@@ -150,8 +145,7 @@ std::optional<models::PlanProposal> from_wire(const vantage_lcm::proposal_t& wir
 }
 
 vantage_lcm::team_proposal_t to_wire(const models::TeamProposal& proposal) {
-  vantage_lcm::team_proposal_t wire{};
-  stamp_to(proposal.stamp, wire);
+  auto wire = stamped<vantage_lcm::team_proposal_t>(proposal.stamp);
   wire.robot = proposal.robot;
   wire.round = proposal.round;
   wire.value_nat = proposal.value_nats;
@@ -166,14 +160,13 @@ vantage_lcm::team_proposal_t to_wire(const models::TeamProposal& proposal) {
   wire.num_history = count_of(proposal.history.size());
   wire.history = proposal.history;
   wire.nodes = proposal.nodes;
-  wire.num_inputs = count_of(proposal.inputs.size());
-  wire.inputs = inputs_to(proposal.inputs);
+  inputs_to(proposal.inputs, wire);
   return wire;
 }
 
 std::optional<models::TeamProposal> from_wire(const vantage_lcm::team_proposal_t& wire) {
   const auto stamp = stamp_from(wire);
-  auto inputs = inputs_from(wire.num_inputs, wire.inputs);
+  auto inputs = inputs_from(wire);
   if (!stamp || !inputs || !is_text(wire.robot) || !are_finite(wire.value_nat) || wire.nodes < 0 ||
       !is_count(wire.num_choices, wire.choices.size()) ||
       !is_count(wire.num_history, wire.history.size())) {

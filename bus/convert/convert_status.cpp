@@ -24,8 +24,7 @@ bool are_texts(std::int32_t count, const std::vector<std::string>& texts) {
 }  // namespace
 
 vantage_lcm::quadrotor_t to_wire(const models::VehicleStatus& status) {
-  vantage_lcm::quadrotor_t wire{};
-  stamp_to(status.stamp, wire);
+  auto wire = stamped<vantage_lcm::quadrotor_t>(status.stamp);
   wire.robot = status.robot;
   wire.state = static_cast<std::int32_t>(status.state);
   wire.battery_share = status.battery_share;
@@ -55,8 +54,7 @@ std::optional<models::VehicleStatus> from_wire(const vantage_lcm::quadrotor_t& w
 }
 
 vantage_lcm::command_t to_wire(const models::OperatorCommand& command) {
-  vantage_lcm::command_t wire{};
-  stamp_to(command.stamp, wire);
+  auto wire = stamped<vantage_lcm::command_t>(command.stamp);
   wire.action = static_cast<std::int32_t>(command.action);
   wire.robot = command.robot;
   return wire;
@@ -72,8 +70,7 @@ std::optional<models::OperatorCommand> from_wire(const vantage_lcm::command_t& w
 }
 
 vantage_lcm::collision_t to_wire(const models::ContactReport& contact) {
-  vantage_lcm::collision_t wire{};
-  stamp_to(contact.stamp, wire);
+  auto wire = stamped<vantage_lcm::collision_t>(contact.stamp);
   wire.kind = static_cast<std::int32_t>(contact.kind);
   wire.body_a = contact.body_a;
   wire.body_b = contact.body_b;
@@ -92,8 +89,7 @@ std::optional<models::ContactReport> from_wire(const vantage_lcm::collision_t& w
 }
 
 vantage_lcm::attack_t to_wire(const models::AttackNotice& attack) {
-  vantage_lcm::attack_t wire{};
-  stamp_to(attack.stamp, wire);
+  auto wire = stamped<vantage_lcm::attack_t>(attack.stamp);
   wire.num_jammed = count_of(attack.jammed.size());
   wire.jammed = attack.jammed;
   return wire;
@@ -108,8 +104,7 @@ std::optional<models::AttackNotice> from_wire(const vantage_lcm::attack_t& wire)
 }
 
 vantage_lcm::health_t to_wire(const models::ProcessHealth& health) {
-  vantage_lcm::health_t wire{};
-  stamp_to(health.stamp, wire);
+  auto wire = stamped<vantage_lcm::health_t>(health.stamp);
   wire.process = health.process;
   wire.state = static_cast<std::int32_t>(health.state);
   wire.num_counters = count_of(health.counters.size());
@@ -145,8 +140,7 @@ std::optional<models::ProcessHealth> from_wire(const vantage_lcm::health_t& wire
 }
 
 vantage_lcm::host_t to_wire(const models::HostReport& report) {
-  vantage_lcm::host_t wire{};
-  stamp_to(report.stamp, wire);
+  auto wire = stamped<vantage_lcm::host_t>(report.stamp);
   wire.host = report.host;
   wire.num_processes = count_of(report.processes.size());
   for (const models::SupervisedProcess& process : report.processes) {
@@ -183,8 +177,7 @@ std::optional<models::HostReport> from_wire(const vantage_lcm::host_t& wire) {
 }
 
 vantage_lcm::scenario_t to_wire(const models::ScenarioNotice& notice) {
-  vantage_lcm::scenario_t wire{};
-  stamp_to(notice.stamp, wire);
+  auto wire = stamped<vantage_lcm::scenario_t>(notice.stamp);
   wire.yaml = notice.yaml;
   wire.version = notice.version;
   wire.process = notice.process;

@@ -30,16 +30,12 @@ PlanarLaw planar_law(const SensorModel& sensor) {
 
 }  // namespace
 
-constinit const SensorLaw bearing{
-    .name = "bearing",
-    .measures_bearing = true,
-    .measurement_dim = one_row,
-    .sees = sees,
-    .observe = observe,
-    .jacobian = jacobian,
-    .variances = variances,
-    .information_bound = bearing_information,
-    .planar_law = planar_law,
-};
+constinit const SensorLaw bearing = [] {
+  SensorLaw law = law_of("bearing", one_row, observe, jacobian, variances, bearing_information);
+  law.measures_bearing = true;
+  law.sees = sees;
+  law.planar_law = planar_law;
+  return law;
+}();
 
 }  // namespace vantage::models::sensor_kinds

@@ -113,16 +113,12 @@ double depth_per_m(const SensorModel& sensor, double bearing_rad, double cos_ele
 
 }  // namespace
 
-constinit const SensorLaw camera{
-    .name = "camera",
-    .measurement_dim = two_rows,
-    .sees = sees,
-    .observe = observe,
-    .jacobian = jacobian,
-    .variances = variances,
-    .information_bound = bound,
-    .position_from = position_from,
-    .depth_per_m = depth_per_m,
-};
+constinit const SensorLaw camera = [] {
+  SensorLaw law = law_of("camera", two_rows, observe, jacobian, variances, bound);
+  law.sees = sees;
+  law.position_from = position_from;
+  law.depth_per_m = depth_per_m;
+  return law;
+}();
 
 }  // namespace vantage::models::sensor_kinds

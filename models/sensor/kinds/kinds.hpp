@@ -13,6 +13,20 @@ extern const SensorLaw bearing;
 extern const SensorLaw range_bearing;
 extern const SensorLaw camera;
 
+/// A law of what every kind has; what else it has is set on it.
+constexpr SensorLaw law_of(std::string_view name, decltype(SensorLaw::measurement_dim) dim,
+                           decltype(SensorLaw::observe) observe,
+                           decltype(SensorLaw::jacobian) jacobian,
+                           decltype(SensorLaw::variances) variances,
+                           decltype(SensorLaw::information_bound) bound) {
+  return {.name = name,
+          .measurement_dim = dim,
+          .observe = observe,
+          .jacobian = jacobian,
+          .variances = variances,
+          .information_bound = bound};
+}
+
 constexpr double square(double x) { return x * x; }
 
 constexpr int one_row(int /*position_dim*/) { return 1; }

@@ -41,16 +41,14 @@ PlanarLaw planar_law(const SensorModel& sensor) {
 
 }  // namespace
 
-constinit const SensorLaw position{
-    .name = "position",
-    .is_linear = true,
-    .measurement_dim = [](int position_dim) { return position_dim; },
-    .observe = observe,
-    .jacobian = jacobian,
-    .variances = variances,
-    .information_bound = bound,
-    .position_from = position_from,
-    .planar_law = planar_law,
-};
+constinit const SensorLaw position = [] {
+  SensorLaw law = law_of(
+      "position", [](int position_dim) { return position_dim; }, observe, jacobian, variances,
+      bound);
+  law.is_linear = true;
+  law.position_from = position_from;
+  law.planar_law = planar_law;
+  return law;
+}();
 
 }  // namespace vantage::models::sensor_kinds

@@ -26,15 +26,11 @@ PlanarLaw planar_law(const SensorModel& sensor) {
 
 }  // namespace
 
-constinit const SensorLaw range{
-    .name = "range",
-    .measures_range = true,
-    .measurement_dim = one_row,
-    .observe = observe,
-    .jacobian = jacobian,
-    .variances = variances,
-    .information_bound = range_information,
-    .planar_law = planar_law,
-};
+constinit const SensorLaw range = [] {
+  SensorLaw law = law_of("range", one_row, observe, jacobian, variances, range_information);
+  law.measures_range = true;
+  law.planar_law = planar_law;
+  return law;
+}();
 
 }  // namespace vantage::models::sensor_kinds

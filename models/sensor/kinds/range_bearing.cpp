@@ -60,18 +60,14 @@ PlanarLaw planar_law(const SensorModel& sensor) {
 
 }  // namespace
 
-constinit const SensorLaw range_bearing{
-    .name = "range_bearing",
-    .measures_range = true,
-    .measures_bearing = true,
-    .measurement_dim = two_rows,
-    .sees = sees,
-    .observe = observe,
-    .jacobian = jacobian,
-    .variances = variances,
-    .information_bound = bound,
-    .position_from = position_from,
-    .planar_law = planar_law,
-};
+constinit const SensorLaw range_bearing = [] {
+  SensorLaw law = law_of("range_bearing", two_rows, observe, jacobian, variances, bound);
+  law.measures_range = true;
+  law.measures_bearing = true;
+  law.sees = sees;
+  law.position_from = position_from;
+  law.planar_law = planar_law;
+  return law;
+}();
 
 }  // namespace vantage::models::sensor_kinds

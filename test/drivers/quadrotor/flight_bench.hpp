@@ -9,15 +9,15 @@
 
 #include "drivers/quadrotor/driver.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
+#include "test/drivers/vehicle/stepped_bench.hpp"
 #include "test/sim/lab_scenario.hpp"
 
 namespace vantage::test {
 
 /// A driver, an emulated autopilot, mocap at 100 Hz, an operator and a planner, in virtual time.
 /// Q1 stands on the floor at (2, 2) and looks along y.
-class FlightBench {
+class FlightBench : public SteppedBench {
  public:
-  static constexpr Time kStart = from_utime(1'700'000'000'000'000);
   static constexpr Duration kTick{5'000};
   static constexpr Duration kLatency{5'000};
   static constexpr double kFloorM = 0.05;  ///< height of its markers when it stands
@@ -49,37 +49,12 @@ class FlightBench {
                                                         drivers::limits_for(scenario, "Q1"));
   }
 
-  void run(double seconds) {
-    const Time end = now + from_seconds(seconds);
-    while (now < end) {
-      step();
-    }
-  }
-  /// Until `done`, at most `seconds`; whether it came.
-  bool run_until(const std::function<bool()>& done, double seconds) {
-    const Time end = now + from_seconds(seconds);
-    while (now < end && !done()) {
-      step();
-    }
-    return done();
-  }
-
-  void command(models::OperatorAction action) {
-    models::OperatorCommand out;
-    out.stamp = {now, 77, command_sequence++};
-    out.action = action;
-    driver->on_command(out, now);
-  }
+  void command(models::OperatorAction action) { driver->on_command(next_command(action), now); }
 
   /// A plan from where the driver is asked to be, `delay` from now.
   models::RobotPlan plan(const Pose2& start, const std::vector<models::PlanSegment>& segments,
                          Duration delay) {
-    models::RobotPlan out;
-    out.stamp = {now + delay, 55, plan_sequence++};
-    out.robot = "Q1";
-    out.round = plan_sequence;
-    out.trajectory = {now + delay, start, scenario.robots[0].height_m, segments};
-    return out;
+    return next_plan("Q1", now + delay, start, scenario.robots[0].height_m, segments);
   }
 
   /// Arms, takes off and comes to a hover; false when it did not.
@@ -121,7 +96,6 @@ class FlightBench {
   scenario::Scenario scenario;
   std::unique_ptr<drivers::QuadrotorDriver> driver;
   sim::AutopilotEmulator vehicle;
-  Time now = kStart;
   bool has_mocap = true;
   bool has_operator = true;
   bool is_wire_cut = false;
@@ -130,7 +104,7 @@ class FlightBench {
   std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver, of the last step
 
  private:
-  void step() {
+  void step() final {
     now += kTick;
     ++ticks_;
     vehicle.advance_to(now);
@@ -188,8 +162,6 @@ class FlightBench {
 
   std::int64_t ticks_ = 0;
   std::int64_t frame_sequence_ = 0;
-  std::int64_t command_sequence = 0;
-  std::int64_t plan_sequence = 0;
   std::vector<models::MocapFrame> waiting_;
 };
 

@@ -11,15 +11,15 @@
 
 #include "drivers/rover/driver.hpp"
 #include "sim/rover/rover_emulator.hpp"
+#include "test/drivers/vehicle/stepped_bench.hpp"
 #include "test/sim/lab_scenario.hpp"
 
 namespace vantage::test {
 
 /// A driver, an emulated rover whose tyres slip, mocap at 100 Hz with noise and 5 ms of latency, an
 /// operator and a planner, in virtual time. R1 stands at (1, 1) and looks along y.
-class RoverBench {
+class RoverBench : public SteppedBench {
  public:
-  static constexpr Time kStart = from_utime(1'700'000'000'000'000);
   static constexpr Duration kStep{5'000};
   static constexpr double kMarkersM = 0.2;  ///< height of its markers
 
@@ -48,7 +48,7 @@ class RoverBench {
         driver(scenario, "R1", drivers::limits_for(scenario, "R1"), 41),
         rover(spec, kStart) {}
 
-  void step() {
+  void step() final {
     if (steps % 2 == 0 && mocap_on) {
       if (captured.stamp.time > Time{}) {
         driver.on_mocap(captured, now);  // 5 ms old
@@ -71,37 +71,17 @@ class RoverBench {
     }
     ++steps;
   }
-  void run(double seconds) {
-    const Time end = now + from_seconds(seconds);
-    while (now < end) {
-      step();
-    }
-  }
-  /// Until `done`, at most `seconds`; whether it came.
-  bool run_until(const std::function<bool()>& done, double seconds) {
-    const Time end = now + from_seconds(seconds);
-    while (now < end && !done()) {
-      step();
-    }
-    return done();
-  }
 
   drivers::CommandVerdict command(models::OperatorAction action) {
-    models::OperatorCommand out;
-    out.stamp = {now, 77, command_sequence++};
-    out.action = action;
-    return driver.on_command(out, now);
+    return driver.on_command(next_command(action), now);
   }
   /// From where it stands, `delay_s` from now, unless told otherwise.
   drivers::PlanVerdict plan(const std::vector<models::PlanSegment>& segments, double delay_s = 0.3,
                             std::optional<Pose2> start = std::nullopt) {
-    models::RobotPlan out;
-    out.stamp = {now + from_seconds(delay_s), 55, plan_sequence++};
-    out.robot = "R1";
-    out.round = plan_sequence;
-    out.trajectory = {out.stamp.time, start.value_or(rover.state().world_from_body), kMarkersM,
-                      segments};
-    return driver.on_plan(out, now);
+    return driver.on_plan(
+        next_plan("R1", now + from_seconds(delay_s), start.value_or(rover.state().world_from_body),
+                  kMarkersM, segments),
+        now);
   }
   /// Armed, and told to follow; a second and a half later.
   bool make_ready() {
@@ -128,7 +108,6 @@ class RoverBench {
   }
 
   scenario::Scenario scenario;
-  Time now = kStart;
   drivers::RoverDriver driver;
   sim::RoverEmulator rover;
   std::int64_t steps = 0;
@@ -164,8 +143,6 @@ class RoverBench {
 
   models::MocapFrame captured;
   std::mt19937_64 random{7};
-  std::int64_t command_sequence = 0;
-  std::int64_t plan_sequence = 0;
 };
 
 }  // namespace vantage::test

@@ -25,22 +25,29 @@ struct NodeBench : test::VehicleNodeBench<RoverNode, sim::RoverEndpoint> {
                          RoverBench::kStart, [](const sim::RoverEndpoint& rover) {
                            return lift(rover.emulator().state().world_from_body, 0.2);
                          }) {}
+
+  /// Armed and told to follow, with a plan of round 5 straight on; false when it was not ready.
+  bool sets_off() {
+    if (!run_until([&] { return !statuses.empty() && statuses.back().reasons.empty(); }, 3.0)) {
+      return false;
+    }
+    say(OperatorAction::kArm);
+    run(0.1);
+    say(OperatorAction::kFollow);
+    run(0.1);
+    models::RobotPlan plan;
+    plan.stamp.time = clock.now() + from_seconds(0.2);
+    plan.robot = "R1";
+    plan.round = 5;
+    plan.trajectory = {plan.stamp.time, {1.0, 1.0, kPi / 2}, 0.2, RoverBench::straight(0.5, 9.0)};
+    lab.publish(bus::plan_channel("R1"), plan);
+    return true;
+  }
 };
 
 TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
   NodeBench bench;
-  ASSERT_TRUE(bench.run_until(
-      [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 3.0));
-  bench.say(OperatorAction::kArm);
-  bench.run(0.1);
-  bench.say(OperatorAction::kFollow);
-  bench.run(0.1);
-  models::RobotPlan plan;
-  plan.stamp.time = bench.clock.now() + from_seconds(0.2);
-  plan.robot = "R1";
-  plan.round = 5;
-  plan.trajectory = {plan.stamp.time, {1.0, 1.0, kPi / 2}, 0.2, RoverBench::straight(0.5, 9.0)};
-  bench.lab.publish(bus::plan_channel("R1"), plan);
+  ASSERT_TRUE(bench.sets_off());
   bench.run(2.2);
   EXPECT_EQ(bench.statuses.back().state, models::FlightState::kFollow);
   EXPECT_EQ(bench.statuses.back().plan_round, 5);
@@ -61,17 +68,7 @@ TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
 // An old log beside the drive: its mocap, its stop.
 TEST(RoverNode, DrivesOnBesideAnOldLogAndASecondMocap) {
   NodeBench bench;
-  ASSERT_TRUE(bench.run_until(
-      [&] { return !bench.statuses.empty() && bench.statuses.back().reasons.empty(); }, 3.0));
-  bench.say(OperatorAction::kArm);
-  bench.run(0.1);
-  bench.say(OperatorAction::kFollow);
-  bench.run(0.1);
-  models::RobotPlan plan;
-  plan.stamp.time = bench.clock.now() + from_seconds(0.2);
-  plan.robot = "R1";
-  plan.trajectory = {plan.stamp.time, {1.0, 1.0, kPi / 2}, 0.2, RoverBench::straight(0.5, 9.0)};
-  bench.lab.publish(bus::plan_channel("R1"), plan);
+  ASSERT_TRUE(bench.sets_off());
   bench.each_step = [&, sequence = std::int64_t{0}]() mutable {
     if (bench.steps % 2 == 1) {
       models::MocapFrame frame = bench.see();

@@ -16,6 +16,15 @@
 
 namespace vantage::test {
 
+/// A server of 100 Hz, and the time between two frames.
+inline scenario::MocapSpec spec_of(scenario::MocapProtocol protocol) {
+  scenario::MocapSpec spec;
+  spec.protocol = protocol;
+  spec.rate_hz = 100.0;
+  return spec;
+}
+inline constexpr Duration kPeriod{10'000};
+
 /// A driver and the emulated server, joined by bytes in virtual time: no socket, no clock.
 class ViconBench {
  public:

@@ -14,16 +14,9 @@ using scenario::MocapProtocol;
 using scenario::MocapSpec;
 using test::circling;
 using test::is_near;
+using test::kPeriod;
+using test::spec_of;
 using test::ViconBench;
-
-constexpr Duration kPeriod{10'000};
-
-MocapSpec spec_of(MocapProtocol protocol) {
-  MocapSpec spec;
-  spec.protocol = protocol;
-  spec.rate_hz = 100.0;
-  return spec;
-}
 
 /// Each protocol, and each way to ask for a DataStream.
 struct Way {

@@ -17,16 +17,9 @@ using scenario::MocapSpec;
 using test::circling;
 using test::from_hex;
 using test::from_text;
+using test::kPeriod;
+using test::spec_of;
 using test::ViconBench;
-
-constexpr Duration kPeriod{10'000};
-
-MocapSpec spec_of(MocapProtocol protocol) {
-  MocapSpec spec;
-  spec.protocol = protocol;
-  spec.rate_hz = 100.0;
-  return spec;
-}
 
 class ViconLink : public ::testing::TestWithParam<MocapProtocol> {
  protected:

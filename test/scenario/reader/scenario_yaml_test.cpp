@@ -271,8 +271,7 @@ targets: {count: 1}
   EXPECT_THROW(parse_scenario(both, "both"), StartupError);
 }
 
-TEST(ParseScenario, ReadsWhatRunsOnWhichHost) {
-  const Scenario scenario = parse_scenario(R"(
+constexpr const char* kTwoRobots = R"(
 name: two
 world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
 robot_defaults: {primitives: lab, sensor: {kind: range}}
@@ -280,6 +279,10 @@ robots:
   - {name: A, start: {x_m: 2, y_m: 2}}
   - {name: B, start: {x_m: 8, y_m: 8}}
 targets: {count: 1}
+)";
+
+TEST(ParseScenario, ReadsWhatRunsOnWhichHost) {
+  const Scenario scenario = parse_scenario(std::string(kTwoRobots) + R"(
 hosts:
   - {name: LAB, runs: [sim, logger, B]}
   - {name: AIR1, runs: [A]}
@@ -293,14 +296,7 @@ hosts:
 }
 
 TEST(ParseScenario, ReadsAttacksAndHowManyTheTeamExpects) {
-  const std::string text = R"(
-name: jammed
-world: {bounds: {min_m: [0, 0], max_m: [10, 10]}}
-robot_defaults: {primitives: lab, sensor: {kind: range}}
-robots:
-  - {name: A, start: {x_m: 2, y_m: 2}}
-  - {name: B, start: {x_m: 8, y_m: 8}}
-targets: {count: 1}
+  const std::string text = std::string(kTwoRobots) + R"(
 planner: {attacks_max: 1}
 attacks:
   - {from_s: 10, to_s: 20.5, robots: [B]}

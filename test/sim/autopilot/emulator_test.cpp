@@ -33,12 +33,18 @@ Hand flying_px4() {
   return hand;
 }
 
-Hand flying_ardupilot() {
+// Sees poses and has its origin, on the ground.
+Hand placed_ardupilot() {
   Hand hand(AutopilotDialect::kArdupilot);
   listen(hand);
   hand.sends_poses = true;
   hand.run(5.0);
   hand.send(wire::mavlink::SetGpsGlobalOrigin{});
+  return hand;
+}
+
+Hand flying_ardupilot() {
+  Hand hand = placed_ardupilot();
   hand.run(21.0);
   EXPECT_EQ(hand.command(176, 1, 4), 0);
   EXPECT_EQ(hand.command(400, 1), 0);
@@ -183,10 +189,7 @@ TEST(EmulatedArdupilot, TakesNoOriginBeforeItsEstimatorRuns) {
 }
 
 TEST(EmulatedArdupilot, RefusesToArmForTwentyTwoSecondsAndSaysWhy) {
-  Hand hand(AutopilotDialect::kArdupilot);
-  hand.sends_poses = true;
-  hand.run(5.0);
-  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
+  Hand hand = placed_ardupilot();
   hand.run(5.0);
   EXPECT_EQ(hand.command(400, 1), 4);
   EXPECT_EQ(hand.last_text, "Arm: Accels inconsistent");
@@ -270,10 +273,7 @@ TEST(EmulatedArdupilot, LandsEightSecondsAfterTheLastPose) {
 }
 
 TEST(EmulatedArdupilot, DisarmsWhenItIsNotTakenOffInTenSeconds) {
-  Hand hand(AutopilotDialect::kArdupilot);
-  hand.sends_poses = true;
-  hand.run(5.0);
-  hand.send(wire::mavlink::SetGpsGlobalOrigin{});
+  Hand hand = placed_ardupilot();
   hand.run(21.0);
   EXPECT_EQ(hand.command(176, 1, 4), 0);
   EXPECT_EQ(hand.command(400, 1), 0);
