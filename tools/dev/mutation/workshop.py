@@ -186,12 +186,20 @@ class Workshop:
     def read_graph(self):
         """Of each test program, the objects that it is linked from; of each object, its source."""
         self.ninja(["build.ninja"])
+        kept = self.place / "graph.json"
+        digest = hash_of(self.build / "build.ninja")
+        graph = json.loads(kept.read_text()) if kept.exists() else {}
+        if graph.get("of") != digest:
+            graph = {"of": digest, "programs": {}}
+            graph["all"] = [name for name, rule in self.targets().items()
+                            if rule.startswith("CXX_EXECUTABLE_LINKER") and name.endswith("_test")]
         self.programs = {}
-        for name, rule in self.targets().items():
-            if rule.startswith("CXX_EXECUTABLE_LINKER") and name.endswith("_test") and \
-                    re.search(self.only, name):
+        for name in filter(re.compile(self.only).search, graph["all"]):
+            if name not in graph["programs"]:
                 inputs = self.command(["ninja", "-C", self.build, "-t", "inputs", name])[0].splitlines()
-                self.programs[name] = {i for i in inputs if i.endswith(".o")}
+                graph["programs"][name] = sorted(i for i in inputs if i.endswith(".o"))
+            self.programs[name] = set(graph["programs"][name])
+        kept.write_text(json.dumps(graph))
         self.source_of = {}
         self.command_of = {}
         for entry in self.compile_commands():
