@@ -2,6 +2,7 @@
 what the checkout's build folder has of all the rest. The checkout and its build are only read, so
 nothing that ends this process can leave a mutation in them."""
 
+import dataclasses
 import fcntl
 import hashlib
 import json
@@ -25,6 +26,7 @@ BUILD_LIMIT_S = 1800.0
 TIERS_S = (0.03, 0.5, 3.0, math.inf)  # the cheapest tests are asked first
 QUICK_TIERS = 2  # of them, with --quick
 KILLERS = 12  # so many tests that noticed another bug nearby are asked before all others
+UNKNOWN_S = 0.1  # of a test that has not been timed
 WALL_LIMIT_S = 900  # of a run of tests that waits instead
 # Where no build is found: optimised a little, with assertions, without what only a debugger reads.
 CONFIGURATION = ("-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1",
@@ -99,9 +101,13 @@ class Workshop:
         self.say = say
         self.programs = None
         self.sites = {}
-        self.baselines = {}
+        self.tests = {}
+        self.sound = {}
+        self.seconds = self.read_seconds()
         self.links = {}
         self.compiled = {}
+        self.running = set()
+        self.is_stopped = False
         self.is_one_at_a_time = threading.RLock()  # for what all mutations share
 
     # --- the build ---
@@ -136,19 +142,32 @@ class Workshop:
                                    stderr=subprocess.STDOUT, text=True, errors="replace", cwd=cwd,
                                    env=env, start_new_session=True, preexec_fn=limit)
         code = None
+        self.running.add(process)
         try:
+            if self.is_stopped:  # between the start and the note of it
+                os.killpg(process.pid, signal.SIGKILL)
             output, _ = process.communicate(timeout=limit_s)
             code = process.returncode
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             output, _ = process.communicate()
         finally:
+            self.running.discard(process)
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
         if is_checked and code != 0:
             raise Trouble(f"{' '.join(map(str, words))}\n{output[-3000:]}")
         return output, code
+
+    def stop(self):
+        """Ends what is under way in other threads; what they say of it is not to be believed."""
+        self.is_stopped = True
+        for process in list(self.running):
+            try:
+                os.killpg(process.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
 
     def ninja(self, targets):
         if not self.is_given:
@@ -167,12 +186,20 @@ class Workshop:
     def read_graph(self):
         """Of each test program, the objects that it is linked from; of each object, its source."""
         self.ninja(["build.ninja"])
+        kept = self.place / "graph.json"
+        digest = hash_of(self.build / "build.ninja")
+        graph = json.loads(kept.read_text()) if kept.exists() else {}
+        if graph.get("of") != digest:
+            graph = {"of": digest, "programs": {}}
+            graph["all"] = [name for name, rule in self.targets().items()
+                            if rule.startswith("CXX_EXECUTABLE_LINKER") and name.endswith("_test")]
         self.programs = {}
-        for name, rule in self.targets().items():
-            if rule.startswith("CXX_EXECUTABLE_LINKER") and name.endswith("_test") and \
-                    re.search(self.only, name):
+        for name in filter(re.compile(self.only).search, graph["all"]):
+            if name not in graph["programs"]:
                 inputs = self.command(["ninja", "-C", self.build, "-t", "inputs", name])[0].splitlines()
-                self.programs[name] = {i for i in inputs if i.endswith(".o")}
+                graph["programs"][name] = sorted(i for i in inputs if i.endswith(".o"))
+            self.programs[name] = set(graph["programs"][name])
+        kept.write_text(json.dumps(graph))
         self.source_of = {}
         self.command_of = {}
         for entry in self.compile_commands():
@@ -239,39 +266,57 @@ class Workshop:
                 self.say(f"{name}: nothing that is built sees it")
                 continue
             if name not in self.sites:
-                self.sites[name] = sites.find_sites(self.root / name, name, arguments)
+                self.sites[name] = self.kept_sites(name, arguments)
             yield from self.sites[name]
+
+    def kept_sites(self, name, arguments):
+        """Those of a text are found once: libclang reads all that it includes, seconds for each file."""
+        finder = pathlib.Path(sites.__file__).read_bytes()
+        text = (self.root / name).read_bytes()
+        key = hashlib.sha256(b"\0".join((name.encode(), finder, text))).hexdigest()[:24]
+        kept = self.place / "sites" / key
+        if kept.exists():
+            return [sites.Site(**{**fields, "replacement": fields["replacement"].encode()})
+                    for fields in json.loads(kept.read_text())]
+        found = sites.find_sites(self.root / name, name, arguments)
+        kept.parent.mkdir(exist_ok=True)
+        unfinished = kept.with_suffix(f".{os.getpid()}")
+        unfinished.write_text(json.dumps([{**dataclasses.asdict(site), "replacement": site.replacement.decode()}
+                                          for site in found]))
+        os.replace(unfinished, kept)
+        return found
 
     # --- the unmutated tests ---
 
-    def baseline(self, program):
-        """Builds the program as it is and runs its tests: those that pass."""
+    def known(self, program):
+        """Its tests, with the seconds that each took when it was run last: nothing is run to learn them."""
         with self.is_one_at_a_time:
-            if program not in self.baselines:
+            if program not in self.tests:
                 self.ninja([program])
-                self.baselines[program] = self.measured(program)
-            return self.baselines[program]
+                self.tests[program] = self.tests_of(program)
+            return [test.timed(self.seconds.get(test.name, UNKNOWN_S)) for test in self.tests[program]]
 
-    def measured(self, program):
-        digest = hash_of(self.build / program)
-        kept = self.place / "baselines.json"
-        known = json.loads(kept.read_text()) if kept.exists() else {}
-        key = f"{program} {digest}"
-        tests = self.tests_of(program)
-        if key not in known:
-            begun = time.monotonic()
-            seconds, failed = {}, set()
-            for group in by_kind(tests):
-                output, code = self.try_tests(self.build / program, group)
-                told = passes(output) if group[0].filter else {group[0].name: time.monotonic() - begun}
-                failed |= {t.name for t in group if code != 0 and t.key not in told or not t.filter and code}
-                seconds |= {t.name: told[t.key] for t in group if t.key in told and t.name not in failed}
-            known[key] = seconds
-            kept.write_text(json.dumps(known, indent=1))
-            self.say(f"  unmutated: {program}: {len(tests)} tests, {time.monotonic() - begun:.0f} s")
-            if failed:
-                self.say(f"  unmutated: {program}: fail, and are left out: {', '.join(sorted(failed))}")
-        return [test.timed(known[key][test.name]) for test in tests if test.name in known[key]]
+    def read_seconds(self):
+        """Of ctest's own notes, and of runs of mutations before this one."""
+        out = {}
+        notes = self.build / "Testing" / "Temporary" / "CTestCostData.txt"
+        if notes.exists():
+            for line in notes.read_text().partition("\n---")[0].splitlines():
+                name, runs, seconds = line.rsplit(" ", 2)
+                if runs != "0":
+                    out[name] = float(seconds)
+        kept = self.place / "seconds.json"
+        return out | (json.loads(kept.read_text()) if kept.exists() else {})
+
+    def is_sound(self, program, test):
+        """It passes unmutated: asked of those alone that noticed something, once."""
+        with self.is_one_at_a_time:
+            if test.name not in self.sound:
+                _, code = self.try_tests(self.build / program, [test], WALL_LIMIT_S)
+                self.sound[test.name] = code == 0
+                if code != 0:
+                    self.say(f"  unmutated: {test.name} fails, and is left out")
+            return self.sound[test.name]
 
     def tests_of(self, program):
         """What ctest has of what is run by this program."""
@@ -307,12 +352,14 @@ class Workshop:
             return self.judge_in(place, site, killers)
         finally:
             shutil.rmtree(place, ignore_errors=True)
+            with self.is_one_at_a_time:
+                (self.place / "seconds.json").write_text(json.dumps(self.seconds, indent=0))
 
     def judge_in(self, place, site, killers):
         tried = []
         made = {}  # object: how the mutated one is called
         for program, objects in self.who_sees(site.file):
-            known = self.baseline(program)
+            known = self.known(program)
             if not known:
                 continue
             for wanted in sorted(objects - set(made)):
@@ -329,7 +376,7 @@ class Workshop:
             if code != 0:
                 return ledger.NOT_BUILT, first_error(output)
             tried.append(path.name)
-            killer = self.killer(path, known, killers)
+            killer = self.killer(program, path, known, killers)
             path.unlink()
             if killer:
                 return ledger.KILLED, killer
@@ -375,7 +422,7 @@ class Workshop:
         words[at + 1:at + 1] = [str(m) for o, m in sorted(made.items()) if o not in self.links[program]]
         return self.command(words, is_checked=False, cwd=self.build)
 
-    def killer(self, path, known, killers):
+    def killer(self, program, path, known, killers):
         """The test that fails first; those are asked first that noticed other bugs nearby."""
         old = [t for k in killers for t in known if t.name == k and t.seconds <= TIERS_S[-2]][:KILLERS]
         rest = [t for t in known if t not in old]
@@ -384,16 +431,19 @@ class Workshop:
             tiers.append([t for t in rest if low < t.seconds <= high])
         for tests in tiers[:QUICK_TIERS + 1] if self.is_quick else tiers:
             for group in by_kind(tests):
-                found = self.failing(path, group)
+                found = self.failing(program, path, group)
                 if found:
                     return found
         return ""
 
-    def failing(self, path, group):
-        """The first of a group that fails, twice: a hiccup kills nothing."""
+    def failing(self, program, path, group):
+        """The first of a group that fails, twice (a hiccup kills nothing), and passes unmutated."""
         while group:
             limit_s = self.limit_slack_s + self.limit_factor * sum(t.seconds for t in group)
             output, code = self.try_tests(path, group, limit_s)
+            passed = passes(output)
+            with self.is_one_at_a_time:
+                self.seconds |= {t.name: passed[t.key] for t in group if t.key in passed}
             if code == 0:
                 return ""
             at = next((i for i, t in enumerate(group) if t.key == last_begun(output)), 0) \
@@ -401,11 +451,11 @@ class Workshop:
             test = group[at]
             limit_s = self.limit_slack_s + self.limit_factor * test.seconds
             _, code = self.try_tests(path, [test], limit_s)
-            if code != 0:
+            if code != 0 and self.is_sound(program, test):
                 how = "" if code == 1 else " (does not end)" if code in (None, -9, -24) else " (crashes)"
                 return test.name + how
             # What comes after it has not been asked.
-            group = [t for t in group if t.key not in passes(output) and t is not test]
+            group = [t for t in group if t.key not in passed and t is not test]
         return ""
 
 
