@@ -64,8 +64,9 @@ TEST(LoadScenario, ReadsTheHardwareExperimentOfTheLab) {
   }
   EXPECT_EQ(lab.target_truth.motion, scenario::TargetMotion::kRandomWaypoint);
   EXPECT_EQ(lab.target_truth.speed_max_mps, 1.4);
-  EXPECT_EQ(lab.estimator.target_model.kind, models::TargetKind::kRandomWalk);
-  EXPECT_EQ(lab.estimator.target_model.q, 0.3);
+  EXPECT_EQ(lab.estimator.target_model.kind, models::TargetKind::kDampedOscillator);
+  EXPECT_EQ(lab.estimator.target_model.surroundings.damping_per_s, Eigen::Vector2d(0.24, 0.41));
+  EXPECT_FALSE(lab.estimator.targets_stay_inside);
   EXPECT_EQ(lab.planner.algorithm, "arvi");
   EXPECT_EQ(lab.planner.horizon_steps, 12);
   EXPECT_EQ(lab.planner.step_s, 0.5);
