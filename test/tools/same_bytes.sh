@@ -12,9 +12,9 @@ for place in one a/much/longer/other; do
   cp -r "$source"/{CMakeLists.txt,cmake,config,core,models,wire,scenario,packaging} "$dir/$place"
   cmake -S "$dir/$place" -B "$dir/$place/made" -G Ninja -DCMAKE_BUILD_TYPE=Release -DVANTAGE_COMPONENTS=wire \
     -DVANTAGE_HARDENED=ON -DVANTAGE_BUILD_TESTS=OFF > "$dir/log" 2>&1 || { cat "$dir/log"; exit 1; }
-  cmake --build "$dir/$place/made" --target vantage_core vantage_mavlink >> "$dir/log" 2>&1 || { cat "$dir/log"; exit 1; }
+  cmake --build "$dir/$place/made" --target vantage_core vantage_rover_wire >> "$dir/log" 2>&1 || { cat "$dir/log"; exit 1; }
 done
-for library in core/libvantage_core.a wire/mavlink/libvantage_mavlink.a; do
+for library in core/libvantage_core.a wire/rover/libvantage_rover_wire.a; do
   cmp "$dir/one/made/$library" "$dir/a/much/longer/other/made/$library"
   if grep -aq "$dir" "$dir/one/made/$library"; then
     echo "$library tells where it was built"

@@ -1,0 +1,8 @@
+// libFuzzer's entry; VANTAGE_FUZZ_TARGET is one of the calls of stream_parsers.hpp.
+
+#include "test/fuzz/parsers/stream_parsers.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  vantage::test::VANTAGE_FUZZ_TARGET({bytes, size});
+  return 0;
+}
