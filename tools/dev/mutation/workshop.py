@@ -138,6 +138,8 @@ class Workshop:
             if cpu_limit_s is not None:
                 resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(cpu_limit_s),) * 2)
 
+        if self.is_stopped:
+            raise Trouble("stopped")
         process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, text=True, errors="replace", cwd=cwd,
                                    env=env, start_new_session=True, preexec_fn=limit)
@@ -156,6 +158,8 @@ class Workshop:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
+        if self.is_stopped:
+            raise Trouble("stopped")
         if is_checked and code != 0:
             raise Trouble(f"{' '.join(map(str, words))}\n{output[-3000:]}")
         return output, code
