@@ -138,6 +138,8 @@ class Workshop:
             if cpu_limit_s is not None:
                 resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(cpu_limit_s),) * 2)
 
+        if self.is_stopped:
+            raise Trouble("stopped")
         process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, text=True, errors="replace", cwd=cwd,
                                    env=env, start_new_session=True, preexec_fn=limit)
@@ -156,6 +158,8 @@ class Workshop:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
+        if self.is_stopped:
+            raise Trouble("stopped")
         if is_checked and code != 0:
             raise Trouble(f"{' '.join(map(str, words))}\n{output[-3000:]}")
         return output, code
@@ -244,9 +248,9 @@ class Workshop:
                 out.append((-nearness, len(objects), program, seen))
         return [(program, seen) for _, _, program, seen in sorted(out, key=lambda entry: entry[:3])]
 
-    def arguments_for(self, name, commands):
+    def arguments_for(self, name):
         """libclang's arguments for a file: its own, or for a header those of one that includes it."""
-        by_source = {os.path.relpath(c["file"], self.root): shlex.split(c["command"]) for c in commands}
+        by_source = {source: self.command_of[made] for made, source in self.source_of.items()}
         folder = os.path.dirname(name)
         if name in by_source:
             return sites.parse_arguments(by_source[name])
@@ -257,16 +261,14 @@ class Workshop:
         return sites.parse_arguments(by_source[readers[0]])
 
     def find_sites(self, names):
-        commands = self.compile_commands()
         if self.programs is None:
             self.read_graph()
         for name in names:
-            arguments = self.arguments_for(name, commands)
-            if arguments is None:
-                self.say(f"{name}: nothing that is built sees it")
-                continue
             if name not in self.sites:
-                self.sites[name] = self.kept_sites(name, arguments)
+                arguments = self.arguments_for(name)
+                if arguments is None:
+                    self.say(f"{name}: nothing that is built sees it")
+                self.sites[name] = self.kept_sites(name, arguments) if arguments is not None else []
             yield from self.sites[name]
 
     def kept_sites(self, name, arguments):
