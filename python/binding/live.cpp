@@ -49,6 +49,14 @@ class LiveBus {
   LiveBus(LiveBus&&) = delete;
   LiveBus& operator=(LiveBus&&) = delete;
 
+  // With the bus to itself, without the interpreter's lock; a handler may publish.
+  template <class Action>
+  auto alone(const Action& action) {
+    const py::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    return action();
+  }
+
   void subscribe(const std::string& channel, const py::function& handler) {
     const KeptFunction call = kept(handler);
     alone([&] {
@@ -113,14 +121,6 @@ class LiveBus {
     bool& flag;
     ~Handling() { flag = false; }
   };
-
-  // With the bus to itself, without the interpreter's lock; a handler may publish.
-  template <class Action>
-  auto alone(const Action& action) {
-    const py::gil_scoped_release release;
-    const std::lock_guard lock(mutex_);
-    return action();
-  }
 
   // What may be believed of a message, its signature taken off; nullopt: nothing.
   std::optional<std::span<const std::uint8_t>> opened(std::string_view channel,

@@ -122,8 +122,8 @@ PythonPlannerNode::PythonPlannerNode(bus::Bus& bus, const scenario::Scenario& sc
                                       [this](const auto& belief) { belief_ = belief; });
   for (const scenario::RobotSpec& each : scenario.robots) {
     if (each.name != robot) {
-      bus_.subscribe<models::RobotPlan>(bus::plan_channel(each.name), [this](const auto& plan) {
-        team_plans_.insert_or_assign(plan.robot, plan);
+      bus_.subscribe<models::RobotPlan>(bus::plan_channel(each.name), [this](const auto& heard) {
+        team_plans_.insert_or_assign(heard.robot, heard);
       });
     }
   }

@@ -315,11 +315,11 @@ attacks:
     changed.replace(changed.find(what), what.size(), by);
     EXPECT_THROW(parse_scenario(changed, "jammed"), StartupError) << by;
   };
-  refused("attacks_max: 1", "attacks_max: 2");  // nobody is left
+  refused("attacks_max: 1", "attacks_max: 2");                       // nobody is left
   refused("attacks_max: 1", "attacks_max: 1, algorithm: external");  // nobody proposes
-  refused("to_s: 20.5", "to_s: 10");            // no span
-  refused("robots: [B]", "robots: [C]");        // no such robot
-  refused("to_s: 5, robots", "robots");         // no end
+  refused("to_s: 20.5", "to_s: 10");                                 // no span
+  refused("robots: [B]", "robots: [C]");                             // no such robot
+  refused("to_s: 5, robots", "robots");                              // no end
 }
 
 TEST(ParseScenario, KnowsAStatedWindFromNone) {
