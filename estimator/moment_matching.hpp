@@ -67,6 +67,7 @@ struct ProductRule {
 /// (Z < 1e−6), a covariance that is not positive definite.
 /// Cost: 225 (plane) or 343 (space) calls of `likelihood`, no allocation.
 /// Source: assumed-density filtering; Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004).
+// long: one integral: its points, their moments and what refuses them.
 template <class Likelihood>
 models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& likelihood) {
   constexpr double kContradiction = 1e-6;

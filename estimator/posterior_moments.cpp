@@ -134,7 +134,7 @@ class Rays {
     return r;
   }
 
-  /// `direction`: a unit vector in the world; `bearing_rad` its angle from body x.
+  /// `direction`: a unit vector, `bearing_rad` from body x. long: one integrand, case by case.
   [[nodiscard]] RayIntegral along(const PositionVector& direction, double bearing_rad,
                                   double cos_elevation, bool is_limited) const {
     RayIntegral out;
@@ -206,6 +206,7 @@ class Rays {
     return out;
   }
 
+  // long: one integral over an array of rays, zoomed in until it is where the mass is.
   template <std::size_t Bearings, std::size_t Elevations>
   [[nodiscard]] std::optional<Total> integrate_over(bool is_limited) const {
     std::array<RayIntegral, Bearings * Elevations> rays;
@@ -344,8 +345,8 @@ class GroundGrid {
     }
   }
 
+  // long: exponents at points of the body frame, which turn with the world; then their moments.
   [[nodiscard]] std::optional<Total> integrate(bool is_limited) const {
-    // In the body frame, so that what turns with the world is integrated on the same points.
     const double c = std::cos(from_.world_from_body.yaw_rad);
     const double s = std::sin(from_.world_from_body.yaw_rad);
     Eigen::Matrix2d world_from_body;

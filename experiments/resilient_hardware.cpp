@@ -56,6 +56,7 @@ UnitRows run_unit(std::size_t index, bool is_smoke, std::uint64_t seed) {
   return rows;
 }
 
+// long: one row of the page after another.
 Summary summarise(const Tables& tables) {
   struct Trials {
     std::array<Sample, 2> switches;

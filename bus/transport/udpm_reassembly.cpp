@@ -18,6 +18,7 @@ constexpr std::size_t kSparedShare = 8;
 
 Reassembler::Reassembler(const ReassemblyLimits& limits) : limits_(limits) {}
 
+// long: one fragment's way past every limit into its message; each step may be its last.
 std::optional<AssembledMessage> Reassembler::add(std::uint64_t source, const Packet& packet,
                                                  std::int64_t now_ns) {
   if (packet.message_bytes > limits_.message_bytes_max) {

@@ -198,6 +198,7 @@ void FlightGuard::on_map(bool is_same) { parts_->map_differs = !is_same; }
 
 void FlightGuard::on_other_version(Time now) { parts_->other_version_at = now; }
 
+// long: one tick in its order, which is what is to be read here; the steps are functions.
 GuardOutput FlightGuard::tick(Time now) {
   Parts& p = *parts_;
   const double dt_s = p.has_ticked ? std::max(0.0, to_seconds(now - p.last_tick)) : 0.0;

@@ -77,6 +77,7 @@ double FlightGuard::Parts::height_error_m() const {
 }
 
 // Fills `in` with what is known at `now`.
+// long: fills the inputs in an order in which later ones use earlier ones.
 void FlightGuard::Parts::look(Time now) {
   started_at = has_ticked ? started_at : now;
   in.now = now;

@@ -118,6 +118,7 @@ Json well_known(Schema schema) {
   }
 }
 
+// long: a table, one entry for each schema.
 Json ours(Schema schema) {
   const Json point = list_of(number());
   const Json rectangle = object({{"min_m", point}, {"max_m", point}});

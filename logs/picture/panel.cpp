@@ -124,6 +124,7 @@ class Legend {
   Eigen::Vector2d at_px_;
 };
 
+// long: one entry of the legend after another.
 void draw_legend(Svg& svg, const Eigen::Vector2d& corner_px, const scenario::Scenario& scenario,
                  const Scene& scene) {
   const Eigen::Vector2d dx(14, 0);

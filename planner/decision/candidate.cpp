@@ -186,6 +186,7 @@ Candidate make_candidate(const SearchProblem& problem, const models::SensorModel
   return candidate;
 }
 
+// long: leaves in order, each against all those kept; what is kept is shared.
 std::vector<Candidate> candidate_trajectories(const SearchProblem& problem,
                                               const EnergyModel& energy,
                                               ReducedValueIteration& search,

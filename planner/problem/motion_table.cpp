@@ -61,6 +61,7 @@ MotionTable::MotionTable(int controls_max, int horizon_max, int teammates_max) {
   kept_m_.reserve(static_cast<std::size_t>(teammates_max));
 }
 
+// long: fills one table after another.
 void MotionTable::reset(const SearchProblem& problem) {
   problem_ = &problem;
   primitives_.clear();

@@ -35,6 +35,7 @@ void ReducedValueIteration::prefault() {
   fresh_.prefault();
 }
 
+// long: the passes, and all that the result says of them.
 const SearchResult& ReducedValueIteration::plan(const SearchProblem& problem,
                                                 const ReducedOptions& options,
                                                 const Deadline& deadline) {

@@ -233,6 +233,7 @@ BestFirstSearch::Progress BestFirstSearch::evaluate_sequence(NodeId id) {
   return Progress::kGoOn;
 }
 
+// long: one expansion; what its parts share is half of the state.
 BestFirstSearch::Progress BestFirstSearch::step() {
   ++result_.work_nodes;  // before each asking, so that no two askings see the same count
   if (expired()) {

@@ -41,6 +41,7 @@ InformationHeuristic::InformationHeuristic(int targets_max, int horizon_max) : w
   slots_.reserve(targets);
 }
 
+// long: fills one table after another.
 void InformationHeuristic::reset(const SearchProblem& problem, const BeliefTable& beliefs) {
   problem_ = &problem;
   beliefs_ = &beliefs;

@@ -173,6 +173,7 @@ const TeamTask& task_at(const VectorTask& tasks, std::size_t index) {
 }
 
 // What is known and, of how wrong that is, the truth: of one task, for pictures and tests.
+// long: one key after another.
 py::dict state_of(const Tasks& tasks, std::size_t index) {
   struct State {
     std::vector<Pose2> poses;

@@ -219,6 +219,7 @@ TargetModel("damped_oscillator", center_m, position_sigma_m, velocity_sigma_mps,
           py::arg("dt_s"), py::arg("steps_unseen") = 1, "W, (n, n).");
 }
 
+// long: a list of what Python sees, one entry a name.
 void bind_sensor(py::module_& module) {
   py::class_<SensorModel> sensor(module, "SensorModel",
                                  R"(One of the stack's sensors, z = h(x, y) + v.
@@ -333,6 +334,7 @@ World(bounds, obstacles=()): bounds (4,) and obstacles (n, 4): xmin, ymin, xmax,
           py::arg("a"), py::arg("b"), "Whether no obstacle stands between.");
 }
 
+// long: a list of what Python sees, one entry a name.
 void bind_belief(py::module_& module) {
   module.def(
       "predict",

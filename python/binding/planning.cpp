@@ -213,6 +213,7 @@ double gap_of(const Plan& plan) {
                           : std::numeric_limits<double>::infinity();
 }
 
+// long: a list of what Python sees, one entry a name.
 void bind_problem(py::module_& module) {
   py::class_<Problem>(module, "Problem", R"(One robot's planning problem: docs/planning-problems.md.
 
@@ -280,6 +281,7 @@ they are clear.)")
       });
 }
 
+// long: a list of what Python sees, one entry a name.
 void bind_plan(py::module_& module) {
   const auto integer = [](std::int64_t SearchResult::*member) {
     return [member](const Plan& p) { return p.result().*member; };

@@ -270,6 +270,7 @@ py::dict map_dict(const models::RobotMap& map, Time start) {
 
 }  // namespace
 
+// long: a list of what Python sees, one entry a name.
 void bind_trial(py::module_& module) {
   py::class_<Trial>(module, "Trial",
                     R"(One trial in virtual time: simulator, sensors, estimators, planners.

@@ -83,6 +83,7 @@ void AutopilotEmulator::speak() {
   }
 }
 
+// long: one case for each message.
 void AutopilotEmulator::speak_once(std::uint32_t message_id) {
   const Airframe& airframe = controller_.airframe();
   const auto boot_ms = static_cast<std::uint32_t>((now_ - boot_).count() / 1000);

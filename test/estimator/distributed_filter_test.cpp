@@ -16,25 +16,10 @@
 namespace vantage::estimator {
 namespace {
 
-using models::Gaussian;
-using models::SensorKind;
-using models::TargetKind;
-using test::at;
-using test::instant;
-using test::known;
-using test::look_at;
-using test::open_spec;
-using test::take_step;
+using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
 using vantage::test::is_near;
 
 constexpr int kTargets = 5;
-
-models::SensorModel sensor_of(SensorKind kind) {
-  models::SensorModel sensor;
-  sensor.kind = kind;
-  sensor.range_max_m = 1e4;
-  return sensor;
-}
 
 models::Viewpoint wander(int step) {
   return at(3.0 * std::cos(0.05 * step), 3.0 * std::sin(0.07 * step), wrap_to_pi(0.1 * step));
@@ -83,7 +68,7 @@ struct JointKalmanFilter {
 void expect_textbook(SensorKind kind) {
   // Slow, well known targets: where h bends over a belief, the filter is no extended Kalman filter.
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 1e-5};
-  const models::SensorModel sensor = sensor_of(kind);
+  const models::SensorModel sensor = test::far_sighted(kind);
   std::mt19937_64 rng(11);
   std::vector<Eigen::Vector2d> truth;
   std::vector<Gaussian> start;
@@ -128,7 +113,7 @@ TEST(DistributedFilter, OfOneRobotIsTheJointExtendedKalmanFilterForRangeAndBeari
 TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
   // Linear-Gaussian truth, from discovery on: the summed squared error is χ² distributed exactly.
   const models::TargetModel model{TargetKind::kRandomWalk, 2, 0.02};
-  const models::SensorModel sensor = sensor_of(SensorKind::kPosition);
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kPosition);
   double nees = 0.0;
   for (unsigned run = 0; run < 100; ++run) {
     std::mt19937_64 rng(1000 + run);
@@ -161,7 +146,7 @@ TEST(DistributedFilter, OfOneRobotIsConsistentOnItsOwnModel) {
 
 TEST(DistributedFilter, UsesALookBetweenTwoStepsAtItsOwnTime) {
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.5};
-  const models::SensorModel sensor = sensor_of(SensorKind::kPosition);
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kPosition);
   std::mt19937_64 rng(5);
   const Gaussian start{Eigen::Vector4d(1.0, 2.0, 0.3, -0.2), Eigen::Matrix4d::Identity()};
   DistributedFilter filter(open_spec(model, sensor, 1));
@@ -185,7 +170,7 @@ class LateLooks : public ::testing::Test {
  protected:
   void run(int delay, int history_steps) {
     const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.01};
-    models::SensorModel sensor = sensor_of(SensorKind::kRangeBearing);
+    models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
     sensor.range_max_m = 6.0;  // so that some looks miss some targets
     FilterSpec spec = open_spec(model, sensor, 3);
     spec.sensor = sensor;
@@ -259,7 +244,7 @@ TEST_F(LateLooks, BeyondTheHistoryAreCountedAndDropped) {
 
 TEST(DistributedFilter, DiscoversWithTheNoiseOfTheFirstLook) {
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.001};
-  const models::SensorModel sensor = sensor_of(SensorKind::kRangeBearing);
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(3);
   DistributedFilter filter(open_spec(model, sensor, 1));
   const auto look = look_at(sensor, instant(0), at(1, 2, 0.4), {Eigen::Vector2d(4.0, 6.0)}, rng);
@@ -285,7 +270,7 @@ TEST(DistributedFilter, DiscoversWithTheNoiseOfTheFirstLook) {
 }
 
 TEST(DistributedFilter, CannotDiscoverByRangeAloneAndCountsIt) {
-  const models::SensorModel sensor = sensor_of(SensorKind::kRange);
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kRange);
   std::mt19937_64 rng(3);
   DistributedFilter filter(open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1));
   const auto look = look_at(sensor, instant(0), at(0, 0), {Eigen::Vector2d(4.0, 6.0)}, rng);
@@ -294,7 +279,7 @@ TEST(DistributedFilter, CannotDiscoverByRangeAloneAndCountsIt) {
 }
 
 TEST(DistributedFilter, CountsEverythingItDoesNotUse) {
-  const models::SensorModel sensor = sensor_of(SensorKind::kRangeBearing);
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(4);
   FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);
   spec.estimator.gate_sigma = 4.0;
@@ -335,7 +320,7 @@ TEST(DistributedFilter, StepsWithoutAllocating) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
   }
   const models::TargetModel model{TargetKind::kDoubleIntegrator, 2, 0.001};
-  models::SensorModel sensor = sensor_of(SensorKind::kRangeBearing);
+  models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(9);
   FilterSpec spec = open_spec(model, sensor, kTargets);
   spec.communication_range_m = 100.0;

@@ -13,6 +13,14 @@
 
 namespace vantage::estimator::test {
 
+/// Sees everything.
+inline models::SensorModel far_sighted(models::SensorKind kind) {
+  models::SensorModel sensor;
+  sensor.kind = kind;
+  sensor.range_max_m = 1e4;
+  return sensor;
+}
+
 /// Sees for ever in all directions, never takes a miss or a wall for news, shares
 /// nothing.
 inline FilterSpec open_spec(const models::TargetModel& model, const models::SensorModel& sensor,
@@ -94,5 +102,18 @@ inline double chi2_quantile(double dof, double z) {
   const double a = 2.0 / (9.0 * dof);
   return dof * std::pow(1.0 - a + z * std::sqrt(a), 3);
 }
+
+/// In which the tests of filters are written.
+namespace words {
+using estimator::test::at;
+using estimator::test::instant;
+using estimator::test::known;
+using estimator::test::look_at;
+using estimator::test::open_spec;
+using estimator::test::take_step;
+using models::Gaussian;
+using models::SensorKind;
+using models::TargetKind;
+}  // namespace words
 
 }  // namespace vantage::estimator::test

@@ -17,15 +17,7 @@
 namespace vantage::estimator {
 namespace {
 
-using models::Gaussian;
-using models::SensorKind;
-using models::TargetKind;
-using test::at;
-using test::instant;
-using test::known;
-using test::look_at;
-using test::open_spec;
-using test::take_step;
+using namespace test::words;  // NOLINT(google-build-using-namespace): made for this
 
 /// Filters that hear each other's beliefs of the step before, the way they travel on the bus.
 class Team {
@@ -74,21 +66,14 @@ class Team {
   std::vector<models::RobotBelief> beliefs_;
 };
 
-models::SensorModel far_sighted(SensorKind kind) {
-  models::SensorModel sensor;
-  sensor.kind = kind;
-  sensor.range_max_m = 1e4;
-  return sensor;
-}
-
 TEST(Team, OnAConnectedGraphConvergesToStaticTargetsThatNobodyCouldFindAlone) {
   // Theorem 9. A pentagon whose sides, not its diagonals, are within radio range. Robots 0 and 2
   // measure ranges of all, 1 bearings of all, 3 the position of target 0 only, 4 sees nothing.
   constexpr int kTargets = 3;
   const std::vector<models::SensorModel> sensors = {
-      far_sighted(SensorKind::kRange), far_sighted(SensorKind::kBearing),
-      far_sighted(SensorKind::kRange), far_sighted(SensorKind::kPosition),
-      far_sighted(SensorKind::kPosition)};
+      test::far_sighted(SensorKind::kRange), test::far_sighted(SensorKind::kBearing),
+      test::far_sighted(SensorKind::kRange), test::far_sighted(SensorKind::kPosition),
+      test::far_sighted(SensorKind::kPosition)};
   std::vector<models::Viewpoint> from;
   for (int i = 0; i < 5; ++i) {
     from.push_back(at(8.0 * std::cos(radians(72.0 * i)), 8.0 * std::sin(radians(72.0 * i))));
@@ -143,7 +128,7 @@ TEST(Team, OnAConnectedGraphConvergesToStaticTargetsThatNobodyCouldFindAlone) {
 TEST(Team, IsNeverMoreCertainThanTheCentralFilter) {
   constexpr int kTargets = 2;
   const models::TargetModel model{TargetKind::kRandomWalk, 2, 0.05};
-  const std::vector<models::SensorModel> sensors(4, far_sighted(SensorKind::kRangeBearing));
+  const std::vector<models::SensorModel> sensors(4, test::far_sighted(SensorKind::kRangeBearing));
   for (unsigned seed = 0; seed < 5; ++seed) {
     std::mt19937_64 rng(70 + seed);
     std::uniform_real_distribution<double> place(-10.0, 10.0);
@@ -192,7 +177,7 @@ TEST(Team, IsNotOverconfident) {
   constexpr int kTargets = 3;
   constexpr std::size_t kRobots = 4;
   const models::TargetModel model{TargetKind::kRandomWalk, 2, 0.02};
-  const std::vector<models::SensorModel> sensors(kRobots, far_sighted(SensorKind::kPosition));
+  const std::vector<models::SensorModel> sensors(kRobots, test::far_sighted(SensorKind::kPosition));
   std::vector<double> nees(kRobots, 0.0);
   for (unsigned run = 0; run < 100; ++run) {
     std::mt19937_64 rng(5000 + run);
@@ -242,7 +227,7 @@ class Newcomer : public ::testing::Test {
   }
   DistributedFilter filter(double communication_range_m) {
     FilterSpec spec =
-        open_spec({TargetKind::kRandomWalk, 2, 0.1}, far_sighted(SensorKind::kRange), 2);
+        open_spec({TargetKind::kRandomWalk, 2, 0.1}, test::far_sighted(SensorKind::kRange), 2);
     spec.communication_range_m = communication_range_m;
     return DistributedFilter(spec);
   }
@@ -334,210 +319,6 @@ TEST_F(Newcomer, TakesOverWhatTheTeammateHasSeenOfTheGround) {
   teammate_.grid.columns += 1;
   take_step(newcomer, instant(11), at(0, 0), {}, {teammate_});
   EXPECT_EQ(newcomer.counters().grid_mismatches, 1);
-}
-
-/// Four robots whose looks are shared, beside one filter that has all of them. `hears(k, i, j)`:
-/// robot i has at step k what j sent.
-struct SharedLooks {
-  static constexpr std::size_t kRobots = 4;
-  static constexpr int kTargets = 3;
-
-  std::vector<DistributedFilter> robots;
-  std::optional<DistributedFilter> central;
-  std::vector<Eigen::Vector2d> truth;
-  std::vector<models::RobotBelief> beliefs;
-  std::vector<std::vector<models::DetectionSet>> waiting;  ///< looks on their way to a robot
-  std::mt19937_64 rng;
-  models::SensorModel sensor;
-
-  SharedLooks(SensorKind kind, double range_max_m, unsigned seed)
-      : beliefs(kRobots), waiting(kRobots), rng(seed) {
-    sensor.kind = kind;
-    // Positions are linear everywhere, so that beliefs can be ordered; with a bearing there is a
-    // least range.
-    sensor.range_min_m = kind == SensorKind::kPosition ? 0.0 : 0.1;
-    FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.1}, sensor, kTargets);
-    sensor.range_max_m = range_max_m;
-    spec.sensor = sensor;
-    spec.estimator.detection_probability = kind == SensorKind::kPosition ? 0.0 : 0.9;
-    spec.communication_range_m = 1e3;
-    for (std::size_t i = 0; i < kRobots; ++i) {
-      spec.team.push_back({name(i), sensor});
-    }
-    std::vector<Gaussian> start;
-    for (int m = 0; m < kTargets; ++m) {
-      truth.emplace_back(2.0 * test::normal_vector(2, rng));
-      start.push_back({truth.back() + test::normal_vector(2, rng), Eigen::Matrix2d::Identity()});
-    }
-    for (std::size_t i = 0; i < kRobots; ++i) {
-      spec.robot = name(i);
-      robots.emplace_back(spec).rebase(test::prior(instant(0), start));
-    }
-    spec.robot = name(0);
-    central.emplace(spec).rebase(test::prior(instant(0), start));
-  }
-
-  static std::string name(std::size_t i) { return "Q" + std::to_string(i); }
-
-  template <class Hears>
-  void step(int k, const Hears& hears) {
-    for (Eigen::Vector2d& y_m : truth) {
-      y_m += std::sqrt(0.1 * 0.5) * test::normal_vector(2, rng);
-    }
-    std::vector<models::DetectionSet> looks;
-    std::vector<models::Viewpoint> from;
-    for (std::size_t i = 0; i < kRobots; ++i) {
-      const double angle_rad = 0.3 * k + 1.6 * static_cast<double>(i);
-      from.push_back(at(2.0 * std::cos(angle_rad), 2.0 * std::sin(angle_rad), angle_rad));
-      models::DetectionSet look = look_at(sensor, instant(k), from[i], truth, rng);
-      look.robot = name(i);
-      std::erase_if(look.detections, [&](const models::Detection& d) {
-        return !models::in_view(sensor, from[i], truth[static_cast<std::size_t>(d.target_id)]);
-      });
-      looks.push_back(look);
-    }
-    std::vector<models::RobotBelief> next;
-    for (std::size_t i = 0; i < kRobots; ++i) {
-      std::vector<models::DetectionSet> used;
-      std::vector<models::RobotBelief> heard;
-      for (std::size_t j = 0; j < kRobots; ++j) {
-        if (i == j || hears(k, i, j)) {
-          used.push_back(looks[j]);
-        }
-        if (i != j && hears(k, i, j) && !beliefs[j].robot.empty()) {
-          heard.push_back(beliefs[j]);
-        }
-      }
-      std::shuffle(used.begin(), used.end(), rng);
-      for (const models::DetectionSet& look : std::vector(used)) {
-        if (k % 5 == 0 && look.robot != name(i)) {
-          used.push_back(look);  // from another run of its sensor, which the bus takes for new
-        }
-      }
-      next.push_back(take_step(robots[i], instant(k), from[i], used, heard));
-    }
-    beliefs = next;
-    take_step(*central, instant(k), from[0], looks);
-  }
-
-  /// Of robot i's belief about target m over the central one's.
-  [[nodiscard]] double entropy_gap_nats(std::size_t i, int m) const {
-    return models::entropy_nats(known(robots[i], m)) - models::entropy_nats(known(*central, m));
-  }
-};
-
-TEST(SharedLooks, MakeEveryRobotTheCentralFilterWhereAllHearAll) {
-  for (const SensorKind kind : {SensorKind::kPosition, SensorKind::kRangeBearing}) {
-    SharedLooks team(kind, 2.5, 3);
-    for (int k = 1; k <= 60; ++k) {
-      team.step(k, [](int, std::size_t, std::size_t) { return true; });
-      for (std::size_t i = 0; i < SharedLooks::kRobots; ++i) {
-        for (int m = 0; m < SharedLooks::kTargets; ++m) {
-          ASSERT_NEAR(team.entropy_gap_nats(i, m), 0.0, 1e-6) << "robot " << i << " step " << k;
-          ASSERT_LT((known(team.robots[i], m).mean - known(*team.central, m).mean).norm(), 1e-6);
-        }
-      }
-    }
-    EXPECT_GT(team.robots[1].counters().repeated_looks, 0);
-    EXPECT_EQ(team.robots[1].counters().out_of_range_looks, 0);
-  }
-}
-
-TEST(SharedLooks, NeverMakeARobotSurerThanTheCentralFilterAndRecoverWhenAPartitionHeals) {
-  // 30 % of everything is lost; from step 30 to 60 two and two do not hear each other.
-  double least = 1.0;
-  double before_nats = 0.0;
-  double apart_nats = 0.0;
-  double healed_nats = 0.0;
-  int judged = 0;
-  for (unsigned seed = 0; seed < 10; ++seed) {
-    SharedLooks team(SensorKind::kPosition, 100.0, 50 + seed);
-    std::bernoulli_distribution is_lost(0.3);
-    for (int k = 1; k <= 80; ++k) {
-      team.step(k, [&](int step, std::size_t i, std::size_t j) {
-        const bool is_parted = step >= 30 && step < 60 && i / 2 != j / 2;
-        return !is_parted && !is_lost(team.rng);
-      });
-      for (std::size_t i = 0; i < SharedLooks::kRobots; ++i) {
-        for (int m = 0; m < SharedLooks::kTargets; ++m) {
-          const Eigen::Matrix2d gap = Eigen::Matrix2d(team.central->track(m).information.matrix) -
-                                      Eigen::Matrix2d(team.robots[i].track(m).information.matrix);
-          least = std::min(least, gap.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff());
-          // 17 steps each: before, the end of the partition, and from 2 s after it on.
-          const double gap_nats = team.entropy_gap_nats(i, m);
-          before_nats += k >= 13 && k < 30 ? gap_nats : 0.0;
-          apart_nats += k >= 43 && k < 60 ? gap_nats : 0.0;
-          healed_nats += k >= 64 ? gap_nats : 0.0;
-          judged += k >= 64 ? 1 : 0;
-        }
-      }
-    }
-  }
-  before_nats /= judged;
-  apart_nats /= judged;
-  healed_nats /= judged;
-  RecordProperty("gap_before_nats", std::to_string(before_nats));
-  RecordProperty("gap_apart_nats", std::to_string(apart_nats));
-  RecordProperty("gap_healed_nats", std::to_string(healed_nats));
-  EXPECT_GE(least, -1e-9);
-  // Lost looks cost what they cost, and the partition nothing more once it is over.
-  EXPECT_LT(healed_nats, before_nats + 0.06);
-  EXPECT_GT(apart_nats, before_nats + 0.1);
-}
-
-TEST(SharedLooks, ThatComeLateGiveTheBeliefOfTimelyOnesThoughTheirMakersBeliefCameFirst) {
-  // The belief of step k holds the look of step k; the look itself arrives two steps later.
-  models::SensorModel sensor = far_sighted(SensorKind::kPosition);
-  FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.1}, sensor, 1);
-  spec.communication_range_m = 1e3;
-  spec.team = {{"Q1", sensor}, {"Q2", sensor}};
-  const std::vector<Gaussian> start = {{Eigen::Vector2d(1.0, 1.0), Eigen::Matrix2d::Identity()}};
-  std::mt19937_64 rng(6);
-  FilterSpec other = spec;
-  other.robot = "Q2";
-  DistributedFilter timely(spec);
-  DistributedFilter late(spec);
-  DistributedFilter maker(other);
-  DistributedFilter central(spec);
-  for (DistributedFilter* filter : {&timely, &late, &maker, &central}) {
-    filter->rebase(test::prior(instant(0), start));
-  }
-  std::vector<models::DetectionSet> held;
-  for (int k = 1; k <= 12; ++k) {
-    models::DetectionSet look =
-        look_at(sensor, instant(k), at(0, 0), {Eigen::Vector2d(1.2, 0.8)}, rng);
-    look.robot = "Q2";
-    held.push_back(look);
-    const auto made = take_step(maker, instant(k), at(0, 0), {look});
-    take_step(timely, instant(k), at(0, 0), {look}, {made});
-    take_step(central, instant(k), at(0, 0), {look});
-    const bool is_due = k > 2;
-    take_step(late, instant(k), at(0, 0),
-              is_due ? std::vector{held[static_cast<std::size_t>(k - 3)]}
-                     : std::vector<models::DetectionSet>{},
-              {made});
-    // Neither is surer than who was told of each look once.
-    for (const DistributedFilter* filter : {&timely, &late}) {
-      EXPECT_LE(filter->track(0).information.matrix(0, 0),
-                central.track(0).information.matrix(0, 0) * (1.0 + 1e-9));
-    }
-    EXPECT_TRUE(vantage::test::is_near(known(late, 0).mean, known(timely, 0).mean, 1e-6));
-  }
-  EXPECT_EQ(late.counters().late_measurements, 10);
-}
-
-TEST(SharedLooks, OfTeammatesOutOfRangeAreLeft) {
-  SharedLooks team(SensorKind::kPosition, 100.0, 1);
-  FilterSpec spec = team.robots[0].spec();
-  spec.communication_range_m = 1.0;
-  DistributedFilter filter(spec);
-  models::DetectionSet look =
-      look_at(team.sensor, instant(1), at(5, 0), {Eigen::Vector2d(1.0, 1.0)}, team.rng);
-  look.robot = "Q1";
-  EXPECT_TRUE(take_step(filter, instant(1), at(0, 0), {look}).targets.empty());
-  EXPECT_EQ(filter.counters().out_of_range_looks, 1);
-  look.stamp.time = instant(2);
-  EXPECT_EQ(take_step(filter, instant(2), at(4.5, 0), {look}).targets.size(), 1U);
 }
 
 }  // namespace

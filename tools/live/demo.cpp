@@ -79,6 +79,7 @@ void draw(const scenario::Scenario& scenario, const logs::Scene& scene, DemoResu
 
 }  // namespace
 
+// long: sets up, in order, what must outlive what comes after it.
 DemoResult run_demo(const scenario::Scenario& scenario,
                     const std::vector<trial::NodeRecipe>& recipes, const DemoOptions& options,
                     const std::function<bool()>& stop) {

@@ -73,6 +73,7 @@ std::string plot_terminal(const std::string& picture_path, int height_px) {
   throw StartupError(picture_path + ": a picture's name ends in .png, .svg or .pdf");
 }
 
+// long: one script, from top to bottom.
 std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scenario& scenario,
                         const std::string& title, const std::string& picture_path) {
   std::string out = "$course << EOD\n";

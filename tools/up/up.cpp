@@ -4,7 +4,6 @@
 #include <cctype>
 #include <chrono>
 #include <csignal>
-#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -13,7 +12,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "bus/auth/authenticator.hpp"
 #include "bus/node/bus.hpp"
@@ -22,16 +20,15 @@
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
-#include "core/write_file.hpp"
 #include "logs/record/append_file.hpp"
 #include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
-#include "tools/live/screen.hpp"
-#include "tools/live/status_table.hpp"
 #include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
 #include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
+#include "tools/up/teller.hpp"
+#include "tools/up/temporary_scenario.hpp"
 #include "trial/observe/announcer.hpp"
 #include "trial/observe/neighbours.hpp"
 #include "trial/observe/observer.hpp"
@@ -44,9 +41,6 @@ using std::chrono::milliseconds;
 constexpr Duration kLandingPatience = std::chrono::seconds(60);
 constexpr Duration kReportPeriod = std::chrono::seconds(1);
 constexpr Duration kLogLookPeriod = milliseconds(500);
-constexpr Duration kTablePeriod = milliseconds(500);
-constexpr Duration kLinePeriod = std::chrono::seconds(5);
-constexpr std::size_t kRecentEvents = 6;
 // All of the end together stays below two seconds.
 constexpr milliseconds kTeamPatience{1200};
 constexpr Duration kDrainPatience = milliseconds(200);
@@ -81,75 +75,6 @@ bus::Bus& secured(bus::Bus& bus, const scenario::Scenario& scenario, const bus::
   bus.secure(bus::auth::authenticator_for(scenario, false), clock);
   return bus;
 }
-
-/// A scenario file that lives as long as the processes that read it.
-class TemporaryScenario {
- public:
-  explicit TemporaryScenario(const std::string& yaml) {
-    const auto name = "vantage-" + std::to_string(::getpid()) + ".yaml";
-    path_ = std::filesystem::temp_directory_path() / name;
-    write_file(path_.string(), yaml);
-  }
-  ~TemporaryScenario() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  TemporaryScenario(const TemporaryScenario&) = delete;
-  TemporaryScenario& operator=(const TemporaryScenario&) = delete;
-  TemporaryScenario(TemporaryScenario&&) = delete;
-  TemporaryScenario& operator=(TemporaryScenario&&) = delete;
-  [[nodiscard]] std::string path() const { return path_.string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
-/// Tells the person in front of it how things are: a table in place, or lines.
-class Teller {
- public:
-  explicit Teller(const UpOptions& options) : options_(options) {}
-
-  void say(const std::string& words) {
-    if (options_.live_table) {
-      recent_.push_back("! " + words);
-      if (recent_.size() > kRecentEvents) {
-        recent_.pop_front();
-      }
-    } else if (options_.quiet) {
-      fmt::print(stderr, "! {}\n", words);
-    } else {
-      print_line("! " + words);
-    }
-  }
-
-  void show(Time now, const scenario::Scenario& scenario, const logs::TrialMetrics& metrics,
-            double elapsed_s, const HostBoard& board) {
-    if (options_.quiet || now < next_) {
-      return;
-    }
-    if (options_.live_table) {
-      std::vector<std::string> lines = status_table(scenario, metrics, elapsed_s, has_colour());
-      lines.emplace_back();
-      for (std::string& row : board.table(now)) {
-        lines.push_back(std::move(row));
-      }
-      lines.emplace_back();
-      lines.insert(lines.end(), recent_.begin(), recent_.end());
-      screen_.redraw(lines);
-      next_ = now + kTablePeriod;
-    } else {
-      const std::string hosts = board.line(now);
-      print_line(status_line(metrics, elapsed_s) + (hosts.empty() ? "" : "   " + hosts));
-      next_ = now + kLinePeriod;
-    }
-  }
-
- private:
-  const UpOptions& options_;
-  Screen screen_;
-  std::deque<std::string> recent_;
-  Time next_{};
-};
 
 /// The trial while it runs. Members in the order of starting, which no process depends on, except
 /// that the log is first and, destroyed in reverse also when starting fails half-way, last to go.

@@ -49,6 +49,7 @@ ReplayTarget parse_replay_target(const std::string& text, const scenario::Scenar
   return {kind == "planner" ? ReplayTarget::Kind::kPlanner : ReplayTarget::Kind::kEstimator, robot};
 }
 
+// long: sets up, in order, what must outlive what comes after it.
 ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& scenario,
                         const ReplayTarget& target, const std::function<void(double)>& progress) {
   const bool is_planner = target.kind == ReplayTarget::Kind::kPlanner;

@@ -50,8 +50,12 @@ class Driven {
   LadderState ladder;
 };
 
-TEST(StepLadder, TakesOffIntoAHoldAndFollowsWhenTold) {
+class StepLadder : public ::testing::Test {
+ protected:
   Driven d;
+};
+
+TEST_F(StepLadder, TakesOffIntoAHoldAndFollowsWhenTold) {
   EXPECT_EQ(d.airborne(false).ladder.state, FlightState::kHold);
   EXPECT_EQ(d.wait(5.0), FlightState::kHold);
   EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
@@ -59,8 +63,7 @@ TEST(StepLadder, TakesOffIntoAHoldAndFollowsWhenTold) {
   EXPECT_EQ(d.wait(5.0), FlightState::kHold);
 }
 
-TEST(StepLadder, DoesNotArmWhileAnythingBlocksIt) {
-  Driven d;
+TEST_F(StepLadder, DoesNotArmWhileAnythingBlocksIt) {
   d.in.autopilot_armed = false;
   d.in.battery_share = 0.29;
   d.step(0.01, OperatorAction::kArm);
@@ -73,8 +76,7 @@ TEST(StepLadder, DoesNotArmWhileAnythingBlocksIt) {
   EXPECT_FALSE(d.ladder.wants_armed) << "armed on the ground while the operator is away";
 }
 
-TEST(StepLadder, HoldsForAStalePoseAndGoesOnHalfASecondAfterIt) {
-  Driven d;
+TEST_F(StepLadder, HoldsForAStalePoseAndGoesOnHalfASecondAfterIt) {
   d.airborne().in.pose_age_s = 0.11;
   EXPECT_EQ(d.step(), FlightState::kHold);
   d.in.pose_age_s = 0.0;
@@ -82,8 +84,7 @@ TEST(StepLadder, HoldsForAStalePoseAndGoesOnHalfASecondAfterIt) {
   EXPECT_EQ(d.wait(0.10), FlightState::kFollow);
 }
 
-TEST(StepLadder, WaitsForTheOperatorWhereTheRowSaysSo) {
-  Driven d;
+TEST_F(StepLadder, WaitsForTheOperatorWhereTheRowSaysSo) {
   d.airborne().in.poses_rejected = 3;
   EXPECT_EQ(d.step(), FlightState::kHold);
   EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kHold) << "still there";
@@ -92,8 +93,7 @@ TEST(StepLadder, WaitsForTheOperatorWhereTheRowSaysSo) {
   EXPECT_EQ(d.step(0.01, OperatorAction::kFollow), FlightState::kFollow);
 }
 
-TEST(StepLadder, NeverLeavesALandingBeforeTheGround) {
-  Driven d;
+TEST_F(StepLadder, NeverLeavesALandingBeforeTheGround) {
   d.airborne().in.pose_age_s = 0.6;
   EXPECT_EQ(d.step(), FlightState::kLand);
   d.in.pose_age_s = 0.0;
@@ -110,8 +110,7 @@ TEST(StepLadder, NeverLeavesALandingBeforeTheGround) {
 }
 
 // A height that is only believed disarms nobody: not once the pose is too old to hold by.
-TEST(StepLadder, StaysArmedInALandingWhileItsHeightIsOnlyBelieved) {
-  Driven d;
+TEST_F(StepLadder, StaysArmedInALandingWhileItsHeightIsOnlyBelieved) {
   for (int time = 0; time < 2; ++time) {
     d = Driven();
     d.airborne();
@@ -134,8 +133,7 @@ TEST(StepLadder, StaysArmedInALandingWhileItsHeightIsOnlyBelieved) {
 }
 
 // The clocks of a latch, and once more: it must last, and be gone, without a break.
-TEST(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
-  Driven d;
+TEST_F(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
     for (int burst = 0; burst < 3; ++burst) {  // "tracking" must last 0.1 s
@@ -159,8 +157,7 @@ TEST(StepLadder, CountsEachTimeAnewHowLongAConditionHoldsAndIsGone) {
 }
 
 // The later name of the two waits longer, each time; the other does not.
-TEST(StepLadder, YieldsAsLongAsItStates) {
-  Driven d;
+TEST_F(StepLadder, YieldsAsLongAsItStates) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
     for (const bool yields : {true, false}) {
@@ -175,8 +172,7 @@ TEST(StepLadder, YieldsAsLongAsItStates) {
   }
 }
 
-TEST(StepLadder, WaitsForTheOperatorEachTime) {
-  Driven d;
+TEST_F(StepLadder, WaitsForTheOperatorEachTime) {
   d.airborne();
   for (int time = 0; time < 2; ++time) {
     d.in.poses_rejected = d.lim.pose_rejected_hold;
@@ -189,8 +185,7 @@ TEST(StepLadder, WaitsForTheOperatorEachTime) {
 }
 
 // Orders on the ground: what forbids them, for how long they wait, and that the next one is new.
-TEST(StepLadder, ForgetsAnOrderThatCannotBeObeyedEachTime) {
-  Driven d;
+TEST_F(StepLadder, ForgetsAnOrderThatCannotBeObeyedEachTime) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {
     d.in.pose_age_s = d.lim.pose_age_hold_s + 0.01;  // ends by itself
@@ -210,8 +205,7 @@ TEST(StepLadder, ForgetsAnOrderThatCannotBeObeyedEachTime) {
   }
 }
 
-TEST(StepLadder, ArmsOnceNothingHasForbiddenItForAWhileEachTime) {
-  Driven d;
+TEST_F(StepLadder, ArmsOnceNothingHasForbiddenItForAWhileEachTime) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   EXPECT_TRUE(d.ladder.wants_armed) << "at once when nothing forbids it";
@@ -235,8 +229,7 @@ TEST(StepLadder, ArmsOnceNothingHasForbiddenItForAWhileEachTime) {
   }
 }
 
-TEST(StepLadder, TakesBackOrdersThatOnlyTheOperatorCouldHelp) {
-  Driven d;
+TEST_F(StepLadder, TakesBackOrdersThatOnlyTheOperatorCouldHelp) {
   d.in.autopilot_armed = false;
   for (int time = 0; time < 2; ++time) {
     d.in.poses_rejected = d.lim.pose_rejected_hold;
@@ -260,8 +253,7 @@ TEST(StepLadder, TakesBackOrdersThatOnlyTheOperatorCouldHelp) {
 }
 
 // Flown twice: what one flight left behind is gone when the next begins.
-TEST(StepLadder, BeginsEachFlightAnew) {
-  Driven d;
+TEST_F(StepLadder, BeginsEachFlightAnew) {
   for (int flight = 0; flight < 3; ++flight) {
     d.in = {};
     d.in.now += from_seconds(100.0 * (flight + 1));
@@ -283,8 +275,7 @@ TEST(StepLadder, BeginsEachFlightAnew) {
   }
 }
 
-TEST(StepLadder, KeepsAnEmergencyStopUntilArmedAgainOnTheGround) {
-  Driven d;
+TEST_F(StepLadder, KeepsAnEmergencyStopUntilArmedAgainOnTheGround) {
   d.airborne().in.emergency_stop = true;
   EXPECT_EQ(d.step(), FlightState::kKilled);
   d.in.emergency_stop = false;
@@ -301,8 +292,7 @@ TEST(StepLadder, KeepsAnEmergencyStopUntilArmedAgainOnTheGround) {
   EXPECT_FALSE(d.ladder.wants_armed) << "one arm to clear, one to arm";
 }
 
-TEST(StepLadder, StopsTheMotorsOnTheGroundToo) {
-  Driven d;
+TEST_F(StepLadder, StopsTheMotorsOnTheGroundToo) {
   d.step(0.01, OperatorAction::kArm);
   EXPECT_TRUE(d.ladder.wants_armed);
   d.in.emergency_stop = true;
@@ -310,8 +300,7 @@ TEST(StepLadder, StopsTheMotorsOnTheGroundToo) {
   EXPECT_FALSE(d.ladder.wants_armed);
 }
 
-TEST(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
-  Driven d;
+TEST_F(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
   d.airborne().in.pose_age_s = 1.6;
   EXPECT_EQ(d.wait(1.0), FlightState::kLand);
   d.in.height_m = 0.1;
@@ -320,7 +309,7 @@ TEST(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
 
 // Drives each input beyond each limit at random: the state is never less severe than the rows
 // that have held long enough, and never killed without a row or a stop that says so.
-TEST(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
+TEST_F(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
   test::Random random(11);
   Driven d;
   for (int trial = 0; trial < 3000; ++trial) {
@@ -355,8 +344,7 @@ TEST(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
 }
 
 // Autopilots stop motors that idle for ten seconds, and that would end the order.
-TEST(StepLadder, DoesNotIdleForLongWhileOthersLift) {
-  Driven d;
+TEST_F(StepLadder, DoesNotIdleForLongWhileOthersLift) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   d.in.autopilot_armed = true;
@@ -378,8 +366,7 @@ TEST(StepLadder, DoesNotIdleForLongWhileOthersLift) {
 }
 
 // Its turn comes while the motors that idled for it are being stopped: flown, it lifted and fell.
-TEST(StepLadder, DoesNotLiftOnMotorsThatAreBeingStopped) {
-  Driven d;
+TEST_F(StepLadder, DoesNotLiftOnMotorsThatAreBeingStopped) {
   d.in.autopilot_armed = false;
   d.step(0.01, OperatorAction::kArm);
   d.in.autopilot_armed = true;
@@ -405,8 +392,7 @@ TEST(SafetyLimits, SayHowFarAVehicleGoesOn) {
   EXPECT_NEAR(stopping_way_m(lim, 2.0), 0.40 + 1.00, 1e-12);
 }
 
-TEST(StepLadder, AllocatesNothing) {
-  Driven d;
+TEST_F(StepLadder, AllocatesNothing) {
   d.airborne();
   const test::AllocationCounter allocations;
   d.wait(1.0);

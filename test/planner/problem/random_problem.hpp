@@ -35,6 +35,13 @@ int pick(std::mt19937_64& rng, int low, int high);  ///< both ends included
 models::Surroundings random_surroundings(std::mt19937_64& rng);
 /// Makes damped oscillators of the double integrators in `problem`.
 void let_oscillate(std::mt19937_64& rng, planner::SearchProblem& problem);
+/// The same where `seed` is a multiple of three.
+inline void let_one_in_three_oscillate(std::uint64_t seed, std::mt19937_64& rng,
+                                       planner::SearchProblem& problem) {
+  if (seed % 3 == 0) {
+    let_oscillate(rng, problem);
+  }
+}
 /// Symmetric positive definite n × n with eigenvalues between 10^-decades and 1, times `scale`.
 Eigen::MatrixXd random_spd(std::mt19937_64& rng, int n, double scale, double decades);
 

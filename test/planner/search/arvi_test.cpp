@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "test/planner/problem/random_problem.hpp"
-#include "test/planner/search/exhaustive_oracle.hpp"
+#include "test/planner/search/solved_problems.hpp"
 #include "test/support/allocation_counter.hpp"
 #include "test/support/page_faults.hpp"
 
@@ -13,11 +12,11 @@ namespace vantage::planner {
 namespace {
 
 using test::OwnedProblem;
+using test::slack;
+using test::small_capacity;
 
 constexpr std::uint64_t kProblems = 240;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-SearchCapacity small_capacity() { return {20'000, 800'000, 8, 8, 4}; }
 
 ReducedOptions options(ReducedSearch search, double epsilon = 1.0, double delta_m = 1.0) {
   ReducedOptions options;
@@ -27,19 +26,11 @@ ReducedOptions options(ReducedSearch search, double epsilon = 1.0, double delta_
   return options;
 }
 
-double slack(double cost) { return 1e-9 * std::max(1.0, std::abs(cost)); }
-
 // Calls check(seed, problem, oracle's answer) for every problem that exhaustion can decide.
 template <class Check>
 void for_oracle_problems(const Check& check) {
   int solvable = 0;
-  for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
-    const OwnedProblem owned = test::random_problem(seed);
-    const test::OracleAnswer best =
-        test::best_completion(owned.problem, test::start_of(owned.problem));
-    if (best.undecided) {
-      continue;
-    }
+  for (const auto& [seed, owned, best] : test::solved_problems(0, kProblems)) {
     solvable += best.found ? 1 : 0;
     check(seed, owned.problem, best);
     if (::testing::Test::HasFatalFailure()) {

@@ -7,20 +7,18 @@
 
 #include "planner/search/arvi.hpp"
 #include "planner/search/root_bound.hpp"
-#include "test/planner/problem/random_problem.hpp"
-#include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/planner/search/same_result.hpp"
+#include "test/planner/search/solved_problems.hpp"
 #include "test/support/allocation_counter.hpp"
 
 namespace vantage::planner {
 namespace {
 
 using test::OwnedProblem;
+using test::slack;
+using test::small_capacity;
 
-constexpr std::uint64_t kProblems = 400;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-SearchCapacity small_capacity() { return {20'000, 800'000, 8, 8, 4}; }
 
 BestFirstOptions options(BestFirst search, double weight = 1.0, double epsilon = 0.0,
                          double delta_m = 0.0) {
@@ -33,27 +31,7 @@ BestFirstOptions options(BestFirst search, double weight = 1.0, double epsilon =
   return options;
 }
 
-double slack(double cost) { return 1e-9 * std::max(1.0, std::abs(cost)); }
-
-// Every problem that exhaustion can decide, with its answer; worked out once.
-struct Solved {
-  OwnedProblem owned;
-  test::OracleAnswer best;
-};
-const std::vector<Solved>& solved_problems() {
-  static const std::vector<Solved> solved = [] {
-    std::vector<Solved> all;
-    for (std::uint64_t seed = 1000; seed < 1000 + kProblems; ++seed) {
-      Solved each{test::random_problem(seed), {}};
-      each.best = test::best_completion(each.owned.problem, test::start_of(each.owned.problem));
-      if (!each.best.undecided) {
-        all.push_back(std::move(each));
-      }
-    }
-    return all;
-  }();
-  return solved;
-}
+const std::vector<test::SolvedProblem>& solved() { return test::solved_problems(1000, 400); }
 
 // Σ_k L_k: what weights multiply is above it.
 double floor_of(const SearchProblem& problem) {
@@ -72,7 +50,7 @@ TEST(AStar, IsWhatExhaustionFindsWithGapZero) {
   BestFirstSearch search(small_capacity());
   int solvable = 0;
   int dimensions[5] = {};
-  for (const Solved& each : solved_problems()) {
+  for (const test::SolvedProblem& each : solved()) {
     const SearchProblem& problem = each.owned.problem;
     const SearchResult& result =
         search.plan(problem, options(BestFirst::kAStar), Deadline::never());
@@ -96,7 +74,7 @@ TEST(AStar, IsWhatExhaustionFindsWithGapZero) {
 
 TEST(Aegis, IsAStarAtEpsilonAndDeltaZero) {
   BestFirstSearch search(small_capacity());
-  for (const Solved& each : solved_problems()) {
+  for (const test::SolvedProblem& each : solved()) {
     const SearchProblem& problem = each.owned.problem;
     const SearchResult a = search.plan(problem, options(BestFirst::kAStar), Deadline::never());
     const SearchResult& b = search.plan(problem, options(BestFirst::kAegis), Deadline::never());
@@ -114,7 +92,7 @@ TEST(Aegis, IsAStarAtEpsilonAndDeltaZero) {
 TEST(WeightedAStar, KeepsItsBoundOnceCostsAreShiftedAboveZero) {
   BestFirstSearch search(small_capacity());
   int above = 0;
-  for (const Solved& each : solved_problems()) {
+  for (const test::SolvedProblem& each : solved()) {
     const SearchProblem& problem = each.owned.problem;
     const double L = floor_of(problem);
     if (!each.best.found || !std::isfinite(L)) {
@@ -141,7 +119,7 @@ TEST(Aegis, NeverLiesInItsCertificate) {
   BestFirstSearch search(small_capacity());
   int worse = 0;
   int open = 0;
-  for (const Solved& each : solved_problems()) {
+  for (const test::SolvedProblem& each : solved()) {
     const SearchProblem& problem = each.owned.problem;
     if (!each.best.found) {
       continue;
@@ -296,7 +274,7 @@ TEST(RootBound, IsBelowEveryPlanAndMostlyTighterThanTheIsotropicOne) {
   ReducedOptions how;
   how.search = ReducedSearch::kGreedy;
   int tighter = 0;
-  for (const Solved& each : solved_problems()) {
+  for (const test::SolvedProblem& each : solved()) {
     const SearchProblem& problem = each.owned.problem;
     beliefs.reset(problem);
     std::int64_t work_nodes = 0;

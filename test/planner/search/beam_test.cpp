@@ -4,9 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "test/planner/problem/random_problem.hpp"
-#include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/planner/search/same_result.hpp"
+#include "test/planner/search/solved_problems.hpp"
 #include "test/support/allocation_counter.hpp"
 #include "test/support/page_faults.hpp"
 
@@ -14,12 +13,8 @@ namespace vantage::planner {
 namespace {
 
 using test::OwnedProblem;
-
-constexpr std::uint64_t kProblems = 400;
-
-SearchCapacity small_capacity() { return {20'000, 800'000, 8, 8, 4}; }
-
-double slack(double cost) { return 1e-9 * std::max(1.0, std::abs(cost)); }
+using test::slack;
+using test::small_capacity;
 
 // Narrow from the start, so that many passes leave something out.
 BeamOptions narrow() {
@@ -29,29 +24,12 @@ BeamOptions narrow() {
   return options;
 }
 
-struct Solved {
-  OwnedProblem owned;
-  test::OracleAnswer best;
-};
-const std::vector<Solved>& solved_problems() {
-  static const std::vector<Solved> solved = [] {
-    std::vector<Solved> all;
-    for (std::uint64_t seed = 5000; seed < 5000 + kProblems; ++seed) {
-      Solved each{test::random_problem(seed), {}};
-      each.best = test::best_completion(each.owned.problem, test::start_of(each.owned.problem));
-      if (!each.best.undecided) {
-        all.push_back(std::move(each));
-      }
-    }
-    return all;
-  }();
-  return solved;
-}
+const std::vector<test::SolvedProblem>& solved() { return test::solved_problems(5000, 400); }
 
 TEST(RefiningBeam, EndsAtTheOptimumAndSaysSo) {
   RefiningBeam search(small_capacity());
   int solvable = 0;
-  for (const Solved& each : solved_problems()) {
+  for (const test::SolvedProblem& each : solved()) {
     const SearchProblem& problem = each.owned.problem;
     const SearchResult& result = search.plan(problem, narrow(), Deadline::never());
     EXPECT_EQ(result.stop_reason, StopReason::kFinished);
@@ -73,7 +51,7 @@ TEST(RefiningBeam, EndsAtTheOptimumAndSaysSo) {
 TEST(RefiningBeam, NeverLiesInItsBoundAndNeverGetsWorse) {
   RefiningBeam search(small_capacity());
   int worse = 0;
-  for (const Solved& each : solved_problems()) {
+  for (const test::SolvedProblem& each : solved()) {
     if (!each.best.found) {
       continue;
     }

@@ -7,6 +7,7 @@
 
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/full_tree.hpp"
+#include "test/planner/search/solved_problems.hpp"
 #include "test/support/own_sensor.hpp"
 
 namespace vantage::planner {
@@ -29,7 +30,7 @@ OwnedProblem problem_with(models::SensorKind kind, std::uint64_t seed) {
   return owned;
 }
 
-double slack(double value) { return 1e-9 * std::max(1.0, std::abs(value)); }
+using test::slack;
 
 // What a node costs at least, from the root to the end.
 std::vector<double> bounds_of(const OwnedProblem& owned, const FullTree& full,

@@ -66,36 +66,50 @@ OwnedProblem crowded_problem(std::uint64_t seed) {
     target.prior.covariance = test::random_spd(rng, n, uniform(rng, 0.1, 2.0), 1.0);
     problem.targets.push_back(target);
   }
-  if (seed % 3 == 0) {
-    test::let_oscillate(rng, problem);
-  }
+  test::let_one_in_three_oscillate(seed, rng, problem);
   return owned;
 }
 
-TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
-  RootBound root(8, 8);
-  BeliefTable beliefs(8, 8);
-  int tighter = 0;
-  for (std::uint64_t seed = 0; seed < 600; ++seed) {
-    const OwnedProblem owned = crowded_problem(seed);
-    const SearchProblem& problem = owned.problem;
+// The bounds of a problem beside what exhaustion finds.
+class Bounds {
+ public:
+  void expect_below_every_plan(const SearchProblem& problem, double relative_slack) {
     const test::OracleAnswer best = test::best_completion(problem, test::start_of(problem));
     ASSERT_TRUE(best.found);
-    beliefs.reset(problem);
-    const double any_plan = root.of_any_plan(problem, beliefs);
-    std::int64_t work_nodes = 0;
+    beliefs_.reset(problem);
+    any_plan = root.of_any_plan(problem, beliefs_);
+    work_nodes = 0;
     const auto moving = root.of_moving_plan(Deadline::never(), work_nodes);
     EXPECT_FALSE(moving.expired);
-    EXPECT_GE(moving.cost, any_plan);
+    moving_plan = moving.cost;
+    EXPECT_GE(moving_plan, any_plan);
+    ASSERT_LE(moving_plan, best.cost + relative_slack * std::max(1.0, std::abs(best.cost)));
+  }
+  [[nodiscard]] bool is_tighter() const { return moving_plan > any_plan + 0.1; }
+
+  RootBound root{8, 8};
+  double any_plan = 0.0;
+  double moving_plan = 0.0;
+  std::int64_t work_nodes = 0;
+
+ private:
+  BeliefTable beliefs_{8, 8};
+};
+
+TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
+  Bounds bounds;
+  int tighter = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    SCOPED_TRACE(seed);
+    const OwnedProblem owned = crowded_problem(seed);
     // The oracle's recursion loses digits right beside a target.
-    ASSERT_LE(moving.cost, best.cost + 1e-4 * std::max(1.0, std::abs(best.cost)))
-        << "seed " << seed;
-    tighter += moving.cost > any_plan + 0.1 ? 1 : 0;
-    for (std::int64_t budget_nodes = 0; budget_nodes < work_nodes; budget_nodes += 3) {
+    ASSERT_NO_FATAL_FAILURE(bounds.expect_below_every_plan(owned.problem, 1e-4));
+    tighter += bounds.is_tighter() ? 1 : 0;
+    for (std::int64_t budget_nodes = 0; budget_nodes < bounds.work_nodes; budget_nodes += 3) {
       std::int64_t cut_work_nodes = 0;
-      const auto cut = root.of_moving_plan(Deadline::nodes(budget_nodes), cut_work_nodes);
-      ASSERT_LE(cut.cost, moving.cost);
-      ASSERT_GE(cut.cost, any_plan);
+      const auto cut = bounds.root.of_moving_plan(Deadline::nodes(budget_nodes), cut_work_nodes);
+      ASSERT_LE(cut.cost, bounds.moving_plan);
+      ASSERT_GE(cut.cost, bounds.any_plan);
     }
   }
   EXPECT_GT(tighter, 150);
@@ -140,30 +154,18 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
     target.prior.covariance = Eigen::Vector4d(1.0, 1.0, 0.01, 0.01).asDiagonal();
     problem.targets.push_back(target);
   }
-  if (seed % 3 == 0) {
-    test::let_oscillate(rng, problem);
-  }
+  test::let_one_in_three_oscillate(seed, rng, problem);
   return owned;
 }
 
 TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
-  RootBound root(8, 8);
-  BeliefTable beliefs(8, 8);
+  Bounds bounds;
   int tight = 0;  // tighter than what holds for every plan
-
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE(seed);
     const OwnedProblem owned = slow_among_targets(seed);
-    const SearchProblem& problem = owned.problem;
-    const test::OracleAnswer best = test::best_completion(problem, test::start_of(problem));
-    ASSERT_TRUE(best.found);
-    beliefs.reset(problem);
-    const double any_plan = root.of_any_plan(problem, beliefs);
-    std::int64_t work_nodes = 0;
-    const auto moving = root.of_moving_plan(Deadline::never(), work_nodes);
-    ASSERT_GE(moving.cost, any_plan);
-    ASSERT_LE(moving.cost, best.cost + 1e-6 * std::max(1.0, std::abs(best.cost)))
-        << "seed " << seed;
-    tight += moving.cost > any_plan + 0.1 ? 1 : 0;
+    ASSERT_NO_FATAL_FAILURE(bounds.expect_below_every_plan(owned.problem, 1e-6));
+    tight += bounds.is_tighter() ? 1 : 0;
   }
   EXPECT_GT(tight, 20);
 }

@@ -9,6 +9,7 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/planner/search/full_tree.hpp"
+#include "test/planner/search/solved_problems.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -20,7 +21,7 @@ using test::uniform;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double slack(double value) { return 1e-9 * std::max(1.0, std::abs(value)); }
+using test::slack;
 
 // A short-sighted robot among boxes and targets that stay, more than it can get to: every planar
 // sensor, both costs, with and without noise and teammates' looks.

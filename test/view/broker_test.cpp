@@ -1,0 +1,201 @@
+#include "tools/view/broker.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "test/view/viewer_words.hpp"
+#include "tools/view/outbox.hpp"
+#include "tools/view/protocol.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using logs::foxglove::Schema;
+using nlohmann::json;
+using test::control;
+using test::flow;
+using test::pop_text;
+using test::put;
+using test::state;
+
+TEST(Outbox, DropsTheOldestFlowAndNeverControl) {
+  Outbox outbox(100);
+  outbox.push(control("hello"));
+  for (int i = 0; i < 50; ++i) {
+    outbox.push(flow(10));
+  }
+  EXPECT_EQ(outbox.dropped(), 40);
+  EXPECT_LE(outbox.bytes(), 105U);
+  EXPECT_EQ(outbox.pop()->head, "hello");
+  int left = 0;
+  while (outbox.pop()) {
+    ++left;
+  }
+  EXPECT_EQ(left, 10);
+  EXPECT_EQ(outbox.bytes(), 0U);
+}
+
+TEST(Outbox, KeepsOnlyTheNewestOfAState) {
+  Outbox outbox(100);
+  for (int i = 0; i < 1000; ++i) {
+    outbox.push(state(1, "old"));
+    outbox.push(state(2, "other"));
+  }
+  outbox.push(state(1, "new"));
+  EXPECT_EQ(outbox.pop()->head, "other");
+  EXPECT_EQ(outbox.pop()->head, "new");
+  EXPECT_FALSE(outbox.pop());
+  EXPECT_EQ(outbox.dropped(), 0);
+}
+
+TEST(Outbox, LetsOneFrameThroughHoweverLarge) {
+  Outbox outbox(100);
+  outbox.push(flow(500));
+  EXPECT_EQ(outbox.pop()->size(), 500U);
+}
+
+TEST(Outbox, GivesUpOnAViewerThatNeverReads) {
+  Outbox outbox(100, 3);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_FALSE(outbox.is_hopeless());
+    outbox.push(control("x"));
+  }
+  EXPECT_TRUE(outbox.is_hopeless());
+}
+
+TEST(Broker, TellsANewcomerWhatThereIsAndTheStates) {
+  Broker broker({"test", "s", std::nullopt});
+  put(broker, "/state", 1, true);
+  put(broker, "/flow", 2, false);
+  const auto client = broker.connect(true);
+  EXPECT_EQ(pop_text(*client)["op"], "serverInfo");
+  const json advertised = pop_text(*client);
+  ASSERT_EQ(advertised["channels"].size(), 2U);
+  EXPECT_EQ(advertised["channels"][0]["topic"], "/state");
+  broker.on_request(*client, Subscribe{{{7, 1}, {8, 2}}});
+  const auto frame = client->wait_pop();
+  EXPECT_EQ(frame->head, message_head(7, from_utime(1)));
+  EXPECT_EQ(*frame->body, R"({"known":1})");
+  put(broker, "/flow", 3, false);
+  EXPECT_EQ(client->wait_pop()->head, message_head(8, from_utime(3)));
+  broker.disconnect(client);
+  EXPECT_FALSE(client->wait_pop());
+}
+
+TEST(Broker, WantsAFlowOnlyWhileSomebodyWatches) {
+  Broker broker({"test", "s", std::nullopt});
+  EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
+  EXPECT_TRUE(broker.wants("/state", Schema::kTeam, true));
+  const auto client = broker.connect(true);
+  broker.on_request(*client, Subscribe{{{1, 1}}});
+  EXPECT_TRUE(broker.wants("/flow", Schema::kTeam, false));
+  broker.on_request(*client, Unsubscribe{{1}});
+  EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
+  broker.on_request(*client, Subscribe{{{2, 1}}});
+  broker.disconnect(client);
+  EXPECT_FALSE(broker.wants("/flow", Schema::kTeam, false));
+}
+
+TEST(Broker, AdvertisesATopicToThoseAlreadyThere) {
+  Broker broker({"test", "s", std::nullopt});
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  pop_text(*client);
+  put(broker, "/new", 1, true);
+  put(broker, "/new", 2, true);
+  const json advertised = pop_text(*client);
+  EXPECT_EQ(advertised["channels"][0]["topic"], "/new");
+  EXPECT_EQ(advertised["channels"][0]["schemaName"], "vantage.Team");
+  broker.disconnect(client);
+}
+
+TEST(Broker, RefusesDoubleAndUnknownSubscriptionsAndChangesNothing) {
+  Broker broker({"test", "s", std::nullopt});
+  put(broker, "/flow", 1, false);
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  pop_text(*client);
+  broker.on_request(*client, Subscribe{{{1, 1}, {1, 1}, {2, 9}, {3, 0}}});
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(pop_text(*client)["level"], 2);
+  }
+  broker.on_request(*client, Declined{"advertise"});
+  EXPECT_EQ(pop_text(*client)["level"], 1);
+  broker.on_request(*client, PlaybackControl{});
+  EXPECT_TRUE(broker.take_controls().empty()) << "a live bus cannot be sought in";
+  broker.disconnect(client);
+}
+
+TEST(Broker, HoldsBackTheWayToAnInstantAndSendsWhereItLed) {
+  Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
+  put(broker, "/flow", 1, false);
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  pop_text(*client);
+  broker.on_request(*client, Subscribe{{{1, 1}}});
+  EXPECT_EQ(client->wait_pop()->head, message_head(1, from_utime(1)));
+  broker.hold();
+  put(broker, "/flow", 2, false);
+  put(broker, "/flow", 3, false);
+  broker.release();
+  EXPECT_EQ(client->wait_pop()->head, message_head(1, from_utime(3)));
+  broker.disconnect(client);
+}
+
+TEST(Broker, TellsANewcomerWhereThePlayerIs) {
+  Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9'000'000))});
+  const PlaybackState state{PlaybackStatus::kPlaying, from_utime(1'000'000), 2.0F, true, "r"};
+  broker.broadcast_playback(state);
+  broker.broadcast_time(from_utime(5'000'000));
+  for (const bool speaks_sdk : {true, false}) {
+    const auto client = broker.connect(speaks_sdk);
+    pop_text(*client);
+    pop_text(*client);
+    EXPECT_EQ(client->wait_pop()->head, time_frame(from_utime(5'000'000)));
+    if (speaks_sdk) {
+      EXPECT_EQ(
+          client->wait_pop()->head,
+          playback_state_frame({PlaybackStatus::kPlaying, from_utime(5'000'000), 2.0F, false, ""}));
+    }
+    client->push(control("{}"));
+    EXPECT_TRUE(pop_text(*client).empty()) << "nothing else";
+    broker.disconnect(client);
+  }
+}
+
+TEST(Broker, CountsWhatASlowViewerMissesAndTellsIt) {
+  Broker broker({"test", "s", std::nullopt});
+  put(broker, "/flow", 0, false);
+  const auto client = broker.connect(true);
+  broker.on_request(*client, Subscribe{{{1, 1}}});
+  const json large{{"yaml", std::string(1U << 20U, 'x')}};
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(broker.wants("/flow", Schema::kTeam, false));
+    broker.write("/flow", from_utime(i), large);
+  }
+  EXPECT_GE(broker.dropped(), 12);
+  EXPECT_LE(broker.dropped(), 13);
+  broker.disconnect(client);
+  EXPECT_GE(broker.dropped(), 12) << "also after it has gone";
+}
+
+TEST(Broker, CountsRecordsOfATopicThatNobodyHears) {
+  Broker broker({"test", "s", std::nullopt});
+  for (int i = 0; i < 7; ++i) {
+    put(broker, "/flow", i, false);
+  }
+  EXPECT_EQ(json::parse(broker.topics_text()),
+            json::parse(R"([{"topic": "/flow", "schema": "vantage.Team", "count": 7}])"));
+}
+
+TEST(Broker, KeepsRawMessagesOfALogForWhoSubscribesAlone) {
+  Broker broker({"test", "s", std::pair(Time{}, from_utime(10))});
+  EXPECT_FALSE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false));
+  const auto client = broker.connect(true);
+  broker.on_request(*client, Subscribe{{{1, 1}}});
+  broker.hold();
+  EXPECT_TRUE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false)) << "also on the way to an instant";
+}
+
+}  // namespace
+}  // namespace vantage::tools
