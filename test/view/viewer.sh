@@ -1,5 +1,5 @@
 #!/bin/sh
-# viewer.sh channels|page log|live|late|proposals VANTAGE SOURCE_DIR: `vantage view` on the sample log,
+# viewer.sh channels|page log|live|late|access|proposals VANTAGE SOURCE_DIR: `vantage view` on the sample log,
 # `vantage demo --view`, or `vantage view` on a log of a team that plans by local search, read by Foxglove's own client or driven in headless Chromium. Screenshots go
 # to $VANTAGE_SHOTS when it is set. Exit code 77: what it needs is not there.
 what=$1
@@ -7,6 +7,8 @@ kind=$2
 vantage=$3
 source=$4
 peer=$source/test/view/peer
+
+is_log=
 
 skip() {
   echo "skipped: $1"
@@ -20,7 +22,8 @@ fi
 folder=$(mktemp -d)
 server=
 trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; rm -rf "$folder"' EXIT
-if [ "$kind" = log ]; then
+case $kind in log | access) is_log=yes ;; esac
+if [ "$is_log" ]; then
   xz -dkc "$source/logs/sample/lab_60s.lcmlog.xz" >"$folder/lab.lcmlog" || skip "no xz"
   "$vantage" view "$folder/lab.lcmlog" --port 0 >"$folder/out" 2>&1 &
 elif [ "$kind" = proposals ]; then
@@ -49,7 +52,7 @@ case $what in
       skip "the page was not built"
     fi
     script=page
-    [ "$kind" = late ] && script=late
+    [ -f "$peer/$kind.mjs" ] && script=$kind
     node "$peer/$script.mjs" "$url" "$kind" "${VANTAGE_SHOTS:-}"
     ;;
 esac

@@ -54,6 +54,12 @@ export function family_of(topic, robots) {
   return [topic, topic.split("/").at(-1)];
 }
 
+/** Puts a colour before an element's words. */
+function mark_of(element, colour) {
+  element.className = "of";
+  element.style.setProperty("--of", colour);
+}
+
 class Chart {
   constructor(box, spec, source) {
     this.spec = spec;
@@ -254,7 +260,7 @@ class Chart {
     const line = (text, colour) => {
       const each = document.createElement("div");
       each.textContent = text;
-      if (colour) each.style.color = colour;
+      if (colour) mark_of(each, colour);
       return each;
     };
     const unit = look.measures[this.spec.measure]?.unit ?? "";
@@ -273,7 +279,7 @@ class Chart {
     const label = (name) => {
       const each = document.createElement("i");
       each.textContent = name;
-      each.style.color = this.colour(name);
+      mark_of(each, this.colour(name));
       return each;
     };
     this.names_box.replaceChildren(...(names.length < 2 && !this.spec.fields ? [] : names.map(label)));

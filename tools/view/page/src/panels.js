@@ -177,7 +177,7 @@ export function write_inspect(box, id, is_followed, sections) {
   const parts = sections.filter(([, rows]) => rows.length > 0).flatMap(([title, rows]) => {
     const list = make("dl");
     rows.forEach(([key, value]) => list.append(make("dt", "", key), make("dd", "", value)));
-    return title ? [make("h3", "", title), list] : [list];
+    return title ? [make("h2", "minor", title), list] : [list];
   });
   const top = box.scrollTop;
   box.replaceChildren(head, ...parts);
