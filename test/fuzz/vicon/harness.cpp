@@ -38,7 +38,7 @@ void check(const models::MocapFrame& frame) {
   }
 }
 
-scenario::MocapSpec spec_of(MocapProtocol protocol) {
+scenario::MocapSpec plain_spec(MocapProtocol protocol) {
   scenario::MocapSpec spec;
   spec.protocol = protocol;
   return spec;
@@ -47,7 +47,7 @@ scenario::MocapSpec spec_of(MocapProtocol protocol) {
 /// One driver for each protocol, connected anew for each input: making one costs more than using
 /// it. Bodies that it remembers are forgotten with it now and then.
 struct Client {
-  explicit Client(MocapProtocol protocol) : driver(spec_of(protocol), check) {}
+  explicit Client(MocapProtocol protocol) : driver(plain_spec(protocol), check) {}
   drivers::vicon::ViconDriver driver;
   drivers::vicon::Moment now{ViconBench::kEpoch, Duration{0}};
   int inputs = 0;
@@ -124,7 +124,7 @@ void fuzz_server(MocapProtocol protocol, Bytes input) {
 }
 
 std::vector<std::vector<std::uint8_t>> server_samples(MocapProtocol protocol) {
-  const scenario::MocapSpec spec = spec_of(protocol);
+  const scenario::MocapSpec spec = plain_spec(protocol);
   sim::vicon::ServerSettings settings = ViconBench::settings_for(spec);
   std::vector<std::vector<std::uint8_t>> samples;
   for (const int bodies : {0, 1, 2, 3}) {
@@ -160,7 +160,7 @@ std::vector<std::vector<std::uint8_t>> server_samples(MocapProtocol protocol) {
 }
 
 std::vector<std::vector<std::uint8_t>> client_samples(MocapProtocol protocol) {
-  scenario::MocapSpec spec = spec_of(protocol);
+  scenario::MocapSpec spec = plain_spec(protocol);
   std::vector<std::vector<std::uint8_t>> samples;
   for (const auto mode : {scenario::StreamMode::kPush, scenario::StreamMode::kPreFetch}) {
     spec.mode = mode;
