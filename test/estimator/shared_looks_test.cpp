@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "estimator/distributed_filter.hpp"
