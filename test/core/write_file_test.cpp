@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace vantage {
 namespace {
@@ -16,14 +17,7 @@ namespace fs = std::filesystem;
 
 class WriteFile : public ::testing::Test {
  protected:
-  WriteFile() { fs::create_directories(folder_); }
-  ~WriteFile() override { fs::remove_all(folder_); }
-  WriteFile(const WriteFile&) = delete;
-  WriteFile& operator=(const WriteFile&) = delete;
-  WriteFile(WriteFile&&) = delete;
-  WriteFile& operator=(WriteFile&&) = delete;
-
-  [[nodiscard]] std::string file(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_.file(name); }
   static std::string text_of(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
@@ -36,14 +30,14 @@ class WriteFile : public ::testing::Test {
     }
     return "";
   }
-  const fs::path folder_ = fs::path(::testing::TempDir()) / "vantage_write_file";
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(WriteFile, LeavesTheTextAndNothingElse) {
   write_file(file("a"), "long ago");
   write_file(file("a"), "now");
   EXPECT_EQ(text_of(file("a")), "now");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1);
 }
 
 TEST_F(WriteFile, SaysFileAndReason) {
@@ -51,8 +45,8 @@ TEST_F(WriteFile, SaysFileAndReason) {
             file("no/where") + ": cannot be written: No such file or directory");
   EXPECT_EQ(complaint([&] { require_writable(file("no/where")); }),
             file("no/where") + ": cannot be written: No such file or directory");
-  EXPECT_EQ(complaint([&] { require_writable(folder_); }),
-            folder_.string() + ": cannot be written: Is a directory");
+  EXPECT_EQ(complaint([&] { require_writable(folder_.path()); }),
+            folder_.path() + ": cannot be written: Is a directory");
   write_file(file("a"), "x");
   EXPECT_EQ(complaint([&] { require_writable(file("a/b")); }),
             file("a/b") + ": cannot be written: Not a directory");

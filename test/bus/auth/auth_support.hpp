@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <numeric>
 #include <string>
 #include <vector>
 
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp
-
 #include "bus/auth/authenticator.hpp"
 #include "bus/auth/keyring.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace vantage::test {
 
@@ -45,24 +43,5 @@ inline std::unique_ptr<bus::auth::Authenticator> authenticator(
     const bus::auth::Authenticator::Rules& rules = {}) {
   return std::make_unique<bus::auth::Authenticator>(keys, rules);
 }
-
-/// A folder that is gone at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "vantage_XXXXXX").string();
-    path_ = mkdtemp(pattern.data()) == nullptr ? "" : pattern;
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  TemporaryFolder(TemporaryFolder&&) = delete;
-  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
-  [[nodiscard]] std::string path() const { return path_.string(); }
-  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace vantage::test
