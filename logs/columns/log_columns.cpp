@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "bus/auth/trailer.hpp"
 #include "logs/file/log_event.hpp"
 #include "logs/file/wire_witness.hpp"
 
@@ -151,10 +152,11 @@ std::vector<LogColumns::Field> LogColumns::plan(const bus::WireSchema& schema,
 }
 
 bool LogColumns::add(Time logged, std::span<const std::uint8_t> data) {
-  if (type_of(data) != &schema_) {
+  const auto message = bus::auth::payload_of(data);
+  if (type_of(message) != &schema_) {
     return false;
   }
-  const auto body = data.subspan(kFingerprintBytes);
+  const auto body = message.subspan(kFingerprintBytes);
   if (!bus::is_well_formed(schema_, body)) {
     return false;
   }
