@@ -103,7 +103,7 @@ ExportCounts export_ros2(const IndexedLog& log, const std::string& path, Channel
       if constexpr (requires { ros2::to_ros2(message); }) {
         for (const ros2::Message& each : ros2::to_ros2(message)) {
           const std::string type(each.type);
-          const auto topic = writer.topic(each.topic, type, std::string(ros2::definition_of(type)));
+          const auto topic = writer.topic(each.topic, type, ros2::definition_of(type));
           writer.write(topic, event.time, each.valid, each.cdr);
         }
       }

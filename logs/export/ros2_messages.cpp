@@ -81,12 +81,38 @@ Message pose_of(const models::RobotBelief& belief, const models::TargetBelief& t
           "geometry_msgs/msg/PoseWithCovarianceStamped", belief.stamp.time, out.bytes()};
 }
 
-}  // namespace
-
-std::string_view definition_of(std::string_view type) {
+std::string_view fields_of(std::string_view type) {
   const auto found = std::find_if(kDefinitions.begin(), kDefinitions.end(),
                                   [&](const Definition& each) { return each.type == type; });
-  return found->text;
+  return found->fields;
+}
+
+/// Appends the definition of each message type that `fields` name and that is not in `told`, with
+/// its own parts behind it.
+void append_parts(std::string_view fields, std::vector<std::string_view>& told, std::string& text) {
+  while (!fields.empty()) {
+    const std::string_view type = fields.substr(0, fields.find_first_of(" ["));
+    const bool is_message = type.find('/') != std::string_view::npos;
+    if (is_message && std::find(told.begin(), told.end(), type) == told.end()) {
+      told.push_back(type);
+      text += std::string(80, '=') + "\nMSG: " + std::string(type) + "\n";
+      text += fields_of(type);
+      append_parts(fields_of(type), told, text);
+    }
+    fields.remove_prefix(fields.find('\n') + 1);
+  }
+}
+
+}  // namespace
+
+std::string definition_of(std::string_view type) {
+  const std::size_t package = type.find("/msg/");
+  const std::string name = std::string(type.substr(0, package)) + "/" +
+                           std::string(type.substr(package + std::string_view("/msg/").size()));
+  std::string text{fields_of(name)};
+  std::vector<std::string_view> told;
+  append_parts(fields_of(name), told, text);
+  return text;
 }
 
 std::vector<Message> to_ros2(const models::MocapFrame& frame) {

@@ -21,7 +21,7 @@ struct Message {
 
 /// The definition of a type that to_ros2() makes, and of all that it consists of, as `ros2msg`
 /// schemas have them. Precondition: it is one of those.
-std::string_view definition_of(std::string_view type);
+std::string definition_of(std::string_view type);
 
 std::vector<Message> to_ros2(const models::MocapFrame& frame);
 std::vector<Message> to_ros2(const models::TruthFrame& truth);
