@@ -27,6 +27,7 @@
 #include "bus/transport/udpm_packet.hpp"
 #include "bus/transport/udpm_reassembly.hpp"
 #include "logs/file/log_event.hpp"
+#include "test/fuzz/bus/datagram_input.hpp"
 
 namespace vantage::test {
 namespace {
@@ -109,15 +110,10 @@ void fuzz_packet_path(std::span<const std::uint8_t> input) {
                                            .messages_max = 16};
   bus::udpm::Reassembler reassembler(limits);
   std::int64_t now_ns = 0;
-  while (input.size() > 3) {
-    const std::uint8_t control = input[0];
-    const std::size_t announced = (std::size_t{input[1]} << 8U) | input[2];
-    const std::size_t size = std::min(announced, input.size() - 3);
-    // A copy of its own size: a byte read beyond it is found.
-    const Bytes datagram(input.begin() + 3, input.begin() + 3 + static_cast<std::ptrdiff_t>(size));
-    input = input.subspan(3 + size);
+  while (const auto datagram = take_datagram(input)) {
+    const std::uint8_t control = datagram->control;
     now_ns += kStepNs * (control >> 4U);
-    const auto packet = bus::udpm::parse_packet(datagram);
+    const auto packet = bus::udpm::parse_packet(datagram->bytes);
     if (!packet) {
       continue;
     }

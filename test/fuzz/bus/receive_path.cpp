@@ -19,6 +19,7 @@
 #include "drivers/safety/guard.hpp"
 #include "drivers/safety/limits.hpp"
 #include "test/bus/auth/auth_support.hpp"
+#include "test/fuzz/bus/datagram_input.hpp"
 
 namespace vantage::test {
 namespace {
@@ -171,16 +172,11 @@ Bytes encoded_message(const Message& message) {
 
 void fuzz_receive_path(std::span<const std::uint8_t> input) {
   Vehicle& self = vehicle();
-  while (input.size() > 3) {
-    const std::uint8_t control = input[0];
-    const std::size_t announced = (std::size_t{input[1]} << 8U) | input[2];
-    const std::size_t size = std::min(announced, input.size() - 3);
-    // A copy of its own size: a byte read beyond it is found.
-    const Bytes datagram(input.begin() + 3, input.begin() + 3 + static_cast<std::ptrdiff_t>(size));
-    input = input.subspan(3 + size);
+  while (const auto datagram = take_datagram(input)) {
+    const std::uint8_t control = datagram->control;
     self.clock.set(self.clock.now() + Duration{10'000 * (1 + ((control >> 4U) & 7))});
     const std::int64_t now_ns = to_utime(self.clock.now()) * 1'000;
-    if (const auto packet = bus::udpm::parse_packet(datagram)) {
+    if (const auto packet = bus::udpm::parse_packet(datagram->bytes)) {
       if (!packet->is_fragment) {
         hear(self, control, std::string(packet->channel),
              {packet->payload.begin(), packet->payload.end()});
