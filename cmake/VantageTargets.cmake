@@ -7,6 +7,9 @@ option(VANTAGE_OWN_LIBM "sin, exp, log, … with the same bits on every machine 
   ${PROJECT_IS_TOP_LEVEL})
 option(VANTAGE_HARDENED
   "For packages: stack and library hardening, and no folder of this machine in what is made" OFF)
+# What tools/demo and tools/test begin a build folder with. Not for everyday: a file that was changed
+# is compiled with seven others, and includes that are missing do not show.
+option(VANTAGE_UNITY "Compile up to eight files of a library at once: from nothing in half the time" OFF)
 option(VANTAGE_WARNINGS_AS_ERRORS "Treat warnings as errors" OFF)
 
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
@@ -123,7 +126,8 @@ function(vantage_library name)
     set(scope PUBLIC)
     target_link_libraries(vantage_${name}
       PRIVATE ${ARG_PRIVATE_DEPS} $<BUILD_INTERFACE:vantage_build_flags>)
-    set_target_properties(vantage_${name} PROPERTIES CXX_EXTENSIONS OFF)
+    set_target_properties(vantage_${name}
+      PROPERTIES CXX_EXTENSIONS OFF UNITY_BUILD ${VANTAGE_UNITY})
     target_precompile_headers(vantage_${name} REUSE_FROM vantage_precompiled)
     if(NOT PROJECT_IS_TOP_LEVEL)
       vantage_seal(vantage_${name})
@@ -163,7 +167,7 @@ function(vantage_app name)
     return()
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF UNITY_BUILD ${VANTAGE_UNITY})
   target_precompile_headers(${name} REUSE_FROM vantage_precompiled_command)
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} vantage_build_flags)
   if(name MATCHES "^vantage(-|$)")

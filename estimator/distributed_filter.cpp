@@ -47,11 +47,6 @@ double intersection_weight(const models::StateMatrix& A, const models::StateMatr
   return 0.5 * (low + high);
 }
 
-double distance_m(const models::Viewpoint& a, const models::Viewpoint& b) {
-  const Eigen::Vector2d level = a.world_from_body.position_m() - b.world_from_body.position_m();
-  return std::hypot(level.norm(), a.height_m - b.height_m);
-}
-
 }  // namespace
 
 FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& robot) {

@@ -15,11 +15,6 @@ models::InverseBeamModel inverse_model(const models::MappingSpec& spec) {
   return {look_log_odds, -look_log_odds};
 }
 
-double distance_m(const models::Viewpoint& a, const models::Viewpoint& b) {
-  const Eigen::Vector2d level_m = a.world_from_body.position_m() - b.world_from_body.position_m();
-  return std::hypot(level_m.norm(), a.height_m - b.height_m);
-}
-
 }  // namespace
 
 std::vector<models::NamedCount> MapCounters::named() const {

@@ -5,7 +5,7 @@
 namespace vantage::drivers {
 namespace {
 
-constexpr double kPredictS = 0.5;
+constexpr double kPredictOthersS = 0.5;
 // A body that is not where it was believed to be is believed again after so many poses in a row.
 constexpr int kMovedAfter = 50;
 
@@ -92,7 +92,7 @@ bool Fleet::is_on_plan(const Member& member, Time now, const SafetyLimits& limit
     return true;
   }
   const PlanPoint planned = point_at(member.plan, to_seconds(now - member.plan.start_time));
-  return (planned.position_world_m - member.pose.predict_m(now, kPredictS)).norm() <=
+  return (planned.position_world_m - member.pose.predict_m(now, kPredictOthersS)).norm() <=
          2.0 * limits.tracking_hold_m;
 }
 
@@ -131,7 +131,7 @@ std::span<const OtherCourse> Fleet::courses(Time now, const SafetyLimits& limits
     if (!member.is_robot || (!member.has_plan && !member.pose.has_pose())) {
       continue;
     }
-    const Eigen::Vector3d seen_m = member.pose.predict_m(now, kPredictS);
+    const Eigen::Vector3d seen_m = member.pose.predict_m(now, kPredictOthersS);
     const bool keeps_to_plan = member.has_plan && is_on_plan(member, now, limits);
     courses_.push_back({keeps_to_plan ? &member.plan : nullptr, seen_m});
   }

@@ -11,7 +11,6 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-constexpr double kMetresPerMillimetre = 1e-3;
 constexpr Duration kPingPeriod = std::chrono::seconds(1);
 /// Frames without any pose are believed after this long: nobody is seen, or a server has no poses.
 constexpr Duration kJunkMax = std::chrono::milliseconds(300);

@@ -8,8 +8,6 @@
 namespace vantage::drivers::vicon {
 namespace {
 
-constexpr double kMetresPerMillimetre = 1e-3;
-
 void set_body(SeenBody& body, const wire::vicon::TrackerObject& object, bool is_y_up) {
   body.name = object.name();
   const bool is_zero = object.translation_mm.isZero(0.0) && object.euler_xyz_rad.isZero(0.0);

@@ -20,6 +20,8 @@ struct Moment {
   Duration steady{};
 };
 
+inline constexpr double kMetresPerMillimetre = 1e-3;  ///< servers of Vicon speak of millimetres
+
 /// What a server said of one body.
 enum class Sight {
   kSeen,

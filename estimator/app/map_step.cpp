@@ -11,8 +11,6 @@ namespace {
 
 constexpr std::size_t kScansWaiting = 64;
 constexpr std::size_t kMapsKeptPerRobot = 16;
-constexpr std::size_t kStepsWaiting = 3;
-constexpr int kTicksWaiting = 20;
 
 template <class Content>
 const Content* content_of(const std::optional<Heard<Content>>& heard) {

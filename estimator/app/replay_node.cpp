@@ -18,8 +18,6 @@ using namespace std::chrono_literals;
 constexpr std::size_t kLooksKeptPerRobot = 1024;
 constexpr std::size_t kFramesKept = 2048;
 constexpr std::size_t kBeliefsKeptPerTeammate = 64;
-constexpr std::size_t kStepsWaiting = 3;
-constexpr int kTicksWaiting = 20;
 constexpr Duration kTick = 100ms;
 constexpr double kTolerance = 1e-9;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,6 +12,11 @@
 #include "models/exchange/messages.hpp"
 
 namespace vantage::estimator {
+
+/// A step of a log that is replayed waits for what it was made from until so many later ones wait
+/// with it, or for so many ticks.
+inline constexpr std::size_t kStepsWaiting = 3;
+inline constexpr int kTicksWaiting = 20;
 
 /// A message and the name under which others may refer to it.
 template <class Content>

@@ -11,8 +11,6 @@
 namespace vantage::logs {
 namespace {
 
-constexpr std::int64_t kEventsPerReport = 1000;
-
 class Analyst {
  public:
   Analyst(const scenario::Scenario& scenario, Time start)

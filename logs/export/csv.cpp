@@ -12,10 +12,6 @@ using Json = nlohmann::ordered_json;
 using bus::WireField;
 using bus::WireSchema;
 
-std::string dumped(const Json& value) {
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 std::string quoted(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) {
     return text;

@@ -18,8 +18,6 @@
 namespace vantage::logs {
 namespace {
 
-constexpr std::int64_t kEventsPerReport = 1000;
-
 /// One table being written.
 struct Table {
   Table(const bus::WireSchema& schema, std::string to)

@@ -10,12 +10,6 @@
 namespace vantage::logs {
 namespace {
 
-constexpr std::int64_t kEventsPerReport = 1000;
-
-std::string dumped(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 class McapSink : public foxglove::Sink {
  public:
   explicit McapSink(McapWriter& writer) : writer_(writer) {}

@@ -9,7 +9,7 @@
 namespace vantage::logs {
 namespace {
 
-constexpr std::array<std::uint8_t, 4> kSyncBytes{0xED, 0xA1, 0xDA, 0x01};
+constexpr std::array<std::uint8_t, 4> kSync{0xED, 0xA1, 0xDA, 0x01};
 
 void append_big_endian(std::uint64_t value, std::size_t width, std::vector<std::uint8_t>& out) {
   for (std::size_t i = width; i-- > 0;) {
@@ -62,7 +62,7 @@ std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t 
     return std::nullopt;
   }
   const std::uint8_t* header = log.data() + offset;
-  if (std::memcmp(header, kSyncBytes.data(), kSyncBytes.size()) != 0) {
+  if (std::memcmp(header, kSync.data(), kSync.size()) != 0) {
     return std::nullopt;
   }
   LogEvent event;
@@ -88,15 +88,14 @@ std::size_t find_sync(std::span<const std::uint8_t> log, std::size_t offset) {
   if (offset >= log.size()) {
     return log.size();
   }
-  const void* found =
-      memmem(log.data() + offset, log.size() - offset, kSyncBytes.data(), kSyncBytes.size());
+  const void* found = memmem(log.data() + offset, log.size() - offset, kSync.data(), kSync.size());
   return found == nullptr
              ? log.size()
              : static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - log.data());
 }
 
 void append_event(const LogEvent& event, std::vector<std::uint8_t>& out) {
-  out.insert(out.end(), kSyncBytes.begin(), kSyncBytes.end());
+  out.insert(out.end(), kSync.begin(), kSync.end());
   append_big_endian(static_cast<std::uint64_t>(event.number), 8, out);
   append_big_endian(static_cast<std::uint64_t>(to_utime(event.time)), 8, out);
   append_big_endian(event.channel.size(), 4, out);

@@ -17,6 +17,7 @@
 namespace vantage::logs {
 
 inline constexpr std::uint32_t kSyncWord = 0xEDA1DA01U;
+inline constexpr std::size_t kSyncBytes = sizeof kSyncWord;
 inline constexpr std::size_t kEventHeaderBytes = 28;
 inline constexpr std::size_t kChannelBytesMax = 63;  ///< LCM publishes no longer name
 

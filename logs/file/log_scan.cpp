@@ -10,7 +10,6 @@ namespace {
 /// How far apart the numbers of events of one log may lie where they stand close together. (Numbers
 /// are not negative, so their differences do not overflow.)
 constexpr std::int64_t kNear = 10'000;
-constexpr std::size_t kSyncBytes = 4;
 /// So many events in a row with other numbers are the log's own: it was put together of several.
 constexpr int kStrangersMax = 64;
 /// Sync words looked at inside one event: so a file of nothing but headers takes linear time.

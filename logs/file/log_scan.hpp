@@ -11,6 +11,9 @@
 
 namespace vantage::logs {
 
+/// Whoever goes through a log says how far it is after so many.
+inline constexpr std::int64_t kEventsPerReport = 1000;
+
 /// What is known of an event's data besides its length.
 enum class Testimony {
   kNone,     ///< of an unknown type

@@ -8,30 +8,32 @@
 namespace vantage::logs::foxglove {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json number() { return {{"type", "number"}}; }
-Json integer() { return {{"type", "integer"}}; }
-Json text() { return {{"type", "string"}}; }
-Json boolean() { return {{"type", "boolean"}}; }
-Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
-Json object(Json properties) { return {{"type", "object"}, {"properties", std::move(properties)}}; }
+OrderedJson number() { return {{"type", "number"}}; }
+OrderedJson integer() { return {{"type", "integer"}}; }
+OrderedJson text() { return {{"type", "string"}}; }
+OrderedJson boolean() { return {{"type", "boolean"}}; }
+OrderedJson list_of(OrderedJson items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+OrderedJson object(OrderedJson properties) {
+  return {{"type", "object"}, {"properties", std::move(properties)}};
+}
 
-Json time() { return object({{"sec", integer()}, {"nsec", integer()}}); }
-Json bytes() { return {{"type", "string"}, {"contentEncoding", "base64"}}; }
-Json vector3() { return object({{"x", number()}, {"y", number()}, {"z", number()}}); }
-Json quaternion() {
+OrderedJson time() { return object({{"sec", integer()}, {"nsec", integer()}}); }
+OrderedJson bytes() { return {{"type", "string"}, {"contentEncoding", "base64"}}; }
+OrderedJson vector3() { return object({{"x", number()}, {"y", number()}, {"z", number()}}); }
+OrderedJson quaternion() {
   return object({{"x", number()}, {"y", number()}, {"z", number()}, {"w", number()}});
 }
-Json pose() { return object({{"position", vector3()}, {"orientation", quaternion()}}); }
-Json colour() {
+OrderedJson pose() { return object({{"position", vector3()}, {"orientation", quaternion()}}); }
+OrderedJson colour() {
   return object({{"r", number()}, {"g", number()}, {"b", number()}, {"a", number()}});
 }
-Json key_value() { return object({{"key", text()}, {"value", text()}}); }
-Json counter() { return object({{"name", text()}, {"count", integer()}}); }
+OrderedJson key_value() { return object({{"key", text()}, {"value", text()}}); }
+OrderedJson counter() { return object({{"name", text()}, {"count", integer()}}); }
 
-Json scene_entity() {
-  const Json box = object({{"pose", pose()}, {"size", vector3()}, {"color", colour()}});
+OrderedJson scene_entity() {
+  const OrderedJson box = object({{"pose", pose()}, {"size", vector3()}, {"color", colour()}});
   return object({{"timestamp", time()},
                  {"frame_id", text()},
                  {"id", text()},
@@ -79,7 +81,7 @@ Json scene_entity() {
                                             {"data", bytes()}}))}});
 }
 
-Json frame_transform() {
+OrderedJson frame_transform() {
   return object({{"timestamp", time()},
                  {"parent_frame_id", text()},
                  {"child_frame_id", text()},
@@ -87,7 +89,7 @@ Json frame_transform() {
                  {"rotation", quaternion()}});
 }
 
-Json well_known(Schema schema) {
+OrderedJson well_known(Schema schema) {
   switch (schema) {
     case Schema::kSceneUpdate:
       return object(
@@ -119,9 +121,9 @@ Json well_known(Schema schema) {
 }
 
 // long: a table, one entry for each schema.
-Json ours(Schema schema) {
-  const Json point = list_of(number());
-  const Json rectangle = object({{"min_m", point}, {"max_m", point}});
+OrderedJson ours(Schema schema) {
+  const OrderedJson point = list_of(number());
+  const OrderedJson rectangle = object({{"min_m", point}, {"max_m", point}});
   switch (schema) {
     case Schema::kScenario:
       return object(
@@ -230,7 +232,7 @@ const std::string& json_schema(Schema schema) {
   static const std::map<Schema, std::string> texts = [] {
     std::map<Schema, std::string> made;
     for (const Schema each : kSchemas) {
-      Json document = each <= Schema::kLog ? well_known(each) : ours(each);
+      OrderedJson document = each <= Schema::kLog ? well_known(each) : ours(each);
       document["title"] = name_of(each);
       document["$schema"] = "https://json-schema.org/draft/2020-12/schema";
       made[each] = document.dump();

@@ -135,6 +135,10 @@ std::optional<Json> message_json(std::span<const std::uint8_t> message) {
   return Reader(body).read_struct(*schema);
 }
 
+std::string dumped(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 Json json_schema(const WireSchema& schema) {
   Json properties = Json::object();
   for (const WireField& field : schema.fields) {

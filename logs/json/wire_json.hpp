@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -15,9 +16,11 @@ namespace vantage::logs {
 
 /// The message in `message` (fingerprint included, signed or not) as an object whose members stand
 /// in wire order; nullopt when it is none of the house's or not well formed. Numbers that are not
-/// finite are null, as JSON has none; text that is not UTF-8 has its bad bytes replaced when it is
-/// dumped with error_handler_t::replace.
+/// finite are null, as JSON has none.
 std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> message);
+
+/// On one line; what is not UTF-8 in it is replaced.
+std::string dumped(const nlohmann::ordered_json& json);
 
 /// The JSON schema (draft 2020-12) of message_json()'s answers for messages of type `schema`.
 nlohmann::ordered_json json_schema(const bus::WireSchema& schema);

@@ -16,6 +16,11 @@ int dim_of(const PositionVector& position) { return static_cast<int>(position.ro
 
 }  // namespace
 
+double distance_m(const Viewpoint& a, const Viewpoint& b) {
+  const Eigen::Vector2d level_m = a.world_from_body.position_m() - b.world_from_body.position_m();
+  return std::hypot(level_m.norm(), a.height_m - b.height_m);
+}
+
 SightLine sight_line(const Viewpoint& from, const PositionVector& target_world_m) {
   const bool in_space = target_world_m.rows() == 3;
   const Eigen::Vector2d d = target_world_m.head<2>() - from.world_from_body.position_m();

@@ -32,6 +32,8 @@ struct Viewpoint {
   Pose2 world_from_body;
   double height_m = 0.0;
 };
+/// Between two of them, in space.
+double distance_m(const Viewpoint& a, const Viewpoint& b);
 
 /// Systematic error of a ranging sensor: it reports range_scale · true range + range_bias_m.
 struct RangeCalibration {

@@ -38,11 +38,10 @@ Proposal BestAddition::find(TeamSet& team, std::span<const char> excluded) {
   if (!lazy_) {
     return find_among_all(team, excluded);
   }
-  constexpr double kRounding = 1e-9;  // of a gain, nats: far above the error of a sum
   Proposal best;
   std::vector<Bound> asked;
-  while (!heap_.empty() &&
-         (best.is_nothing() || heap_.front().gain >= best.value - team.value() - kRounding)) {
+  while (!heap_.empty() && (best.is_nothing() ||
+                            heap_.front().gain >= best.value - team.value() - kGainRounding_nats)) {
     std::pop_heap(heap_.begin(), heap_.end());
     Bound top = heap_.back();
     heap_.pop_back();

@@ -10,8 +10,6 @@
 namespace vantage::planner {
 namespace {
 
-constexpr double kRounding = 1e-9;  // of a gain, nats: far above the error of a sum
-
 // The robot's best candidate beside `team`, of which it has none, as far as the deadline lets it
 // look; kNoCandidate when none adds.
 CandidateId best_beside(const TeamOracle& oracle, TeamSet& team, int robot, bool lazy,
@@ -20,7 +18,7 @@ CandidateId best_beside(const TeamOracle& oracle, TeamSet& team, int robot, bool
   double best_value = before;
   CandidateId best = kNoCandidate;
   for (const CandidateId id : oracle.by_value(robot)) {
-    if ((lazy && oracle.alone(id) < best_value - before - kRounding) ||
+    if ((lazy && oracle.alone(id) < best_value - before - kGainRounding_nats) ||
         deadline.expired(team.calls())) {
       break;
     }

@@ -58,7 +58,6 @@ void ProposalSearch::end_additions() {
 }
 
 ProposalSearch::State ProposalSearch::advance() {
-  constexpr double kRounding = 1e-9;  // of a gain, nats: far above the error of a sum
   for (;;) {
     if (!is_adding_) {
       if (!turn_to_next_deletion()) {
@@ -83,7 +82,7 @@ ProposalSearch::State ProposalSearch::advance() {
     }
     while (next_addition_ < order_.size()) {
       const CandidateId id = order_[next_addition_++];
-      if (lazy_ && oracle_->alone(id) < needed_ - kRounding) {
+      if (lazy_ && oracle_->alone(id) < needed_ - kGainRounding_nats) {
         break;
       }
       if (excluded_[static_cast<std::size_t>(id)] != 0 || id == chosen_by(robot_)) {

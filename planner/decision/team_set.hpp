@@ -7,6 +7,9 @@
 
 namespace vantage::planner {
 
+/// Gains that differ by no more are equal, nats: far above the error of a sum.
+inline constexpr double kGainRounding_nats = 1e-9;
+
 /// A set S of at most one candidate for each robot, with everything kept that makes the value of
 /// its neighbours cheap: each target's belief after every step, and what it has brought.
 ///

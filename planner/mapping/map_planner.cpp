@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/infinity.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -86,7 +87,6 @@ SearchResult MapPlanner::search(const SearchProblem& problem, const Deadline& de
   result.moving_steps = static_cast<int>(route.controls.size());
   result.cost = -route.worth_nats;
   const bool is_best = !route.is_cut && result.moving_steps == problem.horizon_steps;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   result.lower_bound = is_best ? result.cost : -kInfinity;
   result.epsilon = is_best ? 0.0 : kInfinity;
   result.delta_m = is_best ? 0.0 : kInfinity;

@@ -1,7 +1,6 @@
 #include "planner/problem/fixed_information.hpp"
 
-#include <limits>
-
+#include "core/infinity.hpp"
 #include "planner/problem/look.hpp"
 
 namespace vantage::planner {
@@ -14,7 +13,6 @@ struct View {
 
 // Where the targets are expected from the plan's start to its end.
 models::Rectangle around_targets(const SearchProblem& problem) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   models::Rectangle around{Eigen::Vector2d::Constant(kInfinity),
                            Eigen::Vector2d::Constant(-kInfinity)};
   for (const SearchTarget& target : problem.targets) {

@@ -1,9 +1,9 @@
 #include "planner/problem/problem.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "core/check.hpp"
+#include "core/infinity.hpp"
 
 namespace vantage::planner {
 
@@ -99,7 +99,6 @@ void require_valid(const SearchProblem& problem) {
 }
 
 void SearchResult::reset() {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   found = false;
   controls.clear();
   poses.clear();

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/check.hpp"
+#include "core/infinity.hpp"
 #include "models/belief/exploration.hpp"
 #include "planner/decision/resilient.hpp"
 #include "planner/problem/belief_table.hpp"
@@ -16,7 +17,6 @@
 namespace vantage::planner {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A different stream of random numbers for each robot and round, the same at every replay.
 std::uint64_t draw_seed(std::uint64_t seed, int robot_index, std::int64_t round) {
   std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),

@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/check.hpp"
 #include "core/index.hpp"
+#include "core/infinity.hpp"
 #include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 ReducedValueIteration::ReducedValueIteration(const SearchCapacity& capacity)
     : capacity_(capacity),

@@ -6,12 +6,12 @@
 
 #include "core/check.hpp"
 #include "core/index.hpp"
+#include "core/infinity.hpp"
 #include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kInfinityF = std::numeric_limits<float>::infinity();
 constexpr int kStopsPerDepth = 16;
 constexpr int kSequenceStates = 4'000;

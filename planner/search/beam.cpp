@@ -4,16 +4,15 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "core/check.hpp"
 #include "core/index.hpp"
+#include "core/infinity.hpp"
 #include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kChunk = 128;  // candidates looked through between two askings: some µs
 constexpr int kPassesMax = 100;
 constexpr unsigned kRegionBits = 2;                 // a region is 4 cells wide in each of x, y, yaw

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/infinity.hpp"
 
 namespace vantage::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Ways bend at corners of boxes shrunk once, sight is blocked by boxes shrunk twice: a leg that
 // grazes a corner is never called blocked by rounding.

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/infinity.hpp"
 #include "models/sensor/law.hpp"
 #include "planner/problem/log_product.hpp"
 
 namespace vantage::planner {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding_m = 1e-9;
 
 // Horizontal distance beyond which `sensor` does not see a target, whatever the heading.

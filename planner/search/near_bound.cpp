@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/infinity.hpp"
 
 namespace vantage::planner {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRounding_m = 1e-6;
+constexpr double kPlay_m = 1e-6;
 constexpr double kRadii_m[] = {0.5, 0.2, 0.1};  // discs tried, largest first
 constexpr int kAskEvery = 64;                   // steps of recursion between looks at the deadline
 constexpr std::int64_t kStepsMax = 60'000;      // of recursion, for one size of discs
@@ -73,10 +73,10 @@ void NearBound::tabulate_hops() {
 
 double NearBound::strongest_from(int m, double least_m) const {
   const double sight_m = heuristic_->sight_m(m);
-  if (least_m > sight_m + kRounding_m) {
+  if (least_m > sight_m + kPlay_m) {
     return 0.0;
   }
-  const double from_m = std::max(0.0, least_m - kRounding_m);
+  const double from_m = std::max(0.0, least_m - kPlay_m);
   return heuristic_->look_bound(m, from_m, from_m + 2.0 * sight_m, 0).average();
 }
 
@@ -94,10 +94,10 @@ void NearBound::set_discs(double radius_m) {
       }
       const double rho_m = std::min(radius_m, 0.5 * nearest_m);
       const double reached_m =
-          std::max(0.0, (mean_m - start_m).norm() - k * heuristic_->step_m() - kRounding_m);
+          std::max(0.0, (mean_m - start_m).norm() - k * heuristic_->step_m() - kPlay_m);
       radii_m_[at(i, k)] = rho_m;
       near_[at(i, k)] = reached_m < rho_m ? strongest_from(m, reached_m) : 0.0;
-      afar_[at(i, k)] = strongest_from(m, std::max(reached_m, rho_m - kRounding_m));
+      afar_[at(i, k)] = strongest_from(m, std::max(reached_m, rho_m - kPlay_m));
       savings_[at(i, k)] = 0.0;
     }
   }
@@ -110,7 +110,7 @@ bool NearBound::can_follow(int i, int k, int j, int l) const {
   const double apart_m = (beliefs_->mean_m(targets_[index(j)], l).head<2>() -
                           beliefs_->mean_m(targets_[index(i)], k).head<2>())
                              .norm();
-  const double play_m = radii_m_[at(i, k)] + radii_m_[at(j, l)] + kRounding_m;
+  const double play_m = radii_m_[at(i, k)] + radii_m_[at(j, l)] + kPlay_m;
   const Hop& hop = hops_[l - k];
   return apart_m + play_m > hop.least_m && apart_m - play_m < hop.most_m;
 }

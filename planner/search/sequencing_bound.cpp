@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+
+#include "core/infinity.hpp"
 
 namespace vantage::planner {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAnywhere_m = 1e9;
 constexpr double kRounding = 1e-9;
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double kFromRobotsM = 1.0;
 constexpr double kFromTargetsM = 0.3;
 constexpr double kFromWallsM = 0.1;
-constexpr int kDrawsMax = 2000;
+constexpr int kStartDrawsMax = 2000;
 constexpr int kHalvingsMax = 4;
 
 struct Placed {
@@ -54,7 +54,7 @@ std::vector<Pose2> target_starts(const scenario::Scenario& scenario, std::uint64
     bool found = false;
     double relax = 1.0;
     for (int halving = 0; halving <= kHalvingsMax && !found; ++halving, relax *= 0.5) {
-      for (int draw = 0; draw < kDrawsMax && !found; ++draw) {
+      for (int draw = 0; draw < kStartDrawsMax && !found; ++draw) {
         const double x_share = share(rng);
         const double y_share = share(rng);
         const Eigen::Vector2d p_m =

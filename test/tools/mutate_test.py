@@ -167,6 +167,20 @@ class Draws(unittest.TestCase):
         self.assertEqual(len(self.found), len(ledger.draw(self.found, 1000, 1, "core")))
 
 
+class Builds(unittest.TestCase):
+    def test_one_that_takes_several_files_at_once_is_none_for_mutants(self):
+        with tempfile.TemporaryDirectory() as folder:
+            build = pathlib.Path(folder)
+            self.assertFalse(workshop.has_every_file_alone(build))
+            (build / "build.ninja").touch()
+            self.assertTrue(workshop.has_every_file_alone(build))
+            cache = build / "CMakeCache.txt"
+            cache.write_text("VANTAGE_UNITY:BOOL=OFF\n")
+            self.assertTrue(workshop.has_every_file_alone(build))
+            cache.write_text("VANTAGE_UNITY:BOOL=ON\n")
+            self.assertFalse(workshop.has_every_file_alone(build))
+
+
 class Ledgers(unittest.TestCase):
     def test_first_outcome_is_kept_and_counted(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -67,12 +67,11 @@ void add_plan_command(CLI::App& root, Runner& chosen) {
   command->add_option("--algorithm", arguments->request.algorithm, "which search")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
-  constexpr double kLongest_s = 86'400.0;
   auto* budget = command
                      ->add_option("--budget-s", arguments->request.budget_s,
                                   "time for the search, memory prepared before it begins; 1 when "
                                   "neither this nor --nodes is given")
-                     ->check(number_between(0.0, kLongest_s));
+                     ->check(number_between(0.0, kLongestBudget_s));
   command
       ->add_option("--nodes", arguments->request.nodes,
                    "nodes of work instead of time: the same answer to the bit, every time")

@@ -98,7 +98,7 @@ void print(const std::vector<logs::FittedMotion>& fits) {
   }
 }
 
-nlohmann::ordered_json to_json(const std::vector<logs::FittedMotion>& fits) {
+nlohmann::ordered_json fits_to_json(const std::vector<logs::FittedMotion>& fits) {
   nlohmann::ordered_json json;
   json["horizons_s"] = logs::kHorizons_s;
   for (const logs::FittedMotion& fit : fits) {
@@ -135,7 +135,7 @@ int fit(const FitArguments& arguments) {
   const std::vector<logs::FittedMotion> fits =
       logs::fit_motion(courses, center_m, arguments.fitted_share);
   if (arguments.as_json) {
-    print_json(to_json(fits));
+    print_json(fits_to_json(fits));
   } else {
     print(fits);
   }

@@ -13,7 +13,6 @@ namespace vantage::tools {
 namespace {
 
 constexpr const char* kDefault = "default";
-constexpr double kLongest_s = 86'400.0;
 constexpr std::size_t kLeastMemory_mb = 16;
 constexpr std::size_t kMostMemory_mb = std::size_t{1} << 20;
 
@@ -41,8 +40,8 @@ Solver::Solver(PlanRequest request) : request_(std::move(request)) {
   const auto check = [](bool holds, const char* name, const std::string& rule, auto value) {
     require(holds, fmt::format("{}: must be {}, got {}", name, rule, value));
   };
-  check(request_.budget_s >= 0.0 && request_.budget_s <= kLongest_s, "budget_s",
-        fmt::format("≥ 0 and ≤ {}", kLongest_s), request_.budget_s);
+  check(request_.budget_s >= 0.0 && request_.budget_s <= kLongestBudget_s, "budget_s",
+        fmt::format("≥ 0 and ≤ {}", kLongestBudget_s), request_.budget_s);
   constexpr std::int64_t kMostNodes = 1'000'000'000'000;
   const std::int64_t nodes = request_.nodes.value_or(1);
   check(nodes >= 1 && nodes <= kMostNodes, "nodes", fmt::format("≥ 1 and ≤ {}", kMostNodes), nodes);

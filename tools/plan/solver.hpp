@@ -10,6 +10,8 @@
 
 namespace vantage::tools {
 
+inline constexpr double kLongestBudget_s = 86'400.0;
+
 /// How a planning problem is to be solved.
 struct PlanRequest {
   std::string algorithm =

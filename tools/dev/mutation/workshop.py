@@ -80,6 +80,13 @@ def hash_of(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
 
 
+def has_every_file_alone(build):
+    """Something is built there, and not several files at once: a mutant takes the place of one."""
+    cache = build / "CMakeCache.txt"
+    return (build / "build.ninja").exists() and not (
+        cache.exists() and "VANTAGE_UNITY:BOOL=ON" in cache.read_text())
+
+
 class Workshop:
     """The sources as they are, a build of them, and what is known of its tests."""
 
@@ -90,7 +97,7 @@ class Workshop:
         release = self.root / "build" / "release"
         self.is_given = build is not None  # and is then as it shall be
         self.build = self.root / build if build else \
-            release if (release / "build.ninja").exists() else self.place / "build"
+            release if has_every_file_alone(release) else self.place / "build"
         self.exclude_labels = exclude_labels
         self.exclude_tests = exclude_tests
         self.only = only
