@@ -8,8 +8,8 @@
 #include <sys/resource.h>
 
 #include "core/deadline.hpp"
+#include "scenario/reader/overrides.hpp"
 #include "trial/recipe.hpp"
-#include "trial/scenario/overrides.hpp"
 #include "trial/trial.hpp"
 
 // What a trial in virtual time costs: one line a scenario, wall and CPU time, memory, and what
@@ -33,8 +33,8 @@ double peak_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-int run(const std::string& path, const vantage::trial::Overrides& overrides, bool as_json) {
-  const vantage::scenario::Scenario scenario = vantage::trial::load_scenario_with(path, overrides);
+int run(const std::string& path, const vantage::scenario::Overrides& overrides, bool as_json) {
+  const vantage::scenario::Scenario scenario = vantage::scenario::load_scenario_with(path, overrides);
   const double cpu_begin_s = cpu_s();
   const std::int64_t begin_ns = vantage::monotonic_ns();
   vantage::trial::Trial trial(scenario, vantage::trial::trial_recipes(scenario), "");
@@ -63,7 +63,7 @@ int run(const std::string& path, const vantage::trial::Overrides& overrides, boo
 int main(int argc, char** argv) {
   CLI::App app("What a trial in virtual time costs.");
   std::string path;
-  vantage::trial::Overrides overrides;
+  vantage::scenario::Overrides overrides;
   bool as_json = false;
   app.add_option("scenario", path)->required();
   app.add_option("--seed", overrides.seed);
