@@ -141,22 +141,44 @@ void Bus::add_subscription(Subscription subscription) {
     }
   }
   const std::size_t index = index_.add(subscription.pattern);
-  subscriptions_.push_back(std::move(subscription));
+  if (index == subscriptions_.size()) {
+    subscriptions_.emplace_back();
+  }
+  subscriptions_[index] = std::move(subscription);
   if (is_new) {
-    transport_.subscribe(
-        subscriptions_[index].pattern,
-        [self = std::weak_ptr<Bus*>(self_), index](std::string_view name, const Payload& bytes) {
-          if (const auto bus = self.lock()) {
-            (*bus)->on_message(index, name, bytes);
-          }
-        });
+    const std::string& pattern = subscriptions_[index].pattern;
+    transport_.subscribe(pattern, [self = std::weak_ptr<Bus*>(self_), pattern](
+                                      std::string_view name, const Payload& bytes) {
+      if (const auto bus = self.lock()) {
+        (*bus)->on_message(pattern, name, bytes);
+      }
+    });
+  }
+}
+
+void Bus::unsubscribe(const std::string& name) {
+  for (const std::size_t number : index_.remove(name)) {
+    subscriptions_[number] = {};
+  }
+  transport_.unsubscribe(name);
+  if (index_.next(name, 0)) {
+    return;  // a pattern hears it
+  }
+  if (const auto stream = streams_.find(name); stream != streams_.end()) {
+    left_.add(stream->second.counts());
+    streams_.erase(stream);
+  }
+  if (const auto stream = shared_streams_.find(name); stream != shared_streams_.end()) {
+    left_.add(stream->second.counts());
+    shared_streams_.erase(stream);
   }
 }
 
 // The transport calls once for each distinct pattern that hears a message. The first of them
 // serves all subscriptions, so that the stream is judged once; the others find nothing to do.
-void Bus::on_message(std::size_t subscription, std::string_view name, const Payload& bytes) {
-  if (index_.next(name, 0) < subscription) {
+void Bus::on_message(const std::string& pattern, std::string_view name, const Payload& bytes) {
+  const auto first = index_.next(name, 0);
+  if (!first || subscriptions_[*first].pattern != pattern) {
     return;
   }
   const std::int64_t start_ns = monotonic_ns();
@@ -167,7 +189,7 @@ void Bus::on_message(std::size_t subscription, std::string_view name, const Payl
     handling_ns_ += monotonic_ns() - start_ns;
     return;
   }
-  for (auto i = index_.next(name, subscription); i; i = index_.next(name, *i + 1)) {
+  for (auto i = first; i; i = index_.next(name, *i + 1)) {
     delivery.is_shared = subscriptions_[*i].is_shared;
     delivery.lease = subscriptions_[*i].lease;
     subscriptions_[*i].deliver(delivery);
@@ -203,7 +225,7 @@ void Bus::count_fault(Delivery& delivery, std::map<std::string, std::int64_t>& c
 }
 
 std::int64_t Bus::messages_lost() const {
-  std::int64_t lost = 0;
+  std::int64_t lost = left_.lost;
   for (const auto& [name, counts] : stream_counts()) {
     lost += counts.lost;
   }
@@ -246,15 +268,19 @@ std::vector<models::NamedCount> Bus::counters() const {
   if (authenticator_) {
     authenticator_->count(counts);
   }
-  for (const auto& [name, stream] : reported(stream_counts())) {
+  const auto add_stream = [&](const std::string& name, const StreamCounts& stream) {
     add_nonzero(counts, name + ".fresh", stream.fresh);
     add_nonzero(counts, name + ".lost", stream.lost);
     add_nonzero(counts, name + ".duplicates", stream.duplicates);
     add_nonzero(counts, name + ".reordered", stream.reordered);
     add_nonzero(counts, name + ".old_runs", stream.old_runs);
     add_nonzero(counts, name + ".too_far_ahead", stream.too_far_ahead);
+  };
+  for (const auto& [name, stream] : reported(stream_counts())) {
+    add_stream(name, stream);
     add_nonzero(counts, name + ".restarts", std::max<std::int64_t>(0, stream.runs - 1));
   }
+  add_stream("left", left_);
   return counts;
 }
 

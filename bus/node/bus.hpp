@@ -87,6 +87,10 @@ class Bus {
       const Channel<Message>& channel,
       std::function<void(const std::string& name, const std::shared_ptr<const Message>&)> handler);
 
+  /// Forgets every handler of that very channel name, and the stream: heard again, it begins anew,
+  /// and what was said in between is not lost. A handler of another channel may call it.
+  void unsubscribe(const std::string& name);
+
   /// Waits up to `timeout`, then dispatches what has arrived; how many messages, or
   /// kSourceEnded. What a handler throws comes out here.
   int handle(std::chrono::microseconds timeout);
@@ -133,7 +137,7 @@ class Bus {
   bool is_said_to_us(Delivery& delivery, const models::OperatorCommand& command);
   bool send(const std::string& channel, std::span<const std::uint8_t> bytes);
   void add_subscription(Subscription subscription);
-  void on_message(std::size_t subscription, std::string_view name, const Payload& bytes);
+  void on_message(const std::string& pattern, std::string_view name, const Payload& bytes);
   /// What is in the delivery; null, and counted, where that does not decode or cannot be true.
   template <class Message>
   std::shared_ptr<const Message> message_of(Delivery& delivery);
@@ -159,6 +163,7 @@ class Bus {
   ByName<std::int64_t> next_sequence_;
   ByName<StreamMonitor> streams_;
   ByName<SharedStreamMonitor> shared_streams_;
+  StreamCounts left_;  ///< of streams that are no more listened to
   std::int64_t undecoded_ = 0;
   std::map<std::string, std::int64_t> decode_errors_;  ///< by channel: wrong type or truncated
   std::map<std::string, std::int64_t> refused_;        ///< by channel: decoded, but cannot be true

@@ -12,17 +12,17 @@ void add_saturating(std::int64_t& sum, std::int64_t more) {
   sum = more > kMax - sum ? kMax : sum + more;
 }
 
-void add(StreamCounts& sum, const StreamCounts& more) {
-  add_saturating(sum.fresh, more.fresh);
-  add_saturating(sum.lost, more.lost);
-  add_saturating(sum.duplicates, more.duplicates);
-  add_saturating(sum.reordered, more.reordered);
-  add_saturating(sum.old_runs, more.old_runs);
-  add_saturating(sum.too_far_ahead, more.too_far_ahead);
-  add_saturating(sum.runs, more.runs);
-}
-
 }  // namespace
+
+void StreamCounts::add(const StreamCounts& more) {
+  add_saturating(fresh, more.fresh);
+  add_saturating(lost, more.lost);
+  add_saturating(duplicates, more.duplicates);
+  add_saturating(reordered, more.reordered);
+  add_saturating(old_runs, more.old_runs);
+  add_saturating(too_far_ahead, more.too_far_ahead);
+  add_saturating(runs, more.runs);
+}
 
 void StreamMonitor::advance_to(const models::Stamp& stamp, const StreamRules& rules) {
   const std::int64_t skipped =
@@ -144,7 +144,7 @@ Arrival SharedStreamMonitor::judge(const models::Stamp& stamp, const StreamRules
       const auto silent = std::min_element(
           runs_.begin(), runs_.end(),
           [](const Run& a, const Run& b) { return a.judged_last < b.judged_last; });
-      add(forgotten_, silent->stream.counts());
+      forgotten_.add(silent->stream.counts());
       runs_.erase(silent);
     }
     run = runs_.insert(runs_.end(), Run{stamp.run_id, 0, {}});
@@ -156,7 +156,7 @@ Arrival SharedStreamMonitor::judge(const models::Stamp& stamp, const StreamRules
 StreamCounts SharedStreamMonitor::counts() const {
   StreamCounts total = forgotten_;
   for (const Run& run : runs_) {
-    add(total, run.stream.counts());
+    total.add(run.stream.counts());
   }
   return total;
 }

@@ -33,6 +33,9 @@ struct StreamCounts {
   std::int64_t old_runs = 0;   ///< from a run that a newer run has replaced, or may not replace
   std::int64_t too_far_ahead = 0;
   std::int64_t runs = 0;  ///< distinct runs heard
+
+  /// Adds, but never beyond what fits.
+  void add(const StreamCounts& more);
 };
 
 /// Judges the messages of one channel by run id and sequence number; LCM does none of it.

@@ -26,17 +26,41 @@ template <class Value>
 using ByName = std::unordered_map<std::string, Value, NameHash, std::equal_to<>>;
 
 /// Who listens to which channels, numbered as they were added: found by name, whatever others
-/// listen to. Patterns ("PREFIX*") are gone through one by one, so they should be few.
+/// listen to. Patterns ("PREFIX*") are gone through one by one, so they should be few. A number
+/// that was given back is given again, so numbers stay below the most that there were at once.
 class ChannelIndex {
  public:
-  /// The pattern's number: 0, 1, …
+  /// The pattern's number: 0, 1, … or the one that was given back last.
   std::size_t add(const std::string& pattern) {
-    if (pattern.ends_with('*')) {
-      prefixes_.push_back({pattern, count_});
-    } else {
-      exact_[pattern].push_back(count_);
+    const std::size_t number = free_.empty() ? count_++ : free_.back();
+    if (!free_.empty()) {
+      free_.pop_back();
     }
-    return count_++;
+    if (pattern.ends_with('*')) {
+      prefixes_.push_back({pattern, number});
+    } else {
+      std::vector<std::size_t>& numbers = exact_[pattern];
+      numbers.insert(std::upper_bound(numbers.begin(), numbers.end(), number), number);
+    }
+    return number;
+  }
+
+  /// Gives back the numbers of this very pattern, and says which.
+  std::vector<std::size_t> remove(const std::string& pattern) {
+    std::vector<std::size_t> numbers;
+    if (const auto found = exact_.find(pattern); found != exact_.end()) {
+      numbers = std::move(found->second);
+      exact_.erase(found);
+    }
+    std::erase_if(prefixes_, [&](const Prefix& each) {
+      const bool is_it = each.pattern == pattern;
+      if (is_it) {
+        numbers.push_back(each.number);
+      }
+      return is_it;
+    });
+    free_.insert(free_.end(), numbers.begin(), numbers.end());
+    return numbers;
   }
 
   /// Whether this very pattern was added.
@@ -71,6 +95,7 @@ class ChannelIndex {
     std::size_t number = 0;
   };
   std::size_t count_ = 0;
+  std::vector<std::size_t> free_;  ///< below count_, of nobody
   ByName<std::vector<std::size_t>> exact_;
   std::vector<Prefix> prefixes_;
 };

@@ -62,8 +62,26 @@ class InProcessHub::State::Endpoint : public Transport {
     if (is_pattern) {
       patterns_.push_back(channel);
     }
-    index_.add(channel);
-    subscriptions_.push_back({channel, std::move(handler)});
+    const std::size_t number = index_.add(channel);
+    if (number == subscriptions_.size()) {
+      subscriptions_.emplace_back();
+    }
+    subscriptions_[number] = {channel, std::move(handler)};
+  }
+
+  void unsubscribe(const std::string& channel) override {
+    const std::lock_guard hub_lock(hub_.mutex);
+    const std::lock_guard lock(mutex_);
+    for (const std::size_t number : index_.remove(channel)) {
+      subscriptions_[number] = {};
+    }
+    if (std::erase(patterns_, channel) > 0) {
+      if (patterns_.empty()) {
+        std::erase(hub_.pattern_listeners, this);
+      }
+    } else if (const auto found = hub_.listeners.find(channel); found != hub_.listeners.end()) {
+      std::erase(found->second, this);
+    }
   }
 
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {

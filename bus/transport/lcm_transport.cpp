@@ -35,8 +35,17 @@ LcmTransport::~LcmTransport() = default;
 
 void LcmTransport::subscribe(const std::string& channel, Handler handler) {
   const std::string expression = expression_of(channel);
-  subscriptions_.push_back({this, std::move(handler)});
-  lcm_subscribe(lcm_.get(), expression.c_str(), &LcmTransport::on_message, &subscriptions_.back());
+  Subscription& own = subscriptions_.emplace_back(Subscription{this, channel, std::move(handler)});
+  own.lcm = lcm_subscribe(lcm_.get(), expression.c_str(), &LcmTransport::on_message, &own);
+}
+
+// What it was stays where it is: liblcm may hold a pointer to it until its handle() is over.
+void LcmTransport::unsubscribe(const std::string& channel) {
+  for (Subscription& each : subscriptions_) {
+    if (each.lcm != nullptr && each.channel == channel) {
+      lcm_unsubscribe(lcm_.get(), std::exchange(each.lcm, nullptr));
+    }
+  }
 }
 
 bool LcmTransport::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {

@@ -27,6 +27,7 @@ class LcmTransport : public Transport {
 
   /// @throws UsageError for a name that liblcm would read as something else.
   void subscribe(const std::string& channel, Handler handler) override;
+  void unsubscribe(const std::string& channel) override;
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override;
   int handle(std::chrono::microseconds timeout) override;
   [[nodiscard]] TransportStats stats() const override { return stats_; }
@@ -34,7 +35,9 @@ class LcmTransport : public Transport {
  private:
   struct Subscription {
     LcmTransport* transport;
+    std::string channel;
     Handler handler;
+    lcm_subscription_t* lcm = nullptr;  ///< null once it was given up
   };
   static void on_message(const lcm_recv_buf_t* buffer, const char* channel, void* subscription);
 

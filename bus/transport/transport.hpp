@@ -47,6 +47,9 @@ class Transport {
   /// Calls `handler`, inside handle(), with every message on `channel`; a name that ends in '*'
   /// stands for every channel with that prefix ("*": all).
   virtual void subscribe(const std::string& channel, Handler handler) = 0;
+  /// Forgets the handlers of that very name or pattern. A handler may call it of another name than
+  /// those that it listens to itself.
+  virtual void unsubscribe(const std::string& channel) = 0;
   /// False when the message could not be handed to the network (counted).
   virtual bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) = 0;
   /// Waits up to `timeout` for a message, then dispatches everything that has arrived; returns how

@@ -52,7 +52,22 @@ UdpmTransport::UdpmTransport(const UdpmAddress& address)
       reassembler_(limits_for(message_bytes_max_)) {}
 
 void UdpmTransport::subscribe(const std::string& channel, Handler handler) {
-  subscriptions_.push_back({channel, std::move(handler)});
+  const auto spare = std::find_if(subscriptions_.begin(), subscriptions_.end(),
+                                  [](const Subscription& each) { return each.pattern.empty(); });
+  if (spare != subscriptions_.end()) {
+    *spare = {channel, std::move(handler)};
+  } else {
+    subscriptions_.push_back({channel, std::move(handler)});
+  }
+}
+
+// Its place stays, for the next one: dispatch() may be on its way through them.
+void UdpmTransport::unsubscribe(const std::string& channel) {
+  for (Subscription& each : subscriptions_) {
+    if (each.pattern == channel) {
+      each = {};
+    }
+  }
 }
 
 bool UdpmTransport::publish(const std::string& channel, std::span<const std::uint8_t> bytes) {

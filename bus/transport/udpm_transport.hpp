@@ -22,6 +22,7 @@ class UdpmTransport : public Transport {
   explicit UdpmTransport(const UdpmAddress& address);
 
   void subscribe(const std::string& channel, Handler handler) override;
+  void unsubscribe(const std::string& channel) override;
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override;
   /// Dispatches at most 4096 messages, and none once 5 ms more than `timeout` have passed, so that
   /// a flood cannot keep the caller; what has arrived and is not dispatched waits for the next
@@ -32,7 +33,7 @@ class UdpmTransport : public Transport {
 
  private:
   struct Subscription {
-    std::string pattern;
+    std::string pattern;  ///< empty: nobody's place
     Handler handler;
   };
   bool send_fragments(const std::string& channel, std::span<const std::uint8_t> bytes,

@@ -53,6 +53,41 @@ class BusAgainstRawBytes : public ::testing::Test {
   std::vector<models::OperatorCommand> heard_;
 };
 
+TEST(Bus, CountsNothingAsLostThatWasSaidWhileItDidNotListen) {
+  InProcessHub hub;
+  const auto speaking = hub.connect();
+  const auto listening = hub.connect();
+  Bus speaker(*speaking, 42);
+  Bus bus(*listening, 43);
+  int heard = 0;
+  const auto listen = [&] {
+    for (int twice = 0; twice < 2; ++twice) {
+      bus.subscribe<models::OperatorCommand>(kCommand,
+                                             [&](const models::OperatorCommand&) { ++heard; });
+    }
+  };
+  const auto say = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      speaker.publish(kCommand, command(5));
+      bus.handle(kNow);
+    }
+  };
+  bus.subscribe<models::AttackNotice>(kAttack, [](const auto&) {});
+  listen();
+  say(3);
+  EXPECT_EQ(heard, 6);
+  bus.unsubscribe(kAttack.name);  // its place is taken by one of the next
+  bus.unsubscribe(kCommand.name);
+  say(3);
+  EXPECT_EQ(heard, 6);
+  listen();
+  say(2);
+  EXPECT_EQ(heard, 10);
+  EXPECT_EQ(bus.messages_lost(), 0);
+  EXPECT_EQ(count_of(bus, "left.fresh"), 3);
+  EXPECT_EQ(count_of(bus, "COMMAND.fresh"), 2);
+}
+
 TEST(Bus, StampsRunAndSequencePerChannelAndSaysUnderWhichName) {
   InProcessHub hub;
   const auto endpoint = hub.connect();

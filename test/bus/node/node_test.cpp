@@ -15,6 +15,7 @@ class WaitMovesTheClock : public Transport {
   void subscribe(const std::string& channel, Handler handler) override {
     own_->subscribe(channel, std::move(handler));
   }
+  void unsubscribe(const std::string& channel) override { own_->unsubscribe(channel); }
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
     return own_->publish(channel, bytes);
   }
@@ -189,6 +190,7 @@ class SetWallClock : public Transport {
   void subscribe(const std::string& channel, Handler handler) override {
     own_->subscribe(channel, std::move(handler));
   }
+  void unsubscribe(const std::string& channel) override { own_->unsubscribe(channel); }
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
     return own_->publish(channel, bytes);
   }

@@ -1,6 +1,7 @@
 #include "bus/transport/channel_index.hpp"
 
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -33,6 +34,27 @@ TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFind) {
                 std::find(added.begin(), added.end(), pattern) != added.end());
     }
   }
+}
+
+TEST(ChannelIndex, GivesNumbersThatWereGivenBackAgain) {
+  ChannelIndex index;
+  index.add("A");
+  index.add("B*");
+  index.add("A");
+  EXPECT_EQ(index.remove("A"), (std::vector<std::size_t>{0, 2}));
+  EXPECT_FALSE(index.contains("A"));
+  EXPECT_EQ(index.next("A", 0), std::nullopt);
+  EXPECT_EQ(index.remove("B*"), (std::vector<std::size_t>{1}));
+  EXPECT_EQ(index.next("BC", 0), std::nullopt);
+  EXPECT_EQ(index.remove("C"), std::vector<std::size_t>{});
+  std::set<std::size_t> again;
+  for (const char* name : {"C", "C", "C"}) {
+    again.insert(index.add(name));
+  }
+  EXPECT_EQ(again, (std::set<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(index.next("C", 0), 0U);
+  EXPECT_EQ(index.next("C", 1), 1U);
+  EXPECT_EQ(index.next("C", 2), 2U);
 }
 
 }  // namespace

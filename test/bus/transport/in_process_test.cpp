@@ -38,6 +38,27 @@ TEST(InProcessHub, LetsEveryEndpointHearEveryEndpointItselfIncluded) {
   EXPECT_EQ(at_b, (std::vector<Bytes>{{1}, {2}, {3}}));
 }
 
+TEST(InProcessHub, HearsNoMoreWhatItUnsubscribed) {
+  InProcessHub hub;
+  const auto a = hub.connect();
+  std::vector<Bytes> heard;
+  for (const char* name : {"X", "P*"}) {
+    a->subscribe(name, into(heard));
+    a->publish("X", Bytes{1});
+    a->publish("PQ", Bytes{1});
+    a->unsubscribe(name);
+    EXPECT_EQ(a->handle(kNow), 1);
+    EXPECT_TRUE(heard.empty()) << "though it was in the queue";
+    a->publish("X", Bytes{2});
+    a->publish("PQ", Bytes{2});
+    EXPECT_EQ(a->handle(kNow), 0);
+  }
+  a->subscribe("X", into(heard));
+  a->publish("X", Bytes{3});
+  a->handle(kNow);
+  EXPECT_EQ(heard, (std::vector<Bytes>{{3}}));
+}
+
 TEST(InProcessHub, DropsTheOldestAndCountsIt) {
   InProcessHub hub(3);
   const auto slow = hub.connect();

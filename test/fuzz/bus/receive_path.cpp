@@ -41,6 +41,7 @@ class FedTransport : public bus::Transport {
   void subscribe(const std::string& channel, Handler handler) override {
     subscriptions_.emplace_back(channel, std::move(handler));
   }
+  void unsubscribe(const std::string&) override {}
   bool publish(const std::string&, std::span<const std::uint8_t>) override { return true; }
   int handle(std::chrono::microseconds) override { return 0; }
   [[nodiscard]] bus::TransportStats stats() const override { return {}; }
