@@ -1,5 +1,6 @@
 #include "drivers/sensor/pose_sensor.hpp"
 
+#include <cstddef>
 #include <random>
 #include <utility>
 
@@ -37,8 +38,9 @@ models::MocapFrame interpolate(const models::MocapFrame& before, const models::M
       gap > Duration{0} ? to_seconds(time - before.stamp.time) / to_seconds(gap) : 0.0;
   models::MocapFrame between = after;
   between.stamp.time = time;
-  for (models::MocapBody& body : between.bodies) {
-    const models::MocapBody* const old = before.find(body.name);
+  for (std::size_t i = 0; i < between.bodies.size(); ++i) {
+    models::MocapBody& body = between.bodies[i];
+    const models::MocapBody* const old = before.find(body.name, i);
     if (old == nullptr || old->occluded) {
       body.occluded = true;
     }
