@@ -104,6 +104,54 @@ int GridGeometry::index_of(const Eigen::Vector2d& p_m) const {
   return row * columns + column;
 }
 
+GridGeometry GridGeometry::window(const Eigen::Vector2d& around_m, double half_m) const {
+  const auto span = [&](double centre_m, double begin_m, int cells) {
+    const CellSpan some =
+        span_of(centre_m - half_m, centre_m + half_m, begin_m, resolution_m, cells);
+    const int first = std::clamp(some.first, 0, cells - 1);
+    return CellSpan{first, std::clamp(some.last, first, cells - 1)};
+  };
+  const CellSpan x = span(around_m.x(), origin_m.x(), columns);
+  const CellSpan y = span(around_m.y(), origin_m.y(), rows);
+  return {origin_m + resolution_m * Eigen::Vector2d(x.first, y.first), resolution_m,
+          x.last - x.first + 1, y.last - y.first + 1};
+}
+
+std::optional<Eigen::Vector2i> GridGeometry::place_of(const GridGeometry& other) const {
+  constexpr double kCellsMax = 1e8;
+  const Eigen::Vector2d cells = (other.origin_m - origin_m) / resolution_m;
+  const Eigen::Vector2d whole = cells.array().round();
+  if (other.resolution_m != resolution_m || !(cells.cwiseAbs().maxCoeff() < kCellsMax) ||
+      (cells - whole).cwiseAbs().maxCoeff() * resolution_m > kSlack_m) {
+    return std::nullopt;
+  }
+  return whole.cast<int>();
+}
+
+bool merge_stamps(const GridGeometry& geometry, std::vector<std::int64_t>& stamps_utime,
+                  const GridGeometry& their_geometry, const std::vector<std::int64_t>& theirs_utime,
+                  std::int64_t limit_utime) {
+  const auto place = geometry.place_of(their_geometry);
+  if (!place || std::ssize(theirs_utime) != their_geometry.size() ||
+      std::ssize(stamps_utime) != geometry.size()) {
+    return false;
+  }
+  const int first_column = std::max(0, place->x());
+  const int last_column = std::min(geometry.columns, place->x() + their_geometry.columns);
+  const int first_row = std::max(0, place->y());
+  const int last_row = std::min(geometry.rows, place->y() + their_geometry.rows);
+  for (int row = first_row; row < last_row; ++row) {
+    for (int column = first_column; column < last_column; ++column) {
+      std::int64_t& own = stamps_utime[at_index(row * geometry.columns + column)];
+      own =
+          std::max(own, std::min(theirs_utime[at_index((row - place->y()) * their_geometry.columns +
+                                                       column - place->x())],
+                                 limit_utime));
+    }
+  }
+  return true;
+}
+
 OccupancyGrid rasterise(const World& world, double resolution_m) {
   OccupancyGrid grid{GridGeometry::covering(world.bounds, resolution_m), {}};
   const GridGeometry& geometry = grid.geometry;
@@ -140,7 +188,10 @@ double DistanceField::lower_bound_m(const Eigen::Vector2d& p_m) const {
 }
 
 VisibilityGrid::VisibilityGrid(const World& world, double resolution_m, double memory_s)
-    : geometry_(GridGeometry::covering(world.bounds, resolution_m)),
+    : VisibilityGrid(world, GridGeometry::covering(world.bounds, resolution_m), memory_s) {}
+
+VisibilityGrid::VisibilityGrid(const World& world, const GridGeometry& geometry, double memory_s)
+    : geometry_(geometry),
       memory_s_(memory_s),
       free_(at_index(geometry_.size()), 0),
       last_seen_(at_index(geometry_.size()), kNeverSeen) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,8 +25,21 @@ struct GridGeometry {
   [[nodiscard]] Eigen::Vector2d centre_m(int index) const;
   /// Index of the cell that holds `p_m`, or −1 outside.
   [[nodiscard]] int index_of(const Eigen::Vector2d& p_m) const;
+  /// Its whole cells that reach into the square of half side `half_m` around `around_m`; at least
+  /// one, the nearest.
+  [[nodiscard]] GridGeometry window(const Eigen::Vector2d& around_m, double half_m) const;
+  /// (column, row) here of the other's cell (0, 0), within or not; nullopt when the cells of both
+  /// are not the same squares.
+  [[nodiscard]] std::optional<Eigen::Vector2i> place_of(const GridGeometry& other) const;
   friend bool operator==(const GridGeometry&, const GridGeometry&) = default;
 };
+
+/// Takes the newer of both stamps in every cell that both grids have; none of `theirs` counts as
+/// later than `limit_utime`. False, and nothing done, when their cells are not the same squares or
+/// the number of stamps is not that of the cells.
+bool merge_stamps(const GridGeometry& geometry, std::vector<std::int64_t>& stamps_utime,
+                  const GridGeometry& their_geometry, const std::vector<std::int64_t>& theirs_utime,
+                  std::int64_t limit_utime);
 
 /// Which cells an obstacle overlaps (1) or not (0); a shared edge is no overlap.
 struct OccupancyGrid {
@@ -58,6 +72,8 @@ class VisibilityGrid {
   VisibilityGrid() = default;
   /// Cells whose centre lies in an obstacle are never frontiers. `memory_s` ≤ 0: for ever.
   VisibilityGrid(const World& world, double resolution_m, double memory_s);
+  /// Of a part of the world.
+  VisibilityGrid(const World& world, const GridGeometry& geometry, double memory_s);
 
   /// Marks every free cell whose centre is in view of `sensor` with line of sight.
   void see(const SensorModel& sensor, const Viewpoint& from, const World& world, Time now);
@@ -65,6 +81,11 @@ class VisibilityGrid {
   void merge(const VisibilityGrid& other);
   /// The same of stamps of this geometry; none counts as later than `limit_utime`.
   void merge(const std::vector<std::int64_t>& last_seen_utime, std::int64_t limit_utime);
+  /// merge_stamps() of another geometry's.
+  bool merge(const GridGeometry& geometry, const std::vector<std::int64_t>& last_seen_utime,
+             std::int64_t limit_utime) {
+    return merge_stamps(geometry_, last_seen_, geometry, last_seen_utime, limit_utime);
+  }
   [[nodiscard]] bool is_explored(int index, Time now) const;
   [[nodiscard]] bool is_free(int index) const {
     return free_[static_cast<std::size_t>(index)] != 0;

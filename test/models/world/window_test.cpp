@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "models/world/grid.hpp"
+#include "test/support/random.hpp"
+
+// Grids that are a part of the world's.
+
+namespace vantage::models {
+namespace {
+
+constexpr Time kNow = from_utime(1'000'000'000);
+constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
+
+World field() {
+  return {{{-20.3, -11.1}, {40.9, 30.2}}, 3.0, {{{{3.0, 1.0}, {7.0, 6.0}}, 1.0}}, {}};
+}
+
+TEST(GridWindow, HasTheWorldsCellsThatReachIntoTheSquare) {
+  const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
+  test::Random random(7);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector2d around_m(random.uniform(-40, 60), random.uniform(-40, 60));
+    const double half_m = random.uniform(0.0, 30.0);
+    const GridGeometry part = whole.window(around_m, half_m);
+    const auto place = whole.place_of(part);
+    ASSERT_TRUE(place);
+    ASSERT_GE(part.columns, 1);
+    ASSERT_GE(part.rows, 1);
+    ASSERT_GE(place->minCoeff(), 0);
+    ASSERT_LE(place->x() + part.columns, whole.columns);
+    ASSERT_LE(place->y() + part.rows, whole.rows);
+    for (int index = 0; index < whole.size(); index += 17) {
+      const Eigen::Vector2d centre_m = whole.centre_m(index);
+      if (((centre_m - around_m).cwiseAbs().array() <= half_m).all()) {
+        ASSERT_GE(part.index_of(centre_m), 0) << "cell " << index;
+      }
+    }
+  }
+}
+
+TEST(GridWindow, KnowsWhoseCellsAreOthers) {
+  const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
+  GridGeometry other = whole.window({0.0, 0.0}, 5.0);
+  EXPECT_TRUE(whole.place_of(other));
+  other.origin_m.x() += 0.1;
+  EXPECT_FALSE(whole.place_of(other));
+  other = whole.window({0.0, 0.0}, 5.0);
+  other.resolution_m = 0.35;
+  EXPECT_FALSE(whole.place_of(other));
+  other = whole;
+  other.origin_m.x() = std::nan("");
+  EXPECT_FALSE(whole.place_of(other));
+}
+
+TEST(GridWindow, SeesAndMergesAsTheWholeGridDoesThere) {
+  const World world = field();
+  const GridGeometry whole = GridGeometry::covering(world.bounds, 0.7);
+  test::Random random(8);
+  for (int i = 0; i < 50; ++i) {
+    const GridGeometry parts[] = {
+        whole.window({random.uniform(-20, 40), random.uniform(-11, 30)}, random.uniform(1, 20)),
+        whole.window({random.uniform(-20, 40), random.uniform(-11, 30)}, random.uniform(1, 20))};
+    VisibilityGrid grid(world, 0.7, 0.0);
+    VisibilityGrid all(world, 0.7, 0.0);
+    VisibilityGrid windows[] = {{world, parts[0], 0.0}, {world, parts[1], 0.0}};
+    SensorModel eye;
+    eye.range_max_m = 12.0;
+    for (VisibilityGrid& window : windows) {
+      const Viewpoint from{{random.uniform(-20, 40), random.uniform(-11, 30), 0.0}, 1.0};
+      const Time when = kNow + Duration{random.integer(1, 1000)};
+      window.see(eye, from, world, when);
+      all.see(eye, from, world, when);
+      EXPECT_TRUE(grid.merge(window.geometry(), window.last_seen_utime(), kNoLimit));
+    }
+    for (int index = 0; index < whole.size(); ++index) {
+      std::int64_t newest = VisibilityGrid::kNeverSeen;
+      for (const VisibilityGrid& window : windows) {
+        const int there = window.geometry().index_of(whole.centre_m(index));
+        if (there >= 0) {
+          newest = std::max(newest, window.last_seen_utime()[static_cast<std::size_t>(there)]);
+        }
+      }
+      ASSERT_EQ(grid.last_seen_utime()[static_cast<std::size_t>(index)], newest);
+      ASSERT_LE(newest, all.last_seen_utime()[static_cast<std::size_t>(index)]);
+    }
+  }
+}
+
+TEST(GridWindow, TakesNoStampsThatAreNotOfItsCells) {
+  const World world = field();
+  VisibilityGrid grid(world, 0.7, 0.0);
+  const GridGeometry part = grid.geometry().window({0.0, 0.0}, 3.0);
+  std::vector<std::int64_t> stamps(static_cast<std::size_t>(part.size()) + 1, 5);
+  EXPECT_FALSE(grid.merge(part, stamps, kNoLimit));
+  stamps.pop_back();
+  EXPECT_TRUE(grid.merge(part, stamps, 3));
+  EXPECT_EQ(*std::max_element(grid.last_seen_utime().begin(), grid.last_seen_utime().end()), 3)
+      << "none is later than the limit";
+}
+
+}  // namespace
+}  // namespace vantage::models
