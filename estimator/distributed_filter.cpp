@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -47,34 +48,28 @@ double intersection_weight(const models::StateMatrix& A, const models::StateMatr
   return 0.5 * (low + high);
 }
 
-}  // namespace
-
-FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& robot) {
-  const scenario::RobotSpec* self = scenario.find_robot(robot);
-  require(self != nullptr, "the scenario has no robot '" + robot + "'");
-  FilterSpec spec;
-  spec.robot = robot;
-  spec.sensor = self->sensor;
-  for (const scenario::RobotSpec& each : scenario.robots) {
-    spec.team.push_back({each.name, each.sensor});
+/// The world's cells or, in a neighbourhood, those around where the robot is: the same while it
+/// stays in a square of half the neighbourhood, so that they seldom change and depend on nothing
+/// but its place.
+models::GridGeometry grid_around(const FilterSpec& spec, const Eigen::Vector2d& place_m) {
+  const auto whole =
+      models::GridGeometry::covering(spec.world.bounds, spec.estimator.grid_resolution_m);
+  if (spec.neighbourhood_m <= 0.0) {
+    return whole;
   }
-  spec.start = {self->start, self->height_m};
-  spec.estimator = scenario.estimator;
-  spec.world = scenario.world;
-  for (const scenario::TargetSpec& target : scenario.targets) {
-    spec.target_count = std::max(spec.target_count, target.id + 1);
-  }
-  spec.step_s = scenario.planner.step_s;
-  spec.communication_range_m = scenario.network.communication_range_m;
-  spec.belief_age_max_s = 3.0 * spec.step_s;
-  return spec;
+  const double square_m = 0.5 * spec.neighbourhood_m;
+  const Eigen::Vector2d centre_m = square_m * (place_m / square_m).array().round();
+  return whole.window(centre_m, spec.neighbourhood_m + 0.5 * square_m);
 }
+
+}  // namespace
 
 DistributedFilter::DistributedFilter(FilterSpec spec)
     : spec_(std::move(spec)),
       viewpoint_(spec_.start),
-      tracks_(static_cast<std::size_t>(std::max(spec_.target_count, 0))),
-      grid_(spec_.world, spec_.estimator.grid_resolution_m, spec_.estimator.grid_memory_s) {
+      tracks_(spec_.target_count),
+      grid_(spec_.world, grid_around(spec_, spec_.start.world_from_body.position_m()),
+            spec_.estimator.grid_memory_s) {
   require(spec_.target_count >= 0, "target_count must not be negative");
   require(spec_.step_s > 0.0, "step_s must be positive");
   require(spec_.history_steps >= 1, "history_steps must be at least 1");
@@ -116,11 +111,13 @@ void DistributedFilter::advance(const StepInput& input) {
   }
   if (input.viewpoint) {
     viewpoint_ = *input.viewpoint;
+    move_grid();
   }
   newest_ = (newest_ + 1) % static_cast<int>(records_.size());
   recorded_ = std::min(recorded_ + 1, static_cast<int>(records_.size()));
   StepRecord& current = record(0);
   current.start(from, input.time, tracks_);
+  current.place_m = viewpoint_.world_from_body.position_m();
   listen(input, current);
 
   int oldest_changed = 0;
@@ -184,17 +181,18 @@ void DistributedFilter::hear(const models::RobotBelief& belief, Time now, StepRe
       ++counters_.singular;
       continue;
     }
-    const auto m = static_cast<std::size_t>(target.target_id);
-    Track& heard = record.heard[m];
-    if (record.heard_weight[m] == 0.0) {
-      heard.information = {weight * now_known->vector, weight * now_known->matrix};
-      heard.last_seen = target.last_seen;
+    HeardTrack* const heard = record.heard.find(target.target_id);
+    if (heard == nullptr) {
+      record.heard.put(
+          {target.target_id,
+           {true, {weight * now_known->vector, weight * now_known->matrix}, target.last_seen},
+           weight});
     } else {
-      heard.information.vector += weight * now_known->vector;
-      heard.information.matrix += weight * now_known->matrix;
-      heard.last_seen = std::max(heard.last_seen, target.last_seen);
+      heard->track.information.vector += weight * now_known->vector;
+      heard->track.information.matrix += weight * now_known->matrix;
+      heard->track.last_seen = std::max(heard->track.last_seen, target.last_seen);
+      heard->weight += weight;
     }
-    record.heard_weight[m] += weight;
   }
 }
 
@@ -202,13 +200,12 @@ void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
   if (belief.last_seen_utime.empty()) {
     return;
   }
-  if (!(belief.grid == grid_.geometry()) ||
-      belief.last_seen_utime.size() != grid_.last_seen_utime().size()) {
-    ++counters_.grid_mismatches;
-    return;
-  }
   // Nobody has seen anything after the instant of their own message.
-  grid_.merge(belief.last_seen_utime, to_utime(belief.stamp.time));
+  const bool is_one_grid = spec_.neighbourhood_m > 0.0 || belief.grid == grid_.geometry();
+  if (!is_one_grid ||
+      !grid_.merge(belief.grid, belief.last_seen_utime, to_utime(belief.stamp.time))) {
+    ++counters_.grid_mismatches;
+  }
 }
 
 int DistributedFilter::looker_of(const models::DetectionSet& look) const {
@@ -300,13 +297,38 @@ void DistributedFilter::run(StepRecord& record) {
   if (record.is_heard_of_end) {  // a belief of `to` holds looks of `to`: they are in before it is
     fuse(record);
   }
+  forget_far(record.place_m);
+}
+
+void DistributedFilter::forget_far(const Eigen::Vector2d& place_m) {
+  if (spec_.neighbourhood_m <= 0.0) {
+    return;
+  }
+  tracks_.erase_if([&](const KnownTrack& each) {
+    const auto belief = models::to_gaussian(each.track.information);
+    return !belief || (belief->mean.head<2>() - place_m).norm() > spec_.neighbourhood_m;
+  });
+}
+
+void DistributedFilter::drop_unknown() {
+  tracks_.erase_if([](const KnownTrack& each) { return !each.track.known; });
+}
+
+void DistributedFilter::move_grid() {
+  if (spec_.neighbourhood_m <= 0.0) {
+    return;
+  }
+  const models::GridGeometry geometry = grid_around(spec_, viewpoint_.world_from_body.position_m());
+  if (!(geometry == grid_.geometry())) {
+    models::VisibilityGrid moved(spec_.world, geometry, spec_.estimator.grid_memory_s);
+    moved.merge(grid_.geometry(), grid_.last_seen_utime(),
+                std::numeric_limits<std::int64_t>::max());
+    grid_ = std::move(moved);
+  }
 }
 
 void DistributedFilter::propagate_all(Time from, Time to) {
-  for (Track& track : tracks_) {
-    if (!track.known) {
-      continue;
-    }
+  for (auto& [target_id, track] : tracks_) {
     const auto later = propagate(spec_.estimator.target_model, spec_.step_s, track.information,
                                  track.last_seen, from, to);
     if (later) {
@@ -316,22 +338,19 @@ void DistributedFilter::propagate_all(Time from, Time to) {
       track.known = false;
     }
   }
+  drop_unknown();
 }
 
 void DistributedFilter::fuse(const StepRecord& record) {
-  for (std::size_t m = 0; m < tracks_.size(); ++m) {
-    const double heard_weight = record.heard_weight[m];
-    if (heard_weight == 0.0) {
-      continue;
-    }
-    const Track& heard = record.heard[m];
-    Track& own = tracks_[m];
+  for (const auto& [target_id, heard, heard_weight] : record.heard) {
     const models::Information theirs{heard.information.vector / heard_weight,
                                      heard.information.matrix / heard_weight};
-    if (!own.known) {
-      own = {true, theirs, heard.last_seen};
+    KnownTrack* const known = tracks_.find(target_id);
+    if (known == nullptr) {
+      tracks_.put({target_id, {true, theirs, heard.last_seen}});
       continue;
     }
+    Track& own = known->track;
     const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
     if (kappa > 0.0) {
       own.information.vector += kappa * (theirs.vector - own.information.vector);
@@ -345,8 +364,8 @@ void DistributedFilter::confine_all() {
   if (!spec_.estimator.targets_stay_inside) {
     return;
   }
-  for (Track& track : tracks_) {
-    const auto belief = track.known ? models::to_gaussian(track.information) : std::nullopt;
+  for (auto& [target_id, track] : tracks_) {
+    const auto belief = models::to_gaussian(track.information);
     if (!belief) {
       continue;
     }
@@ -369,16 +388,17 @@ void DistributedFilter::apply(Look& look) {
   const scenario::EstimatorSpec& spec = spec_.estimator;
   const models::SensorModel& sensor = sensor_of(look.looker);
   for (const models::Detection& detection : look.detections) {
-    Track& track = tracks_[static_cast<std::size_t>(detection.target_id)];
-    if (!track.known) {
+    KnownTrack* const known = tracks_.find(detection.target_id);
+    if (known == nullptr) {
       const auto found = discover(spec, sensor, look.from, detection.measurement);
       if (found) {
-        track = {true, *found, look.time};
+        tracks_.put({detection.target_id, {true, *found, look.time}});
       } else {
         ++count.undiscoverable;
       }
       continue;
     }
+    Track& track = known->track;
     switch (measure(track.information, sensor, look.from, detection.measurement, spec.gate_sigma)) {
       case Use::kUsed:
         track.last_seen = std::max(track.last_seen, look.time);
@@ -394,14 +414,13 @@ void DistributedFilter::apply(Look& look) {
   if (spec.detection_probability <= 0.0) {
     return;
   }
-  for (std::size_t m = 0; m < tracks_.size(); ++m) {
-    const bool reported =
-        std::any_of(look.detections.begin(), look.detections.end(),
-                    [&](const auto& d) { return d.target_id == static_cast<int>(m); });
-    if (reported || !tracks_[m].known) {
+  for (KnownTrack& each : tracks_) {
+    const bool reported = std::any_of(look.detections.begin(), look.detections.end(),
+                                      [&](const auto& d) { return d.target_id == each.target_id; });
+    if (reported) {
       continue;
     }
-    const auto belief = models::to_gaussian(tracks_[m].information);
+    const auto belief = models::to_gaussian(each.track.information);
     if (!belief) {
       continue;
     }
@@ -411,7 +430,7 @@ void DistributedFilter::apply(Look& look) {
       continue;
     }
     if (const auto information = models::to_information(missed)) {
-      tracks_[m].information = *information;
+      each.track.information = *information;
       ++count.missed_detections;
     } else {
       ++count.singular;
@@ -425,10 +444,8 @@ models::RobotBelief DistributedFilter::belief() const {
   belief.robot = spec_.robot;
   belief.viewpoint = viewpoint_;
   belief.degree = degree_;
-  for (std::size_t m = 0; m < tracks_.size(); ++m) {
-    if (tracks_[m].known) {
-      belief.targets.push_back({static_cast<int>(m), tracks_[m].information, tracks_[m].last_seen});
-    }
+  for (const auto& [target_id, track] : tracks_) {
+    belief.targets.push_back({target_id, track.information, track.last_seen});
   }
   belief.grid = grid_.geometry();
   belief.last_seen_utime = grid_.last_seen_utime();
@@ -440,7 +457,7 @@ void DistributedFilter::rebase(const models::RobotBelief& belief) {
   time_ = belief.stamp.time;
   viewpoint_ = belief.viewpoint;
   degree_ = belief.degree;
-  std::fill(tracks_.begin(), tracks_.end(), Track{});
+  tracks_.clear();
   const int dim = spec_.estimator.target_model.dim();
   for (const models::TargetBelief& target : belief.targets) {
     if (target.target_id < 0 || target.target_id >= spec_.target_count) {
@@ -448,38 +465,16 @@ void DistributedFilter::rebase(const models::RobotBelief& belief) {
     } else if (target.information.vector.size() != dim) {
       ++counters_.malformed_beliefs;
     } else {
-      tracks_[static_cast<std::size_t>(target.target_id)] = {true, target.information,
-                                                             target.last_seen};
+      tracks_.put({target.target_id, {true, target.information, target.last_seen}});
     }
   }
+  move_grid();
   if (belief.grid == grid_.geometry() &&
       belief.last_seen_utime.size() == grid_.last_seen_utime().size()) {
     grid_.set_last_seen(belief.last_seen_utime);
   } else if (!belief.last_seen_utime.empty()) {
     ++counters_.grid_mismatches;
   }
-}
-
-std::vector<models::NamedCount> FilterCounters::named() const {
-  std::vector<models::NamedCount> all = {
-      {"steps_out_of_order", steps_out_of_order},
-      {"stale_beliefs", stale_beliefs},
-      {"future_beliefs", future_beliefs},
-      {"malformed_beliefs", malformed_beliefs},
-      {"grid_mismatches", grid_mismatches},
-      {"repeated_looks", repeated_looks},
-      {"late_measurements", late_measurements},
-      {"too_late_measurements", too_late_measurements},
-      {"future_measurements", future_measurements},
-      {"jammed_looks", jammed_looks},
-      {"malformed_detections", malformed_detections},
-      {"gated", gated},
-      {"unknown_ids", unknown_ids},
-      {"undiscoverable", undiscoverable},
-      {"singular", singular},
-  };
-  std::erase_if(all, [](const models::NamedCount& c) { return c.count == 0; });
-  return all;
 }
 
 }  // namespace vantage::estimator

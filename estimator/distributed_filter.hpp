@@ -9,7 +9,7 @@
 
 #include "core/time.hpp"
 #include "estimator/step_record.hpp"
-#include "estimator/track.hpp"
+#include "estimator/track_table.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/world/grid.hpp"
 #include "scenario/scenario.hpp"
@@ -35,8 +35,11 @@ struct FilterSpec {
   int target_count = 0;                ///< ids are 0 … target_count − 1
   double step_s = 0.5;                 ///< τ
   double communication_range_m = 0.0;  ///< ≤ 0: no communication
-  double belief_age_max_s = 1.5;       ///< older beliefs of teammates are stale
-  int history_steps = 8;               ///< how far back a late measurement can be put in its place
+  /// Targets farther off than this are others' business: what was known of them is forgotten, and
+  /// the grid is that part of the world's. 0: everything is this robot's business.
+  double neighbourhood_m = 0.0;
+  double belief_age_max_s = 1.5;  ///< older beliefs of teammates are stale
+  int history_steps = 8;          ///< how far back a late measurement can be put in its place
 };
 
 /// The spec of `robot` in `scenario`, with belief_age_max_s = 3 τ.
@@ -102,6 +105,9 @@ struct FilterCounters {
 /// nobody sees grow to a damped oscillator's surroundings; with other models until the world's
 /// bounds confine them, or without end where targets_stay_inside is off.
 ///
+/// In a neighbourhood, a belief is all that is known: what lies beyond is not told, and not kept
+/// either, so that another filter can go on from any of the beliefs (rebase()).
+///
 /// A value: copies are independent. Pure: same inputs, same result.
 /// Source: dissertation 3.3, 3.4, Thm 9; covariance intersection: Julier, Uhlmann (1997).
 class DistributedFilter {
@@ -121,8 +127,10 @@ class DistributedFilter {
   /// how a prior is set.
   void rebase(const models::RobotBelief& belief);
 
-  [[nodiscard]] const Track& track(int target_id) const {
-    return tracks_[static_cast<std::size_t>(target_id)];
+  /// A copy, because it moves when another target is discovered.
+  [[nodiscard]] Track track(int target_id) const {
+    const KnownTrack* known = tracks_.find(target_id);
+    return known == nullptr ? Track{} : known->track;
   }
   [[nodiscard]] const models::VisibilityGrid& grid() const { return grid_; }
   [[nodiscard]] const FilterCounters& counters() const { return counters_; }
@@ -141,14 +149,20 @@ class DistributedFilter {
   void propagate_all(Time from, Time to);
   void apply(Look& look);
   void fuse(const StepRecord& record);
+  /// Lets go of tracks of which nothing is known any more.
+  void drop_unknown();
   void confine_all();
+  /// Forgets targets beyond the neighbourhood of `place_m`.
+  void forget_far(const Eigen::Vector2d& place_m);
+  /// Moves the grid to where the robot is.
+  void move_grid();
   StepRecord& record(int age);
 
   FilterSpec spec_;
   std::optional<Time> time_;  ///< of tracks_; absent before the first step
   models::Viewpoint viewpoint_;
   int degree_ = 0;
-  std::vector<Track> tracks_;
+  TrackTable tracks_;
   models::VisibilityGrid grid_;
   std::vector<StepRecord> records_;  ///< ring
   int newest_ = 0;

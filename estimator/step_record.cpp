@@ -7,21 +7,18 @@
 namespace vantage::estimator {
 
 StepRecord::StepRecord(int target_count, int look_count)
-    : before(static_cast<std::size_t>(target_count)),
-      heard(static_cast<std::size_t>(target_count)),
-      heard_weight(static_cast<std::size_t>(target_count), 0.0),
-      looks(static_cast<std::size_t>(look_count)) {
+    : before(target_count), heard(target_count), looks(static_cast<std::size_t>(look_count)) {
   const std::size_t each = kDetectionsReserved / std::max<std::size_t>(1, looks.size());
   for (Look& look : looks) {
     look.detections.reserve(std::min(static_cast<std::size_t>(target_count), each));
   }
 }
 
-void StepRecord::start(Time begin, Time end, const std::vector<Track>& tracks) {
+void StepRecord::start(Time begin, Time end, const TrackTable& tracks) {
   from = begin;
   to = end;
   before = tracks;
-  std::fill(heard_weight.begin(), heard_weight.end(), 0.0);
+  heard.clear();
   is_heard_of_end = false;
   look_count = 0;
 }

@@ -2,8 +2,10 @@
 
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/time.hpp"
-#include "estimator/track.hpp"
+#include "estimator/track_table.hpp"
 #include "models/exchange/messages.hpp"
 
 namespace vantage::estimator {
@@ -22,12 +24,11 @@ struct Look {
 struct StepRecord {
   Time from{};
   Time to{};
-  std::vector<Track> before;  ///< tracks at `from`
-  /// Σ_j w_j (Ω_j, ω_j) at `to` over the teammates who know the target, w_j = √det Ω_j; by target.
-  std::vector<Track> heard;
-  std::vector<double> heard_weight;  ///< Σ_j w_j; 0: nobody
-  bool is_heard_of_end = false;      ///< some of it is of `to` itself, with the looks of `to`
-  std::vector<Look> looks;  ///< the first look_count, by time and looker; the rest is spare
+  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< the robot's own, at `to`
+  TrackTable before;                                  ///< tracks at `from`
+  HeardTable heard;                                   ///< at `to`
+  bool is_heard_of_end = false;  ///< some of it is of `to` itself, with the looks of `to`
+  std::vector<Look> looks;       ///< the first look_count, by time and looker; the rest is spare
   int look_count = 0;
 
   StepRecord() = default;
@@ -39,7 +40,7 @@ struct StepRecord {
   StepRecord(int target_count, int look_count);
 
   /// Starts over for a step `begin` → `end` from `tracks`.
-  void start(Time begin, Time end, const std::vector<Track>& tracks);
+  void start(Time begin, Time end, const TrackTable& tracks);
   /// A cleared place for a look of instant `time` by `looker`: after those of before, and of the
   /// same instant after those of lookers up to it. Every robot works through the team's looks in
   /// the same order only if lookers of one instant are in the same order for all, which is the

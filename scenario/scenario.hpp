@@ -160,6 +160,9 @@ struct PlannerSpec {
 
 struct NetworkSpec {
   double communication_range_m = 0.0;  ///< beliefs from farther robots are discarded; ≤ 0: none
+  /// Nobody listens to robots, nor believes in targets, that are farther from him than this on the
+  /// ground; 0: everybody is near (scenario/neighbourhood).
+  double neighbourhood_m = 0.0;
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
 };
 

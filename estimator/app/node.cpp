@@ -37,27 +37,39 @@ EstimatorNode::EstimatorNode(bus::Bus& bus, const bus::Clock& clock,
       lag_(step_ / 10),
       lag_max_(step_ / 6) {
   next_instant_ = instant_before(clock.now() - lag_, step_) + step_;
-  for (const scenario::RobotSpec& each : scenario.robots) {
-    if (each.name == robot_ || scenario.network.communication_range_m > 0.0) {
-      bus_.subscribe_shared<models::DetectionSet>(
-          bus::measurement_channel(each.name),
-          [this, looker = each.name](const auto&, const auto& look) { on_look(looker, look); });
-    }
-  }
-  bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) { on_mocap(frame); });
-  for (const scenario::RobotSpec& teammate : scenario.robots) {
-    if (teammate.name != robot_) {
-      bus_.subscribe_shared<models::RobotBelief>(
-          bus::belief_channel(teammate.name),
-          [this, sender = teammate.name](const auto&, const auto& m) { on_belief(sender, m); });
-    }
-  }
+  listen_to_looks_of(robot_);
+  bus_.subscribe<models::MocapFrame>(bus::kVicon, [this](const auto& frame) {
+    neighbours_->on_frame(frame);
+    on_mocap(frame);
+  });
+  neighbours_.emplace(
+      scenario, robot_, [this](const std::string& teammate) { listen_to(teammate); },
+      [this](const std::string& teammate) {
+        bus_.unsubscribe(bus::measurement_channel(teammate).name);
+        bus_.unsubscribe(bus::belief_channel(teammate).name);
+        newest_.erase(teammate);
+      });
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     map_.emplace(bus, scenario, robot);
   }
 }
 
 std::string EstimatorNode::name() const { return "ESTIMATOR_" + robot_; }
+
+void EstimatorNode::listen_to_looks_of(const std::string& looker) {
+  bus_.subscribe_shared<models::DetectionSet>(
+      bus::measurement_channel(looker),
+      [this, looker](const auto&, const auto& look) { on_look(looker, look); });
+}
+
+void EstimatorNode::listen_to(const std::string& teammate) {
+  if (filter_.spec().communication_range_m > 0.0) {
+    listen_to_looks_of(teammate);
+  }
+  bus_.subscribe_shared<models::RobotBelief>(
+      bus::belief_channel(teammate),
+      [this, teammate](const auto&, const auto& m) { on_belief(teammate, m); });
+}
 
 void EstimatorNode::on_look(const std::string& looker,
                             const std::shared_ptr<const models::DetectionSet>& look) {

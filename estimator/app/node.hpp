@@ -12,6 +12,7 @@
 
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
+#include "bus/node/neighbour_watch.hpp"
 #include "bus/node/node.hpp"
 #include "estimator/app/map_step.hpp"
 #include "estimator/app/step_material.hpp"
@@ -22,7 +23,7 @@ namespace vantage::estimator {
 
 /// Joins a DistributedFilter to the bus: the team's MEASUREMENT_*, VICON and the teammates'
 /// BELIEF_* in, BELIEF_R out; in a scenario that maps, MAP_R after it. Which teammates' looks are
-/// in range is the filter's business.
+/// in range is the filter's business; in a neighbourhood, only those within it are listened to.
 ///
 /// A step is of the instant t = kτ of the absolute time, and is made a tenth of τ later so that
 /// the measurement of that instant has come. Where the own looks come later than that (they need
@@ -54,6 +55,8 @@ class EstimatorNode : public bus::Node {
   [[nodiscard]] const DistributedFilter& filter() const { return filter_; }
 
  private:
+  void listen_to_looks_of(const std::string& looker);
+  void listen_to(const std::string& teammate);
   void on_look(const std::string& looker, const std::shared_ptr<const models::DetectionSet>& look);
   void on_mocap(const models::MocapFrame& frame);
   void on_belief(const std::string& teammate,
@@ -77,6 +80,7 @@ class EstimatorNode : public bus::Node {
   std::deque<Heard<OwnPose>> poses_;                          ///< newest last
   std::map<std::string, Heard<models::RobotBelief>> newest_;  ///< by teammate
   std::optional<MapPublisher> map_;                           ///< of a scenario that maps
+  std::optional<bus::NeighbourWatch> neighbours_;
   std::int64_t instants_missed_ = 0;
   std::int64_t looks_overflowed_ = 0;
   std::int64_t misaddressed_ = 0;

@@ -1,6 +1,7 @@
 #include "logs/foxglove/stream.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -197,13 +198,19 @@ void Stream::put_grid(const models::RobotBelief& belief, Time heard) {
   }
   put("/belief/" + belief.robot + "/grid", Schema::kGrid, heard,
       [&] { return visibility_grid(belief.grid, belief.last_seen_utime, belief.stamp.time); });
-  if (!(belief.grid == grid_)) {
-    grid_ = belief.grid;
-    last_seen_utime_.assign(belief.last_seen_utime.size(), models::VisibilityGrid::kNeverSeen);
+  // Beliefs of a neighbourhood have the part of the world's grid that is around their robot.
+  const bool is_part = scenario_ && scenario_->network.neighbourhood_m > 0.0;
+  const models::GridGeometry whole =
+      is_part ? models::GridGeometry::covering(scenario_->world.bounds,
+                                               scenario_->estimator.grid_resolution_m)
+              : belief.grid;
+  if (!(whole == grid_)) {
+    grid_ = whole;
+    last_seen_utime_.assign(static_cast<std::size_t>(whole.size()),
+                            models::VisibilityGrid::kNeverSeen);
   }
-  std::transform(last_seen_utime_.begin(), last_seen_utime_.end(), belief.last_seen_utime.begin(),
-                 last_seen_utime_.begin(),
-                 [](std::int64_t a, std::int64_t b) { return std::max(a, b); });
+  models::merge_stamps(grid_, last_seen_utime_, belief.grid, belief.last_seen_utime,
+                       std::numeric_limits<std::int64_t>::max());
   if (belief.step != grid_step_) {
     grid_step_ = belief.step;
     put("/grid", Schema::kGrid, heard,

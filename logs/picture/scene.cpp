@@ -1,6 +1,7 @@
 #include "logs/picture/scene.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace vantage::logs {
 namespace {
@@ -18,7 +19,14 @@ void extend(std::vector<TrackPoint>& track, Time time, const Eigen::Vector2d& po
 
 }  // namespace
 
-SceneRecorder::SceneRecorder(const scenario::Scenario& scenario) {
+SceneRecorder::SceneRecorder(const scenario::Scenario& scenario)
+    : are_grids_parts_(scenario.network.neighbourhood_m > 0.0) {
+  if (are_grids_parts_) {
+    scene_.grid =
+        models::GridGeometry::covering(scenario.world.bounds, scenario.estimator.grid_resolution_m);
+    scene_.last_seen_utime.assign(static_cast<std::size_t>(scene_.grid.size()),
+                                  models::VisibilityGrid::kNeverSeen);
+  }
   for (const scenario::RobotSpec& robot : scenario.robots) {
     scene_.robots[robot.name];
   }
@@ -43,14 +51,13 @@ void SceneRecorder::on_truth(const models::TruthFrame& frame) {
 
 void SceneRecorder::on_belief(const models::RobotBelief& belief) {
   scene_.time = std::max(scene_.time, belief.stamp.time);
-  if (!(scene_.grid == belief.grid)) {
+  if (!are_grids_parts_ && !(scene_.grid == belief.grid)) {
     scene_.grid = belief.grid;
     scene_.last_seen_utime = belief.last_seen_utime;
     return;
   }
-  for (std::size_t i = 0; i < scene_.last_seen_utime.size(); ++i) {
-    scene_.last_seen_utime[i] = std::max(scene_.last_seen_utime[i], belief.last_seen_utime[i]);
-  }
+  models::merge_stamps(scene_.grid, scene_.last_seen_utime, belief.grid, belief.last_seen_utime,
+                       std::numeric_limits<std::int64_t>::max());
 }
 
 void SceneRecorder::on_map(const models::RobotMap& map) {

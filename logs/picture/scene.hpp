@@ -60,6 +60,7 @@ class SceneRecorder {
 
  private:
   Scene scene_;
+  bool are_grids_parts_ = false;  ///< of the world's: beliefs of a neighbourhood
 };
 
 }  // namespace vantage::logs

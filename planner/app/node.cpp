@@ -65,29 +65,42 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
     subscribe_to<models::RobotPlan>(bus::external_plan_channel(robot), robot,
                                     [this](const auto& m) { hear_answer(m); });
   }
-  bus_.subscribe_shared<models::MocapFrame>(
-      bus::kVicon, [this](const auto& /*name*/, const auto& m) { mocap_ = m; });
+  bus_.subscribe_shared<models::MocapFrame>(bus::kVicon,
+                                            [this](const auto& /*name*/, const auto& m) {
+                                              mocap_ = m;
+                                              neighbours_->on_frame(*m);
+                                            });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
-  for (const scenario::RobotSpec& other : robots_) {
-    const std::string& name = other.name;
-    subscribe_to<models::VehicleStatus>(
-        bus::quadrotor_channel(name), name,
-        [this, name](const auto& m) { inputs_.team_statuses.insert_or_assign(name, m); });
-    if (name == robot) {
-      continue;
-    }
-    if (spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
-      subscribe_to<models::TeamProposal>(bus::team_proposal_channel(name), name,
-                                         [this](const auto& m) { hear(m); });
-    }
-    if (spec_.attacks_max > 0) {
-      subscribe_to<models::PlanProposal>(
-          bus::proposal_channel(name), name,
-          [this, name](const auto& m) { inputs_.proposals.insert_or_assign(name, m); });
-    }
-    subscribe_to<models::RobotPlan>(bus::plan_channel(name), name,
-                                    [this](const auto& m) { take_plan(m); });
+  listen_to_status_of(robot);
+  neighbours_.emplace(
+      workspace_->scenario(), robot, [this](const std::string& name) { listen_to(name); },
+      [this](const std::string& name) {
+        bus_.unsubscribe(bus::quadrotor_channel(name).name);
+        bus_.unsubscribe(bus::plan_channel(name).name);
+        inputs_.team_statuses.erase(name);
+        inputs_.team_plans.erase(name);
+      });
+}
+
+void PlannerNode::listen_to_status_of(const std::string& name) {
+  subscribe_to<models::VehicleStatus>(
+      bus::quadrotor_channel(name), name,
+      [this, name](const auto& m) { inputs_.team_statuses.insert_or_assign(name, m); });
+}
+
+void PlannerNode::listen_to(const std::string& name) {
+  listen_to_status_of(name);
+  if (spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
+    subscribe_to<models::TeamProposal>(bus::team_proposal_channel(name), name,
+                                       [this](const auto& m) { hear(m); });
   }
+  if (spec_.attacks_max > 0) {
+    subscribe_to<models::PlanProposal>(
+        bus::proposal_channel(name), name,
+        [this, name](const auto& m) { inputs_.proposals.insert_or_assign(name, m); });
+  }
+  subscribe_to<models::RobotPlan>(bus::plan_channel(name), name,
+                                  [this](const auto& m) { take_plan(m); });
 }
 
 template <class Message>

@@ -10,6 +10,7 @@
 
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
+#include "bus/node/neighbour_watch.hpp"
 #include "bus/node/node.hpp"
 #include "planner/robot/robot_planner.hpp"
 #include "planner/robot/round.hpp"
@@ -21,6 +22,8 @@ namespace vantage::planner {
 /// PLAN_* and ATTACK in, PLAN_R out, once a round in this robot's slot; in a team that expects
 /// attacks PROPOSAL_* besides, in and out; in one that plans by local search TEAM_PROPOSAL_*; of
 /// planner.algorithm `external` EXTERNAL_REQUEST_R out and EXTERNAL_PLAN_R in.
+///
+/// In a neighbourhood (network.neighbourhood_m) only teammates within it are listened to.
 ///
 /// Under a clock that is not real time the budget is planner.node_budget nodes.
 class PlannerNode : public bus::Node {
@@ -57,6 +60,8 @@ class PlannerNode : public bus::Node {
   void begin_exchange(Time now);
   /// Searches for a while, publishes what it has found.
   void exchange(Time now);
+  void listen_to_status_of(const std::string& name);
+  void listen_to(const std::string& name);
   void hear(const models::TeamProposal& proposal);
   /// Asks the process on the bus for the slot's plan; false when nothing can be asked (any more).
   bool ask(Time now);
@@ -74,6 +79,7 @@ class PlannerNode : public bus::Node {
   RoundSchedule::Slot slot_;
   PlanInputs inputs_;
   std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; of inputs_ from the slot on
+  std::optional<bus::NeighbourWatch> neighbours_;
   // Of an exchange:
   Time next_exchange_ = Time::max();
   Time exchange_end_{};

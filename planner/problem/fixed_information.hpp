@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "models/plan/plan.hpp"
@@ -13,7 +14,8 @@ namespace vantage::planner {
 struct FixedTeammate {
   models::Trajectory trajectory;
   models::SensorModel sensor;
-  bool jammed = false;  ///< then it sees nothing, but is still there
+  bool jammed = false;    ///< then it sees nothing, but is still there
+  std::size_t robot = 0;  ///< which of the scenario's it is
 };
 
 /// Coordinate descent's view of the teammates: the sensor information matrices along their fixed

@@ -200,7 +200,7 @@ std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& input
     }
     FixedTeammate teammate;
     teammate.sensor = robot.sensor;
-    const auto index = static_cast<int>(&robot - scenario_.robots.data());
+    const auto index = static_cast<int>(index_of(robot));
     teammate.jammed =
         std::find(unseeing.begin(), unseeing.end(), index) != unseeing.end() ||
         (inputs.attack && std::find(inputs.attack->jammed.begin(), inputs.attack->jammed.end(),
@@ -210,14 +210,25 @@ std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& input
       teammate.trajectory = plan->second.trajectory;
     } else {
       // Never heard: it hovers where mocap sees it, or where the scenario starts it.
-      const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(robot.name) : nullptr;
+      const models::MocapBody* body =
+          inputs.mocap ? inputs.mocap->find(robot.name, index_of(robot)) : nullptr;
       const Pose2 pose =
           body != nullptr && !body->occluded ? flatten(body->world_from_body) : robot.start;
+      if (!is_near(pose)) {
+        continue;
+      }
       teammate.trajectory = hover_at(pose, robot.height_m, inputs.slot.activation);
     }
+    teammate.robot = index_of(robot);
     teammates.push_back(std::move(teammate));
   }
   return teammates;
+}
+
+bool RobotPlanner::is_near(const Pose2& place) const {
+  const double neighbourhood_m = scenario_.network.neighbourhood_m;
+  return neighbourhood_m <= 0.0 ||
+         (place.position_m() - problem_.start.position_m()).norm() <= neighbourhood_m;
 }
 
 std::vector<models::Trajectory> RobotPlanner::hovers_of_those_who_wait(
@@ -269,13 +280,16 @@ void RobotPlanner::add_landmarks(const models::RobotBelief& belief, Time start) 
   if (exploration.landmarks_max <= 0) {
     return;
   }
-  models::VisibilityGrid grid(scenario_.world, scenario_.estimator.grid_resolution_m,
-                              scenario_.estimator.grid_memory_s);
-  if (!(belief.grid == grid.geometry()) ||
-      belief.last_seen_utime.size() != static_cast<std::size_t>(grid.geometry().size())) {
+  const auto whole =
+      models::GridGeometry::covering(scenario_.world.bounds, scenario_.estimator.grid_resolution_m);
+  const bool is_one_grid = scenario_.network.neighbourhood_m > 0.0
+                               ? whole.place_of(belief.grid).has_value()
+                               : belief.grid == whole;
+  if (!is_one_grid || std::ssize(belief.last_seen_utime) != belief.grid.size()) {
     ++counts_.unusable_beliefs;
     return;
   }
+  models::VisibilityGrid grid(scenario_.world, belief.grid, scenario_.estimator.grid_memory_s);
   grid.set_last_seen(belief.last_seen_utime);
   const models::TargetModel still{models::TargetKind::kStatic, 2, 0.0};
   for (const models::Gaussian& landmark :
@@ -309,8 +323,10 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
   }
   const std::vector<FixedTeammate> teammates = fixed_teammates(inputs, unseeing);
   problem_.teammates.clear();
+  teammates_.clear();
   for (const FixedTeammate& teammate : teammates) {
     problem_.teammates.push_back(teammate.trajectory);
+    teammates_.push_back(teammate.robot);
   }
   for (const models::Trajectory& hover : hovers_of_those_who_wait(inputs)) {
     problem_.teammates.push_back(hover);

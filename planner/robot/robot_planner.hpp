@@ -134,9 +134,14 @@ class RobotPlanner {
   [[nodiscard]] bool flies_unknown_plan(const PlanInputs& inputs) const;
   /// The bait of the slot's round among the proposals that were heard, ascending by index.
   [[nodiscard]] std::vector<int> bait_of(const PlanInputs& inputs) const;
-  /// The teammates; those of `unseeing` robots tell nothing.
+  /// The teammates, in the scenario's order; those of `unseeing` robots tell nothing.
   [[nodiscard]] std::vector<FixedTeammate> fixed_teammates(const PlanInputs& inputs,
                                                            const std::vector<int>& unseeing) const;
+  /// Whether a teammate at `place` can matter to this slot's plan.
+  [[nodiscard]] bool is_near(const Pose2& place) const;
+  [[nodiscard]] std::size_t index_of(const scenario::RobotSpec& robot) const {
+    return static_cast<std::size_t>(&robot - scenario_.robots.data());
+  }
   /// Where teammates hover or stand that do not follow plans.
   [[nodiscard]] std::vector<models::Trajectory> hovers_of_those_who_wait(
       const PlanInputs& inputs) const;
@@ -189,6 +194,8 @@ class RobotPlanner {
   std::unique_ptr<Search> own_search_;      ///< of one that remembers
   std::unique_ptr<TeamExchange> exchange_;  ///< where plans are chosen from candidates
   SearchProblem problem_;
+  std::vector<std::size_t>
+      teammates_;  ///< of problem_, those before who only waits: whose they are
   SearchResult mapping_result_;
   PlannerCounts counts_;
 };

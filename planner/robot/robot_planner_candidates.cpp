@@ -43,11 +43,8 @@ models::RobotPlan RobotPlanner::plan_by_worth(const PlanInputs& inputs,
   begin_candidates(inputs, committed, deadline);
   plan.nodes = exchange_->nodes();
   std::vector<models::TeamChoice> others;
-  std::size_t teammate = 0;  // those of the team come first, in the scenario's order
-  for (const scenario::RobotSpec& robot : scenario_.robots) {
-    if (robot.name != spec_->name) {
-      others.push_back({robot.name, problem_.teammates[teammate++], 0.0, 0.0});
-    }
+  for (std::size_t i = 0; i < teammates_.size(); ++i) {
+    others.push_back({scenario_.robots[teammates_[i]].name, problem_.teammates[i], 0.0, 0.0});
   }
   if (const auto best = exchange_->best_beside(others)) {
     plan.source = models::PlanSource::kSearched;

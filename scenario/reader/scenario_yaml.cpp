@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "scenario/neighbourhood.hpp"
 #include "scenario/reader/scenario_agents_yaml.hpp"
 #include "scenario/reader/scenario_attacks_yaml.hpp"
 #include "scenario/reader/scenario_hosts_yaml.hpp"
@@ -235,8 +236,32 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   check_team(from, planner);
 }
 
-void read_network(Mapping& from, NetworkSpec& network) {
+/// What decides by what the whole team says has no use for neighbours.
+void check_neighbourhood(Mapping& from, const Scenario& scenario) {
+  const double neighbourhood_m = scenario.network.neighbourhood_m;
+  const PlannerSpec& planner = scenario.planner;
+  if (neighbourhood_m == 0.0) {
+    return;
+  }
+  if (const double least_m = least_neighbourhood_m(scenario); neighbourhood_m < least_m) {
+    from.refuse("neighbourhood_m",
+                fmt::format("must be 0, or at least {:.4g} here, that nobody comes near before he "
+                            "is heard; is {}",
+                            least_m, neighbourhood_m));
+  }
+  if (planner.objective != PlanObjective::kTracking || planner.attacks_max > 0 ||
+      planner.team_algorithm != TeamAlgorithm::kCoordinateDescent) {
+    from.refuse("neighbourhood_m",
+                "must be 0 where the whole team decides or maps: with objective: mapping, "
+                "team_algorithm: local_search or attacks_max above 0");
+  }
+}
+
+void read_network(Mapping& from, Scenario& scenario) {
+  NetworkSpec& network = scenario.network;
   from.number("communication_range_m", network.communication_range_m, from_to(-1.0, kLengthMaxM));
+  from.number("neighbourhood_m", network.neighbourhood_m, from_to(0.0, kLengthMaxM));
+  check_neighbourhood(from, scenario);
   from.text("url", network.url);
   constexpr std::array<std::string_view, 2> kSchemes = {"udpm://", "memq://"};
   const bool is_known = std::any_of(kSchemes.begin(), kSchemes.end(), [&](std::string_view scheme) {
@@ -306,7 +331,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   if (!has_estimator) {
     check_grid(top, scenario.world, scenario.estimator);
   }
-  top.section("network", [&](Mapping& from) { read_network(from, scenario.network); });
+  top.section("network", [&](Mapping& from) { read_network(from, scenario); });
   top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
   read_attacks(top, scenario);

@@ -98,6 +98,7 @@ const BadEdit kValues[] = {
     {"AutopilotWithAStrangeUrl", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"tcp://h:1\"}\n", "must begin with udp://, udpout:// or serial:"},
     {"UnknownDialect", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: ino, url: \"udp://:1\"}\n", "must be one of px4, ardupilot"},
     {"AutopilotSystemIdBeyondAByte", "  - name: Q3\n", "  - name: Q3\n    @autopilot: {dialect: px4, url: \"udp://:1\", system_id: 256}\n", "system_id"},
+    {"NeighbourhoodThatIsTooSmall", "  communication_range_m: 3 ", "  @neighbourhood_m: 5\n  communication_range_m: 3 ", "must be 0, or at least 17.5 here"},
     {"SecurityWithoutKeys", "network:\n", "@security:\n  mode: require\nnetwork:\n", "must name the folder that `vantage keys new` made"},
     {"SecurityOfAnUnknownMode", "network:\n", "security:\n  @mode: always\n  keys: keys\nnetwork:\n", "off"},
     {"SecurityWithoutAMode", "network:\n", "@security: {keys: keys}\nnetwork:\n", "mode"},

@@ -1,0 +1,41 @@
+#include "bus/node/neighbour_watch.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "models/exchange/neighbours.hpp"
+
+namespace vantage::bus {
+
+NeighbourWatch::NeighbourWatch(const scenario::Scenario& scenario, const std::string& robot,
+                               Action comes, Action goes)
+    : within_m_(scenario.network.neighbourhood_m),
+      step_(from_seconds(scenario.planner.step_s)),
+      comes_(std::move(comes)),
+      goes_(std::move(goes)) {
+  for (const scenario::RobotSpec& each : scenario.robots) {
+    if (within_m_ > 0.0) {
+      own_ = each.name == robot ? robots_.size() : own_;
+      robots_.push_back(each.name);
+    } else if (each.name != robot) {
+      comes_(each.name);
+    }
+  }
+  is_near_.resize(robots_.size(), 0);
+}
+
+void NeighbourWatch::on_frame(const models::MocapFrame& frame) {
+  if (robots_.empty() || frame.stamp.time < next_) {
+    return;
+  }
+  was_near_ = is_near_;
+  models::find_neighbours(frame, robots_, own_, within_m_, is_near_);
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    if (is_near_[i] != was_near_[i]) {
+      (is_near_[i] != 0 ? comes_ : goes_)(robots_[i]);
+    }
+  }
+  next_ = frame.stamp.time + step_;
+}
+
+}  // namespace vantage::bus

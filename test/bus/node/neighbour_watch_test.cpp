@@ -1,0 +1,80 @@
+#include "bus/node/neighbour_watch.hpp"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace vantage::bus {
+namespace {
+
+scenario::Scenario in_a_row(int robots, double neighbourhood_m) {
+  scenario::Scenario scenario;
+  for (int i = 0; i < robots; ++i) {
+    scenario.robots.emplace_back().name = "Q" + std::to_string(i + 1);
+  }
+  scenario.network.neighbourhood_m = neighbourhood_m;
+  return scenario;
+}
+
+/// Robots 10 m apart along x, the first one at `x_m`.
+models::MocapFrame frame_of(const scenario::Scenario& scenario, Time time, double x_m) {
+  models::MocapFrame frame;
+  frame.stamp.time = time;
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    models::MocapBody& body = frame.bodies.emplace_back();
+    body.name = scenario.robots[i].name;
+    body.world_from_body.translation_m = {i == 0 ? x_m : 10.0 * static_cast<double>(i), 0.0, 1.0};
+  }
+  return frame;
+}
+
+class Listened : public ::testing::Test {
+ protected:
+  NeighbourWatch watch(const scenario::Scenario& scenario) {
+    return {scenario, "Q1",
+            [this](const std::string& name) { EXPECT_TRUE(to.insert(name).second); },
+            [this](const std::string& name) { EXPECT_EQ(to.erase(name), 1U); }};
+  }
+  static constexpr Time kStart = from_utime(1'000'000'000);
+  static constexpr Duration kStep{500'000};
+  std::set<std::string> to;
+};
+using Names = std::set<std::string>;
+
+TEST_F(Listened, ToEverybodyWithoutANeighbourhood) {
+  const scenario::Scenario scenario = in_a_row(4, 0.0);
+  NeighbourWatch all = watch(scenario);
+  EXPECT_EQ(to, (Names{"Q2", "Q3", "Q4"}));
+  all.on_frame(frame_of(scenario, kStart, 1e6));
+  EXPECT_EQ(to, (Names{"Q2", "Q3", "Q4"}));
+}
+
+TEST_F(Listened, ToThoseWhoAreNearAsTheyComeAndGo) {
+  const scenario::Scenario scenario = in_a_row(65, 20.0);
+  NeighbourWatch near = watch(scenario);
+  EXPECT_EQ(to, Names{});
+  near.on_frame(frame_of(scenario, kStart, 0.0));
+  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "20 m is near";
+  near.on_frame(frame_of(scenario, kStart + kStep / 2, 630.0));
+  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "it looks once a step";
+  near.on_frame(frame_of(scenario, kStart + kStep, 630.0));
+  EXPECT_EQ(to, (Names{"Q62", "Q63", "Q64", "Q65"}));
+}
+
+TEST_F(Listened, StillToThoseWhoAreNotSeen) {
+  const scenario::Scenario scenario = in_a_row(4, 20.0);
+  NeighbourWatch near = watch(scenario);
+  near.on_frame(frame_of(scenario, kStart, 0.0));
+  models::MocapFrame dark = frame_of(scenario, kStart + kStep, 25.0);
+  dark.bodies[1].occluded = true;  // who would have gone no farther, and who would have come
+  dark.bodies[3].occluded = true;
+  near.on_frame(dark);
+  EXPECT_EQ(to, (Names{"Q2", "Q3"}));
+  models::MocapFrame blind = frame_of(scenario, kStart + 2 * kStep, 1e3);
+  blind.bodies[0].occluded = true;
+  near.on_frame(blind);
+  EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "where it is itself it does not know";
+}
+
+}  // namespace
+}  // namespace vantage::bus

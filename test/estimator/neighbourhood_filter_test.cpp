@@ -1,0 +1,125 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "estimator/app/replay_node.hpp"
+#include "test/estimator/filter_support.hpp"
+
+// A robot that knows of its neighbourhood alone.
+
+namespace vantage::estimator {
+namespace {
+
+using namespace test::words;
+
+constexpr double kNear_m = 15.0;
+
+FilterSpec near_spec(double neighbourhood_m) {
+  models::SensorModel sensor;
+  sensor.kind = SensorKind::kPosition;
+  FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.01}, sensor, 200);
+  spec.sensor.range_max_m = 8.0;
+  spec.world.bounds = {{-200.0, -200.0}, {200.0, 200.0}};
+  spec.estimator.grid_resolution_m = 2.0;
+  spec.neighbourhood_m = neighbourhood_m;
+  spec.communication_range_m = 12.0;
+  return spec;
+}
+
+/// Targets 5 m apart along x, from 0.
+std::vector<Eigen::Vector2d> row_of_targets() {
+  std::vector<Eigen::Vector2d> row;
+  for (int i = 0; i < 30; ++i) {
+    row.emplace_back(5.0 * i, 0.0);
+  }
+  return row;
+}
+
+models::DetectionSet look_in_range(const FilterSpec& spec, int step, const models::Viewpoint& from,
+                                   std::mt19937_64& rng) {
+  models::DetectionSet look = look_at(spec.sensor, instant(step), from, row_of_targets(), rng);
+  std::erase_if(look.detections, [&](const models::Detection& each) {
+    return std::abs(5.0 * each.target_id - from.world_from_body.x_m) > spec.sensor.range_max_m;
+  });
+  return look;
+}
+
+TEST(NeighbourhoodFilter, KnowsWhatAFilterOfEverythingKnowsThere) {
+  FilterSpec near = near_spec(kNear_m);
+  DistributedFilter some(near);
+  DistributedFilter all(near_spec(0.0));
+  std::mt19937_64 rng(4);
+  for (int step = 0; step < 60; ++step) {
+    const models::Viewpoint from = at(2.0 * step, 0.0);
+    const models::DetectionSet look = look_in_range(near, step, from, rng);
+    const models::RobotBelief told = take_step(some, instant(step), from, {look});
+    const models::RobotBelief whole = take_step(all, instant(step), from, {look});
+    for (const models::TargetBelief& target : whole.targets) {
+      const double away_m = std::abs(5.0 * target.target_id - 2.0 * step);
+      const auto found =
+          std::find_if(told.targets.begin(), told.targets.end(),
+                       [&](const auto& each) { return each.target_id == target.target_id; });
+      if (std::abs(away_m - kNear_m) > 1.0) {  // where noise decides it may be either
+        ASSERT_EQ(found != told.targets.end(), away_m < kNear_m) << step;
+      }
+      if (found != told.targets.end()) {
+        EXPECT_EQ(found->information.matrix, target.information.matrix);
+      }
+    }
+    EXPECT_LE(told.grid.size(), 23 * 23) << "2.5 neighbourhoods in 2 m";
+    for (int index = 0; index < whole.grid.size(); ++index) {
+      const int there = told.grid.index_of(whole.grid.centre_m(index));
+      const bool is_near =
+          (whole.grid.centre_m(index) - from.world_from_body.position_m()).cwiseAbs().maxCoeff() <=
+          kNear_m;
+      ASSERT_TRUE(there >= 0 || !is_near);
+      if (is_near) {
+        ASSERT_EQ(told.last_seen_utime[static_cast<std::size_t>(there)],
+                  whole.last_seen_utime[static_cast<std::size_t>(index)]);
+      }
+    }
+  }
+}
+
+TEST(NeighbourhoodFilter, GoesOnFromAnyOfItsBeliefsToTheBit) {
+  const FilterSpec spec = near_spec(kNear_m);
+  DistributedFilter first(spec);
+  DistributedFilter second(spec);
+  std::mt19937_64 rng(4);
+  models::RobotBelief last;
+  for (int step = 0; step < 60; ++step) {
+    const models::Viewpoint from = at(2.0 * step, 0.0);
+    const models::DetectionSet look = look_in_range(spec, step, from, rng);
+    if (step % 7 == 3) {
+      second.rebase(last);
+    }
+    last = take_step(first, instant(step), from, {look});
+    EXPECT_TRUE(same_content(last, take_step(second, instant(step), from, {look}), 0.0)) << step;
+  }
+}
+
+TEST(NeighbourhoodFilter, TakesWhatTeammatesTellWhereBothAre) {
+  const FilterSpec spec = near_spec(kNear_m);
+  FilterSpec other = spec;
+  other.robot = "Q2";
+  other.start = at(10.0, 9.0);
+  DistributedFilter own(spec);
+  DistributedFilter theirs(other);
+  std::mt19937_64 rng(4);
+  const models::RobotBelief told =
+      take_step(theirs, instant(0), at(10.0, 4.0), {look_in_range(spec, 0, at(10.0, 4.0), rng)});
+  EXPECT_FALSE(told.grid == own.grid().geometry());
+  const models::RobotBelief belief = take_step(own, instant(1), at(0.0, 0.0), {}, {told});
+  EXPECT_EQ(own.counters().grid_mismatches, 0);
+  ASSERT_GE(belief.targets.size(), 2U) << "those at 5 and 10 m; the one at 15 m may be either";
+  EXPECT_LE(belief.targets.size(), 3U);
+  const int seen = own.grid().geometry().index_of({9.0, 3.0});
+  EXPECT_NE(own.grid().last_seen_utime()[static_cast<std::size_t>(seen)], 0);
+  models::RobotBelief foreign = told;
+  foreign.grid.origin_m.x() += 0.5;
+  take_step(own, instant(2), at(0.0, 0.0), {}, {foreign});
+  EXPECT_EQ(own.counters().grid_mismatches, 1);
+}
+
+}  // namespace
+}  // namespace vantage::estimator
