@@ -145,8 +145,11 @@ struct PlannerSpec {
   int execute_steps = 6;           ///< n_exec: a round lasts execute_steps · step_s
   double team_budget_s = 0.5;      ///< T_ARVI, shared evenly by the robots
   double publish_margin_s = 0.05;  ///< m: between the last slot's end and the round's
-  std::int64_t node_budget = 0;    ///< > 0: nodes instead of time, in each slot
-  double epsilon_initial = 1.0;    ///< of the first finite pass; halved each pass
+  /// Into how many slots the budget is cut, shared by robots that are not near each other
+  /// (planner/robot/slot_colour); 0: one for each robot.
+  int slots = 0;
+  std::int64_t node_budget = 0;  ///< > 0: nodes instead of time, in each slot
+  double epsilon_initial = 1.0;  ///< of the first finite pass; halved each pass
   double delta_initial_m = 1.0;
   double yaw_weight_m_per_rad = 0.3;  ///< metric on SE(2): hypot(distance, weight · |Δyaw|)
   TeamAlgorithm team_algorithm = TeamAlgorithm::kCoordinateDescent;

@@ -182,7 +182,7 @@ void PlannerNode::tick(Time now) {
   if (now >= slot_.end && !is_asking_) {  // the whole slot was slept through
     ++slots_skipped_;
     ++late_;
-    slot_ = schedule_.next_slot(now);
+    move_on(now);
     return;
   }
   inputs_.slot = slot_;
@@ -200,7 +200,13 @@ void PlannerNode::tick(Time now) {
   } else {
     plan(now);
   }
-  slot_ = schedule_.next_slot(std::max(now, slot_.begin));
+  move_on(std::max(now, slot_.begin));
+}
+
+void PlannerNode::move_on(Time after) {
+  slot_ = schedule_.is_shared()
+              ? schedule_.slot_after(slot_.round, after, planner_.next_place(inputs_))
+              : schedule_.next_slot(after);
 }
 
 void PlannerNode::propose(Time now) {
@@ -329,27 +335,31 @@ void PlannerNode::plan(Time now) {
 
 std::vector<models::NamedCount> PlannerNode::counters() const {
   const PlannerCounts& counts = planner_.counts();
-  return {{"plans_late", late_},
-          {"slots_skipped", slots_skipped_},
-          {"fallbacks_shifted", counts.fallbacks_shifted},
-          {"fallbacks_braking", counts.fallbacks_braking},
-          {"off_plan", counts.off_plan},
-          {"turns_away", counts.turns_away},
-          {"bait_rounds", counts.baits},
-          {"rest_rounds", counts.rests},
-          {"plan_checks_failed", counts.checks_failed},
-          {"rounds_without_pose", counts.no_pose},
-          {"rounds_of_unknown_plan", counts.unknown_plan},
-          {"misaddressed", misaddressed_},
-          {"unusable_beliefs", counts.unusable_beliefs},
-          {"unusable_maps", counts.unusable_maps},
-          {"unusable_plans", unusable_plans_},
-          {"proposals_refused", planner_.proposals_refused()},
-          {"external_rounds", answers_},
-          {"external_missing", answers_missing_},
-          {"external_late", answers_late_},
-          {"external_unasked", answers_unasked_},
-          {"external_refused", counts.answers_refused}};
+  std::vector<models::NamedCount> all{{"plans_late", late_},
+                                      {"slots_skipped", slots_skipped_},
+                                      {"fallbacks_shifted", counts.fallbacks_shifted},
+                                      {"fallbacks_braking", counts.fallbacks_braking},
+                                      {"off_plan", counts.off_plan},
+                                      {"turns_away", counts.turns_away},
+                                      {"bait_rounds", counts.baits},
+                                      {"rest_rounds", counts.rests},
+                                      {"plan_checks_failed", counts.checks_failed},
+                                      {"rounds_without_pose", counts.no_pose},
+                                      {"rounds_of_unknown_plan", counts.unknown_plan},
+                                      {"misaddressed", misaddressed_},
+                                      {"unusable_beliefs", counts.unusable_beliefs},
+                                      {"unusable_maps", counts.unusable_maps},
+                                      {"unusable_plans", unusable_plans_},
+                                      {"proposals_refused", planner_.proposals_refused()},
+                                      {"external_rounds", answers_},
+                                      {"external_missing", answers_missing_},
+                                      {"external_late", answers_late_},
+                                      {"external_unasked", answers_unasked_},
+                                      {"external_refused", counts.answers_refused}};
+  if (schedule_.is_shared()) {
+    all.push_back({"yielded_rounds", counts.yields});
+  }
+  return all;
 }
 
 }  // namespace vantage::planner

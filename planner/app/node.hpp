@@ -45,6 +45,7 @@ class PlannerNode : public bus::Node {
   /// asked for plans: external_rounds (with an answer in time), external_missing (without),
   /// external_late (answers after it), external_unasked (of no round that was asked for, or one
   /// more), external_refused (no plan of their slot; those that are unsafe are plan_checks_failed).
+  /// Where slots are shared: yielded_rounds.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
 
@@ -67,6 +68,8 @@ class PlannerNode : public bus::Node {
   bool ask(Time now);
   void hear_answer(const models::RobotPlan& answer);
   void plan(Time now);
+  /// Waits for the robot's first slot after that time.
+  void move_on(Time after);
 
   bus::Bus& bus_;
   const bus::Clock& clock_;

@@ -103,9 +103,10 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
   }
 }
 
-bool PlannerReplayNode::gather(std::int64_t round, const std::vector<models::InputRef>& names,
+bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
+                               const std::vector<models::InputRef>& names,
                                PlanInputs& inputs) const {
-  inputs.slot = schedule_.slot(round);
+  inputs.slot = slot;
   for (const models::InputRef& name : names) {
     if (const auto* belief = beliefs_.find(name)) {
       inputs.belief = *belief;
@@ -138,7 +139,10 @@ bool PlannerReplayNode::gather(std::int64_t round, const std::vector<models::Inp
 
 PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& logged) {
   PlanInputs inputs;
-  if (!gather(logged.round, logged.inputs, inputs)) {
+  const std::optional<int> place = schedule_.place_of(logged);
+  const RoundSchedule::Slot slot =
+      place ? schedule_.slot(logged.round, *place) : schedule_.slot(logged.round);
+  if (!gather(slot, logged.inputs, inputs)) {
     return Outcome::kIncomplete;
   }
   auto plan = planner_.plan(inputs, Deadline::nodes(logged.nodes));
@@ -157,7 +161,7 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& lo
 
 PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::TeamProposal& logged) {
   PlanInputs inputs;
-  if (!gather(logged.round, logged.inputs, inputs)) {
+  if (!gather(schedule_.slot(logged.round), logged.inputs, inputs)) {
     return Outcome::kIncomplete;
   }
   if (!planner_.begin_exchange(inputs, Deadline::nodes(logged.nodes)) ||

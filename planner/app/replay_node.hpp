@@ -30,8 +30,8 @@ class PlannerReplayNode : public bus::Node {
 
  private:
   enum class Outcome { kSame, kDifferent, kIncomplete };
-  [[nodiscard]] bool gather(std::int64_t round, const std::vector<models::InputRef>& names,
-                            PlanInputs& inputs) const;
+  [[nodiscard]] bool gather(const RoundSchedule::Slot& slot,
+                            const std::vector<models::InputRef>& names, PlanInputs& inputs) const;
   Outcome replay(const models::RobotPlan& logged);
   Outcome replay(const models::TeamProposal& logged);
 

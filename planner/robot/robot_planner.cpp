@@ -72,6 +72,9 @@ RobotPlanner::RobotPlanner(std::shared_ptr<Workspace> workspace, const std::stri
   spec_ = scenario_.find_robot(robot);
   require(spec_ != nullptr, "planner: no robot '" + robot + "' in the scenario");
   robot_index_ = static_cast<int>(spec_ - scenario_.robots.data());
+  if (scenario_.planner.slots > 0) {
+    schedule_.emplace(scenario_.planner, robot_index_, robot_count());
+  }
   if (scenario_.planner.objective == scenario::PlanObjective::kMapping) {
     mapping_.emplace(scenario_);
   } else if (scenario::is_external(scenario_.planner)) {
@@ -347,6 +350,32 @@ const SearchResult& RobotPlanner::search(const PlanInputs& inputs, const Deadlin
   return search_->plan(problem_, deadline);
 }
 
+std::vector<SlotHolder> RobotPlanner::slots_of_neighbours(const PlanInputs& inputs) const {
+  std::vector<SlotHolder> holders;
+  for (const auto& [name, plan] : inputs.team_plans) {
+    const std::optional<std::size_t> robot = workspace_->index_of(name);
+    const std::optional<int> slot = schedule_->place_of(plan);
+    if (robot && slot) {
+      holders.push_back({static_cast<int>(*robot), *slot});
+    }
+  }
+  return holders;
+}
+
+bool RobotPlanner::has_slot(const PlanInputs& inputs) const {
+  const std::optional<int> last =
+      inputs.own_plan ? schedule_->place_of(*inputs.own_plan) : std::nullopt;
+  return last == inputs.slot.place &&
+         may_search({robot_index_, inputs.slot.place}, slots_of_neighbours(inputs));
+}
+
+int RobotPlanner::next_place(const PlanInputs& inputs) const {
+  const std::optional<int> last =
+      inputs.own_plan ? schedule_->place_of(*inputs.own_plan) : std::nullopt;
+  return next_slot({robot_index_, last.value_or(schedule_->first_place())},
+                   slots_of_neighbours(inputs), schedule_->slots());
+}
+
 std::vector<int> RobotPlanner::all_robots() const {
   std::vector<int> all(scenario_.robots.size());
   std::iota(all.begin(), all.end(), 0);
@@ -358,6 +387,10 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
   const std::optional<models::Trajectory> committed = committed_motion(inputs);
   if (!committed) {
     return std::nullopt;
+  }
+  if (schedule_ && schedule_->is_shared() && !has_slot(inputs)) {
+    ++counts_.yields;
+    return plan_without_search(inputs);
   }
   if (scenario::is_external(scenario_.planner)) {
     return plan_of_answer(inputs, *committed);

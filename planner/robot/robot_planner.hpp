@@ -12,6 +12,7 @@
 #include "planner/mapping/map_planner.hpp"
 #include "planner/problem/fixed_information.hpp"
 #include "planner/robot/round.hpp"
+#include "planner/robot/slot_colour.hpp"
 #include "planner/robot/team_exchange.hpp"
 #include "planner/robot/workspace.hpp"
 #include "planner/search/catalogue.hpp"
@@ -43,6 +44,7 @@ struct PlannerCounts {
   std::int64_t turns_away = 0;     ///< at rest too near a teammate or a wall, with no way out ahead
   std::int64_t baits = 0;          ///< rounds in which this robot was bait
   std::int64_t rests = 0;          ///< rounds in which no motion was worth its energy
+  std::int64_t yields = 0;         ///< rounds in which its slot was another's, or only claimed
   std::int64_t no_pose = 0;        ///< rounds without any idea of where the robot is
   std::int64_t unknown_plan = 0;   ///< rounds in which it flew a plan of before a restart
   /// Targets that cannot be predicted (of a clock that was ahead, say) or that the scenario has
@@ -63,6 +65,9 @@ struct PlannerCounts {
 ///
 /// A planner that was started anew does not know what its robot flies, but every teammate does: it
 /// waits until that plan has come to its hover, and plans from there.
+///
+/// Where slots are shared it searches in its slot only if no neighbour of lower index has it, and
+/// not in the first round after it took it; else it goes on with what it is committed to.
 ///
 /// What the search gains is the scenario's planner.objective: the targets' beliefs or the map. All
 /// else is the same for both.
@@ -112,6 +117,9 @@ class RobotPlanner {
   /// the old plan, which every other committed plan is compatible with.
   std::optional<models::RobotPlan> plan_without_search(const PlanInputs& inputs);
 
+  /// Which slot of the next round is the robot's, after it has published in its last one.
+  [[nodiscard]] int next_place(const PlanInputs& inputs) const;
+
   [[nodiscard]] const PlannerCounts& counts() const { return counts_; }
   /// TEAM_PROPOSALs of a round that cannot be, since construction.
   [[nodiscard]] std::int64_t proposals_refused() const {
@@ -137,6 +145,9 @@ class RobotPlanner {
   /// The teammates, in the scenario's order; those of `unseeing` robots tell nothing.
   [[nodiscard]] std::vector<FixedTeammate> fixed_teammates(const PlanInputs& inputs,
                                                            const std::vector<int>& unseeing) const;
+  /// Whether the slot is this robot's alone among its neighbours.
+  [[nodiscard]] bool has_slot(const PlanInputs& inputs) const;
+  [[nodiscard]] std::vector<SlotHolder> slots_of_neighbours(const PlanInputs& inputs) const;
   /// Whether a teammate at `place` can matter to this slot's plan.
   [[nodiscard]] bool is_near(const Pose2& place) const;
   [[nodiscard]] std::size_t index_of(const scenario::RobotSpec& robot) const {
@@ -188,6 +199,7 @@ class RobotPlanner {
   const scenario::Scenario& scenario_;         ///< the workspace's
   const scenario::RobotSpec* spec_ = nullptr;  ///< of this robot, in scenario_
   int robot_index_ = 0;
+  std::optional<RoundSchedule> schedule_;  ///< where slots may be shared
   /// One of them at most, by the scenario's objective and algorithm.
   std::optional<MapPlanner> mapping_;
   Search* search_ = nullptr;                ///< the workspace's, or own_search_

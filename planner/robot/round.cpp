@@ -1,5 +1,7 @@
 #include "planner/robot/round.hpp"
 
+#include <algorithm>
+
 #include "core/check.hpp"
 
 namespace vantage::planner {
@@ -8,8 +10,8 @@ RoundSchedule::RoundSchedule(const scenario::PlannerSpec& spec, int robot_index,
     : round_(from_seconds(spec.step_s * spec.execute_steps)),
       margin_(from_seconds(spec.publish_margin_s)),
       budget_(from_seconds(spec.team_budget_s)),
-      robot_index_(robot_index),
-      robot_count_(robot_count),
+      is_shared_(spec.slots > 0 && robot_count > spec.slots),
+      slots_(is_shared_ ? spec.slots : robot_count),
       is_exchange_(spec.team_algorithm == scenario::TeamAlgorithm::kLocalSearch),
       has_proposals_(is_exchange_ || spec.attacks_max > 0) {
   require(robot_count >= 1 && robot_index >= 0 && robot_index < robot_count,
@@ -17,26 +19,53 @@ RoundSchedule::RoundSchedule(const scenario::PlannerSpec& spec, int robot_index,
   require(round_.count() > 0, "planning round: execute_steps · step_s must be > 0");
   require(budget_ + margin_ <= round_,
           "planning round: team_budget_s + publish_margin_s must fit into a round");
+  place_ = robot_index % slots_;
 }
 
-RoundSchedule::Slot RoundSchedule::part_of(std::int64_t round, Duration from,
+RoundSchedule::Slot RoundSchedule::part_of(std::int64_t round, int place, Duration from,
                                            Duration length) const {
   Slot slot;
+  slot.place = place;
   slot.round = round;
   slot.activation = Time{(round + 1) * round_};
   const Time begin = slot.activation - margin_ - budget_ + from;
-  slot.begin = begin + length * robot_index_ / robot_count_;
-  slot.end = begin + length * (robot_index_ + 1) / robot_count_;
+  slot.begin = begin + length * place / slots_;
+  slot.end = begin + length * (place + 1) / slots_;
   return slot;
 }
 
-RoundSchedule::Slot RoundSchedule::slot(std::int64_t round) const {
+RoundSchedule::Slot RoundSchedule::slot(std::int64_t round) const { return slot(round, place_); }
+
+RoundSchedule::Slot RoundSchedule::slot(std::int64_t round, int place) const {
   const Duration for_proposals = has_proposals_ ? budget_ / 2 : Duration{0};
-  return part_of(round, for_proposals, budget_ - for_proposals);
+  return part_of(round, place, for_proposals, budget_ - for_proposals);
+}
+
+RoundSchedule::Slot RoundSchedule::slot_after(std::int64_t round, Time now, int place) const {
+  std::int64_t next = std::max(round + 1, now.time_since_epoch() / round_);
+  while (slot(next, place).begin <= now) {
+    ++next;
+  }
+  return slot(next, place);
+}
+
+std::optional<int> RoundSchedule::place_of(const models::RobotPlan& plan) const {
+  const Duration into = plan.slot_start - slot(plan.round, 0).begin;
+  const Duration length = slot(plan.round, slots_ - 1).end - slot(plan.round, 0).begin;
+  if (into < Duration{0} || into >= length) {
+    return std::nullopt;
+  }
+  const auto near = static_cast<int>((into.count() * slots_ + length.count() / 2) / length.count());
+  for (const int place : {near - 1, near, near + 1}) {  // slots begin at whole microseconds
+    if (place >= 0 && place < slots_ && slot(plan.round, place).begin == plan.slot_start) {
+      return place;
+    }
+  }
+  return std::nullopt;
 }
 
 RoundSchedule::Slot RoundSchedule::proposal_slot(std::int64_t round) const {
-  Slot slot = part_of(round, Duration{0}, budget_ / 2);
+  Slot slot = part_of(round, place_, Duration{0}, budget_ / 2);
   if (is_exchange_) {
     slot.begin = slot.activation - margin_ - budget_;
     slot.end = slot.begin + budget_ / 2;

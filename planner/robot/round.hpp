@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/time.hpp"
+#include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::planner {
@@ -13,10 +15,14 @@ namespace vantage::planner {
 /// of the round, [t_{k+1} − m − B, t_{k+1} − m), so that plans act on fresh beliefs; robot i of N
 /// owns the i-th N-th of it. All robots switch to their new plans at t_{k+1}.
 ///
+/// A team that is larger than planner.slots, S > 0, parts it in S, whatever N is: each slot is of
+/// robots that are not near each other, and which one a robot has changes
+/// (planner/robot/slot_colour).
+///
 /// In a team that expects attacks the first half of the budget is parted alike for proposals, the
 /// second half for plans: when the first plan is made, all have told what they would do alone.
 /// In a team that plans by local search all robots exchange proposals at once in the first half.
-/// Source: docs/decisions/0003, 0006; dissertation 3 (coordinate descent on a network).
+/// Source: docs/decisions/0003, 0006, 0016; dissertation 3 (coordinate descent on a network).
 class RoundSchedule {
  public:
   /// @param robot_index in [0, robot_count)
@@ -28,23 +34,35 @@ class RoundSchedule {
     Time end{};         ///< the plan must be published by then
     Time activation{};  ///< t_{k+1}, when the plan starts
     bool is_proposal = false;
+    int place = 0;  ///< which of the round's slots it is
   };
   /// This robot's first slot that begins after `now`, for a proposal or a plan.
   [[nodiscard]] Slot next_slot(Time now) const;
   /// This robot's slot of round k for its plan.
   [[nodiscard]] Slot slot(std::int64_t round) const;
+  /// Slot `place` of round k. Precondition: 0 ≤ place < slots().
+  [[nodiscard]] Slot slot(std::int64_t round, int place) const;
+  /// Slot `place` of the first round after `round` in which it begins after `now`.
+  [[nodiscard]] Slot slot_after(std::int64_t round, Time now, int place) const;
+  [[nodiscard]] bool is_shared() const { return is_shared_; }
+  [[nodiscard]] int slots() const { return slots_; }
+  /// The robot's slot until others are heard in it.
+  [[nodiscard]] int first_place() const { return place_; }
+  /// Which slot of its round `plan` was made in; nullopt: of another schedule.
+  [[nodiscard]] std::optional<int> place_of(const models::RobotPlan& plan) const;
   /// The one for its proposals. Precondition: the team expects attacks or plans by local search.
   [[nodiscard]] Slot proposal_slot(std::int64_t round) const;
   [[nodiscard]] Duration round_length() const { return round_; }
 
  private:
-  [[nodiscard]] Slot part_of(std::int64_t round, Duration from, Duration length) const;
+  [[nodiscard]] Slot part_of(std::int64_t round, int place, Duration from, Duration length) const;
 
   Duration round_{};
   Duration margin_{};
   Duration budget_{};
-  int robot_index_ = 0;
-  int robot_count_ = 1;
+  bool is_shared_ = false;  ///< slots are of several robots
+  int slots_ = 1;           ///< else as many as robots
+  int place_ = 0;
   bool is_exchange_ = false;  ///< the first half is everybody's
   bool has_proposals_ = false;
 };

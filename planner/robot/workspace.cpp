@@ -36,7 +36,16 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
 }  // namespace
 
 Workspace::Workspace(const scenario::Scenario& scenario)
-    : scenario_(scenario), field_(scenario.world, field_resolution_m(scenario.world)) {}
+    : scenario_(scenario), field_(scenario.world, field_resolution_m(scenario.world)) {
+  for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
+    indices_.emplace(scenario_.robots[i].name, i);
+  }
+}
+
+std::optional<std::size_t> Workspace::index_of(const std::string& robot) const {
+  const auto found = indices_.find(robot);
+  return found == indices_.end() ? std::nullopt : std::optional(found->second);
+}
 
 ReducedValueIteration& Workspace::reduced() {
   return reduced_ ? *reduced_ : reduced_.emplace(capacity_for(scenario_));

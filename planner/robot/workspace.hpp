@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
+#include <unordered_map>
 
 #include "models/world/grid.hpp"
 #include "planner/search/arvi.hpp"
@@ -21,6 +24,8 @@ class Workspace {
 
   [[nodiscard]] const scenario::Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const models::DistanceField& field() const { return field_; }
+  /// Which of the scenario's robots is called so; nullopt: none.
+  [[nodiscard]] std::optional<std::size_t> index_of(const std::string& robot) const;
   /// The scenario's search, for all who do not need one of their own (Algorithm::remembers). Built,
   /// as reduced(), when it is first asked for.
   Search& search();
@@ -34,6 +39,7 @@ class Workspace {
 
  private:
   scenario::Scenario scenario_;
+  std::unordered_map<std::string, std::size_t> indices_;  ///< of robots, by name
   models::DistanceField field_;
   std::optional<ReducedValueIteration> reduced_;
   std::unique_ptr<Search> search_;

@@ -216,6 +216,7 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   from.integer("execute_steps", planner.execute_steps, 1, 100);
   from.number("team_budget_s", planner.team_budget_s, above(0.0));
   from.number("publish_margin_s", planner.publish_margin_s, at_least(0.0));
+  from.integer("slots", planner.slots, 0, 10'000);
   if (const std::optional<Value> nodes = from.find("node_budget")) {
     planner.node_budget = nodes->integer(0, std::numeric_limits<std::int64_t>::max());
   }
@@ -241,6 +242,11 @@ void check_neighbourhood(Mapping& from, const Scenario& scenario) {
   const double neighbourhood_m = scenario.network.neighbourhood_m;
   const PlannerSpec& planner = scenario.planner;
   if (neighbourhood_m == 0.0) {
+    if (planner.slots > 0) {
+      from.refuse("neighbourhood_m",
+                  "of network must be above 0 with planner.slots above 0: who is near may not plan "
+                  "at once");
+    }
     return;
   }
   if (const double least_m = least_neighbourhood_m(scenario); neighbourhood_m < least_m) {
@@ -331,7 +337,9 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   if (!has_estimator) {
     check_grid(top, scenario.world, scenario.estimator);
   }
-  top.section("network", [&](Mapping& from) { read_network(from, scenario); });
+  if (!top.section("network", [&](Mapping& from) { read_network(from, scenario); })) {
+    check_neighbourhood(top, scenario);
+  }
   top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
   read_attacks(top, scenario);

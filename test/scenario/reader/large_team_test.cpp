@@ -48,13 +48,19 @@ std::string refusal_of_smallest_with(const std::string& more) {
 
 TEST(LargeTeam, HasNeighbourhoodsThatAreWideEnoughForWhatIsDecidedInThem) {
   const Scenario near =
-      parse_scenario(smallest_with("network: {neighbourhood_m: 500, communication_range_m: 20}\n"),
+      parse_scenario(smallest_with("network: {neighbourhood_m: 500, communication_range_m: 20}\n"
+                                   "planner: {slots: 8}\n"),
                      "smallest.yaml");
   EXPECT_EQ(near.network.neighbourhood_m, 500.0);
+  EXPECT_EQ(near.planner.slots, 8);
   EXPECT_EQ(parse_scenario(smallest_with(""), "smallest.yaml").network.neighbourhood_m, 0.0);
   for (const char* more : {"network: {neighbourhood_m: 500, communication_range_m: 501}\n",
                            "network: {neighbourhood_m: 0.1}\n"}) {
     EXPECT_NE(refusal_of_smallest_with(more).find("must be 0, or at least"), std::string::npos);
+  }
+  for (const char* more :
+       {"network: {communication_range_m: 3}\nplanner: {slots: 8}\n", "planner: {slots: 8}\n"}) {
+    EXPECT_NE(refusal_of_smallest_with(more).find("with planner.slots above 0"), std::string::npos);
   }
   for (const char* more :
        {"planner: {attacks_max: 1}\n", "planner: {team_algorithm: local_search}\n"}) {
