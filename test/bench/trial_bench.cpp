@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <ctime>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -8,13 +9,15 @@
 #include <sys/resource.h>
 
 #include "core/deadline.hpp"
+#include "logs/file/log_index.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "trial/recipe.hpp"
 #include "trial/trial.hpp"
 
 // What a trial in virtual time costs: one line a scenario, wall and CPU time, memory, and what
-// comes of it for one robot in one planning round. --json prints the trial's summary instead, for
-// comparing two builds to the bit.
+// comes of it for one robot in one planning round. --csv prints it as a line of a table (its head
+// with --csv-head). --log FILE keeps a log, a new file, and says what each robot said in a second.
+// --json prints the trial's summary instead, for comparing two builds to the bit.
 
 namespace {
 
@@ -33,28 +36,79 @@ double peak_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-int run(const std::string& path, const vantage::scenario::Overrides& overrides, bool as_json) {
-  const vantage::scenario::Scenario scenario = vantage::scenario::load_scenario_with(path, overrides);
-  const double cpu_begin_s = cpu_s();
-  const std::int64_t begin_ns = vantage::monotonic_ns();
-  vantage::trial::Trial trial(scenario, vantage::trial::trial_recipes(scenario), "");
-  const double built_s = cpu_s() - cpu_begin_s;
-  trial.advance_to(trial.planned_end());
-  const vantage::logs::TrialSummary summary = trial.result().summary;
-  const double used_s = cpu_s() - cpu_begin_s;
-  const double wall_s = static_cast<double>(vantage::monotonic_ns() - begin_ns) * 1e-9;
-  if (as_json) {
+enum class Form { kWords, kCsv, kJson };
+
+constexpr const char* kCsvHead =
+    "robots,targets,duration_s,wall_s,cpu_s,build_s,peak_mb,ms_a_robot_round,plans,fallbacks,"
+    "known,collisions";
+
+struct Cost {
+  double wall_s = 0.0;
+  double cpu_s = 0.0;
+  double built_s = 0.0;
+};
+
+void print(const vantage::scenario::Scenario& scenario, const Cost& cost,
+           const vantage::logs::TrialSummary& summary, Form form) {
+  if (form == Form::kJson) {
     fmt::print("{}\n", vantage::logs::to_json(summary).dump(2));
-    return 0;
+    return;
   }
   const double rounds =
       scenario.duration_s / (scenario.planner.step_s * scenario.planner.execute_steps);
-  const auto robots = static_cast<double>(scenario.robots.size());
+  const std::size_t robots = scenario.robots.size();
+  const double round_ms =
+      1e3 * (cost.cpu_s - cost.built_s) / (static_cast<double>(robots) * rounds);
+  if (form == Form::kCsv) {
+    fmt::print("{},{},{:g},{:.2f},{:.2f},{:.2f},{:.0f},{:.3f},{},{},{},{}\n", robots,
+               scenario.targets.size(), scenario.duration_s, cost.wall_s, cost.cpu_s, cost.built_s,
+               peak_mb(), round_ms, summary.plans, summary.fallbacks, summary.discovered,
+               summary.collisions);
+    return;
+  }
   fmt::print(
-      "{:.0f} robots, {} targets, {:g} s: wall {:.2f} s, cpu {:.2f} s ({:.2f} s to build), "
+      "{} robots, {} targets, {:g} s: wall {:.2f} s, cpu {:.2f} s ({:.2f} s to build), "
       "peak {:.0f} MB, {:.3f} ms a robot-round, {} plans, {} collisions\n",
-      robots, scenario.targets.size(), scenario.duration_s, wall_s, used_s, built_s, peak_mb(),
-      1e3 * (used_s - built_s) / (robots * rounds), summary.plans, summary.collisions);
+      robots, scenario.targets.size(), scenario.duration_s, cost.wall_s, cost.cpu_s, cost.built_s,
+      peak_mb(), round_ms, summary.plans, summary.collisions);
+}
+
+/// Bytes of each kind of channel that a robot said in a second of the trial.
+void print_traffic(const vantage::scenario::Scenario& scenario, const std::string& log_path) {
+  const vantage::logs::IndexedLog log(log_path);
+  std::map<std::string, double> bytes;
+  vantage::logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    const std::string channel(event->channel);
+    bytes[channel.substr(0, channel.find('_'))] += static_cast<double>(event->data.size());
+  }
+  const double robot_seconds = static_cast<double>(scenario.robots.size()) * scenario.duration_s;
+  for (const auto& [kind, sum] : bytes) {
+    fmt::print("{},{},{:.0f}\n", scenario.robots.size(), kind, sum / robot_seconds);
+  }
+}
+
+int run(const std::string& path, const vantage::scenario::Overrides& overrides, Form form,
+        const std::string& log_path) {
+  const vantage::scenario::Scenario scenario =
+      vantage::scenario::load_scenario_with(path, overrides);
+  const double cpu_begin_s = cpu_s();
+  const std::int64_t begin_ns = vantage::monotonic_ns();
+  Cost cost;
+  vantage::logs::TrialSummary summary;
+  {
+    vantage::trial::Trial trial(scenario, vantage::trial::trial_recipes(scenario), log_path);
+    cost.built_s = cpu_s() - cpu_begin_s;
+    trial.advance_to(trial.planned_end());
+    summary = trial.result().summary;
+  }
+  cost.cpu_s = cpu_s() - cpu_begin_s;
+  cost.wall_s = static_cast<double>(vantage::monotonic_ns() - begin_ns) * 1e-9;
+  if (log_path.empty()) {
+    print(scenario, cost, summary, form);
+  } else {
+    print_traffic(scenario, log_path);
+  }
   return 0;
 }
 
@@ -64,8 +118,13 @@ int main(int argc, char** argv) {
   CLI::App app("What a trial in virtual time costs.");
   std::string path;
   vantage::scenario::Overrides overrides;
+  std::string log_path;
   bool as_json = false;
+  bool as_csv = false;
   app.add_option("scenario", path)->required();
+  app.add_option("--log", log_path);
+  app.add_flag("--csv", as_csv);
+  app.add_flag_callback("--csv-head", [] { fmt::print("{}\n", kCsvHead); });
   app.add_option("--seed", overrides.seed);
   app.add_option("--duration-s", overrides.duration_s);
   app.add_option("--nodes", overrides.node_budget);
@@ -73,7 +132,11 @@ int main(int argc, char** argv) {
   app.add_flag("--json", as_json);
   CLI11_PARSE(app, argc, argv);
   try {
-    return run(path, overrides, as_json);
+    return run(path, overrides,
+               as_json  ? Form::kJson
+               : as_csv ? Form::kCsv
+                        : Form::kWords,
+               log_path);
   } catch (const std::exception& error) {
     fmt::print(stderr, "trial_bench: {}\n", error.what());
     return 2;

@@ -15,6 +15,10 @@ parser.add_argument("--planner", default="lawn_mower", help="planner.algorithm")
 parser.add_argument("--nodes", type=int, help="planner.node_budget")
 parser.add_argument("--area-m2", type=float, help="of the field, for each robot; else 80 m × 80 m")
 parser.add_argument("--duration-s", type=float, default=60)
+parser.add_argument("--communication-range-m", type=float, default=10)
+parser.add_argument("--neighbourhood-m", type=float, help="network.neighbourhood_m; else everybody")
+parser.add_argument("--slots", type=int, help="planner.slots; else one for each robot")
+parser.add_argument("--cell-m", type=float, help="of the visibility grid; else as fits 100 x 100 cells")
 given = parser.parse_args()
 
 columns = max(1, round(given.robots**0.5))
@@ -42,8 +46,10 @@ for i in range(given.robots):
     height_m = 1 + 0.5 * (i % 57)  # below the ceiling
     print(f"  - {{name: Q{i + 1}, start: {{x_m: {x:g}, y_m: {y:g}, yaw_deg: 0}}, height_m: {height_m:g}}}")
 nodes = f", node_budget: {given.nodes}" if given.nodes else ""
-cell_m = 2 if not given.area_m2 else max(2.0, 2 * half_m / 100)
+slots = f", slots: {given.slots}" if given.slots else ""
+cell_m = given.cell_m or (max(2.0, 2 * half_m / 100) if given.area_m2 else 2)
+neighbourhood = f", neighbourhood_m: {given.neighbourhood_m:g}" if given.neighbourhood_m else ""
 print(f"""targets: {{count: {given.targets}, name_prefix: R, radius_m: 0.2}}
 estimator: {{grid_resolution_m: {cell_m:g}}}
-planner: {{algorithm: {given.planner}, horizon_steps: 6, step_s: 0.5, execute_steps: 2, team_budget_s: 0.5{nodes}}}
-network: {{communication_range_m: 10}}""")
+planner: {{algorithm: {given.planner}, horizon_steps: 6, step_s: 0.5, execute_steps: 2, team_budget_s: 0.5{nodes}{slots}}}
+network: {{communication_range_m: {given.communication_range_m:g}{neighbourhood}}}""")
