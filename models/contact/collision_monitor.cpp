@@ -118,17 +118,25 @@ double CollisionMonitor::watched_m() const {
   double radius_m = 0.0;
   double travelled_m = 0.0;
   int robots = 0;
+  // Of some pair: the least of all pairs is no more, so at first not all need be looked at.
+  double some_pair_m = min_separation_m_;
+  std::size_t last = 0;
   for (std::size_t i = 0; i < new_m_.size(); ++i) {
     radius_m = std::max(radius_m, bodies_[i].radius_m);
-    robots += bodies_[i].is_robot ? 1 : 0;
+    if (bodies_[i].is_robot && new_m_[i].allFinite()) {
+      if (robots > 0) {
+        some_pair_m = std::min(some_pair_m, (new_m_[i] - new_m_[last]).norm());
+      }
+      last = i;
+      ++robots;
+    }
     if (new_m_[i].allFinite()) {
       travelled_m = std::max(travelled_m, (new_m_[i] - old_m_[i]).norm());
     }
   }
   // Two that are farther apart than min_separation_m_ even in the middle of the step change
   // nothing.
-  const double separation_m =
-      robots < 2 ? 0.0 : std::max(min_separation_m_, separation_m_ + kReleaseM);
+  const double separation_m = robots < 2 ? 0.0 : std::max(some_pair_m, separation_m_ + kReleaseM);
   return std::max(2.0 * radius_m + kReleaseM, separation_m) + 2.0 * travelled_m + kRoundingM;
 }
 

@@ -23,6 +23,7 @@ constexpr double kRerouteS = 1.0;        // stuck this long, it looks for a way 
 constexpr double kPatienceS = 4.0;       // stuck this long, it goes elsewhere
 constexpr double kTurnGainPerS = 3.0;
 constexpr double kRoundingM = 1e-9;
+constexpr double kClearlyM = 1e-6;  // beyond it nothing need be measured
 constexpr int kDrawsMax = 40;
 // Variations on the desired command, gentlest first: share of speed, added yaw rate.
 constexpr std::array<std::array<double, 2>, 8> kVariations{{{1.0, 0.0},
@@ -56,12 +57,13 @@ RoverFleet::RoverFleet(const models::World& world, const scenario::TargetTruthSp
               truth.speed_max_mps <= parameters.speed_max_mps,
           "target_truth: 0 < speed_min_mps <= speed_max_mps <= 1.4 must hold for rovers");
   rovers_.resize(starts.size());
+  around_.resize(starts.size());
   for (std::size_t i = 0; i < starts.size(); ++i) {
     Rover& rover = rovers_[i];
     rover.state.world_from_body = starts[i].world_from_body;
     rover.radius_m = starts[i].radius_m;
     rover.rng = random_stream(seed, "rover:" + std::to_string(i));
-    rover.committed = StoppingPath(rover.state, {}, parameters_, kDecisionPeriodS);
+    commit(i, StoppingPath(rover.state, {}, parameters_, kDecisionPeriodS));
     rover.headway_m = rover.state.world_from_body.position_m();
     rover.pause_s = uniform(rover.rng, 0.0, truth_.pause_max_s);
   }
@@ -89,8 +91,13 @@ void RoverFleet::decide(double elapsed_s) {
         break;
       }
     }
-    rover.committed = chosen;
+    commit(i, chosen);
   }
+}
+
+void RoverFleet::commit(std::size_t i, const StoppingPath& path) {
+  rovers_[i].committed = path;
+  around_[i] = {path.points_m().front(), path.reach_m() + rovers_[i].radius_m};
 }
 
 void RoverFleet::step(double dt_s) {
@@ -224,8 +231,10 @@ bool RoverFleet::is_safe(std::size_t i, const StoppingPath& path) const {
       }
     }
   }
+  const double own_reach_m = path.reach_m() + rover.radius_m + kSafetyMarginM + kClearlyM;
   for (std::size_t j = 0; j < rovers_.size(); ++j) {
-    if (j == i) {
+    const double apart_m = (around_[j].first_m - points.front()).norm();
+    if (j == i || apart_m > own_reach_m + around_[j].reach_m) {
       continue;
     }
     const double needed_m = rover.radius_m + rovers_[j].radius_m + kSafetyMarginM;

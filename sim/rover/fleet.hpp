@@ -67,13 +67,20 @@ class RoverFleet {
   void choose_way_point(std::size_t i);
   void supervise(std::size_t i, double elapsed_s);
   [[nodiscard]] RoverCommand desired(Rover& rover) const;
+  void commit(std::size_t i, const StoppingPath& path);
   [[nodiscard]] bool is_safe(std::size_t i, const StoppingPath& path) const;
 
   models::World world_;
   scenario::TargetTruthSpec truth_;
   RoverParameters parameters_;
   RouteMap map_;
+  /// Where a rover's committed path is, at most: side by side, for looking who is near among many.
+  struct Around {
+    Eigen::Vector2d first_m;
+    double reach_m = 0.0;  ///< of its disc's edge
+  };
   std::vector<Rover> rovers_;
+  std::vector<Around> around_;  ///< of rovers_
   std::vector<Eigen::Vector2d> kept_out_m_;
   double keep_out_m_ = 0.0;
   std::int64_t way_points_reached_ = 0;
