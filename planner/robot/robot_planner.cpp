@@ -107,7 +107,8 @@ models::RobotPlan RobotPlanner::blank_plan(const PlanInputs& inputs) const {
 }
 
 std::optional<models::Trajectory> RobotPlanner::committed_motion(const PlanInputs& inputs) {
-  const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(spec_->name) : nullptr;
+  const models::MocapBody* body =
+      inputs.mocap ? inputs.mocap->find(spec_->name, index_of(*spec_)) : nullptr;
   const bool has_pose = body != nullptr && !body->occluded;
   if (const auto hover = hover_off_plan(inputs)) {
     ++counts_.off_plan;
@@ -241,8 +242,10 @@ std::vector<models::Trajectory> RobotPlanner::hovers_of_those_who_wait(
     if (status.state == models::FlightState::kFollow || name == spec_->name) {
       continue;
     }
-    const scenario::RobotSpec* robot = scenario_.find_robot(name);
-    const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(name) : nullptr;
+    const std::optional<std::size_t> index = workspace_->index_of(name);
+    const scenario::RobotSpec* robot = index ? &scenario_.robots[*index] : nullptr;
+    const models::MocapBody* body =
+        inputs.mocap ? inputs.mocap->find(name, index.value_or(0)) : nullptr;
     // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
     if (robot != nullptr && body != nullptr && !body->occluded) {
       const double here_m = body->world_from_body.translation_m.z();
