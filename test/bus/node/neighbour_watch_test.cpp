@@ -10,7 +10,7 @@ namespace {
 scenario::Scenario in_a_row(int robots, double neighbourhood_m) {
   scenario::Scenario scenario;
   for (int i = 0; i < robots; ++i) {
-    scenario.robots.emplace_back().name = "Q" + std::to_string(i + 1);
+    scenario.robots.emplace_back().name.append("Q").append(std::to_string(i + 1));
   }
   scenario.network.neighbourhood_m = neighbourhood_m;
   return scenario;

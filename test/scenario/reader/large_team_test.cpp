@@ -20,7 +20,7 @@ TEST(LargeTeam, TakesTeamsOfAnySizeUpToTenThousand) {
     std::string text =
         "name: crowd\nworld: {bounds: {min_m: [0, 0], max_m: [3000, 3000]}}\n"
         "robot_defaults: {primitives: standard, sensor: {kind: range}}\n"
-        "targets: {count: " +
+        "estimator: {grid_resolution_m: 10}\ntargets: {count: " +
         std::to_string(robots) + "}\nrobots:\n";
     for (int i = 0; i < robots; ++i) {
       text += "  - {name: Q" + std::to_string(i) +
