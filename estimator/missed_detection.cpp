@@ -8,7 +8,10 @@ namespace vantage::estimator {
 
 models::Gaussian missed_detection(const models::Gaussian& belief, const models::SensorModel& sensor,
                                   const models::Viewpoint& from, const models::World& world,
-                                  double detection_probability) {
+                                  double detection_probability, double* probability) {
+  if (probability != nullptr) {
+    *probability = 1.0;
+  }
   const Eigen::Index n = belief.mean.size() == 3 ? 3 : 2;
   const Eigen::LLT<models::PositionMatrix> root(belief.covariance.topLeftCorner(n, n));
   if (detection_probability <= 0.0 || root.info() != Eigen::Success) {
@@ -19,11 +22,12 @@ models::Gaussian missed_detection(const models::Gaussian& belief, const models::
   if ((belief.mean.head<2>() - eye_m).norm() - reach_m > sensor.range_max_m) {
     return belief;
   }
-  return reweighted(belief, [&](const models::PositionVector& y_m) {
+  const auto is_not_reported = [&](const models::PositionVector& y_m) {
     const bool seen =
         models::in_view(sensor, from, y_m) && models::line_of_sight(world, eye_m, y_m.head<2>());
     return seen ? 1.0 - detection_probability : 1.0;
-  });
+  };
+  return reweighted(belief, is_not_reported, probability);
 }
 
 }  // namespace vantage::estimator

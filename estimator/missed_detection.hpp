@@ -12,11 +12,12 @@ namespace vantage::estimator {
 /// of the sensor.
 ///
 /// "In view" is models::in_view and line of sight.
+/// @param probability  if not null: Z, that of the look not reporting the target
 /// Cost: at most 343 line-of-sight queries, no allocation.
 /// Source: Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004), 11.3 (no-detection
 /// likelihood).
 models::Gaussian missed_detection(const models::Gaussian& belief, const models::SensorModel& sensor,
                                   const models::Viewpoint& from, const models::World& world,
-                                  double detection_probability);
+                                  double detection_probability, double* probability = nullptr);
 
 }  // namespace vantage::estimator

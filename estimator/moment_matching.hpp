@@ -66,10 +66,12 @@ struct ProductRule {
 /// Returned unchanged: a likelihood of 1 at every point, one that contradicts the belief altogether
 /// (Z < 1e−6), a covariance that is not positive definite.
 /// Cost: 225 (plane) or 343 (space) calls of `likelihood`, no allocation.
+/// @param share  if not null: Z, or 1 of a likelihood of 1 at every point or no covariance
 /// Source: assumed-density filtering; Ristic, Arulampalam, Gordon, Beyond the Kalman Filter (2004).
 // long: one integral: its points, their moments and what refuses them.
 template <class Likelihood>
-models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& likelihood) {
+models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& likelihood,
+                            double* share = nullptr) {
   constexpr double kContradiction = 1e-6;
   const Eigen::Index n = belief.mean.size() == 3 ? 3 : 2;
   const Eigen::LLT<models::PositionMatrix> root(belief.covariance.topLeftCorner(n, n));
@@ -107,6 +109,9 @@ models::Gaussian reweighted(const models::Gaussian& belief, const Likelihood& li
         sum_of_squares += weight * u * u.transpose();
       }
     }
+  }
+  if (share != nullptr) {
+    *share = is_plain ? 1.0 : Z;
   }
   if (is_plain || Z < kContradiction) {
     return belief;
