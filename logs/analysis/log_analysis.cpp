@@ -14,7 +14,9 @@ namespace {
 class Analyst {
  public:
   Analyst(const scenario::Scenario& scenario, Time start)
-      : metrics_(scenario, start), start_(start) {}
+      : metrics_(scenario, start),
+        sets_(static_cast<int>(scenario.targets.size())),
+        start_(start) {}
 
   /// The channel and the instant of logging of what comes next.
   void now(std::string_view channel, Time logged) {
@@ -22,7 +24,10 @@ class Analyst {
     logged_ = logged;
   }
 
-  void on(const models::TruthFrame& truth) { metrics_.on_truth(truth); }
+  void on(const models::TruthFrame& truth) {
+    metrics_.on_truth(truth);
+    sets_.on_truth(truth);
+  }
   void on(const models::ContactReport& contact) { metrics_.on_contact(contact); }
   void on(const models::VehicleStatus& status) { metrics_.on_vehicle(status); }
   void on(const models::ProcessHealth& health) { metrics_.on_health(health); }
@@ -46,6 +51,7 @@ class Analyst {
 
   void on(const models::RobotBelief& belief) {
     metrics_.on_belief(belief);
+    sets_.on_belief(belief);
     const models::InputRef name{std::string(channel_), belief.stamp.run_id, belief.stamp.sequence};
     beliefs_.add(name, belief.stamp.time);
     if (const auto look = looks_.newest(belief.inputs)) {
@@ -84,6 +90,7 @@ class Analyst {
       }
     }
     analysis_.summary = metrics_.finish(survey.last);
+    analysis_.sets = sets_.means();
     analysis_.summary.messages_lost = std::max(analysis_.summary.messages_lost, lost);
     for (auto& [name, values_s] : latencies_s_) {
       analysis_.latencies[name] = spread_of(std::move(values_s));
@@ -123,6 +130,7 @@ class Analyst {
   }
 
   TrialMetrics metrics_;
+  SetSums sets_;
   Time start_;
   std::string_view channel_;
   Time logged_{};
@@ -179,6 +187,11 @@ LogAnalysis analyse_log(const IndexedLog& log, const scenario::Scenario& scenari
 
 nlohmann::ordered_json to_json(const LogAnalysis& analysis) {
   nlohmann::ordered_json json = to_json(analysis.summary);
+  if (analysis.sets) {
+    json["per_robot"]["ospa_m"] = analysis.sets->ospa_m;
+    json["per_robot"]["swaps_per_min"] = analysis.sets->swaps_per_min;
+    json["per_robot"]["matched_rmse_m"] = analysis.sets->matched_rmse_m;
+  }
   for (const auto& [name, spread] : analysis.latencies) {
     json["latencies"][name] = to_json(spread);
   }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "logs/file/log_index.hpp"
+#include "logs/metrics/set_means.hpp"
 #include "logs/metrics/trial_summary.hpp"
 #include "scenario/scenario.hpp"
 
@@ -52,6 +53,7 @@ struct PlanPoint {
 
 struct LogAnalysis {
   TrialSummary summary;
+  std::optional<SetMeans> sets;  ///< none without truth
   /// Ways through the stack, each from the first instant named to the last:
   /// "capture → arrival" and "capture → log" (VICON), "look → belief" (newest measurement of a
   /// belief, until that was logged), "belief → plan" and "look → plan" (until the plan's finish).
@@ -62,7 +64,7 @@ struct LogAnalysis {
   std::vector<PlanPoint> plans;
 };
 
-/// Judges a log as a trial: RMSE, entropy, discovery (against TRUTH, where there is one),
+/// Judges a log as a trial: RMSE, OSPA, entropy, discovery (against TRUTH, where there is one),
 /// deadlines, loss and latencies. One pass.
 LogAnalysis analyse_log(const IndexedLog& log, const scenario::Scenario& scenario,
                         const std::function<void(double)>& progress = {});

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -39,6 +40,10 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
   for (const std::string& line : summary_table(scenario, analysis.summary)) {
     print_line(line);
   }
+  if (analysis.sets) {
+    print_line(fmt::format("as a set: OSPA {:.3f} m, {:.2f} swaps a minute, of a robot",
+                           analysis.sets->ospa_m, analysis.sets->swaps_per_min));
+  }
   print_line("");
   print_line(fmt::format("{:<20} {:>8} {:>9} {:>9} {:>9} {:>9}", "latency, ms", "count", "mean",
                          "median", "95 %", "worst"));
@@ -60,7 +65,8 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
 
 // What is compared between trials, in the order it is printed.
 std::vector<std::pair<std::string, std::optional<double>>> figures_of(
-    const logs::TrialSummary& summary) {
+    const logs::LogAnalysis& analysis) {
+  const logs::TrialSummary& summary = analysis.summary;
   const logs::RobotMeans& robot = summary.per_robot;
   std::vector<std::pair<std::string, std::optional<double>>> out = {
       {"RMSE of the team, m", summary.rmse_m},
@@ -74,22 +80,26 @@ std::vector<std::pair<std::string, std::optional<double>>> figures_of(
     out.emplace_back("NEES unseen for " + logs::age_name(i) + " s",
                      robot.consistency_by_age[i].mean_nees);
   }
+  if (analysis.sets) {
+    out.emplace_back("OSPA of a robot, m", analysis.sets->ospa_m);
+    out.emplace_back("swaps of a robot, 1/min", analysis.sets->swaps_per_min);
+  }
   return out;
 }
 
 // Steps of one trial are not independent of each other, trials are: only over these is there a
 // band of what chance leaves open.
-void print_bands(const std::vector<logs::TrialSummary>& summaries) {
+void print_bands(const std::vector<logs::LogAnalysis>& analyses) {
   std::map<std::string, experiments::Sample> samples;
-  for (const logs::TrialSummary& summary : summaries) {
-    for (const auto& [name, value] : figures_of(summary)) {
+  for (const logs::LogAnalysis& analysis : analyses) {
+    for (const auto& [name, value] : figures_of(analysis)) {
       if (value) {
         samples[name].add(*value);
       }
     }
   }
-  print_line(fmt::format("mean of {} logs and 95 % band of it by Student's t", summaries.size()));
-  for (const auto& [name, value] : figures_of(summaries.front())) {
+  print_line(fmt::format("mean of {} logs and 95 % band of it by Student's t", analyses.size()));
+  for (const auto& [name, value] : figures_of(analyses.front())) {
     const experiments::Sample& sample = samples[name];
     print_line(sample.size() == 0 ? fmt::format("{:<28} -", name)
                                   : fmt::format("{:<28} {:>8.3f} ± {:.3f}", name, sample.mean(),
@@ -99,20 +109,20 @@ void print_bands(const std::vector<logs::TrialSummary>& summaries) {
 
 int metrics(const MetricsArguments& arguments) {
   const EndsAtOnce reading;
-  std::vector<logs::TrialSummary> summaries;
+  std::vector<logs::LogAnalysis> analyses;
   for (const std::string& path : arguments.logs) {
     const logs::IndexedLog log(path, progress_line("reading"));
     const scenario::Scenario scenario = scenario_of(log);
-    const logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
+    logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
     if (arguments.as_json) {
       print_json(logs::to_json(analysis));
     } else if (arguments.logs.size() == 1) {
       print(scenario, analysis);
     }
-    summaries.push_back(analysis.summary);
+    analyses.push_back(std::move(analysis));
   }
-  if (!arguments.as_json && summaries.size() > 1) {
-    print_bands(summaries);
+  if (!arguments.as_json && analyses.size() > 1) {
+    print_bands(analyses);
   }
   return 0;
 }
@@ -144,7 +154,8 @@ int plot(const MetricsArguments& arguments) {
 void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
   auto arguments = std::make_shared<MetricsArguments>();
   CLI::App* metrics_command = log.add_subcommand(
-      "metrics", "Judge a log: RMSE, entropy, NEES, discovery, deadlines, loss, latencies.");
+      "metrics",
+      "Judge a log: RMSE, OSPA, swaps, entropy, NEES, discovery, deadlines, loss, latencies.");
   metrics_command
       ->add_option("log", arguments->logs, "LCM event log; of several, means and their bands")
       ->required();
@@ -153,7 +164,8 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       "Latencies are from the instants that messages are valid for to those they were made or\n"
       "logged at; 'look' is the newest measurement that something was made from.\n"
       "NEES is judged for each robot by its own belief: 2 in the plane where the filter knows how\n"
-      "wrong it is.\n"
+      "wrong it is. OSPA (order 2, cutoff 1 m) and swaps judge each robot's targets as a set,\n"
+      "whatever they are called.\n"
       "Examples:\n"
       "  vantage log metrics flight.lcmlog --json\n"
       "  vantage log metrics trial_*.lcmlog");

@@ -1,0 +1,63 @@
+#include "logs/metrics/set_means.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace vantage::logs {
+namespace {
+
+Time at_s(double s) { return from_utime(1'000'000'000) + from_seconds(s); }
+
+// Two targets that stand 5 m from each other.
+models::TruthFrame truth(double s) {
+  models::TruthFrame frame;
+  frame.stamp.time = at_s(s);
+  for (int id = 0; id < 2; ++id) {
+    models::TruthBody body;
+    body.name = id == 0 ? "R1" : "R2";
+    body.target_id = id;
+    body.world_from_body.translation_m = {5.0 * id, 0.0, 0.0};
+    frame.bodies.push_back(body);
+  }
+  return frame;
+}
+
+models::RobotBelief belief(const std::string& robot, double s,
+                           const std::vector<std::pair<int, double>>& targets) {
+  models::RobotBelief out;
+  out.robot = robot;
+  out.stamp.time = at_s(s);
+  for (const auto& [id, x_m] : targets) {
+    out.targets.push_back(
+        {id,
+         models::to_information({Eigen::Vector2d(x_m, 0.0), models::StateMatrix::Identity(2, 2)})
+             .value(),
+         at_s(s)});
+  }
+  return out;
+}
+
+TEST(SetSums, AreMeansOverBeliefsThenRobots) {
+  SetSums sums(2);
+  sums.on_truth(truth(0.0));
+  sums.on_belief(belief("Q1", 0.5, {{0, 0.3}, {1, 5.0}}));
+  sums.on_belief(belief("Q2", 0.5, {}));
+  sums.on_truth(truth(1.0));
+  sums.on_belief(belief("Q1", 30.5, {{1, 0.3}, {0, 5.0}}));  // named the other way round
+  sums.on_truth(truth(31.0));
+  const auto means = sums.means();
+  ASSERT_TRUE(means);
+  EXPECT_NEAR(means->ospa_m, 0.5 * (0.3 / std::sqrt(2.0)) + 0.5 * 1.0, 1e-9);
+  EXPECT_NEAR(means->matched_rmse_m, 0.5 * 0.3 / std::sqrt(2.0), 1e-9);
+  EXPECT_NEAR(means->swaps_per_min, 0.5 * 2.0 / 0.5, 1e-9);
+}
+
+TEST(SetSums, AreNoneWithoutTruth) {
+  SetSums sums(2);
+  sums.on_belief(belief("Q1", 0.5, {{0, 0.3}}));
+  EXPECT_FALSE(sums.means());
+}
+
+}  // namespace
+}  // namespace vantage::logs
