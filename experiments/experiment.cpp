@@ -11,6 +11,8 @@ const std::vector<Experiment>& all_experiments() {
       {"tracking-time", "Tracking against the time for planning (Fig. 3.3 d–f)", tracking_time},
       {"tracking-noise", "Tracking against the noise of the sensors (Fig. 3.3 g–i)",
        tracking_noise},
+      {"tracking-clutter", "Tracking by looks without ids, among false alarms and misses",
+       tracking_clutter},
       {"hardware", "The lab's trial of five rovers and three quadrotors (Fig. 3.4)", hardware},
       {"dls-savings",
        "Oracle calls and proposals that lazy search and a warm start save (Fig. 3.6)", dls_savings},

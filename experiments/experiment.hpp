@@ -20,6 +20,8 @@ Sweep active_mapping(const Extent& extent);
 Sweep tracking_communication(const Extent& extent);
 Sweep tracking_time(const Extent& extent);
 Sweep tracking_noise(const Extent& extent);
+/// Not of the dissertation: tracking by looks without ids, among false alarms.
+Sweep tracking_clutter(const Extent& extent);
 /// Fig. 3.4: the lab's trial, simulated, and three planners that do not think ahead.
 Sweep hardware(const Extent& extent);
 /// Fig. 3.6: oracle calls and proposals of distributed local search, naive, lazy, warm and both.

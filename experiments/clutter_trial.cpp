@@ -1,0 +1,265 @@
+#include "experiments/clutter_trial.hpp"
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "core/cpu_time.hpp"
+#include "core/index.hpp"
+#include "estimator/distributed_filter.hpp"
+#include "estimator/multi_target.hpp"
+#include "logs/metrics/ospa.hpp"
+#include "models/world/world.hpp"
+#include "sim/random.hpp"
+#include "sim/world/ground.hpp"
+
+namespace vantage::experiments {
+namespace {
+
+constexpr double kCutoff_m = 1.0;
+constexpr double kSettling_s = 10.0;
+constexpr double kSpeed_mps = 1.0;
+constexpr double kPhysics_s = 0.005;
+constexpr int kPhysicsPerDecision = 10;
+
+estimator::FilterSpec central_spec(scenario::Scenario scenario,
+                                   const models::DetectionModel& detection) {
+  scenario.estimator.detection_probability =
+      std::min(scenario.estimator.detection_probability, detection.detection_probability);
+  scenario.network.communication_range_m = 1e6;
+  return estimator::filter_spec(scenario, scenario.robots.front().name);
+}
+
+estimator::MultiTargetSpec tracker_spec(const scenario::Scenario& scenario,
+                                        const models::DetectionModel& detection,
+                                        estimator::Tracker tracker) {
+  estimator::MultiTargetSpec spec;
+  spec.estimator = scenario.estimator;
+  spec.world = scenario.world;
+  spec.detection = detection;
+  spec.step_s = scenario.planner.step_s;
+  spec.targets = static_cast<int>(scenario.targets.size());
+  spec.tracks_max = 2 * spec.targets;
+  spec.tracker = tracker;
+  return spec;
+}
+
+// A track's label: when it was born, and as which of its instant.
+std::int64_t label_of(const estimator::LabelledTrack& track) {
+  return to_utime(track.born) * 64 + track.born_as;
+}
+
+// One method, what it believes and how it was judged.
+struct Judged {
+  logs::OspaJudge judge{kCutoff_m};
+  ClutterScore sum;
+};
+
+struct Tracking {
+  explicit Tracking(const estimator::MultiTargetSpec& spec)
+      : filter(spec), tracks(filter.no_tracks()) {}
+  estimator::MultiTargetFilter filter;
+  std::vector<estimator::LabelledTrack> tracks;
+};
+
+class ClutterTrial {
+ public:
+  ClutterTrial(const scenario::Scenario& scenario, const models::DetectionModel& detection,
+               std::uint64_t seed)
+      : scenario_(scenario),
+        detection_(detection),
+        ground_(scenario, seed),
+        rng_(sim::random_stream(seed, "clutter")),
+        known_(central_spec(scenario, detection)) {
+    for (const estimator::Tracker tracker :
+         {estimator::Tracker::kLabelled, estimator::Tracker::kJpda, estimator::Tracker::kNearest}) {
+      trackings_.emplace_back(tracker_spec(scenario, detection, tracker));
+    }
+    for (const scenario::RobotSpec& robot : scenario.robots) {
+      places_m_.push_back(robot.start.position_m());
+    }
+  }
+
+  ClutterScores run(double duration_s) {
+    const double step_s = scenario_.planner.step_s;
+    const int steps = static_cast<int>(duration_s / step_s);
+    const int settling = std::min(steps / 2, static_cast<int>(kSettling_s / step_s));
+    for (int k = 1; k <= steps; ++k) {
+      const Time now = from_utime(1'000'000'000) + from_seconds(k * step_s);
+      move(step_s);
+      fly(step_s);
+      look(now);
+      filter(now, step_s);
+      if (k > settling) {
+        judge();
+      }
+    }
+    return scores(steps - settling, (steps - settling) * step_s);
+  }
+
+ private:
+  void move(double step_s) {
+    const int physics = static_cast<int>(step_s / kPhysics_s + 0.5);
+    for (int i = 0; i < physics; ++i) {
+      if (i % kPhysicsPerDecision == 0) {
+        ground_.decide(kPhysicsPerDecision * kPhysics_s);
+      }
+      ground_.step(kPhysics_s);
+    }
+    truth_.clear();
+    for (std::size_t m = 0; m < scenario_.targets.size(); ++m) {
+      truth_.push_back({static_cast<std::int64_t>(m), ground_.world_from_body(m).position_m()});
+    }
+  }
+
+  // Each to the target that is known least for its distance and that nobody before it took; about
+  // when there is none.
+  void fly(double step_s) {
+    std::vector<char> is_taken(truth_.size(), 0);
+    for (std::size_t i = 0; i < places_m_.size(); ++i) {
+      Eigen::Vector2d goal_m = anywhere_m();
+      double most = 0.0;
+      std::size_t chosen = truth_.size();
+      for (std::size_t m = 0; m < truth_.size(); ++m) {
+        const estimator::Track& track = known_.track(static_cast<int>(m));
+        const auto belief = track.known ? models::to_gaussian(track.information) : std::nullopt;
+        if (is_taken[m] != 0 || !belief) {
+          continue;
+        }
+        const Eigen::Vector2d mean_m = belief->mean.head<2>();
+        const double worth = belief->covariance.topLeftCorner<2, 2>().trace() /
+                             (0.5 + (mean_m - places_m_[i]).norm());
+        if (worth > most) {
+          most = worth;
+          goal_m = mean_m;
+          chosen = m;
+        }
+      }
+      if (chosen < is_taken.size()) {
+        is_taken[chosen] = 1;
+      }
+      const Eigen::Vector2d way_m = goal_m - places_m_[i];
+      const double far_m = way_m.norm();
+      if (far_m > 0.0) {
+        places_m_[i] += std::min(1.0, kSpeed_mps * step_s / far_m) * way_m;
+      }
+    }
+  }
+
+  Eigen::Vector2d anywhere_m() {
+    const models::Rectangle& bounds = scenario_.world.bounds;
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    const double x = share(rng_);
+    return bounds.min_m + Eigen::Vector2d(x, share(rng_)).cwiseProduct(bounds.max_m - bounds.min_m);
+  }
+
+  // With ids, those of false alarms −1.
+  void look(Time now) {
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    looks_.clear();
+    for (std::size_t i = 0; i < places_m_.size(); ++i) {
+      const scenario::RobotSpec& robot = scenario_.robots[i];
+      models::DetectionSet look;
+      look.stamp.time = now;
+      look.robot = robot.name;
+      look.viewpoint = {{places_m_[i].x(), places_m_[i].y(), 0.0}, robot.height_m};
+      for (const logs::Labelled& target : truth_) {
+        const models::PositionVector y_m = target.position_m;
+        if (models::in_view(robot.sensor, look.viewpoint, y_m) &&
+            models::line_of_sight(scenario_.world, places_m_[i], target.position_m) &&
+            share(rng_) < detection_.detection_probability) {
+          look.detections.push_back({static_cast<int>(target.label),
+                                     models::sample(robot.sensor, look.viewpoint, y_m, rng_)});
+        }
+      }
+      looks_.push_back(look);
+    }
+  }
+
+  void filter(Time now, double step_s) {
+    std::vector<const models::DetectionSet*> pointers;
+    for (const models::DetectionSet& look : looks_) {
+      pointers.push_back(&look);
+    }
+    double start_s = thread_cpu_s();
+    known_.advance({now, looks_.front().viewpoint, pointers, {}});
+    judged_[index(ClutterMethod::kKnownIds)].sum.step_cpu_s += thread_cpu_s() - start_s;
+    for (std::size_t i = 0; i < looks_.size(); ++i) {
+      for (const models::Measurement& z :
+           models::sample_clutter(scenario_.robots[i].sensor, looks_[i].viewpoint,
+                                  detection_.clutter_per_look, rng_)) {
+        looks_[i].detections.push_back({-1, z});
+      }
+    }
+    for (std::size_t t = 0; t < trackings_.size(); ++t) {
+      Tracking& of = trackings_[t];
+      start_s = thread_cpu_s();
+      of.filter.propagate(of.tracks, now - from_seconds(step_s), now);
+      for (std::size_t i = 0; i < looks_.size(); ++i) {
+        of.filter.look(of.tracks, scenario_.robots[i].sensor, looks_[i].viewpoint, now,
+                       looks_[i].detections);
+      }
+      judged_[t].sum.step_cpu_s += thread_cpu_s() - start_s;
+    }
+  }
+
+  void judge() {
+    std::vector<logs::Labelled> told;
+    const auto note = [&](Judged& judged) {
+      const logs::SetError error = judged.judge.judge(truth_, told);
+      judged.sum.ospa_m += error.ospa_m;
+      judged.sum.matched_rmse_m += error.matched_rmse_m;
+      judged.sum.tracks += static_cast<double>(told.size());
+    };
+    for (std::size_t t = 0; t < trackings_.size(); ++t) {
+      told.clear();
+      for (const estimator::LabelledTrack& track : trackings_[t].tracks) {
+        if (trackings_[t].filter.is_confirmed(track)) {
+          told.push_back({label_of(track), estimator::moments(track.mixture).mean.head<2>()});
+        }
+      }
+      note(judged_[t]);
+    }
+    told.clear();
+    for (std::size_t m = 0; m < truth_.size(); ++m) {
+      const estimator::Track& track = known_.track(static_cast<int>(m));
+      if (const auto belief = track.known ? models::to_gaussian(track.information) : std::nullopt) {
+        told.push_back({static_cast<std::int64_t>(m), belief->mean.head<2>()});
+      }
+    }
+    note(judged_[index(ClutterMethod::kKnownIds)]);
+  }
+
+  [[nodiscard]] ClutterScores scores(int judged_steps, double judged_s) const {
+    ClutterScores out;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const ClutterScore& sum = judged_[i].sum;
+      out[i] = {sum.ospa_m / judged_steps,
+                60.0 * static_cast<double>(judged_[i].judge.swaps()) / judged_s,
+                sum.matched_rmse_m / judged_steps, sum.tracks / judged_steps,
+                sum.step_cpu_s / judged_steps};
+    }
+    return out;
+  }
+
+  const scenario::Scenario& scenario_;
+  models::DetectionModel detection_;
+  sim::Ground ground_;
+  std::mt19937_64 rng_;
+  estimator::DistributedFilter known_;
+  std::vector<Tracking> trackings_;  ///< in the order of ClutterMethod
+  std::array<Judged, kClutterMethods.size()> judged_;
+  std::vector<Eigen::Vector2d> places_m_;  ///< of the robots
+  std::vector<logs::Labelled> truth_;
+  std::vector<models::DetectionSet> looks_;
+};
+
+}  // namespace
+
+ClutterScores track_in_clutter(const scenario::Scenario& scenario,
+                               const models::DetectionModel& detection, double duration_s,
+                               std::uint64_t seed) {
+  return ClutterTrial(scenario, detection, seed).run(duration_s);
+}
+
+}  // namespace vantage::experiments
