@@ -44,6 +44,7 @@ TEST(SetSums, AreMeansOverBeliefsThenRobots) {
   sums.on_belief(belief("Q1", 0.5, {{0, 0.3}, {1, 5.0}}));
   sums.on_belief(belief("Q2", 0.5, {}));
   sums.on_truth(truth(1.0));
+  sums.on_truth(truth(30.0));
   sums.on_belief(belief("Q1", 30.5, {{1, 0.3}, {0, 5.0}}));  // named the other way round
   sums.on_truth(truth(31.0));
   const auto means = sums.means();
