@@ -402,9 +402,11 @@ void DistributedFilter::apply(Look& look) {
     switch (measure(track.information, sensor, look.from, detection.measurement, spec.gate_sigma)) {
       case Use::kUsed:
         track.last_seen = std::max(track.last_seen, look.time);
+        track.gated_in_a_row = 0;
         break;
       case Use::kGated:
         ++count.gated;
+        doubt(track, spec, sensor, look.from, detection.measurement, look.time);
         break;
       case Use::kSingular:
         ++count.singular;

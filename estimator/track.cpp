@@ -234,4 +234,14 @@ std::optional<Information> discover(const scenario::EstimatorSpec& spec,
   return models::to_information(found);
 }
 
+void doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
+           const models::Viewpoint& from, const models::Measurement& measurement, Time time) {
+  if (++track.gated_in_a_row < kGatedInARowMax) {
+    return;
+  }
+  if (const auto found = discover(spec, sensor, from, measurement)) {
+    track = {true, *found, time};
+  }
+}
+
 }  // namespace vantage::estimator

@@ -17,8 +17,13 @@ namespace vantage::estimator {
 struct Track {
   bool known = false;
   models::Information information;
-  Time last_seen{};  ///< newest measurement of anyone that went into it
+  Time last_seen{};        ///< newest measurement of anyone that went into it
+  int gated_in_a_row = 0;  ///< detections beyond the gate since the last one that was used
 };
+
+/// So many detections of an id in a row beyond the gate say that the track is of another target, or
+/// of none: it is discovered again, from the last.
+inline constexpr int kGatedInARowMax = 3;
 
 /// The belief of instant `from` brought to `to` ≥ `from`, exactly, whatever the elapsed time:
 /// Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω (c + A (ŷ − c)) with A and W of the whole interval. Carrying it in
@@ -61,5 +66,10 @@ std::optional<models::Information> discover(const scenario::EstimatorSpec& spec,
                                             const models::SensorModel& sensor,
                                             const models::Viewpoint& from,
                                             const models::Measurement& measurement);
+
+/// A detection of this track's id was beyond the gate, at `time`: the kGatedInARowMax-th in a row
+/// starts the track anew by discover(), where that can tell.
+void doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
+           const models::Viewpoint& from, const models::Measurement& measurement, Time time);
 
 }  // namespace vantage::estimator

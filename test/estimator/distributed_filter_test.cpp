@@ -315,6 +315,51 @@ TEST(DistributedFilter, CountsEverythingItDoesNotUse) {
   EXPECT_TRUE(is_near(known(filter, 0).mean, before.mean, 1e-12));
 }
 
+// Two targets that stand, their ids swapped in one look of ten.
+TEST(DistributedFilter, WithAGateDoesNotMindSwappedIds) {
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
+  const std::vector<Eigen::Vector2d> truth = {{4.0, 0.0}, {0.0, 4.0}};
+  for (const bool is_gated : {false, true}) {
+    std::mt19937_64 rng(5);
+    FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.001}, sensor, 2);
+    spec.estimator.gate_sigma = is_gated ? 5.0 : 0.0;
+    DistributedFilter filter(spec);
+    double worst_m = 0.0;
+    for (int k = 0; k < 40; ++k) {
+      auto look = look_at(sensor, instant(k), at(0, 0), truth, rng);
+      if (k % 10 == 9) {
+        std::swap(look.detections[0].target_id, look.detections[1].target_id);
+      }
+      take_step(filter, instant(k), at(0, 0), {look});
+      for (int m = 0; m < 2; ++m) {
+        const Eigen::Vector2d mean_m = known(filter, m).mean;
+        worst_m = std::max(worst_m, (mean_m - truth[static_cast<std::size_t>(m)]).norm());
+      }
+    }
+    EXPECT_EQ(worst_m < 0.65, is_gated) << worst_m;
+    EXPECT_EQ(filter.counters().gated, is_gated ? 8 : 0);
+  }
+}
+
+// A false alarm under an id that nobody has seen yet founds a track. The true target has it back
+// after three looks.
+TEST(DistributedFilter, WithAGateLetsGoOfWhatAFalseIdFounded) {
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
+  std::mt19937_64 rng(6);
+  FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);
+  spec.estimator.gate_sigma = 4.0;
+  DistributedFilter filter(spec);
+  take_step(filter, instant(0), at(0, 0),
+            {look_at(sensor, instant(0), at(0, 0), {Eigen::Vector2d(-3.0, -3.0)}, rng)});
+  for (int k = 1; k <= kGatedInARowMax; ++k) {
+    EXPECT_LT(known(filter, 0).mean(0), -1.0);
+    take_step(filter, instant(k), at(0, 0),
+              {look_at(sensor, instant(k), at(0, 0), {Eigen::Vector2d(4.0, 0.0)}, rng)});
+  }
+  EXPECT_NEAR(known(filter, 0).mean(0), 4.0, 0.6);
+  EXPECT_EQ(filter.counters().gated, kGatedInARowMax);
+}
+
 TEST(DistributedFilter, StepsWithoutAllocating) {
   if (!vantage::test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";
