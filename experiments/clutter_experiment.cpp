@@ -92,8 +92,7 @@ Sweep tracking_clutter(const Extent& extent) {
   }
   sweep.plan.trials = extent.trials_or(kTrials);
   const double duration_s = extent.is_smoke ? kSmoke_s : kDuration_s;
-  sweep.plan.parameters = {{"duration_s", fmt::format("{}", duration_s)},
-                           {"scenario", "lab.yaml"}};
+  sweep.plan.parameters = {{"duration_s", fmt::format("{}", duration_s)}, {"scenario", "lab.yaml"}};
   sweep.plan.tables = {{"runs", "method,ospa_m,swaps_per_min,matched_rmse_m,tracks"}};
   sweep.run = [duration_s](std::size_t setting, std::uint64_t seed) {
     return run_unit(duration_s, setting, seed);
