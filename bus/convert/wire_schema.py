@@ -8,6 +8,7 @@ house uses: one struct a file, constants skipped, arrays of constant or earlier-
 import re
 import sys
 
+DIMS = 4  # kWireDims of bus/convert/wire_walk.hpp
 WIDTH = {"int8_t": 1, "byte": 1, "boolean": 1, "int16_t": 2, "int32_t": 4, "float": 4,
          "int64_t": 8, "double": 8}
 NUMBER = {"boolean": "kBoolean", "byte": "kByte", "int8_t": "kInt8", "int16_t": "kInt16",
@@ -59,10 +60,10 @@ def in_order(structs):
 def field_text(structs, fields, index):
     kind, own_name, dims = fields[index]
     names = [name for _, name, _ in fields[:index]]
-    if len(dims) > 2:
-        raise SystemExit(f"{kind}: more than two dimensions")
+    if len(dims) > DIMS:
+        raise SystemExit(f"{kind}: more than {DIMS} dimensions")
     shape = [f"{{{dim}, -1}}" if dim.isdigit() else f"{{0, {names.index(dim)}}}" for dim in dims]
-    shape += ["{1, -1}"] * (2 - len(shape))
+    shape += ["{1, -1}"] * (DIMS - len(shape))
     what = ("kString" if kind == "string" else "kStruct" if kind in structs
             else "kInteger" if kind in INTEGERS else "kBytes")
     nested = f"&k_{kind}" if kind in structs else "nullptr"

@@ -1,33 +1,49 @@
 #include "bus/convert/wire_walk.hpp"
 
 #include <cstddef>
+#include <limits>
 
 namespace vantage::bus {
 namespace {
 
-constexpr std::size_t kMaxFields = 64;
 constexpr int kMaxDepth = 8;
+
+/// No overflow makes a small count of a large one.
+std::uint64_t saturating_product(std::uint64_t a, std::uint64_t b) {
+  constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
+  return b != 0 && a > kMost / b ? kMost : a * b;
+}
 
 class Walker {
  public:
   explicit Walker(std::span<const std::uint8_t> left) : left_(left) {}
 
   bool walk_struct(const WireSchema& schema, int depth) {
-    if (depth > kMaxDepth || schema.fields.size() > kMaxFields) {
+    if (depth > kMaxDepth || schema.fields.size() > kWireFieldsMax) {
       return false;
     }
-    std::array<std::int64_t, kMaxFields> integers{};
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): each is set before it is read
+    std::array<std::int64_t, kWireFieldsMax> integers;
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
+      integers[i] = 0;
       const WireField& field = schema.fields[i];
       std::uint64_t count = 1;
+      std::uint64_t rows = 1;
       for (const WireDim& dim : field.dims) {
         const std::int64_t length =
             dim.field < 0 ? dim.constant : integers[static_cast<std::size_t>(dim.field)];
-        // Every dimension on its own as well: n rows of nothing take no bytes but n vectors.
-        if (length < 0 || (dim.field >= 0 && length > left_bytes())) {
+        if (length < 0) {
           return false;
         }
-        count *= static_cast<std::uint64_t>(length);
+        // What the message asks for on its own as well: n rows of nothing take no bytes but n
+        // vectors.
+        if (dim.field >= 0 && length > 0) {
+          rows = saturating_product(rows, static_cast<std::uint64_t>(length));
+          if (rows > left_.size()) {
+            return false;
+          }
+        }
+        count = saturating_product(count, static_cast<std::uint64_t>(length));
       }
       if (count > left_.size() ||
           count * static_cast<std::uint64_t>(field.least_bytes) > left_.size()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -31,6 +32,10 @@ std::int64_t signed_value(WireNumber number, std::uint64_t bits);
 
 struct WireSchema;
 
+/// Bounds of a layout, generous: lcm-gen itself has none.
+inline constexpr std::size_t kWireDims = 4;         ///< of an array
+inline constexpr std::size_t kWireFieldsMax = 256;  ///< of a type
+
 /// One array dimension: the value of the integer field number `field`, or `constant` if that is −1.
 struct WireDim {
   std::int32_t constant;
@@ -39,9 +44,9 @@ struct WireDim {
 
 struct WireField {
   WireKind kind;
-  std::int32_t least_bytes;     ///< that one element takes; exactly so for kBytes and kInteger
-  const WireSchema* nested;     ///< of a kStruct
-  std::array<WireDim, 2> dims;  ///< {1, −1} where there is none
+  std::int32_t least_bytes;  ///< that one element takes; exactly so for kBytes and kInteger
+  const WireSchema* nested;  ///< of a kStruct
+  std::array<WireDim, kWireDims> dims;  ///< {1, −1} where there is none
   std::string_view name;
   WireNumber number;
   std::int32_t rank;  ///< how many of `dims` there are: 0 for a scalar

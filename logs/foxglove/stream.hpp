@@ -34,6 +34,8 @@ class Sink {
   virtual bool wants(const std::string& topic, Schema schema, bool is_state) = 0;
   /// A record of a topic that wants() just said true to. `time`: when it was heard.
   virtual void write(const std::string& topic, Time time, const Json& content) = 0;
+  /// Of a topic that is known: what a message on it is, for people ("plan_t").
+  virtual void name_type(const std::string& /*topic*/, const std::string& /*type*/) {}
 };
 
 /// Turns the messages of a trial, in the order heard, into records for viewers. Pure: no clock, no

@@ -31,13 +31,13 @@ class Reader {
     std::vector<std::size_t> integers(schema.fields.size(), 0);  // the counts among them
     for (std::size_t i = 0; i < schema.fields.size(); ++i) {
       const WireField& field = schema.fields[i];
-      std::array<std::size_t, 2> counts{};
+      std::array<std::size_t, bus::kWireDims> counts{};
       for (std::size_t d = 0; d < counts.size(); ++d) {
         const bus::WireDim& dim = field.dims[d];
         counts[d] = dim.field < 0 ? static_cast<std::size_t>(dim.constant)
                                   : integers[static_cast<std::size_t>(dim.field)];
       }
-      Json value = read_field(field, counts);
+      Json value = read_field(field, counts, 0);
       if (field.rank == 0 && value.is_number_integer() && value.get<std::int64_t>() >= 0) {
         integers[i] = value.get<std::size_t>();
       }
@@ -47,23 +47,16 @@ class Reader {
   }
 
  private:
-  Json read_field(const WireField& field, const std::array<std::size_t, 2>& counts) {
-    if (field.rank == 0) {
+  Json read_field(const WireField& field, const std::array<std::size_t, bus::kWireDims>& counts,
+                  std::size_t dim) {
+    if (dim == static_cast<std::size_t>(field.rank)) {
       return read_element(field);
     }
-    Json rows = Json::array();
-    for (std::size_t i = 0; i < counts[0]; ++i) {
-      if (field.rank == 1) {
-        rows.push_back(read_element(field));
-        continue;
-      }
-      Json row = Json::array();
-      for (std::size_t j = 0; j < counts[1]; ++j) {
-        row.push_back(read_element(field));
-      }
-      rows.push_back(std::move(row));
+    Json elements = Json::array();
+    for (std::size_t i = 0; i < counts[dim]; ++i) {
+      elements.push_back(read_field(field, counts, dim + 1));
     }
-    return rows;
+    return elements;
   }
 
   Json read_element(const WireField& field) {
@@ -123,16 +116,20 @@ Json element_schema(const WireField& field) {
 }  // namespace
 
 std::optional<Json> message_json(std::span<const std::uint8_t> message) {
+  const WireSchema* schema = type_of(message);
+  return schema == nullptr ? std::nullopt : message_json(message, *schema);
+}
+
+std::optional<Json> message_json(std::span<const std::uint8_t> message, const WireSchema& schema) {
   const auto data = bus::auth::payload_of(message);
-  const WireSchema* schema = type_of(data);
-  if (schema == nullptr) {
+  if (data.size() < kFingerprintBytes) {
     return std::nullopt;
   }
   const auto body = data.subspan(kFingerprintBytes);
-  if (!bus::is_well_formed(*schema, body)) {
+  if (!bus::is_well_formed(schema, body)) {
     return std::nullopt;
   }
-  return Reader(body).read_struct(*schema);
+  return Reader(body).read_struct(schema);
 }
 
 std::string dumped(const Json& json) {

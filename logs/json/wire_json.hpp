@@ -19,6 +19,10 @@ namespace vantage::logs {
 /// finite are null, as JSON has none.
 std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> message);
 
+/// The same of a message whose fingerprint says that it is one of `schema`, the house's or not.
+std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t> message,
+                                                   const bus::WireSchema& schema);
+
 /// On one line; what is not UTF-8 in it is replaced.
 std::string dumped(const nlohmann::ordered_json& json);
 
