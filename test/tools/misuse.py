@@ -59,7 +59,8 @@ WORDS = {  # mistyped: what the line must name
     "trial x --duration-s -3": "above 0", "plan x --budget-s 1e9": "from 0 to 86400",
     "doctor viccon localhost": "viccon", "config copy labb": "did you mean 'lab'",
     "experiment nope": "nope", "log export x --to docx --out y": "docx",
-    "log plot x --out y.docx": ".png, .svg or .pdf", "view --port 99999": "65535"}
+    "log plot x --out y.docx": ".png, .svg or .pdf", "view --port 99999": "65535",
+    "view x --types none.lcm": "none.lcm: cannot be read", "view x --record y.webm --fps 0": "1 to 60"}
 
 failures = []
 

@@ -81,7 +81,8 @@ TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
   const Time instant = log.start() + std::chrono::seconds(40);
   const auto newest = [&](bool goes_back_first) {
     Broker broker({"test", "s", std::pair(log.start(), log.end())});
-    LogView view(log, broker);
+    const logs::TypeLibrary types;
+    LogView view(log, types, broker, log.start());
     const auto client = broker.connect(true);
     const auto ask = [&](Time to) {
       const auto requests = parse_binary(
@@ -128,10 +129,48 @@ TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
   EXPECT_EQ(straight, roundabout);
 }
 
+TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAgain) {
+  const logs::EventTable& log = log_of_sample();
+  const logs::TypeLibrary types;
+  Broker broker({"test", "s", std::pair(log.start(), log.end())});
+  const Time begin = log.start() + std::chrono::seconds(20);
+  LogView view(log, types, broker, begin);
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  const json advertised = pop_text(*client);
+  for (const json& channel : advertised["channels"]) {
+    if (channel["topic"] == "/transforms") {
+      broker.on_request(*client, Subscribe{{{7, channel["id"].get<std::uint32_t>()}}});
+    }
+  }
+  // {poses that came, whether viewers were told of a jump}
+  const auto ask = [&](Time to) {
+    broker.on_request(*client,
+                      parse_binary(playback_request(
+                          1, 1.0F, true, static_cast<std::uint64_t>(to_utime(to)) * 1000, "x")));
+    view.tick(0);
+    client->push(control("{}"));
+    std::pair<int, bool> heard;
+    for (auto frame = client->wait_pop(); frame && !frame->is_text; frame = client->wait_pop()) {
+      heard.first += frame->head[0] == 1 ? 1 : 0;
+      heard.second = heard.second || (frame->head[0] == 5 && frame->head[14] != 0);
+    }
+    return heard;
+  };
+  ask(begin);
+  const auto [poses, jumps] = ask(begin + std::chrono::milliseconds(100));
+  EXPECT_GT(poses, 1) << "all that lies between, as in playing";
+  EXPECT_FALSE(jumps);
+  EXPECT_EQ(ask(begin + std::chrono::milliseconds(100)), (std::pair(1, true)));
+  EXPECT_EQ(ask(begin + std::chrono::seconds(5)), (std::pair(1, true)));
+  EXPECT_EQ(ask(begin), (std::pair(1, true)));
+  broker.disconnect(client);
+}
+
 TEST_F(SampleLog, HoldsTheNumbersOfTheWholeLogInOrder) {
   const logs::EventTable& log = log_of_sample();
   Broker broker({"test", "s", std::pair(log.start(), log.end())});
-  const json history = json::parse(log_history(log, broker));
+  const json history = json::parse(log_history(log, {}, broker));
   const auto client = broker.connect(true);
   pop_text(*client);
   EXPECT_GT(pop_text(*client)["channels"].size(), 30U) << "a newcomer is told of every topic";
@@ -150,19 +189,19 @@ TEST_F(SampleLog, HoldsTheNumbersOfTheWholeLogInOrder) {
 
 TEST_F(SampleLog, GivesOneNumberOfATopicOverItsWholeLength) {
   const logs::EventTable& log = log_of_sample();
-  const json battery = json::parse(log_series(log, "/vehicle/Q1", "/battery_share"));
+  const json battery = json::parse(log_series(log, {}, "/vehicle/Q1", "/battery_share"));
   EXPECT_GT(battery.size(), 100U);
   EXPECT_GT(battery.front()[1].get<double>(), battery.back()[1].get<double>());
   // The same plans as they are on the bus and as viewers are told them.
-  const json raw = json::parse(log_series(log, "/lcm/PLAN_Q1", "/nodes"));
-  const json told = json::parse(log_series(log, "/plan/Q1/status", "/nodes"));
+  const json raw = json::parse(log_series(log, {}, "/lcm/PLAN_Q1", "/nodes"));
+  const json told = json::parse(log_series(log, {}, "/plan/Q1/status", "/nodes"));
   EXPECT_NEAR(static_cast<double>(raw.size()), 60.0, 3.0);
   EXPECT_EQ(raw, told);
-  const json late = json::parse(log_series(log, "/plan/Q1/status", "/late"));
+  const json late = json::parse(log_series(log, {}, "/plan/Q1/status", "/late"));
   EXPECT_EQ(late.front()[1], 0.0) << "false is a number, too";
-  EXPECT_TRUE(json::parse(log_series(log, "/vehicle/Q1", "/nowhere")).empty());
-  EXPECT_TRUE(json::parse(log_series(log, "/vehicle/Q1", "battery_share")).empty());
-  EXPECT_TRUE(json::parse(log_series(log, "/nobody", "/a")).empty());
+  EXPECT_TRUE(json::parse(log_series(log, {}, "/vehicle/Q1", "/nowhere")).empty());
+  EXPECT_TRUE(json::parse(log_series(log, {}, "/vehicle/Q1", "battery_share")).empty());
+  EXPECT_TRUE(json::parse(log_series(log, {}, "/nobody", "/a")).empty());
 }
 
 TEST_F(SampleLog, IsFirstShownWhereEveryRobotHasAPlaceAndAPlanAndSomethingIsKnown) {
@@ -171,7 +210,8 @@ TEST_F(SampleLog, IsFirstShownWhereEveryRobotHasAPlaceAndAPlanAndSomethingIsKnow
   EXPECT_GT(to_seconds(first - log.start()), 0.5);
   EXPECT_LT(to_seconds(first - log.start()), 10.0);
   Broker broker({"test", "s", std::pair(log.start(), log.end())});
-  const LogView view(log, broker, first);
+  const logs::TypeLibrary types;
+  const LogView view(log, types, broker, first);
   const auto client = broker.connect(true);
   pop_text(*client);
   const json advertised = pop_text(*client);

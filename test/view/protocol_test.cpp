@@ -82,8 +82,9 @@ TEST(OffersOurProtocol, FindsItInAList) {
 
 TEST(RawMessage, TellsAForeignTypeByItsFingerprint) {
   const std::vector<std::uint8_t> foreign{1, 2, 3, 4, 5, 6, 7, 0xab, 9, 9};
-  EXPECT_EQ(raw_message(foreign), (json{{"foreign_type", "0x01020304050607ab"}, {"bytes", 10}}));
-  EXPECT_EQ(raw_message({}), (json{{"foreign_type", "0x"}, {"bytes", 0}}));
+  EXPECT_EQ(raw_message(foreign, {}),
+            (json{{"foreign_type", "0x01020304050607ab"}, {"bytes", 10}}));
+  EXPECT_EQ(raw_message({}, {}), (json{{"foreign_type", "0x"}, {"bytes", 0}}));
 }
 
 TEST(IsOurHost, IsAnAddressThisMachineOrWhatWasNamed) {

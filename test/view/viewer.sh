@@ -1,7 +1,7 @@
 #!/bin/sh
-# viewer.sh channels|page log|live|late|access|proposals VANTAGE SOURCE_DIR: `vantage view` on the sample log,
-# `vantage demo --view`, or `vantage view` on a log of a team that plans by local search, read by Foxglove's own client or driven in headless Chromium. Screenshots go
-# to $VANTAGE_SHOTS when it is set. Exit code 77: what it needs is not there.
+# viewer.sh channels|page log|live|late|access|proposals|foreign|record VANTAGE SOURCE_DIR: `vantage view` on the sample log,
+# `vantage demo --view`, or `vantage view` on a log of a team that plans by local search or of somebody else's robot, read by
+# Foxglove's own client or driven in headless Chromium. Screenshots go to $VANTAGE_SHOTS when it is set. Exit code 77: what it needs is not there.
 what=$1
 kind=$2
 vantage=$3
@@ -22,10 +22,13 @@ fi
 folder=$(mktemp -d)
 server=
 trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; rm -rf "$folder"' EXIT
-case $kind in log | access) is_log=yes ;; esac
+case $kind in log | access | record) is_log=yes ;; esac
 if [ "$is_log" ]; then
   xz -dkc "$source/logs/sample/lab_60s.lcmlog.xz" >"$folder/lab.lcmlog" || skip "no xz"
   "$vantage" view "$folder/lab.lcmlog" --port 0 >"$folder/out" 2>&1 &
+elif [ "$kind" = foreign ]; then
+  "$source/test/view/foreign_log.py" "$folder" || exit 1
+  "$vantage" view "$folder/foreign.lcmlog" --types "$folder/types" --port 0 >"$folder/out" 2>&1 &
 elif [ "$kind" = proposals ]; then
   "$vantage" trial "$source/config/lab-energy.yaml" --duration-s 8 --log "$folder/lab.lcmlog" \
     >"$folder/trial.out" 2>&1 || { cat "$folder/trial.out"; exit 1; }
@@ -53,6 +56,13 @@ case $what in
     fi
     script=page
     [ -f "$peer/$kind.mjs" ] && script=$kind
-    node "$peer/$script.mjs" "$url" "$kind" "${VANTAGE_SHOTS:-}"
+    if [ "$kind" = record ]; then
+      "$vantage" view "$folder/lab.lcmlog" --record "$folder/lab.webm" --from-s 20 --to-s 22 --fps 10 \
+        --width 640 --height 480 || exit 1
+      set -- "$folder/lab.webm"
+    else
+      set --
+    fi
+    node "$peer/$script.mjs" "$url" "$kind" "$@" "${VANTAGE_SHOTS:-}"
     ;;
 esac

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,6 +18,7 @@
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/view/live_view.hpp"
+#include "tools/view/record.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -24,13 +27,25 @@ constexpr auto kWait = std::chrono::milliseconds(50);
 
 struct ViewArguments {
   std::string log;
+  std::vector<std::string> types;
   std::string url;
   bool is_playing = false;
   WebOptions web;
+  RecordOptions record;
 };
 
+bool has_message_of(const logs::IndexedLog& log, const logs::TypeLibrary& types) {
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    if (types.find(event->data) != nullptr) {
+      return true;
+    }
+  }
+  return false;
+}
+
 /// There would be nothing to show.
-void require_vantage(const logs::IndexedLog& log) {
+void require_messages(const logs::IndexedLog& log, const logs::TypeLibrary& types) {
   const auto& channels = log.survey().channels;
   const bool has_any = std::any_of(channels.begin(), channels.end(), [](const auto& each) {
     return !each.second.type.empty() || each.second.other_types > 0;
@@ -38,24 +53,47 @@ void require_vantage(const logs::IndexedLog& log) {
   if (channels.empty()) {
     throw StartupError(log.path() + ": no event in it; `vantage log check` says more");
   }
-  if (!has_any) {
+  if (!has_any && (types.size() == 0 || !has_message_of(log, types))) {
     throw StartupError(fmt::format(
-        "{}: none of its {} events is a message of this version of vantage, so there is nothing to "
-        "show; its channels are {}; `vantage log info` says more",
-        log.path(), log.survey().scan.events, channel_names(log)));
+        "{}: none of its {} events is a message of this version of vantage{}, so there is nothing "
+        "to show; its channels are {}; --types names the .lcm files of other messages, "
+        "`vantage log info` says more",
+        log.path(), log.survey().scan.events,
+        types.size() == 0 ? "" : fmt::format(" or of the {} types that were given", types.size()),
+        channel_names(log)));
   }
 }
 
+int record(const logs::IndexedLog& log, const logs::TypeLibrary& types,
+           const ViewArguments& arguments) {
+  constexpr int kStep_percent = 10;
+  std::atomic<int> told_percent = 0;
+  const auto tell = [&](double share) {
+    const int percent = static_cast<int>(100.0 * share) / kStep_percent * kStep_percent;
+    if (percent > told_percent.exchange(percent)) {
+      print_line(fmt::format("record   {:3} %", percent));
+    }
+  };
+  const bool is_whole =
+      record_log(log, types, arguments.web, arguments.record, tell, stop_requested);
+  print_line(is_whole ? "record   " + arguments.record.path : "record   ended before it was whole");
+  return is_whole ? 0 : 1;
+}
+
 int run(const ViewArguments& arguments) {
+  logs::TypeLibrary types(arguments.types);
   if (!arguments.log.empty()) {
     const logs::IndexedLog log = open_log(arguments.log);
-    require_vantage(log);
+    require_messages(log, types);
+    if (!arguments.record.path.empty()) {
+      return record(log, types, arguments);
+    }
     serve_log(
-        log, arguments.web, arguments.is_playing,
+        log, types, arguments.web, arguments.is_playing,
         [&](const WebServer& server) { announce_view(server, arguments.log); }, stop_requested);
     return 0;
   }
-  const LiveView view(bus::open_transport(arguments.url), arguments.web);
+  const LiveView view(bus::open_transport(arguments.url), arguments.web, std::move(types));
   announce_view(view.server(), "live");
   while (!stop_requested() && view.failure().empty()) {
     std::this_thread::sleep_for(kWait);
@@ -101,13 +139,51 @@ void add_web_options(CLI::App& command, WebOptions& web) {
                      "folder of the built page, instead of this build's");
 }
 
+void add_record_options(CLI::App& command, CLI::Option* log, RecordOptions& record) {
+  constexpr int kSideMax_px = 4096;
+  auto* path = command
+                   .add_option("--record", record.path,
+                               "make a video (WebM) of the log by a browser without a window")
+                   ->needs(log);
+  command.add_option("--from-s", record.from_s, "where the video begins, from the log's start")
+      ->check(non_negative_number())
+      ->needs(path);
+  command.add_option("--to-s", record.to_s, "where it ends, instead of the log's end")
+      ->check(non_negative_number())
+      ->needs(path);
+  command.add_option("--speed", record.speed, "seconds of the log in one of the video")
+      ->check(number_between(0.01, 1000))
+      ->needs(path)
+      ->capture_default_str();
+  command.add_option("--fps", record.fps, "pictures a second")
+      ->check(number_between(1, 60))
+      ->needs(path)
+      ->capture_default_str();
+  command.add_option("--width", record.width, "of the video, pixels")
+      ->check(number_between(320, kSideMax_px))
+      ->needs(path)
+      ->capture_default_str();
+  command.add_option("--height", record.height, "of the video, pixels")
+      ->check(number_between(240, kSideMax_px))
+      ->needs(path)
+      ->capture_default_str();
+  command.add_flag("--dark", record.is_dark, "on a dark ground")->needs(path);
+  command
+      .add_option("--link", record.link,
+                  "what a link of the page says behind its #: cameras, layers, what is followed")
+      ->needs(path);
+}
+
 void add_view_command(CLI::App& root, Runner& chosen) {
   CLI::App* command =
       root.add_subcommand("view", "Show what is on the bus, or in a log, in the browser.");
   auto arguments = std::make_shared<ViewArguments>();
   auto* log = command->add_option("log", arguments->log, "LCM log to play; live without one");
+  command->add_option("--types", arguments->types,
+                      ".lcm files, or folders of them, of messages that are not vantage's");
   command->add_option("--url", arguments->url, "LCM URL to listen to")->excludes(log);
   command->add_flag("--play", arguments->is_playing, "play the log at once")->needs(log);
+  add_record_options(*command, log, arguments->record);
   add_web_options(*command, arguments->web);
   command->footer(
       "Serves a page of its own and the Foxglove WebSocket protocol on one port; Foxglove and\n"
@@ -116,6 +192,8 @@ void add_view_command(CLI::App& root, Runner& chosen) {
       "Examples:\n"
       "  vantage view\n"
       "  vantage view demo-out/lab.lcmlog\n"
+      "  vantage view arm.lcmlog --types arm/lcmtypes\n"
+      "  vantage view demo-out/lab.lcmlog --record lab.webm --from-s 10 --to-s 40\n"
       "  vantage view --url 'udpm://239.255.76.67:7667?ttl=1' --bind 0.0.0.0 --port 8080");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
 }

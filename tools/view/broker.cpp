@@ -104,6 +104,11 @@ void Broker::write(const std::string& topic, Time time, const logs::foxglove::Js
   }
 }
 
+void Broker::name_type(const std::string& topic, const std::string& type) {
+  const std::lock_guard lock(mutex_);
+  topics_.at(topic).type = type;
+}
+
 void Broker::send(Client& client, std::uint32_t subscription_id, const Topic& topic) {
   client.push({topic.is_state ? Frame::Kind::kState : Frame::Kind::kFlow, false, subscription_id,
                message_head(subscription_id, topic.time), topic.newest});
@@ -264,9 +269,13 @@ std::string Broker::topics_text() const {
   logs::foxglove::Json list = logs::foxglove::Json::array();
   const std::lock_guard lock(mutex_);
   for (const auto& [name, topic] : topics_) {
-    list.push_back({{"topic", name},
-                    {"schema", logs::foxglove::name_of(topic.channel.schema)},
-                    {"count", topic.count}});
+    logs::foxglove::Json entry{{"topic", name},
+                               {"schema", logs::foxglove::name_of(topic.channel.schema)},
+                               {"count", topic.count}};
+    if (!topic.type.empty()) {
+      entry["type"] = topic.type;
+    }
+    list.push_back(std::move(entry));
   }
   return list.dump(-1, ' ', false, logs::foxglove::Json::error_handler_t::replace);
 }

@@ -53,6 +53,7 @@ class Broker : public logs::foxglove::Sink {
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override;
   void write(const std::string& topic, Time time, const logs::foxglove::Json& content) override;
+  void name_type(const std::string& topic, const std::string& type) override;
 
   /// From now on records are kept and not sent: for what leads up to an instant in a log.
   void hold();
@@ -86,6 +87,7 @@ class Broker : public logs::foxglove::Sink {
  private:
   struct Topic {
     ChannelInfo channel;
+    std::string type;  ///< of a message on it; empty: its schema says it
     bool is_state = false;
     int subscribers = 0;
     std::int64_t count = 0;                     ///< records that there were, made or not

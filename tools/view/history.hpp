@@ -28,6 +28,9 @@ class History : public logs::foxglove::Sink {
 
   bool wants(const std::string& topic, logs::foxglove::Schema schema, bool is_state) override;
   void write(const std::string& topic, Time time, const logs::foxglove::Json& content) override;
+  void name_type(const std::string& topic, const std::string& type) override {
+    audience_.name_type(topic, type);
+  }
 
   /// A JSON list of [topic, utime, content], oldest first. Where bodies are is on topic "/ways":
   /// {body: [x_m, y_m, z_m]}.

@@ -29,8 +29,10 @@ std::string new_session() { return fmt::format("{:016x}", bus::random_run_id());
 
 }  // namespace
 
-LiveView::LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& options)
+LiveView::LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& options,
+                   logs::TypeLibrary types)
     : transport_(std::move(transport)),
+      types_(std::move(types)),
       broker_({"vantage", new_session(), std::nullopt}),
       history_(clock_, broker_, History::Audience::kHears, kLiveHistoryBytes),
       server_(broker_, with_history(options, [this] { return history_.text(); })),
@@ -43,7 +45,7 @@ LiveView::~LiveView() {
 
 void LiveView::listen() {
   try {
-    Feed feed(*transport_, clock_, history_);
+    Feed feed(*transport_, clock_, history_, types_);
     while (!is_over_ && feed.handle(kWait) != bus::kSourceEnded) {
     }
   } catch (const std::exception& error) {
@@ -57,16 +59,18 @@ std::string LiveView::failure() const {
   return failure_;
 }
 
-void serve_log(const logs::IndexedLog& log, const WebOptions& options, bool is_playing,
+void serve_log(const logs::IndexedLog& log, const logs::TypeLibrary& types,
+               const WebOptions& options, bool is_playing,
                const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop) {
   const logs::EventTable events(log);
   Broker broker({"vantage " + log.path(), new_session(), std::pair(events.start(), events.end())});
-  WebOptions of_log = with_history(options, [text = log_history(events, broker)] { return text; });
-  of_log.series = [&events](const std::string& topic, const std::string& pointer) {
-    return log_series(events, topic, pointer);
+  WebOptions of_log =
+      with_history(options, [text = log_history(events, types, broker)] { return text; });
+  of_log.series = [&](const std::string& topic, const std::string& pointer) {
+    return log_series(events, types, topic, pointer);
   };
-  LogView view(events, broker, first_picture(events));
+  LogView view(events, types, broker, first_picture(events));
   if (is_playing) {
     view.play(monotonic_ns());
   }

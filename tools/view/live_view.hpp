@@ -10,6 +10,7 @@
 #include "bus/node/clock.hpp"
 #include "bus/transport/transport.hpp"
 #include "logs/file/log_index.hpp"
+#include "logs/types/type_library.hpp"
 #include "tools/view/broker.hpp"
 #include "tools/view/history.hpp"
 #include "tools/view/web_server.hpp"
@@ -17,11 +18,13 @@
 namespace vantage::tools {
 
 /// Serves what is on a bus until it is destroyed: one thread listens, the web server's do the rest.
-/// Viewers who come late are handed what there was before, up to 8 MiB of it.
+/// Viewers who come late are handed what there was before, up to 8 MiB of it. `types`: what else
+/// may be read than the house's messages.
 class LiveView {
  public:
   /// @throws StartupError when the address cannot be had.
-  LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& options);
+  LiveView(std::unique_ptr<bus::Transport> transport, const WebOptions& options,
+           logs::TypeLibrary types = {});
   ~LiveView();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
@@ -37,6 +40,7 @@ class LiveView {
   void listen();
 
   std::unique_ptr<bus::Transport> transport_;
+  logs::TypeLibrary types_;
   bus::SystemClock clock_;
   Broker broker_;
   History history_;
@@ -50,7 +54,8 @@ class LiveView {
 /// Serves a log from its first picture on, paused unless `is_playing`, until `stop` says so;
 /// `ready` is told the server first.
 /// @throws StartupError when there is no event in the log, or the address cannot be had.
-void serve_log(const logs::IndexedLog& log, const WebOptions& options, bool is_playing,
+void serve_log(const logs::IndexedLog& log, const logs::TypeLibrary& types,
+               const WebOptions& options, bool is_playing,
                const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop);
 

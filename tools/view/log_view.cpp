@@ -13,6 +13,8 @@ constexpr Duration kLeadUp = std::chrono::seconds(20);  // as long as a track
 constexpr std::int64_t kTimePeriod_ns = 50'000'000;
 constexpr std::size_t kWholeBytesMax = std::size_t{256} << 20U;
 constexpr Duration kOvertureMax = std::chrono::minutes(2);
+constexpr Duration kStepMin = std::chrono::milliseconds(1);
+constexpr Duration kStepMax = std::chrono::seconds(1);
 
 /// Hears one number of one topic.
 class Series : public logs::foxglove::Sink {
@@ -94,12 +96,13 @@ class Overture : public logs::foxglove::Sink {
 };
 
 /// Plays a log from its start to a Sink, as fast as it goes, while `go_on` of each event's instant.
-void play_through(const logs::EventTable& log, bus::VirtualClock& clock, logs::foxglove::Sink& sink,
+void play_through(const logs::EventTable& log, const logs::TypeLibrary& types,
+                  bus::VirtualClock& clock, logs::foxglove::Sink& sink,
                   const std::function<bool(Time)>& go_on) {
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto endpoint = hub.connect();
-  Feed feed(*endpoint, clock, sink);
+  Feed feed(*endpoint, clock, sink, types);
   for (std::size_t i = 0; i < log.size(); ++i) {
     const logs::LogEvent event = log.read(i);
     clock.set(event.time);
@@ -115,32 +118,33 @@ constexpr auto kToTheEnd = [](Time /*time*/) { return true; };
 
 }  // namespace
 
-std::string log_history(const logs::EventTable& log, logs::foxglove::Sink& audience) {
+std::string log_history(const logs::EventTable& log, const logs::TypeLibrary& types,
+                        logs::foxglove::Sink& audience) {
   if (log.file_bytes() > kWholeBytesMax) {
     return "[]";
   }
   bus::VirtualClock clock(log.start());
   History history(clock, audience, History::Audience::kIsAskedOnly, kWholeBytesMax);
-  play_through(log, clock, history, kToTheEnd);
+  play_through(log, types, clock, history, kToTheEnd);
   return history.text();
 }
 
-std::string log_series(const logs::EventTable& log, const std::string& topic,
-                       const std::string& pointer) {
+std::string log_series(const logs::EventTable& log, const logs::TypeLibrary& types,
+                       const std::string& topic, const std::string& pointer) {
   if (log.file_bytes() > kWholeBytesMax || (!pointer.empty() && pointer.front() != '/')) {
     return "[]";
   }
   Series series(topic, pointer);
   if (!topic.starts_with(kRawTopics)) {
     bus::VirtualClock clock(log.start());
-    play_through(log, clock, series, kToTheEnd);
+    play_through(log, types, clock, series, kToTheEnd);
     return series.text();
   }
   const std::string channel = topic.substr(kRawTopics.size());
   for (std::size_t i = 0; i < log.size(); ++i) {
     const logs::LogEvent event = log.read(i);
     if (event.channel == channel) {
-      series.write(topic, event.time, raw_message(event.data));
+      series.write(topic, event.time, raw_message(event.data, types));
     }
   }
   return series.text();
@@ -151,7 +155,7 @@ Time first_picture(const logs::EventTable& log) {
   bus::VirtualClock clock(log.start());
   Time best = log.start();
   int parts = 0;
-  play_through(log, clock, overture, [&](Time time) {
+  play_through(log, {}, clock, overture, [&](Time time) {
     if (overture.parts() > parts) {
       parts = overture.parts();
       best = time;
@@ -161,8 +165,13 @@ Time first_picture(const logs::EventTable& log) {
   return best;
 }
 
-LogView::LogView(const logs::EventTable& log, Broker& broker, Time begin)
-    : log_(log), broker_(broker), playback_(log.start(), log.end()), clock_(log.start()) {
+LogView::LogView(const logs::EventTable& log, const logs::TypeLibrary& types, Broker& broker,
+                 Time begin)
+    : log_(log),
+      types_(types),
+      broker_(broker),
+      playback_(log.start(), log.end()),
+      clock_(log.start()) {
   playback_.control({false, 1.0F, begin, ""}, 0);
   go_to(begin);
   broker_.broadcast_playback(playback_.state(0));
@@ -175,18 +184,23 @@ void LogView::go_to(Time position) {
   hub_ = std::make_unique<bus::InProcessHub>();
   source_ = hub_->connect();
   endpoint_ = hub_->connect();
-  feed_ = std::make_unique<Feed>(*endpoint_, clock_, broker_);
+  feed_ = std::make_unique<Feed>(*endpoint_, clock_, broker_, types_);
   broker_.hold();
   broker_.forget();
   next_ = log_.first_at(position - kLeadUp);
   for (const std::size_t index : log_.newest_before(next_)) {
     feed(index);
   }
+  go_on_to(position);
+  broker_.release();
+  broker_.broadcast_time(position);
+}
+
+void LogView::go_on_to(Time position) {
   for (; next_ < log_.size() && log_.time(next_) <= position; ++next_) {
     feed(next_);
   }
-  broker_.release();
-  broker_.broadcast_time(position);
+  shown_ = position;
 }
 
 void LogView::feed(std::size_t index) {
@@ -198,17 +212,22 @@ void LogView::feed(std::size_t index) {
 
 void LogView::tick(std::int64_t now_ns) {
   for (const PlaybackControl& request : broker_.take_controls()) {
-    const PlaybackState after = playback_.control(request, now_ns);
+    PlaybackState after = playback_.control(request, now_ns);
+    // To go to where it is asks for all of that instant again.
+    const bool is_step =
+        after.did_seek && after.time - shown_ >= kStepMin && after.time - shown_ <= kStepMax;
+    after.did_seek = after.did_seek && !is_step;
     broker_.broadcast_playback(after);
     status_told_ = after.status;
     if (after.did_seek) {
       go_to(after.time);
+    } else if (is_step) {
+      go_on_to(after.time);
+      broker_.broadcast_time(after.time);
     }
   }
   const PlaybackState state = playback_.state(now_ns);
-  for (; next_ < log_.size() && log_.time(next_) <= state.time; ++next_) {
-    feed(next_);
-  }
+  go_on_to(state.time);
   if (state.status == PlaybackStatus::kPlaying && now_ns - time_told_ns_ >= kTimePeriod_ns) {
     time_told_ns_ = now_ns;
     broker_.broadcast_time(state.time);

@@ -7,6 +7,7 @@
 #include "bus/node/clock.hpp"
 #include "bus/transport/transport.hpp"
 #include "logs/file/event_table.hpp"
+#include "logs/types/type_library.hpp"
 #include "tools/view/broker.hpp"
 #include "tools/view/feed.hpp"
 #include "tools/view/playback.hpp"
@@ -15,14 +16,15 @@ namespace vantage::tools {
 
 /// The History of a whole log, as its text(). "[]" for a log above 256 MiB, which would take too
 /// long. `audience` is asked whether it wants each topic there is, so that it knows all of them,
-/// and is told nothing else.
-std::string log_history(const logs::EventTable& log, logs::foxglove::Sink& audience);
+/// and is told nothing else but the names of types.
+std::string log_history(const logs::EventTable& log, const logs::TypeLibrary& types,
+                        logs::foxglove::Sink& audience);
 
 /// One number of a topic over a whole log: a JSON list of [utime, value]. `pointer` (RFC 6901) says
 /// which of the content's members: a number, or true (1) and false (0); records without it are left
 /// out. "[]" for a log above 256 MiB. Reads the log once; on topics /lcm/ that channel alone.
-std::string log_series(const logs::EventTable& log, const std::string& topic,
-                       const std::string& pointer);
+std::string log_series(const logs::EventTable& log, const logs::TypeLibrary& types,
+                       const std::string& topic, const std::string& pointer);
 
 /// The first instant of which a picture shows a trial: every robot of the scenario has been placed
 /// and has published a plan, and somebody knows a target or a map. Where that never comes within
@@ -33,23 +35,25 @@ Time first_picture(const logs::EventTable& log);
 /// Plays a log to a broker, as its viewers command. One thread.
 class LogView {
  public:
-  /// Paused at `begin`.
-  LogView(const logs::EventTable& log, Broker& broker, Time begin);
-  /// Paused at the log's start.
-  LogView(const logs::EventTable& log, Broker& broker) : LogView(log, broker, log.start()) {}
+  /// Paused at `begin`. All of them must live as long.
+  LogView(const logs::EventTable& log, const logs::TypeLibrary& types, Broker& broker, Time begin);
 
   /// Begins to play at its own speed.
   void play(std::int64_t now_ns) { playback_.control({true, 1.0F, std::nullopt, ""}, now_ns); }
 
-  /// Obeys what viewers asked, and sends what the time since the last call brought.
+  /// Obeys what viewers asked, and sends what the time since the last call brought. A short way on
+  /// is no jump: what lies between is sent, and viewers are not told to begin anew.
   void tick(std::int64_t now_ns);
 
  private:
   /// Begins anew at `position`, with what led up to it.
   void go_to(Time position);
+  /// Sends what is between where it is and `position`.
+  void go_on_to(Time position);
   void feed(std::size_t index);
 
   const logs::EventTable& log_;
+  const logs::TypeLibrary& types_;
   Broker& broker_;
   PlaybackClock playback_;
   bus::VirtualClock clock_;
@@ -58,6 +62,7 @@ class LogView {
   std::unique_ptr<bus::Transport> endpoint_;
   std::unique_ptr<Feed> feed_;
   std::size_t next_ = 0;  ///< event not yet sent
+  Time shown_{};          ///< until when all have been sent
   std::int64_t time_told_ns_ = 0;
   PlaybackStatus status_told_ = PlaybackStatus::kPaused;
 };

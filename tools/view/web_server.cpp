@@ -1,6 +1,8 @@
 #include "tools/view/web_server.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <filesystem>
 #include <mutex>
 #include <string_view>
@@ -19,6 +21,8 @@ constexpr std::size_t kClientsMax = 24;
 constexpr const char* kThreads = "32";  // each viewer holds one; the rest serves files
 constexpr int kOpcodeMask = 0x0F;
 constexpr std::size_t kRequestBytesMax = 1U << 20U;
+constexpr long long kVideoBytesMax = 2LL << 30;
+constexpr std::string_view kRecordingPath = "/api/recording";
 
 constexpr const char* kNoPage =
     "<!doctype html><meta charset=utf-8><title>vantage</title>"
@@ -117,7 +121,9 @@ struct WebServer::State {
   // Refuses, with an answer, what civetweb would only hang up on. 0: it may go on.
   static int on_begin(mg_connection* socket) {
     const std::string_view method = mg_get_request_info(socket)->request_method;
-    if (method != "GET" && method != "HEAD") {
+    const bool is_recording = method == "POST" && of(socket).options.recording != nullptr &&
+                              mg_get_request_info(socket)->local_uri == kRecordingPath;
+    if (method != "GET" && method != "HEAD" && !is_recording) {
       return refuse(socket, 405, "Method Not Allowed", "this server only shows");
     }
     if (!is_welcome(socket, of(socket).options)) {
@@ -209,21 +215,54 @@ struct WebServer::State {
     return 200;
   }
 
+  static std::string parameter(const mg_connection* socket, const char* name) {
+    const char* query = mg_get_request_info(socket)->query_string;
+    char value[1024] = "";
+    if (query != nullptr) {
+      mg_get_var(query, std::string_view(query).size(), name, value, sizeof value);
+    }
+    return value;
+  }
+
   static int on_series(mg_connection* socket, void* state) {
     auto& self = *static_cast<State*>(state);
-    const char* query = mg_get_request_info(socket)->query_string;
-    const auto parameter = [&](const char* name) {
-      char value[1024] = "";
-      if (query != nullptr) {
-        mg_get_var(query, std::string_view(query).size(), name, value, sizeof value);
-      }
-      return std::string(value);
-    };
     // One at a time: each reads the log, and the player has to as well.
     const std::lock_guard lock(self.series_mutex);
-    answer(
-        socket, "application/json",
-        self.options.series ? self.options.series(parameter("topic"), parameter("field")) : "[]");
+    const auto& series = self.options.series;
+    answer(socket, "application/json",
+           series ? series(parameter(socket, "topic"), parameter(socket, "field")) : "[]");
+    return 200;
+  }
+
+  /// How far the recording is (done=SHARE), why there is none (failed=1), or the video.
+  static int on_recording(mg_connection* socket, void* state) {
+    RecordingDesk& desk = *static_cast<State*>(state)->options.recording;
+    if (!desk.is_key(parameter(socket, "key"))) {
+      return refuse(socket, 403, "Forbidden", "not the key of this recording");
+    }
+    if (const std::string done = parameter(socket, "done"); !done.empty()) {
+      desk.tell_progress(std::strtod(done.c_str(), nullptr));
+      answer(socket, "text/plain", "");
+      return 200;
+    }
+    const long long size = mg_get_request_info(socket)->content_length;
+    if (size <= 0 || size > kVideoBytesMax) {
+      desk.fail("a video of " + std::to_string(size) + " bytes");
+      return refuse(socket, 413, "Payload Too Large", "no video, or too long a one");
+    }
+    std::string body(static_cast<std::size_t>(size), '\0');
+    std::size_t read = 0;
+    for (int part = 1; part > 0 && read < body.size(); read += static_cast<std::size_t>(part)) {
+      part = std::max(0, mg_read(socket, body.data() + read, body.size() - read));
+    }
+    if (read < body.size()) {
+      desk.fail("it was cut off on its way");
+    } else if (parameter(socket, "failed") == "1") {
+      desk.fail(body);
+    } else {
+      desk.take(std::move(body));
+    }
+    answer(socket, "text/plain", "");
     return 200;
   }
 
@@ -233,6 +272,22 @@ struct WebServer::State {
   }
 
   static int on_message(const mg_connection* /*socket*/, const char* /*text*/) { return 1; }
+
+  void set_handlers() {
+    static const char* subprotocols[] = {kSubprotocols[0], kSubprotocols[1]};
+    static mg_websocket_subprotocols accepted{2, subprotocols};
+    mg_set_websocket_handler_with_subprotocols(context, "/", &accepted, &on_connect, &on_ready,
+                                               &on_data, &on_close, this);
+    mg_set_request_handler(context, "/api/history", &on_history, this);
+    mg_set_request_handler(context, "/api/topics", &on_topics, this);
+    mg_set_request_handler(context, "/api/series", &on_series, this);
+    if (options.recording != nullptr) {
+      mg_set_request_handler(context, kRecordingPath.data(), &on_recording, this);
+    }
+    if (!has_page) {
+      mg_set_request_handler(context, "/", &on_no_page, this);
+    }
+  }
 };
 
 WebServer::WebServer(Broker& broker, const WebOptions& options)
@@ -281,17 +336,7 @@ WebServer::WebServer(Broker& broker, const WebOptions& options)
   if (mg_get_server_ports(state_->context, 4, ports) > 0) {
     state_->port = ports[0].port;
   }
-  static const char* subprotocols[] = {kSubprotocols[0], kSubprotocols[1]};
-  static mg_websocket_subprotocols accepted{2, subprotocols};
-  mg_set_websocket_handler_with_subprotocols(state_->context, "/", &accepted, &State::on_connect,
-                                             &State::on_ready, &State::on_data, &State::on_close,
-                                             state_.get());
-  mg_set_request_handler(state_->context, "/api/history", &State::on_history, state_.get());
-  mg_set_request_handler(state_->context, "/api/topics", &State::on_topics, state_.get());
-  mg_set_request_handler(state_->context, "/api/series", &State::on_series, state_.get());
-  if (!state_->has_page) {
-    mg_set_request_handler(state_->context, "/", &State::on_no_page, state_.get());
-  }
+  state_->set_handlers();
 }
 
 WebServer::~WebServer() {

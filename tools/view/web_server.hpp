@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/view/broker.hpp"
+#include "tools/view/recording_desk.hpp"
 
 namespace vantage::tools {
 
@@ -24,6 +25,8 @@ struct WebOptions {
   /// Answers GET /api/series?topic=…&field=…: one number over the whole log. One call at a time,
   /// any thread; empty: there is no log.
   std::function<std::string(const std::string& topic, const std::string& pointer)> series;
+  /// Takes what a page that records has made (POST /api/recording?key=…); null: nothing is taken.
+  RecordingDesk* recording = nullptr;
 };
 
 /// HTTP and WebSocket on one port, by civetweb: the page's files, and a Broker's frames to any

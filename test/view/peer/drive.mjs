@@ -13,8 +13,10 @@ export const browser = await chromium.launch({
 });
 const complaints = [];
 
-/** @param prepare called with the page before it is loaded */
-export async function open(width, height, scheme, draw, prepare) {
+const shows_a_world = () => window.vantage?.stats().entities > 10;
+
+/** @param prepare called with the page before it is loaded @param is_ready asked in the page until it says yes */
+export async function open(width, height, scheme, draw, prepare, is_ready = shows_a_world) {
   const page = await browser.newPage({ viewport: { width, height }, colorScheme: scheme });
   page.setDefaultTimeout(kPatience_ms);
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
@@ -23,7 +25,7 @@ export async function open(width, height, scheme, draw, prepare) {
   page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(url) || complaints.push(`asks for ${request.url()}`));
   await prepare?.(page);
   await page.goto(`${url}/${draw}`);
-  await page.waitForFunction(() => window.vantage?.stats().entities > 10);
+  await page.waitForFunction(is_ready);
   return page;
 }
 

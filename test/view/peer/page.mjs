@@ -46,7 +46,7 @@ async function targets_seen(paints) {
 
 async function check_log(page) {
   assert.equal(await page.locator("#link").textContent(), "log lab.lcmlog");
-  const of_tracking = ["entropy", "rmse", "margin", "gap", "battery", "lost"];
+  const of_tracking = ["entropy", "rmse", "margin", "gap", "battery", "deadlines", "lost"];
   await until(page, (keys) => keys.every((key) => Object.keys(vantage.series(key)).length > 0), of_tracking);
   assert.deepEqual((await page.evaluate(() => vantage.charts())).map(({ key }) => key), of_tracking, "none is shown empty");
 
@@ -322,6 +322,77 @@ async function check_charts(page) {
   await page.locator("#status").waitFor();
 }
 
+/** How long before their deadlines plans were there, counted. */
+async function check_histogram(page) {
+  const history = await (await fetch(`${url}/api/history`)).json();
+  const start = await page.evaluate(() => vantage.state.start);
+  const margins_ms = history.filter(([topic, , { margin_s }]) => /^\/plan\/[^/]+\/status$/.test(topic) && Number.isFinite(margin_s))
+    .map(([, utime, { margin_s }]) => [utime * 1e-6 - start, 1e3 * margin_s]);
+  const counted = () => page.evaluate(() => vantage.histogram("deadlines"));
+  const expect = async (from, to) => {
+    const inside = margins_ms.filter(([since]) => since >= from && since <= to).map(([, margin]) => margin);
+    const { width, starts, counts } = await counted();
+    assert.deepEqual(counts, starts.map((at) => inside.filter((margin) => Math.floor(margin / width) === Math.round(at / width)).length));
+    assert.equal(counts.reduce((sum, count) => sum + count, 0), inside.length);
+    assert(starts.length > 5 && starts.length < 60, `${starts.length} bins`);
+    return inside.length;
+  };
+  await page.locator('[data-chart="deadlines"] .u-over').scrollIntoViewIfNeeded();
+  const all = await expect(0, Infinity);
+  await page.evaluate(() => vantage.zoom(10, 20));
+  await until(page, (all) => vantage.histogram("deadlines").counts.reduce((sum, count) => sum + count, 0) < all, all);
+  await expect(10, 20);
+  const { starts, width, counts } = await counted();
+  const box = await page.locator('[data-chart="deadlines"] .u-over').boundingBox();
+  const most = counts.indexOf(Math.max(...counts));
+  await page.mouse.move(box.x + (box.width * (most + 0.5)) / starts.length, box.y + box.height / 2);
+  await until(page, (count) => document.querySelector('[data-chart="deadlines"] .read').textContent.endsWith(`ms: ${count}`), counts[most]);
+  assert(width > 0);
+  await page.keyboard.press("z");
+}
+
+/** What has a name comes back: charts that were taken away, charted fields, cameras, layers; not the time. */
+async function check_layouts(page) {
+  const shown = () => page.evaluate(() => vantage.charts().map(({ key }) => key));
+  await page.click('[data-chart="lost"] figcaption button');
+  await page.locator('[data-chart="lost"]').waitFor({ state: "hidden" });
+  await page.keyboard.press("1");
+  await page.keyboard.press("g"); // the map off
+  await page.keyboard.press("n");
+  await page.fill("#layouts input", "plan only");
+  await page.keyboard.press("Enter");
+  await page.locator('[data-layout="plan only"]').waitFor();
+  await page.keyboard.press("Escape");
+  const kept = await shown();
+  assert(!kept.includes("lost"));
+  await page.keyboard.press("3");
+  await page.keyboard.press("g");
+  await page.selectOption("#hidden-charts", "lost");
+  assert((await shown()).includes("lost"));
+  await seek(page, 12);
+  await page.keyboard.press("n");
+  await page.click('[data-layout="plan only"]');
+  await until(page, () => document.getElementById("stage").dataset.view === "plan");
+  await until(page, (keys) => vantage.charts().map(({ key }) => key).join() === keys, kept.join());
+  assert.equal(await page.getAttribute('[data-layer="map"]', "aria-pressed"), "false");
+  assert(Math.abs((await now(page)) - 12) < 0.1);
+  // A browser keeps it; a link carries what was taken away.
+  await until(page, () => /without=lost/.test(location.href));
+  await page.reload();
+  await until(page, () => window.vantage?.stats().entities > 10 && vantage.state.wanted === null);
+  await until(page, () => vantage.charts().length > 3 && !vantage.charts().some(({ key }) => key === "lost"));
+  await page.evaluate(add_probes);
+  await page.keyboard.press("n");
+  await page.locator('[data-layout="plan only"]').waitFor();
+  await shot(page, "layouts");
+  await page.click('[aria-label="Forget plan only"]');
+  await page.locator('[data-layout="plan only"]').waitFor({ state: "detached" });
+  await page.keyboard.press("Escape");
+  await page.selectOption("#hidden-charts", "lost");
+  await page.keyboard.press("g");
+  await page.keyboard.press("3");
+}
+
 /** What a link says is what one sees who follows it. */
 async function check_link(page) {
   await page.keyboard.press("3");
@@ -447,6 +518,8 @@ for (const [width, height, scheme, name, draw] of [
       await check_log(page);
       await check_stage(page);
       await check_charts(page);
+      await check_histogram(page);
+      await check_layouts(page);
       await check_link(page);
     }
     if (kind !== "proposals") {

@@ -39,6 +39,14 @@ const kCharts = [
     take: (r, topic) => [robot_of(topic), number(r.battery_share * 100)],
     range: [0, 105],
   },
+  {
+    key: "deadlines",
+    measure: "margin",
+    title: "plans by deadline margin [ms]",
+    topic: /^\/plan\/[^/]+\/status$/,
+    take: (r, topic) => [robot_of(topic), number(r.margin_s * 1e3)],
+    histogram: true,
+  },
   { key: "lost", measure: "lost", topic: /^\/team$/, take: (r) => ["team", number(r.messages_lost)], zero: true, count: true },
 ];
 
@@ -67,20 +75,18 @@ class Chart {
     this.series = new Map(); // name → {t, v}
     this.box = document.createElement("figure");
     this.box.dataset.chart = spec.key;
-    this.box.hidden = !spec.fields;
+    this.is_off = false; // taken away by the user
     this.caption = document.createElement("figcaption");
     this.title = document.createElement("b");
     this.title.textContent = this.box.title = spec.title ?? title_of(spec.measure);
     this.names_box = document.createElement("span");
     this.caption.append(this.title, this.names_box);
-    if (spec.fields) {
-      const close = document.createElement("button");
-      close.textContent = "×";
-      close.title = "Take this chart away";
-      close.setAttribute("aria-label", `Take ${this.title.textContent} away`);
-      close.onclick = () => source.remove(this);
-      this.caption.append(close);
-    }
+    const close = document.createElement("button");
+    close.textContent = "×";
+    close.title = "Take this chart away";
+    close.setAttribute("aria-label", `Take ${this.title.textContent} away`);
+    close.onclick = () => source.remove(this);
+    this.caption.append(close);
     this.body = document.createElement("div");
     this.body.setAttribute("role", "img");
     this.body.setAttribute("aria-label", `${this.title.textContent} over time`);
@@ -89,6 +95,12 @@ class Chart {
     this.read.hidden = true;
     this.box.append(this.caption, this.body);
     box.append(this.box);
+    this.show();
+  }
+
+  /** A chart is on the page unless it was taken away or has nothing to show. */
+  show() {
+    this.box.hidden = this.is_off || (!this.spec.fields && this.series.size === 0);
   }
 
   add(topic, time, record) {
@@ -101,7 +113,7 @@ class Chart {
     if (!this.series.has(name)) {
       this.series.set(name, { t: [], v: [] });
       this.destroy();
-      this.box.hidden = false;
+      this.show();
     }
     const line = this.series.get(name);
     if (line.t.length > 0 && time < line.t.at(-1)) line.t.length = line.v.length = 0;
@@ -118,7 +130,7 @@ class Chart {
   fill(name, points) {
     this.series.set(name, { t: points.map(([t]) => t), v: points.map(([, v]) => v) });
     this.destroy();
-    this.box.hidden = false;
+    this.show();
     this.is_stale = true;
   }
 
@@ -283,7 +295,7 @@ class Chart {
       return each;
     };
     this.names_box.replaceChildren(...(names.length < 2 && !this.spec.fields ? [] : names.map(label)));
-    if (this.names_box.scrollWidth > this.caption.clientWidth - 12) {
+    if (this.names_box.scrollWidth > this.caption.clientWidth - 34) {
       const words = document.createElement("i");
       words.textContent = `${names.length} series`;
       this.names_box.replaceChildren(words);
@@ -332,8 +344,103 @@ class Chart {
   clear() {
     this.series.clear();
     this.destroy();
-    this.box.hidden = !this.spec.fields;
+    this.show();
     this.read.hidden = true;
+  }
+}
+
+const kBins = 24; // of a histogram, about
+
+/** How wide bins are so that there are about kBins over a range: 1, 2 or 5 times a power of ten. */
+function bin_width(range) {
+  const least = Math.max(range, 1e-9) / kBins;
+  const power = 10 ** Math.floor(Math.log10(least));
+  return power * [1, 2, 5, 10].find((each) => each * power >= least);
+}
+
+/** How often a number had which value in the stretch that is shown; below zero in the colour of what is late. */
+class Histogram extends Chart {
+  constructor(...how) {
+    super(...how);
+    this.body.setAttribute("aria-label", this.title.textContent);
+  }
+
+  /** [from, to) of each bin and how many values are in it. */
+  bins() {
+    const [from, to] = this.source.window();
+    const values = [...this.series.values()].flatMap(({ t, v }) => v.filter((_, i) => t[i] >= from && t[i] <= to));
+    if (values.length === 0) return { width: 1, starts: [], counts: [] };
+    const [low, high] = values.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [0, 0]);
+    const width = bin_width(high - low);
+    const first = Math.floor(low / width);
+    const starts = Array.from({ length: Math.floor(high / width) - first + 1 }, (_, i) => (first + i) * width);
+    const counts = starts.map(() => 0);
+    values.forEach((value) => (counts[Math.floor(value / width) - first] += 1));
+    return { width, starts, counts };
+  }
+
+  table() {
+    const { width, starts, counts } = (this.binned = this.bins());
+    const middles = starts.map((start) => start + width / 2);
+    return [middles, counts.map((count, i) => (middles[i] < 0 ? count : null)), counts.map((count, i) => (middles[i] < 0 ? null : count))];
+  }
+
+  make() {
+    const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    const axis = { stroke: css("--quiet"), font: "11px system-ui", gap: 3, grid: { stroke: css("--line"), width: 1 }, ticks: { stroke: css("--line"), width: 1, size: 4 } };
+    const bars = (label, colour) => ({ label, stroke: colour, fill: colour, width: 0, paths: uPlot.paths.bars({ size: [0.9, 60], align: 0 }), points: { show: false } });
+    this.write_legend();
+    this.plot = new uPlot(
+      {
+        width: Math.max(80, this.body.clientWidth),
+        height: Math.max(60, this.body.clientHeight),
+        legend: { show: false },
+        cursor: { y: false, drag: { x: false, y: false, setScale: false }, points: { show: false } },
+        hooks: { setCursor: [() => this.tell()] },
+        scales: {
+          x: { time: false, range: () => [this.binned.starts[0] ?? 0, (this.binned.starts.at(-1) ?? 0) + this.binned.width] },
+          y: { range: (_, low, high) => [0, Math.max(1, 1.08 * (high ?? 1))] },
+        },
+        axes: [{ ...axis, size: 24, space: 45 }, { ...axis, size: 46, space: 24, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1e3, 2e3, 5e3, 1e4, 1e5] }],
+        series: [{}, bars("late", css("--bad")), bars("in time", css("--accent"))],
+      },
+      this.table(),
+      this.body,
+    );
+    this.plot.over.append(this.read);
+  }
+
+  tell() {
+    const { idx, left } = this.plot.cursor;
+    const start = this.binned.starts[idx ?? -1];
+    this.read.hidden = start === undefined || !(left >= 0);
+    if (this.read.hidden) return;
+    const unit = look.measures[this.spec.measure].unit;
+    this.read.textContent = `${digits(start)} to ${digits(start + this.binned.width)} ${unit}: ${this.binned.counts[idx]}`;
+    this.read.classList.toggle("left", left > this.plot.over.clientWidth / 2);
+  }
+
+  write_legend() {
+    const { starts, counts } = this.bins();
+    const late = counts.reduce((sum, count, i) => sum + (starts[i] < 0 ? count : 0), 0);
+    const words = document.createElement("i");
+    words.textContent = `${late} of ${counts.reduce((sum, count) => sum + count, 0)} late`;
+    this.names_box.replaceChildren(words);
+  }
+
+  mark_now() {}
+
+  refresh() {
+    if (this.series.size === 0 || this.body.clientWidth === 0) return;
+    const window = this.source.window().join();
+    if (!this.plot) {
+      this.make();
+    } else if (this.is_stale || window !== this.window) {
+      this.plot.setData(this.table());
+      this.write_legend();
+    }
+    this.window = window;
+    this.is_stale = false;
   }
 }
 
@@ -356,8 +463,10 @@ export class Charts {
       remove: (chart) => this.remove(chart),
     };
     this.own = own;
-    this.charts = kCharts.map((spec) => new Chart(box, spec, own));
-    new ResizeObserver(() => this.charts.forEach((chart) => chart.resize())).observe(box);
+    this.charts = kCharts.map((spec) => new (spec.histogram ? Histogram : Chart)(box, spec, own));
+    // One more chart makes the others smaller.
+    this.sizes = new ResizeObserver(() => this.charts.forEach((chart) => chart.resize()));
+    this.charts.forEach((chart) => this.sizes.observe(chart.body));
     // One after the other: all at once is a pause that one sees.
     let turn = 0;
     setInterval(() => !document.hidden && this.charts[turn++ % this.charts.length]?.refresh(), kRefresh_ms / kCharts.length);
@@ -405,6 +514,7 @@ export class Charts {
       const title = `${family.replace(/^\/(lcm\/)?/, "").replace(/[/_]\*/, "")} ${path.join(".")}`;
       chart = new Chart(this.box, { key, title, fields: new Map(), path }, this.own);
       this.charts.push(chart);
+      this.sizes.observe(chart.body);
     }
     chart.spec.fields.set(topic, name);
     chart.is_whole = points !== null;
@@ -414,11 +524,42 @@ export class Charts {
     this.source.on_change();
   }
 
+  /** Those that draw lines over time. */
+  lines() {
+    return this.charts.filter(({ spec }) => !spec.histogram);
+  }
+
+  /** One of a field goes; one of our own can be had back. */
   remove(chart) {
-    this.charts.splice(this.charts.indexOf(chart), 1);
-    chart.destroy();
-    chart.box.remove();
+    if (chart.spec.fields) {
+      this.charts.splice(this.charts.indexOf(chart), 1);
+      chart.destroy();
+      this.sizes.unobserve(chart.body);
+      chart.box.remove();
+    } else {
+      chart.is_off = true;
+      chart.show();
+    }
     this.source.on_change();
+  }
+
+  /** Keys of our own charts that were taken away. */
+  off() {
+    return this.charts.filter(({ is_off }) => is_off).map(({ spec }) => spec.key);
+  }
+
+  set_off(keys) {
+    for (const chart of this.charts) {
+      chart.is_off = !chart.spec.fields && keys.includes(chart.spec.key);
+      chart.show();
+      chart.refresh();
+    }
+    this.source.on_change();
+  }
+
+  /** Takes the charts of all fields away. */
+  forget_fields() {
+    this.charts.filter(({ spec }) => spec.fields).forEach((chart) => this.remove(chart));
   }
 
   /** [topic, path] of each field that is charted. */
@@ -429,7 +570,7 @@ export class Charts {
   /** Comma-separated values of all that is shown, in the stretch that is shown. */
   csv() {
     const [from, to] = this.zoomed ?? this.source.window();
-    const columns = this.charts.flatMap((chart) =>
+    const columns = this.lines().filter(({ is_off }) => !is_off).flatMap((chart) =>
       chart.names().map((name) => ({ title: `${chart.box.title} ${name}`, line: chart.series.get(name) })));
     const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
     const rows = [["time [s]", ...columns.map(({ title }) => quoted(title))]];

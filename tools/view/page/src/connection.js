@@ -60,10 +60,9 @@ export class Connection {
         range: message.dataStartTime && [seconds(message.dataStartTime), seconds(message.dataEndTime)],
       });
     } else if (message.op === "advertise") {
-      for (const channel of message.channels) {
-        this.channels.set(channel.topic, channel);
-        this.on.channel(channel.topic);
-      }
+      message.channels.forEach((channel) => this.channels.set(channel.topic, channel));
+      message.channels.forEach(({ topic }) => this.on.channel(topic));
+      this.on.channels();
     } else if (message.op === "status") {
       this.on.status(message);
     }

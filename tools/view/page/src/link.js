@@ -1,6 +1,7 @@
 // What a link carries: which log and when, what is shown and from where.
 
-/** @param state {log, since, view, cameras, off, on, trail_s, zoomed, fields, picked, side, follow}; members that are not set are left out */
+/** @param state {log, since, view, cameras, off, on, trail_s, zoomed, charts_off, theme, fields,
+    picked, side, follow}; members that are not set are left out */
 export function write_link(state) {
   const out = new URLSearchParams();
   const put = (key, value) => value !== null && value !== undefined && value !== "" && out.set(key, value);
@@ -12,6 +13,8 @@ export function write_link(state) {
   put("off", state.off?.join(","));
   put("trail", state.trail_s);
   put("win", state.zoomed?.map((x) => x.toFixed(3)).join(","));
+  put("without", state.charts_off?.join(","));
+  put("theme", state.theme);
   put("plot", state.fields?.map(([topic, path]) => `${topic}~${path.join(".")}`).join(" "));
   put("pick", state.picked);
   put("side", state.side);
@@ -39,6 +42,8 @@ export function read_link(hash) {
     off: words("off"),
     trail_s: Number.isFinite(trail_s) ? trail_s : null,
     zoomed: numbers(from.get("win"), 2),
+    charts_off: words("without"),
+    theme: ["light", "dark"].includes(from.get("theme")) ? from.get("theme") : null,
     fields: words("plot").map((each) => each.split("~")).filter((each) => each.length === 2).map(([topic, path]) => [topic, path.split(".")]),
     picked: from.get("pick"),
     side: from.get("side"),

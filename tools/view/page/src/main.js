@@ -4,10 +4,12 @@ import "./style.css";
 import { Charts, live_window } from "./charts.js";
 import { Connection, seconds_of } from "./connection.js";
 import { write_legend } from "./legend.js";
+import { Layouts } from "./layouts.js";
 import { read_link, save, write_link } from "./link.js";
 import { color_of_role, digits, look, set_ground } from "./look.js";
 import { css_of } from "./outline.js";
 import { Events, Processes, Vehicles, make, write_inspect } from "./panels.js";
+import { film_live, film_log, hand_over, kFps } from "./recording.js";
 import { distance_words } from "./ruler.js";
 import { Timeline, kSpeeds } from "./timeline.js";
 import { Topics } from "./topics.js";
@@ -47,6 +49,9 @@ const state = {
   picked: null,
   log: null, // name of the log
   arrived: null, // the server's time as it last told it
+  awaited: null, // {since, resolve} of an instant that something waits for
+  theme: null, // that was chosen here
+  filming: null, // {is_over} while a video is made
   jammed: [],
   colors: new Map(), // by body
   newest: new Map(), // by topic: of what says all there is to know
@@ -57,7 +62,15 @@ const state = {
 };
 
 /** How the world is drawn, where the address says so (?draw=gl or ?draw=canvas). */
-const kDraw = { gl: false, canvas: true }[new URLSearchParams(location.search).get("draw")] ?? null;
+const kQuery = new URLSearchParams(location.search);
+const kDraw = { gl: false, canvas: true }[kQuery.get("draw")] ?? null;
+/** The key of the recording that this page was opened for: nothing but the stage is shown. */
+const kRecord = kQuery.get("record");
+if (kRecord) {
+  document.body.dataset.shown = "stage";
+  // Whatever the window of a browser without one is like.
+  for (const side of ["width", "height"]) document.body.style[side] = `${Number(kQuery.get(side))}px`;
+}
 
 const world = new World(by_id("stage"), (id) => pick(id), kDraw);
 const vehicles = new Vehicles(by_id("vehicles"));
@@ -74,10 +87,19 @@ const charts = new Charts(by_id("charts"), {
     update_link();
   },
   on_change: () => {
+    write_hidden_charts();
     [...connection.channels.keys()].forEach(subscribe);
     update_link();
   },
 });
+/** Charts that were taken away, to have them back. */
+function write_hidden_charts() {
+  const box = by_id("hidden-charts");
+  const off = charts.charts.filter(({ is_off }) => is_off);
+  box.hidden = off.length === 0;
+  box.replaceChildren(new Option("+ chart", ""), ...off.map(({ spec, title }) => new Option(title.textContent, spec.key)));
+}
+
 const trails = new Trails();
 const topics = new Topics(by_id("topics"), {
   open: (topic, is_open) => {
@@ -148,6 +170,17 @@ async function load_history(session) {
   connection.go_on();
   charts.fields().forEach(([topic, path]) => plot(topic, path));
   give_wanted();
+  if (kRecord) record();
+}
+
+/** Makes the video that the address asks for. */
+async function record() {
+  const from = Number(kQuery.get("from"));
+  await hand_over(kRecord, async (on_progress) => {
+    await be_at(from);
+    while (state.wanted_cameras) await new Promise((resolve) => setTimeout(resolve, 20));
+    return film({ from, to: Math.min(Number(kQuery.get("to")), state.range[1] - state.range[0]), speed: Number(kQuery.get("speed")), fps: Number(kQuery.get("fps")), on_progress });
+  });
 }
 
 /** Whether a live record has been heard: by the history, or as it came. The server sends the newest again to who
@@ -183,6 +216,7 @@ const takers = [
     state.memory_s = record.grid_memory_s;
     world.set_bounds(record);
     state.colors = new Map(record.robots.map(({ name, color }) => [name, color]));
+    state.trails_at = null; // their colours are known now
     charts.set_robots(record.robots.map(({ name }) => name));
   }],
   [/^\/attack$/, (record) => set_jammed(record.jammed)],
@@ -218,10 +252,15 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     set_badge(state.range ? `log ${state.log}` : "live", "good");
   },
   channel: (topic) => subscribe(topic),
+  channels: () => update_scene(),
   status: (status) => status.level > 0 && set_badge(status.message, "warn"),
   time: (time) => {
     state.arrived = time; // all of the scene at that instant has come before it
     set_now(time);
+    if (state.awaited && Math.abs(state.now - state.awaited.since) < 2e-6) {
+      state.awaited.resolve();
+      state.awaited = null;
+    }
   },
   playback: (now) => {
     if (now.sought) {
@@ -252,6 +291,17 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
     takers.find(([pattern]) => pattern.test(topic))?.[1](record, topic, time, is_known);
   },
 });
+
+/** A log that no scenario is in has no world to show, but its messages can be read and charted. */
+function update_scene() {
+  const has_none = state.range !== null && connection.channels.size > 0 && !connection.channels.has("/scenario");
+  if (has_none === (document.body.dataset.scene === "none")) return;
+  document.body.dataset.scene = has_none ? "none" : "";
+  by_id("empty").textContent = has_none
+    ? "No scenario in this log. Its topics are at the side: open one, and press + beside a number to chart it."
+    : "Nothing heard yet. Waiting for a scenario and poses on the bus.";
+  if (has_none) show_side("topics");
+}
 
 const kNewest = /^\/(vehicle\/|health\/|plan\/[^/]+\/status$)/;
 
@@ -487,6 +537,8 @@ function link_text() {
     off: changed(false),
     trail_s: state.trail_s === look.trail_s ? null : state.trail_s,
     zoomed: charts.zoomed,
+    charts_off: charts.off(),
+    theme: state.theme,
     fields: charts.fields(),
     picked: state.picked,
     side: state.side === "status" ? null : state.side,
@@ -499,6 +551,8 @@ function give_wanted() {
   const { wanted } = state;
   state.wanted = null;
   if (!wanted) return;
+  if (wanted.theme) set_theme(wanted.theme);
+  charts.set_off(wanted.charts_off);
   if (wanted.since !== null && state.range) seek(wanted.since);
   for (const layer of kLayers) {
     const is_shown = wanted.on.includes(layer.name) || (kShownAtFirst.get(layer.name) && !wanted.off.includes(layer.name));
@@ -512,7 +566,12 @@ function give_wanted() {
   if (wanted.side) show_side(wanted.side);
   if (wanted.cameras) {
     // The world's size fits the cameras first.
-    const look_when_known = () => (world.layers.has("/world") ? world.view_from(wanted.cameras) : setTimeout(look_when_known, 50));
+    state.wanted_cameras = wanted.cameras;
+    const look_when_known = () => {
+      if (!world.layers.has("/world")) return setTimeout(look_when_known, 50);
+      world.view_from(wanted.cameras);
+      state.wanted_cameras = null;
+    };
     look_when_known();
   }
   if (wanted.follow) follow(wanted.follow);
@@ -541,16 +600,16 @@ function tell(words) {
   setTimeout(() => (by_id("note").hidden = true), 2500);
 }
 
-/** The stage as it is, with what it is of and when written below. */
-function take_shot() {
+/** Paints the stage as it is, with what it is of and when written below. */
+function paint_stage(out) {
   world.set_stale();
   world.draw(); // what the graphics drew is there until the picture is shown
   const canvases = [by_id("world"), by_id("names")].filter((canvas) => canvas.offsetWidth > 0);
   const { width, height } = by_id("names");
   const ratio = width / by_id("stage").clientWidth;
   const line = Math.round(26 * ratio);
-  const out = document.createElement("canvas");
-  [out.width, out.height] = [width, height + line];
+  const even = (pixels) => pixels - (pixels % 2); // as videos want it
+  if (out.width !== even(width) || out.height !== even(height + line)) [out.width, out.height] = [even(width), even(height + line)];
   const pen = out.getContext("2d");
   const style = getComputedStyle(document.documentElement);
   pen.fillStyle = style.getPropertyValue("--stage");
@@ -560,7 +619,54 @@ function take_shot() {
   pen.font = `${13 * ratio}px system-ui, sans-serif`;
   pen.textBaseline = "middle";
   pen.fillText([by_id("scenario").textContent, state.log ?? "live", by_id("clock").textContent, `ellipses hold ${100 * look.ellipse_probability} %`].join("   ·   "), 12 * ratio, height + line / 2);
+}
+
+function take_shot() {
+  const out = document.createElement("canvas");
+  paint_stage(out);
   out.toBlob((blob) => save(`vantage_${file_stem()}.png`, blob));
+}
+
+/** Goes to an instant of a log; resolves once all of it is in the world. */
+function be_at(since) {
+  return new Promise((resolve) => {
+    state.awaited = { since, resolve };
+    play(false, since);
+  }).then(() => {
+    connection.read_waiting();
+    world.expire(state.start + state.now);
+    draw_trails();
+  });
+}
+
+/** What of a log a video is of, unless it is said: the stretch that the charts show, else the rest. */
+const film_stretch = () => charts.zoomed ?? [state.now, state.range[1] - state.range[0]];
+
+function film(how) {
+  const common = { fps: kFps, paint: paint_stage, is_over: () => state.filming.is_over, ...how };
+  state.filming = { is_over: false };
+  return state.range ? film_log({ speed: state.speed, go_to: be_at, ...common }) : film_live(common);
+}
+
+/** Begins a video, or ends it and saves what there is. */
+async function toggle_video() {
+  if (state.filming) {
+    state.filming.is_over = true;
+    return;
+  }
+  const [from, to] = state.range ? film_stretch() : [];
+  const name = `vantage_${file_stem()}.webm`;
+  const button = by_id("video");
+  button.setAttribute("aria-pressed", true);
+  const on_progress = (done) => (button.textContent = state.range ? `${Math.round(100 * done)} %` : `${done.toFixed(0)} s`);
+  try {
+    save(name, new Blob([await film({ from, to, on_progress })], { type: "video/webm" }));
+  } catch (error) {
+    tell(`no video: ${error.message}`);
+  }
+  state.filming = null;
+  button.setAttribute("aria-pressed", false);
+  button.textContent = "Video";
 }
 
 const file_stem = () => `${(state.log ?? "live").replace(/\.lcmlog$/, "").replace(/[^\w-]+/g, "_")}_${(state.now ?? 0).toFixed(1)}s`;
@@ -602,7 +708,34 @@ function set_theme(theme) {
   refresh_legend();
 }
 
+/** What is shown, but for of what and when. */
+function layout_text() {
+  const text = new URLSearchParams(link_text());
+  ["log", "t", "win", "pick"].forEach((key) => text.delete(key));
+  return text.toString();
+}
+
+function give_layout(text) {
+  charts.forget_fields();
+  follow(null);
+  const wanted = read_link(text);
+  if (!wanted.cameras) fit();
+  if (!wanted.trail_s) set_trail(look.trail_s);
+  show_side(wanted.side ?? "status");
+  state.wanted = wanted;
+  give_wanted();
+}
+
+const layouts = new Layouts(by_id("layouts"), { take: layout_text, give: give_layout, failed: tell });
+
 const other_theme = () => (document.documentElement.dataset.theme === "dark" ? "light" : "dark");
+
+/** What a person chooses is in the link; what the system prefers is not. */
+function choose_theme() {
+  state.theme = other_theme();
+  set_theme(state.theme);
+  update_link();
+}
 
 const kKeys = [
   ["space", "play or pause a log", () => play(!state.is_playing)],
@@ -623,8 +756,10 @@ const kKeys = [
   ["z", "charts show all of the time", () => charts.zoom(null)],
   ["v", "save what the charts show as CSV", () => save_csv()],
   ["x", "screenshot of the stage", () => take_shot()],
+  ["w", "video of a log's stretch that the charts show, or from here on; again: it ends", () => toggle_video()],
   ["k", "copy a link to this moment and layout", () => share()],
-  ["d", "light or dark", () => set_theme(other_theme())],
+  ["d", "light or dark", () => choose_theme()],
+  ["n", "layouts: give what is shown a name, or have one back", () => layouts.open()],
   ["?", "these keys", () => (by_id("help").open ? by_id("help").close() : by_id("help").showModal())],
   ["escape", "end measuring, close what is inspected", () => (world.is_measuring ? toggle_measure() : pick(null))],
   ...kLayers.map((layer) => [layer.key, `${layer.name} on or off`, () => toggle(layer)]),
@@ -637,7 +772,7 @@ document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || tagName === "SELECT" || tagName === "INPUT") return;
   const name = kNamed[event.key] ?? event.key.toLowerCase();
   if (name === "space" && (tagName === "BUTTON" || tagName === "SUMMARY")) return; // it presses them
-  if (name === "escape" && by_id("help").open) return;
+  if (by_id("layouts").open || (name === "escape" && by_id("help").open)) return;
   const found = kKeys.find(([key]) => key === name);
   if (found) {
     if (name !== "escape") event.preventDefault(); // it also closes the dialog
@@ -657,20 +792,26 @@ by_id("reset").onclick = fit;
 by_id("follow").onclick = toggle_follow;
 by_id("measure").onclick = toggle_measure;
 by_id("shot").onclick = take_shot;
+by_id("video").onclick = toggle_video;
 by_id("share").onclick = share;
 by_id("csv").onclick = save_csv;
 by_id("all").onclick = () => charts.zoom(null);
 by_id("tab-status").onclick = () => show_side("status");
 by_id("tab-topics").onclick = () => show_side("topics");
-by_id("theme").onclick = () => set_theme(other_theme());
+by_id("theme").onclick = choose_theme;
+by_id("layout").onclick = () => layouts.open();
+by_id("hidden-charts").onchange = (event) => {
+  charts.set_off(charts.off().filter((key) => key !== event.target.value));
+  event.target.blur();
+};
 by_id("keys").onclick = () => by_id("help").showModal();
 by_id("help").onclick = () => by_id("help").close();
 const list = make("dl");
 for (const [key, what] of kKeys) list.append(make("dt", "", key), make("dd", "", what));
 by_id("help").append(make("h2", "", "Keys"), list);
 
-set_theme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
-show_view(innerWidth < 1000 ? "plan" : "both");
+set_theme(kQuery.get("theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
+show_view((Number(kQuery.get("width")) || innerWidth) < 1000 ? "plan" : "both");
 set_trail(state.trail_s);
 by_id("legend").open = innerWidth >= 1500;
 
@@ -689,10 +830,10 @@ loop();
 // For tests: what is on the screen, as numbers.
 window.vantage = {
   state,
-  stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.charts.map((c) => c.series.size) }),
+  stats: () => ({ entities: world.entities(), layers: world.sizes(), frames: world.frames_drawn, series: charts.lines().map((c) => c.series.size) }),
   colours: () => ({
     world: Object.fromEntries(world.shown("/robots").map(({ frame_id, cylinders }) => [frame_id, css_of(cylinders[0].color)])),
-    charts: charts.charts.map((chart) => Object.fromEntries((chart.plot?.series ?? []).slice(1).map(({ label, stroke }) => [label, stroke()]))),
+    charts: charts.lines().map((chart) => Object.fromEntries((chart.plot?.series ?? []).slice(1).map(({ label, stroke }) => [label, stroke()]))),
   }),
   labels: () => world.eyes().map(({ names }) => names),
   scale: () => world.plan_scale(),
@@ -700,10 +841,19 @@ window.vantage = {
   charts: () => charts.charts.filter(({ box }) => !box.hidden).map(({ spec, title }) => ({ key: spec.key, title: title.textContent, window: charts.own.window() })),
   series: (key) => Object.fromEntries(charts.charts.find(({ spec }) => spec.key === key)?.series ?? []),
   csv: () => charts.csv(),
+  histogram: (key) => charts.charts.find(({ spec }) => spec.key === key).bins(),
   trail: (body) => trails.ways.has(body) ? trails.points(body, state.start + state.now, state.trail_s).length : 0,
   measured: () => world.measured,
   followed: () => world.followed,
   position: (id) => world.find(id)?.position.toArray() ?? null,
   pixel: (id) => world.pixel(id),
   draw_again: () => world.set_stale(),
+  be_at: (since) => be_at(since),
+  zoom: (from, to) => charts.zoom(from, to),
+  /** The stage's pixels, as they are filmed. */
+  painted: () => {
+    const sheet = document.createElement("canvas");
+    paint_stage(sheet);
+    return sheet.getContext("2d").getImageData(0, 0, sheet.width, sheet.height);
+  },
 };

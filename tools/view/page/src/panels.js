@@ -10,6 +10,9 @@ export function make(tag, className, text) {
   return element;
 }
 
+/** Names as people order them: Q2 before Q10. */
+export const in_order = new Intl.Collator("en", { numeric: true }).compare;
+
 /** Rows by key in a box, made once; written again, five times a second whatever comes, where what
     they say is another. */
 class Table {
@@ -41,7 +44,7 @@ class Table {
       const row = make("div", "row");
       row.dataset.key = key;
       this.rows.set(key, row);
-      const later = [...this.rows.keys()].sort().find((other) => other > key);
+      const later = [...this.rows.keys()].sort(in_order).find((other) => in_order(other, key) > 0);
       this.box.insertBefore(row, later ? this.rows.get(later) : null);
     }
     return this.rows.get(key);

@@ -1,7 +1,7 @@
 // Every topic that the server knows, with its rate; opened, its newest message, whose numbers can be charted.
 
 import { digits } from "./look.js";
-import { make } from "./panels.js";
+import { in_order, make } from "./panels.js";
 
 const kPoll_ms = 1000;
 const kWrite_ms = 400;
@@ -41,41 +41,41 @@ export class Topics {
       return; // the page says elsewhere that there is no connection
     }
     const now_ms = performance.now();
-    for (const { topic, schema, count } of known) {
+    for (const { topic, schema, type, count } of known) {
       const before = this.counts.get(topic);
       const hz = before && now_ms > before.at_ms ? (1e3 * (count - before.count)) / (now_ms - before.at_ms) : null;
-      this.counts.set(topic, { schema, count, at_ms: now_ms, hz });
+      this.counts.set(topic, { type: type ?? schema, count, at_ms: now_ms, hz });
     }
     this.write();
   }
 
   write() {
     const wanted = this.filter.value.trim().toLowerCase();
-    for (const [topic, { schema, hz }] of [...this.counts].sort(([a], [b]) => (a < b ? -1 : 1))) {
-      if (!this.rows.has(topic)) this.rows.set(topic, this.make_row(topic, schema));
+    for (const [topic, { type, hz }] of [...this.counts].sort(([a], [b]) => in_order(a, b))) {
+      if (!this.rows.has(topic)) this.rows.set(topic, this.make_row(topic, type));
       const { row, rate } = this.rows.get(topic);
       const said = hz === null ? "" : `${hz >= 10 ? hz.toFixed(0) : hz.toFixed(1)} Hz`;
       if (rate.textContent !== said) rate.textContent = said;
-      row.hidden = wanted !== "" && !topic.toLowerCase().includes(wanted);
+      row.hidden = wanted !== "" && !`${topic} ${type}`.toLowerCase().includes(wanted);
     }
   }
 
-  make_row(topic, schema) {
+  make_row(topic, type) {
     const row = make("details", "topic");
     row.dataset.topic = topic;
     const head = make("summary", "line");
     const rate = make("span", "quiet", "");
     head.append(make("b", "", topic), make("span", "space"), rate);
-    head.title = schema;
+    head.title = type;
     const body = make("div", "message");
-    row.append(head, body);
+    row.append(head, make("div", "quiet", type), body);
     row.ontoggle = () => {
       if (row.open) this.opened.set(topic, this.opened.get(topic) ?? null);
       else this.opened.delete(topic);
       this.on.open(topic, row.open);
       this.write_opened();
     };
-    const later = [...this.rows.keys()].filter((other) => other > topic).sort()[0];
+    const later = [...this.rows.keys()].filter((other) => in_order(other, topic) > 0).sort(in_order)[0];
     this.list.insertBefore(row, later ? this.rows.get(later).row : null);
     return { row, rate, body };
   }

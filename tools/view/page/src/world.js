@@ -12,7 +12,8 @@ import { glyph_of, glyph_scale, pixels_a_metre, set_memory } from "./shapes.js";
 
 const kWorld = "world";
 const kGrid = "/grid-lines"; // the page's own, among the topics
-const kRoom = { left: 44, right: 20, top: 30, bottom: 66 }; // kept free around the world, for numbers and buttons
+const kRoom = { left: 44, right: 20, top: 30 }; // kept free around the world, for numbers
+const kRoomBelow = 30; // for numbers, above the buttons
 /** Names of what is more important are placed first. */
 const kRanks = { "/robots": 0, "/targets": 1, "/estimates": 2 };
 
@@ -190,12 +191,13 @@ export class World {
     const [width, height] = [max_m[0] - min_m[0], max_m[1] - min_m[1]];
     const centre = [(min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2];
     const plan = this.plan.area.getBoundingClientRect();
-    const free = (box) => [Math.max(50, box.width - kRoom.left - kRoom.right), Math.max(50, box.height - kRoom.top - kRoom.bottom)];
+    const bottom = kRoomBelow + document.getElementById("layers").offsetHeight + 8; // one row of buttons, or more
+    const free = (box) => [Math.max(50, box.width - kRoom.left - kRoom.right), Math.max(50, box.height - kRoom.top - bottom)];
     if (plan.width > 0) {
       const [free_x, free_y] = free(plan);
       const pixels_a_m = Math.min(free_x / width, free_y / height);
       const x = centre[0] + (kRoom.right - kRoom.left) / 2 / pixels_a_m;
-      const y = centre[1] + (kRoom.top - kRoom.bottom) / 2 / pixels_a_m;
+      const y = centre[1] + (kRoom.top - bottom) / 2 / pixels_a_m;
       this.look_at_plan(x, y, plan.height / 2 / pixels_a_m);
     }
     const space = this.space.area.getBoundingClientRect();

@@ -1,0 +1,88 @@
+// foreign.mjs http://HOST:PORT foreign [FOLDER]: the page on the log of foreign_log.py, served with its .lcm
+// files: its topics with their types, the members of a message, and numbers of it in charts, as they were written.
+
+import assert from "node:assert";
+import { finish, folder, open, shot, until, url } from "./drive.mjs";
+
+const kRate_hz = 20;
+const kMessages = 600;
+const angle = (joint, since_s) => 0.5 * Math.sin((2 * Math.PI * since_s) / 10 + joint);
+
+const is_ready = () => window.vantage?.state.range && document.querySelectorAll(".topic").length >= 3;
+const page = await open(1920, 1080, "light", "", null, is_ready);
+const topic = (name) => `[data-topic="/lcm/${name}"]`;
+
+/** Opens a topic and charts numbers of it. */
+async function chart(page, name, fields) {
+  await page.click(`${topic(name)} > summary`);
+  await page.locator(`${topic(name)} [data-field="utime"]`).waitFor();
+  await page.evaluate((topic) => document.querySelectorAll(`${topic} .message details`).forEach((part) => (part.open = true)), topic(name));
+  for (const field of fields) await page.click(`${topic(name)} [data-field="${field}"]`);
+}
+
+// There is no world, so what there is comes first: every topic with its type.
+assert(await page.locator("#topics").isVisible());
+assert(await page.locator("#empty").isVisible());
+assert(await page.locator("#views").isHidden());
+const types = await (await fetch(`${url}/api/topics`)).json();
+const type_of = Object.fromEntries(types.map(({ topic, type }) => [topic, type]));
+assert.equal(type_of["/lcm/ARM_STATE"], "demo_arm.state_t");
+assert.equal(type_of["/lcm/POWER"], "demo_arm.power_t");
+assert.equal(type_of["/lcm/SECRET"], "0x0001020304050607");
+assert.equal(await page.locator(`${topic("ARM_STATE")} > summary`).getAttribute("title"), "demo_arm.state_t");
+await page.fill("#topics input", "power_t"); // by its type, too
+await page.locator(topic("ARM_STATE")).waitFor({ state: "hidden" });
+await page.fill("#topics input", "");
+
+// A list's element, a struct's member, one of two dimensions, a truth value: each number as it was written.
+await chart(page, "ARM_STATE", ["position_rad.1", "position_rad.3", "tip_m.z", "effort_nm.2.1", "is_enabled"]);
+const line = async (key, name) => {
+  await until(page, ([key, name, count]) => vantage.series(key)[name]?.t.length === count, [key, name, kMessages]);
+  return page.evaluate(([key, name]) => vantage.series(key)[name], [key, name]);
+};
+const expect = async (field, value_at) => {
+  const { t, v } = await line(`/lcm/ARM_STATE ${field}`, "ARM_STATE");
+  t.forEach((since_s, i) => {
+    assert(Math.abs(since_s - i / kRate_hz) < 1e-6);
+    assert(Math.abs(v[i] - value_at(i / kRate_hz)) < 1e-6, `${field} at ${since_s}: ${v[i]}`);
+  });
+};
+await expect("position_rad.1", (since_s) => angle(1, since_s));
+await expect("position_rad.3", (since_s) => angle(3, since_s));
+await expect("tip_m.z", (since_s) => 1 + 0.1 * since_s);
+await expect("effort_nm.2.1", (since_s) => Math.fround(since_s));
+await expect("is_enabled", (since_s) => Number(since_s > 10));
+await chart(page, "POWER", ["voltage_v"]);
+await line("/lcm/POWER voltage_v", "POWER");
+
+// The cursor reads it; the message is of the instant that is shown.
+const charted = page.locator('[data-chart="/lcm/ARM_STATE position_rad.1"]');
+await charted.scrollIntoViewIfNeeded();
+const over = await charted.locator(".u-over").boundingBox();
+await page.mouse.move(over.x + over.width / 2 + 9, over.y + over.height / 2);
+await page.mouse.move(over.x + over.width / 2, over.y + over.height / 2);
+await charted.locator(".read").waitFor();
+const [time, value] = (await charted.locator(".read").innerText()).split("\n").map(parseFloat);
+assert(Math.abs(time - 15) < 0.5 && Math.abs(value - angle(1, time)) < 0.006, `${value} at ${time} s`);
+await page.mouse.click(over.x + over.width / 2, over.y + over.height / 2);
+await until(page, () => Math.abs(vantage.state.now - 15) < 0.5);
+await until(page, () => /0\.\d|1\.\d|2\.\d/.test(document.querySelector('[data-topic="/lcm/ARM_STATE"] .message').innerText));
+const now = await page.evaluate(() => vantage.state.now);
+await until(page, (z) => Math.abs(parseFloat(document.querySelector('[data-field="tip_m.z"]').parentElement.querySelector(".value").textContent) - z) < 0.006, 1 + 0.1 * now);
+
+// Of a type that nobody told: how large, and its fingerprint.
+await page.click(`${topic("SECRET")} > summary`);
+await until(page, () => /0x0001020304050607/.test(document.querySelector('[data-topic="/lcm/SECRET"] .message').innerText));
+await shot(page, "1080p_light");
+
+// A link brings it back.
+const address = await page.evaluate(() => location.href);
+const other = await open(1366, 768, "dark", address.slice(url.length + 1), null, () => window.vantage && Object.keys(vantage.series("/lcm/POWER voltage_v")).length > 0);
+assert.deepEqual((await other.evaluate(() => vantage.charts())).map(({ key }) => key), (await page.evaluate(() => vantage.charts())).map(({ key }) => key));
+await other.waitForTimeout(folder ? 1500 : 0);
+await shot(other, "1366_dark");
+for (const each of [page, other]) {
+  assert((await each.evaluate(() => document.documentElement.scrollWidth - innerWidth)) <= 0, "too wide");
+  await each.close();
+}
+await finish();

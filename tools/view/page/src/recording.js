@@ -1,0 +1,58 @@
+// Videos of the stage: of a log each picture at its instant, however long that takes; live as it comes.
+
+import { Video } from "./video.js";
+
+export const kFps = 25;
+
+/** Films a log. @param how {from, to, speed, fps, go_to(since): resolves once that instant is there, paint(sheet),
+    on_progress(share), is_over()} @returns the video's bytes */
+export async function film_log({ from, to, speed, fps, go_to, paint, on_progress, is_over }) {
+  const sheet = document.createElement("canvas");
+  await go_to(from);
+  paint(sheet);
+  const video = await Video.open(sheet.width, sheet.height, fps);
+  const pictures = Math.max(1, Math.round(((to - from) / speed) * fps));
+  for (let i = 0; i < pictures && !is_over(); i += 1) {
+    await go_to(from + (i * speed) / fps);
+    paint(sheet);
+    await video.add(sheet, i / fps);
+    on_progress((i + 1) / pictures);
+  }
+  return video.end();
+}
+
+/** Films what comes, until it is over or the stage has another size. @param how {fps, paint(sheet), on_progress(since_s), is_over()} */
+export async function film_live({ fps, paint, on_progress, is_over }) {
+  const sheet = document.createElement("canvas");
+  paint(sheet);
+  const { width, height } = sheet;
+  const video = await Video.open(width, height, fps);
+  const began_ms = performance.now();
+  for (let due_s = 0; !is_over(); ) {
+    const now_ms = await new Promise(requestAnimationFrame);
+    const since_s = Math.max(0, now_ms - began_ms) / 1e3;
+    if (since_s < due_s) continue;
+    due_s = since_s + 0.9 / fps;
+    paint(sheet);
+    if (sheet.width !== width || sheet.height !== height) break;
+    await video.add(sheet, since_s);
+    on_progress(since_s);
+  }
+  return video.end();
+}
+
+/** Hands over to the server that asked for it what it is to have. @param key of the recording */
+export async function hand_over(key, make) {
+  const post = (query, body) => fetch(`api/recording?${new URLSearchParams({ key, ...query })}`, { method: "POST", body });
+  let told = 0;
+  const tell = (share) => {
+    if (share - told < 0.05) return;
+    told = share;
+    post({ done: share }, "");
+  };
+  try {
+    await post({}, await make(tell));
+  } catch (error) {
+    await post({ failed: 1 }, String(error.message ?? error) || "for no reason");
+  }
+}

@@ -1,0 +1,63 @@
+// Pictures of a canvas become a video, each at its instant, however long it took to draw it.
+
+import { webm } from "./webm.js";
+
+const kKeyPeriod_s = 2; // pictures that need no other: where a player can go to
+const kWaiting = 8; // pictures that the encoder may lag behind
+const kBitsAPixel = 0.14;
+const kCodecs = [["vp09.00.40.08", "V_VP9"], ["vp8", "V_VP8"]];
+
+/** Why there can be no video here; null where it can. */
+export const why_no_video = () =>
+  typeof VideoEncoder !== "undefined" ? null
+    : window.isSecureContext ? "this browser has no video encoder (WebCodecs)"
+      : "browsers encode video for pages of this machine or of https only";
+
+export class Video {
+  /** @param width, height even numbers of pixels @param fps at most */
+  static async open(width, height, fps) {
+    const why_not = why_no_video();
+    if (why_not) throw new Error(why_not);
+    for (const [codec, name] of kCodecs) {
+      const config = { codec, width, height, framerate: fps, bitrate: Math.round(kBitsAPixel * width * height * fps), latencyMode: "quality" };
+      if ((await VideoEncoder.isConfigSupported(config)).supported) return new Video(config, { codec: name, width, height, fps });
+    }
+    throw new Error("this browser encodes neither VP9 nor VP8");
+  }
+
+  constructor(config, track) {
+    this.track = track;
+    this.pictures = [];
+    this.key_at_s = -Infinity;
+    this.until_s = 0;
+    this.encoder = new VideoEncoder({
+      output: (chunk) => {
+        const data = new Uint8Array(chunk.byteLength);
+        chunk.copyTo(data);
+        this.pictures.push({ at_ms: Math.round(chunk.timestamp / 1e3), is_key: chunk.type === "key", data });
+      },
+      error: (error) => (this.failure ??= error),
+    });
+    this.encoder.configure(config);
+  }
+
+  /** @param since_s of this picture, since the first one */
+  async add(canvas, since_s) {
+    if (this.failure) throw this.failure;
+    const picture = new VideoFrame(canvas, { timestamp: Math.round(1e6 * since_s), alpha: "discard" });
+    const keyFrame = since_s - this.key_at_s >= kKeyPeriod_s - 1e-6;
+    if (keyFrame) this.key_at_s = since_s;
+    this.until_s = since_s + 1 / this.track.fps;
+    this.encoder.encode(picture, { keyFrame });
+    picture.close();
+    while (this.encoder.encodeQueueSize > kWaiting) await new Promise((resolve) => setTimeout(resolve, 2));
+  }
+
+  /** The video as bytes. */
+  async end() {
+    await this.encoder.flush();
+    this.encoder.close();
+    if (this.failure) throw this.failure;
+    return webm(this.track, this.pictures, Math.round(1e3 * this.until_s));
+  }
+}

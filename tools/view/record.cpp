@@ -1,0 +1,194 @@
+#include "tools/view/record.hpp"
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "bus/node/bus.hpp"
+#include "core/check.hpp"
+#include "core/child.hpp"
+#include "tools/view/live_view.hpp"
+#include "tools/view/recording_desk.hpp"
+
+namespace vantage::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kBrowsers[] = {"chromium", "chromium-browser", "google-chrome",
+                                     "google-chrome-stable"};
+
+/// A folder that goes when it does.
+class PassingFolder {
+ public:
+  PassingFolder() {
+    std::string name = (fs::temp_directory_path() / "vantage-record.XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) {
+      throw StartupError(name + ": cannot be made");
+    }
+    path_ = name;
+  }
+  ~PassingFolder() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+  }
+  PassingFolder(const PassingFolder&) = delete;
+  PassingFolder& operator=(const PassingFolder&) = delete;
+  PassingFolder(PassingFolder&&) = delete;
+  PassingFolder& operator=(PassingFolder&&) = delete;
+
+  [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+Child start_browser(const std::string& address, const RecordOptions& options,
+                    const PassingFolder& folder) {
+  const char* named = std::getenv("CHROMIUM");
+  std::vector<std::string> names(std::begin(kBrowsers), std::end(kBrowsers));
+  if (named != nullptr) {
+    names = {named};
+  }
+  const int output = ::open(folder.file("said").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  ChildPlace place;
+  place.output = output;
+  place.end_signal = SIGKILL;
+  std::optional<Child> browser;
+  for (const std::string& name : names) {
+    std::vector<std::string> words = {
+        name,
+        "--headless",
+        "--no-first-run",
+        "--mute-audio",
+        "--hide-scrollbars",
+        "--disable-extensions",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--no-proxy-server",
+        "--force-device-scale-factor=1",
+        "--remote-debugging-port=0",  // else it ends once the page is there
+        "--user-data-dir=" + folder.file("profile"),
+        fmt::format("--window-size={},{}", options.width, options.height)};
+    if (::geteuid() == 0) {
+      words.emplace_back("--no-sandbox");  // which it refuses to make for root
+    }
+    words.push_back(address);
+    Result<Child> started = Child::start(words, place);
+    if (started.ok()) {
+      browser.emplace(std::move(started).value());
+      break;
+    }
+  }
+  ::close(output);
+  if (!browser) {
+    throw StartupError(
+        fmt::format("no browser to record with: {} cannot be started (CHROMIUM names "
+                    "another one)",
+                    fmt::join(names, ", ")));
+  }
+  return std::move(*browser);
+}
+
+/// A file that takes its name when it is whole.
+class NewFile {
+ public:
+  explicit NewFile(std::string path)
+      : path_(std::move(path)),
+        passing_(path_ + "." + std::to_string(::getpid())),
+        out_(passing_, std::ios::binary) {
+    if (!out_) {
+      throw StartupError(path_ + ": cannot be written");
+    }
+  }
+  ~NewFile() {
+    std::error_code error;
+    fs::remove(passing_, error);
+  }
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+  NewFile(NewFile&&) = delete;
+  NewFile& operator=(NewFile&&) = delete;
+
+  void write(const std::string& content) {
+    out_ << content;
+    out_.close();
+    std::error_code error;
+    fs::rename(passing_, path_, error);
+    if (!out_ || error) {
+      throw std::runtime_error(path_ + ": could not be written");
+    }
+  }
+
+ private:
+  std::string path_;
+  std::string passing_;
+  std::ofstream out_;
+};
+
+}  // namespace
+
+std::string record_address(const std::string& url, const std::string& key,
+                           const RecordOptions& options, double length_s) {
+  std::string out = fmt::format("{}/?record={}&from={}&to={}&speed={}&fps={}&width={}&height={}",
+                                url, key, options.from_s, options.to_s.value_or(length_s),
+                                options.speed, options.fps, options.width, options.height);
+  out += options.is_dark ? "&theme=dark" : "&theme=light";
+  return options.link.empty() ? out : out + "#" + options.link;
+}
+
+bool record_log(const logs::IndexedLog& log, const logs::TypeLibrary& types, WebOptions web,
+                const RecordOptions& options, const std::function<void(double)>& progress,
+                const std::function<bool()>& stop) {
+  const double length_s = log.survey().duration_s();
+  if (options.from_s >= options.to_s.value_or(length_s) || options.from_s >= length_s) {
+    throw StartupError(fmt::format("{}: nothing from {} to {} s; it is {:.1f} s long", log.path(),
+                                   options.from_s, options.to_s.value_or(length_s), length_s));
+  }
+  NewFile file(options.path);
+  const PassingFolder folder;
+  RecordingDesk desk(fmt::format("{:016x}", bus::random_run_id()), progress);
+  web.bind = "127.0.0.1";  // browsers encode video for pages of their own machine
+  web.port = 0;
+  web.recording = &desk;
+  std::optional<Child> browser;
+  const auto begin = [&](const WebServer& server) {
+    if (!server.has_page()) {
+      throw StartupError(
+          "the viewer's page was not built (npm was not there), and it draws videos");
+    }
+    browser.emplace(start_browser(record_address(server.url(), desk.key(), options, length_s),
+                                  options, folder));
+  };
+  const auto is_over = [&] {
+    if (!desk.is_over() && browser && browser->wait(std::chrono::milliseconds(0))) {
+      desk.fail("the browser has ended: " +
+                browser->wait(std::chrono::milliseconds(0))->describe());
+    }
+    return desk.is_over() || stop();
+  };
+  serve_log(log, types, web, false, begin, is_over);
+  browser.reset();
+  if (!desk.failure().empty()) {
+    throw std::runtime_error("no video was made: " + desk.failure());
+  }
+  if (desk.video().empty()) {
+    return false;
+  }
+  file.write(desk.video());
+  return true;
+}
+
+}  // namespace vantage::tools
