@@ -6,8 +6,8 @@
 
 namespace vantage::estimator {
 
-StepRecord::StepRecord(int target_count, int look_count)
-    : before(target_count), heard(target_count), looks(static_cast<std::size_t>(look_count)) {
+StepRecord::StepRecord(int target_count, int looks_max)
+    : before(target_count), heard(target_count), looks(static_cast<std::size_t>(looks_max)) {
   const std::size_t each = kDetectionsReserved / std::max<std::size_t>(1, looks.size());
   for (Look& look : looks) {
     look.detections.reserve(std::min(static_cast<std::size_t>(target_count), each));

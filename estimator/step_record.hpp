@@ -36,8 +36,8 @@ struct StepRecord {
   /// room for every target: a large team's looks, most of them out of hearing, cost no more.
   static constexpr std::size_t kDetectionsReserved = 512;
 
-  /// @param look_count  looks of one step that there is room for at once
-  StepRecord(int target_count, int look_count);
+  /// @param looks_max  looks of one step that there is room for at once
+  StepRecord(int target_count, int looks_max);
 
   /// Starts over for a step `begin` → `end` from `tracks`.
   void start(Time begin, Time end, const TrackTable& tracks);
