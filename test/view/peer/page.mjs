@@ -377,10 +377,10 @@ async function check_layouts(page) {
   assert.equal(await page.getAttribute('[data-layer="map"]', "aria-pressed"), "false");
   assert(Math.abs((await now(page)) - 12) < 0.1);
   // A browser keeps it; a link carries what was taken away.
-  await until(page, () => /without=lost/.test(location.href));
+  await until(page, () => /without=lost/.test(location.href) && /plan_round/.test(location.href));
   await page.reload();
   await until(page, () => window.vantage?.stats().entities > 10 && vantage.state.wanted === null);
-  await until(page, () => vantage.charts().length > 3 && !vantage.charts().some(({ key }) => key === "lost"));
+  await until(page, (keys) => vantage.charts().map(({ key }) => key).join() === keys, kept.join());
   await page.evaluate(add_probes);
   await page.keyboard.press("n");
   await page.locator('[data-layout="plan only"]').waitFor();
