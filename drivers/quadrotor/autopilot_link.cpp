@@ -5,10 +5,13 @@
 
 #include "core/axes.hpp"
 #include "models/exchange/counts.hpp"
+#include "wire/mavlink/single.hpp"
 #include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
+
+using wire::mavlink::f32;
 
 constexpr Duration kSecond = std::chrono::seconds(1);
 // Several within the second after which an autopilot is to notice that they have stopped.
@@ -22,8 +25,6 @@ constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
 constexpr std::int32_t kOriginLatitudeDegE7 = 399'522'000;
 constexpr std::int32_t kOriginLongitudeDegE7 = -751'932'000;
 constexpr std::int32_t kOriginAltitudeMm = 10'000;
-
-float f32(double x) { return static_cast<float>(x); }
 
 /// Diagonal of the upper triangle of a 6×6 matrix, row-major.
 std::array<float, 21> covariance(double first_three_sigma, double last_three_sigma) {

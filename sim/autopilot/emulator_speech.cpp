@@ -4,17 +4,18 @@
 #include <cmath>
 
 #include "sim/autopilot/autopilot_emulator.hpp"
+#include "wire/mavlink/single.hpp"
 #include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
 namespace {
 
+using wire::mavlink::f32;
+
 constexpr std::size_t kOutputMax = 1024;  // datagrams that nobody fetches: the oldest half goes
 constexpr std::uint8_t kQuadrotor = 2;
 constexpr std::uint8_t kStandby = 3;
 constexpr std::uint16_t kNoVoltage = 0xFFFF;
-
-float f32(double x) { return static_cast<float>(x); }
 
 wire::mavlink::BatteryStatus battery_status(const Airframe& airframe, BatteryReport report) {
   wire::mavlink::BatteryStatus out;

@@ -6,11 +6,13 @@
 #include <stdexcept>
 
 #include "core/axes.hpp"
+#include "wire/mavlink/single.hpp"
 
 namespace vantage::test {
 namespace {
 
 using models::AutopilotDialect;
+using wire::mavlink::f32;
 
 constexpr float kHeightM = 1.2F;
 constexpr double kSpeedMps = 1.0;
@@ -21,8 +23,6 @@ constexpr double kStopM = 0.5 * kSpeedMps * kSpeedMps / kBrakeMps2;  // to stand
 constexpr double kMovedM = kStopM + kSpeedMps * (kMoveS - kRampS);   // in kMoveS
 constexpr double kBrakedS = 0.4;  // of a stop that another kind of target interrupts
 constexpr double kPathPeriodS = 0.1;
-
-float f32(double x) { return static_cast<float>(x); }
 
 /// A reference along x.
 struct Line {

@@ -8,15 +8,16 @@
 
 #include "core/axes.hpp"
 #include "wire/mavlink/parameter.hpp"
+#include "wire/mavlink/single.hpp"
 
 namespace vantage::test {
 namespace {
 
+using wire::mavlink::f32;
+
 constexpr std::int64_t kHeartbeatTicks = 10;
 constexpr int kPatienceTicks = 50;
 constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
-
-float f32(double x) { return static_cast<float>(x); }
 
 /// Of a 6×6 matrix's upper triangle, row-major, the diagonal.
 std::array<float, 21> covariance(double variance) {
