@@ -5,6 +5,7 @@
 
 #include "experiments/clutter_trial.hpp"
 #include "experiments/experiment.hpp"
+#include "experiments/figures.hpp"
 #include "experiments/sweep/compare.hpp"
 #include "experiments/team_trial.hpp"
 
@@ -70,6 +71,8 @@ Summary summarise(const Tables& tables) {
     }
   }
   summary.files["summary.csv"] = csv;
+  summary.figure_script = tracking_clutter_figure(kClutterMethods);
+  summary.figures = {"tracking-clutter"};
   summary.choices = {
       "No figure of the dissertation: there, which target a detection is of is known.",
       "Every method is one central filter with the same motion model, measurement update and "

@@ -1,5 +1,7 @@
 #include "experiments/figures.hpp"
 
+#include <array>
+
 #include <fmt/format.h>
 
 namespace vantage::experiments {
@@ -291,6 +293,28 @@ std::string team_figure(const std::string& name, const std::string& axis,
                     axis + "'\n" + panel(0, "RMSE of a robot [m]") +
                     panel(1, "entropy of a robot [nats]") + panel(2, "discovery by a robot [s]") +
                     panel(4, "RMSE of the team [m]"));
+}
+
+std::string tracking_clutter_figure(std::span<const char* const> methods) {
+  constexpr std::array<const char*, 4> kColours = {"#0072B2", "#D55E00", "#E69F00", "#555555"};
+  const auto panel = [&](int column, const std::string& what) {
+    std::string out = "  set ylabel '" + what + "'\n  plot ";
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+      // A little beside each other, or the intervals hide one another.
+      out += fmt::format(
+          "{}'summary.csv' every {}::{} using ($0 + {}):{}:{}{} with yerrorlines lw 2 pt 7 "
+          "lc rgb '{}' title '{}'",
+          i == 0 ? "" : ", ", methods.size(), i + 1, 0.12 * static_cast<double>(i), column,
+          column + 1, i == 0 ? ":xtic(strcol(1).', '.strcol(2))" : "",
+          kColours[i % kColours.size()], methods[i]);
+    }
+    return out + "\n";
+  };
+  return figure("tracking-clutter", "1100,500",
+                "  set multiplot layout 1,2\n  set offsets 0.3, 0.3, 0, 0\n"
+                "  set key tmargin center horizontal noenhanced\n  set xtics rotate by -45\n"
+                "  set yrange [0:*]\n  set xlabel 'false alarms a look, detection probability'\n" +
+                    panel(5, "OSPA [m]") + panel(7, "swaps a minute"));
 }
 
 }  // namespace vantage::experiments

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "models/world/world.hpp"
@@ -21,6 +22,10 @@ std::string active_mapping_figures();
 /// Means with their intervals of a sweep of team trials (Fig. 3.3, 3.4). `columns` name a setting.
 std::string team_figure(const std::string& name, const std::string& axis,
                         const std::string& columns);
+
+/// OSPA and swaps of each of `methods` at each setting of tracking-clutter, from summary.csv, whose
+/// rows are a setting's methods in that order.
+std::string tracking_clutter_figure(std::span<const char* const> methods);
 
 /// Of surveillance: the measures against T_REPLAN from summary.csv, α = 2; the camp and the ways of
 /// one trial.

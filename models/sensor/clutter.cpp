@@ -1,5 +1,6 @@
 #include "models/sensor/clutter.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/angle.hpp"
@@ -20,6 +21,21 @@ PositionVector ahead_m(const Viewpoint& from, double range_m, double bearing_rad
   PositionVector y_m = from.world_from_body.position_m();
   y_m += range_m * Eigen::Vector2d(std::cos(at_rad), std::sin(at_rad));
   return y_m;
+}
+
+/// A Poisson number by products of uniform ones (Knuth, The Art of Computer Programming 2, 3.4.1);
+/// std::poisson_distribution asks the C library for lgamma(), which differs from one to another.
+int draw_poisson(double mean, std::mt19937_64& rng) {
+  constexpr double kAtOnce = 500.0;  // e to the minus of more is 0
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  int count = 0;
+  for (double left = mean; left > 0.0; left -= kAtOnce) {
+    const double end = std::exp(-std::min(left, kAtOnce));
+    for (double product = uniform(rng); product > end; product *= uniform(rng)) {
+      ++count;
+    }
+  }
+  return count;
 }
 
 }  // namespace
@@ -50,7 +66,7 @@ std::vector<Measurement> sample_clutter(const SensorModel& sensor, const Viewpoi
     return alarms;
   }
   constexpr int kTriesMax = 1000;  // a camera that sees less than this share of its range: nothing
-  const int count = std::poisson_distribution<int>(clutter_per_look)(rng);
+  const int count = draw_poisson(clutter_per_look, rng);
   const double least_m2 = sensor.range_min_m * sensor.range_min_m;
   const double most_m2 = sensor.range_max_m * sensor.range_max_m;
   std::uniform_real_distribution<double> share(0.0, 1.0);

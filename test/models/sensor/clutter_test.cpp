@@ -70,6 +70,22 @@ TEST(SampleClutter, IsPoissonAndUniformOverTheAreaInView) {
   EXPECT_NEAR(near_half / count, 0.5, 4.0 * 0.5 / std::sqrt(count));
 }
 
+TEST(SampleClutter, IsPoissonWhereThereIsMuch) {
+  const SensorModel sensor = sensor_of(SensorKind::kPosition);
+  std::mt19937_64 rng(2);
+  constexpr int kLooks = 300;
+  constexpr double kMean = 1200.0;
+  double count = 0.0;
+  double square = 0.0;
+  for (int i = 0; i < kLooks; ++i) {
+    const auto alarms = static_cast<double>(sample_clutter(sensor, {}, kMean, rng).size());
+    count += alarms;
+    square += (alarms - kMean) * (alarms - kMean);
+  }
+  EXPECT_NEAR(count / kLooks, kMean, 4.0 * std::sqrt(kMean / kLooks));
+  EXPECT_NEAR(square / kLooks, kMean, 4.0 * kMean * std::sqrt(2.0 / kLooks));
+}
+
 TEST(SampleClutter, IsNoneWhereThereIsNone) {
   std::mt19937_64 rng(1);
   EXPECT_TRUE(sample_clutter(sensor_of(SensorKind::kBearing), {}, 0.0, rng).empty());

@@ -333,20 +333,26 @@ function toggle(layer) {
   update_link();
 }
 
-/** Charts a number of a topic: of a log all of it, live from now on. */
-async function plot(topic, path) {
-  let points = null;
-  if (state.range) {
-    const field = path.map((key) => `/${key.replaceAll("~", "~0").replaceAll("/", "~1")}`).join("");
-    try {
-      points = (await (await fetch(`api/series?${new URLSearchParams({ topic, field })}`)).json())
-        .map(([utime, value]) => [seconds_of(utime) - state.start, value]);
-    } catch {
-      points = []; // the connection is gone as well
-    }
-    if (points.length === 0) points = null; // too large a log: as it plays
+/** A log's values of a field; null: as they come. */
+async function points_of(topic, path) {
+  if (!state.range) return null;
+  const field = path.map((key) => `/${key.replaceAll("~", "~0").replaceAll("/", "~1")}`).join("");
+  try {
+    const points = (await (await fetch(`api/series?${new URLSearchParams({ topic, field })}`)).json())
+      .map(([utime, value]) => [seconds_of(utime) - state.start, value]);
+    return points.length === 0 ? null : points; // none of too large a log: as it plays
+  } catch {
+    return null; // the connection is gone as well
   }
-  charts.plot(topic, path, points);
+}
+
+let plotted = Promise.resolve();
+/** Charts a number of a topic: of a log all of it, live from now on. Charts stand in the order in
+    which they were asked for, whichever answer comes first. */
+function plot(topic, path) {
+  plotted = Promise.all([points_of(topic, path), plotted.catch(() => {})])
+    .then(([points]) => charts.plot(topic, path, points));
+  return plotted;
 }
 
 function draw_trails() {
