@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <utility>
 
 #include "core/check.hpp"
 #include "core/index.hpp"
+#include "core/infinity.hpp"
 
 namespace vantage {
 
@@ -26,7 +26,6 @@ AssignmentSolver::AssignmentSolver(int rows_max, int columns_max) {
 std::span<const int> AssignmentSolver::solve(std::span<const double> cost, int rows, int columns) {
   demand(rows >= 0 && rows <= columns && cost.size() == index(rows) * index(columns),
          "an assignment needs as many columns as rows, and a cost for each pair");
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   column_of_row_.assign(index(rows), -1);
   row_price_.assign(index(rows), 0.0);
   row_of_column_.assign(index(columns), -1);

@@ -18,8 +18,7 @@ namespace vantage::estimator {
 /// How looks without ids become tracks.
 enum class Tracker {
   /// Labelled multi-Bernoulli: each track exists with a probability that every look changes, and
-  /// its
-  /// belief is a mixture of what may have been seen; what no track explains is born with the
+  /// its belief is a mixture of what may have been seen; what no track explains is born with the
   /// probability that it is no false alarm.
   kLabelled,
   kJpda,     ///< joint probabilistic data association: one Gaussian; tracks live by counts of hits

@@ -8,7 +8,7 @@
 #include "core/index.hpp"
 #include "estimator/distributed_filter.hpp"
 #include "estimator/multi_target.hpp"
-#include "logs/metrics/ospa.hpp"
+#include "logs/metrics/set_means.hpp"
 #include "models/world/world.hpp"
 #include "sim/random.hpp"
 #include "sim/world/ground.hpp"
@@ -16,7 +16,6 @@
 namespace vantage::experiments {
 namespace {
 
-constexpr double kCutoff_m = 1.0;
 constexpr double kSettling_s = 10.0;
 constexpr double kSpeed_mps = 1.0;
 constexpr double kPhysics_s = 0.005;
@@ -51,7 +50,7 @@ std::int64_t label_of(const estimator::LabelledTrack& track) {
 
 // One method, what it believes and how it was judged.
 struct Judged {
-  logs::OspaJudge judge{kCutoff_m};
+  logs::OspaJudge judge{logs::kOspaCutoff_m};
   ClutterScore sum;
 };
 

@@ -9,7 +9,6 @@
 #include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
-namespace {}  // namespace
 
 ReducedValueIteration::ReducedValueIteration(const SearchCapacity& capacity)
     : capacity_(capacity),

@@ -234,7 +234,7 @@ TEST(MultiTargetFilter, KnowsHowWrongItIsAmongFalseAlarms) {
 
 TEST(MultiTargetFilter, AllocatesNothing) {
   if (!vantage::test::AllocationCounter::is_active()) {
-    GTEST_SKIP();
+    GTEST_SKIP() << "a sanitizer replaces the allocator";
   }
   const models::SensorModel sensor = lab_sensor();
   MultiTargetFilter filter(spec_of(3, {0.8, 5.0}));

@@ -4,7 +4,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <system_error>
@@ -18,6 +17,7 @@
 #include "bus/node/bus.hpp"
 #include "core/check.hpp"
 #include "core/child.hpp"
+#include "core/write_file.hpp"
 #include "tools/view/live_view.hpp"
 #include "tools/view/recording_desk.hpp"
 
@@ -102,42 +102,6 @@ Child start_browser(const std::string& address, const RecordOptions& options,
   return std::move(*browser);
 }
 
-/// A file that takes its name when it is whole.
-class NewFile {
- public:
-  explicit NewFile(std::string path)
-      : path_(std::move(path)),
-        passing_(path_ + "." + std::to_string(::getpid())),
-        out_(passing_, std::ios::binary) {
-    if (!out_) {
-      throw StartupError(path_ + ": cannot be written");
-    }
-  }
-  ~NewFile() {
-    std::error_code error;
-    fs::remove(passing_, error);
-  }
-  NewFile(const NewFile&) = delete;
-  NewFile& operator=(const NewFile&) = delete;
-  NewFile(NewFile&&) = delete;
-  NewFile& operator=(NewFile&&) = delete;
-
-  void write(const std::string& content) {
-    out_ << content;
-    out_.close();
-    std::error_code error;
-    fs::rename(passing_, path_, error);
-    if (!out_ || error) {
-      throw std::runtime_error(path_ + ": could not be written");
-    }
-  }
-
- private:
-  std::string path_;
-  std::string passing_;
-  std::ofstream out_;
-};
-
 }  // namespace
 
 std::string record_address(const std::string& url, const std::string& key,
@@ -157,7 +121,7 @@ bool record_log(const logs::IndexedLog& log, const logs::TypeLibrary& types, Web
     throw StartupError(fmt::format("{}: nothing from {} to {} s; it is {:.1f} s long", log.path(),
                                    options.from_s, options.to_s.value_or(length_s), length_s));
   }
-  NewFile file(options.path);
+  require_writable(options.path);
   const PassingFolder folder;
   RecordingDesk desk(fmt::format("{:016x}", bus::random_run_id()), progress);
   web.bind = "127.0.0.1";  // browsers encode video for pages of their own machine
@@ -184,10 +148,11 @@ bool record_log(const logs::IndexedLog& log, const logs::TypeLibrary& types, Web
   if (!desk.failure().empty()) {
     throw std::runtime_error("no video was made: " + desk.failure());
   }
-  if (desk.video().empty()) {
+  const std::string video = desk.video();
+  if (video.empty()) {
     return false;
   }
-  file.write(desk.video());
+  write_file(options.path, video);
   return true;
 }
 
