@@ -215,8 +215,12 @@ std::optional<std::string> QuadrotorDriver::refusal(Time now) const {
   std::uint16_t which = 0;
   std::array<std::optional<CommandSender::Outcome>, kCommands.size()> outcomes;
   for (std::size_t i = 0; i < kCommands.size(); ++i) {
+    // Told twice, since it takes seconds to lift, an ArduCopter that lifts says that the second
+    // failed.
+    const bool is_done =
+        kCommands[i] == wire::mavlink::command::kTakeOff && sequence_.has_climbed();
     outcomes[i] = link_.commands().outcome(kCommands[i]);
-    if (outcomes[i] && (newest == nullptr || outcomes[i]->time > newest->time)) {
+    if (outcomes[i] && !is_done && (newest == nullptr || outcomes[i]->time > newest->time)) {
       newest = &*outcomes[i];
       which = kCommands[i];
     }

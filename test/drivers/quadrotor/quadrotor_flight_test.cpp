@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "test/drivers/quadrotor/flight_bench.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -216,6 +217,25 @@ TEST_P(Flight, ShowsWhyTheAutopilotRefuses) {
                                    : "arm failed: "))
       << bench.reasons();
   EXPECT_FALSE(bench.is_armed());
+}
+
+// Seen with ArduCopter: it was told to take off once more while it lifted, refused, and every
+// vehicle that followed its first plan said "take-off failed" for 5 s.
+TEST_P(Flight, SaysNothingOfARefusedTakeOffOnceItHasTakenOff) {
+  bool has_said = false;
+  bench.on_step = [&](Time now) {
+    wire::mavlink::CommandAck ack;
+    ack.command = wire::mavlink::command::kTakeOff;
+    ack.result = 4;
+    std::vector<std::uint8_t> bytes;
+    wire::mavlink::append_bytes(
+        wire::mavlink::pack(ack, {1, wire::mavlink::kComponentAutopilot, 0}), bytes);
+    bench.driver->receive(bytes, true, now);
+    has_said = has_said || bench.has_reason("take-off failed");
+  };
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  EXPECT_EQ(has_said, GetParam() == AutopilotDialect::kArdupilot) << "PX4 takes no such command";
+  EXPECT_FALSE(bench.has_reason("take-off failed")) << bench.reasons();
 }
 
 TEST_P(Flight, IsTheSameFlightAgain) {
