@@ -6,12 +6,18 @@
 //   hold            says `hold`, and `follow` again after 2.5 s; one time in four to all
 //   plan-loss       SIGSTOP of its planner, and of those that are started again, for 8 s
 //   cut             cuts its MAVLink link both ways, until it is down
+//   blip            the same for 1.2 s
+//   outage:SECONDS  SIGSTOP of the mocap's driver, and of those that are started again: everybody's
+//   pilot           another station takes the autopilot out of the driver's mode for 2.5 s
+//   battery         its battery runs empty
+//   motor           one of its motors stops for good
 //   kill:PROGRAM    kill -9, stop:PROGRAM SIGSTOP, of a process of `up`: planner, estimator,
 //   sensor,
 //                   quadrotor (each of that vehicle), vicon (everybody's)
 //
-// Several of them, parted by commas and without `cut`, `quadrotor` and `vicon`: each TIMES times,
-// to every vehicle on its own, so that much happens in a short flight.
+// Several of them, parted by commas, of those that ground nobody: each TIMES times, to every
+// vehicle on its own, so that much happens in a short flight. Parted by +: one kind after the
+// other.
 //
 // Vehicles that came down are flown again. EVENTS gets a line "µs WHAT ROBOT…" each time; what
 // became of it is in the log (hil_check --events EVENTS LOG). Exit code 0 when all was done and all
@@ -40,6 +46,7 @@
 #include "scenario/reader/scenario_yaml.hpp"
 #include "test/integration/drill_lanes.hpp"
 #include "test/integration/processes.hpp"
+#include "test/integration/second_station.hpp"
 #include "tools/console/console.hpp"
 #include "tools/up/flight_program.hpp"
 #include "tools/up/process_plan.hpp"
@@ -52,24 +59,41 @@ using models::OperatorAction;
 
 constexpr double kRestS = 2.5;
 constexpr double kSilenceS = 8.0;
+constexpr double kCutS = 16.0;  // by then an autopilot has landed by itself
+constexpr double kBlipS = 1.2;
 constexpr double kGiveUpS = 150.0;
 
-std::vector<std::string> words_of(const std::string& text) {
+std::vector<std::string> words_of(const std::string& text, char mark) {
   std::vector<std::string> out;
   std::istringstream stream(text);
-  for (std::string word; std::getline(stream, word, ',');) {
+  for (std::string word; std::getline(stream, word, mark);) {
     out.push_back(word);
   }
   return out;
 }
 
+/// Seconds of "outage:SECONDS".
+double outage_s(const std::string& what) { return std::stod(what.substr(what.find(':') + 1)); }
+
+bool is_outage(const std::string& what) { return what.starts_with("outage:"); }
+
+/// Whoever it happens to lands for it. Poses are lost after 0.5 s.
+bool grounds(const std::string& what) {
+  return what == "cut" || what == "battery" || what == "motor" || what.ends_with("quadrotor") ||
+         what.ends_with("vicon") || (is_outage(what) && outage_s(what) > 0.4);
+}
+
+/// It happens to everybody at once.
+bool is_shared(const std::string& what) { return what.ends_with("vicon") || is_outage(what); }
+
 class Drill {
  public:
-  Drill(const scenario::Scenario& scenario, std::string what, int times, std::uint64_t seed,
+  Drill(const scenario::Scenario& scenario, const std::string& what, int times, std::uint64_t seed,
         const std::string& events)
       : scenario_(scenario),
-        what_(std::move(what)),
-        left_(times * static_cast<int>(words_of(what_).size())),
+        sequence_(words_of(what, '+')),
+        times_(times),
+        left_(times * static_cast<int>(std::max(words_of(what, ',').size(), sequence_.size()))),
         rng_(seed),
         events_(events),
         transport_(bus::open_transport(scenario.network.url)),
@@ -78,8 +102,8 @@ class Drill {
         robots_(tools::robots_with_driver(scenario)),
         program_(robots_),
         program_since_(clock_.now()) {
-    if (what_.find(',') != std::string::npos) {
-      lanes_.emplace(words_of(what_), times, seed);
+    if (what.find(',') != std::string::npos) {
+      lanes_.emplace(words_of(what, ','), times, seed);
     }
     bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
                                           [this](const models::VehicleStatus& status) {
@@ -116,14 +140,23 @@ class Drill {
   }
 
   void step(Time now) {
-    mend_links();
-    silence_planners(now);
+    mend_links(now);
+    keep_silent(now);
+    give_back(now);
     if (has_grounded_) {
       go_round(now);
       return;
     }
     if (lanes_) {
       step_lanes(now);
+      return;
+    }
+    if (is_anybody_down()) {  // for another reason; nothing more happens until all fly again
+      has_grounded_ = true;
+      round_.clear();
+      next_.reset();
+      follow_at_.reset();
+      last_act_ = now;
       return;
     }
     if (follow_at_ && now >= *follow_at_) {
@@ -133,7 +166,8 @@ class Drill {
     } else if (next_ && now >= *next_) {
       next_.reset();
       act(now);
-    } else if (!next_ && !follow_at_ && silent_until_.empty() && all(FlightState::kFollow)) {
+    } else if (!next_ && !follow_at_ && silences_.empty() && cut_until_.empty() &&
+               taken_until_.empty() && all(FlightState::kFollow)) {
       if (left_ == 0) {
         program_.bring_down();
       } else {
@@ -147,13 +181,19 @@ class Drill {
     }
   }
 
+  /// Somebody has come down though there is more to do.
+  [[nodiscard]] bool is_anybody_down() const {
+    return left_ > 0 && std::any_of(states_.begin(), states_.end(), [this](const auto& each) {
+             const bool is_down = each.second == FlightState::kLand ||
+                                  each.second == FlightState::kIdle ||
+                                  each.second == FlightState::kKilled;
+             return is_down && program_.have_flown().contains(each.first);
+           });
+  }
+
   /// Each vehicle on its own; one that came down for it is flown again with the others.
   void step_lanes(Time now) {
-    has_grounded_ = std::any_of(states_.begin(), states_.end(), [this](const auto& each) {
-      const bool is_down = each.second == FlightState::kLand || each.second == FlightState::kIdle ||
-                           each.second == FlightState::kKilled;
-      return is_down && program_.have_flown().contains(each.first) && left_ > 0;
-    });
+    has_grounded_ = is_anybody_down();
     if (has_grounded_) {
       last_act_ = now;
       return;
@@ -164,7 +204,7 @@ class Drill {
         program_since_ = now;
       }
     }
-    if (left_ == 0 && silent_until_.empty() && to_seconds(now - last_act_) > kSilenceS) {
+    if (left_ == 0 && silences_.empty() && to_seconds(now - last_act_) > kSilenceS) {
       program_.bring_down();
     }
     for (const auto& order : program_.due(now)) {
@@ -178,7 +218,7 @@ class Drill {
     if (what == "hold") {
       desk_.send(now, OperatorAction::kHold, robot);
     } else if (what == "plan-loss") {
-      silent_until_[robot] = now + from_seconds(kSilenceS);
+      silences_.push_back({"planner", robot, now + from_seconds(kSilenceS)});
       lanes_->rest(robot, now + from_seconds(kSilenceS + 1.5));
     } else if (!signal(what, robot)) {
       return false;
@@ -190,8 +230,16 @@ class Drill {
   /// What makes them land: each has its event while the others fly; then all come down, to begin
   /// anew.
   void go_round(Time now) {
-    program_since_ = to_seconds(now - last_act_) < 90.0 ? now : program_since_;
-    if (all(FlightState::kIdle) && cut_.empty() && to_seconds(now - last_act_) > 6.0) {
+    const double since_s = to_seconds(now - last_act_);
+    program_since_ = since_s < 90.0 ? now : program_since_;
+    const bool is_down = std::all_of(states_.begin(), states_.end(), [](const auto& each) {
+      return each.second == FlightState::kIdle || each.second == FlightState::kKilled;
+    });
+    if (is_down && cut_until_.empty() && silences_.empty() && since_s > 6.0) {
+      for (const std::string& robot : emptied_) {
+        station_of(robot).fill_battery();
+      }
+      emptied_.clear();
       program_ = tools::FlightProgram(robots_);
       has_grounded_ = false;
       if (left_ == 0) {
@@ -199,7 +247,7 @@ class Drill {
       }
       return;
     }
-    if (left_ > 0 && now >= next_victim_ && !lanes_) {
+    if (left_ > 0 && what() == round_ && now >= next_victim_ && !lanes_) {
       for (const std::string& robot : robots_) {
         if (!victims_.contains(robot) && states_[robot] == FlightState::kFollow) {
           strike(now, robot);
@@ -207,7 +255,8 @@ class Drill {
         }
       }
     }
-    if (to_seconds(now - last_act_) > 8.0 && now >= next_order_) {
+    const double until_others_land_s = round_ == "battery" ? 45.0 : 8.0;
+    if (since_s > until_others_land_s && now >= next_order_) {
       for (const auto& [robot, state] : states_) {
         if (state == FlightState::kFollow || state == FlightState::kHold) {
           desk_.send(now, OperatorAction::kLand, robot);
@@ -219,12 +268,12 @@ class Drill {
 
   void act(Time now) {
     program_since_ = now;
-    if (what_ == "hold") {
+    if (what() == "hold") {
       const std::size_t chosen =
           std::uniform_int_distribution<std::size_t>(0, robots_.size())(rng_);
       held_ = chosen < robots_.size() ? robots_[chosen] : "";
       desk_.send(now, OperatorAction::kHold, held_);
-      note(now, held_.empty() ? robots_ : std::vector{held_}, what_);
+      note(now, held_.empty() ? robots_ : std::vector{held_}, "hold");
       follow_at_ = now + from_seconds(kRestS);
       return;
     }
@@ -233,38 +282,57 @@ class Drill {
   }
 
   void strike(Time now, const std::string& robot) {
-    has_grounded_ = what_ == "cut" || what_.ends_with("quadrotor") || what_.ends_with("vicon");
+    round_ = what();
+    has_grounded_ = grounds(round_);
     last_act_ = now;
     next_victim_ = now + from_seconds(std::uniform_real_distribution<double>(0.5, 1.5)(rng_));
     victims_.insert(robot);
-    if (what_ == "plan-loss") {
-      silent_until_[robot] = now + from_seconds(kSilenceS);
-      note(now, {robot}, what_);
-      return;
-    }
-    if (what_ == "cut") {
-      if (cut(robot, true)) {
-        cut_.insert(robot);
-        note(now, {robot}, what_);
-      }
-      return;
-    }
-    if (!signal(what_, robot)) {
-      return;
-    }
-    const bool is_shared = what_.ends_with("vicon");
-    if (is_shared) {
+    if (is_shared(round_)) {
       victims_.insert(robots_.begin(), robots_.end());
     }
-    note(now, is_shared ? robots_ : std::vector{robot}, what_);
+    if (happen(now, robot)) {
+      note(now, is_shared(round_) ? robots_ : std::vector{robot}, round_);
+    }
+  }
+
+  bool happen(Time now, const std::string& robot) {
+    if (round_ == "plan-loss") {
+      silences_.push_back({"planner", robot, now + from_seconds(kSilenceS)});
+      return true;
+    }
+    if (is_outage(round_)) {
+      silences_.push_back({"vicon", "", now + from_seconds(outage_s(round_))});
+      return true;
+    }
+    if (round_ == "cut" || round_ == "blip") {
+      const bool is_done = cut(robot, true);
+      if (is_done) {
+        cut_until_[robot] = now + from_seconds(round_ == "cut" ? kCutS : kBlipS);
+      }
+      return is_done;
+    }
+    if (round_ == "pilot") {
+      taken_until_[robot] = now + from_seconds(kRestS);
+      return station_of(robot).take_over();
+    }
+    if (round_ == "battery") {
+      emptied_.insert(robot);
+      return station_of(robot).empty_battery();
+    }
+    return round_ == "motor" ? station_of(robot).stop_motor() : signal(round_, robot);
+  }
+
+  /// Of that robot; "": whoever's they are.
+  static std::vector<pid_t> processes(const std::string& program, const std::string& robot) {
+    return test::find_processes(
+        "vantage-" + program,
+        robot.empty() ? std::vector<std::string>{} : std::vector<std::string>{"--robot", robot});
   }
 
   /// kill:PROGRAM or stop:PROGRAM; false when there is not one such process.
   static bool signal(const std::string& what, const std::string& robot) {
     const std::string program = what.substr(5);
-    const auto found = test::find_processes(
-        "vantage-" + program, program == "vicon" ? std::vector<std::string>{}
-                                                 : std::vector<std::string>{"--robot", robot});
+    const auto found = processes(program, program == "vicon" ? "" : robot);
     if (found.size() != 1) {
       std::cerr << found.size() << " processes vantage-" << program << " of " << robot << "\n";
       return false;
@@ -278,11 +346,10 @@ class Drill {
     const std::string& url = spec.autopilot->url;
     const int port = std::stoi(url.substr(url.rfind(':') + 1));
     const auto driver = test::find_processes("vantage-quadrotor", {"--robot", robot});
-    const auto instance =
-        std::distance(robots_.begin(), std::find(robots_.begin(), robots_.end(), robot));
     const bool is_px4 = spec.autopilot->dialect == models::AutopilotDialect::kPx4;
     const auto firmware = test::find_processes(
-        spec.firmware->binary, {is_px4 ? "-i" : "--instance", std::to_string(instance)});
+        spec.firmware->binary,
+        {is_px4 ? "-i" : "--instance", std::to_string(scenario_.firmware_instance(spec))});
     const bool is_done = driver.size() == 1 && firmware.size() == 1 &&
                          test::cut_udp_link(driver.front(), firmware.front(), port, is_cut);
     if (!is_done) {
@@ -292,27 +359,55 @@ class Drill {
     return is_done;
   }
 
-  void silence_planners(Time now) {
-    std::erase_if(silent_until_, [now](const auto& each) { return now > each.second; });
-    if (!silent_until_.empty() && now >= next_silence_) {
-      for (const auto& [robot, until] : silent_until_) {
-        for (const pid_t planner : test::find_processes("vantage-planner", {"--robot", robot})) {
-          ::kill(planner, SIGSTOP);
-        }
-      }
-      next_silence_ = now + from_seconds(0.1);
-      program_since_ = now;
+  /// Who is stopped stays so, and who is started in its place is stopped, too; who was stopped for
+  /// a moment, and not yet ended for it, goes on.
+  void keep_silent(Time now) {
+    const bool is_over = std::any_of(silences_.begin(), silences_.end(),
+                                     [now](const Silence& each) { return now > each.until; });
+    if (silences_.empty() || (now < next_silence_ && !is_over)) {
+      return;
     }
+    next_silence_ = now + from_seconds(0.1);
+    program_since_ = now;
+    for (const Silence& silence : silences_) {
+      for (const pid_t process : processes(silence.program, silence.robot)) {
+        ::kill(process, now > silence.until ? SIGCONT : SIGSTOP);
+      }
+    }
+    std::erase_if(silences_, [now](const Silence& each) { return now > each.until; });
   }
 
-  /// Links are mended when nobody has moved for long: by then it has landed.
-  void mend_links() {
-    if (!cut_.empty() && to_seconds(clock_.now() - last_act_) > 16.0) {
-      for (const std::string& robot : cut_) {
-        cut(robot, false);
+  void mend_links(Time now) {
+    std::erase_if(cut_until_, [this, now](const auto& each) {
+      return now > each.second && (cut(each.first, false) || true);
+    });
+  }
+
+  /// The other station leaves the autopilots that it took, and the operator has them follow.
+  void give_back(Time now) {
+    for (const auto& [robot, until] : taken_until_) {
+      if (now > until) {
+        station_of(robot).give_back();
+        held_ = robot;
+        follow_at_ = now + from_seconds(kRestS);
       }
-      cut_.clear();
     }
+    std::erase_if(taken_until_, [now](const auto& each) { return now > each.second; });
+  }
+
+  test::SecondStation& station_of(const std::string& robot) {
+    const scenario::RobotSpec& spec = *scenario_.find_robot(robot);
+    return stations_
+        .try_emplace(robot, spec.autopilot->dialect, scenario_.firmware_instance(spec),
+                     spec.autopilot->system_id)
+        .first->second;
+  }
+
+  /// What happens next; the last kind when all has happened.
+  [[nodiscard]] const std::string& what() const {
+    const auto kinds = static_cast<int>(sequence_.size());
+    return sequence_[static_cast<std::size_t>(
+        std::clamp(kinds - 1 - (left_ - 1) / times_, 0, kinds - 1))];
   }
 
   void note(Time now, const std::vector<std::string>& robots, const std::string& what) {
@@ -326,7 +421,8 @@ class Drill {
   }
 
   const scenario::Scenario& scenario_;
-  std::string what_;
+  std::vector<std::string> sequence_;  ///< kinds, one after the other
+  int times_;
   int left_;
   std::mt19937_64 rng_;
   std::ofstream events_;
@@ -342,8 +438,17 @@ class Drill {
   std::optional<Time> follow_at_;
   std::string held_;
   std::set<std::string> victims_;
-  std::set<std::string> cut_;
-  std::map<std::string, Time> silent_until_;  ///< whose planners are stopped
+  std::string round_;  ///< what happened last
+  std::map<std::string, Time> cut_until_;
+  std::map<std::string, Time> taken_until_;  ///< whose autopilots the other station has
+  std::set<std::string> emptied_;            ///< whose batteries
+  std::map<std::string, test::SecondStation> stations_;
+  struct Silence {
+    std::string program;
+    std::string robot;
+    Time until{};
+  };
+  std::vector<Silence> silences_;
   std::optional<test::DrillLanes> lanes_;
   bool has_grounded_ = false;
   Time last_act_{};

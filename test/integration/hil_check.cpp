@@ -212,6 +212,12 @@ void judge_events(const std::string& path, const test::FlightRecord& record) {
           "others, %.2f m off course, down after %.1f s\n",
           what.c_str(), robot.c_str(), after->speed_mps, after->distance_m, allowed_m,
           after->outside_m, after->separation_m, after->off_course_m, after->down_s.value_or(-1.0));
+      std::printf("SAID %s %s", what.c_str(), robot.c_str());
+      for (const test::Reaction& reaction : after->said) {
+        std::printf("; %s %.2f %s", name_of(reaction.state), reaction.after_s,
+                    reaction.reason.c_str());
+      }
+      std::printf("\n");
       Worst& worst = table[what];
       ++worst.times;
       worst.moving += after->speed_mps > kMovingMps ? 1 : 0;

@@ -180,6 +180,7 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
   constexpr double kCourseS = 8.0;
   constexpr double kDownS = 30.0;
   constexpr double kDownM = 0.15;
+  constexpr double kSaidS = 45.0;
   const auto robot = robots_.find(name);
   if (robot == robots_.end() || !scenario_) {
     return std::nullopt;
@@ -191,8 +192,14 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
   }
   Aftermath out;
   out.separation_m = std::numeric_limits<double>::infinity();
+  std::optional<FlightState> state;
   for (const models::VehicleStatus& said : robot->second.said) {
     const double since_s = to_seconds(said.stamp.time - event);
+    if (since_s >= 0.0 && since_s <= kSaidS && state && said.state != *state) {
+      out.said.push_back(
+          {said.state, since_s, said.reasons.empty() ? std::string() : said.reasons.front()});
+    }
+    state = said.state;
     const bool is_flown = said.state == FlightState::kFollow || said.state == FlightState::kHold;
     const auto here_m = since_s >= 0.0 && since_s <= kCourseS && is_flown
                             ? place(robot->second, said.stamp.time)

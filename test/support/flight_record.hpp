@@ -38,6 +38,13 @@ struct Stop {
   std::string reason;
 };
 
+/// A state that a vehicle's driver said it had come to, and why.
+struct Reaction {
+  models::FlightState state = models::FlightState::kIdle;
+  double after_s = 0.0;
+  std::string reason;
+};
+
 /// What became of a vehicle to which something happened.
 struct Aftermath {
   double speed_mps = 0.0;        ///< horizontally, the greatest within 0.2 s from then
@@ -46,6 +53,7 @@ struct Aftermath {
   double separation_m = 0.0;     ///< the least from another vehicle within 12 s, both in the air
   double off_course_m = 0.0;     ///< the farthest from where it was asked to be, within 8 s
   std::optional<double> down_s;  ///< until it was below 0.15 m, if within 30 s
+  std::vector<Reaction> said;    ///< each change of state within 45 s
 };
 
 /// Reads a log of a flight, event by event: SCENARIO, TRUTH and QUADROTOR_*.

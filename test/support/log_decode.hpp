@@ -1,18 +1,24 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include <lcm/lcm-cpp.hpp>
 
+#include "bus/auth/trailer.hpp"
 #include "bus/convert/convert.hpp"
 
 namespace vantage::test {
 
-/// The message in `event`, of LCM's own reader; nullopt when it is not a Wire or cannot be true.
+/// The message in `event`, signed or not, of LCM's own reader; nullopt when it is not a Wire or
+/// cannot be true.
 template <class Message, class Wire>
 std::optional<Message> decode(const lcm::LogEvent& event) {
   Wire wire;
-  if (wire.decode(event.data, 0, event.datalen) != event.datalen) {
+  const bus::auth::Bytes payload = bus::auth::payload_of(
+      {static_cast<const std::uint8_t*>(event.data), static_cast<std::size_t>(event.datalen)});
+  const auto size = static_cast<int>(payload.size());
+  if (wire.decode(payload.data(), 0, size) != size) {
     return std::nullopt;
   }
   return bus::from_wire(wire);
