@@ -50,15 +50,19 @@ double length_at_most_m(const Trajectory& trajectory);
 /// Straight stop from `speed_mps` at `brake_mps2`: one segment; none when already at rest.
 std::vector<PlanSegment> brake(double speed_mps, double brake_mps2);
 
+/// Arcs are checked in straight pieces no longer than this.
+inline constexpr double kPlanPiece_s = 0.1;
+
 /// True when two trajectories, each swept at its own height, keep at least `separation_m` between
-/// them (in space) at all times from `from` on, hovers included. Conservative: pieces of at most
-/// `piece_s` are taken as straight and the sagitta of each arc is subtracted.
+/// them (in space; `from_above`: whatever their heights) at all times from `from` on, hovers
+/// included. Conservative: pieces of at most `piece_s` are taken as straight and the sagitta of
+/// each arc is subtracted.
 bool keeps_separation(const Trajectory& a, const Trajectory& b, Time from, double separation_m,
-                      double piece_s = 0.1);
+                      double piece_s = kPlanPiece_s, bool from_above = false);
 
 /// True when a disc of `radius_m` carried along stays clear of every obstacle and inside the
 /// bounds at all times from `from` on.
 bool is_clear(const World& world, const Trajectory& trajectory, Time from, double radius_m,
-              double piece_s = 0.1);
+              double piece_s = kPlanPiece_s);
 
 }  // namespace vantage::models

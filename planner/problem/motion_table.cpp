@@ -107,6 +107,7 @@ void MotionTable::reset(const SearchProblem& problem) {
   pieces_each_ = steps * kPieces;
   for (const models::Trajectory& teammate : problem.teammates) {
     const double since_start_s = to_seconds(problem.start_time - teammate.start_time);
+    const double height_m = kept_height_m(problem, teammate);
     for (int depth = 0; depth < steps; ++depth) {
       double way_m = 0.0;
       for (int k = 0; k < kPieces; ++k) {
@@ -114,8 +115,8 @@ void MotionTable::reset(const SearchProblem& problem) {
         const auto a = models::at(teammate, problem.start_time + from_seconds(from_s));
         const auto b = models::at(teammate, problem.start_time + from_seconds(from_s + piece_s));
         TeammatePiece piece;
-        piece.from_m << a.world_from_body.position_m(), teammate.height_m;
-        piece.to_m << b.world_from_body.position_m(), teammate.height_m;
+        piece.from_m << a.world_from_body.position_m(), height_m;
+        piece.to_m << b.world_from_body.position_m(), height_m;
         piece.slack_m =
             piece_slack_m(teammate, since_start_s + from_s, since_start_s + from_s + piece_s) +
             kClockRounding_m;

@@ -170,7 +170,7 @@ double kept_separation_m(const SearchProblem& problem, std::size_t i) {
   Eigen::Vector3d away_m;
   away_m << models::at(teammate, problem.start_time).world_from_body.position_m() -
                 problem.start.position_m(),
-      teammate.height_m - problem.height_m;
+      kept_height_m(problem, teammate) - problem.height_m;
   return std::min(problem.separation_m, std::max(0.0, away_m.norm() - kChords_m));
 }
 

@@ -54,10 +54,11 @@ struct SearchProblem {
   double clearance_m = 0.0;                      ///< the disc around the robot that must be free
   bool obstacles_block_sight = true;             ///< false: sensors see over or through them
 
-  /// Teammates' committed motion, to be kept at `separation_m` in space; kept_separation_m() says
-  /// what that means for a robot that starts nearer.
+  /// Teammates' committed motion, to be kept at `separation_m` in space, or whatever their heights;
+  /// kept_separation_m() says what that means for a robot that starts nearer.
   std::vector<models::Trajectory> teammates;
   double separation_m = 0.0;
+  bool separation_from_above = false;
   /// Deceleration of the stop that must be possible, clear and apart at the end; 0: none demanded.
   double brake_mps2 = 0.0;
   double start_speed_mps = 0.0;  ///< at `start`, for the stop of a plan that moves no more
@@ -67,6 +68,11 @@ struct SearchProblem {
 /// What stands between sensors and targets: the world, or null.
 inline const models::World* sight_world(const SearchProblem& problem) {
   return problem.obstacles_block_sight ? problem.world : nullptr;
+}
+
+/// The height at which a plan keeps from a teammate: the teammate's or, seen from above, its own.
+inline double kept_height_m(const SearchProblem& problem, const models::Trajectory& teammate) {
+  return problem.separation_from_above ? problem.height_m : teammate.height_m;
 }
 
 /// What a plan keeps from teammate i: `separation_m` or, if it is nearer when the plan starts, that

@@ -321,6 +321,7 @@ void RobotPlanner::set_up_problem(const PlanInputs& inputs, const models::Trajec
   problem_.clearance_m = spec_->limits.radius_m + planner.obstacle_margin_m;
   // Both vehicles may be off their plans by the tolerance at once.
   problem_.separation_m = planner.separation_m + 2.0 * planner.tracking_tolerance_m;
+  problem_.separation_from_above = planner.separation_from_above;
   problem_.brake_mps2 = spec_->limits.brake_mps2;
   problem_.targets.clear();
   if (inputs.belief && !mapping_) {

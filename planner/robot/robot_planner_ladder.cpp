@@ -25,7 +25,8 @@ auto certificate_of(Found& found) {
 bool RobotPlanner::keeps_apart(const models::Trajectory& trajectory, double rounding_m) const {
   for (std::size_t i = 0; i < problem_.teammates.size(); ++i) {
     if (!models::keeps_separation(trajectory, problem_.teammates[i], trajectory.start_time,
-                                  kept_separation_m(problem_, i) - rounding_m)) {
+                                  kept_separation_m(problem_, i) - rounding_m, models::kPlanPiece_s,
+                                  problem_.separation_from_above)) {
       return false;
     }
   }

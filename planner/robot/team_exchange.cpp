@@ -35,6 +35,7 @@ double TeamExchange::kept_m(const models::Trajectory& a, const models::Trajector
   between.height_m = a.height_m;
   between.teammates = {b};
   between.separation_m = problem_.separation_m;
+  between.separation_from_above = problem_.separation_from_above;
   return kept_separation_m(between, 0);
 }
 
@@ -101,7 +102,8 @@ void TeamExchange::begin(const SearchProblem& problem, const Start& start,
   setup.effect_of = [this](const models::TeamChoice& choice) { return effect_of(choice); };
   setup.keep_apart = [this](const models::TeamChoice& a, const models::TeamChoice& b) {
     return models::keeps_separation(a.trajectory, b.trajectory, problem_.start_time,
-                                    kept_m(a.trajectory, b.trajectory));
+                                    kept_m(a.trajectory, b.trajectory), models::kPlanPiece_s,
+                                    problem_.separation_from_above);
   };
   session_.emplace(std::move(setup));
 }

@@ -229,6 +229,7 @@ void read_planner(Mapping& from, PlannerSpec& planner) {
   from.integer("candidates_max", planner.candidates_max, 1, 10'000);
   from.integer("attacks_max", planner.attacks_max, 0, 1000);
   from.number("separation_m", planner.separation_m, above_to(0.0, kLengthMaxM));
+  from.flag("separation_from_above", planner.separation_from_above);
   from.number("obstacle_margin_m", planner.obstacle_margin_m, from_to(0.0, kLengthMaxM));
   from.number("tracking_tolerance_m", planner.tracking_tolerance_m, above_to(0.0, kLengthMaxM));
   from.section("exploration",

@@ -236,6 +236,9 @@ class Drill {
       return each.second == FlightState::kIdle || each.second == FlightState::kKilled;
     });
     if (is_down && cut_until_.empty() && silences_.empty() && since_s > 6.0) {
+      if (left_ > 0 && unlatch_killed(now)) {
+        return;
+      }
       for (const std::string& robot : emptied_) {
         station_of(robot).fill_battery();
       }
@@ -264,6 +267,21 @@ class Drill {
       }
       next_order_ = now + from_seconds(1.0);
     }
+  }
+
+  /// Whose motors were stopped stays down until it is told to arm. False: there is none.
+  bool unlatch_killed(Time now) {
+    bool is_there = false;
+    for (const auto& [robot, state] : states_) {
+      if (state == FlightState::kKilled) {
+        is_there = true;
+        if (now >= next_order_) {
+          desk_.send(now, OperatorAction::kArm, robot);
+        }
+      }
+    }
+    next_order_ = now >= next_order_ ? now + from_seconds(1.0) : next_order_;
+    return is_there;
   }
 
   void act(Time now) {

@@ -227,6 +227,12 @@ void note_lost_way(const Scenario& scenario, std::vector<std::string>& notes) {
     changes.push_back(
         fmt::format("planner.separation_m {:.2f} (is {:g})", separation_m, planner.separation_m));
   }
+  const auto [lowest, highest] =
+      std::minmax_element(scenario.robots.begin(), scenario.robots.end(),
+                          [](const auto& a, const auto& b) { return a.height_m < b.height_m; });
+  if (!planner.separation_from_above && lowest->height_m < highest->height_m) {
+    changes.push_back("planner.separation_from_above (it lands straight down)");
+  }
   if (planner.obstacle_margin_m < margin_m - 1e-9) {
     changes.push_back(fmt::format("planner.obstacle_margin_m {:.2f} (is {:g})", margin_m,
                                   planner.obstacle_margin_m));

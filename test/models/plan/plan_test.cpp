@@ -172,6 +172,22 @@ TEST(KeepsSeparation, CountsTheDifferenceOfHeights) {
   EXPECT_FALSE(keeps_separation(low, high, kStart, 0.6 + 1e-9));
 }
 
+TEST(KeepsSeparation, FromAboveIsThatOfTheSameWaysAtOneHeight) {
+  test::Random random(87);
+  int differ = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Trajectory a = random_trajectory(random, 1.0);
+    Trajectory b = random_trajectory(random, 2.0);
+    b.height_m += 1.0;
+    const bool in_space = keeps_separation(a, b, kStart, 0.6);
+    const bool from_above = keeps_separation(a, b, kStart, 0.6, kPlanPiece_s, true);
+    b.height_m = a.height_m;
+    ASSERT_EQ(from_above, keeps_separation(a, b, kStart, 0.6));
+    differ += in_space != from_above ? 1 : 0;
+  }
+  EXPECT_GT(differ, 100);
+}
+
 TEST(KeepsSeparation, WatchesTheHoverBeforeALateStartAndTheOneForEver) {
   const Trajectory passes{kStart, {-3.0, 0.0, 0.0}, 1.0, {{{3.0, 0.0}, 2.0, 0.0}}};
   const Trajectory waits{

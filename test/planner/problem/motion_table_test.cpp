@@ -250,9 +250,11 @@ TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
   int found = 0;
   int stopped_early = 0;
   int close = 0;
+  int above = 0;
   for (std::uint64_t seed = 0; seed < 160; ++seed) {
     const auto team = team_problem(seed);
-    const SearchProblem& problem = team->problem;
+    SearchProblem& problem = team->problem;
+    problem.separation_from_above = seed % 3 == 0;
     const SearchResult& result =
         search.plan(problem, {}, Deadline::nodes(seed % 5 == 0 ? 30 : 3'000));
     if (!result.found) {
@@ -262,8 +264,12 @@ TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
     stopped_early += result.moving_steps < problem.horizon_steps ? 1 : 0;
     const models::Trajectory plan = to_trajectory(problem, result);
     for (std::size_t i = 0; i < problem.teammates.size(); ++i) {
-      const models::Trajectory& teammate = problem.teammates[i];
+      models::Trajectory teammate = problem.teammates[i];
       const double kept_m = kept_separation_m(problem, i);
+      above += teammate.height_m != problem.height_m && problem.separation_from_above ? 1 : 0;
+      if (problem.separation_from_above) {
+        teammate.height_m = problem.height_m;
+      }
       const double sampled_m = sampled_separation_m(plan, teammate, problem.start_time);
       EXPECT_GE(sampled_m, kept_m - 1e-5) << "seed " << seed;
       EXPECT_TRUE(models::keeps_separation(plan, teammate, problem.start_time, kept_m - 1e-5))
@@ -287,6 +293,7 @@ TEST(Plans, KeepApartFromTeammatesAndEndInASafeHover) {
   EXPECT_GT(found, 80);
   EXPECT_GT(stopped_early, 3);
   EXPECT_GT(close, 20);
+  EXPECT_GT(above, 5);
 }
 
 TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {

@@ -66,14 +66,16 @@ class Team {
         least_clearance_m_ =
             std::min(least_clearance_m_, models::clearance_m(scenario_.world, a.head<2>()));
         for (std::size_t j = 0; j < i; ++j) {
-          least_separation_m_ =
-              std::min(least_separation_m_, (a - position_m(scenario_.robots[j], now)).norm());
+          const Eigen::Vector3d between_m = a - position_m(scenario_.robots[j], now);
+          least_separation_m_ = std::min(least_separation_m_, between_m.norm());
+          least_from_above_m_ = std::min(least_from_above_m_, between_m.head<2>().norm());
         }
       }
     }
   }
 
   [[nodiscard]] double least_separation_m() const { return least_separation_m_; }
+  [[nodiscard]] double least_from_above_m() const { return least_from_above_m_; }
   [[nodiscard]] double least_clearance_m() const { return least_clearance_m_; }
   [[nodiscard]] int searched() const { return searched_; }
   [[nodiscard]] int planned() const { return planned_; }
@@ -143,6 +145,7 @@ class Team {
   std::map<std::string, models::RobotPlan> plans_;
   mutable std::map<std::string, models::Trajectory> in_force_;
   double least_separation_m_ = 1e9;
+  double least_from_above_m_ = 1e9;
   double least_clearance_m_ = 1e9;
   int planned_ = 0;
   int searched_ = 0;
@@ -165,6 +168,28 @@ TEST_P(TeamSafety, KeepsSeparationAndClearanceWhoeverIsSilentOrLate) {
               scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m - 0.02);
     EXPECT_GE(team.least_clearance_m(), radius_m + scenario.planner.obstacle_margin_m - 0.02);
     EXPECT_GT(team.searched(), team.planned() * (seed == 1 ? 9 : 5) / 10);
+  }
+}
+
+// Flown: a vehicle whose link was cut was landed by its autopilot, straight down, and came down on
+// a teammate that flew a metre below.
+TEST(TeamSafetyFromAbove, NobodyFliesOverAnother) {
+  for (const bool is_from_above : {false, true}) {
+    scenario::Scenario scenario = test::lab_scenario();
+    scenario.planner.separation_from_above = is_from_above;
+    for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+      scenario.robots[i].height_m = 1.0 + static_cast<double>(i);
+    }
+    Team team(scenario, 3);
+    for (std::int64_t round = kFirstRound; round < kFirstRound + 60; ++round) {
+      ASSERT_NO_FATAL_FAILURE(team.run_round(round, 0.1));
+      team.fly(Time{std::chrono::seconds(round + 1)}, Time{std::chrono::seconds(round + 2)});
+    }
+    const double asked_m =
+        scenario.planner.separation_m + 2.0 * scenario.planner.tracking_tolerance_m;
+    EXPECT_EQ(team.least_from_above_m() >= asked_m - 0.02, is_from_above)
+        << team.least_from_above_m();
+    EXPECT_GT(team.searched(), team.planned() * 7 / 10);
   }
 }
 

@@ -133,6 +133,16 @@ TEST(CheckPreflight, NotesWhatADriverThatDiesInMotionNeeds) {
   EXPECT_NE(note.find("at 1 m/s"), std::string::npos) << note;
   EXPECT_NE(note.find("0.30 m beyond"), std::string::npos) << note;
   EXPECT_NE(note.find("planner.separation_m 0.90 (is 0.6)"), std::string::npos) << note;
+  EXPECT_NE(note.find("planner.separation_from_above"), std::string::npos) << note;
+  for (scenario::RobotSpec& robot : scenario.robots) {
+    robot.height_m = 1.0;
+  }
+  EXPECT_EQ(all_of(check_preflight(scenario).notes).find("from_above"), std::string::npos);
+  scenario = lab_hil();
+  scenario.planner.separation_m = 0.6;
+  scenario.planner.obstacle_margin_m = 0.1;
+  scenario.planner.separation_from_above = true;
+  EXPECT_EQ(all_of(check_preflight(scenario).notes).find("from_above"), std::string::npos);
   EXPECT_NE(note.find("planner.obstacle_margin_m 0.40 (is 0.1)"), std::string::npos) << note;
   scenario.planner.separation_m = 0.9;
   EXPECT_EQ(all_of(check_preflight(scenario).notes).find("separation_m"), std::string::npos);
@@ -145,6 +155,7 @@ TEST(CheckPreflight, NotesWhatADriverThatDiesInMotionNeeds) {
 TEST(CheckPreflight, NotesPlansThatComeAfterTheTurnTheyBeginWith) {
   scenario::Scenario scenario = lab_hil();
   scenario.planner.separation_m = 0.9;
+  scenario.planner.separation_from_above = true;
   scenario.planner.obstacle_margin_m = 0.4;
   scenario.planner.publish_margin_s = 0.35;  // 0.1 s of lead, and 1 m/s at 2 m/s2 both ways
   EXPECT_TRUE(check_preflight(scenario).notes.empty());
