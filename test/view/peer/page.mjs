@@ -83,7 +83,7 @@ async function check_log(page) {
   await until(page, () => !window.vantage.state.is_playing);
 }
 
-/** Goes there by the bar. */
+/** Goes there by the bar, and waits for what is there: what was on its way is of another instant. */
 async function seek(page, since) {
   const { length_s, x, y, width, height } = await page.evaluate(() => {
     const { x, y, width, height } = document.getElementById("timeline").getBoundingClientRect();
@@ -91,7 +91,7 @@ async function seek(page, since) {
   });
   await page.evaluate(() => (vantage.state.arrived = null));
   await page.mouse.click(x + (width * since) / length_s, y + height / 2);
-  await until(page, (to) => Math.abs(vantage.state.now - to) < 0.03 && vantage.state.arrived !== null, since);
+  await until(page, (to) => Math.abs(vantage.state.arrived - vantage.state.start - to) < 0.03, since);
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
 }
 

@@ -39,15 +39,17 @@ export class Timeline {
       this.bar.setPointerCapture(event.pointerId);
       seek(event);
       let last = performance.now();
+      let at_px = event.clientX;
       this.bar.onpointermove = (move) => {
         if (performance.now() - last > 80) {
           last = performance.now();
+          at_px = move.clientX;
           seek(move);
         }
       };
       this.bar.onpointerup = (up) => {
         this.bar.onpointermove = this.bar.onpointerup = null;
-        seek(up);
+        if (up.clientX !== at_px) seek(up); // a second time would only clear the picture again
       };
     };
   }
