@@ -155,7 +155,7 @@ struct PlannerSpec {
   TeamAlgorithm team_algorithm = TeamAlgorithm::kCoordinateDescent;
   int candidates_max = 200;  ///< trajectories of each robot that a local search chooses from
   int attacks_max = 0;  ///< α: so many sensors may be jammed at once; > 0: the team plans by RAIN
-  double separation_m = 0.6;          ///< least distance between two vehicles, always, in space
+  double separation_m = 0.6;  ///< least distance between two vehicles, always, in space
   /// Plans keep it seen from above: nobody flies over or under another, who may come down any time.
   bool separation_from_above = false;
   double obstacle_margin_m = 0.1;     ///< beyond the vehicle's radius

@@ -40,6 +40,7 @@ FrameFilter::FrameFilter(const GateSettings& gate, Duration latency_assumed, Pub
 void FrameFilter::on_opened() {
   last_number_.reset();
   old_numbers_ = 0;
+  clock_.restart();
 }
 
 bool FrameFilter::is_next(std::uint32_t number) {
@@ -56,16 +57,18 @@ bool FrameFilter::is_next(std::uint32_t number) {
     }
     if (ahead < 0 || ahead > kLostMax) {
       ++counts_.server_restarts;
+      clock_.restart();
     } else {
       counts_.frames_lost += ahead - 1;
     }
+    number_ += ahead;
   }
   old_numbers_ = 0;
   last_number_ = number;
   return true;
 }
 
-Time FrameFilter::capture_time(const SeenFrame& seen) {
+Duration FrameFilter::latency_of(const SeenFrame& seen) {
   Duration latency = latency_assumed_;
   if (seen.latency_s) {
     if (*seen.latency_s >= 0.0 && *seen.latency_s <= kLatencyMax_s) {
@@ -74,10 +77,22 @@ Time FrameFilter::capture_time(const SeenFrame& seen) {
       ++counts_.latencies_refused;
     }
   }
-  Time capture = seen.arrival.utime - latency;
-  // Frames that queued somewhere arrive together; time must not stand still for that.
+  return latency;
+}
+
+Duration FrameFilter::waited(const SeenFrame& seen, Duration latency) {
+  if (!seen.number && !seen.server_time_us) {
+    return {};
+  }
+  const std::int64_t tick = seen.number ? number_ : *seen.server_time_us;
+  return clock_.lateness(tick, seen.arrival.steady - latency);
+}
+
+Time FrameFilter::capture_time(Time arrival, Duration since_capture) {
+  Time capture = arrival - since_capture;
+  // Latencies jump, and frames of one instant arrive together; time must not stand still for that.
   const Time next = last_capture_ + Duration{1};
-  if (capture < next && next - capture < kClockStep && next <= seen.arrival.utime) {
+  if (capture < next && next - capture < kClockStep && next <= arrival) {
     capture = next;
   }
   last_capture_ = capture;
@@ -108,6 +123,12 @@ void FrameFilter::accept(const SeenFrame& seen) {
   if (seen.number && !is_next(*seen.number)) {
     return;
   }
+  const Duration latency = latency_of(seen);
+  const Duration waited_for = waited(seen, latency);
+  if (waited_for > kQueuedMax) {
+    ++counts_.frames_queued;
+    return;
+  }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     bodies_[i].is_in_frame = false;
     out_.bodies[i].occluded = true;
@@ -131,7 +152,7 @@ void FrameFilter::accept(const SeenFrame& seen) {
   }
   forget(seen);
   out_.arrival = seen.arrival.utime;
-  out_.stamp.time = capture_time(seen);
+  out_.stamp.time = capture_time(seen.arrival.utime, latency + waited_for);
   out_.frame_number = seen.number ? std::int64_t{*seen.number} : out_.frame_number + 1;
   ++counts_.frames;
   publish_(out_);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/vicon/frame_clock.hpp"
 #include "drivers/vicon/pose_gate.hpp"
 #include "drivers/vicon/seen_frame.hpp"
 #include "models/exchange/messages.hpp"
@@ -14,11 +15,12 @@ namespace vantage::drivers::vicon {
 
 /// What the filter counts, since it was made.
 struct FrameCounts {
-  std::int64_t frames = 0;             ///< published
-  std::int64_t frames_lost = 0;        ///< numbers that never came
-  std::int64_t frames_repeated = 0;    ///< dropped: a number that had come before
-  std::int64_t frames_late = 0;        ///< dropped: overtaken by a newer one
-  std::int64_t server_restarts = 0;    ///< numbers that began anew
+  std::int64_t frames = 0;           ///< published
+  std::int64_t frames_lost = 0;      ///< numbers that never came
+  std::int64_t frames_repeated = 0;  ///< dropped: a number that had come before
+  std::int64_t frames_late = 0;      ///< dropped: overtaken by a newer one
+  std::int64_t frames_queued = 0;    ///< dropped: had waited on the way for longer than kQueuedMax
+  std::int64_t server_restarts = 0;  ///< numbers that began anew
   std::int64_t latencies_refused = 0;  ///< not finite, negative or beyond belief
   std::int64_t poses_zero = 0;
   std::int64_t poses_refused = 0;  ///< not finite, no rotation, beyond any room
@@ -35,11 +37,14 @@ struct FrameCounts {
 /// list all: every body listed), by name, in a stable order; one without a good pose is occluded.
 ///
 /// Capture time is arrival less latency, the latency bounded to [0, kLatencyMax] and else
-/// `latency_assumed`; it is later than that of the frame before whenever that is possible without
-/// passing the arrival. A frame costs no allocation once all bodies are known.
+/// `latency_assumed`, and less what the frame has waited on the way (FrameClock); it is later than
+/// that of the frame before whenever that is possible without passing the arrival. A frame that has
+/// waited for longer than kQueuedMax is dropped: newer ones are behind it, and nobody may fly by
+/// it. A frame costs no allocation once all bodies are known.
 class FrameFilter {
  public:
   static constexpr double kLatencyMax_s = 0.25;
+  static constexpr Duration kQueuedMax{100'000};
   static constexpr std::size_t kBodiesMax = 512;
 
   using Publish = std::function<void(const models::MocapFrame&)>;
@@ -60,7 +65,10 @@ class FrameFilter {
   };
 
   [[nodiscard]] bool is_next(std::uint32_t number);
-  [[nodiscard]] Time capture_time(const SeenFrame& seen);
+  /// The stack's time less the result is when the frame was captured.
+  [[nodiscard]] Duration latency_of(const SeenFrame& seen);
+  [[nodiscard]] Duration waited(const SeenFrame& seen, Duration latency);
+  [[nodiscard]] Time capture_time(Time arrival, Duration since_capture);
   Body* find(const std::string& name, std::size_t hint);
   Body* add(const std::string& name);
   void forget(const SeenFrame& seen);
@@ -73,7 +81,9 @@ class FrameFilter {
   std::vector<Body> bodies_;  ///< the i-th is out_.bodies[i]
   models::MocapFrame out_;
   std::optional<std::uint32_t> last_number_;
-  int old_numbers_ = 0;  ///< in a row
+  int old_numbers_ = 0;      ///< in a row
+  std::int64_t number_ = 0;  ///< the last one, without its wraps
+  FrameClock clock_;
   Time last_capture_{};
   FrameCounts counts_;
 };

@@ -40,9 +40,10 @@ struct SeenBody {
 class SeenFrame {
  public:
   Moment arrival;
-  std::optional<std::uint32_t> number;  ///< of protocols that number their frames
-  std::optional<double> latency_s;      ///< of protocols that tell; not yet believed
-  bool is_complete_list = false;        ///< a body not in it does not exist any more
+  std::optional<std::uint32_t> number;         ///< of protocols that number their frames
+  std::optional<std::int64_t> server_time_us;  ///< of those that stamp them, by the server's clock
+  std::optional<double> latency_s;             ///< of protocols that tell; not yet believed
+  bool is_complete_list = false;               ///< a body not in it does not exist any more
 
   void clear() { size_ = 0; }
   SeenBody& add();

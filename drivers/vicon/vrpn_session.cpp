@@ -170,6 +170,7 @@ void VrpnSession::on_pose(Moment arrival, const wire::vicon::VrpnHeader& header,
   if (!is_same_frame) {
     assembly_.begin(arrival);
     frame_stamp_us_ = stamp_us;
+    assembly_.frame().server_time_us = stamp_us;
   }
   SeenBody& body = assembly_.frame().add();
   body.name = *name;

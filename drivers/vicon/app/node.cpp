@@ -83,6 +83,7 @@ std::vector<models::NamedCount> ViconNode::counters() const {
                           {"vicon.frames_lost", frame.frames_lost},
                           {"vicon.frames_repeated", frame.frames_repeated},
                           {"vicon.frames_late", frame.frames_late},
+                          {"vicon.frames_queued", frame.frames_queued},
                           {"vicon.server_restarts", frame.server_restarts},
                           {"vicon.latencies_refused", frame.latencies_refused},
                           {"vicon.poses_zero", frame.poses_zero},

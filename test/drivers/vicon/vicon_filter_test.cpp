@@ -94,6 +94,89 @@ TEST(FrameFilter, NeverLetsCaptureTimesStandStillOrRunAhead) {
   }
 }
 
+// Seen in flight: a driver that was stopped for 0.6 s found thirty frames in its socket, all of
+// them were said to be of the instant at which it read them, and an autopilot was told of metres
+// per second.
+TEST(FrameFilter, WhatHasQueuedIsStampedWhenItWasCapturedOrDropped) {
+  for (const bool is_stamped : {false, true}) {
+    for (const double stall_s : {0.03, 0.06, 0.6, 2.0, 40.0}) {
+      FilterBench bench;
+      const auto stall = from_seconds(stall_s);
+      const Duration begins = std::chrono::seconds(5);
+      int published = 0;
+      int fresh = 0;
+      for (int k = 0; k < 100 * (10 + static_cast<int>(stall_s)); ++k) {
+        bench.begin();
+        const Duration captured = bench.elapsed - Duration{4'000};
+        Duration arrival = bench.elapsed + Duration{(k * 7919) % 1000};  // up to 1 ms of jitter
+        if (bench.elapsed > begins && bench.elapsed <= begins + stall) {
+          arrival = begins + stall + kPeriod / 2;
+        }
+        bench.seen.arrival = {kEpoch + arrival, arrival};
+        if (is_stamped) {
+          bench.seen.number.reset();
+          bench.seen.server_time_us = 77'000'000'000 + captured.count();
+        }
+        bench.add("A", bench.moving());
+        const std::int64_t before = bench.filter.counts().frames;
+        bench.filter.accept(bench.seen);
+        if (bench.filter.counts().frames == before) {
+          continue;
+        }
+        ++published;
+        fresh += arrival - captured < Duration{10'000} ? 1 : 0;
+        EXPECT_NEAR(to_seconds(bench.out.stamp.time - kEpoch), to_seconds(captured),
+                    0.0025 + 0.002 * stall_s)
+            << k << " " << stall_s;
+        EXPECT_LE(arrival - captured, FrameFilter::kQueuedMax + Duration{6'000});
+        EXPECT_FALSE(bench.out.bodies.at(0).occluded && stall_s < 0.3);
+      }
+      const std::int64_t queued = bench.filter.counts().frames_queued;
+      EXPECT_NEAR(static_cast<double>(queued), std::max(0.0, 100.0 * stall_s - 9.0),
+                  1.0 + 0.2 * stall_s);
+      EXPECT_EQ(published + queued, 100 * (10 + static_cast<int>(stall_s)));
+      EXPECT_GT(fresh, published + queued - 100.0 * stall_s - 10.0);
+    }
+  }
+}
+
+// Numbers that stand still while the server is paused make no frame old.
+TEST(FrameFilter, AServerThatPausesOrChangesItsRateIsHeardSoonAfter) {
+  FilterBench bench;
+  Duration arrival{};
+  const auto run = [&](int frames, Duration period, std::uint32_t step) {
+    for (int k = 0; k < frames; ++k) {
+      arrival += period;
+      bench.next_number += step - 1;
+      bench.begin().arrival = {kEpoch + arrival, arrival};
+      bench.filter.accept(bench.seen);
+    }
+  };
+  run(500, kPeriod, 1);
+  const auto dropped = [&] { return bench.filter.counts().frames_queued; };
+  ASSERT_EQ(dropped(), 0);
+  for (const double pause_s : {0.05, 0.5, 5.0}) {
+    arrival += from_seconds(pause_s);
+    const std::int64_t before = dropped();
+    run(300, kPeriod, 1);
+    EXPECT_LE(dropped() - before, 7) << pause_s;
+    EXPECT_LE(bench.out.arrival - bench.out.stamp.time, Duration{5'000});
+  }
+  for (const Duration period : {2 * kPeriod, kPeriod / 2, kPeriod}) {
+    const std::int64_t before = dropped();
+    run(600, period, 1);
+    EXPECT_LE(dropped() - before, 7) << period.count();
+    EXPECT_LE(bench.out.arrival - bench.out.stamp.time, Duration{6'000}) << period.count();
+  }
+  // One in five frames only, and a jump ahead.
+  const std::int64_t before = dropped();
+  run(300, 5 * kPeriod, 5);
+  bench.next_number += 2000;
+  run(300, 5 * kPeriod, 5);
+  run(300, kPeriod, 1);
+  EXPECT_EQ(dropped(), before);
+}
+
 TEST(FrameFilter, FollowsAClockThatIsSetBackByAnHour) {
   FilterBench bench;
   bench.begin();
@@ -183,6 +266,7 @@ TEST(FrameFilter, ABodyThatIsLeftOutIsOccludedUntilItIsForgotten) {
     EXPECT_TRUE(bench.out.bodies[0].occluded);
   }
   bench.elapsed += std::chrono::seconds(2);
+  bench.next_number += 2;
   bench.begin();
   bench.filter.accept(bench.seen);
   EXPECT_TRUE(bench.out.bodies.empty());
