@@ -8,6 +8,7 @@
 //   cut             cuts its MAVLink link both ways, until it is down
 //   blip            the same for 1.2 s
 //   outage:SECONDS  SIGSTOP of the mocap's driver, and of those that are started again: everybody's
+//   stall:SECONDS   the same of its own driver, which then goes on with what has queued
 //   pilot           another station takes the autopilot out of the driver's mode for 2.5 s
 //   battery         its battery runs empty
 //   motor           one of its motors stops for good
@@ -72,15 +73,16 @@ std::vector<std::string> words_of(const std::string& text, char mark) {
   return out;
 }
 
-/// Seconds of "outage:SECONDS".
-double outage_s(const std::string& what) { return std::stod(what.substr(what.find(':') + 1)); }
+/// Seconds of "outage:SECONDS" and "stall:SECONDS".
+double silence_s(const std::string& what) { return std::stod(what.substr(what.find(':') + 1)); }
 
 bool is_outage(const std::string& what) { return what.starts_with("outage:"); }
+bool is_stall(const std::string& what) { return what.starts_with("stall:"); }
 
 /// Whoever it happens to lands for it. Poses are lost after 0.5 s.
 bool grounds(const std::string& what) {
   return what == "cut" || what == "battery" || what == "motor" || what.ends_with("quadrotor") ||
-         what.ends_with("vicon") || (is_outage(what) && outage_s(what) > 0.4);
+         what.ends_with("vicon") || ((is_outage(what) || is_stall(what)) && silence_s(what) > 0.4);
 }
 
 /// It happens to everybody at once.
@@ -318,8 +320,10 @@ class Drill {
       silences_.push_back({"planner", robot, now + from_seconds(kSilenceS)});
       return true;
     }
-    if (is_outage(round_)) {
-      silences_.push_back({"vicon", "", now + from_seconds(outage_s(round_))});
+    if (is_outage(round_) || is_stall(round_)) {
+      const bool is_stalled = is_stall(round_);
+      silences_.push_back({is_stalled ? "quadrotor" : "vicon", is_stalled ? robot : "",
+                           now + from_seconds(silence_s(round_))});
       return true;
     }
     if (round_ == "cut" || round_ == "blip") {
