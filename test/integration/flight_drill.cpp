@@ -408,12 +408,17 @@ class Drill {
   /// The other station leaves the autopilots that it took, and the operator has them follow.
   void give_back(Time now) {
     for (const auto& [robot, until] : taken_until_) {
-      if (now > until) {
+      if (now <= until) {
+        if (now >= next_keep_) {
+          station_of(robot).keep();
+        }
+      } else {
         station_of(robot).give_back();
         held_ = robot;
         follow_at_ = now + from_seconds(kRestS);
       }
     }
+    next_keep_ = now >= next_keep_ ? now + from_seconds(0.05) : next_keep_;
     std::erase_if(taken_until_, [now](const auto& each) { return now > each.second; });
   }
 
@@ -462,6 +467,7 @@ class Drill {
   std::set<std::string> victims_;
   std::string round_;  ///< what happened last
   std::map<std::string, Time> cut_until_;
+  Time next_keep_{};
   std::map<std::string, Time> taken_until_;  ///< whose autopilots the other station has
   std::set<std::string> emptied_;            ///< whose batteries
   std::map<std::string, test::SecondStation> stations_;

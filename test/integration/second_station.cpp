@@ -19,13 +19,12 @@ namespace mavlink = wire::mavlink;
 
 constexpr std::uint8_t kOwnSystem = 252;
 constexpr std::uint8_t kOwnComponent = 190;        // MAV_COMP_ID_MISSIONPLANNER
-constexpr std::uint16_t kInjectFailure = 420;      // MAV_CMD_INJECT_FAILURE
-constexpr float kMotor = 101.0F;                   // FAILURE_UNIT_SYSTEM_MOTOR
-constexpr float kOff = 1.0F;                       // FAILURE_TYPE_OFF
 constexpr float kCustomMode = 1.0F;                // MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 constexpr float kArdupilotBrake = 17.0F;           // ArduCopter's mode BRAKE
-constexpr float kPx4Auto = 4.0F;                   // PX4's main mode AUTO …
-constexpr float kPx4Loiter = 3.0F;                 // … and its sub-mode LOITER
+constexpr float kPx4Position = 3.0F;               // PX4's main mode POSCTL
+constexpr double kPx4Joystick = 1.0;               // COM_RC_IN_MODE: sticks of a station …
+constexpr double kPx4NoSticks = 4.0;               // … or nobody's
+constexpr std::int16_t kMiddle = 500;              // MANUAL_CONTROL's throttle, of 1000
 constexpr double kArdupilotCapacity_mAh = 5600.0;  // as `vantage up` sets both
 constexpr double kPx4Drain_s = 900.0;
 
@@ -78,13 +77,28 @@ bool SecondStation::set(const char* name, double value, std::uint8_t type) {
 }
 
 bool SecondStation::take_over() {
+  return is_px4(dialect_)
+             ? set("COM_RC_IN_MODE", kPx4Joystick, mavlink::parameter_type::kInt32) && keep()
+             : order_mode(kArdupilotBrake);
+}
+
+bool SecondStation::keep() {
+  if (!is_px4(dialect_)) {
+    return true;
+  }
+  mavlink::ManualControl sticks;
+  sticks.target = system_id_;
+  sticks.z = kMiddle;
+  return send(sticks) && order_mode(kPx4Position);
+}
+
+bool SecondStation::order_mode(float custom_mode) {
   mavlink::CommandLong order;
   order.command = mavlink::command::kSetMode;
   order.target_system = system_id_;
   order.target_component = mavlink::kComponentAutopilot;
   order.param1 = kCustomMode;
-  order.param2 = is_px4(dialect_) ? kPx4Auto : kArdupilotBrake;
-  order.param3 = is_px4(dialect_) ? kPx4Loiter : 0.0F;
+  order.param2 = custom_mode;
   return send(order);
 }
 
@@ -92,7 +106,8 @@ bool SecondStation::give_back() {
   mavlink::CommandLong order = drivers::follow_mode_command(dialect_);
   order.target_system = system_id_;
   order.target_component = mavlink::kComponentAutopilot;
-  return send(order);
+  return send(order) && (!is_px4(dialect_) ||
+                         set("COM_RC_IN_MODE", kPx4NoSticks, mavlink::parameter_type::kInt32));
 }
 
 bool SecondStation::empty_battery() {
@@ -107,17 +122,7 @@ bool SecondStation::fill_battery() {
 }
 
 bool SecondStation::stop_motor() {
-  if (!is_px4(dialect_)) {
-    return set("SIM_ENGINE_MUL", 0.0, mavlink::parameter_type::kFloat);
-  }
-  mavlink::CommandLong order;
-  order.command = kInjectFailure;
-  order.target_system = system_id_;
-  order.target_component = mavlink::kComponentAutopilot;
-  order.param1 = kMotor;
-  order.param2 = kOff;
-  order.param3 = 1.0F;
-  return set("SYS_FAILURE_EN", 1.0, mavlink::parameter_type::kInt32) && send(order);
+  return !is_px4(dialect_) && set("SIM_ENGINE_MUL", 0.0, mavlink::parameter_type::kFloat);
 }
 
 }  // namespace vantage::test

@@ -37,6 +37,26 @@ std::optional<ChildExit> wait_until(Child& child, SteadyTime deadline,
   }
 }
 
+std::string output_of(const ProcessSpec& spec) { return spec.folder + "/output.txt"; }
+
+/// What it said last, where it does not say it where we do: "", or "; it said '...' (FILE)".
+std::string last_words(const ProcessSpec& spec) {
+  constexpr std::streamoff kEnd_bytes = 400;
+  if (spec.folder.empty()) {
+    return "";
+  }
+  std::ifstream output(output_of(spec), std::ios::binary | std::ios::ate);
+  const std::streamoff size = output.tellg();
+  output.seekg(std::max<std::streamoff>(0, size - kEnd_bytes));
+  std::string last;
+  for (std::string line; std::getline(output, line);) {
+    const auto is_word = [](char c) { return c > ' ' && c < 0x7F; };
+    last = std::any_of(line.begin(), line.end(), is_word) ? line : last;
+  }
+  std::erase_if(last, [](char c) { return c < ' ' || c == 0x7F; });
+  return last.empty() ? "" : fmt::format("; it said '{}' ({})", last, output_of(spec));
+}
+
 Result<Child> start_child(const ProcessSpec& spec) {
   if (spec.folder.empty()) {
     return Child::start(spec.arguments, {-1, "", spec.end_signal});
@@ -50,7 +70,7 @@ Result<Child> start_child(const ProcessSpec& spec) {
       return Error{spec.folder + "/" + name + ": cannot be written"};
     }
   }
-  const std::string path = spec.folder + "/output.txt";
+  const std::string path = output_of(spec);
   const int output =
       failed ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (output < 0) {
@@ -85,15 +105,17 @@ SupervisorEvent Supervisor::on_end(Supervised& process, const std::string& how,
     process.phase = SupervisedPhase::kGivenUp;
     const RestartPolicy& policy = process.schedule.policy();
     return {process.spec.name, Kind::kGivenUp,
-            fmt::format("{} ended ({}) and is given up: {} restarts within {:g} s did not help{}",
+            fmt::format("{} ended ({}) and is given up: {} restarts within {:g} s did not help{}{}",
                         process.spec.name, how, policy.restarts_max, policy.window_s,
-                        process.spec.is_essential ? "; nothing goes on without it" : "")};
+                        process.spec.is_essential ? "; nothing goes on without it" : "",
+                        last_words(process.spec))};
   }
   process.phase = SupervisedPhase::kWaiting;
   process.restart_at_ns = *restart_at_ns;
-  return {process.spec.name, Kind::kEnded,
-          fmt::format("{} ended ({}); starting it again in {:.1f} s", process.spec.name, how,
-                      static_cast<double>(*restart_at_ns - now_ns) * 1e-9)};
+  return {
+      process.spec.name, Kind::kEnded,
+      fmt::format("{} ended ({}); starting it again in {:.1f} s{}", process.spec.name, how,
+                  static_cast<double>(*restart_at_ns - now_ns) * 1e-9, last_words(process.spec))};
 }
 
 SupervisorEvent Supervisor::restart(Supervised& process, Nanoseconds now_ns) {

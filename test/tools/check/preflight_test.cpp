@@ -126,6 +126,7 @@ TEST(CheckPreflight, NotesWhatADriverThatDiesInMotionNeeds) {
   scenario::Scenario scenario = lab_hil();
   scenario.planner.separation_m = 0.6;
   scenario.planner.obstacle_margin_m = 0.1;
+  scenario.planner.separation_from_above = false;
   const Preflight preflight = check_preflight(scenario);
   EXPECT_TRUE(preflight.is_ready()) << "it is told, not refused";
   ASSERT_EQ(preflight.notes.size(), 1U);

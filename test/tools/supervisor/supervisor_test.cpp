@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -92,6 +93,22 @@ TEST(Supervisor, StartsADeadProcessAgainAfterItsBackOffAndNotBefore) {
   EXPECT_EQ(status.down_s, 1.0);
   EXPECT_EQ(status.last_end, "exit 0");
   EXPECT_GT(status.pid, 0);
+}
+
+// Seen with PX4: "exit 255", again and again; why stood in a file that nobody was told of.
+TEST(Supervisor, TellsWhatAProcessSaidLastThatWritesIntoAFileOfItsOwn) {
+  const test::TemporaryFolder folder;
+  Supervisor supervisor;
+  ProcessSpec spec{"firmware",
+                   {"sh", "-c", "echo first; printf 'already running\\t\\n \\n'; exit 3"}};
+  spec.folder = folder.path() + "/Q1";
+  supervisor.start(spec, 0);
+  ASSERT_TRUE(supervisor.find("firmware")->wait(kLong));
+  const auto ended = supervisor.poll(kSecond_ns);
+  ASSERT_EQ(ended.size(), 1U);
+  EXPECT_EQ(ended[0].words,
+            "firmware ended (exit 3); starting it again in 0.2 s; it said 'already running' (" +
+                spec.folder + "/output.txt)");
 }
 
 TEST(Supervisor, GivesUpAfterTheStatedNumberOfRestarts) {
