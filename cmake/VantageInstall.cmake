@@ -90,7 +90,7 @@ if(TARGET vantage_lcm)
       COMMAND sh -c "find ${languages}/java -name '*.java' | xargs ${JAVAC} -nowarn -Xlint:none --release 8 -cp ${LCM_JAR} -d ${languages}/classes"
       COMMAND ${JAR} --create --file ${languages}/vantage-lcm.jar -C ${languages}/classes .)
     install(FILES ${languages}/vantage-lcm.jar
-      DESTINATION ${CMAKE_INSTALL_DATADIR}/java COMPONENT lcmtypes OPTIONAL)
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/vantage/lcmtypes COMPONENT lcmtypes OPTIONAL)
   endif()
   add_custom_command(
     OUTPUT ${languages}/stamp
@@ -138,21 +138,31 @@ if(VANTAGE_EVERYTHING)
         COMMAND_ERROR_IS_FATAL ANY)" COMPONENT runtime)
   endif()
   install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${data} COMPONENT runtime OPTIONAL)
-  file(READ docs/systemd/vantage.service unit)
-  string(REPLACE /usr/local/bin ${CMAKE_INSTALL_FULL_BINDIR} unit "${unit}")
-  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/vantage.service CONTENT "${unit}" @ONLY)
+  # The unit names the programs where they are installed, which a package knows later than this.
+  set(pages ${CMAKE_INSTALL_DATADIR}/doc/vantage)
+  foreach(part runtime doc)
+    install(CODE "
+      file(READ \"${PROJECT_SOURCE_DIR}/docs/systemd/vantage.service\" unit)
+      string(REPLACE /usr/local/bin \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\" unit \"\${unit}\")
+      file(WRITE \"${PROJECT_BINARY_DIR}/vantage.service\" \"\${unit}\")" COMPONENT ${part})
+  endforeach()
   install(FILES ${PROJECT_BINARY_DIR}/vantage.service
     DESTINATION lib/systemd/system COMPONENT runtime)
+  install(FILES ${PROJECT_BINARY_DIR}/vantage.service
+    DESTINATION ${pages}/docs/systemd COMPONENT doc)
 
   install(FILES packaging/completion.bash
     DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME vantage
     COMPONENT runtime)
 
   # --- doc ---
-  install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/vantage COMPONENT doc
-    PATTERN systemd EXCLUDE)
-  install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/vantage COMPONENT doc)
-  install(FILES logs/sample/lab_60s.lcmlog.xz
-    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/vantage/examples COMPONENT doc)
+  # As they lie in the sources, with what they lead to, so that links hold (docs.links).
+  install(DIRECTORY docs examples DESTINATION ${pages} COMPONENT doc
+    PATTERN systemd EXCLUDE PATTERN __pycache__ EXCLUDE)
+  install(FILES logs/sample/lab_60s.lcmlog.xz DESTINATION ${pages}/examples COMPONENT doc)
+  install(FILES CHANGELOG.md DESTINATION ${pages} COMPONENT doc)
+  install(FILES lcmtypes/README.md DESTINATION ${pages}/lcmtypes COMPONENT doc)
+  install(FILES experiments/energy_trial.cpp DESTINATION ${pages}/experiments COMPONENT doc)
+  install(DIRECTORY config/autopilot DESTINATION ${pages}/config COMPONENT doc)
   include(VantagePackages)
 endif()

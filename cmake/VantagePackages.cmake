@@ -76,4 +76,8 @@ if("python" IN_LIST CPACK_COMPONENTS_ALL)
 endif()
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/packaging/postinst)
+foreach(part LCMTYPES PYTHON)
+  set(CPACK_DEBIAN_${part}_PACKAGE_CONTROL_EXTRA
+    ${PROJECT_SOURCE_DIR}/packaging/python/postinst ${PROJECT_SOURCE_DIR}/packaging/python/prerm)
+endforeach()
 include(CPack)

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include <fcntl.h>
@@ -20,8 +21,8 @@ namespace vantage {
 namespace {
 
 // Runs in the forked child: nothing here may allocate or lock.
-[[noreturn]] void become(const char* const* arguments, int report_fd, const ChildPlace& place,
-                         pid_t parent) {
+[[noreturn]] void become(const char* const* arguments, const char* const* environment,
+                         int report_fd, const ChildPlace& place, pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, place.end_signal);
   if (::getppid() != parent) {
@@ -33,11 +34,31 @@ namespace {
     ::dup2(place.output, STDERR_FILENO);
   }
   if (place.folder.empty() || ::chdir(place.folder.c_str()) == 0) {
-    ::execvp(arguments[0], const_cast<char* const*>(arguments));  // NOLINT: exec only reads
+    ::execvpe(arguments[0], const_cast<char* const*>(arguments),  // NOLINT: exec only reads
+              const_cast<char* const*>(environment));             // NOLINT: the same
   }
   const int error = errno;
   [[maybe_unused]] const auto written = ::write(report_fd, &error, sizeof(error));
   ::_exit(127);
+}
+
+// Our environment with those of `own` in the place of ours that have their names; ends with null.
+std::vector<const char*> environment_with(const std::vector<std::string>& own) {
+  std::vector<const char*> out;
+  for (char** each = ::environ; *each != nullptr; ++each) {
+    const std::string_view entry(*each);
+    const bool is_replaced = std::any_of(own.begin(), own.end(), [&](const std::string& other) {
+      return entry.substr(0, entry.find('=')) == other.substr(0, other.find('='));
+    });
+    if (!is_replaced) {
+      out.push_back(*each);
+    }
+  }
+  for (const std::string& entry : own) {
+    out.push_back(entry.c_str());
+  }
+  out.push_back(nullptr);
+  return out;
 }
 
 }  // namespace
@@ -53,6 +74,7 @@ Result<Child> Child::start(const std::vector<std::string>& arguments, const Chil
     pointers.push_back(argument.c_str());
   }
   pointers.push_back(nullptr);
+  const std::vector<const char*> environment = environment_with(place.environment);
   // The write end closes by itself when exec succeeds; otherwise it carries errno.
   std::array<int, 2> pipe_fds{};
   if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0) {
@@ -61,7 +83,7 @@ Result<Child> Child::start(const std::vector<std::string>& arguments, const Chil
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid == 0) {
-    become(pointers.data(), pipe_fds[1], place, parent);
+    become(pointers.data(), environment.data(), pipe_fds[1], place, parent);
   }
   ::close(pipe_fds[1]);
   int error = pid < 0 ? errno : 0;

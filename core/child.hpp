@@ -17,6 +17,7 @@ struct ChildPlace {
   int output = -1;           ///< descriptor for what it writes, errors included; negative: as ours
   std::string folder;        ///< its working folder; empty: ours
   int end_signal = SIGTERM;  ///< sent by the kernel should the supervisor die
+  std::vector<std::string> environment = {};  ///< "NAME=value"; of names that are not here: as ours
 };
 
 /// How a process ended.

@@ -1,6 +1,7 @@
 #include "estimator/confinement.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -12,8 +13,6 @@ namespace vantage::estimator {
 
 namespace {
 
-using Moment = Eigen::Vector4d;
-
 /// A coordinate that turned back at each wall it met, and whether it now runs the other way.
 struct Folded {
   double position_m = 0.0;
@@ -23,7 +22,7 @@ struct Folded {
 Folded fold(double position_m, double min_m, double max_m) {
   const double width_m = max_m - min_m;
   double along_m = position_m - min_m;
-  if (!(along_m >= 0.0 && along_m < 2.0 * width_m)) {  // else fmod() gives back what it gets
+  if (!(std::abs(along_m) < 2.0 * width_m)) {  // else fmod() gives back what it gets
     along_m = std::fmod(along_m, 2.0 * width_m);
   }
   if (along_m < 0.0) {
@@ -68,29 +67,46 @@ models::Gaussian reflect(const models::Gaussian& belief, const models::Rectangle
   const Eigen::Matrix2d G = root.matrixL().solve(P_pv).transpose();  // velocity from u
   const Eigen::Matrix2d C = belief.covariance.bottomRightCorner<2, 2>() - G * G.transpose();
 
-  Moment sum = Moment::Zero();
-  Eigen::Matrix4d sum_of_squares = Eigen::Matrix4d::Zero();
+  // Plain arrays, for the compiler to take four of them at once.
+  std::array<double, 4> sum{};
+  std::array<std::array<double, 4>, 4> sum_of_squares{};  // [column][row]
   for (int i = 0; i < rule.size; ++i) {
+    const auto at_x = static_cast<std::size_t>(i);
+    const double u = rule.point[at_x];
+    const Folded x = fold(belief.mean(0) + L(0, 0) * u, bounds.min_m.x(), bounds.max_m.x());
     for (int j = 0; j < rule.size; ++j) {
-      const auto at_x = static_cast<std::size_t>(i);
       const auto at_y = static_cast<std::size_t>(j);
-      const Eigen::Vector2d u(rule.point[at_x], rule.point[at_y]);
+      const double v = rule.point[at_y];
       const double weight = rule.weight[at_x] * rule.weight[at_y];
-      const Eigen::Vector2d y_m = belief.mean.head<2>() + L * u;
-      const Folded x = fold(y_m.x(), bounds.min_m.x(), bounds.max_m.x());
-      const Folded y = fold(y_m.y(), bounds.min_m.y(), bounds.max_m.y());
-      const Eigen::Vector2d sign(x.sign, y.sign);
-      Moment z;
-      z << x.position_m, y.position_m, sign.cwiseProduct(belief.mean.tail<2>() + G * u);
-      sum += weight * z;
-      sum_of_squares += weight * z * z.transpose();
-      sum_of_squares.bottomRightCorner<2, 2>() +=
-          weight * sign.asDiagonal() * C * sign.asDiagonal();
+      const Folded y =
+          fold(belief.mean(1) + (L(1, 0) * u + L(1, 1) * v), bounds.min_m.y(), bounds.max_m.y());
+      const std::array<double, 4> z = {x.position_m, y.position_m,
+                                       x.sign * (belief.mean(2) + (G(0, 0) * u + G(0, 1) * v)),
+                                       y.sign * (belief.mean(3) + (G(1, 0) * u + G(1, 1) * v))};
+      std::array<double, 4> weighted;
+      for (std::size_t row = 0; row < 4; ++row) {
+        weighted[row] = weight * z[row];
+        sum[row] += weighted[row];
+      }
+      for (std::size_t column = 0; column < 4; ++column) {
+        for (std::size_t row = 0; row < 4; ++row) {
+          sum_of_squares[column][row] += weighted[row] * z[column];
+        }
+      }
+      const double crossed = x.sign * y.sign;
+      const std::array<double, 4> of_vx = {0.0, 0.0, C(0, 0), C(1, 0) * crossed};
+      const std::array<double, 4> of_vy = {0.0, 0.0, C(0, 1) * crossed, C(1, 1)};
+      for (std::size_t row = 0; row < 4; ++row) {
+        sum_of_squares[2][row] += weight * of_vx[row];
+        sum_of_squares[3][row] += weight * of_vy[row];
+      }
     }
   }
+  const Eigen::Map<const Eigen::Vector4d> mean(sum.data());
+  const Eigen::Map<const Eigen::Matrix4d> squares(sum_of_squares.front().data());
   models::Gaussian inside = belief;
-  inside.mean = sum;
-  const Eigen::Matrix4d covariance = sum_of_squares - sum * sum.transpose();
+  inside.mean = mean;
+  const Eigen::Matrix4d covariance = squares - mean * mean.transpose();
   inside.covariance = 0.5 * (covariance + covariance.transpose());
   return inside;
 }

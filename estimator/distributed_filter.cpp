@@ -6,9 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "estimator/confinement.hpp"
 #include "estimator/missed_detection.hpp"
 
@@ -18,35 +17,6 @@ namespace {
 
 constexpr std::size_t kTeammatesReserved = 64;
 constexpr int kOwnLooksReserved = 4;
-
-/// √det Ω, a belief's share in a fusion; 0 when Ω is not positive definite.
-double weight_of(const models::StateMatrix& Omega) {
-  const Eigen::LLT<models::StateMatrix> root(Omega);
-  return root.info() == Eigen::Success ? root.matrixLLT().diagonal().prod() : 0.0;
-}
-
-/// The κ in [0, 1] for which det((1 − κ) A + κ B) is largest. log det is concave in κ, so its slope
-/// tr((B − A) Ω⁻¹) falls; halving finds where it is 0, to 1/4096.
-double intersection_weight(const models::StateMatrix& A, const models::StateMatrix& B) {
-  const models::StateMatrix D = B - A;
-  const auto is_rising = [&](double kappa) {
-    const Eigen::LLT<models::StateMatrix> root(A + kappa * D);
-    return root.info() == Eigen::Success && root.solve(D).trace() > 0.0;
-  };
-  if (!is_rising(0.0)) {
-    return 0.0;
-  }
-  if (is_rising(1.0)) {
-    return 1.0;
-  }
-  double low = 0.0;
-  double high = 1.0;
-  for (int i = 0; i < 12; ++i) {
-    const double middle = 0.5 * (low + high);
-    (is_rising(middle) ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
 
 /// The world's cells or, in a neighbourhood, those around where the robot is: the same while it
 /// stays in a square of half the neighbourhood, so that they seldom change and depend on nothing
@@ -60,6 +30,18 @@ models::GridGeometry grid_around(const FilterSpec& spec, const Eigen::Vector2d& 
   const double square_m = 0.5 * spec.neighbourhood_m;
   const Eigen::Vector2d centre_m = square_m * (place_m / square_m).array().round();
   return whole.window(centre_m, spec.neighbourhood_m + 0.5 * square_m);
+}
+
+MultiTargetSpec multi_target_spec(const FilterSpec& spec) {
+  MultiTargetSpec out;
+  out.estimator = spec.estimator;
+  out.world = spec.world;
+  out.detection = spec.detection;
+  out.step_s = spec.step_s;
+  out.targets = spec.target_count;
+  out.tracks_max = 2 * spec.target_count;
+  out.detections_max = kLabelledDetections;
+  return out;
 }
 
 }  // namespace
@@ -82,8 +64,21 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
     lookers_.emplace(spec_.team[i].robot, static_cast<int>(i));
   }
   records_.resize(static_cast<std::size_t>(spec_.history_steps));
+  const bool has_ids = spec_.detection.detects_ids;
   for (StepRecord& r : records_) {  // copying a vector does not copy what it has reserved
-    r = StepRecord(spec_.target_count, looks);
+    r = StepRecord(has_ids ? spec_.target_count : kLabelledDetections, looks);
+  }
+  if (!has_ids) {
+    require(spec_.team.size() <= index(kLabelledRobots), "labels have room for 32 robots");
+    require(spec_.neighbourhood_m <= 0.0, "tracks without ids are kept by no neighbourhood");
+    multi_target_.emplace(multi_target_spec(spec_));
+    labelled_ = multi_target_->no_tracks();
+    const std::size_t told = spec_.team.size() * labelled_.size();
+    heard_labels_.reserve(told);
+    for (StepRecord& r : records_) {
+      r.labelled_before = multi_target_->no_tracks();
+      r.heard_labels.reserve(told);
+    }
   }
   in_range_.reserve(kTeammatesReserved);
 }
@@ -117,6 +112,7 @@ void DistributedFilter::advance(const StepInput& input) {
   recorded_ = std::min(recorded_ + 1, static_cast<int>(records_.size()));
   StepRecord& current = record(0);
   current.start(from, input.time, tracks_);
+  current.labelled_before = labelled_;
   current.place_m = viewpoint_.world_from_body.position_m();
   listen(input, current);
 
@@ -126,86 +122,15 @@ void DistributedFilter::advance(const StepInput& input) {
   }
   if (oldest_changed > 0) {
     tracks_ = record(oldest_changed).before;
+    labelled_ = record(oldest_changed).labelled_before;
   }
   for (int age = oldest_changed; age >= 0; --age) {
     StepRecord& again = record(age);
     again.before = tracks_;
+    again.labelled_before = labelled_;
     run(again);
   }
   time_ = input.time;
-}
-
-void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
-  in_range_.clear();
-  const Duration age_max = from_seconds(spec_.belief_age_max_s);
-  for (const models::RobotBelief* belief : input.beliefs) {
-    if (belief->stamp.time > input.time) {
-      ++counters_.future_beliefs;
-    } else if (input.time - belief->stamp.time > age_max) {
-      ++counters_.stale_beliefs;
-    } else if (spec_.communication_range_m <= 0.0 ||
-               distance_m(belief->viewpoint, viewpoint_) > spec_.communication_range_m) {
-      ++counters_.out_of_range_beliefs;
-    } else {
-      in_range_.push_back(belief);
-    }
-  }
-  degree_ = static_cast<int>(in_range_.size());
-  for (const models::RobotBelief* belief : in_range_) {
-    record.is_heard_of_end = record.is_heard_of_end || belief->stamp.time == input.time;
-    hear(*belief, input.time, record);
-    merge_grid(*belief);
-  }
-}
-
-void DistributedFilter::hear(const models::RobotBelief& belief, Time now, StepRecord& record) {
-  for (const models::TargetBelief& target : belief.targets) {
-    if (target.target_id < 0 || target.target_id >= spec_.target_count) {
-      ++counters_.unknown_ids;
-      continue;
-    }
-    const int dim = spec_.estimator.target_model.dim();
-    if (target.information.vector.size() != dim || target.information.matrix.rows() != dim ||
-        target.information.matrix.cols() != dim) {
-      ++counters_.malformed_beliefs;
-      continue;
-    }
-    const auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
-                                     target.last_seen, belief.stamp.time, now);
-    if (!now_known) {
-      ++counters_.singular;
-      continue;
-    }
-    const double weight = weight_of(now_known->matrix);
-    if (!(weight > 0.0) || !std::isfinite(weight)) {
-      ++counters_.singular;
-      continue;
-    }
-    HeardTrack* const heard = record.heard.find(target.target_id);
-    if (heard == nullptr) {
-      record.heard.put(
-          {target.target_id,
-           {true, {weight * now_known->vector, weight * now_known->matrix}, target.last_seen},
-           weight});
-    } else {
-      heard->track.information.vector += weight * now_known->vector;
-      heard->track.information.matrix += weight * now_known->matrix;
-      heard->track.last_seen = std::max(heard->track.last_seen, target.last_seen);
-      heard->weight += weight;
-    }
-  }
-}
-
-void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
-  if (belief.last_seen_utime.empty()) {
-    return;
-  }
-  // Nobody has seen anything after the instant of their own message.
-  const bool is_one_grid = spec_.neighbourhood_m > 0.0 || belief.grid == grid_.geometry();
-  if (!is_one_grid ||
-      !grid_.merge(belief.grid, belief.last_seen_utime, to_utime(belief.stamp.time))) {
-    ++counters_.grid_mismatches;
-  }
 }
 
 int DistributedFilter::looker_of(const models::DetectionSet& look) const {
@@ -216,16 +141,21 @@ int DistributedFilter::looker_of(const models::DetectionSet& look) const {
   return found == lookers_.end() ? -1 : found->second;
 }
 
+bool DistributedFilter::is_self(int looker) const {
+  return looker < 0 || spec_.team[index(looker)].robot == spec_.robot;
+}
+
 const models::SensorModel& DistributedFilter::sensor_of(int looker) const {
-  const auto index = static_cast<std::size_t>(looker);
-  return looker < 0 || spec_.team[index].robot == spec_.robot ? spec_.sensor
-                                                              : spec_.team[index].sensor;
+  return is_self(looker) ? spec_.sensor : spec_.team[index(looker)].sensor;
+}
+
+const models::DetectionModel& DistributedFilter::detection_of(int looker) const {
+  return is_self(looker) ? spec_.detection : spec_.team[index(looker)].detection;
 }
 
 int DistributedFilter::file(const models::DetectionSet& look, Time now) {
   const int looker = looker_of(look);
-  const bool is_own =
-      looker < 0 || spec_.team[static_cast<std::size_t>(looker)].robot == spec_.robot;
+  const bool is_own = is_self(looker);
   if (!is_own && (spec_.communication_range_m <= 0.0 ||
                   distance_m(look.viewpoint, viewpoint_) > spec_.communication_range_m)) {
     ++counters_.out_of_range_looks;
@@ -248,7 +178,7 @@ int DistributedFilter::file(const models::DetectionSet& look, Time now) {
     ++counters_.too_late_measurements;
     return -1;
   }
-  if (!is_own && record(age).holds(at, looker)) {
+  if ((!is_own || multi_target_) && record(age).holds(at, looker)) {
     ++counters_.repeated_looks;
     return -1;
   }
@@ -263,11 +193,15 @@ int DistributedFilter::file(const models::DetectionSet& look, Time now) {
   filed.from = look.viewpoint;
   const int rows = sensor.measurement_dim(spec_.estimator.target_model.position_dim);
   for (const models::Detection& detection : look.detections) {
-    const bool twice = std::any_of(filed.detections.begin(), filed.detections.end(),
-                                   [&](auto& d) { return d.target_id == detection.target_id; });
+    const bool is_room = !multi_target_ || filed.detections.size() < index(kLabelledDetections);
+    const bool twice =
+        !multi_target_ && std::any_of(filed.detections.begin(), filed.detections.end(),
+                                      [&](auto& d) { return d.target_id == detection.target_id; });
     const models::Measurement& z = detection.measurement;
-    if (detection.target_id < 0 || detection.target_id >= spec_.target_count) {
+    if (!multi_target_ && (detection.target_id < 0 || detection.target_id >= spec_.target_count)) {
       ++counters_.unknown_ids;
+    } else if (!is_room) {
+      ++counters_.surplus_detections;
     } else if (twice || z.z.size() != rows || z.V.rows() != rows || z.V.cols() != rows) {
       ++counters_.malformed_detections;
     } else {
@@ -281,6 +215,9 @@ void DistributedFilter::run(StepRecord& record) {
   Time at = record.from;
   int next = 0;
   const auto look = [&](int i) -> Look& { return record.looks[static_cast<std::size_t>(i)]; };
+  if (record.from < record.to) {
+    reconcile_labels(record, record.from);
+  }
   for (; next < record.look_count && look(next).time < record.to; ++next) {
     propagate_all(at, look(next).time);
     at = look(next).time;
@@ -297,6 +234,7 @@ void DistributedFilter::run(StepRecord& record) {
   if (record.is_heard_of_end) {  // a belief of `to` holds looks of `to`: they are in before it is
     fuse(record);
   }
+  reconcile_labels(record, record.to);
   forget_far(record.place_m);
 }
 
@@ -328,6 +266,9 @@ void DistributedFilter::move_grid() {
 }
 
 void DistributedFilter::propagate_all(Time from, Time to) {
+  if (multi_target_) {
+    multi_target_->propagate(labelled_, from, to);
+  }
   for (auto& [target_id, track] : tracks_) {
     const auto later = propagate(spec_.estimator.target_model, spec_.step_s, track.information,
                                  track.last_seen, from, to);
@@ -341,28 +282,14 @@ void DistributedFilter::propagate_all(Time from, Time to) {
   drop_unknown();
 }
 
-void DistributedFilter::fuse(const StepRecord& record) {
-  for (const auto& [target_id, heard, heard_weight] : record.heard) {
-    const models::Information theirs{heard.information.vector / heard_weight,
-                                     heard.information.matrix / heard_weight};
-    KnownTrack* const known = tracks_.find(target_id);
-    if (known == nullptr) {
-      tracks_.put({target_id, {true, theirs, heard.last_seen}});
-      continue;
-    }
-    Track& own = known->track;
-    const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
-    if (kappa > 0.0) {
-      own.information.vector += kappa * (theirs.vector - own.information.vector);
-      own.information.matrix += kappa * (theirs.matrix - own.information.matrix);
-      own.last_seen = std::max(own.last_seen, heard.last_seen);
-    }
-  }
-}
-
 void DistributedFilter::confine_all() {
   if (!spec_.estimator.targets_stay_inside) {
     return;
+  }
+  for (LabelledTrack& track : labelled_) {
+    for (Component& component : track.mixture) {
+      component.belief = confine(component.belief, spec_.world);
+    }
   }
   for (auto& [target_id, track] : tracks_) {
     const auto belief = models::to_gaussian(track.information);
@@ -387,6 +314,13 @@ void DistributedFilter::apply(Look& look) {
   look.counted = true;
   const scenario::EstimatorSpec& spec = spec_.estimator;
   const models::SensorModel& sensor = sensor_of(look.looker);
+  if (multi_target_) {
+    const int robot = look.looker < 0 ? kLabelledRobots - 1 : look.looker;
+    const Glance glance{sensor, detection_of(look.looker), look.from, look.time,
+                        first_label(look.time, robot)};
+    multi_target_->look(labelled_, glance, look.detections);
+    return;
+  }
   for (const models::Detection& detection : look.detections) {
     KnownTrack* const known = tracks_.find(detection.target_id);
     if (known == nullptr) {
@@ -413,7 +347,13 @@ void DistributedFilter::apply(Look& look) {
         break;
     }
   }
-  if (spec.detection_probability <= 0.0) {
+  look_for_misses(look, count);
+}
+
+void DistributedFilter::look_for_misses(const Look& look, FilterCounters& count) {
+  const double detection_probability = std::min(spec_.estimator.detection_probability,
+                                                detection_of(look.looker).detection_probability);
+  if (detection_probability <= 0.0) {
     return;
   }
   for (KnownTrack& each : tracks_) {
@@ -426,8 +366,8 @@ void DistributedFilter::apply(Look& look) {
     if (!belief) {
       continue;
     }
-    const models::Gaussian missed =
-        missed_detection(*belief, sensor, look.from, spec_.world, spec.detection_probability);
+    const models::Gaussian missed = missed_detection(*belief, sensor_of(look.looker), look.from,
+                                                     spec_.world, detection_probability);
     if (missed.mean == belief->mean && missed.covariance == belief->covariance) {
       continue;
     }
@@ -449,6 +389,9 @@ models::RobotBelief DistributedFilter::belief() const {
   for (const auto& [target_id, track] : tracks_) {
     belief.targets.push_back({target_id, track.information, track.last_seen});
   }
+  if (multi_target_) {
+    belief.targets = told(*multi_target_, labelled_);
+  }
   belief.grid = grid_.geometry();
   belief.last_seen_utime = grid_.last_seen_utime();
   return belief;
@@ -459,8 +402,23 @@ void DistributedFilter::rebase(const models::RobotBelief& belief) {
   time_ = belief.stamp.time;
   viewpoint_ = belief.viewpoint;
   degree_ = belief.degree;
-  tracks_.clear();
+  rebase_tracks(belief);
+  move_grid();
+  if (belief.grid == grid_.geometry() &&
+      belief.last_seen_utime.size() == grid_.last_seen_utime().size()) {
+    grid_.set_last_seen(belief.last_seen_utime);
+  } else if (!belief.last_seen_utime.empty()) {
+    ++counters_.grid_mismatches;
+  }
+}
+
+void DistributedFilter::rebase_tracks(const models::RobotBelief& belief) {
   const int dim = spec_.estimator.target_model.dim();
+  tracks_.clear();
+  if (multi_target_) {
+    set_told(labelled_, belief.targets, dim);
+    return;
+  }
   for (const models::TargetBelief& target : belief.targets) {
     if (target.target_id < 0 || target.target_id >= spec_.target_count) {
       ++counters_.unknown_ids;
@@ -469,13 +427,6 @@ void DistributedFilter::rebase(const models::RobotBelief& belief) {
     } else {
       tracks_.put({target.target_id, {true, target.information, target.last_seen}});
     }
-  }
-  move_grid();
-  if (belief.grid == grid_.geometry() &&
-      belief.last_seen_utime.size() == grid_.last_seen_utime().size()) {
-    grid_.set_last_seen(belief.last_seen_utime);
-  } else if (!belief.last_seen_utime.empty()) {
-    ++counters_.grid_mismatches;
   }
 }
 

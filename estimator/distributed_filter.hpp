@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "estimator/multi_target.hpp"
 #include "estimator/step_record.hpp"
+#include "estimator/track_labels.hpp"
 #include "estimator/track_table.hpp"
 #include "models/exchange/messages.hpp"
 #include "models/world/grid.hpp"
@@ -20,12 +22,14 @@ namespace vantage::estimator {
 struct Looker {
   std::string robot;
   models::SensorModel sensor;
+  models::DetectionModel detection{};
 };
 
 /// What one robot's filter has to know of itself, its team and the world.
 struct FilterSpec {
   std::string robot;
   models::SensorModel sensor;
+  models::DetectionModel detection{};  ///< detects_ids: of the whole team
   /// Whose looks are used besides the own ones, in an order that is the same for all; the robot
   /// itself may be among them.
   std::vector<Looker> team;
@@ -71,14 +75,17 @@ struct FilterCounters {
   std::int64_t future_measurements = 0;    ///< of an instant after t: dropped
   std::int64_t jammed_looks = 0;
   std::int64_t malformed_detections = 0;  ///< wrong dimension, or the second of one target
+  std::int64_t surplus_detections = 0;    ///< of a look without ids: more than there is room for
   std::int64_t gated = 0;
   std::int64_t unknown_ids = 0;        ///< target ids nobody announced
   std::int64_t undiscoverable = 0;     ///< seen first by a sensor that cannot tell where
   std::int64_t singular = 0;           ///< a matrix that could not be inverted
   std::int64_t missed_detections = 0;  ///< looks that moved a belief by finding nothing
+  Reconciled reconciled;               ///< of tracks without ids
 
   /// The non-zero ones that tell of trouble, by name: all but out_of_range_beliefs,
-  /// out_of_range_looks and missed_detections, which are the ordinary course of a trial.
+  /// out_of_range_looks, missed_detections and reconciled, which are the ordinary course of a
+  /// trial.
   [[nodiscard]] std::vector<models::NamedCount> named() const;
 };
 
@@ -107,6 +114,14 @@ struct FilterCounters {
 /// nobody sees grow to a damped oscillator's surroundings; with other models until the world's
 /// bounds confine them, or without end where targets_stay_inside is off.
 ///
+/// Where sensors tell no ids (FilterSpec::detection), looks travel, are filed and are put in their
+/// place all the same, but a MultiTargetFilter uses them, and tracks go by labels
+/// (track_labels.hpp) from kTrackLabelMin on. Robots that have used the same looks have the same
+/// tracks, to the last bit. A teammate's belief of the step before, or of this one, is reconciled
+/// with the own tracks of its instant; an older one is not used. rebase() knows of each track what
+/// the belief tells, one Gaussian: what follows is not what the filter that made it would have gone
+/// on to.
+///
 /// In a neighbourhood, a belief is all that is known: what lies beyond is not told, and not kept
 /// either, so that another filter can go on from any of the beliefs (rebase()).
 ///
@@ -134,6 +149,8 @@ class DistributedFilter {
     const KnownTrack* known = tracks_.find(target_id);
     return known == nullptr ? Track{} : known->track;
   }
+  /// Of sensors that tell no ids; else none.
+  [[nodiscard]] const std::vector<LabelledTrack>& labelled_tracks() const { return labelled_; }
   [[nodiscard]] const models::VisibilityGrid& grid() const { return grid_; }
   [[nodiscard]] const FilterCounters& counters() const { return counters_; }
   [[nodiscard]] const FilterSpec& spec() const { return spec_; }
@@ -141,16 +158,24 @@ class DistributedFilter {
  private:
   void listen(const StepInput& input, StepRecord& record);
   void hear(const models::RobotBelief& belief, Time now, StepRecord& record);
+  /// The same where sensors tell no ids.
+  void hear_labels(const models::RobotBelief& belief, StepRecord& record);
   void merge_grid(const models::RobotBelief& belief);
   /// Index of a look's maker in spec_.team, −1 when it is not there.
   [[nodiscard]] int looker_of(const models::DetectionSet& look) const;
   [[nodiscard]] const models::SensorModel& sensor_of(int looker) const;
+  [[nodiscard]] const models::DetectionModel& detection_of(int looker) const;
+  [[nodiscard]] bool is_self(int looker) const;
   /// Files a look under the step it belongs to; that step's age in records, −1 if dropped.
   int file(const models::DetectionSet& look, Time now);
   void run(StepRecord& record);
+  void rebase_tracks(const models::RobotBelief& belief);
   void propagate_all(Time from, Time to);
   void apply(Look& look);
+  void look_for_misses(const Look& look, FilterCounters& count);
   void fuse(const StepRecord& record);
+  /// With what was heard of instant `at`, which the labelled tracks are of.
+  void reconcile_labels(const StepRecord& record, Time at);
   /// Lets go of tracks of which nothing is known any more.
   void drop_unknown();
   void confine_all();
@@ -165,6 +190,9 @@ class DistributedFilter {
   models::Viewpoint viewpoint_;
   int degree_ = 0;
   TrackTable tracks_;
+  std::optional<MultiTargetFilter> multi_target_;  ///< of sensors that tell no ids
+  std::vector<LabelledTrack> labelled_;            ///< then instead of tracks_
+  std::vector<HeardLabel> heard_labels_;           ///< scratch of reconcile_labels()
   models::VisibilityGrid grid_;
   std::vector<StepRecord> records_;  ///< ring
   int newest_ = 0;

@@ -13,8 +13,9 @@ FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& ro
   FilterSpec spec;
   spec.robot = robot;
   spec.sensor = self->sensor;
+  spec.detection = self->detection;
   for (const scenario::RobotSpec& each : scenario.robots) {
-    spec.team.push_back({each.name, each.sensor});
+    spec.team.push_back({each.name, each.sensor, each.detection});
   }
   spec.start = {self->start, self->height_m};
   spec.estimator = scenario.estimator;
@@ -42,6 +43,7 @@ std::vector<models::NamedCount> FilterCounters::named() const {
       {"future_measurements", future_measurements},
       {"jammed_looks", jammed_looks},
       {"malformed_detections", malformed_detections},
+      {"surplus_detections", surplus_detections},
       {"gated", gated},
       {"unknown_ids", unknown_ids},
       {"undiscoverable", undiscoverable},

@@ -57,6 +57,7 @@ struct MultiTargetFilter::Look {
   double detection_probability;
   double clutter_per_m2;    ///< expected false alarms on a square metre in view
   double untracked_per_m2;  ///< expected reports of targets that are not tracked
+  int first_label;
 };
 
 MultiTargetFilter::MultiTargetFilter(MultiTargetSpec spec)
@@ -115,23 +116,23 @@ void MultiTargetFilter::propagate(std::vector<LabelledTrack>& tracks, Time from,
   }
 }
 
-void MultiTargetFilter::look(std::vector<LabelledTrack>& tracks, const models::SensorModel& sensor,
-                             const models::Viewpoint& from, Time at,
+void MultiTargetFilter::look(std::vector<LabelledTrack>& tracks, const Glance& glance,
                              std::span<const models::Detection> detections) {
   const double believed = spec_.estimator.detection_probability;
-  const double true_p_D = spec_.detection.detection_probability;
+  const double true_p_D = glance.detection.detection_probability;
   const double p_D = std::min({believed > 0.0 ? believed : true_p_D, true_p_D, kDetectionMax});
   double untracked = spec_.targets;
   for (const LabelledTrack& track : tracks) {
     untracked -= track.existence;
   }
-  const double clutter = std::max(kClutterMin, spec_.detection.clutter_per_look);
-  const Look look{sensor,
-                  from,
-                  at,
+  const double clutter = std::max(kClutterMin, glance.detection.clutter_per_look);
+  const Look look{glance.sensor,
+                  glance.from,
+                  glance.at,
                   p_D,
-                  clutter / models::view_area_m2(sensor, from),
-                  std::max(kUntrackedMin, untracked) * p_D / world_area_m2_};
+                  clutter / models::view_area_m2(glance.sensor, glance.from),
+                  std::max(kUntrackedMin, untracked) * p_D / world_area_m2_,
+                  glance.first_label};
   sort_detections(look, detections);
   expect_misses(tracks, look);
   weigh(tracks, look);
@@ -366,7 +367,6 @@ void MultiTargetFilter::bury(std::vector<LabelledTrack>& tracks) {
 void MultiTargetFilter::bear(std::vector<LabelledTrack>& tracks, const Look& look) {
   const double share = look.untracked_per_m2 / (look.untracked_per_m2 + look.clutter_per_m2);
   const bool is_labelled = spec_.tracker == Tracker::kLabelled;
-  int born = 0;
   for (std::size_t j = 0; j < seen_.size(); ++j) {
     const double nobodys = association_.nobodys_probability(static_cast<int>(j));
     const double existence = is_labelled ? nobodys * share : 1.0;
@@ -387,8 +387,7 @@ void MultiTargetFilter::bear(std::vector<LabelledTrack>& tracks, const Look& loo
     least->existence = existence;
     least->mixture.assign(1, Component{1.0, *belief});
     least->last_seen = look.at;
-    least->born = look.at;
-    least->born_as = born++;
+    least->label = look.first_label + static_cast<int>(j);
     least->hits = 1;
     least->misses = 0;
   }

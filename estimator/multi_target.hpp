@@ -28,7 +28,7 @@ enum class Tracker {
 struct MultiTargetSpec {
   scenario::EstimatorSpec estimator;
   models::World world;
-  models::DetectionModel detection;
+  models::DetectionModel detection;  ///< of looks that do not say theirs
   double step_s = 0.5;
   int targets = 5;          ///< how many there are in the world, found or not
   int tracks_max = 10;      ///< more than targets: some are in doubt
@@ -43,10 +43,20 @@ struct LabelledTrack {
   double existence = 0.0;  ///< probability that it is there; 0: room for another
   Mixture mixture;         ///< where, if it is; weights add up to 1, the heaviest first
   Time last_seen{};        ///< newest look that is likelier to have seen it than not
-  Time born{};             ///< its first look; with the next, its label
-  int born_as = 0;         ///< which of the births of that instant
+  int label = 0;           ///< what its first look calls the detection that it was born of
   int hits = 0;            ///< looks that saw it
   int misses = 0;          ///< looks that should have seen it and did not, since the last hit
+};
+
+/// From where, with what and when one look was made.
+struct Glance {
+  const models::SensorModel& sensor;
+  const models::DetectionModel& detection;
+  const models::Viewpoint& from;
+  Time at;
+  /// Label of what its first detection founds; that of the next is one more, in an order that is
+  /// the detections' own.
+  int first_label = 0;
 };
 
 /// What happened to detections, since construction.
@@ -89,8 +99,14 @@ class MultiTargetFilter {
   /// Brings the tracks of `from` to `to` ≥ `from`.
   void propagate(std::vector<LabelledTrack>& tracks, Time from, Time to);
   /// One look, of the instant that `tracks` are of. Precondition: as many as no_tracks() has.
+  void look(std::vector<LabelledTrack>& tracks, const Glance& glance,
+            std::span<const models::Detection> detections);
+  /// The same, of a sensor that detects as the spec says.
   void look(std::vector<LabelledTrack>& tracks, const models::SensorModel& sensor,
-            const models::Viewpoint& from, Time at, std::span<const models::Detection> detections);
+            const models::Viewpoint& from, Time at, std::span<const models::Detection> detections,
+            int first_label = 0) {
+    look(tracks, {sensor, spec_.detection, from, at, first_label}, detections);
+  }
   /// Whether to tell of it: likelier there than not, or seen often enough.
   [[nodiscard]] bool is_confirmed(const LabelledTrack& track) const;
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "estimator/gauss_legendre.hpp"
 #include "models/sensor/law.hpp"
 
 namespace vantage::estimator {
@@ -25,15 +26,6 @@ constexpr double kContradiction = 1e-3;
 constexpr double kAllInView = 1.0 - 1e-6;
 constexpr double kLeastRange_m = 1e-9;
 
-// Gauss-Legendre on [−1, 1]. Source: Abramowitz, Stegun (1964), table 25.4.
-constexpr int kNodes = 12;
-constexpr std::array<double, kNodes / 2> kNode = {0.125233408511469, 0.367831498998180,
-                                                  0.587317954286617, 0.769902674194305,
-                                                  0.904117256370475, 0.981560634246719};
-constexpr std::array<double, kNodes / 2> kNodeWeight = {0.249147045813403, 0.233492536538355,
-                                                        0.203167426723066, 0.160078328543346,
-                                                        0.106939325995318, 0.047175336386512};
-
 struct Interval {
   double low = 0.0;
   double high = 0.0;
@@ -47,10 +39,7 @@ struct RayIntegral {
   double first = 0.0;
   double second = 0.0;
   double in_view = 0.0;
-
-  [[nodiscard]] double log_mass() const {
-    return mass > 0.0 ? top + std::log(mass) : -std::numeric_limits<double>::infinity();
-  }
+  double log_mass = -std::numeric_limits<double>::infinity();  ///< times exp(−top) no more
 };
 
 struct Total {
@@ -134,13 +123,15 @@ class Rays {
     return r;
   }
 
-  /// `direction`: a unit vector, `bearing_rad` from body x. long: one integrand, case by case.
-  [[nodiscard]] RayIntegral along(const PositionVector& direction, double bearing_rad,
-                                  double cos_elevation, bool is_limited) const {
+  /// `u`: a unit vector, `bearing_rad` from body x. long: one integrand, case by case.
+  [[nodiscard]] RayIntegral along(const PositionVector& u, double bearing_rad, double cos_elevation,
+                                  bool is_limited) const {
     RayIntegral out;
     // exponent(r) = −½ a r² + c r + e
-    double a = direction.dot(Omega_ * direction);
-    double c = direction.dot(linear_);
+    double a = dim_ == 3 ? u.dot(Omega_ * u)
+                         : u(0) * (Omega_(0, 0) * u(0) + Omega_(0, 1) * u(1)) +
+                               u(1) * (Omega_(1, 0) * u(0) + Omega_(1, 1) * u(1));
+    double c = u.dot(linear_);
     double e = constant_;
     double depth_share = 1.0;
     const auto bearing_error_rad = [&] { return wrap_to_pi(z_(z_.rows() - 1) - bearing_rad); };
@@ -159,11 +150,11 @@ class Rays {
       const double error_rad = bearing_error_rad();
       e -= 0.5 * W_(0, 0) * error_rad * error_rad;
     } else if (law_.depth_per_m != nullptr) {
-      depth_share = law_.depth_per_m(sensor_, bearing_rad, cos_elevation, direction(2));
+      depth_share = law_.depth_per_m(sensor_, bearing_rad, cos_elevation, u(2));
       if (depth_share <= 1e-6) {
         return out;
       }
-      const PositionVector at_m = eye_m_ + direction;
+      const PositionVector at_m = eye_m_ + u;
       const models::MeasurementVector error = z_ - models::observe(sensor_, from_, at_m);
       e -= 0.5 * error.dot(W_ * error);
     }
@@ -189,20 +180,23 @@ class Rays {
     const double half_m = 0.5 * r.width();
     const double fov_half_rad = sees_all_around() ? 2.0 * kPi : 0.5 * sensor_.fov_rad;
     const bool is_in_fov = std::abs(wrap_to_pi(bearing_rad)) < fov_half_rad;
-    for (std::size_t i = 0; i < kNode.size(); ++i) {
-      for (const double side : {-1.0, 1.0}) {
-        const double r_m = middle_m + side * half_m * kNode[i];
-        const double from_peak_m = r_m - peak;
-        // exponent(r) − top, without the cancellation of large terms.
-        const double lower = (c - a * peak - 0.5 * a * from_peak_m) * from_peak_m;
-        const double spread = dim_ == 3 ? r_m * r_m * cos_elevation : r_m;  // of directions, at r
-        const double p = half_m * kNodeWeight[i] * spread * std::exp(lower);
-        out.mass += p;
-        out.first += p * r_m;
-        out.second += p * r_m * r_m;
-        out.in_view += is_in_fov && r_m >= limits.low && r_m < limits.high ? p : 0.0;
-      }
+    std::array<double, kLegendrePoints> shares;  // apart, so that the sums stay in registers
+    for (std::size_t i = 0; i < kLegendrePoints; ++i) {
+      const double from_peak_m =
+          middle_m + kLegendreSide[i % 2] * half_m * kLegendreNode[i / 2] - peak;
+      // exponent(r) − top, without the cancellation of large terms.
+      shares[i] = std::exp((c - a * peak - 0.5 * a * from_peak_m) * from_peak_m);
     }
+    for (std::size_t i = 0; i < kLegendrePoints; ++i) {
+      const double r_m = middle_m + kLegendreSide[i % 2] * half_m * kLegendreNode[i / 2];
+      const double spread = dim_ == 3 ? r_m * r_m * cos_elevation : r_m;  // of directions, at r
+      const double p = half_m * kLegendreWeight[i / 2] * spread * shares[i];
+      out.mass += p;
+      out.first += p * r_m;
+      out.second += p * r_m * r_m;
+      out.in_view += is_in_fov && r_m >= limits.low && r_m < limits.high ? p : 0.0;
+    }
+    out.log_mass = out.top + std::log(out.mass);
     return out;
   }
 
@@ -210,6 +204,7 @@ class Rays {
   template <std::size_t Bearings, std::size_t Elevations>
   [[nodiscard]] std::optional<Total> integrate_over(bool is_limited) const {
     std::array<RayIntegral, Bearings * Elevations> rays;
+    std::array<PositionVector, Bearings * Elevations> directions;
     Interval bearing_rad = bearings_rad(is_limited);
     Interval elevation_rad{-0.5 * kPi, 0.5 * kPi};
     const auto middle = [](const Interval& of, std::size_t i, std::size_t count) {
@@ -236,9 +231,10 @@ class Rays {
           const double cos_elevation =
               dim_ == 3 ? std::cos(middle(elevation_rad, j, Elevations)) : 1.0;
           RayIntegral& ray = rays[i * Elevations + j];
-          ray = along(direction_of(i, j), middle(bearing_rad, i, Bearings), cos_elevation,
-                      is_limited);
-          most = std::max(most, ray.log_mass());
+          PositionVector& direction = directions[i * Elevations + j];
+          direction = direction_of(i, j);
+          ray = along(direction, middle(bearing_rad, i, Bearings), cos_elevation, is_limited);
+          most = std::max(most, ray.log_mass);
           peak = std::max(peak, ray.top);
         }
       }
@@ -252,7 +248,7 @@ class Rays {
       std::size_t last_j = 0;
       for (std::size_t i = 0; i < Bearings; ++i) {
         for (std::size_t j = 0; j < Elevations; ++j) {
-          if (rays[i * Elevations + j].log_mass() > most - kNegligible) {
+          if (rays[i * Elevations + j].log_mass > most - kNegligible) {
             first_i = std::min(first_i, i);
             last_i = std::max(last_i, i);
             first_j = std::min(first_j, j);
@@ -287,7 +283,7 @@ class Rays {
         if (!(weight > 0.0)) {
           continue;
         }
-        const PositionVector direction = direction_of(i, j);
+        const PositionVector& direction = directions[i * Elevations + j];
         mass += weight * ray.mass;
         in_view += weight * ray.in_view;
         sum += weight * ray.first * direction;

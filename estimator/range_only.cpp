@@ -11,12 +11,6 @@
 
 namespace vantage::estimator {
 
-namespace {
-
-constexpr double kNearest_m = 1e-6;
-
-}  // namespace
-
 RangeOnlyFilter::RangeOnlyFilter(RangeOnlySpec spec) : spec_(spec) {
   require(spec.hypotheses >= 8, "a ring needs at least 8 hypotheses");
   require(spec.calibration.range_scale > 0.0, "range_scale must be positive");
@@ -78,7 +72,7 @@ void RangeOnlyFilter::start_ring(const Eigen::Vector2d& robot_m, double distance
 double RangeOnlyFilter::update(BeaconHypothesis& hypothesis, const Eigen::Vector2d& robot_m,
                                double range_m) const {
   const Eigen::Vector2d away_m = hypothesis.mean_m - robot_m;
-  const double distance_m = std::max(away_m.norm(), kNearest_m);
+  const double distance_m = std::max(away_m.norm(), kRangeNearest_m);
   const double scale = spec_.calibration.range_scale;
   const Eigen::RowVector2d H = scale * away_m.transpose() / distance_m;
   const Eigen::Matrix2d& P = hypothesis.covariance_m2;

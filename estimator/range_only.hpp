@@ -10,6 +10,9 @@
 
 namespace vantage::estimator {
 
+/// Nearer than this a beacon has no direction.
+inline constexpr double kRangeNearest_m = 1e-6;
+
 struct RangeOnlySpec {
   models::RangeCalibration calibration;
   double range_sigma_m = 0.5;         ///< 1σ of an honest range

@@ -19,6 +19,7 @@ void StepRecord::start(Time begin, Time end, const TrackTable& tracks) {
   to = end;
   before = tracks;
   heard.clear();
+  heard_labels.clear();
   is_heard_of_end = false;
   look_count = 0;
 }

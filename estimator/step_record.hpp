@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 
 #include "core/time.hpp"
+#include "estimator/multi_target.hpp"
+#include "estimator/track_labels.hpp"
 #include "estimator/track_table.hpp"
 #include "models/exchange/messages.hpp"
 
@@ -27,6 +29,8 @@ struct StepRecord {
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< the robot's own, at `to`
   TrackTable before;                                  ///< tracks at `from`
   HeardTable heard;                                   ///< at `to`
+  std::vector<LabelledTrack> labelled_before;         ///< the same two of sensors that tell no ids
+  std::vector<HeardLabel> heard_labels;               ///< at `from` or at `to`, by teller
   bool is_heard_of_end = false;  ///< some of it is of `to` itself, with the looks of `to`
   std::vector<Look> looks;       ///< the first look_count, by time and looker; the rest is spare
   int look_count = 0;

@@ -111,7 +111,7 @@ std::string plan_row(const SearchProblem& problem, const SearchResult& result,
 }
 
 UnitRows run_start(const Method& method, double budget_s, std::uint64_t seed) {
-  const LandmarkProblem owned = random_start_problem(seed);
+  const planner::OwnedProblem owned = random_start_problem(seed);
   const auto nodes = static_cast<std::int64_t>(method.nodes_per_s * budget_s);
   const SearchResult& result = searches().plan(method.name, owned.problem, Deadline::nodes(nodes));
   UnitRows rows;
@@ -119,8 +119,8 @@ UnitRows run_start(const Method& method, double budget_s, std::uint64_t seed) {
   return rows;
 }
 
-UnitRows run_drawn(const LandmarkProblem& owned, const std::string& method, std::int64_t nodes,
-                   const Drawing& drawing) {
+UnitRows run_drawn(const planner::OwnedProblem& owned, const std::string& method,
+                   std::int64_t nodes, const Drawing& drawing) {
   const SearchResult& result = searches().plan(method, owned.problem, Deadline::nodes(nodes));
   const planner::Tree& tree = searches().tree(method);
   UnitRows rows;

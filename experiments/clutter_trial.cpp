@@ -8,6 +8,7 @@
 #include "core/index.hpp"
 #include "estimator/distributed_filter.hpp"
 #include "estimator/multi_target.hpp"
+#include "estimator/track_labels.hpp"
 #include "logs/metrics/set_means.hpp"
 #include "models/world/world.hpp"
 #include "sim/random.hpp"
@@ -41,11 +42,6 @@ estimator::MultiTargetSpec tracker_spec(const scenario::Scenario& scenario,
   spec.tracks_max = 2 * spec.targets;
   spec.tracker = tracker;
   return spec;
-}
-
-// A track's label: when it was born, and as which of its instant.
-std::int64_t label_of(const estimator::LabelledTrack& track) {
-  return to_utime(track.born) * 64 + track.born_as;
 }
 
 // One method, what it believes and how it was judged.
@@ -196,7 +192,7 @@ class ClutterTrial {
       of.filter.propagate(of.tracks, now - from_seconds(step_s), now);
       for (std::size_t i = 0; i < looks_.size(); ++i) {
         of.filter.look(of.tracks, scenario_.robots[i].sensor, looks_[i].viewpoint, now,
-                       looks_[i].detections);
+                       looks_[i].detections, estimator::first_label(now, static_cast<int>(i)));
       }
       judged_[t].sum.step_cpu_s += thread_cpu_s() - start_s;
     }
@@ -214,7 +210,7 @@ class ClutterTrial {
       told.clear();
       for (const estimator::LabelledTrack& track : trackings_[t].tracks) {
         if (trackings_[t].filter.is_confirmed(track)) {
-          told.push_back({label_of(track), estimator::moments(track.mixture).mean.head<2>()});
+          told.push_back({track.label, estimator::moments(track.mixture).mean.head<2>()});
         }
       }
       note(judged_[t]);

@@ -22,8 +22,8 @@ Eigen::Vector2d anywhere_free(std::mt19937_64& rng, const models::World& world) 
 
 }  // namespace
 
-LandmarkProblem landmark_problem(const Pose2& start) {
-  LandmarkProblem owned;
+planner::OwnedProblem landmark_problem(const Pose2& start) {
+  planner::OwnedProblem owned;
   owned.world = std::make_unique<models::World>();
   owned.world->bounds = {{0.0, 0.0}, {10.0, 10.0}};
   owned.world->obstacles = {{{{3.885, 0.825}, {5.925, 2.865}}, 10.0},
@@ -53,16 +53,16 @@ LandmarkProblem landmark_problem(const Pose2& start) {
   return owned;
 }
 
-LandmarkProblem random_start_problem(std::uint64_t seed) {
-  LandmarkProblem owned = landmark_problem({});
+planner::OwnedProblem random_start_problem(std::uint64_t seed) {
+  planner::OwnedProblem owned = landmark_problem({});
   std::mt19937_64 rng(0x9E3779B97F4A7C15U * (seed + 1));
   const Eigen::Vector2d at_m = anywhere_free(rng, *owned.world);
   owned.problem.start = {at_m.x(), at_m.y(), uniform(rng, -kPi, kPi)};
   return owned;
 }
 
-LandmarkProblem moving_target_problem() {
-  LandmarkProblem owned = landmark_problem({2.0, 2.0, 0.8});
+planner::OwnedProblem moving_target_problem() {
+  planner::OwnedProblem owned = landmark_problem({2.0, 2.0, 0.8});
   owned.world->obstacles.clear();
   *owned.field = models::DistanceField(*owned.world, 0.05);
   planner::SearchProblem& problem = owned.problem;

@@ -12,6 +12,7 @@
 #include "models/mapping/mapping_spec.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/motion/vehicle_limits.hpp"
+#include "models/sensor/clutter.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 #include "models/world/world.hpp"
@@ -21,7 +22,7 @@
 #include "scenario/mocap_spec.hpp"
 #include "scenario/security_spec.hpp"
 
-// A trial as values: what one scenario file says. Read from YAML by bus/scenario_yaml.
+// A trial as values: what one scenario file says. Read from YAML by scenario/reader/scenario_yaml.
 
 namespace vantage::scenario {
 
@@ -73,6 +74,7 @@ struct RobotSpec {
   std::vector<models::UnicycleControl> primitives;
   models::VehicleLimits limits;
   models::SensorModel sensor;
+  models::DetectionModel detection;  ///< of that sensor
   EnergySpec energy;
   DeviceSource device = DeviceSource::kDirect;
   std::optional<AutopilotSpec> autopilot;

@@ -1,6 +1,5 @@
 #include "sim/vehicle_socket.hpp"
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -10,6 +9,7 @@
 
 #include "core/address.hpp"
 #include "core/check.hpp"
+#include "core/reception.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -24,14 +24,8 @@ sockaddr_in address_in(const std::string& url, std::size_t scheme_length) {
                                            : require_host(host, port);
 }
 
-Time arrival_of(msghdr& message) {
-  timespec stamp{};
-  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
-       part = CMSG_NXTHDR(&message, part)) {
-    if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SCM_TIMESTAMPNS) {
-      std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
-    }
-  }
+Time arrival_of(Reception<timespec>& heard) {
+  const timespec stamp = heard.word(SCM_TIMESTAMPNS).value_or(timespec{});
   return from_utime(stamp.tv_sec * 1'000'000 + stamp.tv_nsec / 1'000);
 }
 
@@ -65,26 +59,16 @@ VehicleSocket::~VehicleSocket() { close(fd_); }
 
 std::optional<VehicleSocket::Datagram> VehicleSocket::read() {
   while (true) {
-    sockaddr_in from{};
-    iovec place{buffer_.data(), buffer_.size()};
-    alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(timespec))> extra{};
-    msghdr message{};
-    message.msg_name = &from;
-    message.msg_namelen = sizeof from;
-    message.msg_iov = &place;
-    message.msg_iovlen = 1;
-    message.msg_control = extra.data();
-    message.msg_controllen = extra.size();
-    const ssize_t got = recvmsg(fd_, &message, 0);
-    if (got < 0 && (errno == EINTR || errno == ECONNREFUSED)) {
+    Reception<timespec> heard(fd_, buffer_, 0);
+    if (heard.size() < 0 && (errno == EINTR || errno == ECONNREFUSED)) {
       continue;  // a refusal answers an earlier datagram
     }
-    if (got < 0) {
+    if (heard.size() < 0) {
       return std::nullopt;
     }
-    driver_ = from;
-    if (got > 0) {
-      return Datagram{{buffer_.data(), static_cast<std::size_t>(got)}, arrival_of(message)};
+    driver_ = heard.from();
+    if (heard.size() > 0) {
+      return Datagram{{buffer_.data(), static_cast<std::size_t>(heard.size())}, arrival_of(heard)};
     }
   }
 }

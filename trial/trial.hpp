@@ -20,9 +20,6 @@
 
 namespace vantage::trial {
 
-/// Nodes of work a slot when the scenario states none: time budgets mean nothing in virtual time.
-inline constexpr std::int64_t kDefaultNodeBudget = 20'000;
-
 struct TrialOptions {
   std::string log_path;  ///< an LCM event log of everything, a new file; empty: none
   /// Called with the share of the trial that is done, about a hundred times.

@@ -22,7 +22,8 @@ struct Channel {
 };
 
 /// A second mocap, or a second simulation, takes nothing from those who hear the first.
-inline const Channel<models::MocapFrame> kVicon{"VICON", false, std::chrono::milliseconds(500)};
+inline constexpr Duration kLease = std::chrono::milliseconds(500);
+inline const Channel<models::MocapFrame> kVicon{"VICON", false, kLease};
 inline const Channel<models::TruthFrame> kTruth{"TRUTH"};
 inline const Channel<models::ContactReport> kCollision{"COLLISION", true};  // sim and contacts
 inline const Channel<models::AttackNotice> kAttack{"ATTACK"};
@@ -50,7 +51,7 @@ inline Channel<models::TeamProposal> team_proposal_channel(const std::string& ro
   return {"TEAM_PROPOSAL_" + robot};
 }
 inline Channel<models::VehicleStatus> quadrotor_channel(const std::string& robot) {
-  return {"QUADROTOR_" + robot};
+  return {"QUADROTOR_" + robot, false, kLease};
 }
 inline Channel<models::ProcessHealth> health_channel(const std::string& process) {
   return {"HEALTH_" + process};

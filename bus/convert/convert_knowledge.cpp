@@ -17,7 +17,7 @@ std::optional<models::Detection> detection_from(const vantage_lcm::detection_t& 
   const bool has_shape =
       wire.dim >= 1 && wire.dim <= models::kMaxMeasurementDim && is_count(wire.dim, wire.z.size());
   const auto V = has_shape ? definite_from(wire.covariance_z, wire.dim) : std::nullopt;
-  if (wire.target_id < 0 || !V) {
+  if (wire.target_id < models::kNoTargetId || !V) {
     return std::nullopt;
   }
   models::Detection detection;
@@ -93,10 +93,7 @@ std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& 
 }
 
 vantage_lcm::belief_t to_wire(const models::RobotBelief& belief) {
-  auto wire = stamped<vantage_lcm::belief_t>(belief.stamp);
-  wire.robot = belief.robot;
-  wire.step = belief.step;
-  viewpoint_to(belief.viewpoint, wire);
+  auto wire = with_step_head<vantage_lcm::belief_t>(belief, belief.last_seen_utime.size());
   wire.degree = belief.degree;
   wire.num_targets = count_of(belief.targets.size());
   wire.targets.resize(belief.targets.size());
@@ -110,28 +107,21 @@ vantage_lcm::belief_t to_wire(const models::RobotBelief& belief) {
     wire.targets[i].information_matrix = rows_to(target.information.matrix, dim);
     wire.targets[i].last_seen_utime = to_utime(target.last_seen);
   }
-  grid_to(belief.grid, wire);
-  wire.num_cells = count_of(belief.last_seen_utime.size());
   wire.last_seen_utime = belief.last_seen_utime;
-  inputs_to(belief.inputs, wire);
   return wire;
 }
 
 std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire) {
-  const auto stamp = stamp_from(wire);
-  const auto viewpoint = viewpoint_from(wire);
-  const auto grid = grid_from(wire, wire.last_seen_utime.size());
-  auto inputs = inputs_from(wire);
-  if (!stamp || !viewpoint || !grid || !inputs || !is_text(wire.robot) || wire.step < 0 ||
-      wire.degree < 0 || !is_count(wire.num_targets, wire.targets.size()) ||
+  auto head = step_head_from(wire, wire.last_seen_utime.size());
+  if (!head || wire.degree < 0 || !is_count(wire.num_targets, wire.targets.size()) ||
       !std::all_of(wire.last_seen_utime.begin(), wire.last_seen_utime.end(), is_utime)) {
     return std::nullopt;
   }
   models::RobotBelief belief;
-  belief.stamp = *stamp;
+  belief.stamp = head->stamp;
   belief.robot = wire.robot;
   belief.step = wire.step;
-  belief.viewpoint = *viewpoint;
+  belief.viewpoint = head->viewpoint;
   belief.degree = wire.degree;
   belief.targets.reserve(wire.targets.size());
   int previous_id = -1;
@@ -143,9 +133,9 @@ std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire) 
     previous_id = target->target_id;
     belief.targets.push_back(*target);
   }
-  belief.grid = *grid;
+  belief.grid = head->grid;
   belief.last_seen_utime = wire.last_seen_utime;
-  belief.inputs = std::move(*inputs);
+  belief.inputs = std::move(head->inputs);
   return belief;
 }
 

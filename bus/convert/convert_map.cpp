@@ -42,33 +42,23 @@ std::optional<models::RangeScan> from_wire(const vantage_lcm::scan_t& wire) {
 }
 
 vantage_lcm::map_t to_wire(const models::RobotMap& map) {
-  auto wire = stamped<vantage_lcm::map_t>(map.stamp);
-  wire.robot = map.robot;
-  wire.step = map.step;
-  viewpoint_to(map.viewpoint, wire);
-  grid_to(map.grid, wire);
-  wire.num_cells = count_of(map.own_looks.size());
+  auto wire = with_step_head<vantage_lcm::map_t>(map, map.own_looks.size());
   wire.own_looks = map.own_looks;
   wire.team_looks = map.team_looks;
   wire.team_looks.resize(map.own_looks.size());
   wire.entropy_nat = map.entropy_nats;
-  inputs_to(map.inputs, wire);
   return wire;
 }
 
 std::optional<models::RobotMap> from_wire(const vantage_lcm::map_t& wire) {
-  const auto stamp = stamp_from(wire);
-  const auto viewpoint = viewpoint_from(wire);
-  const auto grid = grid_from(wire, wire.own_looks.size());
-  auto inputs = inputs_from(wire);
-  if (!stamp || !viewpoint || !grid || !inputs || !is_text(wire.robot) || wire.step < 0 ||
-      wire.team_looks.size() != wire.own_looks.size() || !are_finite(wire.entropy_nat) ||
+  auto head = step_head_from(wire, wire.own_looks.size());
+  if (!head || wire.team_looks.size() != wire.own_looks.size() || !are_finite(wire.entropy_nat) ||
       wire.entropy_nat < 0.0) {
     return std::nullopt;
   }
-  return models::RobotMap{
-      *stamp,         wire.robot,      wire.step,        *viewpoint,        *grid,
-      wire.own_looks, wire.team_looks, wire.entropy_nat, std::move(*inputs)};
+  return models::RobotMap{head->stamp,     wire.robot,       wire.step,
+                          head->viewpoint, head->grid,       wire.own_looks,
+                          wire.team_looks, wire.entropy_nat, std::move(head->inputs)};
 }
 
 }  // namespace vantage::bus

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -147,6 +148,40 @@ std::optional<models::GridGeometry> grid_from(const Wire& wire, std::size_t cell
                               wire.grid_resolution_m,
                               wire.grid_columns,
                               wire.grid_rows};
+}
+
+/// What beliefs and maps have in common: which step of a robot, from where, over which grid, of
+/// which inputs.
+struct StepHead {
+  models::Stamp stamp;
+  models::Viewpoint viewpoint;
+  models::GridGeometry grid;
+  std::vector<models::InputRef> inputs;
+};
+
+template <class Wire>
+std::optional<StepHead> step_head_from(const Wire& wire, std::size_t cells) {
+  const auto stamp = stamp_from(wire);
+  const auto viewpoint = viewpoint_from(wire);
+  const auto grid = grid_from(wire, cells);
+  auto inputs = inputs_from(wire);
+  if (!stamp || !viewpoint || !grid || !inputs || !is_text(wire.robot) || wire.step < 0) {
+    return std::nullopt;
+  }
+  return StepHead{*stamp, *viewpoint, *grid, std::move(*inputs)};
+}
+
+/// A message with that of `content`, which is over so many cells, and nothing else yet.
+template <class Wire, class Content>
+Wire with_step_head(const Content& content, std::size_t cells) {
+  auto wire = stamped<Wire>(content.stamp);
+  wire.robot = content.robot;
+  wire.step = content.step;
+  viewpoint_to(content.viewpoint, wire);
+  grid_to(content.grid, wire);
+  wire.num_cells = count_of(cells);
+  inputs_to(content.inputs, wire);
+  return wire;
 }
 
 }  // namespace vantage::bus::parts

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <string>
 #include <system_error>
 
@@ -17,6 +16,7 @@
 #include "bus/transport/udpm_packet.hpp"
 #include "core/address.hpp"
 #include "core/check.hpp"
+#include "core/reception.hpp"
 
 namespace vantage::bus::udpm {
 namespace {
@@ -159,32 +159,18 @@ bool MulticastSocket::wait(std::chrono::nanoseconds timeout) {
 }
 
 std::optional<Datagram> MulticastSocket::receive() {
-  sockaddr_in from{};
-  iovec piece{buffer_.data(), buffer_.size()};
-  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(std::uint32_t))> control{};
-  msghdr message{};
-  message.msg_name = &from;
-  message.msg_namelen = sizeof from;
-  message.msg_iov = &piece;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  const ssize_t size = recvmsg(receiver_.fd(), &message, MSG_DONTWAIT);
-  if (size < 0) {
+  Reception<std::uint32_t> heard(receiver_.fd(), buffer_, MSG_DONTWAIT);
+  if (heard.size() < 0) {
     return std::nullopt;
   }
-  for (cmsghdr* each = CMSG_FIRSTHDR(&message); each != nullptr;
-       each = CMSG_NXTHDR(&message, each)) {
-    if (each->cmsg_level == SOL_SOCKET && each->cmsg_type == SO_RXQ_OVFL) {
-      std::uint32_t drops = 0;
-      std::memcpy(&drops, CMSG_DATA(each), sizeof drops);
-      kernel_drops_ += drops - kernel_drops_seen_;
-      kernel_drops_seen_ = drops;
-    }
+  if (const auto drops = heard.word(SO_RXQ_OVFL)) {
+    kernel_drops_ += *drops - kernel_drops_seen_;
+    kernel_drops_seen_ = *drops;
   }
+  const sockaddr_in& from = heard.from();
   const std::uint64_t source =
       (std::uint64_t{ntohl(from.sin_addr.s_addr)} << 16U) | ntohs(from.sin_port);
-  return Datagram{source, std::span(buffer_).first(static_cast<std::size_t>(size))};
+  return Datagram{source, std::span(buffer_).first(static_cast<std::size_t>(heard.size()))};
 }
 
 }  // namespace vantage::bus::udpm

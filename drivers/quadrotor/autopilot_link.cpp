@@ -131,12 +131,7 @@ void AutopilotLink::tick(Time now) {
   now_ = now;
   if (now >= next_heartbeat_) {
     next_heartbeat_ = now + kHeartbeatPeriod;
-    wire::mavlink::Heartbeat heartbeat;
-    heartbeat.type = traits_.own_type;
-    heartbeat.autopilot = wire::mavlink::autopilot::kNone;
-    heartbeat.system_status = wire::mavlink::kStateActive;
-    heartbeat.mavlink_version = 3;
-    send(heartbeat, now);
+    send(wire::mavlink::heartbeat_of(traits_.own_type), now);
   }
   if (now >= next_second_) {
     next_second_ = now + kSecond;

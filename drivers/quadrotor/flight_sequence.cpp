@@ -11,6 +11,7 @@ constexpr Duration kModePause = std::chrono::seconds(1);
 constexpr Duration kTakeOffPause = std::chrono::seconds(3);  // its motors spool up first
 constexpr Duration kArmPause = std::chrono::seconds(2);
 constexpr Duration kKillPeriod = std::chrono::milliseconds(100);
+constexpr Duration kSaidBefore = std::chrono::milliseconds(500);  // and heard later
 constexpr Duration kDisarmAfterLanding = std::chrono::seconds(5);
 constexpr Duration kLeftInTheAir = std::chrono::seconds(1);
 constexpr double kClimbedM = 0.25;
@@ -42,6 +43,7 @@ void FlightSequence::set_goal(FlightGoal goal) {
     is_over_ = false;
     on_ground_since_.reset();
   }
+  kill_since_.reset();
   goal_ = goal;
 }
 
@@ -179,8 +181,13 @@ bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
 }
 
 void FlightSequence::kill(AutopilotLink& link, Time now) {
+  // Heartbeats come once a second: the last one may be of before an order to arm that has been
+  // obeyed since, or is still on its way.
   const Telemetry& telemetry = link.telemetry();
-  if (telemetry.is_armed() || !telemetry.is_connected(now)) {
+  kill_since_ = kill_since_.value_or(now);
+  const bool is_said_since =
+      telemetry.is_connected(now) && *telemetry.heartbeat_time() - *kill_since_ > kSaidBefore;
+  if (telemetry.is_armed() || !is_said_since) {
     waiting_for_ = "motors to stop";
     link.insist(arm_command(false, true), now, kKillPeriod);
   }

@@ -69,6 +69,7 @@ class FlightSequence {
   std::optional<Time> streaming_since_;
   std::optional<Time> on_ground_since_;
   std::optional<Time> left_since_;  ///< armed in the air, and nobody's
+  std::optional<Time> kill_since_;
   bool was_armed_ = false;
   bool has_climbed_ = false;
   bool has_mode_ = false;

@@ -15,7 +15,7 @@ constexpr std::size_t kReasonsMax = 3;
 
 ParameterCheck::ParameterCheck(models::AutopilotDialect dialect,
                                const std::vector<wire::ParameterRule>& rules)
-    : dialect_(dialect), encoding_(wire::parameter_encoding(dialect)), entries_(rules.size()) {
+    : encoding_(wire::parameter_encoding(dialect)), entries_(rules.size()) {
   for (std::size_t i = 0; i < rules.size(); ++i) {
     entries_[i].known.rule = rules[i];
   }
@@ -117,10 +117,6 @@ std::optional<double> ParameterCheck::value(const std::string& name) const {
   const auto found = std::find_if(entries_.begin(), entries_.end(),
                                   [&](const Item& item) { return item.known.rule.name == name; });
   return found == entries_.end() ? std::nullopt : found->known.actual;
-}
-
-std::optional<double> ParameterCheck::setpoint_loss_s() const {
-  return value(dialect_ == models::AutopilotDialect::kPx4 ? "COM_OF_LOSS_T" : "GUID_TIMEOUT");
 }
 
 std::vector<ParameterCheck::Entry> ParameterCheck::entries() const {

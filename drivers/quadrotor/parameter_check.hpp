@@ -55,8 +55,6 @@ class ParameterCheck {
   [[nodiscard]] bool is_kept() const;
   /// Of this parameter; nullopt for one without a rule, or not known.
   [[nodiscard]] std::optional<double> value(const std::string& name) const;
-  /// How long the vehicle flies on without set-points, s; nullopt until it is known.
-  [[nodiscard]] std::optional<double> setpoint_loss_s() const;
   /// By the order of the rules.
   [[nodiscard]] std::vector<Entry> entries() const;
   /// Why the vehicle must not be armed, in words: a few differences, or how far the reading is.
@@ -71,7 +69,6 @@ class ParameterCheck {
     Time answered{};
     bool is_to_be_set = false;
   };
-  models::AutopilotDialect dialect_;
   wire::mavlink::ParameterEncoding encoding_;
   std::vector<Item> entries_;
 };

@@ -206,21 +206,13 @@ void RoverDriver::look(Time now) {
   if (ladder_.state == FlightState::kFollow && sees(now)) {
     in_.tracking_error_m = (here_m - course_.at(now).position_world_m).head<2>().norm();
   }
-  in_.has_plan = course_.is_on_plan();
-  in_.plan_ended = !course_.has_plan(now);
+  course_.report(now, in_);
   plans_.report(now, limits_, in_);
   in_.map_differs = map_differs_;
   in_.other_version_age_s = other_version_at_ ? to_seconds(now - *other_version_at_) : kNever;
   if (pose_.has_pose()) {
-    const Surroundings around =
+    static_cast<Surroundings&>(in_) =
         look_around(here_m, brake_way(now), fleet_.bodies(now, limits_), limits_);
-    in_.fence_now_m = around.fence_now_m;
-    in_.fence_centre_m = around.fence_centre_m;
-    in_.fence_stop_m = around.fence_stop_m;
-    in_.obstacle_stop_m = around.obstacle_stop_m;
-    in_.separation_now_m = around.separation_now_m;
-    in_.separation_stop_m = around.separation_stop_m;
-    in_.yields = around.yields;
   }
   in_.heartbeat_age_s = link_.heard_age_s(now);
   in_.telemetry_age_s = link_.obeyed_age_s(now);

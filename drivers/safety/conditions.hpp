@@ -25,10 +25,10 @@ struct Condition {
   const char* name;   ///< as reasons and reports write it
   Severity severity;  ///< in the air
   Clearing clearing;
-  bool blocks_arming;  ///< and, with it, taking off
-  double after_s;      ///< must hold this long before it counts
-  const char* limit;   ///< what is compared with what
-  const char* clears;  ///< the rule, in words
+  bool blocks_arming = false;  ///< and, with it, taking off
+  double after_s = 0.0;        ///< must hold this long before it counts
+  const char* limit;           ///< what is compared with what
+  const char* clears;          ///< the rule, in words
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
   bool yields = false;  ///< clears yield_s later for the vehicle that must let the other go first
   bool blocks_take_off = false;  ///< and not arming

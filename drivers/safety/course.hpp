@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "core/time.hpp"
+#include "drivers/safety/inputs.hpp"
 #include "drivers/safety/plan_check.hpp"
 
 namespace vantage::drivers {
@@ -74,6 +75,11 @@ class Course {
   /// A stop or shift is over.
   [[nodiscard]] bool is_standing(Time now) const;
   [[nodiscard]] bool is_on_plan() const { return mode_ == Mode::kPlan; }
+  /// Fills what `inputs` says of a plan on the course.
+  void report(Time now, SafetyInputs& inputs) const {
+    inputs.has_plan = is_on_plan();
+    inputs.plan_ended = !has_plan(now);
+  }
   [[nodiscard]] const HeldPlan& plan() const { return plan_; }
   [[nodiscard]] double elapsed_s(Time now) const;
   [[nodiscard]] bool has_next() const { return has_next_; }

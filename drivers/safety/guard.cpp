@@ -238,7 +238,7 @@ GuardOutput FlightGuard::tick(Time now) {
     p.move_height(dt_s);
   }
   const double rate_mps = dt_s > 0.0 ? (p.height_ref_m - height_before_m) / dt_s : 0.0;
-  p.height_rate_mps = std::clamp(rate_mps, -p.limits.climb_mps, p.limits.climb_mps);
+  p.height_rate_mps = std::clamp(rate_mps, -p.limits.descent_mps, p.limits.climb_mps);
 
   if (!p.ladder.take_off.is_given && !p.lift.is_under_way()) {
     p.lift_queue.forget_own();

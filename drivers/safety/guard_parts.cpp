@@ -15,7 +15,7 @@ using models::FlightState;
 namespace {
 
 constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
-constexpr double kShiftMps = 0.4;         // to a landing spot
+constexpr double kShiftMps = 0.6;         // to a landing spot
 constexpr double kMoveOffMps = 0.2;       // from what is too near
 constexpr double kShiftPatienceS = 6.0;   // then it comes down beside its spot
 constexpr double kAvoidPatienceS = 20.0;  // then it comes down whoever is below
@@ -26,7 +26,7 @@ constexpr double kFallsMps = 1.0;  // faster than any landing
 constexpr int kDisarmedBeats = 3;
 constexpr double kClimbedM = 0.15;       // of its height: the climb is over
 constexpr double kClimbSlackS = 5.0;     // and over after twice its time and so much
-constexpr double kBlindSinkShare = 0.6;  // of the descent rate, believed while nothing measures it
+constexpr double kBlindSinkShare = 0.4;  // of the descent rate, believed while nothing measures it
 
 }  // namespace
 
@@ -128,23 +128,15 @@ void FlightGuard::Parts::look(Time now) {
         std::max((here_m - asked_m).head<2>().norm(), (on_time_m - asked_m).head<2>().norm());
     in.tracking_error_m = std::hypot(level_m, height_error_m());
   }
-  in.has_plan = course.is_on_plan();
-  in.plan_ended = !course.has_plan(now);
+  course.report(now, in);
   plans.report(now, limits, in);
   in.map_differs = map_differs;
   in.other_version_age_s = other_version_at ? to_seconds(now - *other_version_at) : kNever;
 
   if (pose.has_pose()) {
     const auto bodies = fleet.bodies(now, limits);
-    const Surroundings around =
+    static_cast<Surroundings&>(in) =
         look_around(here_m, brake_way(now, limits.reaction_s), bodies, limits);
-    in.fence_now_m = around.fence_now_m;
-    in.fence_centre_m = around.fence_centre_m;
-    in.fence_stop_m = around.fence_stop_m;
-    in.obstacle_stop_m = around.obstacle_stop_m;
-    in.separation_now_m = around.separation_now_m;
-    in.separation_stop_m = around.separation_stop_m;
-    in.yields = around.yields;
     in.near_m = near_soon_m(here_m, bodies, limits.take_off_look_s);
     if (std::exchange(had_motors, in.autopilot_armed) != in.autopilot_armed) {
       lift_queue.begin_turn(now);  // others' motors may have begun to turn at the same instant
@@ -327,7 +319,8 @@ void FlightGuard::Parts::land(Time now, double dt_s) {
   if ((is_there && is_free) || is_committed || is_blind()) {
     is_sinking = true;
     height_goal_m = -limits.descent_mps;  // through the floor: the ground ends it
-    const double sink_m = limits.descent_mps * dt_s;
+    const bool is_low = height_ref_m < limits.low_height_m;
+    const double sink_m = (is_low ? limits.low_descent_mps : limits.descent_mps) * dt_s;
     height_ref_m = std::max({height_goal_m, height_ref_m - sink_m, in.height_m - 0.5});
     blind_height_m = std::max(0.0, blind_height_m - kBlindSinkShare * sink_m);
   } else if (is_sinking) {

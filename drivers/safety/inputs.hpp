@@ -10,10 +10,22 @@ namespace vantage::drivers {
 
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
+/// What is left around the vehicle, now and if it braked now: distances of its edge; negative is
+/// outside or in contact.
+struct Surroundings {
+  double fence_now_m = kNever;
+  double fence_centre_m = kNever;  ///< of its centre, from the bounds and the ceiling
+  double fence_stop_m = kNever;    ///< of the whole braking way
+  double obstacle_stop_m = kNever;
+  double separation_now_m = kNever;   ///< centre to centre, nearest body, less its uncertainty
+  double separation_stop_m = kNever;  ///< least, when both brake now
+  bool yields = false;                ///< the nearest body's vehicle goes first
+};
+
 /// Everything the ladder looks at, at one instant: ages, distances and facts, as plain numbers.
 /// Ages are by the receiver's monotonic clock; kNever when nothing was heard. The defaults are
 /// those of a healthy vehicle on the ground.
-struct SafetyInputs {
+struct SafetyInputs : Surroundings {
   Time now{};  ///< monotonic; only differences matter
   double since_last_tick_s = 0.0;
 
@@ -39,15 +51,6 @@ struct SafetyInputs {
   bool second_planner = false;          ///< a run without the lease spoke in the last seconds
   bool map_differs = false;             ///< planner and vehicle do not fly in the same scenario
   double other_version_age_s = kNever;  ///< since a message was heard that is of no type of ours
-
-  // Distances of the vehicle's edge; negative is outside or in contact.
-  double fence_now_m = kNever;
-  double fence_centre_m = kNever;  ///< of its centre, from the bounds and the ceiling
-  double fence_stop_m = kNever;    ///< of the whole braking way
-  double obstacle_stop_m = kNever;
-  double separation_now_m = kNever;   ///< centre to centre, nearest body, less its uncertainty
-  double separation_stop_m = kNever;  ///< least, when both brake now
-  bool yields = false;                ///< the nearest body's vehicle goes first
 
   // Taking off.
   bool is_lift_taken = false;         ///< another vehicle lifts, or has to before this one

@@ -147,22 +147,11 @@ bool is_airborne(FlightState state) {
 
 LadderState step_ladder(const LadderState& before, const SafetyInputs& inputs,
                         const SafetyLimits& limits) {
-  LadderState next = before;
-  watch(next, conditions(), inputs, limits);
-  switch (before.state) {
-    case FlightState::kIdle:
-      step_idle(next, inputs, limits);
-      break;
-    case FlightState::kFollow:
-    case FlightState::kHold:
-    case FlightState::kLand:
-      step_airborne(next, inputs, limits);
-      break;
-    case FlightState::kKilled:
-      step_killed(next, inputs);
-      break;
-  }
-  return next;
+  return step_by_state(
+      before, conditions(), inputs, limits,
+      [&](LadderState& next) { step_idle(next, inputs, limits); },
+      [&](LadderState& next) { step_airborne(next, inputs, limits); },
+      [&](LadderState& next) { step_killed(next, inputs); });
 }
 
 Reasons arming_blocks(const SafetyInputs& inputs, const SafetyLimits& limits) {

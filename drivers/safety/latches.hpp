@@ -13,6 +13,29 @@ namespace vantage::drivers {
 /// Which conditions hold, and since when.
 void watch(LadderState& next, std::span<const Condition> rows, const SafetyInputs& inputs,
            const SafetyLimits& limits);
+/// One tick of a ladder: watches, then takes the step of the state that it is in: `idle`, `moving`
+/// (following, holding, landing) or `killed`, each of (LadderState& next).
+template <class Idle, class Moving, class Killed>
+LadderState step_by_state(const LadderState& before, std::span<const Condition> rows,
+                          const SafetyInputs& inputs, const SafetyLimits& limits, const Idle& idle,
+                          const Moving& moving, const Killed& killed) {
+  LadderState next = before;
+  watch(next, rows, inputs, limits);
+  switch (before.state) {
+    case models::FlightState::kIdle:
+      idle(next);
+      break;
+    case models::FlightState::kFollow:
+    case models::FlightState::kHold:
+    case models::FlightState::kLand:
+      moving(next);
+      break;
+    case models::FlightState::kKilled:
+      killed(next);
+      break;
+  }
+  return next;
+}
 /// Sets and clears what acts, from what watch() saw.
 void latch(LadderState& next, std::span<const Condition> rows, const SafetyInputs& inputs,
            const SafetyLimits& limits);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "core/check.hpp"
+#include "wire/autopilot/parameter_rules.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -30,16 +32,25 @@ double reaction_s(models::AutopilotDialect dialect) {
   return 0.20;
 }
 
-/// From the last set-point to the first change of velocity beyond that: the autopilot's time-out,
-/// as our parameters set it, and how gently it stops then. Measured: 15 kills of a driver each.
+/// The autopilot's own time-out without set-points: no vehicle with a longer one is armed.
+double setpoint_timeout_max_s(models::AutopilotDialect dialect) {
+  const char* const name =
+      dialect == models::AutopilotDialect::kPx4 ? "COM_OF_LOSS_T" : "GUID_TIMEOUT";
+  const std::vector<wire::ParameterRule>& rules = wire::parameter_rules(dialect);
+  const auto rule = std::find_if(rules.begin(), rules.end(),
+                                 [name](const auto& each) { return each.name == name; });
+  require(
+      rule != rules.end() && rule->kind == wire::ParameterRule::Kind::kAtMost && !rule->is_advised,
+      std::string("config/autopilot: ") + name + " must stand there with `at most`");
+  return rule->bounds[0];
+}
+
+/// From the last set-point to the first change of velocity beyond that: the time-out, and how
+/// gently it stops then. Measured: 15 kills of a driver each.
 double setpoint_loss_s(models::AutopilotDialect dialect) {
-  switch (dialect) {
-    case models::AutopilotDialect::kPx4:
-      return 0.30;
-    case models::AutopilotDialect::kArdupilot:
-      return 0.45;
-  }
-  return 0.45;
+  constexpr double kArdupilotGentleS = 0.15;
+  return setpoint_timeout_max_s(dialect) +
+         (dialect == models::AutopilotDialect::kArdupilot ? kArdupilotGentleS : 0.0);
 }
 
 double way_m(double speed_mps, double on_s, double brake_mps2) {
@@ -115,6 +126,7 @@ void check_limits(const SafetyLimits& l) {
         {"estimate_error_land_m", l.estimate_error_land_m});
   rises({"operator_age_hold_s", l.operator_age_hold_s},
         {"operator_age_land_s", l.operator_age_land_s});
+  rises({"low_descent_mps", l.low_descent_mps}, {"descent_mps", l.descent_mps});
   const std::array<Bound, 16> positive = {{
       {"safe_height_m", l.safe_height_m},
       {"reaction_s", l.reaction_s},
@@ -122,7 +134,7 @@ void check_limits(const SafetyLimits& l) {
       {"plan_separation_m", l.plan_separation_m},
       {"planner_lease_s", l.planner_lease_s},
       {"climb_mps", l.climb_mps},
-      {"descent_mps", l.descent_mps},
+      {"low_height_m", l.low_height_m},
       {"flight_max_s", l.flight_max_s},
       {"lift_wait_s", l.lift_wait_s},
       {"lift_proof_s", l.lift_proof_s},

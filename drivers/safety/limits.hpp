@@ -50,7 +50,8 @@ struct SafetyLimits {
   double fence_kill_m = 1.0;  ///< of the centre, outside the bounds or above the ceiling
   /// Flown on before braking bites: age of the pose and of the set-point, and the autopilot's lag.
   double reaction_s = 0.20;
-  /// Flown on when set-points stop, by the autopilot's own time-out. See lost_way_m().
+  /// Flown on when set-points stop: the autopilot's own time-out, the longest that config/autopilot
+  /// lets arm, and how gently it stops then. See lost_way_m().
   double setpoint_loss_s = 0.30;
   double separation_hold_m = 0.55;
   double separation_land_m = 0.5;
@@ -68,7 +69,9 @@ struct SafetyLimits {
   double setpoint_lead_s = 0.1;      ///< what is asked now is what is to be so much later
   double acceleration_lead_s = 0.1;  ///< the same of the acceleration
   double climb_mps = 0.5;
-  double descent_mps = 0.4;
+  double descent_mps = 0.6;
+  double low_descent_mps = 0.4;  ///< below low_height_m: it must stop above who walks in there
+  double low_height_m = 1.0;
 
   // The vehicle commanded is the body seen: on the ground, and by a first small lift.
   double body_tilt_arm_rad = 0.26;       ///< that mocap shows

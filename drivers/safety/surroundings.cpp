@@ -63,13 +63,21 @@ Eigen::Vector3d inside(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
   return out;
 }
 
-// On the straight way the body, where it is, would be nearer than it should and than it is now.
+Eigen::Vector3d level(const Eigen::Vector3d& v) { return {v.x(), v.y(), 0.0}; }
+
+bool is_standing_robot(const OtherBody& body) {
+  return body.robot >= 0 && level(body.velocity_world_mps).norm() < kStandsMps;
+}
+
+// On the straight way the body, where it is, would be nearer than `apart_m` and than it is now; a
+// robot as seen from above, since it may be about to come down as well.
 bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const OtherBody& body,
-           const SafetyLimits& limits) {
-  const Eigen::Vector3d& q_m = body.position_world_m;
-  const double now_m = (from_m - q_m).norm();
-  const double least_m = models::closest_approach_m(from_m, to_m, q_m, q_m);
-  return least_m < std::min(now_m, limits.separation_hold_m) - 1e-9;
+           double apart_m) {
+  const auto seen = [&](const Eigen::Vector3d& p_m) { return body.robot >= 0 ? level(p_m) : p_m; };
+  const Eigen::Vector3d q_m = seen(body.position_world_m);
+  const double now_m = (seen(from_m) - q_m).norm();
+  const double least_m = models::closest_approach_m(seen(from_m), seen(to_m), q_m, q_m);
+  return least_m < std::min(now_m, apart_m) - 1e-9;
 }
 
 bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
@@ -80,29 +88,27 @@ bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
       return false;
     }
   }
-  return std::none_of(others.begin(), others.end(),
-                      [&](const OtherBody& body) { return meets(from_m, to_m, body, limits); });
+  return std::none_of(others.begin(), others.end(), [&](const OtherBody& body) {
+    const bool is_robot = body.robot >= 0;
+    return meets(from_m, to_m, body,
+                 is_robot ? limits.landing_clearance_m + kBelowSpareM : limits.separation_hold_m);
+  });
 }
 
 }  // namespace
 
 Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
                          std::span<const OtherBody> others, const SafetyLimits& limits) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
   Surroundings out;
   out.fence_centre_m = std::min(fence_distance_m(limits.fence, position_m.head<2>()),
                                 limits.fence.ceiling_m - position_m.z());
   out.fence_now_m = fence_edge_m(position_m, limits);
-  out.fence_stop_m = kFar;
-  out.obstacle_stop_m = kFar;
   for (int i = 0; i <= kSamples; ++i) {
     const double t_s = way.duration_s() * i / kSamples;
     const Eigen::Vector3d p_m = way.at(t_s).position_world_m;
     out.fence_stop_m = std::min(out.fence_stop_m, fence_edge_m(p_m, limits));
     out.obstacle_stop_m = std::min(out.obstacle_stop_m, obstacle_edge_m(p_m, limits));
   }
-  out.separation_now_m = kFar;
-  out.separation_stop_m = kFar;
   for (const OtherBody& body : others) {
     const double less_m = tube_m(body, limits);
     const double apart_m = (position_m - body.position_world_m).norm() - less_m;
@@ -124,11 +130,10 @@ Surroundings look_around(const Eigen::Vector3d& position_m, const BrakeWay& way,
 double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody> others,
                    double look_s) {
   double least_m = std::numeric_limits<double>::infinity();
-  const auto level = [](const Eigen::Vector3d& v) { return Eigen::Vector3d(v.x(), v.y(), 0.0); };
   const Eigen::Vector3d here_m = level(position_m);
   for (const OtherBody& body : others) {
     const Eigen::Vector3d velocity_mps = level(body.velocity_world_mps);
-    if (body.robot >= 0 && velocity_mps.norm() < kStandsMps) {
+    if (is_standing_robot(body)) {
       continue;
     }
     const Eigen::Vector3d from_m = level(body.position_world_m);
@@ -151,7 +156,8 @@ bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherB
 bool is_way_taken(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                   std::span<const OtherBody> others, const SafetyLimits& limits) {
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
-    return body.goes_first && meets(from_m, to_m, body, limits);
+    return (body.goes_first || is_standing_robot(body)) &&
+           meets(from_m, to_m, body, limits.separation_hold_m);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "drivers/safety/course.hpp"
+#include "drivers/safety/inputs.hpp"
 #include "drivers/safety/limits.hpp"
 
 namespace vantage::drivers {
@@ -22,17 +23,6 @@ struct OtherBody {
   int robot = -1;          ///< which of the scenario's robots it is; −1: none
 };
 
-/// What is left around the vehicle, now and if it braked now. Distances as in SafetyInputs.
-struct Surroundings {
-  double fence_now_m = 0.0;
-  double fence_centre_m = 0.0;
-  double fence_stop_m = 0.0;
-  double obstacle_stop_m = 0.0;
-  double separation_now_m = 0.0;
-  double separation_stop_m = 0.0;
-  bool yields = false;
-};
-
 /// Looks along the braking way and at every other body, each braking straight as hard as we do,
 /// from what it does and from what it plans to do, whichever is worse; a body not seen lately has
 /// a tube around it that widens. Allocates nothing.
@@ -47,13 +37,14 @@ double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody>
 /// Where to come down from a hover at `hover_m`: there, or the nearest of some places around from
 /// where nothing is below, inside the fence and clear of obstacles, with the way there clear: clear
 /// by hover_clearance_m and 0.05 m, or by less when there is no such place. Places are 0.1 m
-/// farther from bodies below than is_occupied_below() asks. The hover itself, brought inside the
-/// fence, when there is none at all.
+/// farther from bodies below than is_occupied_below() asks, and they and the way there as far from
+/// every robot seen from above, whatever its height, or no nearer than the hover is: whoever flies
+/// above comes down, too. The hover itself, brought inside the fence, when there is none at all.
 Eigen::Vector3d landing_spot(const Eigen::Vector3d& hover_m, std::span<const OtherBody> others,
                              const SafetyLimits& limits);
 
-/// True when one to give way to is so near the straight way that going on would bring it nearer
-/// than separation_hold_m.
+/// True when one to give way to, or a robot that stands, is so near the straight way that going on
+/// would bring it nearer than separation_hold_m; robots as seen from above.
 bool is_way_taken(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                   std::span<const OtherBody> others, const SafetyLimits& limits);
 

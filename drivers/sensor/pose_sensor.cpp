@@ -1,5 +1,6 @@
 #include "drivers/sensor/pose_sensor.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <random>
 #include <utility>
@@ -58,6 +59,7 @@ models::MocapFrame interpolate(const models::MocapFrame& before, const models::M
 PoseSensor::PoseSensor(const scenario::Scenario& scenario, const std::string& robot)
     : robot_(robot),
       sensor_(robot_of(scenario, robot).sensor),
+      detection_(robot_of(scenario, robot).detection),
       world_(scenario.world),
       targets_(scenario.targets),
       position_dim_(scenario.estimator.target_model.position_dim),
@@ -98,10 +100,31 @@ std::optional<models::DetectionSet> PoseSensor::look(const models::MocapFrame& f
       continue;
     }
     std::mt19937_64 noise = noise_of(seed_, robot_, target.id, frame.stamp.time);
-    seen->detections.push_back(
-        {target.id, models::sample(sensor_, seen->viewpoint, position_m, noise)});
+    const models::Measurement z = models::sample(sensor_, seen->viewpoint, position_m, noise);
+    if (std::uniform_real_distribution<double>()(noise) < detection_.detection_probability) {
+      seen->detections.push_back({target.id, z});
+    }
+  }
+  if (!detection_.detects_ids) {
+    hide_names(*seen);
   }
   return seen;
+}
+
+void PoseSensor::hide_names(models::DetectionSet& seen) const {
+  std::mt19937_64 noise = noise_of(seed_, robot_, kClutterStream, seen.stamp.time);
+  for (const models::Measurement& z :
+       models::sample_clutter(sensor_, seen.viewpoint, detection_.clutter_per_look, noise)) {
+    seen.detections.push_back({models::kNoTargetId, z});
+  }
+  for (models::Detection& detection : seen.detections) {
+    detection.target_id = models::kNoTargetId;
+  }
+  std::sort(seen.detections.begin(), seen.detections.end(), [](const auto& a, const auto& b) {
+    const models::MeasurementVector& first = a.measurement.z;
+    const models::MeasurementVector& second = b.measurement.z;
+    return std::lexicographical_compare(first.begin(), first.end(), second.begin(), second.end());
+  });
 }
 
 }  // namespace vantage::drivers

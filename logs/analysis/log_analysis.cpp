@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/utf8.hpp"
-#include "logs/analysis/origin_times.hpp"
 #include "logs/file/message_visit.hpp"
+#include "logs/metrics/origin_times.hpp"
 #include "logs/metrics/trial_metrics.hpp"
 
 namespace vantage::logs {
@@ -30,7 +30,12 @@ class Analyst {
   }
   void on(const models::ContactReport& contact) { metrics_.on_contact(contact); }
   void on(const models::VehicleStatus& status) { metrics_.on_vehicle(status); }
-  void on(const models::ProcessHealth& health) { metrics_.on_health(health); }
+  void on(const models::ProcessHealth& health) {
+    metrics_.on_health(health);
+    if (std::vector<Hop> hops = hops_of(health); !hops.empty()) {
+      analysis_.hops[health.process] = std::move(hops);
+    }
+  }
   void on(const models::AttackNotice& /*attack*/) {}
   void on(const models::PlanProposal& /*proposal*/) {}
   void on(const models::TeamProposal& /*proposal*/) {}
@@ -168,6 +173,23 @@ Spread spread_of(std::vector<double> values_s) {
           values_s.back(),      values_s.front()};
 }
 
+std::vector<Hop> hops_of(const models::ProcessHealth& health) {
+  constexpr std::string_view kFirst = "_p50_us";
+  std::vector<Hop> out;
+  const std::vector<models::NamedCount>& all = health.counters;
+  for (std::size_t i = 0; i + 2 < all.size(); ++i) {
+    if (all[i].name.ends_with(kFirst)) {
+      const std::string name = all[i].name.substr(0, all[i].name.size() - kFirst.size());
+      if (all[i + 1].name == name + "_p99_us" && all[i + 2].name == name + "_max_us") {
+        const std::string_view words = name.starts_with("latency.") ? "latency." : "";
+        out.push_back(
+            {name.substr(words.size()), all[i].count, all[i + 1].count, all[i + 2].count});
+      }
+    }
+  }
+  return out;
+}
+
 LogAnalysis analyse_log(const IndexedLog& log, const scenario::Scenario& scenario,
                         const std::function<void(double)>& progress) {
   Analyst analyst(scenario, log.survey().first);
@@ -194,6 +216,12 @@ nlohmann::ordered_json to_json(const LogAnalysis& analysis) {
   }
   for (const auto& [name, spread] : analysis.latencies) {
     json["latencies"][name] = to_json(spread);
+  }
+  for (const auto& [process, hops] : analysis.hops) {
+    for (const Hop& hop : hops) {
+      json["hops"][process][hop.name] = {
+          {"p50_us", hop.p50_us}, {"p99_us", hop.p99_us}, {"max_us", hop.max_us}};
+    }
   }
   for (const auto& [robot, record] : analysis.deadlines) {
     json["deadlines"][robot] = {{"plans", record.plans},

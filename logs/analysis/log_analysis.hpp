@@ -12,6 +12,7 @@
 #include "logs/file/log_index.hpp"
 #include "logs/metrics/set_means.hpp"
 #include "logs/metrics/trial_summary.hpp"
+#include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::logs {
@@ -37,6 +38,17 @@ struct DeadlineRecord {
   Spread search;               ///< slot start → finish
 };
 
+/// A part of the way through the stack as a process measured it, over the whole trial until its
+/// last HEALTH.
+struct Hop {
+  std::string name;  ///< "frame_setpoint": from the one until the other
+  std::int64_t p50_us = 0;
+  std::int64_t p99_us = 0;
+  std::int64_t max_us = 0;
+};
+/// From a process's counters NAME_p50_us, NAME_p99_us and NAME_max_us, in their order.
+std::vector<Hop> hops_of(const models::ProcessHealth& health);
+
 /// One instant of the trial's course. Seconds since the log's first event.
 struct CoursePoint {
   double at_s = 0.0;
@@ -58,6 +70,7 @@ struct LogAnalysis {
   /// "capture → arrival" and "capture → log" (VICON), "look → belief" (newest measurement of a
   /// belief, until that was logged), "belief → plan" and "look → plan" (until the plan's finish).
   std::map<std::string, Spread> latencies;
+  std::map<std::string, std::vector<Hop>> hops;     ///< by process
   std::map<std::string, DeadlineRecord> deadlines;  ///< by robot
   std::map<std::string, std::int64_t> lost;         ///< messages missing in the log, by channel
   std::vector<CoursePoint> course;                  ///< one a judged estimator step

@@ -11,12 +11,6 @@ namespace {
 
 constexpr std::array<std::uint8_t, 4> kSync{0xED, 0xA1, 0xDA, 0x01};
 
-void append_big_endian(std::uint64_t value, std::size_t width, std::vector<std::uint8_t>& out) {
-  for (std::size_t i = width; i-- > 0;) {
-    out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-  }
-}
-
 }  // namespace
 
 WholeEvents whole_events(std::span<const std::uint8_t> events, std::size_t written) {
@@ -55,6 +49,12 @@ std::uint64_t read_big_endian(const std::uint8_t* bytes, std::size_t width) {
     value = (value << 8U) | bytes[i];
   }
   return value;
+}
+
+void append_big_endian(std::uint64_t value, std::size_t width, std::vector<std::uint8_t>& out) {
+  for (std::size_t i = width; i-- > 0;) {
+    out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  }
 }
 
 std::optional<LogEvent> event_at(std::span<const std::uint8_t> log, std::size_t offset) {

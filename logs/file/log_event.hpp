@@ -60,5 +60,7 @@ WholeEvents whole_events(std::span<const std::uint8_t> events, std::size_t writt
 
 /// The big-endian number of `width` ≤ 8 bytes at `bytes`.
 std::uint64_t read_big_endian(const std::uint8_t* bytes, std::size_t width);
+/// Appends it.
+void append_big_endian(std::uint64_t value, std::size_t width, std::vector<std::uint8_t>& out);
 
 }  // namespace vantage::logs

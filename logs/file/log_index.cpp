@@ -18,9 +18,10 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 constexpr std::size_t kEndBytes = 4096;
-constexpr std::size_t kHashBytes = 8;  ///< at the end of the index, of all before
+constexpr std::size_t kBlockNumbers = 4;  ///< of each, 64 bits
+constexpr std::size_t kHashBytes = 8;     ///< at the end of the index, of all before
 
 std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {  // FNV-1a
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -42,12 +43,16 @@ Json to_json(const LogSurvey& survey) {
   Json channels = Json::array();
   for (const auto& [name, c] : survey.channels) {
     channels.push_back({name, c.type, c.events, c.data_bytes, to_utime(c.first), to_utime(c.last),
-                        c.gap_max.count(), to_utime(c.gap_at), c.messages_lost, c.other_types});
+                        c.gap_max.count(), to_utime(c.gap_at), c.messages_lost, c.other_types,
+                        Json::binary(c.in_block)});
   }
-  Json blocks = Json::array();
-  for (const LogBlock& b : survey.blocks) {  // flat: tens of thousands of lists are slow to read
-    blocks.insert(blocks.end(),
-                  {b.offset, b.first_event, to_utime(b.time_min), to_utime(b.time_max)});
+  std::vector<std::uint8_t> blocks;  // bytes: tens of thousands of lists are slow to read
+  blocks.reserve(survey.blocks.size() * kBlockNumbers * sizeof(std::uint64_t));
+  for (const LogBlock& b : survey.blocks) {
+    for (const std::int64_t number : {static_cast<std::int64_t>(b.offset), b.first_event,
+                                      to_utime(b.time_min), to_utime(b.time_max)}) {
+      append_big_endian(static_cast<std::uint64_t>(number), sizeof number, blocks);
+    }
   }
   Json stretches = Json::array();
   for (const DamagedStretch& s : survey.stretches) {
@@ -62,7 +67,7 @@ Json to_json(const LogSurvey& survey) {
             survey.backward_max.count()}},
           {"scenario", survey.begins_with_scenario},
           {"channels", std::move(channels)},
-          {"blocks", std::move(blocks)},
+          {"blocks", Json::binary(std::move(blocks))},
           {"stretches", std::move(stretches)}};
 }
 
@@ -81,14 +86,22 @@ LogSurvey from_json(const Json& json) {
   survey.backward_max = Duration{order.at(3).get<std::int64_t>()};
   survey.begins_with_scenario = json.at("scenario");
   for (const Json& c : json.at("channels")) {
-    survey.channels[c.at(0)] = {c.at(1),       c.at(2),       c.at(3),
-                                time(c.at(4)), time(c.at(5)), Duration{c.at(6).get<std::int64_t>()},
-                                time(c.at(7)), c.at(8),       c.at(9)};
+    survey.channels[c.at(0)] = {c.at(1),       c.at(2),
+                                c.at(3),       time(c.at(4)),
+                                time(c.at(5)), Duration{c.at(6).get<std::int64_t>()},
+                                time(c.at(7)), c.at(8),
+                                c.at(9),       c.at(10).get_binary()};
   }
-  const Json& blocks = json.at("blocks");
-  for (std::size_t i = 0; i < blocks.size(); i += 4) {
-    survey.blocks.push_back(
-        {blocks.at(i), blocks.at(i + 1), time(blocks.at(i + 2)), time(blocks.at(i + 3))});
+  const std::vector<std::uint8_t>& blocks = json.at("blocks").get_binary();
+  constexpr std::size_t kNumberBytes = sizeof(std::uint64_t);
+  survey.blocks.reserve(blocks.size() / (kBlockNumbers * kNumberBytes));
+  for (std::size_t at = 0; at < blocks.size(); at += kBlockNumbers * kNumberBytes) {
+    const auto number = [&](std::size_t i) {
+      return static_cast<std::int64_t>(
+          read_big_endian(blocks.data() + at + i * kNumberBytes, kNumberBytes));
+    };
+    survey.blocks.push_back({static_cast<std::size_t>(number(0)), number(1), from_utime(number(2)),
+                             from_utime(number(3))});
   }
   for (const Json& s : json.at("stretches")) {
     survey.stretches.push_back({s.at(0), s.at(1), s.at(2)});
@@ -131,9 +144,7 @@ bool save_index(const std::string& log_path, std::span<const std::uint8_t> log,
   std::vector<std::uint8_t> text =
       Json::to_cbor({{"identity", identity_of(log_path, log)}, {"survey", to_json(survey)}});
   const std::uint64_t hash = hash_of(text);
-  for (std::size_t i = kHashBytes; i-- > 0;) {
-    text.push_back(static_cast<std::uint8_t>(hash >> (8 * i)));
-  }
+  append_big_endian(hash, kHashBytes, text);
   // Under another name first: who opens the log meanwhile must find a whole index or none.
   const std::string passing = index_path(log_path) + "." + std::to_string(::getpid());
   {

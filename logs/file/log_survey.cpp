@@ -21,100 +21,111 @@ models::Stamp stamp_of(std::span<const std::uint8_t> data) {
   return {from_utime(number(8)), number(16), number(24)};
 }
 
-class Surveyor {
- public:
-  void add(const PlacedEvent& event) {
-    add_times_and_number(event);
-    add_to_block(event);
-    add_to_channel(event);
-    survey_.begins_with_scenario |= events_ == 0 && event.channel == bus::kScenario.name;
-    ++events_;
-  }
+}  // namespace
 
-  LogSurvey finish(const LogScan& scan, std::size_t size_bytes) {
-    survey_.size_bytes = size_bytes;
-    survey_.scan = scan.counts();
-    survey_.stretches = scan.stretches();
-    for (const auto& [name, monitor] : streams_) {
-      survey_.channels[name].messages_lost = monitor.counts().lost;
-    }
-    return std::move(survey_);
-  }
-
- private:
-  void add_times_and_number(const PlacedEvent& event) {
-    if (events_ == 0) {
-      survey_.first = survey_.last = event.time;
-    } else {
-      const std::int64_t step = event.number - last_number_;
-      survey_.numbers_missing += step > 1 ? step - 1 : 0;
-      survey_.number_restarts += step < 1 ? 1 : 0;
-      if (event.time < last_time_) {
-        ++survey_.times_backward;
-        survey_.backward_max = std::max(survey_.backward_max, last_time_ - event.time);
-      }
-    }
-    survey_.first = std::min(survey_.first, event.time);
-    survey_.last = std::max(survey_.last, event.time);
-    last_number_ = event.number;
-    last_time_ = event.time;
-  }
-
-  void add_to_block(const PlacedEvent& event) {
-    auto& blocks = survey_.blocks;
-    if (blocks.empty() || event.offset - blocks.back().offset >= kBlockBytes) {
-      blocks.push_back({event.offset, events_, event.time, event.time});
-    }
-    blocks.back().time_min = std::min(blocks.back().time_min, event.time);
-    blocks.back().time_max = std::max(blocks.back().time_max, event.time);
-  }
-
-  void add_to_channel(const PlacedEvent& event) {
-    const std::string name(event.channel);
-    ChannelSurvey& channel = survey_.channels[name];
-    const bus::WireSchema* schema = type_of(event.data);
-    const std::string_view type = schema == nullptr ? std::string_view() : schema->name;
-    if (channel.events == 0) {
-      channel.type = type;
-      channel.first = event.time;
-    } else if (event.time - channel.last > channel.gap_max) {
-      channel.gap_max = event.time - channel.last;
-      channel.gap_at = channel.last;
-    }
-    channel.other_types += type == channel.type ? 0 : 1;
-    channel.last = event.time;
-    ++channel.events;
-    channel.data_bytes += event.data.size();
-    if (schema != nullptr && stamp_of(event.data).sequence >= 0) {
-      static_cast<void>(streams_[name].judge(stamp_of(event.data)));
-    }
-  }
-
-  LogSurvey survey_;
-  std::map<std::string, bus::SharedStreamMonitor> streams_;
-  std::int64_t events_ = 0;
-  std::int64_t last_number_ = 0;
-  Time last_time_{};
+struct SurveyPass::Streams {
+  std::map<std::string, bus::SharedStreamMonitor> by_channel;
 };
 
-}  // namespace
+SurveyPass::SurveyPass(std::span<const std::uint8_t> log)
+    : size_bytes_(log.size()), scan_(log, wire_testimony), streams_(std::make_unique<Streams>()) {}
+SurveyPass::~SurveyPass() = default;
+SurveyPass::SurveyPass(SurveyPass&&) noexcept = default;
+
+std::size_t SurveyPass::position() const { return scan_.position(); }
+
+bool SurveyPass::go_on(std::size_t bytes) {
+  const std::size_t until = scan_.position() + std::min(bytes, size_bytes_ - scan_.position());
+  while (const auto event = scan_.next()) {
+    add(*event);
+    if (scan_.position() >= until && until < size_bytes_) {
+      return true;
+    }
+  }
+  finish();
+  return false;
+}
+
+void SurveyPass::finish() {
+  survey_.size_bytes = size_bytes_;
+  survey_.scan = scan_.counts();
+  survey_.stretches = scan_.stretches();
+  for (const auto& [name, monitor] : streams_->by_channel) {
+    survey_.channels[name].messages_lost = monitor.counts().lost;
+  }
+}
+
+void SurveyPass::add(const PlacedEvent& event) {
+  add_times_and_number(event);
+  add_to_block(event);
+  add_to_channel(event);
+  survey_.begins_with_scenario |= events_ == 0 && event.channel == bus::kScenario.name;
+  ++events_;
+}
+
+void SurveyPass::add_times_and_number(const PlacedEvent& event) {
+  if (events_ == 0) {
+    survey_.first = survey_.last = event.time;
+  } else {
+    const std::int64_t step = event.number - last_number_;
+    survey_.numbers_missing += step > 1 ? step - 1 : 0;
+    survey_.number_restarts += step < 1 ? 1 : 0;
+    if (event.time < last_time_) {
+      ++survey_.times_backward;
+      survey_.backward_max = std::max(survey_.backward_max, last_time_ - event.time);
+    }
+  }
+  survey_.first = std::min(survey_.first, event.time);
+  survey_.last = std::max(survey_.last, event.time);
+  last_number_ = event.number;
+  last_time_ = event.time;
+}
+
+void SurveyPass::add_to_block(const PlacedEvent& event) {
+  auto& blocks = survey_.blocks;
+  if (blocks.empty() || event.offset - blocks.back().offset >= kBlockBytes) {
+    blocks.push_back({event.offset, events_, event.time, event.time});
+  }
+  blocks.back().time_min = std::min(blocks.back().time_min, event.time);
+  blocks.back().time_max = std::max(blocks.back().time_max, event.time);
+}
+
+void SurveyPass::add_to_channel(const PlacedEvent& event) {
+  const std::string name(event.channel);
+  ChannelSurvey& channel = survey_.channels[name];
+  const bus::WireSchema* schema = type_of(event.data);
+  const std::string_view type = schema == nullptr ? std::string_view() : schema->name;
+  if (channel.events == 0) {
+    channel.type = type;
+    channel.first = event.time;
+  } else if (event.time - channel.last > channel.gap_max) {
+    channel.gap_max = event.time - channel.last;
+    channel.gap_at = channel.last;
+  }
+  channel.other_types += type == channel.type ? 0 : 1;
+  channel.last = event.time;
+  ++channel.events;
+  channel.data_bytes += event.data.size();
+  const std::size_t block = survey_.blocks.size() - 1;
+  channel.in_block.resize(block / 8 + 1);
+  channel.in_block[block / 8] |= static_cast<std::uint8_t>(1U << (block % 8));
+  if (schema != nullptr && stamp_of(event.data).sequence >= 0) {
+    static_cast<void>(streams_->by_channel[name].judge(stamp_of(event.data)));
+  }
+}
 
 LogSurvey survey_log(std::span<const std::uint8_t> log,
                      const std::function<void(double)>& progress) {
-  LogScan scan(log, wire_testimony);
-  Surveyor surveyor;
-  std::size_t next_report = log.size() / kProgressReports;
-  while (const auto event = scan.next()) {
-    surveyor.add(*event);
-    if (progress && event->offset >= next_report) {
-      progress(static_cast<double>(event->offset) / static_cast<double>(log.size()));
-      next_report = event->offset + log.size() / kProgressReports;
+  SurveyPass pass(log);
+  while (pass.go_on(log.size() / kProgressReports + 1)) {
+    if (progress) {
+      progress(static_cast<double>(pass.position()) / static_cast<double>(log.size()));
     }
   }
   if (progress) {
     progress(1.0);
   }
-  return surveyor.finish(scan, log.size());
+  return pass.take();
 }
 
 std::size_t seek_offset(std::span<const std::uint8_t> log, const LogSurvey& survey, Time time) {

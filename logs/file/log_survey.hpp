@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -24,6 +26,8 @@ struct ChannelSurvey {
   Time gap_at{};                   ///< when it began
   std::int64_t messages_lost = 0;  ///< sequence numbers missing, of the house's messages
   std::int64_t other_types = 0;    ///< events whose type is not `type`
+  /// Bit b % 8 of byte b / 8: an event of it begins in block b. Ends with the last such block.
+  std::vector<std::uint8_t> in_block;
 };
 
 /// A stretch of about 256 KiB of a log, from the header of an event on.
@@ -51,6 +55,43 @@ struct LogSurvey {
 
   [[nodiscard]] double duration_s() const { return to_seconds(last - first); }
   [[nodiscard]] bool is_whole() const { return scan.stretches == 0 && scan.doubtful == 0; }
+};
+
+/// The pass over a log that surveys it, for who cannot wait for all of it.
+class SurveyPass {
+ public:
+  /// Nothing is read yet. `log` must live as long.
+  explicit SurveyPass(std::span<const std::uint8_t> log);
+  ~SurveyPass();
+  SurveyPass(SurveyPass&&) noexcept;
+  SurveyPass& operator=(SurveyPass&&) = delete;
+  SurveyPass(const SurveyPass&) = delete;
+  SurveyPass& operator=(const SurveyPass&) = delete;
+
+  /// Goes on until the events of so many more bytes have been read; false: that was the last.
+  bool go_on(std::size_t bytes);
+  /// Where it is in the log.
+  [[nodiscard]] std::size_t position() const;
+  /// Of what it has passed; its last block may grow until the end.
+  [[nodiscard]] const LogSurvey& survey() const { return survey_; }
+  /// The survey, once go_on() has said that that was all. Ends the pass.
+  LogSurvey take() { return std::move(survey_); }
+
+ private:
+  struct Streams;
+  void add(const PlacedEvent& event);
+  void add_times_and_number(const PlacedEvent& event);
+  void add_to_block(const PlacedEvent& event);
+  void add_to_channel(const PlacedEvent& event);
+  void finish();
+
+  std::size_t size_bytes_;
+  LogScan scan_;
+  LogSurvey survey_;
+  std::unique_ptr<Streams> streams_;  ///< of the house's channels, for what was lost on them
+  std::int64_t events_ = 0;
+  std::int64_t last_number_ = 0;
+  Time last_time_{};
 };
 
 /// Reads all of `log`. `progress` hears the share that is done, about a hundred times.

@@ -24,6 +24,8 @@ Colour of_role(const char* role, double alpha = 1.0) {
 }
 
 constexpr double kLabel_px = 13.0;
+constexpr double kCrossLeast_m = 0.1;  // half of the cross at an estimate's mean
+constexpr double kCrossShare = 0.25;   // of one sigma
 constexpr int kFanPieces = 32;
 constexpr double kPlanPiece_s = 0.1;
 constexpr double kDash_s = 0.2;
@@ -270,6 +272,7 @@ Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>&
   for (const EstimateView& view : estimates) {
     const PositionEstimate& estimate = view.estimate;
     Json out = entity(prefix + "/" + view.name, kWorldFrame, time, false);
+    out["lifetime"] = to_json(view.lifetime);
     std::vector<Eigen::Vector3d> edge = ellipse(estimate, 32);
     const double z_m = edge.front().z() + 0.02;
     for (Eigen::Vector3d& point : edge) {
@@ -278,12 +281,13 @@ Json estimates_scene(const std::string& prefix, const std::vector<EstimateView>&
     const double x_m = estimate.mean_m(0);
     const double y_m = estimate.mean_m(1);
     out["lines"].push_back(line(LineType::kLoop, edge, 2.0, estimate_colour));
-    constexpr double kCross_m = 0.1;
+    // As large as the ellipse lets one see from as far as that is seen from.
+    const double cross_m = std::max(kCrossLeast_m, kCrossShare * estimate.sigma_m());
     out["lines"].push_back(line(LineType::kList,
-                                {{x_m - kCross_m, y_m, z_m},
-                                 {x_m + kCross_m, y_m, z_m},
-                                 {x_m, y_m - kCross_m, z_m},
-                                 {x_m, y_m + kCross_m, z_m}},
+                                {{x_m - cross_m, y_m, z_m},
+                                 {x_m + cross_m, y_m, z_m},
+                                 {x_m, y_m - cross_m, z_m},
+                                 {x_m, y_m + cross_m, z_m}},
                                 2.0, estimate_colour));
     constexpr double kSmall_px = 11.0;
     out["texts"].push_back(label(view.name, {x_m, y_m, z_m}, kSmall_px, estimate_colour));

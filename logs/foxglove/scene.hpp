@@ -55,6 +55,7 @@ struct EstimateView {
   std::string name;
   PositionEstimate estimate;
   std::optional<double> error_m;  ///< against the truth
+  Duration lifetime{0};           ///< how long it is shown without news; 0: until it is gone
 };
 
 /// Ellipses of probability 0.95 and means, one entity `<prefix>/<name>` each; metadata say who

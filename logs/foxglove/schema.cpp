@@ -146,17 +146,23 @@ OrderedJson ours(Schema schema) {
            {"targets",
             list_of(object({{"name", text()}, {"id", integer()}, {"radius_m", number()}}))}});
     case Schema::kTeam:
-      return object({{"timestamp", time()},
-                     {"entropy_nats", number()},
-                     {"map_entropy_nats", number()},
-                     {"rmse_m", number()},
-                     {"known", integer()},
-                     {"targets", integer()},
-                     {"collisions", integer()},
-                     {"separation_violations", integer()},
-                     {"rounds", integer()},
-                     {"rounds_late", integer()},
-                     {"messages_lost", integer()}});
+      return object(
+          {{"timestamp", time()},
+           {"entropy_nats", number()},
+           {"map_entropy_nats", number()},
+           {"rmse_m", number()},
+           {"robot_entropy_nats", number()},
+           {"robot_rmse_m", number()},
+           {"nees_by_age",
+            list_of(object({{"age_s", text()}, {"samples", integer()}, {"mean", number()}}))},
+           {"nees_expected", integer()},
+           {"known", integer()},
+           {"targets", integer()},
+           {"collisions", integer()},
+           {"separation_violations", integer()},
+           {"rounds", integer()},
+           {"rounds_late", integer()},
+           {"messages_lost", integer()}});
     case Schema::kPlan:
       return object({{"timestamp", time()},
                      {"robot", text()},
@@ -181,6 +187,7 @@ OrderedJson ours(Schema schema) {
                                           {"y_m", number()},
                                           {"yaw_rad", number()},
                                           {"height_m", number()}})},
+                     {"capture_to_setpoint_s", number()},
                      {"reasons", list_of(text())}});
     case Schema::kHealth:
       return object({{"timestamp", time()},

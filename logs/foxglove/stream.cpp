@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bus/convert/channels.hpp"
 #include "core/check.hpp"
 #include "logs/foxglove/scene.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
@@ -20,6 +21,11 @@ constexpr double kTrackPoint_m = 0.02;
 constexpr double kTrackBend_m = 0.01;
 constexpr Duration kTrackPieceMax = std::chrono::seconds(2);
 constexpr Duration kMocapSilence = std::chrono::seconds(1);
+constexpr std::size_t kPlansTraced = 16;  // the newest of each robot
+
+models::InputRef reference_to(const std::string& channel, const models::Stamp& stamp) {
+  return {channel, stamp.run_id, stamp.sequence};
+}
 
 const char* name_of(models::OperatorAction action) {
   constexpr const char* kNames[] = {"heartbeat", "arm",  "take off",      "follow",
@@ -115,6 +121,8 @@ void Stream::on(const models::TruthFrame& truth, Time heard) {
 }
 
 void Stream::on(const models::DetectionSet& detections, Time heard) {
+  captures_.add(reference_to(bus::measurement_channel(detections.robot).name, detections.stamp),
+                detections.stamp.time);
   const scenario::RobotSpec* robot = scenario_ ? scenario_->find_robot(detections.robot) : nullptr;
   if (robot != nullptr) {
     put("/measurement/" + detections.robot, Schema::kSceneUpdate, heard, [&] {
@@ -126,6 +134,10 @@ void Stream::on(const models::DetectionSet& detections, Time heard) {
 
 void Stream::on(const models::RobotBelief& belief, Time heard) {
   put_grid(belief, heard);
+  if (const auto capture = captures_.newest(belief.inputs)) {
+    captures_of_beliefs_.add(reference_to(bus::belief_channel(belief.robot).name, belief.stamp),
+                             *capture);
+  }
   if (!scenario_) {
     return;
   }
@@ -140,10 +152,14 @@ void Stream::on(const models::RobotBelief& belief, Time heard) {
   }
   const int dim = scenario_->estimator.target_model.position_dim;
   std::vector<EstimateView> own;
+  // Labels of tracks come and go without end, so that nobody could list those that are gone.
+  const Duration track_lifetime = from_seconds(1.5 * scenario_->planner.step_s);
   for (const models::TargetBelief& target : belief.targets) {
     const auto estimate = position_estimate(target, belief.robot, belief.stamp.time, dim);
     if (estimate) {
-      own.push_back({target.target_id, target_name(target.target_id), *estimate, std::nullopt});
+      const bool is_track = target.target_id >= models::kTrackLabelMin;
+      own.push_back({target.target_id, target_name(target.target_id), *estimate, std::nullopt,
+                     is_track ? track_lifetime : Duration{0}});
       const auto known = estimates_.find(target.target_id);
       if (known == estimates_.end() ||
           estimate->entropy_nats < known->second.estimate.entropy_nats) {
@@ -232,6 +248,7 @@ void Stream::on(const models::RobotPlan& plan, Time heard) {
   if (metrics_) {
     metrics_->on_plan(plan);
   }
+  trace(plan);
   put(
       "/plan/" + plan.robot, Schema::kSceneUpdate, heard,
       [&] { return plan_scene(plan, colour_of(plan.robot)); }, true);
@@ -239,6 +256,35 @@ void Stream::on(const models::RobotPlan& plan, Time heard) {
       "/plan/" + plan.robot + "/status", Schema::kPlan, heard, [&] { return plan_json(plan); },
       true);
   put_event(event_of(plan), heard);
+}
+
+void Stream::trace(const models::RobotPlan& plan) {
+  const auto capture = captures_of_beliefs_.newest(plan.inputs);
+  if (!capture) {
+    return;
+  }
+  std::map<std::int64_t, Time>& rounds = captures_of_plans_[plan.robot];
+  rounds[plan.round] = *capture;
+  while (rounds.size() > kPlansTraced) {
+    rounds.erase(rounds.begin());
+  }
+}
+
+void Stream::note_latency(const models::VehicleStatus& status) {
+  const auto before = vehicles_.find(status.robot);
+  if (before != vehicles_.end() && before->second.plan_round == status.plan_round) {
+    return;
+  }
+  capture_to_setpoint_.erase(status.robot);
+  const auto rounds = captures_of_plans_.find(status.robot);
+  // Of a vehicle that is heard for the first time nobody knows since when it has followed its plan.
+  if (before == vehicles_.end() || rounds == captures_of_plans_.end()) {
+    return;
+  }
+  const auto capture = rounds->second.find(status.plan_round);
+  if (capture != rounds->second.end()) {
+    capture_to_setpoint_[status.robot] = status.stamp.time - capture->second;
+  }
 }
 
 void Stream::on(const models::TeamProposal& proposal, Time heard) {
@@ -253,8 +299,15 @@ void Stream::on(const models::VehicleStatus& status, Time heard) {
   if (metrics_) {
     metrics_->on_vehicle(status);
   }
+  note_latency(status);
   put(
-      "/vehicle/" + status.robot, Schema::kVehicle, heard, [&] { return vehicle_json(status); },
+      "/vehicle/" + status.robot, Schema::kVehicle, heard,
+      [&] {
+        const auto latency = capture_to_setpoint_.find(status.robot);
+        return vehicle_json(status, latency == capture_to_setpoint_.end()
+                                        ? std::nullopt
+                                        : std::optional(latency->second));
+      },
       true);
   const auto before = vehicles_.find(status.robot);
   put_event(event_of(before == vehicles_.end() ? nullptr : &before->second, status), heard);
@@ -363,7 +416,9 @@ std::string Stream::target_name(int target_id) const {
       return target.name;
     }
   }
-  return fmt::format("target {}", target_id);
+  return target_id < models::kTrackLabelMin
+             ? fmt::format("target {}", target_id)
+             : fmt::format("track {:x}", target_id - models::kTrackLabelMin);
 }
 
 }  // namespace vantage::logs::foxglove

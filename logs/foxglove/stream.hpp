@@ -11,6 +11,7 @@
 #include "logs/foxglove/scene.hpp"
 #include "logs/foxglove/schema.hpp"
 #include "logs/foxglove/values.hpp"
+#include "logs/metrics/origin_times.hpp"
 #include "logs/metrics/team_estimate.hpp"
 #include "logs/metrics/trial_metrics.hpp"
 #include "models/exchange/messages.hpp"
@@ -40,7 +41,7 @@ class Sink {
 
 /// Turns the messages of a trial, in the order heard, into records for viewers. Pure: no clock, no
 /// network. Holds what a picture needs of the past: the scenario, who is jammed, the last 20 s of
-/// each body's way, the newest belief of each robot.
+/// each body's way, the newest belief of each robot, what plans were made from.
 ///
 /// Topics (P: of the robot or process of that name):
 ///   /scenario /attack /team       vantage.*           state; team at each step of the estimators
@@ -92,6 +93,10 @@ class Stream {
   void put_grid(const models::RobotBelief& belief, Time heard);
   void follow(const std::string& body, const Eigen::Vector3d& position_m, Time time);
   void put_tracks(Time heard, Time time);
+  /// Remembers which measurement `plan` comes from.
+  void trace(const models::RobotPlan& plan);
+  /// Notes how old it was when `status` is the first to say that its plan is followed.
+  void note_latency(const models::VehicleStatus& status);
   /// nullopt: no robot of the scenario, or none was heard.
   [[nodiscard]] std::optional<Colour> colour_of(const std::string& robot) const;
   /// Precondition: a scenario was heard.
@@ -106,8 +111,12 @@ class Stream {
   std::map<std::string, models::HostReport> hosts_;
   std::map<std::string, Track> tracks_;
   std::optional<Time> next_tracks_;
-  std::map<int, EstimateView> estimates_;  ///< best of the newest step, by target
-  std::optional<Time> estimates_time_;     ///< of those not yet shown
+  OriginTimes captures_;             ///< of measurements
+  OriginTimes captures_of_beliefs_;  ///< of the newest that is in each
+  std::map<std::string, std::map<std::int64_t, Time>> captures_of_plans_;  ///< by robot and round
+  std::map<std::string, Duration> capture_to_setpoint_;  ///< of the plan it follows
+  std::map<int, EstimateView> estimates_;                ///< best of the newest step, by target
+  std::optional<Time> estimates_time_;                   ///< of those not yet shown
   std::optional<Time> last_mocap_;
   models::GridGeometry grid_;
   std::vector<std::int64_t> last_seen_utime_;  ///< newest of all robots

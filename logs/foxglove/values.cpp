@@ -64,6 +64,28 @@ Json float_grid(const models::GridGeometry& grid, const char* field,
           {"data", base64(bytes)}};
 }
 
+void add_step_of_robots(const TrialMetrics& metrics, Json& out) {
+  const RobotStep& robots = metrics.step_of_robots();
+  if (const auto entropy_nats = robots.entropy_nats()) {
+    set_if_finite(out, "robot_entropy_nats", *entropy_nats);
+  }
+  if (const auto rmse_m = robots.rmse_m()) {
+    set_if_finite(out, "robot_rmse_m", *rmse_m);
+  }
+  Json by_age = Json::array();
+  for (std::size_t i = 0; i < kAgeClasses; ++i) {
+    const RobotStep::Nees& nees = robots.nees_by_age()[i];
+    const double mean = nees.sum / static_cast<double>(nees.samples);
+    if (nees.samples > 0 && std::isfinite(mean)) {
+      by_age.push_back({{"age_s", age_name(i)}, {"samples", nees.samples}, {"mean", mean}});
+    }
+  }
+  if (!by_age.empty()) {
+    out["nees_by_age"] = std::move(by_age);
+    out["nees_expected"] = metrics.position_dim();
+  }
+}
+
 }  // namespace
 
 Json frame_transforms(const models::MocapFrame& frame) {
@@ -152,18 +174,23 @@ Json plan_json(const models::RobotPlan& plan) {
   return out;
 }
 
-Json vehicle_json(const models::VehicleStatus& status) {
-  return {{"timestamp", to_json(status.stamp.time)},
-          {"robot", status.robot},
-          {"state", name_of(status.state)},
-          {"battery_share", status.battery_share},
-          {"plan_round", status.plan_round},
-          {"setpoint",
-           {{"x_m", status.setpoint.x_m},
-            {"y_m", status.setpoint.y_m},
-            {"yaw_rad", status.setpoint.yaw_rad},
-            {"height_m", status.setpoint_height_m}}},
-          {"reasons", status.reasons}};
+Json vehicle_json(const models::VehicleStatus& status,
+                  std::optional<Duration> capture_to_setpoint) {
+  Json out{{"timestamp", to_json(status.stamp.time)},
+           {"robot", status.robot},
+           {"state", name_of(status.state)},
+           {"battery_share", status.battery_share},
+           {"plan_round", status.plan_round},
+           {"setpoint",
+            {{"x_m", status.setpoint.x_m},
+             {"y_m", status.setpoint.y_m},
+             {"yaw_rad", status.setpoint.yaw_rad},
+             {"height_m", status.setpoint_height_m}}},
+           {"reasons", status.reasons}};
+  if (capture_to_setpoint) {
+    out["capture_to_setpoint_s"] = to_seconds(*capture_to_setpoint);
+  }
+  return out;
 }
 
 Json health_json(const models::ProcessHealth& health) {
@@ -218,6 +245,7 @@ Json team_json(const TrialMetrics& metrics, Time time) {
   if (errors > 0) {
     set_if_finite(out, "rmse_m", std::sqrt(squares_m2 / static_cast<double>(errors)));
   }
+  add_step_of_robots(metrics, out);
   return out;
 }
 

@@ -33,15 +33,20 @@ Json occupancy_grid(const models::RobotMap& map, const models::MappingSpec& spec
 Json scenario_json(const models::ScenarioNotice& notice, const scenario::Scenario& scenario);
 /// vantage.Plan: margin_s = deadline − finish, gap_nat = cost − lower bound.
 Json plan_json(const models::RobotPlan& plan);
-/// vantage.Vehicle.
-Json vehicle_json(const models::VehicleStatus& status);
+/// vantage.Vehicle. `capture_to_setpoint`: from the capture of the newest measurement that the plan
+/// it follows was made from until it followed that plan, where both are known.
+Json vehicle_json(const models::VehicleStatus& status,
+                  std::optional<Duration> capture_to_setpoint = std::nullopt);
 /// vantage.Health: messages_lost sums the counters that end in ".lost".
 Json health_json(const models::ProcessHealth& health);
 /// vantage.Attack.
 Json attack_json(const models::AttackNotice& attack);
 
 /// How well the team knows its targets, as of the newest judged step: vantage.Team. The RMSE is
-/// over the targets that somebody knows and whose truth is heard; absent without one.
+/// over the targets that somebody knows and whose truth is heard; absent without one. Beside the
+/// team's, robot_… are means over the robots, each judged by its own belief alone, and nees_by_age
+/// is how wrong they are by how long ago a target was last seen: nees_expected in the mean where
+/// the estimators know how wrong they are.
 Json team_json(const TrialMetrics& metrics, Time time);
 
 /// Severity of a foxglove.Log.

@@ -7,6 +7,26 @@
 
 namespace vantage::logs {
 
+void RobotStep::add(double entropy_nats, std::optional<double> rmse_m) {
+  ++robots_;
+  entropy_sum_nats_ += entropy_nats;
+  robots_with_error_ += rmse_m ? 1 : 0;
+  rmse_sum_m_ += rmse_m.value_or(0.0);
+}
+
+void RobotStep::add_nees(std::size_t age_class, double nees) {
+  ++nees_by_age_[age_class].samples;
+  nees_by_age_[age_class].sum += nees;
+}
+
+std::optional<double> RobotStep::entropy_nats() const {
+  return robots_ > 0 ? std::optional(entropy_sum_nats_ / robots_) : std::nullopt;
+}
+
+std::optional<double> RobotStep::rmse_m() const {
+  return robots_with_error_ > 0 ? std::optional(rmse_sum_m_ / robots_with_error_) : std::nullopt;
+}
+
 RobotSums::RobotSums(int targets, int position_dim, double prior_entropy_nats)
     : targets_(targets),
       position_dim_(position_dim),
@@ -15,7 +35,8 @@ RobotSums::RobotSums(int targets, int position_dim, double prior_entropy_nats)
       nees_by_age_(kAgeClasses, NeesSums(position_dim)) {}
 
 void RobotSums::add(const std::string& robot, Time time, double since_start_s,
-                    std::span<const models::TargetBelief> beliefs, const TruthHistory& truth) {
+                    std::span<const models::TargetBelief> beliefs, const TruthHistory& truth,
+                    RobotStep& step) {
   Sums& sums = robots_[robot];
   sums.first_known_s.resize(static_cast<std::size_t>(targets_));
   int known = 0;
@@ -36,17 +57,23 @@ void RobotSums::add(const std::string& robot, Time time, double since_start_s,
       squared_error_m2 += (estimate->mean_m - true_m).squaredNorm();
       ++judged;
       const double nees = estimate->nees(true_m);
+      const std::size_t age = age_class(to_seconds(time - estimate->last_seen));
       nees_.add(nees);
-      nees_by_age_[age_class(to_seconds(time - estimate->last_seen))].add(nees);
+      nees_by_age_[age].add(nees);
+      step.add_nees(age, nees);
     }
   }
   ++sums.steps;
+  std::optional<double> rmse_m;
   if (judged > 0) {
+    rmse_m = std::sqrt(squared_error_m2 / judged);
     ++sums.steps_with_error;
-    sums.rmse_m += std::sqrt(squared_error_m2 / judged);
+    sums.rmse_m += *rmse_m;
   }
   if (targets_ > 0) {
-    sums.entropy_nats += (entropy_nats + (targets_ - known) * prior_entropy_nats_) / targets_;
+    const double mean_nats = (entropy_nats + (targets_ - known) * prior_entropy_nats_) / targets_;
+    step.add(mean_nats, rmse_m);
+    sums.entropy_nats += mean_nats;
     sums.unknown_share += (targets_ - known) / static_cast<double>(targets_);
   }
 }

@@ -31,15 +31,42 @@ struct RobotMeans {
   std::array<Consistency, kAgeClasses> consistency_by_age;  ///< see kAgeEdges_s
 };
 
+/// One step as its robots saw it, each judged by its own belief alone.
+class RobotStep {
+ public:
+  struct Nees {
+    std::int64_t samples = 0;
+    double sum = 0.0;
+  };
+
+  /// One robot. `rmse_m` of the targets whose truth is known, if any.
+  void add(double entropy_nats, std::optional<double> rmse_m);
+  void add_nees(std::size_t age_class, double nees);
+
+  /// Means over the robots; nullopt without any.
+  [[nodiscard]] std::optional<double> entropy_nats() const;
+  [[nodiscard]] std::optional<double> rmse_m() const;
+  /// By how long ago the target was last seen; see kAgeEdges_s.
+  [[nodiscard]] const std::array<Nees, kAgeClasses>& nees_by_age() const { return nees_by_age_; }
+
+ private:
+  int robots_ = 0;
+  int robots_with_error_ = 0;
+  double entropy_sum_nats_ = 0.0;
+  double rmse_sum_m_ = 0.0;
+  std::array<Nees, kAgeClasses> nees_by_age_;
+};
+
 /// Gathers RobotMeans step by step.
 class RobotSums {
  public:
   RobotSums(int targets, int position_dim, double prior_entropy_nats);
 
-  /// One robot's belief of one step. `since_start_s` is the belief's time in the trial. Targets
-  /// without truth at that time count for the entropy only.
+  /// One robot's belief of one step, which is added to `step` as well. `since_start_s` is the
+  /// belief's time in the trial. Targets without truth at that time count for the entropy only.
   void add(const std::string& robot, Time time, double since_start_s,
-           std::span<const models::TargetBelief> beliefs, const TruthHistory& truth);
+           std::span<const models::TargetBelief> beliefs, const TruthHistory& truth,
+           RobotStep& step);
   [[nodiscard]] RobotMeans means(double duration_s) const;
 
  private:

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "logs/metrics/set_means.hpp"
+#include "logs/metrics/track_names.hpp"
 #include "scenario/energy_cost.hpp"
 #include "scenario/search_name.hpp"
 
@@ -25,6 +27,8 @@ TrialMetrics::TrialMetrics(const scenario::Scenario& scenario, Time start)
       position_dim_(scenario.estimator.target_model.position_dim),
       prior_entropy_nats_(
           isotropic_entropy_nats(scenario.estimator.undiscovered_position_sigma_m, position_dim_)),
+      has_ids_(std::all_of(scenario.robots.begin(), scenario.robots.end(),
+                           [](const auto& robot) { return robot.detection.detects_ids; })),
       sums_(scenario.targets.size()),
       robot_sums_(static_cast<int>(scenario.targets.size()), position_dim_, prior_entropy_nats_) {
   summary_.seed = scenario.seed;
@@ -43,20 +47,32 @@ TrialMetrics::TrialMetrics(const scenario::Scenario& scenario, Time start)
 
 void TrialMetrics::on_truth(const models::TruthFrame& frame) { truth_.add(frame); }
 
-void TrialMetrics::discover(const models::RobotBelief& belief) {
-  const double time_s = to_seconds(belief.stamp.time - start_);
-  for (const models::TargetBelief& target : belief.targets) {
-    if (target.target_id < 0 || target.target_id >= summary_.targets) {
-      continue;
-    }
-    std::optional<double>& first_s =
-        targets_[static_cast<std::size_t>(target.target_id)].discovered_s;
-    first_s = std::min(first_s.value_or(time_s), time_s);
+void TrialMetrics::discover(int target_id, Time time) {
+  if (target_id < 0 || target_id >= summary_.targets) {
+    return;
   }
+  const double time_s = to_seconds(time - start_);
+  std::optional<double>& first_s = targets_[static_cast<std::size_t>(target_id)].discovered_s;
+  first_s = std::min(first_s.value_or(time_s), time_s);
+}
+
+std::vector<models::TargetBelief> TrialMetrics::named(const Heard& heard) {
+  std::vector<models::TargetBelief> targets =
+      named_by_place(heard.targets, truth_, summary_.targets, heard.time);
+  for (const models::TargetBelief& target : targets) {
+    const auto at_m = truth_.target_position_m(target.target_id, heard.time);
+    const auto estimate = position_estimate(target, "", heard.time, 2);
+    if (at_m && estimate && (estimate->mean_m.head<2>() - at_m->head<2>()).norm() < kOspaCutoff_m) {
+      discover(target.target_id, heard.time);
+    }
+  }
+  return targets;
 }
 
 void TrialMetrics::on_belief(const models::RobotBelief& belief) {
-  discover(belief);
+  for (const models::TargetBelief& target : belief.targets) {
+    discover(target.target_id, belief.stamp.time);
+  }
   const std::int64_t index = to_utime(belief.stamp.time) / step_us_;
   if (index <= newest_judged_) {
     return;
@@ -71,15 +87,22 @@ void TrialMetrics::on_belief(const models::RobotBelief& belief) {
 
 void TrialMetrics::judge(const Step& step) {
   TeamEstimate team;
+  step_of_robots_ = {};
   for (const auto& [robot, heard] : step) {
-    robot_sums_.add(robot, heard.time, to_seconds(heard.time - start_), heard.targets, truth_);
-    for (const models::TargetBelief& belief : heard.targets) {
+    const std::vector<models::TargetBelief> targets = has_ids_ ? heard.targets : named(heard);
+    robot_sums_.add(robot, heard.time, to_seconds(heard.time - start_), targets, truth_,
+                    step_of_robots_);
+    for (const models::TargetBelief& belief : targets) {
       if (const auto estimate = position_estimate(belief, robot, heard.time, position_dim_)) {
         team.offer(belief.target_id, *estimate);
       }
     }
   }
   ++steps_;
+  judge_targets(team);
+}
+
+void TrialMetrics::judge_targets(const TeamEstimate& team) {
   double squared_error_m2 = 0.0;
   int errors = 0;
   int unknown = 0;

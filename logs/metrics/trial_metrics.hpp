@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/time.hpp"
+#include "logs/metrics/run_set.hpp"
 #include "logs/metrics/team_estimate.hpp"
 #include "logs/metrics/trial_summary.hpp"
 #include "logs/metrics/truth_history.hpp"
@@ -34,7 +34,9 @@ struct RobotStatus {
 
 /// Judges a trial from the messages that travelled in it: pure, fed one message at a time, in the
 /// order of arrival. Beliefs are gathered by estimator step and judged one step late, when the
-/// truth around them and the other robots' beliefs of the same step have come.
+/// truth around them and the other robots' beliefs of the same step have come. Of a team whose
+/// sensors tell no ids a track is judged as the target that named_by_place() takes it for, and a
+/// target is discovered when that is nearer than 1 m.
 class TrialMetrics {
  public:
   TrialMetrics(const scenario::Scenario& scenario, Time start);
@@ -55,12 +57,16 @@ class TrialMetrics {
 
   [[nodiscard]] const std::vector<TargetStatus>& targets() const { return targets_; }
   [[nodiscard]] const std::map<std::string, RobotStatus>& robots() const { return robots_; }
+  /// The newest step that has been judged, as its robots saw it.
+  [[nodiscard]] const RobotStep& step_of_robots() const { return step_of_robots_; }
+  /// n of a position's coordinates: the mean NEES of an estimator that knows how wrong it is.
+  [[nodiscard]] int position_dim() const { return position_dim_; }
   /// Mean over the robots' newest maps; none where nobody maps.
   [[nodiscard]] std::optional<double> map_entropy_nats() const;
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
   [[nodiscard]] std::int64_t separation_violations() const { return separation_violations_; }
-  [[nodiscard]] std::int64_t rounds() const { return std::ssize(rounds_); }
-  [[nodiscard]] std::int64_t rounds_late() const { return std::ssize(rounds_late_); }
+  [[nodiscard]] std::int64_t rounds() const { return rounds_.size(); }
+  [[nodiscard]] std::int64_t rounds_late() const { return rounds_late_.size(); }
   [[nodiscard]] std::int64_t messages_lost() const;
 
  private:
@@ -76,7 +82,10 @@ class TrialMetrics {
   };
 
   void judge(const Step& step);
-  void discover(const models::RobotBelief& belief);
+  void judge_targets(const TeamEstimate& team);
+  void discover(int target_id, Time time);
+  /// Ids in the place of labels, and what they have discovered.
+  [[nodiscard]] std::vector<models::TargetBelief> named(const Heard& heard);
 
   /// What the steps of `plan` until the next one cost, priced.
   [[nodiscard]] double energy_nats(const models::RobotPlan& plan) const;
@@ -88,6 +97,7 @@ class TrialMetrics {
   const std::int64_t step_us_;
   const int position_dim_;
   const double prior_entropy_nats_;
+  const bool has_ids_;    ///< detections bear ids, beliefs too
   TrialSummary summary_;  ///< what is known from the start: names, seed, sizes
 
   TruthHistory truth_;
@@ -96,6 +106,7 @@ class TrialMetrics {
   std::vector<TargetStatus> targets_;
   std::vector<TargetSums> sums_;
   RobotSums robot_sums_;
+  RobotStep step_of_robots_;
   std::map<std::string, RobotStatus> robots_;
   std::int64_t steps_ = 0;
   std::int64_t steps_with_error_ = 0;
@@ -105,8 +116,8 @@ class TrialMetrics {
 
   std::int64_t collisions_ = 0;
   std::int64_t separation_violations_ = 0;
-  std::set<std::int64_t> rounds_;
-  std::set<std::int64_t> rounds_late_;
+  RunSet rounds_;
+  RunSet rounds_late_;
   std::int64_t plans_ = 0;
   std::int64_t fallbacks_ = 0;
   std::map<std::string, double> map_entropies_nats_;                   ///< newest, by robot

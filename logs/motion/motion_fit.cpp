@@ -102,8 +102,7 @@ void TargetCourse::add(Time time, const Eigen::Vector2d& position_m) {
   last_m_ = position_m;
 }
 
-double MotionMoments::squared_error(double a, double b) const {
-  const Eigen::Vector3d weights(1.0, -a, -b);
+double MotionMoments::mean_square(const Eigen::Vector3d& weights) const {
   return samples == 0 ? 0.0 : weights.dot(sum * weights) / static_cast<double>(samples);
 }
 
@@ -144,10 +143,13 @@ MotionScore judge(const models::TargetModel& model, const MotionSample& sample) 
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     for (std::size_t h = 0; h < kHorizons; ++h) {
       const Foretold next = foretell(model, axis, kHorizons_s[h]);
-      const double error =
-          sample.moments[static_cast<std::size_t>(axis)][h].squared_error(next.a, next.b);
+      const MotionMoments& moments = sample.moments[static_cast<std::size_t>(axis)][h];
+      const double error = moments.squared_error(next.a, next.b);
       score.nats += log_likelihood(error, next.w) / static_cast<double>(kHorizons);
       score.nees[h] += error / next.w;
+      score.displacements[static_cast<std::size_t>(axis)][h] = {
+          moments.squared_error(1.0, 0.0),
+          moments.mean_square({0.0, next.a - 1.0, next.b}) + next.w};
     }
   }
   return score;

@@ -46,8 +46,12 @@ struct MotionMoments {
   std::int64_t samples = 0;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();  ///< of (y(t+h), y(t), ẏ(t)) times its transpose
 
+  /// Mean of (wᵀ (y(t+h), y(t), ẏ(t)))²; 0 without samples.
+  [[nodiscard]] double mean_square(const Eigen::Vector3d& weights) const;
   /// Mean of (y(t+h) − a y(t) − b ẏ(t))²; 0 without samples.
-  [[nodiscard]] double squared_error(double a, double b) const;
+  [[nodiscard]] double squared_error(double a, double b) const {
+    return mean_square({1.0, -a, -b});
+  }
 };
 
 /// Of both coordinates and every horizon.
@@ -62,11 +66,18 @@ struct MotionSample {
            double to_share);
 };
 
+/// Mean of (y(t+h) − y(t))²: how far one coordinate of targets got in h.
+struct Displacement {
+  double seen_m2 = 0.0;
+  double foretold_m2 = 0.0;  ///< what a model expects from the same places and velocities
+};
+
 /// How well a model foretells positions, h ahead from position and velocity: N(c + A (y − c), W)
 /// by its position part.
 struct MotionScore {
   double nats = 0.0;  ///< mean log likelihood of a position over the horizons; more is better
   std::array<double, kHorizons_s.size()> nees{};  ///< mean squared error in σ; 2 is right
+  std::array<std::array<Displacement, kHorizons_s.size()>, 2> displacements{};  ///< by coordinate
 };
 MotionScore judge(const models::TargetModel& model, const MotionSample& sample);
 

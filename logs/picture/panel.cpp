@@ -1,6 +1,7 @@
 #include "logs/picture/panel.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <string>
 
 #include <fmt/format.h>
@@ -26,18 +27,32 @@ std::string number_or_dash(const std::optional<double>& value, std::string_view 
   return value ? fmt::format(fmt::runtime(format), *value) : "–";
 }
 
+struct Column {
+  double x_px;  ///< its right end, from the table's left
+  const char* head;
+};
+
+/// A table's title, the heads of its columns and the line below them; where its rows begin.
+double draw_table_head(Svg& svg, const Eigen::Vector2d& corner_px, const char* title,
+                       const char* names, std::initializer_list<Column> columns) {
+  const double x_px = corner_px.x();
+  double y_px = corner_px.y() + 14.0;
+  svg.text({x_px, y_px}, title, kHead);
+  y_px += 24.0;
+  svg.text({x_px, y_px}, names, kMuted);
+  for (const Column& column : columns) {
+    svg.text({x_px + column.x_px, y_px}, column.head, kMutedEnd);
+  }
+  y_px += 8.0;
+  svg.line({x_px, y_px}, {x_px + 325.0, y_px}, "stroke=\"#dadce0\"");
+  return y_px;
+}
+
 double draw_target_table(Svg& svg, const Eigen::Vector2d& corner_px,
                          const scenario::Scenario& scenario, const logs::TrialSummary& summary) {
   const double x_px = corner_px.x();
-  double y_px = corner_px.y() + 14.0;
-  svg.text({x_px, y_px}, "Targets", kHead);
-  y_px += 24.0;
-  svg.text({x_px, y_px}, "name", kMuted);
-  svg.text({x_px + 150.0, y_px}, "found", kMutedEnd);
-  svg.text({x_px + 225.0, y_px}, "RMSE", kMutedEnd);
-  svg.text({x_px + 325.0, y_px}, "entropy", kMutedEnd);
-  y_px += 8.0;
-  svg.line({x_px, y_px}, {x_px + 325.0, y_px}, "stroke=\"#dadce0\"");
+  double y_px = draw_table_head(svg, corner_px, "Targets", "name",
+                                {{150.0, "found"}, {225.0, "RMSE"}, {325.0, "entropy"}});
   const std::size_t rows =
       std::min({scenario.targets.size(), summary.discovery_time_s.size(), kTargetRowsMax});
   for (std::size_t i = 0; i < rows; ++i) {
@@ -65,13 +80,7 @@ double draw_map_table(Svg& svg, const Eigen::Vector2d& corner_px,
                       const scenario::Scenario& scenario, const Scene& scene,
                       const logs::TrialSummary& summary) {
   const double x_px = corner_px.x();
-  double y_px = corner_px.y() + 14.0;
-  svg.text({x_px, y_px}, "Maps", kHead);
-  y_px += 24.0;
-  svg.text({x_px, y_px}, "as known by", kMuted);
-  svg.text({x_px + 225.0, y_px}, "entropy", kMutedEnd);
-  y_px += 8.0;
-  svg.line({x_px, y_px}, {x_px + 325.0, y_px}, "stroke=\"#dadce0\"");
+  double y_px = draw_table_head(svg, corner_px, "Maps", "as known by", {{225.0, "entropy"}});
   const auto row = [&](const std::string& name, const std::optional<double>& entropy_nats,
                        const std::string& note) {
     y_px += kTargetRow_px;

@@ -8,13 +8,30 @@ namespace {
 
 constexpr double kThinning_s = 0.1;
 constexpr double kThinning_m = 0.02;
+constexpr std::size_t kPointsMost = 4096;  // some seven minutes of motion at the full thinning
 
-void extend(std::vector<TrackPoint>& track, Time time, const Eigen::Vector2d& position_m) {
-  const bool keep = track.empty() || (to_seconds(time - track.back().time) >= kThinning_s &&
-                                      (position_m - track.back().position_m).norm() >= kThinning_m);
-  if (keep) {
-    track.push_back({time, position_m});
+// Every other point of a track.
+void thin(std::vector<TrackPoint>& track) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < track.size(); i += 2) {
+    track[kept++] = track[i];
   }
+  track.resize(kept);
+}
+
+// A trial may last for days: a track that is full is thinned once more, and so is what comes after.
+void extend(std::vector<TrackPoint>& track, double& thinning_s, Time time,
+            const Eigen::Vector2d& position_m) {
+  const bool keep = track.empty() || (to_seconds(time - track.back().time) >= thinning_s &&
+                                      (position_m - track.back().position_m).norm() >= kThinning_m);
+  if (!keep) {
+    return;
+  }
+  if (track.size() == kPointsMost) {
+    thin(track);
+    thinning_s *= 2.0;
+  }
+  track.push_back({time, position_m});
 }
 
 }  // namespace
@@ -39,11 +56,12 @@ void SceneRecorder::on_truth(const models::TruthFrame& frame) {
   scene_.time = std::max(scene_.time, frame.stamp.time);
   for (const models::TruthBody& body : frame.bodies) {
     const Pose2 pose = flatten(body.world_from_body);
+    double& thinning_s = thinning_s_.try_emplace(body.name, kThinning_s).first->second;
     if (body.target_id >= 0) {
-      extend(scene_.targets[body.target_id].track, frame.stamp.time, pose.position_m());
+      extend(scene_.targets[body.target_id].track, thinning_s, frame.stamp.time, pose.position_m());
     } else {
       RobotScene& robot = scene_.robots[body.name];
-      extend(robot.track, frame.stamp.time, pose.position_m());
+      extend(robot.track, thinning_s, frame.stamp.time, pose.position_m());
       robot.world_from_body = pose;
     }
   }

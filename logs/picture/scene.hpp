@@ -47,7 +47,8 @@ struct Scene {
 };
 
 /// Gathers a Scene from the messages of a trial; pure. Tracks are thinned to one point each
-/// 0.1 s or 2 cm, whichever is rarer.
+/// 0.1 s or 2 cm, whichever is rarer; one that comes to 4096 points is thinned by half from then
+/// on, so that it stays whole and its memory bounded however long the trial.
 class SceneRecorder {
  public:
   explicit SceneRecorder(const scenario::Scenario& scenario);
@@ -60,7 +61,8 @@ class SceneRecorder {
 
  private:
   Scene scene_;
-  bool are_grids_parts_ = false;  ///< of the world's: beliefs of a neighbourhood
+  std::map<std::string, double> thinning_s_;  ///< of each body's track, now
+  bool are_grids_parts_ = false;              ///< of the world's: beliefs of a neighbourhood
 };
 
 }  // namespace vantage::logs

@@ -53,9 +53,15 @@ struct MocapFrame {
   [[nodiscard]] const MocapBody* find(const std::string& name, std::size_t hint) const;
 };
 
-/// One target in view.
+/// Of a detection whose sensor does not say which target it is of, if of any.
+inline constexpr int kNoTargetId = -1;
+/// Ids from here on are labels of tracks, not of targets: where sensors tell no ids, nobody knows
+/// which track is which target of the scenario.
+inline constexpr int kTrackLabelMin = 1 << 30;
+
+/// One target in view, or what a sensor takes for one.
 struct Detection {
-  int target_id = 0;
+  int target_id = 0;  ///< or kNoTargetId
   Measurement measurement;
 };
 
@@ -72,7 +78,7 @@ struct DetectionSet {
 
 /// One target as one robot knows it.
 struct TargetBelief {
-  int target_id = 0;
+  int target_id = 0;        ///< or, from kTrackLabelMin on, a track's label
   Information information;  ///< at the message's time
   Time last_seen{};         ///< newest measurement of anyone that went into it
 };

@@ -13,6 +13,7 @@ namespace vantage::models {
 struct DetectionModel {
   double detection_probability = 1.0;  ///< of a target in view and in line of sight
   double clutter_per_look = 0.0;       ///< false alarms in the mean
+  bool detects_ids = true;             ///< a report says which target it is of
 };
 
 /// Area of the ground in view, walls not counted: of a camera that is not straight down to about a

@@ -6,6 +6,7 @@
 #include "bus/convert/external_channels.hpp"
 #include "core/deadline.hpp"
 #include "planner/robot/trajectory_tools.hpp"
+#include "scenario/node_budget.hpp"
 #include "scenario/search_name.hpp"
 
 namespace vantage::planner {
@@ -21,8 +22,6 @@ Duration closing_of(const RoundSchedule::Slot& slot) {
 
 // A planner that was started anew hears first what its vehicle is doing, which is said at 10 Hz.
 constexpr Duration kListening{350'000};
-
-constexpr std::int64_t kDefaultNodeBudget = 20'000;
 
 // A local search looks at what it has heard so often, and works so long in between.
 constexpr Duration kExchangePeriod{5'000};
@@ -127,7 +126,8 @@ void PlannerNode::take_plan(const models::RobotPlan& plan) {
 
 Deadline PlannerNode::deadline_of(Time now) const {
   if (!clock_.is_real_time() || spec_.node_budget > 0) {
-    return Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget : kDefaultNodeBudget);
+    return Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget
+                                                 : scenario::kDefaultNodeBudget);
   }
   const Duration left = std::max(slot_.end - closing_of(slot_) - now, Duration{0});
   return Deadline::at(monotonic_ns() + left.count() * 1'000);
@@ -230,7 +230,7 @@ void PlannerNode::begin_exchange(Time now) {
   inputs_.solution.reset();
   // Candidates have a third of the time, proposals the rest.
   Deadline deadline =
-      Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget : kDefaultNodeBudget);
+      Deadline::nodes(spec_.node_budget > 0 ? spec_.node_budget : scenario::kDefaultNodeBudget);
   if (clock_.is_real_time()) {
     const Duration left = std::max(slot_.begin + (slot_.end - slot_.begin) / 3 - now, Duration{0});
     deadline = Deadline::either(deadline.budget_nodes(), monotonic_ns() + left.count() * 1'000);

@@ -6,23 +6,20 @@
 #include "core/check.hpp"
 #include "core/index.hpp"
 #include "core/infinity.hpp"
-#include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
+namespace {
+
+constexpr std::size_t kHistoryMax = 128;
+
+}  // namespace
 
 ReducedValueIteration::ReducedValueIteration(const SearchCapacity& capacity)
-    : capacity_(capacity),
-      tree_(capacity.nodes_max, capacity.block_doubles_max),
-      expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max),
+    : TreeSearch(capacity, kHistoryMax),
       root_bound_(capacity.targets_max, capacity.horizon_max),
       index_(capacity.nodes_max),
       levels_(index(capacity.horizon_max + 1)),
-      fresh_(capacity.nodes_max) {
-  result_.controls.reserve(index(capacity.horizon_max));
-  result_.poses.reserve(index(capacity.horizon_max));
-  constexpr std::size_t kPassesMax = 128;
-  result_.history.reserve(kPassesMax);
-}
+      fresh_(capacity.nodes_max) {}
 
 void ReducedValueIteration::prefault() {
   tree_.prefault();
@@ -147,12 +144,7 @@ ReducedValueIteration::Progress ReducedValueIteration::expand_level(int t, bool 
     parents.unexpanded = tree_[parent].next;
     ++result_.nodes_expanded;
     for (int i = 0; i < children_.count; ++i) {
-      Node child;
-      child.world_from_body = children_.world_from_body[i];
-      child.cost = children_.cost[i];
-      child.parent = parent;
-      child.control = children_.control[i];
-      child.depth = static_cast<std::uint8_t>(t);
+      const Node child = children_.node(i, parent, t);
       const NodeId id = tree_.add(child);
       if (id == kNoNode) {
         return Progress::kMemory;
@@ -297,18 +289,13 @@ void ReducedValueIteration::offer_leaf(NodeId id) {
 void ReducedValueIteration::fall_back_to_hover() {
   constexpr int kTriedMax = 64;
   result_.cost = kInfinity;
-  for (int t = problem_->horizon_steps - 1; t >= 0; --t) {
-    HoverChoice choice(expander_, tree_);
+  const auto offer = [&](int t, HoverChoice& choice) {
     NodeId id = levels_[index(t)].open.first;
     for (int tried = 0; id != kNoNode && tried < kTriedMax; id = tree_[id].next, ++tried) {
       choice.offer(id);
     }
-    if (choice.best() != kNoNode) {
-      result_.cost = choice.cost();
-      write_path(tree_, choice.best(), problem_->horizon_steps, result_);
-      return;
-    }
-  }
+  };
+  hover_as_late_as_safe(problem_->horizon_steps, offer);
 }
 
 }  // namespace vantage::planner

@@ -5,13 +5,11 @@
 
 #include "core/deadline.hpp"
 #include "planner/problem/problem.hpp"
-#include "planner/search/capacity.hpp"
 #include "planner/search/cost_order.hpp"
 #include "planner/search/crossing_index.hpp"
-#include "planner/search/expander.hpp"
 #include "planner/search/node_list.hpp"
 #include "planner/search/root_bound.hpp"
-#include "planner/search/tree.hpp"
+#include "planner/search/tree_search.hpp"
 
 namespace vantage::planner {
 
@@ -42,7 +40,7 @@ struct ReducedOptions {
 /// Interruptible at each node; stops at the same node under Deadline::nodes(work_nodes).
 /// Allocates nothing in plan() while the problem fits the capacity.
 /// Source: dissertation Alg. 1 and 2, Thm 3; Vasquez et al. / Atanasov et al. for RVI.
-class ReducedValueIteration {
+class ReducedValueIteration : private TreeSearch {
  public:
   explicit ReducedValueIteration(const SearchCapacity& capacity);
 
@@ -80,23 +78,15 @@ class ReducedValueIteration {
   void open_node(Level& level, NodeId id);
   /// The cheaper of what was left out and what is new; kNoNode when neither is left.
   NodeId pop_least(Level& level);
-  [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
 
-  SearchCapacity capacity_;
-  Tree tree_;
-  Expander expander_;
   RootBound root_bound_;
   CrossingIndex index_;
   std::vector<Level> levels_;
   CostOrder fresh_;  ///< generated and not yet considered: of one depth at a time
   std::size_t fresh_peak_ = 0;
   std::size_t index_peak_ = 0;
-  Children children_;
   PoseMetric metric_;
-  const SearchProblem* problem_ = nullptr;
-  const Deadline* deadline_ = nullptr;
   NodeId best_leaf_ = kNoNode;
-  SearchResult result_;
 };
 
 }  // namespace vantage::planner

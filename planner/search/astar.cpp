@@ -7,7 +7,6 @@
 #include "core/check.hpp"
 #include "core/index.hpp"
 #include "core/infinity.hpp"
-#include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -32,9 +31,7 @@ constexpr auto kAfter = [](const auto& a, const auto& b) {
 }  // namespace
 
 BestFirstSearch::BestFirstSearch(const SearchCapacity& capacity)
-    : capacity_(capacity),
-      tree_(capacity.nodes_max, capacity.block_doubles_max),
-      expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max),
+    : TreeSearch(capacity, 1),
       heuristic_(capacity.targets_max, capacity.horizon_max),
       sequencing_(capacity.targets_max, capacity.horizon_max, kSequenceStates),
       index_(capacity.nodes_max),
@@ -46,9 +43,6 @@ BestFirstSearch::BestFirstSearch(const SearchCapacity& capacity)
   open_.reserve(capacity.nodes_max + 1);
   floors_.reserve(2 * capacity.nodes_max + 2);
   floor_sums_.reserve(index(capacity.horizon_max + 1));
-  result_.controls.reserve(index(capacity.horizon_max));
-  result_.poses.reserve(index(capacity.horizon_max));
-  result_.history.reserve(1);
 }
 
 void BestFirstSearch::prefault() {
@@ -370,12 +364,7 @@ BestFirstSearch::Progress BestFirstSearch::expand(NodeId id) {
   }
   const NodeId first = static_cast<NodeId>(tree_.node_count());
   for (int i = 0; i < children_.count; ++i) {
-    Node child;
-    child.world_from_body = children_.world_from_body[i];
-    child.cost = children_.cost[i];
-    child.parent = id;
-    child.control = children_.control[i];
-    child.depth = static_cast<std::uint8_t>(depth);
+    const Node child = children_.node(i, id, depth);
     const NodeId child_id = tree_.add(child);
     f_[child_id] = f_[id];
     child_f_at_[child_id] = 0;
@@ -433,17 +422,12 @@ void BestFirstSearch::offer_leaf(NodeId parent, int child) {
 }
 
 void BestFirstSearch::fall_back_to_hover() {
-  for (int t = problem_->horizon_steps - 1; t >= 0; --t) {
-    HoverChoice choice(expander_, tree_);
+  const auto offer = [&](int t, HoverChoice& choice) {
     for (int i = 0; i < stop_counts_[index(t)]; ++i) {
       choice.offer(stops_[index(t * kStopsPerDepth + i)]);
     }
-    if (choice.best() != kNoNode) {
-      result_.cost = choice.cost();
-      write_path(tree_, choice.best(), problem_->horizon_steps, result_);
-      return;
-    }
-  }
+  };
+  hover_as_late_as_safe(problem_->horizon_steps, offer);
 }
 
 }  // namespace vantage::planner

@@ -8,10 +8,9 @@
 #include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
 #include "planner/search/crossing_index.hpp"
-#include "planner/search/expander.hpp"
 #include "planner/search/heuristic.hpp"
 #include "planner/search/sequencing_bound.hpp"
-#include "planner/search/tree.hpp"
+#include "planner/search/tree_search.hpp"
 
 namespace vantage::planner {
 
@@ -58,7 +57,7 @@ struct BestFirstOptions {
 /// Interruptible at each node; stops at the same node under Deadline::nodes(work_nodes). Allocates
 /// nothing in plan() while the problem fits the capacity.
 /// Source: dissertation Alg. 3, 4, Thm 6, Cor. 7.
-class BestFirstSearch {
+class BestFirstSearch : private TreeSearch {
  public:
   explicit BestFirstSearch(const SearchCapacity& capacity);
 
@@ -98,11 +97,7 @@ class BestFirstSearch {
   [[nodiscard]] double least_open() const;
   /// When no depth-T node can stop safely: stop as late as is safe, and hover.
   void fall_back_to_hover();
-  [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
 
-  SearchCapacity capacity_;
-  Tree tree_;
-  Expander expander_;
   InformationHeuristic heuristic_;
   SequencingBound sequencing_;
   CrossingIndex index_;
@@ -116,11 +111,8 @@ class BestFirstSearch {
   std::vector<double> floor_sums_;  ///< Σ_{k ≤ t} L_k
   std::vector<NodeId> stops_;       ///< the first nodes of each depth, to fall back to
   std::vector<int> stop_counts_;
-  Children children_;
   PoseMetric metric_;
   BestFirstOptions options_;
-  const SearchProblem* problem_ = nullptr;
-  const Deadline* deadline_ = nullptr;
   bool weighted_ = false;
   NodeId next_ = kNoNode;  ///< of the run down to a leaf; open, though not in open_
   bool dives_ = false;
@@ -129,7 +121,6 @@ class BestFirstSearch {
   NodeId best_parent_ = kNoNode;  ///< of the best leaf
   int best_control_ = -1;
   Pose2 best_pose_;
-  SearchResult result_;
 };
 
 }  // namespace vantage::planner

@@ -8,7 +8,6 @@
 #include "core/check.hpp"
 #include "core/index.hpp"
 #include "core/infinity.hpp"
-#include "planner/search/plan_path.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -33,9 +32,7 @@ std::uint64_t mixed(std::uint64_t key) {  // the finaliser of splitmix64
 }  // namespace
 
 RefiningBeam::RefiningBeam(const SearchCapacity& capacity)
-    : capacity_(capacity),
-      tree_(capacity.nodes_max, capacity.block_doubles_max),
-      expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max),
+    : TreeSearch(capacity, kPassesMax + 1),
       root_bound_(capacity.targets_max, capacity.horizon_max),
       level_begin_(index(capacity.horizon_max + 1)),
       // Of the children of a level only the kept ones become nodes.
@@ -44,11 +41,7 @@ RefiningBeam::RefiningBeam(const SearchCapacity& capacity)
       marks_(candidates_.size()),
       cells_(std::bit_ceil(2 * candidates_.size())),
       regions_(cells_.size()),
-      sighting_(capacity.targets_max) {
-  result_.controls.reserve(index(capacity.horizon_max));
-  result_.poses.reserve(index(capacity.horizon_max));
-  result_.history.reserve(kPassesMax + 1);
-}
+      sighting_(capacity.targets_max) {}
 
 void RefiningBeam::prefault() {
   tree_.prefault();
@@ -57,6 +50,7 @@ void RefiningBeam::prefault() {
   marks_.prefault();
   cells_.prefault();
   regions_.prefault();
+  root_bound_.prefault();
 }
 
 const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamOptions& options,
@@ -75,6 +69,7 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   expander_.reset(problem);
   sighting_.reset(problem, expander_);
   moving_bound_ = -kInfinity;
+  raised_at_nodes_ = 0;
   result_.reset();
   result_.stop_reason = StopReason::kMemory;
   result_.lower_bound = root_bound_.of_any_plan(problem, expander_.beliefs());
@@ -82,7 +77,7 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   const std::size_t width_max =
       std::max<std::size_t>(1, std::min(candidates_.size() / problem.controls.size(),
                                         (capacity_.nodes_max - 1) / index(problem.horizon_steps)));
-  run_passes(options, deadline, width_max);
+  run_passes(options, width_max);
   if (!result_.found) {
     fall_back_to_hover();
   } else {
@@ -92,12 +87,10 @@ const SearchResult& RefiningBeam::plan(const SearchProblem& problem, const BeamO
   return result_;
 }
 
-void RefiningBeam::run_passes(const BeamOptions& options, const Deadline& deadline,
-                              std::size_t width_max) {
+void RefiningBeam::run_passes(const BeamOptions& options, std::size_t width_max) {
   double width = 1.0;
   double cell_m = options.cell_m;
   double cell_rad = options.cell_rad;
-  bool bounded = false;
   bool split = false;  // every child a cell of its own, now that all of them fit
   for (int k = 0; k < kPassesMax; ++k) {
     const double narrowed = k % 2 == 0 ? options.alternation : 1.0;
@@ -129,14 +122,9 @@ void RefiningBeam::run_passes(const BeamOptions& options, const Deadline& deadli
       if (exhaustive) {
         return;
       }
-      if (!bounded && result_.found && result_.work_nodes >= RootBound::kWorthAfterNodes) {
-        bounded = true;
-        const auto bound = root_bound_.of_moving_plan(deadline, result_.work_nodes);
-        moving_bound_ = bound.cost;
-        if (bound.expired) {
-          result_.stop_reason = StopReason::kDeadline;
-          return;
-        }
+      if (result_.found && !raise_bound()) {
+        result_.stop_reason = StopReason::kDeadline;
+        return;
       }
       split = !pass.truncated;
     }
@@ -146,6 +134,28 @@ void RefiningBeam::run_passes(const BeamOptions& options, const Deadline& deadli
       cell_rad *= options.shrink;
     }
   }
+}
+
+bool RefiningBeam::raise_bound() {
+  std::int64_t& work_nodes = result_.work_nodes;
+  if (moving_bound_ == -kInfinity && work_nodes >= RootBound::kWorthAfterNodes) {
+    const auto bound = root_bound_.of_moving_plan(*deadline_, work_nodes);
+    moving_bound_ = bound.cost;
+    if (bound.expired) {
+      return false;
+    }
+  }
+  if (work_nodes < RootBound::kRaiseAfterNodes) {
+    return true;
+  }
+  const auto since = static_cast<double>(work_nodes - raised_at_nodes_);
+  const double share = work_nodes < RootBound::kLongNodes ? RootBound::kRaiseShare : 1.0;
+  const auto nodes = static_cast<std::int64_t>(share * since) +
+                     (raised_at_nodes_ == 0 ? RootBound::kRaiseAtFirstNodes : 0);
+  const auto bound = root_bound_.raise(expander_, work_nodes + nodes, *deadline_, work_nodes);
+  moving_bound_ = std::max(moving_bound_, bound.cost);
+  raised_at_nodes_ = work_nodes;
+  return !bound.expired;
 }
 
 RefiningBeam::Progress RefiningBeam::run(Pass& pass) {
@@ -396,20 +406,15 @@ void RefiningBeam::offer_leaf(const Candidate& leaf) {
 
 void RefiningBeam::fall_back_to_hover() {
   constexpr NodeId kTriedMax = 64;
-  for (int t = levels_ - 1; t >= 0; --t) {
+  const auto offer = [&](int t, HoverChoice& choice) {
     const NodeId begin = level_begin_[index(t)];
     const NodeId end =
         t + 1 < levels_ ? level_begin_[index(t + 1)] : static_cast<NodeId>(tree_.node_count());
-    HoverChoice choice(expander_, tree_);
     for (NodeId id = begin; id < std::min(end, begin + kTriedMax); ++id) {
       choice.offer(id);
     }
-    if (choice.best() != kNoNode) {
-      result_.cost = choice.cost();
-      write_path(tree_, choice.best(), problem_->horizon_steps, result_);
-      return;
-    }
-  }
+  };
+  hover_as_late_as_safe(levels_, offer);
 }
 
 }  // namespace vantage::planner

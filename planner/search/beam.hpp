@@ -7,10 +7,9 @@
 #include "core/reserved_array.hpp"
 #include "planner/problem/problem.hpp"
 #include "planner/search/arvi.hpp"
-#include "planner/search/expander.hpp"
 #include "planner/search/root_bound.hpp"
 #include "planner/search/sighting_value.hpp"
-#include "planner/search/tree.hpp"
+#include "planner/search/tree_search.hpp"
 
 namespace vantage::planner {
 
@@ -45,7 +44,7 @@ struct BeamOptions {
 /// every few hundred candidates; allocates nothing in plan() while the problem fits the capacity.
 /// Sound but without a bound of its own until it is exhaustive: lower_bound is RootBound's, that of
 /// moving plans once the search has done RootBound::kWorthAfterNodes of work.
-class RefiningBeam {
+class RefiningBeam : private TreeSearch {
  public:
   explicit RefiningBeam(const SearchCapacity& capacity);
 
@@ -82,7 +81,9 @@ class RefiningBeam {
   };
   enum class Progress { kDone, kDeadline, kMemory };
 
-  void run_passes(const BeamOptions& options, const Deadline& deadline, std::size_t width_max);
+  void run_passes(const BeamOptions& options, std::size_t width_max);
+  /// Works on the bound, as much as the passes so far are worth; false: out of time.
+  bool raise_bound();
   Progress run(Pass& pass);
   Progress expand_level(Pass& pass, int t);
   [[nodiscard]] Cell& cell_at(ReservedArray<Cell>& cells, std::uint64_t key) const;
@@ -97,14 +98,11 @@ class RefiningBeam {
   /// One more piece of work; true when the search has to stop.
   bool work() {
     ++result_.work_nodes;
-    return deadline_->expired(result_.work_nodes);
+    return expired();
   }
 
   static constexpr double kNothing = 1e-9;  ///< gained by a look that sees nothing, to rounding
 
-  SearchCapacity capacity_;
-  Tree tree_;
-  Expander expander_;
   RootBound root_bound_;
   std::vector<NodeId> level_begin_;  ///< first node of each depth of the pass
   int levels_ = 0;
@@ -118,11 +116,8 @@ class RefiningBeam {
   std::uint32_t epoch_ = 0;
   SightingValue sighting_;
   double moving_bound_ = 0.0;  ///< of plans that move at every step
-  Children children_;
+  std::int64_t raised_at_nodes_ = 0;
   const BeamOptions* options_ = nullptr;
-  const SearchProblem* problem_ = nullptr;
-  const Deadline* deadline_ = nullptr;
-  SearchResult result_;
 };
 
 }  // namespace vantage::planner

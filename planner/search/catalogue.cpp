@@ -34,44 +34,47 @@ class Adapter final : public Search {
   std::size_t peak_bytes_ = 0;
 };
 
-using ReducedAdapter = Adapter<ReducedValueIteration, ReducedOptions>;
 using BeamAdapter = Adapter<RefiningBeam, BeamOptions>;
 using RandomWalkAdapter = Adapter<RandomWalk, RandomWalkOptions>;
 using LawnMowerAdapter = Adapter<LawnMower, SweepShare>;
-using BestFirstAdapter = Adapter<BestFirstSearch, BestFirstOptions>;
 
-Algorithm best_first(std::string_view name, std::string_view what, BestFirst kind) {
-  return {name,
-          what,
-          1.0,
-          false,
-          false,
-          [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
-            BestFirstOptions best_first;
-            best_first.search = kind;
-            best_first.weight = options.weight;
-            best_first.epsilon = options.epsilon;
-            best_first.delta_m = options.delta_m;
-            return std::make_unique<BestFirstAdapter>(capacity, best_first);
-          }};
-}
-
-Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch kind) {
-  const bool makes_candidates =
-      kind == ReducedSearch::kAnytime || kind == ReducedSearch::kSinglePass;
+/// A search that is told ε and δ; `tell` adds to its options what else it is told.
+template <class Planner, class Options>
+Algorithm told_bounds(std::string_view name, std::string_view what, bool makes_candidates,
+                      const Options& own, void (*tell)(const AlgorithmOptions&, Options&)) {
   return {name,
           what,
           1.0,
           false,
           makes_candidates,
-          [kind](const SearchCapacity& capacity, const AlgorithmOptions& options) {
-            ReducedOptions reduced;
-            reduced.search = kind;
-            reduced.epsilon = options.epsilon;
-            reduced.delta_m = options.delta_m;
-            reduced.yaw_weight_m_per_rad = options.yaw_weight_m_per_rad;
-            return std::make_unique<ReducedAdapter>(capacity, reduced);
+          [own, tell](const SearchCapacity& capacity, const AlgorithmOptions& asked) {
+            Options options = own;
+            options.epsilon = asked.epsilon;
+            options.delta_m = asked.delta_m;
+            tell(asked, options);
+            return std::make_unique<Adapter<Planner, Options>>(capacity, options);
           }};
+}
+
+Algorithm best_first(std::string_view name, std::string_view what, BestFirst kind) {
+  BestFirstOptions own;
+  own.search = kind;
+  return told_bounds<BestFirstSearch, BestFirstOptions>(
+      name, what, false, own, [](const AlgorithmOptions& asked, BestFirstOptions& options) {
+        options.weight = asked.weight;
+      });
+}
+
+Algorithm reduced(std::string_view name, std::string_view what, ReducedSearch kind) {
+  const bool makes_candidates =
+      kind == ReducedSearch::kAnytime || kind == ReducedSearch::kSinglePass;
+  ReducedOptions own;
+  own.search = kind;
+  return told_bounds<ReducedValueIteration, ReducedOptions>(
+      name, what, makes_candidates, own,
+      [](const AlgorithmOptions& asked, ReducedOptions& options) {
+        options.yaw_weight_m_per_rad = asked.yaw_weight_m_per_rad;
+      });
 }
 
 }  // namespace

@@ -19,6 +19,16 @@ struct Children {
   std::int16_t control[kMaxControls];
   Pose2 world_from_body[kMaxControls];
   double cost[kMaxControls];  ///< accumulated J
+
+  [[nodiscard]] Node node(int i, NodeId parent, int depth) const {
+    Node child;
+    child.world_from_body = world_from_body[i];
+    child.cost = cost[i];
+    child.parent = parent;
+    child.control = control[i];
+    child.depth = static_cast<std::uint8_t>(depth);
+    return child;
+  }
 };
 
 /// One expansion: collision-free motion, information of every sensor about every target in sight,

@@ -26,12 +26,7 @@ NearBound::NearBound(int targets_max, int horizon_max) {
 
 void NearBound::reset(const SearchProblem& problem, const BeliefTable& beliefs,
                       const InformationHeuristic& heuristic) {
-  problem_ = &problem;
-  beliefs_ = &beliefs;
-  heuristic_ = &heuristic;
-  horizon_ = problem.horizon_steps;
-  targets_.clear();
-  takes_part_.assign(index(beliefs.target_count()), 0);
+  begin(problem, beliefs, heuristic);
   constexpr int kStepsAtMost = 30;  // events are bits
   for (int m = 0; m < beliefs.target_count() && horizon_ <= kStepsAtMost; ++m) {
     if (heuristic.is_averaged(m) && !heuristic.only_own_looks(m)) {

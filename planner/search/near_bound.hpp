@@ -7,6 +7,7 @@
 #include "core/index.hpp"
 #include "planner/search/averaged_block.hpp"
 #include "planner/search/heuristic.hpp"
+#include "planner/search/partial_bound.hpp"
 
 namespace vantage::planner {
 
@@ -23,17 +24,13 @@ namespace vantage::planner {
 /// the best bound counts.
 ///
 /// Allocates nothing after construction. Source: ours.
-class NearBound {
+class NearBound : public PartialBound {
  public:
   NearBound(int targets_max, int horizon_max);
 
   /// Tables `problem`; all three must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs,
              const InformationHeuristic& heuristic);
-
-  /// 1 for each target that is bounded here.
-  [[nodiscard]] const std::vector<std::uint8_t>& takes_part() const { return takes_part_; }
-  [[nodiscard]] bool is_empty() const { return targets_.empty(); }
 
   struct Answer {
     double cost = 0.0;     ///< of the targets that take part; −∞: not bounded
@@ -67,18 +64,12 @@ class NearBound {
   [[nodiscard]] double best_chain() const;
   bool work();
 
-  const SearchProblem* problem_ = nullptr;
-  const BeliefTable* beliefs_ = nullptr;
-  const InformationHeuristic* heuristic_ = nullptr;
   const Deadline* deadline_ = nullptr;
   std::int64_t* work_nodes_ = nullptr;
-  int horizon_ = 0;
   int steps_until_asking_ = 0;
   std::int64_t steps_left_ = 0;  ///< of recursion, before this size of discs is given up
   bool expired_ = false;
   Hop hops_[kHopsMax + 1];
-  std::vector<int> targets_;
-  std::vector<std::uint8_t> takes_part_;
   std::vector<double> radii_m_;  ///< ρ, [i][k]
   std::vector<double> near_;     ///< strength of a look at its best, [i][k]; 0: out of reach
   std::vector<double> afar_;     ///< the same from ρ or farther

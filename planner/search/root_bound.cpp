@@ -9,11 +9,14 @@ namespace vantage::planner {
 RootBound::RootBound(int targets_max, int horizon_max, int states_max)
     : heuristic_(targets_max, horizon_max),
       sequencing_(targets_max, horizon_max, states_max),
-      near_(targets_max, horizon_max) {}
+      near_(targets_max, horizon_max),
+      prefix_(targets_max, horizon_max) {}
 
 double RootBound::of_any_plan(const SearchProblem& problem, const BeliefTable& beliefs) {
   heuristic_.reset(problem, beliefs);
   sequencing_.reset(problem, beliefs, heuristic_);
+  problem_ = &problem;
+  is_raised_ = false;
   start_ = problem.start;
   const auto parts = heuristic_.cost_to_go(start_, 0, {}, sequencing_.takes_part().data());
   others_ = parts.all - parts.apart;
@@ -52,6 +55,16 @@ RootBound::Answer RootBound::of_moving_plan(const Deadline& deadline, std::int64
     best = {std::max(best.cost, not_moving_ + sequenced + answer.cost), answer.expired};
   }
   return best;
+}
+
+RootBound::Answer RootBound::raise(Expander& expander, std::int64_t until_nodes,
+                                   const Deadline& deadline, std::int64_t& work_nodes) {
+  if (!is_raised_) {
+    prefix_.reset(*problem_, expander);
+    is_raised_ = true;
+  }
+  const auto answer = prefix_.raise(until_nodes, deadline, work_nodes);
+  return {answer.cost, answer.expired};
 }
 
 }  // namespace vantage::planner

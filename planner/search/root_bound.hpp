@@ -5,6 +5,7 @@
 #include "core/deadline.hpp"
 #include "planner/search/heuristic.hpp"
 #include "planner/search/near_bound.hpp"
+#include "planner/search/prefix_bound.hpp"
 #include "planner/search/sequencing_bound.hpp"
 
 namespace vantage::planner {
@@ -15,6 +16,12 @@ class RootBound {
  public:
   /// of_moving_plan() is worth its time once a search has done so much work.
   static constexpr std::int64_t kWorthAfterNodes = 50'000;
+  /// And raise() is, once it has done so much more: at first for so many nodes and then for a share
+  /// of the search's own. In long searches, where passes find little more, for as many as those.
+  static constexpr std::int64_t kRaiseAfterNodes = 300'000;
+  static constexpr std::int64_t kRaiseAtFirstNodes = 500'000;
+  static constexpr double kRaiseShare = 0.25;
+  static constexpr std::int64_t kLongNodes = 5'000'000;
 
   RootBound(int targets_max, int horizon_max, int states_max = 300);
 
@@ -34,10 +41,21 @@ class RootBound {
   };
   Answer of_moving_plan(const Deadline& deadline, std::int64_t& work_nodes);
 
+  /// The same, raised by PrefixBound until `work_nodes` is at `until_nodes`; goes on from where the
+  /// last call ended. `expander` is reset to the problem last tabled.
+  Answer raise(Expander& expander, std::int64_t until_nodes, const Deadline& deadline,
+               std::int64_t& work_nodes);
+
+  /// Takes all the memory that was reserved.
+  void prefault() { prefix_.prefault(); }
+
  private:
   InformationHeuristic heuristic_;
   SequencingBound sequencing_;
   NearBound near_;
+  PrefixBound prefix_;
+  const SearchProblem* problem_ = nullptr;
+  bool is_raised_ = false;  ///< prefix_ is of this problem
   Pose2 start_;
   double any_plan_ = 0.0;
   double reach_ = 0.0;       ///< h at the root

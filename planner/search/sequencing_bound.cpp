@@ -49,13 +49,8 @@ SequencingBound::SequencingBound(int targets_max, int horizon_max, int states_ma
 
 void SequencingBound::reset(const SearchProblem& problem, const BeliefTable& beliefs,
                             const InformationHeuristic& heuristic) {
-  problem_ = &problem;
-  beliefs_ = &beliefs;
-  heuristic_ = &heuristic;
-  horizon_ = problem.horizon_steps;
-  targets_.clear();
+  begin(problem, beliefs, heuristic);
   looks_.clear();
-  takes_part_.assign(index(beliefs.target_count()), 0);
   schedules_ = true;
   GeodesicTable::Outlook outlook;
   heuristic.ways().look_around(problem.start.position_m(), outlook);

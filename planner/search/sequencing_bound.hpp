@@ -7,6 +7,7 @@
 #include "core/index.hpp"
 #include "planner/search/expander.hpp"
 #include "planner/search/heuristic.hpp"
+#include "planner/search/partial_bound.hpp"
 
 namespace vantage::planner {
 
@@ -28,7 +29,7 @@ namespace vantage::planner {
 /// nothing after construction.
 /// Source: ours, after the observation that travel, not sensing, limits mapping by a short-sighted
 /// sensor.
-class SequencingBound {
+class SequencingBound : public PartialBound {
  public:
   static constexpr int kTargetsMax = 16;
   static constexpr int kStopsMax = 40;
@@ -38,10 +39,6 @@ class SequencingBound {
   /// Tables `problem`; all three must outlive the queries.
   void reset(const SearchProblem& problem, const BeliefTable& beliefs,
              const InformationHeuristic& heuristic);
-
-  /// 1 for each target that takes part in the sequence; the others are Thm 6's.
-  [[nodiscard]] const std::vector<std::uint8_t>& takes_part() const { return takes_part_; }
-  [[nodiscard]] bool is_empty() const { return targets_.empty(); }
 
   struct Answer {
     double cost = 0.0;     ///< of the targets that take part, over the steps after `depth`
@@ -101,14 +98,8 @@ class SequencingBound {
   /// Opens what may follow, below `cutoff`. False when nothing can be seen any more.
   bool expand(const State& state, double cutoff);
 
-  const SearchProblem* problem_ = nullptr;
-  const BeliefTable* beliefs_ = nullptr;
-  const InformationHeuristic* heuristic_ = nullptr;
-  int horizon_ = 0;
   int steps_left_ = 0;
   bool any_member_ = false;  ///< stops are merged: one of the members is enough
-  std::vector<int> targets_;
-  std::vector<std::uint8_t> takes_part_;
   std::vector<LookBound> looks_;
   std::uint32_t meets_[kTargetsMax] = {};
   std::uint8_t steps_between_[kTargetsMax][kTargetsMax] = {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include "core/check.hpp"
 #include "core/pose.hpp"
 
 // What the parts of the module share. Whatever may take longer than some microseconds runs with the
@@ -21,6 +23,7 @@ namespace py = pybind11;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 void bind_planning(py::module_& module);
+void bind_team(py::module_& module);
 void bind_scenario(py::module_& module);
 void bind_trial(py::module_& module);
 void bind_logs(py::module_& module);
@@ -52,6 +55,21 @@ inline void require_shape(const Doubles& array, const std::vector<py::ssize_t>& 
   if (!fits) {
     throw py::value_error(std::string(name) + ": must have the shape (" + words + ")");
   }
+}
+
+/// What `word` names. @throws UsageError with the names that there are.
+template <class Kind>
+Kind kind_of(const std::string& word, const std::map<std::string, Kind>& kinds,
+             const char* argument = "kind") {
+  const auto found = kinds.find(word);
+  if (found == kinds.end()) {
+    std::string words;
+    for (const auto& [name, kind] : kinds) {
+      words += (words.empty() ? "" : ", ") + name;
+    }
+    throw UsageError(std::string(argument) + ": must be one of " + words + ", got " + word);
+  }
+  return found->second;
 }
 
 inline Pose2 pose_of(const Doubles& array, const char* name) {

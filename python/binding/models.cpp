@@ -28,19 +28,6 @@ using models::Viewpoint;
 using models::World;
 
 template <class Kind>
-Kind kind_of(const std::string& word, const std::map<std::string, Kind>& kinds) {
-  const auto found = kinds.find(word);
-  if (found == kinds.end()) {
-    std::string words;
-    for (const auto& [name, kind] : kinds) {
-      words += (words.empty() ? "" : ", ") + name;
-    }
-    throw UsageError("kind: must be one of " + words + ", got " + word);
-  }
-  return found->second;
-}
-
-template <class Kind>
 std::string word_of_kind(Kind kind, const std::map<std::string, Kind>& kinds) {
   for (const auto& [name, each] : kinds) {
     if (each == kind) {

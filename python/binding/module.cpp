@@ -14,6 +14,7 @@ PYBIND11_MODULE(_vantage, module) {
       "An argument that breaks a rule.";
   bind_models(module);
   bind_planning(module);
+  bind_team(module);
   bind_scenario(module);
   bind_trial(module);
   bind_logs(module);

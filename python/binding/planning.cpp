@@ -1,8 +1,9 @@
+#include "python/binding/planning.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -10,52 +11,14 @@
 
 #include "core/check.hpp"
 #include "python/binding/bind.hpp"
+#include "python/binding/interruption.hpp"
 #include "tools/plan/plan_report.hpp"
-#include "tools/plan/problem_json.hpp"
-#include "tools/plan/solver.hpp"
 
 namespace vantage::python {
 namespace {
 
 using planner::SearchResult;
 using tools::PlanOutcome;
-
-// A problem and who is at work on it.
-class Problem {
- public:
-  Problem(tools::PlanningProblem planning, std::string source)
-      : planning_(std::move(planning)), source_(std::move(source)) {}
-
-  // Calls `action` with the problem to itself, without the interpreter's lock.
-  template <class Action>
-  auto alone(const Action& action) const {
-    const py::gil_scoped_release release;
-    const std::lock_guard lock(mutex_);
-    return action(planning_);
-  }
-  template <class Action>
-  void change(const Action& action) {
-    const py::gil_scoped_release release;
-    const std::lock_guard lock(mutex_);
-    const planner::SearchProblem before = planning_.problem;
-    action(planning_.problem);
-    try {
-      planner::require_valid(planning_.problem);
-      const Pose2& start = planning_.problem.start;
-      require(models::clearance_m(*planning_.world, start.position_m()) > 0.0,
-              "start: must be inside the map and outside every obstacle, touching neither");
-    } catch (...) {
-      planning_.problem = before;
-      throw;
-    }
-  }
-  [[nodiscard]] const std::string& source() const { return source_; }
-
- private:
-  mutable std::mutex mutex_;
-  tools::PlanningProblem planning_;
-  std::string source_;
-};
 
 // What a plan says, apart from the problem it was made for.
 struct Plan {
@@ -66,33 +29,19 @@ struct Plan {
   [[nodiscard]] const SearchResult& result() const { return outcome.result; }
 };
 
-class Planner {
- public:
-  explicit Planner(const tools::PlanRequest& request) : solver_(request) {}
-
-  Plan plan(const Problem& problem) {
-    return problem.alone([&](const tools::PlanningProblem& planning) {
-      const std::lock_guard lock(mutex_);
-      Plan plan;
-      plan.outcome = solver_.solve(planning.problem);
-      plan.outcome.source = problem.source();
-      plan.horizon_steps = planning.problem.horizon_steps;
-      plan.is_complete = tools::is_complete(planning.problem, plan.outcome.result);
-      return plan;
-    });
-  }
-  void prepare(const Problem& problem) {
-    problem.alone([&](const tools::PlanningProblem& planning) {
-      const std::lock_guard lock(mutex_);
-      solver_.prepare(planning.problem);
-    });
-  }
-  [[nodiscard]] const tools::PlanRequest& request() const { return solver_.request(); }
-
- private:
-  std::mutex mutex_;
-  tools::Solver solver_;
-};
+Plan plan_of(Planner& planner, const Problem& problem) {
+  const Interruption interruption;
+  Plan plan = problem.alone([&](const tools::PlanningProblem& planning) {
+    Plan found;
+    found.outcome = planner.solve(planning.problem);
+    found.outcome.source = problem.source();
+    found.horizon_steps = planning.problem.horizon_steps;
+    found.is_complete = tools::is_complete(planning.problem, found.outcome.result);
+    return found;
+  });
+  interruption.rethrow();
+  return plan;
+}
 
 tools::PlanRequest request_of(const std::string& algorithm, std::optional<double> budget_s,
                               std::optional<std::int64_t> nodes, double epsilon, double delta_m,
@@ -374,10 +323,16 @@ while it searches; one Planner works on one problem at a time.)")
            py::arg("algorithm") = "default", py::kw_only(), py::arg("budget_s") = py::none(),
            py::arg("nodes") = py::none(), py::arg("epsilon") = 1.0, py::arg("delta_m") = 1.0,
            py::arg("weight") = 1.0, py::arg("memory_mb") = 512)
-      .def("plan", &Planner::plan, py::arg("problem"),
-           "The best plan by the deadline. Memory is prepared by the first call of a size.")
-      .def("prepare", &Planner::prepare, py::arg("problem"),
-           "Prepares memory for problems of this size, before it counts.");
+      .def("plan", &plan_of, py::arg("problem"),
+           R"(The best plan by the deadline. Memory is prepared by the first call of a size.
+
+Ctrl-C ends it, as KeyboardInterrupt. A signal's handler may not use what is at work.)")
+      .def(
+          "prepare",
+          [](Planner& self, const Problem& problem) {
+            problem.alone([&](const tools::PlanningProblem& p) { self.prepare(p.problem); });
+          },
+          py::arg("problem"), "Prepares memory for problems of this size, before it counts.");
   module.def(
       "algorithms",
       [] {
@@ -402,6 +357,16 @@ while it searches; one Planner works on one problem at a time.)")
 }
 
 }  // namespace
+
+PlanOutcome Planner::solve(const planner::SearchProblem& problem) {
+  const std::lock_guard lock(mutex_);
+  return solver_.solve(problem, Interruption::came);
+}
+
+void Planner::prepare(const planner::SearchProblem& problem) {
+  const std::lock_guard lock(mutex_);
+  solver_.prepare(problem);
+}
 
 void bind_planning(py::module_& module) {
   bind_problem(module);

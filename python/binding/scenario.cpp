@@ -9,6 +9,7 @@
 #include "python/binding/bind.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "trial/scenario/config_folder.hpp"
 
 namespace vantage::python {
 namespace {
@@ -22,8 +23,9 @@ std::shared_ptr<Scenario> scenario_of(const py::object& source) {
   if (py::isinstance<py::dict>(source)) {
     return parsed(json_text(source), "scenario");
   }
-  const std::string path = path_text(source);
+  const std::string word = path_text(source);
   const py::gil_scoped_release release;
+  const std::string path = trial::scenario_path(word);
   return std::make_shared<Scenario>(Scenario{scenario::load_scenario(path), path});
 }
 
@@ -34,8 +36,9 @@ void bind_scenario(py::module_& module) {
   py::class_<Scenario, std::shared_ptr<Scenario>>(module, "Scenario",
                                                   R"(A trial as one file says it.
 
-Scenario(source): of the YAML file at a path, or of a dict with the keys of config/lab.yaml. Read as
-strictly as everywhere: StartupError says line, key, rule and value, and what was probably meant.)")
+Scenario(source): of the YAML file at a path, of one that came with vantage by its name ("lab"), or
+of a dict with such a file's keys (`vantage config copy lab` writes one). Read as strictly as
+everywhere: StartupError says line, key, rule and value, and what was probably meant.)")
       .def(py::init(&scenario_of), py::arg("source"))
       .def_static("parse", &parsed, py::arg("yaml"), py::arg("name") = "scenario",
                   "Of YAML text; `name` stands for the file in messages.")

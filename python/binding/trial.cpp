@@ -16,6 +16,7 @@
 #include "python/binding/bind.hpp"
 #include "python/binding/own_nodes.hpp"
 #include "python/binding/scenario.hpp"
+#include "scenario/node_budget.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "scenario/search_name.hpp"
@@ -29,7 +30,7 @@ using Functions = std::map<std::string, py::function>;  // by robot
 std::shared_ptr<Scenario> as_run(const std::shared_ptr<Scenario>& scenario, bool has_planners) {
   scenario::Overrides overrides;
   if (scenario->value.planner.node_budget <= 0) {
-    overrides.node_budget = trial::kDefaultNodeBudget;
+    overrides.node_budget = scenario::kDefaultNodeBudget;
   }
   if (has_planners) {
     overrides.planner = scenario::kExternalSearch;

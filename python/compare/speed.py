@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """speed.py [--seconds S] [--vantage BINARY] [--scenario FILE] [WHAT…]: how fast the module is.
 
-  env    steps a second of each environment beside numpy_tasks.py, the same task in plain numpy
+  env    steps a second of each environment beside numpy_tasks.py, the same task in plain numpy: the
+         rows of docs/python.md
   plan   what a call of Planner.plan() takes besides the search
   trial  a trial stepped from Python beside `vantage trial`, one after the other, again and again
+
+Without WHAT: all three.
 
 Set PYTHONPATH to the module's folder (build/release/python). Medians of several pieces of the same
 work, by CPU time where not said otherwise, since on a busy machine the clock says little.
@@ -87,17 +90,25 @@ def plain(name):
     return run
 
 
+def three_figures(number):
+    """54600 of 54 612.3, thousands apart, as on the page."""
+    digits = max(0, len(str(int(number))) - 3)
+    return f"{round(number, -digits):,.0f}".replace(",", " ")
+
+
 def compare_env(seconds):
     threads = len(os.sched_getaffinity(0))
-    print(f"Steps a second of CPU time, one thread; last by the clock, on {threads} threads:")
-    print(f"| task | numpy | one environment | × | 256 together | × | 256 on {threads} threads |")
-    print("|---|---|---|---|---|---|---|")
+    clocked = {}
+    print("Steps a second of CPU time, one thread:")
+    print("| task | numpy | one environment | × | 256 together | × |")
+    print("|---|---|---|---|---|---|")
     for name in vantage.env.tasks:
         # One after the other within some seconds: what else the machine does meets all alike.
         slow, one, together = (rate(run, seconds) for run in (plain(name), single(name), many(name, 256, 1)))
-        clocked = rate(many(name, 256, threads), seconds, time.perf_counter)
-        print(f"| {name} | {slow:,.0f} | {one:,.0f} | {one / slow:.0f} | {together:,.0f} | {together / slow:.0f} "
-              f"| {clocked:,.0f} |", flush=True)
+        clocked[name] = three_figures(rate(many(name, 256, threads), seconds, time.perf_counter))
+        print(f"| `{name}` | {three_figures(slow)} | {three_figures(one)} | {one / slow:.0f} "
+              f"| {three_figures(together)} | {together / slow:.0f} |", flush=True)
+    print(f"By the clock, 256 on {threads} threads: " + ", ".join(f"{name} {each}" for name, each in clocked.items()))
 
 
 def compare_plan():
@@ -146,19 +157,20 @@ def compare_trial(binary, scenario, pairs, duration_s):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*", default=["env", "plan", "trial"])
+    parser.add_argument("what", nargs="*", metavar="WHAT", help="env, plan, trial")
     parser.add_argument("--seconds", type=float, default=5.0, help="of each rate")
     parser.add_argument("--vantage", default=str(ROOT / "build/release/bin/vantage"))
     parser.add_argument("--scenario", default=str(ROOT / "config/lab.yaml"))
     parser.add_argument("--pairs", type=int, default=5)
     parser.add_argument("--duration-s", type=float, default=60.0)
     given = parser.parse_args()
-    if "env" in given.what:
-        compare_env(given.seconds)
-    if "plan" in given.what:
-        compare_plan()
-    if "trial" in given.what:
-        compare_trial(given.vantage, given.scenario, given.pairs, given.duration_s)
+    compared = {"env": lambda: compare_env(given.seconds), "plan": compare_plan,
+                "trial": lambda: compare_trial(given.vantage, given.scenario, given.pairs, given.duration_s)}
+    for what in given.what:
+        if what not in compared:
+            parser.error(f"WHAT: must be one of {', '.join(compared)}, got {what}")
+    for what in given.what or compared:
+        compared[what]()
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
 """vantage: active information acquisition by teams of robots.
 
 Plans      Problem, Planner, Plan, plan(), algorithms()
-Trials     Scenario, Trial: the whole stack in virtual time, step by step
+Teams      decide(), Decision, team_algorithms(): what each robot of a team is to do
+Trials     Scenario, Trial: the whole stack in virtual time, step by step; sweep(): many of them
 Logs       Log, and what it gives, logs.Columns
 Live       vantage.live: read and publish the running system's channels, in a node of 20 lines
 Own        vantage.own: target models, costs, filters and planners written in Python
@@ -16,13 +17,15 @@ UsageError (an argument), both ValueErrors.
     print(vantage.plan("problem.json", nodes=100_000).cost)
 """
 from . import live, logs, own
+from ._sweep import sweep
 from ._vantage import (
-    Plan, Planner, Problem, Scenario, SensorModel, StartupError, TargetModel, Trial, UsageError, World,
-    __version__, algorithms, confine, entropy_nats, lab_primitives, log_det, measure, miss, plan, predict,
-    standard_primitives, step_unicycle)
+    Decision, Plan, Planner, Problem, Scenario, SensorModel, StartupError, TargetModel, Trial, UsageError, World,
+    __version__, algorithms, confine, decide, entropy_nats, lab_primitives, log_det, measure, miss, plan, predict,
+    standard_primitives, step_unicycle, team_algorithms)
 from .logs import Log
 
 __all__ = [
-    "Log", "Plan", "Planner", "Problem", "Scenario", "SensorModel", "StartupError", "TargetModel", "Trial",
-    "UsageError", "World", "algorithms", "confine", "entropy_nats", "lab_primitives", "live", "log_det",
-    "logs", "measure", "miss", "own", "plan", "predict", "standard_primitives", "step_unicycle"]
+    "Decision", "Log", "Plan", "Planner", "Problem", "Scenario", "SensorModel", "StartupError", "TargetModel", "Trial",
+    "UsageError", "World", "algorithms", "confine", "decide", "entropy_nats", "lab_primitives", "live", "log_det",
+    "logs", "measure", "miss", "own", "plan", "predict", "standard_primitives", "step_unicycle", "sweep",
+    "team_algorithms"]

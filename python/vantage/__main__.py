@@ -5,12 +5,16 @@ import sys
 import vantage
 
 
+def listed(names):
+    return "\n".join(f"  {name:26}{what}" for name, what in names.items())
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(
         prog="python3 -m vantage", description=vantage.__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="Searches:\n" + "\n".join(f"  {name:8}{what}" for name, what in vantage.algorithms().items())
-        + "\n\nMore: docs/python.md, and help(vantage.Trial) and the like.")
+        epilog=f"Searches:\n{listed(vantage.algorithms())}\n\nTeam decisions:\n{listed(vantage.team_algorithms())}"
+        "\n\nMore: docs/python.md, and help(vantage.Trial) and the like.")
     parser.add_argument("problem", nargs="?", help="a planning problem (JSON) to solve; without: this help")
     parser.add_argument("--algorithm", default="default", help="which search (default: what fits)")
     parser.add_argument("--nodes", type=int, help="nodes of work instead of one second")
@@ -24,6 +28,9 @@ def main(arguments=None):
     except (vantage.StartupError, vantage.UsageError) as error:
         print(f"python3 -m vantage: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("python3 -m vantage: interrupted", file=sys.stderr)
+        return 1
     print(plan)
     print(f"lower bound {plan.lower_bound}, controls {plan.controls.tolist()}")
     return 0 if plan.found else 1

@@ -3,7 +3,7 @@
     from vantage import live
     from vantage_lcm import measurement_t
 
-    node = live.Node("DETECTOR", scenario="config/lab.yaml")
+    node = live.Node("DETECTOR", scenario="lab")
     node.subscribe("VICON", vicon_frame_t, lambda channel, frame: ...)
     node.every(0.5, lambda utime: node.publish("MEASUREMENT_Q1", message))
     node.run()

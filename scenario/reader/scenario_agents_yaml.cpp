@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "models/sensor/law.hpp"
+#include "scenario/reader/scenario_detection_yaml.hpp"
 
 namespace vantage::scenario {
 namespace {
@@ -70,7 +71,7 @@ void check_sensor(Mapping& from, const SensorModel& sensor) {
   }
 }
 
-void read_sensor(Mapping& from, SensorModel& sensor) {
+void read_sensor(Mapping& from, SensorModel& sensor, models::DetectionModel& detection) {
   std::vector<std::pair<std::string_view, SensorKind>> kinds;
   for (const SensorKind kind : models::all_sensor_kinds()) {
     kinds.emplace_back(kind.name(), kind);
@@ -93,6 +94,7 @@ void read_sensor(Mapping& from, SensorModel& sensor) {
     calibration.number("range_bias_m", sensor.calibration.range_bias_m, any_number());
   });
   check_sensor(from, sensor);
+  read_detection(from, sensor, detection);
 }
 
 void read_limits(Mapping& from, models::VehicleLimits& limits) {
@@ -255,7 +257,8 @@ void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   from.section("limits", [&](Mapping& limits) { read_limits(limits, robot.limits); });
   read_primitives(from, robot.limits, robot.primitives);
   from.require("sensor");
-  from.section("sensor", [&](Mapping& sensor) { read_sensor(sensor, robot.sensor); });
+  from.section("sensor",
+               [&](Mapping& sensor) { read_sensor(sensor, robot.sensor, robot.detection); });
   from.section("energy",
                [&](Mapping& energy) { read_energy(energy, scenario.world, robot.energy); });
   read_device(from, robot.device);

@@ -14,6 +14,7 @@
 #include "scenario/neighbourhood.hpp"
 #include "scenario/reader/scenario_agents_yaml.hpp"
 #include "scenario/reader/scenario_attacks_yaml.hpp"
+#include "scenario/reader/scenario_detection_yaml.hpp"
 #include "scenario/reader/scenario_hosts_yaml.hpp"
 #include "scenario/reader/scenario_mapping_yaml.hpp"
 #include "scenario/reader/scenario_mocap_yaml.hpp"
@@ -343,6 +344,7 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   }
   top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });
+  check_unnamed(top, scenario);
   read_attacks(top, scenario);
   read_hosts(top, scenario);
 }

@@ -5,6 +5,7 @@
 
 #include "core/axes.hpp"
 #include "core/check.hpp"
+#include "models/exchange/counts.hpp"
 #include "wire/mavlink/messages.hpp"
 #include "wire/mavlink/vocabulary.hpp"
 
@@ -40,15 +41,6 @@ AutopilotEmulatorSpec spec_of(const scenario::RobotSpec& robot,
 Time step_at_or_before(Time time) {
   const Duration step = AutopilotEmulator::kStep;
   return from_utime(to_utime(time) / step.count() * step.count());
-}
-
-void add(const std::string& name, const LatencyRecord& record,
-         std::vector<models::NamedCount>& out) {
-  if (record.count() > 0) {
-    out.push_back({name + "_p50_us", record.percentile_us(0.5)});
-    out.push_back({name + "_p99_us", record.percentile_us(0.99)});
-    out.push_back({name + "_max_us", record.max_us()});
-  }
 }
 
 }  // namespace
@@ -108,8 +100,8 @@ void WireQuadrotor::measure(const wire::mavlink::Frame& frame, Time arrival) {
 std::vector<models::NamedCount> WireQuadrotor::counters() const {
   std::vector<models::NamedCount> out;
   const std::string prefix = "wire." + name_ + ".";
-  add(prefix + "pose", pose_age_, out);
-  add(prefix + "setpoint", setpoint_age_, out);
+  models::append_latency(out, prefix + "pose", pose_age_);
+  models::append_latency(out, prefix + "setpoint", setpoint_age_);
   out.push_back({prefix + "ignored", emulator_.ignored()});
   out.push_back({prefix + "bytes_skipped", watcher_.counts().bytes_skipped});
   out.push_back({prefix + "send_errors", socket_.send_errors()});

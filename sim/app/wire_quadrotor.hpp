@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "core/latency_record.hpp"
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
-#include "sim/app/latency_record.hpp"
 #include "sim/app/wire_vehicle.hpp"
 #include "sim/autopilot/autopilot_emulator.hpp"
 #include "sim/vehicle_socket.hpp"

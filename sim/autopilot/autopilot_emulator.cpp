@@ -187,25 +187,19 @@ void AutopilotEmulator::take_vision(const wire::mavlink::VisionPositionEstimate&
 }
 
 void AutopilotEmulator::take_target(const wire::mavlink::SetPositionTargetLocalNed& message) {
-  constexpr unsigned kPositionIgnored = 7;
-  constexpr unsigned kVelocityIgnored = 56;
-  constexpr unsigned kAccelerationIgnored = 448;
-  constexpr unsigned kForce = 512;
-  constexpr unsigned kYawIgnored = 1024;
-  constexpr unsigned kYawRateIgnored = 2048;
-  constexpr std::uint8_t kBodyNed = 8;
-  const unsigned mask = message.type_mask;
-  const bool is_body = message.coordinate_frame == kBodyNed;
+  namespace mask = wire::mavlink::mask;
+  const auto has = [&](std::uint16_t bits) { return (message.type_mask & bits) != 0; };
+  const bool is_body = message.coordinate_frame == wire::mavlink::frame::kBodyNed;
   if ((message.coordinate_frame != wire::mavlink::frame::kLocalNed && !is_body) ||
-      (mask & kForce) != 0) {
+      has(mask::kIsForce)) {
     ++ignored_;
     return;
   }
   FlightTarget target;
-  if ((mask & kPositionIgnored) == 0 && !is_body) {
+  if (!has(mask::kIgnorePosition) && !is_body) {
     target.position_m = Eigen::Vector3d(message.x, message.y, message.z);
   }
-  if ((mask & kVelocityIgnored) == 0) {
+  if (!has(mask::kIgnoreVelocity)) {
     Eigen::Vector3d velocity_mps(message.vx, message.vy, message.vz);
     if (is_body) {
       velocity_mps = Eigen::AngleAxisd(controller_.airframe().yaw_rad(), Eigen::Vector3d::UnitZ()) *
@@ -213,13 +207,13 @@ void AutopilotEmulator::take_target(const wire::mavlink::SetPositionTargetLocalN
     }
     target.velocity_mps = velocity_mps;
   }
-  if ((mask & kAccelerationIgnored) == 0) {
+  if (!has(mask::kIgnoreAcceleration)) {
     target.acceleration_mps2 = Eigen::Vector3d(message.afx, message.afy, message.afz);
   }
-  if ((mask & kYawIgnored) == 0) {
+  if (!has(mask::kIgnoreYaw)) {
     target.yaw_rad = static_cast<double>(message.yaw);
   }
-  if ((mask & kYawRateIgnored) == 0) {
+  if (!has(mask::kIgnoreYawRate)) {
     target.yaw_rate_radps = static_cast<double>(message.yaw_rate);
   }
   controller_.take_target(target, now_);

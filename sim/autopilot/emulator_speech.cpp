@@ -115,9 +115,9 @@ void AutopilotEmulator::speak_once(std::uint32_t message_id) {
           is_fed ? controller_.estimator().position_m() : Eigen::Vector3d::Zero();
       const Eigen::Vector3d velocity_mps =
           is_fed ? airframe.velocity_mps() : Eigen::Vector3d::Zero();
-      return send(wire::mavlink::LocalPositionNed{boot_ms, f32(position_m.x()), f32(position_m.y()),
-                                                  f32(position_m.z()), f32(velocity_mps.x()),
-                                                  f32(velocity_mps.y()), f32(velocity_mps.z())});
+      return send(wire::mavlink::LocalPositionNed{
+          {boot_ms, f32(position_m.x()), f32(position_m.y()), f32(position_m.z()),
+           f32(velocity_mps.x()), f32(velocity_mps.y()), f32(velocity_mps.z())}});
     }
     case wire::mavlink::Attitude::kMessage.id: {
       const Eigen::Matrix3d R = airframe.local_from_body().toRotationMatrix();

@@ -186,12 +186,7 @@ bool Px4Link::send(const FirmwareSensors& sensors) {
     return false;
   }
   if (samples_ % kHeartbeatEvery == 0) {  // a board's USB line wakes up when it is spoken to
-    wire::mavlink::Heartbeat heartbeat;
-    heartbeat.type = wire::mavlink::type::kOnboardController;
-    heartbeat.autopilot = wire::mavlink::autopilot::kNone;
-    heartbeat.system_status = wire::mavlink::kStateActive;
-    heartbeat.mavlink_version = 3;
-    write(heartbeat);
+    write(wire::mavlink::heartbeat_of(wire::mavlink::type::kOnboardController));
   }
   const wire::mavlink::HilSensor words = words_of(sensors, samples_++);
   last_sent_usec_ = words.time_usec;

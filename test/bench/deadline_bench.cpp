@@ -86,13 +86,14 @@ struct Spread {
 };
 
 // Tracking problems of every size, and some among boxes.
-std::vector<planner::SearchProblem> problems_of(const std::vector<tools::PlanningProblem>& tracking,
-                                                const std::vector<ObstructedProblem>& obstructed) {
+std::vector<planner::SearchProblem> problems_of(
+    const std::vector<tools::PlanningProblem>& tracking,
+    const std::vector<planner::OwnedProblem>& obstructed) {
   std::vector<planner::SearchProblem> problems;
   for (const tools::PlanningProblem& drawn : tracking) {
     problems.push_back(drawn.problem);
   }
-  for (const ObstructedProblem& drawn : obstructed) {
+  for (const planner::OwnedProblem& drawn : obstructed) {
     problems.push_back(drawn.problem);
   }
   return problems;
@@ -173,7 +174,7 @@ Outcome idle_until(std::int64_t end_ns) {
 
 void run(const Arguments& arguments) {
   const std::vector<tools::PlanningProblem> tracking = hundred_problems();
-  std::vector<ObstructedProblem> obstructed;
+  std::vector<planner::OwnedProblem> obstructed;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     obstructed.push_back(obstructed_problem(25, 12, seed % 2 == 0 ? 20 : 60, seed));
   }

@@ -44,7 +44,8 @@ void print_row(const Row& row, planner::ReducedValueIteration& search) {
   double nodes = 0.0;
   double bytes = 0.0;
   for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
-    const ObstructedProblem owned = obstructed_problem(row.targets, row.steps, row.obstacles, seed);
+    const planner::OwnedProblem owned =
+        obstructed_problem(row.targets, row.steps, row.obstacles, seed);
     engine_s += least_cpu_s(15, [&] { search.plan(owned.problem, exhaustive, Deadline::never()); });
     const planner::SearchResult& result = search.plan(owned.problem, exhaustive, Deadline::never());
     nodes += static_cast<double>(result.nodes_generated);
@@ -57,7 +58,7 @@ void print_row(const Row& row, planner::ReducedValueIteration& search) {
     std::fprintf(stderr, "        –\n");
     return;
   }
-  const ObstructedProblem owned =
+  const planner::OwnedProblem owned =
       obstructed_problem(row.targets, row.dense_steps, row.obstacles, 0);
   DenseResult dense;
   const double dense_s = least_cpu_s(2, [&] { dense = dense_value_iteration(owned.problem); });

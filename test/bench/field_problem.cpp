@@ -31,9 +31,9 @@ planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64
   return problem;
 }
 
-ObstructedProblem obstructed_problem(int targets, int horizon_steps, int obstacles,
-                                     std::uint64_t seed) {
-  ObstructedProblem owned;
+planner::OwnedProblem obstructed_problem(int targets, int horizon_steps, int obstacles,
+                                         std::uint64_t seed) {
+  planner::OwnedProblem owned;
   owned.problem = field_problem(targets, horizon_steps, seed);
   if (obstacles == 0) {
     return owned;

@@ -1,11 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
-#include "models/world/grid.hpp"
-#include "models/world/world.hpp"
-#include "planner/problem/problem.hpp"
+#include "planner/problem/owned_problem.hpp"
 
 namespace vantage::bench {
 
@@ -15,16 +12,9 @@ namespace vantage::bench {
 /// m/s, range and bearing to 10 m within 94°, σ 0.15 m and 5°.
 planner::SearchProblem field_problem(int targets, int horizon_steps, std::uint64_t seed);
 
-/// A problem with the world that it points to.
-struct ObstructedProblem {
-  std::unique_ptr<models::World> world;
-  std::unique_ptr<models::DistanceField> field;
-  planner::SearchProblem problem;
-};
-
 /// The same with `obstacles` boxes of 0.5–3 m a side within 20 m of the start, none within 1 m of
 /// it, a robot of radius 0.2 m, and a distance field of 0.1 m cells. Without boxes: no world.
-ObstructedProblem obstructed_problem(int targets, int horizon_steps, int obstacles,
-                                     std::uint64_t seed);
+planner::OwnedProblem obstructed_problem(int targets, int horizon_steps, int obstacles,
+                                         std::uint64_t seed);
 
 }  // namespace vantage::bench

@@ -113,7 +113,7 @@ void print(const std::string& name, Stretches& all) {
 
 void run(const Arguments& arguments) {
   const std::vector<tools::PlanningProblem> tracking = hundred_problems();
-  std::vector<ObstructedProblem> obstructed;
+  std::vector<planner::OwnedProblem> obstructed;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     obstructed.push_back(obstructed_problem(25, 12, seed % 2 == 0 ? 20 : 60, seed));
   }
@@ -121,7 +121,7 @@ void run(const Arguments& arguments) {
   for (const tools::PlanningProblem& drawn : tracking) {
     problems.push_back(&drawn.problem);
   }
-  for (const ObstructedProblem& drawn : obstructed) {
+  for (const planner::OwnedProblem& drawn : obstructed) {
     problems.push_back(&drawn.problem);
   }
   fmt::print("{:>8} {:>10} {:>8} {:>8} {:>8} {:>8} {:>8} | {:>10} {:>10}\n", "search", "stretches",

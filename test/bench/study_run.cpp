@@ -30,7 +30,7 @@ StudyMethod make_method(const std::string& name, const planner::BeamOptions& bea
   }
   std::shared_ptr<planner::Search> search = planner::algorithm_called(name).make(capacity, {});
   return {name, [search](const auto& problem, const Deadline& deadline) -> Found {
-            return search->search(problem, deadline);
+            return search->plan(problem, deadline);
           }};
 }
 

@@ -20,7 +20,8 @@ struct StudyRow {
   double p90_excess = 0.0;
   double max_excess = 0.0;
   double mean_cost = 0.0;
-  double mean_gap = 0.0;  ///< cost less lower bound
+  double mean_gap = 0.0;    ///< cost less lower bound
+  double median_gap = 0.0;  ///< the same, as a share of the cost
   double mean_cpu_s = 0.0;
 };
 

@@ -278,12 +278,17 @@ TEST(DistributedFilter, CannotDiscoverByRangeAloneAndCountsIt) {
   EXPECT_EQ(filter.counters().undiscoverable, 1);
 }
 
+FilterSpec gated_spec(const models::TargetModel& model, const models::SensorModel& sensor,
+                      int targets, double gate_sigma) {
+  FilterSpec spec = open_spec(model, sensor, targets);
+  spec.estimator.gate_sigma = gate_sigma;
+  return spec;
+}
+
 TEST(DistributedFilter, CountsEverythingItDoesNotUse) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(4);
-  FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);
-  spec.estimator.gate_sigma = 4.0;
-  DistributedFilter filter(spec);
+  DistributedFilter filter(gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0));
   const auto good = look_at(sensor, instant(0), at(0, 0), {Eigen::Vector2d(4.0, 0.0)}, rng);
   take_step(filter, instant(0), at(0, 0), {good});
   const Gaussian before = known(filter, 0);
@@ -321,9 +326,8 @@ TEST(DistributedFilter, WithAGateDoesNotMindSwappedIds) {
   const std::vector<Eigen::Vector2d> truth = {{4.0, 0.0}, {0.0, 4.0}};
   for (const bool is_gated : {false, true}) {
     std::mt19937_64 rng(5);
-    FilterSpec spec = open_spec({TargetKind::kRandomWalk, 2, 0.001}, sensor, 2);
-    spec.estimator.gate_sigma = is_gated ? 5.0 : 0.0;
-    DistributedFilter filter(spec);
+    DistributedFilter filter(
+        gated_spec({TargetKind::kRandomWalk, 2, 0.001}, sensor, 2, is_gated ? 5.0 : 0.0));
     double worst_m = 0.0;
     for (int k = 0; k < 40; ++k) {
       auto look = look_at(sensor, instant(k), at(0, 0), truth, rng);
@@ -346,9 +350,7 @@ TEST(DistributedFilter, WithAGateDoesNotMindSwappedIds) {
 TEST(DistributedFilter, WithAGateLetsGoOfWhatAFalseIdFounded) {
   const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
   std::mt19937_64 rng(6);
-  FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);
-  spec.estimator.gate_sigma = 4.0;
-  DistributedFilter filter(spec);
+  DistributedFilter filter(gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0));
   take_step(filter, instant(0), at(0, 0),
             {look_at(sensor, instant(0), at(0, 0), {Eigen::Vector2d(-3.0, -3.0)}, rng)});
   for (int k = 1; k <= kGatedInARowMax; ++k) {

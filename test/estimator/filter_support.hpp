@@ -72,6 +72,28 @@ inline models::RobotBelief prior(Time time, const std::vector<models::Gaussian>&
   return belief;
 }
 
+/// What one robot of a team has at a step.
+struct Heard {
+  std::vector<models::DetectionSet> looks;
+  std::vector<models::RobotBelief> beliefs;
+};
+/// Robot `self`'s own look and, of each other that `hears(other)`, the look and the belief, if it
+/// has sent one.
+template <class Hears>
+Heard heard_by(std::size_t self, const std::vector<models::DetectionSet>& looks,
+               const std::vector<models::RobotBelief>& beliefs, const Hears& hears) {
+  Heard out;
+  for (std::size_t other = 0; other < looks.size(); ++other) {
+    if (self == other || hears(other)) {
+      out.looks.push_back(looks[other]);
+    }
+    if (self != other && hears(other) && !beliefs[other].robot.empty()) {
+      out.beliefs.push_back(beliefs[other]);
+    }
+  }
+  return out;
+}
+
 inline models::RobotBelief take_step(DistributedFilter& filter, Time time,
                                      const models::Viewpoint& from,
                                      const std::vector<models::DetectionSet>& looks,

@@ -81,16 +81,8 @@ struct SharedLooks {
     }
     std::vector<models::RobotBelief> next;
     for (std::size_t i = 0; i < kRobots; ++i) {
-      std::vector<models::DetectionSet> used;
-      std::vector<models::RobotBelief> heard;
-      for (std::size_t j = 0; j < kRobots; ++j) {
-        if (i == j || hears(k, i, j)) {
-          used.push_back(looks[j]);
-        }
-        if (i != j && hears(k, i, j) && !beliefs[j].robot.empty()) {
-          heard.push_back(beliefs[j]);
-        }
-      }
+      auto [used, heard] =
+          test::heard_by(i, looks, beliefs, [&](std::size_t j) { return hears(k, i, j); });
       std::shuffle(used.begin(), used.end(), rng);
       for (const models::DetectionSet& look : std::vector(used)) {
         if (k % 5 == 0 && look.robot != name(i)) {

@@ -157,14 +157,19 @@ TEST(Measure, AgreesWithTheCovarianceFormWhereTheSensorIsLinearEnough) {
   }
 }
 
+/// What is believed after the look, which must be used.
+Gaussian after_its_look(const LookCase& c) {
+  auto information = models::to_information(c.belief).value();
+  EXPECT_EQ(measure(information, c.sensor, c.from, c.z, 0.0), Use::kUsed);
+  return models::to_gaussian(information).value();
+}
+
 TEST(Measure, UsesASensorOfOnesOwn) {
   std::mt19937_64 rng(5);
   for (int trial = 0; trial < 20; ++trial) {
     const LookCase c =
         draw_case(vantage::test::signal_strength(), 10.0, trial % 2 == 0 ? 360.0 : 94.0, 0.02, rng);
-    auto information = models::to_information(c.belief).value();
-    ASSERT_EQ(measure(information, c.sensor, c.from, c.z, 0.0), Use::kUsed);
-    const Gaussian actual = models::to_gaussian(information).value();
+    const Gaussian actual = after_its_look(c);
     const Eigen::MatrixXd Omega = Eigen::MatrixXd(c.belief.covariance).inverse();
     const auto oracle =
         test::dense_posterior(c.belief.mean, Omega, c.sensor, c.from, c.z, true, 160);
@@ -202,9 +207,7 @@ TEST_P(MeasureAgainstBruteForce, GivesTheMomentsOfThePosterior) {
   for (int trial = 0; trial < 40; ++trial) {
     const LookCase c = draw_case(GetParam(), trial % 2 == 0 ? 1.0 : 10.0,
                                  trial % 4 < 2 ? 360.0 : 94.0, trial % 8 < 4 ? 0.02 : 0.2, rng);
-    auto information = models::to_information(c.belief).value();
-    ASSERT_EQ(measure(information, c.sensor, c.from, c.z, 0.0), Use::kUsed);
-    const Gaussian actual = models::to_gaussian(information).value();
+    const Gaussian actual = after_its_look(c);
     const Eigen::MatrixXd Omega = Eigen::MatrixXd(c.belief.covariance).inverse();
     const auto open =
         test::dense_posterior(c.belief.mean, Omega, c.sensor, c.from, c.z, false, 160);

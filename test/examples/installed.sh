@@ -51,7 +51,7 @@ wait
 for name in plain debug avx2 native; do
   [[ -f "$work/$name/compile_commands.json" ]] || fail "configure $name: $(cat "$work/$name.log")"
   make "$name"
-  for program in plan_a_path own_search follow_targets layout; do
+  for program in plan_a_path own_search own_sensor follow_targets layout; do
     "$work/$name/$program" > "$work/$name/$program.out" || fail "$name: $program"
     diff "$work/plain/$program.out" "$work/$name/$program.out" ||
       fail "$program says something else with ${flags[$name]}"

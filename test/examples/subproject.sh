@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # subproject.sh CMAKE BUILD SOURCE: the tree as a part of another project, with Eigen and a compiler
-# alone. Only component models is built, which is quick; the others are configured.
+# alone: a program on component models, with several sets of flags, and the first example on planner.
 set -euo pipefail
 cmake=$1 source=$3
 work=$(mktemp -d)
@@ -16,6 +16,8 @@ add_executable(turn turn.cpp)
 target_link_libraries(turn PRIVATE vantage::models)
 separate_arguments(flags UNIX_COMMAND "${TURN_FLAGS}")
 target_compile_options(turn PRIVATE ${flags})
+add_executable(plan_a_path ${VANTAGE}/examples/plan_a_path.cpp)
+target_link_libraries(plan_a_path PRIVATE vantage::planner)
 foreach(component planner estimator)
   if(NOT TARGET vantage::${component})
     message(FATAL_ERROR "no vantage::${component}")
@@ -53,7 +55,7 @@ alone=()
 for package in PkgConfig Threads fmt yaml-cpp nlohmann_json fcl spdlog CLI11 Python3 GTest benchmark; do
   alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON")
 done
-"$cmake" -S "$work/project" -B "$work/build" -DVANTAGE="$source" "${alone[@]}" > "$work/log" 2>&1 ||
+"$cmake" -S "$work/project" -B "$work/build" -DVANTAGE="$source" -DVANTAGE_UNITY=ON "${alone[@]}" > "$work/log" 2>&1 ||
   { cat "$work/log"; fail "configure"; }
 for flags in "-O2" "-O3 -mavx2 -mfma" "-O3 -march=native"; do
   "$cmake" "$work/build" -DTURN_FLAGS="$flags" > "$work/log" 2>&1 || { cat "$work/log"; fail "$flags"; }
@@ -64,6 +66,9 @@ for flags in "-O2" "-O3 -mavx2 -mfma" "-O3 -march=native"; do
   [[ "$said" == "${first:=$said}" ]] || fail "turn says something else when built with $flags"
 done
 [[ "$said" == *"0.841471 0.459698 1.000000" ]] || fail "turn says $said"
+"$cmake" --build "$work/build" --parallel 2 --target plan_a_path > "$work/make" 2>&1 ||
+  { tail -50 "$work/make"; fail "build plan_a_path"; }
+"$work/build/plan_a_path" || fail "plan_a_path"
 # -O3 and the sealing are the library's own business.
 if nm "$work/build/vantage/models/libvantage_models.a" | grep -E ' [VWu] ' | grep -v ' _ZT[VTIS]N7vantage'
 then

@@ -141,7 +141,7 @@ TEST_P(Fuzz, KeepsItsPromises) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Harnesses, Fuzz, ::testing::ValuesIn(harnesses()),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& of) { return std::string(of.param.name); });
 
 }  // namespace
 }  // namespace vantage::test

@@ -192,6 +192,22 @@ TEST(Stream, ShowsTheBestInformedRobotAndTakesAwayWhatIsForgotten) {
             (std::set<std::string>{"estimate/R2", "estimate/R3", "estimate/R4", "estimate/R5"}));
 }
 
+// Nobody can list the labels that are gone: what is not told again is gone after a step and a half.
+TEST(Stream, ShowsATrackOnlyAsLongAsItIsTold) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), Time{});
+  stream.on(belief_of("Q1", 0,
+                      {known(0, 1.0, 0.0, 0.5), known(models::kTrackLabelMin + 31, 1.0, 0.0, 0.5)}),
+            Time{});
+  stream.on(models::TruthFrame{}, Time{});
+  const Json entities = notebook.of("/estimates").at(0)["entities"];
+  ASSERT_EQ(entities.size(), 2U);
+  EXPECT_EQ(entities[0]["lifetime"], to_json(Duration{0}));
+  EXPECT_EQ(entities[1]["id"], "estimate/track 1f");
+  EXPECT_EQ(entities[1]["lifetime"], to_json(from_seconds(0.75)));
+}
+
 TEST(Stream, MovesBodiesByTheTruthWhereNoMocapIsHeard) {
   Notebook notebook;
   Stream stream(notebook);
@@ -205,6 +221,41 @@ TEST(Stream, MovesBodiesByTheTruthWhereNoMocapIsHeard) {
   stream.on(truth, Time{});
   EXPECT_EQ(notebook.of("/transforms").size(), 2U) << "the mocap's, not the truth's";
   EXPECT_EQ(notebook.of("/truth/transforms").size(), 2U);
+}
+
+// A measurement of 1.0 s goes into a belief, that into the plan of round 7, and at 2.5 s the
+// vehicle follows that.
+TEST(Stream, TellsHowOldTheMeasurementIsThatAVehicleActsOn) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), Time{});
+  models::DetectionSet look;
+  look.robot = "Q1";
+  look.stamp = {from_utime(1'000'000), 11, 3};
+  stream.on(look, Time{});
+  models::RobotBelief belief = belief_of("Q2", 0, {});  // of a neighbour that heard it
+  belief.stamp.run_id = 12;
+  belief.stamp.sequence = 5;
+  belief.inputs = {{"MEASUREMENT_Q1", 11, 2}, {"MEASUREMENT_Q1", 11, 3}};
+  stream.on(belief, Time{});
+  models::RobotPlan plan;
+  plan.robot = "Q2";
+  plan.round = 7;
+  plan.inputs = {{"BELIEF_Q2", 12, 5}};
+  stream.on(plan, Time{});
+  const auto latency_s = [&](double time_s, std::int64_t round) {
+    models::VehicleStatus status;
+    status.robot = "Q2";
+    status.stamp.time = from_utime(0) + from_seconds(time_s);
+    status.plan_round = round;
+    stream.on(status, Time{});
+    const Json told = notebook.of("/vehicle/Q2").back();
+    return told.value("capture_to_setpoint_s", -1.0);
+  };
+  EXPECT_EQ(latency_s(2.4, 6), -1.0) << "nobody knows since when it follows that";
+  EXPECT_NEAR(latency_s(2.5, 7), 1.5, 1e-9);
+  EXPECT_NEAR(latency_s(2.6, 7), 1.5, 1e-9) << "as long as it does";
+  EXPECT_EQ(latency_s(3.5, 8), -1.0) << "nobody knows what that was made from";
 }
 
 TEST(Stream, CountsAScenarioThatItCannotRead) {

@@ -72,6 +72,31 @@ TEST(TrialMetrics, MeasuresErrorAtTheBeliefsOwnTime) {
   EXPECT_FALSE(summary.rmse_per_target_m[1]);
 }
 
+// Labels are no ids: a track is judged as the target that the best assignment takes it for, and one
+// that is far from all has discovered none.
+TEST(TrialMetrics, JudgesTracksWithoutIdsByWhereTheyAre) {
+  scenario::Scenario unnamed = scenario();
+  for (scenario::RobotSpec& robot : unnamed.robots) {
+    robot.detection.detects_ids = false;
+  }
+  TrialMetrics metrics(unnamed, at_s(0.0));
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(2.0));
+  const int label = models::kTrackLabelMin;
+  metrics.on_belief(belief("Q1", 0.5, {target(label, 5.0, 8.0, 1.0)}));
+  metrics.on_belief(
+      belief("Q1", 1.0, {target(label + 7, 5.0, 5.4, 1.0), target(label + 9, 2.3, 0.0, 1.0)}));
+  metrics.on_belief(belief("Q1", 1.5,
+                           {target(label, 3.0, 0.5, 1.0), target(label + 7, 5.0, 5.5, 1.0),
+                            target(label + 9, 9.0, 9.0, 1.0)}));
+  const TrialSummary summary = metrics.finish(at_s(2.0));
+  EXPECT_EQ(summary.discovered, 2);
+  EXPECT_EQ(summary.discovery_time_s[0], 1.0);
+  EXPECT_EQ(summary.discovery_time_s[1], 1.0);
+  EXPECT_NEAR(*summary.rmse_m, (3.0 + std::sqrt((0.16 + 0.09) / 2.0) + 0.5) / 3.0, 1e-9);
+  EXPECT_NEAR(summary.undiscovered_share, 0.5 / 3.0, 1e-12);
+}
+
 TEST(TrialMetrics, TakesTheBestInformedRobotOfEachStep) {
   TrialMetrics metrics(scenario(), at_s(0.0));
   metrics.on_truth(truth(0.0));
@@ -176,6 +201,37 @@ TEST(TrialMetrics, JudgesHowSureEachRobotIsByHowLongItsTargetsAreUnseen) {
   EXPECT_NEAR(*means.consistency_by_age[2].mean_nees, 9.0, 1e-9);
   EXPECT_FALSE(means.consistency_by_age[3].mean_nees);
   EXPECT_NEAR(*means.consistency_by_age[4].mean_nees, 1.0, 1e-9);
+}
+
+TEST(TrialMetrics, TellsOfTheNewestStepHowItsRobotsSawIt) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  EXPECT_FALSE(metrics.step_of_robots().entropy_nats());
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(5.0));
+  models::TargetBelief fresh = target(0, 1.0, 1.0, 0.5);  // off by 1 m, which is 2 σ
+  fresh.last_seen = at_s(0.5);
+  models::TargetBelief old = target(1, 5.0, 8.0, 1.0);  // off by 3 m and 3 σ
+  old.last_seen = at_s(-2.5);
+  metrics.on_belief(belief("Q1", 0.5, {fresh, old}));
+  metrics.on_belief(belief("Q2", 0.5, {fresh}));
+  metrics.on_belief(belief("Q3", 0.5, {}));  // knows nothing
+  metrics.on_belief(belief("Q1", 1.0, {}));
+  EXPECT_FALSE(metrics.step_of_robots().entropy_nats()) << "the first step is not judged yet";
+  metrics.on_belief(belief("Q1", 1.5, {}));
+  const RobotStep& step = metrics.step_of_robots();
+  EXPECT_NEAR(step.rmse_m().value(), 0.5 * (std::sqrt((1.0 + 9.0) / 2.0) + 1.0), 1e-9);
+  const double prior = isotropic_entropy_nats(kPriorSigma_m, 2);
+  const double known_0 = isotropic_entropy_nats(0.5, 2);
+  const double known_1 = isotropic_entropy_nats(1.0, 2);
+  EXPECT_NEAR(step.entropy_nats().value(),
+              (0.5 * (known_0 + known_1) + 0.5 * (known_0 + prior) + prior) / 3.0, 1e-9);
+  EXPECT_EQ(step.nees_by_age()[0].samples, 2);
+  EXPECT_NEAR(step.nees_by_age()[0].sum, 8.0, 1e-9);
+  EXPECT_EQ(step.nees_by_age()[2].samples, 1);
+  EXPECT_NEAR(step.nees_by_age()[2].sum, 9.0, 1e-9);
+  metrics.on_belief(belief("Q1", 2.0, {}));
+  EXPECT_FALSE(metrics.step_of_robots().rmse_m()) << "of the newest step alone";
+  EXPECT_EQ(metrics.step_of_robots().nees_by_age()[0].samples, 0);
 }
 
 TEST(NeesSums, GivesMeanMedianAndCoverageOfErrorsThatAreAsTheFilterSays) {

@@ -20,7 +20,6 @@ class Notebooks(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        os.symlink(SOURCE / "config", os.path.join(cls.folder.name, "config"))
         pathlib.Path(cls.folder.name, "flight.lcmlog").write_bytes(
             lzma.decompress((SOURCE / "logs/sample/lab_60s.lcmlog.xz").read_bytes()))
         subprocess.run(["lcm-gen", "--python", "--ppath", cls.folder.name, *SOURCE.glob("lcmtypes/*.lcm")], check=True)

@@ -2,6 +2,9 @@
 """Plans from Python are those of `vantage plan`, to the bit, and refused with the same words."""
 import json
 import os
+import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import unittest
@@ -113,6 +116,48 @@ class Plan(unittest.TestCase):
         plan = vantage.plan(PROBLEMS / "tracking.json", budget_s=0.01)
         self.assertTrue(plan.found)
         self.assertEqual(plan.history.shape[1], 4)
+
+
+# Its line comes from a thread that gets the interpreter's lock when the plan gives it up, not before.
+PLANS_FOR_AN_HOUR = """
+import signal, sys, threading
+import vantage
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.setswitchinterval(1000)
+problem, planner, gate = vantage.Problem(sys.argv[1]), vantage.Planner("beam", budget_s=3600), threading.Lock()
+planner.prepare(problem)
+def say():
+    with gate:
+        print("plans", flush=True)
+with gate:
+    threading.Thread(target=say).start()
+try:
+    planner.plan(problem)
+    print("has planned")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+# A handler that asks for what it has interrupted is refused, and not waited for.
+ASKS_IN_A_HANDLER = PLANS_FOR_AN_HOUR.replace("signal.default_int_handler", "lambda *_: planner.prepare(problem)") \
+    .replace("except KeyboardInterrupt", "except vantage.UsageError")
+
+
+class CtrlC(unittest.TestCase):
+    def ends(self, program):
+        child = subprocess.Popen([sys.executable, "-c", program, PROBLEMS / "tracking.json"], stdout=subprocess.PIPE,
+                                 text=True)
+        with child:
+            self.assertEqual(child.stdout.readline(), "plans\n")
+            child.send_signal(signal.SIGINT)
+            self.assertEqual(child.stdout.read().split(), ["interrupted"])
+        self.assertEqual(child.returncode, 0)
+
+    def test_ends_a_plan_of_an_hour(self):
+        self.ends(PLANS_FOR_AN_HOUR)
+
+    def test_whose_handler_asks_for_the_plan_itself_is_refused(self):
+        self.ends(ASKS_IN_A_HANDLER)
 
 
 class Refusal(unittest.TestCase):

@@ -12,6 +12,7 @@
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "test/sim/lab_scenario.hpp"
+#include "test/support/bus_pair.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -20,12 +21,10 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 /// The node, a clock, and a listener who keeps everything.
 struct Lab {
-  bus::InProcessHub hub;
   bus::VirtualClock clock{kStart};
-  std::unique_ptr<bus::Transport> sim_side = hub.connect();
-  std::unique_ptr<bus::Transport> other_side = hub.connect();
-  bus::Bus sim_bus{*sim_side, 11};
-  bus::Bus bus{*other_side, 22};
+  test::BusPair net{11, 22};
+  bus::Bus& sim_bus = net.own;
+  bus::Bus& bus = net.other;
   SimNode node;
   std::vector<models::MocapFrame> frames;
   std::vector<Time> frames_published;

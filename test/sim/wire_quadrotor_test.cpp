@@ -142,20 +142,6 @@ TEST(WireQuadrotor, RefusesWhatCannotBeSimulatedOnTheWire) {
   EXPECT_THROW(WireQuadrotor(robot, {}, 1, 1, kStart), StartupError);
 }
 
-TEST(LatencyRecord, GivesPercentilesToTheWidthOfABin) {
-  LatencyRecord record;
-  EXPECT_EQ(record.percentile_us(0.5), 0);
-  for (int k = 1; k <= 1000; ++k) {
-    record.add(Duration{10 * k});
-  }
-  EXPECT_NEAR(static_cast<double>(record.percentile_us(0.5)), 5000.0, LatencyRecord::kStepUs);
-  EXPECT_NEAR(static_cast<double>(record.percentile_us(0.99)), 9900.0, LatencyRecord::kStepUs);
-  EXPECT_EQ(record.max_us(), 10'000);
-  record.add(std::chrono::seconds(7));
-  EXPECT_EQ(record.max_us(), 7'000'000);
-  EXPECT_EQ(record.percentile_us(1.0), 7'000'000);
-}
-
 TEST(WireQuadrotor, DriftsWithTheScenariosWind) {
   const scenario::WindSpec wind{2.0, 1.0, 0.0};
   Airframe body(airframe_in(wind), 1, {0.0, 0.0, 0.0}, 0.0);

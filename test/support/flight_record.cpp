@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bus/convert/convert.hpp"
+#include "core/angle.hpp"
 #include "models/world/world.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "test/support/log_decode.hpp"
@@ -24,6 +25,14 @@ bool is_of_now(const models::Stamp& stamp, const lcm::LogEvent& event) {
 constexpr double kLowM = 0.5;       // a vehicle below it lands or takes off
 constexpr double kReactionS = 0.2;  // one that sets off is still becoming faster
 
+void add_new(const std::vector<std::string>& words, std::vector<std::string>& known) {
+  for (const std::string& word : words) {
+    if (std::ranges::find(known, word) == known.end()) {
+      known.push_back(word);
+    }
+  }
+}
+
 }  // namespace
 
 void FlightRecord::take(const lcm::LogEvent& event) {
@@ -36,8 +45,9 @@ void FlightRecord::take(const lcm::LogEvent& event) {
     if (truth && is_of_now(truth->stamp, event) && is_of_flight(truth->stamp, "")) {
       for (const models::TruthBody& body : truth->bodies) {
         if (body.target_id < 0) {
-          robots_[body.name].truth.push_back(
-              {truth->stamp.time, body.world_from_body.translation_m, body.velocity_world_mps});
+          robots_[body.name].truth.push_back({truth->stamp.time, body.world_from_body.translation_m,
+                                              body.velocity_world_mps,
+                                              flatten(body.world_from_body).yaw_rad});
         }
       }
     }
@@ -52,10 +62,15 @@ void FlightRecord::take(const lcm::LogEvent& event) {
 // Nor is a second trial beside it. A process that was started again has another run.
 bool FlightRecord::is_of_flight(const models::Stamp& stamp, const std::string& robot) {
   constexpr double kSilentS = 0.5;  // a driver says its state ten times a second
-  const auto newest = newest_.try_emplace(robot, stamp).first;
+  const auto [newest, is_first] = newest_.try_emplace(robot, stamp);
   const bool is_silent = to_seconds(stamp.time - newest->second.time) > kSilentS;
-  if (stamp.run_id != newest->second.run_id && !is_silent) {
+  const bool is_other = stamp.run_id != newest->second.run_id;
+  if (is_other && !is_silent) {
+    ++(robot.empty() ? truth_strangers_ : robots_[robot].strangers);
     return false;
+  }
+  if (!robot.empty()) {
+    robots_[robot].runs += is_first || is_other ? 1 : 0;
   }
   newest->second = stamp;
   return true;
@@ -113,6 +128,8 @@ CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) co
       out.hold_error_max_m = std::max(out.hold_error_max_m, error_m);
     }
   }
+  judge_words(robot, begin, end, spec->limits.speed_max_mps, out);
+  judge_turns(robot, begin, end, spec->limits.yaw_rate_max_radps, out);
   out.follow_share = out.airborne_s > 0.0 ? following_s / out.airborne_s : 0.0;
   out.setpoint_error_rms_m = samples > 0 ? std::sqrt(square_sum_m2 / samples) : 0.0;
   out.separation_least_m = std::numeric_limits<double>::infinity();
@@ -134,6 +151,52 @@ CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) co
     }
   }
   return out;
+}
+
+void FlightRecord::judge_words(const Robot& robot, Time begin, Time end, double speed_max_mps,
+                               CourseKept& out) {
+  out.runs = robot.runs;
+  out.strangers = robot.strangers;
+  const models::VehicleStatus* last = nullptr;
+  for (const models::VehicleStatus& said : robot.said) {
+    if (said.stamp.time < begin || said.stamp.time > end) {
+      continue;
+    }
+    if (last != nullptr) {
+      const double gap_s = to_seconds(said.stamp.time - last->stamp.time);
+      out.said_gap_max_s = std::max(out.said_gap_max_s, gap_s);
+      const double moved_m = (said.setpoint.position_m() - last->setpoint.position_m()).norm();
+      // To brake it is asked to begin where it is, whatever it was asked before.
+      if (last->state == FlightState::kFollow && said.state == FlightState::kFollow) {
+        out.setpoint_jump_max_m =
+            std::max(out.setpoint_jump_max_m, moved_m - speed_max_mps * gap_s);
+      }
+    }
+    last = &said;
+  }
+}
+
+void FlightRecord::judge_turns(const Robot& robot, Time begin, Time end, double yaw_rate_max_radps,
+                               CourseKept& out) {
+  constexpr double kWindowS = 0.1;
+  std::size_t first = 0;  // of the window that ends at each moment
+  for (std::size_t i = 1; i < robot.truth.size(); ++i) {
+    const At& at = robot.truth[i];
+    if (at.time < begin || at.time > end) {
+      first = i;
+      continue;
+    }
+    out.truth_gap_max_s =
+        std::max(out.truth_gap_max_s, to_seconds(at.time - robot.truth[i - 1].time));
+    while (first + 1 < i && to_seconds(at.time - robot.truth[first + 1].time) >= kWindowS) {
+      ++first;
+    }
+    const double window_s = to_seconds(at.time - robot.truth[first].time);
+    if (window_s >= kWindowS && at.position_m.z() >= kLowM) {
+      const double turned_rad = std::abs(wrap_to_pi(at.yaw_rad - robot.truth[first].yaw_rad));
+      out.turn_max_share = std::max(out.turn_max_share, turned_rad / window_s / yaw_rate_max_radps);
+    }
+  }
 }
 
 std::optional<Stop> FlightRecord::stop_at(const Robot& robot, std::size_t said) {
@@ -181,6 +244,7 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
   constexpr double kDownS = 30.0;
   constexpr double kDownM = 0.15;
   constexpr double kSaidS = 45.0;
+  constexpr double kReasonS = 1.0;
   const auto robot = robots_.find(name);
   if (robot == robots_.end() || !scenario_) {
     return std::nullopt;
@@ -196,10 +260,12 @@ std::optional<Aftermath> FlightRecord::after(const std::string& name, Time event
   for (const models::VehicleStatus& said : robot->second.said) {
     const double since_s = to_seconds(said.stamp.time - event);
     if (since_s >= 0.0 && since_s <= kSaidS && state && said.state != *state) {
-      out.said.push_back(
-          {said.state, since_s, said.reasons.empty() ? std::string() : said.reasons.front()});
+      out.said.push_back({said.state, since_s, {}});
     }
     state = said.state;
+    if (!out.said.empty() && since_s <= out.said.back().after_s + kReasonS) {
+      add_new(said.reasons, out.said.back().reasons);
+    }
     const bool is_flown = said.state == FlightState::kFollow || said.state == FlightState::kHold;
     const auto here_m = since_s >= 0.0 && since_s <= kCourseS && is_flown
                             ? place(robot->second, said.stamp.time)

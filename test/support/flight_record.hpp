@@ -26,6 +26,14 @@ struct CourseKept {
   double speed_max_share = 0.0;   ///< of the limit, horizontally
   double outside_max_m = 0.0;     ///< of the centre beyond the bounds or in an obstacle
   double separation_least_m = 0.0;
+  double turn_max_share = 0.0;  ///< of the limit, over a tenth of a second
+  /// While following: of where it is asked to be, from one word of its driver to the next, beyond
+  /// the way at its greatest speed.
+  double setpoint_jump_max_m = 0.0;
+  double said_gap_max_s = 0.0;   ///< between two words of its driver
+  double truth_gap_max_s = 0.0;  ///< between two sights of its body
+  int runs = 0;                  ///< of its driver that were believed, one after the other
+  std::int64_t strangers = 0;    ///< words in its name of another run, while its own was alive
   std::map<std::string, double> reasons;  ///< seconds for which each was given, in the air
 };
 
@@ -42,7 +50,7 @@ struct Stop {
 struct Reaction {
   models::FlightState state = models::FlightState::kIdle;
   double after_s = 0.0;
-  std::string reason;
+  std::vector<std::string> reasons;  ///< told within a second, each once
 };
 
 /// What became of a vehicle to which something happened.
@@ -64,6 +72,8 @@ class FlightRecord {
   /// Nothing for a robot that TRUTH does not show then.
   [[nodiscard]] std::optional<Aftermath> after(const std::string& robot, Time event) const;
   [[nodiscard]] const std::optional<scenario::Scenario>& scenario() const { return scenario_; }
+  /// Frames of another simulation's truth, while this one's came.
+  [[nodiscard]] std::int64_t truth_strangers() const { return truth_strangers_; }
   /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
 
@@ -72,18 +82,27 @@ class FlightRecord {
     Time time{};
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+    double yaw_rad = 0.0;
   };
   struct Robot {
     std::vector<At> truth;
     std::vector<models::VehicleStatus> said;
+    int runs = 0;
+    std::int64_t strangers = 0;
   };
   bool is_of_flight(const models::Stamp& stamp, const std::string& robot);
   [[nodiscard]] static std::optional<Stop> stop_at(const Robot& robot, std::size_t said);
   [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
   [[nodiscard]] CourseKept summary(const std::string& name, const Robot& robot) const;
+  /// What its driver said from `begin` to `end`, and how its body turned.
+  static void judge_words(const Robot& robot, Time begin, Time end, double speed_max_mps,
+                          CourseKept& out);
+  static void judge_turns(const Robot& robot, Time begin, Time end, double yaw_rate_max_radps,
+                          CourseKept& out);
 
   std::optional<scenario::Scenario> scenario_;
   std::map<std::string, Robot> robots_;
+  std::int64_t truth_strangers_ = 0;
   std::map<std::string, models::Stamp> newest_;  ///< of each robot's states; "": of the truth
 };
 

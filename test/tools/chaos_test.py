@@ -74,8 +74,8 @@ def test_a_slope_is_in_mebibytes_a_day():
     assert SOAK.settled([(t * 3600.0, 0) for t in range(101)])[0][0] == 3600.0
 
 
-def soaked(descriptors):
-    samples = [{"s": 5.0 * i, "log_bytes": 0, "processes": [["sim", 7, 1000, descriptors(i), 2]]} for i in range(40)]
+def soaked(descriptors, memory_kib=lambda i: 1000, period_s=5.0):
+    samples = [{"s": period_s * i, "log_bytes": 0, "processes": [["sim", 7, memory_kib(i), descriptors(i), 2]]} for i in range(40)]
     up = {"collisions": 0, "restarts": 0, "log": {"unrecorded_s": 0.0}}
     return SOAK.table(samples, up, {"wire.Q1.pose_p99_us": 5000}, [])
 
@@ -85,6 +85,17 @@ def test_what_grows_is_a_fault():
     assert faults == [] and "| sim | 1 |" in text and "| wire.Q1.pose |  | 5.00 |  |" in text
     assert soaked(lambda i: 9 + i // 10)[1], "descriptors that leak"
     assert soaked(lambda i: 9 + (i == 20))[1] == [], "a file that was looked at"
+
+
+def test_memory_that_grows_for_hours_is_a_fault():
+    kib_per_s = 1024 / 86_400  # a MiB a day
+
+    def rises(mib_per_day, period_s=300.0):
+        return soaked(lambda i: 9, lambda i: 1000 + mib_per_day * kib_per_s * period_s * i, period_s)[1]
+
+    assert len(rises(1.1)) == 1 and "1.1 MiB a day" in rises(1.1)[0]
+    assert rises(0.9) == []
+    assert rises(100.0, 5.0) == [], "of a few minutes: what a start leaves"
 
 
 for name, test in sorted(globals().items()):

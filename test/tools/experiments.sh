@@ -1,14 +1,6 @@
 #!/usr/bin/env bash
 # experiments.sh VANTAGE: every experiment runs, whole and in shards, and goes on after kill -9.
-set -euo pipefail
-vantage=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-
-fail() {
-  echo "experiments.sh: $*" >&2
-  exit 1
-}
+source "$(dirname "$0")/begin.sh"
 
 # All that must not depend on how it was run.
 same() {

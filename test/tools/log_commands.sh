@@ -48,6 +48,32 @@ exits_with 2 "$vantage" log info missing.lcmlog
 "$vantage" log metrics flight.lcmlog --json | json 'd["rounds"]' > /dev/null
 "$vantage" log fit-motion flight.lcmlog | grep "target_model: {kind: damped_oscillator" > /dev/null
 "$vantage" log fit-motion flight.lcmlog --json | json 'len(d["models"])' | grep -q 3 || fail "fit-motion"
+python3 - << 'END'
+import math
+import random
+random.seed(1)
+way = [(0.5 * k, 20 * math.cos(0.05 * k), 15 * math.sin(0.05 * k)) for k in range(500)]
+beacons = {"1": (9, 30), "2": (-25, 4)}
+def table(name, header, rows):
+    with open(name, "w") as file:
+        file.write(header + "\r\n" + "".join(",".join(map(str, row)) + "\r\n" for row in rows))
+table("way.csv", "time_s,x_m,y_m", way)
+ranges = [(1000 * t, b, 107 * math.dist((x, y), at) + random.gauss(20, 30))
+          for t, x, y in way for b, at in beacons.items()]
+random.shuffle(ranges)
+table("ranges.csv", "time [ms],beacon_id,range_cm", ranges + [(3, "1", "nan")])
+table("survey.csv", "beacon_id,x_m,y_m", [(b, *at) for b, at in beacons.items()])
+END
+"$vantage" log fit-ranges ranges.csv --poses way.csv --beacons survey.csv | grep "mean NEES of the beacons" > /dev/null
+"$vantage" log fit-ranges ranges.csv --poses way.csv --beacons survey.csv --json > fit.json
+json 'abs(d["range_scale"] - 1.07) < 4 * d["range_scale_sigma"] < 0.05' < fit.json | grep -q True || fail "fit-ranges: scale"
+json 'max(b["error_m"] for b in d["beacons"]) < 0.5' < fit.json | grep -q True || fail "fit-ranges: beacons"
+json '(d["ranges"]["not_finite"], d["ranges"]["used"])' < fit.json | grep -q "(1, 1000)" || fail "fit-ranges: counts"
+# Of a log: the robots' sensors measure 10 % long and targets stand still.
+sed -e 's/range_scale: 1 *$/range_scale: 1.1/' -e 's/motion: random_waypoint/motion: still/' "$scenario" > long.yaml
+"$vantage" trial long.yaml --duration-s 240 --nodes 200 --log still.lcmlog > still.txt
+"$vantage" log fit-ranges still.lcmlog --json > still.json
+json 'abs(d["range_scale"] - 1.1) < 3 * d["range_scale_sigma"] < 0.25 and len(d["beacons"]) > 2' < still.json | grep -q True || fail "fit-ranges of a log"
 "$vantage" trial "$scenario" --duration-s 6 --nodes 200 --log trial.lcmlog > trial.txt
 "$vantage" log replay trial.lcmlog --node planner:Q1 --node estimator:Q2
 exits_with 2 "$vantage" log replay trial.lcmlog --node planner:Q9
@@ -57,7 +83,10 @@ exits_with 2 "$vantage" log replay trial.lcmlog --node planner:Q9
 [[ $(head -c 5 flight.mcap | tail -c 4) == MCAP ]] || fail "mcap"
 if command -v gnuplot > /dev/null; then
   "$vantage" log plot flight.lcmlog --out flight.png
-  [[ -s flight.png ]] || fail "plot"
+  "$vantage" log fit-motion flight.lcmlog --json --out motion.svg | json 'len(d["models"])' | grep -q 3 ||
+    fail "fit-motion beside its plot"
+  "$vantage" log fit-ranges ranges.csv --poses way.csv --beacons survey.csv --out beacons.svg > /dev/null
+  [[ -s flight.png && -s motion.svg && -s beacons.svg ]] || fail "plot"
 fi
 echo quit | "$vantage" log play flight.lcmlog --url memq:// --paused --json | json 'd["published"]' \
   | grep -qx 0 || fail "play"

@@ -7,6 +7,7 @@ written and a disk that is full; what is printed goes into a closed pipe; option
 mistyped. Always: an exit code that the table says, no crash, and with 2 one line that names the file
 (or the word) and the rule; what was there before is there afterwards.
 """
+import math
 import os
 import pathlib
 import resource
@@ -22,6 +23,9 @@ SCENARIO = [
     "check {}", "trial {} --duration-s 1 --nodes 20", "up {} --no-log --duration-s 1",
     "demo --scenario {} --duration-s 1 --out demo-x", "console {}"]
 PROBLEM = ["plan {} --nodes 100"]
+TABLE = [
+    "log fit-ranges {} --poses way.csv", "log fit-ranges ranges.csv --poses {}",
+    "log fit-ranges ranges.csv --poses way.csv --beacons {}"]
 # Of a log; what it answers to one that is empty, torn, of another kind (a picture; foreign channels).
 LOG = {
     "log info {}": (0, 0, 0, 0),
@@ -34,6 +38,7 @@ LOG = {
     "log merge {} {} --out new.lcmlog": (0, 0, 0, 0),
     "log metrics {}": (2, 0, 2, 2),
     "log plot {} --out new.png": (2, 0, 2, 2),
+    "log fit-ranges {}": (2, 2, 2, 2),  # the torn one has too few ranges
     "log replay {} --node planner:Q1": (2, 0, 2, 2),
     "log export {} --to csv --out new-csv": (0, 0, 0, 1),
     "log export {} --to mcap --out new.mcap": (0, 0, 0, 1),
@@ -46,6 +51,7 @@ WRITERS = {
     "log filter {i} {o} --channels TRUTH": "x.lcmlog", "log rename {i} {o} --rule A=B": "x.lcmlog",
     "log merge {i} {i} --out {o}": "x.lcmlog", "log plot {i} --out {o}": "x.png",
     "log export {i} --to csv --out {o}": "csv", "log export {i} --to mcap --out {o}": "x.mcap",
+    "log fit-ranges ranges.csv --poses way.csv --out {o}": "x.svg",
     "plan {p} --nodes 1000 --svg {o}": "x.svg", "config copy lab {o}": "x.yaml",
     "trial {s} --duration-s 2 --nodes 20 --log {o}": "x.lcmlog",
     "trial {s} --duration-s 2 --nodes 20 --svg {o}": "x.svg",
@@ -59,7 +65,12 @@ WORDS = {  # mistyped: what the line must name
     "trial x --duration-s -3": "above 0", "plan x --budget-s 1e9": "from 0 to 86400",
     "doctor viccon localhost": "viccon", "config copy labb": "did you mean 'lab'",
     "experiment nope": "nope", "log export x --to docx --out y": "docx",
-    "log plot x --out y.docx": ".png, .svg or .pdf", "view --port 99999": "65535",
+    "log plot x --out y.docx": ".png, .svg or .pdf", "log fit-rang x": "did you mean 'fit-ranges'",
+    "log fit-ranges ranges.csv": "expected --poses", "log fit-ranges x --gap-max-s 0": "above 0",
+    "log fit-ranges ranges.csv --poses way.csv --robot Q1": "--robot is of a log",
+    "log fit-ranges ranges.csv --poses words.csv": "words.csv:3: x 'far'; expected a number",
+    "log fit-ranges way.csv --poses way.csv": "way.csv:1: no column 'beacon'",
+    "log fit-ranges flight.lcmlog --robot Q9": "no robot 'Q9'", "view --port 99999": "65535",
     "view x --types none.lcm": "none.lcm: cannot be read", "view x --record y.webm --fps 0": "1 to 60"}
 
 failures = []
@@ -122,6 +133,12 @@ def fill(folder, sample, problem):
             file.truncate(HUGE_BYTES)
     lab = (folder / "lab.yaml").read_text()
     (folder / "torn.yaml").write_text(lab[:lab.index("robots:") + 60])
+    way = [(0.5 * k, 20 * math.cos(0.05 * k), 15 * math.sin(0.05 * k)) for k in range(500)]
+    (folder / "way.csv").write_text("time_s,x_m,y_m\n" + "".join("%f,%f,%f\n" % row for row in way))
+    (folder / "words.csv").write_text("time_s,x_m,y_m\n0,0,0\n1,far,0\n")
+    (folder / "ranges.csv").write_text("time_s,beacon_id,range_m\n" + "".join(
+        f"{t},{b},{1.1 * math.hypot(x - 9 * b, y - 30) + 0.2 * math.sin(1e3 * t)}\n"
+        for t, x, y in way for b in (1, 2)))
     text = problem.read_text()
     (folder / "problem.json").write_text(text)
     (folder / "torn.json").write_text(text[:len(text) // 2])
@@ -132,6 +149,9 @@ def try_inputs(place):
         torn = "torn.json" if line in PROBLEM else "torn.yaml"
         other = "lab.yaml" if line in PROBLEM else "problem.json"
         for name in ("missing", "folder", "empty", torn, other, "picture.png", "huge"):
+            place.expect(line.format(name), {2}, name)
+    for line in TABLE:
+        for name in ("missing", "folder", "empty", "torn.json", "picture.png", "huge"):
             place.expect(line.format(name), {2}, name)
     for line, (empty, torn, picture, foreign) in LOG.items():
         new = [word for word in line.split() if word.startswith("new")]
@@ -179,6 +199,7 @@ def try_outputs(place):
 
 def try_closed_pipe(place):
     for line in ("check lab.yaml", "log info flight.lcmlog", "log metrics flight.lcmlog --json",
+                 "log fit-ranges ranges.csv --poses way.csv",
                  "plan problem.json --nodes 100", "trial lab.yaml --duration-s 1 --nodes 20"):
         read, write = os.pipe()
         os.close(read)

@@ -181,6 +181,22 @@ class Builds(unittest.TestCase):
             self.assertFalse(workshop.has_every_file_alone(build))
 
 
+class Commands(unittest.TestCase):
+    def code_of(self, words, **limits):
+        with tempfile.TemporaryDirectory() as folder:
+            return workshop.Workshop(folder).command(words, is_checked=False, **limits)[1]
+
+    def test_end_that_wait_and_not_those_that_only_need_longer_than_the_clock_allows(self):
+        busy = "import time\nwhile time.process_time() < 1.0: pass\nprint('done')"
+        # As its child: what runs a test is not always the test.
+        words = ["sh", "-c", f'{sys.executable} -c "$0"; exit $?', busy]
+        self.assertEqual(0, self.code_of(words, limit_s=0.2))
+        self.assertIsNone(self.code_of(["sleep", "600"], limit_s=1.0))
+
+    def test_end_at_their_limit_of_cpu_time_however_long_the_clock_allows(self):
+        self.assertIn(self.code_of([sys.executable, "-c", "while True: pass"], limit_s=0.2, cpu_limit_s=1.0), (-9, -24))
+
+
 class Ledgers(unittest.TestCase):
     def test_first_outcome_is_kept_and_counted(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -212,6 +228,11 @@ endforeach()
 target_link_libraries(toy_test PRIVATE toy)
 target_link_libraries(slow_test PRIVATE toy)
 set_tests_properties(slow.runs PROPERTIES LABELS long)
+add_library(far far/far.cpp)
+target_include_directories(far PUBLIC ${PROJECT_SOURCE_DIR})
+add_executable(far_test test/far_test.cpp)
+target_link_libraries(far_test PRIVATE far)
+add_test(NAME far.runs COMMAND env ELSEWHERE=1 $<TARGET_FILE:far_test>)
 """,
     ".gitignore": "build/\n",
     "toy/toy.hpp": "#pragma once\nint clipped(int value, int most);\nbool ends(int count);\n",
@@ -230,6 +251,23 @@ bool ends(int count) {
     --left;
   }
   return left == 0;
+}
+""",
+    "far/far.hpp": "#pragma once\nint halved(int value);\nint doubled(int value);\n",
+    "far/far.cpp": """#include "far/far.hpp"
+
+int halved(int value) { return value / 2; }
+int doubled(int value) { return value + value; }
+""",
+    # Says something only where it is started as ctest does it, and takes longer than anybody knows.
+    "test/far_test.cpp": """#include <cstdlib>
+#include <ctime>
+
+#include "far/far.hpp"
+int main() {
+  while (std::clock() < 2 * CLOCKS_PER_SEC) {
+  }
+  return std::getenv("ELSEWHERE") != nullptr && halved(8) == 4 ? 0 : 1;
 }
 """,
     # Looks at what is clipped and never at what is not; the edge cannot be noticed by anybody.
@@ -320,6 +358,14 @@ class Project(unittest.TestCase):
         self.assertNotIn("other", said)
         self.assertNotIn("slow", said)
         self.assert_untouched()
+
+    def test_a_test_that_is_run_by_another_program_and_that_nobody_has_timed(self):
+        self.mutate("--draw", "far=99", "--seed", "7")
+        noticed = self.id_of("constant", "value / 4")
+        unnoticed = self.id_of("sign", "value - value")
+        self.mutate("--run", noticed, unnoticed)
+        self.assertEqual(("killed", "far.runs"), self.outcome(noticed))
+        self.assertEqual(("survived", "far_test"), self.outcome(unnoticed), "it only took its time")
 
     def test_what_only_slow_tests_could_notice_stays_pending_for_the_quick(self):
         noticed = self.id_of("return", "if (value > most) { ; }")

@@ -5,8 +5,10 @@ Each ends soon with what it has, and says so; nothing is torn. Soon is half a se
 machine; here it is judged by CPU time, and by far less than the work would take.
 """
 import json
+import math
 import os
 import pathlib
+import shutil
 import signal
 import socket
 import subprocess
@@ -69,6 +71,65 @@ def check_log(vantage, path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def descendants(pid):
+    """Ids of its children, of theirs, and so on."""
+    children = {}
+    for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(path.read_text().rsplit(")", 1)[1].split()[1])
+        except (OSError, IndexError):
+            continue  # gone meanwhile
+        children.setdefault(parent, []).append(int(path.parent.name))
+    found = []
+    waiting = [pid]
+    while waiting:
+        of_one = children.get(waiting.pop(), [])
+        found += of_one
+        waiting += of_one
+    return found
+
+
+def check_record(vantage, folder):
+    """A video that is not whole is none, and neither its browser nor what that wrote stays."""
+    if not shutil.which(os.environ.get("CHROMIUM", "chromium")):
+        print("signals: no chromium, so no video is interrupted")
+        return
+    kept = folder / "kept"
+    kept.mkdir()
+    video = folder / "flight.webm"
+    words = ["env", f"TMPDIR={kept}", vantage, "view", folder / "flight.lcmlog", "--record", video]
+    done = subprocess.run([*words, "--from-s", "20", "--to-s", "20.1"], capture_output=True, text=True)
+    if "was not built" in done.stderr:
+        print("signals: no page, so no video is interrupted")
+        return
+    assert done.returncode == 0 and video.stat().st_size > 0, done
+    video.unlink()
+    browser = set()
+
+    def is_drawing(process):
+        pids = descendants(process.pid)
+        browser.update(pids)
+        used_s = 0.0
+        for pid in pids:
+            try:
+                if b"--type=renderer" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes():
+                    used_s += cpu_s(pid)
+            except (OSError, IndexError):
+                pass  # gone meanwhile
+        return used_s > 1.0
+
+    for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        browser.clear()
+        code, said, warned = interrupted(words, folder, is_drawing, which)
+        assert code == 1 and "ended before it was whole" in said, (code, said, warned)
+        assert not video.exists()
+        give_up = time.monotonic() + PATIENCE_S
+        while any(pathlib.Path(f"/proc/{pid}").exists() for pid in browser):
+            assert time.monotonic() < give_up, "the browser has outlived the recording"
+            time.sleep(0.01)
+        assert not list(kept.iterdir()), list(kept.iterdir())
+
+
 def main():
     vantage, sample, scenario, problem = (str(pathlib.Path(each).resolve()) for each in sys.argv[1:5])
     with tempfile.TemporaryDirectory() as name:
@@ -120,6 +181,20 @@ def main():
             grown(folder / "csv/TRUTH.csv", 100_000), signal.SIGTERM)
         assert code == 1 and "interrupted" in warned, (code, warned)
         assert all(path.read_bytes().endswith(b"\n") for path in (folder / "csv").iterdir())
+
+        check_record(vantage, folder)
+
+        # What leaves nothing behind ends where it stands.
+        way = [(0.01 * k, 20 * math.cos(1e-3 * k), 15 * math.sin(1e-3 * k)) for k in range(400_000)]
+        (folder / "way.csv").write_text(
+            "time_s,x_m,y_m\n" + "".join("%f,%f,%f\n" % row for row in way))
+        (folder / "ranges.csv").write_text("time_s,beacon_id,range_m\n" + "".join(
+            f"{t},A,{math.hypot(x - 9, y - 30) + 0.2 * math.sin(1e3 * t)}\n" for t, x, y in way))
+        for which in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            code, said, _ = interrupted(
+                [vantage, "log", "fit-ranges", "ranges.csv", "--poses", "way.csv"], folder,
+                has_worked(0.3), which)
+            assert code == -which and not said, (code, said)
 
         # The doctor tells what it has heard; somebody accepts and says nothing.
         with socket.create_server(("127.0.0.1", 0)) as silent:

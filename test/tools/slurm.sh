@@ -1,16 +1,7 @@
 #!/usr/bin/env bash
 # slurm.sh VANTAGE, within in_slurm.sh: a sweep as an array of jobs, whole, left alone, cancelled,
 # gone on with and refused.
-set -euo pipefail
-vantage=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-
-fail() {
-  echo "slurm.sh: $*" >&2
-  sed 's/^/  /' "$work/out" >&2
-  exit 1
-}
+source "$(dirname "$0")/begin.sh"
 
 # run CODE DIRECTORY OPTION…: what it says is in $work/out.
 run() {

@@ -112,7 +112,7 @@ TEST_P(Neighbourhood, BoundsWhatIsSaidAndIsReplayedExactly) {
 }
 
 INSTANTIATE_TEST_SUITE_P(InARowAndShared, Neighbourhood, ::testing::Values("", ", slots: 32"),
-                         [](const auto& info) { return info.param.empty() ? "Row" : "Shared"; });
+                         [](const auto& kind) { return kind.param.empty() ? "Row" : "Shared"; });
 
 }  // namespace
 }  // namespace vantage::trial

@@ -13,6 +13,7 @@
 #include "core/check.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace vantage::trial {
 namespace {
@@ -38,10 +39,11 @@ TEST(RunTrial, IsAPureFunctionOfTheSeed) {
 
 TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {
   const scenario::Scenario scenario = short_lab(6);
+  const test::TemporaryFolder folder;
   std::string logs[2];
   for (std::string& log : logs) {
     TrialOptions options;
-    options.log_path = ::testing::TempDir() + "vantage_trial_bytes.lcmlog";
+    options.log_path = folder.file("trial.lcmlog");
     std::filesystem::remove(options.log_path);
     run_trial(scenario, trial_recipes(scenario), options);
     std::ifstream file(options.log_path, std::ios::binary);
@@ -53,7 +55,8 @@ TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {
 
 TEST(Trial, IsTheSameInPiecesOfAnyLength) {
   const scenario::Scenario scenario = short_lab(6);
-  const std::string path = ::testing::TempDir() + "vantage_trial_pieces.lcmlog";
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("trial.lcmlog");
   std::string logs[2];
   std::string summaries[2];
   for (const bool is_whole : {true, false}) {
@@ -126,9 +129,9 @@ TEST(RunTrial, StartsOnAWholeRound) {
 
 TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
   const scenario::Scenario scenario = short_lab(5);
+  const test::TemporaryFolder folder;
   TrialOptions options;
-  options.log_path = ::testing::TempDir() + "vantage_trial.lcmlog";
-  std::filesystem::remove(options.log_path);
+  options.log_path = folder.file("trial.lcmlog");
   run_trial(scenario, trial_recipes(scenario), options);
 
   lcm::LogFile log(options.log_path, "r");

@@ -139,6 +139,17 @@ TEST(Broker, HoldsBackTheWayToAnInstantAndSendsWhereItLed) {
   put(broker, "/flow", 3, false);
   broker.release();
   EXPECT_EQ(client->wait_pop()->head, message_head(1, from_utime(3)));
+  // Nor does who subscribes meanwhile hear of an instant on the way.
+  broker.hold();
+  put(broker, "/flow", 4, false);
+  const auto newcomer = broker.connect(true);
+  pop_text(*newcomer);
+  pop_text(*newcomer);
+  broker.on_request(*newcomer, Subscribe{{{9, 1}}});
+  put(broker, "/flow", 5, false);
+  broker.release();
+  EXPECT_EQ(newcomer->wait_pop()->head, message_head(9, from_utime(5)));
+  broker.disconnect(newcomer);
   broker.disconnect(client);
 }
 
@@ -195,6 +206,65 @@ TEST(Broker, KeepsRawMessagesOfALogForWhoSubscribesAlone) {
   broker.on_request(*client, Subscribe{{{1, 1}}});
   broker.hold();
   EXPECT_TRUE(broker.wants("/lcm/PLAN_Q1", Schema::kLcm, false)) << "also on the way to an instant";
+}
+
+TEST(Broker, SaysSomethingToEveryoneUntilItIsSaidNoMore) {
+  Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  pop_text(*client);
+  broker.tell("reading", "3 % read");
+  broker.tell("other", "as well");
+  broker.tell("reading", "4 % read");
+  for (const char* words : {"3 % read", "as well", "4 % read"}) {
+    const json said = pop_text(*client);
+    EXPECT_EQ(said["op"], "status");
+    EXPECT_EQ(said["level"], 0);
+    EXPECT_EQ(said["message"], words);
+    EXPECT_EQ(said["id"], words[0] == 'a' ? "other" : "reading");
+  }
+  const auto newcomer = broker.connect(false);
+  pop_text(*newcomer);
+  pop_text(*newcomer);
+  EXPECT_EQ(pop_text(*newcomer)["message"], "as well");
+  EXPECT_EQ(pop_text(*newcomer)["message"], "4 % read") << "the newest alone";
+  broker.tell("reading", "");
+  for (const auto& each : {client, newcomer}) {
+    EXPECT_EQ(pop_text(*each), (json{{"op", "removeStatus"}, {"statusIds", {"reading"}}}));
+    broker.disconnect(each);
+  }
+  const auto late = broker.connect(true);
+  pop_text(*late);
+  pop_text(*late);
+  EXPECT_EQ(pop_text(*late)["message"], "as well");
+  late->push(control("{}"));
+  EXPECT_TRUE(pop_text(*late).empty()) << "and no more";
+  broker.disconnect(late);
+}
+
+TEST(Broker, BeginsANewSessionWhenTheLogTurnsOutLonger) {
+  const std::pair range(from_utime(1'000'000), from_utime(9'000'000));
+  Broker broker({"test", "s", range});
+  put(broker, "/state", 1, true);
+  const auto client = broker.connect(true);
+  EXPECT_EQ(pop_text(*client)["sessionId"], "s");
+  pop_text(*client);
+  broker.set_range(range.first, range.second);
+  client->push(control("{}"));
+  EXPECT_TRUE(pop_text(*client).empty()) << "as was said before";
+  broker.set_range(range.first, from_utime(12'000'000));
+  const json info = pop_text(*client);
+  EXPECT_EQ(info["op"], "serverInfo");
+  EXPECT_NE(info["sessionId"], "s");
+  EXPECT_EQ(info["dataStartTime"]["sec"], 1);
+  EXPECT_EQ(info["dataEndTime"]["sec"], 12);
+  const json channels = pop_text(*client)["channels"];
+  ASSERT_EQ(channels.size(), 1U) << "which a new session has to be told of";
+  EXPECT_EQ(channels[0]["topic"], "/state");
+  broker.disconnect(client);
+  const auto newcomer = broker.connect(true);
+  EXPECT_EQ(pop_text(*newcomer)["sessionId"], info["sessionId"]);
+  broker.disconnect(newcomer);
 }
 
 }  // namespace

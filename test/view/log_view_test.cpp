@@ -1,18 +1,25 @@
 #include "tools/view/log_view.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <vantage_lcm/attack_t.hpp>
 
-#include "logs/file/event_table.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
+#include "logs/file/seekable_log.hpp"
 #include "test/logs/file_support.hpp"
 #include "test/view/viewer_words.hpp"
 #include "tools/view/broker.hpp"
+#include "tools/view/feed.hpp"
 #include "tools/view/history.hpp"
+#include "tools/view/lead_up.hpp"
 #include "tools/view/playback.hpp"
 #include "tools/view/protocol.hpp"
 
@@ -23,8 +30,35 @@ using nlohmann::json;
 using test::control;
 using test::playback_request;
 using test::pop_text;
+using test::subscribe;
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+/// The newest record of each topic that somebody who comes now is told.
+std::map<std::string, std::string> told_to_newcomer(Broker& broker) {
+  const auto newcomer = broker.connect(true);
+  pop_text(*newcomer);
+  const json advertised = pop_text(*newcomer);
+  Subscribe all;
+  std::map<std::uint32_t, std::string> topics;
+  for (const json& channel : advertised["channels"]) {
+    topics[channel["id"].get<std::uint32_t>()] = channel["topic"];
+    all.pairs.emplace_back(channel["id"], channel["id"]);
+  }
+  broker.on_request(*newcomer, all);
+  newcomer->push(control("{}"));
+  std::map<std::string, std::string> content;
+  for (auto frame = newcomer->wait_pop(); frame; frame = newcomer->wait_pop()) {
+    if (frame->is_text && frame->head == "{}") {
+      break;
+    }
+    if (!frame->is_text && frame->head[0] == 1) {  // else a status, time or playback
+      content[topics.at(static_cast<unsigned char>(frame->head[1]))] = *frame->body;
+    }
+  }
+  broker.disconnect(newcomer);
+  return content;
+}
 
 TEST(PlaybackClock, GoesAtItsSpeedAndStopsAtTheEnd) {
   PlaybackClock clock(from_utime(0), from_utime(10'000'000));
@@ -65,24 +99,22 @@ class SampleLog : public ::testing::Test {
                         .c_str()) != 0) {
       GTEST_SKIP() << "no xz";
     }
-    indexed_.emplace(path);
-    log_.emplace(*indexed_);
+    log_.emplace(path);
   }
-  [[nodiscard]] const logs::EventTable& log_of_sample() const { return *log_; }
+  [[nodiscard]] const logs::SeekableLog& log_of_sample() const { return *log_; }
 
  private:
   logs::test::TemporaryFolder folder_;
-  std::optional<logs::IndexedLog> indexed_;
-  std::optional<logs::EventTable> log_;
+  std::optional<logs::SeekableLog> log_;
 };
 
 TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
-  const logs::EventTable& log = log_of_sample();
-  const Time instant = log.start() + std::chrono::seconds(40);
+  const logs::SeekableLog& log = log_of_sample();
+  const Time instant = log.range().first + std::chrono::seconds(40);
   const auto newest = [&](bool goes_back_first) {
-    Broker broker({"test", "s", std::pair(log.start(), log.end())});
+    Broker broker({"test", "s", log.range()});
     const logs::TypeLibrary types;
-    LogView view(log, types, broker, log.start());
+    LogView view(log, types, broker, log.range().first);
     const auto client = broker.connect(true);
     const auto ask = [&](Time to) {
       const auto requests = parse_binary(
@@ -91,34 +123,13 @@ TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
       view.tick(0);
     };
     if (goes_back_first) {
-      ask(log.end());
-      ask(log.start());
+      ask(log.range().second);
+      ask(log.range().first);
     }
     ask(instant);
-    // What a newcomer is told of the scene is what the log says of that instant.
-    const auto newcomer = broker.connect(true);
-    pop_text(*newcomer);
-    const json advertised = pop_text(*newcomer);
-    Subscribe all;
-    std::map<std::uint32_t, std::string> topics;
-    for (const json& channel : advertised["channels"]) {
-      topics[channel["id"].get<std::uint32_t>()] = channel["topic"];
-      all.pairs.emplace_back(channel["id"], channel["id"]);
-    }
-    broker.on_request(*newcomer, all);
-    newcomer->push(control("{}"));
-    std::map<std::string, std::string> content;
-    for (auto frame = newcomer->wait_pop(); frame && !frame->is_text;
-         frame = newcomer->wait_pop()) {
-      if (frame->head[0] != 1) {
-        continue;  // time and playback
-      }
-      const auto id = static_cast<unsigned char>(frame->head[1]);
-      content[topics.at(id)] = *frame->body;
-    }
     broker.disconnect(client);
-    broker.disconnect(newcomer);
-    return content;
+    // What a newcomer is told of the scene is what the log says of that instant.
+    return told_to_newcomer(broker);
   };
   const auto straight = newest(false);
   const auto roundabout = newest(true);
@@ -129,20 +140,47 @@ TEST_F(SampleLog, ShowsTheSameInstantHoweverItCameThere) {
   EXPECT_EQ(straight, roundabout);
 }
 
-TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAgain) {
-  const logs::EventTable& log = log_of_sample();
+TEST_F(SampleLog, ShowsOfAnInstantWhatMakingEveryRecordBeforeItWouldHaveLeft) {
+  const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
-  Broker broker({"test", "s", std::pair(log.start(), log.end())});
-  const Time begin = log.start() + std::chrono::seconds(20);
+  for (const int at_s : {3, 15, 45}) {  // the last needs only what is 20 s old
+    const Time instant = log.range().first + std::chrono::seconds(at_s);
+    Broker broker({"test", "s", log.range()});
+    const LogView view(log, types, broker, instant);
+
+    Broker whole({"test", "s", log.range()});
+    bus::VirtualClock clock(log.range().first);
+    bus::InProcessHub hub;
+    const auto source = hub.connect();
+    const auto endpoint = hub.connect();
+    Feed feed(*endpoint, clock, whole, types);
+    const Time from = instant - std::chrono::seconds(20);
+    const auto play = [&](const std::vector<logs::PlacedEvent>& events) {
+      for (const logs::PlacedEvent& event : events) {
+        clock.set(event.time);
+        source->publish(std::string(event.channel), event.data);
+        feed.handle(std::chrono::microseconds(0));
+      }
+    };
+    play(log.newest_before(from));
+    play(log.events(from, instant + Duration{1}));
+
+    const auto told = told_to_newcomer(broker);
+    EXPECT_GT(told.size(), 15U);
+    EXPECT_EQ(told, told_to_newcomer(whole)) << at_s << " s";
+    EXPECT_EQ(broker.topics_text(), whole.topics_text()) << "all are counted";
+  }
+}
+
+TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAgain) {
+  const logs::SeekableLog& log = log_of_sample();
+  const logs::TypeLibrary types;
+  Broker broker({"test", "s", log.range()});
+  const Time begin = log.range().first + std::chrono::seconds(20);
   LogView view(log, types, broker, begin);
   const auto client = broker.connect(true);
   pop_text(*client);
-  const json advertised = pop_text(*client);
-  for (const json& channel : advertised["channels"]) {
-    if (channel["topic"] == "/transforms") {
-      broker.on_request(*client, Subscribe{{{7, channel["id"].get<std::uint32_t>()}}});
-    }
-  }
+  subscribe(broker, *client, pop_text(*client), "/transforms");
   // {poses that came, whether viewers were told of a jump}
   const auto ask = [&](Time to) {
     broker.on_request(*client,
@@ -168,8 +206,8 @@ TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAg
 }
 
 TEST_F(SampleLog, HoldsTheNumbersOfTheWholeLogInOrder) {
-  const logs::EventTable& log = log_of_sample();
-  Broker broker({"test", "s", std::pair(log.start(), log.end())});
+  const logs::SeekableLog& log = log_of_sample();
+  Broker broker({"test", "s", log.range()});
   const json history = json::parse(log_history(log, {}, broker));
   const auto client = broker.connect(true);
   pop_text(*client);
@@ -188,7 +226,7 @@ TEST_F(SampleLog, HoldsTheNumbersOfTheWholeLogInOrder) {
 }
 
 TEST_F(SampleLog, GivesOneNumberOfATopicOverItsWholeLength) {
-  const logs::EventTable& log = log_of_sample();
+  const logs::SeekableLog& log = log_of_sample();
   const json battery = json::parse(log_series(log, {}, "/vehicle/Q1", "/battery_share"));
   EXPECT_GT(battery.size(), 100U);
   EXPECT_GT(battery.front()[1].get<double>(), battery.back()[1].get<double>());
@@ -205,11 +243,11 @@ TEST_F(SampleLog, GivesOneNumberOfATopicOverItsWholeLength) {
 }
 
 TEST_F(SampleLog, IsFirstShownWhereEveryRobotHasAPlaceAndAPlanAndSomethingIsKnown) {
-  const logs::EventTable& log = log_of_sample();
+  const logs::SeekableLog& log = log_of_sample();
   const Time first = first_picture(log);
-  EXPECT_GT(to_seconds(first - log.start()), 0.5);
-  EXPECT_LT(to_seconds(first - log.start()), 10.0);
-  Broker broker({"test", "s", std::pair(log.start(), log.end())});
+  EXPECT_GT(to_seconds(first - log.range().first), 0.5);
+  EXPECT_LT(to_seconds(first - log.range().first), 10.0);
+  Broker broker({"test", "s", log.range()});
   const logs::TypeLibrary types;
   const LogView view(log, types, broker, first);
   const auto client = broker.connect(true);
@@ -232,6 +270,187 @@ TEST_F(SampleLog, IsFirstShownWhereEveryRobotHasAPlaceAndAPlanAndSomethingIsKnow
   EXPECT_GE(newest["/transforms"]["transforms"].size(), 3U);
   EXPECT_FALSE(newest["/estimates"]["entities"].empty());
   broker.disconnect(client);
+}
+
+TEST(LeadUp, CountsARecordAndMakesTheLastOfEachTopicAlone) {
+  using logs::foxglove::Schema;
+  Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9))});
+  LeadUp lead_up(broker);
+  std::vector<int> made;
+  const auto hear_three = [&] {
+    for (const int value : {1, 2, 3}) {
+      if (lead_up.wants("/often", Schema::kTeam, false)) {
+        made.push_back(value);
+        lead_up.write("/often", from_utime(value), json{{"known", value}});
+      }
+      if (value == 2 && lead_up.wants("/once", Schema::kTeam, true)) {
+        made.push_back(20);
+        lead_up.write("/once", from_utime(value), json{{"known", 20}});
+      }
+    }
+  };
+  lead_up.count();
+  hear_three();
+  EXPECT_TRUE(made.empty());
+  EXPECT_EQ(json::parse(broker.topics_text()), json::array()) << "nobody was asked";
+  lead_up.tell();
+  hear_three();
+  EXPECT_EQ(made, (std::vector{20, 3}));
+  lead_up.end();
+  hear_three();
+  EXPECT_EQ(made, (std::vector{20, 3, 1, 2, 20, 3})) << "each again";
+  for (const json& topic : json::parse(broker.topics_text())) {
+    EXPECT_EQ(topic["count"], topic["topic"] == "/often" ? 6 : 2) << "asked of each";
+  }
+}
+
+/// A log of 60 s and 24 MB, of which 8 MiB are read at once. Q1 is jammed from the start to 25 s,
+/// Q2 from then on; each is said once.
+class UnreadLog : public ::testing::Test {
+ protected:
+  static constexpr std::int64_t kStart_us = 1'000'000'000;
+
+  void append_attack(std::int64_t utime, const char* jammed) {
+    vantage_lcm::attack_t attack{};
+    attack.utime = utime;
+    attack.run_id = 1;
+    attack.sequence = utime > kStart_us ? 1 : 0;
+    attack.num_jammed = 1;
+    attack.jammed = {jammed};
+    logs::test::append_message(attack, number_++, utime, "ATTACK", bytes_);
+  }
+  void append_filler(int from_s, int to_s) {
+    const logs::test::Bytes data(1000, 7);
+    for (std::int64_t i = 400 * from_s; i < 400 * to_s; ++i) {
+      logs::append_event({number_++, from_utime(kStart_us + 2500 * i + 1), "FILLER", data}, bytes_);
+    }
+  }
+
+  UnreadLog() {
+    append_attack(kStart_us, "Q1");
+    append_filler(0, 25);
+    append_attack(kStart_us + 25'000'000, "Q2");
+    append_filler(25, 60);
+  }
+  [[nodiscard]] std::string write() const {
+    logs::test::write_file(folder_.file("a.lcmlog"), bytes_);
+    return folder_.file("a.lcmlog");
+  }
+  static std::string jammed(Broker& broker) {
+    return json::parse(told_to_newcomer(broker).at("/attack"))["jammed"].dump();
+  }
+
+  logs::test::Bytes bytes_;
+  std::int64_t number_ = 0;
+
+ private:
+  logs::test::TemporaryFolder folder_;
+};
+
+TEST_F(UnreadLog, IsShownAgainFromAllThatIsKnownOnceItsFirstPassIsOver) {
+  logs::SeekableLog log(write());
+  ASSERT_FALSE(log.is_surveyed());
+  Broker broker({"test", "s", log.range()});
+  const logs::TypeLibrary types;
+  const Time instant = from_utime(kStart_us + 50'000'000);
+  LogView view(log, types, broker, instant);
+  view.play(0);
+  EXPECT_EQ(jammed(broker), R"(["Q1"])") << "what was said beyond what is read is missing";
+  view.tick(0);
+  EXPECT_EQ(jammed(broker), R"(["Q1"])");
+  const auto client = broker.connect(true);
+  pop_text(*client);
+  subscribe(broker, *client, pop_text(*client), "/attack");
+  client->push(control("{}"));
+  while (!client->wait_pop()->is_text) {
+  }
+
+  // Meanwhile viewers are told how far it is, and at last that there is nothing to tell.
+  read_first_pass(log, broker, [] { return false; });
+  ASSERT_TRUE(log.is_surveyed());
+  client->push(control("{}"));
+  std::vector<int> percents;
+  bool is_withdrawn = false;
+  for (json said = pop_text(*client); !said.empty(); said = pop_text(*client)) {
+    if (said["op"] == "status") {
+      EXPECT_FALSE(is_withdrawn);
+      EXPECT_EQ(said["id"], "reading");
+      const std::string words = said["message"];
+      percents.push_back(std::stoi(words));
+      EXPECT_EQ(words, std::to_string(percents.back()) + " % read");
+    } else {
+      EXPECT_EQ(said, (json{{"op", "removeStatus"}, {"statusIds", {"reading"}}}));
+      is_withdrawn = true;
+    }
+  }
+  EXPECT_TRUE(is_withdrawn);
+  EXPECT_GT(percents.size(), 10U);
+  EXPECT_TRUE(std::is_sorted(percents.begin(), percents.end()));
+  EXPECT_GT(percents.front(), 8) << "its head was read before";
+  EXPECT_LT(percents.front(), 50);
+  EXPECT_GT(percents.back(), 90);
+
+  // The instant anew, as if somebody had gone there; it plays on as it did.
+  view.tick(3 * kSecond_ns);
+  EXPECT_EQ(jammed(broker), R"(["Q2"])");
+  client->push(control("{}"));
+  std::string last_attack;
+  int states = 0;
+  for (auto frame = client->wait_pop(); !frame->is_text; frame = client->wait_pop()) {
+    if (frame->head[0] == 1) {
+      last_attack = *frame->body;
+    } else if (frame->head[0] == 5) {
+      ++states;
+      EXPECT_EQ(frame->head,
+                playback_state_frame(
+                    {PlaybackStatus::kPlaying, instant + std::chrono::seconds(3), 1.0F, true, ""}));
+    }
+  }
+  EXPECT_EQ(states, 1) << "viewers begin anew there";
+  EXPECT_EQ(json::parse(last_attack)["jammed"].dump(), R"(["Q2"])");
+  // Once.
+  view.tick(3 * kSecond_ns);
+  client->push(control("{}"));
+  for (auto frame = client->wait_pop(); !frame->is_text; frame = client->wait_pop()) {
+    EXPECT_NE(frame->head[0], 5);
+  }
+  broker.disconnect(client);
+}
+
+TEST_F(UnreadLog, BeginsANewSessionWhenItTurnsOutLonger) {
+  append_attack(kStart_us - 5'000'000, "Q3");
+  append_filler(60, 61);
+  logs::SeekableLog log(write());
+  ASSERT_FALSE(log.is_surveyed());
+  const auto range = log.range();
+  Broker broker({"test", "s", range});
+  const logs::TypeLibrary types;
+  const Time instant = from_utime(kStart_us + 10'000'000);
+  LogView view(log, types, broker, instant);
+  const auto client = broker.connect(true);
+  const json before = pop_text(*client);
+  pop_text(*client);
+  read_first_pass(log, broker, [] { return false; });
+  EXPECT_EQ(log.range(), std::pair(from_utime(kStart_us - 5'000'000), range.second));
+  view.tick(0);
+  client->push(control("{}"));
+  std::vector<json> infos;
+  for (auto frame = client->wait_pop(); frame->head != "{}"; frame = client->wait_pop()) {
+    const json said = frame->is_text ? json::parse(frame->head) : json::object();
+    if (said.value("op", "") == "serverInfo") {
+      infos.push_back(said);
+    }
+  }
+  ASSERT_EQ(infos.size(), 1U);
+  EXPECT_NE(infos[0]["sessionId"], before["sessionId"]);
+  EXPECT_EQ(infos[0]["dataStartTime"]["sec"], (kStart_us - 5'000'000) / 1'000'000);
+  broker.disconnect(client);
+  // Where it begins now one may go to.
+  const auto asker = broker.connect(true);
+  broker.on_request(*asker, parse_binary(playback_request(1, 1.0F, true, 0, "x")));
+  view.tick(0);
+  EXPECT_EQ(jammed(broker), R"(["Q3"])");
+  broker.disconnect(asker);
 }
 
 }  // namespace

@@ -49,6 +49,16 @@ inline json pop_text(Client& client) {
   return frame ? json::parse(frame->head) : json();
 }
 
+/// Subscription 7: to the topic of that name among those `advertised`.
+inline void subscribe(Broker& broker, Client& client, const json& advertised,
+                      const std::string& topic) {
+  for (const json& channel : advertised["channels"]) {
+    if (channel["topic"] == topic) {
+      broker.on_request(client, Subscribe{{{7, channel["id"].get<std::uint32_t>()}}});
+    }
+  }
+}
+
 inline void put(Broker& broker, const std::string& topic, int value, bool is_state) {
   if (broker.wants(topic, logs::foxglove::Schema::kTeam, is_state)) {
     broker.write(topic, from_utime(value), json{{"known", value}});

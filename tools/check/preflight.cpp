@@ -49,8 +49,10 @@ void describe(const Scenario& scenario, std::vector<std::string>& out) {
         robot.primitives.size(), robot.limits.speed_max_mps, robot.sensor.range_max_m,
         degrees(robot.sensor.fov_rad), robot.sensor.kind.name()));
   }
+  const bool has_ids = scenario.robots.empty() || scenario.robots.front().detection.detects_ids;
   out.push_back(
-      fmt::format("{} targets; communication {}", scenario.targets.size(),
+      fmt::format("{} targets{}; communication {}", scenario.targets.size(),
+                  has_ids ? "" : ", which no detection names",
                   scenario.network.communication_range_m > 0.0
                       ? fmt::format("within {:g} m", scenario.network.communication_range_m)
                       : std::string("without limit")));
@@ -277,6 +279,24 @@ void note_wind(const Scenario& scenario, std::vector<std::string>& notes) {
   }
 }
 
+// Each look that finds a target where it was not believed makes such a belief surer, not wider:
+// after twenty seconds it may be a thousand million times surer than it is right.
+void note_targets_that_drive(const Scenario& scenario, std::vector<std::string>& notes) {
+  const models::TargetModel& believed = scenario.estimator.target_model;
+  const bool is_believed_to_stand =
+      believed.kind == models::TargetKind::kStatic ||
+      (believed.kind != models::TargetKind::kDampedOscillator && believed.q == 0.0);
+  if (!is_believed_to_stand || scenario.targets.empty() ||
+      scenario.target_truth.motion == scenario::TargetMotion::kStill) {
+    return;
+  }
+  const std::string_view way = believed.kind == models::TargetKind::kStatic ? "kind static" : "q 0";
+  notes.push_back(fmt::format(
+      "the targets move, and are believed to stand (estimator.target_model: {}): beliefs will be "
+      "far surer than they are right; give it what `vantage log fit-motion` finds in a log",
+      way));
+}
+
 }  // namespace
 
 MemoryRoom room_for_planners(const Scenario& scenario, std::optional<std::uint64_t> free_bytes) {
@@ -328,6 +348,7 @@ Preflight check_preflight(const Scenario& scenario) {
   note_lost_way(scenario, out.notes);
   note_late_plans(scenario, out.notes);
   note_wind(scenario, out.notes);
+  note_targets_that_drive(scenario, out.notes);
   return out;
 }
 

@@ -121,7 +121,7 @@ void add_check_command(CLI::App& root, Runner& chosen) {
   CLI::App* command =
       root.add_subcommand("check", "Read a scenario and say whether it can be flown.");
   auto arguments = std::make_shared<CheckArguments>();
-  command->add_option("scenario", arguments->scenario, "scenario file")->required();
+  add_scenario_option(*command, arguments->scenario);
   command->add_option("--log", arguments->log_path,
                       "where `vantage up` is to write, whose disk must have room; NAME.lcmlog here "
                       "when not given");
@@ -148,7 +148,7 @@ void add_check_command(CLI::App& root, Runner& chosen) {
       "  vantage check config/lab.yaml\n"
       "  vantage check config/lab.yaml --live\n"
       "  vantage check config/lab-mixed.yaml --vehicles --load");
-  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+  run_on_scenario(*command, chosen, arguments, run);
 }
 
 }  // namespace vantage::tools

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <memory>
 #include <string>
+#include <type_traits>
 
 #include <CLI/CLI.hpp>
 
 #include "scenario/reader/overrides.hpp"
 #include "tools/command_line/runner.hpp"
 #include "tools/view/web_server.hpp"
+#include "trial/scenario/config_folder.hpp"
 
 namespace vantage::tools {
 
@@ -24,6 +27,21 @@ void add_view_command(CLI::App& root, Runner& run);
 void add_keys_command(CLI::App& root, Runner& run);
 void add_log_command(CLI::App& root, Runner& run);
 
+/// Lets `command` do `run(*arguments)`, whose `scenario` the person may have named as
+/// trial::scenario_path() says.
+template <class Arguments>
+void run_on_scenario(CLI::App& command, Runner& chosen, std::shared_ptr<Arguments> arguments,
+                     int (*run)(const std::type_identity_t<Arguments>&)) {
+  command.callback([&chosen, arguments, run] {
+    chosen = [arguments, run] {
+      arguments->scenario = trial::scenario_path(arguments->scenario);
+      return run(*arguments);
+    };
+  });
+}
+
+/// The scenario as run_on_scenario() takes it, which has to be named.
+void add_scenario_option(CLI::App& command, std::string& scenario);
 /// --seed, --duration-s, --planner, --communication-range-m and --nodes, shared by all that run a
 /// trial.
 void add_override_options(CLI::App& command, scenario::Overrides& overrides);

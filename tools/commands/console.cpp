@@ -57,7 +57,7 @@ void add_console_command(CLI::App& root, Runner& chosen) {
       "  vantage console\n"
       "  vantage console --scenario config/lab-mixed.yaml\n"
       "  echo 'land Q1' | vantage console --url 'udpm://239.255.76.67:7667?ttl=0'");
-  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+  run_on_scenario(*command, chosen, arguments, run);
 }
 
 }  // namespace vantage::tools

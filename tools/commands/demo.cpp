@@ -24,15 +24,13 @@ struct DemoArguments {
   WebOptions web;
 };
 
-int run(DemoArguments arguments) {
-  if (!arguments.overrides.duration_s) {
-    arguments.overrides.duration_s = 60.0;
+int run(const DemoArguments& arguments) {
+  scenario::Overrides overrides = arguments.overrides;
+  if (!overrides.duration_s) {
+    overrides.duration_s = 60.0;
   }
-  if (arguments.scenario.empty()) {
-    arguments.scenario = trial::config_path("lab");
-  }
-  const scenario::Scenario scenario =
-      scenario::load_scenario_with(arguments.scenario, arguments.overrides);
+  const scenario::Scenario scenario = scenario::load_scenario_with(
+      arguments.scenario.empty() ? trial::config_path("lab") : arguments.scenario, overrides);
   DemoOptions options;
   options.directory = arguments.directory;
   options.quiet = arguments.as_json;
@@ -76,7 +74,9 @@ void add_demo_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "demo", "Fly a simulated trial in real time in this process; no network needed.");
   auto arguments = std::make_shared<DemoArguments>();
-  command->add_option("--scenario", arguments->scenario, "scenario file; the lab's when not given");
+  command->add_option(
+      "--scenario", arguments->scenario,
+      "scenario file, or the name of one of `vantage config list`; the lab's when not given");
   command->add_option("--out", arguments->directory, "folder for the log and the pictures")
       ->capture_default_str();
   add_override_options(*command, arguments->overrides);
@@ -91,7 +91,7 @@ void add_demo_command(CLI::App& root, Runner& chosen) {
       "  vantage demo\n"
       "  vantage demo --view\n"
       "  vantage demo --duration-s 300 --planner lawn_mower --out lawn");
-  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+  run_on_scenario(*command, chosen, arguments, run);
 }
 
 }  // namespace vantage::tools

@@ -10,6 +10,7 @@ void add_log_command(CLI::App& root, Runner& run) {
   add_log_edit_commands(*log, run);
   add_log_metrics_commands(*log, run);
   add_log_fit_motion_command(*log, run);
+  add_log_fit_ranges_command(*log, run);
   add_log_replay_command(*log, run);
   add_log_export_command(*log, run);
   add_log_play_command(*log, run);

@@ -2,11 +2,14 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "core/write_file.hpp"
 #include "logs/picture/picture.hpp"
+#include "scenario/search_name.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
@@ -42,14 +45,23 @@ bool write_pictures(const std::string& svg_path, const scenario::Scenario& scena
   }
 }
 
+void add_scenario_option(CLI::App& command, std::string& scenario) {
+  command
+      .add_option("scenario", scenario,
+                  "scenario file, or the name of one of `vantage config list`")
+      ->required();
+}
+
 void add_override_options(CLI::App& command, scenario::Overrides& overrides) {
+  std::vector<std::string> words(scenario::kSearchWords.begin(), scenario::kSearchWords.end());
+  words.emplace_back(scenario::kExternalSearch);
   command.add_option("--seed", overrides.seed, "seed instead of the scenario's")
       ->check(seed_number());
   command.add_option("--duration-s", overrides.duration_s, "length instead of the scenario's")
       ->check(positive_number());
   command
       .add_option("--planner", overrides.planner, "planning algorithm instead of the scenario's")
-      ->check(CLI::IsMember({"arvi", "beam", "rvi", "greedy", "random_walk", "lawn_mower"}));
+      ->check(CLI::IsMember(words));
   command
       .add_option("--communication-range-m", overrides.communication_range_m,
                   "communication range instead of the scenario's; 0: none is heard")

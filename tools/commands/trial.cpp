@@ -8,6 +8,7 @@
 
 #include "core/process.hpp"
 #include "core/write_file.hpp"
+#include "scenario/node_budget.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/commands/report.hpp"
 #include "trial/recipe.hpp"
@@ -30,12 +31,12 @@ void show_progress(double share) {
   }
 }
 
-int run(TrialArguments arguments) {
-  scenario::Scenario scenario =
-      scenario::load_scenario_with(arguments.scenario, arguments.overrides);
+int run(const TrialArguments& arguments) {
+  scenario::Overrides overrides = arguments.overrides;
+  scenario::Scenario scenario = scenario::load_scenario_with(arguments.scenario, overrides);
   if (scenario.planner.node_budget <= 0) {
-    arguments.overrides.node_budget = trial::kDefaultNodeBudget;
-    scenario = scenario::load_scenario_with(arguments.scenario, arguments.overrides);
+    overrides.node_budget = scenario::kDefaultNodeBudget;
+    scenario = scenario::load_scenario_with(arguments.scenario, overrides);
   }
   if (!arguments.svg_path.empty()) {
     require_writable(arguments.svg_path);
@@ -71,7 +72,7 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "trial", "Run one trial in virtual time, without a network: same seed, same bytes.");
   auto arguments = std::make_shared<TrialArguments>();
-  command->add_option("scenario", arguments->scenario, "scenario file")->required();
+  add_scenario_option(*command, arguments->scenario);
   add_override_options(*command, arguments->overrides);
   command->add_option("--log", arguments->log_path,
                       "write an LCM event log of everything, to a new file");
@@ -85,7 +86,7 @@ void add_trial_command(CLI::App& root, Runner& chosen) {
       "  vantage trial config/lab.yaml --seed 3 --json\n"
       "  vantage trial config/lab.yaml --planner greedy --duration-s 60 --svg greedy.svg\n"
       "  vantage trial config/field.yaml --communication-range-m 10 --log field.lcmlog");
-  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+  run_on_scenario(*command, chosen, arguments, run);
 }
 
 }  // namespace vantage::tools

@@ -141,7 +141,7 @@ void add_up_command(CLI::App& root, Runner& chosen) {
   CLI::App* command = root.add_subcommand(
       "up", "Run every process of a scenario on this host, supervised and recorded.");
   auto arguments = std::make_shared<UpArguments>();
-  command->add_option("scenario", arguments->scenario, "scenario file")->required();
+  add_scenario_option(*command, arguments->scenario);
   add_override_options(*command, arguments->overrides);
   command->add_option("--url", arguments->overrides.url, "LCM URL instead of the scenario's");
   auto* host = command->add_option("--host", arguments->host,
@@ -185,7 +185,7 @@ void add_up_command(CLI::App& root, Runner& chosen) {
       "  vantage up config/lab-hil.yaml --fly\n"
       "  vantage up trial.yaml --host AIR --log-folder /var/log/vantage\n"
       "  vantage up config/lab.yaml --url 'udpm://239.255.76.67:7700?ttl=1' --no-log");
-  command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });
+  run_on_scenario(*command, chosen, arguments, run);
 }
 
 }  // namespace vantage::tools

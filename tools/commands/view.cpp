@@ -13,11 +13,13 @@
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "logs/file/seekable_log.hpp"
 #include "tools/command_line/numbers.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
 #include "tools/view/live_view.hpp"
+#include "tools/view/log_view.hpp"
 #include "tools/view/record.hpp"
 
 namespace vantage::tools {
@@ -34,8 +36,8 @@ struct ViewArguments {
   RecordOptions record;
 };
 
-bool has_message_of(const logs::IndexedLog& log, const logs::TypeLibrary& types) {
-  logs::LogScan scan = log.scan();
+bool has_message_of(const logs::SeekableLog& log, const logs::TypeLibrary& types) {
+  logs::LogScan scan(log.bytes());
   while (const auto event = scan.next()) {
     if (types.find(event->data) != nullptr) {
       return true;
@@ -44,28 +46,51 @@ bool has_message_of(const logs::IndexedLog& log, const logs::TypeLibrary& types)
   return false;
 }
 
-/// There would be nothing to show.
-void require_messages(const logs::IndexedLog& log, const logs::TypeLibrary& types) {
+logs::SeekableLog open_seekable(const std::string& path) {
+  const EndsAtOnce reading;
+  return logs::SeekableLog(path);
+}
+
+/// Reads all of it, for which one may have to wait.
+void survey(logs::SeekableLog& log) {
+  constexpr std::size_t kStepBytes = std::size_t{16} << 20U;
+  const EndsAtOnce reading;
+  const auto progress = progress_line("reading " + log.path());
+  while (log.go_on(kStepBytes)) {
+    if (progress) {
+      progress(log.surveyed_share());
+    }
+  }
+  if (progress) {
+    progress(1.0);
+  }
+}
+
+bool has_message(const logs::SeekableLog& log) {
   const auto& channels = log.survey().channels;
-  const bool has_any = std::any_of(channels.begin(), channels.end(), [](const auto& each) {
+  return std::any_of(channels.begin(), channels.end(), [](const auto& each) {
     return !each.second.type.empty() || each.second.other_types > 0;
   });
-  if (channels.empty()) {
-    throw StartupError(log.path() + ": no event in it; `vantage log check` says more");
+}
+
+/// There would be nothing to show.
+void require_messages(logs::SeekableLog& log, const logs::TypeLibrary& types) {
+  if (has_message(log) || (types.size() > 0 && has_message_of(log, types))) {
+    return;
   }
-  if (!has_any && (types.size() == 0 || !has_message_of(log, types))) {
+  survey(log);
+  if (!has_message(log)) {
     throw StartupError(fmt::format(
         "{}: none of its {} events is a message of this version of vantage{}, so there is nothing "
         "to show; its channels are {}; --types names the .lcm files of other messages, "
         "`vantage log info` says more",
         log.path(), log.survey().scan.events,
         types.size() == 0 ? "" : fmt::format(" or of the {} types that were given", types.size()),
-        channel_names(log)));
+        channel_names(log.survey())));
   }
 }
 
-int record(const logs::IndexedLog& log, const logs::TypeLibrary& types,
-           const ViewArguments& arguments) {
+int record(logs::SeekableLog& log, const logs::TypeLibrary& types, const ViewArguments& arguments) {
   constexpr int kStep_percent = 10;
   std::atomic<int> told_percent = 0;
   const auto tell = [&](double share) {
@@ -83,8 +108,11 @@ int record(const logs::IndexedLog& log, const logs::TypeLibrary& types,
 int run(const ViewArguments& arguments) {
   logs::TypeLibrary types(arguments.types);
   if (!arguments.log.empty()) {
-    const logs::IndexedLog log = open_log(arguments.log);
+    logs::SeekableLog log = open_seekable(arguments.log);
     require_messages(log, types);
+    if (log.bytes().size() <= kWholeBytesMax || !arguments.record.path.empty()) {
+      survey(log);
+    }
     if (!arguments.record.path.empty()) {
       return record(log, types, arguments);
     }

@@ -50,6 +50,6 @@ slots = f", slots: {given.slots}" if given.slots else ""
 cell_m = given.cell_m or (max(2.0, 2 * half_m / 100) if given.area_m2 else 2)
 neighbourhood = f", neighbourhood_m: {given.neighbourhood_m:g}" if given.neighbourhood_m else ""
 print(f"""targets: {{count: {given.targets}, name_prefix: R, radius_m: 0.2}}
-estimator: {{grid_resolution_m: {cell_m:g}}}
+estimator: {{target_model: {{kind: random_walk, q: 0.3}}, grid_resolution_m: {cell_m:g}}}
 planner: {{algorithm: {given.planner}, horizon_steps: 6, step_s: 0.5, execute_steps: 2, team_budget_s: 0.5{nodes}{slots}}}
 network: {{communication_range_m: {given.communication_range_m:g}{neighbourhood}}}""")

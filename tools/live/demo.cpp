@@ -1,12 +1,16 @@
 #include "tools/live/demo.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <deque>
 #include <exception>
 #include <filesystem>
+#include <iterator>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "bus/node/clock.hpp"
 #include "bus/transport/transport.hpp"
@@ -129,10 +133,11 @@ DemoResult run_demo(const scenario::Scenario& scenario,
 
   const Time end = start + from_seconds(scenario.duration_s);
   Reporter reporter(scenario, options, start);
+  std::vector<std::string> said;
   const auto tell = [&] {
     for (std::string& news : log.take_news()) {
       options.warn(news);
-      result.failures.push_back(std::move(news));
+      said.push_back(std::move(news));
     }
   };
   while (!is_over && !stop() && clock.now() < end) {
@@ -159,6 +164,9 @@ DemoResult run_demo(const scenario::Scenario& scenario,
           own_transport->stats().queue_overflows;
   result.summary = observer.metrics().finish(ended, lost);
   tell();
+  if (!recording.is_good()) {  // a disk that is only slow has lost nothing
+    std::ranges::move(said, std::back_inserter(result.failures));
+  }
   draw(scenario, observer.scene(), result);
   return result;
 }

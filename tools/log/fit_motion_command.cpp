@@ -1,3 +1,5 @@
+#include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -9,11 +11,14 @@
 
 #include "core/check.hpp"
 #include "core/process.hpp"
+#include "core/write_file.hpp"
 #include "logs/file/message_visit.hpp"
 #include "logs/motion/motion_fit.hpp"
 #include "tools/live/screen.hpp"
 #include "tools/log/log_commands.hpp"
+#include "tools/log/log_plot.hpp"
 #include "tools/log/log_scenario.hpp"
+#include "tools/log/motion_plot.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -21,6 +26,7 @@ namespace {
 struct FitArguments {
   std::vector<std::string> logs;
   double fitted_share = 0.7;
+  std::string picture;  ///< empty: none
   bool as_json = false;
 };
 
@@ -49,21 +55,10 @@ std::vector<logs::TargetCourse> courses_of(const logs::IndexedLog& log,
   return courses;
 }
 
-std::string name_of(const models::TargetModel& model) {
-  switch (model.kind) {
-    case models::TargetKind::kDoubleIntegrator:
-      return "double_integrator";
-    case models::TargetKind::kDampedOscillator:
-      return "damped_oscillator";
-    default:
-      return "random_walk";
-  }
-}
-
 /// The model as a scenario file has it.
 std::string yaml_of(const models::TargetModel& model) {
   if (model.kind != models::TargetKind::kDampedOscillator) {
-    return fmt::format("{{kind: {}, q: {:.3g}}}", name_of(model), model.q);
+    return fmt::format("{{kind: {}, q: {:.3g}}}", kind_word(model), model.q);
   }
   const models::Surroundings& around = model.surroundings;
   const auto pair = [](const Eigen::Vector2d& of) {
@@ -83,8 +78,8 @@ void print(const std::vector<logs::FittedMotion>& fits) {
   print_line(head);
   const logs::FittedMotion* best = &fits.front();
   for (const logs::FittedMotion& fit : fits) {
-    std::string line = fmt::format("{:<18} {:>8.3f} {:>10.3f}", name_of(fit.model), fit.fitted.nats,
-                                   fit.held_back.nats);
+    std::string line = fmt::format("{:<18} {:>8.3f} {:>10.3f}", kind_word(fit.model),
+                                   fit.fitted.nats, fit.held_back.nats);
     for (const double nees : fit.held_back.nees) {
       line += fmt::format(" {:>7.2f}", nees);
     }
@@ -102,7 +97,7 @@ nlohmann::ordered_json fits_to_json(const std::vector<logs::FittedMotion>& fits)
   nlohmann::ordered_json json;
   json["horizons_s"] = logs::kHorizons_s;
   for (const logs::FittedMotion& fit : fits) {
-    nlohmann::ordered_json one = {{"kind", name_of(fit.model)},
+    nlohmann::ordered_json one = {{"kind", kind_word(fit.model)},
                                   {"fitted_nats", fit.fitted.nats},
                                   {"held_back_nats", fit.held_back.nats},
                                   {"held_back_nees", fit.held_back.nees}};
@@ -121,7 +116,21 @@ nlohmann::ordered_json fits_to_json(const std::vector<logs::FittedMotion>& fits)
   return json;
 }
 
+bool draw(const std::vector<logs::FittedMotion>& fits, const std::string& picture) {
+  const std::string script = std::filesystem::path(picture).replace_extension(".gp");
+  const Result<std::string> drawn = draw_plot(
+      motion_plot_script(fits, "held-back time: how far targets got", picture), script, picture);
+  if (!drawn.ok()) {
+    fmt::print(stderr, "vantage: {}\n", drawn.error().message);
+  }
+  return drawn.ok();
+}
+
 int fit(const FitArguments& arguments) {
+  if (!arguments.picture.empty()) {
+    static_cast<void>(plot_terminal(arguments.picture));  // refused before long logs are read
+    require_writable(arguments.picture);
+  }
   const EndsAtOnce reading;
   std::vector<std::vector<logs::TargetCourse>> courses;
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();
@@ -139,7 +148,7 @@ int fit(const FitArguments& arguments) {
   } else {
     print(fits);
   }
-  return 0;
+  return arguments.picture.empty() || draw(fits, arguments.picture) ? 0 : 1;
 }
 
 }  // namespace
@@ -156,6 +165,9 @@ void add_log_fit_motion_command(CLI::App& log, Runner& chosen) {
                    "share of each log's time, from its start, that is fitted; the rest judges")
       ->check(CLI::Range(0.1, 0.9))
       ->capture_default_str();
+  command->add_option("--out", arguments->picture,
+                      "also draw how far targets got, seen and foretold: .png, .svg or .pdf, with "
+                      "gnuplot; its script lies beside it");
   command->add_flag("--json", arguments->as_json, "print one JSON object");
   command->footer(
       "Each model foretells where a target will be 0.5 to 8 s ahead from where it is and how fast\n"
@@ -164,7 +176,7 @@ void add_log_fit_motion_command(CLI::App& log, Runner& chosen) {
       "better) on the time fitted to and on the rest; the columns are the NEES of predictions so\n"
       "far ahead on the rest: 2 where the model knows how wrong it is.\n"
       "Examples:\n"
-      "  vantage log fit-motion flight.lcmlog\n"
+      "  vantage log fit-motion flight.lcmlog --out motion.png\n"
       "  vantage log fit-motion trial_*.lcmlog --json");
   command->callback([&chosen, arguments] { chosen = [arguments] { return fit(*arguments); }; });
 }

@@ -20,6 +20,7 @@ void add_log_replay_command(CLI::App& log, Runner& run);
 void add_log_export_command(CLI::App& log, Runner& run);
 void add_log_metrics_commands(CLI::App& log, Runner& run);  ///< metrics, plot
 void add_log_fit_motion_command(CLI::App& log, Runner& run);
+void add_log_fit_ranges_command(CLI::App& log, Runner& run);
 void add_log_play_command(CLI::App& log, Runner& run);
 void add_log_record_command(CLI::App& log, Runner& run);
 
@@ -30,7 +31,7 @@ std::function<void(double)> progress_line(const std::string& what);
 /// end the process meanwhile. @throws StartupError when it cannot be read.
 logs::IndexedLog open_log(const std::string& path);
 /// Its channels, for a sentence: the first 20.
-std::string channel_names(const logs::IndexedLog& log);
+std::string channel_names(const logs::LogSurvey& survey);
 /// Says which of `expressions` fit no channel of `log`, and which it has. @throws StartupError when
 /// none fits any (and there are some).
 void require_channels(const logs::IndexedLog& log, const std::vector<std::string>& expressions);

@@ -30,10 +30,10 @@ logs::IndexedLog open_log(const std::string& path) {
   return logs::IndexedLog(path, progress_line("reading " + path));
 }
 
-std::string channel_names(const logs::IndexedLog& log) {
+std::string channel_names(const logs::LogSurvey& survey) {
   constexpr std::size_t kNamed = 20;
   std::vector<std::string> names;
-  for (const auto& [name, channel] : log.survey().channels) {
+  for (const auto& [name, channel] : survey.channels) {
     names.push_back(readable(name));
   }
   const std::size_t more = names.size() > kNamed ? names.size() - kNamed : 0;
@@ -56,7 +56,7 @@ void require_channels(const logs::IndexedLog& log, const std::vector<std::string
     return;
   }
   const std::string words = fmt::format("{}: no channel's whole name is {}; it has {}", log.path(),
-                                        fmt::join(without, " or "), channel_names(log));
+                                        fmt::join(without, " or "), channel_names(log.survey()));
   if (without.size() == expressions.size()) {
     throw StartupError(words);
   }

@@ -25,15 +25,6 @@ std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:.9g}", *value) : kMissing;
 }
 
-/// Without what gnuplot would read as more than text.
-std::string quoted(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    out += c == '\'' ? "''" : std::string(1, c);
-  }
-  return "'" + out + "'";
-}
-
 /// Whether a picture ends as one of its kind does.
 bool is_whole(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
@@ -73,6 +64,14 @@ std::string plot_terminal(const std::string& picture_path, int height_px) {
   throw StartupError(picture_path + ": a picture's name ends in .png, .svg or .pdf");
 }
 
+std::string gnuplot_text(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    out += c == '\'' ? "''" : std::string(1, c);
+  }
+  return "'" + out + "'";
+}
+
 // long: one script, from top to bottom.
 std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scenario& scenario,
                         const std::string& title, const std::string& picture_path) {
@@ -97,7 +96,7 @@ std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scena
     const logs::RobotLook looks = logs::robot_look(place_of(scenario, robot));
     const std::string style =
         fmt::format(" with linespoints pt 7 ps 0.4 lw 1 lc rgb '{}' dt {} title {}",
-                    looks.body_paint().light, looks.dash + 1, quoted(robot));
+                    looks.body_paint().light, looks.dash + 1, gnuplot_text(robot));
     const char* comma = robot_index > 0 ? ", " : "";
     margins += fmt::format("{}$plans{} using 1:2{}", comma, robot_index, style);
     gaps += fmt::format("{}$plans{} using 1:3{}", comma, robot_index, style);
@@ -130,10 +129,10 @@ std::string plot_script(const logs::LogAnalysis& analysis, const scenario::Scena
       "plot $course using 1:4 with steps lw 1.5 lc rgb '{ink}' notitle\n"
       "set yrange [*:*]\n",
       fmt::arg("terminal", plot_terminal(picture_path, has_plans ? 1500 : 900)),
-      fmt::arg("output", quoted(picture_path)), fmt::arg("quiet", paint("wall")),
+      fmt::arg("output", gnuplot_text(picture_path)), fmt::arg("quiet", paint("wall")),
       fmt::arg("ink", paint("truth")), fmt::arg("columns", key_columns),
       fmt::arg("right", has_plans ? 3 + 9 * key_columns : 3), fmt::arg("rows", has_plans ? 5 : 3),
-      fmt::arg("title", quoted(title)), fmt::arg("rmse", label("rmse")),
+      fmt::arg("title", gnuplot_text(title)), fmt::arg("rmse", label("rmse")),
       fmt::arg("entropy", label("entropy")), fmt::arg("found_max", analysis.summary.targets + 1),
       fmt::arg("found", label("found")),
       fmt::arg("last_label",

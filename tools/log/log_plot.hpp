@@ -12,6 +12,9 @@ namespace vantage::tools {
 /// @throws StartupError for any other.
 std::string plot_terminal(const std::string& picture_path, int height_px = 1500);
 
+/// `text` as a string of gnuplot's, without what it would read as more than text.
+std::string gnuplot_text(const std::string& text);
+
 /// A gnuplot script, data included, that draws the course of a trial into `picture_path`: RMSE,
 /// entropy, targets found, deadline margins and gaps of the plans, over time. Pure.
 /// @throws StartupError as plot_terminal().

@@ -28,6 +28,7 @@ struct MetricsArguments {
   std::vector<std::string> logs;
   std::string output;
   bool as_json = false;
+  bool is_of_latency = false;
 };
 
 std::string row(const std::string& name, const logs::Spread& spread) {
@@ -60,6 +61,21 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
   }
   for (const auto& [channel, lost] : analysis.lost) {
     print_line(fmt::format("lost on {}: {} messages", readable(channel), lost));
+  }
+}
+
+void print_hops(const logs::LogAnalysis& analysis) {
+  if (analysis.hops.empty()) {
+    print_line("no process measured its part of the way: drivers of vehicles do, and of a mocap");
+    return;
+  }
+  print_line(fmt::format("{:<16} {:<22} {:>9} {:>9} {:>9}", "latency, us", "from _ to", "median",
+                         "99 %", "worst"));
+  for (const auto& [process, hops] : analysis.hops) {
+    for (const logs::Hop& hop : hops) {
+      print_line(fmt::format("{:<16} {:<22} {:>9} {:>9} {:>9}", process, hop.name, hop.p50_us,
+                             hop.p99_us, hop.max_us));
+    }
   }
 }
 
@@ -116,12 +132,14 @@ int metrics(const MetricsArguments& arguments) {
     logs::LogAnalysis analysis = logs::analyse_log(log, scenario, progress_line("judging"));
     if (arguments.as_json) {
       print_json(logs::to_json(analysis));
+    } else if (arguments.is_of_latency) {
+      print_hops(analysis);
     } else if (arguments.logs.size() == 1) {
       print(scenario, analysis);
     }
     analyses.push_back(std::move(analysis));
   }
-  if (!arguments.as_json && analyses.size() > 1) {
+  if (!arguments.as_json && !arguments.is_of_latency && analyses.size() > 1) {
     print_bands(analyses);
   }
   return 0;
@@ -160,6 +178,8 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       ->add_option("log", arguments->logs, "LCM event log; of several, means and their bands")
       ->required();
   metrics_command->add_flag("--json", arguments->as_json, "print one JSON object a log");
+  metrics_command->add_flag("--latency", arguments->is_of_latency,
+                            "from the mocap's frame to the set-point, each process's part");
   metrics_command->footer(
       "Latencies are from the instants that messages are valid for to those they were made or\n"
       "logged at; 'look' is the newest measurement that something was made from.\n"
@@ -168,6 +188,7 @@ void add_log_metrics_commands(CLI::App& log, Runner& chosen) {
       "whatever they are called.\n"
       "Examples:\n"
       "  vantage log metrics flight.lcmlog --json\n"
+      "  vantage log metrics flight.lcmlog --latency\n"
       "  vantage log metrics trial_*.lcmlog");
   metrics_command->callback(
       [&chosen, arguments] { chosen = [arguments] { return metrics(*arguments); }; });

@@ -1,21 +1,14 @@
 #pragma once
 
-#include <memory>
 #include <string>
 
-#include "models/world/grid.hpp"
-#include "models/world/world.hpp"
-#include "planner/problem/problem.hpp"
+#include "planner/problem/owned_problem.hpp"
 
 namespace vantage::tools {
 
-/// A planning problem of a file, with the world that it points to. Moving it is safe: the world
-/// and the field stay where they are.
-struct PlanningProblem {
+/// A planning problem of a file.
+struct PlanningProblem : planner::OwnedProblem {
   std::string name;  ///< "" when the file gives none
-  std::unique_ptr<models::World> world;
-  std::unique_ptr<models::DistanceField> field;
-  planner::SearchProblem problem;
 };
 
 /// Reads the JSON schema of docs/planning-problems.md: one point robot that may neither leave the

@@ -18,7 +18,8 @@ class Watchdog {
 
   /// From now on `process` has to give a sign at least each `patience_s`, once it has given one.
   void watch(const std::string& process, double patience_s) {
-    watched_[process] = {patience_s, {}};
+    watched_[process] = Watched{};
+    watched_[process].patience_s = patience_s;
   }
   void on_sign(const std::string& process, Time now);
   /// It has ended: until it is started again nothing is expected of it.

@@ -174,15 +174,49 @@ void Broker::broadcast_playback(const PlaybackState& state) {
   }
 }
 
-std::shared_ptr<Client> Broker::connect(bool speaks_sdk) {
-  auto client = std::make_shared<Client>(Outbox(), speaks_sdk);
+void Broker::tell(const std::string& id, const std::string& message) {
   const std::lock_guard lock(mutex_);
-  client->push(control(server_info_text(info_, speaks_sdk)));
+  if (message.empty()) {
+    told_.erase(id);
+  } else {
+    told_[id] = message;
+  }
+  for (const auto& client : clients_) {
+    client->push(control(message.empty() ? remove_status_text(id)
+                                         : status_text(StatusLevel::kInfo, message, id)));
+  }
+}
+
+void Broker::set_range(Time start, Time end) {
+  const std::lock_guard lock(mutex_);
+  const std::pair range(start, end);
+  if (info_.range == range) {
+    return;
+  }
+  info_.range = range;
+  info_.session_id += "+";
+  for (const auto& client : clients_) {
+    tell_channels(*client);
+  }
+}
+
+// Who we are and what there is.
+void Broker::tell_channels(Client& client) const {
+  client.push(control(server_info_text(info_, client.speaks_sdk_)));
   std::vector<ChannelInfo> channels;
   for (const std::string& topic : topic_of_) {
     channels.push_back(topics_.at(topic).channel);
   }
-  client->push(control(advertise_text(channels)));
+  client.push(control(advertise_text(channels)));
+}
+
+std::shared_ptr<Client> Broker::connect(bool speaks_sdk) {
+  auto client = std::make_shared<Client>(Outbox(), speaks_sdk);
+  const std::lock_guard lock(mutex_);
+  tell_channels(*client);
+  for (const auto& [id, message] : told_) {
+    client->push(control(status_text(StatusLevel::kInfo, message, id)));
+  }
   if (playback_) {
     client->push(
         {Frame::Kind::kState, false, kNoSubscription, time_frame(playback_->time), nullptr});
@@ -247,7 +281,7 @@ void Broker::subscribe(Client& client, std::uint32_t subscription_id, std::uint3
   Topic& topic = topics_.at(topic_of_.at(channel_id - 1));
   client.subscriptions_[channel_id].push_back(subscription_id);
   ++topic.subscribers;
-  if (topic.newest) {
+  if (topic.newest && !is_holding_) {  // else of an instant on the way
     send(client, subscription_id, topic);
   }
 }

@@ -67,6 +67,12 @@ class Broker : public logs::foxglove::Sink {
   void broadcast_time(Time time);
   void broadcast_playback(const PlaybackState& state);
 
+  /// Says something to everyone, newcomers too, in the place of what `id` said before; empty: it is
+  /// said no more.
+  void tell(const std::string& id, const std::string& message);
+  /// The log is longer or shorter than was said: viewers begin a new session where it is.
+  void set_range(Time start, Time end);
+
   /// A new viewer, told who we are and what there is. One that does not speak the newer subprotocol
   /// is not told of playback, which it would not understand.
   std::shared_ptr<Client> connect(bool speaks_sdk);
@@ -95,19 +101,21 @@ class Broker : public logs::foxglove::Sink {
     std::shared_ptr<const std::string> newest;  ///< when kept
   };
 
+  void tell_channels(Client& client) const;
   void send(Client& client, std::uint32_t subscription_id, const Topic& topic);
   void tell_drops(Client& client);
   [[nodiscard]] bool is_kept(const Topic& topic) const;
   void subscribe(Client& client, std::uint32_t subscription_id, std::uint32_t channel_id);
   void unsubscribe(Client& client, std::uint32_t subscription_id);
 
-  const ServerInfo info_;
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< of all below
+  ServerInfo info_;
   std::map<std::string, Topic> topics_;
   std::vector<std::string> topic_of_;  ///< by channel id − 1
   std::vector<std::shared_ptr<Client>> clients_;
   std::vector<PlaybackControl> controls_;
-  std::optional<PlaybackState> playback_;  ///< as last told
+  std::optional<PlaybackState> playback_;    ///< as last told
+  std::map<std::string, std::string> told_;  ///< what is said still, by id
   bool is_holding_ = false;
   std::int64_t dropped_by_the_gone_ = 0;
   std::int64_t malformed_ = 0;

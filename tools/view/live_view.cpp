@@ -16,7 +16,7 @@ namespace vantage::tools {
 namespace {
 
 constexpr auto kWait = std::chrono::milliseconds(50);
-constexpr auto kTick = std::chrono::milliseconds(10);
+constexpr auto kPollPeriod = std::chrono::milliseconds(10);
 
 constexpr std::size_t kLiveHistoryBytes = std::size_t{8} << 20U;
 
@@ -24,6 +24,27 @@ WebOptions with_history(WebOptions options, std::function<std::string()> history
   options.history = std::move(history);
   return options;
 }
+
+/// Goes on with a log's first pass in a thread of its own until it is destroyed.
+class FirstPass {
+ public:
+  FirstPass(logs::SeekableLog& log, Broker& broker)
+      : thread_([this, &log, &broker] {
+          read_first_pass(log, broker, [this] { return is_over_.load(); });
+        }) {}
+  ~FirstPass() {
+    is_over_ = true;
+    thread_.join();
+  }
+  FirstPass(const FirstPass&) = delete;
+  FirstPass& operator=(const FirstPass&) = delete;
+  FirstPass(FirstPass&&) = delete;
+  FirstPass& operator=(FirstPass&&) = delete;
+
+ private:
+  std::atomic<bool> is_over_ = false;
+  std::thread thread_;
+};
 
 std::string new_session() { return fmt::format("{:016x}", bus::random_run_id()); }
 
@@ -59,26 +80,25 @@ std::string LiveView::failure() const {
   return failure_;
 }
 
-void serve_log(const logs::IndexedLog& log, const logs::TypeLibrary& types,
-               const WebOptions& options, bool is_playing,
-               const std::function<void(const WebServer&)>& ready,
+void serve_log(logs::SeekableLog& log, const logs::TypeLibrary& types, const WebOptions& options,
+               bool is_playing, const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop) {
-  const logs::EventTable events(log);
-  Broker broker({"vantage " + log.path(), new_session(), std::pair(events.start(), events.end())});
+  Broker broker({"vantage " + log.path(), new_session(), log.range()});
   WebOptions of_log =
-      with_history(options, [text = log_history(events, types, broker)] { return text; });
+      with_history(options, [text = log_history(log, types, broker)] { return text; });
   of_log.series = [&](const std::string& topic, const std::string& pointer) {
-    return log_series(events, types, topic, pointer);
+    return log_series(log, types, topic, pointer);
   };
-  LogView view(events, types, broker, first_picture(events));
+  LogView view(log, types, broker, first_picture(log));
   if (is_playing) {
     view.play(monotonic_ns());
   }
   const WebServer server(broker, of_log);
   ready(server);
+  const FirstPass pass(log, broker);
   while (!stop()) {
     view.tick(monotonic_ns());
-    std::this_thread::sleep_for(kTick);
+    std::this_thread::sleep_for(kPollPeriod);
   }
 }
 

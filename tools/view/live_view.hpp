@@ -9,7 +9,7 @@
 
 #include "bus/node/clock.hpp"
 #include "bus/transport/transport.hpp"
-#include "logs/file/log_index.hpp"
+#include "logs/file/seekable_log.hpp"
 #include "logs/types/type_library.hpp"
 #include "tools/view/broker.hpp"
 #include "tools/view/history.hpp"
@@ -52,11 +52,11 @@ class LiveView {
 };
 
 /// Serves a log from its first picture on, paused unless `is_playing`, until `stop` says so;
-/// `ready` is told the server first.
-/// @throws StartupError when there is no event in the log, or the address cannot be had.
-void serve_log(const logs::IndexedLog& log, const logs::TypeLibrary& types,
-               const WebOptions& options, bool is_playing,
-               const std::function<void(const WebServer&)>& ready,
+/// `ready` is told the server first. Where the first pass over the log is not over it goes on
+/// meanwhile, and viewers are told how far it is.
+/// @throws StartupError when the address cannot be had.
+void serve_log(logs::SeekableLog& log, const logs::TypeLibrary& types, const WebOptions& options,
+               bool is_playing, const std::function<void(const WebServer&)>& ready,
                const std::function<bool()>& stop);
 
 }  // namespace vantage::tools

@@ -3,6 +3,9 @@
 #include <functional>
 #include <set>
 #include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "tools/view/history.hpp"
 
@@ -11,10 +14,14 @@ namespace {
 
 constexpr Duration kLeadUp = std::chrono::seconds(20);  // as long as a track
 constexpr std::int64_t kTimePeriod_ns = 50'000'000;
-constexpr std::size_t kWholeBytesMax = std::size_t{256} << 20U;
 constexpr Duration kOvertureMax = std::chrono::minutes(2);
+constexpr std::size_t kOvertureBytesMax = std::size_t{16} << 20U;
+constexpr Duration kSlice = std::chrono::seconds(1);  // read of a log at once
+constexpr Duration kOneNanosecond{1};
 constexpr Duration kStepMin = std::chrono::milliseconds(1);
 constexpr Duration kStepMax = std::chrono::seconds(1);
+constexpr std::size_t kPassBytes = std::size_t{1} << 20U;
+constexpr const char* kReading = "reading";  // of the status that says how far the first pass is
 
 /// Hears one number of one topic.
 class Series : public logs::foxglove::Sink {
@@ -95,122 +102,182 @@ class Overture : public logs::foxglove::Sink {
   bool is_known_ = false;
 };
 
-/// Plays a log from its start to a Sink, as fast as it goes, while `go_on` of each event's instant.
-void play_through(const logs::EventTable& log, const logs::TypeLibrary& types,
-                  bus::VirtualClock& clock, logs::foxglove::Sink& sink,
-                  const std::function<bool(Time)>& go_on) {
-  bus::InProcessHub hub;
-  const auto source = hub.connect();
-  const auto endpoint = hub.connect();
-  Feed feed(*endpoint, clock, sink, types);
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    const logs::LogEvent event = log.read(i);
-    clock.set(event.time);
-    source->publish(std::string(event.channel), event.data);
-    feed.handle(std::chrono::microseconds(0));
-    if (!go_on(event.time)) {
-      return;
+/// Calls `take` with the events of a log by ascending time, while it says true.
+void read_through(const logs::SeekableLog& log,
+                  const std::function<bool(const logs::PlacedEvent&)>& take) {
+  for (auto from = log.next_time(log.range().first); from; from = log.next_time(*from + kSlice)) {
+    for (const logs::PlacedEvent& event : log.events(*from, *from + kSlice)) {
+      if (!take(event)) {
+        return;
+      }
     }
   }
 }
 
-constexpr auto kToTheEnd = [](Time /*time*/) { return true; };
+/// Plays a log from its start to a Sink, as fast as it goes, while `go_on` of each event.
+void play_through(const logs::SeekableLog& log, const logs::TypeLibrary& types,
+                  bus::VirtualClock& clock, logs::foxglove::Sink& sink,
+                  const std::function<bool(const logs::PlacedEvent&)>& go_on) {
+  bus::InProcessHub hub;
+  const auto source = hub.connect();
+  const auto endpoint = hub.connect();
+  Feed feed(*endpoint, clock, sink, types);
+  read_through(log, [&](const logs::PlacedEvent& event) {
+    clock.set(event.time);
+    source->publish(std::string(event.channel), event.data);
+    feed.handle(std::chrono::microseconds(0));
+    return go_on(event);
+  });
+}
+
+constexpr auto kToTheEnd = [](const logs::PlacedEvent& /*event*/) { return true; };
 
 }  // namespace
 
-std::string log_history(const logs::EventTable& log, const logs::TypeLibrary& types,
+std::string log_history(const logs::SeekableLog& log, const logs::TypeLibrary& types,
                         logs::foxglove::Sink& audience) {
-  if (log.file_bytes() > kWholeBytesMax) {
+  if (log.bytes().size() > kWholeBytesMax || !log.is_surveyed()) {
     return "[]";
   }
-  bus::VirtualClock clock(log.start());
+  bus::VirtualClock clock(log.range().first);
   History history(clock, audience, History::Audience::kIsAskedOnly, kWholeBytesMax);
   play_through(log, types, clock, history, kToTheEnd);
   return history.text();
 }
 
-std::string log_series(const logs::EventTable& log, const logs::TypeLibrary& types,
+std::string log_series(const logs::SeekableLog& log, const logs::TypeLibrary& types,
                        const std::string& topic, const std::string& pointer) {
-  if (log.file_bytes() > kWholeBytesMax || (!pointer.empty() && pointer.front() != '/')) {
+  if (log.bytes().size() > kWholeBytesMax || (!pointer.empty() && pointer.front() != '/')) {
     return "[]";
   }
   Series series(topic, pointer);
   if (!topic.starts_with(kRawTopics)) {
-    bus::VirtualClock clock(log.start());
+    bus::VirtualClock clock(log.range().first);
     play_through(log, types, clock, series, kToTheEnd);
     return series.text();
   }
   const std::string channel = topic.substr(kRawTopics.size());
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    const logs::LogEvent event = log.read(i);
+  read_through(log, [&](const logs::PlacedEvent& event) {
     if (event.channel == channel) {
       series.write(topic, event.time, raw_message(event.data, types));
     }
-  }
+    return true;
+  });
   return series.text();
 }
 
-Time first_picture(const logs::EventTable& log) {
+Time first_picture(const logs::SeekableLog& log) {
   Overture overture;
-  bus::VirtualClock clock(log.start());
-  Time best = log.start();
+  bus::VirtualClock clock(log.range().first);
+  const Time start = log.range().first;
+  Time best = start;
   int parts = 0;
-  play_through(log, {}, clock, overture, [&](Time time) {
+  play_through(log, {}, clock, overture, [&](const logs::PlacedEvent& event) {
     if (overture.parts() > parts) {
       parts = overture.parts();
-      best = time;
+      best = event.time;
     }
-    return parts < Overture::kAll && time - log.start() < kOvertureMax;
+    return parts < Overture::kAll && event.time - start < kOvertureMax &&
+           event.offset < kOvertureBytesMax;
   });
   return best;
 }
 
-LogView::LogView(const logs::EventTable& log, const logs::TypeLibrary& types, Broker& broker,
+void read_first_pass(logs::SeekableLog& log, Broker& broker, const std::function<bool()>& stop) {
+  int told_percent = -1;
+  while (!stop() && log.go_on(kPassBytes)) {
+    const auto percent = static_cast<int>(100.0 * log.surveyed_share());
+    if (percent > told_percent) {
+      told_percent = percent;
+      broker.tell(kReading, fmt::format("{} % read", percent));
+    }
+  }
+  if (told_percent >= 0) {
+    broker.tell(kReading, "");
+  }
+}
+
+LogView::LogView(const logs::SeekableLog& log, const logs::TypeLibrary& types, Broker& broker,
                  Time begin)
     : log_(log),
       types_(types),
       broker_(broker),
-      playback_(log.start(), log.end()),
-      clock_(log.start()) {
+      lead_up_(broker),
+      playback_(log.range().first, log.range().second),
+      clock_(log.range().first) {
   playback_.control({false, 1.0F, begin, ""}, 0);
   go_to(begin);
   broker_.broadcast_playback(playback_.state(0));
 }
 
-void LogView::go_to(Time position) {
+void LogView::listen_anew() {
   feed_.reset();
   endpoint_.reset();
   source_.reset();
   hub_ = std::make_unique<bus::InProcessHub>();
   source_ = hub_->connect();
   endpoint_ = hub_->connect();
-  feed_ = std::make_unique<Feed>(*endpoint_, clock_, broker_, types_);
+  feed_ = std::make_unique<Feed>(*endpoint_, clock_, lead_up_, types_);
+}
+
+void LogView::go_to(Time position) {
   broker_.hold();
   broker_.forget();
-  next_ = log_.first_at(position - kLeadUp);
-  for (const std::size_t index : log_.newest_before(next_)) {
-    feed(index);
-  }
-  go_on_to(position);
+  is_exact_ = log_.is_surveyed();
+  const Time from = position - kLeadUp;
+  const std::vector<logs::PlacedEvent> known = log_.newest_before(from);
+  const std::vector<logs::PlacedEvent> since = log_.events(from, position + kOneNanosecond);
+  const auto play = [&] {
+    listen_anew();
+    for (const auto* part : {&known, &since}) {
+      for (const logs::PlacedEvent& event : *part) {
+        feed(event);
+      }
+    }
+  };
+  lead_up_.count();
+  play();
+  lead_up_.tell();
+  play();
+  lead_up_.end();
+  shown_ = position;
   broker_.release();
   broker_.broadcast_time(position);
 }
 
 void LogView::go_on_to(Time position) {
-  for (; next_ < log_.size() && log_.time(next_) <= position; ++next_) {
-    feed(next_);
+  if (position > shown_) {
+    for (const logs::PlacedEvent& event :
+         log_.events(shown_ + kOneNanosecond, position + kOneNanosecond)) {
+      feed(event);
+    }
+    shown_ = position;
   }
-  shown_ = position;
 }
 
-void LogView::feed(std::size_t index) {
-  const logs::LogEvent event = log_.read(index);
+void LogView::feed(const logs::PlacedEvent& event) {
   clock_.set(event.time);
   source_->publish(std::string(event.channel), event.data);
   feed_->handle(std::chrono::microseconds(0));
 }
 
+// The same instant again, as if somebody had asked for it.
+void LogView::on_surveyed(std::int64_t now_ns) {
+  const PlaybackState before = playback_.state(now_ns);
+  const auto [start, end] = log_.range();
+  playback_.set_range(start, end);
+  broker_.set_range(start, end);
+  PlaybackState after = playback_.control(
+      {before.status == PlaybackStatus::kPlaying, before.speed, before.time, ""}, now_ns);
+  broker_.broadcast_playback(after);
+  status_told_ = after.status;
+  go_to(after.time);
+}
+
 void LogView::tick(std::int64_t now_ns) {
+  if (!is_exact_ && log_.is_surveyed()) {
+    on_surveyed(now_ns);
+  }
   for (const PlaybackControl& request : broker_.take_controls()) {
     PlaybackState after = playback_.control(request, now_ns);
     // To go to where it is asks for all of that instant again.

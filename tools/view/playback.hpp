@@ -14,6 +14,11 @@ class PlaybackClock {
   /// Paused at the start. Precondition: start ≤ end.
   PlaybackClock(Time start, Time end) : start_(start), end_(end), anchor_(start) {}
 
+  /// The log is longer or shorter than was known. Precondition: start ≤ end.
+  void set_range(Time start, Time end) {
+    start_ = start;
+    end_ = end;
+  }
   [[nodiscard]] Time position(std::int64_t now_ns) const;
   [[nodiscard]] PlaybackState state(std::int64_t now_ns) const;
   /// Obeys; the state afterwards, with the request's id. Playing at the end begins anew. Speeds are

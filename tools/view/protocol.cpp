@@ -118,6 +118,10 @@ std::string status_text(StatusLevel level, const std::string& message, const std
       .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string remove_status_text(const std::string& id) {
+  return Json{{"op", "removeStatus"}, {"statusIds", Json::array({id})}}.dump();
+}
+
 std::string message_head(std::uint32_t subscription_id, Time time) {
   std::string out(1, kMessageData);
   put(out, subscription_id);

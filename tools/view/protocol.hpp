@@ -50,6 +50,7 @@ struct PlaybackState {
 std::string server_info_text(const ServerInfo& info, bool speaks_sdk);
 std::string advertise_text(std::span<const ChannelInfo> channels);
 std::string status_text(StatusLevel level, const std::string& message, const std::string& id);
+std::string remove_status_text(const std::string& id);
 
 /// Binary frames. The head of message data is followed by the payload.
 std::string message_head(std::uint32_t subscription_id, Time time);

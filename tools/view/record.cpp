@@ -65,6 +65,7 @@ Child start_browser(const std::string& address, const RecordOptions& options,
   ChildPlace place;
   place.output = output;
   place.end_signal = SIGKILL;
+  place.environment = {"TMPDIR=" + folder.file("")};  // what it leaves behind goes as well
   std::optional<Child> browser;
   for (const std::string& name : names) {
     std::vector<std::string> words = {
@@ -113,10 +114,10 @@ std::string record_address(const std::string& url, const std::string& key,
   return options.link.empty() ? out : out + "#" + options.link;
 }
 
-bool record_log(const logs::IndexedLog& log, const logs::TypeLibrary& types, WebOptions web,
+bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptions web,
                 const RecordOptions& options, const std::function<void(double)>& progress,
                 const std::function<bool()>& stop) {
-  const double length_s = log.survey().duration_s();
+  const double length_s = to_seconds(log.range().second - log.range().first);
   if (options.from_s >= options.to_s.value_or(length_s) || options.from_s >= length_s) {
     throw StartupError(fmt::format("{}: nothing from {} to {} s; it is {:.1f} s long", log.path(),
                                    options.from_s, options.to_s.value_or(length_s), length_s));

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "logs/file/log_index.hpp"
+#include "logs/file/seekable_log.hpp"
 #include "logs/types/type_library.hpp"
 #include "tools/view/web_server.hpp"
 
@@ -32,7 +32,7 @@ std::string record_address(const std::string& url, const std::string& key,
 /// whole. `progress` hears the share that is done.
 /// @throws StartupError when there is no browser or page, or the file cannot be written;
 ///   std::runtime_error when the browser fails. False: `stop` said so before it was whole.
-bool record_log(const logs::IndexedLog& log, const logs::TypeLibrary& types, WebOptions web,
+bool record_log(logs::SeekableLog& log, const logs::TypeLibrary& types, WebOptions web,
                 const RecordOptions& options, const std::function<void(double)>& progress,
                 const std::function<bool()>& stop);
 

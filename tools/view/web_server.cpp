@@ -18,7 +18,9 @@ namespace vantage::tools {
 namespace {
 
 constexpr std::size_t kClientsMax = 24;
-constexpr const char* kThreads = "32";  // each viewer holds one; the rest serves files
+// Each viewer holds one, and so does who is slow to say what he wants, until his time is over; the
+// rest serves files.
+constexpr const char* kThreads = "112";
 constexpr int kOpcodeMask = 0x0F;
 constexpr std::size_t kRequestBytesMax = 1U << 20U;
 constexpr long long kVideoBytesMax = 2LL << 30;

@@ -16,19 +16,33 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".yaml";
 
+// Where the folder may be, the first that is there first.
+std::array<fs::path, 2> places() {
+  std::error_code error;
+  const fs::path programs = fs::read_symlink("/proc/self/exe", error).parent_path();
+  return {programs.parent_path() / "share/vantage/config", fs::path(VANTAGE_CONFIG_FOLDER)};
+}
+
+bool is_folder(const fs::path& place) {
+  std::error_code error;
+  return fs::is_directory(place, error);
+}
+
+bool has_config(const std::string& name) {
+  const auto all = places();
+  const auto folder = std::find_if(all.begin(), all.end(), is_folder);
+  std::error_code error;
+  return folder != all.end() && fs::exists(*folder / (name + kSuffix), error);
+}
+
 }  // namespace
 
 std::string config_folder() {
-  std::error_code error;
-  const fs::path programs = fs::read_symlink("/proc/self/exe", error).parent_path();
-  const std::array<fs::path, 2> places = {programs.parent_path() / "share/vantage/config",
-                                          fs::path(VANTAGE_CONFIG_FOLDER)};
-  const auto found = std::find_if(places.begin(), places.end(), [&](const fs::path& place) {
-    return fs::is_directory(place, error);
-  });
-  if (found == places.end()) {
-    throw StartupError("no scenarios: neither " + places[0].string() + " nor " +
-                       places[1].string() + " is a folder");
+  const auto all = places();
+  const auto found = std::find_if(all.begin(), all.end(), is_folder);
+  if (found == all.end()) {
+    throw StartupError("no scenarios: neither " + all[0].string() + " nor " + all[1].string() +
+                       " is a folder");
   }
   return found->string();
 }
@@ -57,6 +71,21 @@ std::string config_path(const std::string& name) {
                                         : "did you mean '" + nearest + "'?"));
   }
   return (fs::path(config_folder()) / (stem + kSuffix)).string();
+}
+
+std::string scenario_path(const std::string& word) {
+  std::error_code error;
+  if (word.empty() || fs::exists(word, error)) {
+    return word;
+  }
+  const fs::path file = word;
+  const bool is_path = file.has_parent_path() || file.extension() == kSuffix;
+  if (!is_path) {
+    return config_path(word);
+  }
+  const std::string name = file.stem();
+  throw StartupError(word + ": no such file" +
+                     (has_config(name) ? "; '" + name + "' comes with vantage" : ""));
 }
 
 }  // namespace vantage::trial

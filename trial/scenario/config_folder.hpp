@@ -16,4 +16,9 @@ std::vector<std::string> config_names();
 /// @throws StartupError for an unknown one, with what may have been meant.
 std::string config_path(const std::string& name);
 
+/// The file that a person means by `word`: that file; where there is none and `word` is no path,
+/// the scenario of that name that came with this program.
+/// @throws StartupError when there is neither, with the name that may have been meant.
+std::string scenario_path(const std::string& word);
+
 }  // namespace vantage::trial

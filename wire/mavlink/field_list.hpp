@@ -52,6 +52,16 @@ struct FieldList {
   }
 };
 
+template <class First, class Second>
+struct JoinedFields;
+template <auto... first, auto... second>
+struct JoinedFields<FieldList<first...>, FieldList<second...>> {
+  using Type = FieldList<first..., second...>;
+};
+/// The fields of `First`, then those of `Second`: of messages that begin with the same ones.
+template <class First, class Second>
+using Joined = typename JoinedFields<First, Second>::Type;
+
 /// How the message definitions call a type.
 template <class T>
 constexpr std::string_view type_name() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "wire/mavlink/field_list.hpp"
+#include "wire/mavlink/messages_motion.hpp"
 
 // What a vehicle is told and what it answers. Members stand in wire order, with the
 // names, units and types of the message definitions (common.xml, ardupilotmega.xml).
@@ -121,59 +122,35 @@ struct SetAttitudeTarget {
   using Extensions = FieldList<&SetAttitudeTarget::thrust_body>;
 };
 
-struct SetPositionTargetLocalNed {
-  static constexpr MessageName kMessage{"SET_POSITION_TARGET_LOCAL_NED", 84};
-  std::uint32_t time_boot_ms = 0;  ///< [ms]
-  float x = 0.0F;                  ///< [m]
-  float y = 0.0F;                  ///< [m]
-  float z = 0.0F;                  ///< [m]
-  float vx = 0.0F;                 ///< [m/s]
-  float vy = 0.0F;                 ///< [m/s]
-  float vz = 0.0F;                 ///< [m/s]
-  float afx = 0.0F;                ///< [m/s/s]
-  float afy = 0.0F;                ///< [m/s/s]
-  float afz = 0.0F;                ///< [m/s/s]
-  float yaw = 0.0F;                ///< [rad]
-  float yaw_rate = 0.0F;           ///< [rad/s]
+/// What both messages of a target begin with.
+struct PositionTarget : LocalMotion {
+  float afx = 0.0F;       ///< [m/s/s]
+  float afy = 0.0F;       ///< [m/s/s]
+  float afz = 0.0F;       ///< [m/s/s]
+  float yaw = 0.0F;       ///< [rad]
+  float yaw_rate = 0.0F;  ///< [rad/s]
   std::uint16_t type_mask = 0;
+  using TargetFields = Joined<
+      LocalMotion::MotionFields,
+      FieldList<&PositionTarget::afx, &PositionTarget::afy, &PositionTarget::afz,
+                &PositionTarget::yaw, &PositionTarget::yaw_rate, &PositionTarget::type_mask>>;
+};
+
+struct SetPositionTargetLocalNed : PositionTarget {
+  static constexpr MessageName kMessage{"SET_POSITION_TARGET_LOCAL_NED", 84};
   std::uint8_t target_system = 0;
   std::uint8_t target_component = 0;
   std::uint8_t coordinate_frame = 0;
-  using Fields =
-      FieldList<&SetPositionTargetLocalNed::time_boot_ms, &SetPositionTargetLocalNed::x,
-                &SetPositionTargetLocalNed::y, &SetPositionTargetLocalNed::z,
-                &SetPositionTargetLocalNed::vx, &SetPositionTargetLocalNed::vy,
-                &SetPositionTargetLocalNed::vz, &SetPositionTargetLocalNed::afx,
-                &SetPositionTargetLocalNed::afy, &SetPositionTargetLocalNed::afz,
-                &SetPositionTargetLocalNed::yaw, &SetPositionTargetLocalNed::yaw_rate,
-                &SetPositionTargetLocalNed::type_mask, &SetPositionTargetLocalNed::target_system,
-                &SetPositionTargetLocalNed::target_component,
-                &SetPositionTargetLocalNed::coordinate_frame>;
+  using Fields = Joined<TargetFields, FieldList<&SetPositionTargetLocalNed::target_system,
+                                                &SetPositionTargetLocalNed::target_component,
+                                                &SetPositionTargetLocalNed::coordinate_frame>>;
   using Extensions = FieldList<>;
 };
 
-struct PositionTargetLocalNed {
+struct PositionTargetLocalNed : PositionTarget {
   static constexpr MessageName kMessage{"POSITION_TARGET_LOCAL_NED", 85};
-  std::uint32_t time_boot_ms = 0;  ///< [ms]
-  float x = 0.0F;                  ///< [m]
-  float y = 0.0F;                  ///< [m]
-  float z = 0.0F;                  ///< [m]
-  float vx = 0.0F;                 ///< [m/s]
-  float vy = 0.0F;                 ///< [m/s]
-  float vz = 0.0F;                 ///< [m/s]
-  float afx = 0.0F;                ///< [m/s/s]
-  float afy = 0.0F;                ///< [m/s/s]
-  float afz = 0.0F;                ///< [m/s/s]
-  float yaw = 0.0F;                ///< [rad]
-  float yaw_rate = 0.0F;           ///< [rad/s]
-  std::uint16_t type_mask = 0;
   std::uint8_t coordinate_frame = 0;
-  using Fields = FieldList<
-      &PositionTargetLocalNed::time_boot_ms, &PositionTargetLocalNed::x, &PositionTargetLocalNed::y,
-      &PositionTargetLocalNed::z, &PositionTargetLocalNed::vx, &PositionTargetLocalNed::vy,
-      &PositionTargetLocalNed::vz, &PositionTargetLocalNed::afx, &PositionTargetLocalNed::afy,
-      &PositionTargetLocalNed::afz, &PositionTargetLocalNed::yaw, &PositionTargetLocalNed::yaw_rate,
-      &PositionTargetLocalNed::type_mask, &PositionTargetLocalNed::coordinate_frame>;
+  using Fields = Joined<TargetFields, FieldList<&PositionTargetLocalNed::coordinate_frame>>;
   using Extensions = FieldList<>;
 };
 

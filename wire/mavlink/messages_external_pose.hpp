@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "wire/mavlink/field_list.hpp"
+#include "wire/mavlink/messages_motion.hpp"
 
 // How a vehicle is told where it is. Members stand in wire order, with the
 // names, units and types of the message definitions (common.xml, ardupilotmega.xml).
@@ -22,23 +23,11 @@ struct SetGpsGlobalOrigin {
   using Extensions = FieldList<&SetGpsGlobalOrigin::time_usec>;
 };
 
-struct VisionPositionEstimate {
+struct VisionPositionEstimate : PoseEstimate {
   static constexpr MessageName kMessage{"VISION_POSITION_ESTIMATE", 102};
-  std::uint64_t usec = 0;  ///< [us]
-  float x = 0.0F;          ///< [m]
-  float y = 0.0F;          ///< [m]
-  float z = 0.0F;          ///< [m]
-  float roll = 0.0F;       ///< [rad]
-  float pitch = 0.0F;      ///< [rad]
-  float yaw = 0.0F;        ///< [rad]
-  std::array<float, 21> covariance{};
   std::uint8_t reset_counter = 0;
-  using Fields = FieldList<&VisionPositionEstimate::usec, &VisionPositionEstimate::x,
-                           &VisionPositionEstimate::y, &VisionPositionEstimate::z,
-                           &VisionPositionEstimate::roll, &VisionPositionEstimate::pitch,
-                           &VisionPositionEstimate::yaw>;
   using Extensions =
-      FieldList<&VisionPositionEstimate::covariance, &VisionPositionEstimate::reset_counter>;
+      Joined<PoseEstimate::Extensions, FieldList<&VisionPositionEstimate::reset_counter>>;
 };
 
 struct VisionSpeedEstimate {
@@ -55,21 +44,8 @@ struct VisionSpeedEstimate {
       FieldList<&VisionSpeedEstimate::covariance, &VisionSpeedEstimate::reset_counter>;
 };
 
-struct ViconPositionEstimate {
+struct ViconPositionEstimate : PoseEstimate {
   static constexpr MessageName kMessage{"VICON_POSITION_ESTIMATE", 104};
-  std::uint64_t usec = 0;  ///< [us]
-  float x = 0.0F;          ///< [m]
-  float y = 0.0F;          ///< [m]
-  float z = 0.0F;          ///< [m]
-  float roll = 0.0F;       ///< [rad]
-  float pitch = 0.0F;      ///< [rad]
-  float yaw = 0.0F;        ///< [rad]
-  std::array<float, 21> covariance{};
-  using Fields =
-      FieldList<&ViconPositionEstimate::usec, &ViconPositionEstimate::x, &ViconPositionEstimate::y,
-                &ViconPositionEstimate::z, &ViconPositionEstimate::roll,
-                &ViconPositionEstimate::pitch, &ViconPositionEstimate::yaw>;
-  using Extensions = FieldList<&ViconPositionEstimate::covariance>;
 };
 
 struct AttPosMocap {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "wire/mavlink/field_list.hpp"
+#include "wire/mavlink/messages_motion.hpp"
 
 // Where a vehicle believes it is and how well. Members stand in wire order, with the
 // names, units and types of the message definitions (common.xml, ardupilotmega.xml).
@@ -43,18 +44,9 @@ struct AttitudeQuaternion {
   using Extensions = FieldList<&AttitudeQuaternion::repr_offset_q>;
 };
 
-struct LocalPositionNed {
+struct LocalPositionNed : LocalMotion {
   static constexpr MessageName kMessage{"LOCAL_POSITION_NED", 32};
-  std::uint32_t time_boot_ms = 0;  ///< [ms]
-  float x = 0.0F;                  ///< [m]
-  float y = 0.0F;                  ///< [m]
-  float z = 0.0F;                  ///< [m]
-  float vx = 0.0F;                 ///< [m/s]
-  float vy = 0.0F;                 ///< [m/s]
-  float vz = 0.0F;                 ///< [m/s]
-  using Fields = FieldList<&LocalPositionNed::time_boot_ms, &LocalPositionNed::x,
-                           &LocalPositionNed::y, &LocalPositionNed::z, &LocalPositionNed::vx,
-                           &LocalPositionNed::vy, &LocalPositionNed::vz>;
+  using Fields = MotionFields;
   using Extensions = FieldList<>;
 };
 

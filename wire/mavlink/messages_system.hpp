@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "wire/mavlink/field_list.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 // Who a vehicle is, how it is and what it says. Members stand in wire order, with the
 // names, units and types of the message definitions (common.xml, ardupilotmega.xml).
@@ -23,6 +24,16 @@ struct Heartbeat {
                 &Heartbeat::base_mode, &Heartbeat::system_status, &Heartbeat::mavlink_version>;
   using Extensions = FieldList<>;
 };
+
+/// Of a peer that is on the line and flies nothing itself.
+constexpr Heartbeat heartbeat_of(std::uint8_t type) {
+  Heartbeat heartbeat;
+  heartbeat.type = type;
+  heartbeat.autopilot = autopilot::kNone;
+  heartbeat.system_status = kStateActive;
+  heartbeat.mavlink_version = 3;
+  return heartbeat;
+}
 
 struct SysStatus {
   static constexpr MessageName kMessage{"SYS_STATUS", 1};

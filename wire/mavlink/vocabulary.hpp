@@ -46,15 +46,22 @@ constexpr std::uint8_t kOnGround = 1;
 
 namespace frame {
 constexpr std::uint8_t kLocalNed = 1;
+constexpr std::uint8_t kBodyNed = 8;
 constexpr std::uint8_t kBodyFrd = 12;
 constexpr std::uint8_t kLocalFrd = 20;
 }  // namespace frame
 
-/// type_mask of a position target: what is to be ignored.
+/// type_mask of a position target: what is to be ignored; and what is left by the masks in use.
 namespace mask {
+constexpr std::uint16_t kIgnorePosition = 7;
+constexpr std::uint16_t kIgnoreVelocity = 56;
+constexpr std::uint16_t kIgnoreAcceleration = 448;
+constexpr std::uint16_t kIsForce = 512;  ///< the acceleration is a force
+constexpr std::uint16_t kIgnoreYaw = 1024;
+constexpr std::uint16_t kIgnoreYawRate = 2048;
 constexpr std::uint16_t kNothingIgnored = 0;
-constexpr std::uint16_t kPositionAndYaw = 0x9F8;
-constexpr std::uint16_t kVelocityAndYawRate = 0x5C7;
+constexpr std::uint16_t kPositionAndYaw = kIgnoreVelocity | kIgnoreAcceleration | kIgnoreYawRate;
+constexpr std::uint16_t kVelocityAndYawRate = kIgnorePosition | kIgnoreAcceleration | kIgnoreYaw;
 }  // namespace mask
 
 /// Of ESTIMATOR_STATUS and EKF_STATUS_REPORT alike.

@@ -36,6 +36,16 @@ void vector_to(const Vector& vector, BigWriter& to) {
   }
 }
 
+/// What poses and velocities begin with: who was sensed, padding, three numbers, a quaternion.
+template <class Linear, class Quaternion>
+void sensed_from(BigReader& from, std::int32_t& sensor, Linear& linear,
+                 Quaternion& quaternion_xyzw) {
+  sensor = from.i32();
+  from.i32();
+  linear = vector_from<Linear>(from);
+  quaternion_xyzw = vector_from<Quaternion>(from);
+}
+
 void header_to(const VrpnHeader& header, std::size_t payload_bytes, BigWriter& to) {
   to.u32(static_cast<std::uint32_t>(kVrpnHeaderBytes + payload_bytes));
   to.u32(header.seconds);
@@ -43,6 +53,16 @@ void header_to(const VrpnHeader& header, std::size_t payload_bytes, BigWriter& t
   to.i32(header.sender);
   to.i32(header.type);
   to.u32(0);  // the sequence number, which nobody reads
+}
+
+template <class Linear, class Quaternion>
+void sensed_to(const VrpnHeader& header, std::size_t payload_bytes, std::int32_t sensor,
+               const Linear& linear, const Quaternion& quaternion_xyzw, BigWriter& to) {
+  header_to(header, payload_bytes, to);
+  to.i32(sensor);
+  to.i32(0);
+  vector_to(linear, to);
+  vector_to(quaternion_xyzw, to);
 }
 
 }  // namespace
@@ -125,21 +145,14 @@ std::optional<VrpnPose> decode_vrpn_pose(Bytes payload) {
   }
   BigReader reader(payload);
   VrpnPose pose;
-  pose.sensor = reader.i32();
-  reader.i32();
-  pose.position_m = vector_from<Eigen::Vector3d>(reader);
-  pose.quaternion_xyzw = vector_from<Eigen::Vector4d>(reader);
+  sensed_from(reader, pose.sensor, pose.position_m, pose.quaternion_xyzw);
   return pose;
 }
 
 void append_vrpn_pose(std::vector<std::uint8_t>& out, const VrpnHeader& header,
                       const VrpnPose& pose) {
   BigWriter writer(out);
-  header_to(header, kPosePayloadBytes, writer);
-  writer.i32(pose.sensor);
-  writer.i32(0);
-  vector_to(pose.position_m, writer);
-  vector_to(pose.quaternion_xyzw, writer);
+  sensed_to(header, kPosePayloadBytes, pose.sensor, pose.position_m, pose.quaternion_xyzw, writer);
 }
 
 std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload) {
@@ -148,10 +161,7 @@ std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload) {
   }
   BigReader reader(payload);
   VrpnVelocity velocity;
-  velocity.sensor = reader.i32();
-  reader.i32();
-  velocity.velocity_mps = vector_from<Eigen::Vector3d>(reader);
-  velocity.quaternion_xyzw = vector_from<Eigen::Vector4d>(reader);
+  sensed_from(reader, velocity.sensor, velocity.velocity_mps, velocity.quaternion_xyzw);
   velocity.interval_s = reader.f64();
   return velocity;
 }
@@ -159,11 +169,8 @@ std::optional<VrpnVelocity> decode_vrpn_velocity(Bytes payload) {
 void append_vrpn_velocity(std::vector<std::uint8_t>& out, const VrpnHeader& header,
                           const VrpnVelocity& velocity) {
   BigWriter writer(out);
-  header_to(header, kVelocityPayloadBytes, writer);
-  writer.i32(velocity.sensor);
-  writer.i32(0);
-  vector_to(velocity.velocity_mps, writer);
-  vector_to(velocity.quaternion_xyzw, writer);
+  sensed_to(header, kVelocityPayloadBytes, velocity.sensor, velocity.velocity_mps,
+            velocity.quaternion_xyzw, writer);
   writer.f64(velocity.interval_s);
 }
 

@@ -12,9 +12,11 @@
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
 #include "bus/node/node.hpp"
+#include "core/latency_record.hpp"
 #include "core/time.hpp"
 #include "drivers/safety/limits.hpp"
 #include "drivers/vehicle/port.hpp"
+#include "models/exchange/counts.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
@@ -57,6 +59,9 @@ class VehicleNode : public bus::Node {
     for (models::NamedCount& counter : port_->counters()) {
       out.push_back(std::move(counter));
     }
+    models::append_latency(out, "latency.frame_heard", frame_latency_);
+    models::append_latency(out, "latency.heard_setpoint", answer_latency_);
+    models::append_latency(out, "latency.frame_setpoint", stack_latency_);
     return out;
   }
 
@@ -78,8 +83,16 @@ class VehicleNode : public bus::Node {
     // So may several mocap systems, or a simulation beside them; the driver knows which to believe.
     bus::Channel<models::MocapFrame> vicon = bus::kVicon;
     vicon.is_shared = true;
-    bus_.subscribe<models::MocapFrame>(
-        vicon, [this](const models::MocapFrame& frame) { on_mocap(frame, clock_.now()); });
+    bus_.subscribe<models::MocapFrame>(vicon, [this](const models::MocapFrame& frame) {
+      const Time now = clock_.now();
+      on_mocap(frame, now);
+      const Time answered = clock_.now();
+      if (frame.arrival <= now && frame.arrival >= now - kWayMax) {  // else a stranger's, or none
+        frame_latency_.add(now - frame.arrival);
+        answer_latency_.add(answered - now);
+        stack_latency_.add(answered - frame.arrival);
+      }
+    });
     // Several planners may speak on one robot's channel; the driver knows which one to heed.
     bus::Channel<models::RobotPlan> plans = bus::plan_channel("*");
     plans.is_shared = true;
@@ -129,6 +142,7 @@ class VehicleNode : public bus::Node {
  private:
   static constexpr Duration kStatusPeriod = std::chrono::milliseconds(100);
   static constexpr Duration kMapLease = std::chrono::seconds(12);  ///< said each 5 s
+  static constexpr Duration kWayMax = std::chrono::seconds(10);    ///< of a frame through the stack
   static constexpr int kReadsMax = 64;  ///< in one tick: a flood must not keep the vehicle waiting
 
   bus::Bus& bus_;
@@ -141,6 +155,9 @@ class VehicleNode : public bus::Node {
   Time next_tick_;
   Time next_status_{};
   std::int64_t undecoded_ = 0;
+  LatencyRecord frame_latency_;   ///< from a frame's arrival at the stack until it is heard here
+  LatencyRecord answer_latency_;  ///< from then until what follows from it has left
+  LatencyRecord stack_latency_;   ///< both
   std::array<std::uint8_t, 2048> buffer_{};
 };
 

@@ -32,7 +32,9 @@ ViconNode::ViconNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Sce
       driver_(checked(scenario.mocap),
               [this](models::MocapFrame frame) {
                 virtual_bodies_.add_to(frame);
+                const Time arrival = frame.arrival;
                 bus_.publish(bus::kVicon, std::move(frame));
+                latency_.add(clock_.now() - arrival);
               }),
       link_(driver_, [this] { return moment(); }),
       say_(std::move(say)),
@@ -70,32 +72,35 @@ std::vector<models::NamedCount> ViconNode::counters() const {
   const vicon::LinkCounts& link = driver_.link_counts();
   const vicon::WireCounts& wire = driver_.wire_counts();
   const vicon::FrameCounts& frame = driver_.frame_counts();
-  return models::nonzero({{"vicon.connections_failed", link.connections_failed},
-                          {"vicon.connections_lost", link.connections_lost},
-                          {"vicon.strangers", link_.strangers()},
-                          {"vicon.silences", link.silences},
-                          {"vicon.broken_streams", wire.broken_streams},
-                          {"vicon.broken_blocks", wire.broken_blocks},
-                          {"vicon.frames_before_set", wire.frames_before_set},
-                          {"vicon.unnamed_bodies", wire.unnamed_bodies},
-                          {"vicon.late_blocks", wire.late_blocks},
-                          {"vicon.duplicate_blocks", wire.duplicate_blocks},
-                          {"vicon.frames_lost", frame.frames_lost},
-                          {"vicon.frames_repeated", frame.frames_repeated},
-                          {"vicon.frames_late", frame.frames_late},
-                          {"vicon.frames_queued", frame.frames_queued},
-                          {"vicon.server_restarts", frame.server_restarts},
-                          {"vicon.latencies_refused", frame.latencies_refused},
-                          {"vicon.poses_zero", frame.poses_zero},
-                          {"vicon.poses_refused", frame.poses_refused},
-                          {"vicon.poses_stuck", frame.poses_stuck},
-                          {"vicon.poses_outlying", frame.poses_outlying},
-                          {"vicon.poses_flipped", frame.poses_flipped},
-                          {"vicon.poses_swapped", frame.poses_swapped},
-                          {"vicon.poses_unconfirmed", frame.poses_unconfirmed},
-                          {"vicon.names_refused", frame.names_refused},
-                          {"vicon.names_twice", frame.names_twice},
-                          {"vicon.names_taken", virtual_bodies_.names_taken()}});
+  std::vector<models::NamedCount> out =
+      models::nonzero({{"vicon.connections_failed", link.connections_failed},
+                       {"vicon.connections_lost", link.connections_lost},
+                       {"vicon.strangers", link_.strangers()},
+                       {"vicon.silences", link.silences},
+                       {"vicon.broken_streams", wire.broken_streams},
+                       {"vicon.broken_blocks", wire.broken_blocks},
+                       {"vicon.frames_before_set", wire.frames_before_set},
+                       {"vicon.unnamed_bodies", wire.unnamed_bodies},
+                       {"vicon.late_blocks", wire.late_blocks},
+                       {"vicon.duplicate_blocks", wire.duplicate_blocks},
+                       {"vicon.frames_lost", frame.frames_lost},
+                       {"vicon.frames_repeated", frame.frames_repeated},
+                       {"vicon.frames_late", frame.frames_late},
+                       {"vicon.frames_queued", frame.frames_queued},
+                       {"vicon.server_restarts", frame.server_restarts},
+                       {"vicon.latencies_refused", frame.latencies_refused},
+                       {"vicon.poses_zero", frame.poses_zero},
+                       {"vicon.poses_refused", frame.poses_refused},
+                       {"vicon.poses_stuck", frame.poses_stuck},
+                       {"vicon.poses_outlying", frame.poses_outlying},
+                       {"vicon.poses_flipped", frame.poses_flipped},
+                       {"vicon.poses_swapped", frame.poses_swapped},
+                       {"vicon.poses_unconfirmed", frame.poses_unconfirmed},
+                       {"vicon.names_refused", frame.names_refused},
+                       {"vicon.names_twice", frame.names_twice},
+                       {"vicon.names_taken", virtual_bodies_.names_taken()}});
+  models::append_latency(out, "latency.frame_published", latency_);
+  return out;
 }
 
 }  // namespace vantage::drivers

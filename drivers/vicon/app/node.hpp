@@ -7,6 +7,7 @@
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
 #include "bus/node/node.hpp"
+#include "core/latency_record.hpp"
 #include "core/time.hpp"
 #include "drivers/vicon/driver.hpp"
 #include "drivers/vicon/socket_link.hpp"
@@ -43,6 +44,7 @@ class ViconNode : public bus::Node {
   vicon::ViconDriver driver_;
   vicon::SocketLink link_;
   std::function<void(const std::string&)> say_;
+  LatencyRecord latency_;  ///< from a frame's arrival until it has been published
   std::string status_;
   std::vector<std::string> said_;  ///< since frames last came
   Time next_tick_;

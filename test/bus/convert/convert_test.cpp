@@ -154,7 +154,7 @@ TEST(FromWireMeasurement, RefusesWhatCannotBeTrue) {
   refused([](wire::measurement_t& w) { w.height_m = kNan; }, "NaN height");
   refused([](wire::measurement_t& w) { w.robot.assign(300, 'Q'); }, "long robot name");
   refused([](wire::measurement_t& w) { w.jammed = -1; }, "boolean -1");
-  refused([](wire::measurement_t& w) { w.detections[0].target_id = -1; }, "negative id");
+  refused([](wire::measurement_t& w) { w.detections[0].target_id = -2; }, "negative id");
   refused([](wire::measurement_t& w) { w.detections[0].z[1] = kNan; }, "NaN z");
   refused([](wire::measurement_t& w) { w.detections[0].dim = 4; }, "dim 4");
   refused([](wire::measurement_t& w) { w.detections[0].dim = 0; }, "dim 0");

@@ -59,6 +59,27 @@ class Sampler {
     }
     return refs;
   }
+  /// What a robot says, and nothing of it yet.
+  template <class Content>
+  Content of_robot() {
+    Content content;
+    content.stamp = stamp();
+    content.robot = text("Q");
+    return content;
+  }
+  template <class Content>
+  Content round_of() {
+    auto content = of_robot<Content>();
+    content.round = whole(0, 1000);
+    return content;
+  }
+  template <class Content>
+  Content step_of() {
+    auto content = of_robot<Content>();
+    content.step = whole(0, 1000);
+    content.viewpoint = viewpoint();
+    return content;
+  }
 
  private:
   std::mt19937_64 rng_;
@@ -82,7 +103,7 @@ inline models::DetectionSet sample(Sampler& s) {
   for (int i = s.small(0, 5); i > 0; --i) {
     models::Detection detection;
     const int dim = s.small(1, 3);
-    detection.target_id = s.small(0, 9);
+    detection.target_id = s.small(models::kNoTargetId, 9);
     detection.measurement.z = s.vector(dim);
     detection.measurement.V = s.definite(dim);
     set.detections.push_back(detection);
@@ -92,11 +113,7 @@ inline models::DetectionSet sample(Sampler& s) {
 
 template <>
 inline models::RobotBelief sample(Sampler& s) {
-  models::RobotBelief belief;
-  belief.stamp = s.stamp();
-  belief.robot = s.text("Q");
-  belief.step = s.whole(0, 1000);
-  belief.viewpoint = s.viewpoint();
+  auto belief = s.step_of<models::RobotBelief>();
   belief.degree = s.small(0, 5);
   for (int i = 0, id = 0; i < s.small(0, 6); ++i, id += s.small(1, 3)) {
     const int dim = s.small(2, 4);
@@ -127,11 +144,7 @@ inline models::RangeScan sample(Sampler& s) {
 
 template <>
 inline models::RobotMap sample(Sampler& s) {
-  models::RobotMap map;
-  map.stamp = s.stamp();
-  map.robot = s.text("Q");
-  map.step = s.whole(0, 1000);
-  map.viewpoint = s.viewpoint();
+  auto map = s.step_of<models::RobotMap>();
   map.grid = {{s.real(), s.real()}, s.real(0.1, 1.0), s.small(1, 9), s.small(1, 9)};
   for (int i = 0; i < map.grid.size(); ++i) {
     map.own_looks.push_back(static_cast<std::int16_t>(s.small(-32768, 32767)));
@@ -144,10 +157,7 @@ inline models::RobotMap sample(Sampler& s) {
 
 template <>
 inline models::RobotPlan sample(Sampler& s) {
-  models::RobotPlan plan;
-  plan.stamp = s.stamp();
-  plan.robot = s.text("Q");
-  plan.round = s.whole(0, 1000);
+  auto plan = s.round_of<models::RobotPlan>();
   plan.source = static_cast<models::PlanSource>(s.small(0, 2));
   plan.trajectory.start_time = plan.stamp.time;
   plan.trajectory.start = s.pose2();
@@ -179,10 +189,7 @@ inline models::PlanProposal sample(Sampler& s) {
 
 template <>
 inline models::TeamProposal sample(Sampler& s) {
-  models::TeamProposal proposal;
-  proposal.stamp = s.stamp();
-  proposal.robot = s.text("Q");
-  proposal.round = s.whole(0, 1000);
+  auto proposal = s.round_of<models::TeamProposal>();
   proposal.value_nats = s.real();
   for (int i = s.small(0, 4); i > 0; --i) {
     models::TeamChoice choice;

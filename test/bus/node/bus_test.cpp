@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "test/bus/convert/message_types.hpp"
+#include "test/support/bus_pair.hpp"
 
 namespace vantage::bus {
 namespace {
@@ -54,11 +55,9 @@ class BusAgainstRawBytes : public ::testing::Test {
 };
 
 TEST(Bus, CountsNothingAsLostThatWasSaidWhileItDidNotListen) {
-  InProcessHub hub;
-  const auto speaking = hub.connect();
-  const auto listening = hub.connect();
-  Bus speaker(*speaking, 42);
-  Bus bus(*listening, 43);
+  test::BusPair net(42, 43);
+  Bus& speaker = net.own;
+  Bus& bus = net.other;
   int heard = 0;
   const auto listen = [&] {
     for (int twice = 0; twice < 2; ++twice) {
@@ -98,11 +97,9 @@ TEST(Bus, StampsRunAndSequencePerChannelAndSaysUnderWhichName) {
 }
 
 TEST(Bus, HearsItselfAndOthersWithContentTimeUntouched) {
-  InProcessHub hub;
-  const auto one = hub.connect();
-  const auto two = hub.connect();
-  Bus sender(*one, 1);
-  Bus receiver(*two, 2);
+  test::BusPair net(1, 2);
+  Bus& sender = net.own;
+  Bus& receiver = net.other;
   std::vector<std::int64_t> times;
   const auto note = [&](const models::OperatorCommand& c) {
     times.push_back(to_utime(c.stamp.time));
@@ -230,7 +227,10 @@ TEST_F(BusAgainstRawBytes, HandsOnWhatMakesAVehicleSaferWhateverItsNumber) {
   EXPECT_EQ(heard_.size(), 13U) << "and nothing else";
 }
 
-TEST(Bus, KeepsTheFirstMocapWhileItIsHeard) {
+/// Whose messages on a channel of one publisher are heard: of run 2 while it speaks, of run 3
+/// after.
+template <class Message>
+void expect_first_is_kept(const Channel<Message>& channel, Message message) {
   InProcessHub hub;
   const auto endpoint = hub.connect();
   const auto first_side = hub.connect();
@@ -241,17 +241,15 @@ TEST(Bus, KeepsTheFirstMocapWhileItIsHeard) {
   VirtualClock clock(from_utime(1'700'000'000'000'000));
   bus.keep_time(clock);
   std::vector<std::int64_t> heard;
-  bus.subscribe<models::MocapFrame>(
-      kVicon, [&](const models::MocapFrame& frame) { heard.push_back(frame.stamp.run_id); });
+  bus.subscribe<Message>(channel, [&](const Message& said) { heard.push_back(said.stamp.run_id); });
   const auto run = [&](double seconds, bool first_speaks) {
     const Time end = clock.now() + from_seconds(seconds);
     for (; clock.now() < end; clock.set(clock.now() + Duration{10'000})) {
-      models::MocapFrame frame;
-      frame.stamp.time = clock.now();
+      message.stamp.time = clock.now();
       if (first_speaks) {
-        first.publish(kVicon, frame);
+        first.publish(channel, message);
       }
-      second.publish(kVicon, frame);
+      second.publish(channel, message);
       bus.handle(kNow);
     }
   };
@@ -260,6 +258,15 @@ TEST(Bus, KeepsTheFirstMocapWhileItIsHeard) {
   heard.clear();
   run(2.0, false);
   EXPECT_EQ(heard, std::vector<std::int64_t>(151, 3)) << "once it is silent";
+}
+
+TEST(Bus, KeepsTheFirstMocapWhileItIsHeard) { expect_first_is_kept(kVicon, models::MocapFrame{}); }
+
+// A second simulation beside a flight says of the same robots that they stand on the ground.
+TEST(Bus, KeepsTheFirstWordOfAVehicleWhileItIsHeard) {
+  models::VehicleStatus status;
+  status.robot = "Q1";
+  expect_first_is_kept(quadrotor_channel("Q1"), status);
 }
 
 TEST_F(BusAgainstRawBytes, NeverShowsADuplicateAnOvertakenMessageOrAnOldRun) {

@@ -8,10 +8,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// Waiting on it moves the clock; what was published is kept.
-class WaitMovesTheClock : public Transport {
+/// An endpoint of a hub of its own.
+class OwnHub : public Transport {
  public:
-  explicit WaitMovesTheClock(VirtualClock& clock) : clock_(clock) {}
   void subscribe(const std::string& channel, Handler handler) override {
     own_->subscribe(channel, std::move(handler));
   }
@@ -19,24 +18,33 @@ class WaitMovesTheClock : public Transport {
   bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
     return own_->publish(channel, bytes);
   }
+  int handle(std::chrono::microseconds timeout) override { return own_->handle(timeout); }
+  [[nodiscard]] TransportStats stats() const override { return own_->stats(); }
+  [[nodiscard]] InProcessHub& hub() { return hub_; }
+
+ private:
+  InProcessHub hub_;
+  std::unique_ptr<Transport> own_ = hub_.connect();
+};
+
+/// Waiting on it moves the clock; what was published is kept.
+class WaitMovesTheClock : public OwnHub {
+ public:
+  explicit WaitMovesTheClock(VirtualClock& clock) : clock_(clock) {}
   int handle(std::chrono::microseconds timeout) override {
     longest_wait_ = std::max<Duration>(longest_wait_, timeout);
     clock_.set(clock_.now() + timeout);
     if (ends_at && clock_.now() >= *ends_at) {
       return kSourceEnded;
     }
-    return own_->handle(std::chrono::microseconds{0});
+    return OwnHub::handle(std::chrono::microseconds{0});
   }
-  [[nodiscard]] TransportStats stats() const override { return own_->stats(); }
   [[nodiscard]] Duration longest_wait() const { return longest_wait_; }
-  [[nodiscard]] InProcessHub& hub() { return hub_; }
 
   std::optional<Time> ends_at;
 
  private:
   VirtualClock& clock_;
-  InProcessHub hub_;
-  std::unique_ptr<Transport> own_ = hub_.connect();
   Duration longest_wait_{};
 };
 
@@ -185,20 +193,12 @@ TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {
 }
 
 /// Waiting on it moves the machine's monotonic clock; at given times somebody sets its wall clock.
-class SetWallClock : public Transport {
+class SetWallClock : public OwnHub {
  public:
-  void subscribe(const std::string& channel, Handler handler) override {
-    own_->subscribe(channel, std::move(handler));
-  }
-  void unsubscribe(const std::string& channel) override { own_->unsubscribe(channel); }
-  bool publish(const std::string& channel, std::span<const std::uint8_t> bytes) override {
-    return own_->publish(channel, bytes);
-  }
   int handle(std::chrono::microseconds timeout) override {
     since_start += timeout;
-    return own_->handle(std::chrono::microseconds{0});
+    return OwnHub::handle(std::chrono::microseconds{0});
   }
-  [[nodiscard]] TransportStats stats() const override { return own_->stats(); }
   [[nodiscard]] Duration set() const {
     return since_start < seconds(2)   ? Duration{0}
            : since_start < seconds(4) ? Duration{-seconds(3)}
@@ -207,10 +207,6 @@ class SetWallClock : public Transport {
   }
 
   Duration since_start{};
-
- private:
-  InProcessHub hub_;
-  std::unique_ptr<Transport> own_ = hub_.connect();
 };
 
 TEST(RunNodeBySteadyClock, TicksOnWhateverTheWallClockIsSetTo) {

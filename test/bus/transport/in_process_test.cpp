@@ -21,14 +21,22 @@ Transport::Handler into(std::vector<Bytes>& list) {
   };
 }
 
-TEST(InProcessHub, LetsEveryEndpointHearEveryEndpointItselfIncluded) {
+/// Two endpoints that keep what they hear: b of everything.
+struct TwoListeners {
+  explicit TwoListeners(const char* of_a) {
+    a->subscribe(of_a, into(at_a));
+    b->subscribe("*", into(at_b));
+  }
   InProcessHub hub;
-  const auto a = hub.connect();
-  const auto b = hub.connect();
+  std::unique_ptr<Transport> a = hub.connect();
+  std::unique_ptr<Transport> b = hub.connect();
   std::vector<Bytes> at_a;
   std::vector<Bytes> at_b;
-  a->subscribe("X", into(at_a));
-  b->subscribe("*", into(at_b));
+};
+
+TEST(InProcessHub, LetsEveryEndpointHearEveryEndpointItselfIncluded) {
+  TwoListeners two("X");
+  auto& [hub, a, b, at_a, at_b] = two;
   EXPECT_TRUE(a->publish("X", Bytes{1}));
   EXPECT_TRUE(b->publish("X", Bytes{2}));
   EXPECT_TRUE(b->publish("Y", Bytes{3}));
@@ -119,14 +127,9 @@ TEST(InProcessHub, RefusesAQueueOfNothing) { EXPECT_THROW(InProcessHub(0), Usage
 // Two senders in threads of their own; both receivers must hear all of it, in the same order.
 TEST(InProcessHub, ShowsConcurrentPublishersInOneOrderToAll) {
   constexpr int kEach = 2'000;
-  InProcessHub hub;
-  const auto a = hub.connect();
-  const auto b = hub.connect();
-  std::vector<Bytes> at_a;
-  std::vector<Bytes> at_b;
-  a->subscribe("*", into(at_a));
-  b->subscribe("*", into(at_b));
-  const auto send = [&hub](std::uint8_t who) {
+  TwoListeners two("*");
+  auto& [hub, a, b, at_a, at_b] = two;
+  const auto send = [&hub = two.hub](std::uint8_t who) {
     const auto endpoint = hub.connect();
     for (int i = 0; i < kEach; ++i) {
       endpoint->publish("X", Bytes{who, static_cast<std::uint8_t>(i)});

@@ -339,5 +339,15 @@ TEST(AutopilotLink, SurvivesAnythingOnTheWire) {
   }
 }
 
+// docs/quadrotor.md: all that is told is of a moment ahead, as each autopilot lags.
+TEST(DialectTraits, LeadByAsMuchAsTheDocumentStates) {
+  const DialectTraits& px4 = traits_of(models::AutopilotDialect::kPx4);
+  EXPECT_EQ(px4.lead_s, 0.05);
+  EXPECT_EQ(px4.acceleration_lead_s, 0.05);
+  const DialectTraits& ardupilot = traits_of(models::AutopilotDialect::kArdupilot);
+  EXPECT_EQ(ardupilot.lead_s, 0.07);
+  EXPECT_EQ(ardupilot.acceleration_lead_s, 0.16);
+}
+
 }  // namespace
 }  // namespace vantage::drivers

@@ -73,6 +73,23 @@ class FlightBench : public SteppedBench {
     return run_until([this] { return height_error_m() < 0.1; }, 15.0);
   }
 
+  /// Follows a plan straight ahead from where it hovers, until it has gone at that speed for a
+  /// while; false when it does not come to that.
+  bool follow_straight(double speed_mps) {
+    command(models::OperatorAction::kFollow);
+    run(0.1);
+    std::vector<models::PlanSegment> segments{{{speed_mps, 0.0}, 2.5, 0.0}};
+    for (const models::PlanSegment& stop :
+         models::brake(speed_mps, scenario.robots[0].limits.brake_mps2)) {
+      segments.push_back(stop);
+    }
+    driver->on_plan(
+        plan(flatten(vehicle.world_from_body()), segments, std::chrono::milliseconds(500)), now);
+    const bool is_under_way = run_until([&] { return this->speed_mps() > 0.9 * speed_mps; }, 2.0);
+    run(0.4);
+    return is_under_way && state() == models::FlightState::kFollow;
+  }
+
   models::VehicleStatus status() const { return driver->status(now); }
   models::FlightState state() const { return status().state; }
   bool has_reason(const std::string& part) const {
@@ -92,6 +109,9 @@ class FlightBench : public SteppedBench {
     return std::abs(vehicle.world_from_body().translation_m.z() - scenario.robots[0].height_m);
   }
   bool is_armed() const { return vehicle.controller().is_armed(); }
+  /// Of its body, as seen from above.
+  Eigen::Vector2d place_m() const { return vehicle.world_from_body().translation_m.head<2>(); }
+  double speed_mps() const { return vehicle.velocity_world_mps().head<2>().norm(); }
 
   scenario::Scenario scenario;
   std::unique_ptr<drivers::QuadrotorDriver> driver;

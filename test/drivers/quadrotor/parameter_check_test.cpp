@@ -67,7 +67,7 @@ TEST(ParameterCheck, AsksForEachOnceWhenItIsAnswered) {
   EXPECT_TRUE(bench.check.is_complete());
   EXPECT_TRUE(bench.check.is_kept());
   EXPECT_TRUE(bench.check.reasons().empty());
-  EXPECT_NEAR(bench.check.setpoint_loss_s().value_or(0.0), 0.3, 1e-6);
+  EXPECT_NEAR(bench.check.value("GUID_TIMEOUT").value_or(0.0), 0.3, 1e-6);
 }
 
 TEST(ParameterCheck, RepeatsWhatIsNotAnsweredAndGivesItUp) {
@@ -123,7 +123,7 @@ TEST(ParameterCheck, ForgetsAllWhenTheVehicleWasAway) {
   ASSERT_TRUE(bench.check.is_kept());
   bench.check.restart();
   EXPECT_FALSE(bench.check.is_kept());
-  EXPECT_EQ(bench.check.setpoint_loss_s(), std::nullopt);
+  EXPECT_EQ(bench.check.value("GUID_TIMEOUT"), std::nullopt);
   bench.run(2.0);
   EXPECT_TRUE(bench.check.is_kept());
 }

@@ -59,6 +59,32 @@ TEST(QuadrotorNode, FliesAVehicleThatWaitsForIt) {
   fly(bench);
 }
 
+TEST(QuadrotorNode, TellsHowLongFramesAreOnTheirWay) {
+  NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(3));
+  bench.mocap_clock = -Duration{2'000};
+  bench.run(1.0);
+  const auto counted = [&](const std::string& name) {
+    for (const models::NamedCount& each : bench.node.counters()) {
+      if (each.name == "latency." + name) {
+        return each.count;
+      }
+    }
+    return std::int64_t{-1};
+  };
+  for (const std::string hop : {"frame_heard", "frame_setpoint"}) {
+    EXPECT_EQ(counted(hop + "_p50_us"), 2'000) << hop;
+    EXPECT_EQ(counted(hop + "_max_us"), 2'000) << hop;
+  }
+  models::MocapFrame dated = bench.see();
+  for (const Time date : {Time::min(), Time::max(), Time{}}) {
+    dated.arrival = date;
+    bench.forge(bus::kVicon, dated);
+  }
+  bench.run(0.1);
+  EXPECT_EQ(counted("frame_setpoint_max_us"), 2'000) << "no way through the stack is that long";
+  EXPECT_EQ(counted("heard_setpoint_max_us"), 0) << "time stands while it answers";
+}
+
 TEST(QuadrotorNode, RefusesARobotThatHasNoAutopilot) {
   bus::InProcessHub hub;
   const auto side = hub.connect();

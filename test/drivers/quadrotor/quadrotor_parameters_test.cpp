@@ -40,7 +40,34 @@ TEST_P(Parameters, ThatDifferForbidArmingAndSayWhatWouldHappen) {
   EXPECT_TRUE(bench.has_reason(loss_name() + " is 3, wanted is at most")) << bench.reasons();
   EXPECT_TRUE(bench.has_reason("it flies on for so long after the driver dies"));
   EXPECT_FALSE(arms_within(10.0));
-  EXPECT_NEAR(bench.driver->parameters().setpoint_loss_s().value_or(0.0), 3.0, 1e-6);
+  EXPECT_NEAR(bench.driver->parameters().value(loss_name()).value_or(0.0), 3.0, 1e-6);
+}
+
+// Defect: the rules let 0.5 s arm, and the stop was budgeted with 0.3 s.
+TEST_P(Parameters, LongerThanTheStopWasBudgetedForForbidArming) {
+  bench.vehicle.set_parameter(loss_name(), 0.5);
+  bench.run(30.0);
+  EXPECT_TRUE(bench.has_reason(loss_name() + " is 0.5, wanted is at most 0.3")) << bench.reasons();
+  EXPECT_FALSE(arms_within(10.0));
+}
+
+// With the longest time-out that arms: from motion to where it stands, nobody telling it anything.
+TEST_P(Parameters, ThatLetItArmStopItWithinTheBudgetWhenItsDriverDies) {
+  bench.vehicle.set_parameter(loss_name(), 0.3);
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  bench.run(3.0);
+  ASSERT_TRUE(bench.follow_straight(0.8)) << bench.reasons();
+  const Eigen::Vector2d from_m = bench.place_m();
+  const double speed_mps = bench.speed_mps();
+  ASSERT_GT(speed_mps, 0.7);
+  bench.is_wire_cut = true;
+  double farthest_m = 0.0;
+  bench.on_step = [&](Time) {
+    farthest_m = std::max(farthest_m, (bench.place_m() - from_m).norm());
+  };
+  bench.run(4.0);
+  EXPECT_LT(farthest_m, lost_way_m(limits_for(bench.scenario, "Q1"), speed_mps) + 0.1);
+  EXPECT_GT(farthest_m, 0.3 * speed_mps) << "it was not cut off in motion";
 }
 
 TEST_P(Parameters, ThatAreMissingForbidArming) {

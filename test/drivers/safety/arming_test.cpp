@@ -1,5 +1,7 @@
 // What forbids arming and taking off, and what becomes of an order meanwhile.
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
@@ -191,6 +193,21 @@ TEST_F(Arming, TakeOffWaitsForWhoIsBesideOrComes) {
     EXPECT_EQ(vehicle.out.state, FlightState::kHold);
     room.run(1.0, [&] { room.room().walkers_m = {walker_m}; });
     EXPECT_TRUE(room.violations().empty());
+  }
+}
+
+// An angle between two attitudes is a number, whatever rounding makes of its cosine: what is none
+// forbids nothing.
+TEST_F(Arming, TheAngleBetweenTwoAttitudesIsAlwaysANumber) {
+  for (int degrees = -180; degrees <= 180; degrees += 6) {
+    for (const double off_rad : {0.0, kPi}) {
+      bench.run(0.05, [&] {
+        q1.knobs.body_tilt_rad = degrees * kDegree;
+        q1.knobs.attitude_offset_rad = degrees * kDegree + off_rad;
+      });
+      EXPECT_NEAR(q1.guard->inputs().attitude_error_rad, off_rad, 1e-6) << degrees;
+      EXPECT_NEAR(q1.guard->inputs().body_tilt_rad, std::abs(degrees) * kDegree, 1e-6);
+    }
   }
 }
 

@@ -119,5 +119,33 @@ TEST_F(Authority, RemembersTheOneInChargeHoweverManyOthersBeat) {
   EXPECT_TRUE(admit(OperatorAction::kArm, 1, 0.2));
 }
 
+// A clock that was set is believed of a station whose numbers go on, and not of a later part of its
+// log: a hundred messages may get lost meanwhile, no more.
+TEST_F(Authority, FollowsAClockThatIsSetOnlyWhileTheNumbersGoOn) {
+  for (const std::int64_t lost : {0, 99, 100, 100'000}) {
+    authority = {};
+    sequence = 5;
+    EXPECT_TRUE(admit(OperatorAction::kHeartbeat, 1, 0.0));
+    const auto beat = command(OperatorAction::kHeartbeat, 1, sequence + lost, 7200.2);
+    EXPECT_EQ(authority.admit(beat, kStart + from_seconds(0.2), kSilentS), lost < 100) << lost;
+  }
+}
+
+// Overtaken on the way: an order that was numbered and stamped before the newest one is over.
+TEST_F(Authority, ObeysNoOrderThatWasOvertaken) {
+  EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 10, 0.0), kStart, kSilentS));
+  const auto admit_at = [&](std::int64_t number, double stamped_s, double at_s) {
+    return authority.admit(command(OperatorAction::kArm, 1, number, stamped_s),
+                           kStart + from_seconds(at_s), kSilentS);
+  };
+  for (const double begin_s : {0.0, 1.0}) {  // and once more
+    const auto first = static_cast<std::int64_t>(20 + 10 * begin_s);
+    EXPECT_TRUE(admit_at(first + 2, begin_s + 0.3, begin_s + 0.31));
+    EXPECT_FALSE(admit_at(first + 1, begin_s + 0.2, begin_s + 0.32));
+    EXPECT_TRUE(admit_at(first + 1, begin_s + 0.4, begin_s + 0.41)) << "stamped later";
+    EXPECT_TRUE(admit_at(first + 4, begin_s + 0.3, begin_s + 0.42)) << "numbered later";
+  }
+}
+
 }  // namespace
 }  // namespace vantage::drivers

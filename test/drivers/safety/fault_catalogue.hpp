@@ -59,6 +59,8 @@ struct Outcome {
 struct FaultRun {
   std::vector<Outcome> outcomes;  ///< one for each fault
   std::vector<std::string> violations;
+  /// Of the way: set-points that jumped, states that went back (WayWatch).
+  std::vector<std::string> missteps;
   double closest_m = 0.0;
 };
 

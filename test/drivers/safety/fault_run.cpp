@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "test/drivers/safety/fault_catalogue.hpp"
+#include "test/drivers/safety/way_watch.hpp"
 
 namespace vantage::test {
 namespace {
@@ -117,6 +118,7 @@ FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, doub
   for (const Fault* fault : faults) {
     watches.emplace_back(*fault, bench);
   }
+  WayWatch way(bench);
   const auto ticks = static_cast<int>(lasts_s / FlightBench::kTickS);
   for (int i = 0; i < ticks; ++i) {
     const auto since_s = [i](std::size_t k) {
@@ -128,6 +130,7 @@ FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, doub
       }
     }
     bench.tick();
+    way.look(bench);
     for (std::size_t k = 0; k < faults.size(); ++k) {
       watches[k].look(bench, since_s(k));
     }
@@ -137,6 +140,7 @@ FaultRun fly_with(std::span<const Fault* const> faults, std::uint64_t seed, doub
     run.outcomes.push_back(watch.finish(bench));
   }
   run.violations = bench.violations();
+  run.missteps = way.missteps();
   run.closest_m = bench.closest_m();
   return run;
 }

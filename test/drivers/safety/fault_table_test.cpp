@@ -49,6 +49,7 @@ TEST_P(FaultTable, ReactsInTimeAndEndsAsWritten) {
     }
     EXPECT_STREQ(name_of(outcome.end), name_of(fault.end));
     EXPECT_TRUE(run.violations.empty()) << list(run.violations);
+    EXPECT_TRUE(run.missteps.empty()) << list(run.missteps);
     if (fault.stages.empty() && fault.end == FlightState::kFollow && !fault.trusts_plans) {
       EXPECT_GT(run.closest_m, 1.0);
     }

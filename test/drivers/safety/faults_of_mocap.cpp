@@ -27,6 +27,11 @@ std::vector<Fault> of_mocap() {
   const std::vector<Stage> gone = {{kHold, 0.10 + kTicks}, {kLand, 0.50 + kTicks}};
   std::vector<Stage> to_the_end = gone;
   to_the_end.push_back({kKilled, 10.0});
+  /// A body that is shown so from then on.
+  const auto believed_by_nobody = [&](int number, const char* name, const char* what,
+                                      BodyFault how) {
+    return fault(number, name, what, body(how), ends(kKilled, to_the_end, "pose implausible"));
+  };
   return {
       fault(1, "one frame without the body", "occluded for 10 ms",
             lasting(0.01, body(BodyFault::kOccluded)), flies_on_counting("pose.absent")),
@@ -64,18 +69,13 @@ std::vector<Fault> of_mocap() {
             ends(kKilled, to_the_end, "pose implausible")),
       fault(7, "flipped in one frame", "upside down", lasting(0.005, body(BodyFault::kUpsideDown)),
             flies_on_counting("pose.flip")),
-      fault(7, "flipped for good", "upside down", body(BodyFault::kUpsideDown),
-            ends(kKilled, to_the_end, "pose implausible")),
-      fault(8, "no number", "NaN in a position", body(BodyFault::kNotANumber),
-            ends(kKilled, to_the_end, "pose implausible")),
-      fault(8, "no rotation", "zero quaternion", body(BodyFault::kZeroQuaternion),
-            ends(kKilled, to_the_end, "pose implausible")),
-      fault(8, "no unit rotation", "quaternion of length 1.5", body(BodyFault::kLongQuaternion),
-            ends(kKilled, to_the_end, "pose implausible")),
-      fault(8, "millimetres for metres", "", body(BodyFault::kMillimetres),
-            ends(kKilled, to_the_end, "pose implausible")),
-      fault(8, "frame mirrored in flight", "y changes its sign", body(BodyFault::kMirrored),
-            ends(kKilled, to_the_end, "pose implausible")),
+      believed_by_nobody(7, "flipped for good", "upside down", BodyFault::kUpsideDown),
+      believed_by_nobody(8, "no number", "NaN in a position", BodyFault::kNotANumber),
+      believed_by_nobody(8, "no rotation", "zero quaternion", BodyFault::kZeroQuaternion),
+      believed_by_nobody(8, "no unit rotation", "quaternion of length 1.5",
+                         BodyFault::kLongQuaternion),
+      believed_by_nobody(8, "millimetres for metres", "", BodyFault::kMillimetres),
+      believed_by_nobody(8, "frame mirrored in flight", "y changes its sign", BodyFault::kMirrored),
       everybody(delaying(
           0.05, fault(9, "rate falls to 20 Hz", "", sets(&RoomKnobs::mocap_every, 5), flies_on()))),
       everybody(fault(9, "rate falls to 8 Hz", "", sets(&RoomKnobs::mocap_every, 12),

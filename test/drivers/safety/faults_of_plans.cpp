@@ -19,10 +19,15 @@ std::vector<Fault> of_plans() {
                           const char* counter) {
     return fault(number, name, what, std::move(act), flies_on_counting(counter));
   };
+  /// The plans of a second are spoilt, and all of them refused.
+  const auto spoilt = [&](int number, const char* name, const char* what, PlanFault how,
+                          const char* counter) {
+    return refused(number, name, what, lasting(1.0, spoils(how)), counter);
+  };
   const std::vector<Stage> at_plan_end = {{kHold, 3.0 + kTicks}};
   return {
-      refused(14, "late plan after a newer one", "starts 1 s earlier",
-              lasting(1.0, spoils(PlanFault::kHalfASecondOld)), "plan.stale"),
+      spoilt(14, "late plan after a newer one", "starts 1 s earlier", PlanFault::kHalfASecondOld,
+             "plan.stale"),
       fault(15, "planner cut off for 0.7 s", "plans do not arrive",
             lasting(0.7, spoils(PlanFault::kDropped)), flies_on()),
       fault(15, "planner cut off for 5 s, then back", "plans do not arrive",
@@ -40,30 +45,19 @@ std::vector<Fault> of_plans() {
               lasting(1.0, sets(&VehicleKnobs::plan_late, true)), nullptr),
       fault(26, "every plan after its deadline", "", sets(&VehicleKnobs::plan_late, true),
             ends(kHold, {{kHold, 2.0 + kRound}}, "planner late")),
-      refused(27, "plan with NaN", "", lasting(1.0, spoils(PlanFault::kNotANumber)),
-              "plan.not finite"),
-      refused(27, "plan too fast", "3 m/s", lasting(1.0, spoils(PlanFault::kTooFast)),
-              "plan.infeasible"),
-      refused(27, "plan too tight", "20 rad/s", lasting(1.0, spoils(PlanFault::kTooTight)),
-              "plan.infeasible"),
-      refused(27, "plan without a stop", "", lasting(1.0, spoils(PlanFault::kNoStop)),
-              "plan.no hover"),
-      refused(27, "plan that starts 1 m away", "", lasting(1.0, spoils(PlanFault::kJumps)),
-              "plan.discontinuous"),
-      refused(27, "plan out of the fence", "", lasting(1.0, spoils(PlanFault::kLeavesFence)),
-              "plan.out of fence"),
-      refused(27, "plan into an obstacle", "", lasting(1.0, spoils(PlanFault::kMeetsObstacle)),
-              "plan.obstacle"),
-      refused(27, "plan into a teammate", "", lasting(1.0, spoils(PlanFault::kMeetsTeammate)),
-              "plan.teammate"),
-      refused(27, "plan for another vehicle", "", lasting(1.0, spoils(PlanFault::kWrongVehicle)),
-              "plan.wrong vehicle"),
-      refused(27, "empty plan", "everything zero", lasting(1.0, spoils(PlanFault::kEmpty)),
-              "plan.stale"),
+      spoilt(27, "plan with NaN", "", PlanFault::kNotANumber, "plan.not finite"),
+      spoilt(27, "plan too fast", "3 m/s", PlanFault::kTooFast, "plan.infeasible"),
+      spoilt(27, "plan too tight", "20 rad/s", PlanFault::kTooTight, "plan.infeasible"),
+      spoilt(27, "plan without a stop", "", PlanFault::kNoStop, "plan.no hover"),
+      spoilt(27, "plan that starts 1 m away", "", PlanFault::kJumps, "plan.discontinuous"),
+      spoilt(27, "plan out of the fence", "", PlanFault::kLeavesFence, "plan.out of fence"),
+      spoilt(27, "plan into an obstacle", "", PlanFault::kMeetsObstacle, "plan.obstacle"),
+      spoilt(27, "plan into a teammate", "", PlanFault::kMeetsTeammate, "plan.teammate"),
+      spoilt(27, "plan for another vehicle", "", PlanFault::kWrongVehicle, "plan.wrong vehicle"),
+      spoilt(27, "empty plan", "everything zero", PlanFault::kEmpty, "plan.stale"),
       fault(27, "only bad plans from then on", "they leave the fence",
             spoils(PlanFault::kLeavesFence), ends(kHold, at_plan_end, "no plan")),
-      refused(28, "old plan replayed", "three rounds old",
-              lasting(1.0, spoils(PlanFault::kReplayed)), "plan.stale"),
+      spoilt(28, "old plan replayed", "three rounds old", PlanFault::kReplayed, "plan.stale"),
       on("Q1 Q2",
          trusting(fault(
              31, "head-on at 2 m/s", "Q1 and Q2 plan into each other, unseen by the plan check",

@@ -350,5 +350,29 @@ TEST(Lift, RisesNoHigherThanTheTakeOff) {
   EXPECT_DOUBLE_EQ(own.height_m(), limits.take_off_height_m);
 }
 
+// Its step aside goes along both axes, whichever of the four ways has most room.
+TEST(Lift, StepsAsideToWhereThereIsMostRoom) {
+  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
+  const Time start = from_utime(1'700'000'000'000'000);
+  const Eigen::Vector3d rest_m(1.5, -0.9, 0.0);
+  for (std::size_t free = 0; free < 4; ++free) {
+    const Eigen::Vector3d ways_m[] = {
+        {0.15, 0.15, 0.0}, {-0.15, 0.15, 0.0}, {-0.15, -0.15, 0.0}, {0.15, -0.15, 0.0}};
+    std::vector<drivers::OtherBody> others;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (i != free) {
+        others.emplace_back().position_world_m = rest_m + ways_m[i];
+      }
+    }
+    drivers::Lift own;
+    drivers::Course course(0.25);
+    own.begin(lift({rest_m.x(), rest_m.y(), 0.0}, 0.0), others, limits, start);
+    const Eigen::Vector3d hover_m(rest_m.x(), rest_m.y(), own.height_m());
+    EXPECT_FALSE(own.step(hover_m, 0.0, course, limits, start));
+    const Eigen::Vector3d asked_m = course.planned_at(start).position_world_m;
+    EXPECT_LT((asked_m - rest_m - ways_m[free]).norm(), 1e-12) << free;
+  }
+}
+
 }  // namespace
 }  // namespace vantage::test

@@ -32,7 +32,7 @@ bool has(const VehicleKnobs& knobs, BodyFault fault) {
 
 }  // namespace
 
-scenario::Scenario FlightBench::scenario() {
+scenario::Scenario FlightBench::scenario(double stagger_m) {
   scenario::Scenario out;
   out.name = "bench";
   out.world.bounds = {{-4.0, -2.2}, {4.0, 2.2}};
@@ -43,7 +43,7 @@ scenario::Scenario FlightBench::scenario() {
     scenario::RobotSpec robot;
     robot.name = std::string("Q") + std::to_string(i + 1);
     robot.start = {-2.0 + i, -1.3 + 1.3 * i, 0.0};
-    robot.height_m = 1.0;
+    robot.height_m = 1.0 + i * stagger_m;
     robot.limits = {1.0, 3.0, kBrakeMps2, 0.25};
     out.robots.push_back(robot);
   }
@@ -53,8 +53,8 @@ scenario::Scenario FlightBench::scenario() {
   return out;
 }
 
-FlightBench::FlightBench(std::uint64_t seed, bool trusts_plans)
-    : scenario_(scenario()), trusts_plans_(trusts_plans), random_(seed) {
+FlightBench::FlightBench(std::uint64_t seed, bool trusts_plans, double stagger_m)
+    : scenario_(scenario(stagger_m)), trusts_plans_(trusts_plans), random_(seed) {
   for (const scenario::RobotSpec& robot : scenario_.robots) {
     Vehicle vehicle;
     vehicle.name = robot.name;
@@ -282,7 +282,7 @@ models::RobotPlan FlightBench::honest_plan(Vehicle& vehicle, Time start) {
   }
   plan.trajectory.start_time = start;
   plan.trajectory.start = from;
-  plan.trajectory.height_m = 1.0;
+  plan.trajectory.height_m = scenario_.find_robot(vehicle.name)->height_m;
   const double end_m = vehicle.heads_east ? kLaneHalfM : -kLaneHalfM;
   if (std::abs(end_m - from.x_m) < 0.4) {
     vehicle.heads_east = !vehicle.heads_east;

@@ -158,8 +158,8 @@ class FlightBench {
   static constexpr double kLeadS = 15.0;
 
   /// `trusts_plans`: the plan check overlooks teammates, so that only what watches positions is
-  /// between two vehicles.
-  explicit FlightBench(std::uint64_t seed, bool trusts_plans = false);
+  /// between two vehicles. `stagger_m`: each flies so much higher than the one before it.
+  explicit FlightBench(std::uint64_t seed, bool trusts_plans = false, double stagger_m = 0.0);
 
   /// Arms and takes off at the start; follows from 3.5 s on; until `until_s`.
   void fly_up(double until_s);
@@ -185,7 +185,7 @@ class FlightBench {
   /// Everything that must never happen and did, in words.
   [[nodiscard]] const std::vector<std::string>& violations() const { return violations_; }
   [[nodiscard]] double closest_m() const { return closest_m_; }
-  static scenario::Scenario scenario();
+  static scenario::Scenario scenario(double stagger_m = 0.0);
 
  private:
   struct Flight {  ///< a frame on its way

@@ -104,5 +104,21 @@ TEST_F(FlyingAlready, ADisarmedOneOnTheGroundIsIdleAtOnce) {
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
 }
 
+// Where the ground is, cameras say. One whose estimate has drifted while nobody saw it does not fly
+// when it is seen again and somebody arms it by hand.
+TEST_F(FlyingAlready, DriftedUnseenOnTheGroundIsNotFlying) {
+  bench.run(1.0);
+  bench.run(2.0, [&] {
+    q1.knobs.body = {BodyFault::kOccluded};
+    q1.drift_m.z() = -1.0;
+  });
+  bench.run(1.0, [&] {
+    q1.is_armed = true;
+    EXPECT_EQ(q1.out.state, FlightState::kIdle);
+  });
+  EXPECT_TRUE(q1.guard->inputs().autopilot_armed);
+  EXPECT_LT(q1.guard->inputs().pose_age_s, 0.02);
+}
+
 }  // namespace
 }  // namespace vantage::test

@@ -311,7 +311,6 @@ TEST_F(StepLadder, KillsABlindVehicleOnlyNearTheFloorOrOutside) {
 // that have held long enough, and never killed without a row or a stop that says so.
 TEST_F(StepLadder, IsNeverLessSevereThanItsWorstCondition) {
   test::Random random(11);
-  Driven d;
   for (int trial = 0; trial < 3000; ++trial) {
     d = Driven();
     d.airborne();

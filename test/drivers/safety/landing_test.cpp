@@ -80,6 +80,65 @@ TEST(LandingSpot, TheWayToItIsTakenByWhoGoesFirst) {
   EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits));
 }
 
+// What stands there will not make way, whoever would go first: it comes down there.
+TEST(LandingSpot, TheWayToItIsTakenByARobotThatStandsAtAnyHeight) {
+  const SafetyLimits limits = bench_limits();
+  const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
+  const Eigen::Vector3d to_m(1.0, 0.0, 1.0);
+  std::vector<OtherBody> others(1);
+  others[0].goes_first = false;
+  others[0].robot = 1;
+  for (const double height_m : {0.4, 1.0, 1.6, 2.2}) {
+    others[0].position_world_m = {0.8, 0.3, height_m};
+    others[0].velocity_world_mps = {0.0, 0.0, -0.4};  // it sinks
+    EXPECT_TRUE(is_way_taken(from_m, to_m, others, limits)) << height_m;
+    others[0].velocity_world_mps = {0.2, 0.0, 0.0};  // it yields
+    EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits)) << height_m;
+    others[0].goes_first = true;
+    EXPECT_TRUE(is_way_taken(from_m, to_m, others, limits)) << height_m;
+    others[0].goes_first = false;
+    others[0].velocity_world_mps.setZero();
+    others[0].position_world_m.y() = limits.separation_hold_m + 0.01;
+    EXPECT_FALSE(is_way_taken(from_m, to_m, others, limits)) << height_m;
+  }
+}
+
+// Whoever flies above comes down, too.
+TEST(LandingSpot, IsNotBelowAnotherRobotNorReachedBelowIt) {
+  const SafetyLimits limits = bench_limits();
+  test::Random random(22);
+  int moved = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Eigen::Vector3d hover_m(random.uniform(-3.0, 3.0), random.uniform(-1.4, 1.4), 1.0);
+    std::vector<OtherBody> others(3);
+    others[0].position_world_m = {hover_m.x() + random.uniform(-0.6, 0.6),
+                                  hover_m.y() + random.uniform(-0.6, 0.6), 0.0};
+    for (int robot : {1, 2}) {
+      OtherBody& body = others[static_cast<std::size_t>(robot)];
+      body.robot = robot;
+      body.goes_first = robot == 1;
+      body.position_world_m = {hover_m.x() + random.uniform(-2.0, 2.0),
+                               hover_m.y() + random.uniform(-2.0, 2.0), random.uniform(1.0, 2.5)};
+    }
+    const Eigen::Vector3d spot_m = landing_spot(hover_m, others, limits);
+    if (spot_m == hover_m) {
+      continue;
+    }
+    ++moved;
+    for (int robot : {1, 2}) {
+      const auto above_m = others[static_cast<std::size_t>(robot)].position_world_m.head<2>();
+      const double now_m = (hover_m.head<2>() - above_m).norm();
+      for (int step = 0; step <= 50; ++step) {
+        const Eigen::Vector3d p_m = hover_m + (spot_m - hover_m) * (step / 50.0);
+        ASSERT_GE((p_m.head<2>() - above_m).norm(),
+                  std::min(now_m, limits.landing_clearance_m + 0.1) - 1e-6)
+            << i;
+      }
+    }
+  }
+  EXPECT_GT(moved, 500);
+}
+
 TEST(LandingSpot, SomebodyNotSeenLatelyMayHaveComeNearer) {
   const SafetyLimits limits = bench_limits();
   std::vector<OtherBody> others(1);
@@ -211,6 +270,72 @@ TEST(FlightGuard, StaysDownWhoeverComesNear) {
   EXPECT_LT(seen.closest_m, 0.65);
   EXPECT_LT(highest_m, 0.14);
   EXPECT_LT(seen.took_s, 15.0);
+}
+
+// All are told to land at once, each with somebody below, or about to be: nobody goes where another
+// comes down. Of 400 seeds four had a contact when only who was below was looked at; three are
+// here.
+TEST(FlightGuard, AllThatLandAtOnceAboveWalkersKeepApart) {
+  std::vector<std::uint64_t> seeds = {226, 251};
+  for (std::uint64_t seed = 80; seed < 100; ++seed) {
+    seeds.push_back(seed);
+  }
+  for (const std::uint64_t seed : seeds) {
+    test::FlightBench bench(seed, false, 0.5);
+    test::Random random(seed);
+    bench.fly_up(12.0 + random.uniform(0.0, 12.0));
+    std::vector<Eigen::Vector3d> walkers_m;
+    for (const test::Vehicle& vehicle : bench.vehicles()) {
+      for (int i = 0; i < 3; ++i) {
+        walkers_m.push_back(below(vehicle.position_m) + Eigen::Vector3d(random.uniform(-1.0, 1.0),
+                                                                        random.uniform(-1.0, 1.0),
+                                                                        0.0));
+      }
+    }
+    bench.room().says = models::OperatorAction::kLand;
+    double walkers_least_m = 1e9;
+    bench.run(30.0, [&] {
+      bench.room().walkers_m = walkers_m;
+      for (const test::Vehicle& vehicle : bench.vehicles()) {
+        for (const Eigen::Vector3d& walker_m : walkers_m) {
+          walkers_least_m = std::min(walkers_least_m, (vehicle.position_m - walker_m).norm());
+        }
+      }
+    });
+    EXPECT_TRUE(bench.violations().empty()) << seed << ": " << bench.violations().front();
+    EXPECT_GT(walkers_least_m, kTouchM) << seed;
+    for (const test::Vehicle& vehicle : bench.vehicles()) {
+      EXPECT_EQ(vehicle.out.state, FlightState::kIdle) << seed << " " << vehicle.name;
+    }
+  }
+}
+
+// Seen with real firmware: from 2 m, at 0.4 m/s to a spot and down, it took 10.6 s, rovers below
+// that drove on among it.
+TEST(FlightGuard, IsDownWithinEightSecondsBesideWhoStandsBelow) {
+  double slowest_s = 0.0;
+  int aside = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    test::FlightBench bench(seed, false, 0.5);
+    test::Random random(seed);
+    bench.fly_up(14.0 + random.uniform(0.0, 12.0));
+    const test::Vehicle& highest = bench.vehicle("Q3");
+    ASSERT_NEAR(highest.position_m.z(), 2.0, 0.1) << seed;
+    const Eigen::Vector3d from_m = highest.position_m;
+    const Eigen::Vector3d walker_m = below(from_m + 0.5 * highest.velocity_mps);
+    bench.room().says = models::OperatorAction::kLand;
+    const double start_s = bench.time_s();
+    while (highest.out.state != FlightState::kIdle && bench.time_s() < start_s + 30.0) {
+      bench.room().walkers_m = {walker_m};
+      bench.tick();
+      EXPECT_GT((highest.position_m - walker_m).norm(), kTouchM) << seed;
+    }
+    EXPECT_TRUE(bench.violations().empty()) << seed << ": " << bench.violations().front();
+    slowest_s = std::max(slowest_s, bench.time_s() - start_s);
+    aside += (highest.position_m - from_m).head<2>().norm() > 0.5 ? 1 : 0;
+  }
+  EXPECT_GE(aside, 15);
+  EXPECT_LT(slowest_s, 7.0);  // 8.0 s with both speeds as they were
 }
 
 // A plan that was taken before `land` and would have begun after it does not begin.

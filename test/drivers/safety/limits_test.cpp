@@ -1,5 +1,6 @@
 #include "drivers/safety/limits.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <utility>
@@ -9,6 +10,8 @@
 
 #include "core/check.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/stated.hpp"
+#include "wire/autopilot/parameter_rules.hpp"
 
 // Every number of SafetyLimits once, against where it comes from: docs/safety.md and the rows of
 // docs/results/faults.md for those that are the same in every lab, the scenario for the others.
@@ -16,15 +19,9 @@
 namespace vantage::drivers {
 namespace {
 
-struct Stated {
-  const char* name;
-  double value;
-  double stated;
-};
-
 TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
   const SafetyLimits is;
-  const std::vector<Stated> rows = {
+  const std::vector<test::Stated> rows = {
       {"pose_age_warn_s", is.pose_age_warn_s, 0.05},
       {"pose_age_hold_s", is.pose_age_hold_s, 0.1},
       {"pose_age_land_s", is.pose_age_land_s, 0.5},
@@ -67,11 +64,16 @@ TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
       {"lateral_max_mps2", is.lateral_max_mps2, 10.0},
       {"take_off_height_m", is.take_off_height_m, 1.0},
       {"setpoint_lead_s", is.setpoint_lead_s, 0.1},
+      {"acceleration_lead_s", is.acceleration_lead_s, 0.1},
       {"climb_mps", is.climb_mps, 0.5},
-      {"descent_mps", is.descent_mps, 0.4},
+      {"descent_mps", is.descent_mps, 0.6},
+      {"low_descent_mps", is.low_descent_mps, 0.4},
+      {"low_height_m", is.low_height_m, 1.0},
       {"body_tilt_arm_rad", is.body_tilt_arm_rad, 0.26},            // 15°
       {"attitude_error_arm_rad", is.attitude_error_arm_rad, 0.17},  // 10°
       {"yaw_error_arm_rad", is.yaw_error_arm_rad, 0.26},            // 15°
+      {"start_off_arm_m", is.start_off_arm_m, 0.5},
+      {"start_turn_arm_rad", is.start_turn_arm_rad, 0.3},  // 17°
       {"lift_height_m", is.lift_height_m, 0.2},
       {"lift_over_m", is.lift_over_m, 0.3},
       {"lift_risen_m", is.lift_risen_m, 0.1},
@@ -107,9 +109,7 @@ TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
       {"clear_s", is.clear_s, 0.5},
       {"yield_s", is.yield_s, 2.0},
   };
-  for (const Stated& row : rows) {
-    EXPECT_EQ(row.value, row.stated) << row.name;
-  }
+  test::expect_as_stated(rows);
 }
 
 class FromTheScenario : public testing::Test {
@@ -189,10 +189,36 @@ TEST_F(FromTheScenario, WhatTheScenarioDoesNotSayIsAsStated) {
   EXPECT_EQ(is.operator_age_land_s, stated.operator_age_land_s);
   EXPECT_TRUE(is.needs_operator);
   EXPECT_EQ(is.reaction_s, 0.20);
-  for (const models::AutopilotDialect dialect :
-       {models::AutopilotDialect::kPx4, models::AutopilotDialect::kArdupilot}) {
-    scenario.robots[0].autopilot.emplace().dialect = dialect;
-    EXPECT_EQ(of().reaction_s, 0.20);
+}
+
+// docs/safety.md, "When a driver dies in motion". What was budgeted holds for each vehicle that
+// arms: none does with a longer time-out (Parameters.LongerThanTheStopWasBudgetedFor...).
+TEST_F(FromTheScenario, EachAutopilotIsBudgetedWithItsReactionAndItsTimeOut) {
+  using models::AutopilotDialect;
+  struct Budget {
+    AutopilotDialect dialect;
+    const char* time_out;
+    double setpoint_loss_s;
+    double stopping_way_m;  // from 1 m/s, braked at 2 m/s²
+    double lost_way_m;
+  };
+  scenario.robots[0].limits.brake_mps2 = 2.0;
+  for (const Budget& stated :
+       {Budget{AutopilotDialect::kPx4, "COM_OF_LOSS_T", 0.30, 0.45, 0.75},
+        Budget{AutopilotDialect::kArdupilot, "GUID_TIMEOUT", 0.45, 0.45, 0.90}}) {
+    SCOPED_TRACE(name_of(stated.dialect));
+    scenario.robots[0].autopilot.emplace().dialect = stated.dialect;
+    const SafetyLimits is = of();
+    EXPECT_EQ(is.reaction_s, 0.20);
+    EXPECT_NEAR(is.setpoint_loss_s, stated.setpoint_loss_s, 1e-12);
+    EXPECT_NEAR(stopping_way_m(is, 1.0), stated.stopping_way_m, 1e-12);
+    EXPECT_NEAR(lost_way_m(is, 1.0), stated.lost_way_m, 1e-12);
+    const auto& rules = wire::parameter_rules(stated.dialect);
+    const auto rule = std::find_if(rules.begin(), rules.end(),
+                                   [&](const auto& each) { return each.name == stated.time_out; });
+    ASSERT_NE(rule, rules.end());
+    EXPECT_TRUE(rule->accepts(0.3));
+    EXPECT_FALSE(rule->accepts(0.31)) << "it would arm and stop later than was budgeted";
   }
 }
 
@@ -212,6 +238,7 @@ TEST(CheckLimits, RefusesALadderThatDoesNotRise) {
       {&L::lift_risen_m, &L::lift_height_m},
       {&L::lift_height_m, &L::lift_over_m},
       {&L::lift_step_m, &L::lift_astray_m},
+      {&L::low_descent_mps, &L::descent_mps},
       {&L::separation_land_m, &L::separation_hold_m},
       {&L::battery_empty_share, &L::battery_land_share},
       {&L::battery_land_share, &L::battery_low_share},
@@ -248,7 +275,7 @@ TEST(CheckLimits, RefusesWhatIsNotPositiveAndFinite) {
       [](SafetyLimits& l) { return &l.plan_separation_m; },
       [](SafetyLimits& l) { return &l.planner_lease_s; },
       [](SafetyLimits& l) { return &l.climb_mps; },
-      [](SafetyLimits& l) { return &l.descent_mps; },
+      [](SafetyLimits& l) { return &l.low_height_m; },
       [](SafetyLimits& l) { return &l.flight_max_s; },
       [](SafetyLimits& l) { return &l.lift_wait_s; },
       [](SafetyLimits& l) { return &l.lift_proof_s; },

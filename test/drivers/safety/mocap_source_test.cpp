@@ -1,6 +1,9 @@
 #include "drivers/safety/mocap_source.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -89,6 +92,27 @@ TEST_F(Source, IsBelievedWithAClockThatIsSetOnlyWhileItsFramesGoOn) {
     number += std::max<std::int64_t>(1, lost);
     EXPECT_EQ(hear(1, 0.1, ahead_s, number), Standing::kBelieved);
     ahead_s = 2.0 * kHourS;
+  }
+}
+
+TEST_F(Source, IsCountedWhenItIsRefusedAndWhenItTakesOver) {
+  const auto count = [&](const std::string& name) {
+    std::vector<models::NamedCount> counts;
+    source.count(counts);
+    const auto found = std::find_if(counts.begin(), counts.end(),
+                                    [&](const auto& each) { return each.name == name; });
+    return found == counts.end() ? -1 : found->count;
+  };
+  EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
+  EXPECT_EQ(count("mocap.takeovers"), 0) << "the first takes over from nobody";
+  for (std::int64_t time = 1; time <= 2; ++time) {
+    const double begin_s = 10.0 * static_cast<double>(time);
+    EXPECT_EQ(hear(10 * time, begin_s), Standing::kCandidate) << "the one before is silent";
+    EXPECT_EQ(count("mocap.takeovers"), time);
+    EXPECT_EQ(hear(1, begin_s + 0.01), Standing::kRefused);
+    EXPECT_EQ(count("mocap.other_source"), time);
+    EXPECT_EQ(hear(1, begin_s + 0.02, -kHourS), Standing::kRefused);
+    EXPECT_EQ(count("mocap.other_time"), time);
   }
 }
 

@@ -172,5 +172,24 @@ TEST(PointAt, TurnsAsSlowlyAsItSaysOnBothSidesOfTheStraightest) {
   }
 }
 
+// What somebody flies at most from one instant to another, forwards or backwards.
+TEST(SpeedMax, IsOfWhatIsFlownMeanwhile) {
+  HeldPlan plan;
+  plan.count = 3;
+  plan.segments[0] = {{0.5, 0.0}, 1.0, 0.0};
+  plan.segments[1] = {{-0.9, 1.0}, 2.0, 0.0};
+  plan.segments[2] = {{0.2, 0.0}, 1.0, 0.2};
+  plan.segments[3] = {{7.0, 0.0}, 9.0, 0.0};  // of a plan before it
+  struct Window {
+    double from_s, to_s, fastest_mps;
+  };
+  for (const Window& window : {Window{0.0, 60.0, 0.9}, Window{0.0, 0.9, 0.5}, Window{0.0, 1.1, 0.9},
+                               Window{2.9, 60.0, 0.9}, Window{3.1, 60.0, 0.2},
+                               Window{1.5, 1.6, 0.9}, Window{4.1, 60.0, 0.0}}) {
+    EXPECT_EQ(speed_max_mps(plan, window.from_s, window.to_s), window.fastest_mps)
+        << window.from_s << " " << window.to_s;
+  }
+}
+
 }  // namespace
 }  // namespace vantage::drivers

@@ -88,6 +88,28 @@ Time end_of(const HeldPlan& plan) { return plan.start_time + from_seconds(durati
 // How much the check may be wrong: it steps a millisecond at least, at the speed of both.
 constexpr double kStepM = 0.004;
 
+/// A plan that comes as near as `least_m` is refused once `limit_m` asks for more, and not before.
+void expect_edge_at(double least_m, double& limit_m, const HeldPlan& plan, Time now,
+                    const SafetyLimits& limits, std::span<const OtherCourse> others,
+                    PlanVerdict refusal) {
+  limit_m = least_m - kStepM;
+  EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kAccepted) << least_m;
+  limit_m = least_m + kStepM;
+  EXPECT_EQ(check_way(plan, now, limits, others), refusal) << least_m;
+}
+
+/// Calls look(i, random, plan, now) with random plans, at instants about their beginning.
+template <class Look>
+void for_each_plan(unsigned seed, int count, const Look& look) {
+  test::Random random(seed);
+  for (int i = 0; i < count; ++i) {
+    SCOPED_TRACE(i);
+    const HeldPlan plan = random_plan(random, 1.0);
+    const Time now = kStart + from_seconds(random.uniform(-0.3, 0.3));
+    look(i, random, plan, now);
+  }
+}
+
 // Crossing, head-on, overtaking: whatever they do, two plans are accepted to the least separation
 // that samples of both find and not beyond it.
 TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
@@ -111,37 +133,29 @@ TEST(CheckWay, FindsTheLeastSeparationOfTwoPlansThatPassClosely) {
         sampled_m(now, std::max({now, end_of(plan), end_of(other)}),
                   [&](Time t) { return (place_m(plan, t) - place_m(other, t)).norm(); });
     const OtherCourse others[] = {{&other, Eigen::Vector3d::Zero()}};
-    limits.plan_separation_m = least_m - kStepM;
-    EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kAccepted) << i << " " << least_m;
-    limits.plan_separation_m = least_m + kStepM;
-    EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kTeammate) << i << " " << least_m;
+    SCOPED_TRACE(i);
+    expect_edge_at(least_m, limits.plan_separation_m, plan, now, limits, others,
+                   PlanVerdict::kTeammate);
   }
 }
 
 TEST(CheckWay, FindsTheLeastDistanceOfABodyWithoutAPlan) {
-  test::Random random(32);
   SafetyLimits limits = open_limits();
-  for (int i = 0; i < 300; ++i) {
-    const HeldPlan plan = random_plan(random, 1.0);
-    const Time now = kStart + from_seconds(random.uniform(-0.3, 0.3));
+  const auto check = [&](int, test::Random& random, const HeldPlan& plan, Time now) {
     const Eigen::Vector3d body_m =
         place_m(plan, now + from_seconds(random.uniform(0.0, 2.5))) + random.vector<3>(-0.6, 0.6);
     const double least_m = sampled_m(now, std::max(now, end_of(plan)),
                                      [&](Time t) { return (place_m(plan, t) - body_m).norm(); });
     const OtherCourse others[] = {{nullptr, body_m}};
-    limits.plan_separation_m = least_m - kStepM;
-    EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kAccepted) << i << " " << least_m;
-    limits.plan_separation_m = least_m + kStepM;
-    EXPECT_EQ(check_way(plan, now, limits, others), PlanVerdict::kTeammate) << i << " " << least_m;
-  }
+    expect_edge_at(least_m, limits.plan_separation_m, plan, now, limits, others,
+                   PlanVerdict::kTeammate);
+  };
+  for_each_plan(32, 300, check);
 }
 
 TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
-  test::Random random(33);
   SafetyLimits limits = bench_limits();
-  for (int i = 0; i < 400; ++i) {
-    const HeldPlan plan = random_plan(random, 1.0);
-    const Time now = kStart + from_seconds(random.uniform(-0.3, 0.3));
+  const auto check = [&](int i, test::Random& random, const HeldPlan& plan, Time now) {
     const Eigen::Vector2d near_m =
         place_m(plan, now + from_seconds(random.uniform(0.0, 2.5))).head<2>();
     const Eigen::Vector2d corner_m = near_m + random.vector<2>(-0.6, 0.6);
@@ -161,11 +175,9 @@ TEST(CheckWay, FindsTheLeastDistanceOfFenceAndObstacle) {
       const Eigen::Vector2d p_m = place_m(plan, t).head<2>();
       return std::min(fence_distance_m(limits.fence, p_m), obstacle_distance_m(limits.fence, p_m));
     });
-    limits.vehicle.radius_m = least_m - kStepM;
-    EXPECT_EQ(check_way(plan, now, limits, {}), PlanVerdict::kAccepted) << i << " " << least_m;
-    limits.vehicle.radius_m = least_m + kStepM;
-    EXPECT_EQ(check_way(plan, now, limits, {}), refusal) << i << " " << least_m;
-  }
+    expect_edge_at(least_m, limits.vehicle.radius_m, plan, now, limits, {}, refusal);
+  };
+  for_each_plan(33, 400, check);
 }
 
 // However thin: a body of 2 mm right on the way, and a teammate head-on that needs 4 mm.
@@ -452,6 +464,30 @@ TEST_F(ShapeEdges, KeepsFromEveryOtherOne) {
     EXPECT_EQ(check_way(plan, kStart, limits, others), PlanVerdict::kAccepted);
     others[near].position_world_m = {1.3, -1.0, 1.0};
     EXPECT_EQ(check_way(plan, kStart, limits, others), PlanVerdict::kTeammate) << near;
+  }
+}
+
+// Numbers that went over the wire are off by a little: a millionth of a metre too near is not
+// refused, and no more than that is forgiven.
+TEST_F(ShapeEdges, ForgivesAMillionthOfAMetre) {
+  const auto forgiven_m = [&](const Eigen::Vector2d& edge_m, const Eigen::Vector2d& inward,
+                              std::vector<OtherCourse> others = {}) {
+    return test::last_accepted(-0.01, 0.01, 1e-10, [&](double beyond_m) {
+      const Eigen::Vector2d p_m = edge_m - beyond_m * inward;
+      const HeldPlan plan = held(kStart, {p_m.x(), p_m.y(), 0.0}, {});
+      return check_way(plan, kStart, limits, others) == PlanVerdict::kAccepted;
+    });
+  };
+  const double radius_m = limits.vehicle.radius_m;
+  for (const double side : {1.0, -1.0}) {
+    const Eigen::Vector2d along_x(side, 0.0);
+    const Eigen::Vector2d along_y(0.0, side);
+    EXPECT_NEAR(forgiven_m({side * (4.0 - radius_m), -1.0}, -along_x), 1e-6, 1e-9);
+    EXPECT_NEAR(forgiven_m({2.0, side * (2.2 - radius_m)}, -along_y), 1e-6, 1e-9);
+    EXPECT_NEAR(forgiven_m({side * (0.3 + radius_m), 0.65}, along_x), 1e-6, 1e-9);
+    EXPECT_NEAR(forgiven_m({0.0, 0.65 + side * (0.15 + radius_m)}, along_y), 1e-6, 1e-9);
+    const Eigen::Vector2d apart_m = Eigen::Vector2d(1.0, -1.0) + limits.plan_separation_m * along_x;
+    EXPECT_NEAR(forgiven_m(apart_m, along_x, {{nullptr, {1.0, -1.0, 1.0}}}), 1e-6, 1e-9);
   }
 }
 

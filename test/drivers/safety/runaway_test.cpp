@@ -1,5 +1,7 @@
 // A body that goes where it is not told, upwards too: it is believed, held, landed, and stopped.
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "test/drivers/safety/flight_bench.hpp"
@@ -107,6 +109,28 @@ TEST(Runaway, FasterThanItsLimitIsHeld) {
     });
     EXPECT_EQ(is_said, way > 0.0) << "against its way it is slower";
   }
+}
+
+// Carried up while it comes down: what it asks for follows, and no steeper than it climbs.
+TEST(Runaway, UpwardsInALandingAsksForNoSteeperWayThanItsLimits) {
+  FlightBench bench(3);
+  bench.fly_up(3.0);
+  bench.say(models::OperatorAction::kLand);
+  bench.tick();
+  bench.run(1.0);
+  Vehicle& q1 = bench.vehicle("Q1");
+  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
+  double steepest_mps = 0.0;
+  bench.run(3.0, [&] {
+    q1.knobs.runaway_mps = {0.0, 0.0, 2.3};
+    if (q1.out.setpoint.kind == drivers::FlightSetpoint::Kind::kTrack) {
+      const double asked_mps = q1.out.setpoint.velocity_world_mps.z();
+      EXPECT_GE(asked_mps, -limits.descent_mps - 1e-9);
+      EXPECT_LE(asked_mps, limits.climb_mps + 1e-9);
+      steepest_mps = std::max(steepest_mps, asked_mps);
+    }
+  });
+  EXPECT_NEAR(steepest_mps, limits.climb_mps, 1e-9);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "drivers/sensor/pose_sensor.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -121,6 +122,92 @@ TEST(PoseSensor, DrawsTheSameNoiseForTheSameInstantOnly) {
   EXPECT_NE(first, z("Q2", kStart));
   scenario.seed += 1;
   EXPECT_NE(first, z("Q1", kStart));
+}
+
+/// How many detections each of 5000 looks at one target in view reports.
+struct Reports {
+  static constexpr int kLooks = 5000;
+  double mean = 0.0;
+  double variance = 0.0;
+
+  explicit Reports(const models::DetectionModel& detection) {
+    scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
+    scenario.robots[0].detection = detection;
+    const PoseSensor sensor(scenario, "Q1");
+    double squares = 0.0;
+    for (int k = 0; k < kLooks; ++k) {
+      const auto seen = sensor.look(frame_with({2.5, 4.3, 0.0}, kStart + Duration{k}), false);
+      const auto count = static_cast<double>(seen->detections.size());
+      mean += count / kLooks;
+      squares += count * count / kLooks;
+    }
+    variance = squares - mean * mean;
+  }
+};
+
+// A Bernoulli number: mean p, variance p (1 − p).
+TEST(PoseSensor, MissesAsOftenAsItsScenarioSays) {
+  const Reports reports({0.7, 0.0, true});
+  EXPECT_NEAR(reports.mean, 0.7, 5.0 * std::sqrt(0.21 / Reports::kLooks));
+  EXPECT_NEAR(reports.variance, 0.21, 0.01);
+}
+
+// Of a Poisson number mean and variance are λ, and the variance has σ² = (λ + 2 λ²) / n; the target
+// itself adds p and p (1 − p).
+TEST(PoseSensor, RaisesFalseAlarmsByPoissonsLaw) {
+  const double lambda = 2.0;
+  const Reports reports({0.9, lambda, false});
+  EXPECT_NEAR(reports.mean, lambda + 0.9, 5.0 * std::sqrt((lambda + 0.09) / Reports::kLooks));
+  EXPECT_NEAR(reports.variance, lambda + 0.09,
+              5.0 * std::sqrt((lambda + 2.0 * lambda * lambda) / Reports::kLooks));
+}
+
+TEST(PoseSensor, TellsNothingOfWhichDetectionIsOfATarget) {
+  scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
+  scenario.robots[0].detection = {1.0, 3.0, false};
+  const PoseSensor sensor(scenario, "Q1");
+  scenario.robots[0].detection = {};
+  const PoseSensor naming(scenario, "Q1");
+  int several = 0;
+  double place = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    const models::MocapFrame frame = frame_with({2.5, 4.3, 0.0}, kStart + Duration{k});
+    const auto seen = sensor.look(frame, false)->detections;
+    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), [](const auto& a, const auto& b) {
+      return a.measurement.z(0) < b.measurement.z(0);
+    }));
+    // The target's own measurement is among them, the one that known ids would have had.
+    const auto own = naming.look(frame, false)->detections.at(0).measurement.z;
+    const auto at = std::find_if(seen.begin(), seen.end(),
+                                 [&](const auto& each) { return each.measurement.z == own; });
+    ASSERT_NE(at, seen.end());
+    for (const models::Detection& each : seen) {
+      EXPECT_EQ(each.target_id, models::kNoTargetId);
+      EXPECT_EQ(each.measurement.V, at->measurement.V);
+    }
+    several += seen.size() > 1 ? 1 : 0;
+    place += at == seen.begin() ? 1.0 : 0.0;
+  }
+  EXPECT_GT(several, 1500);
+  EXPECT_GT(place, 200.0);
+  EXPECT_LT(place, 1800.0);
+}
+
+TEST(PoseSensor, RaisesTheSameFalseAlarmsAtTheSameInstantOnly) {
+  scenario::Scenario scenario = scenario_with(models::SensorKind::kRangeBearing);
+  scenario.robots[0].detection = {0.9, 5.0, false};
+  const PoseSensor sensor(scenario, "Q1");
+  const auto seen = [&](Time time) {
+    return sensor.look(frame_with({2.5, 4.3, 0.0}, time), false)->detections;
+  };
+  const auto first = seen(kStart);
+  const auto again = seen(kStart);
+  const auto later = seen(kStart + Duration{500'000});
+  ASSERT_EQ(first.size(), again.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].measurement.z, again[i].measurement.z);
+  }
+  EXPECT_NE(first.at(0).measurement.z, later.at(0).measurement.z);
 }
 
 TEST(PoseSensor, RefusesAStranger) {

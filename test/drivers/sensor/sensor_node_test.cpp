@@ -94,6 +94,24 @@ TEST(SensorNode, MeasuresAtWholeStepsFromTheFrameOfThatInstant) {
   EXPECT_TRUE(bench.node.counters().empty());
 }
 
+TEST(SensorNode, PublishesDetectionsWithoutNamesWhereItsSensorTellsNone) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.robots[0].detection = {1.0, 2.0, false};
+  Bench bench(scenario);
+  for (int k = 0; k <= 500; ++k) {
+    bench.send_frame(k * Duration{20'000});
+  }
+  ASSERT_EQ(bench.measured.size(), 21u);
+  std::size_t detections = 0;
+  for (const models::DetectionSet& set : bench.measured) {
+    detections += set.detections.size();
+    for (const models::Detection& each : set.detections) {
+      EXPECT_EQ(each.target_id, models::kNoTargetId);
+    }
+  }
+  EXPECT_GT(detections, 21u + 20u);  // 42 false alarms in the mean, σ 6.5
+}
+
 TEST(SensorNode, InterpolatesToTheExactStepBetweenFrames) {
   Bench bench;
   bench.send_frame(Duration{480'000});

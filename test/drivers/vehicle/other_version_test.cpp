@@ -14,8 +14,6 @@
 namespace vantage::drivers {
 namespace {
 
-using models::AutopilotDialect;
-using models::FlightState;
 using models::OperatorAction;
 using test::FlightBench;
 
@@ -36,8 +34,8 @@ class OtherVersion : public ::testing::Test {
   void speak_otherwise() { bench_.stranger->publish("PLAN_Q9", std::vector<std::uint8_t>(64, 7)); }
 
   test::VehicleNodeBench<QuadrotorNode, sim::AutopilotEndpoint> bench_{
-      FlightBench::scenario_for(AutopilotDialect::kPx4),
-      FlightBench::vehicle_for(AutopilotDialect::kPx4),
+      FlightBench::scenario_for(models::AutopilotDialect::kPx4),
+      FlightBench::vehicle_for(models::AutopilotDialect::kPx4),
       "udp://127.0.0.1:" + test::port_of_this_test(0), FlightBench::kStart,
       [](const sim::AutopilotEndpoint& quadrotor) {
         return quadrotor.emulator().world_from_body();
@@ -72,7 +70,7 @@ TEST_F(OtherVersion, IsOnlySaidInTheAir) {
   bench_.run(2.0);
   EXPECT_TRUE(says_so());
   for (const models::VehicleStatus& status : bench_.statuses) {
-    EXPECT_EQ(status.state, FlightState::kHold);
+    EXPECT_EQ(status.state, models::FlightState::kHold);
   }
 }
 

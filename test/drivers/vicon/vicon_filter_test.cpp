@@ -135,7 +135,7 @@ TEST(FrameFilter, WhatHasQueuedIsStampedWhenItWasCapturedOrDropped) {
       EXPECT_NEAR(static_cast<double>(queued), std::max(0.0, 100.0 * stall_s - 9.0),
                   1.0 + 0.2 * stall_s);
       EXPECT_EQ(published + queued, 100 * (10 + static_cast<int>(stall_s)));
-      EXPECT_GT(fresh, published + queued - 100.0 * stall_s - 10.0);
+      EXPECT_GT(fresh, static_cast<double>(published + queued) - 100.0 * stall_s - 10.0);
     }
   }
 }

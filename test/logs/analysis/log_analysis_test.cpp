@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/exchange/counts.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "test/logs/file_support.hpp"
 #include "tools/log/log_plot.hpp"
@@ -13,6 +14,24 @@
 
 namespace vantage::tools {
 namespace {
+
+TEST(HopsOf, AreTheCountersOfThreeThatBelongTogether) {
+  models::ProcessHealth health;
+  LatencyRecord record;
+  record.add(Duration{100});
+  record.add(Duration{300});
+  health.counters = {{"guard.holds", 3}, {"latency.lonely_p50_us", 7}};
+  models::append_latency(health.counters, "latency.frame_setpoint", record);
+  models::append_latency(health.counters, "latency.never", {});
+  models::append_latency(health.counters, "wire.Q1.pose", record);
+  const std::vector<logs::Hop> hops = logs::hops_of(health);
+  ASSERT_EQ(hops.size(), 2U);
+  EXPECT_EQ(hops[0].name, "frame_setpoint");
+  EXPECT_NEAR(static_cast<double>(hops[0].p50_us), 100.0, LatencyRecord::kStepUs);
+  EXPECT_EQ(hops[0].p99_us, 300);
+  EXPECT_EQ(hops[0].max_us, 300);
+  EXPECT_EQ(hops[1].name, "wire.Q1.pose");
+}
 
 TEST(SpreadOf, IsTheOrderStatisticsOfItsValues) {
   std::vector<double> values;

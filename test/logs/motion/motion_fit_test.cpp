@@ -88,12 +88,25 @@ TEST(FitMotion, FindsTheOscillatorThatMoved) {
   for (const double nees : fits[2].held_back.nees) {
     EXPECT_NEAR(nees, 2.0, 0.4);
   }
+  // It knows that a target turns back; a double integrator has it go on.
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const Displacement& oscillates = fits[2].held_back.displacements[axis].back();
+    const Displacement& goes_on = fits[1].held_back.displacements[axis].back();
+    EXPECT_NEAR(oscillates.foretold_m2 / oscillates.seen_m2, 1.0, 0.25);
+    EXPECT_GT(goes_on.foretold_m2, 2.0 * goes_on.seen_m2);
+  }
 }
 
 TEST(FitMotion, FindsTheQOfARandomWalk) {
   const models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.3};
   const std::vector<FittedMotion> fits = fit_motion(many(walk, 40, 8), {0.0, 0.0});
   EXPECT_NEAR(fits[0].model.q, 0.3, 0.03);
+  for (const auto& of_coordinate : fits[0].held_back.displacements) {
+    for (std::size_t h = 0; h < kHorizons_s.size(); ++h) {
+      EXPECT_NEAR(of_coordinate[h].foretold_m2, fits[0].model.q * kHorizons_s[h], 1e-12);
+      EXPECT_NEAR(of_coordinate[h].seen_m2, 0.3 * kHorizons_s[h], 0.075 * kHorizons_s[h]);
+    }
+  }
   for (const double nees : fits[0].held_back.nees) {
     EXPECT_NEAR(nees, 2.0, 0.3);
   }

@@ -15,6 +15,7 @@
 #include "logs/picture/label_placer.hpp"
 #include "logs/picture/layout.hpp"
 #include "logs/picture/svg.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace vantage::logs {
 namespace {
@@ -229,6 +230,35 @@ TEST(DrawPicture, ShowsTheMapOfATeamThatMaps) {
   EXPECT_NE(svg.find(role_colour("occupied")), std::string::npos);
 }
 
+TEST(SceneRecorder, KeepsAWholeTrackOfATrialOfDaysInBoundedMemory) {
+  SceneRecorder recorder(example().scenario);
+  constexpr int kFrames = 100'000;
+  for (int i = 0; i < kFrames; ++i) {
+    models::TruthFrame truth;
+    truth.stamp.time = from_utime(std::int64_t{i} * 100'000);
+    truth.bodies.resize(1);
+    truth.bodies[0].name = "Q1";
+    truth.bodies[0].target_id = -1;
+    truth.bodies[0].world_from_body = lift({0.1 * i, 0.0, 0.0}, 1.0);
+    recorder.on_truth(truth);
+  }
+  const auto& track = recorder.scene().robots.at("Q1").track;
+  EXPECT_LE(track.size(), 4096U);
+  EXPECT_GT(track.size(), 2000U);
+  EXPECT_EQ(track.front().position_m.x(), 0.0);
+  double widest_m = 0.0;
+  double narrowest_m = 1e9;
+  for (std::size_t i = 1; i + 1 < track.size(); ++i) {
+    const double gap_m = track[i].position_m.x() - track[i - 1].position_m.x();
+    widest_m = std::max(widest_m, gap_m);
+    narrowest_m = std::min(narrowest_m, gap_m);
+  }
+  // All parts are as coarse, and not twice as coarse as they need be.
+  EXPECT_LT(widest_m, 0.1 * kFrames / 2048);
+  EXPECT_NEAR(narrowest_m, widest_m, 1e-9);
+  EXPECT_LT(0.1 * (kFrames - 1) - track.back().position_m.x(), widest_m);
+}
+
 TEST(DrawPicture, ListsEveryRobotInTheLegend) {
   Example it = example();
   it.scenario.robots.resize(50);
@@ -268,8 +298,9 @@ TEST(LabelPlacer, StaysOnThePage) {
 }
 
 TEST(RenderPng, MakesAPngOrSaysWhatIsMissing) {
-  const std::string svg_path = ::testing::TempDir() + "vantage_picture.svg";
-  const std::string png_path = ::testing::TempDir() + "vantage_picture.png";
+  const test::TemporaryFolder own;
+  const std::string svg_path = own.file("picture.svg");
+  const std::string png_path = own.file("picture.png");
   const Example it = example();
   write_file(svg_path, draw_picture(it.scenario, it.scene, it.summary));
   const Result<std::string> png = render_png(svg_path, png_path);
@@ -284,8 +315,8 @@ TEST(RenderPng, MakesAPngOrSaysWhatIsMissing) {
 }
 
 TEST(RenderPng, SaysFileAndReasonAndLeavesNothingHalf) {
-  const std::string folder = ::testing::TempDir() + "vantage_png";
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder own;
+  const std::string& folder = own.path();
   write_file(folder + "/no.svg", "this is no picture");
   const auto render = [&]() -> std::string {
     try {
@@ -301,7 +332,6 @@ TEST(RenderPng, SaysFileAndReasonAndLeavesNothingHalf) {
                           "/no.svg")
       << said;
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ TEST(TypeLibrary, RefusesRowsOfNothingWithoutCountingThem) {
     }
   };
   put(*types.fingerprint("deep_t"), 8);
-  for (const std::uint64_t count : {0x7FFFFFFF, 0x7FFFFFFF, 0}) {
+  for (const std::uint64_t count : {0x7FFFFFFFU, 0x7FFFFFFFU, 0U}) {
     put(count, 4);
   }
   ASSERT_NE(types.find(bytes), nullptr);

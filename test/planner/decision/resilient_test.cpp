@@ -108,17 +108,16 @@ TEST(PlanResiliently, KeepsTheBoundOfTotalCurvatureForLogDet) {
 TEST(PlanResiliently, LeavesMoreThanPlanningForNoAttackOnAverage) {
   double resilient = 0.0;
   double plain = 0.0;
-  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
-    const TeamProblem problem = test::random_instance(seed, {4, 4, 0.0}, {});
-    const TeamOracle oracle(problem);
-    const auto left_by = [&](int planned_for) {
-      return worst_attack(oracle,
-                          plan_resiliently(oracle, planned_for, SubSolver::kExhaustive).choice, 2)
-          .value;
-    };
-    resilient += left_by(2);
-    plain += left_by(0);
-  }
+  test::for_each_instance(kInstances, {4, 4, 0.0}, {},
+                          [&](std::uint64_t, const TeamProblem&, const TeamOracle& oracle) {
+                            const auto left_by = [&](int planned_for) {
+                              const auto plan =
+                                  plan_resiliently(oracle, planned_for, SubSolver::kExhaustive);
+                              return worst_attack(oracle, plan.choice, 2).value;
+                            };
+                            resilient += left_by(2);
+                            plain += left_by(0);
+                          });
   EXPECT_GT(resilient, plain);
 }
 

@@ -32,4 +32,15 @@ std::vector<const planner::Candidate*> chosen_of(const planner::TeamOracle& orac
 /// A choice of random candidates, some robots with none.
 planner::Choice random_choice(const planner::TeamOracle& oracle, std::uint64_t seed);
 
+/// Calls look(seed, problem, oracle) of the instances of the first `count` seeds.
+template <class Look>
+void for_each_instance(std::uint64_t count, const InstanceLimits& limits,
+                       planner::InformationMeasure measure, const Look& look) {
+  for (std::uint64_t seed = 0; seed < count; ++seed) {
+    const planner::TeamProblem problem = random_instance(seed, limits, measure);
+    const planner::TeamOracle oracle(problem);
+    look(seed, problem, oracle);
+  }
+}
+
 }  // namespace vantage::test

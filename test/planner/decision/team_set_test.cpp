@@ -13,76 +13,72 @@ namespace {
 
 using test::plain_value;
 
-constexpr InformationMeasure kMeasures[] = {InformationMeasure::kMutual,
-                                            InformationMeasure::kLogDet};
+/// The same of both measures.
+template <class Look>
+void for_each_instance(std::uint64_t count, const test::InstanceLimits& limits, const Look& look) {
+  for (const InformationMeasure measure :
+       {InformationMeasure::kMutual, InformationMeasure::kLogDet}) {
+    test::for_each_instance(count, limits, measure, look);
+  }
+}
 
 TEST(TeamSet, IsWorthWhatThePlainRecursionSaysWhateverWasAddedAndDropped) {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    for (const InformationMeasure measure : kMeasures) {
-      const TeamProblem problem = test::random_instance(seed, {6, 5, 1.0}, measure);
-      const TeamOracle oracle(problem);
-      TeamSet team(oracle);
-      std::mt19937_64 rng(seed);
-      for (int i = 0; i < 40 && oracle.candidate_count() > 0; ++i) {
-        const CandidateId id = test::pick(rng, 0, oracle.candidate_count() - 1);
-        const int robot = oracle.robot_of(id);
-        if (team.choice()[static_cast<std::size_t>(robot)] == kNoCandidate) {
-          const double foretold = team.value_with(id);
-          team.add(id);
-          EXPECT_EQ(team.value(), foretold);
-        } else {
-          const double foretold = team.value_without(robot);
-          team.drop(robot);
-          EXPECT_EQ(team.value(), foretold);
-        }
-        ASSERT_NEAR(team.value(), plain_value(problem, test::chosen_of(oracle, team.choice())),
-                    1e-9)
-            << "seed " << seed << " change " << i;
+  const auto check = [](std::uint64_t seed, const TeamProblem& problem, const TeamOracle& oracle) {
+    TeamSet team(oracle);
+    std::mt19937_64 rng(seed);
+    for (int i = 0; i < 40 && oracle.candidate_count() > 0; ++i) {
+      const CandidateId id = test::pick(rng, 0, oracle.candidate_count() - 1);
+      const int robot = oracle.robot_of(id);
+      if (team.choice()[static_cast<std::size_t>(robot)] == kNoCandidate) {
+        const double foretold = team.value_with(id);
+        team.add(id);
+        EXPECT_EQ(team.value(), foretold);
+      } else {
+        const double foretold = team.value_without(robot);
+        team.drop(robot);
+        EXPECT_EQ(team.value(), foretold);
       }
+      ASSERT_NEAR(team.value(), plain_value(problem, test::chosen_of(oracle, team.choice())), 1e-9)
+          << "seed " << seed << " change " << i;
     }
-  }
+  };
+  for_each_instance(300, {6, 5, 1.0}, check);
 }
 
 TEST(TeamSet, GainsWhatTheUnionTellsAlsoWhereTheRobotHasAnother) {
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    for (const InformationMeasure measure : kMeasures) {
-      const TeamProblem problem = test::random_instance(seed, {4, 5, 1.0}, measure);
-      const TeamOracle oracle(problem);
-      TeamSet team(oracle);
-      team.become(test::random_choice(oracle, seed));
-      auto chosen = test::chosen_of(oracle, team.choice());
-      const double before = plain_value(problem, chosen);
-      for (CandidateId id = 0; id < oracle.candidate_count(); ++id) {
-        chosen.push_back(&oracle.candidate(id));
-        const double cost = oracle.candidate(id).energy_cost;
-        EXPECT_NEAR(team.information_gain(id), plain_value(problem, chosen) + cost - before, 1e-9);
-        chosen.pop_back();
-      }
+  const auto check = [](std::uint64_t seed, const TeamProblem& problem, const TeamOracle& oracle) {
+    TeamSet team(oracle);
+    team.become(test::random_choice(oracle, seed));
+    auto chosen = test::chosen_of(oracle, team.choice());
+    const double before = plain_value(problem, chosen);
+    for (CandidateId id = 0; id < oracle.candidate_count(); ++id) {
+      chosen.push_back(&oracle.candidate(id));
+      const double cost = oracle.candidate(id).energy_cost;
+      EXPECT_NEAR(team.information_gain(id), plain_value(problem, chosen) + cost - before, 1e-9);
+      chosen.pop_back();
     }
-  }
+  };
+  for_each_instance(200, {4, 5, 1.0}, check);
 }
 
 TEST(TeamSet, IsWorthTheSameToTheBitWhicheverWayItCameAbout) {
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    for (const InformationMeasure measure : kMeasures) {
-      const TeamProblem problem = test::random_instance(seed, {6, 5, 1.0}, measure);
-      const TeamOracle oracle(problem);
-      TeamSet wanders(oracle);
-      for (std::uint64_t i = 0; i < 10; ++i) {
-        const Choice choice = test::random_choice(oracle, 100 * seed + i);
-        wanders.become(choice);
-        TeamSet backwards(oracle);
-        for (int robot = oracle.robot_count() - 1; robot >= 0; --robot) {
-          if (choice[static_cast<std::size_t>(robot)] != kNoCandidate) {
-            backwards.add(choice[static_cast<std::size_t>(robot)]);
-          }
+  const auto check = [](std::uint64_t seed, const TeamProblem&, const TeamOracle& oracle) {
+    TeamSet wanders(oracle);
+    for (std::uint64_t i = 0; i < 10; ++i) {
+      const Choice choice = test::random_choice(oracle, 100 * seed + i);
+      wanders.become(choice);
+      TeamSet backwards(oracle);
+      for (int robot = oracle.robot_count() - 1; robot >= 0; --robot) {
+        if (choice[static_cast<std::size_t>(robot)] != kNoCandidate) {
+          backwards.add(choice[static_cast<std::size_t>(robot)]);
         }
-        EXPECT_EQ(wanders.choice(), choice);
-        EXPECT_EQ(wanders.value(), backwards.value());
-        EXPECT_EQ(wanders.information(), backwards.information());
       }
+      EXPECT_EQ(wanders.choice(), choice);
+      EXPECT_EQ(wanders.value(), backwards.value());
+      EXPECT_EQ(wanders.information(), backwards.information());
     }
-  }
+  };
+  for_each_instance(300, {6, 5, 1.0}, check);
 }
 
 TEST(TeamSet, CountsOneCallForEachValueThatIsAskedFor) {

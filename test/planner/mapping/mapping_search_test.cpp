@@ -113,12 +113,20 @@ TEST(MappingSearch, PlansTheSameAgain) {
   EXPECT_EQ(first.gain_nats, again.gain_nats);
 }
 
-TEST(MappingSearch, ValuesATeamWhateverItsOrderAndNobodyAtNothing) {
-  test::Random random(4703);
-  Bench bench(random, 2, 0.5);
-  MappingSearch search(bench.views, bench.drive, bench.options);
-  const std::vector<MapRoute> routes =
+/// A bench whose four robots have planned one after another.
+struct Descended {
+  explicit Descended(unsigned seed) : random(seed) {}
+  test::Random random;
+  Bench bench{random, 2, 0.5};
+  MappingSearch search{bench.views, bench.drive, bench.options};
+  std::vector<MapRoute> routes =
       search.coordinate_descent(bench.starts, std::vector<int>{0, 1, 2, 3});
+};
+
+TEST(MappingSearch, ValuesATeamWhateverItsOrderAndNobodyAtNothing) {
+  Descended all(4703);
+  MappingSearch& search = all.search;
+  const std::vector<MapRoute>& routes = all.routes;
   std::vector<const MapRoute*> team = pointers(routes);
   const double value_nats = search.value(team);
   double sum_nats = 0.0;
@@ -199,12 +207,10 @@ TEST(CoordinateDescent, IsAtLeastHalfOfTheBestTeamOnAMap) {
 }
 
 TEST(ResilientMapping, WithoutAttacksIsCoordinateDescent) {
-  test::Random random(4707);
-  Bench bench(random, 2, 0.5);
-  MappingSearch search(bench.views, bench.drive, bench.options);
-  const std::vector<MapRoute> plain =
-      search.coordinate_descent(bench.starts, std::vector<int>{0, 1, 2, 3});
-  const std::vector<MapRoute> resilient = plan_mapping_resiliently(search, bench.starts, 0);
+  Descended all(4707);
+  MappingSearch& search = all.search;
+  const std::vector<MapRoute>& plain = all.routes;
+  const std::vector<MapRoute> resilient = plan_mapping_resiliently(search, all.bench.starts, 0);
   for (std::size_t i = 0; i < plain.size(); ++i) {
     EXPECT_EQ(resilient[i].controls, plain[i].controls);
   }

@@ -113,37 +113,37 @@ TEST(ViewTable, LooksOnlyWhereTheFieldOfViewIs) {
   EXPECT_EQ(table.view({3.5, 4.0, kPi}).nats, 0.0);
 }
 
-TEST(MapCoverage, CountsTheSameScanOnce) {
-  test::Random random(4502);
+/// Calls look(random, table) of a random map, once for each way to count beams that depend.
+template <class Look>
+void for_each_dependence(unsigned seed, const Look& look) {
+  test::Random random(seed);
   const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
   for (const BeamDependence dependence :
        {BeamDependence::kDropBeams, BeamDependence::kBestOfCell}) {
     ViewTable table(belief, kCircle, options_of(dependence));
+    look(random, table);
+  }
+}
+
+TEST(MapCoverage, CountsTheSameScanOnce) {
+  for_each_dependence(4502, [](test::Random& random, ViewTable& table) {
     for (int i = 0; i < 30; ++i) {
       const Pose2 pose = random_pose(random);
       ASSERT_NEAR(value_of(table, {pose, pose}), value_of(table, {pose}), 1e-12);
     }
-  }
+  });
 }
 
 TEST(MapCoverage, AddsUpScansThatShareNoCell) {
-  test::Random random(4503);
-  const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
-  for (const BeamDependence dependence :
-       {BeamDependence::kDropBeams, BeamDependence::kBestOfCell}) {
-    ViewTable table(belief, kCircle, options_of(dependence));
+  for_each_dependence(4503, [](test::Random&, ViewTable& table) {
     const Pose2 a{1.7, 1.7, 0.0};
     const Pose2 b{5.5, 6.0, 2.0};
     EXPECT_NEAR(value_of(table, {a, b}), table.view(a).nats + table.view(b).nats, 1e-12);
-  }
+  });
 }
 
 TEST(MapCoverage, GainsBetweenNothingAndTheWholeView) {
-  test::Random random(4504);
-  const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
-  for (const BeamDependence dependence :
-       {BeamDependence::kDropBeams, BeamDependence::kBestOfCell}) {
-    ViewTable table(belief, kCircle, options_of(dependence));
+  for_each_dependence(4504, [](test::Random& random, ViewTable& table) {
     MapCoverage coverage(kGrid.size());
     for (int i = 0; i < 200; ++i) {
       const BeamView& view = table.view(random_pose(random));
@@ -151,7 +151,7 @@ TEST(MapCoverage, GainsBetweenNothingAndTheWholeView) {
       ASSERT_GE(gain_nats, 0.0);
       ASSERT_LE(gain_nats, view.nats + 1e-12);
     }
-  }
+  });
 }
 
 TEST(MapCoverage, BestOfCellIsSubmodularAndKnowsNoOrder) {

@@ -4,12 +4,12 @@
 
 namespace vantage::test {
 
-experiments::LandmarkProblem known_mapping_problem() {
+planner::OwnedProblem known_mapping_problem() {
   return experiments::landmark_problem({3.0, 3.0, 0.0});
 }
 
-experiments::LandmarkProblem random_landmark_problem(std::uint64_t seed, int landmarks) {
-  experiments::LandmarkProblem owned = experiments::random_start_problem(seed);
+planner::OwnedProblem random_landmark_problem(std::uint64_t seed, int landmarks) {
+  planner::OwnedProblem owned = experiments::random_start_problem(seed);
   std::mt19937_64 rng(0xD1B54A32D192ED03U * (seed + 1));
   const planner::SearchTarget pattern = owned.problem.targets.front();
   owned.problem.targets.clear();

@@ -7,10 +7,10 @@
 namespace vantage::test {
 
 /// The problem whose optimum is known: 19.3554, by a search of another kind.
-experiments::LandmarkProblem known_mapping_problem();
+planner::OwnedProblem known_mapping_problem();
 inline constexpr double kKnownMappingOptimum = 19.3554;
 
 /// Active mapping with `landmarks` drawn anywhere free, as is the start.
-experiments::LandmarkProblem random_landmark_problem(std::uint64_t seed, int landmarks);
+planner::OwnedProblem random_landmark_problem(std::uint64_t seed, int landmarks);
 
 }  // namespace vantage::test

@@ -1,21 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <random>
 
-#include "models/world/grid.hpp"
-#include "models/world/world.hpp"
-#include "planner/problem/problem.hpp"
+#include "planner/problem/owned_problem.hpp"
 
 namespace vantage::test {
 
-/// A problem together with the world that it points to.
-struct OwnedProblem {
-  std::unique_ptr<models::World> world;
-  std::unique_ptr<models::DistanceField> field;
-  planner::SearchProblem problem;
-};
+using planner::OwnedProblem;
 
 /// A small problem drawn by `seed`: any of the five sensors or two of them, every target model in
 /// every dimension, 1–6 targets, 1–5 steps, both costs; with and without a world, its distance

@@ -9,7 +9,6 @@
 namespace vantage::planner {
 namespace {
 
-using test::OwnedProblem;
 using test::uniform;
 
 Views random_views(std::mt19937_64& rng, std::vector<Pose2>& poses) {

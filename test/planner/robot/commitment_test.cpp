@@ -1,8 +1,12 @@
+#include <cstdint>
+
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
 #include "planner/robot/robot_planner.hpp"
+#include "planner/robot/round.hpp"
 #include "test/planner/robot/team_scenario.hpp"
+#include "test/support/bisect.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -33,6 +37,79 @@ TEST(RobotPlanner, BeginsWhereItsVehicleHolds) {
     EXPECT_EQ(start(models::FlightState::kFollow, off), planned);  // its feedback brings it back
   }
   EXPECT_EQ(start(models::FlightState::kHold, {0.1, 0.1, 0.3}), planned);  // near enough
+}
+
+// A vehicle that is a little off its hover is brought back by its own feedback: from the tolerance
+// on, or turned by more than 0.4 rad, to any side.
+TEST(RobotPlanner, BeginsOnItsPlanWhereItsVehicleHoldsWithinTheTolerance) {
+  const scenario::Scenario scenario = test::lab_scenario();
+  RobotPlanner planner(scenario, "Q1");
+  PlanInputs inputs = test::first_inputs(scenario, 0);
+  inputs.own_plan = planner.plan(inputs, Deadline::nodes(500));
+  ASSERT_TRUE(inputs.own_plan);
+  const Pose2 planned =
+      models::at(inputs.own_plan->trajectory, inputs.slot.activation).world_from_body;
+  models::VehicleStatus& status = inputs.team_statuses["Q1"];
+  status.stamp.time = inputs.slot.activation;
+  const auto begins_on_plan = [&](const Pose2& off) {
+    status.setpoint = {planned.x_m + off.x_m, planned.y_m + off.y_m,
+                       wrap_to_pi(planned.yaw_rad + off.yaw_rad)};
+    const auto plan = planner.plan_without_search(inputs);
+    return plan && plan->trajectory.start == planned;
+  };
+  const auto last = [&](const Pose2& way) {
+    return vantage::test::last_accepted(0.0, 0.6, 1e-4, [&](double by) {
+      return begins_on_plan({by * way.x_m, by * way.y_m, by * way.yaw_rad});
+    });
+  };
+  status.state = models::FlightState::kHold;
+  for (const Pose2& way :
+       {Pose2{1.0, 0.0, 0.0}, Pose2{-1.0, 0.0, 0.0}, Pose2{0.0, 1.0, 0.0}, Pose2{0.0, -1.0, 0.0}}) {
+    EXPECT_NEAR(last(way), scenario.planner.tracking_tolerance_m, 1e-3);
+  }
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_NEAR(last({0.0, 0.0, side}), 0.4, 1e-3);
+  }
+  // Only who holds stays where it is.
+  for (const auto state : {models::FlightState::kFollow, models::FlightState::kLand}) {
+    status.state = state;
+    EXPECT_TRUE(begins_on_plan({0.3, 0.0, 1.2})) << name_of(state);
+  }
+}
+
+// Round after round: held and turned, it begins there; flies on; held and turned once more.
+TEST(RobotPlanner, BeginsWhereItsVehicleHoldsEachTime) {
+  const scenario::Scenario scenario = test::lab_scenario();
+  const RoundSchedule schedule(scenario.planner, 0, 3);
+  RobotPlanner planner(scenario, "Q1");
+  PlanInputs inputs = test::first_inputs(scenario, 0, 7);
+  models::VehicleStatus& status = inputs.team_statuses["Q1"];
+  std::int64_t holds = 0;
+  for (const double turned_rad : {0.0, 1.2, 0.0, -1.2, 0.0, 2.0}) {
+    const bool is_held = turned_rad != 0.0;
+    const bool is_first = !inputs.own_plan;
+    Pose2 there = scenario.robots[0].start;
+    if (!is_first) {
+      inputs.slot = schedule.slot(inputs.slot.round + 1);
+      there = models::at(inputs.own_plan->trajectory, inputs.slot.begin).world_from_body;
+      there.yaw_rad = wrap_to_pi(there.yaw_rad + turned_rad);
+    }
+    holds += is_held ? 1 : 0;
+    inputs.mocap->stamp.time = inputs.belief->stamp.time = inputs.slot.begin;
+    inputs.mocap->bodies[0].world_from_body = lift(there, scenario.robots[0].height_m);
+    status.stamp.time = inputs.slot.begin;
+    status.state = is_held ? models::FlightState::kHold : models::FlightState::kFollow;
+    status.setpoint = there;
+    const auto plan = planner.plan(inputs, Deadline::nodes(500));
+    ASSERT_TRUE(plan);
+    if (is_held) {
+      const Pose2& start = plan->trajectory.start;
+      EXPECT_LT((start.position_m() - there.position_m()).norm(), 1e-9);
+      EXPECT_NEAR(wrap_to_pi(start.yaw_rad - there.yaw_rad), 0.0, 1e-9);
+    }
+    EXPECT_EQ(planner.counts().off_plan, holds);
+    inputs.own_plan = plan;
+  }
 }
 
 // Flown: a vehicle at 1 m passed over one that climbed to 2 m, which was kept clear of at 2 m only.

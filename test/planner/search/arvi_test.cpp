@@ -11,7 +11,6 @@
 namespace vantage::planner {
 namespace {
 
-using test::OwnedProblem;
 using test::slack;
 using test::small_capacity;
 

@@ -14,7 +14,6 @@
 namespace vantage::planner {
 namespace {
 
-using test::OwnedProblem;
 using test::slack;
 using test::small_capacity;
 

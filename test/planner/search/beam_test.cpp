@@ -12,7 +12,6 @@
 namespace vantage::planner {
 namespace {
 
-using test::OwnedProblem;
 using test::slack;
 using test::small_capacity;
 

@@ -15,7 +15,6 @@ namespace {
 
 using test::FullTree;
 using test::is_near;
-using test::OwnedProblem;
 using test::uniform;
 
 constexpr std::uint64_t kProblems = 240;

@@ -14,7 +14,6 @@ namespace vantage::planner {
 namespace {
 
 using test::FullTree;
-using test::OwnedProblem;
 
 constexpr std::int64_t kNodes = 100'000;  // of each sensor
 

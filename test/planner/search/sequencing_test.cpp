@@ -15,7 +15,6 @@ namespace vantage::planner {
 namespace {
 
 using test::FullTree;
-using test::OwnedProblem;
 using test::pick;
 using test::uniform;
 
@@ -177,7 +176,7 @@ TEST(SequencingBound, BoundsHowEverManyTargetsThereAre) {
   SequencingBound sequencing(64, 12, 1'000);
   BeliefTable beliefs(64, 12);
   for (const int landmarks : {1, 8, 16, 40}) {
-    const experiments::LandmarkProblem owned = test::random_landmark_problem(7, landmarks);
+    const OwnedProblem owned = test::random_landmark_problem(7, landmarks);
     beliefs.reset(owned.problem);
     heuristic.reset(owned.problem, beliefs);
     sequencing.reset(owned.problem, beliefs, heuristic);
@@ -210,7 +209,7 @@ double regularised_score(const SearchProblem& problem, const std::vector<Pose2>&
 }
 
 TEST(Mapping, IsSolvedWithItsProof) {
-  const experiments::LandmarkProblem owned = test::known_mapping_problem();
+  const OwnedProblem owned = test::known_mapping_problem();
   BestFirstSearch search({50'000, 1'000'000, 8, 12, 1});
   const SearchResult& result = search.plan(owned.problem, {}, Deadline::nodes(200'000));
   EXPECT_EQ(result.stop_reason, StopReason::kFinished);
@@ -222,7 +221,7 @@ TEST(Mapping, IsSolvedWithItsProof) {
 TEST(Mapping, IsSolvedFromOtherStartsAndByTheorem6Alike) {
   BestFirstSearch search({400'000, 4'000'000, 8, 12, 1});
   for (const std::uint64_t seed : {6U, 9U}) {
-    const experiments::LandmarkProblem owned = experiments::random_start_problem(seed);
+    const OwnedProblem owned = experiments::random_start_problem(seed);
     BestFirstOptions options;
     const SearchResult by_sequence = search.plan(owned.problem, options, Deadline::never());
     options.bound = NodeBound::kReach;
@@ -234,7 +233,7 @@ TEST(Mapping, IsSolvedFromOtherStartsAndByTheorem6Alike) {
 }
 
 TEST(Mapping, HasABoundBelowTheOptimumAtEveryBudget) {
-  const experiments::LandmarkProblem owned = test::known_mapping_problem();
+  const OwnedProblem owned = test::known_mapping_problem();
   BestFirstSearch search({50'000, 1'000'000, 8, 12, 1});
   for (std::int64_t budget_nodes = 200; budget_nodes < 60'000; budget_nodes *= 2) {
     for (const double w : {1.0, 1.5}) {

@@ -35,7 +35,6 @@ namespace vantage::planner {
 namespace {
 
 using test::FullTree;
-using test::OwnedProblem;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kYawWeight_m_per_rad = 0.3;
@@ -90,6 +89,17 @@ double substitution_bound(const FullTree& full, const std::vector<double>& best_
   return bound;
 }
 
+/// Passes from ε = δ = `first` on, halved so often.
+ReducedOptions anytime(double first, int halvings) {
+  ReducedOptions options;
+  options.search = ReducedSearch::kAnytime;
+  options.epsilon = first;
+  options.delta_m = first;
+  options.halvings = halvings;
+  options.yaw_weight_m_per_rad = kYawWeight_m_per_rad;
+  return options;
+}
+
 TEST(FinishedPass, StaysWithinTheSubstitutionBound) {
   ReducedValueIteration search({20'000, 800'000, 8, 8, 4});
   int passes = 0;
@@ -104,12 +114,7 @@ TEST(FinishedPass, StaysWithinTheSubstitutionBound) {
     if (!std::isfinite(optimum)) {
       continue;
     }
-    ReducedOptions options;
-    options.search = ReducedSearch::kAnytime;
-    options.epsilon = 2.0;
-    options.delta_m = 2.0;
-    options.halvings = 4;
-    options.yaw_weight_m_per_rad = kYawWeight_m_per_rad;
+    const ReducedOptions options = anytime(2.0, 4);
     const std::vector<PassReport> history =
         search.plan(owned.problem, options, Deadline::never()).history;
     ASSERT_EQ(history.size(), 6u);
@@ -212,12 +217,7 @@ TEST(FinishedPass, StaysWithinTheClosedFormBound) {
   int finite = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const OwnedProblem owned = test::smooth_problem(seed);
-    ReducedOptions options;
-    options.search = ReducedSearch::kAnytime;
-    options.epsilon = 0.5;
-    options.delta_m = 0.5;
-    options.halvings = 8;
-    options.yaw_weight_m_per_rad = kYawWeight_m_per_rad;
+    const ReducedOptions options = anytime(0.5, 8);
     const SearchResult& result = search.plan(owned.problem, options, Deadline::never());
     const double optimum = result.cost;
     double last_bound = kInfinity;

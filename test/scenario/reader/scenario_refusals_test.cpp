@@ -162,6 +162,9 @@ const BadEdit kTeams[] = {
     {"PrimitivesTurnTooFast", "primitives: lab", "@primitives: [{speed_mps: 1, yaw_rate_radps: -4}]", "yaw_rate_radps must be at most limits.yaw_rate_max_radps, 3, either way; is -4"},
     {"PrimitiveBackwards", "primitives: lab", "@primitives: [{speed_mps: -1, yaw_rate_radps: 0}]", "primitives[0].speed_mps: must be at least 0, is -1"},
     {"PrimitivesUnknown", "primitives: lab", "@primitives: fast", "must be one of standard, lab; is 'fast'"},
+    {"FalseAlarmsWithIds", "clutter_per_look: 0 ", "@clutter_per_look: 1 ", "clutter_per_look: must be 0 with detects_ids: true: a false alarm has no target whose id it could bear; is 1"},
+    {"FalseAlarmsWithoutEnd", "clutter_per_look: 0 ", "@clutter_per_look: 21 ", "clutter_per_look: must be at least 0 and at most 20, is 21"},
+    {"BlindSensor", "detection_probability: 1 ", "@detection_probability: 0 ", "detection_probability: must be above 0 and at most 1, is 0"},
     {"NoTargets", "  count: 5 ", "  @count: 0 ", "targets.count: must be at least 1 and at most 10000, is '0'"},
 };
 // clang-format on
@@ -263,6 +266,42 @@ TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
             "lab.yaml:4: targets: must list at least 1 and at most 10000 targets, lists 0");
   EXPECT_EQ(refusal_of("name: x\n" + kWorld + kTargets + "robots: []\n"),
             "lab.yaml:4: robots: must list at least 1 and at most 10000 robots, lists 0");
+}
+
+TEST(ParseScenario, RefusesTeamsWithoutIdsOfWhomNothingTellsTargetsApart) {
+  const std::string sensor = "sensor: {kind: position, detects_ids: false, range_min_m: 0.1}";
+  const std::string unnamed =
+      "robots: [{name: A, start: {x_m: 2, y_m: 2}, primitives: lab, " + sensor + "}]\n";
+  const std::string good = "name: x\n" + kWorld + unnamed;
+  EXPECT_EQ(refusal_of(good + kTargets), "accepted");
+  for (const char* kind : {"range", "bearing"}) {
+    std::string alone = good + kTargets;
+    alone.replace(alone.find("position, d"), 8, kind);
+    EXPECT_EQ(refusal_of(alone),
+              std::string("lab.yaml:3: robots[0].sensor.detects_ids: must be true for a sensor of "
+                          "kind ") +
+                  kind +
+                  ": a detection that does not say whose it is must tell where its target is");
+  }
+  EXPECT_EQ(refusal_of("name: x\n" + kWorld + kTargets +
+                       "robot_defaults: {primitives: lab, sensor: {kind: position}}\n"
+                       "robots:\n"
+                       "  - {name: A, start: {x_m: 2, y_m: 2}}\n"
+                       "  - {name: B, start: {x_m: 6, y_m: 6}, " +
+                       sensor + "}\n"),
+            "lab.yaml:5: robots: must all have sensors of detects_ids: true, or none: the team has "
+            "one set of names for its targets");
+  EXPECT_EQ(refusal_of(good + "targets: {count: 101}\n"),
+            "lab.yaml:4: targets: must be 1 to 100 with detects_ids: false, are 101");
+  EXPECT_EQ(refusal_of(good + "planner: {objective: mapping}\nmapping: {}\n"),
+            "lab.yaml:1: targets: must be 1 to 100 with detects_ids: false, are 0");
+  EXPECT_EQ(refusal_of(good + kTargets +
+                       "estimator: {target_model: {kind: random_walk, position_dim: 3}}\n"),
+            "lab.yaml:5: estimator: target_model.position_dim must be 2 with detects_ids: false: "
+            "targets without names are tracked on the ground alone");
+  EXPECT_EQ(refusal_of(good + kTargets + "network: {neighbourhood_m: 100}\n"),
+            "lab.yaml:5: network: neighbourhood_m must be 0 with detects_ids: false: how many "
+            "targets there are is known of the whole world alone");
 }
 
 TEST(ParseScenario, RefusesHostsThatCannotBe) {

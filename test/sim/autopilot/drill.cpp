@@ -258,6 +258,13 @@ class Player {
         8.0);
   }
 
+  void go_there_and_back(const char* name, double there_m) {
+    mark(name);
+    hand_.target = Hand::position(f32(there_m), 0.0F, height_m_, 0.0F);
+    run(5.0);
+    go_back(there_m);
+  }
+
   void motion() {
     mark("move");
     follow(moving, kMoveS);
@@ -269,19 +276,13 @@ class Player {
 
     mark("move again");
     follow(moving, kMoveS);
-    mark("place alone");
-    hand_.target = Hand::position(f32(kMovedM + kStopM), 0.0F, height_m_, 0.0F);
-    run(5.0);
-    go_back(kMovedM + kStopM);
+    go_there_and_back("place alone", kMovedM + kStopM);
 
     mark("velocity");
     hand_.target = Hand::velocity(f32(kSpeedMps), 0.0F, 0.0F, 0.0F);
     run(3.0);
-    mark("place after velocity");
-    const double there_m = hand_.body().world_from_body.translation_m.x() + kStopM;
-    hand_.target = Hand::position(f32(there_m), 0.0F, height_m_, 0.0F);
-    run(5.0);
-    go_back(there_m);
+    go_there_and_back("place after velocity",
+                      hand_.body().world_from_body.translation_m.x() + kStopM);
 
     // While it brakes: what it does then for its speed is no wind.
     mark("move once more");
@@ -289,10 +290,7 @@ class Player {
     base_m_ += kMovedM;
     follow(braking, kBrakedS);
     base_m_ -= kMovedM;
-    mark("place while braking");
-    hand_.target = Hand::position(f32(kMovedM + kStopM), 0.0F, height_m_, 0.0F);
-    run(5.0);
-    go_back(kMovedM + kStopM);
+    go_there_and_back("place while braking", kMovedM + kStopM);
 
     mark("velocity once more");
     hand_.target = Hand::velocity(f32(kSpeedMps), 0.0F, 0.0F, 0.0F);
@@ -303,10 +301,7 @@ class Player {
       hand_.target = Hand::velocity(f32(braking(hand_.time_s() - begin_s).v_mps), 0.0F, 0.0F, 0.0F);
       tick();
     }
-    mark("place after braking velocity");
-    hand_.target = Hand::position(f32(braked_m), 0.0F, height_m_, 0.0F);
-    run(5.0);
-    go_back(braked_m);
+    go_there_and_back("place after braking velocity", braked_m);
 
     mark("turn");
     yaw_rad_ = f32(M_PI / 2.0);

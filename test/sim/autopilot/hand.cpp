@@ -35,16 +35,18 @@ std::string one_line(const char* text, std::size_t room) {
   return out.substr(0, out.find_last_not_of(' ') + 1);
 }
 
+wire::mavlink::SetPositionTargetLocalNed local_target(std::uint16_t mask) {
+  wire::mavlink::SetPositionTargetLocalNed out;
+  out.type_mask = mask;
+  out.coordinate_frame = wire::mavlink::frame::kLocalNed;
+  return out;
+}
+
 }  // namespace
 
 void Hand::tick() {
   if (sends_heartbeats && ticks_ % kHeartbeatTicks == 0) {
-    wire::mavlink::Heartbeat heartbeat;
-    heartbeat.type = wire::mavlink::type::kGroundStation;
-    heartbeat.autopilot = wire::mavlink::autopilot::kNone;
-    heartbeat.system_status = wire::mavlink::kStateActive;
-    heartbeat.mavlink_version = 3;
-    send(heartbeat);
+    send(wire::mavlink::heartbeat_of(wire::mavlink::type::kGroundStation));
   }
   if (sends_poses) {
     send_pose();
@@ -126,9 +128,8 @@ void Hand::send_pose() {
 
 wire::mavlink::SetPositionTargetLocalNed Hand::velocity(float vx, float vy, float vz,
                                                         float yaw_rate) {
-  wire::mavlink::SetPositionTargetLocalNed out;
-  out.type_mask = wire::mavlink::mask::kVelocityAndYawRate;
-  out.coordinate_frame = wire::mavlink::frame::kLocalNed;
+  wire::mavlink::SetPositionTargetLocalNed out =
+      local_target(wire::mavlink::mask::kVelocityAndYawRate);
   out.vx = vx;
   out.vy = vy;
   out.vz = vz;
@@ -137,9 +138,7 @@ wire::mavlink::SetPositionTargetLocalNed Hand::velocity(float vx, float vy, floa
 }
 
 wire::mavlink::SetPositionTargetLocalNed Hand::position(float x, float y, float z, float yaw) {
-  wire::mavlink::SetPositionTargetLocalNed out;
-  out.type_mask = wire::mavlink::mask::kPositionAndYaw;
-  out.coordinate_frame = wire::mavlink::frame::kLocalNed;
+  wire::mavlink::SetPositionTargetLocalNed out = local_target(wire::mavlink::mask::kPositionAndYaw);
   out.x = x;
   out.y = y;
   out.z = z;

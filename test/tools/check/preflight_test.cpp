@@ -1,5 +1,9 @@
 #include "tools/check/preflight.hpp"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "scenario/reader/scenario_yaml.hpp"
@@ -23,6 +27,17 @@ TEST(CheckPreflight, LetsTheShippedScenariosFly) {
     EXPECT_TRUE(preflight.is_ready()) << path;
     EXPECT_GE(preflight.understood.size(), 4U);
   }
+}
+
+TEST(CheckPreflight, SaysWhetherDetectionsNameTheirTargets) {
+  const auto understands = [](const scenario::Scenario& scenario, const std::string& words) {
+    const std::vector<std::string> lines = check_preflight(scenario).understood;
+    return std::any_of(lines.begin(), lines.end(),
+                       [&](const auto& line) { return line.find(words) != std::string::npos; });
+  };
+  EXPECT_TRUE(understands(lab(), "5 targets; communication"));
+  EXPECT_TRUE(understands(scenario::load_scenario(VANTAGE_SOURCE_DIR "/config/lab-unlabelled.yaml"),
+                          "5 targets, which no detection names; communication"));
 }
 
 TEST(CheckPreflight, RefusesAStartInsideItsMarginOfAWall) {
@@ -176,6 +191,29 @@ TEST(CheckPreflight, NotesAWindThatBlowsOnNothing) {
     robot.device = scenario::DeviceSource::kReal;
   }
   EXPECT_NE(all_of(check_preflight(scenario).notes).find("wind: x_mps 1.5"), std::string::npos);
+}
+
+TEST(CheckPreflight, SaysThatThereIsNoRobot) {
+  scenario::Scenario scenario = lab();
+  scenario.robots.clear();
+  EXPECT_NE(all_of(check_preflight(scenario).faults).find("there is no robot"), std::string::npos);
+}
+
+TEST(CheckPreflight, NotesTargetsThatMoveAndAreBelievedToStand) {
+  scenario::Scenario scenario = lab();
+  models::TargetModel& believed = scenario.estimator.target_model;
+  believed.q = 0.0;  // no matter to an oscillator
+  EXPECT_TRUE(check_preflight(scenario).notes.empty());
+  believed.kind = models::TargetKind::kRandomWalk;
+  EXPECT_NE(all_of(check_preflight(scenario).notes).find("target_model: q 0"), std::string::npos);
+  believed.kind = models::TargetKind::kStatic;
+  EXPECT_NE(all_of(check_preflight(scenario).notes).find("kind static"), std::string::npos);
+  scenario.target_truth.motion = scenario::TargetMotion::kStill;
+  EXPECT_TRUE(check_preflight(scenario).notes.empty());
+  scenario.target_truth.motion = scenario::TargetMotion::kRandomWaypoint;
+  believed.kind = models::TargetKind::kRandomWalk;
+  believed.q = 0.3;
+  EXPECT_TRUE(check_preflight(scenario).notes.empty());
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "logs/record/log_space.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "test/bus/auth/auth_support.hpp"
+#include "test/support/bus_pair.hpp"
 #include "tools/check/arming_watch.hpp"
 #include "tools/check/preflight.hpp"
 #include "tools/console/console.hpp"
@@ -77,11 +78,9 @@ TEST(OperatorDesk, RefusesTheSecondStationEverythingButTheEmergencyStop) {
 TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
   for (const Duration off : {Duration(-std::chrono::hours(24)), Duration(std::chrono::hours(1)),
                              Duration(std::chrono::milliseconds(300))}) {
-    bus::InProcessHub hub;
-    const auto link_desk = hub.connect();
-    const auto link_vehicle = hub.connect();
-    bus::Bus desk_bus(*link_desk, 11);
-    bus::Bus vehicle(*link_vehicle, 13);
+    test::BusPair net(11, 13);
+    bus::Bus& desk_bus = net.own;
+    bus::Bus& vehicle = net.other;
     std::vector<models::OperatorCommand> heard;
     vehicle.subscribe<models::OperatorCommand>(
         bus::kCommand, [&](const models::OperatorCommand& command) { heard.push_back(command); });
@@ -108,11 +107,9 @@ TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
 }
 
 TEST(OperatorDesk, ShowsThatTheLogIsNotWritten) {
-  bus::InProcessHub hub;
-  const auto link_desk = hub.connect();
-  const auto link_up = hub.connect();
-  bus::Bus desk_bus(*link_desk, 11);
-  bus::Bus up_bus(*link_up, 12);
+  test::BusPair net(11, 12);
+  bus::Bus& desk_bus = net.own;
+  bus::Bus& up_bus = net.other;
   OperatorDesk desk(desk_bus, false, kStart);
   logs::LogWatch log(300e3);
   const auto tell = [&](Time now, std::uint64_t size_bytes) {
@@ -131,11 +128,9 @@ TEST(OperatorDesk, ShowsThatTheLogIsNotWritten) {
 // Of a partition in one direction each end knows by itself: vehicles by the heartbeat that fails to
 // come (fault 17), the operator by the vehicles' silence.
 TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
-  bus::InProcessHub hub;
-  const auto link_desk = hub.connect();
-  const auto link_vehicle = hub.connect();
-  bus::Bus desk_bus(*link_desk, 11);
-  bus::Bus vehicle(*link_vehicle, 13);
+  test::BusPair net(11, 13);
+  bus::Bus& desk_bus = net.own;
+  bus::Bus& vehicle = net.other;
   OperatorDesk desk(desk_bus, false, kStart);
   models::VehicleStatus status;
   status.robot = "Q1";
@@ -151,12 +146,9 @@ TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
 
 /// A station in charge whose datagrams are lost while `is_lossy` says so.
 struct LossyDesk {
-  bus::InProcessHub hub;
-  std::unique_ptr<bus::Transport> desk_link = hub.connect();
-  std::unique_ptr<bus::Transport> vehicle_link = hub.connect();
-  bus::Bus desk_bus{*desk_link, 11};
-  bus::Bus vehicle{*vehicle_link, 13};
-  OperatorDesk desk{desk_bus, false, kStart};
+  test::BusPair net{11, 13};
+  bus::Bus& vehicle = net.other;
+  OperatorDesk desk{net.own, false, kStart};
   std::function<bool(Time)> is_lossy = [](Time) { return false; };
   std::vector<models::OperatorCommand> heard;
   Time now = kStart;
@@ -245,20 +237,22 @@ TEST(OperatorDesk, DoesNotSayAgainWhatALaterOrderHasUndone) {
   EXPECT_EQ(lab.count(OperatorAction::kEmergencyStop), 1);
 }
 
+/// Who watches the lab's processes, and a bus for one of these.
+struct WatchedLab {
+  test::BusPair net{1, 2};
+  scenario::Scenario scenario = lab();
+  ArmingWatch watch{net.other, scenario};
+};
+
 TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
-  bus::InProcessHub hub;
-  const auto link = hub.connect();
-  const auto link_watch = hub.connect();
-  bus::Bus lab_bus(*link, 1);
-  bus::Bus watch_bus(*link_watch, 2);
-  const scenario::Scenario scenario = lab();
-  const ArmingWatch watch(watch_bus, scenario);
+  WatchedLab lab;
+  const ArmingWatch& watch = lab.watch;
   EXPECT_TRUE(mentions(watch.blocks(), "no mocap frame"));
   EXPECT_TRUE(mentions(watch.blocks(), "no operator's heartbeat"));
 
   models::MocapFrame frame;
   frame.stamp.time = frame.arrival = kStart;
-  for (const scenario::RobotSpec& robot : scenario.robots) {
+  for (const scenario::RobotSpec& robot : lab.scenario.robots) {
     models::MocapBody body;
     body.name = robot.name;
     body.occluded = robot.name == "Q2";
@@ -269,13 +263,13 @@ TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
     if (robot.name == "Q3") {
       status.reasons = {"battery for take-off"};
     }
-    lab_bus.publish(bus::quadrotor_channel(robot.name), status);
+    lab.net.own.publish(bus::quadrotor_channel(robot.name), status);
   }
-  lab_bus.publish(bus::kVicon, frame);
+  lab.net.own.publish(bus::kVicon, frame);
   models::OperatorCommand beat;
   beat.stamp.time = kStart;
-  lab_bus.publish(bus::kCommand, beat);
-  watch_bus.handle(std::chrono::microseconds(0));
+  lab.net.own.publish(bus::kCommand, beat);
+  lab.net.other.handle(std::chrono::microseconds(0));
   const std::vector<std::string> blocks = watch.blocks();
   EXPECT_EQ(blocks.size(), 2U);
   EXPECT_TRUE(mentions(blocks, "Q2: mocap shows no body"));
@@ -283,34 +277,25 @@ TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
 }
 
 TEST(ArmingWatch, NamesMessagesOfAnotherVersion) {
-  bus::InProcessHub hub;
-  const auto link = hub.connect();
-  const auto link_watch = hub.connect();
-  bus::Bus watch_bus(*link_watch, 2);
-  const scenario::Scenario scenario = lab();
-  const ArmingWatch watch(watch_bus, scenario);
+  WatchedLab lab;
+  const ArmingWatch& watch = lab.watch;
   EXPECT_FALSE(mentions(watch.blocks(), "version"));
   const std::vector<std::uint8_t> other_type(64, 7);
-  link->publish("PLAN_Q1", other_type);
-  link->publish("PLAN_Q1", other_type);
-  watch_bus.handle(std::chrono::microseconds(0));
+  lab.net.own_link->publish("PLAN_Q1", other_type);
+  lab.net.own_link->publish("PLAN_Q1", other_type);
+  lab.net.other.handle(std::chrono::microseconds(0));
   EXPECT_TRUE(mentions(watch.blocks(), "2 messages on PLAN_Q1 are not of this version's types"));
 }
 
 TEST(ArmingWatch, NamesWhatProcessesRefuseMeanwhileAndWhy) {
-  bus::InProcessHub hub;
-  const auto link = hub.connect();
-  const auto link_watch = hub.connect();
-  bus::Bus driver(*link, 1);
-  bus::Bus watch_bus(*link_watch, 2);
-  const scenario::Scenario scenario = lab();
-  const ArmingWatch watch(watch_bus, scenario);
+  WatchedLab lab;
+  const ArmingWatch& watch = lab.watch;
   models::ProcessHealth health;
   health.process = "QUADROTOR_Q1";
   const auto report = [&](std::vector<models::NamedCount> counters) {
     health.counters = std::move(counters);
-    driver.publish(bus::health_channel(health.process), health);
-    watch_bus.handle(std::chrono::microseconds(0));
+    lab.net.own.publish(bus::health_channel(health.process), health);
+    lab.net.other.handle(std::chrono::microseconds(0));
   };
   report({{"COMMAND.unsigned", 3}});
   report({{"COMMAND.unsigned", 3}});
@@ -322,11 +307,9 @@ TEST(ArmingWatch, NamesWhatProcessesRefuseMeanwhileAndWhy) {
 }
 
 TEST(OperatorDesk, SaysThatItIsNotHeardWhereMessagesAreSigned) {
-  bus::InProcessHub hub;
-  const auto link = hub.connect();
-  const auto link_v = hub.connect();
-  bus::Bus bus(*link, 11);
-  bus::Bus vehicle(*link_v, 13);
+  test::BusPair net(11, 13);
+  bus::Bus& bus = net.own;
+  bus::Bus& vehicle = net.other;
   const bus::VirtualClock clock(kStart);
   const OperatorDesk desk(bus, false, kStart);
   const auto tell = [&] {

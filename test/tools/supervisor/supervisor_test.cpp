@@ -2,6 +2,8 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -52,6 +54,18 @@ TEST(Child, IsGoneWithItsOwner) {
     EXPECT_EQ(::kill(pid, 0), 0);
   }
   EXPECT_EQ(::kill(pid, 0), -1);  // reaped, not merely a zombie
+}
+
+TEST(Child, HasOurEnvironmentButForWhatIsSaid) {
+  const std::string home = std::getenv("HOME") == nullptr ? "" : std::getenv("HOME");
+  ChildPlace place;
+  place.environment = {"HOME=/elsewhere", "VANTAGE_NEW=a=b"};
+  const std::string asked =
+      "[ \"$HOME\" = /elsewhere ] && [ \"$VANTAGE_NEW\" = a=b ] && [ -n \"$PATH\" ]";
+  Child child = std::move(Child::start({"sh", "-c", asked}, place)).value();
+  EXPECT_TRUE(child.wait(kLong)->is_success());
+  EXPECT_EQ(home, std::getenv("HOME") == nullptr ? "" : std::getenv("HOME")) << "ours stays";
+  EXPECT_EQ(std::getenv("VANTAGE_NEW"), nullptr);
 }
 
 TEST(Child, ThatCannotBeExecutedIsAnError) {

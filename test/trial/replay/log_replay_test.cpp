@@ -63,39 +63,97 @@ class ReplayLog : public ::testing::Test {
     return replay_log(log, scenario, parse_replay_target(node, scenario));
   }
 
+  /// The same decisions to the bit, at least `least` of them, and each of them tried.
+  static void expect_made_again(const std::string& path, const std::string& node, int least) {
+    const ReplayReport report = replay(path, node);
+    EXPECT_TRUE(report.outputs.is_exact()) << node;
+    EXPECT_GE(report.outputs.replayed(), least) << node;
+    EXPECT_EQ(report.not_replayed(), 0) << node;
+  }
+
+  struct Flown {
+    scenario::Scenario scenario;
+    std::string log_path;
+    logs::TrialSummary summary;
+  };
+  /// A trial of config/`name`.yaml and its log.
+  static Flown fly(const std::string& name, double duration_s, std::int64_t nodes,
+                   std::optional<std::uint64_t> seed = {}) {
+    scenario::Overrides overrides;
+    overrides.seed = seed;
+    overrides.duration_s = duration_s;
+    overrides.node_budget = nodes;
+    const std::string file = VANTAGE_SOURCE_DIR "/config/" + name + ".yaml";
+    Flown flown{scenario::load_scenario_with(file, overrides), folder_->file(name + ".lcmlog"), {}};
+    TrialOptions options;
+    options.log_path = flown.log_path;
+    flown.summary = run_trial(flown.scenario, trial_recipes(flown.scenario), options).summary;
+    return flown;
+  }
+
   static std::unique_ptr<TemporaryFolder> folder_;
 };
 std::unique_ptr<TemporaryFolder> ReplayLog::folder_;
 
 TEST_F(ReplayLog, MakesEveryPlanAndBeliefOfATrialAgainToTheBit) {
   for (const char* robot : {"Q1", "Q2", "Q3"}) {
-    const ReplayReport plans = replay(trial(), std::string("planner:") + robot);
+    expect_made_again(trial(), std::string("planner:") + robot, 7);
+    expect_made_again(trial(), std::string("estimator:") + robot, 15);
+  }
+}
+
+TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
+  scenario::Overrides overrides;
+  overrides.duration_s = 20.0;
+  overrides.node_budget = 300;
+  const scenario::Scenario scenario =
+      scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-unlabelled.yaml", overrides);
+  TrialOptions options;
+  options.log_path = folder_->file("unlabelled.lcmlog");
+  const logs::TrialSummary summary = run_trial(scenario, trial_recipes(scenario), options).summary;
+  EXPECT_EQ(summary.plans_missing, 0);
+  EXPECT_EQ(summary.collisions, 0);
+  EXPECT_GE(summary.discovered, 1);
+  int tracks = 0;
+  const logs::IndexedLog log(options.log_path);
+  logs::LogScan scan = log.scan();
+  while (const auto event = scan.next()) {
+    if (event->channel.starts_with("MEASUREMENT_")) {
+      const auto look = bus::decode_wire<vantage_lcm::measurement_t>(event->data);
+      for (const vantage_lcm::detection_t& each : look->detections) {
+        EXPECT_EQ(each.target_id, models::kNoTargetId);
+      }
+    }
+    if (event->channel.starts_with("BELIEF_")) {
+      const auto belief = bus::decode_wire<vantage_lcm::belief_t>(event->data);
+      for (const vantage_lcm::target_belief_t& each : belief->targets) {
+        EXPECT_GE(each.target_id, models::kTrackLabelMin);
+        ++tracks;
+      }
+    }
+  }
+  EXPECT_GT(tracks, 20);
+  for (const char* robot : {"Q1", "Q2", "Q3"}) {
+    const ReplayReport plans = replay(options.log_path, std::string("planner:") + robot);
     EXPECT_TRUE(plans.outputs.is_exact()) << robot;
-    EXPECT_GE(plans.outputs.replayed(), 7) << robot;
+    EXPECT_GE(plans.outputs.replayed(), 19) << robot;
     EXPECT_EQ(plans.not_replayed(), 0) << robot;
-    const ReplayReport beliefs = replay(trial(), std::string("estimator:") + robot);
+    const ReplayReport beliefs = replay(options.log_path, std::string("estimator:") + robot);
     EXPECT_TRUE(beliefs.outputs.is_exact()) << robot;
-    EXPECT_GE(beliefs.outputs.replayed(), 15) << robot;
+    EXPECT_GE(beliefs.outputs.replayed(), 38) << robot;
     EXPECT_EQ(beliefs.not_replayed(), 0) << robot;
   }
 }
 
 TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
-  scenario::Overrides overrides;
-  overrides.duration_s = 12.0;
-  overrides.node_budget = 300;
-  const scenario::Scenario scenario =
-      scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/mapping.yaml", overrides);
-  TrialOptions options;
-  options.log_path = folder_->file("mapping.lcmlog");
-  const logs::TrialSummary summary = run_trial(scenario, trial_recipes(scenario), options).summary;
+  const auto [scenario, path, summary] = fly("mapping", 12.0, 300);
   EXPECT_EQ(summary.plans_missing, 0);
   EXPECT_EQ(summary.collisions, 0);
   EXPECT_EQ(summary.separation_violations, 0);
   ASSERT_TRUE(summary.map_entropy_nats);
   int jammed_scans = 0;
   std::map<std::string, std::vector<double>> entropies_nats;
-  const logs::IndexedLog log(options.log_path);
+  const logs::IndexedLog log(path);
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     if (event->channel == "SCAN_Q1") {
@@ -113,31 +171,18 @@ TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
     EXPECT_LT(of_robot.back(), 0.8 * of_robot.front()) << channel;
   }
   for (const char* robot : {"Q1", "Q2", "Q3"}) {
-    const ReplayReport plans = replay(options.log_path, std::string("planner:") + robot);
-    EXPECT_TRUE(plans.outputs.is_exact()) << robot;
-    EXPECT_GE(plans.outputs.replayed(), 11) << robot;
-    EXPECT_EQ(plans.not_replayed(), 0) << robot;
-    const ReplayReport knowledge = replay(options.log_path, std::string("estimator:") + robot);
-    EXPECT_TRUE(knowledge.outputs.is_exact()) << robot;
-    EXPECT_GE(knowledge.outputs.replayed(), 2 * 22) << robot << ": beliefs and maps";
-    EXPECT_EQ(knowledge.not_replayed(), 0) << robot;
+    expect_made_again(path, std::string("planner:") + robot, 11);
+    constexpr int kBeliefsAndMaps = 2 * 22;
+    expect_made_again(path, std::string("estimator:") + robot, kBeliefsAndMaps);
   }
 }
 
 TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
-  scenario::Overrides overrides;
-  overrides.seed = 2;
-  overrides.duration_s = 8.0;
-  overrides.node_budget = 300;
-  scenario::Scenario scenario =
-      scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-attack.yaml", overrides);
-  ASSERT_EQ(scenario.planner.attacks_max, 1);
-  TrialOptions options;
-  options.log_path = folder_->file("attack.lcmlog");
-  run_trial(scenario, trial_recipes(scenario), options);
+  const Flown flown = fly("lab-attack", 8.0, 300, 2);
+  ASSERT_EQ(flown.scenario.planner.attacks_max, 1);
   int proposals = 0;
   int jammed_looks = 0;
-  const logs::IndexedLog log(options.log_path);
+  const logs::IndexedLog log(flown.log_path);
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     proposals += event->channel.starts_with("PROPOSAL_") ? 1 : 0;
@@ -148,32 +193,21 @@ TEST_F(ReplayLog, MakesTheRoundsOfATeamUnderAttackAgain) {
   EXPECT_GE(proposals, 3 * 7);
   EXPECT_GE(jammed_looks, 4);
   for (const char* robot : {"Q1", "Q2", "Q3"}) {
-    const ReplayReport plans = replay(options.log_path, std::string("planner:") + robot);
-    EXPECT_TRUE(plans.outputs.is_exact()) << robot;
-    EXPECT_GE(plans.outputs.replayed(), 7) << robot;
-    EXPECT_EQ(plans.not_replayed(), 0) << robot;
+    expect_made_again(flown.log_path, std::string("planner:") + robot, 7);
   }
 }
 
 TEST_F(ReplayLog, MakesThePlansAndProposalsOfALocalSearchAgain) {
-  scenario::Overrides overrides;
-  overrides.seed = 2;
-  overrides.duration_s = 14.0;
-  overrides.node_budget = 1000;
-  scenario::Scenario scenario =
-      scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-energy.yaml", overrides);
-  ASSERT_EQ(scenario.planner.team_algorithm, scenario::TeamAlgorithm::kLocalSearch);
-  TrialOptions options;
-  options.log_path = folder_->file("energy.lcmlog");
-  run_trial(scenario, trial_recipes(scenario), options);
+  const Flown flown = fly("lab-energy", 14.0, 1000, 2);
+  ASSERT_EQ(flown.scenario.planner.team_algorithm, scenario::TeamAlgorithm::kLocalSearch);
   std::map<std::string, int> said;
-  const logs::IndexedLog log(options.log_path);
+  const logs::IndexedLog log(flown.log_path);
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     said[std::string(event->channel)]++;
   }
   for (const std::string robot : {"Q1", "Q2", "Q3"}) {
-    const ReplayReport outputs = replay(options.log_path, "planner:" + robot);
+    const ReplayReport outputs = replay(flown.log_path, "planner:" + robot);
     EXPECT_TRUE(outputs.outputs.is_exact()) << robot;
     EXPECT_GE(said["TEAM_PROPOSAL_" + robot], 4) << robot;
     EXPECT_EQ(outputs.outputs.replayed(), said["PLAN_" + robot] + said["TEAM_PROPOSAL_" + robot]);

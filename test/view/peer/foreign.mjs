@@ -55,6 +55,38 @@ await expect("is_enabled", (since_s) => Number(since_s > 10));
 await chart(page, "POWER", ["voltage_v"]);
 await line("/lcm/POWER voltage_v", "POWER");
 
+// Time stands, and where it stands is marked in a chart from its first picture on.
+await page.evaluate(() => vantage.be_at(21));
+await page.locator(`${topic("ARM_STATE")} [data-field="position_rad.2"]`).scrollIntoViewIfNeeded();
+const marked = await page.evaluate(async () => {
+  document.querySelector('[data-topic="/lcm/ARM_STATE"] [data-field="position_rad.2"]').click();
+  for (;;) {
+    const mark = document.querySelector('[data-chart="/lcm/ARM_STATE position_rad.2"] .now');
+    await new Promise((resolve) => requestAnimationFrame(resolve));
+    if (!mark) continue;
+    const [at, over] = [mark, mark.parentElement].map((each) => each.getBoundingClientRect());
+    return { share: ((at.left + at.right) / 2 - over.left) / over.width, wanted: vantage.state.now / (vantage.state.range[1] - vantage.state.range[0]) };
+  }
+});
+assert(Math.abs(marked.share - marked.wanted) < 0.02, JSON.stringify(marked));
+
+// A rate is of the log's own time: neither jumps nor its speed are taken for messages.
+await page.selectOption("#speed", "0.5");
+await page.click("#play");
+const rate = () => page.locator(`${topic("ARM_STATE")} > summary .quiet`).textContent();
+const counted = () => page.waitForResponse(/api\/topics/).then((response) => response.finished());
+const rates = [];
+for (const key of ["ArrowLeft", "ArrowRight", "ArrowLeft"]) {
+  await counted();
+  await page.keyboard.press(`Shift+${key}`);
+  await counted();
+  rates.push(await rate());
+}
+await until(page, () => /^(1[5-9]|2[0-5]) Hz$/.test(document.querySelector('[data-topic="/lcm/ARM_STATE"] > summary .quiet').textContent));
+assert(rates.every((said) => said === "" || (parseFloat(said) > 12 && parseFloat(said) < 30)), rates.join());
+await page.click("#play");
+await until(page, () => !vantage.state.is_playing);
+
 // The cursor reads it; the message is of the instant that is shown.
 const charted = page.locator('[data-chart="/lcm/ARM_STATE position_rad.1"]');
 await charted.scrollIntoViewIfNeeded();

@@ -9,45 +9,74 @@ const kPoints = 20000; // a series at most
 const kRefresh_ms = 500; // of each chart
 const kRead = 8; // series whose values are told under the cursor
 const kLeast_s = 0.2; // shown at least
+const kLeast_px = 236; // a chart's width
+const kGap_px = 8;
+const kPadding = [6, 10, 0, 0]; // around a plot: above, right
+
+/// Of a plot in `body` that is neither zoomed nor told by a legend of its own.
+const still_options = (body) => ({
+  width: Math.max(80, body.clientWidth),
+  height: Math.max(60, body.clientHeight),
+  legend: { show: false },
+  padding: kPadding,
+  cursor: { y: false, drag: { x: false, y: false, setScale: false }, points: { show: false } },
+});
 
 const number = (x) => (typeof x === "boolean" ? Number(x) : typeof x === "number" && Number.isFinite(x) ? x : null);
 const robot_of = (topic) => topic.split("/")[2];
 
-/** What is charted: `take` gives [series, value] of a record, or nothing. */
+/** The team's number and the mean of its robots', each by its own belief alone. */
+const of_both = (team, robot) => (r) => [["team", number(r[team])], ["a robot", number(r[robot])]];
+
+/** What is charted: `take` gives a list of [series, value] of a record; null where there is none. */
 const kCharts = [
-  { key: "entropy", measure: "entropy", topic: /^\/team$/, take: (r) => ["team", number(r.entropy_nats)] },
-  { key: "map_entropy", measure: "map_entropy", topic: /^\/team$/, take: (r) => ["team", number(r.map_entropy_nats)] },
-  { key: "rmse", measure: "rmse", topic: /^\/team$/, take: (r) => ["team", number(r.rmse_m)], zero: true },
+  { key: "entropy", measure: "entropy", topic: /^\/team$/, take: of_both("entropy_nats", "robot_entropy_nats") },
+  { key: "map_entropy", measure: "map_entropy", topic: /^\/team$/, take: (r) => [["team", number(r.map_entropy_nats)]] },
+  { key: "rmse", measure: "rmse", topic: /^\/team$/, take: of_both("rmse_m", "robot_rmse_m"), zero: true },
+  {
+    key: "nees",
+    measure: "nees",
+    topic: /^\/team$/,
+    take: (r) => (r.nees_by_age ?? []).map(({ age_s, samples, mean }) => [age_s, { samples, mean, expected: r.nees_expected }]),
+    kind: "ages",
+  },
   {
     key: "margin",
     measure: "margin",
     topic: /^\/plan\/[^/]+\/status$/,
-    take: (r, topic) => [robot_of(topic), number(r.margin_s * 1e3)],
+    take: (r, topic) => [[robot_of(topic), number(r.margin_s * 1e3)]],
     zero: true,
-  },
-  {
-    key: "gap",
-    measure: "gap",
-    topic: /^\/plan\/[^/]+\/status$/,
-    take: (r, topic) => [robot_of(topic), number(r.gap_nat)],
-    zero: true,
-  },
-  {
-    key: "battery",
-    measure: "battery",
-    topic: /^\/vehicle\//,
-    take: (r, topic) => [robot_of(topic), number(r.battery_share * 100)],
-    range: [0, 105],
   },
   {
     key: "deadlines",
     measure: "margin",
     title: "plans by deadline margin [ms]",
     topic: /^\/plan\/[^/]+\/status$/,
-    take: (r, topic) => [robot_of(topic), number(r.margin_s * 1e3)],
-    histogram: true,
+    take: (r, topic) => [[robot_of(topic), number(r.margin_s * 1e3)]],
+    kind: "histogram",
   },
-  { key: "lost", measure: "lost", topic: /^\/team$/, take: (r) => ["team", number(r.messages_lost)], zero: true, count: true },
+  {
+    key: "latency",
+    measure: "latency",
+    topic: /^\/vehicle\//,
+    take: (r, topic) => [[robot_of(topic), number(r.capture_to_setpoint_s * 1e3)]],
+    zero: true,
+  },
+  {
+    key: "gap",
+    measure: "gap",
+    topic: /^\/plan\/[^/]+\/status$/,
+    take: (r, topic) => [[robot_of(topic), number(r.gap_nat)]],
+    zero: true,
+  },
+  {
+    key: "battery",
+    measure: "battery",
+    topic: /^\/vehicle\//,
+    take: (r, topic) => [[robot_of(topic), number(r.battery_share * 100)]],
+    range: [0, 105],
+  },
+  { key: "lost", measure: "lost", topic: /^\/team$/, take: (r) => [["team", number(r.messages_lost)]], zero: true, count: true },
 ];
 
 /** The member of a record that a path names: ["a", "0", "b"]. */
@@ -67,6 +96,16 @@ function mark_of(element, colour) {
   element.className = "of";
   element.style.setProperty("--of", colour);
 }
+
+const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/** Axes as all charts have them. */
+const axis_look = () => ({
+  stroke: css("--quiet"), font: "11px system-ui", gap: 3, grid: { stroke: css("--line"), width: 1 }, ticks: { stroke: css("--line"), width: 1, size: 4 },
+});
+
+/** Series that are of no robot of the scenario's. */
+const kOfTeam = { team: { colour: "--ink" }, "a robot": { colour: "--quiet", dash: [5, 3] } };
 
 class Chart {
   constructor(box, spec, source) {
@@ -105,8 +144,9 @@ class Chart {
 
   add(topic, time, record) {
     if (!this.spec.topic.test(topic)) return;
-    const [name, value] = this.spec.take(record, topic);
-    if (value !== null) this.put(name, time, value);
+    for (const [name, value] of this.spec.take(record, topic)) {
+      if (value !== null) this.put(name, time, value);
+    }
   }
 
   put(name, time, value) {
@@ -140,27 +180,27 @@ class Chart {
   }
 
   names() {
-    return [...this.series.keys()].sort((a, b) => this.source.index_of(a) - this.source.index_of(b) || (a < b ? -1 : 1));
+    const [rank, teams] = [this.source.index_of, Object.keys(kOfTeam)];
+    const of_team = (name) => teams.indexOf(name);
+    return [...this.series.keys()].sort((a, b) => (rank(a) === rank(b) ? of_team(a) - of_team(b) || (a < b ? -1 : 1) : rank(a) - rank(b)));
   }
 
   colour(name) {
     const index = this.source.index_of(name);
     if (index < Infinity) return robot_css(robot_look(index).body);
+    if (kOfTeam[name]) return css(kOfTeam[name].colour);
     const others = [...this.series.keys()].filter((each) => this.source.index_of(each) === Infinity).sort();
     if (others.length > 1) return robot_css(others.indexOf(name) % look.robots.length);
-    return getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
+    return css("--ink");
   }
 
   dash(name) {
     const index = this.source.index_of(name);
-    return index < Infinity ? kDashes[robot_look(index).dash] : [];
+    return index < Infinity ? kDashes[robot_look(index).dash] : (kOfTeam[name]?.dash ?? []);
   }
 
   make() {
-    const style = getComputedStyle(document.documentElement);
-    const ink = style.getPropertyValue("--quiet").trim();
-    const lines = style.getPropertyValue("--line").trim();
-    const axis = { stroke: ink, font: "11px system-ui", gap: 3, grid: { stroke: lines, width: 1 }, ticks: { stroke: lines, width: 1, size: 4 } };
+    const axis = axis_look();
     const { zero, range, count } = this.spec;
     this.write_legend(); // which says how much room there is
     this.plot = new uPlot(
@@ -168,6 +208,7 @@ class Chart {
         width: Math.max(80, this.body.clientWidth),
         height: Math.max(60, this.body.clientHeight),
         legend: { show: false },
+        padding: kPadding,
         focus: { alpha: 0.35 },
         cursor: {
           y: false,
@@ -294,7 +335,8 @@ class Chart {
       mark_of(each, this.colour(name));
       return each;
     };
-    this.names_box.replaceChildren(...(names.length < 2 && !this.spec.fields ? [] : names.map(label)));
+    const is_said = names.length < 2 && (!this.spec.fields || this.title.textContent.split(" ")[0] === names[0]);
+    this.names_box.replaceChildren(...(is_said ? [] : names.map(label)));
     if (this.names_box.scrollWidth > this.caption.clientWidth - 34) {
       const words = document.createElement("i");
       words.textContent = `${names.length} series`;
@@ -307,12 +349,13 @@ class Chart {
     return lines.length === 0 ? [[], []] : uPlot.join(lines.map((line) => [line.t, line.v]));
   }
 
-  /** Marks where we are in a log. Over the plot, so that it need not be drawn again for that. */
+  /** Marks where we are in a log. Over the plot, so that it need not be drawn again for that; and not by the plot's own
+      scale, which is there only once it is drawn. */
   mark_now() {
     const now = this.source.now();
     const [from, to] = this.source.window();
     this.mark.hidden = now === null || now < from || now > to;
-    if (!this.mark.hidden) this.mark.style.transform = `translateX(${Math.round(this.plot.valToPos(now, "x"))}px)`;
+    if (!this.mark.hidden) this.mark.style.left = `calc(${(100 * (now - from)) / (to - from)}% - 1px)`;
   }
 
   refresh() {
@@ -386,16 +429,12 @@ class Histogram extends Chart {
   }
 
   make() {
-    const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-    const axis = { stroke: css("--quiet"), font: "11px system-ui", gap: 3, grid: { stroke: css("--line"), width: 1 }, ticks: { stroke: css("--line"), width: 1, size: 4 } };
+    const axis = axis_look();
     const bars = (label, colour) => ({ label, stroke: colour, fill: colour, width: 0, paths: uPlot.paths.bars({ size: [0.9, 60], align: 0 }), points: { show: false } });
     this.write_legend();
     this.plot = new uPlot(
       {
-        width: Math.max(80, this.body.clientWidth),
-        height: Math.max(60, this.body.clientHeight),
-        legend: { show: false },
-        cursor: { y: false, drag: { x: false, y: false, setScale: false }, points: { show: false } },
+        ...still_options(this.body),
         hooks: { setCursor: [() => this.tell()] },
         scales: {
           x: { time: false, range: () => [this.binned.starts[0] ?? 0, (this.binned.starts.at(-1) ?? 0) + this.binned.width] },
@@ -444,8 +483,157 @@ class Histogram extends Chart {
   }
 }
 
+const kMostShown = 8; // times what is expected; what is more is marked at the edge
+const kBatch_s = 5; // judged as one sample: within it steps know of each other
+
+/** How many standard errors the 95 % band of a mean is wide to either side, by Student's t.
+    Source: Abramowitz and Stegun 26.7.5 (for 3 degrees of freedom 0.7 % too little); 1 and 2 exactly. */
+export function t_95(freedom) {
+  if (freedom < 3) return [Infinity, 12.706, 4.303][freedom];
+  const z = 1.95996;
+  return z + (z ** 3 + z) / (4 * freedom) + (5 * z ** 5 + 16 * z ** 3 + 3 * z) / (96 * freedom ** 2) + (3 * z ** 7 + 19 * z ** 5 + 17 * z ** 3 - 15 * z) / (384 * freedom ** 3);
+}
+
+/** Mean NEES of what the robots believe in the stretch that is shown, by how long ago a target was last seen, with the
+    95 % band of that mean; and what it is where the estimators know how wrong they are. */
+class ByAge extends Chart {
+  constructor(...how) {
+    super(...how);
+    this.body.setAttribute("aria-label", `${this.title.textContent}: mean and its 95 % band`);
+  }
+
+  /** Of each class {age, samples, mean, half}: half of the band, null where there is too little for one.
+      Steps that follow each other are alike, so that the band is that of the means of batches, each by its samples. */
+  classes() {
+    const [from, to] = this.source.window();
+    return [...this.series].sort(([a], [b]) => parseFloat(a) - parseFloat(b)).map(([age, { t, v }]) => {
+      const batches = new Map();
+      let [samples, sum] = [0, 0];
+      t.forEach((time, i) => {
+        if (time < from || time > to) return;
+        const key = Math.floor(time / kBatch_s);
+        const batch = batches.get(key) ?? { samples: 0, sum: 0 };
+        batch.samples += v[i].samples;
+        batch.sum += v[i].samples * v[i].mean;
+        batches.set(key, batch);
+        samples += v[i].samples;
+        sum += v[i].samples * v[i].mean;
+      });
+      const mean = sum / samples;
+      const count = batches.size;
+      const squares = [...batches.values()].reduce((all, batch) => all + (batch.sum - batch.samples * mean) ** 2, 0);
+      const half = count > 1 ? (t_95(count - 1) * Math.sqrt((squares * count) / (count - 1))) / samples : null;
+      return { age, samples, mean, half };
+    }).filter(({ samples }) => samples > 0);
+  }
+
+  expected() {
+    return [...this.series.values()].map(({ v }) => v.at(-1)?.expected).find((each) => each !== undefined) ?? null;
+  }
+
+  table() {
+    this.judged = this.classes();
+    const places = this.judged.map((_, i) => i);
+    // Beyond the first and the last place, so that the line goes through.
+    const all = places.length === 0 ? [] : [-0.5, ...places, places.length - 0.5];
+    return [all, all.map(() => this.expected()), all.map((i) => this.judged[i]?.mean ?? null)];
+  }
+
+  make() {
+    const axis = axis_look();
+    this.write_legend();
+    this.plot = new uPlot(
+      {
+        ...still_options(this.body),
+        hooks: { setCursor: [() => this.tell()], draw: [(plot) => this.draw_bands(plot)] },
+        scales: {
+          x: { time: false, range: () => [-0.5, Math.max(0.5, this.judged.length - 0.5)] },
+          y: { range: () => [0, this.top()] },
+        },
+        axes: [
+          { ...axis, size: 24, grid: { show: false }, splits: () => this.judged.map((_, i) => i), values: () => this.judged.map(({ age }) => age.replace("-", "–")) },
+          { ...axis, size: 46, space: 24 },
+        ],
+        series: [
+          {},
+          { label: "expected", stroke: css("--good"), width: 1.5, dash: [6, 4], points: { show: false } },
+          { label: "mean", stroke: css("--accent"), width: 0, paths: () => null, points: { show: true, size: 8, fill: css("--accent"), width: 0 } },
+        ],
+      },
+      this.table(),
+      this.body,
+    );
+    this.plot.over.append(this.read);
+  }
+
+  /** Up to where NEES are drawn: where all of them are, unless they are far from what is expected. */
+  top() {
+    const expected = this.expected() ?? 1;
+    const most = Math.max(2 * expected, ...this.judged.map(({ mean, half }) => Math.min(mean + (half ?? 0), 2 * mean)));
+    return Math.min(1.08 * most, kMostShown * expected);
+  }
+
+  draw_bands(plot) {
+    const { ctx, bbox } = plot;
+    const top = this.top();
+    const ratio = devicePixelRatio;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.strokeStyle = css("--accent");
+    ctx.lineWidth = 2 * ratio;
+    ctx.beginPath();
+    this.judged.forEach(({ mean, half }, i) => {
+      const x = plot.valToPos(i, "x", true);
+      if (mean > top) {
+        // Which it is is said under the cursor.
+        ctx.moveTo(x - 5 * ratio, bbox.top + 9 * ratio);
+        ctx.lineTo(x, bbox.top + 2 * ratio);
+        ctx.lineTo(x + 5 * ratio, bbox.top + 9 * ratio);
+        return;
+      }
+      if (half === null) return;
+      const [low, high] = [Math.max(0, mean - half), mean + half].map((value) => plot.valToPos(value, "y", true));
+      const wing = 5 * ratio;
+      for (const [x1, y1, x2, y2] of [[x, low, x, high], [x - wing, low, x + wing, low], [x - wing, high, x + wing, high]]) {
+        ctx.moveTo(x1, y1);
+        ctx.lineTo(x2, y2);
+      }
+    });
+    ctx.stroke();
+    ctx.restore();
+  }
+
+  tell() {
+    const { left } = this.plot.cursor;
+    const of = left >= 0 ? this.judged[Math.round(this.plot.posToVal(left, "x"))] : undefined;
+    this.read.hidden = of === undefined;
+    if (!of) return;
+    const band = of.half === null ? "" : ` ± ${digits(of.half)}`;
+    this.read.textContent = `unseen ${of.age.replace("-", "–")} s: ${digits(of.mean)}${band} of ${of.samples}`;
+    this.read.classList.toggle("left", left > this.plot.over.clientWidth / 2);
+  }
+
+  write_legend() {
+    const words = document.createElement("i");
+    words.textContent = `expected ${this.expected() ?? "–"}`;
+    mark_of(words, css("--good"));
+    this.names_box.replaceChildren(words);
+  }
+
+  mark_now() {}
+
+  refresh() {
+    Histogram.prototype.refresh.call(this);
+  }
+}
+
+const kKinds = { histogram: Histogram, ages: ByAge };
+
 export class Charts {
-  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change()}: in seconds since the start */
+  /** @param source {now(), window(), seek(since), on_zoom([from, to] or null), on_change(), on_beyond(left, right)}: in seconds
+      since the start */
   constructor(box, source) {
     this.box = box;
     this.source = source;
@@ -463,10 +651,15 @@ export class Charts {
       remove: (chart) => this.remove(chart),
     };
     this.own = own;
-    this.charts = kCharts.map((spec) => new (spec.histogram ? Histogram : Chart)(box, spec, own));
+    this.charts = kCharts.map((spec) => new (kKinds[spec.kind] ?? Chart)(box, spec, own));
     // One more chart makes the others smaller.
-    this.sizes = new ResizeObserver(() => this.charts.forEach((chart) => chart.resize()));
+    this.sizes = new ResizeObserver(() => {
+      this.arrange();
+      this.charts.forEach((chart) => chart.resize());
+    });
+    this.sizes.observe(box);
     this.charts.forEach((chart) => this.sizes.observe(chart.body));
+    box.addEventListener("scroll", () => this.tell_beyond(), { passive: true });
     // One after the other: all at once is a pause that one sees.
     let turn = 0;
     setInterval(() => !document.hidden && this.charts[turn++ % this.charts.length]?.refresh(), kRefresh_ms / kCharts.length);
@@ -524,9 +717,30 @@ export class Charts {
     this.source.on_change();
   }
 
+  /** As many side by side as there is room for, none cut through. */
+  arrange() {
+    const count = this.charts.filter(({ box }) => !box.hidden).length;
+    const fitting = Math.max(1, Math.floor((this.box.clientWidth + kGap_px) / (kLeast_px + kGap_px)));
+    this.box.style.setProperty("--shown", Math.max(1, Math.min(count, fitting)));
+    this.tell_beyond();
+  }
+
+  /** Says how many charts are to the left and to the right of those that are seen. */
+  tell_beyond() {
+    const { left, right } = this.box.getBoundingClientRect();
+    const boxes = this.charts.filter(({ box }) => !box.hidden).map(({ box }) => box.getBoundingClientRect());
+    const middle = (at) => (at.left + at.right) / 2;
+    this.source.on_beyond(boxes.filter((at) => middle(at) < left).length, boxes.filter((at) => middle(at) > right).length);
+  }
+
+  /** Goes on to the charts beyond: `way` is −1 or 1. */
+  scroll(way) {
+    this.box.scrollBy({ left: way * (this.box.clientWidth + kGap_px) });
+  }
+
   /** Those that draw lines over time. */
   lines() {
-    return this.charts.filter(({ spec }) => !spec.histogram);
+    return this.charts.filter(({ spec }) => !spec.kind);
   }
 
   /** One of a field goes; one of our own can be had back. */

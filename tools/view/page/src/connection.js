@@ -65,6 +65,8 @@ export class Connection {
       this.on.channels();
     } else if (message.op === "status") {
       this.on.status(message);
+    } else if (message.op === "removeStatus") {
+      message.statusIds.forEach((id) => this.on.status({ level: 0, id, message: "" }));
     }
   }
 

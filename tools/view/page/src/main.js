@@ -44,8 +44,10 @@ const state = {
   range: null, // of a log
   session: null,
   speed: 1,
+  jumps: 0, // of a log's player, so far
   is_playing: false,
   has_history: false,
+  has_scenario: false,
   picked: null,
   log: null, // name of the log
   arrived: null, // the server's time as it last told it
@@ -86,6 +88,12 @@ const charts = new Charts(by_id("charts"), {
     by_id("window").textContent = zoomed === null ? "" : `${zoomed[0].toFixed(1)} to ${zoomed[1].toFixed(1)} s`;
     update_link();
   },
+  on_beyond: (left, right) => {
+    for (const [id, count, words] of [["before", left, `‹ ${left} more`], ["after", right, `${right} more ›`]]) {
+      by_id(id).hidden = count === 0;
+      by_id(id).textContent = words;
+    }
+  },
   on_change: () => {
     write_hidden_charts();
     [...connection.channels.keys()].forEach(subscribe);
@@ -108,6 +116,7 @@ const topics = new Topics(by_id("topics"), {
     if (is_open && state.range && !state.is_playing) seek(state.now);
   },
   plot: (topic, path) => plot(topic, path),
+  clock: () => (state.range ? { time_s: state.now, jumps: state.jumps } : { time_s: performance.now() / 1e3, jumps: 0 }),
 });
 const timeline = new Timeline({
   seek: (since) => seek(since),
@@ -135,6 +144,7 @@ function clear_all() {
   [vehicles, processes, events, charts, timeline, trails, topics].forEach((part) => part.clear());
   state.newest.clear();
   state.heard_until.clear();
+  state.has_scenario = false;
   state.start = state.range?.[0] ?? null;
   state.now = null;
   by_id("jammed").hidden = true;
@@ -213,6 +223,7 @@ const takers = [
     by_id("scenario").textContent = `${record.name} · ${record.robots.length} robots · ${what}`;
     by_id("empty").hidden = true;
     document.title = `${record.name} · vantage`;
+    state.has_scenario = true;
     state.memory_s = record.grid_memory_s;
     world.set_bounds(record);
     state.colors = new Map(record.robots.map(({ name, color }) => [name, color]));
@@ -243,6 +254,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
       state.log = state.range ? (info.name.replace(/^vantage /, "").split("/").at(-1) ?? null) : null;
       timeline.set_length(state.range ? state.range[1] - state.range[0] : null);
       if (state.range) set_now(state.range[0]);
+      by_id("empty").textContent = state.range ? "The log is being read." : kNothingYet;
       const of_another = state.wanted?.log && state.wanted.log !== state.log;
       by_id("note").hidden = !of_another;
       if (of_another) by_id("note").textContent = `the link is of ${state.wanted.log}, shown is ${state.log ?? "what is live"}`;
@@ -253,7 +265,10 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
   },
   channel: (topic) => subscribe(topic),
   channels: () => update_scene(),
-  status: (status) => status.level > 0 && set_badge(status.message, "warn"),
+  status: ({ level, id, message }) => {
+    if (id === "reading") set_badge([`log ${state.log}`, message].filter(Boolean).join(" · "), "good");
+    else if (level > 0) set_badge(message, "warn");
+  },
   time: (time) => {
     state.arrived = time; // all of the scene at that instant has come before it
     set_now(time);
@@ -264,6 +279,7 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
   },
   playback: (now) => {
     if (now.sought) {
+      state.jumps += 1;
       connection.forget_waiting();
       world.expire(Infinity);
       if (!state.has_history) trails.clear();
@@ -292,6 +308,8 @@ const connection = new Connection(`${location.protocol === "https:" ? "wss" : "w
   },
 });
 
+const kNothingYet = by_id("empty").textContent;
+
 /** A log that no scenario is in has no world to show, but its messages can be read and charted. */
 function update_scene() {
   const has_none = state.range !== null && connection.channels.size > 0 && !connection.channels.has("/scenario");
@@ -299,7 +317,7 @@ function update_scene() {
   document.body.dataset.scene = has_none ? "none" : "";
   by_id("empty").textContent = has_none
     ? "No scenario in this log. Its topics are at the side: open one, and press + beside a number to chart it."
-    : "Nothing heard yet. Waiting for a scenario and poses on the bus.";
+    : kNothingYet;
   if (has_none) show_side("topics");
 }
 
@@ -346,13 +364,32 @@ async function points_of(topic, path) {
   }
 }
 
+/** Resolves once the scenario is known, where there is one: whose a topic is depends on it. */
+async function scenario_known() {
+  const is_awaited = () => (connection.channels.size === 0 ? state.range !== null : connection.channels.has("/scenario") && !state.has_scenario);
+  while (is_awaited()) await new Promise((resolve) => setTimeout(resolve, 20));
+}
+
 let plotted = Promise.resolve();
+let on_the_way = []; // [topic, path] of each field that is not charted before its values have come
 /** Charts a number of a topic: of a log all of it, live from now on. Charts stand in the order in
     which they were asked for, whichever answer comes first. */
 function plot(topic, path) {
-  plotted = Promise.all([points_of(topic, path), plotted.catch(() => {})])
-    .then(([points]) => charts.plot(topic, path, points));
+  const field = [topic, path];
+  on_the_way.push(field);
+  plotted = Promise.all([points_of(topic, path), plotted.catch(() => {}), scenario_known()]).then(([points]) => {
+    if (!on_the_way.includes(field)) return; // no longer wanted
+    on_the_way = on_the_way.filter((each) => each !== field);
+    charts.plot(topic, path, points);
+  });
   return plotted;
+}
+
+/** [topic, path] of each field that is charted, or soon will be: links and layouts have both. */
+function wanted_fields() {
+  const charted = charts.fields();
+  const names = new Set(charted.map((field) => field.join()));
+  return [...charted, ...on_the_way.filter((field) => !names.has(field.join()))];
 }
 
 function draw_trails() {
@@ -545,7 +582,7 @@ function link_text() {
     zoomed: charts.zoomed,
     charts_off: charts.off(),
     theme: state.theme,
-    fields: charts.fields(),
+    fields: wanted_fields(),
     picked: state.picked,
     side: state.side === "status" ? null : state.side,
     follow: world.followed,
@@ -574,7 +611,7 @@ function give_wanted() {
     // The world's size fits the cameras first.
     state.wanted_cameras = wanted.cameras;
     const look_when_known = () => {
-      if (!world.layers.has("/world")) return setTimeout(look_when_known, 50);
+      if (!world.layers.has("/world") || !state.has_scenario) return setTimeout(look_when_known, 50);
       world.view_from(wanted.cameras);
       state.wanted_cameras = null;
     };
@@ -722,6 +759,7 @@ function layout_text() {
 }
 
 function give_layout(text) {
+  on_the_way = [];
   charts.forget_fields();
   follow(null);
   const wanted = read_link(text);
@@ -801,6 +839,8 @@ by_id("shot").onclick = take_shot;
 by_id("video").onclick = toggle_video;
 by_id("share").onclick = share;
 by_id("csv").onclick = save_csv;
+by_id("before").onclick = () => charts.scroll(-1);
+by_id("after").onclick = () => charts.scroll(1);
 by_id("all").onclick = () => charts.zoom(null);
 by_id("tab-status").onclick = () => show_side("status");
 by_id("tab-topics").onclick = () => show_side("topics");
@@ -848,6 +888,7 @@ window.vantage = {
   series: (key) => Object.fromEntries(charts.charts.find(({ spec }) => spec.key === key)?.series ?? []),
   csv: () => charts.csv(),
   histogram: (key) => charts.charts.find(({ spec }) => spec.key === key).bins(),
+  ages: (key) => charts.charts.find(({ spec }) => spec.key === key).classes(),
   trail: (body) => trails.ways.has(body) ? trails.points(body, state.start + state.now, state.trail_s).length : 0,
   measured: () => world.measured,
   followed: () => world.followed,

@@ -5,8 +5,8 @@ import { channels_of } from "./look.js";
 
 const kStrip = 0;
 const kLoop = 1;
-const kGlyphs = new Set(["/robots", "/targets"]); // topics of bodies
 const kGlyph_px = 7; // half as wide as a body is at least
+const kLeast_px = new Map([["/robots", kGlyph_px], ["/targets", 5]]); // by topic of bodies: robots stand out of a crowd
 
 let memory_s = 30; // after which ground that was seen is stale
 
@@ -39,11 +39,13 @@ export function lines_of(shape) {
   return Array.from({ length: corners.length / 2 }, (_, i) => corners.slice(2 * i, 2 * i + 2));
 }
 
-/** How far from its middle the body of an entity reaches [m] that is to be seen at any distance; 0 of
-    other topics. */
+/** How far from its middle [m] the body of an entity is to reach kGlyph_px at any distance, so that it can be seen; 0 of other
+    topics. */
 export function glyph_of(topic, entity) {
-  if (!kGlyphs.has(topic)) return 0;
-  return Math.max(...[...entity.cylinders, ...entity.cubes].map(({ size }) => 0.5 * Math.max(size.x, size.y)), 0);
+  const least_px = kLeast_px.get(topic);
+  if (!least_px) return 0;
+  const reach_m = Math.max(...[...entity.cylinders, ...entity.cubes].map(({ size }) => 0.5 * Math.max(size.x, size.y)), 0);
+  return (reach_m * kGlyph_px) / least_px;
 }
 
 /** How many times larger than it is a body is drawn, in its own plane, so that it can be seen.

@@ -5,11 +5,13 @@ import { in_order, make } from "./panels.js";
 
 const kPoll_ms = 1000;
 const kWrite_ms = 400;
+const kCounted_s = 0.2; // less says nothing of a rate
 const kElements = 24; // shown of a list
 const kText = 80; // characters shown of a text
 
 export class Topics {
-  /** @param on {open(topic, is_open), plot(topic, path)} */
+  /** @param on {open(topic, is_open), plot(topic, path), clock()}: clock tells {time_s, jumps}, the time that records
+      are of and how often it was set: what comes of a jump is no rate */
   constructor(box, on) {
     this.on = on;
     this.box = box;
@@ -21,7 +23,8 @@ export class Topics {
     this.list = make("div", "topics");
     this.box.append(this.filter, this.list);
     this.rows = new Map(); // by topic: {row, rate, body}
-    this.counts = new Map(); // by topic: {count, at_ms, hz}
+    this.counts = new Map(); // by topic: {type, count, hz}
+    this.counted = null; // the clock as they were counted
     this.opened = new Map(); // by topic: newest record, or null
     this.is_shown = false;
     setInterval(() => this.is_shown && !document.hidden && this.poll(), kPoll_ms);
@@ -40,11 +43,13 @@ export class Topics {
     } catch {
       return; // the page says elsewhere that there is no connection
     }
-    const now_ms = performance.now();
+    const now = this.on.clock();
+    const passed_s = this.counted?.jumps === now.jumps ? now.time_s - this.counted.time_s : 0;
+    this.counted = now;
     for (const { topic, schema, type, count } of known) {
       const before = this.counts.get(topic);
-      const hz = before && now_ms > before.at_ms ? (1e3 * (count - before.count)) / (now_ms - before.at_ms) : null;
-      this.counts.set(topic, { type: type ?? schema, count, at_ms: now_ms, hz });
+      const hz = before && passed_s > kCounted_s ? (count - before.count) / passed_s : (before?.hz ?? null);
+      this.counts.set(topic, { type: type ?? schema, count, hz });
     }
     this.write();
   }
@@ -150,6 +155,7 @@ export class Topics {
     this.rows.clear();
     this.counts.clear();
     this.opened.clear();
+    this.counted = null;
     this.list.replaceChildren();
   }
 }
@@ -162,7 +168,7 @@ function shape_of(value) {
 }
 
 function words_of(value) {
-  if (typeof value === "number") return digits(value);
+  if (typeof value === "number") return Number.isSafeInteger(value) ? String(value) : digits(value); // instants, too
   const text = String(value);
   return text.length > kText ? `${text.slice(0, kText)}… (${text.length} characters)` : text;
 }

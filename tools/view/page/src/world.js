@@ -207,7 +207,7 @@ export class World {
       controls.target.set(centre[0], centre[1], 0);
       camera.position.set(centre[0], centre[1] - 1.0 * far, 0.95 * far);
       const corners = [[0, 0], [0, 1], [1, 0], [1, 1]].map(([i, j]) => new THREE.Vector3(i ? max_m[0] : min_m[0], j ? max_m[1] : min_m[1], 0));
-      fit_perspective(camera, controls.target, corners, space, { left: 30, right: 24, top: 70, bottom: 46 });
+      fit_perspective(camera, controls.target, corners, space, { left: 30, right: 24, top: 70, bottom: this.view === "space" ? bottom : 46 });
       controls.update();
     }
     this.is_fitted = true;

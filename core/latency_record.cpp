@@ -1,9 +1,9 @@
-#include "sim/app/latency_record.hpp"
+#include "core/latency_record.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace vantage::sim {
+namespace vantage {
 
 void LatencyRecord::add(Duration latency) {
   const std::int64_t us = std::max<std::int64_t>(0, latency.count());
@@ -25,4 +25,4 @@ std::int64_t LatencyRecord::percentile_us(double share) const {
   return max_us_;
 }
 
-}  // namespace vantage::sim
+}  // namespace vantage

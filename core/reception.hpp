@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+namespace vantage {
+
+/// One datagram as recvmsg() gives it: who sent it, how long it is, and the one thing that the
+/// kernel was asked to say of it (`Word`, as by SO_TIMESTAMPNS or SO_RXQ_OVFL).
+template <class Word>
+class Reception {
+ public:
+  /// Waits as `flags` and the socket say; the datagram is in `buffer`.
+  Reception(int fd, std::span<std::uint8_t> buffer, int flags)
+      : piece_{buffer.data(), buffer.size()} {
+    message_.msg_name = &from_;
+    message_.msg_namelen = sizeof from_;
+    message_.msg_iov = &piece_;
+    message_.msg_iovlen = 1;
+    message_.msg_control = extra_.data();
+    message_.msg_controllen = extra_.size();
+    size_ = recvmsg(fd, &message_, flags);
+  }
+  Reception(const Reception&) = delete;
+  Reception& operator=(const Reception&) = delete;
+  Reception(Reception&&) = delete;
+  Reception& operator=(Reception&&) = delete;
+  ~Reception() = default;
+
+  /// Below 0: none, and errno says why.
+  [[nodiscard]] ssize_t size() const { return size_; }
+  [[nodiscard]] const sockaddr_in& from() const { return from_; }
+
+  /// What the kernel says at SOL_SOCKET by `type`.
+  [[nodiscard]] std::optional<Word> word(int type) {
+    std::optional<Word> out;
+    for (cmsghdr* part = CMSG_FIRSTHDR(&message_); part != nullptr;
+         part = CMSG_NXTHDR(&message_, part)) {
+      if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == type) {
+        std::memcpy(&out.emplace(), CMSG_DATA(part), sizeof(Word));
+      }
+    }
+    return out;
+  }
+
+ private:
+  sockaddr_in from_{};
+  iovec piece_;
+  alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(Word))> extra_{};
+  msghdr message_{};
+  ssize_t size_ = -1;
+};
+
+}  // namespace vantage

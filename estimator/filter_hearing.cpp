@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include <Eigen/Cholesky>
+
+#include "estimator/distributed_filter.hpp"
+
+// What a filter makes of its teammates' beliefs.
+
+namespace vantage::estimator {
+namespace {
+
+/// √det Ω, a belief's share in a fusion; 0 when Ω is not positive definite.
+double weight_of(const models::StateMatrix& Omega) {
+  const Eigen::LLT<models::StateMatrix> root(Omega);
+  return root.info() == Eigen::Success ? root.matrixLLT().diagonal().prod() : 0.0;
+}
+
+/// The κ in [0, 1] for which det((1 − κ) A + κ B) is largest. log det is concave in κ, so its slope
+/// tr((B − A) Ω⁻¹) falls; halving finds where it is 0, to 1/4096.
+double intersection_weight(const models::StateMatrix& A, const models::StateMatrix& B) {
+  const models::StateMatrix D = B - A;
+  const auto is_rising = [&](double kappa) {
+    const Eigen::LLT<models::StateMatrix> root(A + kappa * D);
+    return root.info() == Eigen::Success && root.solve(D).trace() > 0.0;
+  };
+  if (!is_rising(0.0)) {
+    return 0.0;
+  }
+  if (is_rising(1.0)) {
+    return 1.0;
+  }
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = 0.5 * (low + high);
+    (is_rising(middle) ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
+  in_range_.clear();
+  const Duration age_max = from_seconds(spec_.belief_age_max_s);
+  for (const models::RobotBelief* belief : input.beliefs) {
+    if (belief->stamp.time > input.time) {
+      ++counters_.future_beliefs;
+    } else if (input.time - belief->stamp.time > age_max) {
+      ++counters_.stale_beliefs;
+    } else if (spec_.communication_range_m <= 0.0 ||
+               distance_m(belief->viewpoint, viewpoint_) > spec_.communication_range_m) {
+      ++counters_.out_of_range_beliefs;
+    } else {
+      in_range_.push_back(belief);
+    }
+  }
+  degree_ = static_cast<int>(in_range_.size());
+  for (const models::RobotBelief* belief : in_range_) {
+    record.is_heard_of_end = record.is_heard_of_end || belief->stamp.time == input.time;
+    if (multi_target_) {
+      hear_labels(*belief, record);
+    } else {
+      hear(*belief, input.time, record);
+    }
+    merge_grid(*belief);
+  }
+}
+
+void DistributedFilter::hear(const models::RobotBelief& belief, Time now, StepRecord& record) {
+  for (const models::TargetBelief& target : belief.targets) {
+    if (target.target_id < 0 || target.target_id >= spec_.target_count) {
+      ++counters_.unknown_ids;
+      continue;
+    }
+    const int dim = spec_.estimator.target_model.dim();
+    if (target.information.vector.size() != dim || target.information.matrix.rows() != dim ||
+        target.information.matrix.cols() != dim) {
+      ++counters_.malformed_beliefs;
+      continue;
+    }
+    const auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
+                                     target.last_seen, belief.stamp.time, now);
+    if (!now_known) {
+      ++counters_.singular;
+      continue;
+    }
+    const double weight = weight_of(now_known->matrix);
+    if (!(weight > 0.0) || !std::isfinite(weight)) {
+      ++counters_.singular;
+      continue;
+    }
+    HeardTrack* const heard = record.heard.find(target.target_id);
+    if (heard == nullptr) {
+      record.heard.put(
+          {target.target_id,
+           {true, {weight * now_known->vector, weight * now_known->matrix}, target.last_seen},
+           weight});
+    } else {
+      heard->track.information.vector += weight * now_known->vector;
+      heard->track.information.matrix += weight * now_known->matrix;
+      heard->track.last_seen = std::max(heard->track.last_seen, target.last_seen);
+      heard->weight += weight;
+    }
+  }
+}
+
+void DistributedFilter::hear_labels(const models::RobotBelief& belief, StepRecord& record) {
+  const Time told_at = belief.stamp.time;
+  if (told_at < record.from) {
+    return;  // of a step that was reconciled already, or missed
+  }
+  // What is told of `from` holds no look of this step; what is told of later is used when all are.
+  const Time at = told_at == record.from && record.from < record.to ? record.from : record.to;
+  const models::TargetModel& model = spec_.estimator.target_model;
+  const int teller = record.heard_labels.empty() ? 0 : record.heard_labels.back().teller + 1;
+  for (const models::TargetBelief& target : belief.targets) {
+    const auto believed = target.information.vector.size() == model.dim()
+                              ? models::to_gaussian(target.information)
+                              : std::nullopt;
+    if (target.target_id < models::kTrackLabelMin) {
+      ++counters_.unknown_ids;
+    } else if (!believed || record.heard_labels.size() >= spec_.team.size() * labelled_.size()) {
+      ++counters_.malformed_beliefs;  // nobody who keeps to the scenario tells of so many
+    } else {
+      record.heard_labels.push_back(
+          {teller, at, target.target_id,
+           models::predict_unseen(*believed, model, to_seconds(at - told_at),
+                                  to_seconds(told_at - target.last_seen), spec_.step_s),
+           target.last_seen});
+    }
+  }
+}
+
+void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
+  if (belief.last_seen_utime.empty()) {
+    return;
+  }
+  // Nobody has seen anything after the instant of their own message.
+  const bool is_one_grid = spec_.neighbourhood_m > 0.0 || belief.grid == grid_.geometry();
+  if (!is_one_grid ||
+      !grid_.merge(belief.grid, belief.last_seen_utime, to_utime(belief.stamp.time))) {
+    ++counters_.grid_mismatches;
+  }
+}
+
+void DistributedFilter::fuse(const StepRecord& record) {
+  for (const auto& [target_id, heard, heard_weight] : record.heard) {
+    const models::Information theirs{heard.information.vector / heard_weight,
+                                     heard.information.matrix / heard_weight};
+    KnownTrack* const known = tracks_.find(target_id);
+    if (known == nullptr) {
+      tracks_.put({target_id, {true, theirs, heard.last_seen}});
+      continue;
+    }
+    Track& own = known->track;
+    const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
+    if (kappa > 0.0) {
+      own.information.vector += kappa * (theirs.vector - own.information.vector);
+      own.information.matrix += kappa * (theirs.matrix - own.information.matrix);
+      own.last_seen = std::max(own.last_seen, heard.last_seen);
+    }
+  }
+}
+
+void DistributedFilter::reconcile_labels(const StepRecord& record, Time at) {
+  heard_labels_.assign(record.heard_labels.begin(), record.heard_labels.end());
+  const std::span<HeardLabel> all(heard_labels_);
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+    while (end < all.size() && all[end].teller == all[begin].teller) {
+      ++end;
+    }
+    if (all[begin].at == at) {
+      const Reconciled done = reconcile(labelled_, all.subspan(begin, end - begin));
+      counters_.reconciled.relabelled += done.relabelled;
+      counters_.reconciled.adopted += done.adopted;
+      counters_.reconciled.taken_over += done.taken_over;
+    }
+  }
+}
+
+}  // namespace vantage::estimator

@@ -1,0 +1,273 @@
+#include "estimator/range_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "core/check.hpp"
+#include "core/index.hpp"
+#include "core/infinity.hpp"
+#include "estimator/range_only.hpp"
+#include "estimator/range_refinement.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+/// Starts are looked for on so many ranges of a beacon, evenly drawn.
+constexpr std::size_t kDrawn = 300;
+constexpr std::array kScales = {0.8, 0.9, 1.0, 1.12, 1.25};
+constexpr std::array kBiases_m = {-1.5, 0.0, 1.5};
+constexpr int kRoundsOfStart = 30;
+constexpr int kRounds = 200;
+
+using Places = std::vector<Eigen::Vector2d>;
+using RangesOfBeacons = std::vector<std::vector<TakenRange>>;
+
+RangesOfBeacons by_beacon(std::span<const TakenRange> ranges, int beacons) {
+  require(beacons >= 1, "there is no beacon");
+  RangesOfBeacons out(index(beacons));
+  for (const TakenRange& range : ranges) {
+    require(range.beacon >= 0 && range.beacon < beacons, "a range is of no beacon");
+    require(std::isfinite(range.range_m) && range.robot_m.allFinite(), "a range is not finite");
+    out[index(range.beacon)].push_back(range);
+  }
+  for (const auto& of : out) {
+    require(of.size() >= index(kRangesOfBeaconMin), "a beacon has too few ranges");
+  }
+  return out;
+}
+
+std::vector<TakenRange> drawn(const std::vector<TakenRange>& ranges) {
+  if (ranges.size() <= kDrawn) {
+    return ranges;
+  }
+  std::vector<TakenRange> out;
+  for (std::size_t k = 0; k < kDrawn; ++k) {
+    out.push_back(ranges[k * ranges.size() / kDrawn]);
+  }
+  return out;
+}
+
+double quantile(std::vector<double> values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// Where a beacon may be if the sensor is calibrated so, the likeliest first.
+Places places_by(const std::vector<TakenRange>& ranges, const RangeOnlySpec& spec) {
+  RangeOnlyFilter filter(spec);
+  for (const TakenRange& range : ranges) {
+    filter.update(range.robot_m, range.range_m);
+  }
+  constexpr double kWeightMin = 0.01;
+  Places out;
+  for (const BeaconHypothesis& hypothesis : filter.hypotheses()) {
+    if (hypothesis.weight >= kWeightMin) {
+      out.push_back(hypothesis.mean_m);
+    }
+  }
+  return out;
+}
+
+/// One beacon with the calibration held.
+struct Alone {
+  RangeState state;
+  double nats = 0.0;
+};
+
+class Search {
+ public:
+  Search(std::span<const TakenRange> ranges, int beacons, const RangeFitSpec& spec)
+      : by_beacon_(by_beacon(ranges, beacons)), found_(index(beacons)) {
+    std::vector<double> sizes_m;
+    for (const TakenRange& range : ranges) {
+      sizes_m.push_back(std::abs(range.range_m));
+    }
+    median_m_ = quantile(sizes_m, 0.5);
+    for (const auto& of : by_beacon_) {
+      drawn_.push_back(drawn(of));
+      all_drawn_.insert(all_drawn_.end(), drawn_.back().begin(), drawn_.back().end());
+    }
+    whole_ = {ranges, std::max(quantile(sizes_m, 0.95), 1e-3), {}, spec};
+    part_ = whole_;
+    part_.ranges = all_drawn_;
+  }
+
+  RangeFit fit() {
+    RangeState best = best_start();
+    for (int again = 0; again < 3 && exchange_places(best); ++again) {
+      refine(part_, best, kRounds);
+    }
+    refine(whole_, best, kRounds);
+    RangeFit fit = fit_at(whole_, best);
+    for (int b = 0; b < static_cast<int>(found_.size()); ++b) {
+      weigh_others(best, b, fit);
+    }
+    return fit;
+  }
+
+ private:
+  /// Refined from every calibration and width of noise of the grid.
+  RangeState best_start() {
+    RangeState best;
+    double best_nats = -kInfinity;
+    for (const double scale : kScales) {
+      for (const double bias_m : kBiases_m) {
+        for (const double wider : {1.0, 3.0}) {
+          RangeState state = start({scale, bias_m}, wider);
+          const double nats = refine(part_, state, kRoundsOfStart);
+          if (nats > best_nats) {
+            best_nats = nats;
+            best = std::move(state);
+          }
+        }
+      }
+    }
+    refine(part_, best, kRounds);
+    return best;
+  }
+
+  RangeState start(const models::RangeCalibration& calibration, double wider) {
+    RangeOnlySpec spec;
+    spec.calibration = calibration;
+    // The grid's scales are 6 % from any, its biases 0.75 m.
+    spec.range_sigma_m = wider * std::hypot(0.04 * median_m_, 0.4);
+    spec.outlier_share = 0.2;
+    spec.outlier_span_m = whole_.outlier_span_m;
+    RangeState state;
+    state.calibration = calibration;
+    for (std::size_t b = 0; b < found_.size(); ++b) {
+      Places places = places_by(drawn_[b], spec);
+      if (places.empty()) {
+        places.push_back(drawn_[b].front().robot_m);
+      }
+      state.places_m.push_back(places.front());
+      found_[b].insert(found_[b].end(), places.begin(), places.end());
+    }
+    guess_noise(part_, state);
+    return state;
+  }
+
+  /// The beacon by itself from `place_m`, with the calibration of `state` held.
+  static Alone alone(const RangeProblem& like, std::vector<TakenRange> ranges,
+                     const RangeState& state, const Eigen::Vector2d& place_m) {
+    for (TakenRange& range : ranges) {
+      range.beacon = 0;
+    }
+    constexpr double kHeld = 1e-9;
+    const RangeProblem problem{ranges, like.outlier_span_m, state.calibration, {kHeld, kHeld}};
+    Alone out{{state.calibration, {place_m}, {}}, 0.0};
+    guess_noise(problem, out.state);
+    out.nats = refine(problem, out.state, kRoundsOfStart);
+    return out;
+  }
+
+  /// The tops that any start's places of a beacon lead to, each once.
+  std::vector<Alone> tops(const RangeState& state, std::size_t beacon) const {
+    std::vector<Alone> out;
+    const auto add = [&](const Eigen::Vector2d& from_m) {
+      Alone top = alone(part_, drawn_[beacon], state, from_m);
+      const auto same = [&](const Alone& other) {
+        const double apart_m = (other.state.places_m[0] - top.state.places_m[0]).norm();
+        return apart_m < other.state.noise[0].width_m;
+      };
+      if (std::none_of(out.begin(), out.end(), same)) {
+        out.push_back(std::move(top));
+      }
+    };
+    add(state.places_m[beacon]);
+    Places tried;
+    const double near_m = 0.02 * median_m_;
+    for (const Eigen::Vector2d& place_m : found_[beacon]) {
+      if (std::none_of(tried.begin(), tried.end(), [&](const Eigen::Vector2d& other_m) {
+            return (other_m - place_m).norm() < near_m;
+          })) {
+        tried.push_back(place_m);
+        add(place_m);
+      }
+    }
+    return out;
+  }
+
+  /// Puts each beacon where it is likeliest with this calibration. @return whether one moved.
+  bool exchange_places(RangeState& state) const {
+    bool moved = false;
+    for (std::size_t b = 0; b < found_.size(); ++b) {
+      const std::vector<Alone> all = tops(state, b);
+      const auto best = std::max_element(
+          all.begin(), all.end(), [](const Alone& x, const Alone& y) { return x.nats < y.nats; });
+      if (best->nats > all.front().nats + 1e-3) {
+        state.places_m[b] = best->state.places_m[0];
+        state.noise[b] = best->state.noise[0];
+        moved = true;
+      }
+    }
+    return moved;
+  }
+
+  /// How likely the other places are, on the ranges drawn; those that agree count once.
+  void weigh_others(const RangeState& state, int beacon, RangeFit& fit) const {
+    const std::vector<Alone> all = tops(state, index(beacon));
+    FittedBeacon& of = fit.beacons[index(beacon)];
+    const double thinner = static_cast<double>(by_beacon_[index(beacon)].size()) /
+                           static_cast<double>(drawn_[index(beacon)].size());
+    double others = 0.0;
+    double likeliest = 1e-3;  // what is less likely is no place
+    for (std::size_t k = 1; k < all.size(); ++k) {
+      const double nats = thinner * (all[k].nats - all.front().nats) / fit.correlation;
+      const double odds = std::exp(std::min(nats, 50.0));
+      others += odds;
+      if (odds > likeliest) {
+        likeliest = odds;
+        of.other = all[k].state.places_m[0];
+      }
+    }
+    of.probability = 1.0 / (1.0 + others);
+  }
+
+  RangesOfBeacons by_beacon_;
+  RangesOfBeacons drawn_;
+  std::vector<TakenRange> all_drawn_;
+  std::vector<Places> found_;  ///< by beacon: where any start put it
+  double median_m_ = 0.0;
+  RangeProblem whole_;
+  RangeProblem part_;
+};
+
+}  // namespace
+
+RangeFit fit_ranges(std::span<const TakenRange> ranges, int beacons, const RangeFitSpec& spec) {
+  return Search(ranges, beacons, spec).fit();
+}
+
+InnovationScore judge(const RangeFit& fit, std::span<const TakenRange> ranges) {
+  InnovationScore out;
+  double sum = 0.0;
+  for (const TakenRange& range : ranges) {
+    const FittedBeacon& beacon = fit.beacons.at(index(range.beacon));
+    const Eigen::Vector2d away_m = beacon.position_m - range.robot_m;
+    const double distance_m = std::max(away_m.norm(), 1e-6);
+    const double nu =
+        range.range_m - fit.calibration.range_scale * distance_m - fit.calibration.range_bias_m;
+    const Eigen::Vector2d H = fit.calibration.range_scale / distance_m * away_m;
+    const Eigen::Vector4d J(distance_m, 1.0, H.x(), H.y());
+    const double S = J.dot(beacon.joint * J) + beacon.range_sigma_m * beacon.range_sigma_m;
+    constexpr double kOutlier = 16.0;  // 4σ
+    if (nu * nu > kOutlier * S) {
+      ++out.outliers;
+      continue;
+    }
+    ++out.honest;
+    sum += nu * nu / S;
+  }
+  out.nees = out.honest > 0 ? sum / out.honest : 0.0;
+  return out;
+}
+
+}  // namespace vantage::estimator

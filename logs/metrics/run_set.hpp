@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <iterator>
+#include <map>
+
+namespace vantage::logs {
+
+/// Whole numbers, each counted once, kept as runs of neighbours: those that come one after the
+/// other, in any order, take the memory of one.
+class RunSet {
+ public:
+  void insert(std::int64_t number) {
+    const auto after = runs_.upper_bound(number);
+    const auto before = after == runs_.begin() ? runs_.end() : std::prev(after);
+    if (before != runs_.end() && number <= before->second) {
+      return;
+    }
+    ++size_;
+    const bool joins_after = after != runs_.end() && after->first == number + 1;
+    const std::int64_t last = joins_after ? after->second : number;
+    if (joins_after) {
+      runs_.erase(after);
+    }
+    if (before != runs_.end() && before->second + 1 == number) {
+      before->second = last;
+    } else {
+      runs_.emplace(number, last);
+    }
+  }
+  [[nodiscard]] std::int64_t size() const { return size_; }
+  [[nodiscard]] std::int64_t runs() const { return std::ssize(runs_); }
+
+ private:
+  std::map<std::int64_t, std::int64_t> runs_;  ///< first to last
+  std::int64_t size_ = 0;
+};
+
+}  // namespace vantage::logs

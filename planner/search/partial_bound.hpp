@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/index.hpp"
+#include "planner/search/heuristic.hpp"
+
+namespace vantage::planner {
+
+/// What bounds of some of a problem's targets have in common: what they were told of, and which
+/// targets take part. The others are Thm 6's.
+class PartialBound {
+ public:
+  /// 1 for each target that takes part.
+  [[nodiscard]] const std::vector<std::uint8_t>& takes_part() const { return takes_part_; }
+  [[nodiscard]] bool is_empty() const { return targets_.empty(); }
+
+ protected:
+  /// Nobody takes part yet.
+  void begin(const SearchProblem& problem, const BeliefTable& beliefs,
+             const InformationHeuristic& heuristic) {
+    problem_ = &problem;
+    beliefs_ = &beliefs;
+    heuristic_ = &heuristic;
+    horizon_ = problem.horizon_steps;
+    targets_.clear();
+    takes_part_.assign(index(beliefs.target_count()), 0);
+  }
+
+  const SearchProblem* problem_ = nullptr;
+  const BeliefTable* beliefs_ = nullptr;
+  const InformationHeuristic* heuristic_ = nullptr;
+  int horizon_ = 0;
+  std::vector<int> targets_;
+  std::vector<std::uint8_t> takes_part_;
+};
+
+}  // namespace vantage::planner

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/deadline.hpp"
+#include "core/index.hpp"
+#include "planner/problem/problem.hpp"
+#include "planner/search/capacity.hpp"
+#include "planner/search/expander.hpp"
+#include "planner/search/plan_path.hpp"
+#include "planner/search/tree.hpp"
+
+namespace vantage::planner {
+
+/// What every search over a tree has: its arena, what expands the nodes, and what it found.
+class TreeSearch {
+ protected:
+  /// `passes_max`: of the result's history. What a search writes is reserved here.
+  TreeSearch(const SearchCapacity& capacity, std::size_t passes_max)
+      : capacity_(capacity),
+        tree_(capacity.nodes_max, capacity.block_doubles_max),
+        expander_(capacity.targets_max, capacity.horizon_max, capacity.teammates_max) {
+    result_.controls.reserve(index(capacity.horizon_max));
+    result_.poses.reserve(index(capacity.horizon_max));
+    result_.history.reserve(passes_max);
+  }
+
+  [[nodiscard]] bool expired() const { return deadline_->expired(result_.work_nodes); }
+
+  /// The plan when no complete sequence can stop safely: to the best hover of the deepest depth
+  /// below `depths` that has one. `offer(depth, choice)` offers what the search keeps of a depth.
+  /// Leaves the result alone where there is none.
+  template <class Offer>
+  void hover_as_late_as_safe(int depths, const Offer& offer) {
+    for (int depth = depths - 1; depth >= 0; --depth) {
+      HoverChoice choice(expander_, tree_);
+      offer(depth, choice);
+      if (choice.best() != kNoNode) {
+        result_.cost = choice.cost();
+        write_path(tree_, choice.best(), problem_->horizon_steps, result_);
+        return;
+      }
+    }
+  }
+
+  SearchCapacity capacity_;
+  Tree tree_;
+  Expander expander_;
+  Children children_;
+  const SearchProblem* problem_ = nullptr;
+  const Deadline* deadline_ = nullptr;
+  SearchResult result_;
+};
+
+}  // namespace vantage::planner

@@ -1,0 +1,52 @@
+#include "python/binding/interruption.hpp"
+
+#include <ctime>
+#include <limits>
+
+#include <unistd.h>
+
+#include "python/binding/bind.hpp"
+
+namespace vantage::python {
+namespace {
+
+constexpr std::int64_t kEvery_ns = 50'000'000;
+
+thread_local Interruption* innermost = nullptr;
+
+// To some milliseconds, but cheap: searches ask at each node.
+std::int64_t coarse_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
+  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+}
+
+}  // namespace
+
+Interruption::Interruption()
+    : outer_(innermost),
+      next_ns_(::gettid() == ::getpid() ? coarse_ns() + kEvery_ns
+                                        : std::numeric_limits<std::int64_t>::max()) {
+  innermost = this;
+}
+
+Interruption::~Interruption() { innermost = outer_; }
+
+bool Interruption::came() {
+  Interruption* const self = innermost;
+  if (self == nullptr || self->came_ || coarse_ns() < self->next_ns_) {
+    return self != nullptr && self->came_;
+  }
+  const py::gil_scoped_acquire lock;
+  self->came_ = PyErr_CheckSignals() != 0;  // what was raised waits for rethrow()
+  self->next_ns_ = coarse_ns() + kEvery_ns;
+  return self->came_;
+}
+
+void Interruption::rethrow() const {
+  if (came_) {
+    throw py::error_already_set();
+  }
+}
+
+}  // namespace vantage::python

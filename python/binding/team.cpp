@@ -1,0 +1,239 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include "core/check.hpp"
+#include "python/binding/bind.hpp"
+#include "python/binding/interruption.hpp"
+#include "python/binding/planning.hpp"
+#include "python/task/team_decision.hpp"
+
+namespace vantage::python {
+namespace {
+
+using Costs = std::map<std::string, double>;
+using TeamCosts = std::variant<Costs, std::vector<Costs>>;  // one for all, or one a robot
+
+planner::EnergyModel energy_of(const Costs& costs) {
+  planner::EnergyModel energy;
+  const std::map<std::string, double*> fields{{"move_cost", &energy.move_cost},
+                                              {"price_nats", &energy.price_nats},
+                                              {"rest_cost", &energy.rest_cost},
+                                              {"turn_cost", &energy.turn_cost}};
+  for (const auto& [name, value] : costs) {
+    *kind_of(name, fields, "energy") = value;
+    require(std::isfinite(value) && value >= 0.0,
+            fmt::format("energy: {}: must be ≥ 0, got {}", name, value));
+  }
+  return energy;
+}
+
+std::vector<planner::EnergyModel> energies_of(const TeamCosts& costs, std::size_t robots) {
+  std::vector<planner::EnergyModel> energies;
+  if (const auto* one = std::get_if<Costs>(&costs)) {
+    if (!one->empty()) {
+      energies.assign(robots, energy_of(*one));
+    }
+  } else {
+    for (const Costs& own : std::get<std::vector<Costs>>(costs)) {
+      energies.push_back(energy_of(own));
+    }
+  }
+  return energies;
+}
+
+planner::InformationMeasure measure_of(const std::string& word) {
+  static const std::map<std::string, planner::InformationMeasure> kMeasures{
+      {"mutual", planner::InformationMeasure::kMutual},
+      {"logdet", planner::InformationMeasure::kLogDet}};
+  return kind_of(word, kMeasures, "measure");
+}
+
+// What points into it, a problem's world, lives as long as `kept`.
+std::vector<planner::SearchProblem> problems_of(const py::sequence& sources, py::list& kept) {
+  std::vector<planner::SearchProblem> problems;
+  for (const py::handle each : sources) {
+    kept.append(py::isinstance<Problem>(each) ? py::reinterpret_borrow<py::object>(each)
+                                              : py::type::of<Problem>()(each));
+    problems.push_back(
+        py::cast<const Problem&>(kept[kept.size() - 1]).alone([](const tools::PlanningProblem& p) {
+          return p.problem;
+        }));
+  }
+  return problems;
+}
+
+std::unique_ptr<Decision> decided(std::vector<planner::SearchProblem> problems, TeamRequest request,
+                                  Planner* planner) {
+  if (planner != nullptr) {
+    request.search = [planner](const planner::SearchProblem& problem) {
+      return planner->solve(problem).result;
+    };
+  }
+  request.is_cancelled = Interruption::came;
+  const Interruption interruption;
+  std::unique_ptr<Decision> decision;
+  {
+    const py::gil_scoped_release release;
+    decision = std::make_unique<Decision>(std::move(problems), request);
+  }
+  interruption.rethrow();
+  return decision;
+}
+
+// One entry a robot: of(what it was given), of nothing where it was given nothing.
+template <class Of>
+py::list per_robot(const Decision& decision, const Of& of) {
+  static const planner::Candidate kNothing;
+  py::list out;
+  const auto chosen = decision.chosen();
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    out.append(of(chosen[i] ? decision.team().candidates[i][*chosen[i]] : kNothing));
+  }
+  return out;
+}
+
+py::array_t<std::int64_t> controls_of(const planner::Candidate& candidate) {
+  py::array_t<std::int64_t> out(static_cast<py::ssize_t>(candidate.controls.size()));
+  std::copy(candidate.controls.begin(), candidate.controls.end(), out.mutable_data());
+  return out;
+}
+
+py::list candidates_of(const Decision& decision) {
+  py::list out;
+  for (const std::vector<planner::Candidate>& own : decision.team().candidates) {
+    py::array_t<std::int64_t> rows({static_cast<py::ssize_t>(own.size()),
+                                    static_cast<py::ssize_t>(decision.team().horizon_steps)});
+    std::int64_t* next = rows.mutable_data();
+    for (const planner::Candidate& candidate : own) {
+      next = std::copy(candidate.controls.begin(), candidate.controls.end(), next);
+    }
+    out.append(rows);
+  }
+  return out;
+}
+
+// long: a list of what Python sees, one entry a name.
+void bind_decision(py::module_& module) {
+  py::class_<Decision>(module, "Decision",
+                       "What a team decided: one entry a robot, in the order of the problems.")
+      .def_property_readonly("algorithm", &Decision::algorithm, "Which of team_algorithms().")
+      .def_property_readonly(
+          "value", &Decision::value,
+          "J: nats that all plans together are worth, less what their motion costs.")
+      .def_property_readonly(
+          "bound", &Decision::bound,
+          R"(Proven: no choice of these candidates is worth more. Of exhaustive it is the value.
+
+None of rain, which searches instead of choosing, and for measure logdet.)")
+      .def_property_readonly(
+          "choice", &Decision::chosen,
+          "Rows of `candidates` that were chosen; None for a robot that was given nothing.")
+      .def_property_readonly(
+          "candidates", &candidates_of,
+          "Of each robot (N, T): controls that it could choose from; its one plan, of rain.")
+      .def_property_readonly(
+          "controls", [](const Decision& d) { return per_robot(d, &controls_of); },
+          "Of each robot (T,): rows of its Problem.controls; (0,) when it was given nothing.")
+      .def_property_readonly(
+          "states",
+          [](const Decision& d) {
+            return per_robot(d, [](const planner::Candidate& candidate) {
+              return poses_array(candidate.poses, candidate.poses.size());
+            });
+          },
+          "Of each robot (T, 3): x, y in m and yaw in rad after each step.")
+      .def_property_readonly(
+          "bait", &Decision::bait,
+          "Robots that are expected to be attacked: the rest decided as if they were not there.")
+      .def_property_readonly("oracle_calls", &Decision::oracle_calls,
+                             "Sets of plans that were valued on the way.")
+      .def_property_readonly("messages", &Decision::messages,
+                             "Broadcasts that it takes; 0 where one decides for all.")
+      .def(
+          "worst_attack",
+          [](const Decision& d, int attacks_max) {
+            planner::Attack attack;
+            {
+              const py::gil_scoped_release release;
+              attack = d.worst_attack(attacks_max);
+            }
+            return std::pair(attack.robots, attack.value);
+          },
+          py::arg("attacks_max"),
+          R"((robots, value): at most so many without whose eyes least is left, and how much.
+
+Every attack is tried.)")
+      .def("__repr__", [](const Decision& d) {
+        return "<vantage.Decision " + d.algorithm() + ": " + std::to_string(d.value()) + " nats>";
+      });
+}
+
+}  // namespace
+
+// long: a list of what Python sees, one entry a name.
+void bind_team(py::module_& module) {
+  bind_decision(module);
+  module.def(
+      "team_algorithms",
+      [] {
+        py::dict out;
+        for (const TeamAlgorithm& each : team_algorithms()) {
+          out[py::str(std::string(each.name))] = std::string(each.what);
+        }
+        return out;
+      },
+      "Every way of a team to decide by name, and what it is.");
+  module.def(
+      "decide",
+      [](const py::sequence& sources, const std::string& algorithm, const std::string& measure,
+         std::size_t candidates_max, std::int64_t nodes, double epsilon, double delta_m,
+         int attacks_max, const std::vector<int>& order, int rounds_max, double alpha,
+         const TeamCosts& energy, Planner* planner) {
+        py::list kept;
+        std::vector<planner::SearchProblem> problems = problems_of(sources, kept);
+        TeamRequest request;
+        request.algorithm = algorithm;
+        request.measure = measure_of(measure);
+        request.candidates.candidates_max = candidates_max;
+        request.nodes = nodes;
+        request.candidates.epsilon = epsilon;
+        request.candidates.delta_m = delta_m;
+        request.attacks_max = attacks_max;
+        request.order = order;
+        request.rounds_max = rounds_max;
+        request.alpha = alpha;
+        request.energy = energies_of(energy, problems.size());
+        return decided(std::move(problems), std::move(request), planner);
+      },
+      py::arg("problems"), py::arg("algorithm") = "coordinate_descent", py::kw_only(),
+      py::arg("measure") = "mutual", py::arg("candidates_max") = 200, py::arg("nodes") = 20'000,
+      py::arg("epsilon") = 1.0, py::arg("delta_m") = 1.0, py::arg("attacks_max") = 0,
+      py::arg("order") = std::vector<int>{}, py::arg("rounds_max") = 1, py::arg("alpha") = 1.0,
+      py::arg("energy") = Costs{}, py::arg("planner") = py::none(),
+      R"(What each robot of a team is to do: a Decision; the same every time.
+
+problems: one a robot, each with its own start, controls, sensor and map, and with the same targets,
+T and tau; dicts and paths will do. Each robot's candidates are what a search of `nodes` of work
+leaves (epsilon and delta_m as of Planner), candidates_max at most, and of these the team chooses
+by `algorithm`, one of team_algorithms(); with rain each searches itself, by `planner` or `nodes`.
+J is the information that all looks together give of the targets, nats: of measure mutual
+I(y_1:T; z_1:T), for which the algorithms have their guarantees, or logdet, ½ Σ log det Σ⁰_t / Σ_t;
+less what motion costs. energy: one dict or one for each robot: price_nats of one unit of cost, and
+what a step costs: rest_cost, turn_cost (turning alone) and move_cost.
+
+attacks_max: resilient, resilient_exhaustive, max_min and rain expect so many robots to see nothing.
+order and rounds_max: who of coordinate_descent chooses when (nobody else does), and how often.
+alpha: how much at least a local search has to gain, over N⁴.)");
+}
+
+}  // namespace vantage::python

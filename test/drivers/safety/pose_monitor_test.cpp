@@ -1,0 +1,182 @@
+#include "drivers/safety/pose_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/bisect.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr double kFrameS = 0.01;
+constexpr BodyContext kOnGround{};
+constexpr BodyContext kHovers{true, false, false, 0.0};
+constexpr BodyContext kFlies{true, true, false, 0.0};
+
+class Poses : public testing::Test {
+ protected:
+  PoseVerdict see(const Eigen::Vector3d& p_m, double at_s, const BodyContext& context = kHovers,
+                  double yaw_rad = 0.0) {
+    const models::MocapBody body{"Q1", lift({p_m.x(), p_m.y(), yaw_rad}, p_m.z()), false};
+    return monitor.judge(&body, context, limits, kStart + from_seconds(at_s));
+  }
+  /// Anew, and then at rest until time 0.
+  void stand(const Eigen::Vector3d& p_m) {
+    monitor = {};
+    EXPECT_EQ(see(p_m, -kFrameS), PoseVerdict::kAccepted);
+    EXPECT_EQ(see(p_m, 0.0), PoseVerdict::kAccepted);
+  }
+
+  SafetyLimits limits = limits_for(test::FlightBench::scenario(), "Q1");  // ±4 m, ±2.2 m, 3 m high
+  PoseMonitor monitor;
+};
+
+// Where the room is not: a metre beyond fence and ceiling, 0.3 m below the floor.
+TEST_F(Poses, BeginOnlyInTheRoom) {
+  const Eigen::Vector3d middle_m(0.5, -0.4, 1.0);
+  const double ends_m[3][2] = {{-5.0, 5.0}, {-3.2, 3.2}, {-0.3, 4.0}};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double end_m : ends_m[axis]) {
+      const double last_m = test::last_accepted(middle_m(axis), 2.0 * end_m, 1e-9, [&](double m) {
+        monitor = {};
+        Eigen::Vector3d p_m = middle_m;
+        p_m(axis) = m;
+        return see(p_m, 0.0, kOnGround) == PoseVerdict::kAccepted;
+      });
+      EXPECT_NEAR(last_m, end_m, 1e-8) << axis;
+    }
+  }
+  EXPECT_EQ(see({0.0, 9.0, 1.0}, 1.0, kOnGround), PoseVerdict::kOutside);
+  EXPECT_EQ(see({0.0, 9.0, 1.0}, 2.0), PoseVerdict::kOutside) << "nor jumps there in the air";
+}
+
+// In the air: as far as an unknown acceleration of 10 m/s² may have taken it, and 0.6 m at most.
+TEST_F(Poses, PassAGateThatWidensWithTheGap) {
+  const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
+  for (const double gap_s : {0.01, 0.1, 0.2, 0.3, 1.0}) {
+    const double gate_m = std::min(0.6, 0.25 + 5.0 * gap_s * gap_s);
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double side : {1.0, -1.0}) {
+        const double last_m = test::last_accepted(0.001, 2.0, 1e-9, [&](double m) {
+          stand(here_m);
+          return see(here_m + side * m * Eigen::Vector3d::Unit(axis), gap_s) ==
+                 PoseVerdict::kAccepted;
+        });
+        EXPECT_NEAR(last_m, gate_m, 1e-8) << gap_s << " " << axis << " " << side;
+      }
+    }
+    const double turn_rad = 1.0 + std::min(10.0 * gap_s, 0.5 * (kPi - 1.0));
+    for (const double side : {1.0, -1.0}) {
+      const double last_rad = test::last_accepted(0.001, kPi, 1e-9, [&](double rad) {
+        stand(here_m);
+        return see(here_m, gap_s, kHovers, side * rad) == PoseVerdict::kAccepted;
+      });
+      EXPECT_NEAR(last_rad, turn_rad, 1e-7) << gap_s << " " << side;
+    }
+  }
+  // What it may have sunk unseen it is allowed downwards, and nowhere else.
+  for (const double z_m : {-0.4, 0.4}) {
+    stand(here_m);
+    const BodyContext sinks{true, false, false, 0.3};
+    EXPECT_EQ(see(here_m + Eigen::Vector3d(0.0, 0.0, z_m), kFrameS, sinks),
+              z_m < 0.0 ? PoseVerdict::kAccepted : PoseVerdict::kJump);
+  }
+}
+
+// On the ground it may be carried: there a track begins anew, at rest, and counts from one. Twice.
+TEST_F(Poses, BeginAnewAtRestWhereABodyIsCarried) {
+  double t_s = 0.0;
+  Eigen::Vector3d p_m(0.0, -1.0, 0.0);
+  for (const double to_m : {2.0, -2.0}) {
+    for (int i = 0; i < 50; ++i) {
+      t_s += kFrameS;
+      p_m.x() += 0.5 * kFrameS;
+      EXPECT_EQ(see(p_m, t_s, kOnGround, 0.8 * t_s), PoseVerdict::kAccepted);
+    }
+    EXPECT_NEAR(monitor.velocity_world_mps().x(), 0.5, 1e-3);
+    EXPECT_NEAR(monitor.turn_radps(), 0.8, 1e-3);
+    EXPECT_GE(monitor.accepted_in_row(), 50);
+    t_s += kFrameS;
+    p_m.x() = to_m;
+    EXPECT_EQ(see(p_m, t_s, kOnGround, 0.8 * t_s), PoseVerdict::kAccepted);
+    EXPECT_EQ(monitor.velocity_world_mps(), Eigen::Vector3d::Zero());
+    EXPECT_EQ(monitor.turn_radps(), 0.0);
+    EXPECT_EQ(monitor.accepted_in_row(), 1);
+    EXPECT_EQ(monitor.predict_m(kStart + from_seconds(t_s + 1.0), 9.0), p_m);
+  }
+}
+
+// A step of the velocity is known to 1 − e^(−t / 50 ms), whichever way; none is believed that needs
+// more than 10 m/s².
+TEST_F(Poses, TellVelocityAndTurnWithAMemoryOfFiftyMilliseconds) {
+  for (const double side : {1.0, -1.0}) {
+    stand({0.0, -1.0, 1.0});
+    for (int i = 1; i <= 30; ++i) {
+      const double t_s = kFrameS * i;
+      EXPECT_EQ(see({0.3 * side * t_s, -1.0, 1.0}, t_s, kFlies, 0.7 * side * t_s),
+                PoseVerdict::kAccepted);
+      const double known = 1.0 - std::exp(-t_s / 0.05);
+      EXPECT_NEAR(monitor.velocity_world_mps().x(), 0.3 * side * known, 1e-9);
+      EXPECT_NEAR(monitor.turn_radps(), 0.7 * side * known, 1e-9);
+    }
+    const Time later = kStart + from_seconds(0.3 + 0.1);
+    const double ahead_m = monitor.predict_m(later, 0.05).x() - 0.3 * side * 0.3;
+    EXPECT_NEAR(ahead_m, 0.05 * monitor.velocity_world_mps().x(), 1e-9) << "and no farther";
+    stand({0.0, -1.0, 1.0});
+    EXPECT_EQ(see({0.0, -1.0 + 0.2 * side, 1.0}, kFrameS, kFlies), PoseVerdict::kAccepted);
+    EXPECT_NEAR(monitor.velocity_world_mps().y(), 10.0 * kFrameS * side, 1e-9);
+  }
+}
+
+// The same bits again and again: not believed for longer than stated, and as old as their first.
+TEST_F(Poses, AreStuckAfterWhatTheLimitsState) {
+  const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
+  for (const BodyContext& context : {kFlies, kHovers}) {
+    const double allowed_s =
+        context.is_moving ? limits.pose_stuck_moving_s : limits.pose_stuck_hover_s;
+    stand(here_m);  // first seen so at -10 ms
+    double t_s = 0.0;
+    while (see(here_m, t_s += kFrameS, context) == PoseVerdict::kAccepted && t_s < 2.0) {
+    }
+    EXPECT_NEAR(t_s + kFrameS, allowed_s, 1.01 * kFrameS);
+    EXPECT_NEAR(monitor.age_s(kStart + from_seconds(t_s)), t_s + kFrameS, 1e-6);
+    EXPECT_EQ(monitor.accepted_in_row(), 0);
+    EXPECT_EQ(see(here_m + Eigen::Vector3d(0.001, 0.0, 0.0), t_s + kFrameS, context),
+              PoseVerdict::kAccepted);
+  }
+  stand(here_m);
+  for (double t_s = kFrameS; t_s < 3.0; t_s += kFrameS) {
+    EXPECT_EQ(see(here_m, t_s, kOnGround), PoseVerdict::kAccepted) << "on the ground it may rest";
+  }
+}
+
+TEST_F(Poses, AreCountedInARowUntilTheOtherKindComes) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
+  stand(here_m);
+  double t_s = 0.0;
+  for (int time = 0; time < 2; ++time) {
+    for (int i = 1; i <= 3; ++i) {
+      EXPECT_EQ(see({0.0, nan, 1.0}, t_s += kFrameS), PoseVerdict::kMalformed);
+      EXPECT_EQ(monitor.rejected_in_row(), i);
+      EXPECT_EQ(monitor.accepted_in_row(), 0);
+    }
+    EXPECT_EQ(monitor.world_from_body().translation_m, here_m);
+    EXPECT_EQ(see(here_m, t_s += kFrameS), PoseVerdict::kAccepted);
+    EXPECT_EQ(monitor.rejected_in_row(), 0);
+    EXPECT_EQ(monitor.accepted_in_row(), 1);
+    const Time now = kStart + from_seconds(t_s + kFrameS);
+    EXPECT_EQ(monitor.judge(nullptr, kHovers, limits, now), PoseVerdict::kAbsent);
+    EXPECT_EQ(monitor.rejected_in_row(), 0) << "not seen is not wrong";
+    EXPECT_EQ(monitor.accepted_in_row(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers

@@ -1,0 +1,158 @@
+#include "estimator/range_fit.hpp"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "core/index.hpp"
+#include "estimator/range_refinement.hpp"
+#include "test/estimator/range_scene.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+TEST(ResidualVerdict, HasTheDerivativesOfItsDensity) {
+  const RangeNoise noise{0.4, 0.15};
+  constexpr double kSpan_m = 50.0;
+  constexpr double kStep_m = 1e-5;
+  for (const double r : {-7.0, -1.5, -0.3, 0.0, 0.2, 1.1, 3.0}) {
+    const ResidualVerdict at = verdict_of(r, noise, kSpan_m);
+    const ResidualVerdict below = verdict_of(r - kStep_m, noise, kSpan_m);
+    const ResidualVerdict above = verdict_of(r + kStep_m, noise, kSpan_m);
+    EXPECT_NEAR(at.score, -(above.nats - below.nats) / (2.0 * kStep_m), 1e-6) << r;
+    EXPECT_NEAR(at.slope, (above.score - below.score) / (2.0 * kStep_m), 1e-6) << r;
+    EXPECT_NEAR(at.weight * r, at.score, 1e-12) << r;
+  }
+  EXPECT_GT(verdict_of(0.0, noise, kSpan_m).honest, 0.99);
+  EXPECT_LT(verdict_of(20.0, noise, kSpan_m).honest, 0.01);
+}
+
+TEST(ResidualVerdict, IsADensity) {
+  const RangeNoise noise{0.4, 0.15};
+  double sum = 0.0;
+  constexpr double kStep_m = 0.01;
+  for (double r = -25.0; r < 25.0; r += kStep_m) {
+    sum += kStep_m * std::exp(verdict_of(r, noise, 50.0).nats);
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-3);
+}
+
+TEST(FitRanges, FindsWhatMadeRangesWithoutNoise) {
+  const test::RangeSceneSpec spec{.range_sigma_m = 1e-3, .outlier_share_max = 0.0};
+  const test::RangeScene scene = test::draw_range_scene(3, spec);
+  const RangeFit fit = fit_ranges(scene.ranges, static_cast<int>(scene.beacons_m.size()));
+  EXPECT_NEAR(fit.calibration.range_scale, scene.calibration.range_scale, 1e-3);
+  EXPECT_NEAR(fit.calibration.range_bias_m, scene.calibration.range_bias_m, 0.01);
+  for (std::size_t b = 0; b < scene.beacons_m.size(); ++b) {
+    EXPECT_LT((fit.beacons[b].position_m - scene.beacons_m[b]).norm(), 0.02);
+    EXPECT_GT(fit.beacons[b].probability, 0.99);
+    EXPECT_LT(fit.beacons[b].outlier_share, 0.01);
+  }
+}
+
+TEST(FitRanges, IsTheSameEveryTime) {
+  const test::RangeScene scene = test::draw_range_scene(4, {});
+  const int beacons = static_cast<int>(scene.beacons_m.size());
+  const RangeFit a = fit_ranges(scene.ranges, beacons);
+  const RangeFit b = fit_ranges(scene.ranges, beacons);
+  EXPECT_EQ(a.calibration.range_scale, b.calibration.range_scale);
+  EXPECT_EQ(a.beacons.back().position_m, b.beacons.back().position_m);
+}
+
+TEST(FitRanges, SaysThatAWayWithoutATurnLeavesTwoPlaces) {
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> noise(0.0, 0.1);
+  const Eigen::Vector2d beacon_m(12.0, 7.0);
+  std::vector<TakenRange> ranges;
+  for (int k = 0; k < 300; ++k) {
+    const Eigen::Vector2d robot_m(0.1 * k, 0.0);
+    ranges.push_back({robot_m, 1.1 * (beacon_m - robot_m).norm() + noise(rng), 0});
+  }
+  const FittedBeacon beacon = fit_ranges(ranges, 1).beacons.front();
+  EXPECT_NEAR(beacon.probability, 0.5, 0.1);
+  ASSERT_TRUE(beacon.other.has_value());
+  const double side = beacon.position_m.y() > 0.0 ? 1.0 : -1.0;
+  EXPECT_LT((beacon.position_m - Eigen::Vector2d(12.0, 7.0 * side)).norm(), 0.5);
+  EXPECT_LT((*beacon.other - Eigen::Vector2d(12.0, -7.0 * side)).norm(), 0.5);
+}
+
+// Successive errors of correlation ρ: (1 + ρ)/(1 − ρ) of them say as much as one.
+TEST(FitRanges, CountsErrorsThatLastOnce) {
+  const auto correlation = [](double of_successive) {
+    const test::RangeSceneSpec spec{
+        .ranges_of_beacon = 2000, .outlier_share_max = 0.0, .correlation = of_successive};
+    const test::RangeScene scene = test::draw_range_scene(9, spec);
+    return fit_ranges(scene.ranges, static_cast<int>(scene.beacons_m.size())).correlation;
+  };
+  EXPECT_NEAR(correlation(0.0), 1.0, 0.15);
+  EXPECT_NEAR(correlation(0.5), 3.0, 0.6);
+  EXPECT_NEAR(correlation(0.8), 9.0, 2.5);
+}
+
+// The robot goes round ten times, and at each place the error is the same as before: errors that
+// last for a quarter of a metre only, and yet of ten rounds one counts.
+TEST(FitRanges, CountsErrorsThatAPlaceRepeatsOnce) {
+  std::mt19937_64 rng(2);
+  std::normal_distribution<double> noise(0.0, 0.3);
+  constexpr int kPlaces = 400;
+  std::vector<double> errors_m(kPlaces);
+  for (double& error_m : errors_m) {
+    error_m = noise(rng);
+  }
+  const Eigen::Vector2d beacon_m(25.0, 5.0);
+  std::vector<TakenRange> ranges;
+  for (int k = 0; k < 10 * kPlaces; ++k) {
+    const double angle_rad = 2.0 * kPi * k / kPlaces;
+    const Eigen::Vector2d robot_m =
+        15.0 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+    ranges.push_back({robot_m, (beacon_m - robot_m).norm() + errors_m[index(k % kPlaces)], 0});
+  }
+  const RangeFit fit = fit_ranges(ranges, 1);
+  EXPECT_NEAR(fit.correlation, 10.0, 2.5);
+}
+
+TEST(FitRanges, SaysOfItsOwnFitThatInnovationsAreAsClaimed) {
+  const test::RangeScene scene = test::draw_range_scene(11, {.ranges_of_beacon = 500});
+  const int beacons = static_cast<int>(scene.beacons_m.size());
+  const auto half = static_cast<std::ptrdiff_t>(scene.ranges.size() / 2);
+  const std::vector<TakenRange> first(scene.ranges.begin(), scene.ranges.begin() + half);
+  const std::vector<TakenRange> second(scene.ranges.begin() + half, scene.ranges.end());
+  const InnovationScore score = judge(fit_ranges(first, beacons), second);
+  EXPECT_EQ(score.honest + score.outliers, static_cast<int>(second.size()));
+  EXPECT_NEAR(score.nees, 1.0, 0.2);
+}
+
+TEST(FitRanges, RefusesWhatIsNoRecording) {
+  const test::RangeScene scene = test::draw_range_scene(1, {});
+  const int beacons = static_cast<int>(scene.beacons_m.size());
+  EXPECT_THROW(fit_ranges({}, 1), UsageError);
+  EXPECT_THROW(fit_ranges({}, 0), UsageError);
+  EXPECT_THROW(fit_ranges(scene.ranges, beacons + 1), UsageError);
+  EXPECT_THROW(fit_ranges(scene.ranges, beacons - 1), UsageError);
+  std::vector<TakenRange> broken = scene.ranges;
+  broken[5].range_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(fit_ranges(broken, beacons), UsageError);
+}
+
+TEST(FitRanges, HoldsOutWhereEveryRangeIsAnOutlier) {
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<double> anything(0.0, 80.0);
+  test::RangeScene scene = test::draw_range_scene(6, {.outlier_share_max = 0.0});
+  const int beacons = static_cast<int>(scene.beacons_m.size());
+  for (int k = 0; k < 50; ++k) {
+    scene.ranges.push_back({scene.ranges[index(10 * k)].robot_m, anything(rng), beacons});
+  }
+  const RangeFit fit = fit_ranges(scene.ranges, beacons + 1);
+  EXPECT_NEAR(fit.calibration.range_scale, scene.calibration.range_scale, 0.05);
+  for (std::size_t b = 0; b < scene.beacons_m.size(); ++b) {
+    EXPECT_LT((fit.beacons[b].position_m - scene.beacons_m[b]).norm(), 1.5);
+  }
+  EXPECT_TRUE(fit.beacons.back().joint.allFinite());
+}
+
+}  // namespace
+}  // namespace vantage::estimator

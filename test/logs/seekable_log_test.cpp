@@ -1,0 +1,294 @@
+#include "logs/file/seekable_log.hpp"
+
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "logs/file/wire_witness.hpp"
+#include "test/logs/damage.hpp"
+#include "test/logs/file_support.hpp"
+
+namespace vantage::logs {
+namespace {
+
+using test::Bytes;
+using test::TemporaryFolder;
+
+constexpr std::size_t kMib = std::size_t{1} << 20U;
+
+/// Event i is of µs 1000 i, on channel RARE or OFTEN; `order` says how they lie in the file.
+Bytes log_of(const std::vector<std::int64_t>& order) {
+  Bytes out;
+  for (const std::int64_t i : order) {
+    const Bytes data(static_cast<std::size_t>(i % 7), static_cast<std::uint8_t>(i));
+    append_event({i, from_utime(1000 * i), i % 3 == 0 ? "RARE" : "OFTEN", data}, out);
+  }
+  return out;
+}
+
+std::vector<std::int64_t> first_numbers(std::size_t count) {
+  std::vector<std::int64_t> numbers(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    numbers[i] = static_cast<std::int64_t>(i);
+  }
+  return numbers;
+}
+
+/// Offsets: what is asked of them.
+std::vector<std::size_t> offsets_of(const std::vector<PlacedEvent>& events) {
+  std::vector<std::size_t> offsets;
+  for (const PlacedEvent& event : events) {
+    offsets.push_back(event.offset);
+  }
+  return offsets;
+}
+
+/// All events of a log by time, as a pass over all of it finds them.
+std::vector<PlacedEvent> sorted_events(std::span<const std::uint8_t> bytes) {
+  std::vector<PlacedEvent> all;
+  LogScan scan(bytes, wire_testimony);
+  while (const auto event = scan.next()) {
+    all.push_back(*event);
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const PlacedEvent& a, const PlacedEvent& b) { return a.time < b.time; });
+  return all;
+}
+
+std::vector<PlacedEvent> between(const std::vector<PlacedEvent>& sorted, Time from, Time to) {
+  std::vector<PlacedEvent> out;
+  std::copy_if(sorted.begin(), sorted.end(), std::back_inserter(out),
+               [&](const PlacedEvent& each) { return each.time >= from && each.time < to; });
+  return out;
+}
+
+std::vector<std::size_t> newest(const std::vector<PlacedEvent>& sorted, Time time) {
+  std::map<std::string_view, std::size_t> of_channel;
+  for (std::size_t i = 0; i < sorted.size() && sorted[i].time < time; ++i) {
+    of_channel[sorted[i].channel] = i;
+  }
+  std::vector<std::size_t> indices;
+  for (const auto& [channel, index] : of_channel) {
+    indices.push_back(index);
+  }
+  std::sort(indices.begin(), indices.end());
+  for (std::size_t& index : indices) {
+    index = sorted[index].offset;
+  }
+  return indices;
+}
+
+/// Everything that can be asked of a log says what a pass over all of it says, at `count` instants.
+void expect_as_in_one_pass(const SeekableLog& log, int count) {
+  const std::vector<PlacedEvent> sorted = sorted_events(log.bytes());
+  std::mt19937_64 rng(11);
+  const auto [first, last] = log.range();
+  EXPECT_EQ(first, sorted.front().time);
+  EXPECT_EQ(last, sorted.back().time);
+  std::uniform_int_distribution<std::int64_t> any_us(-2, (last - first).count() + 2);
+  for (int i = 0; i < count; ++i) {
+    const Time from = first + Duration{any_us(rng)};
+    const Time to = from + Duration{any_us(rng) / 20};
+    const auto expected = between(sorted, from, to);
+    ASSERT_EQ(offsets_of(log.events(from, to)), offsets_of(expected)) << to_utime(from);
+    ASSERT_EQ(offsets_of(log.newest_before(from)), newest(sorted, from)) << to_utime(from);
+    const auto next = std::find_if(sorted.begin(), sorted.end(),
+                                   [&](const PlacedEvent& each) { return each.time >= from; });
+    ASSERT_EQ(log.next_time(from), next == sorted.end() ? std::nullopt : std::optional(next->time));
+  }
+}
+
+/// Events of about 1 kB and 1 ms from `start_us` on; on RARE once a second, on ONCE the first.
+void append_second(std::int64_t start_us, int seconds, std::int64_t& number, Bytes& out) {
+  std::mt19937_64 rng(static_cast<std::uint64_t>(number) + 1);
+  Bytes data(1000);
+  for (int i = 0; i < 1000 * seconds; ++i) {
+    std::generate(data.begin(), data.end(), [&] { return static_cast<std::uint8_t>(rng()); });
+    const char* channel = number == 0 ? "ONCE" : i % 1000 == 0 ? "RARE" : "OFTEN";
+    append_event({number++, from_utime(start_us + 1000 * i), channel, data}, out);
+  }
+}
+
+TEST(SeekableLog, FindsEveryEventByTimeInWhateverOrderTheyLie) {
+  std::vector<std::int64_t> order = first_numbers(100);
+  std::mt19937 rng(5);
+  for (std::size_t i = 0; i + 5 <= order.size(); i += 5) {  // as of several hosts' logs merged
+    std::shuffle(order.begin() + std::ptrdiff_t(i), order.begin() + std::ptrdiff_t(i) + 5, rng);
+  }
+  const TemporaryFolder folder;
+  test::write_file(folder.file("a.lcmlog"), log_of(order));
+  const SeekableLog log(folder.file("a.lcmlog"));
+  EXPECT_TRUE(log.is_surveyed());
+  const auto all = log.events(from_utime(0), from_utime(100'000));
+  ASSERT_EQ(all.size(), 100U);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].time, from_utime(static_cast<std::int64_t>(1000 * i)));
+    EXPECT_EQ(all[i].number, static_cast<std::int64_t>(i));
+    EXPECT_EQ(all[i].channel, i % 3 == 0 ? "RARE" : "OFTEN");
+    EXPECT_EQ(Bytes(all[i].data.begin(), all[i].data.end()), Bytes(i % 7, std::uint8_t(i)));
+  }
+  EXPECT_EQ(log.range(), std::pair(from_utime(0), from_utime(99'000)));
+  const auto newest = log.newest_before(from_utime(50'000));
+  ASSERT_EQ(newest.size(), 2U);
+  EXPECT_EQ(newest[0].number, 48);
+  EXPECT_EQ(newest[1].number, 49);
+  EXPECT_TRUE(log.newest_before(from_utime(0)).empty());
+  EXPECT_EQ(log.next_time(from_utime(1'000'000'000)), std::nullopt);
+  expect_as_in_one_pass(log, 100);
+}
+
+TEST(SeekableLog, GoesByTimeThroughBlocksWhoseTimesLieOverEachOther) {
+  Bytes bytes;
+  std::int64_t number = 0;
+  append_second(5'000'000, 2, number, bytes);
+  append_second(2'000'500, 2, number, bytes);  // a clock that was set back
+  append_second(3'000'250, 1, number, bytes);
+  append_event({number++, from_utime(1), "OFTEN", Bytes(9, 1)}, bytes);  // a broken stamp
+  append_second(9'000'000, 1, number, bytes);
+  const TemporaryFolder folder;
+  test::write_file(folder.file("a.lcmlog"), bytes);
+  const SeekableLog log(folder.file("a.lcmlog"));
+  ASSERT_GT(log.survey().blocks.size(), 20U);
+  expect_as_in_one_pass(log, 200);
+}
+
+TEST(SeekableLog, HoldsWhatIsIntactOfADamagedLog) {
+  Bytes bytes = log_of(first_numbers(100));
+  bytes.resize(bytes.size() - 3);
+  std::fill_n(bytes.begin(), 7, std::uint8_t{0x55});
+  const TemporaryFolder folder;
+  test::write_file(folder.file("a.lcmlog"), bytes);
+  const SeekableLog log(folder.file("a.lcmlog"));
+  const auto all = log.events(from_utime(0), from_utime(1'000'000));
+  EXPECT_EQ(all.size(), 98U);
+  EXPECT_EQ(all.front().number, 1);
+  EXPECT_GT(log.survey().scan.bytes_damaged, 0U);
+}
+
+TEST(SeekableLog, FindsInTheBlocksOfDamagedLogsWhatOnePassFinds) {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    std::mt19937_64 rng(seed);
+    Bytes bytes;
+    std::int64_t number = 0;
+    while (bytes.size() < 2 * kMib) {  // damage, and what is whole
+      const auto harmed = test::damage(test::random_log(rng, 40), rng);
+      bytes.insert(bytes.end(), harmed.bytes.begin(), harmed.bytes.end());
+      append_second(1'000'000 + 1000 * number, 1, number, bytes);
+    }
+    const TemporaryFolder folder;
+    test::write_file(folder.file("a.lcmlog"), bytes);
+    const SeekableLog log(folder.file("a.lcmlog"));
+    ASSERT_TRUE(log.is_surveyed());
+    const auto [first, last] = log.range();
+    ASSERT_EQ(offsets_of(log.events(first, last + Duration{1})),
+              offsets_of(sorted_events(log.bytes())))
+        << "seed " << seed;
+  }
+}
+
+TEST(SeekableLog, RefusesWhatIsNoLog) {
+  const TemporaryFolder folder;
+  test::write_file(folder.file("a.txt"), Bytes(200, 'x'));
+  EXPECT_THROW(SeekableLog{folder.file("a.txt")}, StartupError);
+}
+
+/// A log of 30 s and 30 MB: longer than what is read at once.
+class LongLog : public ::testing::Test {
+ protected:
+  static constexpr std::int64_t kStart_us = 1'000'000'000;
+  static constexpr int kLength_s = 30;
+
+  LongLog() {
+    std::int64_t number = 0;
+    append_second(kStart_us, kLength_s, number, bytes_);
+  }
+  std::string write() const {
+    test::write_file(folder_.file("long.lcmlog"), bytes_);
+    return folder_.file("long.lcmlog");
+  }
+
+  Bytes bytes_;
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(LongLog, IsUsedBeforeItIsRead) {
+  SeekableLog log(write());
+  EXPECT_FALSE(log.is_surveyed());
+  EXPECT_LT(log.surveyed_share(), 0.5);
+  const auto sorted = sorted_events(log.bytes());
+  EXPECT_EQ(log.range(), std::pair(sorted.front().time, sorted.back().time));
+  // Where times ascend, halving finds the very events.
+  for (const int at_ms : {0, 1, 999, 8000, 9500, 20'000, 29'990, 31'000}) {
+    const Time from = from_utime(kStart_us + 1000 * at_ms + 500);
+    const Time to = from + std::chrono::milliseconds(300);
+    EXPECT_EQ(offsets_of(log.events(from, to)), offsets_of(between(sorted, from, to))) << at_ms;
+    const auto next = between(sorted, from, sorted.back().time + Duration{1});
+    EXPECT_EQ(log.next_time(from), next.empty() ? std::nullopt : std::optional(next.front().time));
+  }
+  // Of each channel the newest; ONCE from the start, though it is far.
+  const Time late = from_utime(kStart_us + 20'500'000);
+  EXPECT_EQ(offsets_of(log.newest_before(late)), newest(sorted, late));
+  // In the end all of it is known, and the next opening knows it at once.
+  double share = log.surveyed_share();
+  while (log.go_on(kMib)) {
+    EXPECT_GT(log.surveyed_share(), share);
+    share = log.surveyed_share();
+    ASSERT_EQ(offsets_of(log.newest_before(late)), newest(sorted, late)) << share;
+  }
+  EXPECT_TRUE(log.is_surveyed());
+  EXPECT_FALSE(log.go_on(kMib));
+  expect_as_in_one_pass(log, 50);
+  const SeekableLog again(log.path());
+  EXPECT_TRUE(again.is_surveyed());
+  expect_as_in_one_pass(again, 50);
+}
+
+TEST_F(LongLog, KnowsItsEndBehindForeignBytesAndATornEvent) {
+  bytes_.resize(bytes_.size() - 7);
+  bytes_.insert(bytes_.end(), 300'000, std::uint8_t{0xED});
+  SeekableLog log(write());
+  EXPECT_FALSE(log.is_surveyed());
+  const auto sorted = sorted_events(log.bytes());
+  EXPECT_EQ(log.range().second, sorted.back().time);
+}
+
+TEST_F(LongLog, LearnsAtTheEndOfThePassWhenItsTimesWentBack) {
+  std::int64_t number = 1000 * kLength_s;
+  append_second(kStart_us - 5'000'000, 1, number, bytes_);
+  SeekableLog log(write());
+  EXPECT_EQ(log.range().first, from_utime(kStart_us)) << "as far as it was read";
+  while (log.go_on(kMib)) {
+  }
+  EXPECT_EQ(log.range().first, from_utime(kStart_us - 5'000'000));
+  expect_as_in_one_pass(log, 50);
+}
+
+TEST_F(LongLog, IsOpenedAndSoughtByReadingALittle) {
+  const std::string path = write();
+  const Time far = from_utime(kStart_us + 23'000'000);
+  const auto bytes_of_seek = [&](const SeekableLog& log) {
+    const std::size_t before = log.bytes_read();
+    EXPECT_EQ(log.events(far, far + std::chrono::milliseconds(100)).size(), 100U);
+    EXPECT_EQ(log.newest_before(far).size(), 3U);
+    return log.bytes_read() - before;
+  };
+  {
+    SeekableLog log(path);
+    EXPECT_LT(log.bytes_read(), 8 * kMib + kMib / 8) << "its head and its end";
+    EXPECT_LT(bytes_of_seek(log), 5 * kMib / 2) << "1 MiB back, some places and a few blocks";
+    while (log.go_on(kMib)) {
+    }
+    EXPECT_GT(log.bytes_read(), 30'000'000U);
+  }
+  const SeekableLog log(path);
+  EXPECT_EQ(log.bytes_read(), 0U) << "the index knows";
+  EXPECT_LT(bytes_of_seek(log), 3 * kMib / 2) << "a few blocks";
+}
+
+}  // namespace
+}  // namespace vantage::logs

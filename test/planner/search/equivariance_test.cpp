@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "planner/search/catalogue.hpp"
+#include "test/planner/problem/random_problem.hpp"
+#include "test/planner/search/solved_problems.hpp"
+
+// In free space no search knows left from right, north from east, or one target from another by its
+// place in the list: the same problem seen in a mirror, turned or with targets renamed has a plan
+// of the same cost and the same bound. (But for the lawn mower, whose rows are the world's.)
+
+namespace vantage::planner {
+namespace {
+
+using test::pick;
+using test::uniform;
+
+// What no search decides by the last bit: no prior is the same in all directions, so that no two
+// looks are worth the same; and small enough that each comes to its end.
+SearchProblem problem_in_free_space(std::uint64_t seed) {
+  std::mt19937_64 rng(0xA24BAED4963EE407U * (seed + 1));
+  SearchProblem problem;
+  problem.seed = seed;
+  problem.start = {uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -kPi, kPi)};
+  problem.horizon_steps = pick(rng, 2, 4);
+  problem.controls = models::standard_primitives();
+  std::shuffle(problem.controls.begin(), problem.controls.end(), rng);
+  problem.controls.resize(5);
+  problem.cost = pick(rng, 0, 1) == 0 ? CostKind::kTrace : CostKind::kLogDet;
+  models::SensorModel sensor;
+  const models::SensorKind kKinds[] = {models::SensorKind::kRange, models::SensorKind::kBearing,
+                                       models::SensorKind::kRangeBearing};
+  sensor.kind = kKinds[pick(rng, 0, 2)];
+  sensor.range_max_m = uniform(rng, 2.0, 7.0);
+  sensor.range_min_m = 0.3;
+  sensor.fov_rad = pick(rng, 0, 2) == 0 ? 2.0 * kPi : radians(uniform(rng, 60.0, 260.0));
+  problem.sensors = {sensor};
+  for (int m = pick(rng, 1, 4); m > 0; --m) {
+    const models::TargetKind kTargets[] = {models::TargetKind::kStatic,
+                                           models::TargetKind::kRandomWalk,
+                                           models::TargetKind::kDoubleIntegrator};
+    SearchTarget target;
+    target.model = {kTargets[pick(rng, 0, 2)], 2, 0.0};
+    target.model.q =
+        target.model.kind == models::TargetKind::kStatic ? 0.0 : uniform(rng, 0.0, 0.05);
+    const int n = target.model.dim();
+    target.prior.mean = models::StateVector::Zero(n);
+    for (int i = 0; i < n; ++i) {
+      target.prior.mean(i) = i < 2 ? uniform(rng, -6.0, 6.0) : uniform(rng, -0.8, 0.8);
+    }
+    target.prior.covariance = test::random_spd(rng, n, uniform(rng, 0.2, 2.0), 1.0);
+    problem.targets.push_back(target);
+  }
+  return problem;
+}
+
+/// The problem as it is seen when the plane is first mirrored in the x axis, if so, and then
+/// turned.
+SearchProblem seen(const SearchProblem& problem, bool is_mirrored, double turn_rad) {
+  const double side = is_mirrored ? -1.0 : 1.0;
+  const Eigen::Matrix2d Q =
+      Eigen::Rotation2Dd(turn_rad).toRotationMatrix() * Eigen::Vector2d(1.0, side).asDiagonal();
+  SearchProblem out = problem;
+  const Eigen::Vector2d start_m = Q * problem.start.position_m();
+  out.start = {start_m.x(), start_m.y(), wrap_to_pi(turn_rad + side * problem.start.yaw_rad)};
+  for (models::UnicycleControl& control : out.controls) {
+    control.yaw_rate_radps *= side;
+  }
+  for (SearchTarget& target : out.targets) {
+    const int n = target.model.dim();
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n, n);
+    for (int i = 0; i < n; i += 2) {
+      all.block<2, 2>(i, i) = Q;
+    }
+    const Eigen::MatrixXd turned = all * target.prior.covariance * all.transpose();
+    target.prior.mean = (all * target.prior.mean).eval();
+    target.prior.covariance = 0.5 * (turned + turned.transpose());
+  }
+  return out;
+}
+
+class Equivariance : public ::testing::TestWithParam<std::string> {
+ protected:
+  // Of `other_of`, problem by problem.
+  template <class Other>
+  static void expect_alike(const Other& other_of) {
+    const Algorithm& algorithm = algorithm_called(GetParam());
+    AlgorithmOptions options;
+    options.epsilon = 0.37;
+    options.delta_m = 0.83;  // no two primitives end so far from each other
+    constexpr std::size_t kNodesMax = 20'000;
+    SearchProblem largest = problem_in_free_space(0);
+    largest.targets.resize(4);
+    largest.horizon_steps = 4;
+    const auto search =
+        algorithm.make(capacity_for(algorithm, largest, 64U << 20U, kNodesMax), options);
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+      SCOPED_TRACE(seed);
+      const SearchProblem problem = problem_in_free_space(seed);
+      const SearchResult plain = search->plan(problem, Deadline::never());
+      const SearchResult& other = search->plan(other_of(problem, seed), Deadline::never());
+      ASSERT_TRUE(plain.found && other.found);
+      EXPECT_EQ(plain.stop_reason, other.stop_reason);
+      EXPECT_NEAR(plain.cost, other.cost, test::slack(plain.cost));
+      if (plain.lower_bound != other.lower_bound) {  // −∞ where there is none
+        EXPECT_NEAR(plain.lower_bound, other.lower_bound, test::slack(plain.lower_bound));
+      }
+    }
+  }
+};
+
+TEST_P(Equivariance, OfLeftAndRight) {
+  expect_alike(
+      [](const SearchProblem& problem, std::uint64_t) { return seen(problem, true, 0.0); });
+}
+
+/// What turns or renames changes sums by their last bits.
+class EquivarianceButForBits : public Equivariance {};
+
+TEST_P(EquivarianceButForBits, OfTheFrame) {
+  expect_alike([](const SearchProblem& problem, std::uint64_t seed) {
+    return seen(problem, seed % 2 == 0, 0.1 + 0.1 * static_cast<double>(seed));
+  });
+}
+
+TEST_P(EquivarianceButForBits, OfTheTargetsOrder) {
+  expect_alike([](SearchProblem problem, std::uint64_t) {
+    std::reverse(problem.targets.begin(), problem.targets.end());
+    return problem;
+  });
+}
+
+std::vector<std::string> all_but(const std::vector<std::string>& left_out) {
+  std::vector<std::string> names;
+  for (const Algorithm& algorithm : all_algorithms()) {
+    if (std::find(left_out.begin(), left_out.end(), algorithm.name) == left_out.end()) {
+      names.emplace_back(algorithm.name);
+    }
+  }
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Planner, Equivariance, ::testing::ValuesIn(all_but({"lawn_mower"})),
+                         [](const auto& each) { return each.param; });
+// Ways on which nothing is seen cost the same but for the last bit, and of those AEGIS keeps the
+// one that it comes upon first, within (ε, δ).
+INSTANTIATE_TEST_SUITE_P(Planner, EquivarianceButForBits,
+                         ::testing::ValuesIn(all_but({"lawn_mower", "aegis"})),
+                         [](const auto& each) { return each.param; });
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,210 @@
+#include "planner/search/lattice_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "core/infinity.hpp"
+#include "planner/search/prefix_bound.hpp"
+#include "test/planner/problem/random_problem.hpp"
+#include "test/planner/search/full_tree.hpp"
+#include "test/planner/search/solved_problems.hpp"
+#include "test/support/allocation_counter.hpp"
+
+namespace vantage::planner {
+namespace {
+
+using test::FullTree;
+using test::OwnedProblem;
+using test::pick;
+using test::uniform;
+
+constexpr std::size_t kStates = 400'000;
+
+/// As many as VANTAGE_BOUND_PROBLEMS says.
+std::uint64_t problem_count() {
+  const char* const asked = std::getenv("VANTAGE_BOUND_PROBLEMS");
+  return asked != nullptr ? std::stoull(asked) : 250;
+}
+
+// A robot among planar targets, of every kind that the lattice bounds; some are right on the way of
+// some control, so that looks from a millimetre occur.
+OwnedProblem lattice_problem(std::uint64_t seed) {
+  std::mt19937_64 rng(0x2545F4914F6CDD1DU * (seed + 1));
+  OwnedProblem owned;
+  SearchProblem& problem = owned.problem;
+  problem.start = {uniform(rng, -3.0, 3.0), uniform(rng, -3.0, 3.0), uniform(rng, -kPi, kPi)};
+  problem.horizon_steps = pick(rng, 2, 5);
+  const double turn_radps = uniform(rng, 0.4, 3.0);
+  const double speed_mps = uniform(rng, 0.1, 3.0);
+  problem.controls = {{speed_mps, 0.0}, {speed_mps, turn_radps}, {0.5 * speed_mps, -turn_radps}};
+  if (problem.horizon_steps < 5) {
+    problem.controls.push_back({pick(rng, 0, 1) * speed_mps, 2.0 * turn_radps});
+  }
+  models::SensorModel sensor;
+  const models::SensorKind kinds[] = {
+      models::SensorKind::kRangeBearing, models::SensorKind::kRangeBearing,
+      models::SensorKind::kBearing, models::SensorKind::kRange, models::SensorKind::kPosition};
+  for (int i = pick(rng, 0, 3) == 0 ? 2 : 1; i > 0; --i) {
+    sensor.kind = kinds[pick(rng, 0, 4)];
+    sensor.range_max_m = uniform(rng, 1.0, 6.0);
+    sensor.range_min_m = pick(rng, 0, 1) == 0 ? 1e-3 : uniform(rng, 0.05, 0.8);
+    sensor.variance_grows_with_range = pick(rng, 0, 2) == 0;
+    sensor.fov_rad = pick(rng, 0, 2) == 0 ? 2.0 * kPi : radians(uniform(rng, 30.0, 330.0));
+    problem.sensors.push_back(sensor);
+  }
+  for (int m = pick(rng, 1, 4); m > 0; --m) {
+    SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, uniform(rng, 0.0, 0.01)}, {}};
+    if (pick(rng, 0, 2) == 0) {
+      target.model = {models::TargetKind::kRandomWalk, 2, uniform(rng, 0.0, 0.05)};
+    }
+    const int n = target.model.dim();
+    target.prior.mean = models::StateVector::Zero(n);
+    for (int i = 0; i < n; ++i) {
+      target.prior.mean(i) = i < 2 ? uniform(rng, -6.0, 6.0) : uniform(rng, -0.4, 0.4);
+    }
+    if (pick(rng, 0, 1) == 0) {
+      const auto& control = problem.controls[rng() % problem.controls.size()];
+      const int t = pick(rng, 1, problem.horizon_steps);
+      const Eigen::Vector2d p_m =
+          models::step_unicycle(problem.start, control, t * problem.step_s).position_m();
+      for (int i = 0; i < 2; ++i) {
+        const double drift_m = n == 4 ? t * problem.step_s * target.prior.mean(i + 2) : 0.0;
+        target.prior.mean(i) = p_m(i) - drift_m + uniform(rng, -0.02, 0.02);
+      }
+    }
+    target.prior.covariance = test::random_spd(rng, n, uniform(rng, 0.1, 2.0), 1.0);
+    problem.targets.push_back(target);
+  }
+  if (pick(rng, 0, 3) == 0) {
+    for (std::size_t m = 0; m < problem.targets.size(); ++m) {
+      problem.fixed_information.emplace_back();
+      for (int t = 0; t < problem.horizon_steps; ++t) {
+        problem.fixed_information.back().emplace_back(test::random_spd(rng, 2, 20.0, 2.0));
+      }
+    }
+  }
+  test::let_one_in_three_oscillate(seed, rng, problem);
+  return owned;
+}
+
+// The search's recursion from a millimetre takes eight digits away.
+double play(double cost) { return 1e-5 * std::max(1.0, std::abs(cost)); }
+
+TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
+  LatticeBound lattice(8, 8, kStates);
+  std::vector<float> reference;
+  std::uint64_t bounded = 0;
+  for (std::uint64_t seed = 0; seed < problem_count(); ++seed) {
+    SCOPED_TRACE(seed);
+    const OwnedProblem owned = lattice_problem(seed);
+    const FullTree full(owned.problem);
+    ASSERT_TRUE(full.complete);
+    const std::vector<double> best = full.best_through(owned.problem.horizon_steps);
+    lattice.reset(owned.problem, full.expander.beliefs());
+    ASSERT_FALSE(lattice.is_empty());
+    reference.resize(lattice.reference_size());
+    lattice.begin(reference.data());
+    std::mt19937_64 rng(seed);
+    for (int i = 0; i < 12; ++i) {
+      const NodeId id = i < 3 ? 0 : static_cast<NodeId>(rng() % full.tree.node_count());
+      const Node& node = full.tree[id];
+      if (node.depth == owned.problem.horizon_steps) {
+        continue;
+      }
+      const std::size_t states = i % 2 == 0 ? kStates : 20'000;
+      std::int64_t work_nodes = 0;
+      const auto answer =
+          lattice.cost_to_go(node.world_from_body, node.depth, full.tree.posterior(id),
+                             reference.data(), 0.4, states, Deadline::never(), work_nodes);
+      ASSERT_FALSE(answer.expired);
+      bounded += answer.cost > -kInfinity ? 1U : 0U;
+      ASSERT_LE(node.cost + answer.cost, best[id] + play(best[id])) << "node " << id;
+      for (std::int64_t budget_nodes = 0; budget_nodes < work_nodes;
+           budget_nodes += 1 + work_nodes / 3) {
+        std::int64_t cut_nodes = 0;
+        EXPECT_TRUE(lattice
+                        .cost_to_go(node.world_from_body, node.depth, full.tree.posterior(id),
+                                    reference.data(), 0.4, states, Deadline::nodes(budget_nodes),
+                                    cut_nodes)
+                        .expired);
+      }
+    }
+  }
+  EXPECT_GT(bounded, 4 * problem_count());
+}
+
+TEST(PrefixBound, RisesToTheOptimumAndNeverBeyondIt) {
+  PrefixBound prefix(8, 8);
+  for (std::uint64_t seed = 0; seed < problem_count(); ++seed) {
+    SCOPED_TRACE(seed);
+    const OwnedProblem owned = lattice_problem(seed);
+    FullTree full(owned.problem);
+    ASSERT_TRUE(full.complete);
+    const double best = full.best_through(owned.problem.horizon_steps)[0];
+    prefix.reset(owned.problem, full.expander);
+    double before = -kInfinity;
+    std::int64_t work_nodes = 0;
+    for (int i = 0; i < 400; ++i) {
+      const auto answer = prefix.raise(work_nodes + 20'000, Deadline::never(), work_nodes);
+      ASSERT_FALSE(answer.expired);
+      ASSERT_GE(answer.cost, before);
+      before = answer.cost;
+      ASSERT_LE(answer.cost, best + play(best));
+    }
+    EXPECT_GE(before, best - play(best));
+  }
+}
+
+TEST(PrefixBound, StopsAtTheDeadlineAndSaysWhatIsProven) {
+  PrefixBound prefix(8, 8);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const OwnedProblem owned = lattice_problem(seed);
+    FullTree full(owned.problem);
+    const double best = full.best_through(owned.problem.horizon_steps)[0];
+    for (const std::int64_t budget_nodes : {1, 1'000, 30'000}) {
+      prefix.reset(owned.problem, full.expander);
+      std::int64_t work_nodes = 0;
+      const auto answer = prefix.raise(1'000'000'000, Deadline::nodes(budget_nodes), work_nodes);
+      ASSERT_LE(answer.cost, best + play(best));
+      EXPECT_TRUE(answer.expired || answer.cost >= best - play(best));
+    }
+  }
+}
+
+TEST(PrefixBound, AllocatesNothing) {
+  if (!test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "not with sanitizers";
+  }
+  PrefixBound prefix(8, 8);
+  const OwnedProblem owned = lattice_problem(3);
+  FullTree full(owned.problem);
+  const test::AllocationCounter allocations;
+  prefix.reset(owned.problem, full.expander);
+  std::int64_t work_nodes = 0;
+  static_cast<void>(prefix.raise(300'000, Deadline::never(), work_nodes));
+  EXPECT_EQ(allocations.count(), 0U);
+}
+
+TEST(LatticeBound, BoundsNothingWhereItsRulesDoNotHold) {
+  OwnedProblem owned = lattice_problem(0);
+  BeliefTable beliefs(8, 8);
+  LatticeBound lattice(8, 8, kStates);
+  owned.problem.cost = CostKind::kTrace;
+  beliefs.reset(owned.problem);
+  lattice.reset(owned.problem, beliefs);
+  EXPECT_TRUE(lattice.is_empty());
+  owned.problem.cost = CostKind::kLogDet;
+  owned.problem.controls[1].yaw_rate_radps *= std::sqrt(2.0);
+  beliefs.reset(owned.problem);
+  lattice.reset(owned.problem, beliefs);
+  EXPECT_TRUE(lattice.is_empty());
+}
+
+}  // namespace
+}  // namespace vantage::planner

@@ -1,0 +1,289 @@
+#!/usr/bin/env python3
+"""What a team decides, held against the plain recursion in numpy and against every choice there is."""
+import itertools
+import json
+import unittest
+
+import numpy
+import vantage
+from here import PROBLEMS
+
+STARTS = ((0.0, -0.5, 0.4), (1.0, -2.0, 0.6), (-4.0, 4.0, 1.6))
+STEPS = 4
+FEW = {"candidates_max": 6, "nodes": 5000, "epsilon": 0.0, "delta_m": 0.0}  # the six best of all that there are
+CHOOSING = ("coordinate_descent", "greedy", "local_search", "distributed_local_search", "exhaustive")
+
+
+def spec(start):
+    problem = json.loads((PROBLEMS / "tracking.json").read_text())
+    problem.update(robot=dict(zip(("x", "y", "yaw"), start)), T=STEPS,
+                   controls=[problem["controls"][i] for i in (0, 1, 2, 5, 8)])
+    return problem
+
+
+def team():
+    return [vantage.Problem(spec(start)) for start in STARTS]
+
+
+class Reference:
+    """J of a choice among a decision's candidates: nothing of the planner's but what a sensor tells."""
+
+    def __init__(self, decision, measure="mutual"):
+        given = spec(STARTS[0])
+        self.measure, self.counts = measure, [len(own) for own in decision.candidates]
+        model = vantage.TargetModel("double_integrator", q=given["q"])
+        self.A, self.W = model.transition(given["tau"]), model.process_noise(given["tau"])
+        self.prior, self.T, self.tau = numpy.diag(given["prior_cov_diag"]), given["T"], given["tau"]
+        self.controls = numpy.array(given["controls"])
+        about = given["sensor"]
+        self.sensor = vantage.SensorModel(
+            "range_bearing", range_max_m=about["range"], range_min_m=1e-3, fov_rad=numpy.radians(about["fov_deg"]),
+            range_sigma_m=about["sigma_r"], bearing_sigma_rad=numpy.radians(about["sigma_b_deg"]))
+        low, high = given["map"]["min"], given["map"]["max"]
+        self.world = vantage.World([*low, *high], given["map"]["obstacles"])
+        self.means = [numpy.array(given["targets"])]
+        for _ in range(self.T):
+            self.means.append(self.means[-1] @ self.A.T)
+        self.looks = [[self._looks(start, row) for row in own] for start, own in zip(STARTS, decision.candidates)]
+        self.known = {}
+
+    def _looks(self, start, row):
+        """(T, M, 2, 2): what a candidate's looks tell of each target after each step."""
+        pose, out = numpy.array(start), []
+        for step, control in enumerate(self.controls[row], 1):
+            pose = vantage.step_unicycle(pose, control, self.tau)
+            viewpoint = (pose[0], pose[1], 0.0, pose[2])
+            out.append([self.sensor.information(viewpoint, mean[:2]) * self.world.line_of_sight(pose[:2], mean[:2])
+                        for mean in self.means[step]])
+        return numpy.array(out)
+
+    def value(self, choice):
+        """½ Σ (log det predicted − log det updated), or the same against what nobody's looks would leave."""
+        if choice not in self.known:
+            looks = sum((self.looks[robot][row] for robot, row in enumerate(choice) if row is not None),
+                        numpy.zeros((self.T, len(self.means[0]), 2, 2)))
+            after = unseen = numpy.tile(self.prior, (len(self.means[0]), 1, 1))
+            nats = 0.0
+            for M in looks:
+                before, unseen = (self.A @ covariance @ self.A.T + self.W for covariance in (after, unseen))
+                information = numpy.linalg.inv(before)
+                information[:, :2, :2] += M
+                after = numpy.linalg.inv(information)
+                reference = before if self.measure == "mutual" else unseen
+                nats += 0.5 * (numpy.linalg.slogdet(reference)[1] - numpy.linalg.slogdet(after)[1]).sum()
+            self.known[choice] = nats
+        return self.known[choice]
+
+    def choices(self, may_rest=True, robots=range(len(STARTS))):
+        """Every choice of `robots`; the others do nothing."""
+        return itertools.product(*([*range(count)] + [None] * may_rest if robot in robots else [None]
+                                   for robot, count in enumerate(self.counts)))
+
+    def left(self, choice, attacks):
+        """The least that attacks on so many robots leave."""
+        return min(self.value(tuple(None if robot in attacked else row for robot, row in enumerate(choice)))
+                   for count in range(attacks + 1)
+                   for attacked in itertools.combinations(range(len(choice)), count))
+
+    def gains(self, choice, robot):
+        """The value of `choice` with each of the robot's candidates instead of what it has."""
+        return [self.value(choice[:robot] + (row,) + choice[robot + 1:]) for row in range(self.counts[robot])]
+
+
+class Case(unittest.TestCase):
+    def decide(self, algorithm, **options):
+        decision = vantage.decide(team(), algorithm, **{**FEW, **options})
+        reference = Reference(decision, options.get("measure", "mutual"))
+        choice = tuple(decision.choice)
+        self.assertAlmostEqual(decision.value, reference.value(choice), delta=1e-6)
+        return decision, reference, choice
+
+    def descends(self, reference, choice, order):
+        """That the robots of `order` chose one after another, each the best beside those before it."""
+        before = (None,) * len(choice)
+        for robot in order:
+            gains = reference.gains(before, robot)
+            self.assertAlmostEqual(gains[choice[robot]], max(gains), delta=1e-6)
+            before = before[:robot] + (choice[robot],) + before[robot + 1:]
+
+
+class Decided(Case):
+    def test_by_coordinate_descent_each_adds_most_to_those_before(self):
+        for order in ((0, 1, 2), (2, 0, 1)):
+            _, reference, choice = self.decide("coordinate_descent", order=order)
+            self.assertEqual(reference.counts, [6, 6, 6])
+            self.descends(reference, choice, order)
+        _, _, choice = self.decide("coordinate_descent", order=[1])
+        self.assertEqual([row is None for row in choice], [True, False, True])
+
+    def test_by_more_rounds_nobody_would_choose_another(self):
+        decision, reference, choice = self.decide("coordinate_descent", rounds_max=20)
+        for robot in range(3):
+            self.assertLessEqual(max(reference.gains(choice, robot)), decision.value + 1e-6)
+
+    def test_greedily_the_best_of_all_comes_next(self):
+        decision, reference, _ = self.decide("greedy")
+        choice = (None,) * 3
+        for _ in range(3):
+            choice = max((choice[:robot] + (row,) + choice[robot + 1:]
+                          for robot in range(3) if choice[robot] is None for row in range(reference.counts[robot])),
+                         key=reference.value)
+        self.assertAlmostEqual(decision.value, reference.value(choice), delta=1e-6)
+
+    def test_by_local_searches_only_so_much_is_an_improvement(self):
+        for algorithm in ("local_search", "distributed_local_search"):
+            decision, reference, _ = self.decide(algorithm, alpha=1e9)  # then nothing is beside the best single plan
+            self.assertEqual(decision.choice.count(None), 2)
+            alone = max(max(reference.gains((None,) * 3, robot)) for robot in range(3))
+            self.assertAlmostEqual(decision.value, alone, delta=1e-6)
+            self.assertEqual(decision.messages > 0, algorithm == "distributed_local_search")
+            self.assertEqual(self.decide(algorithm)[2].count(None), 0)
+
+    def test_exhaustively_nothing_is_better(self):
+        for measure in ("mutual", "logdet"):
+            decision, reference, _ = self.decide("exhaustive", measure=measure)
+            self.assertAlmostEqual(decision.value, max(map(reference.value, reference.choices())), delta=1e-6)
+            self.assertEqual(decision.bound, decision.value)
+            self.assertEqual(decision.oracle_calls, 7**3)
+
+    def test_is_within_its_bound(self):
+        best = self.decide("exhaustive")[0].value
+        for algorithm in CHOOSING:
+            decision = self.decide(algorithm)[0]
+            self.assertLessEqual(decision.value, best + 1e-6)
+            self.assertGreaterEqual(decision.value, best / 2 - 1e-4)
+            self.assertGreaterEqual(decision.bound, best - 1e-6)
+        self.assertIsNone(self.decide("greedy", measure="logdet")[0].bound)
+
+    def test_gives_plans_that_can_be_driven(self):
+        problems = team()
+        decision = vantage.decide(problems, **FEW)
+        for problem, row, own, controls, states in zip(
+                problems, decision.choice, decision.candidates, decision.controls, decision.states):
+            self.assertEqual(controls.tolist(), own[row].tolist())
+            pose = problem.start
+            for control, state in zip(problem.controls[controls], states):
+                pose = vantage.step_unicycle(pose, control, problem.step_s)
+                numpy.testing.assert_allclose(pose, state, atol=1e-9)
+
+    def test_is_the_same_again_and_of_dicts(self):
+        for algorithm in vantage.team_algorithms():
+            one, again = (vantage.decide(problems, algorithm, **FEW)
+                          for problems in (team(), [spec(start) for start in STARTS]))
+            self.assertEqual((one.algorithm, one.value, one.choice), (algorithm, again.value, again.choice))
+            self.assertEqual([each.tobytes() for each in one.states], [each.tobytes() for each in again.states])
+
+
+class WithCosts(unittest.TestCase):
+    def test_the_value_is_less_by_what_motion_costs(self):
+        costs = {"price_nats": 0.05, "move_cost": 1.0}  # no control of these problems stands
+        for algorithm in CHOOSING:
+            decision = vantage.decide(team(), algorithm, energy=costs, **FEW)
+            moving = sum(row is not None for row in decision.choice)
+            information = Reference(decision).value(tuple(decision.choice))
+            self.assertAlmostEqual(decision.value, information - 0.05 * STEPS * moving, delta=1e-6)
+
+    def test_who_pays_too_much_does_nothing(self):
+        dear, free = {"price_nats": 1e6, "move_cost": 1}, {}
+        decision = vantage.decide(team(), energy=[dear, free, dear], **FEW)
+        self.assertEqual([row is None for row in decision.choice], [True, False, True])
+        self.assertEqual([len(each) for each in decision.controls], [0, STEPS, 0])
+        self.assertEqual([each.shape for each in decision.states], [(0, 3), (STEPS, 3), (0, 3)])
+
+
+class Attacked(Case):
+    def test_of_nobody_it_is_coordinate_descent(self):
+        decision, _, choice = self.decide("resilient")
+        self.assertEqual(choice, self.decide("coordinate_descent")[2])
+        self.assertEqual(decision.bait, [])
+
+    def test_the_bait_is_who_is_worth_most_alone_and_the_rest_ignores_it(self):
+        for algorithm, attacks in itertools.product(("resilient", "resilient_exhaustive"), (1, 2, 3)):
+            decision, reference, choice = self.decide(algorithm, attacks_max=attacks)
+            alone = [max(reference.gains((None,) * 3, robot)) for robot in range(3)]
+            self.assertEqual(set(decision.bait), set(sorted(range(3), key=lambda robot: -alone[robot])[:attacks]))
+            for robot in decision.bait:
+                self.assertAlmostEqual(reference.gains((None,) * 3, robot)[choice[robot]], alone[robot], delta=1e-6)
+            rest = [robot for robot in range(3) if robot not in decision.bait]
+            if algorithm == "resilient":
+                self.descends(reference, choice, rest)
+            else:
+                without = tuple(row if robot in rest else None for robot, row in enumerate(choice))
+                self.assertAlmostEqual(reference.value(without),
+                                       max(map(reference.value, reference.choices(robots=rest))), delta=1e-6)
+
+    def test_the_worst_leaves_what_every_attack_tried_leaves(self):
+        for attacks in (0, 1, 2):
+            decision, reference, choice = self.decide("max_min", attacks_max=attacks)
+            robots, value = decision.worst_attack(attacks)
+            self.assertAlmostEqual(value, reference.left(choice, attacks), delta=1e-6)
+            self.assertLessEqual(len(robots), attacks)
+            best = max(reference.left(each, attacks) for each in reference.choices(may_rest=False))
+            self.assertAlmostEqual(value, best, delta=1e-6)
+            for algorithm in ("resilient", "resilient_exhaustive"):
+                other = self.decide(algorithm, attacks_max=attacks)[0].worst_attack(attacks)[1]
+                self.assertLessEqual(other, best + 1e-6)
+
+    def test_by_searches_the_first_and_the_bait_plan_as_if_alone(self):
+        planner = vantage.Planner("arvi", nodes=2000)
+        alone = [planner.plan(problem) for problem in team()]
+        for attacks in (0, 1):
+            decision, reference, _ = self.decide("rain", planner=planner, attacks_max=attacks)
+            self.assertIsNone(decision.bound)
+            worth = [reference.value((None,) * robot + (0,) + (None,) * (2 - robot)) for robot in range(3)]
+            first = next(robot for robot in range(3) if robot not in decision.bait)
+            for robot in {first, *decision.bait}:
+                self.assertEqual(decision.states[robot].tobytes(), alone[robot].states.tobytes())
+            if attacks:
+                self.assertEqual(len(decision.bait), 1)
+                self.assertGreaterEqual(worth[decision.bait[0]], worth[first] - 1e-6)
+        self.assertEqual(vantage.decide(team(), "rain", nodes=2000).value,
+                         vantage.decide(team(), "rain", planner=vantage.Planner(nodes=2000)).value)
+
+
+class Refused(unittest.TestCase):
+    def test_are_options_that_mean_nothing_or_break_a_rule(self):
+        for words, algorithm, options in (
+                ("algorithm: must be one of coordinate_descent, greedy, .*, got best", "best", {}),
+                ("attacks_max: is for resilient, .*, rain, not for greedy", "greedy", {"attacks_max": 1}),
+                ("attacks_max: must be ≥ 0 and ≤ 3, one a robot, got 4", "resilient", {"attacks_max": 4}),
+                ("order: is for coordinate_descent, not for max_min", "max_min", {"order": [0]}),
+                ("order: must be of robots from 0 to 2, got 3", "coordinate_descent", {"order": [0, 3]}),
+                ("order: must name each robot once, has 1 twice", "coordinate_descent", {"order": [1, 1]}),
+                ("rounds_max: must be ≥ 1, got 0", "coordinate_descent", {"rounds_max": 0}),
+                ("alpha: must be > 0, got -1", "local_search", {"alpha": -1.0}),
+                ("nodes: must be ≥ 1, got 0", "greedy", {"nodes": 0}),
+                ("epsilon: must be ≥ 0", "greedy", {"epsilon": float("nan")}),
+                ("measure: must be one of logdet, mutual, got trace", "greedy", {"measure": "trace"}),
+                ("planner: is for rain, not for greedy", "greedy", {"planner": vantage.Planner(nodes=1)}),
+                ("energy: must be one of move_cost, price_nats, .*, got fuel", "greedy", {"energy": {"fuel": 1.0}}),
+                ("energy: move_cost: must be ≥ 0, got -1", "greedy", {"energy": {"move_cost": -1}}),
+                ("energy: must be one for each robot, 3, got 1", "greedy", {"energy": [{}]}),
+                ("energy: is for .*, not for rain", "rain", {"energy": {"move_cost": 1.0}}),
+                ("candidates_max: leaves .* choices", "exhaustive", {"candidates_max": 200})):
+            with self.subTest(words), self.assertRaisesRegex(vantage.UsageError, words):
+                vantage.decide(team(), algorithm, **{**FEW, **options})
+
+    def test_are_teams_that_are_none(self):
+        def changed(key, value):
+            return [*team(), {**spec(STARTS[0]), key: value}]
+        moved = team()
+        moved[1].set_beliefs(moved[1].means + 0.5, moved[1].covariances)
+        for words, problems in (("problems: must be of one robot at least", []),
+                                (r"problems\[3\]: T: must be as in problems\[0\]", changed("T", STEPS - 1)),
+                                (r"problems\[3\]: tau: must be as in problems\[0\]", changed("tau", 1.0)),
+                                (r"problems\[3\]: cost: must be logdet", changed("cost", "trace")),
+                                (r"problems\[1\]: targets, as they are believed: must be as", moved)):
+            with self.assertRaisesRegex(vantage.UsageError, words):
+                vantage.decide(problems)
+        with self.assertRaisesRegex(vantage.StartupError, "problem: T"):
+            vantage.decide([{**spec(STARTS[0]), "T": 0}])
+
+    def test_are_too_many_attacks_to_try(self):
+        decision = vantage.decide(40 * team()[:1], **FEW)
+        with self.assertRaisesRegex(vantage.UsageError, "attacks_max: leaves .* choices"):
+            decision.worst_attack(10)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,97 @@
+#include "test/support/flight_invariants.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace vantage::test {
+namespace {
+
+/// Collects what one vehicle broke.
+class Judge {
+ public:
+  Judge(const std::string& robot, std::vector<std::string>& out) : robot_(robot), out_(out) {}
+
+  void at_most(const char* invariant, double is, double most, const char* unit) {
+    if (!(is <= most)) {
+      say(invariant, fmt::format("{:.3f} {} (at most {:g})", is, unit, most));
+    }
+  }
+  void at_least(const char* invariant, double is, double least, const char* unit) {
+    if (!(is >= least)) {
+      say(invariant, fmt::format("{:.3f} {} (at least {:g})", is, unit, least));
+    }
+  }
+  void say(const char* invariant, const std::string& what) {
+    out_.push_back(fmt::format("{} {}: {}", robot_, invariant, what));
+  }
+
+ private:
+  const std::string& robot_;
+  std::vector<std::string>& out_;
+};
+
+/// Centre to centre, when it touches the largest of the others.
+double contact_m(const scenario::Scenario& scenario, const scenario::RobotSpec& robot) {
+  double radius_m = 0.0;
+  for (const scenario::RobotSpec& other : scenario.robots) {
+    if (other.name != robot.name) {
+      radius_m = std::max(radius_m, other.limits.radius_m);
+    }
+  }
+  return robot.limits.radius_m + radius_m;
+}
+
+void judge(const CourseKept& kept, double contact_m, const FlightBounds& bounds, Judge& judge) {
+  if (!(kept.airborne_s > 0.0)) {
+    judge.say("following", "it never followed a plan");
+    return;
+  }
+  judge.at_least("following", kept.follow_share, bounds.follow_share_min, "of its time");
+  judge.at_most("set-point error", kept.setpoint_error_rms_m, bounds.setpoint_error_rms_max_m,
+                "m rms");
+  judge.at_most("speed", kept.speed_max_share, bounds.speed_max_share, "of its limit");
+  judge.at_most("turn", kept.turn_max_share, bounds.turn_max_share, "of its limit");
+  judge.at_least("separation", kept.separation_least_m, contact_m, "m from another");
+  judge.at_most("fence", kept.outside_max_m, bounds.outside_max_m, "m outside");
+  if (const auto fence = kept.reasons.find("fence"); fence != kept.reasons.end()) {
+    judge.say("fence", fmt::format("landed for it, {:.1f} s", fence->second));
+  }
+  judge.at_most("continuity", kept.setpoint_jump_max_m, bounds.setpoint_jump_max_m,
+                "m from one set-point to the next beyond its speed");
+  judge.at_most("ages", kept.said_gap_max_s, bounds.gap_max_s, "s without a word");
+  judge.at_most("ages", kept.truth_gap_max_s, bounds.gap_max_s, "s without being seen");
+  if (kept.strangers > 0) {
+    judge.say("believed", fmt::format("{} words in its name of another", kept.strangers));
+  }
+  if (kept.runs > bounds.runs_max) {
+    judge.say("believed", fmt::format("{} drivers one after the other (at most {})", kept.runs,
+                                      bounds.runs_max));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds) {
+  std::vector<std::string> out;
+  const auto summaries = record.summaries();
+  if (!record.scenario() || summaries.empty()) {
+    return {"nothing flew: no SCENARIO, or no vehicle"};
+  }
+  if (record.truth_strangers() > 0) {
+    out.push_back(
+        fmt::format("TRUTH believed: {} frames of another simulation", record.truth_strangers()));
+  }
+  for (const auto& [name, kept] : summaries) {
+    Judge of_robot(name, out);
+    const scenario::RobotSpec* const robot = record.scenario()->find_robot(name);
+    if (robot == nullptr) {
+      of_robot.say("believed", "the scenario does not know it");
+      continue;
+    }
+    judge(kept, contact_m(*record.scenario(), *robot), bounds, of_robot);
+  }
+  return out;
+}
+
+}  // namespace vantage::test

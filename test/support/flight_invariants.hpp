@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "test/support/flight_record.hpp"
+
+namespace vantage::test {
+
+/// How far a flight may go from what must hold of each. The defaults are those of a flight to which
+/// nothing happens; one whose driver is killed has more than one run, and a longer gap.
+struct FlightBounds {
+  double follow_share_min = 0.98;
+  double setpoint_error_rms_max_m = 0.10;
+  double speed_max_share = 1.15;
+  double turn_max_share = 1.7;  ///< a real ArduCopter overshoots to 1.53, a real PX4 to 1.2
+  double outside_max_m = 0.0;
+  double setpoint_jump_max_m = 0.1;
+  double gap_max_s = 0.5;  ///< of what is said and of what is seen
+  int runs_max = 1;
+};
+
+/// What did not hold, a line each: `ROBOT INVARIANT: what was seen (what is allowed)`. The
+/// invariants, by their names: following, set-point error, speed, turn, separation (nobody nearer
+/// than the sum of the two radii), fence (nor landed for it), continuity, ages, believed. Empty:
+/// all held. A record without a scenario, or without vehicles, holds nothing.
+std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds = {});
+
+}  // namespace vantage::test

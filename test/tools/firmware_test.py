@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""firmware_test.py SOURCE_DIR: tools/dev/firmware finds what goes against a limit in what the judge of a log says."""
+import importlib.machinery
+import importlib.util
+import pathlib
+import sys
+
+sys.dont_write_bytecode = True
+_loader = importlib.machinery.SourceFileLoader("firmware", str(pathlib.Path(sys.argv[1]) / "tools/dev/firmware"))
+FIRMWARE = importlib.util.module_from_spec(importlib.util.spec_from_loader("firmware", _loader))
+_loader.exec_module(FIRMWARE)
+
+
+def said(what, further_m=0.30, outside_m=-0.20, down_s=-1.0, states=""):
+    """Two lines of hil_check --events; 0.50 m are budgeted."""
+    return (f"{what} Q1: 0.98 m/s, {further_m:.2f} m further (0.50 budgeted), {outside_m:.2f} m outside, inf m from "
+            f"others, 0.10 m off course, down after {down_s:.1f} s\nSAID {what} Q1{states}\n")
+
+
+def test_what_keeps_its_limits_is_not_told():
+    assert FIRMWARE.broken(said("hold", states="; hold 0.05 (ordered)")) == []
+    assert FIRMWARE.broken(said("plan-loss", further_m=3.0)) == []
+    assert FIRMWARE.broken(said("cut", down_s=7.9, states="; hold 0.4 (autopilot silent); land 2.1")) == []
+    assert FIRMWARE.broken(said("kill:up", down_s=8.0)) == []
+    assert FIRMWARE.broken(said("kill:vicon", states="; hold 0.05 (pose stale); follow 2.1")) == []
+    assert FIRMWARE.broken(said("kill:quadrotor", down_s=9.9, states="; land 1.9 (found flying)")) == []
+
+
+def test_who_goes_farther_than_budgeted_is():
+    assert len(FIRMWARE.broken(said("hold", further_m=0.53))) == 1
+    assert FIRMWARE.broken(said("hold", further_m=0.52)) == []  # between two frames of the truth
+    assert FIRMWARE.broken(said("cut", further_m=0.90, down_s=5.0)) == []  # the bounds are asked for
+
+
+def test_who_leaves_the_bounds_by_more_is():
+    for what in ("hold", "cut", "kill:up", "stop:sensor"):
+        assert len(FIRMWARE.broken(said(what, outside_m=0.51, down_s=4.0))) == 1, what
+        assert FIRMWARE.broken(said(what, outside_m=0.50, down_s=4.0)) == [], what
+
+
+def test_who_stays_up_is():
+    for what in ("cut", "kill:up", "stop:vicon", "stall:1"):
+        assert len(FIRMWARE.broken(said(what))) == 1, what
+        assert len(FIRMWARE.broken(said(what, down_s=8.1, states="; hold 0.1; land 0.6"))) == 1, what
+    assert len(FIRMWARE.broken(said("kill:quadrotor", down_s=10.1, states="; land 1.9"))) == 1
+    assert FIRMWARE.broken(said("stop:up", down_s=10.9, states="; hold 1.0; land 3.0")) == []
+    assert len(FIRMWARE.broken(said("stop:up", down_s=11.1, states="; hold 1.0; land 3.0"))) == 1
+    # Held long after is not held in time.
+    assert len(FIRMWARE.broken(said("kill:quadrotor", down_s=20.0, states="; hold 8.5"))) == 1
+
+
+def test_each_vehicle_is_looked_at():
+    two = said("cut", down_s=9.0) + "collision: Q1 with R2\n" + said("cut", down_s=9.5)
+    assert len(FIRMWARE.broken(two)) == 2
+
+
+def test_contacts_of_vehicles_are_never_left_out():
+    text = "collision: Q1 with Q2\ncollision: Q1 with R2\ncollision: R1 with R2\ncollision: Q1 with bounds\n"
+    assert FIRMWARE.contacts(text, False) == text.strip().splitlines()
+    assert FIRMWARE.contacts(text, True) == ["collision: Q1 with Q2"]
+
+
+for _name, _test in list(globals().items()):
+    if _name.startswith("test_"):
+        _test()
+        print("passed", _name)

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# planner_words.sh VANTAGE SCENARIO: --planner takes the words of planner.algorithm, no fewer, and a
+# trial is flown by each search.
+source "$(dirname "$0")/begin.sh"
+scenario=$2
+
+sed 's/^  algorithm: [a-z_]*/  algorithm: nothing/' "$scenario" > "$work/nothing.yaml"
+"$vantage" check "$work/nothing.yaml" > "$work/refused" 2>&1 && fail "algorithm: nothing"
+words=$(sed -n 's/.*algorithm: must be one of \(.*\); is .*/\1/p' "$work/refused")
+[[ "$words" == *" astar"* ]] || fail "the reader's words are '$words'"
+for word in ${words//,/}; do
+  if [[ $word == external ]]; then
+    # Taken for a word; whom to ask there is in real time alone.
+    said=$("$vantage" trial "$scenario" --planner external --duration-s 1 2>&1) && fail "external"
+    [[ "$said" == *"asks a process on the bus"* ]] || fail "external: $said"
+  else
+    "$vantage" trial "$scenario" --planner "$word" --nodes 100 --duration-s 3 --json > "$work/$word.json" ||
+      fail "--planner $word"
+  fi
+done
+for command in demo up; do
+  "$vantage" "$command" --help | tr -d ' \n' | grep -qF "{${words// /}}" || fail "$command offers other words"
+done
+echo "planner_words: ${words}"

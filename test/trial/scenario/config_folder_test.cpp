@@ -1,0 +1,62 @@
+#include "trial/scenario/config_folder.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "test/support/temporary_folder.hpp"
+
+namespace vantage::trial {
+namespace {
+
+namespace fs = std::filesystem;
+
+// In a folder of its own, which the process is in.
+class ConfigFolder : public testing::Test {
+ protected:
+  ConfigFolder() { fs::current_path(folder_.path()); }
+  ~ConfigFolder() override { fs::current_path(before_); }
+  ConfigFolder(const ConfigFolder&) = delete;
+  ConfigFolder& operator=(const ConfigFolder&) = delete;
+
+  static std::string refusal(const std::string& word) {
+    try {
+      return "taken: " + scenario_path(word);
+    } catch (const StartupError& error) {
+      return error.what();
+    }
+  }
+
+ private:
+  fs::path before_ = fs::current_path();
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(ConfigFolder, AScenarioIsAFileElseTheNameOfOneThatCameAlong) {
+  EXPECT_EQ(scenario_path("lab"), (fs::path(config_folder()) / "lab.yaml").string());
+  std::ofstream("lab") << "mine";
+  EXPECT_EQ(scenario_path("lab"), "lab");
+  fs::create_directory("config");
+  std::ofstream("config/lab.yaml") << "mine";
+  EXPECT_EQ(scenario_path("config/lab.yaml"), "config/lab.yaml");
+}
+
+TEST_F(ConfigFolder, APathIsNeverTakenForAName) {
+  EXPECT_EQ(refusal("lab.yaml"), "lab.yaml: no such file; 'lab' comes with vantage");
+  EXPECT_EQ(refusal("config/lab.yaml"), "config/lab.yaml: no such file; 'lab' comes with vantage");
+  EXPECT_EQ(refusal("config/mine.yaml"), "config/mine.yaml: no such file");
+  EXPECT_EQ(refusal("lbb"), "no scenario is called 'lbb'; did you mean 'lab'?");
+}
+
+TEST_F(ConfigFolder, EachNameIsThatOfAFile) {
+  const auto names = config_names();
+  EXPECT_GE(names.size(), 10U);
+  for (const std::string& name : names) {
+    EXPECT_TRUE(fs::is_regular_file(scenario_path(name))) << name;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::trial

@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""long_log.py LOG GIGABYTES OUT: LOG again and again, as if it had gone on for so long.
+
+Each time the events' numbers and times, their messages' sequence numbers and every instant inside them
+go on where the time before ended. For measuring how long logs are opened and sought in (see
+docs/results/viewer.md and test/view/peer/seek.mjs).
+"""
+import os
+import pathlib
+import struct
+import sys
+
+HEADER = struct.Struct(">IqqII")  # sync word, number, time, lengths of channel and data
+NUMBER = struct.Struct(">q")
+STAMP_BYTES = 32                  # fingerprint, utime, run_id, sequence: every message begins so
+AROUND_US = 3_600_000_000         # instants inside messages are as near as that to the log
+
+
+def events(log):
+    """(offset, number, utime, channel, offset of the data, their length) of each."""
+    at = 0
+    while at + HEADER.size <= len(log):
+        _, number, utime, name_bytes, data_bytes = HEADER.unpack_from(log, at)
+        data = at + HEADER.size + name_bytes
+        yield at, number, utime, log[at + HEADER.size:data], data, data_bytes
+        at = data + data_bytes
+
+
+def instants(log, first_us, last_us):
+    """Offsets of all big-endian 64-bit integers that are instants in or around the log: hardly
+    anything else looks like one."""
+    low, high = (NUMBER.pack(each) for each in (first_us - AROUND_US, last_us + AROUND_US))
+    prefix = os.path.commonprefix([low, high])
+    at = log.find(prefix)
+    while 0 <= at <= len(log) - NUMBER.size:
+        is_one = low <= log[at:at + NUMBER.size] <= high
+        if is_one:
+            yield at
+        at = log.find(prefix, at + (NUMBER.size if is_one else 1))
+
+
+def main():
+    log = pathlib.Path(sys.argv[1]).read_bytes()
+    size = float(sys.argv[2]) * 1e9
+    all_events = list(events(log))
+    times_us = [utime for _, _, utime, *_ in all_events]
+    first_us, last_us = min(times_us), max(times_us)
+    sequences = {}  # of each channel
+    for _, _, _, name, data, length in all_events:
+        if length >= STAMP_BYTES:
+            sequences.setdefault(name, set()).add(NUMBER.unpack_from(log, data + 24)[0])
+    steps = {at: last_us - first_us + 1000 for at in instants(log, first_us, last_us)}
+    for at, _, _, name, data, length in all_events:
+        steps[at + 4] = len(all_events)
+        if length >= STAMP_BYTES:
+            steps[data + 24] = max(sequences[name]) - min(sequences[name]) + 1
+    places = sorted(steps)
+    ends = [0] + [place + NUMBER.size for place in places]
+    layout = struct.Struct(">" + "".join(f"{place - end}sq" for end, place in zip(ends, places))
+                           + f"{len(log) - ends[-1]}s")
+    parts = list(layout.unpack(log))
+    increments = [steps[place] for place in places]
+    with open(sys.argv[3], "wb") as out:
+        while out.tell() < size:
+            out.write(layout.pack(*parts))
+            parts[1::2] = map(int.__add__, parts[1::2], increments)
+
+
+if __name__ == "__main__":
+    main()
