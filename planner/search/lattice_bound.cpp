@@ -56,20 +56,17 @@ double unit_of_turns(const SearchProblem& problem) {
 }  // namespace
 
 LatticeBound::LatticeBound(int targets_max, int horizon_max, std::size_t states_max)
-    : states_(kWaitsMax * states_max),
+    : cost_(targets_max, horizon_max),
+      states_(kWaitsMax * states_max),
       squares_(kWaitsMax * states_max / 2),
       looks_(states_max / 2) {
-  const std::size_t looks = index(targets_max) * index(horizon_max);
   const auto half_max = static_cast<std::size_t>(kCellsPerStep[0]) * (index(horizon_max) + 1) + 4;
   sensors_.reserve(8);
   turns_.reserve(kMaxControls);
   ends_.reserve(kMaxControls);
-  gradients_.resize(looks);
-  known_.resize(looks);
-  reached_.resize(looks);
+  looked_.resize(3 * index(targets_max) * index(horizon_max));
   levels_.resize(index(horizon_max + 1));
   rows_.resize(index(horizon_max + 1) * (half_max + 1));
-  covariances_.resize(index(horizon_max + 1));
   beside_m_.reserve(index(targets_max));
   arounds_.resize(index(targets_max));
   row_.resize(2 * half_max + 1);
@@ -93,6 +90,7 @@ void LatticeBound::reset(const SearchProblem& problem, const BeliefTable& belief
   beliefs_ = &beliefs;
   targets_ = beliefs.target_count();
   horizon_ = problem.horizon_steps;
+  cost_.reset(problem, beliefs, InformationMeasure::kLogDet);
   unit_rad_ = unit_of_turns(problem);
   applies_ = beliefs.cost() == CostKind::kLogDet && unit_rad_ > 0.0 && targets_ > 0;
   turn_most_ = 0;
@@ -202,7 +200,7 @@ void LatticeBound::begin(float* reference) const {
               sensor.all_ways + 0.5 * (sensor.along + sensor.across / (middle_m * middle_m));
         }
       }
-      float* const R = reference + 3 * at(m, k);
+      float* const R = reference + 3 * cost_.at(m, k);
       R[0] = R[2] = static_cast<float>(kShare * strength);
       R[1] = 0.0F;
     }
@@ -214,9 +212,15 @@ bool LatticeBound::work(std::size_t nodes) {
   return !deadline_->expired(*work_nodes_);
 }
 
-bool LatticeBound::in_reach(int m, int k) const {
-  const double away_m = (beliefs_->mean_m(m, k).head<2>() - from_.position_m()).norm();
-  return away_m < sight_m_ + (k - depth_) * step_m_ + kEdge_m;
+void LatticeBound::mark_reached(const Pose2& at, int depth, LinearisedCost& cost) const {
+  for (int m = 0; m < targets_; ++m) {
+    for (int k = depth + 1; k <= horizon_; ++k) {
+      const double away_m = (beliefs_->mean_m(m, k).head<2>() - at.position_m()).norm();
+      if (away_m < sight_m_ + (k - depth) * step_m_ + kEdge_m) {
+        cost.set_reached(m, k);
+      }
+    }
+  }
 }
 
 bool LatticeBound::lay_out(std::size_t states) {
@@ -312,7 +316,7 @@ LatticeBound::Look LatticeBound::look(int m, int k, const Sensor& sensor, double
     return {};
   }
   // What directions towards the cell may ask of the gradient: ½ tr G ± A cos 2(θ − θ₀).
-  const Gradient& g = gradients_[at(m, k)];
+  const LinearisedCost::Gradient& g = told_->gradient(m, k);
   const double mean = 0.5 * (g.xx + g.yy);
   const double half_difference = 0.5 * (g.xx - g.yy);
   const double amplitude = std::sqrt(half_difference * half_difference + g.xy * g.xy);
@@ -341,16 +345,16 @@ LatticeBound::Look LatticeBound::look(int m, int k, const Sensor& sensor, double
   if (sensor.half_fov_rad >= kPi) {
     out.half_angle_rad = kPi;
   }
-  const double weight = 1.0 + horizon_ - k;  // of the states from this step on
+  const double weight = told_->weight(k);
   const double per_along = mean + most;
   const double per_across = mean - least;
+  const double known = told_->known(m, k);
   const auto value = [&](double r_m) {
     const double growth =
         sensor.grows ? std::max(sensor.variance_floor, r_m * sensor.growth_per_m) : 1.0;
-    const Capped forth =
-        capped(sensor.along / growth + sensor.all_ways, per_along, weight, known_[at(m, k)]);
-    const Capped side = capped(sensor.across / (r_m * r_m * growth) + sensor.all_ways, per_across,
-                               weight, known_[at(m, k)]);
+    const Capped forth = capped(sensor.along / growth + sensor.all_ways, per_along, weight, known);
+    const Capped side =
+        capped(sensor.across / (r_m * r_m * growth) + sensor.all_ways, per_across, weight, known);
     out.along = forth.kept;
     out.across = side.kept;
     const double more = forth.more * side.more;
@@ -375,7 +379,7 @@ bool LatticeBound::add_rewards(int t) {
   float* const planes = looks_.data() + index(level.turns) * level.plane();
   const auto stride = static_cast<std::ptrdiff_t>(level.plane());
   for (int m = 0; m < targets_; ++m) {
-    if (reached_[at(m, k)] == 0) {
+    if (!told_->is_reached(m, k)) {
       continue;
     }
     const Eigen::Vector2d away_m = beliefs_->mean_m(m, k).head<2>() - from_.position_m();
@@ -435,11 +439,11 @@ bool LatticeBound::add_rewards(int t) {
 LatticeBound::Answer LatticeBound::cost_to_go(const Pose2& at, int depth, const Blocks& blocks,
                                               float* reference, double share, std::size_t states,
                                               const Deadline& deadline, std::int64_t& work_nodes) {
-  from_ = at;
-  depth_ = depth;
   deadline_ = &deadline;
   work_nodes_ = &work_nodes;
-  base_ = 0.0;
+  cost_.clear_reached();
+  mark_reached(at, depth, cost_);
+  double base = 0.0;
   std::size_t touched = 0;
   const double* packed = blocks.packed;
   for (int m = 0; m < targets_; ++m) {
@@ -449,24 +453,44 @@ LatticeBound::Answer LatticeBound::cost_to_go(const Pose2& at, int depth, const 
       packed += packed_size(beliefs_->layout(m));
       ++touched;
     }
-    base_ += beliefs_->layout(m) == BlockLayout::kPlanar ? linearise<2>(m, block, reference)
-                                                         : linearise<4>(m, block, reference);
+    base += cost_.linearise(m, depth, block, reference);
     if (!work(kTargetNodes)) {
       return {-kInfinity, true};
     }
   }
+  const bool betters = share > 0.0;
+  std::fill(looked_.begin(), looked_.end(), 0.0F);
+  const Path path =
+      best_path(at, depth, cost_, betters ? looked_.data() : nullptr, states, deadline, work_nodes);
+  const double cost = base - path.gained - kFloatRounding * (1.0 + path.gained);
+  if (betters && !path.expired && path.gained < kInfinity) {
+    for (int m = 0; m < targets_; ++m) {
+      for (std::size_t i = 3 * cost_.at(m, depth + 1); i < 3 * cost_.at(m, horizon_) + 3; ++i) {
+        reference[i] += static_cast<float>(share) * (looked_[i] - reference[i]);
+      }
+    }
+  }
+  return {std::isnan(cost) ? -kInfinity : cost, path.expired};
+}
+
+LatticeBound::Path LatticeBound::best_path(const Pose2& at, int depth, const LinearisedCost& cost,
+                                           float* looked, std::size_t states,
+                                           const Deadline& deadline, std::int64_t& work_nodes) {
+  from_ = at;
+  depth_ = depth;
+  told_ = &cost;
+  deadline_ = &deadline;
+  work_nodes_ = &work_nodes;
   if (!lay_out(states)) {
-    return {-kInfinity, false};
+    return {kInfinity, false};
   }
   for (int t = horizon_ - depth_; t >= 1; --t) {
     if (!clear_level(t) || !add_rewards(t) || !gather(t)) {
-      return {-kInfinity, true};
+      return {kInfinity, true};
     }
   }
   const double most = best_first_step();
-  const bool expired = share > 0.0 && !follow_best(reference, share);
-  const double cost = base_ - most - kFloatRounding * (1.0 + most);
-  return {std::isnan(cost) ? -kInfinity : cost, expired};
+  return {most, looked != nullptr && !follow_best(looked)};
 }
 
 }  // namespace vantage::planner

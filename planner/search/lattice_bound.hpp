@@ -10,6 +10,7 @@
 #include "core/reserved_array.hpp"
 #include "planner/problem/belief_table.hpp"
 #include "planner/problem/problem.hpp"
+#include "planner/search/linearised_cost.hpp"
 #include "planner/search/tree.hpp"
 
 namespace vantage::planner {
@@ -18,9 +19,8 @@ namespace vantage::planner {
 /// controls whose turns are whole multiples of one: what the best single path gains, where Thm 6
 /// gives every target a robot of its own that looks every way at once.
 ///
-/// J is convex in the information of all looks together (Riccati's step is operator concave), so
-/// around any reference R: J(M) ≥ J(R) + Σ ⟨G, R⟩ − Σ ⟨G, M⟩, with G = −∂J/∂M at R. What is left is
-/// additive over steps, and the path that gathers most is found by dynamic programming over a
+/// Around a reference the cost is additive over steps (LinearisedCost), and the path that gathers
+/// most of what it says is found by dynamic programming over a
 /// lattice: headings are exact, places are square cells, each standing for the most that any place
 /// in it can tell (distance, field of view), and a control leads to every cell that the moved
 /// square touches. A look's strength b along a direction counts linearly up to some b' only: what
@@ -44,8 +44,8 @@ class LatticeBound {
   /// Whether it bounds nothing of this problem.
   [[nodiscard]] bool is_empty() const { return !applies_; }
 
-  /// Numbers in a reference: a symmetric 2×2 matrix for each target and depth, 1/m².
-  [[nodiscard]] std::size_t reference_size() const { return 3 * index(targets_) * index(horizon_); }
+  /// Floats in a reference, see LinearisedCost.
+  [[nodiscard]] std::size_t reference_size() const { return cost_.reference_size(); }
   /// A reference to begin with: a weak look at all that is in reach of the start.
   void begin(float* reference) const;
 
@@ -60,6 +60,18 @@ class LatticeBound {
                     double share, std::size_t states, const Deadline& deadline,
                     std::int64_t& work_nodes);
 
+  /// Tells `cost` which targets a robot at `at` can come near after `depth`.
+  void mark_reached(const Pose2& at, int depth, LinearisedCost& cost) const;
+
+  struct Path {
+    double gained = 0.0;  ///< Σ ⟨G, M⟩ at most, of M capped where looks saturate; ∞: not known
+    bool expired = false;
+  };
+  /// The most that a path from `at` after `depth` gathers of what `cost` says; where `looked` is
+  /// not null, what the best path over the lattice sees is added to it, as long as a reference.
+  Path best_path(const Pose2& at, int depth, const LinearisedCost& cost, float* looked,
+                 std::size_t states, const Deadline& deadline, std::int64_t& work_nodes);
+
  private:
   static constexpr double kEdge_m = 1e-6;  ///< cells, ranges and ways are wider by so much
   static constexpr float kNever = -1e30F;  ///< no path leads here
@@ -67,12 +79,6 @@ class LatticeBound {
   static constexpr std::size_t kTargetNodes = 200;  ///< to linearise a target or follow a step …
   static constexpr std::size_t kMovesANode = 150;   ///< … and moves to a cell in the time of one
 
-  /// Symmetric 2×2.
-  struct Gradient {
-    double xx = 0.0;
-    double xy = 0.0;
-    double yy = 0.0;
-  };
   /// What a sensor tells of a planar target.
   struct Sensor {
     double range_max_m = 0.0;
@@ -109,13 +115,7 @@ class LatticeBound {
     double half_angle_rad = 0.0;
   };
 
-  [[nodiscard]] std::size_t at(int m, int k) const {
-    return index(m) * index(horizon_) + index(k - 1);
-  }
   void find_rare();
-  [[nodiscard]] bool in_reach(int m, int k) const;
-  template <int kDim>
-  double linearise(int m, const double* block, float* reference);
   bool lay_out(std::size_t states);
   bool clear_level(int t);
   bool add_rewards(int t);
@@ -124,7 +124,7 @@ class LatticeBound {
   bool gather(int t);
   void take_squares(const float* here, const Level& level, float* out) const;
   double best_first_step();
-  bool follow_best(float* reference, double share);
+  bool follow_best(float* looked);
   /// Cells of row j that can be reached at level t: −reach … reach; −1: none.
   [[nodiscard]] int reach_of_row(int t, int j) const;
   /// What is gathered from level t on with heading n, when `rests` more steps are too soon.
@@ -157,15 +157,13 @@ class LatticeBound {
   Pose2 from_;
   int depth_ = 0;
   double cell_m_ = 0.0;
-  double base_ = 0.0;
-  std::vector<Gradient> gradients_;    ///< [m][k]
-  std::vector<double> known_;          ///< [m][k]: least information without any look, 1/m²
-  std::vector<std::uint8_t> reached_;  ///< [m][k]
+  LinearisedCost cost_;                   ///< of cost_to_go()
+  const LinearisedCost* told_ = nullptr;  ///< of this query
+  std::vector<float> looked_;             ///< of cost_to_go()
   std::vector<Level> levels_;
   std::vector<int> rows_;      ///< [level][|row|]: reach_of_row
   std::vector<Shift> shifts_;  ///< [heading][control]
   int shift_turns_ = 0;
-  std::vector<Eigen::Matrix4d> covariances_;  ///< [k]
   ReservedArray<float> states_;     ///< [level][rests][heading]: what is gathered from there on
   ReservedArray<float> squares_;    ///< of one level: the most of 2 × 2 cells
   ReservedArray<float> looks_;      ///< of one level: what is seen, [heading]

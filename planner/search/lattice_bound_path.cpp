@@ -107,7 +107,7 @@ void LatticeBound::take_squares(const float* here, const Level& level, float* ou
 }
 
 // long: finds a step of the path, then sees what it sees.
-bool LatticeBound::follow_best(float* reference, double share) {
+bool LatticeBound::follow_best(float* looked) {
   const int steps = horizon_ - depth_;
   const double half_cell_m = 0.5 * cell_m_ + kEdge_m;
   int n = 0;
@@ -150,9 +150,8 @@ bool LatticeBound::follow_best(float* reference, double share) {
     const double yaw_rad = from_.yaw_rad + n * unit_rad_;
     bool is_rare = false;
     for (int m = 0; m < targets_; ++m) {
-      float* const R = reference + 3 * at(m, k);
       Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
-      if (reached_[at(m, k)] != 0) {
+      if (told_->is_reached(m, k)) {
         const Eigen::Vector2d to_m =
             beliefs_->mean_m(m, k).head<2>() - from_.position_m() - cell_m_ * Eigen::Vector2d(x, y);
         for (const Sensor& sensor : sensors_) {
@@ -168,10 +167,10 @@ bool LatticeBound::follow_best(float* reference, double share) {
           }
         }
       }
-      const double looked[] = {M(0, 0), M(0, 1), M(1, 1)};
-      for (int i = 0; i < 3; ++i) {
-        R[i] += static_cast<float>(share) * (static_cast<float>(looked[i]) - R[i]);
-      }
+      float* const told = looked + 3 * told_->at(m, k);
+      told[0] += static_cast<float>(M(0, 0));
+      told[1] += static_cast<float>(M(0, 1));
+      told[2] += static_cast<float>(M(1, 1));
     }
     rests = rests > 0 ? rests - 1 : is_rare ? waits_ - 1 : 0;
     if (!work(kTargetNodes)) {
