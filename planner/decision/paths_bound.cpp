@@ -91,18 +91,17 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
 
 PathsBound::Answer PathsBound::under_attack(std::span<const SearchProblem> problems,
                                             int attacks_max, InformationMeasure measure,
-                                            std::int64_t nodes) {
+                                            std::int64_t nodes, bool (*is_cancelled)()) {
+  const Deadline half = Deadline::nodes(std::max<std::int64_t>(1, nodes / 2)).unless(is_cancelled);
   std::vector<int> robots(problems.size());
   std::iota(robots.begin(), robots.end(), 0);
-  const Answer of_all =
-      of(problems, robots, measure, Deadline::nodes(std::max<std::int64_t>(1, nodes / 2)));
+  const Answer of_all = of(problems, robots, measure, half);
   std::stable_sort(robots.begin(), robots.end(),
                    [&](int a, int b) { return of_all.parts[index(a)] > of_all.parts[index(b)]; });
   const auto attacked = std::min(robots.size(), index(std::max(0, attacks_max)));
   robots.erase(robots.begin(), robots.begin() + static_cast<std::ptrdiff_t>(attacked));
   std::sort(robots.begin(), robots.end());
-  Answer left =
-      of(problems, robots, measure, Deadline::nodes(std::max<std::int64_t>(1, nodes / 2)));
+  Answer left = of(problems, robots, measure, half);
   left.information_nats = std::min(left.information_nats, of_all.information_nats);
   left.work_nodes += of_all.work_nodes;
   return left;

@@ -19,8 +19,8 @@ namespace vantage::planner {
 /// out: they only take away. Of spatial targets and other turns than LatticeBound takes nothing is
 /// known.
 ///
-/// Some 20 MB. A step of a robot is a lattice of some 10⁵ to 10⁶ cells, 2 to 20 ms.
-/// Source: ours; Frank & Wolfe 1956.
+/// Some 60 MB of memory are reserved. A turn of a robot is a lattice of 10⁵ to 10⁶ cells, 1 to 15
+/// ms. Source: ours; Frank & Wolfe 1956.
 class PathsBound {
  public:
   PathsBound(int targets_max, int horizon_max);
@@ -38,9 +38,11 @@ class PathsBound {
 
   /// The same of what the worst attack on `attacks_max` of all robots leaves of any paths: no more
   /// than the others can bring when those with the largest parts are attacked. Half of `nodes` of
-  /// work is for finding these. `parts` are of the others.
+  /// work is for finding these. `parts` are of the others, ascending. `is_cancelled` as of
+  /// Deadline::unless.
   Answer under_attack(std::span<const SearchProblem> problems, int attacks_max,
-                      InformationMeasure measure, std::int64_t nodes);
+                      InformationMeasure measure, std::int64_t nodes,
+                      bool (*is_cancelled)() = nullptr);
 
  private:
   LinearisedCost cost_;
