@@ -45,6 +45,7 @@ double LinearisedCost::linearise(int m, int depth, const double* block, const fl
              : linearise_block<4>(m, depth, block, reference);
 }
 
+// long: forwards what the next loop needs backwards.
 template <int kDim>
 double LinearisedCost::linearise_block(int m, int depth, const double* block,
                                        const float* reference) {
