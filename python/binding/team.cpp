@@ -173,6 +173,24 @@ None of rain, which searches instead of choosing, and for measure logdet.)")
           R"((robots, value): at most so many without whose eyes least is left, and how much.
 
 Every attack is tried.)")
+      .def(
+          "paths_bound",
+          [](const Decision& d, int attacks_max, std::int64_t nodes) {
+            const Interruption interruption;
+            double nats = 0.0;
+            {
+              const py::gil_scoped_release release;
+              nats = d.paths_bound(attacks_max, nodes, Interruption::came);
+            }
+            interruption.rethrow();
+            return std::isfinite(nats) ? std::optional<double>(nats) : std::nullopt;
+          },
+          py::arg("attacks_max") = 0, py::arg("nodes") = 4'000'000,
+          R"(Proven, nats: no paths at all that the robots' controls allow are together worth more.
+
+However they were found, whatever is in their way, motion costing nothing. With attacks_max: after
+the worst attack on so many robots no paths leave more. Tighter with more nodes of work, some 0.1 s
+a million. None: nothing is known (of targets in space, say).)")
       .def("__repr__", [](const Decision& d) {
         return "<vantage.Decision " + d.algorithm() + ": " + std::to_string(d.value()) + " nats>";
       });

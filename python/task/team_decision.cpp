@@ -15,6 +15,7 @@
 #include "planner/decision/exhaustive.hpp"
 #include "planner/decision/local_search.hpp"
 #include "planner/decision/local_search_session.hpp"
+#include "planner/decision/paths_bound.hpp"
 #include "planner/decision/resilient.hpp"
 #include "planner/decision/team_bound.hpp"
 #include "planner/decision/team_set.hpp"
@@ -289,7 +290,12 @@ Decision::Decision(std::vector<SearchProblem> problems, const TeamRequest& reque
   for (SearchProblem& problem : problems) {
     problem.fixed_information.clear();
   }
-  const SearchProblem& first = problems.front();
+  problems_ = problems;
+  for (SearchProblem& problem : problems_) {
+    problem.world = nullptr;
+    problem.field = nullptr;
+  }
+  const SearchProblem& first = problems_.front();
   team_ = {first.targets, first.horizon_steps, first.step_s, request.measure, {}};
   team_.candidates.resize(problems.size());
   const bool searches = algorithm_ == kRain;
@@ -335,6 +341,14 @@ std::vector<std::optional<std::size_t>> Decision::chosen() const {
     }
   }
   return chosen;
+}
+
+double Decision::paths_bound(int attacks_max, std::int64_t nodes, bool (*is_cancelled)()) const {
+  require(attacks_max >= 0, fmt::format("attacks_max: must be ≥ 0, got {}", attacks_max));
+  require(nodes >= 1, fmt::format("nodes: must be ≥ 1, got {}", nodes));
+  planner::PathsBound bound(static_cast<int>(team_.targets.size()), team_.horizon_steps);
+  return bound.under_attack(problems_, attacks_max, team_.measure, nodes, is_cancelled)
+      .information_nats;
 }
 
 planner::Attack Decision::worst_attack(int attacks_max) const {

@@ -64,12 +64,18 @@ class Decision {
   [[nodiscard]] std::int64_t messages() const { return decided_.messages; }
   /// @throws UsageError when there are too many attacks to look at one by one
   [[nodiscard]] planner::Attack worst_attack(int attacks_max) const;
+  /// Proven: no paths that the robots' controls allow are worth more, however they were found, or,
+  /// with attacks, leave more to the team under the worst one, nats; ∞: nothing is known.
+  /// @throws UsageError naming the argument that breaks a rule
+  [[nodiscard]] double paths_bound(int attacks_max, std::int64_t nodes,
+                                   bool (*is_cancelled)()) const;
 
  private:
   std::string algorithm_;
   std::vector<int> bait_;
   planner::TeamDecision decided_;
   planner::TeamProblem team_;
+  std::vector<planner::SearchProblem> problems_;  ///< without worlds, which may be gone
   std::unique_ptr<planner::TeamOracle> oracle_;
   double value_ = 0.0;
   std::optional<double> bound_;

@@ -155,6 +155,21 @@ class Decided(Case):
             self.assertGreaterEqual(decision.bound, best - 1e-6)
         self.assertIsNone(self.decide("greedy", measure="logdet")[0].bound)
 
+    def test_is_within_what_any_paths_give_attacked_or_not(self):
+        for measure in ("mutual", "logdet"):
+            for algorithm in (*CHOOSING, "rain", "max_min"):
+                attacks = 1 if algorithm in ("rain", "max_min") else 0
+                decision = self.decide(algorithm, measure=measure, **({"attacks_max": 1} if attacks else {}))[0]
+                coarse, fine = (decision.paths_bound(nodes=nodes) for nodes in (1_000_000, 4_000_000))
+                self.assertLessEqual(decision.value, fine)
+                self.assertLessEqual(fine, coarse)
+                self.assertLess(fine, 3 * decision.value)
+                for count in (1, 2, 3):
+                    self.assertLessEqual(decision.worst_attack(count)[1], decision.paths_bound(count, 1_000_000) + 1e-6)
+        for argument in ({"attacks_max": -1}, {"nodes": 0}):
+            with self.assertRaisesRegex(ValueError, next(iter(argument))):
+                decision.paths_bound(**argument)
+
     def test_gives_plans_that_can_be_driven(self):
         problems = team()
         decision = vantage.decide(problems, **FEW)

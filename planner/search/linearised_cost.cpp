@@ -1,11 +1,9 @@
+#include "planner/search/linearised_cost.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/LU>
-
-#include "planner/search/lattice_bound.hpp"
-
-// J at the reference and its gradient there.
 
 namespace vantage::planner {
 namespace {
@@ -19,9 +17,40 @@ double widest(const double* packed) {
 
 }  // namespace
 
+LinearisedCost::LinearisedCost(int targets_max, int horizon_max) {
+  const std::size_t looks = index(targets_max) * index(horizon_max);
+  gradients_.resize(looks);
+  known_.resize(looks);
+  reached_.resize(looks);
+  covariances_.resize(index(horizon_max + 1));
+  predicted_.resize(index(horizon_max + 1));
+}
+
+void LinearisedCost::reset(const SearchProblem& problem, const BeliefTable& beliefs,
+                           InformationMeasure measure) {
+  problem_ = &problem;
+  beliefs_ = &beliefs;
+  measure_ = measure;
+  targets_ = beliefs.target_count();
+  horizon_ = problem.horizon_steps;
+}
+
+void LinearisedCost::clear_reached() {
+  std::fill_n(reached_.begin(), index(targets_) * index(horizon_), std::uint8_t{0});
+}
+
+double LinearisedCost::linearise(int m, int depth, const double* block, const float* reference) {
+  return beliefs_->layout(m) == BlockLayout::kPlanar
+             ? linearise_block<2>(m, depth, block, reference)
+             : linearise_block<4>(m, depth, block, reference);
+}
+
+// long: forwards what the next loop needs backwards.
 template <int kDim>
-double LatticeBound::linearise(int m, const double* block, float* reference) {
+double LinearisedCost::linearise_block(int m, int depth, const double* block,
+                                       const float* reference) {
   using Matrix = Eigen::Matrix<double, kDim, kDim>;
+  const bool is_mutual = measure_ == InformationMeasure::kMutual;
   const BlockLayout layout = beliefs_->layout(m);
   double packed[kMaxPacked];
   double unseen[kMaxPacked];
@@ -30,17 +59,18 @@ double LatticeBound::linearise(int m, const double* block, float* reference) {
   double cost = 0.0;
   bool any = false;
   // Forwards: the covariances at the reference, and what they cost.
-  for (int k = depth_ + 1; k <= horizon_; ++k) {
-    float* const R = reference + 3 * at(m, k);
-    const bool reached = in_reach(m, k);
-    reached_[at(m, k)] = reached ? 1 : 0;
-    any = any || reached;
+  for (int k = depth + 1; k <= horizon_; ++k) {
+    any = any || is_reached(m, k);
     beliefs_->predict_into(m, k, packed, packed);
     beliefs_->predict_into(m, k, unseen, unseen);
     known_[at(m, k)] = 1.0 / widest(unseen);
-    if (reached) {
+    if (is_mutual) {
+      predicted_[index(k)].topLeftCorner<kDim, kDim>() = unpack(layout, packed);
+      cost -= std::log(determinant(layout, packed));
+    }
+    if (is_reached(m, k)) {
       PackedInformation M;
-      std::copy_n(R, 3, M.m);
+      std::copy_n(reference + 3 * at(m, k), 3, M.m);
       update(layout, M.m, packed, packed);
     }
     covariances_[index(k)].topLeftCorner<kDim, kDim>() = unpack(layout, packed);
@@ -52,7 +82,7 @@ double LatticeBound::linearise(int m, const double* block, float* reference) {
   // Backwards: L = ∂J/∂Σ at each depth.
   const Matrix A = problem_->targets[index(m)].model.transition(problem_->step_s);
   Matrix L = Matrix::Zero();
-  for (int k = horizon_; k > depth_; --k) {
+  for (int k = horizon_; k > depth; --k) {
     const Matrix Sigma = covariances_[index(k)].topLeftCorner<kDim, kDim>();
     L += Sigma.inverse();
     const Eigen::Matrix2d G = (Sigma * L * Sigma).template topLeftCorner<2, 2>();
@@ -60,7 +90,7 @@ double LatticeBound::linearise(int m, const double* block, float* reference) {
     gradient = {G(0, 0), 0.5 * (G(0, 1) + G(1, 0)), G(1, 1)};
     const float* const R = reference + 3 * at(m, k);
     Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
-    if (reached_[at(m, k)] != 0) {
+    if (is_reached(m, k)) {
       M << R[0], R[1], R[1], R[2];
       cost += gradient.xx * M(0, 0) + 2.0 * gradient.xy * M(0, 1) + gradient.yy * M(1, 1);
     }
@@ -72,13 +102,16 @@ double LatticeBound::linearise(int m, const double* block, float* reference) {
     }
     Matrix K = Matrix::Identity();  // Σ Σₚ⁻¹
     K.template leftCols<2>() -= Sigma.template leftCols<2>() * M;
-    const Matrix KA = K * A;
-    L = (KA.transpose() * L * KA).eval();
+    if (is_mutual) {
+      const Matrix predicted = predicted_[index(k)].topLeftCorner<kDim, kDim>();
+      L = (K.transpose() * L * K - Matrix(predicted.inverse())).eval();
+      L = (A.transpose() * L * A).eval();
+    } else {
+      const Matrix KA = K * A;
+      L = (KA.transpose() * L * KA).eval();
+    }
   }
   return cost;
 }
-
-template double LatticeBound::linearise<2>(int, const double*, float*);
-template double LatticeBound::linearise<4>(int, const double*, float*);
 
 }  // namespace vantage::planner

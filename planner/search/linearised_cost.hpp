@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/index.hpp"
+#include "planner/problem/belief_table.hpp"
+#include "planner/problem/information_measure.hpp"
+#include "planner/problem/problem.hpp"
+#include "planner/search/tree.hpp"
+
+namespace vantage::planner {
+
+/// The cost of planar targets as an affine function of what all looks at them tell: a lower bound
+/// on it everywhere, exact where it is taken.
+///
+/// J is convex in the information of all looks together (Riccati's step is operator concave, and so
+/// is −2 I(y_{1:T}; z_{1:T}), whose Hessian is that of −log det): around any reference R,
+/// J(M) ≥ J(R) + Σ ⟨G, R⟩ − Σ ⟨G, M⟩ with G = −∂J/∂M at R. What is left is additive over steps,
+/// targets and robots. A reference is a symmetric 2×2 matrix of each target and depth, 1/m², in
+/// three floats.
+///
+/// Allocates nothing after construction.
+class LinearisedCost {
+ public:
+  LinearisedCost(int targets_max, int horizon_max);
+
+  /// Tables the targets of `problem`; both must outlive the queries. By kLogDet the cost is J_T, by
+  /// kMutual −2 I.
+  void reset(const SearchProblem& problem, const BeliefTable& beliefs, InformationMeasure measure);
+
+  /// Floats in a reference.
+  [[nodiscard]] std::size_t reference_size() const { return 3 * index(targets_) * index(horizon_); }
+  /// Of target m at depth k ≥ 1, in a reference.
+  [[nodiscard]] std::size_t at(int m, int k) const {
+    return index(m) * index(horizon_) + index(k - 1);
+  }
+
+  /// Nobody comes near any target …
+  void clear_reached();
+  /// … but who does so of target m at depth k. A reference counts for nothing elsewhere.
+  void set_reached(int m, int k) { reached_[at(m, k)] = 1; }
+  [[nodiscard]] bool is_reached(int m, int k) const { return reached_[at(m, k)] != 0; }
+
+  /// J(R) + Σ ⟨G, R⟩ of target m over the depths after `depth`, where it is known by `block`.
+  double linearise(int m, int depth, const double* block, const float* reference);
+
+  /// Symmetric 2×2, m².
+  struct Gradient {
+    double xx = 0.0;
+    double xy = 0.0;
+    double yy = 0.0;
+  };
+  /// G of target m at depth k.
+  [[nodiscard]] const Gradient& gradient(int m, int k) const { return gradients_[at(m, k)]; }
+  /// Least information of the position that there is without any look, 1/m².
+  [[nodiscard]] double known(int m, int k) const { return known_[at(m, k)]; }
+  /// A look at depth k that raises the information of a direction by a factor f lowers the cost by
+  /// so many times ln f at most: J_T is of the states from this step on, and by data processing
+  /// along the Markov chain none of them gains more than that of its step.
+  [[nodiscard]] double weight(int k) const {
+    return measure_ == InformationMeasure::kLogDet ? 1.0 + horizon_ - k : 1.0;
+  }
+
+ private:
+  template <int kDim>
+  double linearise_block(int m, int depth, const double* block, const float* reference);
+
+  const SearchProblem* problem_ = nullptr;
+  const BeliefTable* beliefs_ = nullptr;
+  InformationMeasure measure_ = InformationMeasure::kLogDet;
+  int targets_ = 0;
+  int horizon_ = 0;
+  std::vector<Gradient> gradients_;           ///< [m][k]
+  std::vector<double> known_;                 ///< [m][k]
+  std::vector<std::uint8_t> reached_;         ///< [m][k]
+  std::vector<Eigen::Matrix4d> covariances_;  ///< [k], updated
+  std::vector<Eigen::Matrix4d> predicted_;    ///< [k]
+};
+
+}  // namespace vantage::planner
