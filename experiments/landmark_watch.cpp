@@ -148,7 +148,7 @@ class LandmarkWatch {
     for (Robot& robot : robots_) {
       set_up(robot);
     }
-    planner::plan_round_resiliently(
+    planner::plan_resiliently(
         static_cast<int>(robots_.size()), is_resilient_ ? setting_.attacks : 0,
         [&](int robot, const std::vector<int>& beside) { return plan_robot(robot, beside); });
   }

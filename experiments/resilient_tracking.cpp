@@ -135,7 +135,7 @@ class TrackingTask {
 
   void plan() {
     set_up_problems();
-    planner::plan_round_resiliently(
+    planner::plan_resiliently(
         setting_.robots, is_resilient_ ? setting_.attacks : 0,
         [&](int robot, const std::vector<int>& beside) { return plan_robot(robot, beside); });
     planner::TeamProblem team;
