@@ -4,13 +4,10 @@
 #include <cmath>
 #include <random>
 
+#include "core/uniform.hpp"
+
 namespace vantage::experiments {
 namespace {
-
-// As std::uniform_real_distribution, which is not the same everywhere.
-double uniform(std::mt19937_64& rng, double low, double high) {
-  return low + (high - low) * static_cast<double>(rng() >> 11U) * 0x1p-53;
-}
 
 double side_m(int n) { return 40.0 + 20.0 * (n - 2) / 8.0; }
 

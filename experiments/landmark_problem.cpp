@@ -2,13 +2,10 @@
 
 #include <random>
 
+#include "core/uniform.hpp"
+
 namespace vantage::experiments {
 namespace {
-
-// As std::uniform_real_distribution, which is not the same everywhere.
-double uniform(std::mt19937_64& rng, double low, double high) {
-  return low + (high - low) * static_cast<double>(rng() >> 11U) * 0x1p-53;
-}
 
 Eigen::Vector2d anywhere_free(std::mt19937_64& rng, const models::World& world) {
   while (true) {

@@ -5,10 +5,9 @@
 
 #include "core/check.hpp"
 #include "core/index.hpp"
+#include "experiments/searching_team.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/world/grid.hpp"
-#include "planner/decision/resilient.hpp"
-#include "planner/problem/fixed_information.hpp"
 #include "planner/search/arvi.hpp"
 
 namespace vantage::experiments {
@@ -53,7 +52,7 @@ class LandmarkWatch {
       beliefs_.push_back(prior);
     }
     for (const models::Viewpoint& start : starts) {
-      robots_.push_back({start, world_at(setting, start.height_m), {}, {}, {}});
+      robots_.push_back({start, world_at(setting, start.height_m), {}});
       require(models::clearance_m(robots_.back().world, start.world_from_body.position_m()) >
                   setting.clearance_m,
               "watch: a robot's start must be free");
@@ -61,7 +60,7 @@ class LandmarkWatch {
     for (Robot& robot : robots_) {
       robot.field = models::DistanceField(robot.world, kFieldResolution_m);
     }
-    attacked_.assign(robots_.size(), 0);
+    team_.problems.resize(robots_.size());
   }
 
   WatchRun run() {
@@ -73,8 +72,8 @@ class LandmarkWatch {
         plan();
         attack();
       }
-      for (Robot& robot : robots_) {
-        run.turns_on_the_spot += move(robot, of_plan) ? 0 : 1;
+      for (std::size_t i = 0; i < robots_.size(); ++i) {
+        run.turns_on_the_spot += move(robots_[i], team_.plans[i], of_plan) ? 0 : 1;
       }
       look(run);
       note_poses(run);
@@ -88,8 +87,6 @@ class LandmarkWatch {
     models::Viewpoint at;
     models::World world;
     models::DistanceField field;
-    planner::SearchProblem problem;
-    planner::SearchResult plan;
   };
 
   [[nodiscard]] std::vector<planner::SearchTarget> planned_targets() const {
@@ -101,8 +98,7 @@ class LandmarkWatch {
     return targets;
   }
 
-  void set_up(Robot& robot) const {
-    planner::SearchProblem& problem = robot.problem;
+  void set_up(const Robot& robot, planner::SearchProblem& problem) const {
     problem.start = robot.at.world_from_body;
     problem.height_m = robot.at.height_m;
     problem.controls = setting_.controls;
@@ -128,59 +124,28 @@ class LandmarkWatch {
     return options;
   }
 
-  // What its plan alone beside those of `beside` gains, nats.
-  double plan_robot(int i, const std::vector<int>& beside) {
-    Robot& robot = robots_[index(i)];
-    std::vector<planner::FixedTeammate> teammates;
-    for (const int other : beside) {
-      const Robot& fixed = robots_[index(other)];
-      teammates.push_back(
-          {planner::to_trajectory(fixed.problem, fixed.plan), setting_.sensor, false});
-    }
-    robot.problem.fixed_information = planner::fixed_information(robot.problem, teammates);
-    robot.plan = search_.plan(robot.problem, reduction(), Deadline::never());
-    planner::SearchProblem blind = robot.problem;
-    blind.sensors.clear();
-    return 0.5 * (planner::score(blind, robot.plan.poses) - robot.plan.cost);
-  }
-
   void plan() {
-    for (Robot& robot : robots_) {
-      set_up(robot);
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      set_up(robots_[i], team_.problems[i]);
     }
-    planner::plan_round_resiliently(
-        static_cast<int>(robots_.size()), is_resilient_ ? setting_.attacks : 0,
-        [&](int robot, const std::vector<int>& beside) { return plan_robot(robot, beside); });
+    team_.plan(is_resilient_ ? setting_.attacks : 0, [&](const planner::SearchProblem& problem) {
+      return search_.plan(problem, reduction(), Deadline::never());
+    });
   }
 
   void attack() {
-    attacked_.assign(robots_.size(), 0);
     if (setting_.jammed_robot >= 0) {
+      attacked_.assign(robots_.size(), 0);
       attacked_[index(setting_.jammed_robot)] = 1;
-      return;
-    }
-    planner::TeamProblem team;
-    team.targets = planned_targets();
-    team.horizon_steps = setting_.plan_steps;
-    team.step_s = setting_.step_s;
-    team.measure = planner::InformationMeasure::kLogDet;
-    planner::Choice everybody;
-    for (const Robot& robot : robots_) {
-      everybody.push_back(static_cast<planner::CandidateId>(team.candidates.size()));
-      team.candidates.push_back({planner::make_candidate(robot.problem, {}, robot.plan)});
-    }
-    const planner::TeamOracle oracle(team);
-    const planner::Attack attack =
-        planner::attack_by(setting_.attacker, oracle, everybody, setting_.attacks);
-    for (const int robot : attack.robots) {
-      attacked_[index(robot)] = 1;
+    } else {
+      attacked_ = team_.attacked(setting_.attacker, setting_.attacks);
     }
   }
 
   // One step of its plan; false when there is none and it turns instead.
-  bool move(Robot& robot, int of_plan) const {
-    if (of_plan < robot.plan.moving_steps) {
-      robot.at.world_from_body = robot.plan.poses[index(of_plan)];
+  bool move(Robot& robot, const planner::SearchResult& plan, int of_plan) const {
+    if (of_plan < plan.moving_steps) {
+      robot.at.world_from_body = plan.poses[index(of_plan)];
       return true;
     }
     robot.at.world_from_body = models::step_unicycle(robot.at.world_from_body,
@@ -228,6 +193,7 @@ class LandmarkWatch {
   std::vector<models::Gaussian> beliefs_;
   std::vector<int> steps_unseen_;  ///< of each landmark
   std::vector<Robot> robots_;
+  SearchingTeam team_;
   std::vector<char> attacked_;
 };
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/check.hpp"
+#include "core/uniform.hpp"
 #include "models/mapping/beam_scan.hpp"
 #include "planner/problem/motion_table.hpp"
 #include "sim/random.hpp"
@@ -16,11 +17,6 @@ using models::OccupancyBelief;
 using planner::MapRoute;
 
 constexpr double kStartSquare_m = 3.0;  // half the side of the square that a team starts in
-
-// A number in [low, high) that is the same with every standard library.
-double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
-}
 
 std::vector<Pose2> draw_starts(const MappingSetup& setup, std::mt19937_64& random) {
   const models::Rectangle& bounds = setup.world.bounds;

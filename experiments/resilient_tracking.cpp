@@ -4,10 +4,9 @@
 #include <random>
 
 #include "core/index.hpp"
+#include "experiments/searching_team.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/world/grid.hpp"
-#include "planner/decision/resilient.hpp"
-#include "planner/problem/fixed_information.hpp"
 #include "planner/search/beam.hpp"
 
 namespace vantage::experiments {
@@ -65,8 +64,7 @@ class TrackingTask {
       const double y_m = 0.5 * kSide_m + off_m(rng);
       poses_.push_back({x_m, y_m, heading(rng)});
     }
-    problems_.resize(poses_.size());
-    plans_.resize(poses_.size());
+    team_.problems.resize(poses_.size());
     attacked_.assign(poses_.size(), 0);
   }
 
@@ -77,7 +75,7 @@ class TrackingTask {
         plan();
       }
       for (std::size_t i = 0; i < poses_.size(); ++i) {
-        poses_[i] = plans_[i].poses[index(step % setting_.plan_steps)];
+        poses_[i] = team_.plans[i].poses[index(step % setting_.plan_steps)];
       }
       targets_.move();
       targets_.look(tracking_sensor(), poses_, attacked_);
@@ -99,8 +97,8 @@ class TrackingTask {
   }
 
   void set_up_problems() {
-    for (std::size_t i = 0; i < problems_.size(); ++i) {
-      planner::SearchProblem& problem = problems_[i];
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      planner::SearchProblem& problem = team_.problems[i];
       problem.start = poses_[i];
       problem.controls = models::standard_primitives();
       problem.horizon_steps = setting_.plan_steps;
@@ -116,45 +114,14 @@ class TrackingTask {
     }
   }
 
-  double plan_robot(int robot, const std::vector<int>& beside) {
-    planner::SearchProblem& problem = problems_[index(robot)];
-    std::vector<planner::FixedTeammate> teammates;
-    for (const int other : beside) {
-      teammates.push_back({planner::to_trajectory(problems_[index(other)], plans_[index(other)]),
-                           planned_sensor(), false});
-    }
-    problem.fixed_information = planner::fixed_information(problem, teammates);
-    planner::BeamOptions options;
-    options.breadth = kBreadth;
-    plans_[index(robot)] = search_.plan(problem, options, Deadline::nodes(setting_.nodes_per_plan));
-    planner::SearchProblem blind = problem;
-    blind.sensors.clear();
-    const planner::SearchResult& plan = plans_[index(robot)];
-    return 0.5 * (planner::score(blind, plan.poses) - plan.cost);
-  }
-
   void plan() {
     set_up_problems();
-    planner::plan_round_resiliently(
-        setting_.robots, is_resilient_ ? setting_.attacks : 0,
-        [&](int robot, const std::vector<int>& beside) { return plan_robot(robot, beside); });
-    planner::TeamProblem team;
-    team.targets = problems_.front().targets;
-    team.horizon_steps = setting_.plan_steps;
-    team.step_s = kStep_s;
-    team.measure = planner::InformationMeasure::kLogDet;
-    planner::Choice everybody;
-    for (std::size_t i = 0; i < plans_.size(); ++i) {
-      team.candidates.push_back({planner::make_candidate(problems_[i], {}, plans_[i])});
-      everybody.push_back(static_cast<planner::CandidateId>(i));
-    }
-    const planner::TeamOracle oracle(team);
-    attacked_.assign(plans_.size(), 0);
-    const planner::Attack attack =
-        planner::attack_by(setting_.attacker, oracle, everybody, setting_.attacks);
-    for (const int robot : attack.robots) {
-      attacked_[index(robot)] = 1;
-    }
+    planner::BeamOptions options;
+    options.breadth = kBreadth;
+    team_.plan(is_resilient_ ? setting_.attacks : 0, [&](const planner::SearchProblem& problem) {
+      return search_.plan(problem, options, Deadline::nodes(setting_.nodes_per_plan));
+    });
+    attacked_ = team_.attacked(setting_.attacker, setting_.attacks);
   }
 
   void note(TrackingRun& run) const {
@@ -180,8 +147,7 @@ class TrackingTask {
   TrackedTargets targets_;
   planner::RefiningBeam search_;
   std::vector<Pose2> poses_;
-  std::vector<planner::SearchProblem> problems_;
-  std::vector<planner::SearchResult> plans_;
+  SearchingTeam team_;
   std::vector<char> attacked_;
 };
 

@@ -1,9 +1,11 @@
 #include "planner/decision/resilient.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 
 #include "core/check.hpp"
+#include "core/index.hpp"
 #include "planner/decision/coordinate_descent.hpp"
 #include "planner/decision/exhaustive.hpp"
 #include "planner/decision/team_set.hpp"
@@ -14,41 +16,79 @@ std::vector<int> bait_robots(std::span<const double> values_alone, int attacks_m
   require(attacks_max >= 0, "resilient planning: attacks_max must be ≥ 0");
   std::vector<int> robots(values_alone.size());
   std::iota(robots.begin(), robots.end(), 0);
-  std::stable_sort(robots.begin(), robots.end(), [&](int a, int b) {
-    return values_alone[static_cast<std::size_t>(a)] > values_alone[static_cast<std::size_t>(b)];
-  });
-  robots.resize(std::min(robots.size(), static_cast<std::size_t>(attacks_max)));
+  std::stable_sort(robots.begin(), robots.end(),
+                   [&](int a, int b) { return values_alone[index(a)] > values_alone[index(b)]; });
+  robots.resize(std::min(robots.size(), index(attacks_max)));
   std::sort(robots.begin(), robots.end());
   return robots;
 }
 
-TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolver sub_solver) {
-  std::vector<double> values_alone;
-  for (int robot = 0; robot < oracle.robot_count(); ++robot) {
-    const auto sorted = oracle.by_value(robot);
-    values_alone.push_back(sorted.empty() ? 0.0 : oracle.alone(sorted.front()));
-  }
-  const std::vector<int> bait = bait_robots(values_alone, attacks_max);
-  std::vector<int> rest;
-  for (int robot = 0; robot < oracle.robot_count(); ++robot) {
-    if (!std::binary_search(bait.begin(), bait.end(), robot)) {
-      rest.push_back(robot);
+ResilientRound::ResilientRound(std::span<const double> values_alone, int attacks_max)
+    : bait_(bait_robots(values_alone, attacks_max)) {
+  for (int robot = 0; robot < std::ssize(values_alone); ++robot) {
+    if (!is_bait(robot)) {
+      rest_.push_back(robot);
     }
   }
-  TeamDecision decision;
-  if (rest.empty()) {
-    decision.choice.assign(static_cast<std::size_t>(oracle.robot_count()), kNoCandidate);
-  } else if (sub_solver == SubSolver::kExhaustive) {
-    decision = exhaustive_optimum(oracle, rest);
-  } else {
-    DescentOptions options;
-    options.order = rest;
-    decision = coordinate_descent(oracle, options);
+}
+
+bool ResilientRound::is_bait(int robot) const {
+  return std::binary_search(bait_.begin(), bait_.end(), robot);
+}
+
+std::vector<int> ResilientRound::unseeing_for(int robot) const {
+  if (!is_bait(robot)) {
+    return bait_;
   }
+  std::vector<int> all(bait_.size() + rest_.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+std::vector<int> plan_resiliently(int robot_count, int attacks_max, const PlanAlone& alone,
+                                  const PlanTogether& together) {
+  std::vector<double> values_alone(index(robot_count), 0.0);
+  if (attacks_max > 0) {
+    for (int robot = 0; robot < robot_count; ++robot) {
+      values_alone[index(robot)] = alone(robot);
+    }
+  }
+  const ResilientRound round(values_alone, attacks_max);
+  if (!round.rest().empty()) {
+    together(round.rest());
+  }
+  return round.bait();
+}
+
+std::vector<int> plan_resiliently(int robot_count, int attacks_max, const PlanRobot& plan) {
+  const auto in_turn = [&](const std::vector<int>& robots) {
+    std::vector<int> planned;
+    for (const int robot : robots) {
+      if (attacks_max == 0 || !planned.empty()) {  // else it has just planned alone
+        plan(robot, planned);
+      }
+      planned.push_back(robot);
+    }
+  };
+  return plan_resiliently(
+      robot_count, attacks_max, [&](int robot) { return plan(robot, {}); }, in_turn);
+}
+
+TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolver sub_solver) {
+  const std::vector<double> values_alone = best_alone(oracle);
+  TeamDecision decision;
+  decision.choice.assign(values_alone.size(), kNoCandidate);
+  const std::vector<int> bait = plan_resiliently(
+      oracle.robot_count(), attacks_max, [&](int robot) { return values_alone[index(robot)]; },
+      [&](const std::vector<int>& robots) {
+        decision = sub_solver == SubSolver::kExhaustive
+                       ? exhaustive_optimum(oracle, robots)
+                       : coordinate_descent(oracle, {robots, 1, true});
+      });
   for (const int robot : bait) {
     const auto sorted = oracle.by_value(robot);
     if (!sorted.empty()) {
-      decision.choice[static_cast<std::size_t>(robot)] = sorted.front();
+      decision.choice[index(robot)] = sorted.front();
     }
   }
   TeamSet team(oracle);
@@ -58,26 +98,13 @@ TeamDecision plan_resiliently(const TeamOracle& oracle, int attacks_max, SubSolv
   return decision;
 }
 
-std::vector<int> plan_round_resiliently(int robot_count, int attacks_max, const PlanRobot& plan) {
-  std::vector<int> bait;
-  if (attacks_max > 0) {
-    std::vector<double> values_alone;
-    for (int robot = 0; robot < robot_count; ++robot) {
-      values_alone.push_back(plan(robot, {}));
-    }
-    bait = bait_robots(values_alone, attacks_max);
+std::vector<double> best_alone(const TeamOracle& oracle) {
+  std::vector<double> values;
+  for (int robot = 0; robot < oracle.robot_count(); ++robot) {
+    const auto sorted = oracle.by_value(robot);
+    values.push_back(sorted.empty() ? 0.0 : oracle.alone(sorted.front()));
   }
-  std::vector<int> planned;
-  for (int robot = 0; robot < robot_count; ++robot) {
-    if (std::binary_search(bait.begin(), bait.end(), robot)) {
-      continue;
-    }
-    if (attacks_max == 0 || !planned.empty()) {  // else it has just planned alone
-      plan(robot, planned);
-    }
-    planned.push_back(robot);
-  }
-  return bait;
+  return values;
 }
 
 }  // namespace vantage::planner

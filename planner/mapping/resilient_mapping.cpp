@@ -1,39 +1,27 @@
 #include "planner/mapping/resilient_mapping.hpp"
 
-#include <algorithm>
 #include <utility>
 
+#include "core/index.hpp"
 #include "planner/decision/resilient.hpp"
 
 namespace vantage::planner {
 
 std::vector<MapRoute> plan_mapping_resiliently(MappingSearch& search, std::span<const Pose2> starts,
                                                int attacks_max) {
-  std::vector<MapRoute> routes;
-  std::vector<double> values_alone;
-  if (attacks_max > 0) {
-    for (const Pose2& start : starts) {
-      routes.push_back(search.plan(start, {}));
-      values_alone.push_back(routes.back().gain_nats);
+  std::vector<MapRoute> routes(starts.size());
+  const auto alone = [&](int robot) {
+    routes[index(robot)] = search.plan(starts[index(robot)], {});
+    return routes[index(robot)].gain_nats;
+  };
+  const auto together = [&](const std::vector<int>& robots) {
+    std::vector<MapRoute> found = search.coordinate_descent(starts, robots);
+    for (const int robot : robots) {
+      found[index(robot)].nodes += routes[index(robot)].nodes;
+      routes[index(robot)] = std::move(found[index(robot)]);
     }
-  } else {
-    routes.resize(starts.size());
-    values_alone.resize(starts.size());
-  }
-  const std::vector<int> bait = bait_robots(values_alone, attacks_max);
-  std::vector<int> rest;
-  for (int robot = 0; robot < static_cast<int>(starts.size()); ++robot) {
-    if (!std::binary_search(bait.begin(), bait.end(), robot)) {
-      rest.push_back(robot);
-    }
-  }
-  std::vector<MapRoute> together = search.coordinate_descent(starts, rest);
-  for (const int robot : rest) {
-    MapRoute& route = routes[static_cast<std::size_t>(robot)];
-    const std::int64_t alone = route.nodes;
-    route = std::move(together[static_cast<std::size_t>(robot)]);
-    route.nodes += alone;
-  }
+  };
+  plan_resiliently(static_cast<int>(starts.size()), attacks_max, alone, together);
   return routes;
 }
 

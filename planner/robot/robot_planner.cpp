@@ -180,7 +180,7 @@ bool RobotPlanner::flies_unknown_plan(const PlanInputs& inputs) const {
                        spec_->limits.speed_max_mps / spec_->limits.brake_mps2;
 }
 
-std::vector<int> RobotPlanner::bait_of(const PlanInputs& inputs) const {
+ResilientRound RobotPlanner::round_of(const PlanInputs& inputs) const {
   std::vector<double> values(scenario_.robots.size(), 0.0);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto proposal = inputs.proposals.find(scenario_.robots[i].name);
@@ -188,11 +188,9 @@ std::vector<int> RobotPlanner::bait_of(const PlanInputs& inputs) const {
       values[i] = proposal->second.value_nats;
     }
   }
-  std::vector<int> bait = bait_robots(values, scenario_.planner.attacks_max);
-  bait.erase(std::remove_if(bait.begin(), bait.end(),
-                            [&](int i) { return values[static_cast<std::size_t>(i)] <= 0.0; }),
-             bait.end());
-  return bait;
+  // Of whom nothing was heard, or who has nothing to lose, is no bait.
+  const auto worth_it = std::count_if(values.begin(), values.end(), [](double v) { return v > 0; });
+  return {values, std::min(scenario_.planner.attacks_max, static_cast<int>(worth_it))};
 }
 
 std::vector<FixedTeammate> RobotPlanner::fixed_teammates(const PlanInputs& inputs,
@@ -403,11 +401,10 @@ std::optional<models::RobotPlan> RobotPlanner::plan(const PlanInputs& inputs,
     return is_local_search(scenario_.planner) ? plan_of_solution(inputs, *committed)
                                               : plan_by_worth(inputs, *committed, deadline);
   }
-  const std::vector<int> bait = bait_of(inputs);
-  const bool is_bait = std::find(bait.begin(), bait.end(), robot_index_) != bait.end();
-  set_up_problem(inputs, *committed, is_bait ? all_robots() : bait);
+  const ResilientRound round = round_of(inputs);
+  set_up_problem(inputs, *committed, round.unseeing_for(robot_index_));
   models::RobotPlan plan = blank_plan(inputs);
-  if (is_bait) {
+  if (round.is_bait(robot_index_)) {
     ++counts_.baits;
     if (take(inputs.proposals.at(spec_->name).plan, plan)) {
       return plan;
@@ -460,7 +457,7 @@ std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInp
   if (!committed) {
     return std::nullopt;
   }
-  set_up_problem(inputs, *committed, bait_of(inputs));
+  set_up_problem(inputs, *committed, round_of(inputs).unseeing_for(robot_index_));
   models::RobotPlan plan = blank_plan(inputs);
   fall_back(*committed, plan);
   return plan;

@@ -9,6 +9,7 @@
 
 #include "core/deadline.hpp"
 #include "models/exchange/messages.hpp"
+#include "planner/decision/resilient.hpp"
 #include "planner/mapping/map_planner.hpp"
 #include "planner/problem/fixed_information.hpp"
 #include "planner/robot/round.hpp"
@@ -140,8 +141,8 @@ class RobotPlanner {
   [[nodiscard]] std::optional<Pose2> hover_off_plan(const PlanInputs& inputs) const;
   /// The vehicle says that it follows a plan that can still be moving when the slot begins.
   [[nodiscard]] bool flies_unknown_plan(const PlanInputs& inputs) const;
-  /// The bait of the slot's round among the proposals that were heard, ascending by index.
-  [[nodiscard]] std::vector<int> bait_of(const PlanInputs& inputs) const;
+  /// What the proposals of the slot's round that were heard make of it.
+  [[nodiscard]] ResilientRound round_of(const PlanInputs& inputs) const;
   /// The teammates, in the scenario's order; those of `unseeing` robots tell nothing.
   [[nodiscard]] std::vector<FixedTeammate> fixed_teammates(const PlanInputs& inputs,
                                                            const std::vector<int>& unseeing) const;

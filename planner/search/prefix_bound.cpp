@@ -21,7 +21,7 @@ struct Turn {
 };
 constexpr Turn kOfRoot[] = {{300'000, 0.67}, {300'000, 0.5},  {300'000, 0.4},
                             {300'000, 0.33}, {700'000, 0.29}, {kStatesMax, 0.25}};
-constexpr Turn kOfOthers[] = {{700'000, 0.4}, {700'000, 0.4}};
+constexpr Turn kOfOthers[] = {{100'000, 0.4}, {300'000, 0.4}, {300'000, 0.3}};
 constexpr std::size_t kStatesOfChild = 100'000;
 
 std::span<const Turn> turns_of(const Node& node) {

@@ -23,7 +23,7 @@ class ReachLattice {
 
   explicit ReachLattice(int horizon_max);
 
-  /// Tables the controls of `problem`, some 0.5 ms, unless they are those of the last one. False:
+  /// Tables the controls of `problem`, some 50 µs, unless they are those of the last one. False:
   /// turns are not whole multiples of one, or too many.
   bool reset(const SearchProblem& problem);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -162,18 +161,8 @@ std::vector<int> all_robots(const TeamOracle& oracle) {
   return robots;
 }
 
-// Whom plan_resiliently() makes the bait.
-std::vector<int> bait_of(const TeamOracle& oracle, int attacks_max) {
-  std::vector<double> values_alone;
-  for (const int robot : all_robots(oracle)) {
-    const auto sorted = oracle.by_value(robot);
-    values_alone.push_back(sorted.empty() ? 0.0 : oracle.alone(sorted.front()));
-  }
-  return planner::bait_robots(values_alone, attacks_max);
-}
-
 TeamDecision choose_resiliently(const TeamOracle& oracle, const TeamRequest& request,
-                                const std::vector<int>& bait) {
+                                const std::vector<int>& rest) {
   if (request.algorithm == "resilient") {
     return plan_resiliently(oracle, request.attacks_max, planner::SubSolver::kCoordinateDescent);
   }
@@ -182,8 +171,6 @@ TeamDecision choose_resiliently(const TeamOracle& oracle, const TeamRequest& req
                                       subsets(oracle.robot_count(), request.attacks_max));
     return exhaustive_max_min(oracle, request.attacks_max);
   }
-  std::vector<int> rest;
-  std::ranges::set_difference(all_robots(oracle), bait, std::back_inserter(rest));
   require_few("candidates_max", choices(oracle, rest, true));
   return plan_resiliently(oracle, request.attacks_max, planner::SubSolver::kExhaustive);
 }
@@ -253,8 +240,7 @@ std::vector<int> search_in_turn(std::vector<SearchProblem> problems, const TeamR
     own.push_back(make_candidate(problem, {}, found));
     return information_alone(team, own.front());
   };
-  return planner::plan_round_resiliently(static_cast<int>(problems.size()), request.attacks_max,
-                                         plan);
+  return planner::plan_resiliently(static_cast<int>(problems.size()), request.attacks_max, plan);
 }
 
 }  // namespace
@@ -317,8 +303,9 @@ Decision::Decision(std::vector<SearchProblem> problems, const TeamRequest& reque
     // As of plan_resiliently(): the value alone, where there are attacks, and the choice.
     decided_.messages = (request.attacks_max > 0 ? 2 : 1) * oracle_->robot_count();
   } else if (has(called(algorithm_), "attacks_max")) {
-    bait_ = algorithm_ == "max_min" ? std::vector<int>() : bait_of(*oracle_, request.attacks_max);
-    decided_ = choose_resiliently(*oracle_, request, bait_);
+    const planner::ResilientRound round(best_alone(*oracle_), request.attacks_max);
+    bait_ = algorithm_ == "max_min" ? std::vector<int>() : round.bait();
+    decided_ = choose_resiliently(*oracle_, request, round.rest());
   } else {
     decided_ = choose(*oracle_, request);
   }

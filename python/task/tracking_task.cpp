@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "core/uniform.hpp"
 #include "planner/problem/motion_table.hpp"
 #include "python/task/observation.hpp"
 #include "sim/random.hpp"
@@ -46,10 +47,6 @@ const TrackingSpec& checked(const TrackingSpec& spec) {
   check(spec.radius_m >= 0.0 && spec.radius_m < 1.0, "radius_m", "≥ 0 and < 1", spec.radius_m);
   check(!spec.controls.empty(), "controls", "at least one", 0.0);
   return spec;
-}
-
-double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
 }
 
 }  // namespace

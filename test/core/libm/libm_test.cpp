@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "core/uniform.hpp"
+
 // The bits of sin, exp, log, … are those that are written here: from every compiler, with every set
 // of flags, on every processor and C library (docs/decisions/0014).
 
@@ -47,11 +49,6 @@ struct Function2 {
 };
 
 constexpr int kArguments = 20'000;
-
-/// In [min, max): the same from every library.
-double draw(std::mt19937_64& random, double min, double max) {
-  return min + (max - min) * (static_cast<double>(random() >> 11U) * 0x1p-53);
-}
 
 double ulp_between(double value, long double exactly) {
   const double nearest = std::abs(static_cast<double>(exactly));
@@ -100,7 +97,7 @@ TEST(Libm, GivesTheBitsThatAreWrittenHere) {
     std::mt19937_64 random(1);
     Digest digest;
     for (int i = 0; i < kArguments; ++i) {
-      digest.add(function.of(draw(random, function.min, function.max)));
+      digest.add(function.of(vantage::uniform(random, function.min, function.max)));
     }
     EXPECT_EQ(digest.value(), function.digest) << function.name << " up to " << function.max;
   }
@@ -108,8 +105,8 @@ TEST(Libm, GivesTheBitsThatAreWrittenHere) {
     std::mt19937_64 random(1);
     Digest digest;
     for (int i = 0; i < kArguments; ++i) {
-      const double x = draw(random, function.min, function.max);
-      const double y = draw(random, function.min, function.max);
+      const double x = vantage::uniform(random, function.min, function.max);
+      const double y = vantage::uniform(random, function.min, function.max);
       digest.add(function.of(x, y));
     }
     EXPECT_EQ(digest.value(), function.digest) << function.name;
@@ -121,7 +118,7 @@ TEST(Libm, IsWithinItsShareOfTheLastDigit) {
     std::mt19937_64 random(2);
     double worst_ulp = 0.0;
     for (int i = 0; i < kArguments; ++i) {
-      const double x = draw(random, function.min, function.max);
+      const double x = vantage::uniform(random, function.min, function.max);
       worst_ulp = std::max(
           worst_ulp, ulp_between(function.of(x), function.exactly(static_cast<long double>(x))));
     }
@@ -131,8 +128,8 @@ TEST(Libm, IsWithinItsShareOfTheLastDigit) {
     std::mt19937_64 random(2);
     double worst_ulp = 0.0;
     for (int i = 0; i < kArguments; ++i) {
-      const double x = draw(random, function.min, function.max);
-      const double y = draw(random, function.min, function.max);
+      const double x = vantage::uniform(random, function.min, function.max);
+      const double y = vantage::uniform(random, function.min, function.max);
       worst_ulp = std::max(
           worst_ulp, ulp_between(function.of(x, y), function.exactly(static_cast<long double>(x),
                                                                      static_cast<long double>(y))));

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/check.hpp"
 #include "planner/decision/attack.hpp"
 #include "planner/decision/exhaustive.hpp"
 #include "planner/decision/team_set.hpp"
@@ -171,7 +172,7 @@ TEST(AttackOnBestAlone, TakesTheBait) {
   }
 }
 
-TEST(PlanRoundResiliently, AsksInTheOrderOfTheAlgorithm) {
+TEST(PlanResiliently, AsksInTheOrderOfTheAlgorithm) {
   using Call = std::pair<int, std::vector<int>>;
   const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
   std::vector<Call> calls;
@@ -179,14 +180,56 @@ TEST(PlanRoundResiliently, AsksInTheOrderOfTheAlgorithm) {
     calls.emplace_back(robot, beside);
     return values[static_cast<std::size_t>(robot)];
   };
-  EXPECT_EQ(plan_round_resiliently(4, 1, plan), (std::vector<int>{1}));
+  EXPECT_EQ(plan_resiliently(4, 1, plan), (std::vector<int>{1}));
   EXPECT_EQ(calls, (std::vector<Call>{{0, {}}, {1, {}}, {2, {}}, {3, {}}, {2, {0}}, {3, {0, 2}}}));
   calls.clear();
-  EXPECT_TRUE(plan_round_resiliently(3, 0, plan).empty());
+  EXPECT_TRUE(plan_resiliently(3, 0, plan).empty());
   EXPECT_EQ(calls, (std::vector<Call>{{0, {}}, {1, {0}}, {2, {0, 1}}}));
   calls.clear();
-  EXPECT_EQ(plan_round_resiliently(2, 5, plan), (std::vector<int>{0, 1}));
+  EXPECT_EQ(plan_resiliently(2, 5, plan), (std::vector<int>{0, 1}));
   EXPECT_EQ(calls.size(), 2U);
+}
+
+TEST(PlanResiliently, HasAllPlanAloneAndThoseOutsideTheBaitThenTogether) {
+  const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};
+  std::vector<int> alone;
+  std::vector<std::vector<int>> together;
+  const auto plan = [&](int attacks_max) {
+    alone.clear();
+    together.clear();
+    return plan_resiliently(
+        4, attacks_max,
+        [&](int robot) {
+          alone.push_back(robot);
+          return values[static_cast<std::size_t>(robot)];
+        },
+        [&](const std::vector<int>& robots) { together.push_back(robots); });
+  };
+  using Robots = std::vector<int>;
+  EXPECT_EQ(plan(2), (Robots{1, 3}));
+  EXPECT_EQ(alone, (Robots{0, 1, 2, 3}));
+  EXPECT_EQ(together, (std::vector<Robots>{{0, 2}}));
+  EXPECT_EQ(plan(0), Robots());
+  EXPECT_EQ(alone, Robots());
+  EXPECT_EQ(together, (std::vector<Robots>{{0, 1, 2, 3}}));
+  EXPECT_EQ(plan(4), (Robots{0, 1, 2, 3}));
+  EXPECT_TRUE(together.empty()) << "nobody is left";
+  EXPECT_THROW(plan(-1), UsageError);
+}
+
+TEST(ResilientRound, HasTheBaitCountOnNobodyAndTheRestOnOneAnother) {
+  const std::vector<double> values = {1.0, 3.0, 2.0, 3.0};
+  const ResilientRound round(values, 2);
+  EXPECT_EQ(round.bait(), (std::vector<int>{1, 3}));
+  EXPECT_EQ(round.rest(), (std::vector<int>{0, 2}));
+  for (const int robot : {0, 1, 2, 3}) {
+    EXPECT_EQ(round.is_bait(robot), robot % 2 == 1);
+    EXPECT_EQ(round.unseeing_for(robot),
+              robot % 2 == 1 ? (std::vector<int>{0, 1, 2, 3}) : round.bait());
+  }
+  const ResilientRound calm(values, 0);
+  EXPECT_EQ(calm.rest(), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_TRUE(calm.unseeing_for(1).empty());
 }
 
 TEST(BaitRobots, AreTheOnesWorthMostAndTheLowerOfEquals) {
