@@ -9,7 +9,7 @@
 #include "core/angle.hpp"
 #include "core/check.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
-#include "scenario/reader/yaml_document.hpp"
+#include "scenario/reader/text_file.hpp"
 #include "trial/scenario/config_folder.hpp"
 #include "trial/trial.hpp"
 

@@ -110,13 +110,14 @@ void read_primitives(Mapping& from, const models::VehicleLimits& limits,
   if (!value) {
     return;
   }
-  if (!value->node.IsSequence()) {
+  const bool is_list = value->node->kind == Node::Kind::kList;
+  if (!is_list) {
     enum class Named { kStandard, kLab };
     const Named name = value->word<Named>({{"standard", Named::kStandard}, {"lab", Named::kLab}});
     primitives =
         name == Named::kStandard ? models::standard_primitives() : models::lab_primitives();
   }
-  for (const Value& item : value->node.IsSequence() ? value->items() : std::vector<Value>()) {
+  for (const Value& item : is_list ? value->items() : std::vector<Value>()) {
     read_mapping({item}, [&](Mapping& primitive) {
       models::UnicycleControl control;
       primitive.require("speed_mps");
@@ -385,7 +386,7 @@ void read_targets(Mapping& top, Scenario& scenario) {
   if (!targets) {
     return;
   }
-  if (targets->node.IsMap()) {
+  if (targets->node->kind == Node::Kind::kMapping) {
     read_mapping({*targets}, [&](Mapping& from) { read_target_count(from, scenario); });
     return;
   }

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "scenario/reader/yaml_mapping.hpp"
+#include "scenario/reader/mapping.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::scenario {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenario/reader/yaml_mapping.hpp"
+#include "scenario/reader/mapping.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::scenario {

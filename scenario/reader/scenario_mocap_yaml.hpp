@@ -1,7 +1,7 @@
 #pragma once
 
 #include "scenario/mocap_spec.hpp"
-#include "scenario/reader/yaml_mapping.hpp"
+#include "scenario/reader/mapping.hpp"
 
 namespace vantage::scenario {
 

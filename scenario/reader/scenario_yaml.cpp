@@ -9,17 +9,17 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include "scenario/neighbourhood.hpp"
+#include "scenario/reader/mapping.hpp"
 #include "scenario/reader/scenario_agents_yaml.hpp"
 #include "scenario/reader/scenario_attacks_yaml.hpp"
 #include "scenario/reader/scenario_detection_yaml.hpp"
 #include "scenario/reader/scenario_hosts_yaml.hpp"
 #include "scenario/reader/scenario_mapping_yaml.hpp"
 #include "scenario/reader/scenario_mocap_yaml.hpp"
+#include "scenario/reader/text_file.hpp"
 #include "scenario/reader/yaml_document.hpp"
-#include "scenario/reader/yaml_mapping.hpp"
 #include "scenario/search_name.hpp"
 
 namespace vantage::scenario {
@@ -358,23 +358,25 @@ Scenario load_scenario(const std::string& path) {
 Scenario parse_scenario(const std::string& yaml, const std::string& name) {
   Scenario scenario;
   scenario.source_text = yaml;
-  read_mapping({parse_document(yaml, name)}, [&](Mapping& top) { read_scenario(top, scenario); });
+  read_mapping({parse_yaml(yaml, name)}, [&](Mapping& top) { read_scenario(top, scenario); });
   return scenario;
 }
 
 int line_of_key(const std::string& text, const std::string& path) {
-  YAML::Node node = YAML::Load(text);
+  const Value document = parse_yaml(text, "");
+  const Node* node = document.node.get();
   std::istringstream keys(path);
   int line = 0;
-  for (std::string key; node.IsMap() && std::getline(keys, key, '.');) {
-    YAML::Node next;
-    for (const auto& entry : node) {
-      if (entry.first.Scalar() == key) {
-        line = line_of(entry.first, line);
-        next.reset(entry.second);
+  for (std::string key; node != nullptr && std::getline(keys, key, '.');) {
+    const Node* next = nullptr;
+    const std::size_t entries = node->kind == Node::Kind::kMapping ? node->entry_count() : 0;
+    for (std::size_t entry = 0; entry < entries; ++entry) {
+      if (node->key(entry).text == key) {
+        line = node->key(entry).line;
+        next = &node->value(entry);
       }
     }
-    node.reset(next);
+    node = next;
   }
   return line;
 }

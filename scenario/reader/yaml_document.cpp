@@ -1,86 +1,88 @@
 #include "scenario/reader/yaml_document.hpp"
 
 #include <algorithm>
-#include <exception>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <system_error>
+#include <map>
+#include <sstream>
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
 
 #include "core/check.hpp"
-#include "core/utf8.hpp"
+#include "scenario/reader/text_file.hpp"
 
 namespace vantage::scenario {
 namespace {
 
-constexpr std::size_t kTextMaxBytes = std::size_t{1} << 20;
+/// What yaml-cpp says of a file, as a tree. An alias is the node that it names, not a copy.
+class YamlEvents : public YAML::EventHandler {
+ public:
+  explicit YamlEvents(std::string file) : file_(std::move(file)), tree_(file_) {}
 
-/// yaml-cpp replaces bad bytes silently and reads tabs in ways that surprise.
-void check_characters(const std::string& text, const std::string& name) {
-  int line = 1;
-  const auto refuse = [&](const std::string& what) {
-    throw StartupError(fmt::format("{}:{}: {}", name, line, what));
-  };
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = text[at] == '\0' ? 1 : utf8_bytes(text, at);
-    const auto first = static_cast<unsigned char>(text[at]);
-    if (length == 0) {
-      refuse(fmt::format("byte 0x{:02x} is not UTF-8 text", first));
-    }
-    if (first == '\t') {
-      refuse("tab character; use spaces");
-    }
-    if ((first < 0x20 && first != '\n' && first != '\r') || first == 0x7F) {
-      refuse(fmt::format("control character 0x{:02x}", first));
-    }
-    line += first == '\n' ? 1 : 0;
-    at += length;
+  [[nodiscard]] const TreeBuilder& tree() const { return tree_; }
+
+  void OnDocumentStart(const YAML::Mark& /*mark*/) override { ++documents_; }
+  void OnDocumentEnd() override {}
+  // The place that it comes with is that of what comes next.
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t anchor) override {
+    add(Node::Kind::kNothing, -1, anchor);
   }
-}
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t anchor) override {
+    tree_.add_again(*named_.at(anchor));
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& text) override {
+    add(tag == "?" ? Node::Kind::kWord : Node::Kind::kText, mark.line, anchor, text);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value /*style*/) override {
+    add(Node::Kind::kList, mark.line, anchor);
+  }
+  void OnSequenceEnd() override { tree_.close(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string& /*tag*/, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value /*style*/) override {
+    add(Node::Kind::kMapping, mark.line, anchor);
+  }
+  void OnMapEnd() override { tree_.close(); }
+
+ private:
+  void add(Node::Kind kind, int line_before, YAML::anchor_t anchor, const std::string& text = "") {
+    if (documents_ > 1) {
+      throw StartupError(fmt::format("{}:{}: a second document; a file holds one scenario", file_,
+                                     std::max(line_before, 0) + 1));
+    }
+    const Node& node = tree_.add(kind, line_before + 1, text);
+    if (anchor != YAML::NullAnchor) {
+      named_[anchor] = &node;
+    }
+  }
+
+  std::string file_;
+  TreeBuilder tree_;
+  std::map<YAML::anchor_t, const Node*> named_;
+  int documents_ = 0;
+};
 
 }  // namespace
 
-std::string read_text_file(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    throw StartupError(path + ": no such file");
-  }
-  if (std::filesystem::is_directory(status)) {
-    throw StartupError(path + ": is a directory; expected a scenario file");
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!std::filesystem::is_regular_file(status) || !file) {
-    throw StartupError(path + ": cannot be read");
-  }
-  if (std::filesystem::file_size(path, error) > kTextMaxBytes) {
-    throw StartupError(fmt::format("{}: must be at most {} bytes", path, kTextMaxBytes));
-  }
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-Value parse_document(const std::string& text, const std::string& name) {
-  if (text.size() > kTextMaxBytes) {
-    throw StartupError(fmt::format("{}: must be at most {} bytes", name, kTextMaxBytes));
-  }
-  check_characters(text, name);
-  std::vector<YAML::Node> documents;
+Value parse_yaml(const std::string& text, const std::string& name) {
+  // yaml-cpp replaces bad bytes silently and reads tabs in ways that surprise.
+  check_text(text, name, kScenarioText);
+  YamlEvents events(name);
   try {
-    documents = YAML::LoadAll(text);
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(events)) {
+    }
   } catch (const YAML::Exception& problem) {
     throw StartupError(
         fmt::format("{}:{}: not YAML: {}", name, std::max(problem.mark.line, 0) + 1, problem.msg));
   }
-  if (documents.empty() || (documents.size() == 1 && documents.front().IsNull())) {
-    throw StartupError(name + ":1: empty file; expected a scenario");
+  const std::shared_ptr<const Node> root = events.tree().root();
+  if (root == nullptr || root->kind == Node::Kind::kNothing) {
+    throw StartupError(fmt::format("{}:1: empty file; expected {}", name, kScenarioText.expected));
   }
-  if (documents.size() > 1) {
-    throw StartupError(fmt::format("{}:{}: a second document; a file holds one scenario", name,
-                                   line_of(documents[1], 1)));
-  }
-  return {documents.front(), name, "", 1};
+  return {root, name, "", 1};
 }
 
 }  // namespace vantage::scenario

@@ -71,6 +71,10 @@ WORDS = {  # mistyped: what the line must name
     "log fit-ranges ranges.csv --poses words.csv": "words.csv:3: x 'far'; expected a number",
     "log fit-ranges way.csv --poses way.csv": "way.csv:1: no column 'beacon'",
     "log fit-ranges flight.lcmlog --robot Q9": "no robot 'Q9'", "view --port 99999": "65535",
+    "plan typo.json": "typo.json:8: tua: unknown key; did you mean tau?",
+    "plan typo.json.value": "typo.json.value:8: tau: must be above 0 and at most 3600, is -1",
+    "plan torn.json": "not JSON: ", "plan empty": "empty:1: empty file; expected a planning problem",
+    "check typo.yaml": "world.sealing_m: unknown key; did you mean ceiling_m?",
     "view x --types none.lcm": "none.lcm: cannot be read", "view x --record y.webm --fps 0": "1 to 60"}
 
 failures = []
@@ -142,6 +146,9 @@ def fill(folder, sample, problem):
     text = problem.read_text()
     (folder / "problem.json").write_text(text)
     (folder / "torn.json").write_text(text[:len(text) // 2])
+    (folder / "typo.json").write_text(text.replace('"tau"', '"tua"'))
+    (folder / "typo.json.value").write_text(text.replace('"tau": 0.5', '"tau": -1'))
+    (folder / "typo.yaml").write_text(lab.replace("ceiling_m:", "sealing_m:"))
 
 
 def try_inputs(place):

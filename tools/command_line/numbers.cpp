@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "scenario/reader/yaml_value.hpp"
+#include "scenario/reader/value.hpp"
 
 namespace vantage::tools {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/check.hpp"
 #include "core/write_file.hpp"
-#include "scenario/reader/yaml_document.hpp"
+#include "scenario/reader/text_file.hpp"
 #include "tools/commands/commands.hpp"
 #include "tools/live/screen.hpp"
 #include "trial/scenario/config_folder.hpp"

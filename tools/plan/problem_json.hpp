@@ -14,8 +14,8 @@ struct PlanningProblem : planner::OwnedProblem {
 /// Reads the JSON schema of docs/planning-problems.md: one point robot that may neither leave the
 /// map nor touch a box at any time, in metres, seconds and (where a key says so) degrees.
 /// `sensor.fov_deg` is the full angle, as in scenario files and SensorModel::fov_rad.
-/// @throws StartupError "source: path: rule, got what" at the first thing that cannot be true, and
-/// "source:line:column: …" for text that is no JSON.
+/// @throws StartupError "source:line: path: rule, is what" at the first thing that cannot be true,
+/// and "source:line:column: …" for text that is no JSON.
 PlanningProblem parse_problem(const std::string& text, const std::string& source);
 
 /// parse_problem() of a file. @throws StartupError also when it cannot be read.

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "core/check.hpp"
-#include "scenario/reader/yaml_value.hpp"
+#include "scenario/reader/value.hpp"
 
 namespace vantage::trial {
 namespace {

@@ -6,20 +6,23 @@
 #include <string_view>
 
 #include "core/check.hpp"
+#include "core/utf8.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "tools/plan/problem_json.hpp"
 
 namespace vantage::test {
 namespace {
 
-/// Reads `input`; what is refused is refused in words that begin with the file's name.
+/// Reads `input`; what is refused is refused in one line of text that begins with the file's name.
 template <class Read>
 void read_or_refuse(std::span<const std::uint8_t> input, const Read& read) {
   try {
     static_cast<void>(read(std::string(input.begin(), input.end())));
   } catch (const StartupError& error) {
-    if (!std::string_view(error.what()).starts_with("fuzzed:")) {
-      std::fprintf(stderr, "broken promise: a refusal names the file: %s\n", error.what());
+    const std::string_view words = error.what();
+    if (!words.starts_with("fuzzed:") || words.find('\n') != words.npos || !is_utf8(words)) {
+      std::fprintf(stderr, "broken promise: a refusal is a line that names the file: %s\n",
+                   error.what());
       std::abort();
     }
   }

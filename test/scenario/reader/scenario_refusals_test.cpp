@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "core/utf8.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 
 namespace vantage::scenario {
@@ -87,7 +88,7 @@ const BadEdit kValues[] = {
     {"NotANumber", "duration_s: 300", "@duration_s: .nan", "must be a finite number, is '.nan'"},
     {"Infinity", "range_max_m: 1 ", "@range_max_m: .inf", "range_max_m: must be a finite number"},
     {"CInfinity", "range_max_m: 1 ", "@range_max_m: -inf", "range_max_m: must be a finite number"},
-    {"TooLongANumber", "range_max_m: 1 ", "@range_max_m: 1e999", "must be a finite number, is '1e999'"},
+    {"TooLongANumber", "range_max_m: 1 ", "@range_max_m: 1e999", "must be a finite number that a double can hold, is '1e999'"},
     {"FractionForInteger", "horizon_steps: 12", "@horizon_steps: 12.0", "must be a whole number, is '12.0'"},
     {"NegativeSeed", "seed: 1 ", "@seed: -1 ", "seed: must be a whole number of at least 0"},
     {"SeedOverflow", "seed: 1 ", "@seed: 18446744073709551616 ", "seed: must be a whole number of at least 0"},
@@ -224,7 +225,50 @@ TEST(ParseScenario, RefusesWhatIsNoScenarioAtAll) {
   EXPECT_EQ(refusal_of(std::string("name: a\0b\n", 10)), "lab.yaml:1: control character 0x00");
   EXPECT_EQ(refusal_of("name: a\nworld: [1, 2\n").rfind("lab.yaml:3: not YAML: ", 0), 0U);
   EXPECT_EQ(refusal_of(std::string(2'000'000, ' ')), "lab.yaml: must be at most 1048576 bytes");
-  EXPECT_NE(refusal_of("name: " + std::string(100'000, '[')).find("lab.yaml:"), std::string::npos);
+  EXPECT_EQ(refusal_of("name: " + std::string(100'000, '[')), "lab.yaml:1: nested deeper than 32");
+}
+
+TEST(ParseScenario, RefusesInOneShortLineWhateverTheFileHas) {
+  EXPECT_EQ(refusal_of("\"na\\nme\": x\n" + kWorld).find("lab.yaml:1: na\\x0Ame: unknown key; "),
+            0U);
+  EXPECT_EQ(refusal_of("name: \"a\\eb\"\n" + kWorld + kRobot + kTargets),
+            "lab.yaml:1: name: must be of letters, digits, - and _ only, is 'a\\x1Bb'");
+  // Forty bytes end within a character of two.
+  std::string umlauts = "x";
+  for (int i = 0; i < 50'000; ++i) {
+    umlauts += "ä";
+  }
+  const std::string refusal =
+      refusal_of("name: x\nduration_s: " + umlauts + "\n" + kWorld + kRobot);
+  EXPECT_TRUE(is_utf8(refusal)) << refusal;
+  EXPECT_EQ(refusal.find("lab.yaml:2: duration_s: must be a number, is 'xä"), 0U) << refusal;
+  EXPECT_LT(refusal.size(), 120U);
+  EXPECT_LT(refusal_of(umlauts + ": 1\n" + kWorld).size(), 400U);
+}
+
+// An alias is what its anchor is on, with the lines of its own keys, and never a copy.
+TEST(ParseScenario, ReadsWhatAnAliasNames) {
+  const std::string text =
+      "name: x\nworld:\n  bounds: {min_m: &zero [0, 0], max_m: [9, 9]}\n  obstacles:\n"
+      "  - footprint: {min_m: *zero, max_m: &one [1, 1]}\n"
+      "  - footprint: {min_m: *one, max_m: *one}\n" +
+      kRobot + kTargets;
+  EXPECT_EQ(refusal_of(text),
+            "lab.yaml:6: world.obstacles[1].footprint.max_m: must be above min_m, [1, 1], in x and "
+            "in y; is [1, 1]");
+  EXPECT_EQ(refusal_of("name: x\nworld: &a {bounds: *a}\n" + kRobot + kTargets),
+            "lab.yaml:2: world.bounds.bounds: unknown key; known here are min_m, max_m");
+  // Each tenfold what is before: ten thousand million of them, were they copied.
+  std::string laughs = "name: x\nseed: &a0 [0]\n";
+  for (char i = '1'; i <= '9'; ++i) {
+    const std::string before = std::string("*a") + static_cast<char>(i - 1);
+    laughs += std::string("k") + i + ": &a" + i + " [" + before;
+    for (int k = 1; k < 10; ++k) {
+      laughs += ", " + before;
+    }
+    laughs += "]\n";
+  }
+  EXPECT_EQ(refusal_of(laughs).find("lab.yaml:3: k1: unknown key"), 0U) << refusal_of(laughs);
 }
 
 TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {

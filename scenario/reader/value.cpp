@@ -1,4 +1,4 @@
-#include "scenario/reader/yaml_value.hpp"
+#include "scenario/reader/value.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,26 +10,22 @@
 #include <fmt/format.h>
 
 #include "core/check.hpp"
+#include "core/utf8.hpp"
 
 namespace vantage::scenario {
 namespace {
 
-std::string quoted(const std::string& text) {
-  constexpr std::size_t kShown = 40;
-  return text.size() <= kShown ? "'" + text + "'" : "'" + text.substr(0, kShown) + "…'";
-}
-
 /// What the node is, for the second half of a refusal.
-std::string found(const YAML::Node& node) {
-  switch (node.Type()) {
-    case YAML::NodeType::Scalar:
-      return quoted(node.Scalar());
-    case YAML::NodeType::Sequence:
+std::string found(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::kList:
       return "a list";
-    case YAML::NodeType::Map:
+    case Node::Kind::kMapping:
       return "a mapping";
-    default:
+    case Node::Kind::kNothing:
       return "nothing";
+    default:
+      return "'" + shortened(node.text) + "'";
   }
 }
 
@@ -96,18 +92,18 @@ Range Range::scaled(double factor) const {
 }
 
 void Value::refuse(const std::string& what) const {
-  throw StartupError(path.empty() ? fmt::format("{}:{}: {}", file, line, what)
-                                  : fmt::format("{}:{}: {}: {}", file, line, path, what));
+  const std::string where = path.empty() ? "" : path + ": ";
+  throw StartupError(fmt::format("{}:{}: {}", file, line, readable(where + what)));
 }
 
 std::string Value::plain_number() const {
-  if (!node.IsScalar()) {
-    refuse("must be a number, is " + found(node));
+  if (!node->is_scalar()) {
+    refuse("must be a number, is " + found(*node));
   }
-  if (node.Tag() != "?") {
-    refuse(fmt::format("must be a plain number, is the text {}", found(node)));
+  if (node->kind == Node::Kind::kText) {
+    refuse("must be a plain number, is the text " + found(*node));
   }
-  const std::string& text = node.Scalar();
+  const std::string& text = node->text;
   return text.size() > 1 && text.front() == '+' && text[1] != '-' ? text.substr(1) : text;
 }
 
@@ -116,12 +112,14 @@ double Value::number(const Range& range) const {
   double value = 0.0;
   const std::errc error = read_whole(text, value);
   const bool is_yaml_infinity = text == ".inf" || text == "-.inf" || text == ".nan";
-  if (is_yaml_infinity || error == std::errc::result_out_of_range ||
-      (error == std::errc() && !std::isfinite(value))) {
-    refuse("must be a finite number, is " + found(node));
+  if (is_yaml_infinity || (error == std::errc() && !std::isfinite(value))) {
+    refuse("must be a finite number, is " + found(*node));
+  }
+  if (error == std::errc::result_out_of_range) {
+    refuse("must be a finite number that a double can hold, is " + found(*node));
   }
   if (error != std::errc()) {
-    refuse("must be a number, is " + found(node));
+    refuse("must be a number, is " + found(*node));
   }
   if (!range.contains(value)) {
     refuse(fmt::format("must be {}, is {}", range.words(), value));
@@ -133,10 +131,10 @@ std::int64_t Value::integer(std::int64_t min, std::int64_t max) const {
   std::int64_t value = 0;
   const std::errc error = read_whole(plain_number(), value);
   if (error == std::errc::invalid_argument) {
-    refuse("must be a whole number, is " + found(node));
+    refuse("must be a whole number, is " + found(*node));
   }
   if (error != std::errc() || value < min || value > max) {
-    refuse(fmt::format("must be at least {} and at most {}, is {}", min, max, found(node)));
+    refuse(fmt::format("must be at least {} and at most {}, is {}", min, max, found(*node)));
   }
   return value;
 }
@@ -145,66 +143,96 @@ std::uint64_t Value::unsigned_integer() const {
   std::uint64_t value = 0;
   if (read_whole(plain_number(), value) != std::errc()) {
     refuse(fmt::format("must be a whole number of at least 0 and at most {}, is {}",
-                       std::numeric_limits<std::uint64_t>::max(), found(node)));
+                       std::numeric_limits<std::uint64_t>::max(), found(*node)));
   }
   return value;
 }
 
 bool Value::flag() const {
-  if (!node.IsScalar() || node.Tag() != "?" ||
-      (node.Scalar() != "true" && node.Scalar() != "false")) {
-    refuse("must be true or false, is " + found(node));
+  const bool is_bare = node->kind == Node::Kind::kLiteral || node->kind == Node::Kind::kWord;
+  if (!is_bare || (node->text != "true" && node->text != "false")) {
+    refuse("must be true or false, is " + found(*node));
   }
-  return node.Scalar() == "true";
+  return node->text == "true";
 }
 
 std::string Value::text() const {
-  if (!node.IsScalar()) {
-    refuse("must be a text, is " + found(node));
-  }
-  if (node.Scalar().empty()) {
+  std::string text = text_or_empty();
+  if (text.empty()) {
     refuse("must not be empty");
   }
-  return node.Scalar();
+  return text;
+}
+
+std::string Value::text_or_empty() const {
+  if (node->kind == Node::Kind::kLiteral) {
+    refuse("must be a text, in quotes, is " + shortened(node->text));
+  }
+  if (!node->is_scalar()) {
+    refuse("must be a text, is " + found(*node));
+  }
+  return node->text;
 }
 
 Eigen::Vector2d Value::point(const Range& range) const {
-  if (!node.IsSequence() || node.size() != 2) {
-    refuse(fmt::format("must be a list of two numbers [x, y], is {}{}", found(node),
-                       node.IsSequence() ? fmt::format(" of {}", node.size()) : ""));
-  }
-  const std::vector<Value> coordinates = items();
-  return {coordinates[0].number(range), coordinates[1].number(range)};
+  const std::vector<double> coordinates = numbers(2, "two numbers [x, y]", range);
+  return {coordinates[0], coordinates[1]};
 }
 
 std::vector<Value> Value::items() const {
-  if (!node.IsSequence()) {
-    refuse("must be a list, is " + found(node));
+  if (node->kind != Node::Kind::kList) {
+    refuse("must be a list, is " + found(*node));
   }
   std::vector<Value> values;
-  for (const YAML::Node& item : node) {
-    values.push_back({item, file, fmt::format("{}[{}]", path, values.size()), line_of(item, line)});
+  values.reserve(node->items.size());
+  for (const Node* item : node->items) {
+    values.push_back(child_of(*this, fmt::format("{}[{}]", path, values.size()), *item, *item));
+  }
+  return values;
+}
+
+std::vector<Value> Value::items(std::size_t count, std::string_view shape) const {
+  const bool is_list = node->kind == Node::Kind::kList;
+  if (!is_list || node->items.size() != count) {
+    refuse(fmt::format("must be a list of {}, is {}{}", shape, found(*node),
+                       is_list ? fmt::format(" of {}", node->items.size()) : ""));
+  }
+  return items();
+}
+
+std::vector<double> Value::numbers(std::size_t count, std::string_view shape,
+                                   const Range& range) const {
+  std::vector<double> values;
+  for (const Value& item : items(count, shape)) {
+    values.push_back(item.number(range));
   }
   return values;
 }
 
 std::ptrdiff_t Value::index_of_word(const std::vector<std::string_view>& words) const {
-  const auto word =
-      std::find(words.begin(), words.end(), node.IsScalar() ? node.Scalar() : std::string());
+  const bool is_text = node->kind == Node::Kind::kText || node->kind == Node::Kind::kWord;
+  const auto word = is_text ? std::find(words.begin(), words.end(), node->text) : words.end();
   if (word == words.end()) {
-    refuse(fmt::format("must be one of {}; is {}", comma_separated(words), found(node)));
+    refuse(fmt::format("must be one of {}; is {}", comma_separated(words), found(*node)));
   }
   return word - words.begin();
 }
 
-std::string comma_separated(const std::vector<std::string_view>& words) {
-  return fmt::format("{}", fmt::join(words, ", "));
+Value child_of(const Value& parent, std::string path, const Node& place, const Node& node) {
+  return {std::shared_ptr<const Node>(parent.node, &node), parent.file, std::move(path),
+          place.line > 0 ? place.line : parent.line};
 }
 
-int line_of(const YAML::Node& node, int fallback) {
-  const int line = node.Mark().line;
-  // A null in a list carries no place of its own.
-  return line < 0 || node.IsNull() ? fallback : line + 1;
+std::string shortened(std::string_view text, std::size_t bytes_max) {
+  std::size_t end = 0;
+  while (end < text.size() && end < bytes_max) {
+    end += std::max<std::size_t>(utf8_bytes(text, end), 1);
+  }
+  return std::string(text.substr(0, end)) + (end < text.size() ? "…" : "");
+}
+
+std::string comma_separated(const std::vector<std::string_view>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 bool differs_in_unit(std::string_view a, std::string_view b) {
@@ -216,6 +244,9 @@ std::string nearest_word(std::string_view word, const std::vector<std::string_vi
   std::string_view best;
   std::size_t best_distance = std::max(kNear, word.size() / 3) + 1;
   for (const std::string_view candidate : known) {
+    if (word.size() > candidate.size() + best_distance) {
+      continue;  // and long words take long
+    }
     const std::size_t distance =
         differs_in_unit(word, candidate) ? 0 : edit_distance(word, candidate);
     if (distance < best_distance) {

@@ -3,15 +3,18 @@
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
-#include <yaml-cpp/yaml.h>
 
-// One value of a YAML file that knows where it stands, so that whoever refuses it can say so.
+#include "scenario/reader/node.hpp"
+
+// One value of a YAML or JSON file that knows where it stands, so that whoever refuses it can say
+// so.
 
 namespace vantage::scenario {
 
@@ -39,11 +42,12 @@ constexpr Range from_below(double min, double max) { return {min, max, false, tr
 /// A node of the file with its address in it. Every reading of it throws StartupError
 /// "file:line: path: what was expected, what was found" unless the node is what is asked for.
 struct Value {
-  YAML::Node node;
+  std::shared_ptr<const Node> node;
   std::string file;
   std::string path;  ///< "robots[1].sensor.range_max_m"; empty for the whole file
   int line = 1;      ///< of the key, or of the item in a list
 
+  /// In one line, whatever the file has brought into `what` or the path.
   [[noreturn]] void refuse(const std::string& what) const;
 
   /// A finite number in `range`; quoted numbers are text, not numbers.
@@ -53,12 +57,19 @@ struct Value {
   [[nodiscard]] std::uint64_t unsigned_integer() const;
   /// `true` or `false`, no other spelling.
   [[nodiscard]] bool flag() const;
-  /// A scalar that is not empty.
+  /// A text that is not empty; a number of JSON is none.
   [[nodiscard]] std::string text() const;
+  /// A text, or nothing in quotes.
+  [[nodiscard]] std::string text_or_empty() const;
   /// [x, y], each in `range`.
   [[nodiscard]] Eigen::Vector2d point(const Range& range) const;
   /// The items of a list.
   [[nodiscard]] std::vector<Value> items() const;
+  /// The items of a list of `count`; `shape` is what they are: "two numbers [x, y]".
+  [[nodiscard]] std::vector<Value> items(std::size_t count, std::string_view shape) const;
+  /// As items(), each a number in `range`.
+  [[nodiscard]] std::vector<double> numbers(std::size_t count, std::string_view shape,
+                                            const Range& range) const;
 
   /// The enumerator that the word stands for.
   template <class Enum>
@@ -80,11 +91,14 @@ struct Value {
   [[nodiscard]] std::string plain_number() const;
 };
 
+/// What stands under `key`, or in a list, within `parent`; both of the tree that holds `parent`.
+Value child_of(const Value& parent, std::string path, const Node& place, const Node& node);
+
+/// The text, or its first characters and "…".
+std::string shortened(std::string_view text, std::size_t bytes_max = 40);
+
 /// "a, b, c".
 std::string comma_separated(const std::vector<std::string_view>& words);
-
-/// 1-based line of a node, `fallback` when the parser did not keep it.
-int line_of(const YAML::Node& node, int fallback);
 
 /// The one of `known` that `word` was probably meant to be: the same name with another unit, else
 /// the nearest by edit distance when that is near; "" when nothing is.

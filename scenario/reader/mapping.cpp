@@ -1,4 +1,4 @@
-#include "scenario/reader/yaml_mapping.hpp"
+#include "scenario/reader/mapping.hpp"
 
 #include <algorithm>
 #include <map>
@@ -11,28 +11,30 @@
 namespace vantage::scenario {
 namespace {
 
-Value child(const Value& parent, const std::string& key, const YAML::Node& key_node,
-            const YAML::Node& node) {
-  return {node, parent.file, parent.path.empty() ? key : parent.path + "." + key,
-          line_of(key_node, parent.line)};
+Value child(const Value& parent, std::size_t entry) {
+  const Node& key = parent.node->key(entry);
+  const std::string name = shortened(key.text);
+  return child_of(parent, parent.path.empty() ? name : parent.path + "." + name, key,
+                  parent.node->value(entry));
 }
 
-/// yaml-cpp keeps both of two equal keys and answers with the first; nobody means that.
+/// A parser keeps both of two equal keys, or one; nobody means that.
 void check_keys(const Value& mapping) {
-  if (!mapping.node.IsMap()) {
-    mapping.refuse(mapping.node.IsNull() ? "has no value; expected a mapping of keys to values"
-                                         : "must be a mapping of keys to values");
+  const Node& node = *mapping.node;
+  if (node.kind != Node::Kind::kMapping) {
+    mapping.refuse(node.kind == Node::Kind::kNothing
+                       ? "has no value; expected a mapping of keys to values"
+                       : "must be a mapping of keys to values");
   }
-  std::map<std::string, int> first_line;
-  for (const auto& entry : mapping.node) {
-    if (!entry.first.IsScalar()) {
+  std::map<std::string_view, int> first_line;
+  for (std::size_t entry = 0; entry < node.entry_count(); ++entry) {
+    const Value value = child(mapping, entry);
+    if (!node.key(entry).is_scalar()) {
       Value key = mapping;
-      key.line = line_of(entry.first, mapping.line);
+      key.line = value.line;
       key.refuse("every key must be a word");
     }
-    const std::string& key = entry.first.Scalar();
-    const Value value = child(mapping, key, entry.first, entry.second);
-    const auto [first, is_new] = first_line.emplace(key, value.line);
+    const auto [first, is_new] = first_line.emplace(node.key(entry).text, value.line);
     if (!is_new) {
       value.refuse(fmt::format("duplicate key, first given on line {}", first->second));
     }
@@ -55,10 +57,10 @@ void Mapping::know(std::string_view key) {
 
 std::optional<Value> Mapping::find_in(const Value& layer, std::string_view key) {
   know(key);
-  for (const auto& entry : layer.node) {
-    if (entry.first.Scalar() == key) {
-      Value value = child(layer, std::string(key), entry.first, entry.second);
-      if (entry.second.IsNull()) {
+  for (std::size_t entry = 0; entry < layer.node->entry_count(); ++entry) {
+    if (layer.node->key(entry).text == key) {
+      Value value = child(layer, entry);
+      if (value.node->kind == Node::Kind::kNothing) {
         value.refuse("has no value");
       }
       return value;
@@ -163,12 +165,12 @@ void Mapping::refuse(std::string_view key, const std::string& what) {
 void Mapping::finish() {
   const std::vector<std::string_view> known(known_.begin(), known_.end());
   for (const Value& layer : layers_) {
-    for (const auto& entry : layer.node) {
-      const std::string& key = entry.first.Scalar();
+    for (std::size_t entry = 0; entry < layer.node->entry_count(); ++entry) {
+      const std::string& key = layer.node->key(entry).text;
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) {
         continue;
       }
-      const Value value = child(layer, key, entry.first, entry.second);
+      const Value value = child(layer, entry);
       const std::string nearest = nearest_word(key, known);
       if (nearest.empty()) {
         value.refuse("unknown key; known here are " + comma_separated(known));

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scenario/reader/yaml_value.hpp"
+#include "scenario/reader/value.hpp"
 
 namespace vantage::scenario {
 
