@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -110,6 +111,29 @@ TEST(MissedDetection, IsConsistentOverTruthsDrawnFromTheBelief) {
   }
   EXPECT_NEAR(nees / missed, 2.0, 0.06);
   EXPECT_LT((mean_error / missed).norm(), 0.05);
+}
+
+// The filter is told twice how much is detected, of the scenario and of the sensor: the less holds.
+TEST(DistributedFilter, TakesAMissForNoMoreThanTheSensorAndTheScenarioSay) {
+  const Gaussian before = standard();
+  for (const auto& [of_scenario, of_sensor] : {std::pair(0.9, 0.6), std::pair(0.6, 0.9)}) {
+    FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
+                                      test::far_sighted(models::SensorKind::kRangeBearing), 1);
+    spec.sensor.range_max_m = 1.5;  // a part of the belief
+    spec.estimator.detection_probability = of_scenario;
+    spec.detection.detection_probability = of_sensor;
+    DistributedFilter filter(spec);
+    filter.rebase(test::prior(test::instant(0), {before}));
+    models::DetectionSet nothing;
+    nothing.stamp.time = test::instant(1);
+    nothing.robot = spec.robot;
+    nothing.viewpoint = at(1.0, 0.3);
+    test::take_step(filter, test::instant(1), at(1.0, 0.3), {nothing});
+    const Gaussian expected = missed_detection(before, spec.sensor, at(1.0, 0.3), spec.world, 0.6);
+    EXPECT_TRUE(is_near(test::known(filter, 0).mean, expected.mean, 1e-9));
+    EXPECT_TRUE(is_near(test::known(filter, 0).covariance, expected.covariance, 1e-9));
+    EXPECT_GT((expected.mean - before.mean).norm(), 0.1);
+  }
 }
 
 TEST(MissedDetection, StaysSymmetricAndPositiveDefinite) {

@@ -261,6 +261,18 @@ TEST_F(Newcomer, TakesTheSurerBeliefWhereOneHoldsMoreInEveryDirection) {
   EXPECT_NEAR(expert.track(0).information.matrix(0, 0), 1.0 / 0.2, 1e-9);
 }
 
+// Whoever of the two has seen it later.
+TEST_F(Newcomer, KnowsWhenATargetWasSeenLast) {
+  for (const int own : {5, 10}) {
+    DistributedFilter newcomer = filter(6.5);
+    newcomer.rebase(test::prior(instant(own),
+                                {{Eigen::Vector2d(1.0, 0.0), 0.95 * Eigen::Matrix2d::Identity()}}));
+    const auto belief = take_step(newcomer, instant(10) + Duration{1}, at(0, 0), {}, {teammate_});
+    ASSERT_EQ(belief.targets.size(), 1u);
+    EXPECT_EQ(belief.targets[0].last_seen, instant(std::max(own, 9)));
+  }
+}
+
 TEST_F(Newcomer, IntersectsBeliefsThatEachHoldSomethingTheOtherDoesNot) {
   DistributedFilter newcomer = filter(6.5);
   const Eigen::Matrix2d wide_in_x = Eigen::Vector2d(2.0, 0.5).asDiagonal();

@@ -147,8 +147,8 @@ TEST(ParsePlayCommand, KnowsItsWordsAndNoOthers) {
   EXPECT_EQ(parse_play_command("seek 12.5")->value, 12.5);
   EXPECT_EQ(parse_play_command("\x1b[D")->kind, Kind::kStep);
   EXPECT_EQ(parse_play_command("+")->kind, Kind::kFaster);
-  for (const char* text : {"", "seek", "seek x", "seek 1e99", "speed 0", "speed -1", "speed 1e3",
-                           "play", "seek 1 2", "speed nan"}) {
+  for (const char* text : {"", "seek", "seek x", "seek 1e99", "seek -1e99", "speed 0", "speed -1",
+                           "speed 1e3", "play", "seek 1 2", "speed nan"}) {
     EXPECT_FALSE(parse_play_command(text).has_value()) << text;
   }
 }

@@ -131,6 +131,20 @@ class Operators(unittest.TestCase):
             "int f(int a = 7);\n#define TWICE(a) (2 * (a))\n"
             "int g(E e) { T<5> t; (void)t; spdlog::info(\"x\", 3); switch (e) { case kA: break; } return TWICE(e); }"))
 
+    def test_a_header_is_read_as_its_readers_read_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder)
+            (place / "a.hpp").write_text("#pragma once\nstruct A { int f(int a); };\n#include \"a_impl.hpp\"\n")
+            (place / "a_impl.hpp").write_text(
+                "#pragma once\n#include \"a.hpp\"\ninline int A::f(int a) { return a + 2; }\n")
+            self.assertIn(("sign", "a + 2", "a - 2"), {
+                (s.operator, s.before, s.after)
+                for s in sites.find_sites(place / "a_impl.hpp", "a_impl.hpp", ARGUMENTS)})
+
+    def test_what_takes_the_compiler_long_to_work_out_is_found(self):
+        self.expect("constexpr int last() { int s = 0; for (int i = 0; i < 600000; ++i) { s = i + 1; } return s; }\n"
+                    "static_assert(last() == 600000);\n", ("sign", "i + 1", "i - 1"))
+
 
 class Ids(unittest.TestCase):
     def ids(self, text):

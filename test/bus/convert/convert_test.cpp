@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "bus/convert/convert_parts.hpp"
 #include "bus/convert/wire_walk.hpp"
 #include "test/bus/convert/message_types.hpp"
 #include "test/bus/convert/sample_messages.hpp"
@@ -10,6 +11,19 @@ namespace vantage::bus {
 namespace {
 
 namespace wire = vantage_lcm;
+
+// Of what rounding left of a unit quaternion on either side; what is unit keeps its bits.
+TEST(Pose3From, MakesUnitWhatIsNearlyUnit) {
+  const double position_m[3] = {1.0, -2.0, 3.0};
+  for (const double norm : {1.0 - 5e-4, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, 1.0 + 5e-4}) {
+    const double wxyz[4] = {0.6 * norm, 0.0, 0.0, 0.8 * norm};
+    const auto pose = parts::pose3_from(position_m, wxyz);
+    ASSERT_TRUE(pose) << norm;
+    EXPECT_NEAR(pose->rotation.norm(), 1.0, 1e-15) << norm;
+    EXPECT_NEAR(pose->rotation.z(), 0.8, 1e-15) << norm;
+    EXPECT_TRUE(norm != 1.0 || (pose->rotation.w() == 0.6 && pose->rotation.z() == 0.8));
+  }
+}
 
 template <class Message>
 class EveryMessage : public ::testing::Test {};

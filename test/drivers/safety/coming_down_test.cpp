@@ -67,6 +67,36 @@ TEST(NearSoon, CountsWhoMovesOrIsNoRobotAndWhereItWillBe) {
 // vehicles that are told to land at once: nobody is hit, and few landings wait for long. (Places
 // that nobody drives towards, chosen first, made hardly a difference: 28 of 360 over 8 s instead
 // of 37.)
+// What it asks for sinks as slowly as is stated, slower near the ground, from where it is: a
+// controller that follows it well comes down no faster.
+TEST(FlightGuard, ComesDownNoFasterThanItStates) {
+  test::FlightBench bench(3, false, 0.7);
+  bench.fly_up(3.0);
+  test::Vehicle& q3 = bench.vehicle("Q3");
+  const SafetyLimits limits = limits_for(test::FlightBench::scenario(0.7), "Q3");
+  ASSERT_GT(q3.position_m.z(), limits.low_height_m + 0.5);
+  bench.say(models::OperatorAction::kLand, "Q3");
+  bench.tick();
+  const auto asked_m = [&] {  // at this tick
+    const FlightSetpoint& out = q3.out.setpoint;
+    return out.position_world_m.z() - limits.setpoint_lead_s * out.velocity_world_mps.z();
+  };
+  double last_m = asked_m();
+  double fastest_mps = 0.0;
+  double fastest_low_mps = 0.0;
+  bench.run(10.0, [&] {
+    if (q3.out.state == models::FlightState::kLand) {
+      ASSERT_EQ(q3.out.setpoint.kind, FlightSetpoint::Kind::kTrack);
+      double& fastest = last_m < limits.low_height_m ? fastest_low_mps : fastest_mps;
+      fastest = std::max(fastest, (last_m - asked_m()) / test::FlightBench::kTickS);
+      last_m = asked_m();
+    }
+  });
+  EXPECT_NEAR(fastest_mps, limits.descent_mps, 1e-9);
+  EXPECT_NEAR(fastest_low_mps, limits.low_descent_mps, 1e-9);
+  EXPECT_EQ(q3.out.state, models::FlightState::kIdle);
+}
+
 TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
   constexpr double kRoverMps = 0.5;
   const models::Rectangle bounds = limits_for(test::FlightBench::scenario(), "Q1").fence.bounds;

@@ -160,7 +160,8 @@ void FlightBench::mocap() {
   while (!frames_.empty() && frames_.front().arrives <= now()) {
     for (Vehicle& vehicle : vehicles_) {
       if (!vehicle.knobs.is_stalled) {
-        (void)vehicle.guard->on_mocap(frames_.front().frame, now());
+        (void)vehicle.guard->on_mocap(frames_.front().frame,
+                                      now() - 1'000 * Duration{room_.heard_before_ms});
       }
     }
     frames_.erase(frames_.begin());

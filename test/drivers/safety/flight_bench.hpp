@@ -90,7 +90,8 @@ struct VehicleKnobs {
 };
 
 struct RoomKnobs {
-  int mocap_every = 1;  ///< ticks a frame
+  int mocap_every = 1;      ///< ticks a frame
+  int heard_before_ms = 0;  ///< what a tick hears of mocap had come so long before it
   double mocap_latency_s = 0.005;
   double mocap_jitter_s = 0.0;
   Duration mocap_clock{};

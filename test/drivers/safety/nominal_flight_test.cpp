@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "drivers/safety/course.hpp"
+#include "drivers/safety/limits.hpp"
 #include "drivers/safety/plan_check.hpp"
 #include "drivers/safety/pose_monitor.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
@@ -40,6 +42,43 @@ TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
   for (const Vehicle& vehicle : bench.vehicles()) {
     EXPECT_GT(vehicle.round, 60);
   }
+}
+
+// Where it asks to be is the course of its plans, of which nothing after the round counts before
+// the next plan is there.
+TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
+  FlightBench bench(1);
+  bench.fly_up(5.0);
+  Vehicle& q1 = bench.vehicle("Q1");
+  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
+  ASSERT_EQ(limits.round_s, 1.0);
+  drivers::Course course(drivers::half_window_s(limits.vehicle), 1.0);
+  drivers::Course endless(drivers::half_window_s(limits.vehicle));
+  int different = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const std::size_t plans = q1.sent.size();
+    const Time now = bench.now();
+    if (i / 100 % 5 == 1) {  // so that plans end anywhere in a round
+      q1.knobs.plan = PlanFault::kDropped;
+    }
+    bench.tick();
+    ASSERT_EQ(q1.out.state, FlightState::kFollow) << i;
+    drivers::HeldPlan plan;
+    if (q1.sent.size() > plans && drivers::hold_plan(q1.sent.back().trajectory, plan)) {
+      course.follow(plan, now);
+      endless.follow(plan, now);
+    }
+    course.advance(now, FlightBench::kTickS, 1.0);
+    endless.advance(now, FlightBench::kTickS, 1.0);
+    if (i < 300) {
+      continue;  // until it has the plan before the one that it flies
+    }
+    const Time soon = now + from_seconds(limits.setpoint_lead_s);
+    const Eigen::Vector3d asked_m = q1.out.setpoint.position_world_m;
+    EXPECT_LT((asked_m - course.at(soon).position_world_m).head<2>().norm(), 1e-9) << i;
+    different += (asked_m - endless.at(soon).position_world_m).head<2>().norm() > 1e-3 ? 1 : 0;
+  }
+  EXPECT_GT(different, 10) << "no plan turned or braked just after a round";
 }
 
 // Whatever can be refused has a counter, under a name of its own.

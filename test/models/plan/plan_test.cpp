@@ -115,6 +115,29 @@ TEST(Brake, StopsBackwardsToo) {
   EXPECT_NEAR(at(stop, kStart + from_seconds(0.75)).control.speed_mps, -1.5, 1e-12);
 }
 
+// Of the speeds as they are without braking, whichever way it drives.
+TEST(LengthAtMost, IsNoLessThanTheWayForwardsAndBackwards) {
+  test::Random random(84);
+  for (int i = 0; i < 300; ++i) {
+    Trajectory trajectory = random_trajectory(random, 2.0);
+    for (PlanSegment& segment : trajectory.segments) {
+      segment.control.speed_mps *= random.coin() ? 1.0 : -1.0;
+    }
+    double expected_m = 0.0;
+    double way_m = 0.0;
+    Eigen::Vector3d last_m = position_m(trajectory, trajectory.start_time);
+    for (const PlanSegment& segment : trajectory.segments) {
+      expected_m += std::abs(segment.control.speed_mps) * segment.duration_s;
+    }
+    for (Time t = trajectory.start_time; t < end_time(trajectory); t += from_seconds(0.01)) {
+      way_m += (position_m(trajectory, t) - last_m).norm();
+      last_m = position_m(trajectory, t);
+    }
+    EXPECT_NEAR(length_at_most_m(trajectory), expected_m, 1e-12);
+    EXPECT_GE(length_at_most_m(trajectory), way_m - 1e-9);
+  }
+}
+
 TEST(Brake, IsNothingAtRest) { EXPECT_TRUE(brake(0.0, 2.0).empty()); }
 
 TEST(KeepsSeparation, AgreesWithDenseSampling) {

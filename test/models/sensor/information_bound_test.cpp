@@ -119,6 +119,7 @@ TEST(InformationBound, IsZeroForATargetThatNoReachableViewpointCanSee) {
     EXPECT_EQ(information_bound(sensor, from, 3.0, Eigen::Vector2d(8.1, 0.0)), 0.0);
     EXPECT_GT(information_bound(sensor, from, 3.0, Eigen::Vector2d(7.9, 0.0)), 0.0);
     EXPECT_EQ(information_bound(sensor, from, 0.0, Eigen::Vector3d(0.0, 0.0, 2.0)), 0.0);
+    EXPECT_EQ(information_bound(sensor, from, 0.05, Eigen::Vector3d(0.0, 0.0, 1.95)), 0.0);
     EXPECT_EQ(information_bound(sensor, from, 100.0, Eigen::Vector3d(0.0, 0.0, 7.1)), 0.0);
   }
 }

@@ -1,5 +1,6 @@
 #include "planner/decision/local_search.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -84,6 +85,9 @@ TEST(CoordinateDescent, IsWithinHalfOfTheOptimumInBothOrders) {
     std::vector<int> order = all_robots(oracle);
     for (int way = 0; way < 2; ++way) {
       const TeamDecision decision = coordinate_descent(oracle, {order, 1, true});
+      EXPECT_EQ(decision.adopted, std::count_if(decision.choice.begin(), decision.choice.end(),
+                                                [](CandidateId id) { return id != kNoCandidate; }))
+          << "each robot once, from nothing";
       EXPECT_GE(decision.value, 0.5 * best - kRounding) << "seed " << seed;
       EXPECT_LE(decision.value, best + kRounding);
       std::reverse(order.begin(), order.end());

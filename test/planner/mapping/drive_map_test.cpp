@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/angle.hpp"
 #include "core/check.hpp"
 #include "test/planner/mapping/random_map.hpp"
 
@@ -49,6 +50,27 @@ TEST(DriveMap, NeverLetsADiscTouchWhatIsOccupied) {
     }
   }
   EXPECT_GT(driven, 50);
+}
+
+// Backwards leads where forwards would, had it turned round before.
+TEST(DriveMap, DrivesBackwardsAsItDrivesForwardsTurnedRound) {
+  test::Random random(4602);
+  int free = 0;
+  int blocked = 0;
+  for (int i = 0; i < 300; ++i) {
+    const OccupancyBelief belief = test::random_map(random, kGrid, 0.01);
+    const DriveMap map(belief, {});
+    const Pose2 from{random.uniform(-2.0, 5.5), random.uniform(1.0, 7.0),
+                     random.uniform(-kPi, kPi)};
+    const double speed_mps = random.uniform(0.2, 2.0);
+    const double yaw_rate_radps = random.uniform(-2.0, 2.0);
+    const bool is_free = map.is_free(from, {-speed_mps, yaw_rate_radps}, 1.0);
+    EXPECT_EQ(is_free, map.is_free({from.x_m, from.y_m, wrap_to_pi(from.yaw_rad + kPi)},
+                                   {speed_mps, yaw_rate_radps}, 1.0));
+    (is_free ? free : blocked) += 1;
+  }
+  EXPECT_GT(free, 50);
+  EXPECT_GT(blocked, 50);
 }
 
 TEST(DriveMap, LetsARobotThatStandsTooNearLeaveButNotComeNear) {

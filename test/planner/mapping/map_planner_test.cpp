@@ -160,6 +160,29 @@ TEST(MapPlanner, FindsTheBestOfAllSafeRoutesOnWhatTheMapSays) {
   EXPECT_GE(compared, 15);
 }
 
+// It plans with the beams that it is told to plan with, however many its scanner has.
+TEST(MapPlanner, PlansWithItsPlannedBeams) {
+  Random random(5404);
+  scenario::Scenario few = mapping_scenario();
+  few.mapping.scanner.beams = few.mapping.planned_beams = 12;
+  scenario::Scenario many = few;
+  many.mapping.scanner.beams = 36;
+  scenario::Scenario all = many;
+  all.mapping.planned_beams = 36;
+  int different = 0;
+  for (int i = 0; i < 5; ++i) {
+    const Bench bench(few, random);
+    const auto cost_by = [&](const scenario::Scenario& scenario) {
+      MapPlanner planner(scenario);
+      planner.set_up(bench.problem, bench.map, bench.teammates);
+      return planner.search(bench.problem, Deadline::nodes(500)).cost;
+    };
+    EXPECT_EQ(cost_by(many), cost_by(few));
+    different += cost_by(all) != cost_by(few) ? 1 : 0;
+  }
+  EXPECT_GE(different, 3);
+}
+
 TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
   Random random(5402);
   const scenario::Scenario scenario = mapping_scenario();

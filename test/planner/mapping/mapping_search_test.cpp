@@ -238,6 +238,7 @@ TEST(ResilientMapping, KeepsTheBestAloneAndPlansTheRestWithoutThem) {
       const bool is_bait =
           std::find(rest.begin(), rest.end(), static_cast<int>(robot)) == rest.end();
       EXPECT_EQ(plan[robot].controls, (is_bait ? alone : without)[robot].controls);
+      EXPECT_EQ(plan[robot].nodes, alone[robot].nodes + (is_bait ? 0 : without[robot].nodes));
     }
   }
 }

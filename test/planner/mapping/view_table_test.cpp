@@ -199,6 +199,10 @@ TEST(ViewTable, RefusesOptionsThatMakeNoSense) {
   ViewOptions options;
   options.dependent_share = 0.0;
   EXPECT_THROW(ViewTable(belief, kCircle, options), UsageError);
+  options.dependent_share = 1.0;
+  EXPECT_NO_THROW(ViewTable(belief, kCircle, options));
+  options.dependent_share = 1.0 + 1e-9;
+  EXPECT_THROW(ViewTable(belief, kCircle, options), UsageError);
   options = {};
   options.cutoff_sigmas = 0.0;
   EXPECT_THROW(ViewTable(belief, kCircle, options), UsageError);

@@ -103,6 +103,32 @@ TEST(BlockKernels, PredictLikeTheModels) {
   });
 }
 
+// Blocks of many targets stand one after another.
+TEST(BlockKernels, WriteTheirOwnNumbersAlone) {
+  for_random_blocks([](const Case& c, std::mt19937_64&) {
+    constexpr double kUntouched = -12345.0;
+    double out[2 * kMaxPacked];
+    const auto expect_own = [&](const char* what) {
+      for (int i = packed_size(c.layout); i < 2 * kMaxPacked; ++i) {
+        EXPECT_EQ(out[i], kUntouched) << what << ", number " << i;
+      }
+    };
+    models::TargetModel model;
+    model.kind = c.layout == BlockLayout::kMoving ? models::TargetKind::kDoubleIntegrator
+                                                  : models::TargetKind::kRandomWalk;
+    model.position_dim = position_dim(c.layout);
+    std::fill_n(out, 2 * kMaxPacked, kUntouched);
+    predict(c.layout, step_motion(model, 0.5), c.block, out);
+    expect_own("predict");
+    std::fill_n(out, 2 * kMaxPacked, kUntouched);
+    update(c.layout, c.packed_information.m, c.block, out);
+    expect_own("update");
+    std::fill_n(out, 2 * kMaxPacked, kUntouched);
+    pack(c.layout, c.covariance, out);
+    expect_own("pack");
+  });
+}
+
 TEST(BlockKernels, UpdateLikeTheModels) {
   for_random_blocks([](const Case& c, std::mt19937_64&) {
     const models::StateMatrix expected = models::update_covariance(c.covariance, c.information);

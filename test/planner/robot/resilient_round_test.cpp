@@ -63,6 +63,7 @@ TEST(RobotPlanner, LetsTheBaitDoAsItProposedAndCountsOnTheOthersAlone) {
       planners.emplace_back(scenario, name);
       const auto proposal = planners[i].propose(first_inputs(scenario, i, seed), deadline);
       ASSERT_TRUE(proposal);
+      EXPECT_EQ(proposal->stamp.time, first_inputs(scenario, i, seed).slot.activation);
       EXPECT_EQ(told(planners[i].problem().fixed_information), 0.0) << "as if nobody else looked";
       proposals[name] = *proposal;
       if (proposal->value_nats > 0.0 &&

@@ -42,5 +42,29 @@ TEST(RestOf, IsTheSameMotionFromThereOn) {
   }
 }
 
+// Four horizons, and the stop of whoever needs longest for it, wherever in the team that is.
+TEST(IsOfPlanLength, AllowsTheLongestStopOfTheTeam) {
+  scenario::PlannerSpec planner;
+  planner.horizon_steps = 3;
+  planner.step_s = 0.5;
+  scenario::RobotSpec quick;
+  quick.limits.speed_max_mps = 1.0;
+  quick.limits.brake_mps2 = 2.0;
+  scenario::RobotSpec slow = quick;
+  slow.limits.brake_mps2 = 0.25;
+  const double most_s = 4 * 3 * 0.5 + 1.0 / 0.25;
+  const auto is_taken = [&](double motion_s, const std::vector<scenario::RobotSpec>& robots) {
+    models::Trajectory motion;
+    motion.segments = {{{1.0, 0.0}, 1.0, 0.0}, {{1.0, 0.0}, motion_s - 1.0, 0.0}};
+    return is_of_plan_length(motion, planner, robots);
+  };
+  for (const auto& robots :
+       {std::vector{slow, quick}, std::vector{quick, slow}, std::vector{quick, slow, quick}}) {
+    EXPECT_TRUE(is_taken(most_s - 1e-9, robots));
+    EXPECT_FALSE(is_taken(most_s + 1e-9, robots));
+  }
+  EXPECT_FALSE(is_taken(most_s - 1e-9, {quick, quick}));
+}
+
 }  // namespace
 }  // namespace vantage::planner

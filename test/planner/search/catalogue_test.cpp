@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
+#include "planner/problem/block_kernels.hpp"
 #include "scenario/scenario.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
@@ -70,6 +71,24 @@ TEST(Catalogue, EachSaysTheTruthOfItsPlan) {
       EXPECT_LE(result.lower_bound, result.cost + 1e-6) << algorithm.name;
     }
     EXPECT_GT(found, 10) << algorithm.name;
+  }
+}
+
+// However many targets: a path from the root to the end can keep the covariances of all of them at
+// each depth.
+TEST(CapacityFor, HasRoomForAWholePathOfAnyProblem) {
+  for (const std::size_t targets : {1U, 100U, 5'000U, 50'000U}) {
+    for (const int horizon : {1, 2, 30}) {
+      SearchProblem problem;
+      problem.targets.resize(targets);
+      problem.horizon_steps = horizon;
+      const SearchCapacity capacity =
+          capacity_for(algorithm_called("beam"), problem, 1U << 20U, 100);
+      EXPECT_GE(capacity.block_doubles_max,
+                kMaxPacked * targets * static_cast<std::size_t>(horizon + 1))
+          << targets << " targets, " << horizon << " steps";
+      EXPECT_GT(capacity.nodes_max, static_cast<std::size_t>(horizon));
+    }
   }
 }
 

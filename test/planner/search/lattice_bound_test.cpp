@@ -73,9 +73,58 @@ TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
                                     cut_nodes)
                         .expired);
       }
+      std::int64_t cut_nodes = 0;
+      EXPECT_TRUE(lattice
+                      .cost_to_go(node.world_from_body, node.depth, full.tree.posterior(id),
+                                  reference.data(), 0.4, states, Deadline::nodes(work_nodes - 1),
+                                  cut_nodes)
+                      .expired)
+          << "the last of its work counts, too";
     }
   }
   EXPECT_GT(bounded, 4 * problem_count());
+}
+
+// A tenth of what a look from half the range tells, in the mean of all directions, of what comes
+// into range by then; nothing of the rest.
+TEST(LatticeBound, BeginsFromAWeakLookAtAllThatIsInReach) {
+  for (const models::SensorKind kind :
+       {models::SensorKind::kRangeBearing, models::SensorKind::kBearing, models::SensorKind::kRange,
+        models::SensorKind::kPosition}) {
+    OwnedProblem owned;
+    SearchProblem& problem = owned.problem;
+    problem.start = {0.5, -1.0, 0.3};
+    problem.horizon_steps = 4;
+    problem.controls = {{1.0, 0.0}, {1.0, 1.0}, {1.0, -1.0}};
+    models::SensorModel sensor;
+    sensor.kind = kind;
+    sensor.range_max_m = 3.0;
+    problem.sensors = {sensor};
+    const double away_m = sensor.range_max_m + 2.25 * problem.step_s;  // in reach from step 3 on
+    for (const double x_m : {0.5 + 1.0, 0.5 - away_m}) {
+      problem.targets.push_back({{models::TargetKind::kStatic, 2, 0.0},
+                                 {Eigen::Vector2d(x_m, -1.0), Eigen::Matrix2d::Identity()}});
+    }
+    BeliefTable beliefs(8, 8);
+    beliefs.reset(problem);
+    LatticeBound lattice(8, 8, kStates);
+    lattice.reset(problem, beliefs);
+    ASSERT_FALSE(lattice.is_empty());
+    std::vector<float> reference(lattice.reference_size(), -1.0F);
+    lattice.begin(reference.data());
+    const models::Viewpoint from{{-0.5 * sensor.range_max_m, 0.0, 0.0}, problem.height_m};
+    const models::PositionVector target_m = Eigen::Vector2d::Zero();
+    const double look = 0.5 * models::information(sensor, from, target_m).trace();
+    for (std::size_t m = 0; m < 2; ++m) {
+      for (std::size_t k = 1; k <= 4; ++k) {
+        const float* const R = reference.data() + 3 * (4 * m + k - 1);
+        const double expected = m == 0 || k >= 3 ? 0.1 * look : 0.0;
+        EXPECT_NEAR(R[0], expected, 1e-6 * look) << kind.name() << " target " << m << " step " << k;
+        EXPECT_EQ(R[1], 0.0F);
+        EXPECT_EQ(R[2], R[0]);
+      }
+    }
+  }
 }
 
 TEST(PrefixBound, RisesToTheOptimumAndNeverBeyondIt) {

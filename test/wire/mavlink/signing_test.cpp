@@ -14,6 +14,8 @@ TEST(SigningTimestamp, CountsTensOfMicrosecondsSince2015) {
   EXPECT_EQ(signing_timestamp_10us(from_utime(1'420'070'400'000'000)), 0U);
   EXPECT_EQ(signing_timestamp_10us(from_utime(1'420'070'401'000'000)), 100'000U);
   EXPECT_EQ(signing_timestamp_10us(from_utime(0)), 0U);
+  EXPECT_EQ(signing_timestamp_10us(from_utime(9'000'000'000'000'000'000)), 0xFFFF'FFFF'FFFFU)
+      << "48 bits are on the wire";
 }
 
 // Bytes of a signed HEARTBEAT as the specification builds them, by Python's hashlib and a CRC of

@@ -118,6 +118,24 @@ TEST(VrpnCallback, IsTextOfAddressAndPort) {
   }
 }
 
+TEST(VrpnCallback, NamesItsHostInFull) {
+  const std::string host = "motion-capture-room-two.robotics.example.org";
+  std::vector<std::uint8_t> bytes;
+  append_vrpn_callback(bytes, {host, 40123});
+  const auto callback = decode_vrpn_callback(bytes);
+  ASSERT_TRUE(callback);
+  EXPECT_EQ(callback->address, host);
+  EXPECT_EQ(callback->port, 40123);
+}
+
+TEST(IdentifyStream, TakesWhatPrintsForTextAndNothingElse) {
+  for (int c = 0; c < 256; ++c) {
+    const std::string text(8, static_cast<char>(c));
+    const bool is_text = (c >= 0x20 && c <= 0x7e) || c == '\r' || c == '\n' || c == '\t';
+    EXPECT_EQ(identify_stream(from_text(text)), is_text ? Speaker::kText : Speaker::kUnknown) << c;
+  }
+}
+
 TEST(IdentifyStream, TellsTheServersApart) {
   std::vector<std::uint8_t> datastream;
   PacketWriter packet(datastream);

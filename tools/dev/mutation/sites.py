@@ -58,6 +58,7 @@ UNIT_NUMBERS = {10.0 ** n for n in (-9, -6, -3, -2, 2, 3, 6, 9)} | {60.0, 3600.0
 NUMBER = re.compile(r"(\d[\d']*(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)([uUlLfFzZ]*)$")
 SHOWN_MAX = 240
 SHOWN_AROUND = 40
+LENIENT = ("-Wno-everything", "-fconstexpr-steps=100000000")  # as much as other compilers work out
 LOG = re.compile(r"\s*(spdlog::|logger?(\.|->|\())")
 
 
@@ -101,10 +102,13 @@ def find_sites(path, name, arguments):
     """The sites of the file at `path`, called `name` in the ledger, in the order of their place."""
     with open(path, "rb") as file:
         source = file.read()
-    if str(path).endswith(".hpp"):
-        arguments = ["-x", "c++", *arguments]
+    read, unsaved = str(path), []
+    if read.endswith(".hpp"):
+        # As its readers have it: what it includes may include it again.
+        read = f"{path}.cpp"
+        unsaved = [(read, f'#include "{path}"\n')]
     unit = cindex.Index.create().parse(
-        str(path), args=[*arguments, "-Wno-everything"],
+        read, args=[*arguments, *LENIENT], unsaved_files=unsaved,
         options=cindex.TranslationUnit.PARSE_DETAILED_PROCESSING_RECORD)
     errors = [d for d in unit.diagnostics if d.severity >= cindex.Diagnostic.Error]
     if errors:

@@ -1,0 +1,81 @@
+#include "planner/search/sighting_value.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+
+namespace vantage::planner {
+namespace {
+
+// Drives 1 m/s, turns 2 rad/s, sees 3 m far in a quarter of the circle; one target at the origin.
+class Sighting : public ::testing::Test {
+ protected:
+  Sighting() {
+    problem_.horizon_steps = 12;
+    problem_.step_s = 0.5;
+    problem_.controls = {{1.0, 0.0}, {1.0, 2.0}, {0.5, -1.0}};
+    sensor_.kind = models::SensorKind::kRangeBearing;
+    sensor_.range_max_m = 3.0;
+    sensor_.fov_rad = 0.5 * kPi;
+    problem_.sensors = {sensor_};
+    problem_.targets = {{{models::TargetKind::kStatic, 2, 0.0},
+                         {Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}}};
+    reset();
+  }
+  void reset() {
+    expander_.reset(problem_);
+    value_.reset(problem_, expander_);
+  }
+  /// From `away_m` to the east of it, with the target `aside_rad` to the left of straight ahead.
+  [[nodiscard]] double at(double away_m, double aside_rad, int t) const {
+    return value_.value({away_m, 0.0, wrap_to_pi(kPi - aside_rad)}, t);
+  }
+
+  SearchProblem problem_;
+  models::SensorModel sensor_;
+  Expander expander_{8, 16, 4};
+  SightingValue value_{8};
+};
+
+// ln det(I + M P) of a look from half the range, with P as it is half way: a static target's own.
+TEST_F(Sighting, IsWorthALookFromHalfTheRangeAtEachStepThatIsLeft) {
+  const models::PositionVector target_m = Eigen::Vector2d::Zero();
+  const Eigen::Matrix2d M = models::information(sensor_, {{-1.5, 0.0, 0.0}, 0.0}, target_m);
+  const double look_nats = std::log((Eigen::Matrix2d::Identity() + M).determinant());
+  for (int t = 0; t < problem_.horizon_steps; ++t) {
+    EXPECT_NEAR(at(1.0, 0.0, t), look_nats * (problem_.horizon_steps - t), 1e-9);
+  }
+  EXPECT_EQ(at(1.0, 0.0, problem_.horizon_steps), 0.0) << "no step is left";
+  problem_.cost = CostKind::kTrace;
+  reset();
+  const double less_m2 = 2.0 - (Eigen::Matrix2d::Identity() + M).inverse().trace();
+  EXPECT_NEAR(at(1.0, 0.0, 0), less_m2 * problem_.horizon_steps, 1e-9);
+}
+
+// Each step on the way, driven and turned at full speed, is one look less, at the next step at the
+// earliest; to the left as to the right.
+TEST_F(Sighting, ComesAsManyStepsLaterAsTheWayAndTheTurnTake) {
+  const double look = at(1.0, 0.0, 0) / problem_.horizon_steps;
+  int late = 0;
+  for (double away_m = 1.0; away_m < 8.0; away_m += 0.7) {
+    for (double aside_rad = 0.0; aside_rad < kPi; aside_rad += 0.3) {
+      const double way_s = std::max(0.0, away_m - 3.0) / 1.0;
+      const double turn_s = std::max(0.0, aside_rad - 0.25 * kPi) / 2.0;
+      const double steps = std::max(1.0, (way_s + turn_s) / problem_.step_s);
+      for (const int t : {0, 5}) {
+        const double left = problem_.horizon_steps - t;
+        const double expected = steps > left ? 0.0 : look * (left + 1.0 - steps);
+        EXPECT_NEAR(at(away_m, aside_rad, t), expected, 1e-9) << away_m << " m " << aside_rad;
+        EXPECT_NEAR(at(away_m, -aside_rad, t), expected, 1e-9) << away_m << " m " << aside_rad;
+        late += expected > 0.0 && steps > 1.0 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(late, 50);
+}
+
+}  // namespace
+}  // namespace vantage::planner
