@@ -21,7 +21,8 @@ const SensorLaw kDepth{
                   int) { return row(ahead(from).dot(to.offset_world_m)); },
     .jacobian = [](const SensorModel&, const Viewpoint& from, const SightLine&,
                    int dim) -> MeasurementJacobian { return ahead(from).head(dim).transpose(); },
-    .variances = [](const SensorModel&, const SightLine&, int) { return row(kVariance_m2); },
+    .variances = [](const SensorModel&, const Viewpoint&, const SightLine&,
+                    int) { return row(kVariance_m2); },
     .information_bound = [](const SensorModel&,  // no look tells more: bounds of plans rest on it
                             const ReachedDistances&) { return 1.0 / kVariance_m2; }};
 

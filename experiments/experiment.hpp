@@ -32,6 +32,8 @@ Sweep dls_objective(const Extent& extent);
 Sweep heterogeneous(const Extent& extent);
 /// Table 4.1 and Fig. 4.3: tracking under worst-case attacks, RAIN against coordinate descent.
 Sweep resilient_tracking(const Extent& extent);
+/// Three rows of Table 4.1 with what the text leaves open settled in eight ways.
+Sweep resilient_tracking_choices(const Extent& extent);
 /// Fig. 4.4 and 4.5: mapping under attack, RAIN against coordinate descent.
 Sweep resilient_mapping(const Extent& extent);
 /// Fig. 4.7: a camp watched over under attack, planned anew every 1 to 10 steps.

@@ -58,7 +58,7 @@ std::vector<int> attacked_robots(AttackKind kind, int attacks,
   std::vector<int> attacked;
   if (kind == AttackKind::kRandom) {
     attacked = planner::random_attack(robots, count, random);
-  } else if (kind == AttackKind::kWorstCase) {
+  } else if (kind == AttackKind::kWorstCase || kind == AttackKind::kPreviousPlans) {
     attacked = worst_robots(count, routes, search);
   } else if (kind == AttackKind::kBestAlone) {
     attacked = best_alone_robots(count, routes, search);

@@ -31,6 +31,8 @@ const char* name_of(AttackKind attack) {
       return "worst";
     case AttackKind::kBestAlone:
       return "best_alone";
+    case AttackKind::kPreviousPlans:
+      return "previous";
   }
   return "?";
 }
@@ -52,6 +54,10 @@ struct MappingCase {
     return is_rain && attack == AttackKind::kWorstCase && attacks == kDrawnAttacks &&
            variant == Variant::kPlain;
   }
+  [[nodiscard]] bool is_of_source() const {
+    return variant == Variant::kPlain &&
+           (attack == AttackKind::kWorstCase || attack == AttackKind::kRandom);
+  }
   [[nodiscard]] std::string group() const {
     return fmt::format("{},{},{},{}", is_corridors ? "corridors" : "squares", name_of(attack),
                        attacks, kVariants[static_cast<std::size_t>(variant)]);
@@ -72,6 +78,10 @@ std::vector<MappingCase> all_cases() {
   }
   for (const Variant variant : {Variant::kDropBeams, Variant::kFsmi, Variant::kNoFrontier}) {
     cases.push_back({false, AttackKind::kWorstCase, kDrawnAttacks, variant, false});
+  }
+  for (const bool is_corridors : {false, true}) {
+    cases.push_back(
+        {is_corridors, AttackKind::kPreviousPlans, kDrawnAttacks, Variant::kPlain, false});
   }
   std::vector<MappingCase> both;
   for (MappingCase of : cases) {
@@ -216,7 +226,7 @@ Summary summarise(const Tables& tables) {
         fmt::format("{} nats by trial: CD {}, RAIN {}", mean_text(less),
                     mean_text(ends[i].end_nats), mean_text(ends[i + 1].end_nats));
     const std::string what = "entropy at the end, RAIN less CD: " + cases[i].group();
-    if (cases[i].variant == Variant::kPlain && cases[i].attack != AttackKind::kBestAlone) {
+    if (cases[i].is_of_source()) {
       summary.compared.push_back(compare_claim(what, ours, "< 0", less.mean() < 0.0));
     } else {
       summary.lines.push_back("A variant or attacker of ours, " + what + ": " + ours);

@@ -63,8 +63,11 @@ class MappingTrial {
       const planner::DriveMap drive(ground_.map(), setup_.drive);
       planner::MappingSearch search(views, drive, setup_.search);
       const std::vector<MapRoute> routes = setup_.planner(search, ground_.poses(), setup_.attacks);
-      const std::vector<int> attacked =
+      std::vector<int> attacked =
           attacked_robots(setup_.attack, setup_.attacks, routes, search, attacker_);
+      if (setup_.attack == AttackKind::kPreviousPlans) {
+        attacked.swap(chosen_before_);
+      }
       for (const MapRoute& route : routes) {
         outcome.nodes += route.nodes;
       }
@@ -129,6 +132,7 @@ class MappingTrial {
   const MappingSetup& setup_;
   MappedWorld ground_;
   std::mt19937_64 attacker_;
+  std::vector<int> chosen_before_;  ///< of kPreviousPlans: by the plans before
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/index.hpp"
+#include "experiments/bearing_noise.hpp"
 #include "experiments/searching_team.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/world/grid.hpp"
@@ -18,9 +19,10 @@ constexpr double kFieldResolution_m = 0.5;
 // Of a beam's width: with less, plans of 25 steps stay with the target they begin at.
 constexpr double kBreadth = 0.6;
 
-models::SensorModel tracking_sensor() {
+models::SensorModel tracking_sensor(BearingNoise bearing_noise) {
   models::SensorModel sensor;
-  sensor.kind = models::SensorKind::kRangeBearing;
+  sensor.kind = bearing_noise == BearingNoise::kByRange ? models::SensorKind::kRangeBearing
+                                                        : range_bearing_by_bearing();
   sensor.range_max_m = 10.0;
   sensor.fov_rad = radians(94.0);
   sensor.range_sigma_m = 0.15;
@@ -43,6 +45,7 @@ TargetSetting target_setting(const TrackingSetting& setting) {
   of_targets.prior_position_sigma_m = setting.prior_position_sigma_m;
   of_targets.prior_velocity_sigma_mps = setting.prior_velocity_sigma_mps;
   of_targets.detection_probability = setting.detection_probability;
+  of_targets.beliefs_stay_inside = setting.beliefs_stay_inside;
   return of_targets;
 }
 
@@ -78,7 +81,7 @@ class TrackingTask {
         poses_[i] = team_.plans[i].poses[index(step % setting_.plan_steps)];
       }
       targets_.move();
-      targets_.look(tracking_sensor(), poses_, attacked_);
+      targets_.look(tracking_sensor(setting_.bearing_noise), poses_, attacked_);
       note(run);
     }
     return run;
@@ -91,7 +94,7 @@ class TrackingTask {
   }
 
   [[nodiscard]] models::SensorModel planned_sensor() const {
-    models::SensorModel sensor = tracking_sensor();
+    models::SensorModel sensor = tracking_sensor(setting_.bearing_noise);
     sensor.range_min_m = setting_.plan_range_min_m;
     return sensor;
   }

@@ -8,6 +8,12 @@
 
 namespace vantage::experiments {
 
+/// What a bearing's variance grows with, up to σ_b²: the text can be read as either.
+enum class BearingNoise {
+  kByRange,    ///< as the range's: at the largest range σ_b²
+  kByBearing,  ///< linearly in |bearing|: at the edge of view σ_b² (bearing_noise.hpp)
+};
+
 /// One row of Table 4.1, and how it is run.
 struct TrackingSetting {
   int robots = 10;
@@ -26,6 +32,8 @@ struct TrackingSetting {
   /// where it is expected, but it is there only to the belief's decimetres: plans would stay for
   /// information that no look then brings.
   double plan_range_min_m = 3.0;
+  BearingNoise bearing_noise = BearingNoise::kByRange;  ///< of the sensor and of the plans alike
+  bool beliefs_stay_inside = true;                      ///< see TargetSetting
 };
 
 /// What a run was like after each step.

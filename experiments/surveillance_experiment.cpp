@@ -8,6 +8,7 @@
 #include "experiments/camp_world.hpp"
 #include "experiments/experiment.hpp"
 #include "experiments/figures.hpp"
+#include "experiments/restricted_mean.hpp"
 #include "experiments/surveillance_trial.hpp"
 #include "experiments/sweep/compare.hpp"
 
@@ -63,15 +64,26 @@ std::vector<WatchCase> all_cases() {
 }
 
 // Columns of the table of runs, in their order.
-enum Measure : std::size_t { kInterval, kWithEnds, kByLandmark, kAge, kAbsence, kMeasures = 9 };
+enum Measure : std::size_t {
+  kInterval,
+  kWithEnds,
+  kByLandmark,
+  kAge,
+  kAbsence,
+  kRestrictedByLandmark = 9,
+  kRestricted,
+  kMeasures
+};
 constexpr const char* kColumns =
     "interval,interval_with_ends,interval_by_landmark,age,absence,longest,never_seen,entropy_nats,"
-    "turns_on_the_spot";
-constexpr std::array<std::pair<Measure, const char*>, 4> kCompared = {
+    "turns_on_the_spot,restricted_by_landmark,restricted";
+constexpr std::array<std::pair<Measure, const char*>, 6> kCompared = {
     {{kInterval, "mean interval between two observations"},
      {kWithEnds, "the same with the waits at both ends"},
      {kByLandmark, "the same averaged landmark by landmark"},
-     {kAge, "mean time since the last observation"}}};
+     {kAge, "mean time since the last observation"},
+     {kRestrictedByLandmark, "time unobserved, restricted mean landmark by landmark"},
+     {kRestricted, "time unobserved, restricted mean of all"}}};
 
 WatchSetting setting_of(const WatchCase& of, bool is_smoke) {
   WatchSetting setting = surveillance_setting(of.replan_steps, of.attacks);
@@ -87,11 +99,13 @@ UnitRows run_unit(const WatchCase& of, bool is_smoke, std::uint64_t seed) {
   const WatchSetting setting = setting_of(of, is_smoke);
   const WatchRun run = watch(setting, surveillance_starts(setting, kRobots, seed), of.is_rain);
   const Revisits times = revisits(run.seen);
+  const TimeUnobserved unobserved = time_unobserved(run.seen);
   UnitRows rows;
   rows.tables["runs"] = {
-      fmt::format("{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{:.6f},{}", times.interval,
-                  times.interval_with_ends, times.interval_by_landmark, times.age, times.absence,
-                  times.longest, times.never_seen, run.entropy_nats.back(), run.turns_on_the_spot)};
+      fmt::format("{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{},{},{:.6f},{},{:.6f},{:.6f}",
+                  times.interval, times.interval_with_ends, times.interval_by_landmark, times.age,
+                  times.absence, times.longest, times.never_seen, run.entropy_nats.back(),
+                  run.turns_on_the_spot, unobserved.by_landmark, unobserved.pooled)};
   for (std::size_t t = 0; of.is_drawn() && t < run.attacked.size(); ++t) {
     for (std::size_t i = 0; i < run.poses[t].size(); ++i) {
       const Pose2& at = run.poses[t + 1][i];
@@ -246,7 +260,8 @@ Summary summarise(const Tables& tables) {
       "Plans hold each landmark's k as it is when they are made.",
       "The attacker chooses at each planning by what the whole plans would bring, greedily; "
       "all is run as well with one who takes the robots whose plans alone are worth most.",
-      "Steps without an end are counted as said for each measure: see landmark_watch.hpp."};
+      "Steps without an end are counted as said for each measure: see landmark_watch.hpp and "
+      "restricted_mean.hpp."};
   return summary;
 }
 

@@ -78,7 +78,10 @@ void TrackedTargets::move() {
     reflect(state, world_->bounds);
   }
   for (models::Gaussian& belief : beliefs_) {
-    belief = estimator::reflect(models::predict(belief, A_, W_), world_->bounds);
+    belief = models::predict(belief, A_, W_);
+    if (setting_.beliefs_stay_inside) {
+      belief = estimator::reflect(belief, world_->bounds);
+    }
   }
 }
 

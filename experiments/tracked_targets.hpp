@@ -33,10 +33,12 @@ struct TargetSetting {
   /// of successive steps are nearly the same look, which a Gaussian cannot remember: far below the
   /// sensor's own probability, or the filter grows sure of where targets are not.
   double detection_probability = 0.05;
+  bool beliefs_stay_inside = true;  ///< mirrored at the walls, as the targets are at all times
 };
 
 /// Double integrators in a square world, and what a team that shares everything believes of them:
-/// one extended Kalman filter each, beliefs and targets mirrored at the walls.
+/// one extended Kalman filter each, targets mirrored at the walls and, unless told otherwise,
+/// beliefs.
 ///
 /// Targets start at rest; each prior mean is drawn about the truth with the prior's covariance, so
 /// that the filter is consistent from the beginning. All of it depends on `seed` and on where the

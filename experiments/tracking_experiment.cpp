@@ -9,35 +9,12 @@
 #include "experiments/figures.hpp"
 #include "experiments/resilient_tracking.hpp"
 #include "experiments/sweep/compare.hpp"
+#include "experiments/tracking_table.hpp"
 
 namespace vantage::experiments {
 namespace {
 
 constexpr int kRuns = 10;  // as the dissertation
-
-// A row of Table 4.1: what is printed there for coordinate descent and for RAIN.
-struct TableRow {
-  int robots;
-  int targets;
-  int attacks;
-  std::array<double, 2> mean_m;  ///< CD, RAIN
-  std::array<double, 2> peak_m;
-
-  /// The pictures show ten robots and ten targets.
-  [[nodiscard]] bool is_drawn() const { return robots == 10 && targets == 10; }
-};
-
-constexpr std::array<const char*, 2> kMethods = {"cd", "rain"};
-
-constexpr std::array<TableRow, 9> kTable = {{{5, 10, 1, {0.28, 0.19}, {9.62, 2.09}},
-                                             {5, 10, 2, {1.47, 0.68}, {26.07, 15.71}},
-                                             {5, 10, 4, {10.67, 4.9}, {225.47, 103.82}},
-                                             {10, 5, 2, {0.35, 0.14}, {57.65, 1.87}},
-                                             {10, 5, 4, {0.39, 0.28}, {6.66, 3.17}},
-                                             {10, 5, 6, {2.07, 0.65}, {93.27, 15.63}},
-                                             {10, 10, 2, {0.13, 0.08}, {1.4, 1.32}},
-                                             {10, 10, 4, {0.24, 0.23}, {4.19, 2.66}},
-                                             {10, 10, 6, {4.39, 1.2}, {69.77, 26.4}}}};
 
 // Settings are the attackers, for each the rows, each by both methods.
 std::size_t attacker_of(std::size_t setting) { return setting / (2 * kTable.size()); }

@@ -1,5 +1,6 @@
 #include "experiments/sweep/sweep.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <stdexcept>
 
@@ -32,6 +33,13 @@ std::vector<Unit> units_of(const SweepPlan& plan, const Shard& shard) {
     }
   }
   return units;
+}
+
+bool begins_with_any(const Setting& setting, const std::vector<std::string>& beginnings) {
+  const std::string cells = setting.cells + ",";
+  return beginnings.empty() || std::ranges::any_of(beginnings, [&](const std::string& beginning) {
+           return cells.starts_with(beginning + ",");
+         });
 }
 
 std::vector<std::string> cells_of(const std::string& text) {

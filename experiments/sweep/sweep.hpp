@@ -112,6 +112,10 @@ struct Shard {
 /// setting; together they are all units, once.
 std::vector<Unit> units_of(const SweepPlan& plan, const Shard& shard);
 
+/// Whether the cells of `setting` are or begin with one of `beginnings`, cell by cell: "a,1" begins
+/// "a,1,x", not "a,10"; of no beginnings: yes.
+bool begins_with_any(const Setting& setting, const std::vector<std::string>& beginnings);
+
 /// Cells of the rows of `done` by table; "times" as well.
 Tables tables_of(const SweepPlan& plan, const std::map<Unit, UnitRows>& done);
 /// `records` of the table `name` as CSV, with a header.

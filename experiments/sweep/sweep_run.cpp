@@ -1,5 +1,6 @@
 #include "experiments/sweep/sweep_run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <stdexcept>
@@ -48,15 +49,19 @@ UnitRows run_unit(const Sweep& sweep, const Unit& unit, std::uint64_t seed) {
   }
 }
 
+void write_tables(const Sweep& sweep, const Tables& tables, const std::string& directory) {
+  for (const auto& [name, records] : tables) {
+    write_file(directory + "/" + name + ".csv", csv_of(sweep.plan, name, records));
+  }
+}
+
 std::vector<std::string> collect(const Sweep& sweep, const SweepIdentity& identity,
                                  const std::string& what, const std::string& directory,
                                  const std::function<bool()>& stop) {
   const StoredRows stored = read_rows(directory, sweep.plan, identity);
   const Tables tables = tables_of(sweep.plan, stored.done);
   const Summary summary = sweep.summarise(tables);
-  for (const auto& [name, records] : tables) {
-    write_file(directory + "/" + name + ".csv", csv_of(sweep.plan, name, records));
-  }
+  write_tables(sweep, tables, directory);
   for (const auto& [name, text] : summary.files) {
     write_file(directory + "/" + name, text);
   }
@@ -78,11 +83,26 @@ std::vector<std::string> collect(const Sweep& sweep, const SweepIdentity& identi
   return lines;
 }
 
+void check_beginnings(const SweepPlan& plan, const std::vector<std::string>& beginnings) {
+  for (const std::string& beginning : beginnings) {
+    const auto is_begun = [&](const Setting& setting) {
+      return begins_with_any(setting, {beginning});
+    };
+    if (std::ranges::none_of(plan.settings, is_begun)) {
+      throw StartupError(fmt::format("no setting begins with '{}': they are ({}), as '{}'",
+                                     beginning, plan.setting_columns, plan.settings.front().cells));
+    }
+  }
+}
+
 // The units of the share that no file has, and how far that leaves us.
-std::vector<Unit> units_left(const Sweep& sweep, const Shard& shard, const StoredRows& stored,
-                             SweepProgress& progress) {
+std::vector<Unit> units_left(const Sweep& sweep, const SweepOptions& options,
+                             const StoredRows& stored, SweepProgress& progress) {
   std::vector<Unit> left;
-  for (const Unit& unit : units_of(sweep.plan, shard)) {
+  for (const Unit& unit : units_of(sweep.plan, options.shard.value_or(Shard{}))) {
+    if (!begins_with_any(sweep.plan.settings[unit.setting], options.only)) {
+      continue;
+    }
     ++progress.units;
     if (stored.done.contains(unit)) {
       ++progress.done;
@@ -98,14 +118,15 @@ std::vector<Unit> units_left(const Sweep& sweep, const Shard& shard, const Store
 
 SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const std::string& what,
                        const SweepOptions& options) {
+  check_beginnings(sweep.plan, options.only);
   claim_directory(options.directory, identity, sweep.plan);
-  const Shard shard = options.shard.value_or(Shard{});
   SweepOutcome outcome;
   SweepProgress& progress = outcome.progress;
   const std::vector<Unit> left =
-      units_left(sweep, shard, read_rows(options.directory, sweep.plan, identity), progress);
+      units_left(sweep, options, read_rows(options.directory, sweep.plan, identity), progress);
   if (!left.empty()) {
-    RowWriter writer(options.directory, this_process(options.jobs, shard), identity, sweep.plan);
+    RowWriter writer(options.directory, this_process(options.jobs, options.shard.value_or(Shard{})),
+                     identity, sweep.plan);
     const auto start = std::chrono::steady_clock::now();
     const auto tell = [&] {
       progress.elapsed_s =
@@ -125,7 +146,10 @@ SweepOutcome run_sweep(const Sweep& sweep, const SweepIdentity& identity, const 
         });
   }
   outcome.is_stopped = progress.done < progress.units;
-  if (!outcome.is_stopped && !options.shard) {
+  if (!outcome.is_stopped && !options.shard && !options.only.empty()) {
+    const StoredRows stored = read_rows(options.directory, sweep.plan, identity);
+    write_tables(sweep, tables_of(sweep.plan, stored.done), options.directory);
+  } else if (!outcome.is_stopped && !options.shard) {
     outcome.lines = collect(sweep, identity, what, options.directory, options.stop);
   }
   return outcome;

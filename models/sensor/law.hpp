@@ -55,7 +55,8 @@ struct SensorLaw {
   MeasurementJacobian (*jacobian)(const SensorModel&, const Viewpoint&, const SightLine&,
                                   int position_dim) = nullptr;
   /// Variances of z, row by row.
-  MeasurementVector (*variances)(const SensorModel&, const SightLine&, int position_dim) = nullptr;
+  MeasurementVector (*variances)(const SensorModel&, const Viewpoint&, const SightLine&,
+                                 int position_dim) = nullptr;
   /// λ_max of the information over the disc, at most; +∞ where there is none.
   double (*information_bound)(const SensorModel&, const ReachedDistances&) = nullptr;
   /// See position_from(); null: it cannot tell.

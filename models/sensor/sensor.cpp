@@ -78,7 +78,7 @@ MeasurementVector observe(const SensorModel& sensor, const Viewpoint& from,
 MeasurementMatrix noise_covariance(const SensorModel& sensor, const Viewpoint& from,
                                    const PositionVector& target_world_m) {
   return sensor.kind.law()
-      .variances(sensor, sight_line(from, target_world_m), dim_of(target_world_m))
+      .variances(sensor, from, sight_line(from, target_world_m), dim_of(target_world_m))
       .asDiagonal();
 }
 

@@ -106,10 +106,48 @@ Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int 
   return attack;
 }
 
+Attack attack_on_best_together(const TeamOracle& oracle, const Choice& choice, int attacks_max) {
+  Attack attack;
+  TeamSet taken(oracle);
+  TeamSet team(oracle);
+  team.become(choice);
+  for (int k = 0; k < attacks_max; ++k) {
+    int best = -1;
+    double most = 0.0;
+    for (int robot = 0; robot < oracle.robot_count(); ++robot) {
+      if (!has(team.choice(), robot)) {
+        continue;
+      }
+      const double value = taken.value_with(choice[static_cast<std::size_t>(robot)]);
+      if (best < 0 || value > most) {
+        most = value;
+        best = robot;
+      }
+    }
+    if (best < 0) {
+      break;
+    }
+    taken.add(choice[static_cast<std::size_t>(best)]);
+    team.drop(best);
+    attack.robots.push_back(best);
+  }
+  std::ranges::sort(attack.robots);
+  attack.value = team.value();
+  attack.oracle_calls = taken.calls();
+  return attack;
+}
+
 Attack attack_by(Attacker attacker, const TeamOracle& oracle, const Choice& choice,
                  int attacks_max) {
-  return attacker == Attacker::kGreedy ? greedy_attack(oracle, choice, attacks_max)
-                                       : attack_on_best_alone(oracle, choice, attacks_max);
+  switch (attacker) {
+    case Attacker::kGreedy:
+      return greedy_attack(oracle, choice, attacks_max);
+    case Attacker::kBestAlone:
+      return attack_on_best_alone(oracle, choice, attacks_max);
+    case Attacker::kBestTogether:
+      break;
+  }
+  return attack_on_best_together(oracle, choice, attacks_max);
 }
 
 std::vector<int> random_attack(int robot_count, int attacks, std::mt19937_64& rng) {

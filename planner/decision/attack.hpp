@@ -29,10 +29,17 @@ Attack greedy_attack(const TeamOracle& oracle, const Choice& choice, int attacks
 /// see as well. Cost: α oracle calls.
 Attack attack_on_best_alone(const TeamOracle& oracle, const Choice& choice, int attacks_max);
 
+/// The attack on robots whose trajectories together are worth most, forward-greedily: from nobody
+/// on, each time the robot with which J(A) of those taken is largest, until there are `attacks_max`
+/// or nobody is left; of equals the lower number. For one attack it is attack_on_best_alone().
+/// Cost: O(n α) oracle calls.
+Attack attack_on_best_together(const TeamOracle& oracle, const Choice& choice, int attacks_max);
+
 /// Who takes sensors, knowing the team's plans.
 enum class Attacker {
-  kGreedy,     ///< greedy_attack
-  kBestAlone,  ///< attack_on_best_alone
+  kGreedy,        ///< greedy_attack
+  kBestAlone,     ///< attack_on_best_alone
+  kBestTogether,  ///< attack_on_best_together
 };
 
 Attack attack_by(Attacker attacker, const TeamOracle& oracle, const Choice& choice,

@@ -205,6 +205,22 @@ TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
   EXPECT_NEAR(nees / (4.0 * 250.0 * kSeeds), 4.0, 0.8);
 }
 
+// Each of the choices that the text leaves open changes what happens.
+TEST(TrackUnderAttack, IsRunAsItsChoicesSay) {
+  const TrackingSetting published{
+      .robots = 4, .targets = 4, .attacks = 2, .task_steps = 150, .nodes_per_plan = 2'000};
+  TrackingSetting by_bearing = published;
+  by_bearing.bearing_noise = BearingNoise::kByBearing;
+  TrackingSetting free = published;
+  free.beliefs_stay_inside = false;
+  TrackingSetting together = published;
+  together.attacker = planner::Attacker::kBestTogether;
+  const std::vector<double> rmse_m = track_under_attack(published, false, 4).rmse_m;
+  for (const TrackingSetting& other : {by_bearing, free, together}) {
+    EXPECT_NE(track_under_attack(other, false, 4).rmse_m, rmse_m);
+  }
+}
+
 TEST(TrackUnderAttack, LearnsNothingWhereAllAreAttacked) {
   const TrackingSetting setting{
       .robots = 2, .targets = 2, .attacks = 2, .task_steps = 50, .nodes_per_plan = 2'000};

@@ -108,6 +108,29 @@ TEST(AttackedRobots, AreChosenAsTheKindOfAttackSays) {
   }
 }
 
+// Who is attacked is who the worst case of the plans before would have taken; at first nobody.
+TEST(MappingTrial, IsAttackedByThePlansBefore) {
+  MappingSetup setup = small_setup();
+  setup.attack = AttackKind::kPreviousPlans;
+  std::vector<std::vector<int>> worst;
+  setup.planner = [&](planner::MappingSearch& search, std::span<const Pose2> starts, int attacks) {
+    auto routes = plan_by_coordinate_descent(search, starts, attacks);
+    std::mt19937_64 unused;
+    worst.push_back(attacked_robots(AttackKind::kWorstCase, attacks, routes, search, unused));
+    return routes;
+  };
+  const MappingOutcome outcome = run_mapping_trial(setup, 3);
+  ASSERT_EQ(outcome.steps.size(), 9U);
+  ASSERT_EQ(worst.size(), 4U);
+  bool differs = false;
+  for (std::size_t t = 1; t < outcome.steps.size(); ++t) {
+    const std::size_t round = (t - 1) / 2;
+    EXPECT_EQ(outcome.steps[t].attacked, round == 0 ? std::vector<int>{} : worst[round - 1]);
+    differs = differs || outcome.steps[t].attacked != worst[round];
+  }
+  EXPECT_TRUE(differs);
+}
+
 TEST(MappingWorlds, HaveWaysEverywhereForARobot) {
   for (const models::World& world : {square_obstacles_world(), corridor_world()}) {
     EXPECT_EQ(world.bounds.max_m, Eigen::Vector2d(16.0, 16.0));

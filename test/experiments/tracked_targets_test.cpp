@@ -102,6 +102,36 @@ TEST(TrackedTargets, AreWithinDecimetresWhereNothingLimitsTheSight) {
   }
 }
 
+// Nobody looks: a belief that may leave the world is its prior carried on, and it does leave.
+TEST(TrackedTargets, AreBelievedBeyondTheWallsWhereThatIsAllowed) {
+  const models::World world = square_world();
+  TargetSetting setting;
+  setting.prior_velocity_sigma_mps = 1.0;
+  setting.beliefs_stay_inside = false;
+  TrackedTargets free(setting, world, 3);
+  setting.beliefs_stay_inside = true;
+  TrackedTargets kept(setting, world, 3);
+  const std::vector<models::Gaussian> before = free.beliefs();
+  constexpr int kUnseenSteps = 120;
+  for (int step = 0; step < kUnseenSteps; ++step) {
+    free.move();
+    kept.move();
+  }
+  const double gone_s = kUnseenSteps * setting.step_s;
+  int outside = 0;
+  for (std::size_t m = 0; m < before.size(); ++m) {
+    const models::Gaussian expected = models::predict(before[m], free.model(), gone_s);
+    EXPECT_LT((free.beliefs()[m].mean - expected.mean).norm(), 1e-9);
+    EXPECT_LT((free.beliefs()[m].covariance - expected.covariance).norm(),
+              1e-9 * expected.covariance.norm());
+    const Eigen::Array2d free_m = free.beliefs()[m].mean.head<2>();
+    outside += (free_m < 0.0).any() || (free_m > kSide_m).any() ? 1 : 0;
+    const Eigen::Array2d kept_m = kept.beliefs()[m].mean.head<2>();
+    EXPECT_TRUE((kept_m >= 0.0).all() && (kept_m <= kSide_m).all());
+  }
+  EXPECT_GT(outside, 0);
+}
+
 TEST(TrackedTargets, AreOnlyPredictedByATeamThatIsBlind) {
   const models::World world = square_world();
   const models::SensorModel sensor = range_bearing(100.0, 2.0 * kPi);

@@ -30,8 +30,8 @@ inline const models::SensorLaw& signal_strength_law() {
         return -kDecibelsPerNeper / (to.range_m * to.range_m) *
                to.offset_world_m.head(position_dim).transpose();
       },
-      .variances = [](const SensorModel& /*sensor*/, const SightLine& /*to*/,
-                      int /*position_dim*/) -> models::MeasurementVector {
+      .variances = [](const SensorModel& /*sensor*/, const Viewpoint& /*from*/,
+                      const SightLine& /*to*/, int /*position_dim*/) -> models::MeasurementVector {
         return Eigen::Matrix<double, 1, 1>(kStrengthSigma_db * kStrengthSigma_db);
       },
       .information_bound =

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 
 #include <fmt/format.h>
@@ -51,14 +52,22 @@ void show_line(const std::string& text) {
   }
 }
 
+std::string only_text(const ExperimentArguments& arguments) {
+  std::string text;
+  for (const std::string& beginning : arguments.options.only) {
+    text += " --only " + shell_quoted(beginning);
+  }
+  return text;
+}
+
 // Says what is kept and how to go on.
 void tell_stopped(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
                   const experiments::SweepProgress& progress) {
   fmt::print(
-      stderr, "stopped with {} of {} units done; their rows are kept. To go on: {} --out {}{}\n",
+      stderr, "stopped with {} of {} units done; their rows are kept. To go on: {} --out {}{}{}\n",
       progress.done, progress.units, experiments::command_of(identity, arguments.extent.trials),
       shell_quoted(arguments.options.directory),
-      arguments.shard.empty() ? "" : " --shard " + arguments.shard);
+      arguments.shard.empty() ? "" : " --shard " + arguments.shard, only_text(arguments));
 }
 
 int tell(const ExperimentArguments& arguments, const experiments::SweepIdentity& identity,
@@ -73,7 +82,10 @@ int tell(const ExperimentArguments& arguments, const experiments::SweepIdentity&
     tell_stopped(arguments, identity, outcome.progress);
     return 1;
   }
-  if (arguments.options.shard) {
+  if (!arguments.options.only.empty()) {
+    print_line(fmt::format("{} units done, their tables in {}. For all settings and a report: {}",
+                           outcome.progress.done, arguments.options.directory, command));
+  } else if (arguments.options.shard) {
     print_line(fmt::format("shard {}: {} units done. When all shards are: {}", arguments.shard,
                            outcome.progress.done, command));
   }
@@ -142,6 +154,26 @@ int run(ExperimentArguments arguments) {
               experiments::run_sweep(sweep, identity, experiment->what, arguments.options));
 }
 
+// `others` do not go with --slurm.
+void add_slurm_options(CLI::App& command, ExperimentArguments& arguments,
+                       std::initializer_list<CLI::Option*> others) {
+  CLI::Option* slurm = command.add_flag(
+      "--slurm", arguments.is_on_slurm,
+      "as an array of Slurm jobs, which share --out: submits them, waits, collects");
+  for (CLI::Option* other : others) {
+    slurm->excludes(other);
+  }
+  command.add_option("--shards", arguments.slurm.shards, "of --slurm: jobs in the array")
+      ->check(number_between(1, 100'000))
+      ->capture_default_str()
+      ->needs(slurm);
+  command.add_flag("--no-wait", arguments.is_left_alone, "of --slurm: only submit")->needs(slurm);
+  command
+      .add_option("--sbatch", arguments.slurm.sbatch,
+                  "of --slurm: an option for sbatch, as --sbatch=--time=2:00:00; repeatable")
+      ->needs(slurm);
+}
+
 }  // namespace
 
 void add_experiment_command(CLI::App& root, Runner& chosen) {
@@ -168,20 +200,13 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   CLI::Option* shard =
       command->add_option("--shard", arguments->shard,
                           "i/n: run the i-th of n shares only, and write its rows; i from 1");
-  CLI::Option* slurm =
+  CLI::Option* only =
       command
-          ->add_flag("--slurm", arguments->is_on_slurm,
-                     "as an array of Slurm jobs, which share --out: submits them, waits, collects")
-          ->excludes(shard);
-  command->add_option("--shards", arguments->slurm.shards, "of --slurm: jobs in the array")
-      ->check(number_between(1, 100'000))
-      ->capture_default_str()
-      ->needs(slurm);
-  command->add_flag("--no-wait", arguments->is_left_alone, "of --slurm: only submit")->needs(slurm);
-  command
-      ->add_option("--sbatch", arguments->slurm.sbatch,
-                   "of --slurm: an option for sbatch, as --sbatch=--time=2:00:00; repeatable")
-      ->needs(slurm);
+          ->add_option("--only", arguments->options.only,
+                       "cells that a setting begins with, as they stand in the tables: run such "
+                       "settings alone, and write tables but no report; repeatable")
+          ->allow_extra_args(false);
+  add_slurm_options(*command, *arguments, {shard, only});
   command->add_option("--out", arguments->options.directory,
                       "directory of the results; experiments/NAME when not given");
   command->add_flag("--smoke", arguments->extent.is_smoke,
@@ -197,6 +222,7 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
       "  parallel vantage experiment resilient-mapping --out rm --shard {}/8 ::: $(seq "
       "8)\n"
       "  vantage experiment resilient-mapping --out rm\n"
+      "  vantage experiment surveillance --only greedy,1,2 --only greedy,10,2 --out s\n"
       "  vantage experiment resilient-tracking --out rt --slurm --shards 20 "
       "--sbatch=--time=2:00:00");
   command->callback([&chosen, arguments] { chosen = [arguments] { return run(*arguments); }; });

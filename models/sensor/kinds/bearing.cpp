@@ -19,7 +19,8 @@ MeasurementJacobian jacobian(const SensorModel& /*sensor*/, const Viewpoint& /*f
   return bearing_row(to, position_dim);
 }
 
-MeasurementVector variances(const SensorModel& sensor, const SightLine& to, int /*position_dim*/) {
+MeasurementVector variances(const SensorModel& sensor, const Viewpoint& /*from*/,
+                            const SightLine& to, int /*position_dim*/) {
   return Eigen::Matrix<double, 1, 1>(square(sensor.bearing_sigma_rad) *
                                      variance_growth(sensor, to.range_m));
 }

@@ -48,8 +48,8 @@ MeasurementJacobian jacobian(const SensorModel& sensor, const Viewpoint& from, c
   return H_space.leftCols(position_dim);
 }
 
-MeasurementVector variances(const SensorModel& sensor, const SightLine& /*to*/,
-                            int /*position_dim*/) {
+MeasurementVector variances(const SensorModel& sensor, const Viewpoint& /*from*/,
+                            const SightLine& /*to*/, int /*position_dim*/) {
   return Eigen::Vector2d::Constant(square(sensor.pixel_sigma));
 }
 

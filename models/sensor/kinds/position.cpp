@@ -16,7 +16,8 @@ MeasurementJacobian jacobian(const SensorModel& /*sensor*/, const Viewpoint& fro
   return body_from_world(from).topLeftCorner(position_dim, position_dim);
 }
 
-MeasurementVector variances(const SensorModel& sensor, const SightLine& /*to*/, int position_dim) {
+MeasurementVector variances(const SensorModel& sensor, const Viewpoint& /*from*/,
+                            const SightLine& /*to*/, int position_dim) {
   return MeasurementVector::Constant(position_dim, square(sensor.position_sigma_m));
 }
 

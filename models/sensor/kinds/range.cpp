@@ -15,7 +15,8 @@ MeasurementJacobian jacobian(const SensorModel& sensor, const Viewpoint& /*from*
   return range_row(sensor, to, position_dim);
 }
 
-MeasurementVector variances(const SensorModel& sensor, const SightLine& to, int /*position_dim*/) {
+MeasurementVector variances(const SensorModel& sensor, const Viewpoint& /*from*/,
+                            const SightLine& to, int /*position_dim*/) {
   return Eigen::Matrix<double, 1, 1>(square(sensor.range_sigma_m) *
                                      variance_growth(sensor, to.range_m));
 }

@@ -25,7 +25,8 @@ MeasurementJacobian jacobian(const SensorModel& sensor, const Viewpoint& /*from*
   return H;
 }
 
-MeasurementVector variances(const SensorModel& sensor, const SightLine& to, int /*position_dim*/) {
+MeasurementVector variances(const SensorModel& sensor, const Viewpoint& /*from*/,
+                            const SightLine& to, int /*position_dim*/) {
   const double growth = variance_growth(sensor, to.range_m);
   return Eigen::Vector2d(square(sensor.range_sigma_m) * growth,
                          square(sensor.bearing_sigma_rad) * growth);

@@ -147,6 +147,29 @@ TEST_F(Sweeps, LeaveTheSameBytesWithManyJobs) {
   EXPECT_EQ(results_in(dir("one")), results_in(dir("four")));
 }
 
+TEST_F(Sweeps, RunOnlyTheSettingsThatAreNamed) {
+  SweepOptions options;
+  options.only = {"large", "small,1"};
+  const SweepOutcome outcome = run("some", options);
+  EXPECT_EQ(outcome.progress.units, 8U);
+  EXPECT_EQ(runs_, 8);
+  EXPECT_FALSE(outcome.is_stopped);
+  EXPECT_TRUE(fs::exists(dir("some") + "/values.csv"));
+  EXPECT_FALSE(fs::exists(dir("some") + "/summary.csv")) << "a summary is of all settings";
+  run("some");
+  EXPECT_EQ(runs_, kUnits) << "what is there is not run again";
+  run("whole");
+  EXPECT_EQ(results_in(dir("whole")), results_in(dir("some")));
+}
+
+TEST_F(Sweeps, RefuseANameThatBeginsNoSetting) {
+  SweepOptions options;
+  options.only = {"large", "lar"};
+  EXPECT_THROW(run("none", options), StartupError);
+  EXPECT_FALSE(fs::exists(dir("none")));
+  EXPECT_EQ(runs_, 0);
+}
+
 TEST_F(Sweeps, LeaveTheSameBytesInShardsAndCollectWithoutRunning) {
   run("whole");
   for (int number = 3; number >= 1; --number) {

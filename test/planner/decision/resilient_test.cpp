@@ -172,6 +172,76 @@ TEST(AttackOnBestAlone, TakesTheBait) {
   }
 }
 
+TEST(AttackOnBestTogether, OfOneIsTheRobotWhosePlanIsWorthMostOfAll) {
+  for (const InformationMeasure measure :
+       {InformationMeasure::kMutual, InformationMeasure::kLogDet}) {
+    for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+      const TeamProblem problem = test::random_instance(seed, {5, 3, 0.0}, measure);
+      const TeamOracle oracle(problem);
+      const Choice choice = test::random_choice(oracle, seed);
+      double most = 0.0;
+      for (const Candidate* candidate : test::chosen_of(oracle, choice)) {
+        most = std::max(most, test::plain_value(problem, {candidate}));
+      }
+      const Attack attack = attack_on_best_together(oracle, choice, 1);
+      ASSERT_EQ(attack.robots.empty(), test::chosen_of(oracle, choice).empty());
+      if (!attack.robots.empty()) {
+        const auto taken = static_cast<std::size_t>(attack.robots[0]);
+        EXPECT_NEAR(test::plain_value(problem, {&oracle.candidate(choice[taken])}), most, 1e-9);
+        EXPECT_EQ(oracle.alone(choice[taken]),
+                  oracle.alone(choice[static_cast<std::size_t>(
+                      attack_on_best_alone(oracle, choice, 1).robots[0])]));
+      }
+    }
+  }
+}
+
+// One attack more adds the robot with which J of the taken, by the plain recursion, is largest.
+TEST(AttackOnBestTogether, AddsTheRobotWithWhichThoseTakenAreWorthMost) {
+  int unlike_alone = 0;
+  for (std::uint64_t seed = 0; seed < kInstances; ++seed) {
+    const TeamProblem problem =
+        test::random_instance(seed, {5, 3, 0.0}, InformationMeasure::kLogDet);
+    const TeamOracle oracle(problem);
+    const Choice choice = test::random_choice(oracle, seed);
+    const auto value_of_robots = [&](const std::vector<int>& robots) {
+      std::vector<const Candidate*> chosen;
+      for (const int robot : robots) {
+        chosen.push_back(&oracle.candidate(choice[static_cast<std::size_t>(robot)]));
+      }
+      return test::plain_value(problem, chosen);
+    };
+    std::vector<int> before;
+    for (int attacks = 1; attacks <= oracle.robot_count(); ++attacks) {
+      const Attack attack = attack_on_best_together(oracle, choice, attacks);
+      ASSERT_TRUE(std::ranges::includes(attack.robots, before));
+      if (attack.robots.size() == before.size()) {
+        ASSERT_EQ(before.size(), test::chosen_of(oracle, choice).size()) << "nobody is left";
+        break;
+      }
+      ASSERT_EQ(attack.robots.size(), before.size() + 1);
+      Choice left = choice;
+      for (const int robot : attack.robots) {
+        left[static_cast<std::size_t>(robot)] = kNoCandidate;
+      }
+      EXPECT_NEAR(attack.value, test::plain_value(problem, test::chosen_of(oracle, left)), 1e-9);
+      for (int robot = 0; robot < oracle.robot_count(); ++robot) {
+        const bool is_taken = std::ranges::binary_search(before, robot);
+        if (choice[static_cast<std::size_t>(robot)] != kNoCandidate && !is_taken) {
+          std::vector<int> with = before;
+          with.push_back(robot);
+          EXPECT_LE(value_of_robots(with), value_of_robots(attack.robots) + 1e-9);
+        }
+      }
+      before = attack.robots;
+      unlike_alone += before == attack_on_best_alone(oracle, choice, attacks).robots ? 0 : 1;
+    }
+    EXPECT_EQ(attack_by(Attacker::kBestTogether, oracle, choice, 2).robots,
+              attack_on_best_together(oracle, choice, 2).robots);
+  }
+  EXPECT_GT(unlike_alone, 10);
+}
+
 TEST(PlanResiliently, AsksInTheOrderOfTheAlgorithm) {
   using Call = std::pair<int, std::vector<int>>;
   const std::vector<double> values = {2.0, 5.0, 3.0, 4.0};

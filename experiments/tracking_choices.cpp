@@ -1,0 +1,238 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "experiments/attackers.hpp"
+#include "experiments/experiment.hpp"
+#include "experiments/resilient_tracking.hpp"
+#include "experiments/sweep/compare.hpp"
+#include "experiments/tracking_table.hpp"
+
+namespace vantage::experiments {
+namespace {
+
+constexpr int kRuns = 10;  // as the dissertation
+constexpr int kSmokeNodes = 500;
+// (5, 10, 2), (10, 5, 4) and (10, 10, 4).
+constexpr std::array<std::size_t, 3> kRows = {1, 4, 7};
+
+// What is chosen: the first of each is how Table 4.1 is run otherwise.
+constexpr std::array<std::pair<BearingNoise, const char*>, 2> kBearingNoise = {
+    {{BearingNoise::kByRange, "range"}, {BearingNoise::kByBearing, "bearing"}}};
+constexpr std::array<NamedAttacker, 2> kChosenAttackers = {
+    {kAttackers.front(),
+     {planner::Attacker::kBestTogether, "best_together",
+      "robots whose plans together are worth most, greedily"}}};
+constexpr std::array<std::pair<bool, const char*>, 2> kBeliefs = {
+    {{true, "inside"}, {false, "free"}}};
+
+// One way of settling all three.
+struct Choices {
+  std::size_t bearing_noise = 0;
+  std::size_t attacker = 0;
+  std::size_t beliefs = 0;
+  [[nodiscard]] std::string cells() const {
+    return fmt::format("{},{},{}", kBearingNoise[bearing_noise].second,
+                       kChosenAttackers[attacker].name, kBeliefs[beliefs].second);
+  }
+};
+
+constexpr std::size_t kCombinations =
+    kBearingNoise.size() * kChosenAttackers.size() * kBeliefs.size();
+
+// Settings are the combinations, for each the rows, each by both methods.
+struct ChoiceCase {
+  Choices choices;
+  std::size_t row = 0;  ///< of Table 4.1
+  bool is_rain = false;
+  [[nodiscard]] std::string cells() const {
+    return fmt::format("{},{},{},{},{}", choices.cells(), kTable[row].robots, kTable[row].targets,
+                       kTable[row].attacks, kMethods[is_rain ? 1 : 0]);
+  }
+};
+
+std::vector<ChoiceCase> all_cases() {
+  std::vector<ChoiceCase> cases;
+  for (std::size_t i = 0; i < kCombinations; ++i) {
+    for (const std::size_t row : kRows) {
+      cases.push_back({{i / 4, i / 2 % 2, i % 2}, row, false});
+      cases.push_back({{i / 4, i / 2 % 2, i % 2}, row, true});
+    }
+  }
+  return cases;
+}
+
+TrackingSetting setting_of(const ChoiceCase& of, bool is_smoke) {
+  TrackingSetting setting;
+  const TableRow& row = kTable[of.row];
+  setting.robots = row.robots;
+  setting.targets = row.targets;
+  setting.attacks = row.attacks;
+  setting.bearing_noise = kBearingNoise[of.choices.bearing_noise].first;
+  setting.attacker = kChosenAttackers[of.choices.attacker].attacker;
+  setting.beliefs_stay_inside = kBeliefs[of.choices.beliefs].first;
+  if (is_smoke) {
+    setting.task_steps = setting.plan_steps;
+    setting.nodes_per_plan = kSmokeNodes;
+  }
+  return setting;
+}
+
+UnitRows run_unit(const ChoiceCase& of, bool is_smoke, std::uint64_t seed) {
+  const TrackingRun run = track_under_attack(setting_of(of, is_smoke), of.is_rain, seed);
+  Sample rmse_m;
+  for (const double of_step_m : run.rmse_m) {
+    rmse_m.add(of_step_m);
+  }
+  UnitRows rows;
+  rows.tables["runs"] = {
+      fmt::format("{:.6f},{:.6f}", rmse_m.mean(), *std::ranges::max_element(run.rmse_m))};
+  return rows;
+}
+
+struct CaseSamples {
+  Sample mean_m;
+  Sample peak_m;
+};
+
+std::vector<CaseSamples> samples_of(const Tables& tables, std::size_t cases) {
+  std::vector<CaseSamples> samples(cases);
+  for (const Record& record : tables.at("runs")) {
+    samples[record.unit.setting].mean_m.add(record.number(0));
+    samples[record.unit.setting].peak_m.add(record.number(1));
+  }
+  return samples;
+}
+
+// The factor by which values are off what is printed, up or down alike: exp of the mean |log|.
+class Factor {
+ public:
+  void add(double ours, double printed) { logs_.add(std::abs(std::log(ours / printed))); }
+  [[nodiscard]] double value() const { return std::exp(logs_.mean()); }
+
+ private:
+  Sample logs_;
+};
+
+// How far one combination is from what is printed, over its rows and methods.
+struct Distance {
+  Factor mean;
+  Factor peak;
+  Factor both;
+  int rain_better = 0;  ///< rows in which RAIN is below CD, in the mean and in the peak
+
+  void add(const TableRow& row, const CaseSamples& of, std::size_t method) {
+    mean.add(of.mean_m.mean(), row.mean_m[method]);
+    both.add(of.mean_m.mean(), row.mean_m[method]);
+    peak.add(of.peak_m.mean(), row.peak_m[method]);
+    both.add(of.peak_m.mean(), row.peak_m[method]);
+  }
+};
+
+std::vector<Distance> distances_of(const std::vector<ChoiceCase>& cases,
+                                   const std::vector<CaseSamples>& samples) {
+  std::vector<Distance> distances(kCombinations);
+  for (std::size_t i = 0; i + 1 < cases.size(); i += 2) {
+    Distance& of = distances[i / (2 * kRows.size())];
+    const TableRow& row = kTable[cases[i].row];
+    of.add(row, samples[i], 0);
+    of.add(row, samples[i + 1], 1);
+    const bool is_better = samples[i + 1].mean_m.mean() < samples[i].mean_m.mean() &&
+                           samples[i + 1].peak_m.mean() < samples[i].peak_m.mean();
+    of.rain_better += is_better ? 1 : 0;
+  }
+  return distances;
+}
+
+std::string table_csv(const std::vector<ChoiceCase>& cases,
+                      const std::vector<CaseSamples>& samples) {
+  std::string text =
+      "bearing_variance,attacker,beliefs,robots,targets,attacks,method,runs,mean_m,mean_ci95,"
+      "printed_mean_m,peak_m,peak_ci95,printed_peak_m\n";
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const TableRow& row = kTable[cases[i].row];
+    const CaseSamples& of = samples[i];
+    const std::size_t method = cases[i].is_rain ? 1 : 0;
+    text +=
+        fmt::format("{},{},{:.4f},{:.4f},{},{:.4f},{:.4f},{}\n", cases[i].cells(), of.mean_m.size(),
+                    of.mean_m.mean(), of.mean_m.half_interval(), row.mean_m[method],
+                    of.peak_m.mean(), of.peak_m.half_interval(), row.peak_m[method]);
+  }
+  return text;
+}
+
+Summary summarise(const Tables& tables) {
+  const std::vector<ChoiceCase> cases = all_cases();
+  const std::vector<CaseSamples> samples = samples_of(tables, cases.size());
+  const std::vector<Distance> distances = distances_of(cases, samples);
+  Summary summary;
+  summary.files["table.csv"] = table_csv(cases, samples);
+  std::string& nearness = summary.files["nearness.csv"];
+  nearness = "bearing_variance,attacker,beliefs,factor_mean,factor_peak,factor,rain_better_rows\n";
+  for (std::size_t i = 0; i < kCombinations; ++i) {
+    const std::string cells = cases[i * 2 * kRows.size()].choices.cells();
+    const Distance& of = distances[i];
+    nearness += fmt::format("{},{:.4f},{:.4f},{:.4f},{}\n", cells, of.mean.value(), of.peak.value(),
+                            of.both.value(), of.rain_better);
+    summary.compared.push_back(
+        compare_claim(fmt::format("{}: RAIN's mean and peak RMSE below those of CD", cells),
+                      fmt::format("in {} rows of {}", of.rain_better, kRows.size()), "in every row",
+                      of.rain_better == static_cast<int>(kRows.size())));
+    summary.lines.push_back(
+        fmt::format("{}: off the printed means by a factor of {:.2f}, off the peaks by {:.2f}, off "
+                    "both by {:.2f}",
+                    cells, of.mean.value(), of.peak.value(), of.both.value()));
+  }
+  const auto nearest = std::ranges::min_element(distances, std::ranges::less{},
+                                                [](const Distance& of) { return of.both.value(); });
+  const auto at = static_cast<std::size_t>(nearest - distances.begin());
+  summary.lines.push_back("Nearest: " + cases[at * 2 * kRows.size()].choices.cells());
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const TableRow& row = kTable[cases[i].row];
+    const std::size_t method = cases[i].is_rain ? 1 : 0;
+    summary.compared.push_back(compare_number(cases[i].cells() + ": mean RMSE", samples[i].mean_m,
+                                              row.mean_m[method], "m"));
+    summary.compared.push_back(compare_number(cases[i].cells() + ": peak RMSE", samples[i].peak_m,
+                                              row.peak_m[method], "m"));
+  }
+  summary.choices = {
+      "A bearing's variance grows with the range, or with the bearing; the attacker takes whom the "
+      "team would miss most, or those whose plans together are worth most, one after another; "
+      "beliefs are mirrored at the walls, or not.",
+      "Nearest is the least factor, exp of the mean |log(ours / printed)| over rows, methods, "
+      "means "
+      "and peaks."};
+  return summary;
+}
+
+}  // namespace
+
+Sweep resilient_tracking_choices(const Extent& extent) {
+  Sweep sweep;
+  sweep.plan.setting_columns = "bearing_variance,attacker,beliefs,robots,targets,attacks,method";
+  const std::vector<ChoiceCase> cases = all_cases();
+  for (const ChoiceCase& of : cases) {
+    sweep.plan.settings.push_back({of.cells()});
+  }
+  sweep.plan.trials = extent.trials_or(kRuns);
+  const bool is_smoke = extent.is_smoke;
+  const TrackingSetting setting = setting_of(cases.front(), is_smoke);
+  sweep.plan.parameters = {
+      {"task_steps", std::to_string(setting.task_steps)},
+      {"plan_steps", std::to_string(setting.plan_steps)},
+      {"nodes_per_plan", std::to_string(setting.nodes_per_plan)},
+      {"prior_position_sigma_m", fmt::format("{}", setting.prior_position_sigma_m)},
+      {"prior_velocity_sigma_mps", fmt::format("{}", setting.prior_velocity_sigma_mps)},
+      {"detection_probability", fmt::format("{}", setting.detection_probability)},
+      {"plan_range_min_m", fmt::format("{}", setting.plan_range_min_m)}};
+  sweep.plan.tables = {{"runs", "mean_rmse_m,peak_rmse_m"}};
+  sweep.run = [cases, is_smoke](std::size_t index, std::uint64_t seed) {
+    return run_unit(cases[index], is_smoke, seed);
+  };
+  sweep.summarise = summarise;
+  return sweep;
+}
+
+}  // namespace vantage::experiments

@@ -1,0 +1,83 @@
+#include "experiments/restricted_mean.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace vantage::experiments {
+namespace {
+
+TEST(RestrictedMean, OfWaitsThatAllEndedIsTheirMeanCutAtItsLimit) {
+  const std::vector<Wait> waits = {{4}, {1}, {7}, {1}, {30}};
+  EXPECT_DOUBLE_EQ(restricted_mean(waits, 100), 43.0 / 5.0);
+  EXPECT_DOUBLE_EQ(restricted_mean(waits, 30), 43.0 / 5.0);
+  EXPECT_DOUBLE_EQ(restricted_mean(waits, 10), 23.0 / 5.0);
+  EXPECT_DOUBLE_EQ(restricted_mean(waits, 1), 1.0);
+}
+
+TEST(RestrictedMean, OfWaitsThatAllWereCutOffIsItsLimit) {
+  EXPECT_DOUBLE_EQ(restricted_mean({{3, false}, {9, false}}, 20), 20.0);
+  EXPECT_DOUBLE_EQ(restricted_mean({{20, false}}, 20), 20.0);
+  EXPECT_DOUBLE_EQ(restricted_mean({}, 20), 20.0);
+}
+
+// By hand: S = 1, 3/4 from 1 on, 1/2 from 2 on; the one cut off at 3 leaves one, which ends at 4.
+TEST(RestrictedMean, CountsWhoWasCutOffUntilThen) {
+  const std::vector<Wait> waits = {{2}, {1}, {4}, {3, false}};
+  EXPECT_DOUBLE_EQ(restricted_mean(waits, 10), 1.0 + 0.75 + 2 * 0.5);
+  EXPECT_DOUBLE_EQ(restricted_mean(waits, 3), 1.0 + 0.75 + 0.5);
+  // Who is cut off as another ends still counts as one of those that lasted so long.
+  EXPECT_DOUBLE_EQ(restricted_mean({{2}, {2, false}}, 10), 2.0 + 8 * 0.5);
+}
+
+// Waits by a constant chance p a step, cut off by another of chance c that has nothing to do with
+// it: Σ_{t < τ} (1 − p)^t = (1 − (1 − p)^τ) / p, the exponential distribution in steps.
+TEST(RestrictedMean, IsThatOfTheExponentialDistributionWhateverIsCutOff) {
+  constexpr int kWaits = 200'000;
+  std::mt19937_64 rng(3);
+  for (const double p : {0.3, 0.05}) {
+    for (const double c : {0.001, 0.02, 0.2}) {
+      std::geometric_distribution<int> ends(p);
+      std::geometric_distribution<int> is_cut(c);
+      std::vector<Wait> waits;
+      double plain = 0.0;
+      for (int i = 0; i < kWaits; ++i) {
+        const int end = 1 + ends(rng);
+        const int cut = 1 + is_cut(rng);
+        waits.push_back({std::min(end, cut), end <= cut});
+        plain += static_cast<double>(std::min(end, cut)) / kWaits;
+      }
+      constexpr int kUntil = 20;
+      const double expected = (1.0 - std::pow(1.0 - p, kUntil)) / p;
+      EXPECT_NEAR(restricted_mean(waits, kUntil), expected, 0.02 * expected) << p << " " << c;
+      if (c >= 0.2) {
+        EXPECT_LT(plain, 0.8 * expected) << "their plain mean is far too short";
+      }
+    }
+  }
+}
+
+// One landmark seen at steps 2, 3 and 7 of 10, one never.
+TEST(TimeUnobserved, HasWaitsFromTheStartAndCutsTheLastOnesOff) {
+  std::vector<std::vector<char>> seen(10, {0, 0});
+  seen[1][0] = seen[2][0] = seen[6][0] = 1;
+  const TimeUnobserved result = time_unobserved(seen);
+  // Waits of 2, 1 and 4, one cut off at 3 (2.75, see above); and one cut off at 10.
+  EXPECT_DOUBLE_EQ(result.by_landmark, 0.5 * (2.75 + 10.0));
+  // S = 1, 4/5, 3/5, the last two of which go on until one of them ends at 4: 3/10 until 10.
+  EXPECT_DOUBLE_EQ(result.pooled, 1.0 + 0.8 + 2 * 0.6 + 6 * 0.3);
+}
+
+TEST(TimeUnobserved, IsAStepOfWhatIsAlwaysInViewAndTheTaskOfWhatNeverIs) {
+  const std::vector<std::vector<char>> always(50, {1, 1, 1});
+  const std::vector<std::vector<char>> never(50, {0, 0, 0});
+  EXPECT_DOUBLE_EQ(time_unobserved(always).by_landmark, 1.0);
+  EXPECT_DOUBLE_EQ(time_unobserved(always).pooled, 1.0);
+  EXPECT_NEAR(time_unobserved(never).by_landmark, 50.0, 1e-12);
+  EXPECT_DOUBLE_EQ(time_unobserved(never).pooled, 50.0);
+}
+
+}  // namespace
+}  // namespace vantage::experiments
