@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSide_m = 64.0;
 constexpr double kStep_s = 0.5;
-constexpr double kFieldResolution_m = 0.5;
+constexpr double kGridResolution_m = 0.5;
 // Of a beam's width: with less, plans of 25 steps stay with the target they begin at.
 constexpr double kBreadth = 0.6;
 
@@ -55,7 +55,7 @@ class TrackingTask {
       : setting_(setting),
         is_resilient_(is_resilient),
         world_(square_world()),
-        field_(world_, kFieldResolution_m),
+        field_(world_, kGridResolution_m),
         targets_(target_setting(setting), world_, 2 * seed),
         search_(capacity(setting)) {
     std::mt19937_64 rng(2 * seed + 1);
