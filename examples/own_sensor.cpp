@@ -1,5 +1,4 @@
-// A sensor of one's own, to plan and to estimate by: it says how far ahead a target is, and nothing
-// of its side. Needs component planner: Eigen alone.
+// A sensor of one's own: how far ahead a target is. Needs component planner: Eigen alone.
 #include <cmath>
 #include <cstdio>
 

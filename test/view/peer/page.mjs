@@ -547,8 +547,11 @@ async function check_inspection(page) {
     await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
   }
   // A late plan has no bound, and of who has just been seen it is not known how fast it is.
-  await until(page, () => [/lower bound/, /speed/].every((word) => word.test(document.getElementById("inspect").textContent)));
-  const text = await page.locator("#inspect").textContent();
+  const told = await until(page, () => {
+    const text = document.getElementById("inspect").textContent;
+    return /lower bound/.test(text) && /speed/.test(text) && text;
+  });
+  const text = await told.jsonValue();
   assert.match(text, /robot\/Q2/);
   assert.match(text, /heading.*°.*speed.*m\/s.*battery/);
   await shot(page, "inspect");

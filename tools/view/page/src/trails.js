@@ -2,6 +2,8 @@
 
 const kLeast_s = 0.15;
 const kLeast_m = 0.02;
+const kSpeed_s = 1.2; // of the way that says how fast
+const kGone_s = 5; // who was not seen for so long
 const kPointsMax = 40_000; // of a body
 
 /** First index whose time is after `time`. */
@@ -18,14 +20,17 @@ function after(times, time) {
 export class Trails {
   constructor() {
     this.ways = new Map(); // by body: {t, x, y, z}
+    this.seen = new Map(); // by body: when last, moved or not
   }
 
   clear() {
     this.ways.clear();
+    this.seen.clear();
   }
 
   add(body, time, x, y, z) {
     if (!this.ways.has(body)) this.ways.set(body, { t: [], x: [], y: [], z: [] });
+    this.seen.set(body, time);
     const way = this.ways.get(body);
     const last = way.t.length - 1;
     if (last >= 0) {
@@ -46,12 +51,16 @@ export class Trails {
     return Array.from({ length: to - from }, (_, i) => ({ x: way.x[from + i], y: way.y[from + i], z: way.z[from + i] }));
   }
 
-  /** How fast a body moves at `now` [m/s], by its way of the last second; null where that is not known. */
+  /** How fast a body moves at `now` [m/s], by its way of the last second; null where that is not known. A way has
+      no more points while its body stands. */
   speed(body, now) {
     const way = this.ways.get(body);
-    if (!way) return null;
-    const [from, to] = [after(way.t, now - 1.2), after(way.t, now) - 1];
-    if (to <= from) return null;
+    if (!way || this.seen.get(body) < now - kGone_s) return null;
+    const at = Math.min(now, this.seen.get(body));
+    const to = after(way.t, at) - 1;
+    if (to < 1) return null;
+    if (way.t[to] < at - kSpeed_s) return 0;
+    const from = Math.min(after(way.t, at - kSpeed_s), to - 1);
     let length = 0;
     for (let i = from; i < to; ++i) length += Math.hypot(way.x[i + 1] - way.x[i], way.y[i + 1] - way.y[i], way.z[i + 1] - way.z[i]);
     return length / (way.t[to] - way.t[from]);
