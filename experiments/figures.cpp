@@ -103,6 +103,22 @@ std::string resilient_tracking_figure() {
 )gp");
 }
 
+std::string resilient_tracking_choices_figure() {
+  return figure("resilient-tracking-choices", "1300,560", R"gp(
+  of(r, m) = sprintf("< awk -F, '$4 == %s && $5 == %s && $7 == \"%s\"' table.csv", word(r, 1), word(r, 2), m)
+  colour(m) = m eq 'rain' ? '#009E73' : '#D55E00'
+  set multiplot layout 1,3
+  set key top left samplen 2
+  set xrange [-0.5:7.5]; set xtics rotate by -60
+  set logscale y; set yrange [0.1:100]; set ylabel 'mean RMSE [m]'
+  do for [r in '"5 10" "10 5" "10 10"'] {
+    set title word(r, 1).' robots, '.word(r, 2).' targets'
+    plot for [m in '"cd" "rain"'] of(r, m) using 0:9:xtic(strcol(1).', '.strcol(2).', '.strcol(3)) with points pt 7 ps 1.2 lc rgb colour(m) title m, \
+         for [m in '"cd" "rain"'] of(r, m) using 0:11 with lines dt 2 lw 2 lc rgb colour(m) title m.', printed'
+  }
+)gp");
+}
+
 std::string resilient_mapping_figures() {
   return figure("resilient-mapping-maps", "1500,1020", R"gp(
   set datafile separator whitespace

@@ -15,6 +15,8 @@ std::string dls_objective_figure();
 /// (Fig. 3.9) under `titles`, each in quotes.
 std::string heterogeneous_figures(const models::World& world, const std::string& titles);
 std::string resilient_tracking_figure();
+/// Mean errors of each combination beside what is printed, from table.csv.
+std::string resilient_tracking_choices_figure();
 /// Maps of the first trial of RAIN with two attacks (Fig. 4.4), and entropy over time (Fig. 4.5).
 std::string resilient_mapping_figures();
 /// The heuristic (Fig. 2.3), search trees (2.2, 2.5) and the cost of their paths (2.4).

@@ -6,6 +6,7 @@
 
 #include "experiments/attackers.hpp"
 #include "experiments/experiment.hpp"
+#include "experiments/figures.hpp"
 #include "experiments/resilient_tracking.hpp"
 #include "experiments/sweep/compare.hpp"
 #include "experiments/tracking_table.hpp"
@@ -48,8 +49,9 @@ struct ChoiceCase {
   std::size_t row = 0;  ///< of Table 4.1
   bool is_rain = false;
   [[nodiscard]] std::string cells() const {
-    return fmt::format("{},{},{},{},{}", choices.cells(), kTable[row].robots, kTable[row].targets,
-                       kTable[row].attacks, kMethods[is_rain ? 1 : 0]);
+    return fmt::format("{},{},{},{},{}", choices.cells(), kTrackingTable[row].robots,
+                       kTrackingTable[row].targets, kTrackingTable[row].attacks,
+                       kTrackingMethods[is_rain ? 1 : 0]);
   }
 };
 
@@ -66,7 +68,7 @@ std::vector<ChoiceCase> all_cases() {
 
 TrackingSetting setting_of(const ChoiceCase& of, bool is_smoke) {
   TrackingSetting setting;
-  const TableRow& row = kTable[of.row];
+  const TrackingTableRow& row = kTrackingTable[of.row];
   setting.robots = row.robots;
   setting.targets = row.targets;
   setting.attacks = row.attacks;
@@ -123,7 +125,7 @@ struct Distance {
   Factor both;
   int rain_better = 0;  ///< rows in which RAIN is below CD, in the mean and in the peak
 
-  void add(const TableRow& row, const CaseSamples& of, std::size_t method) {
+  void add(const TrackingTableRow& row, const CaseSamples& of, std::size_t method) {
     mean.add(of.mean_m.mean(), row.mean_m[method]);
     both.add(of.mean_m.mean(), row.mean_m[method]);
     peak.add(of.peak_m.mean(), row.peak_m[method]);
@@ -136,7 +138,7 @@ std::vector<Distance> distances_of(const std::vector<ChoiceCase>& cases,
   std::vector<Distance> distances(kCombinations);
   for (std::size_t i = 0; i + 1 < cases.size(); i += 2) {
     Distance& of = distances[i / (2 * kRows.size())];
-    const TableRow& row = kTable[cases[i].row];
+    const TrackingTableRow& row = kTrackingTable[cases[i].row];
     of.add(row, samples[i], 0);
     of.add(row, samples[i + 1], 1);
     const bool is_better = samples[i + 1].mean_m.mean() < samples[i].mean_m.mean() &&
@@ -152,7 +154,7 @@ std::string table_csv(const std::vector<ChoiceCase>& cases,
       "bearing_variance,attacker,beliefs,robots,targets,attacks,method,runs,mean_m,mean_ci95,"
       "printed_mean_m,peak_m,peak_ci95,printed_peak_m\n";
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const TableRow& row = kTable[cases[i].row];
+    const TrackingTableRow& row = kTrackingTable[cases[i].row];
     const CaseSamples& of = samples[i];
     const std::size_t method = cases[i].is_rain ? 1 : 0;
     text +=
@@ -190,13 +192,15 @@ Summary summarise(const Tables& tables) {
   const auto at = static_cast<std::size_t>(nearest - distances.begin());
   summary.lines.push_back("Nearest: " + cases[at * 2 * kRows.size()].choices.cells());
   for (std::size_t i = 0; i < cases.size(); ++i) {
-    const TableRow& row = kTable[cases[i].row];
+    const TrackingTableRow& row = kTrackingTable[cases[i].row];
     const std::size_t method = cases[i].is_rain ? 1 : 0;
     summary.compared.push_back(compare_number(cases[i].cells() + ": mean RMSE", samples[i].mean_m,
                                               row.mean_m[method], "m"));
     summary.compared.push_back(compare_number(cases[i].cells() + ": peak RMSE", samples[i].peak_m,
                                               row.peak_m[method], "m"));
   }
+  summary.figure_script = resilient_tracking_choices_figure();
+  summary.figures = {"resilient-tracking-choices"};
   summary.choices = {
       "A bearing's variance grows with the range, or with the bearing; the attacker takes whom the "
       "team would miss most, or those whose plans together are worth most, one after another; "

@@ -17,9 +17,11 @@ namespace {
 constexpr int kRuns = 10;  // as the dissertation
 
 // Settings are the attackers, for each the rows, each by both methods.
-std::size_t attacker_of(std::size_t setting) { return setting / (2 * kTable.size()); }
-std::size_t table_index_of(std::size_t setting) { return setting / 2 % kTable.size(); }
-const TableRow& row_of(std::size_t setting) { return kTable[table_index_of(setting)]; }
+std::size_t attacker_of(std::size_t setting) { return setting / (2 * kTrackingTable.size()); }
+std::size_t table_index_of(std::size_t setting) { return setting / 2 % kTrackingTable.size(); }
+const TrackingTableRow& row_of(std::size_t setting) {
+  return kTrackingTable[table_index_of(setting)];
+}
 bool is_rain(std::size_t setting) { return setting % 2 == 1; }
 
 TrackingSetting setting_of(const Extent& extent) {
@@ -40,7 +42,7 @@ double mean_of(const std::vector<double>& values) {
 }
 
 UnitRows run_unit(TrackingSetting setting, std::size_t index, std::uint64_t seed) {
-  const TableRow& row = row_of(index);
+  const TrackingTableRow& row = row_of(index);
   setting.robots = row.robots;
   setting.targets = row.targets;
   setting.attacks = row.attacks;
@@ -63,7 +65,7 @@ struct RowSamples {
   std::array<Sample, 2> peak_m;
 };
 
-using TableSamples = std::array<RowSamples, kTable.size()>;
+using TableSamples = std::array<RowSamples, kTrackingTable.size()>;
 
 std::array<TableSamples, kAttackers.size()> samples_of(const Tables& tables) {
   std::array<TableSamples, kAttackers.size()> samples;
@@ -82,8 +84,8 @@ std::string table_csv(const TableSamples& samples) {
       "robots,targets,attacks,mean_cd_m,mean_cd_ci95,mean_rain_m,mean_rain_ci95,peak_cd_m,"
       "peak_cd_ci95,peak_rain_m,peak_rain_ci95,printed_mean_cd,printed_mean_rain,printed_peak_cd,"
       "printed_peak_rain\n";
-  for (std::size_t i = 0; i < kTable.size(); ++i) {
-    const TableRow& row = kTable[i];
+  for (std::size_t i = 0; i < kTrackingTable.size(); ++i) {
+    const TrackingTableRow& row = kTrackingTable[i];
     text += fmt::format("{},{},{}", row.robots, row.targets, row.attacks);
     for (const auto* of : {&samples[i].mean_m, &samples[i].peak_m}) {
       for (const Sample& sample : *of) {
@@ -107,9 +109,9 @@ std::string curves_csv(const Tables& tables) {
   }
   std::string text = "robots,targets,attacks,method,step,rmse_m,entropy_nats\n";
   for (const auto& [at, means] : curves) {
-    const TableRow& row = row_of(at.first);
+    const TrackingTableRow& row = row_of(at.first);
     text += fmt::format("{},{},{},{},{},{:.6f},{:.6f}\n", row.robots, row.targets, row.attacks,
-                        kMethods[is_rain(at.first) ? 1 : 0], at.second, means.first.mean(),
+                        kTrackingMethods[is_rain(at.first) ? 1 : 0], at.second, means.first.mean(),
                         means.second.mean());
   }
   return text;
@@ -120,8 +122,8 @@ bool is_rain_better(const RowSamples& row) {
 }
 
 void compare_table(const TableSamples& samples, const NamedAttacker& attacker, Summary& summary) {
-  for (std::size_t i = 0; i < kTable.size(); ++i) {
-    const TableRow& row = kTable[i];
+  for (std::size_t i = 0; i < kTrackingTable.size(); ++i) {
+    const TrackingTableRow& row = kTrackingTable[i];
     const RowSamples& ours = samples[i];
     const std::string name =
         fmt::format("n = {}, M = {}, α = {}", row.robots, row.targets, row.attacks);
@@ -174,8 +176,8 @@ Sweep resilient_tracking(const Extent& extent) {
   Sweep sweep;
   sweep.plan.setting_columns = "attacker,robots,targets,attacks,method";
   for (const NamedAttacker& attacker : kAttackers) {
-    for (const TableRow& row : kTable) {
-      for (const char* method : kMethods) {
+    for (const TrackingTableRow& row : kTrackingTable) {
+      for (const char* method : kTrackingMethods) {
         sweep.plan.settings.push_back({fmt::format("{},{},{},{},{}", attacker.name, row.robots,
                                                    row.targets, row.attacks, method)});
       }

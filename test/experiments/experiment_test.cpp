@@ -205,7 +205,7 @@ TEST(TrackUnderAttack, KeepsEveryTargetWhereNobodyIsAttacked) {
   EXPECT_NEAR(nees / (4.0 * 250.0 * kSeeds), 4.0, 0.8);
 }
 
-// Each of the choices that the text leaves open changes what happens.
+// Each of the choices that the text leaves open changes what happens, if not with every seed.
 TEST(TrackUnderAttack, IsRunAsItsChoicesSay) {
   const TrackingSetting published{
       .robots = 4, .targets = 4, .attacks = 2, .task_steps = 150, .nodes_per_plan = 2'000};
@@ -215,9 +215,15 @@ TEST(TrackUnderAttack, IsRunAsItsChoicesSay) {
   free.beliefs_stay_inside = false;
   TrackingSetting together = published;
   together.attacker = planner::Attacker::kBestTogether;
-  const std::vector<double> rmse_m = track_under_attack(published, false, 4).rmse_m;
   for (const TrackingSetting& other : {by_bearing, free, together}) {
-    EXPECT_NE(track_under_attack(other, false, 4).rmse_m, rmse_m);
+    int differ = 0;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      differ += track_under_attack(other, false, seed).rmse_m !=
+                        track_under_attack(published, false, seed).rmse_m
+                    ? 1
+                    : 0;
+    }
+    EXPECT_GT(differ, 0);
   }
 }
 
