@@ -83,6 +83,23 @@ TEST_F(ExternalTest, FallsBackInTimeWhenNobodyAnswers) {
   EXPECT_FALSE(plans_[0].late);
 }
 
+// Whoever begins its slot when answers are due already asks nobody, and has a plan all the same.
+TEST_F(ExternalTest, AsksNobodyWhenItIsTooLateForAnAnswer) {
+  start(external_scenario());
+  world_.subscribe<models::RobotPlan>(
+      bus::external_request_channel("Q1"),
+      [this](const auto& question) { questions_.push_back(question); });
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  deliver();
+  clock_.set(inputs_.slot.end - Duration{1});
+  node_->tick(clock_.now());
+  deliver();
+  EXPECT_TRUE(questions_.empty());
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_EQ(plans_[0].source, models::PlanSource::kShifted);
+  EXPECT_EQ(count("fallbacks_shifted"), 1);
+}
+
 TEST_F(ExternalTest, CountsAnswersThatComeTooLateOrUnasked) {
   start_with([](const auto&) { return std::vector<models::RobotPlan>{}; });
   const models::RobotPlan late = drive(questions_[0], 0.5, 1.0);
@@ -129,6 +146,28 @@ TEST_F(ExternalTest, IsReplayedFromItsInputs) {
   const auto again = planner.plan(inputs, Deadline::nodes(0));
   ASSERT_TRUE(again);
   EXPECT_TRUE(is_same_decision(*again, plans_[0]));
+}
+
+// Straight at a box, 1.2 m away: a plan is taken that stops up to 2 cm nearer than a search would
+// come, for rounding, and none that comes nearer.
+TEST(RobotPlanner, TakesNoPlanThatComesNearerThanItsMarginAndTwoCentimetres) {
+  scenario::Scenario scenario = external_scenario();
+  scenario.robots.resize(1);
+  scenario.robots[0].start = {-3.0, 0.8, 0.0};
+  const models::VehicleLimits& limits = scenario.robots[0].limits;
+  const double margin_m = limits.radius_m + scenario.planner.obstacle_margin_m;
+  const double speed_mps = 0.5;
+  const double stop_m = 0.5 * speed_mps * speed_mps / limits.brake_mps2;
+  for (const double nearer_m : {-0.1, 0.0, 0.018, 0.022, 0.1}) {
+    PlanInputs inputs = test::first_inputs(scenario, 0, 5);
+    RobotPlanner planner(scenario, "Q1");
+    const auto question = planner.question(inputs);
+    ASSERT_TRUE(question);
+    inputs.answer = drive(*question, speed_mps, (1.2 - margin_m + nearer_m - stop_m) / speed_mps);
+    const auto plan = planner.plan(inputs, Deadline::nodes(0));
+    ASSERT_TRUE(plan);
+    EXPECT_EQ(plan->source == models::PlanSource::kSearched, nearer_m < 0.02) << nearer_m;
+  }
 }
 
 // Every way in which an answer can be no plan of its slot.

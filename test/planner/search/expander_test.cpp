@@ -8,6 +8,7 @@
 #include "test/planner/problem/random_problem.hpp"
 #include "test/planner/search/exhaustive_oracle.hpp"
 #include "test/planner/search/full_tree.hpp"
+#include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
 
 namespace vantage::planner {
@@ -92,6 +93,21 @@ TEST(Expander, SeesThroughAPositionSensorWhereItStands) {
                       {Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}}};
   const FullTree full(problem);
   EXPECT_NEAR(full.tree[1].cost, score(problem, {problem.start}), 1e-12);
+}
+
+TEST(Expander, HasRoomForEveryControlHoweverShortTheHorizon) {
+  if (!test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the sanitizer has its own allocator";
+  }
+  OwnedProblem owned = test::random_problem(1);
+  SearchProblem& problem = owned.problem;
+  problem.horizon_steps = 1;
+  problem.controls.assign(kMaxControls, {1.0, 0.5});
+  problem.fixed_information.clear();
+  Expander expander(8, 1, 4);
+  const test::AllocationCounter allocations;
+  expander.reset(problem);
+  EXPECT_EQ(allocations.count(), 0U);
 }
 
 TEST(Expander, CostsAHoverAsTheScorerDoes) {

@@ -78,6 +78,38 @@ TEST_P(Heuristic, IsAdmissibleConsistentAndNotBelowItsStageFloors) {
   EXPECT_GT(informed, nodes / 6);  // three in four are leaves, where nothing is ahead
 }
 
+// A slow robot nearer to its target than it sees, which gets just far enough in the last steps: no
+// bound may take that for nothing.
+TEST(StepsAhead, CountOnLooksFromJustBeyondTheLeastRange) {
+  InformationHeuristic heuristic(8, 8);
+  for (const models::SensorKind kind : {models::SensorKind::kPosition, models::SensorKind::kRange,
+                                        models::SensorKind::kRangeBearing}) {
+    int seen = 0;
+    for (double away_m = 0.18; away_m < 0.52; away_m += 0.004) {
+      OwnedProblem owned;
+      SearchProblem& problem = owned.problem;
+      problem.horizon_steps = 3;
+      problem.start = {away_m, 0.0, 0.0};
+      problem.controls = {{0.2, 0.0}, {0.2, 1.0}, {0.2, -1.0}};  // a tenth of a metre in a step
+      models::SensorModel sensor;
+      sensor.kind = kind;
+      sensor.range_min_m = 0.5;
+      sensor.range_max_m = 3.0;
+      problem.sensors = {sensor};
+      problem.targets = {{{models::TargetKind::kRandomWalk, 2, 0.01},
+                          {Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}}};
+      const FullTree full(problem);
+      const double best = full.best_through(problem.horizon_steps)[0];
+      const double bound = bounds_of(owned, full, heuristic)[0];
+      EXPECT_LE(bound, best + slack(best)) << kind.name() << " from " << away_m;
+      SearchProblem blind = problem;
+      blind.sensors.clear();
+      seen += best < score(blind, std::vector<Pose2>(3, problem.start)) - 0.1 ? 1 : 0;
+    }
+    EXPECT_GT(seen, 50) << kind.name();
+  }
+}
+
 std::string name_of_case(const ::testing::TestParamInfo<models::SensorKind>& each) {
   return std::string(each.param.name());
 }
