@@ -38,9 +38,9 @@ std::string SlurmJobs::are() const {
                            : fmt::format("jobs {} and {} are", array, collector);
 }
 
-bool SlurmQueue::is_array_live() const { return count_of(*this, is_live) > 0; }
-
-bool SlurmQueue::is_collector_live() const { return !collector.empty() && is_live(collector); }
+bool SlurmQueue::has_task(bool (*rule)(const std::string& state)) const {
+  return count_of(*this, rule) > 0;
+}
 
 std::string SlurmQueue::describe() const {
   const auto running = count_of(*this, [](const std::string& state) { return state == "RUNNING"; });

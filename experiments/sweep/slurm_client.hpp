@@ -23,8 +23,8 @@ struct SlurmJobs {
 struct SlurmQueue {
   std::map<int, std::string> tasks;  ///< state by shard
   std::string collector;             ///< state; empty: not known
-  [[nodiscard]] bool is_array_live() const;
-  [[nodiscard]] bool is_collector_live() const;
+  /// Whether the state of a task is one of those, as is_live().
+  [[nodiscard]] bool has_task(bool (*rule)(const std::string& state)) const;
   /// "tasks: 3 running, 5 waiting".
   [[nodiscard]] std::string describe() const;
 };

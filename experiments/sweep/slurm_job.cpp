@@ -81,13 +81,15 @@ std::map<std::string, std::string> states_of(const std::string& answer) {
 
 bool is_live(const std::string& state) {
   static constexpr std::array<std::string_view, 11> kEnded = {
-      "COMPLETED", "COMPLETING", "FAILED",        "CANCELLED", "TIMEOUT", "NODE_FAIL",
-      "PREEMPTED", "DEADLINE",   "OUT_OF_MEMORY", "BOOT_FAIL", "REVOKED"};
+      "",          "COMPLETED", "FAILED",        "CANCELLED", "TIMEOUT", "NODE_FAIL",
+      "PREEMPTED", "DEADLINE",  "OUT_OF_MEMORY", "BOOT_FAIL", "REVOKED"};
   return std::find(kEnded.begin(), kEnded.end(), state) == kEnded.end();
 }
 
+bool is_at_work(const std::string& state) { return is_live(state) && state != "COMPLETING"; }
+
 bool is_failure(const std::string& state) {
-  return !is_live(state) && state != "COMPLETED" && state != "COMPLETING";
+  return !is_live(state) && !state.empty() && state != "COMPLETED";
 }
 
 }  // namespace vantage::experiments

@@ -32,8 +32,12 @@ std::string job_of(const std::string& answer);
 /// States as squeue names them, by job: of tasks "12_3", of a job that is no array "13". Words are
 /// those of `squeue --noheader --array --format=%i|%T`.
 std::map<std::string, std::string> states_of(const std::string& answer);
-/// Whether a job in that state may still write.
+/// Whether a job in that state may still write, now or put back into the queue; "" is none. One
+/// that is being taken down (COMPLETING) may: until its node has answered, squeue does not say
+/// whether it will run again.
 bool is_live(const std::string& state);
+/// The same without those that are being taken down: enough to wait for where no unit lacks.
+bool is_at_work(const std::string& state);
 /// Whether it ended otherwise than by its own success.
 bool is_failure(const std::string& state);
 

@@ -94,13 +94,14 @@ class SlurmRun {
           "{} perhaps in the queue, and Slurm cannot be asked: {}; nothing is submitted",
           submitted_.are(), now.error().message));
     }
-    return now.value().is_array_live() || now.value().is_collector_live();
+    return now.value().has_task(is_live) || is_live(now.value().collector);
   }
 
   // The number that the job got.
   [[nodiscard]] std::string sbatch(std::vector<std::string> options, const char* script) const {
     options.push_back("--chdir=" + folder_.string());
     options.push_back("--job-name=vantage-" + identity_.experiment);
+    options.emplace_back("--requeue");  // should its node die, whatever the site has as a rule
     options.insert(options.end(), slurm_.sbatch.begin(), slurm_.sbatch.end());
     return submit_job(options, (folder_ / script).string());
   }
@@ -189,9 +190,12 @@ class SlurmRun {
           last[shard] = state;
         }
       }
-      if (now.ok() && !now.value().is_array_live()) {
+      const bool is_whole = progress.done >= progress.units;
+      if (now.ok() && now.value().has_task(is_whole ? is_at_work : is_live)) {
+        ended.reset();  // a task was put back into the queue
+      } else if (now.ok()) {
         ended = ended.value_or(Clock::now());
-        if (progress.done < progress.units) {
+        if (!is_whole) {
           // The collecting job is cancelled when a task fails, or is cancelled before it begins.
           const bool has_failed = is_failure(now.value().collector) ||
                                   std::any_of(last.begin(), last.end(), [](const auto& task) {
@@ -201,7 +205,7 @@ class SlurmRun {
             cancel_jobs({submitted_.collector});
             return tell_lacking(last);
           }
-        } else if (now.value().is_collector_live()) {
+        } else if (is_at_work(now.value().collector)) {
           cancel_jobs({"--state=PENDING", submitted_.collector});
         } else {
           return collect();

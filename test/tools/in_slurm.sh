@@ -1,49 +1,101 @@
 #!/usr/bin/env bash
-# in_slurm.sh COMMAND [ARGS…]: runs COMMAND beside a Slurm of its own, one node of two cores, in
-# namespaces that nothing reaches or survives outside. Exit code 77: cannot.
+# in_slurm.sh [--nodes N] COMMAND [ARGS…]: runs COMMAND on the head of a Slurm cluster of its own: N
+# nodes (1 when not given) of two cores, node1, node2, …, each with hostname, network card, processes
+# and spool folder of its own, and the file system in common. Nothing reaches or survives outside.
+# Exit code 77: cannot.
+#   kill -9 "$(cat "$IN_SLURM/node2.pid")"   a node loses its power: all that runs there is gone
+#   ip link set node2 down                   its cable is drawn: what runs there goes on
 set -euo pipefail
-if [[ "${1:-}" != --inside ]]; then
-  export PATH="$PATH:/usr/sbin"
-  for program in slurmctld slurmd sbatch squeue scancel munged; do
-    command -v $program > /dev/null || {
-      echo "skipped: no $program (tools/setup --cluster)"
-      exit 77
-    }
-  done
-  # Not -r: slurmd must be able to drop groups.
-  if ! unshare -nmpf --mount-proc true 2> /dev/null; then
-    echo "skipped: this user may not 'unshare -nmpf --mount-proc' (root may)"
-    exit 77
-  fi
-  exec unshare -nmpf --kill-child --mount-proc "$0" --inside "$@"
-fi
-shift
 
-# Slurm listens on no network that has but loopback addresses (AI_ADDRCONFIG).
-ip link set lo up
-ip address add 10.0.0.1/32 dev lo
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-chmod 755 "$dir"
-host=$(hostname -s)
-dd if=/dev/urandom of="$dir/munge.key" bs=1024 count=1 status=none
-chmod 400 "$dir/munge.key"
-munged --force --socket="$dir/munge.socket" --key-file="$dir/munge.key" \
-  --pid-file="$dir/munge.pid" --log-file="$dir/munge.log" --seed-file="$dir/munge.seed"
-export SLURM_CONF="$dir/slurm.conf"
-cat > "$SLURM_CONF" << END
+# A node or the head: what each of them has alone is in $own.
+start_munge() {
+  own=$IN_SLURM/own
+  mount -t tmpfs none "$own"
+  chmod 755 "$own"
+  mkdir "$own/spool"
+  cp -p "$IN_SLURM/munge.key" "$own"
+  # No shared one: it would refuse what is sent to several nodes at once as a replay.
+  munged --force --socket="$own/munge.socket" --key-file="$own/munge.key" \
+    --pid-file="$own/munge.pid" --log-file="$own/munge.log" --seed-file="$own/munge.seed"
+}
+
+# be_node K: within the namespaces of node K, until it is killed.
+be_node() {
+  hostname "node$1"
+  until ip link show eth0 > /dev/null 2>&1; do sleep 0.05; done
+  ip link set lo up
+  ip address add "10.0.0.$1/24" dev eth0
+  ip link set eth0 up
+  start_munge
+  exec slurmd -D
+}
+
+# has_entered PID: whether it is in a network of its own by now.
+has_entered() {
+  [[ "$(readlink "/proc/$1/ns/net")" != "$(readlink /proc/self/ns/net)" ]]
+}
+
+all_idle() {
+  [[ "$(sinfo --noheader --Node --format=%T 2> /dev/null | sort | uniq -c | xargs)" == "$1 idle" ]]
+}
+
+case "${1:-}" in
+  --node) be_node "$2" ;;
+  --inside) shift ;;
+  *)
+    export PATH="$PATH:/usr/sbin"
+    for program in slurmctld slurmd sbatch squeue scancel munged; do
+      command -v $program > /dev/null || {
+        echo "skipped: no $program (tools/setup --cluster)"
+        exit 77
+      }
+    done
+    # Not -r: slurmd must be able to drop groups.
+    if ! unshare -nmupf --mount-proc true 2> /dev/null; then
+      echo "skipped: this user may not 'unshare -nmupf --mount-proc' (root may)"
+      exit 77
+    fi
+    exec unshare -nmupf --kill-child --mount-proc "$0" --inside "$@"
+    ;;
+esac
+
+nodes=1
+if [[ "$1" == --nodes ]]; then
+  nodes=$2
+  shift 2
+fi
+IN_SLURM=$(mktemp -d)
+export IN_SLURM SLURM_CONF=$IN_SLURM/slurm.conf
+# Nodes first: they write there.
+leave() {
+  exec 2> /dev/null  # the shell's words on each that is killed
+  jobs -p | xargs -r kill -9 || true
+  wait
+  umount --lazy "$IN_SLURM/own" || true
+  rm -rf "$IN_SLURM"
+}
+trap leave EXIT
+chmod 755 "$IN_SLURM"
+mkdir "$IN_SLURM/own" "$IN_SLURM/state"
+dd if=/dev/urandom of="$IN_SLURM/munge.key" bs=1024 count=1 status=none
+chmod 400 "$IN_SLURM/munge.key"
+
+# A node that is not heard for SlurmdTimeout is down. cred_expire: a job that is put back into the
+# queue begins no sooner. JobRequeue=0: who wants to be put back says so.
+{
+  cat << END
 ClusterName=alone
-SlurmctldHost=$host(127.0.0.1)
+SlurmctldHost=head(10.0.0.254)
 AuthType=auth/munge
-AuthInfo=socket=$dir/munge.socket
+AuthInfo=socket=$IN_SLURM/own/munge.socket,cred_expire=5
 SlurmUser=root
 SlurmdUser=root
-StateSaveLocation=$dir/state
-SlurmdSpoolDir=$dir/spool
-SlurmctldPidFile=$dir/slurmctld.pid
-SlurmdPidFile=$dir/slurmd.pid
-SlurmctldLogFile=$dir/slurmctld.log
-SlurmdLogFile=$dir/slurmd.log
+StateSaveLocation=$IN_SLURM/state
+SlurmdSpoolDir=$IN_SLURM/own/spool
+SlurmctldPidFile=$IN_SLURM/own/slurmctld.pid
+SlurmdPidFile=$IN_SLURM/own/slurmd.pid
+SlurmctldLogFile=$IN_SLURM/slurmctld.log
+SlurmdLogFile=$IN_SLURM/slurmd.%n.log
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/none
@@ -52,25 +104,46 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 MaxArraySize=5
 ReturnToService=2
+JobRequeue=0
+SlurmdTimeout=6
+TCPTimeout=2
+MessageTimeout=5
 SchedulerParameters=sched_min_interval=0,bf_interval=1
-NodeName=$host NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
-PartitionName=all Nodes=$host Default=YES State=UP
+PartitionName=all Nodes=node[1-$nodes] Default=YES State=UP
 END
-mkdir "$dir/state" "$dir/spool"
+  for ((k = 1; k <= nodes; ++k)); do
+    echo "NodeName=node$k NodeAddr=10.0.0.$k CPUs=2 State=UNKNOWN"
+  done
+} > "$SLURM_CONF"
+
+hostname head
+ip link set lo up
+ip link add head type bridge
+ip address add 10.0.0.254/24 dev head
+ip link set head up
+start_munge
 slurmctld
-slurmd
-for ((k = 0; k < 300; ++k)); do
-  [[ "$(sinfo --noheader --format=%T 2> /dev/null)" == idle ]] && break
+for ((k = 1; k <= nodes; ++k)); do
+  unshare -nmupf --kill-child --mount-proc "$0" --node "$k" > "$IN_SLURM/node$k.log" 2>&1 &
+  pid=$!
+  until has_entered "$pid"; do sleep 0.05; done
+  ip link add "node$k" type veth peer name eth0 netns "$pid"
+  ip link set "node$k" master head up
+  echo "$pid" > "$IN_SLURM/node$k.pid"
+done
+for ((tenths = 0; tenths < 600; ++tenths)); do
+  ! all_idle "$nodes" || break
   sleep 0.1
 done
-if [[ "$(sinfo --noheader --format=%T)" != idle ]]; then
-  echo "in_slurm.sh: the node does not become idle:"
-  tail -n 20 "$dir"/*.log
+if ! all_idle "$nodes"; then
+  echo "in_slurm.sh: not all nodes become idle:"
+  sinfo --Node || true
+  tail -n 20 "$IN_SLURM"/*.log
   exit 1
 fi
 code=0
 "$@" || code=$?
 if ((code != 0)); then
-  tail -n 15 "$dir"/slurm*.log
+  tail -n 15 "$IN_SLURM"/slurm*.log
 fi
 exit $code

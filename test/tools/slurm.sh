@@ -1,40 +1,8 @@
 #!/usr/bin/env bash
 # slurm.sh VANTAGE, within in_slurm.sh: a sweep as an array of jobs, whole, left alone, cancelled,
 # gone on with and refused.
-source "$(dirname "$0")/begin.sh"
-
-# run CODE DIRECTORY OPTION…: what it says is in $work/out.
-run() {
-  local expected=$1 directory=$2 code=0
-  shift 2
-  "$vantage" experiment heterogeneous --smoke --out "$work/$directory" "$@" > "$work/out" 2>&1 ||
-    code=$?
-  [[ $code == "$expected" ]] || fail "exit code $code of: $directory $*"
-}
-
-says() { grep -q -- "$1" "$work/out" || fail "it does not say '$1'"; }
-# Numbers of the jobs that were submitted.
-array() { sed -n 's/^submitted: job \([0-9]*\) .*/\1/p' "$work/out"; }
-collector() { sed -n 's/^submitted: .* job \([0-9]*\) that collects.*/\1/p' "$work/out"; }
-until_queue_is_empty() {
-  for ((k = 0; k < 600; ++k)); do
-    [[ -n "$(squeue --noheader)" ]] || return 0
-    sleep 0.1
-  done
-  fail "jobs stay in the queue: $(squeue)"
-}
-until_told() {
-  for ((k = 0; k < 100; ++k)); do
-    ! grep -q -- "$1" "$work/out" || return 0
-    sleep 0.1
-  done
-  fail "it does not say '$1'"
-}
-same() {
-  diff -r -x rows -x slurm -x manifest.json -x 'times.*' "$work/whole" "$work/$1" ||
-    fail "$1 differs from a run without Slurm"
-}
-row_files() { find "$work/$1/rows" -type f | wc -l; }
+source "$(dirname "$0")/slurm_support.sh"
+extent=(--smoke)
 
 run 0 whole
 
@@ -61,14 +29,10 @@ run 0 held --slurm --shards 3 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 run 0 held --slurm --no-wait
 says "^jobs $array and $collector are in the queue: nothing is submitted"
-: > "$work/out"  # the run before it may have said the same
-"$vantage" experiment heterogeneous --smoke --out "$work/held" --slurm > "$work/out" 2>&1 &
-pid=$!
+begin held --slurm
 until_told "nothing is submitted"
 kill -INT "$pid"
-code=0
-wait "$pid" || code=$?
-[[ $code == 1 ]] || fail "Ctrl-C gave exit code $code"
+ended 1
 says "To cancel: scancel $array $collector"
 [[ $(squeue --noheader --array | wc -l) == 4 ]] || fail "Ctrl-C took jobs: $(squeue --array)"
 
@@ -89,15 +53,11 @@ same held
 run 0 broken --slurm --shards 2 --no-wait --sbatch=--hold
 array=$(array) collector=$(collector)
 cp "$work/broken/manifest.json" "$work/kept"
-: > "$work/out"  # the run before it may have said the same
-"$vantage" experiment heterogeneous --smoke --out "$work/broken" --slurm > "$work/out" 2>&1 &
-pid=$!
+begin broken --slurm
 until_told "nothing is submitted"
 sed -i 's/"seed": 1/"seed": 7/' "$work/broken/manifest.json"
 scontrol release "$array" "$collector"
-code=0
-wait "$pid" || code=$?
-[[ $code == 1 ]] || fail "shards that failed gave exit code $code"
+ended 1
 says "^shard 1 lacks units: FAILED; .*/shard_1.log ends: .*another seed"
 mv "$work/kept" "$work/broken/manifest.json"
 run 0 broken --slurm --shards 2

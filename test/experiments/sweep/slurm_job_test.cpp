@@ -79,6 +79,17 @@ TEST(StatesOf, AreByJobAndSayWhatMayStillWrite) {
   EXPECT_TRUE(is_failure("CANCELLED"));
   EXPECT_FALSE(is_failure("COMPLETED"));
   EXPECT_FALSE(is_failure("RUNNING"));
+  EXPECT_FALSE(is_live(""));
+  EXPECT_FALSE(is_failure(""));
+}
+
+// Its node has not answered yet: the job may have ended, and may be about to run again.
+TEST(StatesOf, OfAJobThatIsTakenDownSayNotThatItHasEnded) {
+  EXPECT_TRUE(is_live("COMPLETING"));
+  EXPECT_FALSE(is_at_work("COMPLETING"));
+  EXPECT_FALSE(is_failure("COMPLETING"));
+  EXPECT_TRUE(is_at_work("REQUEUED"));
+  EXPECT_FALSE(is_at_work("COMPLETED"));
 }
 
 }  // namespace
