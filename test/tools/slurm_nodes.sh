@@ -53,14 +53,14 @@ until_true 60 have_begun cut node1 node2 node3
 on_node node2 STOP
 ip link set node2 down
 shard=$(shard_on cut node2)
-until_true 60 is_gone_on_with cut "$shard"
+until_true 120 is_gone_on_with cut "$shard"
 on_node node2 CONT
 ended 0
 same cut
 [[ "$(units cut | uniq)" == "$(units whole)" ]] || fail "units lack"
 [[ -n "$(units cut | uniq -d)" ]] || fail "no unit was run by both: the test shows nothing"
 ip link set node2 up
-until_true 60 all_idle 3
+until_true 120 all_idle 3
 run 0 cut --slurm --shards 3
 [[ -z "$(array)" ]] || fail "it submitted what was done"
 same cut
@@ -78,7 +78,7 @@ kill -9 "$(cat "$IN_SLURM/own/slurmctld.pid")"
 for node in node1 node2 node3; do on_node $node CONT; done
 sleep 1
 slurmctld
-until_true 60 all_idle 3
+until_true 120 all_idle 3
 until_queue_is_empty
 each_once controller
 same controller
@@ -88,7 +88,7 @@ echo "controller killed: good"
 run 0 dies --slurm --shards 3 --no-wait
 until_true 60 have_begun dies node1 node2 node3
 dies dies node2
-until_true 60 is_gone_on_with dies "$shard"
+until_true 120 is_gone_on_with dies "$shard"
 until_queue_is_empty
 each_once dies
 shared dies "$shard"

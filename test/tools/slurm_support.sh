@@ -37,7 +37,7 @@ until_true() {
   fail "not within $1 s: ${*:2}; in the queue: $(squeue 2>&1)"
 }
 is_queue_empty() { [[ -z "$(squeue --noheader)" ]]; }
-until_queue_is_empty() { until_true 60 is_queue_empty; }
+until_queue_is_empty() { until_true 120 is_queue_empty; }
 until_told() { until_true 10 grep -q -- "$1" "$work/out"; }
 same() {
   diff -r -x rows -x slurm -x manifest.json -x 'times.*' "$work/whole" "$work/$1" ||
