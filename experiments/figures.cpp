@@ -109,7 +109,7 @@ std::string resilient_tracking_choices_figure() {
   colour(m) = m eq 'rain' ? '#009E73' : '#D55E00'
   set multiplot layout 1,3
   set key top left samplen 2
-  set xrange [-0.5:7.5]; set xtics rotate by -60
+  set xrange [-0.5:7.5]; set xtics rotate by -60 noenhanced
   set logscale y; set yrange [0.1:100]; set ylabel 'mean RMSE [m]'
   do for [r in '"5 10" "10 5" "10 10"'] {
     set title word(r, 1).' robots, '.word(r, 2).' targets'
