@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include <fmt/format.h>
+
 #include "core/index.hpp"
 #include "experiments/bearing_noise.hpp"
 #include "experiments/searching_team.hpp"
@@ -155,6 +157,16 @@ class TrackingTask {
 };
 
 }  // namespace
+
+std::map<std::string, std::string> parameters_of(const TrackingSetting& setting) {
+  return {{"task_steps", std::to_string(setting.task_steps)},
+          {"plan_steps", std::to_string(setting.plan_steps)},
+          {"nodes_per_plan", std::to_string(setting.nodes_per_plan)},
+          {"prior_position_sigma_m", fmt::format("{}", setting.prior_position_sigma_m)},
+          {"prior_velocity_sigma_mps", fmt::format("{}", setting.prior_velocity_sigma_mps)},
+          {"detection_probability", fmt::format("{}", setting.detection_probability)},
+          {"plan_range_min_m", fmt::format("{}", setting.plan_range_min_m)}};
+}
 
 TrackingRun track_under_attack(const TrackingSetting& setting, bool is_resilient,
                                std::uint64_t seed) {

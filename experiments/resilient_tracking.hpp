@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "experiments/tracked_targets.hpp"
@@ -35,6 +37,9 @@ struct TrackingSetting {
   BearingNoise bearing_noise = BearingNoise::kByRange;  ///< of the sensor and of the plans alike
   bool beliefs_stay_inside = true;                      ///< see TargetSetting
 };
+
+/// What a sweep tells of a setting that all its units share.
+std::map<std::string, std::string> parameters_of(const TrackingSetting& setting);
 
 /// What a run was like after each step.
 struct TrackingRun {

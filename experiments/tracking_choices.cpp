@@ -223,14 +223,7 @@ Sweep resilient_tracking_choices(const Extent& extent) {
   sweep.plan.trials = extent.trials_or(kRuns);
   const bool is_smoke = extent.is_smoke;
   const TrackingSetting setting = setting_of(cases.front(), is_smoke);
-  sweep.plan.parameters = {
-      {"task_steps", std::to_string(setting.task_steps)},
-      {"plan_steps", std::to_string(setting.plan_steps)},
-      {"nodes_per_plan", std::to_string(setting.nodes_per_plan)},
-      {"prior_position_sigma_m", fmt::format("{}", setting.prior_position_sigma_m)},
-      {"prior_velocity_sigma_mps", fmt::format("{}", setting.prior_velocity_sigma_mps)},
-      {"detection_probability", fmt::format("{}", setting.detection_probability)},
-      {"plan_range_min_m", fmt::format("{}", setting.plan_range_min_m)}};
+  sweep.plan.parameters = parameters_of(setting);
   sweep.plan.tables = {{"runs", "mean_rmse_m,peak_rmse_m"}};
   sweep.run = [cases, is_smoke](std::size_t index, std::uint64_t seed) {
     return run_unit(cases[index], is_smoke, seed);

@@ -184,14 +184,7 @@ Sweep resilient_tracking(const Extent& extent) {
     }
   }
   sweep.plan.trials = extent.trials_or(kRuns);
-  sweep.plan.parameters = {
-      {"task_steps", std::to_string(setting.task_steps)},
-      {"plan_steps", std::to_string(setting.plan_steps)},
-      {"nodes_per_plan", std::to_string(setting.nodes_per_plan)},
-      {"prior_position_sigma_m", fmt::format("{}", setting.prior_position_sigma_m)},
-      {"prior_velocity_sigma_mps", fmt::format("{}", setting.prior_velocity_sigma_mps)},
-      {"detection_probability", fmt::format("{}", setting.detection_probability)},
-      {"plan_range_min_m", fmt::format("{}", setting.plan_range_min_m)}};
+  sweep.plan.parameters = parameters_of(setting);
   sweep.plan.tables = {{"runs", "mean_rmse_m,peak_rmse_m,mean_entropy_nats"},
                        {"steps", "step,rmse_m,entropy_nats"}};
   sweep.run = [setting](std::size_t index, std::uint64_t seed) {

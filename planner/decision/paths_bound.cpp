@@ -68,12 +68,13 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
       least += cost_.linearise(m, 0, beliefs_.open_loop(m, 0), reference_.data());
     }
     std::fill(looked_.begin(), looked_.end(), 0.0F);
+    const std::size_t states = states_of_turn(turn);
     for (std::size_t i = 0; i < own.size(); ++i) {
       lattice_.reset(own[i], beliefs_);
-      const auto path = lattice_.best_path(own[i].start, 0, cost_, looked_.data(),
-                                           states_of_turn(turn), deadline, best.work_nodes);
-      if (path.expired) {
-        return best;
+      const auto path = lattice_.best_path(own[i].start, 0, cost_, looked_.data(), states, deadline,
+                                           best.work_nodes);
+      if (path.expired || (path.gained == kInfinity && states == kStatesMax)) {
+        return best;  // there is no more time, or so long a way fits into no lattice
       }
       parts[i] = 0.5 * path.gained;
       least -= path.gained + kFloatRounding * (1.0 + path.gained);
@@ -81,6 +82,9 @@ PathsBound::Answer PathsBound::of(std::span<const SearchProblem> problems,
     if (!std::isnan(least) && -0.5 * least < best.information_nats) {
       best.information_nats = std::max(0.0, -0.5 * least);
       best.parts = parts;
+    }
+    if (std::isinf(least)) {
+      continue;  // too few states for somebody's way
     }
     const float share = 2.0F / static_cast<float>(turn + 3);
     for (std::size_t i = 0; i < reference_.size(); ++i) {

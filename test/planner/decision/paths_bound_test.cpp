@@ -139,6 +139,19 @@ TEST(PathsBound, UnderAttackIsAboveTheBestThatTheWorstAttackLeaves) {
   }
 }
 
+// A horizon that no lattice holds, and a deadline that never comes.
+TEST(PathsBound, EndsWhereNoLatticeFits) {
+  constexpr int kSteps = 44;
+  PathsBound bound(4, kSteps);
+  std::vector<SearchProblem> team = drawn_team(0);
+  for (SearchProblem& own : team) {
+    own.horizon_steps = kSteps;
+  }
+  EXPECT_EQ(bound.of(team, std::vector<int>{0, 1}, InformationMeasure::kLogDet, Deadline::never())
+                .information_nats,
+            kInfinity);
+}
+
 TEST(PathsBound, SaysNothingWhereItsRulesDoNotHold) {
   PathsBound bound(4, 5);
   std::vector<SearchProblem> team = drawn_team(0);
