@@ -1,5 +1,5 @@
 // Every harness on what it starts from, on what once broke it (test/fuzz/corpus), and on a number
-// of changes to both that is the same each time: VANTAGE_FUZZ_RUNS of them, 300 when not given.
+// of changes to both: VANTAGE_FUZZ_RUNS of them, 300 when not given, drawn by VANTAGE_FUZZ_SEED.
 
 #include <algorithm>
 #include <array>
@@ -18,11 +18,13 @@
 
 #include <gtest/gtest.h>
 
+#include "test/fuzz/bus/datagram_input.hpp"
 #include "test/fuzz/bus/packet_path.hpp"
 #include "test/fuzz/bus/receive_path.hpp"
 #include "test/fuzz/parsers/stream_parsers.hpp"
 #include "test/fuzz/parsers/text_parsers.hpp"
 #include "test/fuzz/vicon/harness.hpp"
+#include "test/support/resident_memory.hpp"
 
 namespace vantage::test {
 namespace {
@@ -35,7 +37,16 @@ struct Harness {
   const char* name = "";
   std::function<void(std::span<const std::uint8_t>)> run;
   std::function<std::vector<Bytes>()> samples;
+  std::function<std::int64_t(std::span<const std::uint8_t>)> datagrams = nullptr;  ///< of an input
 };
+
+std::int64_t datagrams_of(std::span<const std::uint8_t> input) {
+  std::int64_t count = 0;
+  while (take_datagram(input)) {
+    ++count;
+  }
+  return count;
+}
 
 std::vector<Bytes> files_of(const fs::path& folder, const std::string& extension) {
   std::vector<fs::path> paths;
@@ -64,8 +75,8 @@ std::vector<Harness> harnesses() {
   const auto objects = vicon(MocapProtocol::kObjectStream);
   const auto vrpn = vicon(MocapProtocol::kVrpn);
   return {
-      {"packet", fuzz_packet_path, packet_path_samples},
-      {"receive", fuzz_receive_path, receive_path_samples},
+      {"packet", fuzz_packet_path, packet_path_samples, datagrams_of},
+      {"receive", fuzz_receive_path, receive_path_samples, datagrams_of},
       {"mavlink", fuzz_mavlink, mavlink_samples},
       {"log", fuzz_log, log_samples},
       {"viewer", fuzz_viewer, viewer_samples},
@@ -113,11 +124,59 @@ Bytes changed(Bytes bytes, const Bytes& other, std::mt19937_64& rng) {
   return bytes;
 }
 
+/// A number that was asked for in the environment.
+long long number_or(const char* variable, long long usual) {
+  const char* const asked = std::getenv(variable);
+  return asked == nullptr ? usual : std::atoll(asked);
+}
+
+/// What has been run; told each tenth of the way when somebody asked for many.
+class Progress {
+ public:
+  Progress(const Harness& harness, long long runs) : harness_(harness), runs_(runs) {}
+
+  void count(const Bytes& input) {
+    ++done_;
+    datagrams_ += harness_.datagrams ? harness_.datagrams(input) : 0;
+    if (done_ == runs_ / kParts) {
+      settled_kib_ = resident_kib();
+    }
+    if (done_ % std::max(1LL, runs_ / kParts) == 0 && std::getenv("VANTAGE_FUZZ_RUNS") != nullptr) {
+      tell();
+    }
+  }
+
+  /// Memory that has come since a tenth of the way, KiB.
+  [[nodiscard]] std::int64_t growth_kib() const { return resident_kib() - settled_kib_; }
+
+ private:
+  static constexpr long long kParts = 10;
+
+  void tell() const {
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin_;
+    std::printf("%s: %lld inputs in %.1f s, %.0f a second", harness_.name, done_, took.count(),
+                static_cast<double>(done_) / took.count());
+    if (harness_.datagrams) {
+      std::printf("; %lld datagrams", static_cast<long long>(datagrams_));
+    }
+    std::printf("; %lld KiB resident\n", static_cast<long long>(resident_kib()));
+    std::fflush(stdout);
+  }
+
+  const Harness& harness_;
+  long long runs_;
+  long long done_ = 0;
+  std::int64_t datagrams_ = 0;
+  std::int64_t settled_kib_ = 0;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
 class Fuzz : public ::testing::TestWithParam<Harness> {};
 
 TEST_P(Fuzz, KeepsItsPromises) {
-  const char* const asked = std::getenv("VANTAGE_FUZZ_RUNS");
-  const long long runs = asked == nullptr ? 300 : std::atoll(asked);
+  constexpr long long kManyRuns = 100'000;  // behind a tenth of these nothing is new to the heap
+  constexpr std::int64_t kGrowthMaxKib = 1'024;
+  const long long runs = number_or("VANTAGE_FUZZ_RUNS", 300);
   std::vector<Bytes> inputs = GetParam().samples();
   ASSERT_FALSE(inputs.empty());
   const fs::path corpus = fs::path(VANTAGE_SOURCE_DIR) / "test/fuzz/corpus" / GetParam().name;
@@ -126,17 +185,17 @@ TEST_P(Fuzz, KeepsItsPromises) {
   for (const Bytes& input : inputs) {
     GetParam().run(input);
   }
-  std::mt19937_64 rng(20);
-  const auto begin = std::chrono::steady_clock::now();
+  std::mt19937_64 rng(static_cast<std::uint64_t>(number_or("VANTAGE_FUZZ_SEED", 20)));
+  Progress progress(GetParam(), runs);
   for (long long i = 0; i < runs; ++i) {
     const Bytes& one = inputs[rng() % inputs.size()];
     const Bytes& other = inputs[rng() % inputs.size()];
-    GetParam().run(changed(one, other, rng));
+    const Bytes input = changed(one, other, rng);
+    GetParam().run(input);
+    progress.count(input);
   }
-  if (asked != nullptr) {
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-    std::printf("%s: %lld inputs in %.1f s, %.0f a second\n", GetParam().name, runs, took.count(),
-                static_cast<double>(runs) / took.count());
+  if (runs >= kManyRuns && !kKeepsFreedMemory) {
+    EXPECT_LT(progress.growth_kib(), kGrowthMaxKib);
   }
 }
 
