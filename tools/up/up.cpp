@@ -32,6 +32,7 @@
 #include "trial/observe/announcer.hpp"
 #include "trial/observe/neighbours.hpp"
 #include "trial/observe/observer.hpp"
+#include "trial/robot_processes.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -57,14 +58,6 @@ bool is_zero(const models::ProcessHealth& health, const std::string& counter) {
 }
 
 Time monotonic_now() { return from_utime(monotonic_ns() / 1'000); }
-
-/// The name of a process on HEALTH_*.
-std::string health_name(std::string process) {
-  std::transform(process.begin(), process.end(), process.begin(), [](unsigned char c) {
-    return c == ' ' ? '_' : static_cast<char>(std::toupper(c));
-  });
-  return process;
-}
 
 /// The trial's clock, handed on before the first process is started.
 struct HandedClock : bus::SteadyClock {
@@ -173,7 +166,7 @@ void Up::watch(const std::vector<ProcessSpec>& processes) {
     const bool is_driver =
         process.name.starts_with("quadrotor ") || process.name.starts_with("rover ");
     watchdog_.watch(process.name, is_driver ? kDriverHungAfterS : kHungAfterS);
-    by_health_[health_name(process.name)] = process.name;
+    by_health_[trial::node_name(process.name)] = process.name;
   }
   if (keeper_) {
     watchdog_.watch(kRecorderProcess, kHungAfterS);
