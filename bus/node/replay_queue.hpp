@@ -13,8 +13,8 @@ namespace vantage::bus {
 inline constexpr Duration kReplayTick = std::chrono::milliseconds(100);
 
 /// What a log says was made and is to be made again, in its order. Each waits for inputs that may
-/// still be on their way until `later_max` later ones wait behind it or it has waited two seconds of
-/// ticks: then it has to do with what is there.
+/// still be on their way until `later_max` later ones wait behind it or it has waited two seconds
+/// of ticks: then it has to do with what is there.
 template <class Logged>
 class ReplayQueue {
  public:
