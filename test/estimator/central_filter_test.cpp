@@ -57,9 +57,9 @@ std::vector<models::DetectionSet> looks_at(const std::vector<Eigen::Vector2d>& t
 
 // Where every look is heard at once and empty ones tell nothing.
 TEST(CentralFilter, IsADistributedFilterThatHearsEverything) {
-  const std::vector<Eigen::Vector2d> targets_m = {{-2.0, 1.0}, {3.0, -1.0}, {0.0, 15.0}};
+  const std::vector<Eigen::Vector2d> targets_m = {{-2.0, 1.0}, {3.0, -1.0}, {-10.0, 18.0}};
   const std::vector<models::Gaussian> priors = {prior_at(-2.3, 1.2), prior_at(3.5, -1.4),
-                                                prior_at(0.5, 15.5)};
+                                                prior_at(-10.5, 18.5)};
   const models::World world = square_world();
   CentralFilter central({kModel, 0.5, 0.0, true}, world, priors);
   FilterSpec spec = test::open_spec(kModel, forward_sensor(), 3);

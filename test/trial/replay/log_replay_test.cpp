@@ -269,8 +269,8 @@ TEST_F(ReplayLog, MakesThePlansAgainThatFollowOneWhoseInputIsLost) {
   std::optional<models::InputRef> lost;
   edited([&](std::string_view channel, Bytes& data) {
     if (channel == "PLAN_Q1" && ++plans == kPlan) {
-      for (const models::InputRef& input :
-           bus::from_wire(bus::decode_wire<vantage_lcm::plan_t>(data).value())->inputs) {
+      const auto plan = bus::from_wire(bus::decode_wire<vantage_lcm::plan_t>(data).value());
+      for (const models::InputRef& input : plan->inputs) {
         lost = input.channel == "BELIEF_Q1" ? std::optional(input) : lost;
       }
     }
