@@ -9,6 +9,7 @@
 #include "estimator/distributed_filter.hpp"
 #include "estimator/multi_target.hpp"
 #include "estimator/track_labels.hpp"
+#include "experiments/team_task.hpp"
 #include "logs/metrics/set_means.hpp"
 #include "models/world/world.hpp"
 #include "sim/random.hpp"
@@ -60,9 +61,12 @@ struct Tracking {
 class ClutterTrial {
  public:
   ClutterTrial(const scenario::Scenario& scenario, const models::DetectionModel& detection,
-               std::uint64_t seed)
+               double duration_s, std::uint64_t seed)
       : scenario_(scenario),
         detection_(detection),
+        step_s_(scenario.planner.step_s),
+        steps_(static_cast<int>(duration_s / step_s_)),
+        settling_(std::min(steps_ / 2, static_cast<int>(kSettling_s / step_s_))),
         ground_(scenario, seed),
         rng_(sim::random_stream(seed, "clutter")),
         known_(central_spec(scenario, detection)) {
@@ -75,26 +79,41 @@ class ClutterTrial {
     }
   }
 
-  ClutterScores run(double duration_s) {
-    const double step_s = scenario_.planner.step_s;
-    const int steps = static_cast<int>(duration_s / step_s);
-    const int settling = std::min(steps / 2, static_cast<int>(kSettling_s / step_s));
-    for (int k = 1; k <= steps; ++k) {
-      const Time now = from_utime(1'000'000'000) + from_seconds(k * step_s);
-      move(step_s);
-      fly(step_s);
-      look(now);
-      filter(now, step_s);
-      if (k > settling) {
-        judge();
+  // Each goes to the target that is known least for its distance and that nobody before it took;
+  // about when there is none.
+  void plan() {
+    goals_m_.clear();
+    std::vector<char> is_taken(scenario_.targets.size(), 0);
+    for (const Eigen::Vector2d& place_m : places_m_) {
+      Eigen::Vector2d goal_m = anywhere_m();
+      double most = 0.0;
+      std::size_t chosen = is_taken.size();
+      for (std::size_t m = 0; m < is_taken.size(); ++m) {
+        const estimator::Track& track = known_.track(static_cast<int>(m));
+        const auto belief = track.known ? models::to_gaussian(track.information) : std::nullopt;
+        if (is_taken[m] != 0 || !belief) {
+          continue;
+        }
+        const Eigen::Vector2d mean_m = belief->mean.head<2>();
+        const double worth =
+            belief->covariance.topLeftCorner<2, 2>().trace() / (0.5 + (mean_m - place_m).norm());
+        if (worth > most) {
+          most = worth;
+          goal_m = mean_m;
+          chosen = m;
+        }
       }
+      if (chosen < is_taken.size()) {
+        is_taken[chosen] = 1;
+      }
+      goals_m_.push_back(goal_m);
     }
-    return scores(steps - settling, (steps - settling) * step_s);
   }
 
- private:
-  void move(double step_s) {
-    const int physics = static_cast<int>(step_s / kPhysics_s + 0.5);
+  void attack() {}
+
+  void move(int /*step_of_plan*/) {
+    const int physics = static_cast<int>(step_s_ / kPhysics_s + 0.5);
     for (int i = 0; i < physics; ++i) {
       if (i % kPhysicsPerDecision == 0) {
         ground_.decide(kPhysicsPerDecision * kPhysics_s);
@@ -105,100 +124,26 @@ class ClutterTrial {
     for (std::size_t m = 0; m < scenario_.targets.size(); ++m) {
       truth_.push_back({static_cast<std::int64_t>(m), ground_.world_from_body(m).position_m()});
     }
-  }
-
-  // Each to the target that is known least for its distance and that nobody before it took; about
-  // when there is none.
-  void fly(double step_s) {
-    std::vector<char> is_taken(truth_.size(), 0);
     for (std::size_t i = 0; i < places_m_.size(); ++i) {
-      Eigen::Vector2d goal_m = anywhere_m();
-      double most = 0.0;
-      std::size_t chosen = truth_.size();
-      for (std::size_t m = 0; m < truth_.size(); ++m) {
-        const estimator::Track& track = known_.track(static_cast<int>(m));
-        const auto belief = track.known ? models::to_gaussian(track.information) : std::nullopt;
-        if (is_taken[m] != 0 || !belief) {
-          continue;
-        }
-        const Eigen::Vector2d mean_m = belief->mean.head<2>();
-        const double worth = belief->covariance.topLeftCorner<2, 2>().trace() /
-                             (0.5 + (mean_m - places_m_[i]).norm());
-        if (worth > most) {
-          most = worth;
-          goal_m = mean_m;
-          chosen = m;
-        }
-      }
-      if (chosen < is_taken.size()) {
-        is_taken[chosen] = 1;
-      }
-      const Eigen::Vector2d way_m = goal_m - places_m_[i];
+      const Eigen::Vector2d way_m = goals_m_[i] - places_m_[i];
       const double far_m = way_m.norm();
       if (far_m > 0.0) {
-        places_m_[i] += std::min(1.0, kSpeed_mps * step_s / far_m) * way_m;
+        places_m_[i] += std::min(1.0, kSpeed_mps * step_s_ / far_m) * way_m;
       }
     }
+    ++step_;
   }
 
-  Eigen::Vector2d anywhere_m() {
-    const models::Rectangle& bounds = scenario_.world.bounds;
-    std::uniform_real_distribution<double> share(0.0, 1.0);
-    const double x = share(rng_);
-    return bounds.min_m + Eigen::Vector2d(x, share(rng_)).cwiseProduct(bounds.max_m - bounds.min_m);
-  }
-
-  // With ids, those of false alarms −1.
-  void look(Time now) {
-    std::uniform_real_distribution<double> share(0.0, 1.0);
-    looks_.clear();
-    for (std::size_t i = 0; i < places_m_.size(); ++i) {
-      const scenario::RobotSpec& robot = scenario_.robots[i];
-      models::DetectionSet look;
-      look.stamp.time = now;
-      look.robot = robot.name;
-      look.viewpoint = {{places_m_[i].x(), places_m_[i].y(), 0.0}, robot.height_m};
-      for (const logs::Labelled& target : truth_) {
-        const models::PositionVector y_m = target.position_m;
-        if (models::in_view(robot.sensor, look.viewpoint, y_m) &&
-            models::line_of_sight(scenario_.world, places_m_[i], target.position_m) &&
-            share(rng_) < detection_.detection_probability) {
-          look.detections.push_back({static_cast<int>(target.label),
-                                     models::sample(robot.sensor, look.viewpoint, y_m, rng_)});
-        }
-      }
-      looks_.push_back(look);
-    }
-  }
-
-  void filter(Time now, double step_s) {
-    std::vector<const models::DetectionSet*> pointers;
-    for (const models::DetectionSet& look : looks_) {
-      pointers.push_back(&look);
-    }
-    double start_s = thread_cpu_s();
-    known_.advance({now, looks_.front().viewpoint, pointers, {}});
-    judged_[index(ClutterMethod::kKnownIds)].sum.step_cpu_s += thread_cpu_s() - start_s;
-    for (std::size_t i = 0; i < looks_.size(); ++i) {
-      for (const models::Measurement& z :
-           models::sample_clutter(scenario_.robots[i].sensor, looks_[i].viewpoint,
-                                  detection_.clutter_per_look, rng_)) {
-        looks_[i].detections.push_back({-1, z});
-      }
-    }
-    for (std::size_t t = 0; t < trackings_.size(); ++t) {
-      Tracking& of = trackings_[t];
-      start_s = thread_cpu_s();
-      of.filter.propagate(of.tracks, now - from_seconds(step_s), now);
-      for (std::size_t i = 0; i < looks_.size(); ++i) {
-        of.filter.look(of.tracks, scenario_.robots[i].sensor, looks_[i].viewpoint, now,
-                       looks_[i].detections, estimator::first_label(now, static_cast<int>(i)));
-      }
-      judged_[t].sum.step_cpu_s += thread_cpu_s() - start_s;
-    }
+  void look() {
+    const Time now = from_utime(1'000'000'000) + from_seconds(step_ * step_s_);
+    detect(now);
+    filter(now);
   }
 
   void judge() {
+    if (step_ <= settling_) {
+      return;
+    }
     std::vector<logs::Labelled> told;
     const auto note = [&](Judged& judged) {
       const logs::SetError error = judged.judge.judge(truth_, told);
@@ -225,26 +170,92 @@ class ClutterTrial {
     note(judged_[index(ClutterMethod::kKnownIds)]);
   }
 
-  [[nodiscard]] ClutterScores scores(int judged_steps, double judged_s) const {
+  [[nodiscard]] int steps() const { return steps_; }
+
+  [[nodiscard]] ClutterScores scores() const {
+    const int judged_steps = steps_ - settling_;
     ClutterScores out;
     for (std::size_t i = 0; i < out.size(); ++i) {
       const ClutterScore& sum = judged_[i].sum;
       out[i] = {sum.ospa_m / judged_steps,
-                60.0 * static_cast<double>(judged_[i].judge.swaps()) / judged_s,
+                60.0 * static_cast<double>(judged_[i].judge.swaps()) / (judged_steps * step_s_),
                 sum.matched_rmse_m / judged_steps, sum.tracks / judged_steps,
                 sum.step_cpu_s / judged_steps};
     }
     return out;
   }
 
+ private:
+  Eigen::Vector2d anywhere_m() {
+    const models::Rectangle& bounds = scenario_.world.bounds;
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    const double x = share(rng_);
+    return bounds.min_m + Eigen::Vector2d(x, share(rng_)).cwiseProduct(bounds.max_m - bounds.min_m);
+  }
+
+  // With ids, those of false alarms −1.
+  void detect(Time now) {
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    looks_.clear();
+    for (std::size_t i = 0; i < places_m_.size(); ++i) {
+      const scenario::RobotSpec& robot = scenario_.robots[i];
+      models::DetectionSet look;
+      look.stamp.time = now;
+      look.robot = robot.name;
+      look.viewpoint = {{places_m_[i].x(), places_m_[i].y(), 0.0}, robot.height_m};
+      for (const logs::Labelled& target : truth_) {
+        const models::PositionVector y_m = target.position_m;
+        if (models::in_view(robot.sensor, look.viewpoint, y_m) &&
+            models::line_of_sight(scenario_.world, places_m_[i], target.position_m) &&
+            share(rng_) < detection_.detection_probability) {
+          look.detections.push_back({static_cast<int>(target.label),
+                                     models::sample(robot.sensor, look.viewpoint, y_m, rng_)});
+        }
+      }
+      looks_.push_back(look);
+    }
+  }
+
+  void filter(Time now) {
+    std::vector<const models::DetectionSet*> pointers;
+    for (const models::DetectionSet& look : looks_) {
+      pointers.push_back(&look);
+    }
+    double start_s = thread_cpu_s();
+    known_.advance({now, looks_.front().viewpoint, pointers, {}});
+    judged_[index(ClutterMethod::kKnownIds)].sum.step_cpu_s += thread_cpu_s() - start_s;
+    for (std::size_t i = 0; i < looks_.size(); ++i) {
+      for (const models::Measurement& z :
+           models::sample_clutter(scenario_.robots[i].sensor, looks_[i].viewpoint,
+                                  detection_.clutter_per_look, rng_)) {
+        looks_[i].detections.push_back({-1, z});
+      }
+    }
+    for (std::size_t t = 0; t < trackings_.size(); ++t) {
+      Tracking& of = trackings_[t];
+      start_s = thread_cpu_s();
+      of.filter.propagate(of.tracks, now - from_seconds(step_s_), now);
+      for (std::size_t i = 0; i < looks_.size(); ++i) {
+        of.filter.look(of.tracks, scenario_.robots[i].sensor, looks_[i].viewpoint, now,
+                       looks_[i].detections, estimator::first_label(now, static_cast<int>(i)));
+      }
+      judged_[t].sum.step_cpu_s += thread_cpu_s() - start_s;
+    }
+  }
+
   const scenario::Scenario& scenario_;
   models::DetectionModel detection_;
+  double step_s_;
+  int steps_;
+  int settling_;  ///< steps that are not judged
+  int step_ = 0;  ///< the present one, from 1
   sim::Ground ground_;
   std::mt19937_64 rng_;
   estimator::DistributedFilter known_;
   std::vector<Tracking> trackings_;  ///< in the order of ClutterMethod
   std::array<Judged, kClutterMethods.size()> judged_;
   std::vector<Eigen::Vector2d> places_m_;  ///< of the robots
+  std::vector<Eigen::Vector2d> goals_m_;   ///< of each
   std::vector<logs::Labelled> truth_;
   std::vector<models::DetectionSet> looks_;
 };
@@ -254,7 +265,9 @@ class ClutterTrial {
 ClutterScores track_in_clutter(const scenario::Scenario& scenario,
                                const models::DetectionModel& detection, double duration_s,
                                std::uint64_t seed) {
-  return ClutterTrial(scenario, detection, seed).run(duration_s);
+  ClutterTrial task(scenario, detection, duration_s, seed);
+  run_team_task(task, task.steps(), 1);
+  return task.scores();
 }
 
 }  // namespace vantage::experiments

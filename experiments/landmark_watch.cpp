@@ -6,6 +6,7 @@
 #include "core/check.hpp"
 #include "core/index.hpp"
 #include "experiments/searching_team.hpp"
+#include "experiments/team_task.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/world/grid.hpp"
 #include "planner/search/arvi.hpp"
@@ -51,43 +52,96 @@ class LandmarkWatch {
       prior.mean.head(landmark_m.size()) = landmark_m;
       beliefs_.push_back(prior);
     }
+    surroundings_.reserve(starts.size());  // problems point to them
     for (const models::Viewpoint& start : starts) {
-      robots_.push_back({start, world_at(setting, start.height_m), {}});
-      require(models::clearance_m(robots_.back().world, start.world_from_body.position_m()) >
-                  setting.clearance_m,
+      const models::World world = world_at(setting, start.height_m);
+      require(models::clearance_m(world, start.world_from_body.position_m()) > setting.clearance_m,
               "watch: a robot's start must be free");
+      surroundings_.push_back({world, models::DistanceField(world, kFieldResolution_m)});
+      team_.problems.push_back(problem_of(start, surroundings_.back()));
     }
-    for (Robot& robot : robots_) {
-      robot.field = models::DistanceField(robot.world, kFieldResolution_m);
-    }
-    team_.problems.resize(robots_.size());
+    run_.poses.push_back(team_.poses());
   }
 
-  WatchRun run() {
-    WatchRun run;
-    note_poses(run);
-    for (int step = 0; step < setting_.task_steps; ++step) {
-      const int of_plan = step % setting_.replan_steps;
-      if (of_plan == 0) {
-        plan();
-        attack();
-      }
-      for (std::size_t i = 0; i < robots_.size(); ++i) {
-        run.turns_on_the_spot += move(robots_[i], team_.plans[i], of_plan) ? 0 : 1;
-      }
-      look(run);
-      note_poses(run);
-      run.attacked.push_back(attacked_);
-    }
-    return run;
+  void plan() {
+    team_.plan(planned_targets(), is_resilient_ ? setting_.attacks : 0,
+               [&](const planner::SearchProblem& problem) {
+                 return search_.plan(problem, reduction(), Deadline::never());
+               });
   }
+
+  void attack() {
+    if (setting_.jammed_robot >= 0) {
+      attacked_.assign(team_.problems.size(), 0);
+      attacked_[index(setting_.jammed_robot)] = 1;
+    } else {
+      attacked_ = team_.attacked(setting_.attacker, setting_.attacks);
+    }
+  }
+
+  void move(int step_of_plan) {
+    run_.turns_on_the_spot += team_.move(step_of_plan, kTurnOnTheSpot_radps);
+  }
+
+  void look() {
+    seen_.assign(beliefs_.size(), 0);
+    const models::TargetModel& model = setting_.landmark_model;
+    const models::StateMatrix A = model.transition(setting_.step_s);
+    for (std::size_t m = 0; m < beliefs_.size(); ++m) {
+      beliefs_[m] =
+          models::predict(beliefs_[m], A, model.process_noise(setting_.step_s, steps_unseen_[m]));
+      ++steps_unseen_[m];
+      const models::PositionVector& landmark_m = setting_.landmarks_m[m];
+      models::PositionMatrix M = models::PositionMatrix::Zero(landmark_m.size(), landmark_m.size());
+      for (std::size_t i = 0; i < team_.problems.size(); ++i) {
+        const models::Viewpoint from{team_.problems[i].start, team_.problems[i].height_m};
+        if (attacked_[i] == 0 && models::in_view(setting_.sensor, from, landmark_m)) {
+          M += models::information(setting_.sensor, from, landmark_m);
+          seen_[m] = 1;
+        }
+      }
+      if (seen_[m] != 0) {
+        beliefs_[m].covariance = models::update_covariance(beliefs_[m].covariance, M);
+        steps_unseen_[m] = 0;
+      }
+    }
+  }
+
+  void judge() {
+    double entropy_nats = 0.0;
+    for (const models::Gaussian& belief : beliefs_) {
+      entropy_nats += models::entropy_nats(belief);
+    }
+    run_.entropy_nats.push_back(entropy_nats / static_cast<double>(beliefs_.size()));
+    run_.seen.push_back(seen_);
+    run_.poses.push_back(team_.poses());
+    run_.attacked.push_back(attacked_);
+  }
+
+  [[nodiscard]] const WatchRun& run() const { return run_; }
 
  private:
-  struct Robot {
-    models::Viewpoint at;
+  // What hinders a robot's way.
+  struct Surroundings {
     models::World world;
     models::DistanceField field;
   };
+
+  [[nodiscard]] planner::SearchProblem problem_of(const models::Viewpoint& start,
+                                                  const Surroundings& surroundings) const {
+    planner::SearchProblem problem;
+    problem.start = start.world_from_body;
+    problem.height_m = start.height_m;
+    problem.controls = setting_.controls;
+    problem.horizon_steps = setting_.plan_steps;
+    problem.step_s = setting_.step_s;
+    problem.sensors = {setting_.sensor};
+    problem.world = &surroundings.world;
+    problem.field = &surroundings.field;
+    problem.clearance_m = setting_.clearance_m;
+    problem.obstacles_block_sight = false;
+    return problem;
+  }
 
   [[nodiscard]] std::vector<planner::SearchTarget> planned_targets() const {
     std::vector<planner::SearchTarget> targets;
@@ -96,21 +150,6 @@ class LandmarkWatch {
           {setting_.landmark_model.as_planned(steps_unseen_[m], setting_.step_s), beliefs_[m]});
     }
     return targets;
-  }
-
-  void set_up(const Robot& robot, planner::SearchProblem& problem) const {
-    problem.start = robot.at.world_from_body;
-    problem.height_m = robot.at.height_m;
-    problem.controls = setting_.controls;
-    problem.horizon_steps = setting_.plan_steps;
-    problem.step_s = setting_.step_s;
-    problem.sensors = {setting_.sensor};
-    problem.targets = planned_targets();
-    problem.fixed_information.clear();
-    problem.world = &robot.world;
-    problem.field = &robot.field;
-    problem.clearance_m = setting_.clearance_m;
-    problem.obstacles_block_sight = false;
   }
 
   // Of poses within δ of one another the cheapest is gone on from, whatever it knows: plans differ
@@ -124,77 +163,16 @@ class LandmarkWatch {
     return options;
   }
 
-  void plan() {
-    for (std::size_t i = 0; i < robots_.size(); ++i) {
-      set_up(robots_[i], team_.problems[i]);
-    }
-    team_.plan(is_resilient_ ? setting_.attacks : 0, [&](const planner::SearchProblem& problem) {
-      return search_.plan(problem, reduction(), Deadline::never());
-    });
-  }
-
-  void attack() {
-    if (setting_.jammed_robot >= 0) {
-      attacked_.assign(robots_.size(), 0);
-      attacked_[index(setting_.jammed_robot)] = 1;
-    } else {
-      attacked_ = team_.attacked(setting_.attacker, setting_.attacks);
-    }
-  }
-
-  // One step of its plan; false when there is none and it turns instead.
-  bool move(Robot& robot, const planner::SearchResult& plan, int of_plan) const {
-    if (of_plan < plan.moving_steps) {
-      robot.at.world_from_body = plan.poses[index(of_plan)];
-      return true;
-    }
-    robot.at.world_from_body = models::step_unicycle(robot.at.world_from_body,
-                                                     {0.0, kTurnOnTheSpot_radps}, setting_.step_s);
-    return false;
-  }
-
-  void look(WatchRun& run) {
-    std::vector<char> seen(beliefs_.size(), 0);
-    double entropy_nats = 0.0;
-    const models::TargetModel& model = setting_.landmark_model;
-    const models::StateMatrix A = model.transition(setting_.step_s);
-    for (std::size_t m = 0; m < beliefs_.size(); ++m) {
-      beliefs_[m] =
-          models::predict(beliefs_[m], A, model.process_noise(setting_.step_s, steps_unseen_[m]));
-      ++steps_unseen_[m];
-      const models::PositionVector& landmark_m = setting_.landmarks_m[m];
-      models::PositionMatrix M = models::PositionMatrix::Zero(landmark_m.size(), landmark_m.size());
-      for (std::size_t i = 0; i < robots_.size(); ++i) {
-        if (attacked_[i] == 0 && models::in_view(setting_.sensor, robots_[i].at, landmark_m)) {
-          M += models::information(setting_.sensor, robots_[i].at, landmark_m);
-          seen[m] = 1;
-        }
-      }
-      if (seen[m] != 0) {
-        beliefs_[m].covariance = models::update_covariance(beliefs_[m].covariance, M);
-        steps_unseen_[m] = 0;
-      }
-      entropy_nats += models::entropy_nats(beliefs_[m]);
-    }
-    run.entropy_nats.push_back(entropy_nats / static_cast<double>(beliefs_.size()));
-    run.seen.push_back(std::move(seen));
-  }
-
-  void note_poses(WatchRun& run) const {
-    std::vector<Pose2>& poses = run.poses.emplace_back();
-    for (const Robot& robot : robots_) {
-      poses.push_back(robot.at.world_from_body);
-    }
-  }
-
   const WatchSetting& setting_;
   bool is_resilient_;
   planner::ReducedValueIteration search_;
   std::vector<models::Gaussian> beliefs_;
-  std::vector<int> steps_unseen_;  ///< of each landmark
-  std::vector<Robot> robots_;
+  std::vector<int> steps_unseen_;           ///< of each landmark
+  std::vector<Surroundings> surroundings_;  ///< of each robot
   SearchingTeam team_;
   std::vector<char> attacked_;
+  std::vector<char> seen_;  ///< by landmark, in the last look
+  WatchRun run_;
 };
 
 }  // namespace
@@ -209,7 +187,9 @@ models::World world_at(const WatchSetting& setting, double height_m) {
 
 WatchRun watch(const WatchSetting& setting, std::span<const models::Viewpoint> starts,
                bool is_resilient) {
-  return LandmarkWatch(setting, starts, is_resilient).run();
+  LandmarkWatch task(setting, starts, is_resilient);
+  run_team_task(task, setting.task_steps, setting.replan_steps);
+  return task.run();
 }
 
 Revisits revisits(const std::vector<std::vector<char>>& seen) {

@@ -7,6 +7,7 @@
 #include "experiments/mapping_rows.hpp"
 #include "experiments/mapping_trial.hpp"
 #include "experiments/mapping_worlds.hpp"
+#include "experiments/sweep/cases.hpp"
 #include "experiments/sweep/compare.hpp"
 #include "planner/mapping/resilient_mapping.hpp"
 
@@ -257,18 +258,13 @@ Summary summarise(const Tables& tables) {
 }  // namespace
 
 Sweep resilient_mapping(const Extent& extent) {
-  Sweep sweep;
-  sweep.plan.setting_columns = "world,attack,attacks,variant,planner";
   const std::vector<MappingCase> cases = all_cases();
-  for (const MappingCase& of : cases) {
-    sweep.plan.settings.push_back({of.cells()});
-  }
-  sweep.plan.trials = extent.trials_or(kTrials);
-  const bool is_smoke = extent.is_smoke;
-  const MappingSetup setup = setup_of({}, is_smoke);
+  Sweep sweep =
+      sweep_over("world,attack,attacks,variant,planner", cases, kTrials, extent, run_unit);
+  const MappingSetup setup = setup_of({}, extent.is_smoke);
   sweep.plan.parameters = {
       {"robots", std::to_string(setup.robots)},
-      {"steps", is_smoke ? std::to_string(kSmokeSteps) : "50, 100 in corridors"},
+      {"steps", extent.is_smoke ? std::to_string(kSmokeSteps) : "50, 100 in corridors"},
       {"resolution_m", fmt::format("{}", setup.resolution_m)},
       {"horizon_steps", std::to_string(setup.search.horizon_steps)},
       {"frontier_nats_per_m", fmt::format("{}", setup.search.frontier_nats_per_m)},
@@ -280,9 +276,6 @@ Sweep resilient_mapping(const Extent& extent) {
                        {"rounds", "round,descent_kept_nats,rain_kept_nats"},
                        {"maps", "map,row,cells"},
                        {"ways", "robot,step,x_m,y_m,is_attacked"}};
-  sweep.run = [cases, is_smoke](std::size_t setting, std::uint64_t seed) {
-    return run_unit(cases[setting], is_smoke, seed);
-  };
   sweep.summarise = summarise;
   return sweep;
 }

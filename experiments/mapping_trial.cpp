@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "core/check.hpp"
 #include "core/uniform.hpp"
+#include "experiments/team_task.hpp"
 #include "models/mapping/beam_scan.hpp"
 #include "planner/problem/motion_table.hpp"
 #include "sim/random.hpp"
@@ -51,66 +53,62 @@ class MappingTrial {
   MappingTrial(const MappingSetup& setup, std::uint64_t seed)
       : setup_(setup),
         ground_(setup, seed),
-        attacker_(sim::random_stream(seed, "mapping attack")) {}
+        attacker_(sim::random_stream(seed, "mapping attack")),
+        outcome_{{}, 0, 0, 0, 0.0, ground_.map(), ground_.map()} {}
 
-  MappingOutcome run() {
-    MappingOutcome outcome{{}, 0, 0, 0, 0.0, ground_.map(), ground_.map()};
-    look({}, outcome);
-    while (static_cast<int>(outcome.steps.size()) <= setup_.steps) {
-      models::BeamSensor planned = setup_.scanner;
-      planned.beams = setup_.planned_beams;
-      planner::ViewTable views(ground_.map(), planned, setup_.views);
-      const planner::DriveMap drive(ground_.map(), setup_.drive);
-      planner::MappingSearch search(views, drive, setup_.search);
-      const std::vector<MapRoute> routes = setup_.planner(search, ground_.poses(), setup_.attacks);
-      std::vector<int> attacked =
-          attacked_robots(setup_.attack, setup_.attacks, routes, search, attacker_);
-      if (setup_.attack == AttackKind::kPreviousPlans) {
-        attacked.swap(chosen_before_);
-      }
-      for (const MapRoute& route : routes) {
-        outcome.nodes += route.nodes;
-      }
-      outcome.beam_cells += views.beam_cells();
-      follow(routes, attacked, outcome);
+  void plan() {
+    models::BeamSensor planned = setup_.scanner;
+    planned.beams = setup_.planned_beams;
+    views_.emplace(ground_.map(), planned, setup_.views);
+    drive_.emplace(ground_.map(), setup_.drive);
+    search_.emplace(*views_, *drive_, setup_.search);
+    routes_ = setup_.planner(*search_, ground_.poses(), setup_.attacks);
+    stopped_.assign(routes_.size(), false);
+    for (const MapRoute& route : routes_) {
+      outcome_.nodes += route.nodes;
     }
-    outcome.map = ground_.map();
-    outcome.wrong_share = wrong_share();
-    return outcome;
+  }
+
+  void attack() {
+    attacked_ = attacked_robots(setup_.attack, setup_.attacks, routes_, *search_, attacker_);
+    if (setup_.attack == AttackKind::kPreviousPlans) {
+      attacked_.swap(chosen_before_);
+    }
+    outcome_.beam_cells += views_->beam_cells();
+  }
+
+  void move(int step_of_plan) {
+    const auto t = static_cast<std::size_t>(step_of_plan);
+    for (std::size_t robot = 0; robot < routes_.size(); ++robot) {
+      const std::vector<int>& controls = routes_[robot].controls;
+      if (stopped_[robot] || t >= controls.size()) {
+        continue;
+      }
+      const models::UnicycleControl& control =
+          setup_.search.controls[static_cast<std::size_t>(controls[t])];
+      if (!ground_.drive(robot, control)) {
+        stopped_[robot] = true;
+        ++outcome_.stopped;
+      }
+    }
+  }
+
+  void look() { ground_.look(attacked_); }
+
+  void judge() {
+    outcome_.steps.push_back({ground_.map().entropy_nats(), ground_.poses(), attacked_});
+    if (static_cast<int>(outcome_.steps.size()) == setup_.steps / 2 + 1) {
+      outcome_.halfway = ground_.map();
+    }
+  }
+
+  MappingOutcome outcome() {
+    outcome_.map = ground_.map();
+    outcome_.wrong_share = wrong_share();
+    return outcome_;
   }
 
  private:
-  void follow(const std::vector<MapRoute>& routes, const std::vector<int>& attacked,
-              MappingOutcome& outcome) {
-    const std::size_t robots = ground_.poses().size();
-    std::vector<bool> stopped(robots, false);
-    const std::size_t horizon = static_cast<std::size_t>(setup_.search.horizon_steps);
-    for (std::size_t t = 0; t < horizon && static_cast<int>(outcome.steps.size()) <= setup_.steps;
-         ++t) {
-      for (std::size_t robot = 0; robot < robots; ++robot) {
-        const std::vector<int>& controls = routes[robot].controls;
-        if (stopped[robot] || t >= controls.size()) {
-          continue;
-        }
-        const models::UnicycleControl& control =
-            setup_.search.controls[static_cast<std::size_t>(controls[t])];
-        if (!ground_.drive(robot, control)) {
-          stopped[robot] = true;
-          ++outcome.stopped;
-        }
-      }
-      look(attacked, outcome);
-    }
-  }
-
-  void look(const std::vector<int>& attacked, MappingOutcome& outcome) {
-    ground_.look(attacked);
-    outcome.steps.push_back({ground_.map().entropy_nats(), ground_.poses(), attacked});
-    if (static_cast<int>(outcome.steps.size()) == setup_.steps / 2 + 1) {
-      outcome.halfway = ground_.map();
-    }
-  }
-
   [[nodiscard]] double wrong_share() const {
     const OccupancyBelief& map = ground_.map();
     int wrong = 0;
@@ -132,7 +130,15 @@ class MappingTrial {
   const MappingSetup& setup_;
   MappedWorld ground_;
   std::mt19937_64 attacker_;
+  // Of the present plans.
+  std::optional<planner::ViewTable> views_;
+  std::optional<planner::DriveMap> drive_;
+  std::optional<planner::MappingSearch> search_;
+  std::vector<MapRoute> routes_;
+  std::vector<bool> stopped_;  ///< by robot
+  std::vector<int> attacked_;
   std::vector<int> chosen_before_;  ///< of kPreviousPlans: by the plans before
+  MappingOutcome outcome_;
 };
 
 }  // namespace
@@ -183,7 +189,11 @@ std::vector<MapRoute> plan_by_coordinate_descent(planner::MappingSearch& search,
 
 MappingOutcome run_mapping_trial(const MappingSetup& setup, std::uint64_t seed) {
   require(setup.robots >= 1 && setup.steps >= 1, "a mapping trial must have robots and steps");
-  return MappingTrial(setup, seed).run();
+  MappingTrial task(setup, seed);
+  task.look();  // from the start
+  task.judge();
+  run_team_task(task, setup.steps, setup.search.horizon_steps);
+  return task.outcome();
 }
 
 }  // namespace vantage::experiments

@@ -4,6 +4,7 @@
 
 #include "experiments/experiment.hpp"
 #include "experiments/figures.hpp"
+#include "experiments/sweep/cases.hpp"
 #include "experiments/sweep/compare.hpp"
 #include "experiments/two_targets_trial.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 constexpr int kTrials = 10;
 constexpr int kSmokeSteps = 12;
 
-// Who is jammed; settings are each of these by coordinate descent, then by RAIN.
+// Who is jammed.
 struct Jam {
   const char* name;
   int robot;
@@ -21,23 +22,34 @@ struct Jam {
 constexpr std::array<Jam, 3> kJams = {{{"first", 0}, {"second", 1}, {"worst", -1}}};
 constexpr std::array<const char*, 2> kMethods = {"cd", "rain"};
 
-const Jam& jam_of(std::size_t setting) { return kJams[setting / 2]; }
-bool is_rain(std::size_t setting) { return setting % 2 == 1; }
-std::string cells(std::size_t setting) {
-  return fmt::format("{},{}", jam_of(setting).name, kMethods[is_rain(setting) ? 1 : 0]);
+struct JamCase {
+  Jam jam;
+  bool is_rain;
+  [[nodiscard]] const char* method() const { return kMethods[is_rain ? 1 : 0]; }
+  [[nodiscard]] std::string cells() const { return fmt::format("{},{}", jam.name, method()); }
+};
+
+// Each of them by coordinate descent, then by RAIN.
+std::vector<JamCase> all_cases() {
+  std::vector<JamCase> cases;
+  for (const Jam& jam : kJams) {
+    cases.push_back({jam, false});
+    cases.push_back({jam, true});
+  }
+  return cases;
 }
 
-WatchSetting setting_of(std::size_t index, bool is_smoke) {
-  WatchSetting setting = two_targets_setting(jam_of(index).robot);
+WatchSetting setting_of(const JamCase& of, bool is_smoke) {
+  WatchSetting setting = two_targets_setting(of.jam.robot);
   if (is_smoke) {
     setting.task_steps = kSmokeSteps;
   }
   return setting;
 }
 
-UnitRows run_unit(std::size_t index, bool is_smoke, std::uint64_t seed) {
-  const WatchSetting setting = setting_of(index, is_smoke);
-  const WatchRun run = watch(setting, two_targets_starts(setting, seed), is_rain(index));
+UnitRows run_unit(const JamCase& of, bool is_smoke, std::uint64_t seed) {
+  const WatchSetting setting = setting_of(of, is_smoke);
+  const WatchRun run = watch(setting, two_targets_starts(setting, seed), of.is_rain);
   const Visits first = visits(setting, run, 0);
   const Visits second = visits(setting, run, 1);
   UnitRows rows;
@@ -65,7 +77,8 @@ Summary summarise(const Tables& tables) {
     int sticking = 0;   ///< both robots never switch
     int switching = 0;  ///< both do
   };
-  std::array<Trials, 2 * kJams.size()> of;
+  const std::vector<JamCase> cases = all_cases();
+  std::vector<Trials> of(cases.size());
   for (const Record& record : tables.at("trials")) {
     Trials& trials = of[record.unit.setting];
     for (const std::size_t robot : {0U, 1U}) {
@@ -83,7 +96,7 @@ Summary summarise(const Tables& tables) {
       "switching\n";
   for (std::size_t i = 0; i < of.size(); ++i) {
     const Trials& trials = of[i];
-    csv += fmt::format("{},{}", cells(i), trials.entropy_nats.size());
+    csv += fmt::format("{},{}", cases[i].cells(), trials.entropy_nats.size());
     for (const auto* measure : {&trials.switches, &trials.home_share}) {
       for (const Sample& sample : *measure) {
         csv += fmt::format(",{:.4f},{:.4f}", sample.mean(), sample.half_interval());
@@ -96,9 +109,9 @@ Summary summarise(const Tables& tables) {
         fmt::format("switches {} and {} a trial; neither robot ever in {} of {} trials, both in {}",
                     mean_text(trials.switches[0]), mean_text(trials.switches[1]), trials.sticking,
                     runs, trials.switching);
-    const std::string what = fmt::format("{} of the two jammed, {}", jam_of(i).name,
-                                         is_rain(i) ? "resilient" : "without resilience");
-    summary.compared.push_back(is_rain(i)
+    const std::string what = fmt::format("{} of the two jammed, {}", cases[i].jam.name,
+                                         cases[i].is_rain ? "resilient" : "without resilience");
+    summary.compared.push_back(cases[i].is_rain
                                    ? compare_claim(what, ours, "both switch between the targets",
                                                    trials.switching == static_cast<int>(runs))
                                    : compare_claim(what, ours, "each sticks to its nearest target",
@@ -107,8 +120,8 @@ Summary summarise(const Tables& tables) {
   summary.files["summary.csv"] = csv;
   for (const Record& record : tables.at("ways")) {
     if (record.unit.trial == 0) {
-      const std::string file = fmt::format("ways_{}_{}.txt", jam_of(record.unit.setting).name,
-                                           kMethods[is_rain(record.unit.setting) ? 1 : 0]);
+      const JamCase& way_of = cases[record.unit.setting];
+      const std::string file = fmt::format("ways_{}_{}.txt", way_of.jam.name, way_of.method());
       for (std::size_t column = 0; column < record.cells.size(); ++column) {
         summary.files[file] += record.cells[column] + " ";
       }
@@ -130,14 +143,9 @@ Summary summarise(const Tables& tables) {
 }  // namespace
 
 Sweep resilient_hardware(const Extent& extent) {
-  Sweep sweep;
-  sweep.plan.setting_columns = "jammed,method";
-  for (std::size_t i = 0; i < 2 * kJams.size(); ++i) {
-    sweep.plan.settings.push_back({cells(i)});
-  }
-  sweep.plan.trials = extent.trials_or(kTrials);
-  const bool is_smoke = extent.is_smoke;
-  const WatchSetting setting = setting_of(0, is_smoke);
+  const std::vector<JamCase> cases = all_cases();
+  Sweep sweep = sweep_over("jammed,method", cases, kTrials, extent, run_unit);
+  const WatchSetting setting = setting_of(cases.front(), extent.is_smoke);
   sweep.plan.parameters = {{"task_steps", std::to_string(setting.task_steps)},
                            {"plan_steps", std::to_string(setting.plan_steps)},
                            {"replan_steps", std::to_string(setting.replan_steps)},
@@ -146,9 +154,6 @@ Sweep resilient_hardware(const Extent& extent) {
                            {"delta_m", fmt::format("{}", setting.delta_m)}};
   sweep.plan.tables = {{"trials", "switches_1,switches_2,home_share_1,home_share_2,entropy_nats"},
                        {"ways", "robot,step,x_m,y_m,to_first_m,to_second_m,is_jammed"}};
-  sweep.run = [is_smoke](std::size_t index, std::uint64_t seed) {
-    return run_unit(index, is_smoke, seed);
-  };
   sweep.summarise = summarise;
   return sweep;
 }

@@ -8,6 +8,7 @@
 #include "core/index.hpp"
 #include "experiments/bearing_noise.hpp"
 #include "experiments/searching_team.hpp"
+#include "experiments/team_task.hpp"
 #include "models/motion/unicycle.hpp"
 #include "models/world/grid.hpp"
 #include "planner/search/beam.hpp"
@@ -67,69 +68,33 @@ class TrackingTask {
     for (int i = 0; i < setting.robots; ++i) {
       const double x_m = 0.5 * kSide_m + off_m(rng);
       const double y_m = 0.5 * kSide_m + off_m(rng);
-      poses_.push_back({x_m, y_m, heading(rng)});
-    }
-    team_.problems.resize(poses_.size());
-    attacked_.assign(poses_.size(), 0);
-  }
-
-  TrackingRun run() {
-    TrackingRun run;
-    for (int step = 0; step < setting_.task_steps; ++step) {
-      if (step % setting_.plan_steps == 0) {
-        plan();
-      }
-      for (std::size_t i = 0; i < poses_.size(); ++i) {
-        poses_[i] = team_.plans[i].poses[index(step % setting_.plan_steps)];
-      }
-      targets_.move();
-      targets_.look(tracking_sensor(setting_.bearing_noise), poses_, attacked_);
-      note(run);
-    }
-    return run;
-  }
-
- private:
-  static planner::SearchCapacity capacity(const TrackingSetting& setting) {
-    return {index(static_cast<int>(setting.nodes_per_plan)) + 4'096, 4'000'000, setting.targets,
-            setting.plan_steps, 0};
-  }
-
-  [[nodiscard]] models::SensorModel planned_sensor() const {
-    models::SensorModel sensor = tracking_sensor(setting_.bearing_noise);
-    sensor.range_min_m = setting_.plan_range_min_m;
-    return sensor;
-  }
-
-  void set_up_problems() {
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      planner::SearchProblem& problem = team_.problems[i];
-      problem.start = poses_[i];
-      problem.controls = models::standard_primitives();
-      problem.horizon_steps = setting_.plan_steps;
-      problem.step_s = kStep_s;
-      problem.sensors = {planned_sensor()};
-      problem.world = &world_;
-      problem.field = &field_;
-      problem.targets.clear();
-      for (const models::Gaussian& belief : targets_.beliefs()) {
-        problem.targets.push_back({targets_.model(), belief});
-      }
-      problem.fixed_information.clear();
+      team_.problems.push_back(problem_from({x_m, y_m, heading(rng)}));
     }
   }
 
   void plan() {
-    set_up_problems();
+    std::vector<planner::SearchTarget> targets;
+    for (const models::Gaussian& belief : targets_.beliefs()) {
+      targets.push_back({targets_.model(), belief});
+    }
     planner::BeamOptions options;
     options.breadth = kBreadth;
-    team_.plan(is_resilient_ ? setting_.attacks : 0, [&](const planner::SearchProblem& problem) {
-      return search_.plan(problem, options, Deadline::nodes(setting_.nodes_per_plan));
-    });
-    attacked_ = team_.attacked(setting_.attacker, setting_.attacks);
+    team_.plan(targets, is_resilient_ ? setting_.attacks : 0,
+               [&](const planner::SearchProblem& problem) {
+                 return search_.plan(problem, options, Deadline::nodes(setting_.nodes_per_plan));
+               });
   }
 
-  void note(TrackingRun& run) const {
+  void attack() { attacked_ = team_.attacked(setting_.attacker, setting_.attacks); }
+
+  void move(int step_of_plan) {
+    team_.move(step_of_plan, 0.0);
+    targets_.move();
+  }
+
+  void look() { targets_.look(tracking_sensor(setting_.bearing_noise), team_.poses(), attacked_); }
+
+  void judge() {
     const std::vector<TargetStep> steps = targets_.steps();
     const auto count = static_cast<double>(steps.size());
     double squared_m2 = 0.0;
@@ -140,9 +105,30 @@ class TrackingTask {
     for (const models::Gaussian& belief : targets_.beliefs()) {
       entropy_nats += models::entropy_nats(belief);
     }
-    run.rmse_m.push_back(std::sqrt(squared_m2 / count));
-    run.entropy_nats.push_back(entropy_nats / count);
-    run.targets.push_back(steps);
+    run_.rmse_m.push_back(std::sqrt(squared_m2 / count));
+    run_.entropy_nats.push_back(entropy_nats / count);
+    run_.targets.push_back(steps);
+  }
+
+  [[nodiscard]] const TrackingRun& run() const { return run_; }
+
+ private:
+  static planner::SearchCapacity capacity(const TrackingSetting& setting) {
+    return {index(static_cast<int>(setting.nodes_per_plan)) + 4'096, 4'000'000, setting.targets,
+            setting.plan_steps, 0};
+  }
+
+  [[nodiscard]] planner::SearchProblem problem_from(const Pose2& start) const {
+    planner::SearchProblem problem;
+    problem.start = start;
+    problem.controls = models::standard_primitives();
+    problem.horizon_steps = setting_.plan_steps;
+    problem.step_s = kStep_s;
+    problem.sensors = {tracking_sensor(setting_.bearing_noise)};
+    problem.sensors.front().range_min_m = setting_.plan_range_min_m;
+    problem.world = &world_;
+    problem.field = &field_;
+    return problem;
   }
 
   TrackingSetting setting_;
@@ -151,9 +137,9 @@ class TrackingTask {
   models::DistanceField field_;
   TrackedTargets targets_;
   planner::RefiningBeam search_;
-  std::vector<Pose2> poses_;
   SearchingTeam team_;
   std::vector<char> attacked_;
+  TrackingRun run_;
 };
 
 }  // namespace
@@ -170,7 +156,9 @@ std::map<std::string, std::string> parameters_of(const TrackingSetting& setting)
 
 TrackingRun track_under_attack(const TrackingSetting& setting, bool is_resilient,
                                std::uint64_t seed) {
-  return TrackingTask(setting, is_resilient, seed).run();
+  TrackingTask task(setting, is_resilient, seed);
+  run_team_task(task, setting.task_steps, setting.plan_steps);
+  return task.run();
 }
 
 }  // namespace vantage::experiments

@@ -1,6 +1,7 @@
 #include "experiments/searching_team.hpp"
 
 #include "core/index.hpp"
+#include "models/motion/unicycle.hpp"
 #include "planner/decision/resilient.hpp"
 #include "planner/problem/fixed_information.hpp"
 
@@ -28,8 +29,13 @@ double plan_robot(SearchingTeam& team, int robot, const std::vector<int>& beside
 
 }  // namespace
 
-void SearchingTeam::plan(int attacks_max, const Search& search) {
+void SearchingTeam::plan(const std::vector<planner::SearchTarget>& targets, int attacks_max,
+                         const Search& search) {
   plans.resize(problems.size());
+  for (planner::SearchProblem& problem : problems) {
+    problem.targets = targets;
+    problem.fixed_information.clear();
+  }
   planner::plan_resiliently(static_cast<int>(problems.size()), attacks_max,
                             [&](int robot, const std::vector<int>& beside) {
                               return plan_robot(*this, robot, beside, search);
@@ -54,6 +60,28 @@ std::vector<char> SearchingTeam::attacked(planner::Attacker attacker, int attack
     attacked[index(robot)] = 1;
   }
   return attacked;
+}
+
+int SearchingTeam::move(int step_of_plan, double idle_turn_radps) {
+  int idle = 0;
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    Pose2& at = problems[i].start;
+    if (step_of_plan < plans[i].moving_steps) {
+      at = plans[i].poses[index(step_of_plan)];
+    } else {
+      at = models::step_unicycle(at, {0.0, idle_turn_radps}, problems[i].step_s);
+      ++idle;
+    }
+  }
+  return idle;
+}
+
+std::vector<Pose2> SearchingTeam::poses() const {
+  std::vector<Pose2> poses;
+  for (const planner::SearchProblem& problem : problems) {
+    poses.push_back(problem.start);
+  }
+  return poses;
 }
 
 }  // namespace vantage::experiments

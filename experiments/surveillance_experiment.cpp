@@ -10,6 +10,7 @@
 #include "experiments/figures.hpp"
 #include "experiments/restricted_mean.hpp"
 #include "experiments/surveillance_trial.hpp"
+#include "experiments/sweep/cases.hpp"
 #include "experiments/sweep/compare.hpp"
 
 namespace vantage::experiments {
@@ -268,15 +269,10 @@ Summary summarise(const Tables& tables) {
 }  // namespace
 
 Sweep surveillance(const Extent& extent) {
-  Sweep sweep;
-  sweep.plan.setting_columns = "attacker,replan_steps,attacks,method";
   const std::vector<WatchCase> cases = all_cases();
-  for (const WatchCase& of : cases) {
-    sweep.plan.settings.push_back({of.cells()});
-  }
-  sweep.plan.trials = extent.trials_or(kTrials);
-  const bool is_smoke = extent.is_smoke;
-  const WatchSetting setting = setting_of(cases.front(), is_smoke);
+  Sweep sweep =
+      sweep_over("attacker,replan_steps,attacks,method", cases, kTrials, extent, run_unit);
+  const WatchSetting setting = setting_of(cases.front(), extent.is_smoke);
   sweep.plan.parameters = {{"robots", std::to_string(kRobots)},
                            {"landmarks", std::to_string(setting.landmarks_m.size())},
                            {"task_steps", std::to_string(setting.task_steps)},
@@ -286,9 +282,6 @@ Sweep surveillance(const Extent& extent) {
                            {"prior_sigma_m", fmt::format("{}", setting.prior_sigma_m)},
                            {"delta_m", fmt::format("{}", setting.delta_m)}};
   sweep.plan.tables = {{"runs", kColumns}, {"ways", "robot,step,x_m,y_m,is_attacked"}};
-  sweep.run = [cases, is_smoke](std::size_t index, std::uint64_t seed) {
-    return run_unit(cases[index], is_smoke, seed);
-  };
   sweep.summarise = summarise;
   return sweep;
 }

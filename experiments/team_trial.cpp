@@ -1,13 +1,14 @@
 #include "experiments/team_trial.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include "core/angle.hpp"
 #include "core/check.hpp"
+#include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "scenario/reader/text_file.hpp"
 #include "trial/scenario/config_folder.hpp"
@@ -17,54 +18,39 @@ namespace vantage::experiments {
 namespace {
 
 // Evenly on a circle around the centre, looking outward, at staggered heights.
-YAML::Node circle_of_robots(int count) {
+std::string circle_of_robots(int count) {
   constexpr double kRadius_m = 4.0;
-  YAML::Node robots;
+  std::string robots;
   for (int i = 0; i < count; ++i) {
     const double at_rad = 2.0 * kPi * i / count;
-    YAML::Node robot;
-    robot["name"] = fmt::format("Q{}", i + 1);
-    robot["start"]["x_m"] = fmt::format("{:.4f}", kRadius_m * std::cos(at_rad));
-    robot["start"]["y_m"] = fmt::format("{:.4f}", kRadius_m * std::sin(at_rad));
-    robot["start"]["yaw_deg"] = fmt::format("{:.4f}", std::remainder(360.0 * i / count, 360.0));
-    robot["height_m"] = fmt::format("{:.1f}", 2.0 + 0.5 * i);
-    robots.push_back(robot);
+    robots += fmt::format(
+        "{{name: Q{}, start: {{x_m: {:.4f}, y_m: {:.4f}, yaw_deg: {:.4f}}}, height_m: {:.1f}}}, ",
+        i + 1, kRadius_m * std::cos(at_rad), kRadius_m * std::sin(at_rad),
+        std::remainder(360.0 * i / count, 360.0), 2.0 + 0.5 * i);
   }
-  return robots;
+  return "[" + robots + "]";
 }
 
-std::string edited(const TeamTrial& trial, std::uint64_t seed) {
-  YAML::Node root = YAML::Load(scenario_text(trial.file));
-  const auto number = [](double value) { return fmt::format("{}", value); };
-  root["seed"] = seed;
+scenario::Overrides overrides_of(const TeamTrial& trial, std::size_t robots, std::uint64_t seed) {
+  scenario::Overrides out;
+  out.seed = seed;
+  out.duration_s = trial.duration_s;
+  out.planner = trial.planner;
+  out.communication_range_m = trial.communication_range_m;
+  out.node_budget = static_cast<std::int64_t>(
+      std::max(1.0, kReferenceNodesPerS * trial.planning_time_s / static_cast<double>(robots)));
+  const auto set = [&](const char* path, const auto& value) {
+    if (value) {
+      out.keys[path] = fmt::format("{}", *value);
+    }
+  };
+  set("targets.count", trial.targets);
+  set("robot_defaults.sensor.range_sigma_m", trial.range_sigma_m);
+  set("robot_defaults.sensor.bearing_sigma_deg", trial.bearing_sigma_deg);
   if (trial.robots) {
-    root["robots"] = circle_of_robots(*trial.robots);
+    out.keys["robots"] = circle_of_robots(*trial.robots);
   }
-  if (trial.targets) {
-    root["targets"]["count"] = *trial.targets;
-  }
-  if (trial.duration_s) {
-    root["duration_s"] = number(*trial.duration_s);
-  }
-  if (trial.planner) {
-    root["planner"]["algorithm"] = *trial.planner;
-  }
-  if (trial.communication_range_m) {
-    root["network"]["communication_range_m"] = number(*trial.communication_range_m);
-  }
-  YAML::Node sensor = root["robot_defaults"]["sensor"];
-  if (trial.range_sigma_m) {
-    sensor["range_sigma_m"] = number(*trial.range_sigma_m);
-  }
-  if (trial.bearing_sigma_deg) {
-    sensor["bearing_sigma_deg"] = number(*trial.bearing_sigma_deg);
-  }
-  const auto robots = static_cast<double>(root["robots"].size());
-  root["planner"]["node_budget"] = static_cast<std::int64_t>(
-      std::max(1.0, kReferenceNodesPerS * trial.planning_time_s / robots));
-  YAML::Emitter out;
-  out << root;
-  return std::string(out.c_str()) + "\n";
+  return out;
 }
 
 }  // namespace
@@ -79,7 +65,13 @@ std::string scenario_text(const std::string& file) {
 }
 
 scenario::Scenario scenario_of(const TeamTrial& trial, std::uint64_t seed) {
-  return scenario::parse_scenario(edited(trial, seed), trial.file + " as the experiment has it");
+  const std::string text = scenario_text(trial.file);
+  const std::size_t robots = trial.robots
+                                 ? static_cast<std::size_t>(*trial.robots)
+                                 : scenario::parse_scenario(text, trial.file).robots.size();
+  return scenario::parse_scenario(
+      scenario::apply_overrides(text, overrides_of(trial, robots, seed)),
+      trial.file + " as the experiment has it");
 }
 
 std::string team_trial_row(const TeamTrial& trial, std::uint64_t seed) {

@@ -4,13 +4,13 @@
 #include <random>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "core/pose.hpp"
+#include "estimator/central_filter.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 #include "models/world/world.hpp"
+#include "sim/world/linear_targets.hpp"
 
 namespace vantage::experiments {
 
@@ -29,16 +29,12 @@ struct TargetSetting {
   double step_s = 0.5;
   double prior_position_sigma_m = 1.0;
   double prior_velocity_sigma_mps = 0.02;
-  /// With which a look that finds nothing moves a belief away; 0: such looks are not used. Looks
-  /// of successive steps are nearly the same look, which a Gaussian cannot remember: far below the
-  /// sensor's own probability, or the filter grows sure of where targets are not.
-  double detection_probability = 0.05;
-  bool beliefs_stay_inside = true;  ///< mirrored at the walls, as the targets are at all times
+  double detection_probability = 0.05;  ///< see estimator::CentralFilterSpec
+  bool beliefs_stay_inside = true;      ///< mirrored at the walls, as the targets are at all times
 };
 
-/// Double integrators in a square world, and what a team that shares everything believes of them:
-/// one extended Kalman filter each, targets mirrored at the walls and, unless told otherwise,
-/// beliefs.
+/// Double integrators in a square world, mirrored at its walls, and what a team that shares
+/// everything believes of them by the central filter.
 ///
 /// Targets start at rest; each prior mean is drawn about the truth with the prior's covariance, so
 /// that the filter is consistent from the beginning. All of it depends on `seed` and on where the
@@ -54,25 +50,21 @@ class TrackedTargets {
   void look(const models::SensorModel& sensor, const std::vector<Pose2>& poses,
             const std::vector<char>& is_blind);
 
-  [[nodiscard]] const models::TargetModel& model() const { return model_; }
-  [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return beliefs_; }
+  [[nodiscard]] const models::TargetModel& model() const { return filter_.model(); }
+  [[nodiscard]] const std::vector<models::Gaussian>& beliefs() const { return filter_.beliefs(); }
   /// Not 0 of those that a robot saw in the last look, by target.
-  [[nodiscard]] const std::vector<char>& is_seen() const { return is_seen_; }
+  [[nodiscard]] const std::vector<char>& is_seen() const { return filter_.is_seen(); }
   /// As they are now, in the order of the targets.
   [[nodiscard]] std::vector<TargetStep> steps() const;
 
  private:
-  TargetSetting setting_;
-  const models::World* world_;
-  std::mt19937_64 truth_rng_;
+  struct Starts;
+  TrackedTargets(const TargetSetting& setting, const models::World& world, Starts starts,
+                 std::uint64_t noise_seed);
+
   std::mt19937_64 noise_rng_;
-  models::TargetModel model_;
-  models::StateMatrix A_;
-  models::StateMatrix W_;
-  Eigen::LDLT<models::StateMatrix> root_of_W_;
-  std::vector<models::StateVector> truth_;
-  std::vector<models::Gaussian> beliefs_;
-  std::vector<char> is_seen_;
+  estimator::CentralFilter filter_;
+  sim::LinearTargets truth_;
 };
 
 }  // namespace vantage::experiments

@@ -8,6 +8,7 @@
 #include "experiments/experiment.hpp"
 #include "experiments/figures.hpp"
 #include "experiments/resilient_tracking.hpp"
+#include "experiments/sweep/cases.hpp"
 #include "experiments/sweep/compare.hpp"
 #include "experiments/tracking_table.hpp"
 
@@ -214,20 +215,12 @@ Summary summarise(const Tables& tables) {
 }  // namespace
 
 Sweep resilient_tracking_choices(const Extent& extent) {
-  Sweep sweep;
-  sweep.plan.setting_columns = "bearing_variance,attacker,beliefs,robots,targets,attacks,method";
   const std::vector<ChoiceCase> cases = all_cases();
-  for (const ChoiceCase& of : cases) {
-    sweep.plan.settings.push_back({of.cells()});
-  }
-  sweep.plan.trials = extent.trials_or(kRuns);
-  const bool is_smoke = extent.is_smoke;
-  const TrackingSetting setting = setting_of(cases.front(), is_smoke);
+  Sweep sweep = sweep_over("bearing_variance,attacker,beliefs,robots,targets,attacks,method", cases,
+                           kRuns, extent, run_unit);
+  const TrackingSetting setting = setting_of(cases.front(), extent.is_smoke);
   sweep.plan.parameters = parameters_of(setting);
   sweep.plan.tables = {{"runs", "mean_rmse_m,peak_rmse_m"}};
-  sweep.run = [cases, is_smoke](std::size_t index, std::uint64_t seed) {
-    return run_unit(cases[index], is_smoke, seed);
-  };
   sweep.summarise = summarise;
   return sweep;
 }

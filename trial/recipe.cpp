@@ -1,24 +1,35 @@
 #include "trial/recipe.hpp"
 
+#include <array>
 #include <utility>
 
 #include "drivers/sensor/app/node.hpp"
 #include "estimator/app/node.hpp"
 #include "planner/app/node.hpp"
 #include "sim/app/node.hpp"
+#include "trial/robot_processes.hpp"
 
 namespace vantage::trial {
 namespace {
 
+using MakeFor = std::function<std::unique_ptr<bus::Node>(bus::Bus&, const bus::Clock&,
+                                                         const std::string& robot)>;
+
 template <class RobotNode>
-void add_per_robot(std::vector<NodeRecipe>& out, const scenario::Scenario& scenario,
-                   const std::string& prefix) {
-  for (const scenario::RobotSpec& robot : scenario.robots) {
-    out.push_back({prefix + robot.name,
-                   [&scenario, name = robot.name](bus::Bus& bus, const bus::Clock& clock) {
-                     return std::make_unique<RobotNode>(bus, clock, scenario, name);
-                   }});
-  }
+MakeFor from(const scenario::Scenario& scenario) {
+  return [&scenario](bus::Bus& bus, const bus::Clock& clock, const std::string& robot) {
+    return std::make_unique<RobotNode>(bus, clock, scenario, robot);
+  };
+}
+
+MakeFor planners_of(const scenario::Scenario& scenario) {
+  return [workspace = std::make_shared<planner::Workspace>(scenario)](
+             bus::Bus& bus, const bus::Clock& clock, const std::string& robot) {
+    // In real time each node has a thread, and planners search at the same time.
+    auto own = clock.is_real_time() ? std::make_shared<planner::Workspace>(workspace->scenario())
+                                    : workspace;
+    return std::make_unique<planner::PlannerNode>(bus, clock, std::move(own), robot);
+  };
 }
 
 }  // namespace
@@ -28,19 +39,16 @@ std::vector<NodeRecipe> trial_recipes(const scenario::Scenario& scenario) {
   out.push_back({"SIM", [&scenario](bus::Bus& bus, const bus::Clock& clock) {
                    return std::make_unique<sim::SimNode>(bus, clock, scenario);
                  }});
-  add_per_robot<drivers::SensorNode>(out, scenario, "SENSOR_");
-  add_per_robot<estimator::EstimatorNode>(out, scenario, "ESTIMATOR_");
-  const auto workspace = std::make_shared<planner::Workspace>(scenario);
-  for (const scenario::RobotSpec& robot : scenario.robots) {
-    out.push_back({"PLANNER_" + robot.name,
-                   [workspace, name = robot.name](bus::Bus& bus, const bus::Clock& clock) {
-                     // In real time each node has a thread, and planners search at the same time.
-                     auto own = clock.is_real_time()
-                                    ? std::make_shared<planner::Workspace>(workspace->scenario())
-                                    : workspace;
-                     return std::make_unique<planner::PlannerNode>(bus, clock, std::move(own),
-                                                                   name);
-                   }});
+  const std::array<MakeFor, kRobotProcesses.size()> makes = {
+      from<drivers::SensorNode>(scenario), from<estimator::EstimatorNode>(scenario),
+      planners_of(scenario)};
+  for (std::size_t i = 0; i < makes.size(); ++i) {
+    for (const scenario::RobotSpec& robot : scenario.robots) {
+      out.push_back({node_name(process_name(kRobotProcesses[i], robot.name)),
+                     [make = makes[i], name = robot.name](bus::Bus& bus, const bus::Clock& clock) {
+                       return make(bus, clock, name);
+                     }});
+    }
   }
   return out;
 }

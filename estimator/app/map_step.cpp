@@ -135,7 +135,7 @@ MapReplayer::MapReplayer(bus::Bus& bus, const scenario::Scenario& scenario,
         [this, is_own = each.name == robot](const std::string& channel, const auto& map) {
           maps_.add(channel, map);
           if (is_own) {
-            logged_.push_back(map);
+            logged_.add(map);
           }
           work();
         });
@@ -177,20 +177,15 @@ bool MapReplayer::redo(const models::RobotMap& logged) {
 }
 
 void MapReplayer::work() {
-  while (!logged_.empty()) {
-    if (!redo(logged_.front())) {
-      if (logged_.size() <= kStepsWaiting && ticks_waited_ < kTicksWaiting) {
-        return;  // an input may still be on its way
-      }
-      ++incomplete_;
-    }
-    ticks_waited_ = 0;
-    logged_.pop_front();
-  }
+  logged_.work([this](const models::RobotMap& logged, bool is_last_chance) {
+    const bool is_done = redo(logged);
+    incomplete_ += !is_done && is_last_chance ? 1 : 0;
+    return is_done;
+  });
 }
 
 void MapReplayer::tick() {
-  ticks_waited_ = logged_.empty() ? 0 : ticks_waited_ + 1;
+  logged_.tick();
   work();
 }
 

@@ -10,6 +10,7 @@
 
 #include "bus/node/bus.hpp"
 #include "bus/node/input_store.hpp"
+#include "bus/node/replay_queue.hpp"
 #include "core/time.hpp"
 #include "estimator/app/step_material.hpp"
 #include "estimator/team_map.hpp"
@@ -69,8 +70,7 @@ class MapReplayer {
   bus::InputStore<models::RobotMap> maps_;
   /// What the step before stood on: it may be named long after it was heard.
   std::vector<std::pair<models::InputRef, models::RobotMap>> standing_;
-  std::deque<models::RobotMap> logged_;  ///< not made again yet
-  int ticks_waited_ = 0;
+  bus::ReplayQueue<models::RobotMap> logged_;  ///< not made again yet
   std::int64_t incomplete_ = 0;
 };
 

@@ -1,7 +1,6 @@
 #include "estimator/app/replay_node.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -13,12 +12,9 @@ namespace vantage::estimator {
 
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr std::size_t kLooksKeptPerRobot = 1024;
 constexpr std::size_t kFramesKept = 2048;
 constexpr std::size_t kBeliefsKeptPerTeammate = 64;
-constexpr Duration kTick = 100ms;
 constexpr double kTolerance = 1e-9;
 
 /// A pointer into a store, which outlives the step that uses it.
@@ -63,7 +59,7 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
       looks_(kLooksKeptPerRobot * std::max<std::size_t>(1, scenario.robots.size())),
       frames_(kFramesKept),
       beliefs_(kBeliefsKeptPerTeammate * std::max<std::size_t>(1, scenario.robots.size())),
-      next_tick_(clock.now() + kTick) {
+      next_tick_(clock.now() + bus::kReplayTick) {
   for (const scenario::RobotSpec& each : scenario.robots) {
     bus_.subscribe_named<models::DetectionSet>(
         bus::measurement_channel(each.name), [this](const std::string& channel, const auto& look) {
@@ -86,8 +82,10 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
           });
     }
   }
-  bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot_),
-                                      [this](const auto& belief) { on_logged(belief); });
+  bus_.subscribe<models::RobotBelief>(bus::belief_channel(robot_), [this](const auto& belief) {
+    logged_.add(belief);
+    work();
+  });
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     map_.emplace(bus, scenario, robot);
   }
@@ -95,14 +93,9 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
 
 std::string EstimatorReplayNode::name() const { return "REPLAY_ESTIMATOR_" + robot_; }
 
-void EstimatorReplayNode::on_logged(const models::RobotBelief& belief) {
-  logged_.push_back(belief);
-  work();
-}
-
 void EstimatorReplayNode::tick(Time now) {
-  next_tick_ = now + kTick;
-  ticks_waited_ = logged_.empty() ? 0 : ticks_waited_ + 1;
+  next_tick_ = now + bus::kReplayTick;
+  logged_.tick();
   work();
   if (map_) {
     map_->tick();
@@ -110,17 +103,15 @@ void EstimatorReplayNode::tick(Time now) {
 }
 
 void EstimatorReplayNode::work() {
-  while (!logged_.empty()) {
+  logged_.work([this](const models::RobotBelief& logged, bool is_last_chance) {
     std::int64_t missing = 0;
-    static_cast<void>(gather(logged_.front(), missing));
-    if (missing > 0 && logged_.size() <= kStepsWaiting && ticks_waited_ < kTicksWaiting) {
-      return;
+    const StepMaterial material = gather(logged, missing);
+    if (missing > 0 && !is_last_chance) {
+      return false;
     }
-    ticks_waited_ = 0;
-    const models::RobotBelief logged = std::move(logged_.front());
-    logged_.pop_front();
-    redo(logged);
-  }
+    redo(logged, material, missing);
+    return true;
+  });
 }
 
 StepMaterial EstimatorReplayNode::gather(const models::RobotBelief& logged,
@@ -142,9 +133,8 @@ StepMaterial EstimatorReplayNode::gather(const models::RobotBelief& logged,
   return material;
 }
 
-void EstimatorReplayNode::redo(const models::RobotBelief& logged) {
-  std::int64_t missing = 0;
-  const StepMaterial material = gather(logged, missing);
+void EstimatorReplayNode::redo(const models::RobotBelief& logged, const StepMaterial& material,
+                               std::int64_t missing) {
   const bool first = logged.step == 0;
   const bool next =
       last_done_ && last_done_->run_id == logged.stamp.run_id && logged.step == last_step_ + 1;

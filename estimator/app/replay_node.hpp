@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "bus/node/clock.hpp"
 #include "bus/node/input_store.hpp"
 #include "bus/node/node.hpp"
+#include "bus/node/replay_queue.hpp"
 #include "estimator/app/map_step.hpp"
 #include "estimator/app/step_material.hpp"
 #include "estimator/distributed_filter.hpp"
@@ -21,12 +21,11 @@ namespace vantage::estimator {
 /// same step from exactly the inputs that it names, published under the bus's prefix. What it
 /// makes does not depend on when the log player delivers what.
 ///
-/// A step waits for inputs that are still to come until three later ones wait behind it or two
-/// seconds of ticks have passed. When inputs are missing for good, or steps are missing from the
-/// log, nothing is published for that step and the filter continues from the logged content, so
-/// that one loss does not spoil the rest; the first step heard is such a one unless it is step 0,
-/// and so is a step with a look that belongs before the last such one: the steps to be done again
-/// with it are not known.
+/// A step waits for inputs that are still to come, see ReplayQueue. When inputs are missing for
+/// good, or steps are missing from the log, nothing is published for that step and the filter
+/// continues from the logged content, so that one loss does not spoil the rest; the first step
+/// heard is such a one unless it is step 0, and so is a step with a look that belongs before the
+/// last such one: the steps to be done again with it are not known.
 class EstimatorReplayNode : public bus::Node {
  public:
   /// @throws UsageError when `scenario` has no such robot.
@@ -46,9 +45,9 @@ class EstimatorReplayNode : public bus::Node {
   [[nodiscard]] std::int64_t differences() const { return differences_; }
 
  private:
-  void on_logged(const models::RobotBelief& belief);
   void work();
-  void redo(const models::RobotBelief& logged);
+  /// From what is there of the inputs that `logged` names; `missing` are not.
+  void redo(const models::RobotBelief& logged, const StepMaterial& material, std::int64_t missing);
   /// The inputs that `logged` names; `missing` is how many are not there.
   StepMaterial gather(const models::RobotBelief& logged, std::int64_t& missing) const;
 
@@ -59,12 +58,11 @@ class EstimatorReplayNode : public bus::Node {
   bus::InputStore<models::DetectionSet> looks_;
   bus::InputStore<models::MocapFrame> frames_;
   bus::InputStore<models::RobotBelief> beliefs_;
-  std::deque<models::RobotBelief> logged_;  ///< not done yet
+  bus::ReplayQueue<models::RobotBelief> logged_;  ///< not done yet
   std::optional<models::Stamp> last_done_;
   std::int64_t last_step_ = -1;
   std::optional<Time> rebased_to_;  ///< where the filter last continued from the log
   Time next_tick_{};
-  int ticks_waited_ = 0;
   std::int64_t steps_redone_ = 0;
   std::int64_t steps_rebased_ = 0;
   std::int64_t inputs_missing_ = 0;

@@ -13,11 +13,6 @@
 
 namespace vantage::estimator {
 
-/// A step of a log that is replayed waits for what it was made from until so many later ones wait
-/// with it, or for so many ticks.
-inline constexpr std::size_t kStepsWaiting = 3;
-inline constexpr int kTicksWaiting = 20;
-
 /// A message and the name under which others may refer to it.
 template <class Content>
 struct Heard {

@@ -10,9 +10,6 @@
 namespace vantage::planner {
 namespace {
 
-constexpr Duration kPeriod{20'000};
-constexpr std::size_t kWaitingMax = 32;
-
 bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
@@ -83,7 +80,7 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
                                             [this, is_own](const std::string& name, const auto& m) {
                                               plans_.add(name, m);
                                               if (is_own && m.robot == robot_) {
-                                                waiting_.push_back(m);
+                                                logged_.add(m);
                                               }
                                             });
     bus_.subscribe_named<models::PlanProposal>(
@@ -94,7 +91,7 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
         [this, is_own](const std::string& name, const auto& m) {
           team_proposals_.add(name, m);
           if (is_own && m.robot == robot_) {
-            waiting_.push_back(m);
+            logged_.add(m);
           }
         });
     bus_.subscribe_named<models::VehicleStatus>(
@@ -179,26 +176,22 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::TeamProposal&
 }
 
 void PlannerReplayNode::tick(Time now) {
-  next_ = now + kPeriod;
-  while (!waiting_.empty()) {
-    const Outcome outcome =
-        std::visit([this](const auto& logged) { return replay(logged); }, waiting_.front());
-    switch (outcome) {
+  next_ = now + bus::kReplayTick;
+  logged_.tick();
+  logged_.work([this](const auto& logged, bool is_last_chance) {
+    switch (std::visit([this](const auto& each) { return replay(each); }, logged)) {
       case Outcome::kSame:
         ++same_;
-        break;
+        return true;
       case Outcome::kDifferent:
         ++different_;
-        break;
+        return true;
       case Outcome::kIncomplete:
-        if (waiting_.size() < kWaitingMax) {
-          return;  // an input may still be on its way
-        }
-        ++incomplete_;
+        incomplete_ += is_last_chance ? 1 : 0;
         break;
     }
-    waiting_.pop_front();
-  }
+    return false;
+  });
 }
 
 std::vector<models::NamedCount> PlannerReplayNode::counters() const {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <deque>
 #include <string>
 #include <variant>
 #include <vector>
@@ -8,6 +7,7 @@
 #include "bus/node/bus.hpp"
 #include "bus/node/input_store.hpp"
 #include "bus/node/node.hpp"
+#include "bus/node/replay_queue.hpp"
 #include "planner/robot/robot_planner.hpp"
 #include "planner/robot/round.hpp"
 #include "scenario/scenario.hpp"
@@ -49,7 +49,8 @@ class PlannerReplayNode : public bus::Node {
   bus::InputStore<models::PlanProposal> proposals_{512};
   bus::InputStore<models::AttackNotice> attacks_{64};
   bus::InputStore<models::TeamProposal> team_proposals_{2'000};
-  std::deque<std::variant<models::RobotPlan, models::TeamProposal>> waiting_;
+  /// Proposals come in bursts.
+  bus::ReplayQueue<std::variant<models::RobotPlan, models::TeamProposal>> logged_{31};
   std::int64_t same_ = 0;
   std::int64_t different_ = 0;
   std::int64_t incomplete_ = 0;

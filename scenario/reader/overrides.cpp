@@ -6,9 +6,22 @@
 #include "scenario/reader/scenario_yaml.hpp"
 
 namespace vantage::scenario {
+namespace {
+
+void write(YAML::Node mapping, const std::string& path, const YAML::Node& value) {
+  const std::size_t dot = path.find('.');
+  if (dot == std::string::npos) {
+    mapping[path] = value;
+  } else {
+    write(mapping[path.substr(0, dot)], path.substr(dot + 1), value);
+  }
+}
+
+}  // namespace
 
 bool Overrides::is_empty() const {
-  return !seed && !duration_s && !planner && !communication_range_m && !node_budget && !url;
+  return !seed && !duration_s && !planner && !communication_range_m && !node_budget && !url &&
+         keys.empty();
 }
 
 std::string apply_overrides(const std::string& yaml, const Overrides& overrides) {
@@ -33,6 +46,9 @@ std::string apply_overrides(const std::string& yaml, const Overrides& overrides)
   }
   if (overrides.url) {
     root["network"]["url"] = *overrides.url;
+  }
+  for (const auto& [path, yaml_of_key] : overrides.keys) {
+    write(root, path, YAML::Load(yaml_of_key));
   }
   YAML::Emitter out;
   out << root;

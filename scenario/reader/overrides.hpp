@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -8,7 +9,8 @@
 
 namespace vantage::scenario {
 
-/// What a command line changes in a scenario file. Empty members change nothing.
+/// What a command line, a program or a sweep changes in a scenario file. Empty members change
+/// nothing.
 struct Overrides {
   std::optional<std::uint64_t> seed;
   std::optional<double> duration_s;
@@ -16,6 +18,10 @@ struct Overrides {
   std::optional<double> communication_range_m;
   std::optional<std::int64_t> node_budget;
   std::optional<std::string> url;
+  /// What else: by a key's whole path ("robot_defaults.sensor.range_sigma_m") what then stands
+  /// there as YAML, a number or a whole list ("0.3", "[{name: Q1}]"). What holds the key must be a
+  /// mapping or not be there.
+  std::map<std::string, std::string> keys;
 
   [[nodiscard]] bool is_empty() const;
 };

@@ -10,10 +10,13 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "bus/convert/convert.hpp"
+#include "bus/node/clock.hpp"
+#include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "scenario/reader/overrides.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 #include "test/support/temporary_folder.hpp"
+#include "trial/robot_processes.hpp"
 
 namespace vantage::trial {
 namespace {
@@ -35,6 +38,19 @@ TEST(RunTrial, IsAPureFunctionOfTheSeed) {
   const std::string first = trial_json(3);
   EXPECT_EQ(first, trial_json(3));
   EXPECT_NE(first, trial_json(4));
+}
+
+TEST(TrialRecipes, NameTheNodesThatTheyMake) {
+  const scenario::Scenario scenario = short_lab(3);
+  const std::vector<NodeRecipe> recipes = trial_recipes(scenario);
+  EXPECT_EQ(recipes.size(), 1 + kRobotProcesses.size() * scenario.robots.size());
+  bus::InProcessHub hub;
+  const bus::VirtualClock clock(Time{});
+  for (const NodeRecipe& recipe : recipes) {
+    const auto transport = hub.connect();
+    bus::Bus bus(*transport, 1);
+    EXPECT_EQ(recipe.make(bus, clock)->name(), recipe.name);
+  }
 }
 
 TEST(RunTrial, WritesTheSameBytesOfLogForTheSameSeed) {

@@ -20,45 +20,14 @@
 #include "logs/record/log_spool.hpp"
 #include "logs/record/recorder.hpp"
 #include "tools/live/node_thread.hpp"
-#include "tools/live/screen.hpp"
-#include "tools/live/status_table.hpp"
+#include "tools/live/trial_display.hpp"
 #include "trial/observe/announcer.hpp"
 #include "trial/observe/observer.hpp"
 
 namespace vantage::tools {
 namespace {
 
-constexpr auto kTablePeriod = std::chrono::milliseconds(500);
-constexpr auto kLinePeriod = std::chrono::seconds(5);
 constexpr auto kWait = std::chrono::milliseconds(20);
-
-/// Tells the person in front of it how the trial goes.
-class Reporter {
- public:
-  Reporter(const scenario::Scenario& scenario, const DemoOptions& options, Time start)
-      : scenario_(scenario), options_(options), start_(start), next_(start) {}
-
-  void tick(Time now, const logs::TrialMetrics& metrics) {
-    if (options_.quiet || now < next_) {
-      return;
-    }
-    const double elapsed_s = to_seconds(now - start_);
-    if (options_.live_table) {
-      screen_.redraw(status_table(scenario_, metrics, elapsed_s, has_colour()));
-      next_ = now + kTablePeriod;
-    } else {
-      print_line(status_line(metrics, elapsed_s));
-      next_ = now + kLinePeriod;
-    }
-  }
-
- private:
-  const scenario::Scenario& scenario_;
-  const DemoOptions& options_;
-  Time start_;
-  Time next_;
-  Screen screen_;
-};
 
 void draw(const scenario::Scenario& scenario, const logs::Scene& scene, DemoResult& result) {
   try {
@@ -132,7 +101,7 @@ DemoResult run_demo(const scenario::Scenario& scenario,
   };
 
   const Time end = start + from_seconds(scenario.duration_s);
-  Reporter reporter(scenario, options, start);
+  TrialDisplay display(form_of(options.quiet, options.live_table));
   std::vector<std::string> said;
   const auto tell = [&] {
     for (std::string& news : log.take_news()) {
@@ -144,7 +113,9 @@ DemoResult run_demo(const scenario::Scenario& scenario,
     drain(kWait);
     tell();
     announcer.tick(clock.now());
-    reporter.tick(clock.now(), observer.metrics());
+    if (const Time now = clock.now(); display.is_due(now)) {
+      display.show(now, scenario, observer.metrics(), to_seconds(now - start));
+    }
   }
   is_over = true;
   const Time ended = clock.now();

@@ -14,6 +14,7 @@
 
 #include "core/address.hpp"
 #include "core/result.hpp"
+#include "trial/robot_processes.hpp"
 #include "wire/autopilot/parameter_rules.hpp"
 
 namespace vantage::tools {
@@ -193,7 +194,7 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
   };
   std::vector<ProcessSpec> out;
   const auto add_for = [&](const std::string& program, const std::string& robot) {
-    ProcessSpec process{program + " " + robot, command("vantage-" + program)};
+    ProcessSpec process{trial::process_name(program, robot), command("vantage-" + program)};
     process.arguments.insert(process.arguments.end(), {"--robot", robot});
     out.push_back(std::move(process));
   };
@@ -228,7 +229,7 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
       add_for(scenario.find_robot(robot)->rover ? "rover" : "quadrotor", robot);
     }
   }
-  for (const std::string program : {"sensor", "estimator", "planner"}) {
+  for (const char* const program : trial::kRobotProcesses) {
     for (const scenario::RobotSpec& robot : scenario.robots) {
       if (runs(robot.name)) {
         add_for(program, robot.name);

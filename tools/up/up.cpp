@@ -23,15 +23,16 @@
 #include "logs/record/append_file.hpp"
 #include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
+#include "tools/live/trial_display.hpp"
 #include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
 #include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
-#include "tools/up/teller.hpp"
 #include "tools/up/temporary_scenario.hpp"
 #include "trial/observe/announcer.hpp"
 #include "trial/observe/neighbours.hpp"
 #include "trial/observe/observer.hpp"
+#include "trial/robot_processes.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -57,14 +58,6 @@ bool is_zero(const models::ProcessHealth& health, const std::string& counter) {
 }
 
 Time monotonic_now() { return from_utime(monotonic_ns() / 1'000); }
-
-/// The name of a process on HEALTH_*.
-std::string health_name(std::string process) {
-  std::transform(process.begin(), process.end(), process.begin(), [](unsigned char c) {
-    return c == ' ' ? '_' : static_cast<char>(std::toupper(c));
-  });
-  return process;
-}
 
 /// The trial's clock, handed on before the first process is started.
 struct HandedClock : bus::SteadyClock {
@@ -101,7 +94,7 @@ class Up {
   void seal_log();
   void tell(const std::optional<std::string>& words) {
     if (words && !words->empty()) {
-      teller_.say(*words);
+      display_.say(*words);
     }
   }
 
@@ -122,7 +115,7 @@ class Up {
   bool is_log_refused_ = false;  ///< says the recorder
   Time next_log_look_{};
   Time next_log_health_{};
-  Teller teller_;
+  TrialDisplay display_;
   std::unique_ptr<Pilot> pilot_;
   Supervisor team_;
   Watchdog watchdog_;
@@ -150,7 +143,7 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
       observer_(bus_, scenario, start_),
       board_(scenario, host_, bus_.run_id(), start_),
       log_watch_(logs::kLogBytesPerRobotS * static_cast<double>(scenario.robots.size())),
-      teller_(options),
+      display_(form_of(options.quiet, options.live_table)),
       pilot_(options.fly ? std::make_unique<Pilot>(bus_, scenario, start_) : nullptr),
       team_(options.restarts) {
   bus_.keep_time(clock_);
@@ -173,7 +166,7 @@ void Up::watch(const std::vector<ProcessSpec>& processes) {
     const bool is_driver =
         process.name.starts_with("quadrotor ") || process.name.starts_with("rover ");
     watchdog_.watch(process.name, is_driver ? kDriverHungAfterS : kHungAfterS);
-    by_health_[health_name(process.name)] = process.name;
+    by_health_[trial::node_name(process.name)] = process.name;
   }
   if (keeper_) {
     watchdog_.watch(kRecorderProcess, kHungAfterS);
@@ -203,7 +196,7 @@ void Up::end_the_hung() {
   for (const std::string& name : watchdog_.overdue(monotonic_now())) {
     const bool is_recorder = keeper_ && name == kRecorderProcess;
     if (Child* const child = is_recorder ? keeper_->recorder() : team_.find(name)) {
-      teller_.say(name + " gives no sign of life: ending it");
+      display_.say(name + " gives no sign of life: ending it");
       child->send(SIGKILL);
     }
   }
@@ -215,8 +208,8 @@ void Up::listen() {
   });
   bus_.subscribe<models::ScenarioNotice>(bus::kScenario, [this](const auto& notice) {
     if (notice.yaml != scenario_.source_text && !std::exchange(result_.has_other_scenario, true)) {
-      teller_.say("another scenario file, or other options, are flown on this network (by " +
-                  notice.process + ", version " + notice.version + ")");
+      display_.say("another scenario file, or other options, are flown on this network (by " +
+                   notice.process + ", version " + notice.version + ")");
     }
   });
 }
@@ -250,7 +243,7 @@ models::HostReport Up::report(Time now) {
 
 void Up::take(const std::vector<SupervisorEvent>& events) {
   for (const SupervisorEvent& event : events) {
-    teller_.say(event.words);
+    display_.say(event.words);
     next_report_ = {};
     if (event.kind == SupervisorEvent::Kind::kStarted) {
       watchdog_.on_start(event.name, monotonic_now());
@@ -259,7 +252,7 @@ void Up::take(const std::vector<SupervisorEvent>& events) {
     }
     if (event.name == kSimProcess && event.kind == SupervisorEvent::Kind::kStarted) {
       ++result_.world_restarts;
-      teller_.say("the simulated world begins anew: robots and targets are back at their starts");
+      display_.say("the simulated world begins anew: robots and targets are back at their starts");
     }
   }
 }
@@ -299,21 +292,24 @@ void Up::turn() {
     take(keeper_->poll(monotonic_ns()));
   }
   for (const std::string& words : board_.fallen_silent(now)) {
-    teller_.say(words);
+    display_.say(words);
   }
   if (now >= next_report_) {
     bus_.publish(bus::host_channel(host_), report(now));
     next_report_ = now + kReportPeriod;
   }
   watch_log(now);
-  teller_.show(now, scenario_, observer_.metrics(), to_seconds(now - start_), board_);
+  if (display_.is_due(now)) {
+    display_.show(now, scenario_, observer_.metrics(), to_seconds(now - start_), board_.table(now),
+                  board_.line(now));
+  }
 }
 
 // Without the simulator there is no vehicle left to land.
 void Up::land() {
   FlightProgram& program = pilot_->program();
   program.bring_down();
-  teller_.say("landing; a second Ctrl-C does not wait for it");
+  display_.say("landing; a second Ctrl-C does not wait for it");
   const Time give_up = clock_.now() + kLandingPatience;
   while (!program.is_down() && clock_.now() < give_up && team_.lost_essential() != kSimProcess &&
          options_.stop_requests() <= requests_heeded_) {

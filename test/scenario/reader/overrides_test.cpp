@@ -37,6 +37,24 @@ TEST(Overrides, AreWhatTheTextThenSays) {
   }
 }
 
+// A sweep's robots and noise: keys that no option of a command names.
+TEST(Overrides, WriteAnyKeyByItsPath) {
+  Overrides overrides;
+  overrides.keys["robot_defaults.sensor.range_sigma_m"] = "0.75";
+  overrides.keys["targets.count"] = "3";
+  overrides.keys["robots"] =
+      "[{name: Q1, start: {x_m: -3.0, y_m: 0.25, yaw_deg: 90.0}, height_m: 1.0}, ]";
+  EXPECT_FALSE(overrides.is_empty());
+  const Scenario changed = load_scenario_with(kLab, overrides);
+  ASSERT_EQ(changed.robots.size(), 1U);
+  EXPECT_EQ(changed.robots[0].start.y_m, 0.25);
+  EXPECT_EQ(changed.robots[0].sensor.range_sigma_m, 0.75);
+  EXPECT_EQ(changed.targets.size(), 3U);
+  EXPECT_EQ(parse_scenario(changed.source_text, "again").robots[0].start.x_m, -3.0);
+  overrides.keys["robot_defaults.sensor.ranje_sigma_m"] = "0.75";
+  EXPECT_THROW(load_scenario_with(kLab, overrides), StartupError);
+}
+
 TEST(Overrides, CannotSayWhatAScenarioCannot) {
   Overrides overrides;
   overrides.planner = "psychic";

@@ -262,6 +262,31 @@ TEST_F(ReplayLog, SaysWhatCouldNotBeMadeAgain) {
   EXPECT_EQ(beliefs.not_replayed(), 1) << "the step after the lost one goes on from the log";
 }
 
+// The plans behind one whose input is lost wait for it no longer than two seconds.
+TEST_F(ReplayLog, MakesThePlansAgainThatFollowOneWhoseInputIsLost) {
+  constexpr int kPlan = 4;
+  int plans = 0;
+  std::optional<models::InputRef> lost;
+  edited([&](std::string_view channel, Bytes& data) {
+    if (channel == "PLAN_Q1" && ++plans == kPlan) {
+      const auto plan = bus::from_wire(bus::decode_wire<vantage_lcm::plan_t>(data).value());
+      for (const models::InputRef& input : plan->inputs) {
+        lost = input.channel == "BELIEF_Q1" ? std::optional(input) : lost;
+      }
+    }
+    return true;
+  });
+  ASSERT_TRUE(lost.has_value());
+  const std::string path = edited([&](std::string_view channel, Bytes& data) {
+    return channel != "BELIEF_Q1" ||
+           bus::decode_wire<vantage_lcm::belief_t>(data)->sequence != lost->sequence;
+  });
+  const ReplayReport report = replay(path, "planner:Q1");
+  EXPECT_EQ(report.outputs.different(), 0);
+  EXPECT_EQ(report.outputs.replayed(), plans - 1);
+  EXPECT_EQ(report.not_replayed(), 1);
+}
+
 TEST_F(ReplayLog, RefusesNodesThatAreNot) {
   const logs::IndexedLog log(trial());
   const scenario::Scenario scenario = tools::scenario_of(log);

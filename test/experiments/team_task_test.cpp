@@ -1,0 +1,34 @@
+#include "experiments/team_task.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace vantage::experiments {
+namespace {
+
+struct Diary {
+  std::string text;
+  void plan() { text += " plan"; }
+  void attack() { text += " attack"; }
+  void move(int step_of_plan) { text += " move" + std::to_string(step_of_plan); }
+  void look() { text += " look"; }
+  void judge() { text += " judge"; }
+};
+
+TEST(RunTeamTask, PlansAnewEveryFewStepsAndEndsInTheMiddleOfAPlan) {
+  Diary diary;
+  run_team_task(diary, 5, 3);
+  EXPECT_EQ(diary.text,
+            " plan attack move0 look judge move1 look judge move2 look judge"
+            " plan attack move0 look judge move1 look judge");
+}
+
+TEST(RunTeamTask, DoesNothingInNoSteps) {
+  Diary diary;
+  run_team_task(diary, 0, 1);
+  EXPECT_EQ(diary.text, "");
+}
+
+}  // namespace
+}  // namespace vantage::experiments
