@@ -164,11 +164,11 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::TeamProposal&
   if (!gather(schedule_.slot(logged.round), logged.inputs, inputs)) {
     return Outcome::kIncomplete;
   }
-  if (!planner_.begin_exchange(inputs, Deadline::nodes(logged.nodes)) ||
-      (inputs.solution && !planner_.exchange().hear(*inputs.solution))) {
+  const auto exchange = planner_.begin_exchange(inputs, Deadline::nodes(logged.nodes));
+  if (!exchange || (inputs.solution && exchange->hear(*inputs.solution) != Heard::kTaken)) {
     return Outcome::kDifferent;
   }
-  auto proposal = planner_.exchange().improve(Deadline::never());
+  auto proposal = exchange->improve(Deadline::never());
   if (!proposal) {
     return Outcome::kDifferent;
   }
