@@ -74,7 +74,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
   neighbours_.emplace(
       workspace_->scenario(), robot, [this](const std::string& name) { listen_to(name); },
       [this](const std::string& name) {
-        bus_.unsubscribe(bus::quadrotor_channel(name).name);
+        bus_.unsubscribe(bus::vehicle_channel(name).name);
         bus_.unsubscribe(bus::plan_channel(name).name);
         inputs_.team_statuses.erase(name);
         inputs_.team_plans.erase(name);
@@ -83,7 +83,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
 
 void PlannerNode::listen_to_status_of(const std::string& name) {
   subscribe_to<models::VehicleStatus>(
-      bus::quadrotor_channel(name), name,
+      bus::vehicle_channel(name), name,
       [this, name](const auto& m) { inputs_.team_statuses.insert_or_assign(name, m); });
 }
 
@@ -154,7 +154,7 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
     add(bus::plan_channel(teammate).name, plan.stamp);
   }
   for (const auto& [teammate, status] : inputs.team_statuses) {
-    add(bus::quadrotor_channel(teammate).name, status.stamp);
+    add(bus::vehicle_channel(teammate).name, status.stamp);
   }
   for (const auto& [proposer, proposal] : inputs.proposals) {
     if (proposal.plan.round == inputs.slot.round) {
