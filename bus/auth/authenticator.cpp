@@ -14,7 +14,7 @@
 namespace vantage::bus::auth {
 namespace {
 
-constexpr std::string_view kStatusPrefix = "QUADROTOR_";
+constexpr std::string_view kStatusPrefix = "VEHICLE_";
 constexpr std::string_view kNoKey = "no_key";
 /// Counts by channel keep their size whatever names arrive; the rest share one entry.
 constexpr std::size_t kCountedChannelsMax = 1024;

@@ -36,7 +36,8 @@ constexpr std::array kFamilies{
     Family{"PROPOSAL_", Role::kPlanner, true},
     Family{"TEAM_PROPOSAL_", Role::kPlanner, true},
     Family{"EXTERNAL_", Role::kPlanner, true},
-    Family{"QUADROTOR_", Role::kVehicle, true},
+    Family{"VEHICLE_", Role::kVehicle, true},
+    Family{"QUADROTOR_", Role::kVehicle, true},  // its old name, which replay and viewers read
     Family{"MEASUREMENT_", Role::kNode, true},
     Family{"SCAN_", Role::kNode, true},
     Family{"BELIEF_", Role::kNode, true},

@@ -27,7 +27,7 @@ namespace vantage::bus::auth {
 enum class Role : std::uint8_t {
   kMocap = 1,     ///< VICON
   kPlanner = 2,   ///< PLAN_*, PROPOSAL_*, TEAM_PROPOSAL_*
-  kVehicle = 3,   ///< QUADROTOR_*
+  kVehicle = 3,   ///< VEHICLE_*
   kOperator = 4,  ///< COMMAND, which is signed besides
   kNode = 5,      ///< everything else
 };

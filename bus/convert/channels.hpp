@@ -50,7 +50,12 @@ inline Channel<models::PlanProposal> proposal_channel(const std::string& robot) 
 inline Channel<models::TeamProposal> team_proposal_channel(const std::string& robot) {
   return {"TEAM_PROPOSAL_" + robot};
 }
-inline Channel<models::VehicleStatus> quadrotor_channel(const std::string& robot) {
+inline Channel<models::VehicleStatus> vehicle_channel(const std::string& robot) {
+  return {"VEHICLE_" + robot, false, kLease};
+}
+/// As logs of before that name have it: for who reads what a log says. Nothing is published on it,
+/// and nothing that flies or commands listens to it.
+inline Channel<models::VehicleStatus> old_vehicle_channel(const std::string& robot) {
   return {"QUADROTOR_" + robot, false, kLease};
 }
 inline Channel<models::ProcessHealth> health_channel(const std::string& process) {

@@ -1,6 +1,6 @@
 #include "bus/convert/convert_parts.hpp"
 
-// How things are and what is asked of them: QUADROTOR_R, COMMAND, COLLISION, ATTACK, HEALTH_*,
+// How things are and what is asked of them: VEHICLE_R, COMMAND, COLLISION, ATTACK, HEALTH_*,
 // HOST_*, SCENARIO.
 
 namespace vantage::bus {

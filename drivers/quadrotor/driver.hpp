@@ -55,7 +55,7 @@ class QuadrotorDriver {
   void tick(Time now);
 
   [[nodiscard]] std::vector<WireMessage> take_output() { return link_.take_output(); }
-  /// For QUADROTOR_R: flight safety's view, and in its reasons what the autopilot refuses or waits
+  /// For VEHICLE_R: flight safety's view, and in its reasons what the autopilot refuses or waits
   /// for.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
   /// True once after the state or the reasons have changed.

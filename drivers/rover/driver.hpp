@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,14 +10,7 @@
 #include "drivers/rover/link.hpp"
 #include "drivers/rover/rules.hpp"
 #include "drivers/rover/way.hpp"
-#include "drivers/safety/authority.hpp"
-#include "drivers/safety/course.hpp"
-#include "drivers/safety/fleet.hpp"
-#include "drivers/safety/guard.hpp"
-#include "drivers/safety/mocap_clock.hpp"
-#include "drivers/safety/mocap_source.hpp"
-#include "drivers/safety/plan_gate.hpp"
-#include "drivers/safety/pose_monitor.hpp"
+#include "drivers/safety/guard_core.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
@@ -45,8 +37,8 @@ class RoverDriver {
   /// A plan of any robot; its own is judged, a teammate's remembered.
   PlanVerdict on_plan(const models::RobotPlan& plan, Time now);
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
-  void on_map(bool is_same) { map_differs_ = !is_same; }
-  void on_other_version(Time now) { other_version_at_ = now; }
+  void on_map(bool is_same) { core_.map_differs = !is_same; }
+  void on_other_version(Time now) { core_.other_version_at = now; }
   /// Drives through places instead of along a planner's plan, from where the rover stands, half a
   /// second from now on. Judged like a plan, and refused while a planner holds the lease.
   PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);
@@ -58,14 +50,14 @@ class RoverDriver {
   /// True once after state or reasons changed.
   bool take_news();
 
-  [[nodiscard]] models::FlightState state() const { return ladder_.state; }
+  [[nodiscard]] models::FlightState state() const { return core_.ladder.state; }
   /// What acts, or forbids arming, by index into rover_conditions().
-  [[nodiscard]] const Reasons& reasons() const { return reasons_; }
+  [[nodiscard]] const Reasons& reasons() const { return core_.reasons; }
   /// What the last tick looked at.
-  [[nodiscard]] const SafetyInputs& inputs() const { return in_; }
-  [[nodiscard]] const Course& course() const { return course_; }
+  [[nodiscard]] const SafetyInputs& inputs() const { return core_.in; }
+  [[nodiscard]] const Course& course() const { return core_.course; }
   [[nodiscard]] const models::UnicycleControl& control() const { return control_; }
-  /// For QUADROTOR_R, where every vehicle says how it is.
+  /// For VEHICLE_R, where every vehicle says how it is.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
   [[nodiscard]] std::vector<models::NamedCount> counters() const;
 
@@ -81,33 +73,13 @@ class RoverDriver {
   void drive(Time now, double dt_s);
   [[nodiscard]] std::uint32_t flags() const;
 
-  std::string name_;
-  SafetyLimits limits_;
-  Fleet fleet_;
-  PoseMonitor pose_;
-  MocapSource source_;
-  MocapClock clock_;
-  PlanGate plans_;
-  OperatorAuthority authority_;
-  Course course_;
+  GuardCore core_;
   RoverLink link_;
-  LadderState ladder_;
-  SafetyInputs in_;
-  Reasons reasons_;
   models::UnicycleControl control_;  ///< last asked of the rover
   std::int64_t run_id_;              ///< of its own ways
   std::int64_t ways_ = 0;
-  Time last_tick_{};
-  bool has_ticked_ = false;
   Time release_since_{};
   bool has_news_ = true;
-  bool map_differs_ = false;
-  std::optional<Time> other_version_at_;
-  bool emergency_stop_ = false;
-  std::optional<models::OperatorAction> request_;
-  std::array<std::int64_t, kPoseVerdicts> pose_counts_{};
-  std::int64_t clocks_set_ = 0;
-  std::int64_t commands_refused_ = 0;
 };
 
 }  // namespace vantage::drivers

@@ -69,52 +69,21 @@ FlightGuard::~FlightGuard() = default;
 
 bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
   Parts& p = *parts_;
-  const MocapSource::Standing standing = p.source.judge(frame, now);
-  if (standing == MocapSource::Standing::kRefused) {
-    return false;
-  }
-  const NamedBody found = find_unique(frame, p.name);
   const bool airborne = is_airborne(p.ladder.state);
-  // A source that takes over after arming must show the vehicle where it is.
-  const bool is_candidate = standing == MocapSource::Standing::kCandidate;
-  const bool is_pinned = airborne || (is_candidate && p.autopilot.armed);
   const bool comes_down = p.ladder.state == FlightState::kLand && p.is_sinking;
-  const BodyContext context{is_pinned, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
+  const BodyContext context{airborne, p.course.at(now).velocity_world_mps.norm() > kMovingMps,
                             !airborne || p.in.height_m < p.limits.safe_height_m,
                             comes_down ? p.limits.descent_mps * p.pose_age_s(now) : 0.0};
-  PoseMonitor pose = p.pose;
-  PoseVerdict verdict = PoseVerdict::kDuplicate;
-  if (found.is_unique) {
-    verdict = pose.judge(found.body, context, p.limits, now);
-  }
-  ++p.pose_counts[static_cast<std::size_t>(verdict)];
-  if (is_candidate) {
-    if (verdict != PoseVerdict::kAccepted) {
-      return false;
-    }
-    p.source.confirm(frame, now);
-  }
-  p.pose = pose;
-  const bool clock_goes_on = p.clock.on_frame(frame.stamp.time, frame.arrival, frame.frame_number);
-  p.clocks_set += clock_goes_on ? 0 : 1;
-  p.fleet.on_mocap(frame, p.limits, now);
-  return true;
+  return p.on_mocap(frame, context, p.autopilot.armed, now);
 }
 
 PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {
   Parts& p = *parts_;
-  HeldPlan held;
-  const PlanVerdict verdict = p.plans.judge(
-      plan, {p.may_take_plans(), p.course, p.height_ref_m, p.fleet.courses(now, p.limits)},
-      p.limits, now, held);
-  if (verdict == PlanVerdict::kAccepted) {
-    p.course.follow(held, now);
-  }
-  return verdict;
+  return p.on_plan(plan, p.may_take_plans(), p.height_ref_m, now);
 }
 
 void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time now) {
-  (void)parts_->fleet.on_plan(plan, parts_->limits, now);  // counted there
+  parts_->on_teammate_plan(plan, now);
 }
 
 void FlightGuard::on_teammate_status(const models::VehicleStatus& status, Time now) {
@@ -128,38 +97,23 @@ void FlightGuard::on_teammate_status(const models::VehicleStatus& status, Time n
 CommandVerdict FlightGuard::on_command(const models::OperatorCommand& command, Time now) {
   using models::OperatorAction;
   Parts& p = *parts_;
-  const bool is_ours = command.robot.empty() || command.robot == p.name;
-  if (!p.authority.admit(command, now, p.limits.operator_age_hold_s)) {
-    p.commands_refused += is_ours && command.action != OperatorAction::kHeartbeat ? 1 : 0;
-    return is_ours ? CommandVerdict::kNotInCharge : CommandVerdict::kNotForUs;
+  if (!p.admits(command, now)) {
+    return p.is_ours(command) ? CommandVerdict::kNotInCharge : CommandVerdict::kNotForUs;
   }
   if (command.action == OperatorAction::kTakeOff) {
     p.lift_queue.on_take_off(command.robot);  // whoever is told: they lift one after the other
   }
-  if (!is_ours) {
-    return CommandVerdict::kNotForUs;
-  }
-  if (command.action == OperatorAction::kEmergencyStop) {
-    p.emergency_stop = true;
-    return CommandVerdict::kObeyed;
-  }
-  if (command.action == OperatorAction::kHeartbeat) {
-    return CommandVerdict::kObeyed;
+  if (const auto verdict = p.obey_at_once(command)) {
+    return *verdict;
   }
   const bool airborne = is_airborne(p.ladder.state);
   const bool on_ground_only =
       command.action == OperatorAction::kArm || command.action == OperatorAction::kTakeOff;
   const bool is_harmless = !on_ground_only && command.action != OperatorAction::kFollow;
   if (on_ground_only == airborne && !is_harmless) {
-    ++p.commands_refused;
-    return CommandVerdict::kRefused;
+    return p.refuse();
   }
-  // Of several commands within one tick the safest counts.
-  const auto severity = [](OperatorAction action) { return static_cast<int>(action); };
-  if (!p.request || severity(command.action) > severity(*p.request)) {
-    p.request = command.action;
-  }
-  return CommandVerdict::kObeyed;
+  return p.ask(command.action);
 }
 
 void FlightGuard::on_heartbeat(Time now) {
@@ -201,13 +155,13 @@ void FlightGuard::on_other_version(Time now) { parts_->other_version_at = now; }
 // long: one tick in its order, which is what is to be read here; the steps are functions.
 GuardOutput FlightGuard::tick(Time now) {
   Parts& p = *parts_;
-  const double dt_s = p.has_ticked ? std::max(0.0, to_seconds(now - p.last_tick)) : 0.0;
+  const double dt_s = p.dt_s(now);
   const double warn_s = p.limits.pose_age_warn_s;
   const double rate = std::clamp(
       (p.limits.pose_age_hold_s - p.pose_age_s(now)) / (p.limits.pose_age_hold_s - warn_s), 0.0,
       1.0);
   p.course.advance(now, dt_s, rate);
-  p.look(now);
+  p.look_at_all(now);
   p.stalls += p.in.since_last_tick_s > p.limits.stall_hold_s ? 1 : 0;
 
   const FlightState before = p.ladder.state;
@@ -259,10 +213,7 @@ GuardOutput FlightGuard::tick(Time now) {
   }
   out.changed = out.state != before || out.reasons != p.reasons || orders() != orders_before;
   p.reasons = out.reasons;
-  p.emergency_stop = false;
-  p.request.reset();
-  p.last_tick = now;
-  p.has_ticked = true;
+  p.end_tick(now);
   return out;
 }
 
@@ -300,19 +251,8 @@ models::VehicleStatus FlightGuard::status(Time now) const {
 std::vector<models::NamedCount> FlightGuard::counters() const {
   const Parts& p = *parts_;
   std::vector<models::NamedCount> out;
-  p.plans.count(out);
-  for (std::size_t i = 1; i < kPoseVerdicts; ++i) {
-    out.push_back({std::string("pose.") + name_of(static_cast<PoseVerdict>(i)), p.pose_counts[i]});
-  }
-  out.push_back({"mocap.clock_set", p.clocks_set});
-  p.source.count(out);
-  out.push_back({"mocap.unknown_bodies", p.fleet.unknown_bodies()});
-  out.push_back({"mocap.others_refused", p.fleet.poses_refused()});
-  out.push_back({"plan.teammate_refused", p.fleet.plans_refused()});
+  p.count(out);
   out.push_back({"autopilot.refused", p.reports_refused});
-  out.push_back({"command.refused", p.commands_refused});
-  out.push_back({"planner.takeovers", p.plans.lease().takeovers()});
-  p.authority.count(out);
   out.push_back({"tick.stalls", p.stalls});
   return out;
 }

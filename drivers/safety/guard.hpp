@@ -10,6 +10,7 @@
 
 #include "core/linear.hpp"
 #include "core/time.hpp"
+#include "drivers/safety/guard_core.hpp"
 #include "drivers/safety/ladder.hpp"
 #include "drivers/safety/plan_check.hpp"
 #include "models/exchange/messages.hpp"
@@ -49,15 +50,6 @@ struct FlightSetpoint {
   Eigen::Vector3d acceleration_world_mps2 = Eigen::Vector3d::Zero();
   double yaw_rad = 0.0;
   double yaw_rate_radps = 0.0;
-};
-
-/// What became of a command.
-enum class [[nodiscard]] CommandVerdict{
-    kObeyed,  ///< or waits until it can be: see the status
-    kNotForUs,
-    kNotInCharge,  ///< another station is; only hold, land and emergency stop are taken from this
-                   ///< one
-    kRefused,      ///< it makes no sense in this state
 };
 
 struct GuardOutput {
@@ -107,7 +99,7 @@ class FlightGuard {
 
   GuardOutput tick(Time now);
 
-  /// For QUADROTOR_R; the stamp's run and sequence are the publisher's. Allocates.
+  /// For VEHICLE_R; the stamp's run and sequence are the publisher's. Allocates.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
   /// Everything refused or dropped, by name. Allocates.
   [[nodiscard]] std::vector<models::NamedCount> counters() const;

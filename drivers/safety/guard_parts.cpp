@@ -78,12 +78,10 @@ double FlightGuard::Parts::height_error_m() const {
 
 // Fills `in` with what is known at `now`.
 // long: fills the inputs in an order in which later ones use earlier ones.
-void FlightGuard::Parts::look(Time now) {
+void FlightGuard::Parts::look_at_all(Time now) {
   started_at = has_ticked ? started_at : now;
-  in.now = now;
-  in.since_last_tick_s = has_ticked ? to_seconds(now - last_tick) : 0.0;
   in.autopilot_armed = believes_armed(now);
-  in.pose_age_s = pose_age_s(now);
+  look(now);
   in.telemetry_age_s = has_telemetry ? to_seconds(now - telemetry_at) : kNever;
   const Eigen::Vector3d here_m = pose.predict_m(now, kPredictS);
   const bool sees = in.pose_age_s <= limits.pose_age_hold_s;
@@ -116,9 +114,7 @@ void FlightGuard::Parts::look(Time now) {
   const auto age = [&](bool heard, Time at) { return aged(heard ? to_seconds(now - at) : kNever); };
   in.pose_age_s = aged(in.pose_age_s);
   in.telemetry_age_s = aged(in.telemetry_age_s);
-  in.pose_latency_s = clock.latency_s();
-  in.poses_rejected = pose.rejected_in_row();
-  in.poses_accepted = pose.accepted_in_row();
+  in.operator_age_s = aged(in.operator_age_s);
   in.speed_mps = sees ? pose.velocity_world_mps().head<2>().norm() : 0.0;
   in.tracking_error_m = 0.0;
   if (is_airborne(ladder.state) && sees) {
@@ -128,11 +124,6 @@ void FlightGuard::Parts::look(Time now) {
         std::max((here_m - asked_m).head<2>().norm(), (on_time_m - asked_m).head<2>().norm());
     in.tracking_error_m = std::hypot(level_m, height_error_m());
   }
-  course.report(now, in);
-  plans.report(now, limits, in);
-  in.map_differs = map_differs;
-  in.other_version_age_s = other_version_at ? to_seconds(now - *other_version_at) : kNever;
-
   if (pose.has_pose()) {
     const auto bodies = fleet.bodies(now, limits);
     static_cast<Surroundings&>(in) =
@@ -152,9 +143,6 @@ void FlightGuard::Parts::look(Time now) {
   in.flight_s = is_airborne(ladder.state) ? to_seconds(now - airborne_at) : 0.0;
   in.battery_unchanged_s =
       has_battery ? std::min(in.flight_s, to_seconds(now - battery_changed_at)) : 0.0;
-  in.operator_age_s = aged(authority.age_s(now));
-  in.emergency_stop = emergency_stop;
-  in.request = request;
 }
 
 // What the autopilot says, and how far mocap agrees.

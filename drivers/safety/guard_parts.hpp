@@ -1,41 +1,29 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 
-#include "drivers/safety/authority.hpp"
-#include "drivers/safety/course.hpp"
-#include "drivers/safety/fleet.hpp"
 #include "drivers/safety/guard.hpp"
+#include "drivers/safety/guard_core.hpp"
 #include "drivers/safety/lift.hpp"
-#include "drivers/safety/mocap_clock.hpp"
-#include "drivers/safety/mocap_source.hpp"
-#include "drivers/safety/plan_gate.hpp"
-#include "drivers/safety/pose_monitor.hpp"
 
 namespace vantage::drivers {
 
-inline constexpr double kPredictS = 0.1;  ///< how far the own pose is carried on
-
-/// What a FlightGuard remembers, and what it does at each tick.
-struct FlightGuard::Parts {
+/// What the guard of a vehicle that flies remembers besides, and what it does at each tick.
+struct FlightGuard::Parts : GuardCore {
   Parts(const scenario::Scenario& scenario, const std::string& robot, const SafetyLimits& given)
-      : name(robot),
-        limits(given),
-        fleet(scenario, robot),
-        lift_queue(scenario, robot),
-        plans(robot),
-        // Speeds then change no faster than the vehicle brakes.
-        course(half_window_s(given.vehicle), given.round_s) {}
+      : GuardCore(scenario, robot, given,
+                  // Speeds then change no faster than the vehicle brakes.
+                  Course(half_window_s(given.vehicle), given.round_s)),
+        lift_queue(scenario, robot) {}
 
   [[nodiscard]] double pose_age_s(Time now) const { return pose.age_s(now); }
   [[nodiscard]] BrakeWay brake_way(Time now, double reaction_s) const;
   [[nodiscard]] bool keeps_to_course(Time now) const;
   /// Landing, there is no position to steer by.
   [[nodiscard]] bool is_blind() const;
-  void look(Time now);
+  void look_at_all(Time now);
   void look_at_autopilot(Time now);
   void look_at_lift(Time now);
   [[nodiscard]] bool believes_armed(Time now) const;
@@ -48,23 +36,9 @@ struct FlightGuard::Parts {
   [[nodiscard]] FlightSetpoint setpoint(Time now) const;
   [[nodiscard]] bool may_take_plans() const;
 
-  std::string name;
-  SafetyLimits limits;
-  Fleet fleet;
   LiftQueue lift_queue;
   Lift lift;
-  PoseMonitor pose;
-  MocapSource source;
-  MocapClock clock;
-  PlanGate plans;
-  OperatorAuthority authority;
-  Course course;
-  LadderState ladder;
-  SafetyInputs in;
-  Reasons reasons;
-  Time last_tick{};
   Time started_at{};  ///< first tick
-  bool has_ticked = false;
 
   // Heights.
   bool had_motors = false;  ///< at the last tick
@@ -91,13 +65,8 @@ struct FlightGuard::Parts {
       estimator_good_at{};
   bool has_heartbeat = false, has_telemetry = false, has_battery = false;
   double battery_share = 1.0;
-  bool map_differs = false;
-  std::optional<Time> other_version_at;
-  bool emergency_stop = false;
-  std::optional<models::OperatorAction> request;
 
-  std::array<std::int64_t, kPoseVerdicts> pose_counts{};
-  std::int64_t clocks_set = 0, reports_refused = 0, commands_refused = 0, stalls = 0;
+  std::int64_t reports_refused = 0, stalls = 0;
 };
 
 }  // namespace vantage::drivers

@@ -192,7 +192,7 @@ enum class FlightState { kIdle, kFollow, kHold, kLand, kKilled };
 /// "idle", "follow", "hold", "land", "killed".
 const char* name_of(FlightState state);
 
-/// What one vehicle does and why (QUADROTOR_R).
+/// What one vehicle does and why (VEHICLE_R).
 struct VehicleStatus {
   Stamp stamp;
   std::string robot;

@@ -74,7 +74,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
   neighbours_.emplace(
       workspace_->scenario(), robot, [this](const std::string& name) { listen_to(name); },
       [this](const std::string& name) {
-        bus_.unsubscribe(bus::quadrotor_channel(name).name);
+        bus_.unsubscribe(bus::vehicle_channel(name).name);
         bus_.unsubscribe(bus::plan_channel(name).name);
         inputs_.team_statuses.erase(name);
         inputs_.team_plans.erase(name);
@@ -83,7 +83,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
 
 void PlannerNode::listen_to_status_of(const std::string& name) {
   subscribe_to<models::VehicleStatus>(
-      bus::quadrotor_channel(name), name,
+      bus::vehicle_channel(name), name,
       [this, name](const auto& m) { inputs_.team_statuses.insert_or_assign(name, m); });
 }
 
@@ -154,7 +154,7 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
     add(bus::plan_channel(teammate).name, plan.stamp);
   }
   for (const auto& [teammate, status] : inputs.team_statuses) {
-    add(bus::quadrotor_channel(teammate).name, status.stamp);
+    add(bus::vehicle_channel(teammate).name, status.stamp);
   }
   for (const auto& [proposer, proposal] : inputs.proposals) {
     if (proposal.plan.round == inputs.slot.round) {
@@ -204,9 +204,8 @@ void PlannerNode::tick(Time now) {
 }
 
 void PlannerNode::move_on(Time after) {
-  slot_ = schedule_.is_shared()
-              ? schedule_.slot_after(slot_.round, after, planner_.next_place(inputs_))
-              : schedule_.next_slot(after);
+  const std::optional<int> place = planner_.next_place(inputs_);
+  slot_ = place ? schedule_.slot_after(slot_.round, after, *place) : schedule_.next_slot(after);
 }
 
 void PlannerNode::propose(Time now) {
@@ -235,7 +234,8 @@ void PlannerNode::begin_exchange(Time now) {
     const Duration left = std::max(slot_.begin + (slot_.end - slot_.begin) / 3 - now, Duration{0});
     deadline = Deadline::either(deadline.budget_nodes(), monotonic_ns() + left.count() * 1'000);
   }
-  if (!planner_.begin_exchange(inputs_, deadline)) {
+  exchange_ = planner_.begin_exchange(inputs_, deadline);
+  if (!exchange_) {
     return;
   }
   exchange_inputs_ = names_of(inputs_, robot_);
@@ -248,21 +248,26 @@ void PlannerNode::begin_exchange(Time now) {
 
 void PlannerNode::hear(const models::TeamProposal& proposal) {
   overheard_.insert_or_assign(proposal.robot, proposal);
-  if (planner_.exchange().hear(proposal)) {
+  if (!exchange_) {
+    return;
+  }
+  const Heard heard = exchange_->hear(proposal);
+  proposals_refused_ += heard == Heard::kRefused ? 1 : 0;
+  if (heard == Heard::kTaken) {
     inputs_.solution = proposal;
   }
 }
 
 void PlannerNode::exchange(Time now) {
   next_exchange_ = now + kExchangePeriod;
-  if (now >= exchange_end_) {
+  if (!exchange_ || now >= exchange_end_) {
     next_exchange_ = Time::max();
     return;
   }
   const Deadline deadline = clock_.is_real_time() && spec_.node_budget == 0
                                 ? Deadline::at(monotonic_ns() + kExchangeWork_ns)
                                 : Deadline::nodes(kExchangeCalls);
-  std::optional<models::TeamProposal> proposal = planner_.exchange().improve(deadline);
+  std::optional<models::TeamProposal> proposal = exchange_->improve(deadline);
   if (proposal) {
     proposal->inputs = exchange_inputs_;
     if (inputs_.solution) {
@@ -350,7 +355,7 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
                                       {"unusable_beliefs", counts.unusable_beliefs},
                                       {"unusable_maps", counts.unusable_maps},
                                       {"unusable_plans", unusable_plans_},
-                                      {"proposals_refused", planner_.proposals_refused()},
+                                      {"proposals_refused", proposals_refused_},
                                       {"external_rounds", answers_},
                                       {"external_missing", answers_missing_},
                                       {"external_late", answers_late_},

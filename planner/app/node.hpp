@@ -84,6 +84,7 @@ class PlannerNode : public bus::Node {
   std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; of inputs_ from the slot on
   std::optional<bus::NeighbourWatch> neighbours_;
   // Of an exchange:
+  std::unique_ptr<TeamExchange> exchange_;  ///< the last that was begun
   Time next_exchange_ = Time::max();
   Time exchange_end_{};
   std::vector<models::InputRef> exchange_inputs_;          ///< what the candidates were made from
@@ -96,6 +97,7 @@ class PlannerNode : public bus::Node {
   std::int64_t answers_missing_ = 0;
   std::int64_t answers_late_ = 0;
   std::int64_t answers_unasked_ = 0;
+  std::int64_t proposals_refused_ = 0;
   std::int64_t late_ = 0;
   std::int64_t slots_skipped_ = 0;
   std::int64_t misaddressed_ = 0;

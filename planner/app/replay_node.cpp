@@ -94,9 +94,11 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
             logged_.add(m);
           }
         });
-    bus_.subscribe_named<models::VehicleStatus>(
-        bus::quadrotor_channel(each.name),
-        [this](const std::string& name, const auto& m) { statuses_.add(name, m); });
+    for (const auto& channel :
+         {bus::vehicle_channel(each.name), bus::old_vehicle_channel(each.name)}) {
+      bus_.subscribe_named<models::VehicleStatus>(
+          channel, [this](const std::string& name, const auto& m) { statuses_.add(name, m); });
+    }
   }
 }
 
@@ -161,11 +163,11 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::TeamProposal&
   if (!gather(schedule_.slot(logged.round), logged.inputs, inputs)) {
     return Outcome::kIncomplete;
   }
-  if (!planner_.begin_exchange(inputs, Deadline::nodes(logged.nodes)) ||
-      (inputs.solution && !planner_.exchange().hear(*inputs.solution))) {
+  const auto exchange = planner_.begin_exchange(inputs, Deadline::nodes(logged.nodes));
+  if (!exchange || (inputs.solution && exchange->hear(*inputs.solution) != Heard::kTaken)) {
     return Outcome::kDifferent;
   }
-  auto proposal = planner_.exchange().improve(Deadline::never());
+  auto proposal = exchange->improve(Deadline::never());
   if (!proposal) {
     return Outcome::kDifferent;
   }

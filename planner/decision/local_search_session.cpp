@@ -87,6 +87,23 @@ LocalSearchSession::LocalSearchSession(SessionSetup setup) : setup_(std::move(se
     setup_.own[i].information_nats = std::max(0.0, oracle_->alone(id) + own[i].energy_cost);
     own_.emplace(fingerprint(setup_.own[i]), i);
   }
+  if (setup_.committed) {
+    begin_beside(*setup_.committed);
+  }
+}
+
+void LocalSearchSession::begin_beside(const std::vector<models::TeamChoice>& committed) {
+  for (const models::TeamChoice& choice : committed) {
+    const int robot = index_of(choice.robot);
+    require(robot >= 0 && robot != setup_.robot, "local search: teammates alone are committed");
+  }
+  models::TeamProposal& start = held_.emplace();
+  start.stamp.time = setup_.activation;
+  start.robot = setup_.robots[index(setup_.robot)];
+  start.round = setup_.round;
+  start.choices = committed;
+  start.history = {fingerprint(setup_.robots, committed)};
+  begin();
 }
 
 int LocalSearchSession::index_of(const std::string& robot) const {

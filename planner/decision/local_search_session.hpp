@@ -28,6 +28,9 @@ struct SessionSetup {
   std::function<Candidate(const models::TeamChoice&)> effect_of;
   /// Whether both motions may be flown at once; empty: always.
   std::function<bool(const models::TeamChoice&, const models::TeamChoice&)> keep_apart;
+  /// What teammates do anyway, if anything: then the search begins beside it, not from nothing, and
+  /// values count what is added to it.
+  std::optional<std::vector<models::TeamChoice>> committed = std::nullopt;
 };
 
 /// One robot's part in a round of distributed local search by messages that may be lost, late,
@@ -55,7 +58,8 @@ class LocalSearchSession {
   static constexpr std::size_t kHistoryMax = 256;
 
   /// Counts what each own candidate gains alone into its choice.
-  /// @throws UsageError as TeamOracle does, or when candidates and choices are not as many
+  /// @throws UsageError as TeamOracle does, when candidates and choices are not as many, or when
+  /// something is committed of this robot or of an unknown one
   explicit LocalSearchSession(SessionSetup setup);
   ~LocalSearchSession() = default;
   LocalSearchSession(const LocalSearchSession&) = delete;  // what it holds refers to its setup
@@ -78,7 +82,7 @@ class LocalSearchSession {
   std::optional<models::TeamProposal> improve(const Deadline& deadline);
 
   [[nodiscard]] bool is_searching() const { return phase_ != Phase::kDone; }
-  /// The best solution known; nullopt: nobody does anything.
+  /// The best solution known, or what is committed; nullopt: nobody does anything.
   [[nodiscard]] const std::optional<models::TeamProposal>& held() const { return held_; }
   /// Oracle calls so far, those that value each candidate alone not counted.
   [[nodiscard]] std::int64_t calls() const { return calls_; }
@@ -88,6 +92,7 @@ class LocalSearchSession {
 
   /// Begins to search about what is held.
   void begin();
+  void begin_beside(const std::vector<models::TeamChoice>& committed);
   std::optional<models::TeamProposal> try_proposal(const Proposal& found);
   [[nodiscard]] bool is_compatible(const models::TeamProposal& solution) const;
   [[nodiscard]] int index_of(const std::string& robot) const;

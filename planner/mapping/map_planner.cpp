@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/check.hpp"
 #include "core/infinity.hpp"
 
 namespace vantage::planner {
@@ -14,6 +15,24 @@ int controls_max(const scenario::Scenario& scenario) {
     most = std::max(most, robot.primitives.size());
   }
   return static_cast<int>(most);
+}
+
+// Scans that are taken anyway: at the start, and along what teammates that see will do.
+std::vector<MapRoute> routes_taken(const SearchProblem& problem,
+                                   const std::vector<FixedTeammate>& teammates) {
+  std::vector<MapRoute> routes(1);
+  routes.front().poses = {problem.start};
+  for (const FixedTeammate& teammate : teammates) {
+    if (teammate.jammed) {
+      continue;
+    }
+    MapRoute& route = routes.emplace_back();
+    for (int t = 0; t <= problem.horizon_steps; ++t) {
+      const Time when = problem.start_time + from_seconds(t * problem.step_s);
+      route.poses.push_back(models::at(teammate.trajectory, when).world_from_body);
+    }
+  }
+  return routes;
 }
 
 }  // namespace
@@ -28,33 +47,12 @@ MapPlanner::MapPlanner(const scenario::Scenario& scenario)
   models::require_valid(planned_);
 }
 
-void MapPlanner::set_up(const SearchProblem& problem, const std::optional<models::RobotMap>& map,
-                        const std::vector<FixedTeammate>& teammates) {
+MapPlan MapPlanner::plan(const SearchProblem& problem, const models::Looks& looks,
+                         const std::vector<FixedTeammate>& teammates, const Deadline& deadline) {
   const auto cells = static_cast<std::size_t>(geometry_.size());
-  looks_.assign(cells, 0);
-  if (map && map->grid == geometry_ && map->team_looks.size() == cells) {
-    looks_ = map->team_looks;
-  } else if (map) {
-    ++unusable_maps_;
-  }
-  MapRoute own_start;
-  own_start.poses = {problem.start};
-  fixed_ = {own_start};
-  for (const FixedTeammate& teammate : teammates) {
-    if (teammate.jammed) {
-      continue;
-    }
-    MapRoute route;
-    for (int t = 0; t <= problem.horizon_steps; ++t) {
-      const Time when = problem.start_time + from_seconds(t * problem.step_s);
-      route.poses.push_back(models::at(teammate.trajectory, when).world_from_body);
-    }
-    fixed_.push_back(std::move(route));
-  }
-}
-
-SearchResult MapPlanner::search(const SearchProblem& problem, const Deadline& deadline) {
-  const models::OccupancyBelief belief = models::belief_of(geometry_, looks_, spec_);
+  require(looks.empty() || looks.size() == cells, "map planner: one look count for each cell");
+  const models::OccupancyBelief belief =
+      models::belief_of(geometry_, looks.empty() ? models::Looks(cells, 0) : looks, spec_);
   ViewTable views(belief, planned_, {});
   DriveOptions drive_options;
   // Only for ways to the frontier; what may be driven is the problem's.
@@ -74,13 +72,15 @@ SearchResult MapPlanner::search(const SearchProblem& problem, const Deadline& de
     return control < 0 ? motion_.can_stop_from_start() : motion_.can_stop(at, control, steps);
   };
   MappingSearch search(views, drive, options);
+  const std::vector<MapRoute> taken = routes_taken(problem, teammates);
   std::vector<const MapRoute*> fixed;
-  for (const MapRoute& route : fixed_) {
+  for (const MapRoute& route : taken) {
     fixed.push_back(&route);
   }
   const MapRoute route = search.plan(problem.start, fixed, deadline);
 
-  SearchResult result;
+  MapPlan plan;
+  SearchResult& result = plan.result;
   result.found = !route.controls.empty() || motion_.can_stop_from_start();
   result.controls = route.controls;
   result.poses = route.poses;
@@ -94,8 +94,8 @@ SearchResult MapPlanner::search(const SearchProblem& problem, const Deadline& de
   result.nodes_generated = route.nodes;
   result.work_nodes = route.tried;
   result.stop_reason = route.is_cut ? StopReason::kDeadline : StopReason::kFinished;
-  gain_nats_ = result.found ? std::max(0.0, route.gain_nats) : 0.0;
-  return result;
+  plan.gain_nats = result.found ? std::max(0.0, route.gain_nats) : 0.0;
+  return plan;
 }
 
 }  // namespace vantage::planner

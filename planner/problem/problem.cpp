@@ -68,6 +68,17 @@ void require_valid_information(const SearchProblem& problem) {
   }
 }
 
+double kept_from_m(const SearchProblem& problem, const Pose2& start, double height_m,
+                   const models::Trajectory& other) {
+  // Steps are checked by chords, whose rounding must not forbid every way out.
+  constexpr double kChords_m = 0.01;
+  const double other_height_m = problem.separation_from_above ? height_m : other.height_m;
+  Eigen::Vector3d away_m;
+  away_m << models::at(other, problem.start_time).world_from_body.position_m() - start.position_m(),
+      other_height_m - height_m;
+  return std::min(problem.separation_m, std::max(0.0, away_m.norm() - kChords_m));
+}
+
 }  // namespace
 
 void require_valid(const SearchProblem& problem) {
@@ -117,12 +128,16 @@ void SearchResult::reset() {
 }
 
 models::Trajectory to_trajectory(const SearchProblem& problem, const SearchResult& result) {
+  return to_trajectory(problem, result.controls);
+}
+
+models::Trajectory to_trajectory(const SearchProblem& problem, std::span<const int> controls) {
   models::Trajectory trajectory;
   trajectory.start_time = problem.start_time;
   trajectory.start = problem.start;
   trajectory.height_m = problem.height_m;
   double speed_mps = problem.start_speed_mps;
-  for (const int c : result.controls) {
+  for (const int c : controls) {
     const models::UnicycleControl& control = problem.controls[static_cast<std::size_t>(c)];
     trajectory.segments.push_back({control, problem.step_s, 0.0});
     speed_mps = control.speed_mps;
@@ -164,14 +179,12 @@ double score(const SearchProblem& problem, const std::vector<Pose2>& poses) {
 }
 
 double kept_separation_m(const SearchProblem& problem, std::size_t i) {
-  // Steps are checked by chords, whose rounding must not forbid every way out.
-  constexpr double kChords_m = 0.01;
-  const models::Trajectory& teammate = problem.teammates[i];
-  Eigen::Vector3d away_m;
-  away_m << models::at(teammate, problem.start_time).world_from_body.position_m() -
-                problem.start.position_m(),
-      kept_height_m(problem, teammate) - problem.height_m;
-  return std::min(problem.separation_m, std::max(0.0, away_m.norm() - kChords_m));
+  return kept_from_m(problem, problem.start, problem.height_m, problem.teammates[i]);
+}
+
+double kept_separation_m(const SearchProblem& problem, const models::Trajectory& own,
+                         const models::Trajectory& other) {
+  return kept_from_m(problem, own.start, own.height_m, other);
 }
 
 }  // namespace vantage::planner

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/pose.hpp"
@@ -78,6 +79,9 @@ inline double kept_height_m(const SearchProblem& problem, const models::Trajecto
 /// What a plan keeps from teammate i: `separation_m` or, if it is nearer when the plan starts, that
 /// distance less a centimetre. Whoever has come too near may leave, and comes no nearer.
 double kept_separation_m(const SearchProblem& problem, std::size_t i);
+/// The same of any two motions that begin when the plan does.
+double kept_separation_m(const SearchProblem& problem, const models::Trajectory& own,
+                         const models::Trajectory& other);
 
 /// Throws UsageError naming the rule that `problem` breaks: sizes, finite numbers, positive steps,
 /// forward controls, definite symmetric priors, information for every step. A search checks this
@@ -132,6 +136,7 @@ struct SearchResult {
 
 /// The motion that `result` stands for: its primitives, the stop, the hover.
 models::Trajectory to_trajectory(const SearchProblem& problem, const SearchResult& result);
+models::Trajectory to_trajectory(const SearchProblem& problem, std::span<const int> controls);
 
 /// J_T of being at `poses` (one a step) by the plain recursion of models/belief: the scorer that
 /// searches are tested against. O(T·M).

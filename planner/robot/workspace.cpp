@@ -51,6 +51,15 @@ ReducedValueIteration& Workspace::reduced() {
   return reduced_ ? *reduced_ : reduced_.emplace(capacity_for(scenario_));
 }
 
+const models::VisibilityGrid& Workspace::ground(const models::GridGeometry& part,
+                                                const std::vector<std::int64_t>& last_seen_utime) {
+  if (!(ground_.geometry() == part)) {
+    ground_ = models::VisibilityGrid(scenario_.world, part, scenario_.estimator.grid_memory_s);
+  }
+  ground_.set_last_seen(last_seen_utime);
+  return ground_;
+}
+
 std::unique_ptr<Search> Workspace::make_search(int robot_index) const {
   return algorithm_called(scenario_.planner.algorithm)
       .make(capacity_for(scenario_), options_of(scenario_, robot_index));

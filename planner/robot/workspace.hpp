@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "models/world/grid.hpp"
 #include "planner/search/arvi.hpp"
@@ -33,6 +35,10 @@ class Workspace {
   [[nodiscard]] std::unique_ptr<Search> make_search(int robot_index) const;
   /// Makes the candidates of a team's decision.
   ReducedValueIteration& reduced();
+  /// That part of the ground as it was last seen, one stamp a cell; good until the next call. Which
+  /// cells are free is found anew only when another part is asked for.
+  const models::VisibilityGrid& ground(const models::GridGeometry& part,
+                                       const std::vector<std::int64_t>& last_seen_utime);
 
   /// For real time: the search that the scenario's planners use takes all of its memory now.
   void prefault();
@@ -41,6 +47,7 @@ class Workspace {
   scenario::Scenario scenario_;
   std::unordered_map<std::string, std::size_t> indices_;  ///< of robots, by name
   models::DistanceField field_;
+  models::VisibilityGrid ground_;  ///< the part that was asked for last
   std::optional<ReducedValueIteration> reduced_;
   std::unique_ptr<Search> search_;
 };

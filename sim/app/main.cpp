@@ -1,5 +1,5 @@
 // vantage-sim: the simulated lab. TRUTH and COLLISION out; of direct devices PLAN_* and COMMAND in,
-// VICON and QUADROTOR_R out; of devices on the wire a mocap server and MAVLink autopilots.
+// VICON and VEHICLE_R out; of devices on the wire a mocap server and MAVLink autopilots.
 
 #include <memory>
 

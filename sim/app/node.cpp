@@ -223,7 +223,7 @@ void SimNode::publish_statuses(Time instant, bool is_due) {
     const Quadrotor& quadrotor = world_.quadrotors()[i];
     const std::int64_t round = quadrotor.course().round(instant);
     if (is_due || said_[i].state != quadrotor.state() || said_[i].round != round) {
-      bus_.publish(bus::quadrotor_channel(quadrotor.name()), quadrotor.status(instant));
+      bus_.publish(bus::vehicle_channel(quadrotor.name()), quadrotor.status(instant));
       said_[i] = {quadrotor.state(), round};
     }
   }

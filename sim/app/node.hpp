@@ -21,7 +21,7 @@ namespace vantage::sim {
 /// vantage-sim on the bus: the world, and each device of the scenario that is simulated.
 ///
 /// TRUTH and COLLISION are published of all bodies, whatever their devices. Of `direct` devices the
-/// node speaks itself: VICON, QUADROTOR_R of those that follow PLAN_R. Devices on the `wire` speak
+/// node speaks itself: VICON, VEHICLE_R of those that follow PLAN_R. Devices on the `wire` speak
 /// their own protocols on sockets (a mocap server, an autopilot per robot), and their drivers
 /// publish. `real` ones are left alone.
 ///

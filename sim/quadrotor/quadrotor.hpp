@@ -76,7 +76,7 @@ class Quadrotor : public Vehicle {
   [[nodiscard]] double yaw_rate_radps() const { return yaw_rate_radps_; }
   [[nodiscard]] models::FlightState state() const { return state_; }
   [[nodiscard]] const Course& course() const { return course_; }
-  /// What it would say on QUADROTOR_<robot>.
+  /// What it would say on VEHICLE_<robot>.
   [[nodiscard]] models::VehicleStatus status(Time now) const;
 
  private:

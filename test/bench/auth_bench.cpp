@@ -93,9 +93,9 @@ void SecondOfADriver(benchmark::State& state) {
   std::int64_t heard = 0;
   own.subscribe<models::MocapFrame>(bus::kVicon, [&](const auto&) { ++heard; });
   own.subscribe<models::RobotPlan>(bus::plan_channel("*"), [&](const auto&) { ++heard; });
-  own.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"), [&](const auto&) { ++heard; });
+  own.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"), [&](const auto&) { ++heard; });
   own.subscribe<models::OperatorCommand>(bus::kCommand, [&](const auto&) { ++heard; });
-  lab.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"), [](const auto&) {});
+  lab.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"), [](const auto&) {});
   models::MocapFrame frame;
   for (int i = 0; i < 8; ++i) {
     frame.bodies.push_back({"B" + std::to_string(i), Pose3{}, false});
@@ -123,9 +123,9 @@ void SecondOfADriver(benchmark::State& state) {
       frame.stamp.time = frame.arrival = beat.stamp.time = status.stamp.time = clock.now();
       lab.publish(bus::kVicon, frame);
       if (i % 10 == 0) {
-        timed([&] { own.publish(bus::quadrotor_channel("Q1"), status); });
-        lab.publish(bus::quadrotor_channel("Q2"), status);
-        lab.publish(bus::quadrotor_channel("Q3"), status);
+        timed([&] { own.publish(bus::vehicle_channel("Q1"), status); });
+        lab.publish(bus::vehicle_channel("Q2"), status);
+        lab.publish(bus::vehicle_channel("Q3"), status);
       }
       if (i % 20 == 0) {
         while (lab.handle(std::chrono::microseconds(0)) > 0) {

@@ -37,7 +37,7 @@ TEST(ContactsLink, ACollisionOfRealVehiclesIsHeardOnTheNetwork) {
   status.stamp.time = start;
   status.robot = "Q1";
   status.state = models::FlightState::kFollow;
-  lab_bus.publish(bus::quadrotor_channel("Q1"), status);
+  lab_bus.publish(bus::vehicle_channel("Q1"), status);
   judge_bus.handle(test::kPatience);
   // Q2 stands, Q1 comes along at 1 m/s and meets it after 0.5 m.
   constexpr int kFrames = 60;

@@ -107,7 +107,7 @@ class Drill {
     if (what.find(',') != std::string::npos) {
       lanes_.emplace(words_of(what, ','), times, seed);
     }
-    bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
+    bus_.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
                                           [this](const models::VehicleStatus& status) {
                                             program_.on_status(status);
                                             states_[status.robot] = status.state;

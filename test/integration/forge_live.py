@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """forge_live.py TYPES SPAN: what somebody on the network without a key can say in a live flight's name.
 
-Waits until every vehicle that speaks on QUADROTOR_* follows plans. Then, for 8 s, forges what it hears
+Waits until every vehicle that speaks on VEHICLE_* follows plans. Then, for 8 s, forges what it hears
 with the live streams' own run ids, next sequence numbers and stamps of now: poses that drift away,
 plans that stand still, orders to land, to disarm and to arm; each unsigned, with the trailer of the
 true message behind it, and the true message again. TYPES is a folder of lcm-gen --python; SPAN a file
@@ -71,7 +71,7 @@ def kinds(channel):
 states = {}
 give_up = time.monotonic() + WAIT_S
 for channel, payload in heard():
-    if channel and channel.startswith("QUADROTOR_"):
+    if channel and channel.startswith("VEHICLE_"):
         status = quadrotor_t.decode(payload)
         states[status.robot] = status.state
     if len(states) > 1 and all(state == FOLLOW for state in states.values()):

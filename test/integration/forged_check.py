@@ -36,7 +36,7 @@ contacts = 0
 for utime, channel, data in events(sys.argv[2]):
     if channel == "COLLISION":
         contacts += collision_t.decode(data).kind == 0
-    elif channel.startswith("QUADROTOR_") and begin <= utime <= end:
+    elif channel.startswith("VEHICLE_") and begin <= utime <= end:
         status = quadrotor_t.decode(data)
         seen[status.robot][NAMES[status.state]] += 1
         rounds[status.robot].add(status.plan_round)

@@ -88,7 +88,7 @@ void take(const lcm::LogEvent& event, Seen& seen) {
         }
       }
     }
-  } else if (event.channel.starts_with("QUADROTOR_")) {
+  } else if (event.channel.starts_with("VEHICLE_")) {
     if (const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event)) {
       Flight& flight = seen.flights[status->robot];
       flight.state = status->state;

@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
   write_both<models::RobotPlan>(folder, "PLAN_Q1", sampler);
   write_both<models::PlanProposal>(folder, "PROPOSAL_Q1", sampler);
   write_both<models::TeamProposal>(folder, "TEAM_PROPOSAL_Q1", sampler);
-  write_both<models::VehicleStatus>(folder, "QUADROTOR_Q1", sampler);
+  write_both<models::VehicleStatus>(folder, "VEHICLE_Q1", sampler);
   write_both<models::DetectionSet>(folder, "MEASUREMENT_Q1", sampler);
   write_both<models::RangeScan>(folder, "SCAN_Q1", sampler);
   write_both<models::RobotBelief>(folder, "BELIEF_Q1", sampler);

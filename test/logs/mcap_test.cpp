@@ -115,7 +115,7 @@ TEST_F(McapPeer, ReadsAnExportedLogOfEveryType) {
     add.template operator()<models::DetectionSet>("MEASUREMENT_Q1");
     add.template operator()<models::RobotBelief>("BELIEF_Q1");
     add.template operator()<models::RobotPlan>("PLAN_Q1");
-    add.template operator()<models::VehicleStatus>("QUADROTOR_Q1");
+    add.template operator()<models::VehicleStatus>("VEHICLE_Q1");
     add.template operator()<models::OperatorCommand>("COMMAND");
     add.template operator()<models::TruthFrame>("TRUTH");
     add.template operator()<models::ContactReport>("COLLISION");

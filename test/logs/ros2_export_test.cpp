@@ -146,7 +146,7 @@ TEST_F(Ros2Export, SaysScansMapsBatteriesAndHealth) {
   status.stamp.time = scan.stamp.time;
   status.robot = "Q1";
   status.battery_share = 0.75;
-  add("QUADROTOR_Q1", status);
+  add("VEHICLE_Q1", status);
   models::ProcessHealth health;
   health.stamp.time = scan.stamp.time;
   health.process = "SIM";

@@ -41,7 +41,7 @@ struct Lab {
     bus.subscribe<models::TruthFrame>(
         bus::kTruth, [this](const models::TruthFrame& truth) { truths.push_back(truth); });
     bus.subscribe<models::VehicleStatus>(
-        bus::quadrotor_channel("*"),
+        bus::vehicle_channel("*"),
         [this](const models::VehicleStatus& status) { statuses.push_back(status); });
     bus.subscribe<models::ContactReport>(
         bus::kCollision, [this](const models::ContactReport& c) { contacts.push_back(c); });

@@ -89,7 +89,7 @@ class MadeUpFlight {
     models::VehicleStatus status = state_of(robot, t_s);
     status.stamp.sequence = sequence;
     if (says(t_s, status)) {
-      give(out, "QUADROTOR_" + robot, at(t_s), status);
+      give(out, "VEHICLE_" + robot, at(t_s), status);
     }
   }
   void tell_truth(FlightRecord& out, double t_s, int sequence) const {
@@ -245,7 +245,7 @@ TEST(FlightInvariants, SayWhoElseSpokeAndHowOftenADriverBeganAnew) {
       models::VehicleStatus status = MadeUpFlight::state_of("Q1", t_s);
       status.stamp.run_id = 66;
       status.state = FlightState::kKilled;
-      MadeUpFlight::give(record, "QUADROTOR_Q1", MadeUpFlight::at(t_s), status);
+      MadeUpFlight::give(record, "VEHICLE_Q1", MadeUpFlight::at(t_s), status);
       models::TruthFrame truth;
       truth.stamp = {MadeUpFlight::at(t_s), 77, 0};
       MadeUpFlight::give(record, "TRUTH", MadeUpFlight::at(t_s), truth);

@@ -51,7 +51,7 @@ void FlightRecord::take(const lcm::LogEvent& event) {
         }
       }
     }
-  } else if (event.channel.starts_with("QUADROTOR_")) {
+  } else if (event.channel.starts_with("VEHICLE_")) {
     const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event);
     if (status && is_of_now(status->stamp, event) && is_of_flight(status->stamp, status->robot)) {
       robots_[status->robot].said.push_back(*status);

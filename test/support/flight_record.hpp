@@ -64,7 +64,7 @@ struct Aftermath {
   std::vector<Reaction> said;    ///< each change of state within 45 s
 };
 
-/// Reads a log of a flight, event by event: SCENARIO, TRUTH and QUADROTOR_*.
+/// Reads a log of a flight, event by event: SCENARIO, TRUTH and VEHICLE_*.
 class FlightRecord {
  public:
   void take(const lcm::LogEvent& event);

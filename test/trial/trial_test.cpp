@@ -168,7 +168,7 @@ TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
     ++events[event->channel];
   }
   for (const std::string channel : {"VICON", "TRUTH", "MEASUREMENT_Q1", "BELIEF_Q2", "PLAN_Q3",
-                                    "QUADROTOR_Q1", "HEALTH_SIM", "HEALTH_PLANNER_Q1"}) {
+                                    "VEHICLE_Q1", "HEALTH_SIM", "HEALTH_PLANNER_Q1"}) {
     EXPECT_GT(events[channel], 0) << channel;
   }
 }

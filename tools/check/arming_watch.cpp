@@ -41,7 +41,7 @@ ArmingWatch::ArmingWatch(bus::Bus& bus, const scenario::Scenario& scenario)
   bus.subscribe<models::RobotPlan>(bus::plan_channel("*"), [](const models::RobotPlan&) {});
   bus.subscribe<models::ScenarioNotice>(bus::kScenario, [](const models::ScenarioNotice&) {});
   bus.subscribe<models::VehicleStatus>(
-      bus::quadrotor_channel("*"),
+      bus::vehicle_channel("*"),
       [this](const models::VehicleStatus& status) { vehicles_[status.robot] = status; });
   bus.subscribe<models::MocapFrame>(bus::kVicon, [this](const models::MocapFrame& frame) {
     ++frames_;
@@ -112,7 +112,7 @@ std::vector<std::string> ArmingWatch::blocks() const {
     const auto vehicle = vehicles_.find(robot.name);
     if (vehicle == vehicles_.end()) {
       out.push_back(
-          fmt::format("robot {}: its driver says nothing on QUADROTOR_{}", robot.name, robot.name));
+          fmt::format("robot {}: its driver says nothing on VEHICLE_{}", robot.name, robot.name));
       continue;
     }
     const models::VehicleStatus& status = vehicle->second;

@@ -142,7 +142,7 @@ OperatorDesk::OperatorDesk(bus::Bus& bus, bool is_allowed_second, Time start)
       bus::kCommand, [this](const models::OperatorCommand& command) {
         station_.on_command(command, now_ + vehicles_ahead(now_));
       });
-  bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
+  bus_.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
                                         [this](const models::VehicleStatus& status) {
                                           vehicles_[status.robot] = {status, now_};
                                         });

@@ -15,7 +15,7 @@
 namespace vantage::tools {
 
 /// The operator's end of COMMAND: sends what is asked and what its station may say, and, in charge,
-/// the heartbeat whose silence makes every vehicle land. Learns the robots from QUADROTOR_*.
+/// the heartbeat whose silence makes every vehicle land. Learns the robots from VEHICLE_*.
 ///
 /// Vehicles obey what is said now, so everything is stamped by the vehicles' own clock: where the
 /// nearest of those heard in the last second differs from ours by more than kApartMaxS, by that.

@@ -12,7 +12,7 @@
 namespace vantage::tools {
 
 /// An operator who follows a rule: arms vehicles, has them take off and follow, and lands them at
-/// the end. What a person at the console would type, from what QUADROTOR_* says; no clock, no bus.
+/// the end. What a person at the console would type, from what VEHICLE_* says; no clock, no bus.
 ///
 /// It asks again until it is obeyed. A vehicle that another station commands is no longer its own:
 /// it is not told to fly any more, only to land at the end. One that has landed, been killed or

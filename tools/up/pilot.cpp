@@ -14,7 +14,7 @@ Pilot::Pilot(bus::Bus& bus, const scenario::Scenario& scenario, Time start)
     }
   }
   bus.subscribe<models::VehicleStatus>(
-      bus::quadrotor_channel("*"),
+      bus::vehicle_channel("*"),
       [this](const models::VehicleStatus& status) { program_.on_status(status); });
   bus.subscribe<models::OperatorCommand>(
       bus::kCommand, [this, own = bus.run_id()](const models::OperatorCommand& command) {

@@ -184,7 +184,7 @@ void Up::watch(const std::vector<ProcessSpec>& processes) {
                                             is_log_refused_ = is_zero(health, "log.is_written");
                                           }
                                         });
-  bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
+  bus_.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
                                         [on_sign](const models::VehicleStatus& status) {
                                           on_sign("QUADROTOR_" + status.robot);
                                           on_sign("ROVER_" + status.robot);

@@ -80,7 +80,8 @@ Feed::Feed(bus::Transport& transport, const bus::Clock& clock, logs::foxglove::S
   listen(bus::map_channel("*"));
   listen(bus::plan_channel("*"));
   listen(bus::team_proposal_channel("*"));
-  listen(bus::quadrotor_channel("*"));
+  listen(bus::vehicle_channel("*"));
+  listen(bus::old_vehicle_channel("*"));  // of a log that is played
   listen(bus::health_channel("*"));
   listen(bus::host_channel("*"));
   listen(bus::kCollision);

@@ -22,7 +22,9 @@ std::string host_in(const std::string& channel) {
   return after(bus::host_channel("").name, channel);
 }
 std::string vehicle_in(const std::string& channel) {
-  return after(bus::quadrotor_channel("").name, channel);
+  const std::string robot = after(bus::vehicle_channel("").name, channel);
+  // Who flies by a version of before flies as well.
+  return robot.empty() ? after(bus::old_vehicle_channel("").name, channel) : robot;
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ TrialObserver::TrialObserver(bus::Bus& bus, const scenario::Scenario& scenario, 
       bus::kCollision,
       [this](const models::ContactReport& contact) { metrics_.on_contact(contact); });
   bus.subscribe<models::VehicleStatus>(
-      bus::quadrotor_channel("*"),
+      bus::vehicle_channel("*"),
       [this](const models::VehicleStatus& status) { metrics_.on_vehicle(status); });
   bus.subscribe<models::ProcessHealth>(
       bus::health_channel("*"),

@@ -1,4 +1,4 @@
-// vantage-contacts: who touches whom among the bodies that cameras see. VICON, QUADROTOR_* and
+// vantage-contacts: who touches whom among the bodies that cameras see. VICON, VEHICLE_* and
 // TRUTH in, COLLISION out; one process for a trial with real vehicles.
 
 #include <memory>

@@ -20,7 +20,7 @@ ContactsNode::ContactsNode(bus::Bus& bus, const bus::Clock& clock,
     }
   });
   bus.subscribe<models::VehicleStatus>(
-      bus::quadrotor_channel("*"),
+      bus::vehicle_channel("*"),
       [this](const models::VehicleStatus& status) { judge_.on_status(status); });
   bus.subscribe<models::TruthFrame>(
       bus::kTruth, [this](const models::TruthFrame& truth) { judge_.on_truth(truth); });

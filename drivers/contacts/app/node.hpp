@@ -13,7 +13,7 @@
 
 namespace vantage::drivers {
 
-/// vantage-contacts on the bus: VICON, QUADROTOR_* and TRUTH in, COLLISION out, of the bodies that
+/// vantage-contacts on the bus: VICON, VEHICLE_* and TRUTH in, COLLISION out, of the bodies that
 /// no simulator judges.
 class ContactsNode : public bus::Node {
  public:

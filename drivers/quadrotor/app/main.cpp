@@ -1,5 +1,5 @@
 // vantage-quadrotor: flies one quadrotor with a MAVLink autopilot. VICON, PLAN_*, COMMAND and
-// SCENARIO in, QUADROTOR_R out; one process per robot.
+// SCENARIO in, VEHICLE_R out; one process per robot.
 
 #include <memory>
 

@@ -1,4 +1,4 @@
-// vantage-rover: drives one rover. VICON, PLAN_*, COMMAND and SCENARIO in, QUADROTOR_R out; one
+// vantage-rover: drives one rover. VICON, PLAN_*, COMMAND and SCENARIO in, VEHICLE_R out; one
 // process per robot.
 
 #include <memory>

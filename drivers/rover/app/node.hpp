@@ -10,7 +10,7 @@
 
 namespace vantage::drivers {
 
-/// vantage-rover of one robot on the bus, which says how it is on QUADROTOR_R as every vehicle
+/// vantage-rover of one robot on the bus, which says how it is on VEHICLE_R as every vehicle
 /// does. A command on its port each 20 ms, and at once on an operator's word.
 class RoverNode : public VehicleNode<RoverDriver> {
  public:

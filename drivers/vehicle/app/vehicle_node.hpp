@@ -23,7 +23,7 @@
 namespace vantage::drivers {
 
 /// The process of one vehicle on the bus, whatever its kind: VICON, PLAN_*, COMMAND and SCENARIO
-/// in, QUADROTOR_R out at 10 Hz and on change; its port looked at each tick. A kind says what its
+/// in, VEHICLE_R out at 10 Hz and on change; its port looked at each tick. A kind says what its
 /// driver does with what arrives, and how it acts. Driver(scenario, robot, limits, own) has
 /// on_plan, on_map, on_other_version, take_news, status and counters.
 ///
@@ -51,7 +51,7 @@ class VehicleNode : public bus::Node {
       next_status_ = now + kStatusPeriod;
       models::VehicleStatus status = driver_.status(now);
       status.stamp.time = now;
-      bus_.publish(bus::quadrotor_channel(robot_), std::move(status));
+      bus_.publish(bus::vehicle_channel(robot_), std::move(status));
     }
   }
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {
@@ -102,7 +102,7 @@ class VehicleNode : public bus::Node {
     if constexpr (requires(Driver & driver, const models::VehicleStatus& status) {
                     driver.on_teammate_status(status, Time{});
                   }) {
-      bus_.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
+      bus_.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
                                             [this](const models::VehicleStatus& status) {
                                               if (status.robot != robot_) {
                                                 driver_.on_teammate_status(status, clock_.now());

@@ -37,7 +37,7 @@ struct Process {
     bus.subscribe<models::OperatorCommand>(
         kCommand, [this](const models::OperatorCommand& c) { commands.push_back(c); });
     bus.subscribe<models::VehicleStatus>(
-        quadrotor_channel("*"), [this](const models::VehicleStatus& s) { statuses.push_back(s); });
+        vehicle_channel("*"), [this](const models::VehicleStatus& s) { statuses.push_back(s); });
     bus.subscribe<models::ProcessHealth>(health_channel("*"),
                                          [this](const models::ProcessHealth&) { ++healths; });
     bus.subscribe<models::HostReport>(host_channel("*"),
@@ -98,7 +98,7 @@ class SecuredBus : public ::testing::Test {
     models::VehicleStatus status;
     status.stamp.time = clock_.now();
     status.robot = "Q1";
-    bus.publish(quadrotor_channel("Q1"), status);
+    bus.publish(vehicle_channel("Q1"), status);
     hear();
   }
   void send_again(const std::pair<std::string, std::vector<std::uint8_t>>& message) {

@@ -266,7 +266,7 @@ TEST(Bus, KeepsTheFirstMocapWhileItIsHeard) { expect_first_is_kept(kVicon, model
 TEST(Bus, KeepsTheFirstWordOfAVehicleWhileItIsHeard) {
   models::VehicleStatus status;
   status.robot = "Q1";
-  expect_first_is_kept(quadrotor_channel("Q1"), status);
+  expect_first_is_kept(vehicle_channel("Q1"), status);
 }
 
 TEST_F(BusAgainstRawBytes, NeverShowsADuplicateAnOvertakenMessageOrAnOldRun) {

@@ -197,7 +197,7 @@ TEST(ContactsNode, PublishesWhatItSeesBesideTheSimulators) {
   lab_bus.subscribe<models::ContactReport>(
       bus::kCollision, [&](const models::ContactReport& contact) { heard.push_back(contact); });
 
-  lab_bus.publish(bus::quadrotor_channel("Q1"), status_of("Q1", FlightState::kHold));
+  lab_bus.publish(bus::vehicle_channel("Q1"), status_of("Q1", FlightState::kHold));
   const Placed together = {{"Q1", {1.0, 4.0, 1.0}}, {"Q2", {1.1, 4.0, 1.0}}};
   lab_bus.publish(bus::kVicon, frame_of(kStart, together));
   judge_bus.handle(std::chrono::microseconds(0));

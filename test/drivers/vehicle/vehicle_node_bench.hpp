@@ -34,7 +34,7 @@ class VehicleNodeBench {
         vehicle(spec, url, start),
         place(std::move(place_of)) {
     lab.subscribe<models::VehicleStatus>(
-        bus::quadrotor_channel(robot()),
+        bus::vehicle_channel(robot()),
         [this](const models::VehicleStatus& heard) { statuses.push_back(heard); });
   }
 

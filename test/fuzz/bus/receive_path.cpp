@@ -103,7 +103,7 @@ struct Vehicle {
           ++handed_on;
           static_cast<void>(guard.on_command(command, clock.now()));
         });
-    bus.subscribe<models::VehicleStatus>(bus::quadrotor_channel("*"),
+    bus.subscribe<models::VehicleStatus>(bus::vehicle_channel("*"),
                                          [this](const models::VehicleStatus& status) {
                                            ++handed_on;
                                            guard.on_teammate_status(status, clock.now());
@@ -209,7 +209,7 @@ std::vector<std::vector<std::uint8_t>> receive_path_samples() {
       {"VICON", encoded_message(frame)},
       {"PLAN_Q1", encoded_message(plan)},
       {"COMMAND", encoded_message(command)},
-      {"QUADROTOR_Q2", encoded_message(status)}};
+      {"VEHICLE_Q2", encoded_message(status)}};
   std::vector<Bytes> samples;
   for (const std::uint8_t control : {std::uint8_t{1}, std::uint8_t{kIsSigned | 1}}) {
     Bytes all;

@@ -2,11 +2,14 @@
 
 #include <deque>
 #include <map>
+#include <memory>
+#include <optional>
 #include <random>
 #include <set>
 
 #include <gtest/gtest.h>
 
+#include "core/check.hpp"
 #include "planner/decision/distributed_local_search.hpp"
 #include "test/planner/decision/team_instance.hpp"
 
@@ -47,13 +50,15 @@ class Team {
     }
   }
 
-  std::unique_ptr<LocalSearchSession> session_of(int robot) const {
+  std::unique_ptr<LocalSearchSession> session_of(
+      int robot, std::optional<std::vector<models::TeamChoice>> committed = std::nullopt) const {
     const TeamOracle& oracle = oracle_of(robot);
     SessionSetup setup;
     setup.robots = names_;
     setup.robot = robot;
     setup.round = kRound;
     setup.activation = kActivation;
+    setup.committed = std::move(committed);
     setup.problem = oracle.problem();
     setup.problem.candidates.assign(names_.size(), {});
     setup.problem.candidates[index(robot)] = oracle.problem().candidates[index(robot)];
@@ -291,6 +296,54 @@ TEST(LocalSearchSession, UnderstandsAMessageWithoutThoseBeforeIt) {
     }
   }
   EXPECT_GE(heard, 200);
+}
+
+// Coordinate descent: what the others do stands, and the robot adds what is best beside it.
+TEST(LocalSearchSession, AddsTheBestBesideWhatIsCommitted) {
+  int added = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const Team team({drawn(seed)});
+    const TeamOracle& oracle = team.oracle_of(0);
+    Choice choice(team.names().size(), kNoCandidate);
+    std::vector<models::TeamChoice> committed;
+    for (int robot = 1; robot < team.size(); ++robot) {
+      if (oracle.begin(robot) < oracle.end(robot)) {
+        choice[index(robot)] = oracle.begin(robot);
+        committed.push_back(choice_of(oracle, oracle.begin(robot), team.names()));
+      }
+    }
+    const double before = value_of(oracle, choice);
+    CandidateId best = kNoCandidate;
+    double best_value = before;
+    for (CandidateId id = oracle.begin(0); id < oracle.end(0); ++id) {
+      choice[0] = id;
+      const double value = value_of(oracle, choice);
+      if (value > best_value) {
+        best_value = value;
+        best = id;
+      }
+    }
+    const auto proposal = team.session_of(0, committed)->improve(Deadline::never());
+    if (best_value < before + LocalSearchSession::kLeastRise_nats) {
+      continue;
+    }
+    ASSERT_TRUE(proposal) << "seed " << seed;
+    ++added;
+    EXPECT_EQ(proposal->choices.size(), committed.size() + 1);
+    ASSERT_NE(proposal->find(team.names()[0]), nullptr);
+    EXPECT_EQ(proposal->find(team.names()[0])->trajectory.start.x_m, best) << "seed " << seed;
+    EXPECT_NEAR(proposal->value_nats, best_value - before, kRounding) << "what is added counts";
+  }
+  EXPECT_GE(added, 80);
+}
+
+TEST(LocalSearchSession, HasNothingCommittedOfItsOwnRobotOrOfAnother) {
+  const Team team({drawn(3)});
+  for (const char* robot : {"Q1", "Q99"}) {
+    models::TeamChoice choice;
+    choice.robot = robot;
+    EXPECT_THROW(team.session_of(0, std::vector{choice}), UsageError) << robot;
+  }
 }
 
 TEST(LocalSearchSession, RefusesWhatIsNotOfThisRoundTeamOrRobot) {

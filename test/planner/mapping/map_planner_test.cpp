@@ -99,8 +99,9 @@ TEST(MapPlanner, FindsTheBestOfAllSafeRoutesOnWhatTheMapSays) {
     const Bench bench(scenario, random);
     const SearchProblem& problem = bench.problem;
     MapPlanner planner(scenario);
-    planner.set_up(problem, bench.map, bench.teammates);
-    const SearchResult result = planner.search(problem, Deadline::never());
+    const MapPlan plan =
+        planner.plan(problem, bench.map.team_looks, bench.teammates, Deadline::never());
+    const SearchResult& result = plan.result;
 
     const models::OccupancyBelief belief =
         models::belief_of(bench.map.grid, bench.map.team_looks, scenario.mapping);
@@ -155,7 +156,7 @@ TEST(MapPlanner, FindsTheBestOfAllSafeRoutesOnWhatTheMapSays) {
     EXPECT_EQ(result.lower_bound, result.cost);
     route.poses = result.poses;
     EXPECT_NEAR(worth(route), best_nats, 1e-9);
-    EXPECT_NEAR(planner.gain_nats(), gain(route), 1e-9);
+    EXPECT_NEAR(plan.gain_nats, gain(route), 1e-9);
   }
   EXPECT_GE(compared, 15);
 }
@@ -174,8 +175,9 @@ TEST(MapPlanner, PlansWithItsPlannedBeams) {
     const Bench bench(few, random);
     const auto cost_by = [&](const scenario::Scenario& scenario) {
       MapPlanner planner(scenario);
-      planner.set_up(bench.problem, bench.map, bench.teammates);
-      return planner.search(bench.problem, Deadline::nodes(500)).cost;
+      return planner
+          .plan(bench.problem, bench.map.team_looks, bench.teammates, Deadline::nodes(500))
+          .result.cost;
     };
     EXPECT_EQ(cost_by(many), cost_by(few));
     different += cost_by(all) != cost_by(few) ? 1 : 0;
@@ -190,11 +192,13 @@ TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
   for (int i = 0; i < 5; ++i) {
     const Bench bench(scenario, random);
     MapPlanner planner(scenario);
-    planner.set_up(bench.problem, bench.map, bench.teammates);
-    const SearchResult whole = planner.search(bench.problem, Deadline::never());
+    const auto search = [&](const Deadline& deadline) {
+      return planner.plan(bench.problem, bench.map.team_looks, bench.teammates, deadline).result;
+    };
+    const SearchResult whole = search(Deadline::never());
     double last_cost = std::numeric_limits<double>::infinity();
     for (std::int64_t nodes = 0; nodes < whole.work_nodes; nodes += 1 + nodes / 4) {
-      const SearchResult cut = planner.search(bench.problem, Deadline::nodes(nodes));
+      const SearchResult cut = search(Deadline::nodes(nodes));
       EXPECT_LE(cut.work_nodes, nodes);
       EXPECT_EQ(cut.stop_reason, StopReason::kDeadline);
       EXPECT_EQ(cut.lower_bound, -std::numeric_limits<double>::infinity()) << "nothing proven";
@@ -205,14 +209,12 @@ TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
       } else {
         EXPECT_TRUE(std::isinf(last_cost)) << "a complete plan was lost";
       }
-      const SearchResult again =
-          planner.search(bench.problem, Deadline::nodes(cut.replay_budget_nodes()));
+      const SearchResult again = search(Deadline::nodes(cut.replay_budget_nodes()));
       EXPECT_EQ(again.controls, cut.controls);
       EXPECT_EQ(again.cost, cut.cost);
       EXPECT_EQ(again.work_nodes, cut.work_nodes);
     }
-    const SearchResult again =
-        planner.search(bench.problem, Deadline::nodes(whole.replay_budget_nodes()));
+    const SearchResult again = search(Deadline::nodes(whole.replay_budget_nodes()));
     EXPECT_EQ(again.controls, whole.controls);
     EXPECT_EQ(again.stop_reason, StopReason::kFinished);
     if (whole.moving_steps == bench.problem.horizon_steps) {

@@ -320,6 +320,11 @@ TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {
     problem.teammates = {hover};
     const double now_m = std::hypot(0.6, 0.5);
     EXPECT_NEAR(kept_separation_m(problem, 0), now_m - 0.01, 1e-12);
+    models::Trajectory own;  // any two motions keep what a plan keeps from a teammate
+    own.start = problem.start;
+    own.height_m = problem.height_m;
+    EXPECT_EQ(kept_separation_m(problem, own, hover), kept_separation_m(problem, 0));
+    EXPECT_NEAR(kept_separation_m(problem, hover, own), now_m - 0.01, 1e-12);
     const SearchResult& result = search.plan(problem, {}, Deadline::nodes(20'000));
     ASSERT_TRUE(result.found) << i;
     EXPECT_EQ(result.moving_steps, problem.horizon_steps) << i;

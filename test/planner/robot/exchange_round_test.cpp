@@ -38,6 +38,7 @@ class Round {
       planners_.push_back(std::make_unique<RobotPlanner>(scenario, robot.name));
     }
     solutions_.resize(planners_.size());
+    exchanges_.resize(planners_.size());
   }
 
   [[nodiscard]] PlanInputs inputs_of(std::size_t robot) const {
@@ -52,21 +53,22 @@ class Round {
   void exchange(double lost) {
     std::mt19937_64 rng(seed_);
     for (std::size_t robot = 0; robot < planners_.size(); ++robot) {
-      ASSERT_TRUE(planners_[robot]->begin_exchange(inputs_of(robot),
-                                                   Deadline::nodes(scenario_.planner.node_budget)));
+      exchanges_[robot] = planners_[robot]->begin_exchange(
+          inputs_of(robot), Deadline::nodes(scenario_.planner.node_budget));
+      ASSERT_TRUE(exchanges_[robot]);
     }
     bool is_going_on = true;
     while (is_going_on) {
       is_going_on = false;
       for (std::size_t robot = 0; robot < planners_.size(); ++robot) {
-        auto proposal = planners_[robot]->exchange().improve(Deadline::never());
+        auto proposal = exchanges_[robot]->improve(Deadline::never());
         if (!proposal) {
           continue;
         }
         is_going_on = true;
         for (std::size_t to = 0; to < planners_.size(); ++to) {
           const bool is_heard = std::uniform_real_distribution(0.0, 1.0)(rng) >= lost;
-          if (to != robot && is_heard && planners_[to]->exchange().hear(*proposal)) {
+          if (to != robot && is_heard && exchanges_[to]->hear(*proposal) == Heard::kTaken) {
             solutions_[to] = proposal;
           }
         }
@@ -90,6 +92,7 @@ class Round {
   scenario::Scenario scenario_;
   unsigned seed_;
   std::vector<std::unique_ptr<RobotPlanner>> planners_;
+  std::vector<std::unique_ptr<TeamExchange>> exchanges_;
   std::vector<std::optional<models::TeamProposal>> solutions_;
   std::vector<std::optional<models::TeamProposal>> bases_;  ///< of each of said_
   std::vector<models::TeamProposal> said_;
@@ -191,12 +194,13 @@ TEST(RobotPlanner, ProposesTheSameOfTheSameInputs) {
       const auto robot =
           static_cast<std::size_t>(scenario.find_robot(said.robot) - scenario.robots.data());
       RobotPlanner fresh(scenario, said.robot);
-      ASSERT_TRUE(
-          fresh.begin_exchange(first_inputs(scenario, robot, seed), Deadline::nodes(said.nodes)));
+      const auto exchange =
+          fresh.begin_exchange(first_inputs(scenario, robot, seed), Deadline::nodes(said.nodes));
+      ASSERT_TRUE(exchange);
       if (round.bases_[i]) {
-        ASSERT_TRUE(fresh.exchange().hear(*round.bases_[i]));
+        ASSERT_EQ(exchange->hear(*round.bases_[i]), Heard::kTaken);
       }
-      const auto proposal = fresh.exchange().improve(Deadline::never());
+      const auto proposal = exchange->improve(Deadline::never());
       ASSERT_TRUE(proposal);
       EXPECT_EQ(proposal->value_nats, said.value_nats);
       EXPECT_EQ(proposal->history, said.history);
@@ -212,25 +216,53 @@ TEST(RobotPlanner, HearsNoMotionThatIsNoPlan) {
   round.exchange(0.0);
   models::TeamProposal said = round.said_.back();
   RobotPlanner fresh(scenario, "Q3");
-  ASSERT_TRUE(fresh.begin_exchange(first_inputs(scenario, 2, 3),
-                                   Deadline::nodes(scenario.planner.node_budget)));
+  const auto exchange = fresh.begin_exchange(first_inputs(scenario, 2, 3),
+                                             Deadline::nodes(scenario.planner.node_budget));
+  ASSERT_TRUE(exchange);
   const std::vector<std::string> names{"Q1", "Q2", "Q3"};
   ASSERT_FALSE(said.choices.empty());
   ASSERT_FALSE(said.choices[0].trajectory.segments.empty());
   models::TeamProposal endless = said;
   endless.choices[0].trajectory.segments.back().duration_s = 1e12;
   endless.history.back() = fingerprint(names, endless.choices);
-  EXPECT_FALSE(fresh.exchange().hear(endless));
+  EXPECT_EQ(exchange->hear(endless), Heard::kRefused);
   models::TeamProposal forged = said;
   forged.history.back() ^= 1;
-  EXPECT_FALSE(fresh.exchange().hear(forged));
-  EXPECT_EQ(fresh.proposals_refused(), 2);
-  EXPECT_TRUE(fresh.exchange().hear(said));
-  EXPECT_FALSE(fresh.exchange().hear(said)) << "no better than itself";
+  EXPECT_EQ(exchange->hear(forged), Heard::kRefused);
+  EXPECT_EQ(exchange->hear(said), Heard::kTaken);
+  EXPECT_EQ(exchange->hear(said), Heard::kNotBetter) << "than itself";
   models::TeamProposal late = said;
   --late.round;
-  EXPECT_FALSE(fresh.exchange().hear(late));
-  EXPECT_EQ(fresh.proposals_refused(), 2);
+  EXPECT_EQ(exchange->hear(late), Heard::kOtherRound);
+}
+
+// Each way of planning has its own talk, and none of another's.
+TEST(RobotPlanner, SaysNothingThatItsTeamDoesNotAskFor) {
+  scenario::Scenario scenario = energy_scenario();
+  const PlanInputs inputs = first_inputs(scenario, 0, 3);
+  const Deadline deadline = Deadline::nodes(scenario.planner.node_budget);
+  EXPECT_TRUE(RobotPlanner(scenario, "Q1").begin_exchange(inputs, deadline));
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").propose(inputs, deadline));
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").next_place(inputs)) << "slots are not shared";
+  scenario.planner.team_algorithm = scenario::TeamAlgorithm::kCoordinateDescent;
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").begin_exchange(inputs, deadline));
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").propose(inputs, deadline)) << "it weighs candidates";
+  scenario.robots[0].energy.price_nats = 0.0;
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").begin_exchange(inputs, deadline));
+  EXPECT_TRUE(RobotPlanner(scenario, "Q1").propose(inputs, deadline));
+  scenario.planner.algorithm = "external";
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").begin_exchange(inputs, deadline));
+  EXPECT_FALSE(RobotPlanner(scenario, "Q1").propose(inputs, deadline));
+}
+
+// A round that cannot begin is none: nothing is heard or said in it.
+TEST(RobotPlanner, BeginsNoExchangeWithoutAPose) {
+  const scenario::Scenario scenario = energy_scenario();
+  PlanInputs inputs = first_inputs(scenario, 0, 3);
+  inputs.mocap.reset();
+  RobotPlanner planner(scenario, "Q1");
+  EXPECT_FALSE(planner.begin_exchange(inputs, Deadline::nodes(scenario.planner.node_budget)));
+  EXPECT_EQ(planner.counts().no_pose, 1);
 }
 
 TEST(RobotPlanner, GivesAJammedRobotNothing) {

@@ -91,7 +91,7 @@ TEST(OperatorDesk, SpeaksInTheVehiclesTime) {
       models::VehicleStatus status;
       status.robot = "Q1";
       status.stamp.time = now;
-      vehicle.publish(bus::quadrotor_channel("Q1"), status);
+      vehicle.publish(bus::vehicle_channel("Q1"), status);
       desk_bus.handle(std::chrono::microseconds(0));
       (void)desk.tick(now + off);
     }
@@ -136,7 +136,7 @@ TEST(OperatorDesk, ShowsAVehicleThatHearsItAndIsNotHeard) {
   status.robot = "Q1";
   status.state = models::FlightState::kFollow;
   status.stamp.time = kStart;
-  vehicle.publish(bus::quadrotor_channel("Q1"), status);
+  vehicle.publish(bus::vehicle_channel("Q1"), status);
   desk_bus.handle(std::chrono::microseconds(0));
   EXPECT_TRUE(mentions(desk.vehicle_table(kStart + from_seconds(0.9), ""), "follow"));
   const auto later = desk.vehicle_table(kStart + from_seconds(1.1), "");
@@ -263,7 +263,7 @@ TEST(ArmingWatch, SaysWhatIsMissingAndWhatTheDriversSay) {
     if (robot.name == "Q3") {
       status.reasons = {"battery for take-off"};
     }
-    lab.net.own.publish(bus::quadrotor_channel(robot.name), status);
+    lab.net.own.publish(bus::vehicle_channel(robot.name), status);
   }
   lab.net.own.publish(bus::kVicon, frame);
   models::OperatorCommand beat;
@@ -315,7 +315,7 @@ TEST(OperatorDesk, SaysThatItIsNotHeardWhereMessagesAreSigned) {
   const auto tell = [&] {
     models::VehicleStatus status;
     status.robot = "Q1";
-    vehicle.publish(bus::quadrotor_channel("Q1"), status);
+    vehicle.publish(bus::vehicle_channel("Q1"), status);
     bus.handle(std::chrono::microseconds(0));
   };
   tell();

@@ -24,17 +24,19 @@ TEST(RivalsOfUp, AreSupervisorsSimulatorsAndVehiclesOfAnotherTrial) {
   EXPECT_TRUE(rivals_of_up(scenario, "", Channels{"COMMAND", "VICON", "HEALTH_VIEW"}).empty());
   EXPECT_EQ(rivals_of_up(scenario, "", Channels{"HOST_LOCAL"}).size(), 1U);
   EXPECT_EQ(rivals_of_up(scenario, "", Channels{"TRUTH"}).size(), 1U);
-  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"QUADROTOR_Q1", "QUADROTOR_X"}).size(), 2U);
+  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"VEHICLE_Q1", "VEHICLE_X"}).size(), 2U);
+  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"QUADROTOR_Q1"}).size(), 1U)
+      << "of a version before";
 }
 
 TEST(RivalsOfUp, AreNotTheOtherHostsOfTheTrial) {
   const scenario::Scenario scenario = lab_of_two_hosts();
-  const Channels of_lab{"HOST_LAB", "TRUTH", "VICON", "QUADROTOR_Q1", "QUADROTOR_Q2"};
+  const Channels of_lab{"HOST_LAB", "TRUTH", "VICON", "VEHICLE_Q1", "VEHICLE_Q2"};
   EXPECT_TRUE(rivals_of_up(scenario, "AIR", of_lab).empty());
   EXPECT_TRUE(rivals_of_up(scenario, "LAB", Channels{"HOST_AIR", "PLAN_Q2"}).empty());
   EXPECT_EQ(rivals_of_up(scenario, "LAB", of_lab).size(), 2U) << "the same host, its simulator";
   EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"HOST_LOCAL"}).size(), 1U);
-  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"QUADROTOR_X"}).size(), 1U);
+  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_X"}).size(), 1U);
   EXPECT_EQ(rivals_of_up(scenario, "", Channels{"HOST_AIR"}).size(), 1U) << "with --all-hosts";
 }
 
@@ -43,12 +45,12 @@ TEST(RivalsOfUp, AreVehiclesThatItWouldFlyItself) {
   for (scenario::RobotSpec& robot : scenario.robots) {
     robot.device = scenario::DeviceSource::kReal;
   }
-  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"QUADROTOR_Q1", "QUADROTOR_Q2"}).size(), 1U);
+  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).size(), 1U);
 }
 
 TEST(RivalsOfPlay, AreAllThatALogMightBeTakenFor) {
   EXPECT_TRUE(rivals_of_play(Channels{"HEALTH_VIEW", "COMMAND"}).empty());
-  EXPECT_EQ(rivals_of_play(Channels{"QUADROTOR_Q1", "HOST_LAB", "TRUTH"}).size(), 3U);
+  EXPECT_EQ(rivals_of_play(Channels{"VEHICLE_Q1", "HOST_LAB", "TRUTH"}).size(), 3U);
 }
 
 TEST(HearChannels, KnowsWhoSpeaks) {

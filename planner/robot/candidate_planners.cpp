@@ -1,0 +1,65 @@
+#include "planner/robot/candidate_planners.hpp"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "planner/robot/trajectory_tools.hpp"
+
+namespace vantage::planner {
+
+std::unique_ptr<TeamExchange> CandidatePlanner::round_of(
+    const SlotTask& task, std::optional<std::vector<models::TeamChoice>> committed,
+    const Deadline& deadline) {
+  TeamExchange::Start start;
+  start.round = task.inputs.slot.round;
+  start.rest = stop_from(task.committed, task.committed.start_time, task.round.search.brake_mps2);
+  start.committed = std::move(committed);
+  if (task.inputs.attack) {
+    start.jammed = task.inputs.attack->jammed;
+  }
+  return std::make_unique<TeamExchange>(scenario_, static_cast<int>(robot_), search_,
+                                        task.round.search, start, deadline);
+}
+
+models::RobotPlan WorthPlanner::plan(SlotTask& task, const Deadline& deadline) {
+  std::vector<models::TeamChoice> others;
+  for (const FixedTeammate& teammate : task.round.teammates) {
+    others.push_back({scenario().robots[teammate.robot].name, teammate.trajectory, 0.0, 0.0});
+  }
+  const std::unique_ptr<TeamExchange> round = round_of(task, std::move(others), deadline);
+  task.ladder.set_nodes(round->nodes());
+  const auto best = round->improve(Deadline::never());
+  const models::TeamChoice* own = best ? best->find(scenario().robots[robot()].name) : nullptr;
+  if (auto plan = own != nullptr ? task.ladder.chosen(own->trajectory) : task.ladder.rest()) {
+    return *plan;
+  }
+  return task.ladder.fall_back();
+}
+
+models::RobotPlan AgreedPlanner::plan(SlotTask& task, const Deadline& /*deadline*/) {
+  const std::optional<models::TeamProposal>& solution = task.inputs.solution;
+  const bool is_of_this_round = solution && solution->round == task.inputs.slot.round &&
+                                solution->stamp.time == task.inputs.slot.activation;
+  const models::TeamChoice* own =
+      is_of_this_round ? solution->find(scenario().robots[robot()].name) : nullptr;
+  if (own == nullptr) {
+    const auto plan = task.ladder.rest();
+    return plan ? *plan : task.ladder.fall_back();
+  }
+  const double off_m =
+      (own->trajectory.start.position_m() - task.committed.start.position_m()).norm();
+  if (!(off_m <= scenario().planner.tracking_tolerance_m)) {
+    ++task.counts.checks_failed;
+  } else if (auto plan = task.ladder.chosen(own->trajectory)) {
+    return *plan;
+  }
+  return task.ladder.fall_back();
+}
+
+std::unique_ptr<TeamExchange> AgreedPlanner::begin_exchange(const SlotTask& task,
+                                                            const Deadline& deadline) {
+  return round_of(task, std::nullopt, deadline);
+}
+
+}  // namespace vantage::planner

@@ -1,0 +1,99 @@
+#include "planner/robot/commitment.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/robot/trajectory_tools.hpp"
+
+namespace vantage::planner {
+namespace {
+
+const models::VehicleStatus* own_status(const scenario::RobotSpec& robot,
+                                        const PlanInputs& inputs) {
+  const auto own = inputs.team_statuses.find(robot.name);
+  return own == inputs.team_statuses.end() ? nullptr : &own->second;
+}
+
+// Where the vehicle holds, when it says so and that is off its plan. A vehicle that holds stands
+// where its driver stopped it, and will not come back to its plan by itself: the next one must
+// begin there, or it is refused for ever.
+std::optional<Pose2> hover_off_plan(const scenario::PlannerSpec& planner,
+                                    const scenario::RobotSpec& robot, const PlanInputs& inputs) {
+  constexpr double kTurnMaxRad = 0.4;
+  const models::VehicleStatus* own = own_status(robot, inputs);
+  if (!inputs.own_plan || own == nullptr || own->state != models::FlightState::kHold) {
+    return std::nullopt;
+  }
+  const models::Trajectory& last = inputs.own_plan->trajectory;
+  const Pose2& hover = own->setpoint;
+  const Time when = std::max(own->stamp.time, last.start_time);
+  const Pose2 planned = models::at(last, when).world_from_body;
+  const bool is_off =
+      (planned.position_m() - hover.position_m()).norm() > planner.tracking_tolerance_m ||
+      std::abs(wrap_to_pi(planned.yaw_rad - hover.yaw_rad)) > kTurnMaxRad;
+  return is_off ? std::optional(hover) : std::nullopt;
+}
+
+// The vehicle says that it follows a plan that can still be moving when the slot begins.
+bool flies_unknown_plan(const scenario::PlannerSpec& planner, const scenario::RobotSpec& robot,
+                        const PlanInputs& inputs) {
+  const models::VehicleStatus* own = own_status(robot, inputs);
+  if (own == nullptr || own->state != models::FlightState::kFollow || own->plan_round < 0) {
+    return false;
+  }
+  const std::int64_t rounds = inputs.slot.round - own->plan_round;
+  if (rounds < 0) {
+    return false;  // of another schedule
+  }
+  // Seen when the slot begins, it must stand.
+  const double since_s = static_cast<double>(rounds * planner.execute_steps) * planner.step_s -
+                         to_seconds(inputs.slot.activation - inputs.slot.begin);
+  return since_s < planner.horizon_steps * planner.step_s +
+                       robot.limits.speed_max_mps / robot.limits.brake_mps2;
+}
+
+}  // namespace
+
+Commitment commitment_of(const scenario::Scenario& scenario, std::size_t robot,
+                         const PlanInputs& inputs) {
+  const scenario::PlannerSpec& planner = scenario.planner;
+  const scenario::RobotSpec& spec = scenario.robots[robot];
+  const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(spec.name, robot) : nullptr;
+  const bool has_pose = body != nullptr && !body->occluded;
+  Commitment commitment;
+  if (const auto hover = hover_off_plan(planner, spec, inputs)) {
+    commitment.is_off_plan = true;
+    commitment.motion = hover_at(*hover, spec.height_m, inputs.slot.activation);
+    return commitment;
+  }
+  if (inputs.own_plan) {
+    const models::Trajectory& last = inputs.own_plan->trajectory;
+    bool on_plan = true;
+    if (has_pose && inputs.mocap->stamp.time >= last.start_time) {
+      const Pose2 expected = models::at(last, inputs.mocap->stamp.time).world_from_body;
+      const double off_m =
+          (expected.position_m() - flatten(body->world_from_body).position_m()).norm();
+      if (off_m > planner.tracking_tolerance_m) {
+        commitment.is_off_plan = true;
+        // Far off, the vehicle has not followed at all (held by its operator, say): start anew
+        // from where it is. In between, its own feedback brings it back onto the plan.
+        on_plan = off_m <= 3.0 * planner.tracking_tolerance_m;
+      }
+    }
+    if (on_plan) {
+      commitment.motion = rest_of(last, inputs.slot.activation);
+      return commitment;
+    }
+  }
+  if (!has_pose) {
+    commitment.known = Commitment::Known::kNoPose;
+  } else if (!inputs.own_plan && flies_unknown_plan(planner, spec, inputs)) {
+    commitment.known = Commitment::Known::kUnknownPlan;
+  } else {
+    commitment.motion =
+        hover_at(flatten(body->world_from_body), spec.height_m, inputs.slot.activation);
+  }
+  return commitment;
+}
+
+}  // namespace vantage::planner

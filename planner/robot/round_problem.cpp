@@ -1,0 +1,233 @@
+#include "planner/robot/round_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "models/belief/exploration.hpp"
+#include "planner/robot/trajectory_tools.hpp"
+
+namespace vantage::planner {
+namespace {
+
+// A different stream of random numbers for each robot and round, the same at every replay.
+std::uint64_t draw_seed(std::uint64_t seed, std::size_t robot, std::int64_t round) {
+  std::seed_seq sequence{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U),
+                         static_cast<std::uint32_t>(robot), static_cast<std::uint32_t>(round)};
+  std::uint32_t words[2];
+  sequence.generate(std::begin(words), std::end(words));
+  return (std::uint64_t{words[1]} << 32U) | words[0];
+}
+
+// Of what a vehicle passes between two heights, that which is nearest to another's height.
+double nearest_height_m(double other_m, double one_m, double two_m) {
+  return std::clamp(other_m, std::min(one_m, two_m), std::max(one_m, two_m));
+}
+
+// Whether a search can work on it: what it multiplies of such numbers stays finite.
+bool is_searchable(const models::Gaussian& prior) {
+  constexpr double kLargest = 1e30;  // m or m/s, and their squares
+  return prior.mean.cwiseAbs().maxCoeff() <= kLargest &&
+         prior.covariance.cwiseAbs().maxCoeff() <= kLargest &&
+         models::log_det(prior.covariance) >=
+             -std::log(kLargest) * static_cast<double>(prior.mean.size());
+}
+
+template <class Container, class Value>
+bool contains(const Container& container, const Value& value) {
+  return std::find(container.begin(), container.end(), value) != container.end();
+}
+
+const models::MocapBody* seen_body(const PlanInputs& inputs, const std::string& robot,
+                                   std::size_t hint) {
+  const models::MocapBody* body = inputs.mocap ? inputs.mocap->find(robot, hint) : nullptr;
+  return body != nullptr && !body->occluded ? body : nullptr;
+}
+
+// One round's problem while it is put together.
+class Builder {
+ public:
+  Builder(Workspace& workspace, std::size_t robot, const PlanInputs& inputs)
+      : workspace_(workspace),
+        scenario_(workspace.scenario()),
+        spec_(scenario_.robots[robot]),
+        inputs_(inputs) {}
+
+  RoundProblem build(std::size_t robot, const models::Trajectory& committed,
+                     const std::vector<int>& unseeing) {
+    begin(robot, committed);
+    if (scenario_.planner.objective == scenario::PlanObjective::kMapping) {
+      add_map();
+    } else if (inputs_.belief) {
+      add_targets(*inputs_.belief);
+      add_landmarks(*inputs_.belief);
+    }
+    add_teammates(unseeing);
+    add_hovers_of_those_who_wait();
+    round_.search.fixed_information = fixed_information(round_.search, round_.teammates);
+    return std::move(round_);
+  }
+
+ private:
+  void begin(std::size_t robot, const models::Trajectory& committed);
+  void add_map();
+  void add_targets(const models::RobotBelief& belief);
+  void add_landmarks(const models::RobotBelief& belief);
+  void add_teammates(const std::vector<int>& unseeing);
+  void add_hovers_of_those_who_wait();
+  /// Whether a teammate at `place` can matter.
+  [[nodiscard]] bool is_near(const Pose2& place) const;
+
+  Workspace& workspace_;
+  const scenario::Scenario& scenario_;
+  const scenario::RobotSpec& spec_;
+  const PlanInputs& inputs_;
+  RoundProblem round_;
+};
+
+void Builder::begin(std::size_t robot, const models::Trajectory& committed) {
+  const scenario::PlannerSpec& planner = scenario_.planner;
+  SearchProblem& problem = round_.search;
+  problem.start_time = inputs_.slot.activation;
+  problem.start = committed.start;
+  problem.start_speed_mps = models::at(committed, committed.start_time).control.speed_mps;
+  problem.height_m = spec_.height_m;
+  problem.controls = spec_.primitives;
+  problem.horizon_steps = planner.horizon_steps;
+  problem.step_s = planner.step_s;
+  problem.sensors = {spec_.sensor};
+  problem.cost = CostKind::kLogDet;
+  problem.world = &scenario_.world;
+  problem.field = &workspace_.field();
+  problem.clearance_m = spec_.limits.radius_m + planner.obstacle_margin_m;
+  // Both vehicles may be off their plans by the tolerance at once.
+  problem.separation_m = planner.separation_m + 2.0 * planner.tracking_tolerance_m;
+  problem.separation_from_above = planner.separation_from_above;
+  problem.brake_mps2 = spec_.limits.brake_mps2;
+  problem.seed = draw_seed(scenario_.seed, robot, inputs_.slot.round);
+}
+
+void Builder::add_map() {
+  if (!inputs_.map) {
+    return;
+  }
+  const models::GridGeometry ground = models::map_geometry(scenario_.world, scenario_.mapping);
+  if (inputs_.map->grid == ground && std::ssize(inputs_.map->team_looks) == ground.size()) {
+    round_.looks = inputs_.map->team_looks;
+  } else {
+    ++round_.unusable_maps;
+  }
+}
+
+void Builder::add_targets(const models::RobotBelief& belief) {
+  const models::TargetModel& model = scenario_.estimator.target_model;
+  const double ahead_s = to_seconds(inputs_.slot.activation - belief.stamp.time);
+  const double step_s = scenario_.planner.step_s;
+  std::vector<SearchTarget>& targets = round_.search.targets;
+  for (const models::TargetBelief& target : belief.targets) {
+    const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
+                              ? models::to_gaussian(target.information)
+                              : std::nullopt;
+    const double unseen_s = std::max(0.0, to_seconds(belief.stamp.time - target.last_seen));
+    const models::Gaussian prior =
+        gaussian ? models::predict_unseen(*gaussian, model, ahead_s, unseen_s, step_s)
+                 : models::Gaussian{};
+    if (!gaussian || !is_searchable(prior) || targets.size() >= scenario_.targets.size()) {
+      ++round_.unusable_beliefs;
+      continue;
+    }
+    targets.push_back({model.as_planned((unseen_s + ahead_s) / step_s, step_s), prior});
+  }
+}
+
+void Builder::add_landmarks(const models::RobotBelief& belief) {
+  const models::ExplorationSpec& exploration = scenario_.planner.exploration;
+  if (exploration.landmarks_max <= 0) {
+    return;
+  }
+  const auto whole =
+      models::GridGeometry::covering(scenario_.world.bounds, scenario_.estimator.grid_resolution_m);
+  const bool is_one_grid = scenario_.network.neighbourhood_m > 0.0
+                               ? whole.place_of(belief.grid).has_value()
+                               : belief.grid == whole;
+  if (!is_one_grid || std::ssize(belief.last_seen_utime) != belief.grid.size()) {
+    ++round_.unusable_beliefs;
+    return;
+  }
+  const models::VisibilityGrid& grid = workspace_.ground(belief.grid, belief.last_seen_utime);
+  const models::TargetModel still{models::TargetKind::kStatic, 2, 0.0};
+  for (const models::Gaussian& landmark : models::exploration_landmarks(
+           grid, exploration, round_.search.start.position_m(), inputs_.slot.activation)) {
+    round_.search.targets.push_back({still, landmark});
+  }
+}
+
+bool Builder::is_near(const Pose2& place) const {
+  const double neighbourhood_m = scenario_.network.neighbourhood_m;
+  return neighbourhood_m <= 0.0 ||
+         (place.position_m() - round_.search.start.position_m()).norm() <= neighbourhood_m;
+}
+
+void Builder::add_teammates(const std::vector<int>& unseeing) {
+  for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
+    const scenario::RobotSpec& robot = scenario_.robots[i];
+    if (&robot == &spec_) {
+      continue;
+    }
+    FixedTeammate teammate;
+    teammate.robot = i;
+    teammate.sensor = robot.sensor;
+    teammate.jammed = contains(unseeing, static_cast<int>(i)) ||
+                      (inputs_.attack && contains(inputs_.attack->jammed, robot.name));
+    const auto plan = inputs_.team_plans.find(robot.name);
+    if (plan != inputs_.team_plans.end()) {
+      teammate.trajectory = plan->second.trajectory;
+    } else {
+      // Never heard: it hovers where mocap sees it, or where the scenario starts it.
+      const models::MocapBody* body = seen_body(inputs_, robot.name, i);
+      const Pose2 pose = body != nullptr ? flatten(body->world_from_body) : robot.start;
+      if (!is_near(pose)) {
+        continue;
+      }
+      teammate.trajectory = hover_at(pose, robot.height_m, inputs_.slot.activation);
+    }
+    round_.search.teammates.push_back(teammate.trajectory);
+    round_.teammates.push_back(std::move(teammate));
+  }
+}
+
+// Where teammates hover or stand that do not follow plans.
+void Builder::add_hovers_of_those_who_wait() {
+  for (const auto& [name, status] : inputs_.team_statuses) {
+    const std::optional<std::size_t> index = workspace_.index_of(name);
+    if (status.state == models::FlightState::kFollow || name == spec_.name || !index) {
+      continue;
+    }
+    const scenario::RobotSpec& robot = scenario_.robots[*index];
+    // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
+    if (const models::MocapBody* body = seen_body(inputs_, name, *index)) {
+      const double here_m = body->world_from_body.translation_m.z();
+      double height_m = robot.height_m;
+      if (status.state == models::FlightState::kHold) {  // it may be climbing there
+        height_m = nearest_height_m(spec_.height_m, here_m, robot.height_m);
+      } else if (status.state == models::FlightState::kLand) {
+        height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
+      }
+      round_.search.teammates.push_back(
+          hover_at(flatten(body->world_from_body), height_m, inputs_.slot.activation));
+    }
+  }
+}
+
+}  // namespace
+
+RoundProblem problem_of_round(Workspace& workspace, std::size_t robot, const PlanInputs& inputs,
+                              const models::Trajectory& committed,
+                              const std::vector<int>& unseeing) {
+  return Builder(workspace, robot, inputs).build(robot, committed, unseeing);
+}
+
+}  // namespace vantage::planner

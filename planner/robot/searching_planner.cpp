@@ -1,0 +1,52 @@
+#include "planner/robot/searching_planner.hpp"
+
+#include <algorithm>
+
+#include "planner/robot/way_out.hpp"
+
+namespace vantage::planner {
+namespace {
+
+bool rests(const models::Trajectory& motion) {
+  return std::all_of(motion.segments.begin(), motion.segments.end(),
+                     [](const auto& each) { return each.control.speed_mps == 0.0; });
+}
+
+}  // namespace
+
+models::RobotPlan SearchingPlanner::plan(SlotTask& task, const Deadline& deadline) {
+  if (task.is_bait) {
+    ++task.counts.baits;
+    if (auto plan = task.ladder.proposed(task.inputs.proposals.at(spec_.name).plan)) {
+      return *plan;
+    }
+  }
+  const RoundSearch::Found found = search_->plan(task.round, deadline);
+  const SearchResult& result = found.result;
+  task.ladder.set_nodes(result.replay_budget_nodes());
+  if (rests(task.committed) && !(result.found && result.moving_steps > 0)) {
+    if (auto turning = turn_to_a_way_out(task.round.search, found.is_boxed_in,
+                                         spec_.limits.yaw_rate_max_radps)) {
+      return task.ladder.turned(std::move(*turning));
+    }
+  }
+  const auto plan = task.ladder.searched(result);
+  return plan ? *plan : task.ladder.fall_back();
+}
+
+std::optional<models::PlanProposal> SearchingPlanner::propose(SlotTask& task,
+                                                              const Deadline& deadline) {
+  const RoundSearch::Found found = search_->plan(task.round, deadline);
+  task.ladder.set_nodes(found.result.replay_budget_nodes());
+  models::PlanProposal proposal;
+  proposal.stamp.time = task.inputs.slot.activation;
+  if (auto plan = task.ladder.searched(found.result)) {
+    proposal.plan = std::move(*plan);
+    proposal.value_nats = search_->gain_nats(task.round, found);
+  } else {
+    proposal.plan = task.ladder.fall_back();
+  }
+  return proposal;
+}
+
+}  // namespace vantage::planner

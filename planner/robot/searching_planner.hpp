@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "planner/robot/round_search.hpp"
+#include "planner/robot/slot_planner.hpp"
+#include "scenario/scenario.hpp"
+
+namespace vantage::planner {
+
+/// Searches against the teammates' newest plans (coordinate descent) or, in a team that expects
+/// attacks, against those that are no bait; bait does as it has proposed. At rest with nothing to
+/// do it turns to where it could go. Source: dissertation Alg. 9, 10 (RAIN).
+class SearchingPlanner : public SlotPlanner {
+ public:
+  /// `workspace` must outlive it.
+  SearchingPlanner(Workspace& workspace, std::size_t robot)
+      : spec_(workspace.scenario().robots[robot]), search_(make_round_search(workspace, robot)) {}
+  models::RobotPlan plan(SlotTask& task, const Deadline& deadline) override;
+  std::optional<models::PlanProposal> propose(SlotTask& task, const Deadline& deadline) override;
+
+ private:
+  const scenario::RobotSpec& spec_;
+  std::unique_ptr<RoundSearch> search_;
+};
+
+}  // namespace vantage::planner
