@@ -401,6 +401,17 @@ TEST(DrawPicture, ShowsTheMapOfATeamThatMaps) {
   EXPECT_NE(svg.find(role_colour("occupied")), std::string::npos);
 }
 
+// Where robots tell of what is around them alone, the picture has the whole ground all the same.
+TEST(SceneRecorder, HasTheWholeGroundBeforeAnyPartOfItIsTold) {
+  scenario::Scenario scenario = example().scenario;
+  scenario.network.neighbourhood_m = 2.0;
+  scenario.estimator.grid_resolution_m = 0.5;
+  const Scene scene = SceneRecorder(scenario).scene();
+  EXPECT_EQ(scene.grid.columns, 16);
+  EXPECT_EQ(scene.grid.rows, 8);
+  EXPECT_EQ(scene.last_seen_utime.size(), 128U);
+}
+
 TEST(SceneRecorder, KeepsAWholeTrackOfATrialOfDaysInBoundedMemory) {
   SceneRecorder recorder(example().scenario);
   constexpr int kFrames = 100'000;
