@@ -1,5 +1,6 @@
 #include "estimator/missed_detection.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -7,6 +8,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "estimator/moment_matching.hpp"
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
