@@ -466,5 +466,39 @@ TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
   }
 }
 
+// In the order in which they are published, and each under its name.
+TEST(FilterCounters, AreNamedOnceTheyCount) {
+  FilterCounters counters;
+  EXPECT_TRUE(counters.named().empty());
+  std::vector<models::NamedCount> expected;
+  const auto count = [&](const char* name, std::int64_t& counter) {
+    counter = 1 + static_cast<std::int64_t>(expected.size());
+    expected.push_back({name, counter});
+  };
+  count("steps_out_of_order", counters.steps_out_of_order);
+  count("stale_beliefs", counters.stale_beliefs);
+  count("future_beliefs", counters.future_beliefs);
+  count("malformed_beliefs", counters.malformed_beliefs);
+  count("grid_mismatches", counters.grid_mismatches);
+  count("repeated_looks", counters.repeated_looks);
+  count("late_measurements", counters.late_measurements);
+  count("too_late_measurements", counters.too_late_measurements);
+  count("future_measurements", counters.future_measurements);
+  count("jammed_looks", counters.jammed_looks);
+  count("malformed_detections", counters.malformed_detections);
+  count("surplus_detections", counters.surplus_detections);
+  count("gated", counters.gated);
+  count("unknown_ids", counters.unknown_ids);
+  count("undiscoverable", counters.undiscoverable);
+  count("singular", counters.singular);
+  counters.out_of_range_beliefs = counters.out_of_range_looks = counters.missed_detections = 99;
+  const std::vector<models::NamedCount> named = counters.named();
+  ASSERT_EQ(named.size(), expected.size());
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    EXPECT_EQ(named[i].name, expected[i].name);
+    EXPECT_EQ(named[i].count, expected[i].count) << named[i].name;
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator
