@@ -466,14 +466,12 @@ TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
   }
 }
 
-// In the order in which they are published, and each under its name.
 TEST(FilterCounters, AreNamedOnceTheyCount) {
   FilterCounters counters;
-  EXPECT_TRUE(counters.named().empty());
-  std::vector<models::NamedCount> expected;
+  std::vector<std::pair<std::string, std::int64_t>> expected, named;
   const auto count = [&](const char* name, std::int64_t& counter) {
     counter = 1 + static_cast<std::int64_t>(expected.size());
-    expected.push_back({name, counter});
+    expected.emplace_back(name, counter);
   };
   count("steps_out_of_order", counters.steps_out_of_order);
   count("stale_beliefs", counters.stale_beliefs);
@@ -492,12 +490,10 @@ TEST(FilterCounters, AreNamedOnceTheyCount) {
   count("undiscoverable", counters.undiscoverable);
   count("singular", counters.singular);
   counters.out_of_range_beliefs = counters.out_of_range_looks = counters.missed_detections = 99;
-  const std::vector<models::NamedCount> named = counters.named();
-  ASSERT_EQ(named.size(), expected.size());
-  for (std::size_t i = 0; i < named.size(); ++i) {
-    EXPECT_EQ(named[i].name, expected[i].name);
-    EXPECT_EQ(named[i].count, expected[i].count) << named[i].name;
+  for (const models::NamedCount& each : counters.named()) {
+    named.emplace_back(each.name, each.count);
   }
+  EXPECT_EQ(named, expected);
 }
 
 }  // namespace
