@@ -176,7 +176,7 @@ TEST(Reflection, AtAWallHasTheMomentsOfTheFoldedNormal) {
 }
 
 // All of a belief beyond one wall is its mirror image: what it knows of velocities is turned with
-// them, at each wall and in the corners.
+// them, at each wall and in the corners, and so on from wall to wall.
 TEST(Reflection, BeyondAWallIsTheMirrorImage) {
   std::mt19937_64 rng(17);
   for (int i = 0; i < 100; ++i) {
@@ -200,6 +200,9 @@ TEST(Reflection, BeyondAWallIsTheMirrorImage) {
       beyond.mean(1) = std::copysign(4.0, inside.mean(1)) - inside.mean(1);
       signs(1) = signs(3) = -1.0;
     }
+    const int rounds = i / 12 % 5 - 2;  // to the wall opposite and back
+    beyond.mean(0) += 16.0 * rounds;
+    beyond.mean(1) += 8.0 * rounds;
     beyond.mean(2) *= signs(2);
     beyond.mean(3) *= signs(3);
     beyond.covariance = signs.asDiagonal() * inside.covariance * signs.asDiagonal();

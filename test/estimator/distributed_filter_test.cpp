@@ -466,5 +466,35 @@ TEST(DistributedFilter, GoesBackNoFartherThanItsLastRebase) {
   }
 }
 
+TEST(FilterCounters, AreNamedOnceTheyCount) {
+  FilterCounters counters;
+  std::vector<std::pair<std::string, std::int64_t>> expected, named;
+  const auto count = [&](const char* name, std::int64_t& counter) {
+    counter = 1 + static_cast<std::int64_t>(expected.size());
+    expected.emplace_back(name, counter);
+  };
+  count("steps_out_of_order", counters.steps_out_of_order);
+  count("stale_beliefs", counters.stale_beliefs);
+  count("future_beliefs", counters.future_beliefs);
+  count("malformed_beliefs", counters.malformed_beliefs);
+  count("grid_mismatches", counters.grid_mismatches);
+  count("repeated_looks", counters.repeated_looks);
+  count("late_measurements", counters.late_measurements);
+  count("too_late_measurements", counters.too_late_measurements);
+  count("future_measurements", counters.future_measurements);
+  count("jammed_looks", counters.jammed_looks);
+  count("malformed_detections", counters.malformed_detections);
+  count("surplus_detections", counters.surplus_detections);
+  count("gated", counters.gated);
+  count("unknown_ids", counters.unknown_ids);
+  count("undiscoverable", counters.undiscoverable);
+  count("singular", counters.singular);
+  counters.out_of_range_beliefs = counters.out_of_range_looks = counters.missed_detections = 99;
+  for (const models::NamedCount& each : counters.named()) {
+    named.emplace_back(each.name, each.count);
+  }
+  EXPECT_EQ(named, expected);
+}
+
 }  // namespace
 }  // namespace vantage::estimator

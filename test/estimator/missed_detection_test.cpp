@@ -1,5 +1,6 @@
 #include "estimator/missed_detection.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -7,6 +8,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "estimator/moment_matching.hpp"
 #include "test/estimator/filter_support.hpp"
 #include "test/support/near.hpp"
 
@@ -26,6 +28,22 @@ models::SensorModel disc(double range_max_m) {
 }
 
 Gaussian standard() { return {Eigen::Vector2d(2.0, 0.0), Eigen::Matrix2d::Identity()}; }
+
+TEST(ProductRule, ReachesAsFarAsItsFarthestPointAndNotMuchFarther) {
+  models::PositionMatrix L = models::PositionMatrix::Zero(2, 2);
+  L << 0.5, 0.0, -0.2, 0.3;
+  const ProductRule& rule = ProductRule::of(2);
+  double farthest_m = 0.0;
+  for (int i = 0; i < rule.size; ++i) {
+    for (int j = 0; j < rule.size; ++j) {
+      const Eigen::Vector2d u(rule.point[static_cast<std::size_t>(i)],
+                              rule.point[static_cast<std::size_t>(j)]);
+      farthest_m = std::max(farthest_m, (L * u).norm());
+    }
+  }
+  EXPECT_GE(rule.reach_m(L), farthest_m - 1e-12);
+  EXPECT_LE(rule.reach_m(L), 1.5 * farthest_m);
+}
 
 TEST(MissedDetection, ChangesNothingWhenNothingOfTheBeliefWasCovered) {
   const Gaussian belief = standard();

@@ -271,6 +271,20 @@ TEST(MultiTargetFilter, CountsWhatItCannotUse) {
   EXPECT_EQ(filter.counters().beyond_capacity, 1);
 }
 
+// A distance alone does not say where to begin a track.
+TEST(MultiTargetFilter, CountsWhatIsNobodysAndSaysNotWhere) {
+  MultiTargetFilter filter(spec_of(1, {0.9, 1.0}));
+  auto tracks = filter.no_tracks();
+  models::SensorModel sensor = lab_sensor();
+  sensor.kind = models::SensorKind::kRange;
+  std::mt19937_64 rng(1);
+  const models::Measurement z = models::sample(sensor, at(0, 0), Eigen::Vector2d(1.0, 0.0), rng);
+  const std::vector<models::Detection> look = {{-1, z}, {-1, z}};
+  filter.look(tracks, sensor, at(0, 0), instant(1), look);
+  EXPECT_EQ(filter.counters().malformed, 2);
+  EXPECT_EQ(filter.counters().births, 0);
+}
+
 TEST(MultiTargetFilter, RefusesSpecsThatMakeNoSense) {
   MultiTargetSpec spec = spec_of(3, {});
   spec.tracks_max = 2;

@@ -198,6 +198,29 @@ TEST(RoverFleet, RefusesASpeedThatRoversCannotDrive) {
   EXPECT_THROW(RoverFleet(scenario.world, truth, {}, 1), UsageError);
 }
 
+// Off a wall one component is turned, whichever wall it is; only in a corner both are.
+TEST(Drifters, KeepTheirWayAlongAWallTheyBounceOff) {
+  models::World world;
+  world.bounds = {{-5.0, -5.0}, {5.0, 5.0}};
+  Drifters drifters(world, {{{0.0, 0.0}, 0.2}}, 0.05, 2.0, 3);
+  int bounces[2] = {};
+  for (int step = 0; step < 60'000; ++step) {
+    const Eigen::Vector2d before_m = drifters.disc(0).centre_m;
+    const Eigen::Vector2d before_mps = drifters.velocity_mps(0);
+    drifters.step(kDtS);
+    const bool is_in_a_corner = before_m.cwiseAbs().minCoeff() > 4.5;
+    if (drifters.disc(0).centre_m != before_m || is_in_a_corner ||
+        before_mps.cwiseAbs().minCoeff() < 0.1) {
+      continue;
+    }
+    const Eigen::Array2d turned = drifters.velocity_mps(0).array() * before_mps.array();
+    EXPECT_EQ((turned < 0.0).count(), 1) << before_m.transpose();
+    ++bounces[turned.x() < 0.0 ? 0 : 1];
+  }
+  EXPECT_GT(bounces[0], 5);
+  EXPECT_GT(bounces[1], 5);
+}
+
 TEST(Drifters, StayInsideAndApartForTenMinutes) {
   const models::World world = test::lab_scenario().world;
   const std::vector<Disc> starts{{{0.5, 0.5}, 0.2},

@@ -1,5 +1,6 @@
 #include "trial/trial.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -125,6 +126,18 @@ TEST(RunTrial, StoppedEarlyIsTheShorterTrial) {
   const TrialResult shorter = run_trial(scenario, trial_recipes(scenario));
   EXPECT_FALSE(shorter.was_stopped);
   EXPECT_EQ(logs::to_json(stopped.summary).dump(), logs::to_json(shorter.summary).dump());
+}
+
+TEST(RunTrial, SaysHowFarItIs) {
+  const scenario::Scenario scenario = short_lab(5);
+  std::vector<double> shares;
+  TrialOptions options;
+  options.progress = [&](double share) { shares.push_back(share); };
+  run_trial(scenario, trial_recipes(scenario), options);
+  ASSERT_GT(shares.size(), 5U);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_LT(shares.front(), 0.2);
+  EXPECT_NEAR(shares.back(), 1.0, 1e-9);
 }
 
 TEST(RunTrial, RefusesATimeBudgetInVirtualTime) {

@@ -291,6 +291,29 @@ TEST_F(BusAgainstRawBytes, NeverShowsADuplicateAnOvertakenMessageOrAnOldRun) {
   EXPECT_EQ(count_of(bus_, "SINGLE.restarts"), 1);
 }
 
+TEST_F(BusAgainstRawBytes, SaysOfManyStreamsWhatTheyCameToTogether) {
+  bus_.subscribe<models::RobotPlan>(plan_channel("*"), [](const auto&) {});
+  const auto say = [&](int robot, std::int64_t run, std::int64_t sequence) {
+    models::RobotPlan plan;
+    plan.stamp.time = from_utime(10 * run + sequence);
+    plan.stamp.run_id = run;
+    plan.stamp.sequence = sequence;
+    send_bytes(test::encoded(plan), "PLAN_" + std::to_string(robot));
+  };
+  for (int robot = 0; robot < 300; ++robot) {
+    say(robot, 1, 0);
+    say(robot, 1, 3);
+    say(robot, 1, 3);
+  }
+  say(7, 2, 0);
+  say(8, 2, 0);
+  say(8, 3, 0);
+  EXPECT_EQ(count_of(bus_, "PLAN_*.fresh"), 603);
+  EXPECT_EQ(count_of(bus_, "PLAN_*.duplicates"), 300);
+  EXPECT_EQ(count_of(bus_, "PLAN_*.restarts"), 3);
+  EXPECT_EQ(count_of(bus_, "PLAN_7.fresh"), 0) << "each by itself would be too many";
+}
+
 TEST_F(BusAgainstRawBytes, KeepsItsBooksBoundedUnderAFloodOfChannelNames) {
   bus_.subscribe<models::RobotPlan>(plan_channel("*"), [](const auto&) {});
   for (int i = 0; i < 20'000; ++i) {

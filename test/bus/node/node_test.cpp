@@ -1,6 +1,8 @@
 #include "bus/node/node.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
 
 namespace vantage::bus {
 namespace {
@@ -105,6 +107,37 @@ TEST_F(RunNode, AsksWhetherToStopEvenWhenTheNodeSleepsLong) {
   run_node(bus_, sleeper, clock_, [&] { return ++asked > 10; });
   EXPECT_TRUE(sleeper.ticks.empty());
   EXPECT_LE(transport_.longest_wait(), milliseconds(50));
+}
+
+/// Its device has nothing to say for twenty seconds.
+class TickerWithADevice : public Ticker {
+ public:
+  using Ticker::Ticker;
+  TickerWithADevice(const TickerWithADevice&) = delete;
+  TickerWithADevice& operator=(const TickerWithADevice&) = delete;
+  TickerWithADevice(TickerWithADevice&&) = delete;
+  TickerWithADevice& operator=(TickerWithADevice&&) = delete;
+  ~TickerWithADevice() override { close(device_); }
+  [[nodiscard]] int wakes_on() const override { return device_; }
+  void start() {
+    const itimerspec after{{}, {20, 0}};
+    ASSERT_EQ(timerfd_settime(device_, 0, &after, nullptr), 0);
+  }
+  [[nodiscard]] bool has_spoken() const {
+    std::uint64_t times = 0;
+    return read(device_, &times, sizeof times) > 0;
+  }
+
+ private:
+  int device_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK);
+};
+
+TEST_F(RunNode, WaitsNoLongerForADeviceThanUntilTheNodesTime) {
+  TickerWithADevice node(start_ + milliseconds(1), milliseconds(1));
+  node.start();
+  int asked = 0;
+  run_node(bus_, node, clock_, [&] { return ++asked > 3; });
+  EXPECT_FALSE(node.has_spoken());
 }
 
 TEST_F(RunNode, ReportsItsHealthEachSecondFromStartingToStopping) {

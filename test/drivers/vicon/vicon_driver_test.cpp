@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/check.hpp"
+#include "core/write_file.hpp"
 #include "sim/vicon/recorded_flight.hpp"
 #include "test/drivers/vicon/vicon_bench.hpp"
 #include "test/support/near.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace vantage::drivers::vicon {
 namespace {
@@ -17,6 +20,26 @@ using test::is_near;
 using test::kPeriod;
 using test::spec_of;
 using test::ViconBench;
+
+TEST(ReadFlight, TakesEvenTimesAndUnitQuaternionsAlone) {
+  const vantage::test::TemporaryFolder folder;
+  const auto is_taken = [&](const std::string& third_row) {
+    const std::string path = folder.file("flight.csv");
+    write_file(path,
+               "t,x,y,z,qw,qx,qy,qz\n1,0,0,1,1,0,0,0\n1.01,0,0,1,1,0,0,0\n" + third_row + "\n");
+    try {
+      return sim::vicon::read_flight(path).world_from_body.size() == 3;
+    } catch (const StartupError&) {
+      return false;
+    }
+  };
+  EXPECT_TRUE(is_taken("1.02,0,0,1,0.6,0,0,-0.8"));
+  EXPECT_FALSE(is_taken("1.025,0,0,1,1,0,0,0"));
+  EXPECT_FALSE(is_taken("1.015,0,0,1,1,0,0,0"));
+  EXPECT_FALSE(is_taken("1.02,0,0,1,1.01,0,0,0"));
+  EXPECT_FALSE(is_taken("1.02,0,0,1,0.99,0,0,0"));
+  EXPECT_FALSE(is_taken("1.02,0,0,1,1,0,0"));
+}
 
 /// Each protocol, and each way to ask for a DataStream.
 struct Way {

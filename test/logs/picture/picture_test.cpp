@@ -1,11 +1,10 @@
 #include "logs/picture/picture.hpp"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
-#include <stack>
 #include <string_view>
 #include <tuple>
 
@@ -15,83 +14,16 @@
 #include "logs/picture/label_placer.hpp"
 #include "logs/picture/layout.hpp"
 #include "logs/picture/svg.hpp"
+#include "test/logs/picture/svg_text.hpp"
 #include "test/support/temporary_folder.hpp"
 
 namespace vantage::logs {
 namespace {
 
-/// One tag of XML, between < and >.
-struct Tag {
-  std::string name;
-  bool is_closing = false;
-  bool is_empty = false;
-  bool is_good = false;  ///< name and attributes are as XML wants them
-};
-
-Tag parse_tag(std::string inside) {
-  Tag tag;
-  tag.is_closing = inside.starts_with('/');
-  tag.is_empty = inside.ends_with('/');
-  const std::size_t first = tag.is_closing ? 1 : 0;
-  inside = inside.substr(first, inside.size() - first - (tag.is_empty ? 1 : 0));
-  const std::size_t name_end = std::min(inside.find(' '), inside.size());
-  tag.name = inside.substr(0, name_end);
-  tag.is_good = !tag.name.empty() && !(tag.is_closing && name_end != inside.size());
-  std::set<std::string> seen;
-  std::size_t at = inside.find_first_not_of(' ', name_end);
-  while (tag.is_good && at < inside.size()) {
-    const std::size_t equals = inside.find("=\"", at);
-    const std::size_t end = equals == std::string::npos ? equals : inside.find('"', equals + 2);
-    const std::string key = inside.substr(at, equals == std::string::npos ? 0 : equals - at);
-    tag.is_good = end != std::string::npos && !key.empty() &&
-                  key.find_first_of(" <\"") == std::string::npos && seen.insert(key).second &&
-                  (end + 1 == inside.size() || inside[end + 1] == ' ');
-    at = tag.is_good ? inside.find_first_not_of(' ', end + 1) : at;
-  }
-  return tag;
-}
-
-/// Why `text` is not well-formed XML (tags nested and closed, attributes quoted and not repeated,
-/// nothing but known entities); empty when it is.
-std::string xml_fault(const std::string& text) {
-  constexpr std::array<std::string_view, 5> kEntities = {"&amp;", "&lt;", "&gt;", "&quot;",
-                                                         "&apos;"};
-  std::stack<std::string> open;
-  const std::size_t prologue = text.find("?>");
-  for (std::size_t at = prologue == std::string::npos ? 0 : prologue + 2; at < text.size(); ++at) {
-    const std::string_view rest = std::string_view(text).substr(at);
-    if (rest[0] == '&' && std::none_of(kEntities.begin(), kEntities.end(),
-                                       [&](std::string_view e) { return rest.starts_with(e); })) {
-      return "unknown entity: " + std::string(rest.substr(0, 60));
-    }
-    if (rest[0] != '<') {
-      continue;
-    }
-    const std::size_t end = rest.find('>');
-    const Tag tag = parse_tag(std::string(rest.substr(1, std::min(end, rest.size()) - 1)));
-    if (end == std::string_view::npos || !tag.is_good) {
-      return "cannot read: " + std::string(rest.substr(0, 60));
-    }
-    if (tag.is_closing && (open.empty() || open.top() != tag.name)) {
-      return "closes " + tag.name + " that is not open";
-    }
-    if (tag.is_closing) {
-      open.pop();
-    } else if (!tag.is_empty) {
-      open.push(tag.name);
-    }
-    at += end;
-  }
-  return open.empty() ? "" : "never closes " + open.top();
-}
-
-int count(const std::string& text, const std::string& what) {
-  int found = 0;
-  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) {
-    ++found;
-  }
-  return found;
-}
+using test::count;
+using test::elements;
+using test::number;
+using test::xml_fault;
 
 struct Example {
   scenario::Scenario scenario;
@@ -192,6 +124,152 @@ TEST(DrawPicture, DrawsTheEllipseThatHoldsWhatTheLegendSays) {
   EXPECT_NE(svg.find("estimate: mean and 95 % ellipse"), std::string::npos);
 }
 
+Example in_a_square() {
+  Example out = example();
+  out.scenario.world.bounds = {{-3.0, -3.0}, {3.0, 3.0}};
+  return out;
+}
+
+TEST(DrawPicture, MarksBothAxesFromEndToEnd) {
+  const Example it = in_a_square();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  std::map<std::string, std::string> bounds;
+  for (const auto& each : elements(svg, "rect")) {
+    bounds = each.contains("class") && each.at("class") == "bounds" ? each : bounds;
+  }
+  const double left_px = number(bounds, "x");
+  const double top_px = number(bounds, "y");
+  const double right_px = left_px + number(bounds, "width");
+  const double bottom_px = top_px + number(bounds, "height");
+  std::multiset<std::string> below;
+  std::multiset<std::string> beside;
+  for (const auto& each : elements(svg, "text")) {
+    const bool is_beside = number(each, "x") < left_px;
+    if (is_beside && each.at("words") != "y (m)") {
+      beside.insert(each.at("words"));
+    } else if (!is_beside && number(each, "y") > bottom_px && each.at("words") != "x (m)") {
+      below.insert(each.at("words"));
+    }
+  }
+  EXPECT_EQ(below, beside);
+  EXPECT_TRUE(below.contains("-3") && below.contains("0") && below.contains("3"));
+  std::size_t upright = 0;
+  std::size_t level = 0;
+  for (const auto& each : elements(svg, "line")) {
+    if (each.contains("stroke-opacity") && each.at("stroke-opacity") == "0.06") {
+      const bool is_level = each.at("y1") == each.at("y2");
+      (is_level ? level : upright) += 1;
+      EXPECT_NEAR(number(each, is_level ? "x1" : "y1"), is_level ? left_px : top_px, 0.02);
+      EXPECT_NEAR(number(each, is_level ? "x2" : "y2"), is_level ? right_px : bottom_px, 0.02);
+    }
+  }
+  EXPECT_EQ(level, beside.size());
+  EXPECT_EQ(upright, below.size());
+}
+
+TEST(DrawPicture, DrawsAViewAllAroundAsFarAsItReaches) {
+  const Example it = example();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  int circles = 0;
+  for (const auto& each : elements(svg, "circle")) {
+    if (each.contains("class") && each.at("class") == "view") {
+      ++circles;
+      EXPECT_EQ(each.at("r"), "130.00") << "8 m are 1040 px";
+    }
+  }
+  EXPECT_EQ(circles, 1);
+}
+
+Example with_many_robots() {
+  Example out = example();
+  out.scenario.robots.resize(40, out.scenario.robots[1]);
+  for (std::size_t i = 2; i < out.scenario.robots.size(); ++i) {
+    out.scenario.robots[i].name = "Q" + std::to_string(i + 1);
+  }
+  out.scene.jammed = {"Q2"};
+  out.scenario.estimator.grid_memory_s = 30.0;
+  return out;
+}
+
+TEST(DrawPicture, KeepsOnThePageWhatItWrites) {
+  for (const Example& it : {example(), in_a_square(), with_many_robots()}) {
+    const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+    const auto page = elements(svg, "svg").at(0);
+    for (const auto& each : elements(svg, "text")) {
+      EXPECT_GT(number(each, "x"), 0.0) << each.at("words");
+      EXPECT_LT(number(each, "x"), number(page, "width")) << each.at("words");
+      EXPECT_GT(number(each, "y"), 0.0) << each.at("words");
+      EXPECT_LT(number(each, "y"), number(page, "height")) << each.at("words");
+    }
+  }
+}
+
+TEST(DrawPicture, PutsEachSymbolOfTheLegendBesideItsWords) {
+  const Example it = with_many_robots();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  std::map<std::string, std::string> head;
+  for (const auto& each : elements(svg, "text")) {
+    head = each.at("words") == "Legend" ? each : head;
+  }
+  std::vector<double> rows_px;  // where the middle of a row's words is
+  double words_px = 0.0;
+  for (const auto& each : elements(svg, "text")) {
+    if (number(each, "x") >= number(head, "x") && number(each, "y") > number(head, "y")) {
+      rows_px.push_back(number(each, "y") - 4.5);
+      words_px = number(each, "x");  // the last: of those with one symbol a row
+    }
+  }
+  int symbols = 0;
+  const auto expect_beside = [&](double left_px, double right_px, double top_px, double bottom_px) {
+    if (left_px < number(head, "x") || top_px < number(head, "y")) {
+      return;
+    }
+    ++symbols;
+    EXPECT_LT(right_px, words_px);
+    EXPECT_LE(bottom_px - top_px, 20.0) << "or it reaches into the next row";
+    const double middle_px = 0.5 * (top_px + bottom_px);
+    EXPECT_TRUE(std::any_of(rows_px.begin(), rows_px.end(), [&](double row_px) {
+      return std::abs(row_px - middle_px) < 0.1;
+    })) << middle_px;
+  };
+  for (const auto& each : elements(svg, "rect")) {
+    if (each.contains("x")) {
+      expect_beside(number(each, "x"), number(each, "x") + number(each, "width"), number(each, "y"),
+                    number(each, "y") + number(each, "height"));
+    }
+  }
+  for (const auto& each : elements(svg, "line")) {
+    expect_beside(number(each, "x1"), number(each, "x2"),
+                  std::min(number(each, "y1"), number(each, "y2")),
+                  std::max(number(each, "y1"), number(each, "y2")));
+  }
+  EXPECT_EQ(symbols, 8);
+}
+
+TEST(DrawPicture, WritesTheNameOfARobotBesideIt) {
+  Example it = example();
+  it.scenario.robots.resize(1);
+  it.scenario.targets.clear();
+  it.scene.targets.clear();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  const Layout layout(it.scenario.world.bounds, 0.0);
+  const Eigen::Vector2d robot_px =
+      layout.page_from_world(it.scene.robots.at("Q1").world_from_body->position_m());
+  int names = 0;
+  for (const auto& each : elements(svg, "text")) {
+    if (each.at("words") == "Q1" && number(each, "x") < layout.panel_corner_px.x()) {
+      ++names;
+      const double size_px = number(each, "font-size");
+      const Eigen::Vector2d middle_px(number(each, "x"), number(each, "y") - 0.3 * size_px);
+      const Eigen::Vector2d away_px =
+          (middle_px - robot_px).cwiseAbs() - 0.5 * Eigen::Vector2d(1.36, 1.05) * size_px;
+      EXPECT_GT(away_px.maxCoeff(), 8.0) << "the robot is under it";
+      EXPECT_LT(away_px.cwiseMax(0.0).norm(), 42.0) << "as far as room is looked for";
+    }
+  }
+  EXPECT_EQ(names, 1);
+}
+
 TEST(DrawPicture, PaintsAJammedRobotRedWithItsOwnColourInside) {
   Example it = example();
   const auto red = std::string(role_colour("jammed"));
@@ -228,6 +306,17 @@ TEST(DrawPicture, ShowsTheMapOfATeamThatMaps) {
     EXPECT_NE(svg.find(words), std::string::npos) << words;
   }
   EXPECT_NE(svg.find(role_colour("occupied")), std::string::npos);
+}
+
+// Where robots tell of what is around them alone, the picture has the whole ground all the same.
+TEST(SceneRecorder, HasTheWholeGroundBeforeAnyPartOfItIsTold) {
+  scenario::Scenario scenario = example().scenario;
+  scenario.network.neighbourhood_m = 2.0;
+  scenario.estimator.grid_resolution_m = 0.5;
+  const Scene scene = SceneRecorder(scenario).scene();
+  EXPECT_EQ(scene.grid.columns, 16);
+  EXPECT_EQ(scene.grid.rows, 8);
+  EXPECT_EQ(scene.last_seen_utime.size(), 128U);
 }
 
 TEST(SceneRecorder, KeepsAWholeTrackOfATrialOfDaysInBoundedMemory) {

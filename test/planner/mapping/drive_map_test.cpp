@@ -99,6 +99,39 @@ TEST(DriveMap, MeasuresTheWayToTheUnknown) {
   EXPECT_TRUE(std::isinf(map.to_frontier_m({-9.0, 0.0})));
 }
 
+// Left for right, and up for down.
+TEST(DriveMap, MeasuresTheSameWayInAMirror) {
+  test::Random random(4603);
+  const int columns = kGrid.columns;
+  const int rows = kGrid.rows;
+  int on_the_way = 0;
+  for (int i = 0; i < 20; ++i) {
+    const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
+    const DriveMap map(belief, {});
+    for (const bool is_upside_down : {false, true}) {
+      const auto mirrored = [&](int cell) {
+        const int column = cell % columns;
+        const int row = cell / columns;
+        return is_upside_down ? (rows - 1 - row) * columns + column
+                              : row * columns + columns - 1 - column;
+      };
+      OccupancyBelief turned(kGrid, 3.0);
+      for (int cell = 0; cell < kGrid.size(); ++cell) {
+        turned.add_log_odds(mirrored(cell), belief.log_odds(cell));
+      }
+      const DriveMap of_turned(turned, {});
+      for (int cell = 0; cell < kGrid.size(); ++cell) {
+        const double way_m = map.to_frontier_m(kGrid.centre_m(cell));
+        const double turned_m = of_turned.to_frontier_m(kGrid.centre_m(mirrored(cell)));
+        EXPECT_TRUE(way_m == turned_m || std::abs(way_m - turned_m) < 1e-9)
+            << way_m << " and " << turned_m;
+        on_the_way += way_m > 0.0 && std::isfinite(way_m) ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(on_the_way, 1'000);
+}
+
 TEST(DriveMap, GoesAroundWallsToTheUnknownAndKnowsWhenThereIsNoWay) {
   OccupancyBelief belief(kGrid, 3.0);
   for (int cell = 0; cell < kGrid.size(); ++cell) {

@@ -7,6 +7,7 @@
 
 #include "planner/search/arvi.hpp"
 #include "planner/search/root_bound.hpp"
+#include "test/planner/search/full_tree.hpp"
 #include "test/planner/search/same_result.hpp"
 #include "test/planner/search/solved_problems.hpp"
 #include "test/support/allocation_counter.hpp"
@@ -215,6 +216,84 @@ TEST(BestFirst, AllocatesNothingEvenOnAProblemNeverSeenBefore) {
       EXPECT_EQ(allocations.count(), 0u) << "seed " << seed;
     }
   }
+}
+
+// Once it has a plan, apart from the way to that: below whose bound nothing is cheaper is left
+// alone.
+TEST(WeightedAStar, ExpandsOnlyNodesThatMightLeadToSomethingBetter) {
+  BestFirstSearch search(small_capacity());
+  InformationHeuristic heuristic(8, 8);
+  BestFirstOptions how = options(BestFirst::kAegis, 3.0);
+  how.dive_every = 0;
+  how.bound = NodeBound::kReach;
+  std::int64_t left_alone = 0;
+  for (const test::SolvedProblem& each : solved()) {
+    const SearchProblem& problem = each.owned.problem;
+    if (!each.best.found) {
+      continue;
+    }
+    SearchResult first;
+    for (std::int64_t nodes = 1; first.moving_steps < problem.horizon_steps; ++nodes) {
+      first = search.plan(problem, how, Deadline::nodes(nodes));
+    }
+    const test::FullTree full(problem);
+    heuristic.reset(problem, full.expander.beliefs());
+    std::vector<double> bounds(full.tree.node_count(), -kInfinity);
+    std::int64_t might = 0;
+    for (NodeId id = 0; id < full.tree.node_count(); ++id) {
+      const Node& node = full.tree[id];
+      if (node.depth == problem.horizon_steps) {
+        continue;
+      }
+      bounds[id] = node.cost +
+                   heuristic.cost_to_go(node.world_from_body, node.depth, full.tree.posterior(id));
+      if (node.parent != kNoNode) {
+        bounds[id] = std::max(bounds[id], bounds[node.parent]);
+      }
+      (bounds[id] <= first.cost + slack(first.cost) ? might : left_alone) += 1;
+    }
+    const std::int64_t expanded = search.plan(problem, how, Deadline::never()).nodes_expanded;
+    EXPECT_LE(expanded, might + problem.horizon_steps) << "seed " << each.seed;
+  }
+  EXPECT_GT(left_alone, 1'000);
+}
+
+TEST(BestFirst, DivesNoMoreOftenThanItIsTold) {
+  BestFirstSearch search(small_capacity());
+  BestFirstOptions how = options(BestFirst::kAStar);
+  const auto work_when_diving_every = [&](int nodes) {
+    how.dive_every = nodes;
+    std::int64_t sum = 0;
+    for (const test::SolvedProblem& each : solved()) {
+      sum += search.plan(each.owned.problem, how, Deadline::never()).nodes_generated;
+    }
+    return sum;
+  };
+  EXPECT_LT(work_when_diving_every(1'000'000), work_when_diving_every(1));
+}
+
+TEST(BestFirst, IsAsFarWhenItsMemoryEndsAsWhenItsTimeDoes) {
+  BestFirstSearch with_room(small_capacity());
+  int full = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const OwnedProblem owned = test::random_problem(seed);
+    for (const std::size_t doubles : {100U, 300U, 1'000U, 3'000U}) {
+      SearchCapacity capacity = small_capacity();
+      capacity.block_doubles_max = doubles;
+      BestFirstSearch search(capacity);
+      const SearchResult result =
+          search.plan(owned.problem, options(BestFirst::kAStar), Deadline::never());
+      if (result.stop_reason != StopReason::kMemory) {
+        continue;
+      }
+      ++full;
+      const SearchResult& by_time = with_room.plan(owned.problem, options(BestFirst::kAStar),
+                                                   Deadline::nodes(result.work_nodes));
+      EXPECT_EQ(result.cost, by_time.cost) << "seed " << seed << ", " << doubles;
+      EXPECT_EQ(result.lower_bound, by_time.lower_bound) << "seed " << seed << ", " << doubles;
+    }
+  }
+  EXPECT_GT(full, 50);
 }
 
 TEST(BestFirst, SaysWhenItsArenaIsFullAndStillHasAPlanAndABound) {

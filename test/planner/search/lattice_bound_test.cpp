@@ -221,6 +221,34 @@ TEST(PrefixBound, StopsAtTheDeadlineAndSaysWhatIsProven) {
   }
 }
 
+// Of a hundred and fifty targets in sight a node's blocks take fifteen hundred numbers.
+TEST(PrefixBound, GoesOnAsLongAsItIsToldToHoweverManyTargetsThereAre) {
+  std::mt19937_64 rng(5);
+  OwnedProblem owned;
+  SearchProblem& problem = owned.problem;
+  problem.horizon_steps = 6;
+  problem.controls = {{1.0, 0.0}, {1.0, 1.0}, {1.0, -1.0}};
+  models::SensorModel sensor;
+  sensor.kind = models::SensorKind::kPosition;
+  sensor.range_max_m = 0.7;
+  problem.sensors = {sensor};
+  for (int m = 0; m < 150; ++m) {
+    SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.01}, {}};
+    target.prior.mean =
+        Eigen::Vector4d(test::uniform(rng, -0.1, 0.1), test::uniform(rng, -0.1, 0.1), 0.0, 0.0);
+    target.prior.covariance = Eigen::Matrix4d::Identity();
+    problem.targets.push_back(target);
+  }
+  Expander expander(150, 8, 1);
+  expander.reset(problem);
+  PrefixBound prefix(150, 8);
+  prefix.reset(problem, expander);
+  ASSERT_FALSE(prefix.is_empty());
+  std::int64_t work_nodes = 0;
+  static_cast<void>(prefix.raise(30'000'000, Deadline::never(), work_nodes));
+  EXPECT_GE(work_nodes, 30'000'000);
+}
+
 TEST(PrefixBound, AllocatesNothing) {
   if (!test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "not with sanitizers";

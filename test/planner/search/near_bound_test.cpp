@@ -115,6 +115,36 @@ TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
   EXPECT_GT(tighter, 150);
 }
 
+// Beside a target a robot that goes a metre a step is once, one that can stay longer: the bound
+// knows them apart at the end of the horizon as at its beginning.
+TEST(NearBound, LetsNobodyBeBesideATargetTwiceWhoHasToMoveOn) {
+  RootBound root(8, 8);
+  BeliefTable beliefs(8, 8);
+  for (int k = 1; k <= 4; ++k) {
+    SearchProblem problem;
+    problem.horizon_steps = 5;
+    problem.step_s = 1.0;
+    models::SensorModel sensor;
+    sensor.kind = models::SensorKind::kBearing;
+    sensor.range_min_m = 1e-3;
+    sensor.range_max_m = 20.0;
+    problem.sensors = {sensor};
+    problem.targets = {
+        {{models::TargetKind::kDoubleIntegrator, 2, 0.01},
+         {Eigen::Vector4d(k, 0.0, 0.0, 0.0), Eigen::Vector4d(1.0, 1.0, 0.01, 0.01).asDiagonal()}}};
+    const auto bound_with = [&](const std::vector<models::UnicycleControl>& controls) {
+      problem.controls = controls;
+      beliefs.reset(problem);
+      static_cast<void>(root.of_any_plan(problem, beliefs));
+      std::int64_t work_nodes = 0;
+      return root.of_moving_plan(Deadline::never(), work_nodes).cost;
+    };
+    const double moves = bound_with({{1.0, 0.0}, {-1.0, 0.0}});
+    const double stays = bound_with({{1.0, 0.0}, {-1.0, 0.0}, {0.0, 0.0}});
+    EXPECT_GT(moves, stays + 5.0) << "first beside it at step " << k;
+  }
+}
+
 // Several targets half a metre to a metre apart, and a robot among them that cannot get away or
 // right beside one: near all of them at every step, where discs that overlapped would let it be
 // near one at a time.

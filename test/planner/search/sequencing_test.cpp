@@ -170,6 +170,77 @@ TEST(SequencingBound, LeavesTheOptimumWhatItIs) {
   EXPECT_LT(10 * expanded_by_sequence, 9 * expanded_by_reach);
 }
 
+// Four targets around a robot that can look at one at a time: already with memory for no sequence
+// they cost more together than each by itself.
+TEST(SequencingBound, LooksAtOnePlaceAtATimeHoweverSoonItIsCutOff) {
+  InformationHeuristic heuristic(8, 8);
+  SequencingBound sequencing(8, 8, 1);
+  BeliefTable beliefs(8, 8);
+  const auto bound_of = [&](const std::vector<Eigen::Vector2d>& places_m) {
+    SearchProblem problem;
+    problem.horizon_steps = 8;
+    problem.step_s = 1.0;
+    for (int c = 0; c < 40; ++c) {  // what follows each takes all the memory there is
+      problem.controls.push_back({0.6, kPi * (c - 20) / 40.0});
+    }
+    models::SensorModel sensor;
+    sensor.kind = models::SensorKind::kPosition;
+    sensor.range_max_m = 1.0;
+    problem.sensors = {sensor};
+    for (const Eigen::Vector2d& place_m : places_m) {
+      problem.targets.push_back(
+          {{models::TargetKind::kStatic, 2, 0.0}, {place_m, Eigen::Matrix2d::Identity()}});
+    }
+    beliefs.reset(problem);
+    heuristic.reset(problem, beliefs);
+    sequencing.reset(problem, beliefs, heuristic);
+    std::int64_t work_nodes = 0;
+    return sequencing.cost_to_go({}, 0, {}, kInfinity, Deadline::never(), work_nodes).cost;
+  };
+  std::vector<Eigen::Vector2d> ring_m;
+  double each = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    const double bearing_rad = 0.5 * kPi * i;
+    ring_m.emplace_back(1.5 * std::cos(bearing_rad), 1.5 * std::sin(bearing_rad));
+    each += bound_of({ring_m.back()});
+  }
+  EXPECT_GT(bound_of(ring_m), each + 40.0);
+}
+
+// Two heaps of targets, merged into places, each in reach late in a long horizon: whoever has been
+// to one has no time for the other.
+TEST(SequencingBound, LetsNobodyBeAtTwoFarPlacesOfALongHorizon) {
+  constexpr int kSteps = 200;
+  InformationHeuristic heuristic(16, kSteps);
+  SequencingBound sequencing(16, kSteps, 2'000);
+  BeliefTable beliefs(16, kSteps);
+  const auto bound_of = [&](const std::vector<double>& bearings_rad) {
+    SearchProblem problem;
+    problem.horizon_steps = kSteps;
+    problem.step_s = 1.0;
+    problem.controls = {{0.1, 0.0}, {0.1, 0.5}, {0.1, -0.5}};
+    models::SensorModel sensor;
+    sensor.kind = models::SensorKind::kPosition;
+    sensor.range_max_m = 1.0;
+    problem.sensors = {sensor};
+    for (const double bearing_rad : bearings_rad) {
+      for (int i = 0; i < 8; ++i) {
+        problem.targets.push_back({{models::TargetKind::kStatic, 2, 0.0},
+                                   {Eigen::Vector2d(16.0 * std::cos(bearing_rad) + 0.01 * i,
+                                                    16.0 * std::sin(bearing_rad)),
+                                    Eigen::Matrix2d::Identity()}});
+      }
+    }
+    beliefs.reset(problem);
+    heuristic.reset(problem, beliefs);
+    sequencing.reset(problem, beliefs, heuristic);
+    std::int64_t work_nodes = 0;
+    return sequencing.cost_to_go({}, 0, {}, kInfinity, Deadline::never(), work_nodes).cost;
+  };
+  const double each = bound_of({-0.25}) + bound_of({0.25});
+  EXPECT_GT(bound_of({-0.25, 0.25}), 0.75 * each);
+}
+
 // Many overlapping discs and many targets: merged places, and no growth without end.
 TEST(SequencingBound, BoundsHowEverManyTargetsThereAre) {
   InformationHeuristic heuristic(64, 12);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/autopilot/pose_estimator.hpp"
+#include "sim/autopilot/profile.hpp"
 #include "test/sim/autopilot/hand.hpp"
 
 namespace vantage::sim {
@@ -52,6 +54,32 @@ Hand flying_ardupilot() {
   hand.run(6.0);
   EXPECT_NEAR(hand.height_m(), 1.5, 0.1);
   return hand;
+}
+
+// A pose that arrives late is compared with where the vehicle was when it was taken.
+TEST(PoseEstimator, OfAMovingVehicleIsRightWithLatePoses) {
+  PoseEstimatorTraits traits;
+  traits.converge_s = 0.1;
+  for (const int late_ms : {0, 20, 200}) {
+    PoseEstimator estimator(traits);
+    estimator.set_loss(1.0);
+    const Time start = from_utime(1'000'000);
+    for (int ms = 0; ms < 2'000; ms += 10) {
+      const auto at = [&](int of_ms) { return Eigen::Vector3d(0.0015 * of_ms, 0.3, 1.0); };
+      estimator.move(start + std::chrono::milliseconds(ms), at(ms), 0.01);
+      if (ms >= late_ms) {
+        estimator.fuse(start + std::chrono::milliseconds(ms),
+                       start + std::chrono::milliseconds(ms - late_ms), at(ms - late_ms), 0);
+        EXPECT_LT((estimator.position_m() - at(ms)).norm(), 1e-9) << late_ms << " ms late";
+      }
+    }
+    EXPECT_TRUE(estimator.is_ready(start + std::chrono::milliseconds(1'990)));
+  }
+}
+
+// ArduPilot asks three times a second whether its station is still there.
+TEST(AutopilotProfile, AsksAsOftenAsTheRealOneWhetherItsStationIsThere) {
+  EXPECT_DOUBLE_EQ(3.0 * profile_of(AutopilotDialect::kArdupilot).station_check_s, 1.0);
 }
 
 TEST(EmulatedPx4, IsReadySoonAfterTheFirstPose) {

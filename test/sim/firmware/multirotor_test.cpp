@@ -165,5 +165,27 @@ TEST(SensorBoard, FeelsGravityUpwardsInBodyFrdAndKnowsNorth) {
   EXPECT_NEAR(sensed.pressure_hpa, 1012.05, 0.05);
 }
 
+// Of 300 boards: as far off on average as is said, each for good.
+TEST(SensorBoard, IsOffByABiasOfItsOwnThatStays) {
+  const Multirotor body(still_air(), 1, {0.0, 0.0, 0.0});
+  double turns2_radps2 = 0.0;
+  double forces2_m2ps4 = 0.0;
+  constexpr int kBoards = 300;
+  for (int seed = 0; seed < kBoards; ++seed) {
+    SensorBoard board(SensorNoise{0.0, 0.002, 0.0, 0.03, 0.0, 0.0},
+                      static_cast<std::uint64_t>(seed));
+    const FirmwareSensors sensed = board.sample(body, Duration{0});
+    const FirmwareSensors later = board.sample(body, Duration{1'000'000});
+    EXPECT_EQ(later.gyro_body_radps, sensed.gyro_body_radps);
+    EXPECT_EQ(later.specific_force_body_mps2, sensed.specific_force_body_mps2);
+    turns2_radps2 += sensed.gyro_body_radps.squaredNorm() / 3.0;
+    forces2_m2ps4 +=
+        (sensed.specific_force_body_mps2 - Eigen::Vector3d(0.0, 0.0, -kGravityMps2)).squaredNorm() /
+        3.0;
+  }
+  EXPECT_NEAR(std::sqrt(turns2_radps2 / kBoards), 0.002, 0.0002);
+  EXPECT_NEAR(std::sqrt(forces2_m2ps4 / kBoards), 0.03, 0.003);
+}
+
 }  // namespace
 }  // namespace vantage::sim

@@ -299,6 +299,19 @@ TEST(OutputComparison, IsNotExactWhenNothingWasCompared) {
   EXPECT_FALSE(OutputComparison().is_exact());
 }
 
+TEST(OutputComparison, CountsWhatItCannotReadAsNothingElse) {
+  const std::vector<std::uint8_t> words{'n', 'o', ' ', 'm', 'e', 's', 's', 'a', 'g', 'e'};
+  OutputComparison comparison;
+  comparison.add_logged(words);
+  comparison.add_replayed(words);
+  comparison.add_replayed({});
+  EXPECT_EQ(comparison.unreadable(), 3);
+  EXPECT_EQ(comparison.logged(), 0);
+  EXPECT_EQ(comparison.replayed(), 0);
+  EXPECT_EQ(comparison.unexpected(), 0);
+  EXPECT_FALSE(comparison.is_exact());
+}
+
 TEST(OutputComparison, TellsBitsApartThatReadTheSame) {
   vantage_lcm::plan_t plan{};
   plan.robot = "Q1";

@@ -52,6 +52,15 @@ TEST(ParameterRules, AcceptWhatTheySay) {
   EXPECT_FALSE(rule("A 0 # one of 0 3: b").accepts(1.0));
 }
 
+// By a millionth of whichever of the two is further from zero.
+TEST(ParameterRules, AcceptANumberAsTheyAcceptItsNegative) {
+  for (const char* const sign : {"", "-"}) {
+    const std::string about = std::string("A ") + sign + "8.000008000004 # exactly: b";
+    EXPECT_TRUE(rule(about).accepts(*sign == '-' ? -8.0 : 8.0)) << about;
+    EXPECT_FALSE(rule(about).accepts(*sign == '-' ? -7.99999 : 7.99999)) << about;
+  }
+}
+
 TEST(ParameterRules, SayTheValueTheRuleAndWhatWouldHappen) {
   EXPECT_EQ(rule("GUID_TIMEOUT 0.3 # at most 0.5: it flies on").complaint(3.0),
             "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on");

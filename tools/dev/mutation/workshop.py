@@ -412,9 +412,6 @@ class Workshop:
                                             site.apply((self.root / site.file).read_bytes()))
                 if code != 0:
                     return ledger.NOT_BUILT, first_error(output)
-            if len(tried) == 0 and site.file.endswith(".cpp") and all(
-                    hash_of(made[o]) == self.unmutated(o, site) for o in objects):
-                return ledger.SAME_CODE, ""
             path = place / program.split("/")[-1]
             output, code = self.link(program, {o: made[o] for o in objects}, path)
             if code != 0:
@@ -424,6 +421,10 @@ class Workshop:
             path.unlink()
             if killer:
                 return ledger.KILLED, killer
+            # What is killed is not the same: only of the others it is compiled as it is, too.
+            if len(tried) == 1 and site.file.endswith(".cpp") and all(
+                    hash_of(made[o]) == self.unmutated(o, site) for o in objects):
+                return ledger.SAME_CODE, ""
         if self.is_quick:
             return ledger.PENDING, ""
         return ledger.SURVIVED, " ".join(tried) or "no test program that sees it"
