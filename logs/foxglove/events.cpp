@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -70,27 +71,37 @@ std::optional<Event> event_of(const models::AttackNotice* before,
                               : fmt::format("jammed: {}", fmt::join(jammed, ", "))};
 }
 
-std::optional<Event> event_of(const models::ProcessHealth* before,
-                              const models::ProcessHealth& health) {
-  const auto event = [&](LogLevel level, const char* what) {
+std::optional<Event> HealthStory::on(const models::ProcessHealth& health) {
+  const auto event = [&](LogLevel level, const std::string& what) {
     return Event{health.stamp.time, level, "health", health.process + ": " + what};
   };
-  if (before != nullptr && before->stamp.run_id != health.stamp.run_id) {
+  const std::optional<models::ProcessHealth> before = std::exchange(last_, health);
+  if (before && before->stamp.run_id != health.stamp.run_id) {
+    degraded_.reset();
     return event(LogLevel::kWarning, "was started anew");
   }
-  if (before != nullptr && before->state == health.state) {
+  const Time now = health.stamp.time;
+  if (health.state == models::ProcessState::kDegraded) {
+    if (degraded_) {
+      degraded_->second = now;
+      return std::nullopt;
+    }
+    degraded_ = {now, now};
+    return event(LogLevel::kWarning, "degraded: drops or misses");
+  }
+  if (health.state == models::ProcessState::kStopping) {
+    degraded_.reset();
+    return before && before->state == health.state ? std::nullopt
+                                                   : std::optional(event(LogLevel::kInfo, "stops"));
+  }
+  if (!degraded_ || now - degraded_->second < kWell) {
     return std::nullopt;
   }
-  switch (health.state) {
-    case models::ProcessState::kDegraded:
-      return event(LogLevel::kWarning, "degraded: something was dropped or missed");
-    case models::ProcessState::kStopping:
-      return event(LogLevel::kInfo, "stops");
-    default:
-      return before != nullptr && before->state == models::ProcessState::kDegraded
-                 ? std::optional(event(LogLevel::kInfo, "runs well again"))
-                 : std::nullopt;
-  }
+  const double lasted_s = to_seconds(degraded_->second - degraded_->first);
+  degraded_.reset();
+  return event(LogLevel::kInfo, lasted_s > 0.0
+                                    ? fmt::format("runs well again, after {:.0f} s", lasted_s)
+                                    : "runs well again");
 }
 
 std::optional<Event> event_of(const models::HostReport* before, const models::HostReport& report) {

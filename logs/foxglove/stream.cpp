@@ -321,9 +321,7 @@ void Stream::on(const models::ProcessHealth& health, Time heard) {
   put(
       "/health/" + health.process, Schema::kHealth, heard, [&] { return health_json(health); },
       true);
-  const auto before = processes_.find(health.process);
-  put_event(event_of(before == processes_.end() ? nullptr : &before->second, health), heard);
-  processes_[health.process] = health;
+  put_event(processes_[health.process].on(health), heard);
 }
 
 void Stream::on(const models::HostReport& report, Time heard) {

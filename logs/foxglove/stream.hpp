@@ -107,7 +107,7 @@ class Stream {
   std::optional<TrialMetrics> metrics_;  ///< whenever scenario_ is
   std::optional<models::AttackNotice> attack_;
   std::map<std::string, models::VehicleStatus> vehicles_;
-  std::map<std::string, models::ProcessHealth> processes_;
+  std::map<std::string, HealthStory> processes_;
   std::map<std::string, models::HostReport> hosts_;
   std::map<std::string, Track> tracks_;
   std::optional<Time> next_tracks_;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
@@ -71,10 +73,21 @@ std::optional<Event> event_of(const models::VehicleStatus* before,
                               const models::VehicleStatus& status);
 std::optional<Event> event_of(const models::AttackNotice* before,
                               const models::AttackNotice& attack);
-/// A process that stops, degrades, recovers or was started anew.
-std::optional<Event> event_of(const models::ProcessHealth* before,
-                              const models::ProcessHealth& health);
 /// The first process that its supervisor has given up since `before`.
 std::optional<Event> event_of(const models::HostReport* before, const models::HostReport& report);
+
+/// What there is to tell of one process: that it stops, was started anew, is degraded, runs well
+/// again. On a loaded machine a process may be degraded and well by turns each second: that is one
+/// stretch, which ends once it has run well for kWell.
+class HealthStory {
+ public:
+  static constexpr Duration kWell = std::chrono::seconds(5);
+
+  std::optional<Event> on(const models::ProcessHealth& health);
+
+ private:
+  std::optional<models::ProcessHealth> last_;
+  std::optional<std::pair<Time, Time>> degraded_;  ///< from, and when last; of an open stretch
+};
 
 }  // namespace vantage::logs::foxglove

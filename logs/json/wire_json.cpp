@@ -139,8 +139,11 @@ std::string dumped(const Json& json) {
 Json json_schema(const WireSchema& schema) {
   Json properties = Json::object();
   for (const WireField& field : schema.fields) {
+    if (field.rank > 1) {
+      continue;
+    }
     Json property = element_schema(field);
-    for (std::int32_t d = 0; d < field.rank; ++d) {
+    if (field.rank == 1) {
       property = Json{{"type", "array"}, {"items", std::move(property)}};
     }
     properties[std::string(field.name)] = std::move(property);

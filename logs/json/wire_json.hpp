@@ -26,7 +26,9 @@ std::optional<nlohmann::ordered_json> message_json(std::span<const std::uint8_t>
 /// On one line; what is not UTF-8 in it is replaced.
 std::string dumped(const nlohmann::ordered_json& json);
 
-/// The JSON schema (draft 2020-12) of message_json()'s answers for messages of type `schema`.
+/// The JSON schema (draft 2020-12) of message_json()'s answers for messages of type `schema`. Of
+/// matrices it says nothing: Foxglove's viewers refuse a channel whose schema has lists of lists,
+/// and show what a schema does not mention.
 nlohmann::ordered_json json_schema(const bus::WireSchema& schema);
 
 }  // namespace vantage::logs

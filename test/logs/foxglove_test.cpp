@@ -241,6 +241,49 @@ TEST(EventOf, SpeaksOfChangesOnly) {
   EXPECT_FALSE(event_of(&two, same));
 }
 
+models::ProcessHealth health_at(int at_s, models::ProcessState state) {
+  models::ProcessHealth health;
+  health.process = "PLANNER_Q1";
+  health.stamp.time = from_utime(std::int64_t{1'000'000} * at_s);
+  health.state = state;
+  return health;
+}
+
+TEST(HealthStory, TellsOfAStretchOfTroubleWhenItBeginsAndWhenItIsOver) {
+  using models::ProcessState;
+  HealthStory story;
+  EXPECT_FALSE(story.on(health_at(9, ProcessState::kRunning)));
+  const auto begun = story.on(health_at(10, ProcessState::kDegraded));
+  ASSERT_TRUE(begun);
+  EXPECT_EQ(begun->level, LogLevel::kWarning);
+  for (int at_s = 11; at_s <= 40; ++at_s) {  // by turns, each second
+    EXPECT_FALSE(story.on(
+        health_at(at_s, at_s % 2 == 0 ? ProcessState::kDegraded : ProcessState::kRunning)));
+  }
+  for (int at_s = 41; at_s <= 44; ++at_s) {
+    EXPECT_FALSE(story.on(health_at(at_s, ProcessState::kRunning)));
+  }
+  const auto over = story.on(health_at(45, ProcessState::kRunning));
+  ASSERT_TRUE(over);
+  EXPECT_EQ(over->level, LogLevel::kInfo);
+  EXPECT_EQ(over->text, "PLANNER_Q1: runs well again, after 30 s");
+  EXPECT_FALSE(story.on(health_at(46, ProcessState::kRunning)));
+  EXPECT_TRUE(story.on(health_at(47, ProcessState::kDegraded))) << "another stretch";
+}
+
+TEST(HealthStory, TellsOnceThatAProcessStopsAndThatItWasStartedAnew) {
+  using models::ProcessState;
+  HealthStory story;
+  EXPECT_TRUE(story.on(health_at(10, ProcessState::kDegraded)));
+  EXPECT_EQ(story.on(health_at(11, ProcessState::kStopping))->text, "PLANNER_Q1: stops");
+  EXPECT_FALSE(story.on(health_at(12, ProcessState::kStopping)));
+  models::ProcessHealth anew = health_at(13, ProcessState::kRunning);
+  anew.stamp.run_id = 7;
+  EXPECT_EQ(story.on(anew)->text, "PLANNER_Q1: was started anew");
+  anew.stamp.time += std::chrono::seconds(20);
+  EXPECT_FALSE(story.on(anew)) << "the trouble was of another run";
+}
+
 TEST(EventOf, TellsLateAndFallbackPlansFromGoodOnes) {
   models::RobotPlan plan;
   plan.robot = "Q1";

@@ -71,9 +71,25 @@ async function check_log(page) {
   await until(page, (x) => Math.abs(window.vantage.position("robot/Q1")[0] - x) > 0.01, where[0]);
   await page.keyboard.press("ArrowLeft");
   await until(page, () => Math.abs(window.vantage.state.now - 44) < 1);
+  const [before_s, date] = await page.evaluate(() => [vantage.state.now, document.getElementById("clock").title]);
+  assert.equal(date.slice(0, 21), new Date(1e3 * (await page.evaluate(() => vantage.state.start + vantage.state.now))).toISOString().replace("T", " ").slice(0, 21));
+  await page.keyboard.press(",");
+  await until(page, (at) => Math.abs(at - 0.1 - vantage.state.now) < 1e-3, before_s);
+  await page.keyboard.press(".");
+  await until(page, (at) => Math.abs(at - vantage.state.now) < 1e-3, before_s);
   await page.keyboard.press("Home");
   await until(page, () => window.vantage.state.now < 0.1);
   assert(held > 1);
+
+  // Events by their words.
+  const shown = () => page.evaluate(() => [...document.querySelectorAll("#events li")].filter((item) => item.checkVisibility()).map(({ textContent }) => textContent));
+  const all = await shown();
+  assert(all.some((text) => /Q1/.test(text)) && all.some((text) => !/Q1/.test(text)), all.join());
+  await page.fill("#events-filter", "q1");
+  assert.deepEqual(await shown(), all.filter((text) => /Q1/.test(text)));
+  await page.fill("#events-filter", "");
+  assert.deepEqual(await shown(), all);
+  await page.evaluate(() => document.activeElement.blur());
 
   // Goes as fast as it is told.
   await page.selectOption("#speed", "10");
@@ -195,6 +211,17 @@ async function check_stage(page) {
     assert(names.length >= 8, `${names.length} names`);
     assert.deepEqual(overlaps(names), []);
   }
+
+  // Names are whole in each view, whatever was drawn before them.
+  const ascents = async (view) => {
+    await page.keyboard.press(view); // all names are written anew
+    await page.evaluate(() => picture());
+    return Object.fromEntries(await page.evaluate(() => vantage.ascents()));
+  };
+  const [in_space, in_plan] = [await ascents("2"), await ascents("1")];
+  const common = Object.keys(in_space).filter((key) => key in in_plan);
+  assert(common.length > 0);
+  common.forEach((key) => assert.equal(in_space[key], in_plan[key], key));
 
   // From a target to a robot, as far as they are from each other.
   const [target, robot] = await page.evaluate(() => ["target/R1", "robot/Q1"].map((id) => ({ at: vantage.position(id), pixel: vantage.pixel(id) })));
@@ -560,6 +587,36 @@ async function check_inspection(page) {
   await page.keyboard.press("3");
 }
 
+/** In a crowd those are shown of whom something is to be noted, until all are asked for; and of a trouble one line says when
+    it began and when it was over. */
+async function check_words(page) {
+  await page.evaluate(() => {
+    for (let i = 1; i <= 20; ++i) {
+      const is_held = i === 7;
+      vantage.hear(`/vehicle/C${i}`, { robot: `C${i}`, state: is_held ? "hold" : "follow", reasons: is_held ? ["pose too old"] : [], battery_share: 0.5, plan_round: 1 });
+    }
+  });
+  const shown = (expected) => until(page, (expected) =>
+    [...document.querySelectorAll("#vehicles .row")].filter((row) => row.checkVisibility() && /^C\d/.test(row.textContent)).length === expected, expected);
+  await shown(1);
+  assert.match(await page.locator('#vehicles [data-key="C7"]').textContent(), /hold.*pose too old/);
+  const fold = page.locator("#vehicles .fold");
+  assert.match(await fold.textContent(), /\d+ follow.* hold.*battery 50/);
+  await fold.click();
+  await shown(20);
+  await fold.click();
+  await shown(1);
+  if (kind !== "live") return;
+  const lines = await page.evaluate(() => {
+    for (const [level, what] of [[3, "degraded: something was missed"], [2, "runs well again, after 30 s"], [3, "degraded: something was missed"]]) {
+      vantage.hear("/events", { name: "health", level, message: `PLANNER_C7: ${what}` });
+    }
+    return [...document.querySelectorAll("#events li")].map(({ textContent }) => textContent).filter((text) => /PLANNER_C7/.test(text));
+  });
+  assert.equal(lines.length, 2);
+  assert.match(lines[1], /degraded: something was missed; at [\d.]+ s runs well again, after 30 s$/);
+}
+
 if (kind === "proposals") {
   const known = [];
   const rgba = (hex) => `rgba(${hex.match(/\w\w/g).map((c) => parseInt(c, 16))},1)`;
@@ -606,6 +663,7 @@ for (const [width, height, scheme, name, draw] of [
     if (kind !== "proposals") {
       await check_toggles(page);
       await check_inspection(page);
+      await check_words(page);
     }
   }
   if (kind === "proposals") {

@@ -2,6 +2,7 @@
 
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { kBeat_ms, on_beat } from "./beat.js";
 import { digits, kDashes, look, robot_css, robot_look, title_of } from "./look.js";
 
 const kWindow_s = 120; // of a live view
@@ -352,6 +353,7 @@ class Chart {
   /** Marks where we are in a log. Over the plot, so that it need not be drawn again for that; and not by the plot's own
       scale, which is there only once it is drawn. */
   mark_now() {
+    if (!this.mark) return; // nothing is drawn yet
     const now = this.source.now();
     const [from, to] = this.source.window();
     this.mark.hidden = now === null || now < from || now > to;
@@ -660,9 +662,13 @@ export class Charts {
     this.sizes.observe(box);
     this.charts.forEach((chart) => this.sizes.observe(chart.body));
     box.addEventListener("scroll", () => this.tell_beyond(), { passive: true });
-    // One after the other: all at once is a pause that one sees.
-    let turn = 0;
-    setInterval(() => !document.hidden && this.charts[turn++ % this.charts.length]?.refresh(), kRefresh_ms / kCharts.length);
+    on_beat((beat) => this.refresh(beat));
+  }
+
+  /** Of what is drawn some charts each beat, one after the other: all at once is a pause that one sees. */
+  refresh(beat) {
+    const turns = Math.ceil(kRefresh_ms / kBeat_ms);
+    this.charts.forEach((chart, i) => (i % turns === beat % turns ? chart.refresh() : chart.mark_now()));
   }
 
   /** Shows a stretch of time in all charts; null: all of it. */

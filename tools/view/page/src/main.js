@@ -1,6 +1,7 @@
 // The page: what the connection hears goes to the world, the charts, the panels and the timeline.
 
 import "./style.css";
+import { on_beat } from "./beat.js";
 import { Charts, live_window } from "./charts.js";
 import { Connection, seconds_of } from "./connection.js";
 import { write_legend } from "./legend.js";
@@ -36,6 +37,7 @@ const kAlways = [/^\/transforms$/, /^\/world$/, /^\/robots$/, /^\/scenario$/, /^
 const kTrails = "/trails";
 const kSetBack_s = 60; // a live record as much older than the newest is of a clock that was set back
 const kTrailPeriod_s = 0.2;
+const kShortStep_s = 0.1;
 const kTrailLengths_s = [2, 5, 10, 20, 60, 300];
 
 const state = {
@@ -77,7 +79,7 @@ if (kRecord) {
 const world = new World(by_id("stage"), (id) => pick(id), kDraw);
 const vehicles = new Vehicles(by_id("vehicles"));
 const processes = new Processes(by_id("processes"));
-const events = new Events(by_id("events"), (since) => seek(since));
+const events = new Events(by_id("events"), by_id("events-filter"), (since) => seek(since));
 const charts = new Charts(by_id("charts"), {
   now: () => (state.range ? state.now : null),
   window: () => (state.range ? [0, state.range[1] - state.range[0]] : live_window(state.now ?? 0)),
@@ -119,6 +121,7 @@ const topics = new Topics(by_id("topics"), {
   clock: () => (state.range ? { time_s: state.now, jumps: state.jumps } : { time_s: performance.now() / 1e3, jumps: 0 }),
 });
 const timeline = new Timeline({
+  date: (since) => (state.start === null ? "" : new Date(1e3 * (state.start + since)).toISOString().replace("T", " ").replace("Z", " UTC")),
   seek: (since) => seek(since),
   play: (is_playing) => play(is_playing),
   speed: (value) => set_speed(value),
@@ -525,7 +528,7 @@ function refresh_inspect() {
   write_inspect(by_id("inspect"), id, world.followed === id, sections);
 }
 
-setInterval(() => state.picked && refresh_inspect(), 250);
+on_beat(() => state.picked && refresh_inspect());
 by_id("inspect").onclick = (event) => {
   if (event.target.dataset.act === "close") pick(null);
   if (event.target.dataset.act === "follow") follow(world.followed === state.picked ? null : state.picked);
@@ -556,7 +559,7 @@ function refresh_legend() {
     world_ids.some((id) => id.startsWith("region")) && "region",
   ].filter(Boolean), { trail: state.trail_s > 1e8 ? " minutes" : ` ${state.trail_s} s`, stale: ` ${state.memory_s > 0 ? state.memory_s : 30} s` });
 }
-setInterval(() => document.hidden || refresh_legend(), 500);
+on_beat(refresh_legend, 2);
 
 let link_timer = null;
 /** Writes into the address bar what is shown, soon. */
@@ -785,6 +788,8 @@ const kKeys = [
   ["space", "play or pause a log", () => play(!state.is_playing)],
   ["←", "1 s back (with shift 10 s)", (event) => seek(state.now - (event.shiftKey ? 10 : 1))],
   ["→", "1 s on (with shift 10 s)", (event) => seek(state.now + (event.shiftKey ? 10 : 1))],
+  [",", "0.1 s back", () => seek(state.now - kShortStep_s)],
+  [".", "0.1 s on", () => seek(state.now + kShortStep_s)],
   ["home", "to the start", () => seek(0)],
   ["end", "to the end", () => seek(Infinity)],
   ["+", "faster", () => step_speed(1)],
@@ -882,6 +887,7 @@ window.vantage = {
     charts: charts.lines().map((chart) => Object.fromEntries((chart.plot?.series ?? []).slice(1).map(({ label, stroke }) => [label, stroke()]))),
   }),
   labels: () => world.eyes().map(({ names }) => names),
+  ascents: () => [...world.names.stamps.entries()].map(([key, { ascent }]) => [key, ascent]).sort(),
   scale: () => world.plan_scale(),
   cameras: () => world.cameras(),
   charts: () => charts.charts.filter(({ box }) => !box.hidden).map(({ spec, title }) => ({ key: spec.key, title: title.textContent, window: charts.own.window() })),
@@ -895,6 +901,7 @@ window.vantage = {
   position: (id) => world.find(id)?.position.toArray() ?? null,
   pixel: (id) => world.pixel(id),
   draw_again: () => world.set_stale(),
+  hear: (topic, record) => connection.on.record(topic, state.start + state.now, record),
   be_at: (since) => be_at(since),
   zoom: (from, to) => charts.zoom(from, to),
   /** The stage's pixels, as they are filmed. */

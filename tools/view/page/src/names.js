@@ -12,6 +12,7 @@ export class Names {
     this.canvas = canvas;
     this.options = options;
     this.pen = canvas.getContext("2d", options);
+    this.ruler = new OffscreenCanvas(1, 1).getContext("2d"); // the pen is set to what was last drawn
     this.ratio = 1;
     this.halo = "";
     this.stamps = new Map(); // by what they say and how
@@ -78,9 +79,9 @@ export class Names {
 
   make_stamp(text, font_size, fill) {
     const font = `600 ${font_size * this.ratio}px system-ui, sans-serif`;
-    this.pen.font = font;
+    this.ruler.font = font;
     const pad = kPad * this.ratio;
-    const size = this.pen.measureText(text);
+    const size = this.ruler.measureText(text);
     const ascent = Math.ceil(size.actualBoundingBoxAscent) + pad;
     const height = ascent + Math.ceil(size.actualBoundingBoxDescent) + pad;
     const canvas = new OffscreenCanvas(Math.ceil(size.width) + 2 * pad, height);

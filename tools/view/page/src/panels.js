@@ -1,7 +1,9 @@
 // What is told in words: vehicles, processes, events, and the thing that was clicked.
 
+import { on_beat } from "./beat.js";
+
 const kEventsShown = 200;
-const kRefresh_ms = 200;
+const kCrowd = 12; // rows; of more only those that are to be noted are shown at first
 
 export function make(tag, className, text) {
   const element = document.createElement(tag);
@@ -13,30 +15,57 @@ export function make(tag, className, text) {
 /** Names as people order them: Q2 before Q10. */
 export const in_order = new Intl.Collator("en", { numeric: true }).compare;
 
-/** Rows by key in a box, made once; written again, five times a second whatever comes, where what
-    they say is another. */
+/** Rows by key in a box, made once; written again with each beat, where what they say is another. In a crowd those that
+    are calm are folded away, and a line says how many there are of which kind. */
 class Table {
-  /** @param make_row gives the elements of a key's row, and the title of it */
-  constructor(box, make_row) {
-    this.box = box;
+  /** @param of {row(key), is_calm(key), words(keys)}: the elements of a key's row and its title; whether nothing is to be noted
+      of it; what is told of all of them */
+  constructor(box, of) {
+    this.of = of;
+    this.head = make("button", "fold");
+    this.head.hidden = true;
+    this.head.setAttribute("aria-expanded", false);
+    this.head.onclick = () => this.unfold(this.head.getAttribute("aria-expanded") !== "true");
+    this.list = make("div");
+    box.append(this.head, this.list);
     this.rows = new Map();
     this.changed = new Set();
-    setInterval(() => {
-      if (document.hidden) return;
-      for (const key of this.changed) {
-        const { elements, title } = make_row(key);
-        const row = this.row(key);
-        const said = elements.map((element) => element.outerHTML).join("");
-        if (said !== row.said) row.replaceChildren(...elements);
-        row.said = said;
-        row.title = title;
-      }
-      this.changed.clear();
-    }, kRefresh_ms);
+    on_beat(() => this.write());
+  }
+
+  /** Shows all of a crowd, or only what is to be noted. */
+  unfold(is_open) {
+    this.head.setAttribute("aria-expanded", is_open);
+    this.rows.forEach((_, key) => this.changed.add(key));
+    this.write();
   }
 
   change(key) {
     this.changed.add(key);
+  }
+
+  write() {
+    if (this.changed.size === 0) return;
+    this.changed.forEach((key) => this.row(key));
+    const is_crowd = this.rows.size > kCrowd;
+    if (is_crowd) {
+      const said = this.of.words([...this.rows.keys()]);
+      if (this.head.textContent !== said) this.head.textContent = said;
+      if (this.head.hidden) this.rows.forEach((_, key) => this.changed.add(key)); // it has become one
+    }
+    this.head.hidden = !is_crowd;
+    const is_folded = is_crowd && this.head.getAttribute("aria-expanded") !== "true";
+    for (const key of this.changed) {
+      const row = this.row(key);
+      row.hidden = is_folded && this.of.is_calm(key);
+      if (row.hidden) continue;
+      const { elements, title } = this.of.row(key);
+      const said = elements.map((element) => element.outerHTML).join("");
+      if (said !== row.said) row.replaceChildren(...elements);
+      row.said = said;
+      row.title = title;
+    }
+    this.changed.clear();
   }
 
   row(key) {
@@ -45,7 +74,7 @@ class Table {
       row.dataset.key = key;
       this.rows.set(key, row);
       const later = [...this.rows.keys()].sort(in_order).find((other) => in_order(other, key) > 0);
-      this.box.insertBefore(row, later ? this.rows.get(later) : null);
+      this.list.insertBefore(row, later ? this.rows.get(later) : null);
     }
     return this.rows.get(key);
   }
@@ -53,15 +82,23 @@ class Table {
   clear() {
     this.rows.clear();
     this.changed.clear();
-    this.box.replaceChildren();
+    this.head.hidden = true;
+    this.list.replaceChildren();
   }
+}
+
+/** "48 follow, 2 hold" of ["follow", "hold", …]: the commonest first. */
+function counted(words) {
+  const counts = new Map();
+  words.forEach((word) => counts.set(word, (counts.get(word) ?? 0) + 1));
+  return [...counts].sort(([, a], [, b]) => b - a).map(([word, count]) => `${count} ${word}`).join(", ");
 }
 
 const kGood = { follow: "good", idle: "calm", hold: "warn", land: "warn", killed: "bad" };
 
 export class Vehicles {
   constructor(box) {
-    this.table = new Table(box, (robot) => this.row(robot));
+    this.table = new Table(box, { row: (robot) => this.row(robot), is_calm: (robot) => this.is_calm(robot), words: (robots) => this.words(robots) });
     this.plans = new Map();
     this.states = new Map();
   }
@@ -74,6 +111,26 @@ export class Vehicles {
   on_plan(plan) {
     this.plans.set(plan.robot, plan);
     this.table.change(plan.robot);
+  }
+
+  is_calm(robot) {
+    const [state, plan] = [this.states.get(robot), this.plans.get(robot)];
+    const is_planned = !plan || (!plan.late && plan.source === "searched");
+    return is_planned && (!state || (state.reasons.length === 0 && ["follow", "idle"].includes(state.state)));
+  }
+
+  words(robots) {
+    const states = robots.map((robot) => this.states.get(robot)).filter(Boolean);
+    const plans = robots.map((robot) => this.plans.get(robot)).filter(Boolean);
+    const percents = states.map(({ battery_share }) => Math.round(100 * battery_share));
+    const [low, high] = [Math.min(...percents), Math.max(...percents)];
+    const late = plans.filter(({ late }) => late).length;
+    const spare_ms = Math.round(1e3 * Math.min(...plans.filter(({ late }) => !late).map(({ margin_s }) => margin_s)));
+    return [
+      counted(states.map(({ state }) => state)) || `${robots.length} vehicles`,
+      percents.length > 0 && `battery ${low === high ? low : `${low} to ${high}`} %`,
+      late > 0 ? `${late} plans late` : Number.isFinite(spare_ms) && `plans ${spare_ms} ms spare or more`,
+    ].filter(Boolean).join(" · ");
   }
 
   row(robot) {
@@ -106,7 +163,11 @@ const kProcess = { running: "good", starting: "calm", stopping: "calm", degraded
 
 export class Processes {
   constructor(box) {
-    this.table = new Table(box, (process) => this.row(this.healths.get(process)));
+    this.table = new Table(box, {
+      row: (process) => this.row(this.healths.get(process)),
+      is_calm: (process) => this.healths.get(process).state === "running",
+      words: (processes) => counted(processes.map((process) => this.healths.get(process).state)),
+    });
     this.healths = new Map();
   }
 
@@ -132,17 +193,27 @@ export class Processes {
   }
 }
 
+const kInfo = 2; // of foxglove.Log
+const who_of = ({ text }) => text.split(": ")[0];
+
 export class Events {
-  /** @param on_seek called with a time when an event is clicked */
-  constructor(box, on_seek) {
+  /** @param filter an input: only events whose words have its text are shown
+      @param on_seek called with a time when an event is clicked */
+  constructor(box, filter, on_seek) {
     this.box = box;
+    this.filter = filter;
+    filter.oninput = () => [...box.children].forEach((item) => this.sift(item));
     this.on_seek = on_seek;
+    this.open = new Map(); // by process: the words of trouble that goes on
   }
 
   add(event) {
+    if (event.kind === "health" && this.is_end(event)) return;
     const item = make("li", "event");
     item.dataset.kind = event.kind;
-    item.append(make("time", "", `${event.since.toFixed(1)} s`), make("b", "", event.kind.replaceAll("_", " ")), make("span", "", event.text));
+    const words = make("span", "", event.text);
+    if (event.kind === "health" && event.level > kInfo) this.open.set(who_of(event), words);
+    item.append(make("time", "", `${event.since.toFixed(1)} s`), make("b", "", event.kind.replaceAll("_", " ")), words);
     item.tabIndex = 0;
     item.onclick = () => this.on_seek(event.since);
     item.onkeydown = (key) => {
@@ -150,11 +221,26 @@ export class Events {
       key.stopPropagation();
       this.on_seek(event.since);
     };
+    this.sift(item);
     this.box.prepend(item);
     while (this.box.children.length > kEventsShown) this.box.lastChild.remove();
   }
 
+  sift(item) {
+    item.hidden = !item.textContent.toLowerCase().includes(this.filter.value.trim().toLowerCase());
+  }
+
+  /** Whether it ends a trouble that is told of already: one line each. */
+  is_end(event) {
+    const words = this.open.get(who_of(event));
+    this.open.delete(who_of(event));
+    if (event.level > kInfo || !words?.isConnected) return false;
+    words.textContent += `; at ${event.since.toFixed(1)} s ${event.text.slice(who_of(event).length + 2)}`;
+    return true;
+  }
+
   clear() {
+    this.open.clear();
     this.box.replaceChildren();
   }
 }

@@ -73,6 +73,17 @@ export function write_numbers(pen, project, at, { min_m, max_m }, spacing, is_pl
   }, "y [m]");
 }
 
+/** What a view is; a line to the left of it where there is another. */
+export function draw_caption(pen, at, words) {
+  pen.font = kFont;
+  pen.fillStyle = css_of_role("wall");
+  pen.textAlign = "left";
+  pen.textBaseline = "top";
+  pen.fillText(words, at.x + 10, at.y + 9);
+  pen.fillStyle = css_of_role("wall", 0.3);
+  if (at.x > 0) pen.fillRect(at.x, at.y, 1, at.height);
+}
+
 /** How long a scale bar says what: {length_m, width_px}. */
 export function scale_of(pixels_a_m) {
   const most_m = kBar_px / pixels_a_m;

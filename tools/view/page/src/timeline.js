@@ -1,10 +1,12 @@
 // The bar below: where we are in a log, what happened when, and the player's keys.
 
+import { on_beat } from "./beat.js";
+
 const kLive_s = 300; // shown of a live view
 export const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20];
 
 export class Timeline {
-  /** @param on {seek(since), play(is_playing), speed(value)} */
+  /** @param on {seek(since), play(is_playing), speed(value), date(since)} */
   constructor(on) {
     this.on = on;
     this.bar = document.getElementById("timeline");
@@ -19,6 +21,7 @@ export class Timeline {
     this.length_s = null; // live
     this.now = 0;
     this.is_playing = false;
+    on_beat(() => this.write());
     this.button.onclick = () => on.play(!this.is_playing);
     this.speeds.onchange = () => {
       on.speed(Number(this.speeds.value));
@@ -58,6 +61,7 @@ export class Timeline {
   set_length(length_s) {
     this.length_s = length_s;
     document.body.dataset.mode = length_s === null ? "live" : "log";
+    this.written = null;
     document.getElementById("length").textContent = length_s === null ? "" : `${length_s.toFixed(1)} s`;
     this.bar.setAttribute("aria-valuemin", "0");
     this.bar.setAttribute("aria-valuemax", length_s === null ? "" : length_s.toFixed(1));
@@ -66,6 +70,12 @@ export class Timeline {
 
   set_now(since) {
     this.now = since;
+    if (this.length_s !== null && !this.is_playing) this.write(); // else with the next beat
+  }
+
+  write() {
+    if (this.now === this.written) return;
+    const since = (this.written = this.now);
     const [from, to] = this.window();
     this.head.style.transform = `translateX(${(100 * (since - from)) / (to - from)}%)`;
     const text = since.toFixed(1);
@@ -73,6 +83,7 @@ export class Timeline {
       this.bar.setAttribute("aria-valuenow", text);
       this.clock.textContent = `${text} s`;
     }
+    this.clock.title = this.on.date(since);
     if (this.length_s === null && since - (this.drawn_at ?? -1) > 1) this.draw_marks();
   }
 

@@ -1,10 +1,11 @@
 // Every topic that the server knows, with its rate; opened, its newest message, whose numbers can be charted.
 
+import { on_beat } from "./beat.js";
 import { digits } from "./look.js";
 import { in_order, make } from "./panels.js";
 
 const kPoll_ms = 1000;
-const kWrite_ms = 400;
+const kWriteBeats = 2;
 const kCounted_s = 0.2; // less says nothing of a rate
 const kElements = 24; // shown of a list
 const kText = 80; // characters shown of a text
@@ -28,7 +29,7 @@ export class Topics {
     this.opened = new Map(); // by topic: newest record, or null
     this.is_shown = false;
     setInterval(() => this.is_shown && !document.hidden && this.poll(), kPoll_ms);
-    setInterval(() => this.is_shown && !document.hidden && this.write_opened(), kWrite_ms);
+    on_beat(() => this.is_shown && this.write_opened(), kWriteBeats);
   }
 
   show(is_shown) {

@@ -7,13 +7,12 @@ import { FlatPicture } from "./flat_picture.js";
 import { GlPicture } from "./gl_picture.js";
 import { Labels } from "./labels.js";
 import { Names } from "./names.js";
-import { draw_measure, draw_ring, draw_scale, fit_perspective, grid_entity, spacing_of, write_numbers } from "./ruler.js";
+import { draw_caption, draw_measure, draw_ring, draw_scale, fit_perspective, grid_entity, spacing_of, write_numbers } from "./ruler.js";
 import { glyph_of, glyph_scale, pixels_a_metre, set_memory } from "./shapes.js";
 
 const kWorld = "world";
 const kGrid = "/grid-lines"; // the page's own, among the topics
-const kRoom = { left: 44, right: 20, top: 30 }; // kept free around the world, for numbers
-const kRoomBelow = 30; // for numbers, above the buttons
+const kRoom = { left: 44, right: 20, top: 30, bottom: 58 }; // kept free around the world, for numbers and, below, the scale bar
 /** Names of what is more important are placed first. */
 const kRanks = { "/robots": 0, "/targets": 1, "/estimates": 2 };
 
@@ -191,13 +190,12 @@ export class World {
     const [width, height] = [max_m[0] - min_m[0], max_m[1] - min_m[1]];
     const centre = [(min_m[0] + max_m[0]) / 2, (min_m[1] + max_m[1]) / 2];
     const plan = this.plan.area.getBoundingClientRect();
-    const bottom = kRoomBelow + document.getElementById("layers").offsetHeight + 8; // one row of buttons, or more
-    const free = (box) => [Math.max(50, box.width - kRoom.left - kRoom.right), Math.max(50, box.height - kRoom.top - bottom)];
+    const free = (box) => [Math.max(50, box.width - kRoom.left - kRoom.right), Math.max(50, box.height - kRoom.top - kRoom.bottom)];
     if (plan.width > 0) {
       const [free_x, free_y] = free(plan);
       const pixels_a_m = Math.min(free_x / width, free_y / height);
       const x = centre[0] + (kRoom.right - kRoom.left) / 2 / pixels_a_m;
-      const y = centre[1] + (kRoom.top - bottom) / 2 / pixels_a_m;
+      const y = centre[1] + (kRoom.top - kRoom.bottom) / 2 / pixels_a_m;
       this.look_at_plan(x, y, plan.height / 2 / pixels_a_m);
     }
     const space = this.space.area.getBoundingClientRect();
@@ -207,7 +205,7 @@ export class World {
       controls.target.set(centre[0], centre[1], 0);
       camera.position.set(centre[0], centre[1] - 1.0 * far, 0.95 * far);
       const corners = [[0, 0], [0, 1], [1, 0], [1, 1]].map(([i, j]) => new THREE.Vector3(i ? max_m[0] : min_m[0], j ? max_m[1] : min_m[1], 0));
-      fit_perspective(camera, controls.target, corners, space, { left: 30, right: 24, top: 70, bottom: this.view === "space" ? bottom : 46 });
+      fit_perspective(camera, controls.target, corners, space, { left: 30, right: 24, top: 70, bottom: 46 });
       controls.update();
     }
     this.is_fitted = true;
@@ -364,6 +362,7 @@ export class World {
       return Math.abs(point.z) > 1 ? null : [at.x + (0.5 + point.x / 2) * at.width, at.y + (0.5 - point.y / 2) * at.height];
     };
     if (this.has_grid) write_numbers(pen, project, at, this.bounds, this.spacing, is_plan);
+    draw_caption(pen, at, is_plan ? "plan" : "3-D");
     if (is_plan) draw_scale(pen, at, this.plan_scale());
     this.write_names(eye, project);
     const selected = this.selected && this.find(this.selected);
