@@ -51,6 +51,18 @@ bool are_all_inside(const ProductRule& rule, const Eigen::Vector2d& mean_m,
 
 }  // namespace
 
+models::World inset(const models::World& world, double radius_m) {
+  models::World inside = world;
+  const Eigen::Vector2d margin_m = Eigen::Vector2d::Constant(radius_m);
+  if ((world.bounds.max_m - world.bounds.min_m).minCoeff() > 2.0 * radius_m) {
+    inside.bounds = {world.bounds.min_m + margin_m, world.bounds.max_m - margin_m};
+  }
+  for (models::Obstacle& box : inside.obstacles) {
+    box.footprint = {box.footprint.min_m - margin_m, box.footprint.max_m + margin_m};
+  }
+  return inside;
+}
+
 models::Gaussian reflect(const models::Gaussian& belief, const models::Rectangle& bounds) {
   const Eigen::Matrix2d P_pp = belief.covariance.topLeftCorner<2, 2>();
   const Eigen::LLT<Eigen::Matrix2d> root(P_pp);

@@ -5,6 +5,10 @@
 
 namespace vantage::estimator {
 
+/// `world` as the middle of a disc has it: walls and obstacles nearer by its radius, with sharp
+/// corners. Bounds of which nothing would be left stay.
+models::World inset(const models::World& world, double radius_m);
+
 /// What is known of a target's place because it never leaves the world's bounds nor enters an
 /// obstacle. A belief that touches neither is returned unchanged, bit for bit.
 ///

@@ -48,6 +48,7 @@ MultiTargetSpec multi_target_spec(const FilterSpec& spec) {
 
 DistributedFilter::DistributedFilter(FilterSpec spec)
     : spec_(std::move(spec)),
+      room_(inset(spec_.world, spec_.target_radius_m)),
       viewpoint_(spec_.start),
       tracks_(spec_.target_count),
       grid_(spec_.world, grid_around(spec_, spec_.start.world_from_body.position_m()),
@@ -288,7 +289,7 @@ void DistributedFilter::confine_all() {
   }
   for (LabelledTrack& track : labelled_) {
     for (Component& component : track.mixture) {
-      component.belief = confine(component.belief, spec_.world);
+      component.belief = confine(component.belief, room_);
     }
   }
   for (auto& [target_id, track] : tracks_) {
@@ -296,7 +297,7 @@ void DistributedFilter::confine_all() {
     if (!belief) {
       continue;
     }
-    const models::Gaussian inside = confine(*belief, spec_.world);
+    const models::Gaussian inside = confine(*belief, room_);
     if (inside.mean == belief->mean && inside.covariance == belief->covariance) {
       continue;
     }

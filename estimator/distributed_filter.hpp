@@ -37,6 +37,7 @@ struct FilterSpec {
   scenario::EstimatorSpec estimator;
   models::World world;
   int target_count = 0;                ///< ids are 0 … target_count − 1
+  double target_radius_m = 0.0;        ///< the smallest: no middle is nearer to a wall
   double step_s = 0.5;                 ///< τ
   double communication_range_m = 0.0;  ///< ≤ 0: no communication
   /// Targets farther off than this are others' business: what was known of them is forgotten, and
@@ -186,6 +187,7 @@ class DistributedFilter {
   StepRecord& record(int age);
 
   FilterSpec spec_;
+  models::World room_;        ///< where the middles of targets can be
   std::optional<Time> time_;  ///< of tracks_; absent before the first step
   models::Viewpoint viewpoint_;
   int degree_ = 0;

@@ -21,6 +21,9 @@ FilterSpec filter_spec(const scenario::Scenario& scenario, const std::string& ro
   spec.estimator = scenario.estimator;
   spec.world = scenario.world;
   for (const scenario::TargetSpec& target : scenario.targets) {
+    const bool is_first = spec.target_count == 0;
+    spec.target_radius_m =
+        is_first ? target.radius_m : std::min(spec.target_radius_m, target.radius_m);
     spec.target_count = std::max(spec.target_count, target.id + 1);
   }
   spec.step_s = scenario.planner.step_s;

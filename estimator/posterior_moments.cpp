@@ -9,6 +9,8 @@
 #include <Eigen/Cholesky>
 
 #include "estimator/gauss_legendre.hpp"
+#include "estimator/ground_grid.hpp"
+#include "estimator/view_limits.hpp"
 #include "models/sensor/law.hpp"
 
 namespace vantage::estimator {
@@ -42,13 +44,6 @@ struct RayIntegral {
   double log_mass = -std::numeric_limits<double>::infinity();  ///< times exp(−top) no more
 };
 
-struct Total {
-  PositionVector mean_m;  // from the sensor
-  PositionMatrix covariance_m2;
-  double mahalanobis2 = 0.0;
-  double share_in_view = 1.0;
-};
-
 /// Prior, measurement and limits as seen from the sensor, along rays.
 class Rays {
  public:
@@ -59,6 +54,7 @@ class Rays {
         from_(from),
         z_(measurement.z),
         W_(V_inverse),
+        soft_(limit_softness(sensor, measurement.V)),
         dim_(prior.mean_m.size()),
         Omega_(prior.information),
         linear_(PositionVector::Zero(dim_)),
@@ -84,17 +80,36 @@ class Rays {
   [[nodiscard]] const PositionVector& eye_m() const { return eye_m_; }
 
   /// nullopt: nothing is possible, or it has no bound.
-  [[nodiscard]] std::optional<Total> integrate(bool is_limited) const {
+  [[nodiscard]] std::optional<IntegratedMoments> integrate(bool is_limited) const {
     return dim_ == 3 ? integrate_over<32, 32>(is_limited) : integrate_over<64, 1>(is_limited);
   }
 
  private:
   [[nodiscard]] bool sees_all_around() const { return models::sees_all_around(sensor_); }
 
+  /// So far beyond the field of view at most is something possible.
+  [[nodiscard]] double softest_rad() const {
+    const double reach = std::sqrt(2.0 * kNegligible);
+    const double nearest_m =
+        std::max(sensor_.range_min_m - reach * soft_.distance_m, kLeastRange_m);
+    return reach * std::hypot(soft_.angle_rad, soft_.distance_m / nearest_m);
+  }
+
+  /// How far beyond a limit known to `sigma_m` exp(slope x − ½ a x²) times the limit's own tail,
+  /// exp(−½ x²/σ²), is not negligible; `slope` of the exponent there, outwards.
+  [[nodiscard]] static double softness_m(double slope, double a, double sigma_m) {
+    if (!(sigma_m > 0.0)) {
+      return 0.0;
+    }
+    const double steep = a + 1.0 / (sigma_m * sigma_m);
+    return std::max(0.0, slope / steep) + std::sqrt(2.0 * kNegligible / steep);
+  }
+
   /// Bearings from body x that are possible.
   [[nodiscard]] Interval bearings_rad(bool is_limited) const {
-    const double half_rad =
-        is_limited && !sees_all_around() ? std::min(kPi, 0.5 * sensor_.fov_rad) : kPi;
+    const double half_rad = is_limited && !sees_all_around()
+                                ? std::min(kPi, 0.5 * sensor_.fov_rad + softest_rad())
+                                : kPi;
     if (!law_.measures_bearing) {
       // A full turn begins opposite to where the target was believed, or narrowing could not.
       const double middle_rad = half_rad == kPi ? believed_rad_ : 0.0;
@@ -159,6 +174,9 @@ class Rays {
       e -= 0.5 * error.dot(W_ * error);
     }
     const Interval limits = distances_m(cos_elevation, depth_share);
+    const double soft_low_m =
+        soft_.distance_m /
+        (law_.measures_bearing ? std::max(cos_elevation, kLeastRange_m) : depth_share);
     Interval r = is_limited ? limits : Interval{0.0, std::numeric_limits<double>::infinity()};
     if (!(r.low < r.high)) {
       return out;
@@ -172,7 +190,11 @@ class Rays {
     const double slope = std::abs(c - a * peak);
     const double reach_m =
         2.0 * kNegligible / (slope + std::sqrt(slope * slope + 2.0 * kNegligible * a));
-    r = {std::max(r.low, peak - reach_m), std::min(r.high, peak + reach_m)};
+    const Interval soft{
+        is_limited ? std::max(0.0, r.low - softness_m(a * r.low - c, a, soft_low_m)) : 0.0,
+        is_limited ? r.high + softness_m(c - a * r.high, a, soft_.distance_m) : r.high};
+    r = {peak == r.low ? soft.low : std::max(soft.low, peak - reach_m),
+         peak == r.high ? soft.high : std::min(soft.high, peak + reach_m)};
     if (!std::isfinite(r.width())) {
       return RayIntegral{};
     }
@@ -180,6 +202,16 @@ class Rays {
     const double half_m = 0.5 * r.width();
     const double fov_half_rad = sees_all_around() ? 2.0 * kPi : 0.5 * sensor_.fov_rad;
     const bool is_in_fov = std::abs(wrap_to_pi(bearing_rad)) < fov_half_rad;
+    const bool is_soft = soft_.distance_m > 0.0 || soft_.angle_rad > 0.0;
+    const double depth_per_m =
+        law_.depth_per_m != nullptr ? depth_share : std::numeric_limits<double>::infinity();
+    const auto view_probability = [&](double r_m) {
+      if (!is_soft) {
+        return is_in_fov && r_m >= limits.low && r_m < limits.high ? 1.0 : 0.0;
+      }
+      return estimator::view_probability(sensor_, soft_, r_m, r_m * cos_elevation, bearing_rad,
+                                         depth_per_m * r_m);
+    };
     std::array<double, kLegendrePoints> shares;  // apart, so that the sums stay in registers
     for (std::size_t i = 0; i < kLegendrePoints; ++i) {
       const double from_peak_m =
@@ -190,11 +222,13 @@ class Rays {
     for (std::size_t i = 0; i < kLegendrePoints; ++i) {
       const double r_m = middle_m + kLegendreSide[i % 2] * half_m * kLegendreNode[i / 2];
       const double spread = dim_ == 3 ? r_m * r_m * cos_elevation : r_m;  // of directions, at r
-      const double p = half_m * kLegendreWeight[i / 2] * spread * shares[i];
+      const double in_view = view_probability(r_m);
+      const double likely = half_m * kLegendreWeight[i / 2] * spread * shares[i];
+      const double p = is_limited ? likely * in_view : likely;
       out.mass += p;
       out.first += p * r_m;
       out.second += p * r_m * r_m;
-      out.in_view += is_in_fov && r_m >= limits.low && r_m < limits.high ? p : 0.0;
+      out.in_view += likely * in_view;
     }
     out.log_mass = out.top + std::log(out.mass);
     return out;
@@ -202,7 +236,7 @@ class Rays {
 
   // long: one integral over an array of rays, zoomed in until it is where the mass is.
   template <std::size_t Bearings, std::size_t Elevations>
-  [[nodiscard]] std::optional<Total> integrate_over(bool is_limited) const {
+  [[nodiscard]] std::optional<IntegratedMoments> integrate_over(bool is_limited) const {
     std::array<RayIntegral, Bearings * Elevations> rays;
     std::array<PositionVector, Bearings * Elevations> directions;
     Interval bearing_rad = bearings_rad(is_limited);
@@ -290,7 +324,7 @@ class Rays {
         sum_of_squares += weight * ray.second * direction * direction.transpose();
       }
     }
-    Total total;
+    IntegratedMoments total;
     total.mean_m = sum / mass;
     total.covariance_m2 = sum_of_squares / mass - total.mean_m * total.mean_m.transpose();
     total.mahalanobis2 = std::max(0.0, -2.0 * peak);
@@ -303,6 +337,7 @@ class Rays {
   const models::Viewpoint& from_;
   const models::MeasurementVector z_;
   const models::MeasurementMatrix W_;  // V⁻¹
+  const LimitSoftness soft_;
   const Eigen::Index dim_;
   PositionMatrix Omega_;  // what is Gaussian in the offset from the sensor: prior, a position
   PositionVector linear_;
@@ -311,131 +346,14 @@ class Rays {
   double believed_rad_ = 0.0;  // the prior's mean, from body x
 };
 
-/// Any sensor of targets on the ground, a camera above all: p on the axes of the posterior
-/// linearised at its top.
-class GroundGrid {
- public:
-  GroundGrid(const PositionPrior& prior, const models::SensorModel& sensor,
-             const models::Viewpoint& from, const models::Measurement& measurement,
-             const models::MeasurementMatrix& V_inverse)
-      : prior_(prior),
-        sensor_(sensor),
-        from_(from),
-        z_(measurement.z),
-        W_(V_inverse),
-        information_(PositionMatrix::Zero(2, 2)) {
-    const auto seen_m = models::position_from(sensor, from, z_, 2);
-    top_m_ = seen_m ? *seen_m : prior.mean_m;
-    for (int i = 0; i < kIterations; ++i) {
-      const models::MeasurementJacobian H = models::observation_jacobian(sensor, from, top_m_);
-      const models::MeasurementVector error = z_ - models::observe(sensor, from, top_m_);
-      const PositionMatrix HtW = H.transpose() * W_;
-      information_ = prior.information + HtW * H;
-      const PositionVector gradient = HtW * error - prior.information * (top_m_ - prior.mean_m);
-      const Eigen::LLT<PositionMatrix> root(information_);
-      if (root.info() != Eigen::Success || !gradient.allFinite()) {
-        is_good_ = false;
-        return;
-      }
-      top_m_ += root.solve(gradient);
-    }
-  }
-
-  // long: exponents at points of the body frame, which turn with the world; then their moments.
-  [[nodiscard]] std::optional<Total> integrate(bool is_limited) const {
-    const double c = std::cos(from_.world_from_body.yaw_rad);
-    const double s = std::sin(from_.world_from_body.yaw_rad);
-    Eigen::Matrix2d world_from_body;
-    world_from_body << c, -s, s, c;
-    const Eigen::Matrix2d of_body = world_from_body.transpose() * information_ * world_from_body;
-    const Eigen::LLT<Eigen::Matrix2d> root(of_body);
-    if (!is_good_ || root.info() != Eigen::Success || !top_m_.allFinite()) {
-      return std::nullopt;
-    }
-    std::array<double, kPoints * kPoints> exponent{};
-    double most = -std::numeric_limits<double>::infinity();
-    const auto point_m = [&](int i, int j) -> PositionVector {
-      const Eigen::Vector2d u(kSpacing_sigma * (i - kPoints / 2),
-                              kSpacing_sigma * (j - kPoints / 2));
-      const Eigen::Vector2d offset_m = root.matrixU().solve(u);  // Ω = L Lᵀ: covariance L⁻ᵀ L⁻¹
-      return top_m_ + world_from_body * offset_m;
-    };
-    for (int i = 0; i < kPoints; ++i) {
-      for (int j = 0; j < kPoints; ++j) {
-        const PositionVector y_m = point_m(i, j);
-        double& here = exponent[static_cast<std::size_t>(i * kPoints + j)];
-        here = -std::numeric_limits<double>::infinity();
-        if (!is_in_front(y_m) || (is_limited && !models::in_view(sensor_, from_, y_m))) {
-          continue;
-        }
-        const models::MeasurementVector error = z_ - models::observe(sensor_, from_, y_m);
-        const PositionVector off_m = y_m - prior_.mean_m;
-        here = -0.5 * (error.dot(W_ * error) + off_m.dot(prior_.information * off_m));
-        most = std::max(most, here);
-      }
-    }
-    if (!std::isfinite(most)) {
-      return std::nullopt;
-    }
-    double mass = 0.0;
-    double in_view = 0.0;
-    PositionVector sum = PositionVector::Zero(2);
-    PositionMatrix sum_of_squares = PositionMatrix::Zero(2, 2);
-    for (int i = 0; i < kPoints; ++i) {
-      for (int j = 0; j < kPoints; ++j) {
-        const double p = std::exp(exponent[static_cast<std::size_t>(i * kPoints + j)] - most);
-        if (!(p > 0.0)) {
-          continue;
-        }
-        const PositionVector y_m = point_m(i, j);
-        const PositionVector off_m = y_m - top_m_;
-        mass += p;
-        in_view += models::in_view(sensor_, from_, y_m) ? p : 0.0;
-        sum += p * off_m;
-        sum_of_squares += p * off_m * off_m.transpose();
-      }
-    }
-    Total total;
-    const PositionVector shift_m = sum / mass;
-    total.mean_m = top_m_ + shift_m;
-    total.covariance_m2 = sum_of_squares / mass - shift_m * shift_m.transpose();
-    total.mahalanobis2 = -2.0 * most;
-    total.share_in_view = in_view / mass;
-    return total;
-  }
-
- private:
-  static constexpr int kIterations = 5;
-  static constexpr int kPoints = 31;
-  static constexpr double kSpacing_sigma = 1.0 / 3.0;
-
-  [[nodiscard]] bool is_in_front(const PositionVector& y_m) const {
-    models::SensorModel all = sensor_;
-    all.range_min_m = 0.0;
-    all.range_max_m = std::numeric_limits<double>::infinity();
-    all.fov_rad = 2.0 * kPi;
-    all.depth_min_m = 0.0;
-    return models::in_view(all, from_, y_m);
-  }
-
-  const PositionPrior& prior_;
-  const models::SensorModel& sensor_;
-  const models::Viewpoint& from_;
-  const models::MeasurementVector z_;
-  const models::MeasurementMatrix W_;
-  PositionVector top_m_;
-  PositionMatrix information_;
-  bool is_good_ = true;
-};
-
 template <class Integral>
-std::optional<Total> within_limits(const Integral& integral) {
-  const std::optional<Total> unlimited = integral.integrate(false);
+std::optional<IntegratedMoments> within_limits(const Integral& integral) {
+  const std::optional<IntegratedMoments> unlimited = integral.integrate(false);
   if (!unlimited || unlimited->share_in_view > kAllInView ||
       unlimited->share_in_view < kContradiction) {
     return unlimited;
   }
-  std::optional<Total> limited = integral.integrate(true);
+  std::optional<IntegratedMoments> limited = integral.integrate(true);
   if (!limited) {
     return unlimited;
   }
@@ -470,7 +388,7 @@ std::optional<PositionMoments> posterior_moments(const PositionPrior& prior,
   if (!can_integrate(sensor, n)) {
     return std::nullopt;
   }
-  std::optional<Total> total;
+  std::optional<IntegratedMoments> total;
   PositionVector eye_m;
   if (!is_along_rays(sensor, n)) {
     total = within_limits(GroundGrid(prior, sensor, from, measurement, V_inverse));

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "estimator/posterior_moments.hpp"
+#include "estimator/view_limits.hpp"
 #include "models/sensor/law.hpp"
 
 namespace vantage::estimator {
@@ -31,6 +32,8 @@ Eigen::Index position_rows(Eigen::Index state_rows) { return state_rows == 3 ? 3
 constexpr double kCorner_sigma = 1.5;
 /// So far out a linearised posterior must be in view for the limits to mean nothing to it.
 constexpr double kClear_sigma = 3.0;
+/// As likely as that, Φ(3), where the limits are soft.
+constexpr double kClear = 0.99865;
 
 /// h linearised at a belief's mean.
 struct Tangent {
@@ -98,12 +101,14 @@ bool is_linear_enough(const Tangent& tangent, const models::PositionMatrix& P_pp
 }
 
 bool is_clear_of_limits(const models::Gaussian& posterior, Eigen::Index n,
-                        const models::SensorModel& sensor, const models::Viewpoint& from) {
+                        const models::SensorModel& sensor, const LimitSoftness& softness,
+                        const models::Viewpoint& from) {
   const models::PositionVector mean_m = posterior.mean.head(n);
-  return for_all_around(
-      mean_m, root_of(posterior.covariance.topLeftCorner(n, n), from),
-      kClear_sigma / std::sqrt(static_cast<double>(n)), true,
-      [&](const models::PositionVector& y_m) { return models::in_view(sensor, from, y_m); });
+  return for_all_around(mean_m, root_of(posterior.covariance.topLeftCorner(n, n), from),
+                        kClear_sigma / std::sqrt(static_cast<double>(n)), true,
+                        [&](const models::PositionVector& y_m) {
+                          return view_probability(sensor, softness, from, y_m) >= kClear;
+                        });
 }
 
 /// Adds what turns the position's marginal from `prior` into `posterior`; the rest of the state
@@ -163,7 +168,8 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
     const MeasurementJacobian H = state_jacobian(tangent.H, belief.vector.size());
     const MeasurementVector nu = models::innovation(sensor, measurement.z, tangent.expected);
     const models::Gaussian posterior = models::update(*prior, H, measurement.V, nu);
-    if (can_only_linearise || is_clear_of_limits(posterior, n, sensor, from)) {
+    if (can_only_linearise ||
+        is_clear_of_limits(posterior, n, sensor, limit_softness(sensor, measurement.V), from)) {
       const MeasurementMatrix S = tangent.H * P_pp * tangent.H.transpose() + measurement.V;
       const MeasurementVector whitened = S.llt().matrixL().solve(nu);
       if (is_beyond_gate(whitened.squaredNorm())) {

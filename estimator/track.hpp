@@ -43,7 +43,7 @@ inline constexpr double kBendMax = 0.2;
 enum class [[nodiscard]] Use{kUsed, kGated, kSingular};
 
 /// Adds one measurement to a belief. Where h is linear enough about the mean (kBendMax) and the
-/// posterior clear of the limits of range and view by 3σ:
+/// posterior clear of the limits of range and view by 3σ, however soft they are:
 /// Ω ← Ω + Hᵀ V⁻¹ H, ω ← ω + Hᵀ V⁻¹ z̃ with z̃ = z − h(x, ŷ) + H ŷ, bearings wrapped. Elsewhere
 /// (near the robot, under it, long unseen, at the edge of view) the position's marginal gets the
 /// posterior_moments(), and the velocity follows through its correlation.

@@ -244,6 +244,33 @@ TEST(Reflection, InACornerHasTheMomentsOfReflectedSamples) {
   EXPECT_TRUE(is_near(after.covariance, covariance, 0.1));
 }
 
+TEST(Inset, LeavesTheMiddleOfADiscWhatTheDiscTouchesNothingAt) {
+  const models::World world{{{-4.0, -2.0}, {4.0, 2.0}}, 3.0, {{{{1.0, 0.0}, {2.0, 1.0}}, 2.5}}, {}};
+  const models::World room = inset(world, 0.2);
+  EXPECT_EQ(room.bounds.min_m, Eigen::Vector2d(-3.8, -1.8));
+  EXPECT_EQ(room.bounds.max_m, Eigen::Vector2d(3.8, 1.8));
+  EXPECT_EQ(room.obstacles.front().footprint.min_m, Eigen::Vector2d(0.8, -0.2));
+  EXPECT_EQ(room.obstacles.front().footprint.max_m, Eigen::Vector2d(2.2, 1.2));
+  EXPECT_EQ(inset(world, 2.0).bounds.max_m, world.bounds.max_m);  // nothing would be left
+}
+
+// A target turns back where its side touches the wall, a radius before its middle would.
+TEST(Reflection, IsWhereATargetsSideMeetsTheWall) {
+  FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, 1e-6},
+                                    test::far_sighted(models::SensorKind::kRangeBearing), 1);
+  spec.estimator.targets_stay_inside = true;
+  spec.target_radius_m = 0.2;
+  DistributedFilter filter(spec);
+  Gaussian belief{Eigen::Vector4d(19.0, 0.0, 1.0, 0.0), 1e-4 * Eigen::Matrix4d::Identity()};
+  filter.rebase(test::prior(test::instant(0), {belief}));
+  for (int k = 1; k <= 4; ++k) {
+    test::take_step(filter, test::instant(k), test::at(0.0, 0.0), {});
+  }
+  const Gaussian later = test::known(filter, 0);
+  EXPECT_NEAR(later.mean(0), 18.6, 0.02);  // 19 + 2, turned back at 19.8
+  EXPECT_NEAR(later.mean(2), -1.0, 0.02);
+}
+
 // Truth of its own: targets that turn back at the walls, in steps of 20 ms. Seen at the start only.
 TEST(Reflection, KeepsTheFilterHonestAboutATargetLostAtTheWall) {
   const models::TargetModel drift{models::TargetKind::kDoubleIntegrator, 2, 0.001};

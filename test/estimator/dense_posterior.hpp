@@ -8,10 +8,12 @@
 
 #include <Eigen/Dense>
 
+#include "estimator/view_limits.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
 
-// The oracle of measurement updates: brute force, and nothing of the estimator's.
+// The oracle of measurement updates: brute force, and nothing of the estimator's but how soft
+// limits are, which has a test of its own.
 
 namespace vantage::estimator::test {
 
@@ -21,9 +23,9 @@ struct DenseMoments {
   double share_in_view = 0.0;
 };
 
-/// Moments of prior × N(z; h(y), V) × 1[y in view] on a Cartesian grid: a coarse one over prior and
-/// range finds where anything is, a fine one of `points` a side integrates there. Without prior
-/// (Ω = 0) the sensor's range is the box. Limits are left out with `is_limited` false.
+/// Moments of prior × N(z; h(y), V) × view_probability(y) on a Cartesian grid: a coarse one over
+/// prior and range finds where anything is, a fine one of `points` a side integrates there. Without
+/// prior (Ω = 0) the sensor's range is the box. Limits are left out with `is_limited` false.
 inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_mean,
                                                    const Eigen::MatrixXd& prior_information,
                                                    const models::SensorModel& sensor,
@@ -48,8 +50,10 @@ inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_
       high(i) = prior_mean(i) + 6.5 * std::sqrt(P(i, i));
     }
     if (is_limited || !std::isfinite(low(i))) {
-      low(i) = std::max(low(i), eye(i) - sensor.range_max_m);
-      high(i) = std::min(high(i), eye(i) + sensor.range_max_m);
+      const double reach_m =
+          sensor.range_max_m + kViewCertain_sigma * limit_softness(sensor, z.V).distance_m;
+      low(i) = std::max(low(i), eye(i) - reach_m);
+      high(i) = std::min(high(i), eye(i) + reach_m);
     }
     if (low(i) >= high(i)) {
       return std::nullopt;
@@ -63,14 +67,19 @@ inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_
   open.range_max_m = std::numeric_limits<double>::infinity();
   open.fov_rad = 2.0 * kPi;
   open.depth_min_m = 0.0;
+  const LimitSoftness softness = limit_softness(sensor, z.V);
+  const auto probability = [&](const models::PositionVector& y) {
+    return view_probability(sensor, softness, from, y);
+  };
   const auto exponent = [&](const models::PositionVector& y) {
-    if (!models::in_view(is_limited ? sensor : open, from, y)) {
+    const double in_view = is_limited ? probability(y) : 1.0;
+    if (!models::in_view(open, from, y) || !(in_view > 0.0)) {
       return -std::numeric_limits<double>::infinity();
     }
     const models::PositionVector off = y - believed;
     const models::MeasurementVector e =
         models::innovation(sensor, z.z, models::observe(sensor, from, y));
-    return -0.5 * (off.dot(Omega * off) + e.dot(W * e));
+    return -0.5 * (off.dot(Omega * off) + e.dot(W * e)) + std::log(in_view);
   };
   DenseMoments out;
   std::vector<double> exponents;
@@ -118,7 +127,7 @@ inline std::optional<DenseMoments> dense_posterior(const Eigen::VectorXd& prior_
       const double p = std::exp(exponents[at] - most);
       const models::PositionVector off = y - corner;
       mass += p;
-      in_view += models::in_view(sensor, from, y) ? p : 0.0;
+      in_view += p * probability(y);
       sum += p * off;
       squares += p * off * off.transpose();
     });

@@ -444,7 +444,7 @@ TEST(Discover, GivesTheMomentsOfAllThatTheFirstLookLeavesPossible) {
                                               sensor, at(1.0, 0.5, 0.3), z, true, 400);
     const Gaussian g = models::to_gaussian(*found).value();
     const test::Difference d = test::difference(g.mean, g.covariance, *oracle);
-    EXPECT_LT(d.mean_sigma, 0.02) << z_m;
+    EXPECT_LT(d.mean_sigma, 0.04) << z_m;  // the far limit is as soft as two nodes are apart
     EXPECT_LT(d.covariance_share, 0.03) << z_m;
   }
 }
