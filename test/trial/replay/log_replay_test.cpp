@@ -31,16 +31,22 @@ class ReplayLog : public ::testing::Test {
     scenario::Overrides overrides;
     overrides.seed = 5;
     overrides.duration_s = 8.0;
-    overrides.node_budget = 300;
-    const scenario::Scenario scenario =
-        scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab.yaml", overrides);
-    TrialOptions options;
-    options.log_path = folder_->file("trial.lcmlog");
-    run_trial(scenario, trial_recipes(scenario), options);
+    fly("lab.yaml", overrides, trial());
   }
   static void TearDownTestSuite() { folder_.reset(); }
 
   static std::string trial() { return folder_->file("trial.lcmlog"); }
+
+  /// A trial of one of config's scenarios, 300 nodes a slot.
+  static logs::TrialSummary fly(const std::string& config, scenario::Overrides overrides,
+                                const std::string& log_path) {
+    overrides.node_budget = 300;
+    const scenario::Scenario scenario =
+        scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/" + config, overrides);
+    TrialOptions options;
+    options.log_path = log_path;
+    return run_trial(scenario, trial_recipes(scenario), options).summary;
+  }
 
   /// The trial's log with each event changed by `edit`, or left out where that says false.
   static std::string edited(const std::function<bool(std::string_view, Bytes&)>& edit) {
@@ -105,17 +111,13 @@ TEST_F(ReplayLog, MakesEveryPlanAndBeliefOfATrialAgainToTheBit) {
 TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
   scenario::Overrides overrides;
   overrides.duration_s = 20.0;
-  overrides.node_budget = 300;
-  const scenario::Scenario scenario =
-      scenario::load_scenario_with(VANTAGE_SOURCE_DIR "/config/lab-unlabelled.yaml", overrides);
-  TrialOptions options;
-  options.log_path = folder_->file("unlabelled.lcmlog");
-  const logs::TrialSummary summary = run_trial(scenario, trial_recipes(scenario), options).summary;
+  const std::string log_path = folder_->file("unlabelled.lcmlog");
+  const logs::TrialSummary summary = fly("lab-unlabelled.yaml", overrides, log_path);
   EXPECT_EQ(summary.plans_missing, 0);
   EXPECT_EQ(summary.collisions, 0);
   EXPECT_GE(summary.discovered, 1);
   int tracks = 0;
-  const logs::IndexedLog log(options.log_path);
+  const logs::IndexedLog log(log_path);
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
     if (event->channel.starts_with("MEASUREMENT_")) {
@@ -134,11 +136,11 @@ TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
   }
   EXPECT_GT(tracks, 20);
   for (const char* robot : {"Q1", "Q2", "Q3"}) {
-    const ReplayReport plans = replay(options.log_path, std::string("planner:") + robot);
+    const ReplayReport plans = replay(log_path, std::string("planner:") + robot);
     EXPECT_TRUE(plans.outputs.is_exact()) << robot;
     EXPECT_GE(plans.outputs.replayed(), 19) << robot;
     EXPECT_EQ(plans.not_replayed(), 0) << robot;
-    const ReplayReport beliefs = replay(options.log_path, std::string("estimator:") + robot);
+    const ReplayReport beliefs = replay(log_path, std::string("estimator:") + robot);
     EXPECT_TRUE(beliefs.outputs.is_exact()) << robot;
     EXPECT_GE(beliefs.outputs.replayed(), 38) << robot;
     EXPECT_EQ(beliefs.not_replayed(), 0) << robot;
