@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "estimator/distributed_filter.hpp"
 #include "models/exchange/messages.hpp"
@@ -44,6 +45,29 @@ inline Time instant(int step) { return from_utime(1'000'000'000) + from_seconds(
 inline models::Viewpoint at(double x_m, double y_m, double yaw_rad = 0.0) {
   return {{x_m, y_m, yaw_rad}, 0.0};
 }
+
+/// Mean over cases of ε' Σ⁻¹ ε of 2-D beliefs (their NEES), 2 where they are as wrong as they say.
+class MeanNees {
+ public:
+  void add(const models::Gaussian& belief, const Eigen::Vector2d& truth_m) {
+    const Eigen::Vector2d error_m = Eigen::Vector2d(belief.mean) - truth_m;
+    const double nees = error_m.dot(Eigen::Matrix2d(belief.covariance).inverse() * error_m);
+    sum_ += nees;
+    squares_ += nees * nees;
+    ++cases_;
+  }
+  [[nodiscard]] int cases() const { return cases_; }
+  [[nodiscard]] double mean() const { return sum_ / cases_; }
+  /// 1σ of the mean, by sampling.
+  [[nodiscard]] double sigma() const {
+    return std::sqrt((squares_ / cases_ - mean() * mean()) / cases_);
+  }
+
+ private:
+  double sum_ = 0.0;
+  double squares_ = 0.0;
+  int cases_ = 0;
+};
 
 /// A look that reports every target of `positions_m` (by id) but those in `skip`.
 inline models::DetectionSet look_at(const models::SensorModel& sensor, Time time,

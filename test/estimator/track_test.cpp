@@ -263,10 +263,9 @@ TEST(Measure, IsConsistentNearTheRobot) {
   sensor.range_max_m = 1.0;
   sensor.range_sigma_m = 0.3;
   std::mt19937_64 rng(9);
-  double sum = 0.0;
-  double squares = 0.0;
   constexpr int kCases = 3000;
-  for (int done = 0; done < kCases;) {
+  test::MeanNees nees;
+  while (nees.cases() < kCases) {
     const Eigen::Vector2d mean_m = 0.4 * test::normal_vector(2, rng);
     const Eigen::Vector2d truth_m = mean_m + 0.5 * test::normal_vector(2, rng);
     if (!models::in_view(sensor, at(0, 0), truth_m)) {
@@ -275,16 +274,9 @@ TEST(Measure, IsConsistentNearTheRobot) {
     auto belief = models::to_information({mean_m, 0.25 * Eigen::Matrix2d::Identity()}).value();
     const auto z = models::sample(sensor, at(0, 0), truth_m, rng);
     ASSERT_EQ(measure(belief, sensor, at(0, 0), z, 0.0), Use::kUsed);
-    const Gaussian g = models::to_gaussian(belief).value();
-    const Eigen::Vector2d error_m = Eigen::Vector2d(g.mean) - truth_m;
-    const double nees = error_m.dot(Eigen::Matrix2d(g.covariance).inverse() * error_m);
-    sum += nees;
-    squares += nees * nees;
-    ++done;
+    nees.add(models::to_gaussian(belief).value(), truth_m);
   }
-  const double mean = sum / kCases;
-  const double band = 1.96 * std::sqrt((squares / kCases - mean * mean) / kCases);
-  EXPECT_NEAR(mean, 2.0, std::max(band, 0.1));
+  EXPECT_NEAR(nees.mean(), 2.0, std::max(1.96 * nees.sigma(), 0.1));
 }
 
 TEST(Measure, TurnsAndMirrorsWithTheWorld) {

@@ -101,9 +101,8 @@ TEST(Measure, IsConsistentWhereTheLimitsAreALittleOff) {
   std::mt19937_64 rng(5);
   for (const auto kind : models::all_sensor_kinds()) {
     const models::SensorModel sensor = lab_sensor(kind);
-    double sum = 0.0;
-    double squares = 0.0;
-    for (int done = 0; done < kCases;) {
+    test::MeanNees nees;
+    while (nees.cases() < kCases) {
       const Eigen::Vector2d mean_m = place_near_a_limit(0.03, rng);
       const Eigen::Vector2d true_m = mean_m + kSigma_m * test::normal_vector(2, rng);
       const LimitSoftness softness = softness_of(sensor, mean_m);
@@ -116,17 +115,10 @@ TEST(Measure, IsConsistentWhereTheLimitsAreALittleOff) {
               .value();
       const auto z = models::sample(sensor, eye(), true_m, rng);
       ASSERT_EQ(measure(belief, sensor, eye(), z, 0.0), Use::kUsed);
-      const models::Gaussian g = models::to_gaussian(belief).value();
-      const Eigen::Vector2d error_m = Eigen::Vector2d(g.mean) - true_m;
-      const double nees = error_m.dot(Eigen::Matrix2d(g.covariance).inverse() * error_m);
-      sum += nees;
-      squares += nees * nees;
-      ++done;
+      nees.add(models::to_gaussian(belief).value(), true_m);
     }
-    const double mean = sum / kCases;
-    const double sampling = std::sqrt((squares / kCases - mean * mean) / kCases);
-    RecordProperty(std::string(kind.name()), std::to_string(mean));
-    EXPECT_NEAR(mean, 2.0, std::max(3.0 * sampling, 0.1)) << kind.name();
+    RecordProperty(std::string(kind.name()), std::to_string(nees.mean()));
+    EXPECT_NEAR(nees.mean(), 2.0, std::max(3.0 * nees.sigma(), 0.1)) << kind.name();
   }
 }
 
