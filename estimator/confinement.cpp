@@ -13,25 +13,6 @@ namespace vantage::estimator {
 
 namespace {
 
-/// A coordinate that turned back at each wall it met, and whether it now runs the other way.
-struct Folded {
-  double position_m = 0.0;
-  double sign = 1.0;
-};
-
-Folded fold(double position_m, double min_m, double max_m) {
-  const double width_m = max_m - min_m;
-  double along_m = position_m - min_m;
-  if (!(std::abs(along_m) < 2.0 * width_m)) {  // else fmod() gives back what it gets
-    along_m = std::fmod(along_m, 2.0 * width_m);
-  }
-  if (along_m < 0.0) {
-    along_m += 2.0 * width_m;
-  }
-  return along_m <= width_m ? Folded{min_m + along_m, 1.0}
-                            : Folded{min_m + 2.0 * width_m - along_m, -1.0};
-}
-
 // Whether every point of the rule is in `bounds`. Rounding is monotone, so that the outermost four,
 // computed as all are, are the outermost of all.
 bool are_all_inside(const ProductRule& rule, const Eigen::Vector2d& mean_m,
@@ -50,6 +31,19 @@ bool are_all_inside(const ProductRule& rule, const Eigen::Vector2d& mean_m,
 }
 
 }  // namespace
+
+Folded fold(double position_m, double min_m, double max_m) {
+  const double width_m = max_m - min_m;
+  double along_m = position_m - min_m;
+  if (!(std::abs(along_m) < 2.0 * width_m)) {  // else fmod() gives back what it gets
+    along_m = std::fmod(along_m, 2.0 * width_m);
+  }
+  if (along_m < 0.0) {
+    along_m += 2.0 * width_m;
+  }
+  return along_m <= width_m ? Folded{min_m + along_m, 1.0}
+                            : Folded{min_m + 2.0 * width_m - along_m, -1.0};
+}
 
 models::World inset(const models::World& world, double radius_m) {
   models::World inside = world;

@@ -5,6 +5,14 @@
 
 namespace vantage::estimator {
 
+/// A coordinate that turned back at each wall it met.
+struct Folded {
+  double position_m = 0.0;
+  double sign = 1.0;  ///< −1: it now runs the other way
+};
+/// Where a coordinate comes to that turns back at both walls, as often as needed.
+Folded fold(double position_m, double min_m, double max_m);
+
 /// `world` as the middle of a disc has it: walls and obstacles nearer by its radius, with sharp
 /// corners. Bounds of which nothing would be left stay.
 models::World inset(const models::World& world, double radius_m);

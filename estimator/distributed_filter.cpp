@@ -44,6 +44,31 @@ MultiTargetSpec multi_target_spec(const FilterSpec& spec) {
   return out;
 }
 
+bool is_same(const models::Gaussian& a, const models::Gaussian& b) {
+  return a.mean == b.mean && a.covariance == b.covariance;
+}
+
+/// Makes `belief` what is known of it; false, counted and as it was, where it is no Gaussian.
+bool tell(KnownTrack& known, const models::Gaussian& belief, FilterCounters& count) {
+  const auto information = models::to_information(belief);
+  if (information) {
+    known.track.information = *information;
+  } else {
+    ++count.singular;
+  }
+  return information.has_value();
+}
+
+/// The same of what its samples say.
+bool tell_samples(KnownTrack& known, FilterCounters& count) {
+  return tell(known, known.samples.moments(), count);
+}
+
+/// Which sample meets which noise: the same for all robots, another at each instant.
+std::uint64_t noise_key(int target_id, Time at) {
+  return (static_cast<std::uint64_t>(to_utime(at)) << 10U) + static_cast<std::uint64_t>(target_id);
+}
+
 }  // namespace
 
 DistributedFilter::DistributedFilter(FilterSpec spec)
@@ -266,11 +291,22 @@ void DistributedFilter::move_grid() {
   }
 }
 
+bool DistributedFilter::takes_samples() const {
+  return spec_.estimator.samples && spec_.estimator.target_model.has_velocity();
+}
+
 void DistributedFilter::propagate_all(Time from, Time to) {
   if (multi_target_) {
     multi_target_->propagate(labelled_, from, to);
   }
-  for (auto& [target_id, track] : tracks_) {
+  for (KnownTrack& each : tracks_) {
+    Track& track = each.track;
+    if (!each.samples.empty() && from < to) {
+      each.samples.predict(spec_.estimator.target_model, to_seconds(to - from),
+                           noise_key(each.target_id, to));
+      tell_samples(each, counters_);
+      continue;
+    }
     const auto later = propagate(spec_.estimator.target_model, spec_.step_s, track.information,
                                  track.last_seen, from, to);
     if (later) {
@@ -292,19 +328,26 @@ void DistributedFilter::confine_all() {
       component.belief = confine(component.belief, room_);
     }
   }
-  for (auto& [target_id, track] : tracks_) {
-    const auto belief = models::to_gaussian(track.information);
-    if (!belief) {
-      continue;
+  for (KnownTrack& each : tracks_) {
+    if (each.samples.empty()) {
+      const auto belief = models::to_gaussian(each.track.information);
+      if (!belief) {
+        continue;
+      }
+      const models::Gaussian inside = confine(*belief, room_);
+      if (is_same(inside, *belief)) {
+        continue;
+      }
+      if (!takes_samples()) {
+        tell(each, inside, counters_);
+        continue;
+      }
+      each.samples.spread(*belief);
     }
-    const models::Gaussian inside = confine(*belief, room_);
-    if (inside.mean == belief->mean && inside.covariance == belief->covariance) {
-      continue;
-    }
-    if (const auto information = models::to_information(inside)) {
-      track.information = *information;
-    } else {
-      ++counters_.singular;
+    if (!each.samples.empty()) {
+      each.samples.turn_back(room_.bounds);
+      each.samples.keep_out_of(room_.obstacles);
+      tell_samples(each, counters_);
     }
   }
 }
@@ -334,14 +377,25 @@ void DistributedFilter::apply(Look& look) {
       continue;
     }
     Track& track = known->track;
+    if (!known->samples.empty() &&
+        known->samples.measure(sensor, look.from, detection.measurement)) {
+      tell_samples(*known, count);
+      known->samples.clear();
+      track.last_seen = std::max(track.last_seen, look.time);
+      track.gated_in_a_row = 0;
+      continue;
+    }
     switch (measure(track.information, sensor, look.from, detection.measurement, spec.gate_sigma)) {
       case Use::kUsed:
+        known->samples.clear();
         track.last_seen = std::max(track.last_seen, look.time);
         track.gated_in_a_row = 0;
         break;
       case Use::kGated:
         ++count.gated;
-        doubt(track, spec, sensor, look.from, detection.measurement, look.time);
+        if (doubt(track, spec, sensor, look.from, detection.measurement, look.time)) {
+          known->samples.clear();
+        }
         break;
       case Use::kSingular:
         ++count.singular;
@@ -363,20 +417,25 @@ void DistributedFilter::look_for_misses(const Look& look, FilterCounters& count)
     if (reported) {
       continue;
     }
-    const auto belief = models::to_gaussian(each.track.information);
-    if (!belief) {
-      continue;
+    if (each.samples.empty()) {
+      const auto belief = models::to_gaussian(each.track.information);
+      if (!belief) {
+        continue;
+      }
+      const models::Gaussian missed = missed_detection(*belief, sensor_of(look.looker), look.from,
+                                                       spec_.world, detection_probability);
+      if (is_same(missed, *belief)) {
+        continue;
+      }
+      if (!takes_samples()) {
+        count.missed_detections += tell(each, missed, count) ? 1 : 0;
+        continue;
+      }
+      each.samples.spread(*belief);
     }
-    const models::Gaussian missed = missed_detection(*belief, sensor_of(look.looker), look.from,
-                                                     spec_.world, detection_probability);
-    if (missed.mean == belief->mean && missed.covariance == belief->covariance) {
-      continue;
-    }
-    if (const auto information = models::to_information(missed)) {
-      each.track.information = *information;
-      ++count.missed_detections;
-    } else {
-      ++count.singular;
+    if (!each.samples.empty() &&
+        each.samples.miss(sensor_of(look.looker), look.from, spec_.world, detection_probability)) {
+      count.missed_detections += tell_samples(each, count) ? 1 : 0;
     }
   }
 }
@@ -387,8 +446,8 @@ models::RobotBelief DistributedFilter::belief() const {
   belief.robot = spec_.robot;
   belief.viewpoint = viewpoint_;
   belief.degree = degree_;
-  for (const auto& [target_id, track] : tracks_) {
-    belief.targets.push_back({target_id, track.information, track.last_seen});
+  for (const KnownTrack& known : tracks_) {
+    belief.targets.push_back({known.target_id, known.track.information, known.track.last_seen});
   }
   if (multi_target_) {
     belief.targets = told(*multi_target_, labelled_);

@@ -123,6 +123,11 @@ struct FilterCounters {
 /// the belief tells, one Gaussian: what follows is not what the filter that made it would have gone
 /// on to.
 ///
+/// With EstimatorSpec::samples, what a wall or an empty look leaves of a target with a velocity is
+/// told by Samples from there on, until a detection or what a teammate knows makes it a Gaussian
+/// again; told are their moments. They are not in a belief: after rebase() as of tracks without
+/// ids.
+///
 /// In a neighbourhood, a belief is all that is known: what lies beyond is not told, and not kept
 /// either, so that another filter can go on from any of the beliefs (rebase()).
 ///
@@ -158,6 +163,9 @@ class DistributedFilter {
 
  private:
   void listen(const StepInput& input, StepRecord& record);
+  /// What of it keeps to where targets can be; nullopt where nothing definite is left.
+  [[nodiscard]] std::optional<models::Information> kept_inside(
+      const models::Information& information) const;
   void hear(const models::RobotBelief& belief, Time now, StepRecord& record);
   /// The same where sensors tell no ids.
   void hear_labels(const models::RobotBelief& belief, StepRecord& record);
@@ -171,6 +179,8 @@ class DistributedFilter {
   int file(const models::DetectionSet& look, Time now);
   void run(StepRecord& record);
   void rebase_tracks(const models::RobotBelief& belief);
+  /// Whether what no Gaussian tells is told by samples.
+  [[nodiscard]] bool takes_samples() const;
   void propagate_all(Time from, Time to);
   void apply(Look& look);
   void look_for_misses(const Look& look, FilterCounters& count);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "estimator/confinement.hpp"
 #include "estimator/distributed_filter.hpp"
 
 // What a filter makes of its teammates' beliefs.
@@ -41,6 +42,9 @@ double intersection_weight(const models::StateMatrix& A, const models::StateMatr
   return 0.5 * (low + high);
 }
 
+/// So much more must be known with a teammate's belief before samples give way to a Gaussian.
+constexpr double kWorthAGaussian_nat = 0.2;
+
 }  // namespace
 
 void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
@@ -70,6 +74,17 @@ void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
   }
 }
 
+std::optional<models::Information> DistributedFilter::kept_inside(
+    const models::Information& information) const {
+  const auto belief = models::to_gaussian(information);
+  if (!spec_.estimator.targets_stay_inside || !belief) {
+    return information;
+  }
+  const models::Gaussian inside = confine(*belief, room_);
+  const bool is_same = inside.mean == belief->mean && inside.covariance == belief->covariance;
+  return is_same ? information : models::to_information(inside);
+}
+
 void DistributedFilter::hear(const models::RobotBelief& belief, Time now, StepRecord& record) {
   for (const models::TargetBelief& target : belief.targets) {
     if (target.target_id < 0 || target.target_id >= spec_.target_count) {
@@ -82,8 +97,12 @@ void DistributedFilter::hear(const models::RobotBelief& belief, Time now, StepRe
       ++counters_.malformed_beliefs;
       continue;
     }
-    const auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
-                                     target.last_seen, belief.stamp.time, now);
+    auto now_known = propagate(spec_.estimator.target_model, spec_.step_s, target.information,
+                               target.last_seen, belief.stamp.time, now);
+    // Or one that has meanwhile come to a wall would be surer of itself than one that has turned.
+    if (now_known && belief.stamp.time < now) {
+      now_known = kept_inside(*now_known);
+    }
     if (!now_known) {
       ++counters_.singular;
       continue;
@@ -158,9 +177,16 @@ void DistributedFilter::fuse(const StepRecord& record) {
     }
     Track& own = known->track;
     const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
-    if (kappa > 0.0) {
-      own.information.vector += kappa * (theirs.vector - own.information.vector);
-      own.information.matrix += kappa * (theirs.matrix - own.information.matrix);
+    const models::Information both{
+        own.information.vector + kappa * (theirs.vector - own.information.vector),
+        own.information.matrix + kappa * (theirs.matrix - own.information.matrix)};
+    const bool is_worth_it =
+        known->samples.empty() ||
+        models::log_det(both.matrix) - models::log_det(own.information.matrix) >
+            2.0 * kWorthAGaussian_nat;
+    if (kappa > 0.0 && is_worth_it) {
+      known->samples.clear();
+      own.information = both;
       own.last_seen = std::max(own.last_seen, heard.last_seen);
     }
   }

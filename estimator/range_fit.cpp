@@ -65,10 +65,10 @@ Places places_by(const std::vector<TakenRange>& ranges, const RangeOnlySpec& spe
   for (const TakenRange& range : ranges) {
     filter.update(range.robot_m, range.range_m);
   }
-  constexpr double kWeightMin = 0.01;
+  constexpr double kTrustMin = 0.01;
   Places out;
   for (const BeaconHypothesis& hypothesis : filter.hypotheses()) {
-    if (hypothesis.weight >= kWeightMin) {
+    if (hypothesis.weight >= kTrustMin) {
       out.push_back(hypothesis.mean_m);
     }
   }

@@ -240,14 +240,16 @@ std::optional<Information> discover(const scenario::EstimatorSpec& spec,
   return models::to_information(found);
 }
 
-void doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
+bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
            const models::Viewpoint& from, const models::Measurement& measurement, Time time) {
   if (++track.gated_in_a_row < kGatedInARowMax) {
-    return;
+    return false;
   }
-  if (const auto found = discover(spec, sensor, from, measurement)) {
+  const auto found = discover(spec, sensor, from, measurement);
+  if (found) {
     track = {true, *found, time};
   }
+  return found.has_value();
 }
 
 }  // namespace vantage::estimator

@@ -68,8 +68,8 @@ std::optional<models::Information> discover(const scenario::EstimatorSpec& spec,
                                             const models::Measurement& measurement);
 
 /// A detection of this track's id was beyond the gate, at `time`: the kGatedInARowMax-th in a row
-/// starts the track anew by discover(), where that can tell.
-void doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
+/// starts the track anew by discover(), where that can tell; true when it did.
+bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
            const models::Viewpoint& from, const models::Measurement& measurement, Time time);
 
 }  // namespace vantage::estimator

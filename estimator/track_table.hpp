@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "estimator/samples.hpp"
 #include "estimator/track.hpp"
 
 namespace vantage::estimator {
@@ -57,6 +58,7 @@ class TargetTable {
 struct KnownTrack {
   int target_id = 0;
   Track track;
+  Samples samples = {};  ///< where there are any, the track's information has their moments
 };
 using TrackTable = TargetTable<KnownTrack>;
 

@@ -119,6 +119,9 @@ struct EstimatorSpec {
   /// Targets are never beyond the world's bounds or in an obstacle; beliefs keep to the rest, and
   /// those with a velocity turn back at the bounds.
   bool targets_stay_inside = true;
+  /// What a wall or an empty look has left of a belief is told by samples until the target is seen
+  /// again, where targets have a velocity and sensors tell ids.
+  bool samples = false;
 };
 
 /// What plans are to gain.

@@ -157,6 +157,7 @@ void read_estimator(Mapping& from, const models::World& world, EstimatorSpec& es
   // At 1 a look that finds nothing would be proof, and its logarithm infinite.
   from.number("detection_probability", estimator.detection_probability, from_below(0.0, 1.0));
   from.flag("targets_stay_inside", estimator.targets_stay_inside);
+  from.flag("samples", estimator.samples);
   check_grid(from, world, estimator);
 }
 

@@ -1,0 +1,241 @@
+#include "estimator/samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "core/angle.hpp"
+#include "estimator/confinement.hpp"
+#include "estimator/view_limits.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+using State = Samples::State;
+constexpr std::size_t kSize = Samples::kCount;
+using Weights = std::array<double, kSize>;
+
+/// Evenly spread points of N(0, I), each with its opposite, of mean 0 and covariance I exactly.
+/// Evenly spread in the unit cube: Roberts (2018), multiples of the powers of 1/φ₄; from there by
+/// Box and Muller (1958).
+std::array<State, kSize> standard_points() {
+  constexpr double kPhi = 1.1673039782614187;  // φ⁵ = φ + 1
+  std::array<State, kSize> points;
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  for (std::size_t i = 0; i < kSize / 2; ++i) {
+    std::array<double, 4> u;
+    double step = 1.0;
+    for (double& each : u) {
+      step /= kPhi;
+      const double at = 0.5 + static_cast<double>(i + 1) * step;
+      each = at - std::floor(at);
+    }
+    State& z = points[i];
+    for (std::size_t pair = 0; pair < 4; pair += 2) {
+      const double r = std::sqrt(-2.0 * std::log(1.0 - u[pair]));
+      z(static_cast<Eigen::Index>(pair)) = r * std::cos(2.0 * kPi * u[pair + 1]);
+      z(static_cast<Eigen::Index>(pair + 1)) = r * std::sin(2.0 * kPi * u[pair + 1]);
+    }
+    covariance += 2.0 * z * z.transpose() / static_cast<double>(kSize);
+  }
+  const Eigen::LLT<Eigen::Matrix4d> root(covariance);
+  for (std::size_t i = 0; i < kSize / 2; ++i) {
+    points[i] = root.matrixL().solve(points[i]).eval();
+    points[i + kSize / 2] = -points[i];
+  }
+  return points;
+}
+
+const std::array<State, kSize>& points() {
+  static const std::array<State, kSize> all = standard_points();
+  return all;
+}
+
+/// A number that looks like none of its neighbours'. Source: Steele, Lea, Flood, Fast splittable
+/// pseudorandom number generators (2014).
+std::uint64_t mixed(std::uint64_t key) {
+  key += 0x9e3779b97f4a7c15U;
+  key = (key ^ (key >> 30U)) * 0xbf58476d1ce4e5b9U;
+  key = (key ^ (key >> 27U)) * 0x94d049bb133111ebU;
+  return key ^ (key >> 31U);
+}
+
+/// Doubles are moved apart by this share of the whole's σ. Measured (docs/decisions/0023).
+constexpr double kSmear = 0.3;
+/// Odd, so that each point is met once, and far from the order in which doubles stand.
+constexpr std::size_t kSmearStep = 101;
+
+/// How many samples of equal weight speak as loudly. Source: Kong, Liu, Wong (1994).
+double effective_count(const Weights& weights, double sum) {
+  double squares = 0.0;
+  for (const double weight : weights) {
+    squares += weight * weight;
+  }
+  return sum * sum / squares;
+}
+
+}  // namespace
+
+Samples& Samples::operator=(const Samples& other) {
+  size_ = other.size_;
+  if (size_ > 0) {
+    weights_ = other.weights_;
+    states_ = other.states_;
+  }
+  return *this;
+}
+
+void Samples::spread(const models::Gaussian& belief) {
+  const Eigen::LLT<Eigen::Matrix4d> root(belief.covariance);
+  size_ = root.info() == Eigen::Success ? kCount : 0;
+  if (empty()) {
+    return;
+  }
+  const Eigen::Matrix4d L = root.matrixL();
+  const State mean = belief.mean;
+  weights_.fill(1.0 / kCount);
+  for (std::size_t i = 0; i < kSize; ++i) {
+    states_[i] = mean + L * points()[i];
+  }
+}
+
+models::Gaussian Samples::moments() const {
+  State mean = State::Zero();
+  for (std::size_t i = 0; i < kSize; ++i) {
+    mean += weights_[i] * states_[i];
+  }
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  for (std::size_t i = 0; i < kSize; ++i) {
+    const State off = states_[i] - mean;
+    covariance += weights_[i] * off * off.transpose();
+  }
+  return {mean, covariance};
+}
+
+void Samples::predict(const models::TargetModel& model, double dt_s, std::uint64_t key) {
+  const Eigen::Matrix4d A = model.transition(dt_s);
+  const State offset = model.expected(State::Zero().eval(), dt_s);
+  const Eigen::LDLT<Eigen::Matrix4d> factors(model.process_noise(dt_s).eval());
+  const Eigen::Vector4d scale = factors.vectorD().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::Matrix4d root = factors.transpositionsP().transpose() *
+                               (Eigen::Matrix4d(factors.matrixL()) * scale.asDiagonal());
+  // Sample i meets point a i + b, a odd, so that each is met once; with one of 16 signs.
+  const std::uint64_t bits = mixed(key);
+  const std::size_t a = (bits >> 8U) | 1U;
+  const std::size_t b = bits >> 40U;
+  Eigen::Matrix4d signed_root = root;
+  for (Eigen::Index axis = 0; axis < 4; ++axis) {
+    signed_root.col(axis) *= ((bits >> static_cast<unsigned>(axis)) & 1U) == 0 ? 1.0 : -1.0;
+  }
+  for (std::size_t i = 0; i < kSize; ++i) {
+    states_[i] = offset + A * states_[i] + signed_root * points()[(a * i + b) % kSize];
+  }
+}
+
+void Samples::turn_back(const models::Rectangle& bounds) {
+  for (State& state : states_) {
+    for (const Eigen::Index axis : {0, 1}) {
+      const Folded inside = fold(state(axis), bounds.min_m(axis), bounds.max_m(axis));
+      state(axis) = inside.position_m;
+      state(axis + 2) *= inside.sign;
+    }
+  }
+}
+
+template <class Likelihood>
+Weights Samples::weighed(const Likelihood& likelihood) const {
+  Weights weights;
+  for (std::size_t i = 0; i < kSize; ++i) {
+    weights[i] = weights_[i] * likelihood(models::PositionVector(states_[i].head<2>()));
+  }
+  return weights;
+}
+
+bool Samples::take(Weights weights, double least) {
+  double sum = 0.0;
+  for (const double weight : weights) {
+    sum += weight;
+  }
+  if (!(sum > 0.0) || effective_count(weights, sum) < least) {
+    return false;
+  }
+  for (double& weight : weights) {
+    weight /= sum;
+  }
+  weights_ = weights;
+  if (effective_count(weights_, 1.0) >= 0.5 * kCount) {
+    return true;
+  }
+  std::array<State, kSize> chosen;
+  double passed = 0.0;
+  std::size_t from = 0;
+  for (std::size_t i = 0; i < kSize; ++i) {
+    const double at = (static_cast<double>(i) + 0.5) / kCount;
+    while (from + 1 < kSize && passed + weights_[from] < at) {
+      passed += weights_[from++];
+    }
+    chosen[i] = states_[from];
+  }
+  states_ = chosen;
+  weights_.fill(1.0 / kCount);
+  smear();
+  return true;
+}
+
+void Samples::smear() {
+  const Eigen::LLT<Eigen::Matrix4d> root(moments().covariance);
+  if (root.info() != Eigen::Success) {
+    return;
+  }
+  const Eigen::Matrix4d L = kSmear * Eigen::Matrix4d(root.matrixL());
+  for (std::size_t i = 0; i < kSize; ++i) {
+    states_[i] += L * points()[(kSmearStep * i) % kSize];
+  }
+}
+
+bool Samples::keep_out_of(const std::vector<models::Obstacle>& obstacles) {
+  bool is_any_inside = false;
+  const Weights weights = weighed([&](const models::PositionVector& y_m) {
+    const Eigen::Vector2d p_m = y_m;
+    const bool is_inside =
+        std::any_of(obstacles.begin(), obstacles.end(),
+                    [&](const models::Obstacle& box) { return box.footprint.contains(p_m); });
+    is_any_inside = is_any_inside || is_inside;
+    return is_inside ? 0.0 : 1.0;
+  });
+  return !is_any_inside || take(weights, 1.0);
+}
+
+bool Samples::miss(const models::SensorModel& sensor, const models::Viewpoint& from,
+                   const models::World& world, double detection_probability) {
+  const Eigen::Vector2d eye_m = from.world_from_body.position_m();
+  bool is_any_seen = false;
+  const Weights weights = weighed([&](const models::PositionVector& y_m) {
+    const bool is_seen =
+        models::in_view(sensor, from, y_m) && models::line_of_sight(world, eye_m, y_m.head<2>());
+    is_any_seen = is_any_seen || is_seen;
+    return is_seen ? 1.0 - detection_probability : 1.0;
+  });
+  return is_any_seen && take(weights, 0.0);
+}
+
+bool Samples::measure(const models::SensorModel& sensor, const models::Viewpoint& from,
+                      const models::Measurement& measurement) {
+  const Eigen::LLT<models::MeasurementMatrix> noise(measurement.V);
+  if (noise.info() != Eigen::Success) {
+    return false;
+  }
+  const LimitSoftness softness = limit_softness(sensor, measurement.V);
+  return take(weighed([&](const models::PositionVector& y_m) {
+                const models::MeasurementVector nu =
+                    models::innovation(sensor, measurement.z, models::observe(sensor, from, y_m));
+                return view_probability(sensor, softness, from, y_m) *
+                       std::exp(-0.5 * nu.dot(noise.solve(nu)));
+              }),
+              kExplainMin);
+}
+
+}  // namespace vantage::estimator

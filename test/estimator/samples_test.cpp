@@ -1,0 +1,409 @@
+#include "estimator/samples.hpp"
+
+#include <cmath>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "estimator/confinement.hpp"
+#include "test/estimator/filter_support.hpp"
+#include "test/support/allocation_counter.hpp"
+#include "test/support/near.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+using namespace test::words;  // NOLINT(google-build-using-namespace)
+using vantage::test::is_near;
+
+const models::World kField{{{-32.0, -32.0}, {32.0, 32.0}}, 10.0, {}, {}};
+const models::TargetModel kModel{TargetKind::kDoubleIntegrator, 2, 0.001};
+
+models::SensorModel field_sensor() {
+  models::SensorModel sensor;
+  sensor.range_max_m = 10.0;
+  sensor.range_min_m = 0.1;
+  sensor.fov_rad = 94.0 * kPi / 180.0;
+  sensor.range_sigma_m = 0.15;
+  sensor.bearing_sigma_rad = 5.0 * kPi / 180.0;
+  return sensor;
+}
+
+/// Position and velocity that depend on each other.
+Gaussian moving(const Eigen::Vector2d& position_m, const Eigen::Vector2d& velocity_mps,
+                double position_sigma_m, double velocity_sigma_mps) {
+  Gaussian belief{Eigen::Vector4d::Zero(), Eigen::Matrix4d::Zero()};
+  belief.mean << position_m, velocity_mps;
+  Eigen::Matrix4d root = Eigen::Matrix4d::Zero();
+  root.diagonal() << position_sigma_m, 0.8 * position_sigma_m, velocity_sigma_mps,
+      velocity_sigma_mps;
+  root(1, 0) = 0.4 * position_sigma_m;
+  root(2, 0) = 0.3 * velocity_sigma_mps;
+  belief.covariance = root * root.transpose();
+  return belief;
+}
+
+Samples samples_of(const Gaussian& belief) {
+  Samples samples;
+  samples.spread(belief);
+  return samples;
+}
+
+/// As each target does at the walls of kField.
+void turn_back(Eigen::Vector4d& x) {
+  for (const Eigen::Index axis : {0, 1}) {
+    if (std::abs(x(axis)) > 32.0) {
+      x(axis) = std::copysign(64.0, x(axis)) - x(axis);
+      x(axis + 2) = -x(axis + 2);
+    }
+  }
+}
+
+/// Mean and covariance of `draws` states of `belief` after `happens` to each; it says what the draw
+/// weighs.
+template <class Happens>
+Gaussian drawn(const Gaussian& belief, int draws, const Happens& happens) {
+  std::mt19937_64 rng(7);
+  const Eigen::Matrix4d L = Eigen::LLT<Eigen::Matrix4d>(belief.covariance).matrixL();
+  double weight = 0.0;
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+  for (int i = 0; i < draws; ++i) {
+    Eigen::Vector4d x = Eigen::Vector4d(belief.mean) + L * test::normal_vector(4, rng);
+    const double weighs = happens(x);
+    weight += weighs;
+    sum += weighs * x;
+    squares += weighs * x * x.transpose();
+  }
+  const Eigen::Vector4d mean = sum / weight;
+  return {mean, squares / weight - mean * mean.transpose()};
+}
+
+/// Means by σ of `right`, covariances as shares of its own.
+void expect_near(const Gaussian& made, const Gaussian& right, double mean_sigma, double share) {
+  const Eigen::LLT<Eigen::Matrix4d> root(right.covariance);
+  EXPECT_LT(root.matrixL().solve(made.mean - right.mean).norm(), mean_sigma);
+  const Eigen::Matrix4d half = root.matrixL().solve(Eigen::Matrix4d(made.covariance));
+  const Eigen::Matrix4d white = root.matrixL().solve(half.transpose().eval());
+  EXPECT_LT((white - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff(), share);
+}
+
+TEST(Samples, HaveTheMomentsThatTheyWereSpreadBy) {
+  const Gaussian belief = moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4);
+  const Gaussian made = samples_of(belief).moments();
+  EXPECT_TRUE(is_near(made.mean, belief.mean, 1e-12));
+  EXPECT_TRUE(is_near(made.covariance, belief.covariance, 1e-12));
+}
+
+TEST(Samples, OfWhatIsNoGaussianThereAreNone) {
+  Gaussian belief = moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4);
+  belief.covariance(0, 0) = -1.0;
+  EXPECT_TRUE(samples_of(belief).empty());
+}
+
+TEST(Samples, ArePredictedAsAGaussianIsWithWhateverNoiseTheyMeet) {
+  for (const models::TargetModel& model :
+       {kModel, models::TargetModel{TargetKind::kDoubleIntegrator, 2, 0.3},
+        models::TargetModel{
+            TargetKind::kDampedOscillator, 2, 0.0, {{0.5, 1.0}, {2, 1}, {0.5, 0.3}, {0.2, 0.4}}}}) {
+    const Gaussian belief = moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4);
+    const Gaussian right = models::predict(belief, model, 2.0);
+    Gaussian mean{Eigen::Vector4d::Zero(), Eigen::Matrix4d::Zero()};
+    constexpr int kKeys = 100;
+    for (std::uint64_t key = 0; key < kKeys; ++key) {
+      Samples samples = samples_of(belief);
+      samples.predict(model, 2.0, key);
+      const Gaussian made = samples.moments();
+      expect_near(made, right, 1e-9, 0.5);
+      mean.mean += made.mean / kKeys;
+      mean.covariance += made.covariance / kKeys;
+    }
+    // Noise and state are uncorrelated in the mean over keys: 1/√(256 · 100) each.
+    expect_near(mean, right, 1e-9, 0.025);
+  }
+}
+
+TEST(Samples, MeetOtherNoiseAtAnotherInstant) {
+  Samples one = samples_of(moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4));
+  Samples same = one;
+  Samples other = one;
+  one.predict(kModel, 2.0, 5);
+  same.predict(kModel, 2.0, 5);
+  other.predict(kModel, 2.0, 6);
+  EXPECT_EQ(one.moments().covariance, same.moments().covariance);
+  EXPECT_NE(one.moments().covariance, other.moments().covariance);
+}
+
+TEST(Samples, TurnBackAtWallsAsEachTargetDoes) {
+  for (const Eigen::Vector2d& at_m : {Eigen::Vector2d(31.5, 0.0), Eigen::Vector2d(-33.0, 31.0)}) {
+    const Gaussian belief = moving(at_m, {0.5, 0.1}, 1.5, 0.4);
+    const Gaussian right = drawn(belief, 200'000, [](Eigen::Vector4d& x) {
+      turn_back(x);
+      return 1.0;
+    });
+    Samples samples = samples_of(belief);
+    samples.turn_back(kField.bounds);
+    expect_near(samples.moments(), right, 0.1, 0.15);
+    const Gaussian once = samples.moments();
+    samples.turn_back(kField.bounds);  // who is inside stays
+    EXPECT_EQ(samples.moments().covariance, once.covariance);
+  }
+}
+
+TEST(Samples, ThatALookDidNotReportAreWhereItDidNotSee) {
+  const models::SensorModel sensor = field_sensor();
+  for (const double yaw_rad : {0.0, 1.0, -2.0}) {
+    const models::Viewpoint from = at(1.0, 2.0, yaw_rad);
+    const Gaussian belief = moving({4.0, 3.0}, {0.2, -0.1}, 4.0, 0.4);
+    const Gaussian right = drawn(belief, 200'000, [&](const Eigen::Vector4d& x) {
+      return models::in_view(sensor, from, models::PositionVector(x.head<2>())) ? 0.1 : 1.0;
+    });
+    Samples samples = samples_of(belief);
+    ASSERT_TRUE(samples.miss(sensor, from, kField, 0.9));
+    expect_near(samples.moments(), right, 0.15, 0.25);
+  }
+  Samples far = samples_of(moving({20.0, 20.0}, {0.0, 0.0}, 1.0, 0.4));
+  const Gaussian before = far.moments();
+  EXPECT_FALSE(far.miss(sensor, at(0, 0), kField, 0.9));
+  EXPECT_EQ(far.moments().covariance, before.covariance);
+}
+
+TEST(Samples, BehindAnObstacleAreNotMissed) {
+  models::World world = kField;
+  world.obstacles = {{{{2.0, -5.0}, {2.5, 5.0}}, 10.0}};
+  Samples samples = samples_of(moving({5.0, 0.0}, {0.0, 0.0}, 0.4, 0.1));
+  EXPECT_FALSE(samples.miss(field_sensor(), at(0, 0), world, 0.9));
+  EXPECT_TRUE(samples.miss(field_sensor(), at(0, 0), kField, 0.9));
+}
+
+TEST(Samples, KeepOutOfObstaclesUnlessNothingWouldBeLeft) {
+  const std::vector<models::Obstacle> half = {{{{0.0, -50.0}, {50.0, 50.0}}, 10.0}};
+  const Gaussian belief = moving({0.0, 0.0}, {0.0, 0.0}, 1.0, 0.4);
+  const Gaussian right =
+      drawn(belief, 200'000, [](const Eigen::Vector4d& x) { return x(0) >= 0.0 ? 0.0 : 1.0; });
+  Samples samples = samples_of(belief);
+  ASSERT_TRUE(samples.keep_out_of(half));
+  expect_near(samples.moments(), right, 0.15, 0.25);
+  Samples inside = samples_of(moving({20.0, 0.0}, {0.0, 0.0}, 1.0, 0.4));
+  const Gaussian before = inside.moments();
+  EXPECT_FALSE(inside.keep_out_of(half));
+  EXPECT_EQ(inside.moments().covariance, before.covariance);
+}
+
+TEST(Samples, AreMeasuredWhereEnoughOfThemExplainIt) {
+  const models::SensorModel sensor = field_sensor();
+  const models::Viewpoint from = at(0, 0, 0.3);
+  const Gaussian belief = moving({4.0, 1.0}, {0.2, -0.1}, 0.4, 0.4);
+  models::Measurement z{models::observe(sensor, from, Eigen::Vector2d(4.2, 1.1)),
+                        models::noise_covariance(sensor, from, Eigen::Vector2d(4.2, 1.1))};
+  const Eigen::MatrixXd W = Eigen::MatrixXd(z.V).inverse();
+  const Gaussian right = drawn(belief, 200'000, [&](const Eigen::Vector4d& x) {
+    const Eigen::VectorXd nu = models::innovation(
+        sensor, z.z, models::observe(sensor, from, models::PositionVector(x.head<2>())));
+    return std::exp(-0.5 * nu.dot(W * nu));
+  });
+  Samples samples = samples_of(belief);
+  ASSERT_TRUE(samples.measure(sensor, from, z));
+  expect_near(samples.moments(), right, 0.25, 0.5);
+  Samples wide = samples_of(moving({4.0, 1.0}, {0.2, -0.1}, 8.0, 0.4));
+  const Gaussian before = wide.moments();
+  EXPECT_FALSE(wide.measure(sensor, from, z));  // hardly one of them is there
+  EXPECT_EQ(wide.moments().covariance, before.covariance);
+}
+
+TEST(Samples, CopiesAreApart) {
+  Samples one = samples_of(moving({3.0, -4.0}, {0.2, -0.1}, 1.5, 0.4));
+  const Samples copy = one;
+  const Gaussian before = one.moments();
+  one.predict(kModel, 5.0, 1);
+  EXPECT_EQ(copy.moments().mean, before.mean);
+  one.clear();
+  EXPECT_TRUE(one.empty());
+  EXPECT_FALSE(copy.empty());
+  one = copy;
+  EXPECT_EQ(one.moments().mean, before.mean);
+}
+
+FilterSpec field_spec(bool samples) {
+  FilterSpec spec = open_spec(kModel, field_sensor(), 1);
+  spec.sensor = field_sensor();
+  spec.team = {{"Q1", field_sensor()}, {"Q2", field_sensor()}};
+  spec.world = kField;
+  spec.communication_range_m = 1000.0;
+  spec.estimator.detection_probability = 0.99;
+  spec.estimator.targets_stay_inside = true;
+  spec.estimator.samples = samples;
+  return spec;
+}
+
+/// Of `robot`, from there; it reports nothing but what is put in.
+models::DetectionSet look_of(const std::string& robot, int step, const models::Viewpoint& from) {
+  models::DetectionSet look;
+  look.stamp.time = instant(step);
+  look.robot = robot;
+  look.viewpoint = from;
+  return look;
+}
+
+DistributedFilter knows(const Gaussian& start, bool samples = true) {
+  DistributedFilter filter(field_spec(samples));
+  filter.rebase(test::prior(instant(0), {start}));
+  return filter;
+}
+
+/// Where a robot is that looks around beside where the target was.
+models::Viewpoint beside(const Gaussian& start, int step) {
+  return at(start.mean(0) - 6.0 + 0.1 * step, start.mean(1) - 8.0,
+            0.5 * kPi + 0.3 * std::sin(0.2 * step));
+}
+
+const Gaussian kNearACorner = moving({24.0, 26.0}, {0.4, 0.3}, 1.0, 0.3);
+
+/// What is believed after `steps` of looking for one that was never in view, and where it was.
+struct Ending {
+  Gaussian belief;
+  Eigen::Vector2d truth_m;
+};
+Ending never_seen(int steps, bool samples, std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  const Eigen::Matrix4d spread = Eigen::LLT<Eigen::Matrix4d>(kNearACorner.covariance).matrixL();
+  const Eigen::Matrix4d noise = Eigen::LLT<Eigen::Matrix4d>(kModel.process_noise(0.5)).matrixL();
+  while (true) {
+    Eigen::Vector4d x = Eigen::Vector4d(kNearACorner.mean) + spread * test::normal_vector(4, rng);
+    DistributedFilter filter = knows(kNearACorner, samples);
+    bool is_seen = false;
+    for (int k = 1; k <= steps && !is_seen; ++k) {
+      x = kModel.transition(0.5) * x + noise * test::normal_vector(4, rng);
+      turn_back(x);
+      const models::Viewpoint from = beside(kNearACorner, k);
+      is_seen = models::in_view(field_sensor(), from, models::PositionVector(x.head<2>()));
+      take_step(filter, instant(k), from, {look_of("Q1", k, from)});
+    }
+    if (!is_seen) {
+      const Gaussian end = known(filter, 0);
+      return {{end.mean.head<2>(), end.covariance.topLeftCorner<2, 2>()}, x.head<2>()};
+    }
+  }
+}
+
+TEST(SamplesOfAFilter, KnowHowWrongTheyAreOfWhatTurnsBackAtWallsAndWasLookedFor) {
+  // 40 s, from near a corner. A Gaussian that is folded at each step stays at the walls.
+  test::MeanNees by_samples;
+  test::MeanNees by_a_gaussian;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    const Ending with = never_seen(80, true, seed);
+    by_samples.add(with.belief, with.truth_m);
+    if (seed % 4 == 0) {
+      const Ending without = never_seen(80, false, seed);
+      by_a_gaussian.add(without.belief, without.truth_m);
+    }
+  }
+  // Moving doubles apart makes them a little too modest.
+  EXPECT_LT(by_samples.mean(), 2.0 + 4.0 * by_samples.sigma());
+  EXPECT_GT(by_samples.mean(), 1.6 - 4.0 * by_samples.sigma());
+  EXPECT_GT(by_a_gaussian.mean(), 20.0);
+}
+
+TEST(SamplesOfAFilter, AreOneGaussianAgainWhenTheTargetIsSeen) {
+  // Near it and far from it: by samples that explain it, and by their moments where too few do.
+  for (const Eigen::Vector2d& truth_m :
+       {Eigen::Vector2d(26.0, 28.0), Eigen::Vector2d(14.0, 26.0)}) {
+    DistributedFilter filter = knows(kNearACorner);
+    for (int k = 1; k <= 12; ++k) {
+      take_step(filter, instant(k), beside(kNearACorner, k),
+                {look_of("Q1", k, beside(kNearACorner, k))});
+    }
+    ASSERT_GT(known(filter, 0).covariance(0, 0), 1.0);
+    const models::Viewpoint from = at(truth_m.x() - 5.0, truth_m.y(), 0.0);
+    models::DetectionSet look = look_of("Q1", 13, from);
+    look.detections.push_back(
+        {0,
+         {models::observe(field_sensor(), from, models::PositionVector(truth_m)),
+          models::noise_covariance(field_sensor(), from, models::PositionVector(truth_m))}});
+    take_step(filter, instant(13), from, {look});
+    const Gaussian seen = known(filter, 0);
+    // Within 3σ of what is measured at 5 m: 0.15 m and 5°.
+    EXPECT_LT((seen.mean.head<2>() - truth_m).norm(), 3.0 * std::hypot(0.15, 0.44));
+    EXPECT_LT(seen.covariance(0, 0), 0.3 * 0.3);
+    EXPECT_EQ(filter.track(0).last_seen, instant(13));
+    // What follows is a Gaussian's prediction to the last bit.
+    take_step(filter, instant(14), at(-20.0, -20.0), {});
+    const Gaussian later = known(filter, 0);
+    EXPECT_TRUE(is_near(later.covariance, models::predict(seen, kModel, 0.5).covariance, 1e-9));
+  }
+}
+
+TEST(SamplesOfAFilter, AreTheSameOfALookThatComesLate) {
+  DistributedFilter timely = knows(kNearACorner);
+  DistributedFilter late = knows(kNearACorner);
+  for (int k = 1; k <= 6; ++k) {
+    const models::Viewpoint from = beside(kNearACorner, k);
+    const auto of_teammate = [&](int step) {
+      return look_of("Q2", step, at(kNearACorner.mean(0) + 1.0, kNearACorner.mean(1) - 6.0, 1.6));
+    };
+    take_step(timely, instant(k), from, {look_of("Q1", k, from), of_teammate(k)});
+    std::vector<models::DetectionSet> heard = {look_of("Q1", k, from)};
+    if (k > 2) {
+      heard.push_back(of_teammate(k - 2));
+    }
+    if (k == 6) {
+      heard.push_back(of_teammate(5));
+      heard.push_back(of_teammate(6));
+    }
+    take_step(late, instant(k), from, heard);
+  }
+  EXPECT_GT(late.counters().late_measurements, 0);
+  EXPECT_EQ(late.track(0).information.matrix, timely.track(0).information.matrix);
+  EXPECT_EQ(late.track(0).information.vector, timely.track(0).information.vector);
+}
+
+TEST(SamplesOfAFilter, GiveWayToATeammateWhoKnowsMoreAndToNoOther) {
+  const auto after_hearing = [](const std::optional<Gaussian>& theirs) {
+    DistributedFilter filter = knows(kNearACorner);
+    for (int k = 1; k <= 12; ++k) {
+      const models::Viewpoint from = beside(kNearACorner, k);
+      std::vector<models::RobotBelief> heard;
+      if (k == 12 && theirs) {
+        heard.push_back(test::prior(instant(12), {*theirs}));
+        heard.back().robot = "Q2";
+        heard.back().viewpoint = from;
+      }
+      take_step(filter, instant(k), from, {look_of("Q1", k, from)}, heard);
+    }
+    return known(filter, 0);
+  };
+  const Gaussian alone = after_hearing({});
+  Gaussian hardly_more = alone;
+  hardly_more.covariance *= 0.95;  // by 0.1 nat
+  EXPECT_EQ(after_hearing(hardly_more).covariance, alone.covariance);
+  Gaussian more = alone;
+  more.covariance *= 0.25;
+  EXPECT_TRUE(is_near(after_hearing(more).covariance, more.covariance, 1e-9));
+}
+
+TEST(SamplesOfAFilter, AllocateNothing) {
+  if (!vantage::test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the allocation counter is inert under sanitizers";
+  }
+  DistributedFilter filter = knows(kNearACorner);
+  const models::DetectionSet* looks[1] = {nullptr};
+  std::size_t allocations = 0;
+  for (int k = 1; k <= 40; ++k) {
+    const models::DetectionSet look = look_of("Q1", k, beside(kNearACorner, k));
+    looks[0] = &look;
+    const StepInput input{instant(k), look.viewpoint, looks, {}};
+    const vantage::test::AllocationCounter counter;
+    filter.advance(input);
+    allocations += k > 1 ? counter.count() : 0;
+  }
+  EXPECT_EQ(allocations, 0U);
+  EXPECT_GT(filter.counters().missed_detections, 0);
+}
+
+}  // namespace
+}  // namespace vantage::estimator
