@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "core/linear.hpp"
 #include "models/belief/gaussian.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
@@ -27,7 +28,7 @@ namespace vantage::estimator {
 class Samples {
  public:
   static constexpr int kCount = 256;
-  using State = Eigen::Vector4d;  ///< position [m], velocity [m/s]
+  using State = Eigen::Matrix<double, 4, 1, kUnaligned>;  ///< position [m], velocity [m/s]
 
   Samples() = default;
   Samples(const Samples& other) { *this = other; }
