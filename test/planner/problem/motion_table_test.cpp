@@ -337,6 +337,54 @@ TEST(Plans, LeaveATeammateThatIsTooNearAndComeNoNearer) {
   }
 }
 
+// Whoever drives an arc back from its end, backwards, sweeps the same ground.
+TEST(ArcIsClear, IsTheSameThereAndBack) {
+  std::mt19937_64 rng(36);
+  int clear = 0;
+  int touching = 0;
+  for (int i = 0; i < 60; ++i) {
+    const models::World world = random_world(rng);
+    for (int k = 0; k < 50; ++k) {
+      const Pose2 from = random_pose(rng);
+      const models::UnicycleControl there{uniform(rng, 0.5, 3.0),
+                                          pick(rng, 0, 3) == 0 ? 0.0 : uniform(rng, -3.0, 3.0)};
+      const models::UnicycleControl back{-there.speed_mps, -there.yaw_rate_radps};
+      const double radius_m = uniform(rng, 0.0, 0.4);
+      constexpr double kDuration_s = 0.7;
+      const Pose2 to = models::step_unicycle(from, there, kDuration_s);
+      if (std::abs(sampled_clearance_m(world, from, there, kDuration_s) - radius_m) < 0.01) {
+        continue;  // rounding might decide
+      }
+      const bool is_clear = arc_is_clear(world, from, there, kDuration_s, radius_m);
+      EXPECT_EQ(arc_is_clear(world, to, back, kDuration_s, radius_m), is_clear) << i << ' ' << k;
+      (is_clear ? clear : touching) += 1;
+    }
+  }
+  EXPECT_GT(clear, 500);
+  EXPECT_GT(touching, 500);
+}
+
+// A teammate comes along the x axis at 1 m/s and passes who hovers at the origin at 3 s.
+TEST(IsFree, IsOfWhereATeammateIsInThatStep) {
+  SearchProblem problem;
+  problem.start_time = from_utime(1'700'000'000'000'000);
+  problem.horizon_steps = 8;
+  problem.step_s = 0.5;
+  problem.controls = {{0.0, 0.0}};
+  problem.separation_m = 0.45;
+  models::Trajectory teammate;
+  teammate.start_time = problem.start_time;
+  teammate.start = {-3.0, 0.0, 0.0};
+  teammate.segments = {{{1.0, 0.0}, 6.0, 0.0}};
+  problem.teammates = {teammate};
+  MotionTable motion(64, 16, 4);
+  motion.reset(problem);
+  for (int depth = 0; depth < problem.horizon_steps; ++depth) {
+    const bool passes = depth == 5 || depth == 6;
+    EXPECT_EQ(motion.is_free({}, 1.0, 0.0, 0, depth), !passes) << depth;
+  }
+}
+
 // A teammate that turns a full circle within one step ends where it began: its chord is no
 // measure of how far it goes.
 TEST(IsFree, SeesATeammateThatCirclesWithinOneStep) {
