@@ -1,5 +1,7 @@
 #include "estimator/range_refinement.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -18,30 +20,35 @@ Eigen::Vector2d on_circle_m(int k) {
   return 15.0 * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
 }
 
-// Two beacons whose ranges are as noisy as it is said of each, fitted in either order.
+// Three beacons whose ranges are as noisy as it is said of each, and the same counted from the
+// last.
 TEST(FitAt, SaysOfEachBeaconTheSameWhateverItsNumber) {
-  const RangeState state{{1.0, 0.0}, {{25.0, 5.0}, {-10.0, 20.0}}, {{0.1, 0.05}, {1.0, 0.2}}};
+  constexpr int kBeacons = 3;
+  const RangeState state{{1.0, 0.0},
+                         {{25.0, 5.0}, {-10.0, 20.0}, {3.0, -18.0}},
+                         {{0.1, 0.05}, {1.0, 0.2}, {0.3, 0.1}}};
+  RangeState renamed = state;
+  std::reverse(renamed.places_m.begin(), renamed.places_m.end());
+  std::reverse(renamed.noise.begin(), renamed.noise.end());
   std::mt19937_64 rng(3);
   std::normal_distribution<double> noise;
   std::vector<TakenRange> ranges;
   for (int k = 0; k < kPlaces; ++k) {
-    const int b = k % 2;
+    const int b = k % kBeacons;
     const double distance_m = (state.places_m[index(b)] - on_circle_m(k)).norm();
     ranges.push_back({on_circle_m(k), distance_m + state.noise[index(b)].width_m * noise(rng), b});
   }
   const RangeFit fit = fit_at({ranges, 30.0, {}, {}}, state);
-  const RangeState renamed{
-      state.calibration, {state.places_m[1], state.places_m[0]}, {state.noise[1], state.noise[0]}};
   for (TakenRange& range : ranges) {
-    range.beacon = 1 - range.beacon;
+    range.beacon = kBeacons - 1 - range.beacon;
   }
   const RangeFit other = fit_at({ranges, 30.0, {}, {}}, renamed);
-  for (const int b : {0, 1}) {
-    const CalibratedCovariance& joint = fit.beacons[index(b)].joint;
+  for (std::size_t b = 0; b < kBeacons; ++b) {
+    const FittedBeacon& same = other.beacons[kBeacons - 1 - b];
+    const CalibratedCovariance& joint = fit.beacons[b].joint;
     EXPECT_GT(joint(2, 2), 0.0);
-    EXPECT_LT((other.beacons[index(1 - b)].joint - joint).norm(), 1e-9 * joint.norm()) << b;
-    EXPECT_NEAR(other.beacons[index(1 - b)].range_sigma_m, fit.beacons[index(b)].range_sigma_m,
-                1e-12);
+    EXPECT_LT((same.joint - joint).norm(), 1e-9 * joint.norm()) << b;
+    EXPECT_NEAR(same.range_sigma_m, fit.beacons[b].range_sigma_m, 1e-12);
   }
 }
 

@@ -85,6 +85,45 @@ TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
   EXPECT_GT(bounded, 4 * problem_count());
 }
 
+// Two targets drive one behind the other at half the robot's speed: from beside the one behind a
+// step leads to beside the one before it, and none leads back.
+TEST(LatticeBound, LetsAStepLeadFromBesideOneTargetToBesideAnother) {
+  OwnedProblem owned;
+  SearchProblem& problem = owned.problem;
+  problem.start = {40.0, 30.0, 0.0};
+  problem.horizon_steps = 3;
+  problem.controls = {{2.0, 0.0}, {2.0, 1.0}, {2.0, -1.0}};
+  models::SensorModel sensor;
+  sensor.range_min_m = 0.02;
+  sensor.range_max_m = 4.0;
+  problem.sensors = {sensor};
+  // The first two are met at 1 m and at 2 m, the third never.
+  for (const double ahead_m : {0.5, 1.0, 30.0}) {
+    SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 1e-4}, {}};
+    target.prior.mean = Eigen::Vector4d(40.0 + ahead_m, 30.021, 1.0, 0.0);
+    target.prior.covariance = Eigen::Vector4d(1.0, 1.0, 1e-4, 1e-4).asDiagonal();
+    problem.targets.push_back(target);
+  }
+  const FullTree full(problem);
+  ASSERT_TRUE(full.complete);
+  const double best = full.best_through(problem.horizon_steps)[0];
+  LatticeBound lattice(8, 8, kStates);
+  lattice.reset(problem, full.expander.beliefs());
+  ASSERT_FALSE(lattice.is_empty());
+  std::vector<float> reference(lattice.reference_size());
+  lattice.begin(reference.data());
+  double highest = -kInfinity;
+  for (int i = 0; i < 30; ++i) {
+    std::int64_t work_nodes = 0;
+    const auto answer =
+        lattice.cost_to_go(problem.start, 0, full.tree.posterior(0), reference.data(), 0.4, kStates,
+                           Deadline::never(), work_nodes);
+    ASSERT_LE(answer.cost, best + play(best)) << i;
+    highest = std::max(highest, answer.cost);
+  }
+  EXPECT_GT(highest, best - 10.0) << "it is too low to say anything";
+}
+
 // A tenth of what a look from half the range tells, in the mean of all directions, of what comes
 // into range by then; nothing of the rest.
 TEST(LatticeBound, BeginsFromAWeakLookAtAllThatIsInReach) {
