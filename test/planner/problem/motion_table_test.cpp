@@ -416,7 +416,8 @@ TEST(IsFree, AllowsForTurnsWithinATeammatesPiece) {
     teammate.start_time = problem.start_time;
     teammate.start = {-1.5, 0.0, 0.0};
     for (int k = 0; k < 12; ++k) {
-      const double sign = k % 2 == 0 ? 1.0 : -1.0;
+      // Two out of three turn one way only, to the left or to the right.
+      const double sign = i % 3 == 1 ? 1.0 : i % 3 == 2 || k % 2 == 1 ? -1.0 : 1.0;
       teammate.segments.push_back(
           {{uniform(rng, 0.0, 6.0), sign * 10.0}, uniform(rng, 0.02, 0.1), 0.0});
     }
