@@ -31,7 +31,7 @@ vantage_lcm::plan_t plan(std::int64_t round, const std::string& robot) {
   out.round = round;
   out.source = -2;
   out.height_m = 1.5;
-  out.late = round % 2;
+  out.late = static_cast<std::int8_t>(round % 2);
   for (int i = 0; i < round; ++i) {
     vantage_lcm::plan_segment_t segment{};
     segment.speed_mps = 0.25 * i;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -196,10 +197,11 @@ TEST(LatticeBound, IsTheSameInAMirror) {
     std::vector<float> reference(lattice.reference_size());
     lattice.begin(reference.data());
     std::int64_t work_nodes = 0;
-    return lattice
-        .cost_to_go(problem.start, 0, {}, reference.data(), 0.0, kStates, Deadline::never(),
-                    work_nodes)
-        .cost;
+    const double cost = lattice
+                            .cost_to_go(problem.start, 0, {}, reference.data(), 0.0, kStates,
+                                        Deadline::never(), work_nodes)
+                            .cost;
+    return std::pair(cost, static_cast<double>(work_nodes));
   };
   int compared = 0;
   int same = 0;
@@ -212,11 +214,12 @@ TEST(LatticeBound, IsTheSameInAMirror) {
       continue;  // what stands touches cells on one side; oscillators have sides of their own
     }
     controls[0].yaw_rate_radps = controls[2].yaw_rate_radps;  // and so does what goes straight
-    const double cost = bound_of(owned.problem);
-    const double turned = bound_of(mirrored(owned.problem));
+    const auto [cost, work_nodes] = bound_of(owned.problem);
+    const auto [turned, turned_nodes] = bound_of(mirrored(owned.problem));
     ++compared;
     same += std::abs(turned - cost) < 1e-5 * std::max(1.0, std::abs(cost)) ? 1 : 0;
     EXPECT_NEAR(turned, cost, 0.01 * std::max(1.0, std::abs(cost))) << seed;
+    EXPECT_NEAR(turned_nodes, work_nodes, 0.02 * work_nodes) << seed;
   }
   EXPECT_GT(compared, 30);
   EXPECT_GT(same, 0.9 * compared);  // a chord along the cells' edges touches one side, too

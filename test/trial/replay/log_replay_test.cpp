@@ -339,6 +339,10 @@ TEST(OutputComparison, TellsBitsApartThatReadTheSame) {
   plan.height_m = -0.0;
   comparison.add_replayed(logs::test::encoded(plan));
   EXPECT_EQ(comparison.different(), 1);
+  plan.height_m = 0.0;
+  plan.utime = 1;
+  comparison.add_replayed(logs::test::encoded(plan));
+  EXPECT_EQ(comparison.different(), 2) << "it matters when it is for";
 }
 
 }  // namespace
