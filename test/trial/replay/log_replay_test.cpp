@@ -327,6 +327,23 @@ TEST(OutputComparison, CountsWhatItCannotReadAsNothingElse) {
   EXPECT_FALSE(comparison.is_exact());
 }
 
+TEST(OutputComparison, HoldsEachAgainstTheOneOfItsRound) {
+  vantage_lcm::plan_t plan{};
+  OutputComparison comparison;
+  for (const int round : {7, 8}) {
+    plan.round = round;
+    plan.height_m = 0.25 * round;
+    comparison.add_logged(logs::test::encoded(plan));
+  }
+  plan.round = 7;
+  plan.height_m = 1.75;
+  comparison.add_replayed(logs::test::encoded(plan));
+  EXPECT_TRUE(comparison.is_exact());
+  plan.round = 9;
+  comparison.add_replayed(logs::test::encoded(plan));
+  EXPECT_EQ(comparison.unexpected(), 1);
+}
+
 TEST(OutputComparison, TellsBitsApartThatReadTheSame) {
   vantage_lcm::plan_t plan{};
   plan.robot = "Q1";
