@@ -145,7 +145,7 @@ PlanPoint Course::planned_at(Time time, double lag_s) const {
       const double gone_m = shift_mps_ * std::max(0.0, to_seconds(time - begin_) - half_window_s_);
       if (gone_m >= length_m) {
         out.position_world_m = to_m_;
-      } else {
+      } else if (gone_m > 0.0) {
         out.position_world_m += way_m * (gone_m / length_m);
         out.velocity_world_mps = way_m * (shift_mps_ / length_m);
       }

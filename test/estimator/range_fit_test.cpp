@@ -80,6 +80,25 @@ TEST(FitRanges, SaysThatAWayWithoutATurnLeavesTwoPlaces) {
   EXPECT_LT((*beacon.other - Eigen::Vector2d(12.0, -7.0 * side)).norm(), 0.5);
 }
 
+// From a straight way half of the ranges are to one place and half to another, each as likely as
+// its mirror image, which is likelier than either of the other pair.
+TEST(FitRanges, NamesTheLikeliestOfSeveralOtherPlaces) {
+  const Eigen::Vector2d places_m[] = {{12.0, 7.0}, {20.0, -4.0}};
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937_64 rng(seed);
+    std::normal_distribution<double> noise(0.0, 0.3);
+    std::vector<TakenRange> ranges;
+    for (int k = 0; k < 60; ++k) {
+      const Eigen::Vector2d robot_m(0.5 * k, 0.0);
+      ranges.push_back({robot_m, (places_m[k % 2] - robot_m).norm() + noise(rng), 0});
+    }
+    const FittedBeacon beacon = fit_ranges(ranges, 1).beacons.front();
+    ASSERT_TRUE(beacon.other.has_value()) << seed;
+    EXPECT_NEAR(beacon.other->x(), beacon.position_m.x(), 0.1) << seed;
+    EXPECT_NEAR(beacon.other->y(), -beacon.position_m.y(), 0.1) << seed;
+  }
+}
+
 // Successive errors of correlation ρ: (1 + ρ)/(1 − ρ) of them say as much as one.
 TEST(FitRanges, CountsErrorsThatLastOnce) {
   const auto correlation = [](double of_successive) {

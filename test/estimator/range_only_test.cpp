@@ -86,6 +86,27 @@ TEST(RangeOnlyFilter, FindsABeaconAmongOutliersFromEverySide) {
   }
 }
 
+// A sensor that says so much too much, and knows it, is no other sensor.
+TEST(RangeOnlyFilter, FindsWithABiasWhatItFindsWithout) {
+  const Eigen::Vector2d beacon_m(9.0, -4.0);
+  std::mt19937_64 rng(7);
+  std::normal_distribution<double> noise(0.0, 0.2);
+  RangeOnlySpec spec;
+  spec.range_sigma_m = 0.2;
+  RangeOnlyFilter plain(spec);
+  spec.calibration.range_bias_m = 1.5;
+  RangeOnlyFilter biased(spec);
+  for (int k = 0; k < 80; ++k) {
+    const Eigen::Vector2d robot_m(5.0 * std::cos(0.1 * k), 5.0 * std::sin(0.1 * k));
+    const double range_m = (beacon_m - robot_m).norm() + noise(rng);
+    plain.update(robot_m, range_m);
+    biased.update(robot_m, range_m + 1.5);
+  }
+  EXPECT_LT((plain.best().mean_m - beacon_m).norm(), 0.2);
+  EXPECT_LT((biased.best().mean_m - plain.best().mean_m).norm(), 1e-9);
+  EXPECT_EQ(biased.restarts(), 0);
+}
+
 TEST(RangeOnlyFilter, StartsOverWhenTheFirstRangeWasAnOutlier) {
   RangeOnlySpec spec;
   RangeOnlyFilter filter(spec);

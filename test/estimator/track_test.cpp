@@ -389,6 +389,16 @@ TEST(Measure, LeavesABeliefAloneBeyondTheGate) {
   EXPECT_EQ(measure(here, sensor, at(0, 0), z, 0.0), Use::kSingular);
 }
 
+TEST(Discover, FindsNothingByALookWithoutNoise) {
+  scenario::EstimatorSpec spec;
+  spec.target_model = {TargetKind::kRandomWalk, 2, 0.1};
+  const models::SensorModel sensor;
+  models::Measurement z{Eigen::Vector2d(3.0, 0.2), 0.01 * Eigen::Matrix2d::Identity()};
+  EXPECT_TRUE(discover(spec, sensor, at(0.0, 0.0), z));
+  z.V.setZero();
+  EXPECT_FALSE(discover(spec, sensor, at(0.0, 0.0), z));
+}
+
 TEST(Discover, StatesThePriorWhereTheCameraIsSilent) {
   scenario::EstimatorSpec spec;
   spec.target_model = {TargetKind::kRandomWalk, 3, 0.1};

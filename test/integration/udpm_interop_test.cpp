@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/deadline.hpp"
 #include "test/integration/network_support.hpp"
 
 // Our udpm transport against liblcm, both ways, on a real network.
@@ -127,6 +128,13 @@ TEST(UdpmTransport, RefusesAndCountsOversizedMessagesOfOthers) {
   ASSERT_EQ(heard.size(), 1U);
   EXPECT_EQ(heard[0].second, Bytes{1});
   EXPECT_EQ(small->stats().oversized_messages, 2) << "fragments";
+}
+
+TEST(UdpmTransport, WaitsForAsLongAsItIsToldWhereNothingComes) {
+  const auto ours = bus::open_transport(test::kUrl);
+  const std::int64_t begin_ns = monotonic_ns();
+  EXPECT_EQ(ours->handle(std::chrono::milliseconds(20)), 0);
+  EXPECT_GE(monotonic_ns() - begin_ns, 20'000'000);
 }
 
 TEST(UdpmTransport, BringsAHandlersExceptionOutAndStaysUsable) {

@@ -118,6 +118,26 @@ TEST(Quadrotor, HoversAtItsStartWithoutAPlan) {
       << "there should be wind";
 }
 
+// Hovering it is x″ + c x′ + ω² x = w with c = 1/T, ω² = k/T, and w forgets at a rate β: of white
+// noise a filter of third order, whose variance has a closed form (James, Nichols, Phillips 1947).
+TEST(Quadrotor, IsBlownAboutAsFarAsTheWindAndItsMemorySay) {
+  const QuadrotorParameters p;
+  const double c = 1.0 / p.velocity_lag_s;
+  const double omega2 = p.position_gain_per_s / p.velocity_lag_s;
+  const double beta = 1.0 / p.wind_memory_s;
+  const double expected_m2 = p.wind_sigma_mps2 * p.wind_sigma_mps2 * (c + beta) /
+                             (omega2 * c * (omega2 + c * beta + beta * beta));
+  Quadrotor vehicle(robot_spec(1.0), 0.2, 3, kStart);
+  Time now = kStart;
+  double squares_m2 = 0.0;
+  constexpr int kSteps = 120'000;  // 10 min
+  for (int i = 0; i < kSteps; ++i, now += kStep) {
+    vehicle.step(now, kDtS);
+    squares_m2 += (vehicle.position_world_m().head<2>() - Eigen::Vector2d(1.0, 2.0)).squaredNorm();
+  }
+  EXPECT_NEAR(squares_m2 / (2.0 * kSteps), expected_m2, 0.3 * expected_m2);
+}
+
 TEST(Quadrotor, TracksTheLabPlansWithinFifteenCentimetres) {
   const Errors errors = fly_random_rounds(models::lab_primitives(), 1.0, 5, 100);
   const double worst = *std::max_element(errors.position_m.begin(), errors.position_m.end());

@@ -199,6 +199,27 @@ TEST(RoverFleet, RefusesASpeedThatRoversCannotDrive) {
 }
 
 // Off a wall one component is turned, whichever wall it is; only in a corner both are.
+// However slowly it came: what it would do about a way on which it makes no headway is past.
+TEST(RoverFleet, StandsStillWhereItHasArrived) {
+  models::World world;
+  world.bounds = {{-1.0, -1.0}, {1.0, 1.0}};
+  scenario::TargetTruthSpec truth;
+  truth.speed_min_mps = 0.08;
+  truth.speed_max_mps = 0.098;
+  truth.pause_max_s = 1.0;
+  RoverFleet fleet(world, truth, {{{0.4, -0.3, 0.0}, 0.1}}, 1);
+  for (int i = 0; i < 40'000; ++i) {
+    const std::int64_t before = fleet.way_points_reached();
+    fleet.decide(RoverFleet::kDecisionPeriodS);
+    fleet.step(RoverFleet::kDecisionPeriodS);
+    if (fleet.way_points_reached() > before) {
+      ASSERT_EQ(fleet.state(0).speed_mps, 0.0) << "way point " << before;
+    }
+  }
+  EXPECT_GT(fleet.way_points_reached(), 150);
+  EXPECT_EQ(fleet.way_points_abandoned(), 0);
+}
+
 TEST(Drifters, KeepTheirWayAlongAWallTheyBounceOff) {
   models::World world;
   world.bounds = {{-5.0, -5.0}, {5.0, 5.0}};

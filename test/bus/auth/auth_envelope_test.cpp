@@ -288,6 +288,40 @@ TEST(SignatureBudgets, BoundWhatAFloodOfForgedCommandsCostsAndLeaveRoomForStops)
             Refusal::kNone);
 }
 
+// So many at once and so many more in a tenth of a second, by who asks and for what.
+TEST(SignatureBudgets, AreOfSoManyAtOnceAndSoManyASecond) {
+  enum class Asker { kProven, kOneHost, kManyHosts };
+  struct Row {
+    Asker asker;
+    bool is_stop;
+    int at_once;
+    int in_a_tenth;
+  };
+  for (const Row& row :
+       {Row{Asker::kProven, false, 50 + 10, 10 + 1},  // its own and its host's
+        Row{Asker::kProven, true, 50 + 20, 10 + 2}, Row{Asker::kOneHost, false, 10, 1},
+        Row{Asker::kOneHost, true, 20, 2}, Row{Asker::kManyHosts, false, 40, 4},
+        Row{Asker::kManyHosts, true, 50, 10}}) {
+    SignatureBudgets budgets;
+    if (row.asker == Asker::kProven) {
+      budgets.prove({std::uint64_t{1} << 16U, 7}, kNow);
+    }
+    std::uint64_t host = 1;
+    const auto taken = [&](Time now) {
+      int out = 0;
+      for (int i = 0; i < 300; ++i) {
+        host += row.asker == Asker::kManyHosts ? 1 : 0;
+        out += budgets.take({host << 16U, 7}, row.is_stop, now) ? 1 : 0;
+      }
+      return out;
+    };
+    EXPECT_EQ(taken(kNow), row.at_once) << static_cast<int>(row.asker) << ' ' << row.is_stop;
+    EXPECT_EQ(taken(kNow), 0);
+    EXPECT_EQ(taken(kNow + Duration{100'000}), row.in_a_tenth)
+        << static_cast<int>(row.asker) << ' ' << row.is_stop;
+  }
+}
+
 /// Somebody who holds the operator's MAC key and not its seed: any vehicle that was taken.
 struct Attack {
   explicit Attack(const Key& station) : captured(test::key_of(Role::kOperator, 4)) {

@@ -156,6 +156,14 @@ TEST(Course, ShiftsFromRestToRest) {
       EXPECT_LE(now_mps.norm(), kShiftMps + 1e-9);
       EXPECT_LE((now_mps - last_mps).norm(), 0.01 * kShiftMps / (2.0 * kHalfWindowS) + 1e-9);
       last_mps = now_mps;
+      constexpr double kStep_s = 1e-3;
+      const PlanPoint before = course.at(after(t_s - kStep_s));
+      const PlanPoint behind = course.at(after(t_s + kStep_s));
+      if (test::is_near(before.acceleration_world_mps2, behind.acceleration_world_mps2, 1e-9)) {
+        const Eigen::Vector3d faster_mps = behind.velocity_world_mps - before.velocity_world_mps;
+        EXPECT_TRUE(test::is_near(course.at(after(t_s)).acceleration_world_mps2,
+                                  faster_mps / (2.0 * kStep_s), 1e-6));
+      }
     }
     EXPECT_NEAR(t_s, (to_m - from_m).norm() / kShiftMps + 2.0 * kHalfWindowS, 0.011);
     EXPECT_TRUE(test::is_near(course.at(after(t_s)).position_world_m, to_m, 1e-12));

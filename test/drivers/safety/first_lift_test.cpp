@@ -374,5 +374,27 @@ TEST(Lift, StepsAsideToWhereThereIsMostRoom) {
   }
 }
 
+// 0.65 m from a wall is more room than 0.74 m from the middle of another body.
+TEST(Lift, HasARadiusLessOfRoomBesideAnotherBodyThanBesideAWall) {
+  drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
+  limits.vehicle.radius_m = 0.15;
+  limits.fence.obstacles.clear();
+  const Time start = from_utime(1'700'000'000'000'000);
+  for (const double x : {1.0, -1.0}) {
+    for (const double y : {1.0, -1.0}) {
+      limits.fence.bounds = {{-9.0, -9.0}, {9.0, 9.0}};
+      (x > 0.0 ? limits.fence.bounds.max_m : limits.fence.bounds.min_m).x() = 0.8 * x;
+      std::vector<drivers::OtherBody> others(1);
+      others.front().position_world_m = {-0.5 * x, -0.5 * y, 0.0};
+      drivers::Lift own;
+      drivers::Course course(0.25);
+      own.begin(lift({0.0, 0.0, 0.0}, 0.0), others, limits, start);
+      EXPECT_FALSE(own.step({0.0, 0.0, own.height_m()}, 0.0, course, limits, start));
+      const Eigen::Vector3d asked_m = course.planned_at(start).position_world_m;
+      EXPECT_LT((asked_m - Eigen::Vector3d(0.15 * x, 0.15 * y, 0.0)).norm(), 1e-12) << x << y;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::test

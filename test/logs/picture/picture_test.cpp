@@ -13,6 +13,7 @@
 #include "core/write_file.hpp"
 #include "logs/picture/label_placer.hpp"
 #include "logs/picture/layout.hpp"
+#include "logs/picture/panel.hpp"
 #include "logs/picture/svg.hpp"
 #include "test/logs/picture/svg_text.hpp"
 #include "test/support/temporary_folder.hpp"
@@ -83,6 +84,18 @@ Example example() {
   estimate.covariance_m2 = Eigen::Vector2d(0.04, 0.01).asDiagonal();
   out.scene.targets[0].estimate = estimate;
   return out;
+}
+
+TEST(PanelHeight, HasRoomForRobotsFourARow) {
+  scenario::Scenario scenario;
+  std::vector<double> heights_px;
+  for (int robots = 1; robots <= 12; ++robots) {
+    scenario.robots.emplace_back();
+    heights_px.push_back(panel_height_px(scenario));
+  }
+  for (std::size_t i = 1; i < heights_px.size(); ++i) {
+    EXPECT_NEAR(heights_px[i] - heights_px[i - 1], i % 4 == 0 ? 20.0 : 0.0, 1e-9) << i + 1;
+  }
 }
 
 TEST(DrawPicture, IsWellFormedXml) {

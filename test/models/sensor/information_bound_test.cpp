@@ -124,6 +124,19 @@ TEST(InformationBound, IsZeroForATargetThatNoReachableViewpointCanSee) {
   }
 }
 
+// What lies far below, but not so far to the side that it has a bearing.
+TEST(InformationBound, IsZeroWhereNothingReachedIsBesideTheTarget) {
+  for (const SensorKind kind : {SensorKind::kRangeBearing, SensorKind::kBearing}) {
+    SensorModel sensor;
+    sensor.kind = kind;
+    sensor.range_min_m = 0.1;
+    const Viewpoint from{{0.0, 0.0, 0.0}, 2.0};
+    const Eigen::Vector3d below_m(0.0, 0.0, 0.5);
+    EXPECT_EQ(information_bound(sensor, from, 0.09, below_m), 0.0) << kind.name();
+    EXPECT_GT(information_bound(sensor, from, 0.11, below_m), 0.0) << kind.name();
+  }
+}
+
 TEST(InformationBound, IsReachedByTheBestViewpoint) {
   SensorModel sensor;
   sensor.range_min_m = 0.1;

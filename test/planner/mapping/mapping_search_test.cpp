@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -100,6 +101,49 @@ TEST(MappingSearch, FindsTheBestOfAllRoutes) {
                 search.value(std::vector<const MapRoute*>{&mate, &plan}) - search.value(fixed),
                 1e-9);
   }
+}
+
+// With a budget for no more than the greedy route it is that: step by step what is worth most.
+TEST(MappingSearch, IsTheGreedyRouteWhenItIsCutOffBehindIt) {
+  test::Random random(4711);
+  int greedy_routes = 0;
+  for (int i = 0; i < 20; ++i) {
+    Bench bench(random, 3, 0.5);
+    MappingSearch search(bench.views, bench.drive, bench.options);
+    const auto worth_nats = [&](const MapRoute& route) {
+      return search.value(std::vector<const MapRoute*>{&route}) -
+             0.5 * std::min(16.0, bench.drive.to_frontier_m(route.poses.back().position_m()));
+    };
+    MapRoute greedy{bench.starts[0], {}, {}, 0.0, 0};
+    for (int step = 0; step < 3; ++step) {
+      const Pose2 at = greedy.poses.empty() ? greedy.start : greedy.poses.back();
+      std::optional<MapRoute> best;
+      for (std::size_t c = 0; c < bench.options.controls.size(); ++c) {
+        if (bench.drive.is_free(at, bench.options.controls[c], bench.options.step_s)) {
+          MapRoute longer = greedy;
+          longer.controls.push_back(static_cast<int>(c));
+          longer.poses.push_back(
+              models::step_unicycle(at, bench.options.controls[c], bench.options.step_s));
+          if (!best || worth_nats(longer) > worth_nats(*best)) {
+            best = std::move(longer);
+          }
+        }
+      }
+      if (!best) {
+        break;
+      }
+      greedy = *best;
+    }
+    if (greedy.controls.size() < 3) {
+      continue;  // step by step it gets stuck
+    }
+    ++greedy_routes;
+    const auto controls = static_cast<std::int64_t>(bench.options.controls.size());
+    const MapRoute cut = search.plan(bench.starts[0], {}, Deadline::nodes(3 * controls));
+    EXPECT_TRUE(cut.is_cut);
+    EXPECT_EQ(cut.controls, greedy.controls) << i;
+  }
+  EXPECT_GT(greedy_routes, 10);
 }
 
 TEST(MappingSearch, PlansTheSameAgain) {

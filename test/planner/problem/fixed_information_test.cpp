@@ -47,5 +47,25 @@ TEST(FixedInformation, SendsTheSecondRobotToTheOtherTarget) {
   EXPECT_TRUE(fixed_information(problem, {teammate})[1][5].isZero(0.0));
 }
 
+// A teammate drives past a target and sees it at the end of its third step alone.
+TEST(FixedInformation, IsOfWhereATeammateIsAtTheEndOfEachStep) {
+  const scenario::Scenario scenario = test::lab_scenario();
+  SearchProblem problem;
+  problem.start_time = Time{std::chrono::seconds(1'700'000'000)};
+  problem.horizon_steps = 6;
+  problem.step_s = 0.5;
+  problem.targets = {{{models::TargetKind::kStatic, 2, 0.0},
+                      {Eigen::Vector2d(1.5, 0.2), Eigen::Matrix2d::Identity()}}};
+  FixedTeammate teammate;
+  teammate.sensor = scenario.robots[0].sensor;
+  teammate.sensor.range_max_m = 0.4;
+  teammate.trajectory.start_time = problem.start_time;
+  teammate.trajectory.segments = {{{1.0, 0.0}, 3.0, 0.0}};
+  const auto fixed = fixed_information(problem, {teammate});
+  for (std::size_t t = 0; t < 6; ++t) {
+    EXPECT_EQ(fixed[0][t].trace() > 0.0, t == 2) << t;
+  }
+}
+
 }  // namespace
 }  // namespace vantage::planner

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -85,6 +86,60 @@ TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
   EXPECT_GT(bounded, 4 * problem_count());
 }
 
+/// A robot that drives a metre a step along x, and the highest bound found for it, which lies below
+/// the best plan of all.
+void expect_bound_below_best(const std::vector<SearchTarget>& targets) {
+  OwnedProblem owned;
+  SearchProblem& problem = owned.problem;
+  problem.start = {40.0, 30.0, 0.0};
+  problem.horizon_steps = 3;
+  problem.controls = {{2.0, 0.0}, {2.0, 1.0}, {2.0, -1.0}};
+  models::SensorModel sensor;
+  sensor.range_min_m = 0.02;
+  sensor.range_max_m = 4.0;
+  problem.sensors = {sensor};
+  problem.targets = targets;
+  const FullTree full(problem);
+  ASSERT_TRUE(full.complete);
+  const double best = full.best_through(problem.horizon_steps)[0];
+  LatticeBound lattice(8, 8, kStates);
+  lattice.reset(problem, full.expander.beliefs());
+  ASSERT_FALSE(lattice.is_empty());
+  std::vector<float> reference(lattice.reference_size());
+  lattice.begin(reference.data());
+  double highest = -kInfinity;
+  for (int i = 0; i < 30; ++i) {
+    std::int64_t work_nodes = 0;
+    const auto answer =
+        lattice.cost_to_go(problem.start, 0, full.tree.posterior(0), reference.data(), 0.4, kStates,
+                           Deadline::never(), work_nodes);
+    ASSERT_LE(answer.cost, best + play(best)) << i;
+    highest = std::max(highest, answer.cost);
+  }
+  EXPECT_GT(highest, best - 10.0) << "it is too low to say anything";
+}
+
+/// 2 cm beside the robot's way, `ahead_m` from its start, going along it.
+SearchTarget beside_the_way(double ahead_m, double speed_mps) {
+  SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 1e-4}, {}};
+  target.prior.mean = Eigen::Vector4d(40.0 + ahead_m, 30.021, speed_mps, 0.0);
+  target.prior.covariance = Eigen::Vector4d(1.0, 1.0, 1e-4, 1e-4).asDiagonal();
+  return target;
+}
+
+// Two targets drive one behind the other at half the robot's speed, met at 1 m and at 2 m: from
+// beside the one behind a step leads to beside the one before it, and none leads back. A third is
+// never met.
+TEST(LatticeBound, LetsAStepLeadFromBesideOneTargetToBesideAnother) {
+  expect_bound_below_best(
+      {beside_the_way(0.5, 1.0), beside_the_way(1.0, 1.0), beside_the_way(30.0, 1.0)});
+}
+
+// Two targets overtake the robot side by side, where it is after one step.
+TEST(LatticeBound, LetsWhoIsBesideTwoTargetsBeBesideBoth) {
+  expect_bound_below_best({beside_the_way(-1.0, 4.0), beside_the_way(-1.0, 4.0)});
+}
+
 // A tenth of what a look from half the range tells, in the mean of all directions, of what comes
 // into range by then; nothing of the rest.
 TEST(LatticeBound, BeginsFromAWeakLookAtAllThatIsInReach) {
@@ -157,10 +212,11 @@ TEST(LatticeBound, IsTheSameInAMirror) {
     std::vector<float> reference(lattice.reference_size());
     lattice.begin(reference.data());
     std::int64_t work_nodes = 0;
-    return lattice
-        .cost_to_go(problem.start, 0, {}, reference.data(), 0.0, kStates, Deadline::never(),
-                    work_nodes)
-        .cost;
+    const double cost = lattice
+                            .cost_to_go(problem.start, 0, {}, reference.data(), 0.0, kStates,
+                                        Deadline::never(), work_nodes)
+                            .cost;
+    return std::pair(cost, static_cast<double>(work_nodes));
   };
   int compared = 0;
   int same = 0;
@@ -173,11 +229,12 @@ TEST(LatticeBound, IsTheSameInAMirror) {
       continue;  // what stands touches cells on one side; oscillators have sides of their own
     }
     controls[0].yaw_rate_radps = controls[2].yaw_rate_radps;  // and so does what goes straight
-    const double cost = bound_of(owned.problem);
-    const double turned = bound_of(mirrored(owned.problem));
+    const auto [cost, work_nodes] = bound_of(owned.problem);
+    const auto [turned, turned_nodes] = bound_of(mirrored(owned.problem));
     ++compared;
     same += std::abs(turned - cost) < 1e-5 * std::max(1.0, std::abs(cost)) ? 1 : 0;
     EXPECT_NEAR(turned, cost, 0.01 * std::max(1.0, std::abs(cost))) << seed;
+    EXPECT_NEAR(turned_nodes, work_nodes, 0.02 * work_nodes) << seed;
   }
   EXPECT_GT(compared, 30);
   EXPECT_GT(same, 0.9 * compared);  // a chord along the cells' edges touches one side, too

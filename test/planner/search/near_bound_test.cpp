@@ -99,12 +99,14 @@ class Bounds {
 TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
   Bounds bounds;
   int tighter = 0;
+  double gained = 0.0;  // nats and m² alike
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
     SCOPED_TRACE(seed);
     const OwnedProblem owned = crowded_problem(seed);
     // The oracle's recursion loses digits right beside a target.
     ASSERT_NO_FATAL_FAILURE(bounds.expect_below_every_plan(owned.problem, 1e-4));
     tighter += bounds.is_tighter() ? 1 : 0;
+    gained += bounds.moving_plan - bounds.any_plan;
     for (std::int64_t budget_nodes = 0; budget_nodes < bounds.work_nodes; budget_nodes += 3) {
       std::int64_t cut_work_nodes = 0;
       const auto cut = bounds.root.of_moving_plan(Deadline::nodes(budget_nodes), cut_work_nodes);
@@ -113,6 +115,8 @@ TEST(NearBound, IsBelowEveryMovingPlanAndOftenTighter) {
     }
   }
   EXPECT_GT(tighter, 150);
+  // Measured when this was written: 15 178, and 13 884 with discs of half the largest radius.
+  EXPECT_GT(gained, 15'000.0);
 }
 
 // Beside a target a robot that goes a metre a step is once, one that can stay longer: the bound

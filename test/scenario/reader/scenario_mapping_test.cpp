@@ -55,6 +55,14 @@ mapping:
   EXPECT_EQ(mapping.frontier_nats_per_m, 0.0);
 }
 
+TEST(MappingScenario, IsOtherwiseAsStated) {
+  const models::MappingSpec mapping = parse_scenario(kMapper + "mapping: {}\n", "x.yaml").mapping;
+  EXPECT_EQ(mapping.resolution_m, 0.2);
+  EXPECT_EQ(mapping.look_probability, 0.95);
+  EXPECT_EQ(mapping.settled_probability, 0.99);
+  EXPECT_EQ(mapping.frontier_nats_per_m, 0.5);
+}
+
 TEST(MappingScenario, NeedsItsSectionAndNoTargets) {
   EXPECT_EQ(refusal_of(kMapper + "mapping: {resolution_m: 0.5}\n"), "not refused");
   EXPECT_EQ(refusal_of(kMapper),

@@ -332,6 +332,18 @@ TEST(EmulatedAutopilot, RefusesToStopItsMotorsInTheAirUnlessForced) {
   }
 }
 
+TEST(EmulatedAutopilot, SaysOfItsBatteryWhatARealOneSays) {
+  Hand hand(AutopilotDialect::kPx4);
+  hand.command(511, 147.0F, 50'000.0F);
+  hand.run(0.2);
+  ASSERT_TRUE(hand.last_battery);
+  EXPECT_EQ(hand.last_battery->voltages[0], 12'600) << "full, and nothing turns";
+  EXPECT_EQ(hand.last_battery->voltages[1], 0xFFFF) << "no cells are told apart";
+  EXPECT_EQ(hand.last_battery->current_battery, 0);
+  EXPECT_EQ(hand.last_battery->temperature, 2'500) << "25 degrees Celsius";
+  EXPECT_EQ(hand.last_battery->charge_state, 1);
+}
+
 TEST(EmulatedAutopilot, SaysTheSameAgainToTheSameBytes) {
   const auto fly = [] {
     Hand hand = flying_px4();

@@ -204,6 +204,8 @@ void Hand::hear(const wire::mavlink::Frame& got) {
     landed = state->landed_state;
   } else if (const auto value = wire::mavlink::unpack<wire::mavlink::ParamValue>(got)) {
     last_parameter = value;
+  } else if (const auto battery = wire::mavlink::unpack<wire::mavlink::BatteryStatus>(got)) {
+    last_battery = battery;
   } else if (const auto timesync = wire::mavlink::unpack<wire::mavlink::Timesync>(got)) {
     if (timesync->tc1 == 0) {
       owed_.emplace();

@@ -70,6 +70,7 @@ class Hand {
   std::optional<wire::mavlink::CommandAck> last_ack;
   std::optional<wire::mavlink::Heartbeat> last_heartbeat;
   std::optional<wire::mavlink::ParamValue> last_parameter;
+  std::optional<wire::mavlink::BatteryStatus> last_battery;
   std::string last_text;
   std::uint16_t flags = 0;
   std::uint8_t landed = 0;

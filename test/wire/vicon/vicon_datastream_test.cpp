@@ -118,6 +118,15 @@ TEST(DataStream, SubjectsAndPosesComeBackAsTheyWere) {
   EXPECT_EQ(there_and_back(light, 901).poses[0].angle_axis_rad.z(), 0.3F);
 }
 
+TEST(DataStream, WhatHasNoNameComesBackToo) {
+  SubjectInfo subject;
+  subject.segments.resize(5);
+  EXPECT_EQ(there_and_back(subject, kSubjectInfo).segments.size(), 5u);
+  subject.markers.resize(5);
+  EXPECT_EQ(there_and_back(subject, kSubjectInfo).markers.size(), 5u);
+  EXPECT_EQ(there_and_back(LatencyInfo{{{"", 0.002}, {"", 0.003}}}, 26).stages.size(), 2u);
+}
+
 TEST(DataStream, RotationsAreRowMajor) {
   Segments segments;
   segments.poses.resize(1);

@@ -165,6 +165,13 @@ TEST(IdentifyDatagram, TellsTheStreamsApart) {
   std::vector<std::uint8_t> datagram;
   encode_object_block(block, 256, datagram);
   EXPECT_EQ(identify_datagram(datagram), Speaker::kObjectStream);
+  for (const double far_mm : {1.1e7, -1.1e7}) {  // nonsense; no room is as large
+    ObjectBlock far = block;
+    far.objects[1].translation_mm.y() = far_mm;
+    datagram.clear();
+    encode_object_block(far, 256, datagram);
+    EXPECT_EQ(identify_datagram(datagram), Speaker::kUnknown) << far_mm;
+  }
   EXPECT_EQ(identify_datagram(from_text("10.0.0.7 4000")), Speaker::kVrpn);
   EXPECT_EQ(identify_datagram(from_hex("0100 2B1A 00000000")), Speaker::kDataStream);
   EXPECT_EQ(identify_datagram(from_hex("00 01 02 03 04 05 06 07")), Speaker::kUnknown);
