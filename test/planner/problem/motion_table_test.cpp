@@ -65,6 +65,30 @@ TEST(MotionTable, ArrivesWhereTheUnicycleDoes) {
   }
 }
 
+// Sixty-four controls are what a problem may have.
+TEST(MotionTable, HasRoomForEveryControlThatAProblemMayHave) {
+  std::mt19937_64 rng(37);
+  SearchProblem problem;
+  for (int c = 0; c < 64; ++c) {
+    problem.controls.push_back({uniform(rng, 0.0, 3.0), uniform(rng, -3.0, 3.0)});
+  }
+  MotionTable motion(64, 16, 4);
+  motion.reset(problem);
+  const Pose2 from = random_pose(rng);
+  const double cos_yaw = std::cos(from.yaw_rad);
+  const double sin_yaw = std::sin(from.yaw_rad);
+  Views children;
+  motion.children(from, cos_yaw, sin_yaw, children);
+  ASSERT_EQ(children.count, 64);
+  for (int c = 0; c < 64; ++c) {
+    const Pose2 to = motion.child(from, cos_yaw, sin_yaw, c);
+    EXPECT_NEAR(children.x_m[c], to.x_m, 1e-12) << c;
+    EXPECT_NEAR(children.y_m[c], to.y_m, 1e-12) << c;
+    EXPECT_NEAR(children.cos_yaw[c], std::cos(to.yaw_rad), 1e-12) << c;
+    EXPECT_NEAR(children.sin_yaw[c], std::sin(to.yaw_rad), 1e-12) << c;
+  }
+}
+
 TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
   std::mt19937_64 rng(31);
   int freed = 0;
