@@ -6,6 +6,12 @@
 
 namespace vantage::estimator {
 
+bool can_report(const models::SensorModel& sensor, const models::Viewpoint& from,
+                const models::World& world, const models::PositionVector& target_m) {
+  return models::in_view(sensor, from, target_m) &&
+         models::line_of_sight(world, from.world_from_body.position_m(), target_m.head<2>());
+}
+
 models::Gaussian missed_detection(const models::Gaussian& belief, const models::SensorModel& sensor,
                                   const models::Viewpoint& from, const models::World& world,
                                   double detection_probability, double* probability) {
@@ -23,9 +29,7 @@ models::Gaussian missed_detection(const models::Gaussian& belief, const models::
     return belief;
   }
   const auto is_not_reported = [&](const models::PositionVector& y_m) {
-    const bool seen =
-        models::in_view(sensor, from, y_m) && models::line_of_sight(world, eye_m, y_m.head<2>());
-    return seen ? 1.0 - detection_probability : 1.0;
+    return can_report(sensor, from, world, y_m) ? 1.0 - detection_probability : 1.0;
   };
   return reweighted(belief, is_not_reported, probability);
 }

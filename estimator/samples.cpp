@@ -9,6 +9,7 @@
 
 #include "core/angle.hpp"
 #include "estimator/confinement.hpp"
+#include "estimator/missed_detection.hpp"
 #include "estimator/view_limits.hpp"
 
 namespace vantage::estimator {
@@ -120,18 +121,17 @@ void Samples::predict(const models::TargetModel& model, double dt_s, std::uint64
   const State offset = model.expected(State::Zero().eval(), dt_s);
   const Eigen::LDLT<Eigen::Matrix4d> factors(model.process_noise(dt_s).eval());
   const Eigen::Vector4d scale = factors.vectorD().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::Matrix4d root = factors.transpositionsP().transpose() *
-                               (Eigen::Matrix4d(factors.matrixL()) * scale.asDiagonal());
+  Eigen::Matrix4d root = factors.transpositionsP().transpose() *
+                         (Eigen::Matrix4d(factors.matrixL()) * scale.asDiagonal());
   // Sample i meets point a i + b, a odd, so that each is met once; with one of 16 signs.
   const std::uint64_t bits = mixed(key);
   const std::size_t a = (bits >> 8U) | 1U;
   const std::size_t b = bits >> 40U;
-  Eigen::Matrix4d signed_root = root;
   for (Eigen::Index axis = 0; axis < 4; ++axis) {
-    signed_root.col(axis) *= ((bits >> static_cast<unsigned>(axis)) & 1U) == 0 ? 1.0 : -1.0;
+    root.col(axis) *= ((bits >> static_cast<unsigned>(axis)) & 1U) == 0 ? 1.0 : -1.0;
   }
   for (std::size_t i = 0; i < kSize; ++i) {
-    states_[i] = offset + A * states_[i] + signed_root * points()[(a * i + b) % kSize];
+    states_[i] = offset + A * states_[i] + root * points()[(a * i + b) % kSize];
   }
 }
 
@@ -211,11 +211,9 @@ bool Samples::keep_out_of(const std::vector<models::Obstacle>& obstacles) {
 
 bool Samples::miss(const models::SensorModel& sensor, const models::Viewpoint& from,
                    const models::World& world, double detection_probability) {
-  const Eigen::Vector2d eye_m = from.world_from_body.position_m();
   bool is_any_seen = false;
   const Weights weights = weighed([&](const models::PositionVector& y_m) {
-    const bool is_seen =
-        models::in_view(sensor, from, y_m) && models::line_of_sight(world, eye_m, y_m.head<2>());
+    const bool is_seen = can_report(sensor, from, world, y_m);
     is_any_seen = is_any_seen || is_seen;
     return is_seen ? 1.0 - detection_probability : 1.0;
   });

@@ -74,8 +74,8 @@ class Samples {
   /// (2001).
   void smear();
 
-  int size_ = 0;                        ///< 0 or kCount
-  std::array<double, kCount> weights_;  // NOLINT: nothing in it before spread()
+  int size_ = 0;  ///< 0 or kCount; of none the others mean nothing
+  std::array<double, kCount> weights_{};
   std::array<State, kCount> states_;
 };
 
