@@ -382,18 +382,16 @@ void DistributedFilter::apply(Look& look) {
       tell_samples(*known, count);
       known->samples.clear();
       track.last_seen = std::max(track.last_seen, look.time);
-      track.gated_in_a_row = 0;
       continue;
     }
     switch (measure(track.information, sensor, look.from, detection.measurement, spec.gate_sigma)) {
       case Use::kUsed:
         known->samples.clear();
         track.last_seen = std::max(track.last_seen, look.time);
-        track.gated_in_a_row = 0;
-        break;
+          break;
       case Use::kGated:
         ++count.gated;
-        if (doubt(track, spec, sensor, look.from, detection.measurement, look.time)) {
+        if (doubt(track, spec, sensor, look.from, detection.measurement)) {
           known->samples.clear();
         }
         break;

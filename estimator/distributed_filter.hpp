@@ -104,9 +104,9 @@ struct FilterCounters {
 /// time, before the fusion of the later step. A late look is put in its place by doing the steps
 /// from there on again, with what was heard then: the result is that of timely arrival. Where a
 /// target was expected and not reported, see missed_detection; that targets keep to the free world,
-/// see confine. With gate_sigma, a detection that is not where its target may be is not used: a
-/// swapped or false id moves nothing, and what a false one has founded is let go of after
-/// kGatedInARowMax detections that say otherwise.
+/// see confine. With gate_sigma, a detection that is not where its target may be is not used but
+/// doubted (see doubt()): a swapped or false id moves nothing, and what did the unforeseen, or was
+/// founded by a false id, is followed from the next detection that says the same.
 ///
 /// A convex combination of conservative beliefs is conservative whatever they have in common, and
 /// no look is added to what holds it already: looks of t come after the fusion only where no belief

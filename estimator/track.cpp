@@ -241,15 +241,23 @@ std::optional<Information> discover(const scenario::EstimatorSpec& spec,
 }
 
 bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
-           const models::Viewpoint& from, const models::Measurement& measurement, Time time) {
-  if (++track.gated_in_a_row < kGatedInARowMax) {
+           const models::Viewpoint& from, const models::Measurement& measurement) {
+  const auto found = discover(spec, sensor, from, measurement);
+  auto belief = models::to_gaussian(track.information);
+  if (!found || !belief) {
     return false;
   }
-  const auto found = discover(spec, sensor, from, measurement);
-  if (found) {
-    track = {true, *found, time};
+  const auto there = models::to_gaussian(*found);
+  if (!there) {
+    return false;
   }
-  return found.has_value();
+  const models::StateVector off = there->mean - belief->mean;
+  belief->covariance += kDoubt * (there->covariance + off * off.transpose());
+  const auto doubted = models::to_information(*belief);
+  if (doubted) {
+    track.information = *doubted;
+  }
+  return doubted.has_value();
 }
 
 }  // namespace vantage::estimator

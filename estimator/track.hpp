@@ -17,13 +17,8 @@ namespace vantage::estimator {
 struct Track {
   bool known = false;
   models::Information information;
-  Time last_seen{};        ///< newest measurement of anyone that went into it
-  int gated_in_a_row = 0;  ///< detections beyond the gate since the last one that was used
+  Time last_seen{};  ///< newest measurement of anyone that went into it
 };
-
-/// So many detections of an id in a row beyond the gate say that the track is of another target, or
-/// of none: it is discovered again, from the last.
-inline constexpr int kGatedInARowMax = 3;
 
 /// The belief of instant `from` brought to `to` ≥ `from`, exactly, whatever the elapsed time:
 /// Ω ← (A Ω⁻¹ Aᵀ + W)⁻¹, ω ← Ω (c + A (ŷ − c)) with A and W of the whole interval. Carrying it in
@@ -67,9 +62,16 @@ std::optional<models::Information> discover(const scenario::EstimatorSpec& spec,
                                             const models::Viewpoint& from,
                                             const models::Measurement& measurement);
 
-/// A detection of this track's id was beyond the gate, at `time`: the kGatedInARowMax-th in a row
-/// starts the track anew by discover(), where that can tell; true when it did.
+/// How likely it is that a detection beyond the gate is right, and its target did what no model
+/// foresaw; else it is another's.
+inline constexpr double kDoubt = 0.5;
+
+/// A detection of this track's id was beyond the gate. What is believed stays in its place, and its
+/// covariance takes up kDoubt of what would be believed by the detection alone, by discover():
+/// Σ ← Σ + kDoubt (Σ_z + d dᵀ), d from the mean to there. Whichever is true, the next detection
+/// finds its target within the gate: where it was, or where this one was. False, belief untouched,
+/// where the sensor cannot tell where that is.
 bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
-           const models::Viewpoint& from, const models::Measurement& measurement, Time time);
+           const models::Viewpoint& from, const models::Measurement& measurement);
 
 }  // namespace vantage::estimator

@@ -112,15 +112,16 @@ struct EstimatorSpec {
   double undiscovered_position_sigma_m = 4.0;
   double grid_resolution_m = 0.25;
   double grid_memory_s = 30.0;  ///< after it a cell counts as unexplored again; ≤ 0: never
-  double gate_sigma = 0.0;      ///< innovations beyond it are counted and not used; 0: no gate
+  /// Innovations beyond it are counted, not used, and make the belief doubtful; 0: no gate.
+  double gate_sigma = 0.0;
   /// Share of in-view looks that detect a target that is there; a look that finds nothing where
   /// the belief expects a target moves the belief away. 0 switches that off.
   double detection_probability = 0.9;
   /// Targets are never beyond the world's bounds or in an obstacle; beliefs keep to the rest, and
   /// those with a velocity turn back at the bounds.
   bool targets_stay_inside = true;
-  /// What a wall or an empty look has left of a belief is told by samples until the target is seen
-  /// again, where targets have a velocity and sensors tell ids.
+  /// What a wall, an empty look or another target in the way has left of a belief is told by
+  /// samples until the target is seen again, where targets have a velocity and sensors tell ids.
   bool samples = false;
 };
 
