@@ -76,6 +76,7 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
       room_(inset(spec_.world, spec_.target_radius_m)),
       viewpoint_(spec_.start),
       tracks_(spec_.target_count),
+      meetings_(takes_samples() ? spec_.target_count : 0, 2.0 * spec_.target_radius_m),
       grid_(spec_.world, grid_around(spec_, spec_.start.world_from_body.position_m()),
             spec_.estimator.grid_memory_s) {
   require(spec_.target_count >= 0, "target_count must not be negative");
@@ -244,6 +245,7 @@ void DistributedFilter::run(StepRecord& record) {
   if (record.from < record.to) {
     reconcile_labels(record, record.from);
   }
+  fuse(record.heard_of_start);  // what happens in the step then happens to what is told as well
   for (; next < record.look_count && look(next).time < record.to; ++next) {
     propagate_all(at, look(next).time);
     at = look(next).time;
@@ -251,14 +253,14 @@ void DistributedFilter::run(StepRecord& record) {
   }
   propagate_all(at, record.to);
   if (!record.is_heard_of_end) {
-    fuse(record);
+    fuse(record.heard);
   }
   confine_all();
   for (; next < record.look_count; ++next) {
     apply(look(next));
   }
   if (record.is_heard_of_end) {  // a belief of `to` holds looks of `to`: they are in before it is
-    fuse(record);
+    fuse(record.heard);
   }
   reconcile_labels(record, record.to);
   forget_far(record.place_m);
@@ -298,6 +300,9 @@ bool DistributedFilter::takes_samples() const {
 void DistributedFilter::propagate_all(Time from, Time to) {
   if (multi_target_) {
     multi_target_->propagate(labelled_, from, to);
+  }
+  if (takes_samples() && spec_.target_radius_m > 0.0 && from < to) {
+    meetings_.let_meet(tracks_, to_seconds(to - from), noise_key(0, to));
   }
   for (KnownTrack& each : tracks_) {
     Track& track = each.track;
@@ -388,7 +393,7 @@ void DistributedFilter::apply(Look& look) {
       case Use::kUsed:
         known->samples.clear();
         track.last_seen = std::max(track.last_seen, look.time);
-          break;
+        break;
       case Use::kGated:
         ++count.gated;
         if (doubt(track, spec, sensor, look.from, detection.measurement)) {

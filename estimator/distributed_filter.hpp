@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "estimator/meetings.hpp"
 #include "estimator/multi_target.hpp"
 #include "estimator/step_record.hpp"
 #include "estimator/track_labels.hpp"
@@ -96,12 +97,14 @@ struct FilterCounters {
 /// range for its own: what is measured is used by everyone once, and where all hear all, each robot
 /// is the central filter. What a look that was not heard has told arrives in its maker's belief.
 ///
-/// step(t): bring own tracks and every heard belief to t; fuse, per target,
+/// step(t): fuse own tracks with every belief heard of the step before's instant, per target,
 ///   Ω ← (1 − κ) Ω + κ Σ_j w_j Ω_j / Σ_j w_j,  ω likewise,  w_j = √det Ω_j,
 /// over those who know it, κ in [0, 1] such that det Ω is largest (covariance intersection): 0
 /// where the others know nothing that is not known already; a target we do not know is taken
-/// whole. Then add the measurements of t. Looks of instants between two steps are used at their own
-/// time, before the fusion of the later step. A late look is put in its place by doing the steps
+/// whole. Then bring all to t, so that walls and meetings happen to what was heard as well, and add
+/// the measurements of t. A belief heard of later than the step before is fused in the same way at
+/// t. Looks of instants between two steps are used at their own time, before the fusion of the
+/// later step. A late look is put in its place by doing the steps
 /// from there on again, with what was heard then: the result is that of timely arrival. Where a
 /// target was expected and not reported, see missed_detection; that targets keep to the free world,
 /// see confine. With gate_sigma, a detection that is not where its target may be is not used but
@@ -123,10 +126,10 @@ struct FilterCounters {
 /// the belief tells, one Gaussian: what follows is not what the filter that made it would have gone
 /// on to.
 ///
-/// With EstimatorSpec::samples, what a wall or an empty look leaves of a target with a velocity is
-/// told by Samples from there on, until a detection or what a teammate knows makes it a Gaussian
-/// again; told are their moments. They are not in a belief: after rebase() as of tracks without
-/// ids.
+/// With EstimatorSpec::samples, what a wall, another target (Meetings) or an empty look leaves of a
+/// target with a velocity is told by Samples from there on, until a detection or what a teammate
+/// knows makes it a Gaussian again; told are their moments. They are not in a belief: after
+/// rebase() as of tracks without ids.
 ///
 /// In a neighbourhood, a belief is all that is known: what lies beyond is not told, and not kept
 /// either, so that another filter can go on from any of the beliefs (rebase()).
@@ -166,7 +169,7 @@ class DistributedFilter {
   /// What of it keeps to where targets can be; nullopt where nothing definite is left.
   [[nodiscard]] std::optional<models::Information> kept_inside(
       const models::Information& information) const;
-  void hear(const models::RobotBelief& belief, Time now, StepRecord& record);
+  void hear(const models::RobotBelief& belief, StepRecord& record);
   /// The same where sensors tell no ids.
   void hear_labels(const models::RobotBelief& belief, StepRecord& record);
   void merge_grid(const models::RobotBelief& belief);
@@ -184,7 +187,7 @@ class DistributedFilter {
   void propagate_all(Time from, Time to);
   void apply(Look& look);
   void look_for_misses(const Look& look, FilterCounters& count);
-  void fuse(const StepRecord& record);
+  void fuse(const HeardTable& all_heard);
   /// With what was heard of instant `at`, which the labelled tracks are of.
   void reconcile_labels(const StepRecord& record, Time at);
   /// Lets go of tracks of which nothing is known any more.
@@ -202,6 +205,7 @@ class DistributedFilter {
   models::Viewpoint viewpoint_;
   int degree_ = 0;
   TrackTable tracks_;
+  Meetings meetings_;
   std::optional<MultiTargetFilter> multi_target_;  ///< of sensors that tell no ids
   std::vector<LabelledTrack> labelled_;            ///< then instead of tracks_
   std::vector<HeardLabel> heard_labels_;           ///< scratch of reconcile_labels()

@@ -68,7 +68,7 @@ void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
     if (multi_target_) {
       hear_labels(*belief, record);
     } else {
-      hear(*belief, input.time, record);
+      hear(*belief, record);
     }
     merge_grid(*belief);
   }
@@ -85,7 +85,10 @@ std::optional<models::Information> DistributedFilter::kept_inside(
   return is_same ? information : models::to_information(inside);
 }
 
-void DistributedFilter::hear(const models::RobotBelief& belief, Time now, StepRecord& record) {
+void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& record) {
+  const bool is_of_start = belief.stamp.time <= record.from && record.from < record.to;
+  const Time now = is_of_start ? record.from : record.to;
+  HeardTable& all_heard = is_of_start ? record.heard_of_start : record.heard;
   for (const models::TargetBelief& target : belief.targets) {
     if (target.target_id < 0 || target.target_id >= spec_.target_count) {
       ++counters_.unknown_ids;
@@ -112,9 +115,9 @@ void DistributedFilter::hear(const models::RobotBelief& belief, Time now, StepRe
       ++counters_.singular;
       continue;
     }
-    HeardTrack* const heard = record.heard.find(target.target_id);
+    HeardTrack* const heard = all_heard.find(target.target_id);
     if (heard == nullptr) {
-      record.heard.put(
+      all_heard.put(
           {target.target_id,
            {true, {weight * now_known->vector, weight * now_known->matrix}, target.last_seen},
            weight});
@@ -166,8 +169,8 @@ void DistributedFilter::merge_grid(const models::RobotBelief& belief) {
   }
 }
 
-void DistributedFilter::fuse(const StepRecord& record) {
-  for (const auto& [target_id, heard, heard_weight] : record.heard) {
+void DistributedFilter::fuse(const HeardTable& all_heard) {
+  for (const auto& [target_id, heard, heard_weight] : all_heard) {
     const models::Information theirs{heard.information.vector / heard_weight,
                                      heard.information.matrix / heard_weight};
     KnownTrack* const known = tracks_.find(target_id);

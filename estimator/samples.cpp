@@ -64,10 +64,43 @@ std::uint64_t mixed(std::uint64_t key) {
   return key ^ (key >> 31U);
 }
 
+/// Which of as many others belongs to each of kSize: to i that of a i + b, a odd, so that each
+/// belongs to one.
+class Pairing {
+ public:
+  explicit Pairing(std::uint64_t bits) : a_((bits >> 8U) | 1U), b_(bits >> 40U) {}
+  std::size_t operator()(std::size_t i) const { return (a_ * i + b_) % kSize; }
+
+ private:
+  std::size_t a_;
+  std::size_t b_;
+};
+
 /// Doubles are moved apart by this share of the whole's σ. Measured (docs/decisions/0023).
 constexpr double kSmear = 0.3;
 /// Odd, so that each point is met once, and far from the order in which doubles stand.
 constexpr std::size_t kSmearStep = 101;
+
+/// What walked against `away`, a unit vector, has turned back at_s from now: put where it has to
+/// have been all the while. By x or by y where either would do.
+void turn_back_from(State& state, const Eigen::Vector2d& away, double at_s, bool by_x) {
+  const Eigen::Vector2d v_mps = state.tail<2>();
+  if (v_mps.dot(away) >= 0.0) {
+    return;
+  }
+  const Eigen::Vector2d in_x(-v_mps.x(), v_mps.y());
+  const Eigen::Vector2d in_y(v_mps.x(), -v_mps.y());
+  const Eigen::Vector2d& first = by_x ? in_x : in_y;
+  const Eigen::Vector2d& second = by_x ? in_y : in_x;
+  Eigen::Vector2d turned_mps = -v_mps;
+  if (first.dot(away) >= 0.0) {
+    turned_mps = first;
+  } else if (second.dot(away) >= 0.0) {
+    turned_mps = second;
+  }
+  state.head<2>() += (v_mps - turned_mps) * at_s;
+  state.tail<2>() = turned_mps;
+}
 
 /// How many samples of equal weight speak as loudly. Source: Kong, Liu, Wong (1994).
 double effective_count(const Weights& weights, double sum) {
@@ -123,15 +156,14 @@ void Samples::predict(const models::TargetModel& model, double dt_s, std::uint64
   const Eigen::Vector4d scale = factors.vectorD().cwiseMax(0.0).cwiseSqrt();
   Eigen::Matrix4d root = factors.transpositionsP().transpose() *
                          (Eigen::Matrix4d(factors.matrixL()) * scale.asDiagonal());
-  // Sample i meets point a i + b, a odd, so that each is met once; with one of 16 signs.
+  // Each sample meets one of the points, with one of 16 signs.
   const std::uint64_t bits = mixed(key);
-  const std::size_t a = (bits >> 8U) | 1U;
-  const std::size_t b = bits >> 40U;
+  const Pairing noise_of(bits);
   for (Eigen::Index axis = 0; axis < 4; ++axis) {
     root.col(axis) *= ((bits >> static_cast<unsigned>(axis)) & 1U) == 0 ? 1.0 : -1.0;
   }
   for (std::size_t i = 0; i < kSize; ++i) {
-    states_[i] = offset + A * states_[i] + root * points()[(a * i + b) % kSize];
+    states_[i] = offset + A * states_[i] + root * points()[noise_of(i)];
   }
 }
 
@@ -143,6 +175,38 @@ void Samples::turn_back(const models::Rectangle& bounds) {
       state(axis + 2) *= inside.sign;
     }
   }
+}
+
+bool meet(Samples& one, Samples& other, double distance_m, double dt_s, std::uint64_t key) {
+  const std::uint64_t bits = mixed(key);
+  const Pairing partner(bits);
+  bool have_met = false;
+  for (std::size_t i = 0; i < kSize; ++i) {
+    State& mine = one.states_[i];
+    State& yours = other.states_[partner(i)];
+    const Eigen::Vector2d apart_m = mine.head<2>() - yours.head<2>();
+    const Eigen::Vector2d change_mps = mine.tail<2>() - yours.tail<2>();
+    const double closing = -apart_m.dot(change_mps);
+    if (closing <= 0.0) {
+      continue;
+    }
+    // |apart + change t| = distance, for the first time
+    const double square = change_mps.squaredNorm();
+    const double beyond = apart_m.squaredNorm() - distance_m * distance_m;
+    const double discriminant = closing * closing - square * beyond;
+    if (discriminant <= 0.0) {
+      continue;
+    }
+    const double at_s = std::max(0.0, (closing - std::sqrt(discriminant)) / square);
+    if (at_s > dt_s) {
+      continue;
+    }
+    const Eigen::Vector2d away = (apart_m + at_s * change_mps).normalized();
+    turn_back_from(mine, away, at_s, (bits + i) % 2 == 0);
+    turn_back_from(yours, -away, at_s, ((bits >> 1U) + i / 2) % 2 == 0);
+    have_met = true;
+  }
+  return have_met;
 }
 
 template <class Likelihood>

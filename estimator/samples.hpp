@@ -60,6 +60,12 @@ class Samples {
   /// are left to speak of: then only the moments can be used.
   bool measure(const models::SensorModel& sensor, const models::Viewpoint& from,
                const models::Measurement& measurement);
+  /// Two targets whose middles come no nearer to each other than `distance_m`. Each sample of one
+  /// is paired with one of the other, `key` says how; who walks into its partner within the dt_s
+  /// from now on turns back there: by one component of its velocity where that takes it away, else
+  /// by both. It is put to where it has to be now for a prediction by dt_s to find it where it is
+  /// then. False, and nothing changes, where no pair meets.
+  friend bool meet(Samples& one, Samples& other, double distance_m, double dt_s, std::uint64_t key);
   /// As many as are needed to explain a measurement by samples, of equal weight.
   static constexpr double kExplainMin = 32.0;
 

@@ -7,7 +7,10 @@
 namespace vantage::estimator {
 
 StepRecord::StepRecord(int target_count, int looks_max)
-    : before(target_count), heard(target_count), looks(static_cast<std::size_t>(looks_max)) {
+    : before(target_count),
+      heard_of_start(target_count),
+      heard(target_count),
+      looks(static_cast<std::size_t>(looks_max)) {
   const std::size_t each = kDetectionsReserved / std::max<std::size_t>(1, looks.size());
   for (Look& look : looks) {
     look.detections.reserve(std::min(static_cast<std::size_t>(target_count), each));
@@ -18,6 +21,7 @@ void StepRecord::start(Time begin, Time end, const TrackTable& tracks) {
   from = begin;
   to = end;
   before = tracks;
+  heard_of_start.clear();
   heard.clear();
   heard_labels.clear();
   is_heard_of_end = false;

@@ -28,7 +28,8 @@ struct StepRecord {
   Time to{};
   Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< the robot's own, at `to`
   TrackTable before;                                  ///< tracks at `from`
-  HeardTable heard;                                   ///< at `to`
+  HeardTable heard_of_start;                          ///< at `from`, told of then or earlier
+  HeardTable heard;                                   ///< at `to`, told of later than `from`
   std::vector<LabelledTrack> labelled_before;         ///< the same two of sensors that tell no ids
   std::vector<HeardLabel> heard_labels;               ///< at `from` or at `to`, by teller
   bool is_heard_of_end = false;  ///< some of it is of `to` itself, with the looks of `to`

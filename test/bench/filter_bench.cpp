@@ -49,6 +49,7 @@ void measure_steps(const char* name, const models::TargetModel& model, int targe
   spec.estimator.detection_probability = 0.9;
   spec.estimator.targets_stay_inside = true;
   spec.estimator.samples = samples;
+  spec.target_radius_m = samples ? 0.2 : 0.0;
   spec.estimator.grid_resolution_m = 0.25 * range_max_m;
   spec.world.bounds = {-half_m, half_m};
   spec.world.obstacles = {{{{1.2, -1.1}, {1.8, -0.5}}, 2.5}, {{{-1.8, 0.5}, {-1.2, 1.1}}, 2.5}};

@@ -1,0 +1,288 @@
+#include "estimator/meetings.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "test/estimator/filter_support.hpp"
+#include "test/support/allocation_counter.hpp"
+#include "test/support/near.hpp"
+
+namespace vantage::estimator {
+namespace {
+
+using namespace test::words;  // NOLINT(google-build-using-namespace)
+using vantage::test::is_near;
+using State = Eigen::Vector4d;
+
+constexpr double kDistance_m = 0.4;
+const models::TargetModel kNoiseless{TargetKind::kDoubleIntegrator, 2, 0.0};
+const models::TargetModel kModel{TargetKind::kDoubleIntegrator, 2, 0.001};
+
+Gaussian around(const State& mean, double position_sigma_m, double velocity_sigma_mps) {
+  Gaussian belief{mean, Eigen::Matrix4d::Zero()};
+  belief.covariance.diagonal() << State(position_sigma_m, position_sigma_m, velocity_sigma_mps,
+                                        velocity_sigma_mps)
+                                      .cwiseAbs2();
+  return belief;
+}
+
+/// As good as a point.
+Gaussian exactly(const State& state) { return around(state, 1e-4, 1e-4); }
+
+struct Pair {
+  State one = State::Zero();
+  State other = State::Zero();
+};
+
+/// Where the two are after dt_s, of which nothing is known but that they may meet.
+struct Met {
+  bool have_met = false;
+  Gaussian one;
+  Gaussian other;
+};
+Met after(const Gaussian& one, const Gaussian& other, double dt_s, std::uint64_t key = 1) {
+  Samples a;
+  Samples b;
+  a.spread(one);
+  b.spread(other);
+  const bool have_met = meet(a, b, kDistance_m, dt_s, key);
+  a.predict(kNoiseless, dt_s, 0);
+  b.predict(kNoiseless, dt_s, 0);
+  return {have_met, a.moments(), b.moments()};
+}
+
+State turned(const State& x, double by_rad, bool mirrored) {
+  Eigen::Matrix2d R = Eigen::Rotation2Dd(by_rad).toRotationMatrix();
+  R.col(1) *= mirrored ? -1.0 : 1.0;
+  State out;
+  out << R * x.head<2>(), R * x.tail<2>();
+  return out;
+}
+
+TEST(Meet, WhoWalkIntoEachOtherTurnBackThere) {
+  // 2 m apart, 2 m/s together: 0.8 s from now. In each direction, seen from either side.
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    for (const bool mirrored : {false, true}) {
+      const auto t = [&](const State& x) { return turned(x, quarter * 0.5 * kPi, mirrored); };
+      const Met met =
+          after(exactly(t({0.0, 0.0, 1.0, 0.0})), exactly(t({2.0, 0.0, -1.0, 0.0})), 2.0);
+      EXPECT_TRUE(met.have_met);
+      EXPECT_TRUE(is_near(met.one.mean, t({0.8 - 1.2, 0.0, -1.0, 0.0}), 1e-3)) << quarter;
+      EXPECT_TRUE(is_near(met.other.mean, t({1.2 + 1.2, 0.0, 1.0, 0.0}), 1e-3)) << quarter;
+    }
+  }
+}
+
+TEST(Meet, WhoIsOvertakenGoesOn) {
+  // 1 m behind and 0.8 m/s faster: in 0.75 s.
+  const Met met = after(exactly({0.0, 0.0, 0.2, 0.0}), exactly({-1.0, 0.0, 1.0, 0.0}), 1.0);
+  EXPECT_TRUE(is_near(met.one.mean, State(0.2, 0.0, 0.2, 0.0), 1e-3));
+  EXPECT_TRUE(is_near(met.other.mean, State(-0.25 - 0.25, 0.0, -1.0, 0.0), 1e-3));
+}
+
+TEST(Meet, WhoStandsIsWalkedIntoAndStays) {
+  const Met met = after(exactly({0.0, 1.0, 0.0, 0.0}), exactly({0.0, -1.0, 0.0, 1.0}), 2.0);
+  EXPECT_TRUE(is_near(met.one.mean, State(0.0, 1.0, 0.0, 0.0), 1e-3));
+  EXPECT_TRUE(is_near(met.other.mean, State(0.0, 0.6 - 0.4, 0.0, -1.0), 1e-3));
+}
+
+TEST(Meet, ByTheComponentThatTakesItAwayAndByBothWhereNoneDoes) {
+  // Along y, from straight below: only y can turn back. From aside at 45°: neither alone would do
+  // for who goes (1, 1), both do.
+  const Met along = after(exactly({0.05, -1.0, 0.3, 1.0}), exactly({0.2, 0.0, 0.0, 0.0}), 1.0);
+  EXPECT_TRUE(is_near(along.one.mean.tail<2>(), Eigen::Vector2d(0.3, -1.0), 1e-3));
+  const Met across = after(exactly({-1.0, -1.0, 1.0, 1.0}), exactly({0.0, 0.0, 0.0, 0.0}), 1.5);
+  const Eigen::Vector2d v_mps = across.one.mean.tail<2>();
+  EXPECT_LT(v_mps.sum(), 0.01);  // away from it, or along it
+}
+
+TEST(Meet, OnlyWithinTheTimeAndTheDistance) {
+  const State from_left(0.0, 0.0, 1.0, 0.0);
+  const auto is_met = [&](double aside_m, double dt_s) {
+    return after(exactly(from_left), exactly({2.0, aside_m, -1.0, 0.0}), dt_s).have_met;
+  };
+  EXPECT_TRUE(is_met(0.0, 0.801));
+  EXPECT_FALSE(is_met(0.0, 0.799));
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_TRUE(is_met(side * (kDistance_m - 0.002), 2.0));
+    EXPECT_FALSE(is_met(side * (kDistance_m + 0.002), 2.0));
+  }
+}
+
+TEST(Meet, NothingChangesWhereNobodyMeets) {
+  Samples one;
+  Samples other;
+  one.spread(around({0.0, 0.0, -1.0, 0.0}, 0.1, 0.05));
+  other.spread(around({2.0, 0.0, 1.0, 0.0}, 0.1, 0.05));
+  const Gaussian before = one.moments();
+  EXPECT_FALSE(meet(one, other, kDistance_m, 10.0, 1));
+  EXPECT_EQ(one.moments().mean, before.mean);
+  EXPECT_EQ(one.moments().covariance, before.covariance);
+}
+
+/// The same by brute force: small steps, in which who would come too near turns back.
+Pair stepped(Pair pair, double dt_s, std::mt19937_64& rng) {
+  constexpr int kSteps = 500;
+  for (int i = 0; i < kSteps; ++i) {
+    const double h = dt_s / kSteps;
+    const auto go = [&](State& x, const State& y) {
+      const auto is_free = [&](const Eigen::Vector2d& v) {
+        const Eigen::Vector2d now = x.head<2>() - y.head<2>();
+        const double then_m = (now + v * h).norm();
+        return then_m >= kDistance_m || then_m >= now.norm();
+      };
+      Eigen::Vector2d v = x.tail<2>();
+      if (!is_free(v)) {
+        const int axis = std::bernoulli_distribution()(rng) ? 1 : 0;
+        Eigen::Vector2d mirrored[2] = {{-v.x(), v.y()}, {v.x(), -v.y()}};
+        v = is_free(mirrored[axis])       ? mirrored[axis]
+            : is_free(mirrored[1 - axis]) ? mirrored[1 - axis]
+                                          : Eigen::Vector2d(-v);
+      }
+      x.tail<2>() = v;
+      x.head<2>() += v * h;
+    };
+    const State before = pair.one;
+    go(pair.one, pair.other);
+    go(pair.other, before);
+  }
+  return pair;
+}
+
+State drawn(const Gaussian& belief, std::mt19937_64& rng) {
+  const Eigen::Matrix4d L = Eigen::LLT<Eigen::Matrix4d>(belief.covariance).matrixL();
+  return State(belief.mean) + L * test::normal_vector(4, rng);
+}
+
+TEST(Meet, IsOfBeliefsWhatBruteForceMakesOfThem) {
+  // Two that are likely to meet within 2 s, and may as well miss each other.
+  const Gaussian one = around({0.0, 0.0, 0.8, 0.1}, 0.25, 0.15);
+  const Gaussian other = around({1.6, 0.3, -0.5, 0.0}, 0.25, 0.15);
+  std::mt19937_64 rng(3);
+  constexpr int kDraws = 8000;
+  State sum = State::Zero();
+  Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+  for (int i = 0; i < kDraws; ++i) {
+    const State x = stepped({drawn(one, rng), drawn(other, rng)}, 2.0, rng).one;
+    sum += x;
+    squares += x * x.transpose();
+  }
+  const State right = sum / kDraws;
+  const Eigen::Matrix4d right_covariance = squares / kDraws - right * right.transpose();
+  constexpr int kKeys = 64;
+  State mean = State::Zero();
+  State spread = State::Zero();
+  for (std::uint64_t key = 0; key < kKeys; ++key) {
+    const Met met = after(one, other, 2.0, key);
+    mean += State(met.one.mean) / kKeys;
+    spread += State(met.one.covariance.diagonal()) / kKeys;
+  }
+  const State sigma = right_covariance.diagonal().cwiseSqrt();
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    EXPECT_NEAR(mean(i), right(i), 0.1 * sigma(i)) << i;
+    EXPECT_NEAR(std::sqrt(spread(i)), sigma(i), 0.1 * sigma(i)) << i;
+  }
+  EXPECT_LT(right(2), 0.2);  // it does matter: 0.8 without
+}
+
+FilterSpec spec_of_two(double radius_m) {
+  models::SensorModel sensor = test::far_sighted(models::SensorKind::kPosition);
+  FilterSpec spec = open_spec(kModel, sensor, 2);
+  spec.estimator.samples = true;
+  spec.target_radius_m = radius_m;
+  spec.communication_range_m = 100.0;
+  return spec;
+}
+
+const std::vector<Gaussian> kTowardsEachOther = {around({0.0, 0.0, 0.6, 0.1}, 0.08, 0.05),
+                                                 around({1.8, 0.2, -0.5, 0.0}, 0.08, 0.05)};
+
+DistributedFilter knows_two(double radius_m) {
+  DistributedFilter filter(spec_of_two(radius_m));
+  filter.rebase(test::prior(instant(0), kTowardsEachOther));
+  return filter;
+}
+
+TEST(MeetingsOfAFilter, KnowHowWrongTheyAreOfWhoMetUnseen) {
+  test::MeanNees with;
+  test::MeanNees without;
+  std::mt19937_64 rng(11);
+  DistributedFilter meets = knows_two(0.2);
+  DistributedFilter passes = knows_two(0.0);
+  for (int step = 1; step <= 8; ++step) {
+    take_step(meets, instant(step), at(0, 0), {});
+    take_step(passes, instant(step), at(0, 0), {});
+  }
+  const auto place = [](const DistributedFilter& filter) {
+    const Gaussian belief = known(filter, 0);
+    return Gaussian{belief.mean.head<2>(), belief.covariance.topLeftCorner<2, 2>()};
+  };
+  for (int i = 0; i < 3000; ++i) {
+    // The noise of 4 s beside a σ of 0.05 m/s is of velocities 0.06 m/s: drawn at the beginning.
+    Pair pair{drawn(kTowardsEachOther[0], rng), drawn(kTowardsEachOther[1], rng)};
+    std::normal_distribution<double> noise(0.0, std::sqrt(kModel.q * 4.0 / 3.0));
+    for (State* x : {&pair.one, &pair.other}) {
+      (*x)(2) += noise(rng);
+      (*x)(3) += noise(rng);
+    }
+    const Eigen::Vector2d truth_m = stepped(pair, 4.0, rng).one.head<2>();
+    with.add(place(meets), truth_m);
+    without.add(place(passes), truth_m);
+  }
+  EXPECT_NEAR(with.mean(), 2.0, 0.3);
+  EXPECT_GT(without.mean(), 20.0);
+}
+
+TEST(MeetingsOfAFilter, HappenToWhatATeammateToldOfTheStepBeforeAsWell) {
+  // What was told before they met, brought to now without it, would be surer, and win.
+  DistributedFilter alone = knows_two(0.2);
+  DistributedFilter told = knows_two(0.2);
+  for (int step = 1; step <= 4; ++step) {
+    models::RobotBelief of_before = told.belief();
+    of_before.robot = "Q2";
+    models::RobotBelief of_now = test::prior(instant(step), {});
+    of_now.robot = "Q3";
+    take_step(alone, instant(step), at(0, 0), {});
+    take_step(told, instant(step), at(0, 0), {}, {of_before, of_now});
+  }
+  EXPECT_GT(known(alone, 0).covariance(2, 2), 0.1);
+  for (const int target : {0, 1}) {
+    EXPECT_EQ(known(told, target).mean, known(alone, target).mean);
+    EXPECT_EQ(known(told, target).covariance, known(alone, target).covariance);
+  }
+}
+
+TEST(MeetingsOfAFilter, LeaveAloneWhoMeetsNobody) {
+  DistributedFilter filter(spec_of_two(0.2));
+  const std::vector<Gaussian> apart = {around({0.0, 0.0, -0.6, 0.1}, 0.08, 0.05),
+                                       around({9.0, 0.2, 0.5, 0.0}, 0.08, 0.05)};
+  filter.rebase(test::prior(instant(0), apart));
+  for (int step = 1; step <= 8; ++step) {
+    take_step(filter, instant(step), at(0, 0), {});
+  }
+  const Gaussian alone = models::predict(apart[0], kModel, 4.0);
+  EXPECT_TRUE(is_near(known(filter, 0).mean, alone.mean, 1e-9));
+  EXPECT_TRUE(is_near(known(filter, 0).covariance, alone.covariance, 1e-9));
+}
+
+TEST(MeetingsOfAFilter, AllocateNothing) {
+  if (!vantage::test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the allocation counter is inert under sanitizers";
+  }
+  DistributedFilter filter = knows_two(0.2);
+  for (int step = 1; step <= 8; ++step) {
+    const StepInput input{instant(step), at(0, 0), {}, {}};
+    const vantage::test::AllocationCounter counter;
+    filter.advance(input);
+    EXPECT_EQ(counter.count(), 0U) << step;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::estimator
