@@ -64,6 +64,12 @@ bool tell_samples(KnownTrack& known, FilterCounters& count) {
   return tell(known, known.samples.moments(), count);
 }
 
+/// A detection of `time` is in what is known.
+void saw(Track& track, Time time) {
+  track.last_seen = std::max(track.last_seen, time);
+  track.doubted = {};
+}
+
 /// Which sample meets which noise: the same for all robots, another at each instant.
 std::uint64_t noise_key(int target_id, Time at) {
   return (static_cast<std::uint64_t>(to_utime(at)) << 10U) + static_cast<std::uint64_t>(target_id);
@@ -76,7 +82,7 @@ DistributedFilter::DistributedFilter(FilterSpec spec)
       room_(inset(spec_.world, spec_.target_radius_m)),
       viewpoint_(spec_.start),
       tracks_(spec_.target_count),
-      meetings_(takes_samples() ? spec_.target_count : 0, 2.0 * spec_.target_radius_m),
+      meetings_(can_meet() ? spec_.target_count : 0, 2.0 * spec_.target_radius_m),
       grid_(spec_.world, grid_around(spec_, spec_.start.world_from_body.position_m()),
             spec_.estimator.grid_memory_s) {
   require(spec_.target_count >= 0, "target_count must not be negative");
@@ -297,11 +303,15 @@ bool DistributedFilter::takes_samples() const {
   return spec_.estimator.samples && spec_.estimator.target_model.has_velocity();
 }
 
+bool DistributedFilter::can_meet() const {
+  return takes_samples() && spec_.detection.detects_ids && spec_.target_radius_m > 0.0;
+}
+
 void DistributedFilter::propagate_all(Time from, Time to) {
   if (multi_target_) {
     multi_target_->propagate(labelled_, from, to);
   }
-  if (takes_samples() && spec_.target_radius_m > 0.0 && from < to) {
+  if (can_meet() && from < to) {
     meetings_.let_meet(tracks_, to_seconds(to - from), noise_key(0, to));
   }
   for (KnownTrack& each : tracks_) {
@@ -370,6 +380,7 @@ void DistributedFilter::apply(Look& look) {
     multi_target_->look(labelled_, glance, look.detections);
     return;
   }
+  const double gate_sigma = can_discover(sensor) ? spec.gate_sigma : 0.0;
   for (const models::Detection& detection : look.detections) {
     KnownTrack* const known = tracks_.find(detection.target_id);
     if (known == nullptr) {
@@ -383,20 +394,20 @@ void DistributedFilter::apply(Look& look) {
     }
     Track& track = known->track;
     if (!known->samples.empty() &&
-        known->samples.measure(sensor, look.from, detection.measurement)) {
+        known->samples.measure(sensor, look.from, detection.measurement, gate_sigma)) {
       tell_samples(*known, count);
       known->samples.clear();
-      track.last_seen = std::max(track.last_seen, look.time);
+      saw(track, look.time);
       continue;
     }
-    switch (measure(track.information, sensor, look.from, detection.measurement, spec.gate_sigma)) {
+    switch (measure(track.information, sensor, look.from, detection.measurement, gate_sigma)) {
       case Use::kUsed:
         known->samples.clear();
-        track.last_seen = std::max(track.last_seen, look.time);
+        saw(track, look.time);
         break;
       case Use::kGated:
         ++count.gated;
-        if (doubt(track, spec, sensor, look.from, detection.measurement)) {
+        if (doubt(track, spec, sensor, look.from, detection.measurement, look.time)) {
           known->samples.clear();
         }
         break;

@@ -37,8 +37,9 @@ struct FilterSpec {
   models::Viewpoint start;  ///< taken for its own place until the first pose arrives
   scenario::EstimatorSpec estimator;
   models::World world;
-  int target_count = 0;                ///< ids are 0 … target_count − 1
-  double target_radius_m = 0.0;        ///< the smallest: no middle is nearer to a wall
+  int target_count = 0;  ///< ids are 0 … target_count − 1
+  /// The smallest: no middle is nearer to a wall, no two are nearer than twice it; 0: points.
+  double target_radius_m = 0.0;
   double step_s = 0.5;                 ///< τ
   double communication_range_m = 0.0;  ///< ≤ 0: no communication
   /// Targets farther off than this are others' business: what was known of them is forgotten, and
@@ -108,8 +109,9 @@ struct FilterCounters {
 /// from there on again, with what was heard then: the result is that of timely arrival. Where a
 /// target was expected and not reported, see missed_detection; that targets keep to the free world,
 /// see confine. With gate_sigma, a detection that is not where its target may be is not used but
-/// doubted (see doubt()): a swapped or false id moves nothing, and what did the unforeseen, or was
-/// founded by a false id, is followed from the next detection that says the same.
+/// doubted (see doubt()), where its sensor can tell where that is: a swapped or false id moves
+/// nothing, and what did the unforeseen, or was founded by a false id, is followed from the next
+/// detection that says the same.
 ///
 /// A convex combination of conservative beliefs is conservative whatever they have in common, and
 /// no look is added to what holds it already: looks of t come after the fusion only where no belief
@@ -184,6 +186,8 @@ class DistributedFilter {
   void rebase_tracks(const models::RobotBelief& belief);
   /// Whether what no Gaussian tells is told by samples.
   [[nodiscard]] bool takes_samples() const;
+  /// Whether targets are discs that turn each other back.
+  [[nodiscard]] bool can_meet() const;
   void propagate_all(Time from, Time to);
   void apply(Look& look);
   void look_for_misses(const Look& look, FilterCounters& count);

@@ -86,7 +86,8 @@ std::optional<models::Information> DistributedFilter::kept_inside(
 }
 
 void DistributedFilter::hear(const models::RobotBelief& belief, StepRecord& record) {
-  const bool is_of_start = belief.stamp.time <= record.from && record.from < record.to;
+  // Before the first step nothing is known of its beginning, looks of which may be in the belief.
+  const bool is_of_start = time_ && belief.stamp.time <= record.from;
   const Time now = is_of_start ? record.from : record.to;
   HeardTable& all_heard = is_of_start ? record.heard_of_start : record.heard;
   for (const models::TargetBelief& target : belief.targets) {
@@ -179,6 +180,9 @@ void DistributedFilter::fuse(const HeardTable& all_heard) {
       continue;
     }
     Track& own = known->track;
+    if (heard.last_seen < own.doubted) {
+      continue;  // it would do away with the doubt, and knows nothing of it
+    }
     const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
     const models::Information both{
         own.information.vector + kappa * (theirs.vector - own.information.vector),

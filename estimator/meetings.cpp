@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "models/belief/gaussian.hpp"
 
@@ -26,8 +27,7 @@ Meetings::Meetings(int target_count, double distance_m) : distance_m_(distance_m
 
 bool Meetings::may_meet(const Party& one, const Party& other) const {
   const double reach_m = one.radius_m + other.radius_m + distance_m_;
-  return !one.samples.empty() && !other.samples.empty() &&
-         (one.centre_m - other.centre_m).squaredNorm() < reach_m * reach_m;
+  return reach_m > 0.0 && (one.centre_m - other.centre_m).squaredNorm() < reach_m * reach_m;
 }
 
 void Meetings::let_meet(TrackTable& tracks, double dt_s, std::uint64_t key) {
@@ -37,26 +37,37 @@ void Meetings::let_meet(TrackTable& tracks, double dt_s, std::uint64_t key) {
     party.target_id = each.target_id;
     const auto belief = models::to_gaussian(each.track.information);
     if (!belief) {
+      party.radius_m = -std::numeric_limits<double>::infinity();  // near nobody
       continue;
     }
     const double speed_max_mps = belief->mean.segment<2>(2).norm() + reach_of(*belief, 2);
     party.centre_m = belief->mean.head<2>();
     party.radius_m = reach_of(*belief, 0) + speed_max_mps * dt_s;
-    party.samples = each.samples;
-    if (party.samples.empty()) {
-      party.samples.spread(*belief);
-    }
   }
+  const auto samples_of = [&](std::size_t i) -> Samples& {
+    Samples& samples = parties_[i].samples;
+    if (samples.empty()) {
+      const KnownTrack& track = *(tracks.begin() + static_cast<std::ptrdiff_t>(i));
+      samples = track.samples;
+      if (samples.empty()) {
+        samples.spread(*models::to_gaussian(track.track.information));
+      }
+    }
+    return samples;
+  };
   for (std::size_t i = 0; i < parties_.size(); ++i) {
     for (std::size_t j = i + 1; j < parties_.size(); ++j) {
       Party& one = parties_[i];
       Party& other = parties_[j];
-      const auto pair = (static_cast<std::uint64_t>(one.target_id) << 32U) +
-                        static_cast<std::uint64_t>(other.target_id);
-      if (may_meet(one, other) &&
-          meet(one.samples, other.samples, distance_m_, dt_s, key ^ (pair << 8U))) {
-        one.has_met = other.has_met = true;
+      if (!may_meet(one, other) || samples_of(i).empty() || samples_of(j).empty()) {
+        continue;
       }
+      const std::uint64_t pair = (static_cast<std::uint64_t>(one.target_id) << 32U) +
+                                 static_cast<std::uint64_t>(other.target_id);
+      const std::uint64_t pair_key = key ^ (pair << 8U);
+      const Samples before = one.samples;
+      one.has_met |= one.samples.walk_into(other.samples, distance_m_, dt_s, pair_key);
+      other.has_met |= other.samples.walk_into(before, distance_m_, dt_s, ~pair_key);
     }
   }
   auto party = parties_.begin();

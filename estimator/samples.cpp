@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -76,30 +77,65 @@ class Pairing {
   std::size_t b_;
 };
 
+/// So many partners are tried for a sample that is in one place with another.
+constexpr std::size_t kPairsTried = 4;
 /// Doubles are moved apart by this share of the whole's σ. Measured (docs/decisions/0023).
 constexpr double kSmear = 0.3;
 /// Odd, so that each point is met once, and far from the order in which doubles stand.
 constexpr std::size_t kSmearStep = 101;
 
-/// What walked against `away`, a unit vector, has turned back at_s from now: put where it has to
-/// have been all the while. By x or by y where either would do.
-void turn_back_from(State& state, const Eigen::Vector2d& away, double at_s, bool by_x) {
+/// What walks against `away`, a unit vector, has turned back at_s from now: one component of its
+/// velocity has, the one that takes it away. It is put where it has to have been all the while.
+void turn_back_from(State& state, const Eigen::Vector2d& away, double at_s) {
   const Eigen::Vector2d v_mps = state.tail<2>();
-  if (v_mps.dot(away) >= 0.0) {
-    return;
-  }
-  const Eigen::Vector2d in_x(-v_mps.x(), v_mps.y());
-  const Eigen::Vector2d in_y(v_mps.x(), -v_mps.y());
-  const Eigen::Vector2d& first = by_x ? in_x : in_y;
-  const Eigen::Vector2d& second = by_x ? in_y : in_x;
-  Eigen::Vector2d turned_mps = -v_mps;
-  if (first.dot(away) >= 0.0) {
-    turned_mps = first;
-  } else if (second.dot(away) >= 0.0) {
-    turned_mps = second;
-  }
+  const Eigen::Vector2d by_x(-v_mps.x(), v_mps.y());
+  const Eigen::Vector2d turned_mps = by_x.dot(away) >= 0.0 ? by_x : Eigen::Vector2d(-by_x);
   state.head<2>() += (v_mps - turned_mps) * at_s;
   state.tail<2>() = turned_mps;
+}
+
+/// Below 0: the two are in one place.
+double beyond(const State& one, const State& other, double distance_m) {
+  return (one - other).head<2>().squaredNorm() - distance_m * distance_m;
+}
+
+/// When and from where `one` walks into `other`, within dt_s from now.
+struct Contact {
+  double at_s;
+  Eigen::Vector2d away;  ///< from the other, a unit vector
+};
+std::optional<Contact> contact(const State& one, const State& other, double distance_m,
+                               double dt_s) {
+  const Eigen::Vector2d apart_m = one.head<2>() - other.head<2>();
+  const Eigen::Vector2d change_mps = one.tail<2>() - other.tail<2>();
+  const double closing = -apart_m.dot(change_mps);
+  const double square = change_mps.squaredNorm();
+  // |apart + change t| = distance, for the first time
+  const double discriminant = closing * closing - square * beyond(one, other, distance_m);
+  if (closing <= 0.0 || discriminant <= 0.0) {
+    return std::nullopt;
+  }
+  const double at_s = (closing - std::sqrt(discriminant)) / square;
+  const Eigen::Vector2d away = (apart_m + at_s * change_mps).normalized();
+  if (at_s > dt_s || one.tail<2>().dot(away) >= 0.0) {  // or it is the other who walks into it
+    return std::nullopt;
+  }
+  return Contact{at_s, away};
+}
+
+/// The sample that each of kSize equal shares of the weight begins with. Source: Kitagawa (1996).
+std::array<std::size_t, kSize> systematic(const Weights& weights) {
+  std::array<std::size_t, kSize> chosen;
+  double passed = 0.0;
+  std::size_t from = 0;
+  for (std::size_t i = 0; i < kSize; ++i) {
+    const double at = (static_cast<double>(i) + 0.5) / kSize;
+    while (from + 1 < kSize && passed + weights[from] < at) {
+      passed += weights[from++];
+    }
+    chosen[i] = from;
+  }
+  return chosen;
 }
 
 /// How many samples of equal weight speak as loudly. Source: Kong, Liu, Wong (1994).
@@ -177,36 +213,26 @@ void Samples::turn_back(const models::Rectangle& bounds) {
   }
 }
 
-bool meet(Samples& one, Samples& other, double distance_m, double dt_s, std::uint64_t key) {
-  const std::uint64_t bits = mixed(key);
-  const Pairing partner(bits);
-  bool have_met = false;
+bool Samples::walk_into(const Samples& others, double distance_m, double dt_s, std::uint64_t key) {
+  const Pairing partner(mixed(key));
+  const std::array<std::size_t, kSize> chosen = systematic(others.weights_);
+  bool has_met = false;
   for (std::size_t i = 0; i < kSize; ++i) {
-    State& mine = one.states_[i];
-    State& yours = other.states_[partner(i)];
-    const Eigen::Vector2d apart_m = mine.head<2>() - yours.head<2>();
-    const Eigen::Vector2d change_mps = mine.tail<2>() - yours.tail<2>();
-    const double closing = -apart_m.dot(change_mps);
-    if (closing <= 0.0) {
-      continue;
+    // Two in one place are not there: such a pair says nothing, and another is asked.
+    const State* other = nullptr;
+    for (std::size_t attempt = 0; attempt < kPairsTried && other == nullptr; ++attempt) {
+      const State& next = others.states_[chosen[partner(i + attempt)]];
+      other = beyond(states_[i], next, distance_m) >= 0.0 ? &next : nullptr;
     }
-    // |apart + change t| = distance, for the first time
-    const double square = change_mps.squaredNorm();
-    const double beyond = apart_m.squaredNorm() - distance_m * distance_m;
-    const double discriminant = closing * closing - square * beyond;
-    if (discriminant <= 0.0) {
-      continue;
+    const auto met = other == nullptr || weights_[i] <= 0.0
+                         ? std::nullopt
+                         : contact(states_[i], *other, distance_m, dt_s);
+    if (met) {
+      turn_back_from(states_[i], met->away, met->at_s);
+      has_met = true;
     }
-    const double at_s = std::max(0.0, (closing - std::sqrt(discriminant)) / square);
-    if (at_s > dt_s) {
-      continue;
-    }
-    const Eigen::Vector2d away = (apart_m + at_s * change_mps).normalized();
-    turn_back_from(mine, away, at_s, (bits + i) % 2 == 0);
-    turn_back_from(yours, -away, at_s, ((bits >> 1U) + i / 2) % 2 == 0);
-    have_met = true;
   }
-  return have_met;
+  return has_met;
 }
 
 template <class Likelihood>
@@ -285,19 +311,21 @@ bool Samples::miss(const models::SensorModel& sensor, const models::Viewpoint& f
 }
 
 bool Samples::measure(const models::SensorModel& sensor, const models::Viewpoint& from,
-                      const models::Measurement& measurement) {
+                      const models::Measurement& measurement, double gate_sigma) {
   const Eigen::LLT<models::MeasurementMatrix> noise(measurement.V);
   if (noise.info() != Eigen::Success) {
     return false;
   }
   const LimitSoftness softness = limit_softness(sensor, measurement.V);
-  return take(weighed([&](const models::PositionVector& y_m) {
-                const models::MeasurementVector nu =
-                    models::innovation(sensor, measurement.z, models::observe(sensor, from, y_m));
-                return view_probability(sensor, softness, from, y_m) *
-                       std::exp(-0.5 * nu.dot(noise.solve(nu)));
-              }),
-              kExplainMin);
+  bool is_any_near = gate_sigma <= 0.0;
+  const Weights weights = weighed([&](const models::PositionVector& y_m) {
+    const models::MeasurementVector nu =
+        models::innovation(sensor, measurement.z, models::observe(sensor, from, y_m));
+    const double mahalanobis2 = nu.dot(noise.solve(nu));
+    is_any_near = is_any_near || mahalanobis2 <= gate_sigma * gate_sigma;
+    return view_probability(sensor, softness, from, y_m) * std::exp(-0.5 * mahalanobis2);
+  });
+  return is_any_near && take(weights, kExplainMin);
 }
 
 }  // namespace vantage::estimator

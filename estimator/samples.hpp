@@ -16,9 +16,8 @@ namespace vantage::estimator {
 
 /// What is known of one target in the plane that no Gaussian tells: weighted samples of its
 /// position and velocity. Walls turn each back, and looks that did not report it take weight from
-/// those that they would have seen, with nothing smeared by being made a Gaussian again. For a
-/// target that has not been seen for a while; where there is a detection, moments do
-/// (docs/decisions/0023).
+/// those that they would have seen, with nothing smeared by being made a Gaussian again. Where
+/// there is a detection, moments do (docs/decisions/0023).
 ///
 /// Nothing is drawn: samples and noise come from one table of points whose moments are those of
 /// N(0, I) exactly, and whoever does the same things at the same instants has the same samples. A
@@ -57,15 +56,16 @@ class Samples {
   bool miss(const models::SensorModel& sensor, const models::Viewpoint& from,
             const models::World& world, double detection_probability);
   /// A measurement of the target. False, and nothing changes, where fewer than kExplainMin samples
-  /// are left to speak of: then only the moments can be used.
+  /// are left to speak of, or all are farther than gate_sigma (> 0) from it by its own noise: then
+  /// only the moments can be used.
   bool measure(const models::SensorModel& sensor, const models::Viewpoint& from,
-               const models::Measurement& measurement);
-  /// Two targets whose middles come no nearer to each other than `distance_m`. Each sample of one
-  /// is paired with one of the other, `key` says how; who walks into its partner within the dt_s
-  /// from now on turns back there: by one component of its velocity where that takes it away, else
-  /// by both. It is put to where it has to be now for a prediction by dt_s to find it where it is
-  /// then. False, and nothing changes, where no pair meets.
-  friend bool meet(Samples& one, Samples& other, double distance_m, double dt_s, std::uint64_t key);
+               const models::Measurement& measurement, double gate_sigma);
+  /// Another target, whose middle comes no nearer than `distance_m`. To each sample belongs one of
+  /// the others, of each more often the more it weighs; `key` says which. A sample that walks into
+  /// its partner within the dt_s from now on turns back there, by the component of its velocity
+  /// that takes it away; who is walked into goes on. It is put to where it has to be now for a
+  /// prediction by dt_s to find it where it is then. False, and nothing changes, where none does.
+  bool walk_into(const Samples& others, double distance_m, double dt_s, std::uint64_t key);
   /// As many as are needed to explain a measurement by samples, of equal weight.
   static constexpr double kExplainMin = 32.0;
 

@@ -30,8 +30,8 @@ struct StepRecord {
   TrackTable before;                                  ///< tracks at `from`
   HeardTable heard_of_start;                          ///< at `from`, told of then or earlier
   HeardTable heard;                                   ///< at `to`, told of later than `from`
-  std::vector<LabelledTrack> labelled_before;         ///< the same two of sensors that tell no ids
-  std::vector<HeardLabel> heard_labels;               ///< at `from` or at `to`, by teller
+  std::vector<LabelledTrack> labelled_before;         ///< of sensors that tell no ids, at `from`
+  std::vector<HeardLabel> heard_labels;               ///< theirs, at `from` or at `to`, by teller
   bool is_heard_of_end = false;  ///< some of it is of `to` itself, with the looks of `to`
   std::vector<Look> looks;       ///< the first look_count, by time and looker; the rest is spare
   int look_count = 0;

@@ -197,12 +197,16 @@ Use measure(Information& belief, const models::SensorModel& sensor, const models
   return shift_position(belief, before, *after) ? Use::kUsed : Use::kSingular;
 }
 
+bool can_discover(const models::SensorModel& sensor) {
+  return sensor.kind.law().position_from != nullptr;
+}
+
 std::optional<Information> discover(const scenario::EstimatorSpec& spec,
                                     const models::SensorModel& sensor,
                                     const models::Viewpoint& from,
                                     const models::Measurement& measurement) {
   const int n = spec.target_model.position_dim;
-  if (sensor.kind.law().position_from == nullptr) {
+  if (!can_discover(sensor)) {
     return std::nullopt;
   }
   PositionPrior prior{models::PositionVector::Zero(n), models::PositionMatrix::Zero(n, n)};
@@ -241,7 +245,7 @@ std::optional<Information> discover(const scenario::EstimatorSpec& spec,
 }
 
 bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
-           const models::Viewpoint& from, const models::Measurement& measurement) {
+           const models::Viewpoint& from, const models::Measurement& measurement, Time time) {
   const auto found = discover(spec, sensor, from, measurement);
   auto belief = models::to_gaussian(track.information);
   if (!found || !belief) {
@@ -256,6 +260,7 @@ bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::Sens
   const auto doubted = models::to_information(*belief);
   if (doubted) {
     track.information = *doubted;
+    track.doubted = time;
   }
   return doubted.has_value();
 }

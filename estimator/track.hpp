@@ -18,6 +18,7 @@ struct Track {
   bool known = false;
   models::Information information;
   Time last_seen{};  ///< newest measurement of anyone that went into it
+  Time doubted{};    ///< of the newest that made it doubtful, since one that did; else none
 };
 
 /// The belief of instant `from` brought to `to` ≥ `from`, exactly, whatever the elapsed time:
@@ -52,11 +53,14 @@ Use measure(models::Information& belief, const models::SensorModel& sensor,
             const models::Viewpoint& from, const models::Measurement& measurement,
             double gate_sigma);
 
+/// Whether one detection tells where a target is: not of a sensor of range or bearing alone.
+bool can_discover(const models::SensorModel& sensor);
+
 /// The belief of a target after its very first detection. Position: posterior_moments() of z over
 /// all that is in view, with nothing known before but, where z is silent (the null space of
 /// ∂h/∂position at the position that explains z), the stated prior_position_sigma_m. Velocity:
 /// zero, prior_velocity_sigma_mps.
-/// nullopt for a sensor that cannot tell where the target is (range or bearing alone).
+/// nullopt where the sensor cannot tell where the target is.
 std::optional<models::Information> discover(const scenario::EstimatorSpec& spec,
                                             const models::SensorModel& sensor,
                                             const models::Viewpoint& from,
@@ -66,12 +70,13 @@ std::optional<models::Information> discover(const scenario::EstimatorSpec& spec,
 /// foresaw; else it is another's.
 inline constexpr double kDoubt = 0.5;
 
-/// A detection of this track's id was beyond the gate. What is believed stays in its place, and its
-/// covariance takes up kDoubt of what would be believed by the detection alone, by discover():
-/// Σ ← Σ + kDoubt (Σ_z + d dᵀ), d from the mean to there. Whichever is true, the next detection
-/// finds its target within the gate: where it was, or where this one was. False, belief untouched,
-/// where the sensor cannot tell where that is.
+/// A detection of this track's id was beyond the gate, at `time`. What is believed stays in its
+/// place, and its covariance takes up kDoubt of what would be believed by the detection alone, by
+/// discover(): Σ ← Σ + kDoubt (Σ_z + d dᵀ), d from the mean to there. Whichever is true, the next
+/// detection finds its target within the gate: where it was, or where this one was. Until then no
+/// belief counts that knows of nothing as new. False, track untouched, where the sensor cannot tell
+/// where that is.
 bool doubt(Track& track, const scenario::EstimatorSpec& spec, const models::SensorModel& sensor,
-           const models::Viewpoint& from, const models::Measurement& measurement);
+           const models::Viewpoint& from, const models::Measurement& measurement, Time time);
 
 }  // namespace vantage::estimator

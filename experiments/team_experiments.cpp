@@ -125,6 +125,7 @@ Sweep sweep_of(TeamSweep team, const Extent& extent) {
   Sweep sweep;
   sweep.plan.setting_columns = team.columns;
   for (TeamCase& of : team.cases) {
+    of.trial.planning_time_s *= extent.planning_share;
     if (extent.is_smoke) {
       of.trial.duration_s = kSmoke_s;
       of.trial.planning_time_s *= 0.02;
@@ -136,6 +137,7 @@ Sweep sweep_of(TeamSweep team, const Extent& extent) {
   sweep.plan.parameters = {{"scenario", first.file},
                            {"scenario_sha256", text_hash(scenario_text(first.file))},
                            {"reference_nodes_per_s", fmt::format("{}", kReferenceNodesPerS)},
+                           {"planning_share", fmt::format("{}", extent.planning_share)},
                            {"length", extent.is_smoke ? fmt::format("{} s", kSmoke_s) : "in full"}};
   sweep.plan.tables = {{"trials", kTeamTrialColumns}};
   sweep.run = [cases = team.cases](std::size_t setting, std::uint64_t seed) {

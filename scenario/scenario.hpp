@@ -112,8 +112,9 @@ struct EstimatorSpec {
   double undiscovered_position_sigma_m = 4.0;
   double grid_resolution_m = 0.25;
   double grid_memory_s = 30.0;  ///< after it a cell counts as unexplored again; ≤ 0: never
-  /// Innovations beyond it are counted, not used, and make the belief doubtful; 0: no gate.
-  double gate_sigma = 0.0;
+  /// Innovations beyond it are counted, not used, and make the belief doubtful, where the sensor
+  /// can tell where a target is; 0: no gate.
+  double gate_sigma = 4.0;
   /// Share of in-view looks that detect a target that is there; a look that finds nothing where
   /// the belief expects a target moves the belief away. 0 switches that off.
   double detection_probability = 0.9;

@@ -41,6 +41,7 @@ nlohmann::ordered_json identity_json(const SweepIdentity& identity, const SweepP
   json["version"] = identity.version;
   json["seed"] = identity.seed;
   json["smoke"] = identity.is_smoke;
+  json["planning_share"] = identity.planning_share;
   json["settings_sha256"] = settings_hash(plan);
   return json;
 }

@@ -7,7 +7,11 @@ namespace vantage::experiments {
 std::string command_of(const SweepIdentity& identity, int trials) {
   std::string command =
       fmt::format("vantage experiment {} --seed {}", identity.experiment, identity.seed);
-  return command + (identity.is_smoke ? " --smoke" : fmt::format(" --trials {}", trials));
+  command += identity.is_smoke ? " --smoke" : fmt::format(" --trials {}", trials);
+  if (identity.planning_share != 1.0) {
+    command += fmt::format(" --planning-share {}", identity.planning_share);
+  }
+  return command;
 }
 
 std::string report_page(const SweepIdentity& identity, const std::string& what,

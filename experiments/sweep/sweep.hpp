@@ -15,6 +15,9 @@ namespace vantage::experiments {
 struct Extent {
   int trials = 0;         ///< of each setting; 0: as the dissertation
   bool is_smoke = false;  ///< two trials, shortened horizons, the same code: does it run at all
+  /// Of the time for planning that the dissertation gives, in (0, 1]; of experiments that turn such
+  /// a time into nodes.
+  double planning_share = 1.0;
   /// `usual` unless told otherwise.
   [[nodiscard]] int trials_or(int usual) const {
     return is_smoke ? 2 : trials > 0 ? trials : usual;
@@ -45,6 +48,7 @@ struct SweepIdentity {
   std::string version;
   std::uint64_t seed = 1;
   bool is_smoke = false;
+  double planning_share = 1.0;
 };
 
 /// The least that is run at once: one trial of one setting.

@@ -138,6 +138,23 @@ TEST(Confinement, HoldsWhatATeammateHasToldAStepAgo) {
   }
 }
 
+TEST(Confinement, HoldsWhatATeammateHasToldTwoStepsAgo) {
+  FilterSpec spec = test::open_spec({models::TargetKind::kDoubleIntegrator, 2, 0.001},
+                                    test::far_sighted(models::SensorKind::kPosition), 1);
+  spec.estimator.targets_stay_inside = true;
+  spec.communication_range_m = 100.0;
+  Gaussian leaving{Eigen::Vector4d(19.75, 0.0, 0.8, 0.0), Eigen::Matrix4d::Zero()};
+  leaving.covariance.diagonal() << 0.0025, 0.0025, 0.04, 0.04;
+  DistributedFilter filter(spec);
+  filter.rebase(test::prior(test::instant(0), {leaving}));
+  models::RobotBelief of_before = test::prior(test::instant(0), {leaving});
+  of_before.robot = "Q2";
+  test::take_step(filter, test::instant(1), test::at(0, 0), {});
+  test::take_step(filter, test::instant(2), test::at(0, 0), {}, {of_before});
+  EXPECT_NEAR(test::known(filter, 0).mean(0), 19.85 - 0.35, 0.06);
+  EXPECT_LT(test::known(filter, 0).mean(2), -0.5);
+}
+
 TEST(Confinement, HoldsTheFilterInsideWhenATargetIsLostAtTheWall) {
   models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.3};
   models::SensorModel position;

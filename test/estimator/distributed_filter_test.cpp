@@ -400,6 +400,70 @@ TEST(DistributedFilter, WithAGateBelievesInBothUntilTheNextLook) {
   }
 }
 
+// A teammate who has not seen what made one doubt is as sure as before.
+TEST(DistributedFilter, DoubtsUntilItsOwnNextLookWhateverTeammatesBelieve) {
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
+  std::mt19937_64 rng(13);
+  FilterSpec spec = gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0);
+  spec.communication_range_m = 100.0;
+  DistributedFilter filter(spec);
+  const Eigen::Vector2d there_m(0.0, 4.0);
+  const std::vector<Gaussian> sure = {
+      {Eigen::Vector2d(4.0, 0.0), 0.001 * Eigen::Matrix2d::Identity()}};
+  filter.rebase(test::prior(instant(0), sure));
+  for (int k = 1; k <= 2; ++k) {
+    models::RobotBelief told = test::prior(instant(k - 1), sure);
+    told.robot = "Q2";
+    told.targets[0].last_seen = instant(0);
+    take_step(filter, instant(k), at(0, 0), {look_at(sensor, instant(k), at(0, 0), {there_m}, rng)},
+              {told});
+  }
+  EXPECT_EQ(filter.counters().gated, 1);
+  EXPECT_LT((known(filter, 0).mean - there_m).norm(), 1.2);
+  // From then on who knows more is believed again.
+  models::RobotBelief surer =
+      test::prior(instant(2), {{there_m, 0.001 * Eigen::Matrix2d::Identity()}});
+  surer.robot = "Q2";
+  surer.targets[0].last_seen = instant(0);
+  take_step(filter, instant(3), at(0, 0), {}, {surer});
+  EXPECT_NEAR(known(filter, 0).covariance(0, 0), 0.001, 1e-6);
+}
+
+// A filter that begins hears a teammate's look and the belief that it is in: it counts once.
+TEST(DistributedFilter, CountsALookOfItsBeginningOnce) {
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kRangeBearing);
+  std::mt19937_64 rng(14);
+  FilterSpec spec = open_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1);
+  spec.communication_range_m = 100.0;
+  spec.team = {{"Q1", sensor}, {"Q2", sensor}};
+  models::DetectionSet look =
+      look_at(sensor, instant(0), at(0, 0), {Eigen::Vector2d(4.0, 0.0)}, rng);
+  look.robot = "Q2";
+  FilterSpec of_teammate = spec;
+  of_teammate.robot = "Q2";
+  DistributedFilter teammate(of_teammate);
+  const models::RobotBelief told = take_step(teammate, instant(0), at(0, 0), {look});
+  DistributedFilter filter(spec);
+  take_step(filter, instant(1), at(0, 0), {look}, {told});
+  EXPECT_TRUE(is_near(known(filter, 0).covariance, known(teammate, 0).covariance, 1e-9));
+}
+
+// Nobody could say where a target is instead: what is beyond the gate is used, or the belief would
+// stay where it is for ever.
+TEST(DistributedFilter, DoesNotGateWhatCannotBeDiscovered) {
+  const models::SensorModel sensor = test::far_sighted(SensorKind::kRange);
+  std::mt19937_64 rng(12);
+  DistributedFilter filter(gated_spec({TargetKind::kStatic, 2, 0.0}, sensor, 1, 4.0));
+  filter.rebase(
+      test::prior(instant(0), {{Eigen::Vector2d(4.0, 0.0), 0.01 * Eigen::Matrix2d::Identity()}}));
+  for (int k = 1; k <= 20; ++k) {
+    take_step(filter, instant(k), at(0, 0),
+              {look_at(sensor, instant(k), at(0, 0), {Eigen::Vector2d(7.0, 0.0)}, rng)});
+  }
+  EXPECT_EQ(filter.counters().gated, 0);
+  EXPECT_GT(known(filter, 0).mean(0), 6.0);
+}
+
 TEST(DistributedFilter, StepsWithoutAllocating) {
   if (!vantage::test::AllocationCounter::is_active()) {
     GTEST_SKIP() << "the allocation counter is inert under sanitizers";

@@ -22,7 +22,7 @@ inline models::SensorModel far_sighted(models::SensorKind kind) {
   return sensor;
 }
 
-/// Sees for ever in all directions, never takes a miss or a wall for news, shares
+/// Sees for ever in all directions, never takes a miss or a wall for news, doubts nothing, shares
 /// nothing.
 inline FilterSpec open_spec(const models::TargetModel& model, const models::SensorModel& sensor,
                             int target_count) {
@@ -32,6 +32,7 @@ inline FilterSpec open_spec(const models::TargetModel& model, const models::Sens
   spec.sensor.range_max_m = 1e4;
   spec.estimator.target_model = model;
   spec.estimator.detection_probability = 0.0;
+  spec.estimator.gate_sigma = 0.0;
   spec.estimator.targets_stay_inside = false;
   spec.estimator.grid_resolution_m = 10.0;
   spec.world.bounds = {{-20.0, -20.0}, {20.0, 20.0}};

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -42,19 +43,27 @@ struct Pair {
 
 /// Where the two are after dt_s, of which nothing is known but that they may meet.
 struct Met {
-  bool have_met = false;
+  bool one_has = false;
+  bool other_has = false;
   Gaussian one;
   Gaussian other;
 };
-Met after(const Gaussian& one, const Gaussian& other, double dt_s, std::uint64_t key = 1) {
-  Samples a;
-  Samples b;
-  a.spread(one);
-  b.spread(other);
-  const bool have_met = meet(a, b, kDistance_m, dt_s, key);
+Met after(const Samples& one, const Samples& other, double dt_s, std::uint64_t key = 1) {
+  Samples a = one;
+  Samples b = other;
+  const bool one_has = a.walk_into(other, kDistance_m, dt_s, key);
+  const bool other_has = b.walk_into(one, kDistance_m, dt_s, ~key);
   a.predict(kNoiseless, dt_s, 0);
   b.predict(kNoiseless, dt_s, 0);
-  return {have_met, a.moments(), b.moments()};
+  return {one_has, other_has, a.moments(), b.moments()};
+}
+Samples samples_of(const Gaussian& belief) {
+  Samples samples;
+  samples.spread(belief);
+  return samples;
+}
+Met after(const Gaussian& one, const Gaussian& other, double dt_s, std::uint64_t key = 1) {
+  return after(samples_of(one), samples_of(other), dt_s, key);
 }
 
 State turned(const State& x, double by_rad, bool mirrored) {
@@ -72,7 +81,8 @@ TEST(Meet, WhoWalkIntoEachOtherTurnBackThere) {
       const auto t = [&](const State& x) { return turned(x, quarter * 0.5 * kPi, mirrored); };
       const Met met =
           after(exactly(t({0.0, 0.0, 1.0, 0.0})), exactly(t({2.0, 0.0, -1.0, 0.0})), 2.0);
-      EXPECT_TRUE(met.have_met);
+      EXPECT_TRUE(met.one_has);
+      EXPECT_TRUE(met.other_has);
       EXPECT_TRUE(is_near(met.one.mean, t({0.8 - 1.2, 0.0, -1.0, 0.0}), 1e-3)) << quarter;
       EXPECT_TRUE(is_near(met.other.mean, t({1.2 + 1.2, 0.0, 1.0, 0.0}), 1e-3)) << quarter;
     }
@@ -82,6 +92,7 @@ TEST(Meet, WhoWalkIntoEachOtherTurnBackThere) {
 TEST(Meet, WhoIsOvertakenGoesOn) {
   // 1 m behind and 0.8 m/s faster: in 0.75 s.
   const Met met = after(exactly({0.0, 0.0, 0.2, 0.0}), exactly({-1.0, 0.0, 1.0, 0.0}), 1.0);
+  EXPECT_FALSE(met.one_has);
   EXPECT_TRUE(is_near(met.one.mean, State(0.2, 0.0, 0.2, 0.0), 1e-3));
   EXPECT_TRUE(is_near(met.other.mean, State(-0.25 - 0.25, 0.0, -1.0, 0.0), 1e-3));
 }
@@ -92,20 +103,18 @@ TEST(Meet, WhoStandsIsWalkedIntoAndStays) {
   EXPECT_TRUE(is_near(met.other.mean, State(0.0, 0.6 - 0.4, 0.0, -1.0), 1e-3));
 }
 
-TEST(Meet, ByTheComponentThatTakesItAwayAndByBothWhereNoneDoes) {
-  // Along y, from straight below: only y can turn back. From aside at 45°: neither alone would do
-  // for who goes (1, 1), both do.
-  const Met along = after(exactly({0.05, -1.0, 0.3, 1.0}), exactly({0.2, 0.0, 0.0, 0.0}), 1.0);
-  EXPECT_TRUE(is_near(along.one.mean.tail<2>(), Eigen::Vector2d(0.3, -1.0), 1e-3));
-  const Met across = after(exactly({-1.0, -1.0, 1.0, 1.0}), exactly({0.0, 0.0, 0.0, 0.0}), 1.5);
-  const Eigen::Vector2d v_mps = across.one.mean.tail<2>();
-  EXPECT_LT(v_mps.sum(), 0.01);  // away from it, or along it
+TEST(Meet, ByTheComponentThatTakesItAway) {
+  // From below and nearly along y; from the left and nearly along x.
+  const Met y = after(exactly({0.05, -1.0, 0.3, 1.0}), exactly({0.2, 0.0, 0.0, 0.0}), 1.0);
+  EXPECT_TRUE(is_near(y.one.mean.tail<2>(), Eigen::Vector2d(0.3, -1.0), 1e-3));
+  const Met x = after(exactly({-1.0, 0.05, 1.0, 0.3}), exactly({0.0, 0.2, 0.0, 0.0}), 1.0);
+  EXPECT_TRUE(is_near(x.one.mean.tail<2>(), Eigen::Vector2d(-1.0, 0.3), 1e-3));
 }
 
 TEST(Meet, OnlyWithinTheTimeAndTheDistance) {
   const State from_left(0.0, 0.0, 1.0, 0.0);
   const auto is_met = [&](double aside_m, double dt_s) {
-    return after(exactly(from_left), exactly({2.0, aside_m, -1.0, 0.0}), dt_s).have_met;
+    return after(exactly(from_left), exactly({2.0, aside_m, -1.0, 0.0}), dt_s).one_has;
   };
   EXPECT_TRUE(is_met(0.0, 0.801));
   EXPECT_FALSE(is_met(0.0, 0.799));
@@ -116,14 +125,59 @@ TEST(Meet, OnlyWithinTheTimeAndTheDistance) {
 }
 
 TEST(Meet, NothingChangesWhereNobodyMeets) {
-  Samples one;
-  Samples other;
-  one.spread(around({0.0, 0.0, -1.0, 0.0}, 0.1, 0.05));
-  other.spread(around({2.0, 0.0, 1.0, 0.0}, 0.1, 0.05));
+  Samples one = samples_of(around({0.0, 0.0, -1.0, 0.0}, 0.1, 0.05));
+  const Samples other = samples_of(around({2.0, 0.0, 1.0, 0.0}, 0.1, 0.05));
   const Gaussian before = one.moments();
-  EXPECT_FALSE(meet(one, other, kDistance_m, 10.0, 1));
+  EXPECT_FALSE(one.walk_into(other, kDistance_m, 10.0, 1));
   EXPECT_EQ(one.moments().mean, before.mean);
   EXPECT_EQ(one.moments().covariance, before.covariance);
+}
+
+TEST(Meet, AsOftenInPartsAsAtOnce) {
+  // One walks where another stands, of both of which little is known: they may as well be in one
+  // place. Which cannot be, and is no meeting.
+  const Gaussian walks = around({0.0, 0.0, 0.5, 0.0}, 1.0, 0.02);
+  const Gaussian stands = around({0.0, 0.0, 0.0, 0.0}, 1.0, 0.02);
+  const auto slower_mps = [&](int parts) {
+    constexpr int kKeys = 400;
+    double sum = 0.0;
+    for (std::uint64_t key = 0; key < kKeys; ++key) {
+      Samples samples = samples_of(walks);
+      for (int part = 0; part < parts; ++part) {
+        samples.walk_into(samples_of(stands), kDistance_m, 0.5 / parts,
+                          1000 * key + static_cast<std::uint64_t>(part));
+        samples.predict(kNoiseless, 0.5 / parts, 0);
+      }
+      sum += 0.5 - samples.moments().mean(2);
+    }
+    return sum / kKeys;
+  };
+  // By the area that a disc sweeps past points, of the density of their difference: σ² = 2 m².
+  const double swept_m2 = 2.0 * kDistance_m * 0.5 * 0.5;
+  const double share = swept_m2 / (2.0 * kPi * 2.0);
+  EXPECT_LT(slower_mps(1), 1.15 * share * 2.0 * 0.5);
+  EXPECT_GT(slower_mps(1), 0.5 * share * 2.0 * 0.5);  // from the sides it is not x that turns
+  EXPECT_NEAR(slower_mps(5) / slower_mps(1), 1.0, 0.15);
+}
+
+TEST(Meet, MoreOftenWithWhatWeighsMore) {
+  // The other is on the left or on the right, as likely; then a look sees that it is not on the
+  // left, all but surely, and who walks there meets it no more.
+  const models::SensorModel sensor = [] {
+    models::SensorModel near;
+    near.range_max_m = 1.5;
+    return near;
+  }();
+  const models::World open{{{-20.0, -20.0}, {20.0, 20.0}}, 10.0, {}, {}};
+  Gaussian either = around({0.0, 0.0, 0.0, 0.0}, 0.1, 0.01);
+  either.covariance(0, 0) = 1.0;
+  const Gaussian walks = around({-1.0, -1.0, 0.0, 1.0}, 0.02, 0.01);
+  Samples other = samples_of(either);
+  const double before = after(samples_of(walks), other, 1.0).one.mean(3);
+  ASSERT_TRUE(other.miss(sensor, at(-1.5, 0.0), open, 0.95));
+  const double since = after(samples_of(walks), other, 1.0).one.mean(3);
+  EXPECT_LT(before, 0.85);
+  EXPECT_NEAR(1.0 - since, 0.1 * (1.0 - before), 0.1 * (1.0 - before));
 }
 
 /// The same by brute force: small steps, in which who would come too near turns back.
@@ -255,6 +309,45 @@ TEST(MeetingsOfAFilter, HappenToWhatATeammateToldOfTheStepBeforeAsWell) {
   for (const int target : {0, 1}) {
     EXPECT_EQ(known(told, target).mean, known(alone, target).mean);
     EXPECT_EQ(known(told, target).covariance, known(alone, target).covariance);
+  }
+}
+
+TEST(MeetingsOfAFilter, AreTheSameForAllWhoHeardTheSameAndOfALookThatComesLate) {
+  const auto look = [](int step) {
+    models::DetectionSet set;
+    set.stamp.time = instant(step);
+    set.robot = "Q2";
+    set.viewpoint = at(0, 0);
+    const models::PositionVector seen_m = Eigen::Vector2d(0.28, 0.05);
+    const models::SensorModel sensor = spec_of_two(0.2).sensor;
+    set.detections.push_back({0, {seen_m, models::noise_covariance(sensor, at(0, 0), seen_m)}});
+    return set;
+  };
+  const auto knows_as = [](const std::string& robot) {
+    FilterSpec spec = spec_of_two(0.2);
+    spec.robot = robot;
+    spec.team = {{"Q1", spec.sensor}, {"Q2", spec.sensor}};
+    DistributedFilter filter(spec);
+    filter.rebase(test::prior(instant(0), kTowardsEachOther));
+    return filter;
+  };
+  DistributedFilter timely = knows_as("Q1");
+  DistributedFilter other = knows_as("Q2");
+  DistributedFilter late = knows_as("Q1");
+  for (int step = 1; step <= 6; ++step) {
+    const std::vector<models::DetectionSet> none;
+    const std::vector<models::DetectionSet> seen = {look(1)};
+    take_step(timely, instant(step), at(0, 0), step == 1 ? seen : none);
+    take_step(other, instant(step), at(0, 0), step == 1 ? seen : none);
+    take_step(late, instant(step), at(0, 0), step == 5 ? seen : none);
+  }
+  EXPECT_EQ(late.counters().late_measurements, 1);
+  EXPECT_GT(known(timely, 0).covariance(2, 2), 0.05);
+  for (const int target : {0, 1}) {
+    for (const DistributedFilter* filter : {&other, &late}) {
+      EXPECT_EQ(known(*filter, target).mean, known(timely, target).mean);
+      EXPECT_EQ(known(*filter, target).covariance, known(timely, target).covariance);
+    }
   }
 }
 

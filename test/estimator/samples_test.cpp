@@ -208,12 +208,26 @@ TEST(Samples, AreMeasuredWhereEnoughOfThemExplainIt) {
     return std::exp(-0.5 * nu.dot(W * nu));
   });
   Samples samples = samples_of(belief);
-  ASSERT_TRUE(samples.measure(sensor, from, z));
+  ASSERT_TRUE(samples.measure(sensor, from, z, 0.0));
   expect_near(samples.moments(), right, 0.25, 0.5);
   Samples wide = samples_of(moving({4.0, 1.0}, {0.2, -0.1}, 8.0, 0.4));
   const Gaussian before = wide.moments();
-  EXPECT_FALSE(wide.measure(sensor, from, z));  // hardly one of them is there
+  EXPECT_FALSE(wide.measure(sensor, from, z, 0.0));  // hardly one of them is there
   EXPECT_EQ(wide.moments().covariance, before.covariance);
+}
+
+TEST(Samples, AreNotMeasuredByWhatIsFarFromAllOfThem) {
+  // 2 m off, of 0.15 m: all explain it as badly, and as many as one likes.
+  const models::SensorModel sensor = field_sensor();
+  const models::Viewpoint from = at(0.0, 0.0, 0.0);
+  const models::Measurement z{models::observe(sensor, from, Eigen::Vector2d(6.0, 0.0)),
+                              models::noise_covariance(sensor, from, Eigen::Vector2d(6.0, 0.0))};
+  Samples near = samples_of(moving({4.0, 0.0}, {0.2, -0.1}, 0.01, 0.4));
+  const Gaussian before = near.moments();
+  EXPECT_FALSE(near.measure(sensor, from, z, 4.0));
+  EXPECT_EQ(near.moments().mean, before.mean);
+  EXPECT_TRUE(near.measure(sensor, from, z, 20.0));
+  EXPECT_TRUE(samples_of(moving({6.0, 0.0}, {0.2, -0.1}, 0.1, 0.4)).measure(sensor, from, z, 4.0));
 }
 
 TEST(Samples, CopiesAreApart) {

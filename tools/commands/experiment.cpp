@@ -103,6 +103,10 @@ int run_as_jobs(ExperimentArguments& arguments, const experiments::SweepIdentity
           ? std::vector<std::string>{"--smoke"}
           : std::vector<std::string>{"--trials", std::to_string(arguments.extent.trials)};
   slurm.command.insert(slurm.command.end(), extent.begin(), extent.end());
+  if (identity.planning_share != 1.0) {
+    slurm.command.insert(slurm.command.end(),
+                         {"--planning-share", fmt::format("{}", identity.planning_share)});
+  }
   const std::string directory = std::filesystem::absolute(arguments.options.directory).string();
   slurm.command.insert(slurm.command.end(),
                        {"--jobs", std::to_string(arguments.options.jobs), "--out", directory});
@@ -137,8 +141,13 @@ int run(ExperimentArguments arguments) {
   arguments.options.stop = stop_requested;
   const experiments::Sweep sweep = experiment->make(arguments.extent);
   arguments.extent.trials = sweep.plan.trials;
+  if (arguments.extent.planning_share != 1.0 && !sweep.plan.parameters.contains("planning_share")) {
+    throw UsageError(
+        fmt::format("--planning-share: {} gives no time for planning", arguments.name));
+  }
   const experiments::SweepIdentity identity{arguments.name, trial::version(), arguments.seed,
-                                            arguments.extent.is_smoke};
+                                            arguments.extent.is_smoke,
+                                            arguments.extent.planning_share};
   // A unit may take minutes: those that run are dropped, of which no row is begun.
   arguments.options.progress = [&](const experiments::SweepProgress& progress) {
     show_line(progress.is_stopping ? "" : experiments::progress_text(progress));
@@ -209,6 +218,13 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   add_slurm_options(*command, *arguments, {shard, only});
   command->add_option("--out", arguments->options.directory,
                       "directory of the results; experiments/NAME when not given");
+  command
+      ->add_option(
+          "--planning-share", arguments->extent.planning_share,
+          "of the time for planning, in (0, 1], of those that turn it into nodes (tracking-*, "
+          "hardware): 0.2 takes a fifth of the time and plans with a fifth of the nodes")
+      ->check(number_between(1e-6, 1.0))
+      ->capture_default_str();
   command->add_flag("--smoke", arguments->extent.is_smoke,
                     "two trials of shortened horizons: does it run at all");
   command->footer(

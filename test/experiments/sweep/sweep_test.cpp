@@ -272,6 +272,9 @@ TEST_F(Sweeps, RefuseTheDirectoryOfAnotherRunAndNameWhatDiffers) {
   other.is_smoke = true;
   EXPECT_NE(refused(same, other).find("another smoke"), std::string::npos);
   other = kIdentity;
+  other.planning_share = 0.2;
+  EXPECT_NE(refused(same, other).find("another planning_share"), std::string::npos);
+  other = kIdentity;
   other.experiment = "other";
   EXPECT_NE(refused(same, other).find("another experiment"), std::string::npos);
   EXPECT_NE(refused(deeper, kIdentity).find("another settings_sha256"), std::string::npos);
