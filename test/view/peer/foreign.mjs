@@ -108,6 +108,7 @@ await until(page, () => /0x0001020304050607/.test(document.querySelector('[data-
 await shot(page, "1080p_light");
 
 // A link brings it back.
+await until(page, () => decodeURIComponent(location.hash).includes("position_rad.2")); // it follows within half a second
 const address = await page.evaluate(() => location.href);
 const other = await open(1366, 768, "dark", address.slice(url.length + 1), null, () => window.vantage && Object.keys(vantage.series("/lcm/POWER voltage_v")).length > 0);
 assert.deepEqual((await other.evaluate(() => vantage.charts())).map(({ key }) => key), (await page.evaluate(() => vantage.charts())).map(({ key }) => key));
