@@ -10,8 +10,8 @@
 namespace vantage::estimator {
 
 /// Targets are discs: no two of them are in one place, and who walks into another turns back there.
-/// Where a belief allows that its target does, samples of it do, and what comes of it is no Gaussian
-/// (docs/decisions/0024).
+/// Where a belief allows that its target does, samples of it do, and what comes of it is no
+/// Gaussian (docs/decisions/0024).
 ///
 /// A value, of nothing but scratch. Nothing allocates up to TrackTable::kReserved targets.
 class Meetings {
@@ -19,8 +19,8 @@ class Meetings {
   /// Of up to so many targets, whose middles come no nearer than `distance_m` to each other.
   Meetings(int target_count, double distance_m);
 
-  /// Those of the dt_s from now on. Of which of `tracks` a sample walks into another's, it is told by
-  /// samples from here on; predicted by dt_s, they are where they are after it. What is told of
+  /// Those of the dt_s from now on. Of which of `tracks` a sample walks into another's, it is told
+  /// by samples from here on; predicted by dt_s, they are where they are after it. What is told of
   /// them, their information, is as it was. `key` chooses which sample meets which, for the same
   /// targets the same. Precondition: a model with a velocity.
   void let_meet(TrackTable& tracks, double dt_s, std::uint64_t key);
