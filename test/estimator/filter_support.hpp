@@ -41,6 +41,14 @@ inline FilterSpec open_spec(const models::TargetModel& model, const models::Sens
   return spec;
 }
 
+/// The same with a gate.
+inline FilterSpec gated_spec(const models::TargetModel& model, const models::SensorModel& sensor,
+                             int targets, double gate_sigma) {
+  FilterSpec spec = open_spec(model, sensor, targets);
+  spec.estimator.gate_sigma = gate_sigma;
+  return spec;
+}
+
 inline Time instant(int step) { return from_utime(1'000'000'000) + from_seconds(0.5 * step); }
 
 inline models::Viewpoint at(double x_m, double y_m, double yaw_rad = 0.0) {
@@ -153,6 +161,7 @@ inline double chi2_quantile(double dof, double z) {
 /// In which the tests of filters are written.
 namespace words {
 using estimator::test::at;
+using estimator::test::gated_spec;
 using estimator::test::instant;
 using estimator::test::known;
 using estimator::test::look_at;

@@ -1,0 +1,57 @@
+#include "estimator/distributed_filter.hpp"
+
+// What a filter tells of what it knows, and how it goes on from what it told.
+
+namespace vantage::estimator {
+
+models::RobotBelief DistributedFilter::belief() const {
+  models::RobotBelief belief;
+  belief.stamp.time = time_.value_or(Time{});
+  belief.robot = spec_.robot;
+  belief.viewpoint = viewpoint_;
+  belief.degree = degree_;
+  for (const KnownTrack& known : tracks_) {
+    belief.targets.push_back({known.target_id, known.track.information, known.track.last_seen});
+  }
+  if (multi_target_) {
+    belief.targets = told(*multi_target_, labelled_);
+  }
+  belief.grid = grid_.geometry();
+  belief.last_seen_utime = grid_.last_seen_utime();
+  return belief;
+}
+
+void DistributedFilter::rebase(const models::RobotBelief& belief) {
+  recorded_ = 0;
+  time_ = belief.stamp.time;
+  viewpoint_ = belief.viewpoint;
+  degree_ = belief.degree;
+  rebase_tracks(belief);
+  move_grid();
+  if (belief.grid == grid_.geometry() &&
+      belief.last_seen_utime.size() == grid_.last_seen_utime().size()) {
+    grid_.set_last_seen(belief.last_seen_utime);
+  } else if (!belief.last_seen_utime.empty()) {
+    ++counters_.grid_mismatches;
+  }
+}
+
+void DistributedFilter::rebase_tracks(const models::RobotBelief& belief) {
+  const int dim = spec_.estimator.target_model.dim();
+  tracks_.clear();
+  if (multi_target_) {
+    set_told(labelled_, belief.targets, dim);
+    return;
+  }
+  for (const models::TargetBelief& target : belief.targets) {
+    if (target.target_id < 0 || target.target_id >= spec_.target_count) {
+      ++counters_.unknown_ids;
+    } else if (target.information.vector.size() != dim) {
+      ++counters_.malformed_beliefs;
+    } else {
+      tracks_.put({target.target_id, {true, target.information, target.last_seen}});
+    }
+  }
+}
+
+}  // namespace vantage::estimator
