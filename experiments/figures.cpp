@@ -305,7 +305,7 @@ std::string team_figure(const std::string& name, const std::string& axis,
   };
   return figure(name, "1000,700",
                 "  set multiplot layout 2,2\n  set offsets 0.3, 0.3, 0, 0\n  set xtics "
-                "noenhanced\n  set xlabel '" +
+                "noenhanced font ',10'\n  set xlabel '" +
                     axis + "'\n" + panel(0, "RMSE of a robot [m]") +
                     panel(1, "entropy of a robot [nats]") + panel(2, "discovery by a robot [s]") +
                     panel(4, "RMSE of the team [m]"));
