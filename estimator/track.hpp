@@ -18,7 +18,7 @@ struct Track {
   bool known = false;
   models::Information information;
   Time last_seen{};  ///< newest measurement of anyone that went into it
-  Time doubted{};    ///< of the newest that made it doubtful, since one that did; else none
+  Time doubted{};    ///< newest one beyond the gate since the last that was used; else none
 };
 
 /// The belief of instant `from` brought to `to` ≥ `from`, exactly, whatever the elapsed time:
