@@ -221,8 +221,9 @@ void add_experiment_command(CLI::App& root, Runner& chosen) {
   command
       ->add_option(
           "--planning-share", arguments->extent.planning_share,
-          "of the time for planning, in (0, 1], of those that turn it into nodes (tracking-*, "
-          "hardware): 0.2 takes a fifth of the time and plans with a fifth of the nodes")
+          "of the time for planning, in (0, 1], of those that turn it into nodes (hardware and "
+          "tracking-communication, -time, -noise): 0.2 takes a fifth of the time and plans with a "
+          "fifth of the nodes")
       ->check(number_between(1e-6, 1.0))
       ->capture_default_str();
   command->add_flag("--smoke", arguments->extent.is_smoke,
