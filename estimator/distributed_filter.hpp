@@ -129,9 +129,10 @@ struct FilterCounters {
 /// on to.
 ///
 /// With EstimatorSpec::samples, what a wall, another target (Meetings) or an empty look leaves of a
-/// target with a velocity is told by Samples from there on, until a detection or what a teammate
-/// knows makes it a Gaussian again; told are their moments. They are not in a belief: after
-/// rebase() as of tracks without ids.
+/// target with a velocity is told by Samples from there on, until a detection, or the belief of a
+/// teammate who knows of a newer one, makes it a Gaussian again. belief() has their moments,
+/// mixture() tells them in parts. They are not in a belief: after rebase() as of tracks without
+/// ids.
 ///
 /// In a neighbourhood, a belief is all that is known: what lies beyond is not told, and not kept
 /// either, so that another filter can go on from any of the beliefs (rebase()).
@@ -149,6 +150,9 @@ class DistributedFilter {
   /// teammate, or 64 teammates, in one step, for more detections in them than StepRecord has room
   /// for, for teammates' grids, and for obstacles near a look.
   void advance(const StepInput& input);
+  /// What of it is no Gaussian, in several each: content of MIXTURE_R, the same being the caller's.
+  /// Of targets whose samples are in one part nothing; of tracks without ids, all that are told.
+  [[nodiscard]] models::BeliefMixture mixture() const;
   /// What is known now: content of BELIEF_R; run id, sequence, step and inputs are the caller's.
   [[nodiscard]] models::RobotBelief belief() const;
   /// Continues from `belief` as if this filter had made it; forgets the history of steps. Also

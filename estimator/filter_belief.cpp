@@ -1,8 +1,17 @@
+#include <utility>
+
 #include "estimator/distributed_filter.hpp"
 
 // What a filter tells of what it knows, and how it goes on from what it told.
 
 namespace vantage::estimator {
+namespace {
+
+/// Parts of what is believed of an unseen target are this share of the sensor's range in σ: so
+/// small that one look tells whether the target is there. Measured (docs/decisions/0025).
+constexpr double kPartShare = 0.2;
+
+}  // namespace
 
 models::RobotBelief DistributedFilter::belief() const {
   models::RobotBelief belief;
@@ -19,6 +28,24 @@ models::RobotBelief DistributedFilter::belief() const {
   belief.grid = grid_.geometry();
   belief.last_seen_utime = grid_.last_seen_utime();
   return belief;
+}
+
+models::BeliefMixture DistributedFilter::mixture() const {
+  models::BeliefMixture mixture;
+  mixture.stamp.time = time_.value_or(Time{});
+  mixture.robot = spec_.robot;
+  const double part_sigma_m = kPartShare * spec_.sensor.range_max_m;
+  for (const KnownTrack& known : tracks_) {
+    models::Mixture parts =
+        known.samples.empty() ? models::Mixture{} : known.samples.parts(part_sigma_m);
+    if (parts.size() > 1) {
+      mixture.targets.push_back({known.target_id, 1.0, std::move(parts)});
+    }
+  }
+  if (multi_target_) {
+    mixture.targets = told_mixtures(*multi_target_, labelled_);
+  }
+  return mixture;
 }
 
 void DistributedFilter::rebase(const models::RobotBelief& belief) {

@@ -42,9 +42,6 @@ double intersection_weight(const models::StateMatrix& A, const models::StateMatr
   return 0.5 * (low + high);
 }
 
-/// So much more must be known with a teammate's belief before samples give way to a Gaussian.
-constexpr double kWorthAGaussian_nat = 0.2;
-
 }  // namespace
 
 void DistributedFilter::listen(const StepInput& input, StepRecord& record) {
@@ -183,15 +180,16 @@ void DistributedFilter::fuse(const HeardTable& all_heard) {
     if (heard.last_seen < own.doubted) {
       continue;  // it would do away with the doubt, and knows nothing of it
     }
+    // Without a newer detection a teammate has but seen less, or other empty places: its belief is
+    // the moments of its samples, and of two that differ the surer one is the likelier to be wrong.
+    if (!known->samples.empty() && heard.last_seen <= own.last_seen) {
+      continue;
+    }
     const double kappa = intersection_weight(own.information.matrix, theirs.matrix);
     const models::Information both{
         own.information.vector + kappa * (theirs.vector - own.information.vector),
         own.information.matrix + kappa * (theirs.matrix - own.information.matrix)};
-    const bool is_worth_it =
-        known->samples.empty() ||
-        models::log_det(both.matrix) - models::log_det(own.information.matrix) >
-            2.0 * kWorthAGaussian_nat;
-    if (kappa > 0.0 && is_worth_it) {
+    if (kappa > 0.0) {
       known->samples.clear();
       own.information = both;
       own.last_seen = std::max(own.last_seen, heard.last_seen);

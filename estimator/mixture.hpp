@@ -1,17 +1,11 @@
 #pragma once
 
-#include <vector>
-
-#include "models/belief/gaussian.hpp"
+#include "models/belief/mixture.hpp"
 
 namespace vantage::estimator {
 
-/// One Gaussian of a mixture.
-struct Component {
-  double weight = 0.0;
-  models::Gaussian belief;
-};
-using Mixture = std::vector<Component>;
+using models::Component;
+using models::Mixture;
 
 /// Mean and covariance of the whole; weights are taken by their share of the sum. Precondition: not
 /// empty, of positive weight.

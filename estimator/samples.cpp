@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "core/angle.hpp"
 #include "estimator/confinement.hpp"
@@ -123,6 +126,40 @@ std::optional<Contact> contact(const State& one, const State& other, double dist
   return Contact{at_s, away};
 }
 
+/// Some of the samples.
+struct Part {
+  std::vector<std::size_t> members;
+  double weight = 0.0;
+  State mean = State::Zero();
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  double widest_m2 = 0.0;  ///< variance of the place `along` that direction
+  Eigen::Vector2d along = Eigen::Vector2d::UnitX();
+
+  /// Moments of the members; none of what weighs nothing.
+  void describe(const Weights& weights, const std::array<State, kSize>& states) {
+    weight = 0.0;
+    State sum = State::Zero();
+    for (const std::size_t i : members) {
+      weight += weights[i];
+      sum += weights[i] * states[i];
+    }
+    mean = weight > 0.0 ? State(sum / weight) : State::Zero();
+    covariance.setZero();
+    for (std::size_t k = 0; weight > 0.0 && k < members.size(); ++k) {
+      const State off = states[members[k]] - mean;
+      covariance += weights[members[k]] / weight * off * off.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
+        Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+    widest_m2 = axes.eigenvalues()(1);
+    along = axes.eigenvectors().col(1);
+  }
+  /// What splitting it would spare of the spread, about; none where it is not wider than that.
+  [[nodiscard]] double worth_splitting(double sigma_m) const {
+    return widest_m2 > sigma_m * sigma_m ? weight * widest_m2 : 0.0;
+  }
+};
+
 /// The sample that each of kSize equal shares of the weight begins with. Source: Kitagawa (1996).
 std::array<std::size_t, kSize> systematic(const Weights& weights) {
   std::array<std::size_t, kSize> chosen;
@@ -183,6 +220,41 @@ models::Gaussian Samples::moments() const {
     covariance += weights_[i] * off * off.transpose();
   }
   return {mean, covariance};
+}
+
+models::Mixture Samples::parts(double sigma_m) const {
+  std::vector<Part> parts(1);
+  parts[0].members.resize(kSize);
+  std::iota(parts[0].members.begin(), parts[0].members.end(), std::size_t{0});
+  parts[0].describe(weights_, states_);
+  while (parts.size() < kPartsMax) {
+    const auto next =
+        std::max_element(parts.begin(), parts.end(), [&](const Part& a, const Part& b) {
+          return a.worth_splitting(sigma_m) < b.worth_splitting(sigma_m);
+        });
+    if (next->worth_splitting(sigma_m) <= 0.0) {
+      break;
+    }
+    Part beyond;
+    std::vector<std::size_t> members;
+    for (const std::size_t i : next->members) {
+      const Eigen::Vector2d off_m = (states_[i] - next->mean).head<2>();
+      (off_m.dot(next->along) >= 0.0 ? beyond.members : members).push_back(i);
+    }
+    next->members = std::move(members);
+    next->describe(weights_, states_);
+    beyond.describe(weights_, states_);
+    parts.push_back(std::move(beyond));
+  }
+  models::Mixture mixture;
+  for (const Part& part : parts) {
+    if (part.weight > 0.0) {
+      mixture.push_back({part.weight, {part.mean, part.covariance}});
+      mixture.back().belief.covariance.diagonal() +=
+          Eigen::Vector4d(kGrain_m2, kGrain_m2, kGrain_m2ps2, kGrain_m2ps2);
+    }
+  }
+  return mixture;
 }
 
 void Samples::predict(const models::TargetModel& model, double dt_s, std::uint64_t key) {

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/linear.hpp"
-#include "models/belief/gaussian.hpp"
+#include "models/belief/mixture.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/target/target_model.hpp"
 #include "models/world/world.hpp"
@@ -45,6 +45,15 @@ class Samples {
 
   /// Mean and covariance, 4 components.
   [[nodiscard]] models::Gaussian moments() const;
+  /// The same in Gaussians: beginning with all in one, that whose weight times spread is largest is
+  /// split through its middle along its widest direction, until none has more than `sigma_m` along
+  /// any or there are kPartsMax. Their weights add up to 1, and their moments are moments() but for
+  /// the grain. Allocates.
+  [[nodiscard]] models::Mixture parts(double sigma_m) const;
+  static constexpr int kPartsMax = 8;
+  /// Added to each part's covariance, m² and m²/s²: of few samples it may have none of its own.
+  static constexpr double kGrain_m2 = 0.01;
+  static constexpr double kGrain_m2ps2 = 1e-4;
   /// By dt_s of a model with a velocity; `key` chooses which sample meets which noise.
   void predict(const models::TargetModel& model, double dt_s, std::uint64_t key);
   /// Who is outside of `bounds` has turned back there: mirrored, as often as needed.

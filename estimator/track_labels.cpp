@@ -23,6 +23,15 @@ constexpr double kConfirmed = 0.5;
 /// Of what somebody has confirmed; what it was exactly is not told.
 constexpr double kHeardExistence = 0.9;
 
+/// By ascending target, of each the first.
+template <class List>
+void order(List& list) {
+  std::stable_sort(list.begin(), list.end(),
+                   [](const auto& a, const auto& b) { return a.target_id < b.target_id; });
+  const auto is_one = [](const auto& a, const auto& b) { return a.target_id == b.target_id; };
+  list.erase(std::unique(list.begin(), list.end(), is_one), list.end());
+}
+
 template <class List>
 bool has_label(const List& list, int label) {
   return std::any_of(list.begin(), list.end(),
@@ -137,11 +146,20 @@ std::vector<models::TargetBelief> told(const MultiTargetFilter& filter,
       beliefs.push_back({track.label, *information, track.last_seen});
     }
   }
-  std::sort(beliefs.begin(), beliefs.end(),
-            [](const auto& a, const auto& b) { return a.target_id < b.target_id; });
-  const auto is_one = [](const auto& a, const auto& b) { return a.target_id == b.target_id; };
-  beliefs.erase(std::unique(beliefs.begin(), beliefs.end(), is_one), beliefs.end());
+  order(beliefs);
   return beliefs;
+}
+
+std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter,
+                                                 const std::vector<LabelledTrack>& tracks) {
+  std::vector<models::TargetMixture> mixtures;
+  for (const LabelledTrack& track : tracks) {
+    if (filter.is_confirmed(track) && models::to_information(moments(track.mixture))) {
+      mixtures.push_back({track.label, std::min(track.existence, 1.0), track.mixture});
+    }
+  }
+  order(mixtures);
+  return mixtures;
 }
 
 void set_told(std::vector<LabelledTrack>& tracks, std::span<const models::TargetBelief> told,

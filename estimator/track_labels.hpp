@@ -59,6 +59,9 @@ Reconciled reconcile(std::vector<LabelledTrack>& tracks, std::span<HeardLabel> h
 /// What `tracks` tell of: those that are confirmed, as Gaussians, by ascending label.
 std::vector<models::TargetBelief> told(const MultiTargetFilter& filter,
                                        const std::vector<LabelledTrack>& tracks);
+/// The same tracks' mixtures and probabilities of existence.
+std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter,
+                                                 const std::vector<LabelledTrack>& tracks);
 /// Tracks of which only what was told is known: an existence of 0.9, one Gaussian each. What has
 /// not `dim` components is left out.
 void set_told(std::vector<LabelledTrack>& tracks, std::span<const models::TargetBelief> told,

@@ -41,6 +41,7 @@ constexpr std::array kFamilies{
     Family{"MEASUREMENT_", Role::kNode, true},
     Family{"SCAN_", Role::kNode, true},
     Family{"BELIEF_", Role::kNode, true},
+    Family{"MIXTURE_", Role::kNode, true},
     Family{"MAP_", Role::kNode, true},
     Family{"ATTACK", Role::kNode, true},
     Family{"HEALTH_", Role::kNode, true},

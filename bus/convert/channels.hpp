@@ -37,6 +37,9 @@ inline Channel<models::DetectionSet> measurement_channel(const std::string& robo
 inline Channel<models::RobotBelief> belief_channel(const std::string& robot) {
   return {"BELIEF_" + robot};
 }
+inline Channel<models::BeliefMixture> mixture_channel(const std::string& robot) {
+  return {"MIXTURE_" + robot};
+}
 inline Channel<models::RangeScan> scan_channel(const std::string& robot) {
   return {"SCAN_" + robot};
 }

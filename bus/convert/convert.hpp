@@ -11,6 +11,7 @@
 #include "vantage_lcm/host_t.hpp"
 #include "vantage_lcm/map_t.hpp"
 #include "vantage_lcm/measurement_t.hpp"
+#include "vantage_lcm/mixture_t.hpp"
 #include "vantage_lcm/plan_t.hpp"
 #include "vantage_lcm/proposal_t.hpp"
 #include "vantage_lcm/quadrotor_t.hpp"
@@ -38,6 +39,9 @@ std::optional<models::DetectionSet> from_wire(const vantage_lcm::measurement_t& 
 
 vantage_lcm::belief_t to_wire(const models::RobotBelief& belief);
 std::optional<models::RobotBelief> from_wire(const vantage_lcm::belief_t& wire);
+
+vantage_lcm::mixture_t to_wire(const models::BeliefMixture& mixture);
+std::optional<models::BeliefMixture> from_wire(const vantage_lcm::mixture_t& wire);
 
 vantage_lcm::scan_t to_wire(const models::RangeScan& scan);
 std::optional<models::RangeScan> from_wire(const vantage_lcm::scan_t& wire);

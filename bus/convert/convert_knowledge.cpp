@@ -11,8 +11,6 @@ using namespace parts;  // NOLINT(google-build-using-namespace): this room's own
 
 namespace {
 
-constexpr int kTargetDimMin = 2;
-
 std::optional<models::Detection> detection_from(const vantage_lcm::detection_t& wire) {
   const bool has_shape =
       wire.dim >= 1 && wire.dim <= models::kMaxMeasurementDim && is_count(wire.dim, wire.z.size());
@@ -31,7 +29,7 @@ std::optional<models::Detection> detection_from(const vantage_lcm::detection_t& 
 }
 
 std::optional<models::TargetBelief> target_from(const vantage_lcm::target_belief_t& wire) {
-  const bool has_shape = wire.dim >= kTargetDimMin && wire.dim <= models::kMaxTargetDim &&
+  const bool has_shape = wire.dim >= models::kMinTargetDim && wire.dim <= models::kMaxTargetDim &&
                          is_count(wire.dim, wire.information_vector.size());
   const auto Omega = has_shape ? definite_from(wire.information_matrix, wire.dim) : std::nullopt;
   if (wire.target_id < 0 || !Omega || !is_utime(wire.last_seen_utime)) {

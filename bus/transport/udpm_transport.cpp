@@ -14,10 +14,10 @@ constexpr int kMessagesPerHandle = 4096;
 constexpr int kDatagramsPerTaking = 256;  // a flood of junk must not keep messages from handlers
 constexpr std::int64_t kOvertimeNs = 5'000'000;  // beyond what the caller has given
 constexpr std::int64_t kTakePeriodNs = 100'000;  // the kernel is asked again after that
-constexpr std::size_t kMessageOverheadBytes = 128;
+constexpr std::size_t kQueuedOverheadBytes = 128;
 
 std::size_t cost_of(const AssembledMessage& message) {
-  return message.payload.size() + kMessageOverheadBytes;
+  return message.payload.size() + kQueuedOverheadBytes;
 }
 
 ReassemblyLimits limits_for(std::size_t message_bytes_max) {

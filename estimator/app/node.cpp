@@ -157,6 +157,8 @@ void EstimatorNode::tick(Time now) {
   models::RobotBelief made = make_step(filter_, t, steps_++, material);
   if (believe_) {
     made.targets = believe_(t, material.looks);
+  } else if (const auto mixture = mixture_of(filter_, made)) {
+    bus_.publish(bus::mixture_channel(robot_), *mixture);
   }
   const models::InputRef published = bus_.publish(bus::belief_channel(robot_), made);
   if (map_) {

@@ -22,7 +22,8 @@
 namespace vantage::estimator {
 
 /// Joins a DistributedFilter to the bus: the team's MEASUREMENT_*, VICON and the teammates'
-/// BELIEF_* in, BELIEF_R out; in a scenario that maps, MAP_R after it. Which teammates' looks are
+/// BELIEF_* in, BELIEF_R out, before it MIXTURE_R of what in it is no Gaussian; in a scenario that
+/// maps, MAP_R after it. Which teammates' looks are
 /// in range is the filter's business; in a neighbourhood, only those within it are listened to.
 ///
 /// A step is of the instant t = kτ of the absolute time, and is made a tenth of τ later so that

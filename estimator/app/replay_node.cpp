@@ -154,6 +154,9 @@ void EstimatorReplayNode::redo(const models::RobotBelief& logged, const StepMate
   const models::RobotBelief made = make_step(filter_, logged.stamp.time, logged.step, material);
   ++steps_redone_;
   differences_ += same_content(made, logged, kTolerance) ? 0 : 1;
+  if (const auto mixture = mixture_of(filter_, made)) {
+    bus_.publish(bus::mixture_channel(robot_), *mixture);
+  }
   bus_.publish(bus::belief_channel(robot_), made);
 }
 

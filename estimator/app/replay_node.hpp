@@ -18,8 +18,8 @@
 namespace vantage::estimator {
 
 /// Does the steps of a logged estimator again: for each logged BELIEF_R, in order of `step`, the
-/// same step from exactly the inputs that it names, published under the bus's prefix. What it
-/// makes does not depend on when the log player delivers what.
+/// same step from exactly the inputs that it names, published under the bus's prefix (and
+/// MIXTURE_R). What it makes does not depend on when the log player delivers what.
 ///
 /// A step waits for inputs that are still to come, see ReplayQueue. When inputs are missing for
 /// good, or steps are missing from the log, nothing is published for that step and the filter

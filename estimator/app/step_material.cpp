@@ -59,4 +59,11 @@ models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t st
   return made;
 }
 
+std::optional<models::BeliefMixture> mixture_of(const DistributedFilter& filter,
+                                                const models::RobotBelief& made) {
+  models::BeliefMixture mixture = filter.mixture();
+  mixture.step = made.step;
+  return mixture.targets.empty() ? std::nullopt : std::optional(std::move(mixture));
+}
+
 }  // namespace vantage::estimator

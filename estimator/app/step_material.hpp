@@ -51,4 +51,9 @@ bool has_viewpoint(const std::vector<Heard<models::DetectionSet>>& looks, const 
 models::RobotBelief make_step(DistributedFilter& filter, Time t, std::int64_t step,
                               const StepMaterial& material);
 
+/// MIXTURE_R of the step that `made` is of, but for the same; nullopt where there is nothing to
+/// say.
+std::optional<models::BeliefMixture> mixture_of(const DistributedFilter& filter,
+                                                const models::RobotBelief& made);
+
 }  // namespace vantage::estimator

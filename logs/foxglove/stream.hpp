@@ -63,6 +63,7 @@ class Stream {
   void on(const models::TruthFrame& truth, Time heard);
   void on(const models::DetectionSet& detections, Time heard);
   void on(const models::RobotBelief& belief, Time heard);
+  void on(const models::BeliefMixture& /*mixture*/, Time /*heard*/) {}  // the beliefs are shown
   void on(const models::RangeScan& /*scan*/, Time /*heard*/) {}  // the map shows what it told
   void on(const models::RobotMap& map, Time heard);
   void on(const models::RobotPlan& plan, Time heard);

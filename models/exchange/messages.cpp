@@ -56,6 +56,11 @@ const char* name_of(PlanSource source) {
   return "?";
 }
 
+bool is_of_belief(const BeliefMixture& mixture, const RobotBelief& belief) {
+  return mixture.robot == belief.robot && mixture.step == belief.step &&
+         mixture.stamp.run_id == belief.stamp.run_id && mixture.stamp.time == belief.stamp.time;
+}
+
 const TeamChoice* TeamProposal::find(const std::string& of_robot) const {
   const auto found = std::find_if(choices.begin(), choices.end(), [&](const TeamChoice& choice) {
     return choice.robot == of_robot;

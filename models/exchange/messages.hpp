@@ -10,6 +10,7 @@
 #include "core/pose.hpp"
 #include "core/time.hpp"
 #include "models/belief/gaussian.hpp"
+#include "models/belief/mixture.hpp"
 #include "models/plan/plan.hpp"
 #include "models/sensor/sensor.hpp"
 #include "models/world/grid.hpp"
@@ -95,6 +96,24 @@ struct RobotBelief {
   std::vector<std::int64_t> last_seen_utime;  ///< per cell, VisibilityGrid::kNeverSeen for never
   std::vector<InputRef> inputs;               ///< what this step consumed, in that order
 };
+
+/// One target where one Gaussian says too little.
+struct TargetMixture {
+  int target_id = 0;       ///< as in the belief
+  double existence = 1.0;  ///< probability that there is such a target, in (0, 1]
+  Mixture components;      ///< one at least; weights add up to 1
+};
+
+/// What a robot's belief of the same instant has only the moments of (MIXTURE_R).
+struct BeliefMixture {
+  Stamp stamp;
+  std::string robot;
+  std::int64_t step = 0;               ///< as in the belief
+  std::vector<TargetMixture> targets;  ///< by ascending target_id; of the others it says nothing
+};
+
+/// Whether the mixture is of this very belief.
+bool is_of_belief(const BeliefMixture& mixture, const RobotBelief& belief);
 
 /// One scan of a robot's range finder (SCAN_R).
 struct RangeScan {

@@ -6,6 +6,7 @@
 
 namespace vantage::models {
 
+inline constexpr int kMinTargetDim = 2;
 inline constexpr int kMaxTargetDim = 4;
 
 /// State and matrices of one target: 2, 3 or 4 rows, stored in place (never on the heap).

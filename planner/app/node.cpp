@@ -54,8 +54,12 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
   if (clock.is_real_time()) {
     planner_.prefault();
   }
-  subscribe_to<models::RobotBelief>(bus::belief_channel(robot), robot,
-                                    [this](const auto& m) { inputs_.belief = m; });
+  subscribe_to<models::BeliefMixture>(bus::mixture_channel(robot), robot,
+                                      [this](const auto& m) { mixture_ = m; });
+  subscribe_to<models::RobotBelief>(bus::belief_channel(robot), robot, [this](const auto& m) {
+    inputs_.belief = m;
+    inputs_.mixture = mixture_ && is_of_belief(*mixture_, m) ? mixture_ : std::nullopt;
+  });
   if (spec_.objective == scenario::PlanObjective::kMapping) {
     subscribe_to<models::RobotMap>(bus::map_channel(robot), robot,
                                    [this](const auto& m) { inputs_.map = m; });
@@ -140,6 +144,9 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
   };
   if (inputs.belief) {
     add(bus::belief_channel(robot).name, inputs.belief->stamp);
+  }
+  if (inputs.mixture) {
+    add(bus::mixture_channel(robot).name, inputs.mixture->stamp);
   }
   if (inputs.map) {
     add(bus::map_channel(robot).name, inputs.map->stamp);

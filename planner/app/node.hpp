@@ -18,10 +18,10 @@
 
 namespace vantage::planner {
 
-/// Joins a RobotPlanner to the bus: BELIEF_R (and MAP_R where the team maps), VICON, teammates'
-/// PLAN_* and ATTACK in, PLAN_R out, once a round in this robot's slot; in a team that expects
-/// attacks PROPOSAL_* besides, in and out; in one that plans by local search TEAM_PROPOSAL_*; of
-/// planner.algorithm `external` EXTERNAL_REQUEST_R out and EXTERNAL_PLAN_R in.
+/// Joins a RobotPlanner to the bus: BELIEF_R with its MIXTURE_R (and MAP_R where the team maps),
+/// VICON, teammates' PLAN_* and ATTACK in, PLAN_R out, once a round in this robot's slot; in a team
+/// that expects attacks PROPOSAL_* besides, in and out; in one that plans by local search
+/// TEAM_PROPOSAL_*; of planner.algorithm `external` EXTERNAL_REQUEST_R out and EXTERNAL_PLAN_R in.
 ///
 /// In a neighbourhood (network.neighbourhood_m) only teammates within it are listened to.
 ///
@@ -82,6 +82,7 @@ class PlannerNode : public bus::Node {
   RoundSchedule::Slot slot_;
   PlanInputs inputs_;
   std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; of inputs_ from the slot on
+  std::optional<models::BeliefMixture> mixture_;     ///< newest; its belief comes after it
   std::optional<bus::NeighbourWatch> neighbours_;
   // Of an exchange:
   std::unique_ptr<TeamExchange> exchange_;  ///< the last that was begun

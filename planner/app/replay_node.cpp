@@ -62,6 +62,9 @@ PlannerReplayNode::PlannerReplayNode(bus::Bus& bus, const bus::Clock& clock,
   bus_.subscribe_named<models::RobotBelief>(
       bus::belief_channel(robot),
       [this](const std::string& name, const auto& m) { beliefs_.add(name, m); });
+  bus_.subscribe_named<models::BeliefMixture>(
+      bus::mixture_channel(robot),
+      [this](const std::string& name, const auto& m) { mixtures_.add(name, m); });
   if (scenario.planner.objective == scenario::PlanObjective::kMapping) {
     bus_.subscribe_named<models::RobotMap>(
         bus::map_channel(robot),
@@ -109,6 +112,8 @@ bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
   for (const models::InputRef& name : names) {
     if (const auto* belief = beliefs_.find(name)) {
       inputs.belief = *belief;
+    } else if (const auto* mixture = mixtures_.find(name)) {
+      inputs.mixture = *mixture;
     } else if (const auto* map = maps_.find(name)) {
       inputs.map = *map;
     } else if (const auto* frame = frames_.find(name)) {

@@ -41,6 +41,7 @@ class PlannerReplayNode : public bus::Node {
   RoundSchedule schedule_;
   Time next_{};
   bus::InputStore<models::RobotBelief> beliefs_{64};
+  bus::InputStore<models::BeliefMixture> mixtures_{64};
   bus::InputStore<models::RobotMap> maps_{64};
   bus::InputStore<models::MocapFrame> frames_{4'000};
   bus::InputStore<models::RobotPlan> plans_{512};

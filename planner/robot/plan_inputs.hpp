@@ -13,6 +13,7 @@ namespace vantage::planner {
 struct PlanInputs {
   RoundSchedule::Slot slot;
   std::optional<models::RobotBelief> belief;                   ///< own
+  std::optional<models::BeliefMixture> mixture;                ///< own, of the belief's step
   std::optional<models::RobotMap> map;                         ///< own, of a scenario that maps
   std::optional<models::MocapFrame> mocap;                     ///< where everybody is
   std::optional<models::RobotPlan> own_plan;                   ///< last one published

@@ -27,6 +27,9 @@ double nearest_height_m(double other_m, double one_m, double two_m) {
   return std::clamp(other_m, std::min(one_m, two_m), std::max(one_m, two_m));
 }
 
+// Of a mixture's weight, so that it is worth a look of its own.
+constexpr double kWorthAPart = 1.0 / 32.0;
+
 // Whether a search can work on it: what it multiplies of such numbers stays finite.
 bool is_searchable(const models::Gaussian& prior) {
   constexpr double kLargest = 1e30;  // m or m/s, and their squares
@@ -75,6 +78,9 @@ class Builder {
   void begin(std::size_t robot, const models::Trajectory& committed);
   void add_map();
   void add_targets(const models::RobotBelief& belief);
+  /// The places where a target may be, of its mixture; none where the belief says all.
+  template <class Then>
+  [[nodiscard]] std::vector<SearchTarget> parts_of(int target_id, const Then& then) const;
   void add_landmarks(const models::RobotBelief& belief);
   void add_teammates(const std::vector<int>& unseeing);
   void add_hovers_of_those_who_wait();
@@ -126,21 +132,57 @@ void Builder::add_targets(const models::RobotBelief& belief) {
   const models::TargetModel& model = scenario_.estimator.target_model;
   const double ahead_s = to_seconds(inputs_.slot.activation - belief.stamp.time);
   const double step_s = scenario_.planner.step_s;
-  std::vector<SearchTarget>& targets = round_.search.targets;
+  std::size_t planned = 0;
+  std::size_t room = parts_max(scenario_);  // beyond one for each target
   for (const models::TargetBelief& target : belief.targets) {
     const auto gaussian = target.information.vector.size() == model.dim() && ahead_s >= 0.0
                               ? models::to_gaussian(target.information)
                               : std::nullopt;
     const double unseen_s = std::max(0.0, to_seconds(belief.stamp.time - target.last_seen));
-    const models::Gaussian prior =
-        gaussian ? models::predict_unseen(*gaussian, model, ahead_s, unseen_s, step_s)
-                 : models::Gaussian{};
-    if (!gaussian || !is_searchable(prior) || targets.size() >= scenario_.targets.size()) {
+    const auto then = [&](const models::Gaussian& now) -> SearchTarget {
+      return {model.as_planned((unseen_s + ahead_s) / step_s, step_s),
+              models::predict_unseen(now, model, ahead_s, unseen_s, step_s)};
+    };
+    const std::optional<SearchTarget> whole =
+        gaussian ? std::optional(then(*gaussian)) : std::nullopt;
+    if (!whole || !is_searchable(whole->prior) || planned >= scenario_.targets.size()) {
       ++round_.unusable_beliefs;
       continue;
     }
-    targets.push_back({model.as_planned((unseen_s + ahead_s) / step_s, step_s), prior});
+    ++planned;
+    const std::vector<SearchTarget> parts = parts_of(target.target_id, then);
+    if (parts.size() > 1 && parts.size() - 1 <= room) {
+      room -= parts.size() - 1;
+      round_.search.targets.insert(round_.search.targets.end(), parts.begin(), parts.end());
+    } else {
+      round_.search.targets.push_back(*whole);
+    }
   }
+}
+
+template <class Then>
+std::vector<SearchTarget> Builder::parts_of(int target_id, const Then& then) const {
+  std::vector<SearchTarget> parts;
+  if (!inputs_.mixture || !is_of_belief(*inputs_.mixture, *inputs_.belief)) {
+    return parts;
+  }
+  const auto& mixtures = inputs_.mixture->targets;
+  const auto found = std::lower_bound(
+      mixtures.begin(), mixtures.end(), target_id,
+      [](const models::TargetMixture& each, int id) { return each.target_id < id; });
+  if (found == mixtures.end() || found->target_id != target_id) {
+    return parts;
+  }
+  for (const models::Component& component : found->components) {
+    if (component.belief.mean.size() != scenario_.estimator.target_model.dim()) {
+      return {};
+    }
+    const SearchTarget part = then(component.belief);
+    if (component.weight >= kWorthAPart && is_searchable(part.prior)) {
+      parts.push_back(part);
+    }
+  }
+  return parts;
 }
 
 void Builder::add_landmarks(const models::RobotBelief& belief) {

@@ -10,7 +10,7 @@ constexpr double kFieldCells_max = 500.0;  // along the longer side
 
 SearchCapacity capacity_for(const scenario::Scenario& scenario) {
   SearchCapacity capacity;
-  capacity.targets_max = static_cast<int>(scenario.targets.size()) +
+  capacity.targets_max = static_cast<int>(scenario.targets.size() + parts_max(scenario)) +
                          std::max(0, scenario.planner.exploration.landmarks_max);
   capacity.horizon_max = scenario.planner.horizon_steps;
   capacity.teammates_max = 2 * static_cast<int>(scenario.robots.size());  // plans and hovers
@@ -34,6 +34,16 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
 }
 
 }  // namespace
+
+std::size_t parts_max(const scenario::Scenario& scenario) {
+  constexpr std::size_t kPartsOfATarget = 8;
+  constexpr std::size_t kPartsInAll = 256;
+  const bool has_mixtures =
+      scenario.estimator.samples ||
+      std::any_of(scenario.robots.begin(), scenario.robots.end(),
+                  [](const auto& robot) { return !robot.detection.detects_ids; });
+  return has_mixtures ? std::min((kPartsOfATarget - 1) * scenario.targets.size(), kPartsInAll) : 0;
+}
 
 Workspace::Workspace(const scenario::Scenario& scenario)
     : scenario_(scenario), field_(scenario.world, field_resolution_m(scenario.world)) {

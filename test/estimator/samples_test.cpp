@@ -11,6 +11,7 @@
 
 #include "core/angle.hpp"
 #include "estimator/confinement.hpp"
+#include "test/estimator/field_filter.hpp"
 #include "test/estimator/filter_support.hpp"
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
@@ -19,34 +20,15 @@ namespace vantage::estimator {
 namespace {
 
 using namespace test::words;  // NOLINT(google-build-using-namespace)
+using test::beside;
+using test::field_sensor;
+using test::kField;
+using test::kModel;
+using test::kNearACorner;
+using test::knows;
+using test::look_of;
+using test::moving;
 using vantage::test::is_near;
-
-const models::World kField{{{-32.0, -32.0}, {32.0, 32.0}}, 10.0, {}, {}};
-const models::TargetModel kModel{TargetKind::kDoubleIntegrator, 2, 0.001};
-
-models::SensorModel field_sensor() {
-  models::SensorModel sensor;
-  sensor.range_max_m = 10.0;
-  sensor.range_min_m = 0.1;
-  sensor.fov_rad = 94.0 * kPi / 180.0;
-  sensor.range_sigma_m = 0.15;
-  sensor.bearing_sigma_rad = 5.0 * kPi / 180.0;
-  return sensor;
-}
-
-/// Position and velocity that depend on each other.
-Gaussian moving(const Eigen::Vector2d& position_m, const Eigen::Vector2d& velocity_mps,
-                double position_sigma_m, double velocity_sigma_mps) {
-  Gaussian belief{Eigen::Vector4d::Zero(), Eigen::Matrix4d::Zero()};
-  belief.mean << position_m, velocity_mps;
-  Eigen::Matrix4d root = Eigen::Matrix4d::Zero();
-  root.diagonal() << position_sigma_m, 0.8 * position_sigma_m, velocity_sigma_mps,
-      velocity_sigma_mps;
-  root(1, 0) = 0.4 * position_sigma_m;
-  root(2, 0) = 0.3 * velocity_sigma_mps;
-  belief.covariance = root * root.transpose();
-  return belief;
-}
 
 Samples samples_of(const Gaussian& belief) {
   Samples samples;
@@ -243,41 +225,6 @@ TEST(Samples, CopiesAreApart) {
   EXPECT_EQ(one.moments().mean, before.mean);
 }
 
-FilterSpec field_spec(bool samples) {
-  FilterSpec spec = open_spec(kModel, field_sensor(), 1);
-  spec.sensor = field_sensor();
-  spec.team = {{"Q1", field_sensor()}, {"Q2", field_sensor()}};
-  spec.world = kField;
-  spec.communication_range_m = 1000.0;
-  spec.estimator.detection_probability = 0.99;
-  spec.estimator.targets_stay_inside = true;
-  spec.estimator.samples = samples;
-  return spec;
-}
-
-/// Of `robot`, from there; it reports nothing but what is put in.
-models::DetectionSet look_of(const std::string& robot, int step, const models::Viewpoint& from) {
-  models::DetectionSet look;
-  look.stamp.time = instant(step);
-  look.robot = robot;
-  look.viewpoint = from;
-  return look;
-}
-
-DistributedFilter knows(const Gaussian& start, bool samples = true) {
-  DistributedFilter filter(field_spec(samples));
-  filter.rebase(test::prior(instant(0), {start}));
-  return filter;
-}
-
-/// Where a robot is that looks around beside where the target was.
-models::Viewpoint beside(const Gaussian& start, int step) {
-  return at(start.mean(0) - 6.0 + 0.1 * step, start.mean(1) - 8.0,
-            0.5 * kPi + 0.3 * std::sin(0.2 * step));
-}
-
-const Gaussian kNearACorner = moving({24.0, 26.0}, {0.4, 0.3}, 1.0, 0.3);
-
 /// What is believed after `steps` of looking for one that was never in view, and where it was.
 struct Ending {
   Gaussian belief;
@@ -335,10 +282,7 @@ TEST(SamplesOfAFilter, AreOneGaussianAgainWhenTheTargetIsSeen) {
     ASSERT_GT(known(filter, 0).covariance(0, 0), 1.0);
     const models::Viewpoint from = at(truth_m.x() - 5.0, truth_m.y(), 0.0);
     models::DetectionSet look = look_of("Q1", 13, from);
-    look.detections.push_back(
-        {0,
-         {models::observe(field_sensor(), from, models::PositionVector(truth_m)),
-          models::noise_covariance(field_sensor(), from, models::PositionVector(truth_m))}});
+    look.detections.push_back({0, test::seen(from, truth_m)});
     take_step(filter, instant(13), from, {look});
     const Gaussian seen = known(filter, 0);
     // Within 3σ of what is measured at 5 m: 0.15 m and 5°.
@@ -376,8 +320,8 @@ TEST(SamplesOfAFilter, AreTheSameOfALookThatComesLate) {
   EXPECT_EQ(late.track(0).information.vector, timely.track(0).information.vector);
 }
 
-TEST(SamplesOfAFilter, GiveWayToATeammateWhoKnowsMoreAndToNoOther) {
-  const auto after_hearing = [](const std::optional<Gaussian>& theirs) {
+TEST(SamplesOfAFilter, GiveWayToATeammateWhoHasSeenTheTargetSinceAndToNoOther) {
+  const auto after_hearing = [](const std::optional<Gaussian>& theirs, Time last_seen) {
     DistributedFilter filter = knows(kNearACorner);
     for (int k = 1; k <= 12; ++k) {
       const models::Viewpoint from = beside(kNearACorner, k);
@@ -386,18 +330,21 @@ TEST(SamplesOfAFilter, GiveWayToATeammateWhoKnowsMoreAndToNoOther) {
         heard.push_back(test::prior(instant(12), {*theirs}));
         heard.back().robot = "Q2";
         heard.back().viewpoint = from;
+        heard.back().targets[0].last_seen = last_seen;
       }
       take_step(filter, instant(k), from, {look_of("Q1", k, from)}, heard);
     }
     return known(filter, 0);
   };
-  const Gaussian alone = after_hearing({});
-  Gaussian hardly_more = alone;
-  hardly_more.covariance *= 0.95;  // by 0.1 nat
-  EXPECT_EQ(after_hearing(hardly_more).covariance, alone.covariance);
-  Gaussian more = alone;
-  more.covariance *= 0.25;
-  EXPECT_TRUE(is_near(after_hearing(more).covariance, more.covariance, 1e-9));
+  const Gaussian alone = after_hearing({}, {});
+  Gaussian surer = alone;
+  surer.covariance *= 0.25;
+  // The own belief is of instant(0), as it was told.
+  EXPECT_EQ(after_hearing(surer, instant(0)).covariance, alone.covariance);
+  EXPECT_TRUE(is_near(after_hearing(surer, instant(1)).covariance, surer.covariance, 1e-9));
+  Gaussian modest = alone;  // by whoever has seen it, but knows less: no help
+  modest.covariance *= 4.0;
+  EXPECT_TRUE(is_near(after_hearing(modest, instant(1)).covariance, alone.covariance, 1e-9));
 }
 
 TEST(SamplesOfAFilter, AllocateNothing) {

@@ -13,6 +13,7 @@
 #include "models/sensor/clutter.hpp"
 #include "test/estimator/filter_support.hpp"
 #include "test/support/allocation_counter.hpp"
+#include "test/support/near.hpp"
 
 // Teams whose sensors tell no ids: what their robots call their tracks, and what they make of looks
 // that are lost, late or heard twice.
@@ -23,6 +24,7 @@ namespace {
 using test::at;
 using test::instant;
 using test::take_step;
+using vantage::test::is_near;
 
 constexpr std::size_t kRobots = 3;
 constexpr int kTargets = 4;
@@ -243,6 +245,27 @@ TEST(UnnamedTeam, TellsItsLabelsToWhoComesLater) {
   team.step(42, all);
   EXPECT_EQ(labels_of(team.beliefs[2]), labels_of(team.beliefs[0]));
   EXPECT_GE(labels_of(team.beliefs[2]).size(), 3U);
+}
+
+TEST(UnnamedTeam, TellsHowProbablyEachOfItsTracksIsOne) {
+  Team team(7);
+  for (int k = 1; k <= 40; ++k) {
+    team.step(k, [](int, std::size_t, std::size_t) { return true; });
+    const models::BeliefMixture mixture = team.robots[0].mixture();
+    const models::RobotBelief& belief = team.beliefs[0];
+    EXPECT_EQ(mixture.stamp.time, belief.stamp.time);
+    ASSERT_EQ(mixture.targets.size(), belief.targets.size());
+    for (std::size_t i = 0; i < mixture.targets.size(); ++i) {
+      const models::TargetMixture& target = mixture.targets[i];
+      EXPECT_EQ(target.target_id, belief.targets[i].target_id);
+      EXPECT_GT(target.existence, 0.5) << "it is told";
+      EXPECT_LE(target.existence, 1.0);
+      const models::Gaussian told = *models::to_gaussian(belief.targets[i].information);
+      const models::Gaussian together = moments(target.components);
+      EXPECT_TRUE(is_near(together.mean, told.mean, 1e-6));
+      EXPECT_TRUE(is_near(together.covariance, told.covariance, 1e-6));
+    }
+  }
 }
 
 TEST(UnnamedTeam, ContinuesWithTheLabelsOfALoggedBelief) {

@@ -60,6 +60,11 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
   } else {
     outputs.push_back(bus::belief_channel(target.robot).name);
     outputs.push_back(bus::map_channel(target.robot).name);
+    // Of before there was such a channel a log has none of what is made again.
+    if (const std::string mixture = bus::mixture_channel(target.robot).name;
+        log.survey().channels.contains(mixture)) {
+      outputs.push_back(mixture);
+    }
   }
   ReplayReport report;
   bus::VirtualClock clock(log.survey().first);

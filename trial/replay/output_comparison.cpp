@@ -55,7 +55,7 @@ OutputDifference difference_of(std::int64_t index, const Json& logged, const Jso
   if (out.members_different == 0) {
     out.member = "(bits)";
   }
-  for (const Json& input : logged.at("inputs")) {
+  for (const Json& input : logged.value("inputs", Json::array())) {
     out.inputs.push_back(fmt::format("{} {}/{}", input.at("channel").get<std::string>(),
                                      input.at("run_id").get<std::int64_t>(),
                                      input.at("sequence").get<std::int64_t>()));

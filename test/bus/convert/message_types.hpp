@@ -12,10 +12,11 @@ namespace vantage::test {
 /// Everything that travels.
 using MessageTypes =
     ::testing::Types<models::MocapFrame, models::DetectionSet, models::RobotBelief,
-                     models::RangeScan, models::RobotMap, models::RobotPlan, models::PlanProposal,
-                     models::TeamProposal, models::VehicleStatus, models::OperatorCommand,
-                     models::TruthFrame, models::ContactReport, models::AttackNotice,
-                     models::ProcessHealth, models::HostReport, models::ScenarioNotice>;
+                     models::BeliefMixture, models::RangeScan, models::RobotMap, models::RobotPlan,
+                     models::PlanProposal, models::TeamProposal, models::VehicleStatus,
+                     models::OperatorCommand, models::TruthFrame, models::ContactReport,
+                     models::AttackNotice, models::ProcessHealth, models::HostReport,
+                     models::ScenarioNotice>;
 
 /// The bytes that go out for `message`.
 template <class Message>

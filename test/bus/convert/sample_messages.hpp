@@ -133,6 +133,21 @@ inline models::RobotBelief sample(Sampler& s) {
 }
 
 template <>
+inline models::BeliefMixture sample(Sampler& s) {
+  models::BeliefMixture mixture{s.stamp(), s.text("Q"), s.whole(0, 1'000'000), {}};
+  for (int i = 0, id = 0; i < s.small(0, 6); ++i, id += s.small(1, 3)) {
+    const int dim = s.small(2, 4);
+    const int components = s.small(1, 8);
+    models::TargetMixture target{id, s.real(0.1, 1.0), {}};
+    for (int k = 0; k < components; ++k) {
+      target.components.push_back({1.0 / components, {s.vector(dim), s.definite(dim)}});
+    }
+    mixture.targets.push_back(target);
+  }
+  return mixture;
+}
+
+template <>
 inline models::RangeScan sample(Sampler& s) {
   models::RangeScan scan{s.stamp(),        s.text("Q"), s.viewpoint(), s.coin(), s.real(0.1, 6.28),
                          s.real(0.5, 9.0), {},          s.inputs()};
@@ -332,6 +347,12 @@ class Flat {
     add_matrix(x.information.vector);
     add_matrix(x.information.matrix);
   }
+  void add(const models::Component& x) {
+    all(x.weight);
+    add_matrix(x.belief.mean);
+    add_matrix(x.belief.covariance);
+  }
+  void add(const models::TargetMixture& x) { all(x.target_id, x.existence, x.components); }
   void add(const models::TruthBody& x) {
     all(x.name, x.target_id, x.world_from_body);
     add_matrix(x.velocity_world_mps);
@@ -364,6 +385,7 @@ class Flat {
     add_matrix(x.grid.origin_m);
     all(x.grid.resolution_m, x.grid.columns, x.grid.rows, x.last_seen_utime, x.inputs);
   }
+  void fields(const models::BeliefMixture& x) { all(x.robot, x.step, x.targets); }
   void fields(const models::RangeScan& x) {
     all(x.robot, x.viewpoint, x.jammed, x.field_of_view_rad, x.range_max_m, x.ranges_m, x.inputs);
   }

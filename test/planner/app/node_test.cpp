@@ -142,6 +142,30 @@ TEST_F(PlannerNodeTest, GoesOnWithoutABeliefThatCannotBe) {
   EXPECT_EQ(plan_on(belief), 1);
 }
 
+TEST_F(PlannerNodeTest, PlansByTheMixtureThatCameBeforeItsBelief) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.estimator.samples = true;
+  const auto mixtures_named = [&](std::int64_t step_of_mixture) {
+    start(scenario);
+    plans_.clear();
+    models::BeliefMixture mixture;
+    mixture.stamp = inputs_.belief->stamp;
+    mixture.robot = "Q1";
+    mixture.step = step_of_mixture;
+    const models::Gaussian there{Eigen::Vector2d(1.0, 1.0), Eigen::Matrix2d::Identity()};
+    mixture.targets.push_back({0, 1.0, {{0.5, there}, {0.5, there}}});
+    inputs_.belief->step = 3;
+    world_.publish(bus::mixture_channel("Q1"), mixture);
+    world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+    round();
+    EXPECT_EQ(plans_.size(), 1U);
+    return std::count_if(plans_.back().inputs.begin(), plans_.back().inputs.end(),
+                         [](const auto& input) { return input.channel == "MIXTURE_Q1"; });
+  };
+  EXPECT_EQ(mixtures_named(3), 1);
+  EXPECT_EQ(mixtures_named(2), 0) << "of another step";
+}
+
 TEST_F(PlannerNodeTest, CountsMapsThatItCannotPlanOn) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.targets.clear();

@@ -148,6 +148,49 @@ TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
   }
 }
 
+// Of before there were mixtures a log has none: that is no difference. A plan that names one is
+// made again with it alone.
+TEST_F(ReplayLog, MakesTheMixturesOfTheFieldAgainAndThePlansByThem) {
+  const auto [scenario, path, summary] = fly("field", 180.0, 300);
+  EXPECT_EQ(summary.plans_missing, 0);
+  int mixtures = 0;
+  int planned_by = 0;
+  std::string without = folder_->file("without.lcmlog");
+  {
+    logs::LogWriter writer(without, logs::Existing::kReplace);
+    std::optional<vantage_lcm::mixture_t> open;  // its belief comes next
+    const logs::IndexedLog log(path);
+    logs::LogScan scan = log.scan();
+    while (const auto event = scan.next()) {
+      if (event->channel == "MIXTURE_Q1") {
+        open = bus::decode_wire<vantage_lcm::mixture_t>(event->data);
+        ++mixtures;
+        continue;
+      }
+      if (event->channel == "BELIEF_Q1" && open) {
+        const auto belief = bus::decode_wire<vantage_lcm::belief_t>(event->data);
+        EXPECT_EQ(belief->utime, open->utime);
+        EXPECT_EQ(belief->step, open->step);
+        open.reset();
+      }
+      if (event->channel == "PLAN_Q1") {
+        const auto plan = bus::decode_wire<vantage_lcm::plan_t>(event->data);
+        planned_by += std::any_of(plan->inputs.begin(), plan->inputs.end(),
+                                  [](const auto& input) { return input.channel == "MIXTURE_Q1"; });
+      }
+      writer.write(event->time, event->channel, Bytes(event->data.begin(), event->data.end()));
+    }
+  }
+  EXPECT_GE(mixtures, 40);
+  EXPECT_GE(planned_by, 5);
+  expect_made_again(path, "planner:Q1", 58);
+  expect_made_again(path, "estimator:Q1", 358 + mixtures);
+  expect_made_again(without, "estimator:Q1", 358);
+  const ReplayReport plans = replay(without, "planner:Q1");
+  EXPECT_TRUE(plans.outputs.is_exact());
+  EXPECT_EQ(plans.not_replayed(), planned_by);
+}
+
 TEST_F(ReplayLog, MakesTheMapsOfATeamUnderAttackAndThePlansOnThemAgain) {
   const auto [scenario, path, summary] = fly("mapping", 12.0, 300);
   EXPECT_EQ(summary.plans_missing, 0);
