@@ -156,6 +156,10 @@ std::vector<models::TargetMixture> told_mixtures(const MultiTargetFilter& filter
   for (const LabelledTrack& track : tracks) {
     if (filter.is_confirmed(track) && models::to_information(moments(track.mixture))) {
       mixtures.push_back({track.label, std::min(track.existence, 1.0), track.mixture});
+      // What rounding has added is no more than surely.
+      for (Component& component : mixtures.back().components) {
+        component.weight = std::min(component.weight, 1.0);
+      }
     }
   }
   order(mixtures);

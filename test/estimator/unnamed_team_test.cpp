@@ -260,6 +260,10 @@ TEST(UnnamedTeam, TellsHowProbablyEachOfItsTracksIsOne) {
       EXPECT_EQ(target.target_id, belief.targets[i].target_id);
       EXPECT_GT(target.existence, 0.5) << "it is told";
       EXPECT_LE(target.existence, 1.0);
+      for (const Component& component : target.components) {
+        EXPECT_GT(component.weight, 0.0);
+        EXPECT_LE(component.weight, 1.0);
+      }
       const models::Gaussian told = *models::to_gaussian(belief.targets[i].information);
       const models::Gaussian together = moments(target.components);
       EXPECT_TRUE(is_near(together.mean, told.mean, 1e-6));

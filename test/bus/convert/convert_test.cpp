@@ -274,6 +274,59 @@ TEST(FromWireBelief, BearsAsymmetryOfRounding) {
       "rounding");
 }
 
+TEST(FromWireMixture, RefusesWhatCannotBeTrue) {
+  const auto good = rich_wire<models::BeliefMixture>(
+      [](const auto& m) { return m.targets.size() >= 2 && m.targets[0].components.size() >= 2; });
+  const auto refused = [&](void (*spoil)(wire::mixture_t&), const char* what) {
+    expect_refused(good, spoil, what);
+  };
+  const auto accepted = [&](void (*change)(wire::mixture_t&), const char* what) {
+    expect_accepted<wire::mixture_t>(good, change, what);
+  };
+  refused([](wire::mixture_t& w) { w.targets[0].components[0].mean[0] = kInfinity; }, "no mean");
+  refused([](wire::mixture_t& w) { w.targets[0].components[0].covariance[0][0] = -1.0; },
+          "not definite");
+  refused([](wire::mixture_t& w) { w.targets[0].components[0].covariance[1][0] += 1e-3; },
+          "asymmetric");
+  refused([](wire::mixture_t& w) { w.targets[0].components[0].weight = 0.0; }, "of no weight");
+  refused([](wire::mixture_t& w) { w.targets[0].components[0].weight += 1e-5; }, "more than all");
+  refused([](wire::mixture_t& w) { w.targets[0].components[0].weight -= 1e-5; }, "less than all");
+  accepted([](wire::mixture_t& w) { w.targets[0].components[0].weight += 1e-9; }, "rounding");
+  refused([](wire::mixture_t& w) { w.targets[0].components[0].weight = kNan; }, "a weight of NaN");
+  refused([](wire::mixture_t& w) { w.targets[0].existence = 0.0; }, "it does not exist");
+  refused([](wire::mixture_t& w) { w.targets[0].existence = 1.0 + 1e-9; }, "more than surely");
+  refused([](wire::mixture_t& w) { w.targets[0].existence = kNan; }, "an existence of NaN");
+  accepted([](wire::mixture_t& w) { w.targets[0].existence = 1.0; }, "surely");
+  refused(
+      [](wire::mixture_t& w) {
+        w.targets[0].num_components = 0;
+        w.targets[0].components.clear();
+      },
+      "no component");
+  refused([](wire::mixture_t& w) { --w.targets[0].num_components; }, "beyond the count");
+  refused([](wire::mixture_t& w) { --w.num_targets; }, "targets beyond the count");
+  refused(
+      [](wire::mixture_t& w) {
+        wire::mixture_component_t& other = w.targets[0].components[1];
+        const int dim = other.dim == 2 ? 3 : 2;
+        other.dim = dim;
+        other.mean.assign(static_cast<std::size_t>(dim), 0.0);
+        other.covariance.assign(static_cast<std::size_t>(dim),
+                                std::vector<double>(static_cast<std::size_t>(dim), 0.0));
+        for (int i = 0; i < dim; ++i) {
+          other.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(i)] = 1.0;
+        }
+      },
+      "components of unlike states");
+  refused([](wire::mixture_t& w) { w.targets[0].components[0].dim = 5; }, "dim 5");
+  refused([](wire::mixture_t& w) { w.targets[1].target_id = w.targets[0].target_id; },
+          "an id twice");
+  refused([](wire::mixture_t& w) { std::swap(w.targets[0], w.targets[1]); }, "not ascending");
+  refused([](wire::mixture_t& w) { w.targets[0].target_id = -1; }, "no target");
+  refused([](wire::mixture_t& w) { w.step = -1; }, "negative step");
+  refused([](wire::mixture_t& w) { w.robot = std::string(257, 'Q'); }, "a long name");
+}
+
 TEST(FromWirePlan, RefusesWhatCannotBeTrue) {
   const auto good =
       rich_wire<models::RobotPlan>([](const auto& m) { return m.trajectory.segments.size() >= 3; });

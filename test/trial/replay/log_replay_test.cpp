@@ -118,6 +118,7 @@ TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
   EXPECT_EQ(summary.collisions, 0);
   EXPECT_GE(summary.discovered, 1);
   int tracks = 0;
+  int told_in_parts = 0;
   const logs::IndexedLog log(log_path);
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
@@ -134,8 +135,17 @@ TEST_F(ReplayLog, MakesTheTracksOfATeamWithoutIdsAgainAndThePlansByThem) {
         ++tracks;
       }
     }
+    if (event->channel.starts_with("MIXTURE_")) {
+      const auto mixture = bus::decode_wire<vantage_lcm::mixture_t>(event->data);
+      EXPECT_TRUE(bus::from_wire(*mixture));
+      for (const vantage_lcm::target_mixture_t& each : mixture->targets) {
+        EXPECT_GE(each.target_id, models::kTrackLabelMin);
+        ++told_in_parts;
+      }
+    }
   }
   EXPECT_GT(tracks, 20);
+  EXPECT_EQ(told_in_parts, tracks);
   for (const char* robot : {"Q1", "Q2", "Q3"}) {
     const ReplayReport plans = replay(log_path, std::string("planner:") + robot);
     EXPECT_TRUE(plans.outputs.is_exact()) << robot;
