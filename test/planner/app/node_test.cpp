@@ -158,7 +158,7 @@ TEST_F(PlannerNodeTest, PlansByTheMixtureThatCameBeforeItsBelief) {
     world_.publish(bus::mixture_channel("Q1"), mixture);
     world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
     round();
-    EXPECT_EQ(plans_.size(), 1U);
+    EXPECT_FALSE(plans_.empty());
     return std::count_if(plans_.back().inputs.begin(), plans_.back().inputs.end(),
                          [](const auto& input) { return input.channel == "MIXTURE_Q1"; });
   };
