@@ -180,8 +180,8 @@ void DistributedFilter::fuse(const HeardTable& all_heard) {
     if (heard.last_seen < own.doubted) {
       continue;  // it would do away with the doubt, and knows nothing of it
     }
-    // Without a newer detection a teammate has but seen less, or other empty places: its belief is
-    // the moments of its samples, and of two that differ the surer one is the likelier to be wrong.
+    // Where nobody who was heard knows of a newer detection they have seen other empty places at
+    // most: told are moments, and of two that differ the surer one is the likelier to be wrong.
     if (!known->samples.empty() && heard.last_seen <= own.last_seen) {
       continue;
     }

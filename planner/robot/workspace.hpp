@@ -15,9 +15,9 @@
 
 namespace vantage::planner {
 
-/// How many places where targets may be are planned with beyond one for each: none where every
-/// belief is a Gaussian, else seven more of each target and 256 in all, for the search's memory is
-/// taken once.
+/// How many places where targets may be are planned with beyond one for each, who has a lower id
+/// first: none where every belief is a Gaussian, else seven more of each target and 256 in all, for
+/// the search's memory is taken once.
 std::size_t parts_max(const scenario::Scenario& scenario);
 
 /// What the planners of one thread have in common, so that a team in one process costs one of it:

@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   write_both<models::DetectionSet>(folder, "MEASUREMENT_Q1", sampler);
   write_both<models::RangeScan>(folder, "SCAN_Q1", sampler);
   write_both<models::RobotBelief>(folder, "BELIEF_Q1", sampler);
+  write_both<models::BeliefMixture>(folder, "MIXTURE_Q1", sampler);
   write_both<models::RobotMap>(folder, "MAP_Q1", sampler);
   write_both<models::AttackNotice>(folder, "ATTACK", sampler);
   write_both<models::ScenarioNotice>(folder, "SCENARIO", sampler);

@@ -60,21 +60,22 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
   } else {
     outputs.push_back(bus::belief_channel(target.robot).name);
     outputs.push_back(bus::map_channel(target.robot).name);
-    // Of before there was such a channel a log has none of what is made again.
-    if (const std::string mixture = bus::mixture_channel(target.robot).name;
-        log.survey().channels.contains(mixture)) {
-      outputs.push_back(mixture);
-    }
+    outputs.push_back(bus::mixture_channel(target.robot).name);
   }
   ReplayReport report;
   bus::VirtualClock clock(log.survey().first);
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto ear = hub.connect();
+  // Mixtures come before the beliefs that are made again; of before there were any, or of a
+  // recorder that lost one, a log has none, and nothing is said of it.
+  const std::string said_if_logged = kPrefix + bus::mixture_channel(target.robot).name;
   for (const std::string& output : outputs) {
     ear->subscribe(kPrefix + output,
-                   [&](std::string_view /*channel*/, std::span<const std::uint8_t> message) {
-                     report.outputs.add_replayed(message);
+                   [&](std::string_view channel, std::span<const std::uint8_t> message) {
+                     if (channel != said_if_logged || report.outputs.has_logged(message)) {
+                       report.outputs.add_replayed(message);
+                     }
                    });
   }
   const auto endpoint = hub.connect();

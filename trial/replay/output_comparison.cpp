@@ -96,6 +96,11 @@ void OutputComparison::add_logged(std::span<const std::uint8_t> signed_message) 
   logged_[*key] = Bytes(message.begin(), message.end());
 }
 
+bool OutputComparison::has_logged(std::span<const std::uint8_t> signed_message) const {
+  const auto key = key_of(bus::auth::payload_of(signed_message));
+  return key && logged_.contains(*key);
+}
+
 void OutputComparison::add_replayed(std::span<const std::uint8_t> signed_message) {
   const auto message = bus::auth::payload_of(signed_message);
   const auto key = key_of(message);

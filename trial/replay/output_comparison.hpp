@@ -33,6 +33,8 @@ class OutputComparison {
   /// as unreadable.
   void add_logged(std::span<const std::uint8_t> signed_message);
   void add_replayed(std::span<const std::uint8_t> signed_message);
+  /// Whether the log has a counterpart of it, so far.
+  [[nodiscard]] bool has_logged(std::span<const std::uint8_t> signed_message) const;
 
   [[nodiscard]] std::int64_t logged() const { return logged_count_; }
   [[nodiscard]] std::int64_t replayed() const { return replayed_; }

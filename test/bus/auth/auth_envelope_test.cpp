@@ -462,7 +462,7 @@ TEST(Policy, EveryChannelThatMovesAVehicleMustBeSigned) {
   for (const char* channel :
        {"VICON", "COMMAND", "PLAN_Q1", "PROPOSAL_Q1", "TEAM_PROPOSAL_Q1", "EXTERNAL_REQUEST_Q1",
         "EXTERNAL_PLAN_Q1", "VEHICLE_Q1", "QUADROTOR_Q1", "MEASUREMENT_Q1", "SCAN_Q1", "BELIEF_Q1",
-        "MAP_Q1", "ATTACK", "SCENARIO", "TRUTH", "HEALTH_PLANNER_Q1"}) {
+        "MIXTURE_Q1", "MAP_Q1", "ATTACK", "SCENARIO", "TRUTH", "HEALTH_PLANNER_Q1"}) {
     EXPECT_TRUE(must_be_signed(channel)) << channel;
   }
   for (const char* channel : {"HOST_A", "COLLISION", "CAMERA", "", "REPLAY_VICON", "VICONS"}) {
