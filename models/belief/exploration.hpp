@@ -15,6 +15,9 @@ struct ExplorationSpec {
   double landmark_sigma_m = 1.0;    ///< 1σ of the Gaussian prior (l, Σ_l) of each pseudo-target
   double landmark_spacing_m = 1.0;  ///< no two landmarks nearer than this
   int landmarks_max = 12;           ///< the nearest to the robot are used
+  /// Only while a robot believes in fewer targets than there are: what is not found yet may be
+  /// where nobody has looked. Else also where a target may have gone unseen.
+  bool until_found = false;
 };
 
 /// Exploration landmarks: static planar pseudo-targets N(l, landmark_sigma_m² I₂) at the frontiers

@@ -187,7 +187,8 @@ std::vector<SearchTarget> Builder::parts_of(int target_id, const Then& then) con
 
 void Builder::add_landmarks(const models::RobotBelief& belief) {
   const models::ExplorationSpec& exploration = scenario_.planner.exploration;
-  if (exploration.landmarks_max <= 0) {
+  const bool are_found = belief.targets.size() >= scenario_.targets.size();
+  if (exploration.landmarks_max <= 0 || (exploration.until_found && are_found)) {
     return;
   }
   const auto whole =

@@ -165,6 +165,7 @@ void read_exploration(Mapping& from, models::ExplorationSpec& exploration) {
   from.number("landmark_sigma_m", exploration.landmark_sigma_m, above(0.0));
   from.number("landmark_spacing_m", exploration.landmark_spacing_m, above(0.0));
   from.integer("landmarks_max", exploration.landmarks_max, 0, 1000);
+  from.flag("until_found", exploration.until_found);
 }
 
 void check_round(Mapping& from, const PlannerSpec& planner) {

@@ -84,6 +84,35 @@ class PlansByMixtures : public ::testing::Test {
   PlanInputs inputs_;
 };
 
+// The lab of the tests has targets at rest and nothing that was looked at.
+TEST(ProblemOfRound, ExploresUntilAllAreFoundWhereItIsTold) {
+  scenario::Scenario scenario = test::lab_scenario();
+  PlanInputs inputs = test::first_inputs(scenario, 0, 1);
+  const models::VisibilityGrid grid(scenario.world, scenario.estimator.grid_resolution_m,
+                                    scenario.estimator.grid_memory_s);
+  inputs.belief->grid = grid.geometry();
+  inputs.belief->last_seen_utime = grid.last_seen_utime();
+  inputs.belief->last_seen_utime[0] = to_utime(inputs.belief->stamp.time);  // a frontier
+  const auto landmarks = [&] {
+    Workspace workspace(scenario);
+    models::Trajectory committed;
+    committed.start_time = inputs.slot.activation;
+    committed.start = scenario.robots[0].start;
+    const RoundProblem round = problem_of_round(workspace, 0, inputs, committed, {});
+    EXPECT_EQ(round.unusable_beliefs, 0);
+    return round.search.targets.size() - inputs.belief->targets.size();
+  };
+  ASSERT_EQ(inputs.belief->targets.size(), scenario.targets.size());
+  const std::size_t all = landmarks();
+  EXPECT_GT(all, 0U);
+  scenario.planner.exploration.until_found = true;
+  EXPECT_EQ(landmarks(), 0U);
+  inputs.belief->targets.pop_back();
+  EXPECT_EQ(landmarks(), all);
+  scenario.planner.exploration.until_found = false;
+  EXPECT_EQ(landmarks(), all);
+}
+
 TEST_F(PlansByMixtures, WhereverATargetMayBeThereIsOne) {
   add(1, {0.5, 0.3, 0.2});
   add(4, {0.97, 0.03});  // of less than 1/32 nothing is planned, and one place is the belief's
