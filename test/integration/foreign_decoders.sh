@@ -9,7 +9,7 @@ trap 'rm -rf "$dir"' EXIT
 mkdir "$dir"/{messages,c,cpp,py,java,stub}
 "$bin/signed_messages" "$dir/messages"
 names=$(cd "$dir/messages" && ls -- *.signed | sed 's/\.signed$//')
-[[ $(wc -w <<< "$names") == 16 ]] || { echo "not 16 types: $names"; exit 1; }
+[[ $(wc -w <<< "$names") == 17 ]] || { echo "not 17 types: $names"; exit 1; }
 
 lcm-gen --python --ppath "$dir/py" "$types"/*.lcm
 PYTHONPATH=$dir/py python3 - "$dir/messages" $names <<'PY'
