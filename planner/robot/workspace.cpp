@@ -36,7 +36,7 @@ AlgorithmOptions options_of(const scenario::Scenario& scenario, int robot_index)
 }  // namespace
 
 std::size_t parts_max(const scenario::Scenario& scenario) {
-  constexpr std::size_t kPartsOfATarget = 8;
+  constexpr std::size_t kPartsOfATarget = 8;  // as many as estimators tell: Samples::kPartsMax
   constexpr std::size_t kPartsInAll = 256;
   const bool has_mixtures =
       scenario.estimator.samples ||
