@@ -247,6 +247,10 @@ target_include_directories(far PUBLIC ${PROJECT_SOURCE_DIR})
 add_executable(far_test test/far_test.cpp)
 target_link_libraries(far_test PRIVATE far)
 add_test(NAME far.runs COMMAND env ELSEWHERE=1 $<TARGET_FILE:far_test>)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+add_executable(vantage test/vantage.cpp)
+target_link_libraries(vantage PRIVATE far)
+add_test(NAME guard.table COMMAND sh ${PROJECT_SOURCE_DIR}/test/guard.sh $<TARGET_FILE_DIR:vantage>)
 """,
     ".gitignore": "build/\n",
     "toy/toy.hpp": "#pragma once\nint clipped(int value, int most);\nbool ends(int count);\n",
@@ -267,12 +271,15 @@ bool ends(int count) {
   return left == 0;
 }
 """,
-    "far/far.hpp": "#pragma once\nint halved(int value);\nint doubled(int value);\n",
+    "far/far.hpp": "#pragma once\nint halved(int value);\nint doubled(int value);\nint tripled(int value);\n",
     "far/far.cpp": """#include "far/far.hpp"
 
 int halved(int value) { return value / 2; }
 int doubled(int value) { return value + value; }
+int tripled(int value) { return value + 2 * value; }
 """,
+    "test/vantage.cpp": "#include \"far/far.hpp\"\nint main() { return doubled(2); }\n",
+    "test/guard.sh": "$1/vantage\n[ $? = 4 ]\n",
     # Says something only where it is started as ctest does it, and takes longer than anybody knows.
     "test/far_test.cpp": """#include <cstdlib>
 #include <ctime>
@@ -377,9 +384,17 @@ class Project(unittest.TestCase):
         self.mutate("--draw", "far=99", "--seed", "7")
         noticed = self.id_of("constant", "value / 4")
         unnoticed = self.id_of("sign", "value - value")
-        self.mutate("--run", noticed, unnoticed)
+        self.mutate("--run", noticed, unnoticed, "--scripts", "")
         self.assertEqual(("killed", "far.runs"), self.outcome(noticed))
         self.assertEqual(("survived", "far_test"), self.outcome(unnoticed), "it only took its time")
+
+    def test_what_no_program_notices_scripts_are_asked(self):
+        self.mutate("--draw", "far=99", "--seed", "7")
+        noticed = self.id_of("sign", "value - value")
+        unnoticed = self.id_of("sign", "value - 2 * value")
+        self.mutate("--run", noticed, unnoticed)
+        self.assertEqual(("killed", "guard.table"), self.outcome(noticed))
+        self.assertEqual(("survived", "far_test vantage"), self.outcome(unnoticed))
 
     def test_what_only_slow_tests_could_notice_stays_pending_for_the_quick(self):
         noticed = self.id_of("return", "if (value > most) { ; }")

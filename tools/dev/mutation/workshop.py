@@ -27,6 +27,7 @@ TIERS_S = (0.03, 0.5, 3.0, math.inf)  # the cheapest tests are asked first
 QUICK_TIERS = 2  # of them, with --quick
 KILLERS = 12  # so many tests that noticed another bug nearby are asked before all others
 UNKNOWN_S = 0.1  # of a test that has not been timed
+SCRIPTED = "vantage"  # the program that scripts start
 WALL_LIMIT_S = 900  # of a run of tests that waits instead
 LEAST_SHARE = 0.002  # of a processor: what has had so much meanwhile did not wait
 # Where no build is found: optimised a little, with assertions, without what only a debugger reads.
@@ -122,7 +123,7 @@ class Workshop:
     """The sources as they are, a build of them, and what is known of its tests."""
 
     def __init__(self, root, build=None, exclude_labels="", exclude_tests="", only="", is_quick=False,
-                 jobs=1, limit_factor=5.0, limit_slack_s=5.0, say=print):
+                 jobs=1, limit_factor=5.0, limit_slack_s=5.0, scripts="", say=print):
         self.root = pathlib.Path(root)
         self.place = self.root / "build" / "mutate"
         release = self.root / "build" / "release"
@@ -133,11 +134,13 @@ class Workshop:
         self.exclude_tests = exclude_tests
         self.only = only
         self.is_quick = is_quick
+        self.scripts = scripts
         self.jobs = jobs
         self.limit_factor = limit_factor
         self.limit_slack_s = limit_slack_s
         self.say = say
         self.programs = None
+        self.scripted = None  # the program that scripts start, and its objects
         self.sites = {}
         self.tests = {}
         self.sound = {}
@@ -234,13 +237,17 @@ class Workshop:
         if graph.get("of") != digest:
             graph = {"of": digest, "programs": {}}
             graph["all"] = [name for name, rule in self.targets().items()
-                            if rule.startswith("CXX_EXECUTABLE_LINKER") and name.endswith("_test")]
+                            if rule.startswith("CXX_EXECUTABLE_LINKER") and
+                            (name.endswith("_test") or name.split("/")[-1] == SCRIPTED)]
         self.programs = {}
-        for name in filter(re.compile(self.only).search, graph["all"]):
+        is_asked = re.compile(self.only).search
+        for name in [n for n in graph["all"] if n.split("/")[-1] == SCRIPTED or is_asked(n)]:
             if name not in graph["programs"]:
                 inputs = self.command(["ninja", "-C", self.build, "-t", "inputs", name])[0].splitlines()
                 graph["programs"][name] = sorted(i for i in inputs if i.endswith(".o"))
             self.programs[name] = set(graph["programs"][name])
+        self.scripted = next(((n, self.programs.pop(n)) for n in list(self.programs)
+                              if n.split("/")[-1] == SCRIPTED), None)
         kept.write_text(json.dumps(graph))
         self.source_of = {}
         self.command_of = {}
@@ -364,17 +371,32 @@ class Workshop:
 
     def tests_of(self, program):
         """What ctest has of what is run by this program."""
-        told, _ = self.command(["ctest", "--test-dir", self.build, "--show-only=json-v1",
-                                *(["--label-exclude", self.exclude_labels] if self.exclude_labels else [])])
         out = []
-        for entry in json.loads(told)["tests"]:
+        for entry in self.told():
             words = entry.get("command", ())
             at = next((i for i, word in enumerate(words) if word.endswith(f"/{program}")), None)
             if at is not None and not (self.exclude_tests and re.search(self.exclude_tests, entry["name"])):
                 chosen = [w.partition("=")[2] for w in words if w.startswith("--gtest_filter=")]
-                place = next((p["value"] for p in entry["properties"] if p["name"] == "WORKING_DIRECTORY"), None)
-                out.append(Test(entry["name"], chosen[0] if chosen else "", place, before=words[:at]))
+                out.append(Test(entry["name"], chosen[0] if chosen else "", place_of(entry), before=words[:at]))
         return out
+
+    def told(self):
+        """What ctest says of every test."""
+        told, _ = self.command(["ctest", "--test-dir", self.build, "--show-only=json-v1",
+                                *(["--label-exclude", self.exclude_labels] if self.exclude_labels else [])])
+        return json.loads(told)["tests"]
+
+    def script_tests(self):
+        """Those that are asked last, the quickest first: each a whole command that starts the scripted program."""
+        with self.is_one_at_a_time:
+            if SCRIPTED not in self.tests:
+                chosen = re.compile(self.scripts) if self.scripts else None
+                self.tests[SCRIPTED] = [
+                    Test(entry["name"], "", place_of(entry), before=entry.get("command", ()))
+                    for entry in self.told() if chosen and chosen.search(entry["name"])]
+                if self.tests[SCRIPTED]:
+                    self.ninja([self.scripted[0]])
+            return sorted(self.tests[SCRIPTED], key=lambda test: self.seconds.get(test.name, UNKNOWN_S))
 
     def try_tests(self, path, tests, cpu_limit_s=None):
         """Output and exit code of a group that one process runs, until the first fails."""
@@ -427,7 +449,55 @@ class Workshop:
                 return ledger.SAME_CODE, ""
         if self.is_quick:
             return ledger.PENDING, ""
+        return self.judge_by_scripts(place, site, made, tried)
+
+    def judge_by_scripts(self, place, site, made, tried):
+        """What no test program noticed: tests that are scripts, with the one program mutated that they start."""
+        name, inputs = self.scripted or ("", set())
+        readers = self.readers(site.file)
+        objects = {o for o in inputs if self.source_of.get(o) in readers}
+        scripts = self.script_tests() if objects else []
+        if scripts:
+            folder = place / "bin"
+            folder.mkdir()
+            for built in (self.build / name).parent.iterdir():
+                (folder / built.name).symlink_to(built)
+            path = folder / SCRIPTED
+            path.unlink()
+            for wanted in sorted(objects - set(made)):
+                made[wanted] = place / f"{len(made)}.o"
+                output, code = self.compile(wanted, made[wanted], place / "sources", site,
+                                            site.apply((self.root / site.file).read_bytes()))
+                if code != 0:
+                    return ledger.NOT_BUILT, first_error(output)
+            output, code = self.link(name, {o: made[o] for o in objects}, path)
+            if code != 0:
+                return ledger.NOT_BUILT, first_error(output)
+            tried.append(SCRIPTED)
+        for test in scripts:
+            # Is asked first: nobody knows yet how long it takes.
+            if not self.is_sound_script(test):
+                continue
+            limit_s = self.limit_slack_s + self.limit_factor * self.seconds[test.name]
+            if all(self.try_script(test, folder, limit_s) != 0 for _ in range(2)):
+                return ledger.KILLED, test.name
         return ledger.SURVIVED, " ".join(tried) or "no test program that sees it"
+
+    def try_script(self, test, folder=None, cpu_limit_s=None):
+        """Exit code of a script, with the programs of another folder."""
+        there = str((self.build / self.scripted[0]).parent)
+        words = [word.replace(there, str(folder or there)) for word in test.before]
+        return self.command(words, WALL_LIMIT_S, is_checked=False, cpu_limit_s=cpu_limit_s, cwd=test.place)[1]
+
+    def is_sound_script(self, test):
+        with self.is_one_at_a_time:
+            if test.name not in self.sound:
+                begun = time.monotonic()
+                self.sound[test.name] = self.try_script(test) == 0
+                self.seconds[test.name] = time.monotonic() - begun  # of each of its processes, at most
+                if not self.sound[test.name]:
+                    self.say(f"  unmutated: {test.name} fails, and is left out")
+            return self.sound[test.name]
 
     def compile(self, wanted, made, sources, site, text):
         """An object from a file of which one, itself or a header, has another text."""
@@ -518,6 +588,11 @@ class Test:
 
     def timed(self, seconds):
         return Test(self.name, self.filter, self.place, seconds, self.before)
+
+
+def place_of(entry):
+    """Where ctest runs a test."""
+    return next((p["value"] for p in entry["properties"] if p["name"] == "WORKING_DIRECTORY"), None)
 
 
 def by_kind(tests):
