@@ -5,12 +5,16 @@
   guard.py --bin BUILD/bin --record        writes table.json anew: after a decision in docs/decisions
 
 Plans: forty problems of both families (drawn here, by seed) by every algorithm within a budget of
-nodes: cost, bound, nodes and controls. Trials: lab, field, attack, energy, mapping, two seeds each. The
-sample log's exact replay and the fault table have tests of their own.
+nodes: cost, bound, nodes and controls. Trials: scenarios of config and of test/guard/scenarios (in which
+no two robots are alike), two seeds each, and the lab by every algorithm: the summary, and of every
+message and the picture a digest. The sample log as the log tools see it. Experiments, shortened: a digest
+of each table. The sample log's exact replay and the fault table have tests of their own.
 """
 
 import argparse
+import hashlib
 import json
+import lzma
 import math
 import pathlib
 import random
@@ -24,7 +28,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TABLE = pathlib.Path(__file__).with_name("table.json")
 NODES = 3000
 CONTROLS = [[v, w] for v in (1.0, 3.0) for w in (0.0, 1.0, -1.0, 3.0, -3.0)]
-TRIALS = {"lab": 12, "field": 8, "lab-attack": 12, "lab-energy": 12, "mapping": 8}  # seconds
+SCENARIOS = {"lab": 12, "field": 8, "lab-attack": 12, "lab-energy": 12, "mapping": 8, "lab-unlabelled": 12,  # seconds
+             "uneven": 20, "uneven-search": 20, "uneven-mapping": 16}
+EXPERIMENTS = ("active-mapping", "dls-objective", "dls-savings", "hardware", "heterogeneous", "resilient-hardware",
+               "resilient-tracking", "surveillance", "tracking-communication")
+LOOKS = {"info": (), "check": (), "metrics": (), "metrics, as JSON": ("--json",), "metrics, latency": ("--latency",),
+         "fit-motion": ("--json",), "fit-ranges": ("--json",)}
 
 
 def tracking(seed):
@@ -81,15 +90,66 @@ def plans(vantage, folder):
         return dict(pool.map(plan, jobs))
 
 
-def trials(vantage):
+def digest(*parts):
+    return hashlib.sha256(b"".join(parts)).hexdigest()[:16]
+
+
+def messages(vantage, log, folder):
+    """A digest of all that was said, by kind of channel; but for the scenario, which says who flew it."""
+    run([vantage, "log", "export", log, "--to", "csv", "--out", folder])
+    kinds = {}
+    for path in sorted(folder.iterdir()):
+        kinds.setdefault(re.sub(r"_[A-Z]\d+$", "", path.stem), []).append(path)
+    return {kind: digest(*(p.read_bytes() for p in paths)) for kind, paths in kinds.items() if kind != "SCENARIO"}
+
+
+def path_of(scenario):
+    own = pathlib.Path(__file__).parent / f"scenarios/{scenario}.yaml"
+    return own if own.exists() else ROOT / f"config/{scenario}.yaml"
+
+
+def trials(vantage, folder):
+    jobs = [(f"{name}, seed {seed}", name, ("--seed", seed, "--duration-s", duration_s))
+            for name, duration_s in SCENARIOS.items() for seed in (1, 2)]
+    listed = re.search(r"--planner TEXT:\{(.*?)\}", run([vantage, "trial", "--help"]), re.DOTALL).group(1)
+    jobs += [(f"lab, {planner}", "lab", ("--seed", 3, "--duration-s", 6, "--planner", planner))
+             for planner in listed.split(",") if planner != "external"]
+    jobs += [(f"field, within {range_m} m", "field", ("--seed", 4, "--duration-s", 30, "--communication-range-m", range_m))
+             for range_m in (0, 6, -1)]
+
     def trial(job):
-        name, duration_s, seed = job
-        summary = json.loads(run([vantage, "trial", ROOT / f"config/{name}.yaml", "--seed", seed, "--duration-s",
-                                  duration_s, "--nodes", 2000, "--json"]))
-        return f"{name}, seed {seed}", summary
+        title, name, options = job
+        place = folder / title.replace(" ", "_")
+        place.mkdir()
+        log, picture = place / "a.lcmlog", place / "a.svg"
+        summary = json.loads(run([vantage, "trial", path_of(name), *options, "--nodes", 2000, "--json", "--log", log,
+                                  "--svg", picture]))
+        summary["messages"] = messages(vantage, log, place / "csv")
+        summary["picture"] = digest(picture.read_bytes())
+        return title, summary
 
     with ThreadPoolExecutor(2) as pool:
-        return dict(pool.map(trial, [(n, d, s) for n, d in TRIALS.items() for s in (1, 2)]))
+        return dict(pool.map(trial, jobs))
+
+
+def sample(vantage, folder):
+    """What the log tools say of the sample log."""
+    (folder / "sample.lcmlog").write_bytes(lzma.decompress((ROOT / "logs/sample/lab_60s.lcmlog.xz").read_bytes()))
+    said = {}
+    for title, options in LOOKS.items():
+        text = run([vantage.resolve(), "log", title.partition(",")[0], "sample.lcmlog", *options], cwd=folder)
+        said[title] = json.loads(text) if "--json" in options else text.splitlines()
+    return said | {"messages": messages(vantage, folder / "sample.lcmlog", folder / "sample")}
+
+
+def experiments(vantage, folder):
+    def experiment(name):
+        out = folder / name
+        run([vantage, "experiment", name, "--smoke", "--out", out])
+        return name, {path.name: digest(path.read_bytes()) for path in sorted(out.glob("*.csv")) if path.name != "times.csv"}
+
+    with ThreadPoolExecutor(2) as pool:
+        return dict(pool.map(experiment, EXPERIMENTS))
 
 
 def differences(wanted, found, where=""):
@@ -98,6 +158,9 @@ def differences(wanted, found, where=""):
             yield from differences(wanted.get(key), found.get(key), f"{where}/{key}")
     elif isinstance(wanted, float) and isinstance(found, float) and math.isnan(wanted) and math.isnan(found):
         return
+    elif isinstance(wanted, list) and isinstance(found, list) and len(wanted) == len(found):
+        for i, pair in enumerate(zip(wanted, found)):
+            yield from differences(*pair, f"{where}/{i}")
     elif wanted != found:
         yield f"{where}: was {json.dumps(wanted)}, is {json.dumps(found)}"
 
@@ -109,7 +172,12 @@ def main():
     options = parser.parse_args()
     vantage = options.bin / "vantage"
     with tempfile.TemporaryDirectory() as folder:
-        found = {"plans": plans(vantage, pathlib.Path(folder)), "trials": trials(vantage)}
+        parts = (plans, trials, sample, experiments)
+        found = {}
+        for part in parts:
+            place = pathlib.Path(folder) / part.__name__
+            place.mkdir()
+            found[part.__name__] = part(vantage, place)
     if options.record:
         TABLE.write_text(json.dumps(found, indent=1, sort_keys=True) + "\n")
         return 0
@@ -117,7 +185,8 @@ def main():
     bad = list(differences(wanted, found))
     for line in bad[:40]:
         print(line)
-    print(f"guard: {len(found['plans'])} plans, {len(found['trials'])} trials, {len(bad)} differences")
+    print(f"guard: {len(found['plans'])} plans, {len(found['trials'])} trials, "
+          f"{len(found['experiments'])} experiments, {len(bad)} differences")
     return 1 if bad else 0
 
 
