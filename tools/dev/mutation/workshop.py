@@ -459,7 +459,7 @@ class Workshop:
         scripts = self.script_tests() if objects else []
         if scripts:
             folder = place / "bin"
-            folder.mkdir()
+            folder.mkdir(parents=True)
             for built in (self.build / name).parent.iterdir():
                 (folder / built.name).symlink_to(built)
             path = folder / SCRIPTED
