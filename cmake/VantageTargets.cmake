@@ -2,7 +2,7 @@
 include_guard()
 include(VantageComponents)
 
-option(VANTAGE_PORTABLE "Do not assume x86-64-v3 (AVX2, FMA)" OFF)
+option(VANTAGE_PORTABLE "Do not assume x86-64-v3 (AVX2)" OFF)
 option(VANTAGE_OWN_LIBM "sin, exp, log, … with the same bits on every machine (musl-dev)"
   ${PROJECT_IS_TOP_LEVEL})
 option(VANTAGE_HARDENED
@@ -68,7 +68,9 @@ if(VANTAGE_HARDENED)
   target_link_options(vantage_build_flags INTERFACE -Wl,-z,relro -Wl,-z,now -Wl,-z,noexecstack)
 endif()
 if(NOT VANTAGE_PORTABLE AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3)
+  # Without FMA: told not to fuse, GCC 12 does so all the same where it makes additions and subtractions
+  # of one vector.
+  target_compile_options(vantage_build_flags INTERFACE -march=x86-64-v3 -mno-fma)
 endif()
 if(NOT PROJECT_IS_TOP_LEVEL)
   target_include_directories(vantage_build_flags INTERFACE ${PROJECT_SOURCE_DIR})
