@@ -50,13 +50,10 @@ target_compile_options(vantage_build_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion
   -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual
   -Wdouble-promotion -Wimplicit-fallthrough
-  # Optimising, GCC 12 says these pages long of Eigen's bounded matrices, vectors and recursions, and
-  # wrongly; where they are so the presets with sanitizers say it. And a unity file is no header.
-  $<$<NOT:$<CONFIG:Debug>>:-Wno-maybe-uninitialized>
-  $<$<NOT:$<CONFIG:Debug>>:-Wno-array-bounds>
-  $<$<NOT:$<CONFIG:Debug>>:-Wno-stringop-overflow>
-  $<$<NOT:$<CONFIG:Debug>>:-Wno-stringop-overread>
-  $<$<NOT:$<CONFIG:Debug>>:-Wno-restrict>
+  # Optimising, as every preset does, GCC 12 says these pages long of strings, of Eigen's bounded
+  # matrices, vectors and recursions, and wrongly; where they are so the sanitizers' tests say it. And a
+  # unity file is no header.
+  -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict
   $<$<BOOL:${VANTAGE_UNITY}>:-Wno-subobject-linkage>
   $<$<BOOL:${VANTAGE_WARNINGS_AS_ERRORS}>:-Werror>)
 if(VANTAGE_HARDENED)

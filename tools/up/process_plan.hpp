@@ -18,7 +18,7 @@ struct ProcessPlaces {
   std::string url;
   std::string host;                  ///< the one to run of scenario.hosts; empty: all there is
   bool has_virtual_targets = false;  ///< simulated, though every device is real
-  std::string firmware_folder;       ///< under which each firmware works in a folder of its own
+  std::string firmware_folder = {};  ///< under which each firmware works in a folder of its own
 };
 
 /// The robots that a driver process flies: those whose device is `wire` or `real`.
