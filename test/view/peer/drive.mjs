@@ -21,7 +21,11 @@ export async function open(width, height, scheme, draw, prepare, is_ready = show
   page.setDefaultTimeout(kPatience_ms);
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
   page.on("pageerror", (error) => complaints.push(String(error)));
-  page.on("requestfailed", (request) => complaints.push(`${request.url()} failed`));
+  page.on("requestfailed", (request) => {
+    const why = request.failure()?.errorText;
+    // Aborted is what was under way when the page was closed: nobody's failure.
+    if (why !== "net::ERR_ABORTED") complaints.push(`${request.url()} failed: ${why}`);
+  });
   page.on("request", (request) => /^(data|blob):/.test(request.url()) || request.url().startsWith(url) || complaints.push(`asks for ${request.url()}`));
   await prepare?.(page);
   await page.goto(`${url}/${draw}`);
