@@ -243,5 +243,42 @@ TEST(Belief, NeverReachesForTheHeap) {
   }
 }
 
+// By a target's own A and W; an oscillator is expected about its centre.
+TEST(Predict, GoesByTheTargetsOwnMotion) {
+  TargetModel swings{TargetKind::kDampedOscillator, 2};
+  swings.surroundings.center_m = {3.0, -2.0};
+  const TargetModel models[] = {{TargetKind::kStatic, 2, 0.1},
+                                {TargetKind::kRandomWalk, 3, 0.1},
+                                {TargetKind::kDoubleIntegrator, 2, 0.1},
+                                swings};
+  test::Random random(31);
+  for (const TargetModel& model : models) {
+    const Gaussian belief = random_belief(random, model.dim());
+    const Gaussian predicted = predict(belief, model, 0.7);
+    const Gaussian expected = predict(belief, model.transition(0.7), model.process_noise(0.7));
+    EXPECT_EQ(predicted.covariance, expected.covariance);
+    EXPECT_TRUE(test::is_near(predicted.mean, model.expected(belief.mean, 0.7), 1e-12));
+    // How long it went unseen matters to none of them.
+    const Gaussian unseen = predict_unseen(belief, model, 0.7, 5.0, 0.5);
+    EXPECT_EQ(unseen.covariance, predicted.covariance);
+    EXPECT_EQ(unseen.mean, predicted.mean);
+  }
+}
+
+// It grows from what it had grown to: in two parts as in one, by q Σ j over the steps unseen.
+TEST(PredictUnseen, GrowsFromWhenTheTargetWasLastSeen) {
+  const TargetModel model{TargetKind::kGrowingUncertainty, 2, 0.3};
+  test::Random random(32);
+  const Gaussian belief = random_belief(random, 2);
+  const Gaussian once = predict_unseen(belief, model, 2.0, 1.0, 0.5);  // of steps 2, 3, 4 and 5
+  const double grown = 0.3 * (2.0 + 3.0 + 4.0 + 5.0);
+  EXPECT_TRUE(test::is_near(
+      once.covariance, (belief.covariance + grown * Eigen::Matrix2d::Identity()).eval(), 1e-12));
+  EXPECT_EQ(once.mean, belief.mean);
+  const Gaussian twice =
+      predict_unseen(predict_unseen(belief, model, 0.6, 1.0, 0.5), model, 1.4, 1.6, 0.5);
+  EXPECT_TRUE(test::is_near(twice.covariance, once.covariance, 1e-12));
+}
+
 }  // namespace
 }  // namespace vantage::models

@@ -1,11 +1,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/check.hpp"
 #include "models/contact/collision_monitor.hpp"
 #include "models/contact/shapes.hpp"
 #include "test/sim/lab_scenario.hpp"
@@ -179,6 +183,177 @@ TEST(CollisionMonitor, ReportsWallsAndCeilingButNotTheFloor) {
       EXPECT_EQ(begun[0].body_b, "bounds");
     }
   }
+}
+
+/// Every body against every other, box and wall at every step, by the closed forms alone.
+class NaiveMonitor {
+ public:
+  NaiveMonitor(World world, double separation_m)
+      : world_(std::move(world)), separation_m_(separation_m) {}
+
+  std::vector<CollisionMonitor::Body> bodies;
+  double min_separation_m = std::numeric_limits<double>::infinity();
+
+  std::vector<std::string> update(const std::vector<Eigen::Vector3d>& now_m) {
+    begun_.clear();
+    before_m_.resize(now_m.size(), Eigen::Vector3d::Constant(NAN));
+    for (std::size_t i = 0; i < now_m.size(); ++i) {
+      if (!before_m_[i].allFinite()) {
+        before_m_[i] = now_m[i];
+      }
+    }
+    for (std::size_t i = 0; i < now_m.size(); ++i) {
+      for (std::size_t j = i + 1; j < now_m.size(); ++j) {
+        if (now_m[i].allFinite() && now_m[j].allFinite()) {
+          judge_pair(i, j, now_m[i], now_m[j]);
+        }
+      }
+      if (now_m[i].allFinite()) {
+        judge_surroundings(i, now_m[i]);
+      }
+    }
+    before_m_ = now_m;
+    std::sort(begun_.begin(), begun_.end());
+    return begun_;
+  }
+  void forget_motion() { before_m_.clear(); }
+
+ private:
+  void judge(const std::string& what, double now_m, double swept_m, double release_m) {
+    bool& state = states_[what];
+    if (swept_m <= 0.0 && !state) {
+      begun_.push_back(what);
+    }
+    state = (state || swept_m <= 0.0) && now_m <= release_m;
+  }
+  void judge_pair(std::size_t i, std::size_t j, const Eigen::Vector3d& a_m,
+                  const Eigen::Vector3d& b_m) {
+    const double swept_m = closest_approach_m(before_m_[i], a_m, before_m_[j], b_m);
+    const double apart_m = (a_m - b_m).norm();
+    const std::string names = bodies[i].name + " " + bodies[j].name;
+    const double radii_m = bodies[i].radius_m + bodies[j].radius_m;
+    judge(names + " touch", apart_m - radii_m, swept_m - radii_m, 0.02);
+    if (bodies[i].is_robot && bodies[j].is_robot) {
+      judge(names + " near", apart_m - separation_m_, swept_m - separation_m_, 0.02);
+      min_separation_m = std::min(min_separation_m, swept_m);
+    }
+  }
+  void judge_surroundings(std::size_t i, const Eigen::Vector3d& a_m) {
+    const double radius_m = bodies[i].radius_m;
+    for (std::size_t k = 0; k < world_.obstacles.size(); ++k) {
+      const Box3 box = box_of(world_.obstacles[k]);
+      judge(bodies[i].name + " obstacle:" + std::to_string(k) + " touch",
+            signed_distance_m(box, a_m) - radius_m,
+            swept_distance_m(box, before_m_[i], a_m) - radius_m, 0.02);
+    }
+    const double now_m = distance_to_bounds_m(world_, a_m) - radius_m;
+    judge(bodies[i].name + " bounds touch", now_m,
+          std::min(now_m, distance_to_bounds_m(world_, before_m_[i]) - radius_m), 0.02);
+  }
+
+  World world_;
+  double separation_m_;
+  std::vector<Eigen::Vector3d> before_m_;
+  std::map<std::string, bool> states_;
+  std::vector<std::string> begun_;
+};
+
+std::vector<std::string> words_of(const std::vector<ContactReport>& reports) {
+  std::vector<std::string> words;
+  for (const ContactReport& report : reports) {
+    words.push_back(report.body_a + " " + report.body_b +
+                    (report.kind == ContactKind::kCollision ? " touch" : " near"));
+  }
+  std::sort(words.begin(), words.end());
+  return words;
+}
+
+// Robots and rovers of all sizes that wander, flee, jump, come later and are lost for a while: what
+// is reported is what a look at all pairs at each step finds.
+TEST(CollisionMonitor, FindsWhatALookAtAllPairsFinds) {
+  std::mt19937_64 rng(17);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  int touches = 0;
+  int nears = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    World world = lab();
+    world.obstacles.push_back({{{0.2, 6.0}, {1.9, 6.4}}, 2.0});
+    const double separation_m = trial % 3 == 0 ? 0.3 : 0.8;
+    NaiveMonitor naive(world, separation_m);
+    for (int i = 0; i < 5; ++i) {
+      naive.bodies.push_back(
+          {std::string("B") + std::to_string(i), 0.05 + 0.3 * u(rng) * u(rng), i % 2 == trial % 2});
+    }
+    CollisionMonitor monitor(world, naive.bodies, separation_m);
+    std::vector<Eigen::Vector3d> at_m;
+    const auto anywhere = [&] {
+      return Eigen::Vector3d(0.3 + 3.4 * u(rng), 0.3 + 7.4 * u(rng), 0.3 + u(rng));
+    };
+    for (std::size_t i = 0; i < naive.bodies.size(); ++i) {
+      at_m.push_back(anywhere());
+    }
+    std::int64_t lost = 0;
+    for (int step = 0; step < 150; ++step) {
+      const double pace_m = step % 40 == 39 ? 3.0 : 0.25;
+      for (Eigen::Vector3d& place_m : at_m) {
+        place_m += pace_m * Eigen::Vector3d(u(rng) - 0.5, u(rng) - 0.5, 0.2 * (u(rng) - 0.5));
+        place_m = place_m.cwiseMax(Eigen::Vector3d(0.1, 0.1, 0.1))
+                      .cwiseMin(Eigen::Vector3d(3.9, 7.9, 2.9));
+      }
+      if (step == 50 || step == 70) {
+        naive.bodies.push_back({std::string("C") + std::to_string(step), 0.2, step == 50});
+        monitor.add(naive.bodies.back());
+        at_m.push_back(anywhere());
+      }
+      if (step == 100) {
+        naive.forget_motion();
+        monitor.forget_motion();
+        for (Eigen::Vector3d& place_m : at_m) {
+          place_m = anywhere();
+        }
+      }
+      std::vector<Eigen::Vector3d> seen_m = at_m;
+      if (step % 10 < 3) {
+        seen_m[static_cast<std::size_t>(step / 10) % seen_m.size()].y() = NAN;
+        ++lost;
+      }
+      const std::vector<ContactReport> begun = update(monitor, seen_m);
+      ASSERT_EQ(words_of(begun), naive.update(seen_m)) << trial << " at " << step;
+      for (const ContactReport& report : begun) {
+        EXPECT_EQ(report.stamp.time, kNow);
+        const bool touch = report.kind == ContactKind::kCollision;
+        EXPECT_TRUE(touch ? report.distance_m <= 0.0 : report.distance_m < separation_m);
+        (touch ? touches : nears) += 1;
+      }
+      EXPECT_NEAR(monitor.min_separation_m(), naive.min_separation_m, 1e-12);
+      EXPECT_EQ(monitor.non_finite(), lost);
+    }
+    EXPECT_EQ(monitor.disagreements(), 0);
+  }
+  EXPECT_GT(touches, 100);
+  EXPECT_GT(nears, 10);
+}
+
+TEST(CollisionMonitor, TakesNoBodyWithoutASizeAndAPlaceForEach) {
+  EXPECT_THROW(CollisionMonitor(lab(), {{"Q1", 0.0, true}}, 0.6), UsageError);
+  EXPECT_THROW(CollisionMonitor(lab(), {{"Q1", NAN, true}}, 0.6), UsageError);
+  EXPECT_THROW(CollisionMonitor(lab(), {{"Q1", INFINITY, true}}, 0.6), UsageError);
+  CollisionMonitor monitor(lab(), two_robots(), 0.6);
+  EXPECT_THROW(update(monitor, {{1.0, 1.0, 1.0}}), UsageError);
+  EXPECT_THROW(update(monitor, {{1.0, 1.0, 1.0}, {2.0, 1.0, 1.0}, {3.0, 1.0, 1.0}}), UsageError);
+}
+
+TEST(BoundsDistance, IsToTheNearestOfFourWallsAndTheCeiling) {
+  World world;
+  world.bounds = {{-1.0, -2.0}, {5.0, 9.0}};
+  world.ceiling_m = 3.0;
+  EXPECT_NEAR(distance_to_bounds_m(world, {-0.9, 3.0, 1.0}), 0.1, 1e-12);
+  EXPECT_NEAR(distance_to_bounds_m(world, {4.8, 3.0, 1.0}), 0.2, 1e-12);
+  EXPECT_NEAR(distance_to_bounds_m(world, {2.0, -1.7, 1.0}), 0.3, 1e-12);
+  EXPECT_NEAR(distance_to_bounds_m(world, {2.0, 8.6, 1.0}), 0.4, 1e-12);
+  EXPECT_NEAR(distance_to_bounds_m(world, {2.0, 3.0, 2.5}), 0.5, 1e-12);
+  EXPECT_NEAR(distance_to_bounds_m(world, {2.0, 3.0, -9.0}), 3.0, 1e-12) << "no floor";
+  EXPECT_NEAR(distance_to_bounds_m(world, {2.0, 9.7, 4.0}), -1.0, 1e-12);
 }
 
 }  // namespace

@@ -62,5 +62,26 @@ TEST(BeamScan, ReadsDistancesWithinTheSensorsRangeAndItsEndsOtherwise) {
   EXPECT_NEAR(squares / 7'200, 1.0, 0.07);  // 4 σ of χ²
 }
 
+// Along the axes exactly, both ways: past a box beside the way, along its edge, up to it.
+TEST(RayDistance, IsWhatARulerSaysAlongTheAxes) {
+  const double up = kPi / 2.0;
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 1.0}, up), 1.0);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {2.5, 5.0}, -up), 1.0);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {1.9, 1.0}, up), 5.0) << "past it on its left";
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {3.1, 5.5}, -up), 5.5) << "past it on its right";
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {4.0, 1.9}, 0.0), 1.0);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {4.0, 2.1}, 0.0), 4.0);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {4.0, 0.9}, 0.0), 4.0);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {7.5, 1.5}, kPi), 0.5);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {7.5, 1.5}, 0.0), 0.5) << "nothing is behind";
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {6.0, 0.5}, up), 0.5);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {6.0, 0.5}, -up), 0.5);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {6.0, 5.5}, up), 0.5);
+  EXPECT_DOUBLE_EQ(ray_distance_m(kWorld, {0.0, 0.0}, 0.0), 8.0) << "along the wall";
+  EXPECT_EQ(ray_distance_m(kWorld, {8.1, 3.0}, kPi), 0.0);
+  EXPECT_EQ(ray_distance_m(kWorld, {4.0, 6.1}, -up), 0.0);
+  EXPECT_EQ(ray_distance_m(kWorld, {4.0, -0.1}, up), 0.0);
+}
+
 }  // namespace
 }  // namespace vantage::models

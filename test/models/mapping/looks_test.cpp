@@ -64,5 +64,20 @@ TEST(Looks, MakeTheBeliefOfSoManyUpdates) {
   EXPECT_THROW(static_cast<void>(belief_of(kGrid, Looks(11, 0), spec)), UsageError);
 }
 
+TEST(MappingSpec, IsAsStatedWhereAScenarioSaysNothing) {
+  const MappingSpec spec;
+  EXPECT_EQ(spec.scanner.beams, 96);
+  EXPECT_EQ(spec.scanner.range_max_m, 1.5);
+  EXPECT_EQ(spec.scanner.sigma_m, 0.01);
+  EXPECT_EQ(spec.planned_beams, 48);
+  EXPECT_EQ(spec.resolution_m, 0.2);
+  EXPECT_EQ(spec.look_probability, 0.95);
+  EXPECT_EQ(spec.settled_probability, 0.99);
+  World world;
+  world.bounds = {{-1.0, 0.0}, {1.0, 3.0}};
+  EXPECT_EQ(map_geometry(world, spec), (GridGeometry{{-1.0, 0.0}, 0.2, 10, 15}));
+  EXPECT_THROW(static_cast<void>(sum_of({})), UsageError);
+}
+
 }  // namespace
 }  // namespace vantage::models

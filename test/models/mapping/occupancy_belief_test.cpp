@@ -116,5 +116,86 @@ TEST(BeamSensor, RefusesNumbersThatMakeNoSense) {
   EXPECT_THROW(require_valid(BeamSensor{1, 1.0, 0.0, 1.0, 0.0}), UsageError);
 }
 
+// Each rule at its edge, on both sides.
+TEST(BeamSensor, TakesNumbersUpToTheirLimits) {
+  const auto is_valid = [](const BeamSensor& sensor) {
+    try {
+      require_valid(sensor);
+      return true;
+    } catch (const UsageError&) {
+      return false;
+    }
+  };
+  EXPECT_TRUE(is_valid({1, 1e-9, 0.0, 1e-9, 1e-9}));
+  EXPECT_TRUE(is_valid({1'000, 2.0 * kPi, 0.5, 0.5 + 1e-9, 1e9}));
+  EXPECT_FALSE(is_valid({0, 1.0, 0.0, 1.0, 0.01}));
+  EXPECT_FALSE(is_valid({1, 0.0, 0.0, 1.0, 0.01}));
+  EXPECT_FALSE(is_valid({1, -1.0, 0.0, 1.0, 0.01}));
+  EXPECT_FALSE(is_valid({1, std::nextafter(2.0 * kPi, 7.0), 0.0, 1.0, 0.01}));
+  EXPECT_FALSE(is_valid({1, std::nan(""), 0.0, 1.0, 0.01}));
+  EXPECT_FALSE(is_valid({1, 1.0, -1e-9, 1.0, 0.01}));
+  EXPECT_FALSE(is_valid({1, 1.0, 0.5, 0.5, 0.01}));
+  EXPECT_FALSE(is_valid({1, 1.0, 0.5, INFINITY, 0.01}));
+  EXPECT_FALSE(is_valid({1, 1.0, 0.0, 1.0, INFINITY}));
+  EXPECT_FALSE(is_valid({1, 1.0, 0.0, 1.0, -0.01}));
+}
+
+// A full circle is shared out evenly, a fan from end to end, the one beam straight ahead; what is
+// too near or too far reads as the ends of the range.
+TEST(BeamSensor, IsAsStated) {
+  for (const int beams : {1, 2, 5, 8}) {
+    const BeamSensor circle{beams, 2.0 * kPi, 0.0, 1.0, 0.01};
+    const BeamSensor fan{beams, 3.0, 0.0, 1.0, 0.01};
+    for (int k = 0; k < beams; ++k) {
+      EXPECT_NEAR(wrap_to_pi(circle.bearing_rad(k) - 2.0 * kPi * k / beams), 0.0, 1e-12);
+      EXPECT_LE(std::abs(circle.bearing_rad(k)), kPi);
+      const double expected = beams == 1 ? 0.0 : -1.5 + 3.0 * k / (beams - 1.0);
+      EXPECT_NEAR(fan.bearing_rad(k), expected, 1e-12);
+    }
+  }
+  const BeamSensor sensor{1, 1.0, 0.5, 2.0, 0.1};
+  EXPECT_EQ(sensor.mean_range_m(0.5), 0.5);
+  EXPECT_EQ(sensor.mean_range_m(std::nextafter(0.5, 0.0)), 0.0);
+  EXPECT_EQ(sensor.mean_range_m(2.0), 2.0);
+  EXPECT_EQ(sensor.mean_range_m(9.0), 2.0);
+  EXPECT_EQ(sensor.mean_range_m(1.3), 1.3);
+  EXPECT_NEAR(sensor.no_hit_range_m(), 1.7, 1e-12);
+  // And what a scenario that says nothing has.
+  EXPECT_EQ(BeamSensor{}.beams, 48);
+  EXPECT_EQ(BeamSensor{}.field_of_view_rad, 2.0 * kPi);
+  EXPECT_EQ(BeamSensor{}.range_min_m, 0.0);
+  EXPECT_EQ(BeamSensor{}.range_max_m, 1.5);
+  EXPECT_EQ(BeamSensor{}.sigma_m, 0.01);
+}
+
+// From outside of the grid a beam meets nothing, whatever it met before; from its last cell none.
+TEST(TraceBeam, IsEmptyWhereTheRayIs) {
+  const OccupancyBelief belief(kGrid, 2.0);
+  const BeamSensor sensor{1, 1.0, 0.0, 10.0, 0.01};
+  BeamProfile beam;
+  for (const Eigen::Vector2d& from_m : {Eigen::Vector2d(-0.1, 0.2), Eigen::Vector2d(2.9, 0.2)}) {
+    beam.push_back(3, 0.5, 0.1, 0.2);
+    trace_beam(belief, sensor, from_m, 0.0, beam);
+    EXPECT_EQ(beam.size(), 0);
+    EXPECT_TRUE(beam.cell.empty());
+    EXPECT_TRUE(beam.enter_m.empty());
+    EXPECT_TRUE(beam.exit_m.empty());
+  }
+  trace_beam(belief, BeamSensor{1, 1.0, 0.0, 0.7, 0.01}, {0.25, 0.25}, 0.0, beam);
+  EXPECT_EQ(beam.cell, (std::vector<int>{1}));
+  EXPECT_EQ(beam.occupancy, (std::vector<double>{0.5}));
+  EXPECT_NEAR(beam.exit_m[0], 0.7, 1e-12) << "as far as it reaches";
+}
+
+TEST(Probabilities, AreLogOddsAndBack) {
+  for (const double p : {0.01, 0.3, 0.5, 0.95}) {
+    EXPECT_NEAR(probability_of(log_odds_of(p)), p, 1e-12);
+    EXPECT_NEAR(log_odds_of(1.0 - p), -log_odds_of(p), 1e-12);
+    EXPECT_NEAR(binary_entropy_nats(p), -p * std::log(p) - (1.0 - p) * std::log(1.0 - p), 1e-12);
+  }
+  EXPECT_EQ(binary_entropy_nats(0.0), 0.0);
+  EXPECT_EQ(binary_entropy_nats(1.0), 0.0);
+}
+
 }  // namespace
 }  // namespace vantage::models

@@ -1,5 +1,6 @@
 #include "models/sensor/clutter.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -89,6 +90,49 @@ TEST(SampleClutter, IsPoissonWhereThereIsMuch) {
 TEST(SampleClutter, IsNoneWhereThereIsNone) {
   std::mt19937_64 rng(1);
   EXPECT_TRUE(sample_clutter(sensor_of(SensorKind::kBearing), {}, 0.0, rng).empty());
+}
+
+// As many to the left as to the right, near as far, in the least range's ring and the whole field
+// of view; also of a sensor that sees all round.
+TEST(SampleClutter, IsOnBothSidesOfStraightAhead) {
+  SensorModel sensor = sensor_of(SensorKind::kPosition);
+  sensor.position_sigma_m = 1e-9;
+  for (const double fov_rad : {1.5, 2.0 * kPi}) {
+    sensor.fov_rad = fov_rad;
+    const Viewpoint from{{1.0, 2.0, 2.9}, 0.0};
+    std::mt19937_64 rng(3);
+    double count = 0.0;
+    double sides[4] = {};  // by quarters of the field of view
+    for (int i = 0; i < 3'000; ++i) {
+      for (const Measurement& z : sample_clutter(sensor, from, 2.0, rng)) {
+        const double bearing_rad = std::atan2(z.z(1), z.z(0));
+        ++count;
+        ++sides[std::clamp(static_cast<int>(4.0 * (bearing_rad / fov_rad + 0.5)), 0, 3)];
+      }
+    }
+    for (const double side : sides) {
+      EXPECT_NEAR(side / count, 0.25, 4.0 * std::sqrt(0.1875 / count)) << fov_rad;
+    }
+  }
+}
+
+// Between two ranges and within a field of view of whatever width, seen by a camera or not.
+TEST(ViewArea, IsOfTheRingWithinTheFieldOfView) {
+  SensorModel sensor = sensor_of(SensorKind::kRange);
+  sensor.fov_rad = 2.0 * kPi;
+  EXPECT_NEAR(view_area_m2(sensor, {}), kPi * (9.0 - 0.25), 1e-12);
+  sensor.fov_rad = 7.0;  // more than a turn is one
+  EXPECT_NEAR(view_area_m2(sensor, {}), kPi * (9.0 - 0.25), 1e-12);
+  sensor.kind = SensorKind::kCamera;
+  sensor.camera_tilt_rad = kPi / 2.0;
+  sensor.fov_rad = 1.5;
+  EXPECT_NEAR(view_area_m2(sensor, {{}, 1.0}), 0.75 * (9.0 - 0.25), 1e-9);
+  sensor.camera_tilt_rad = 0.0;  // sees what is a metre ahead or more: not all of its sector
+  sensor.depth_min_m = 1.0;
+  sensor.fov_rad = 2.0 * kPi;
+  const double cap_m2 = 9.0 * std::acos(1.0 / 3.0) - std::sqrt(8.0);
+  EXPECT_NEAR(view_area_m2(sensor, {{}, 1.0}), cap_m2, 0.02 * cap_m2);
+  EXPECT_NEAR(view_area_m2(sensor, {{1.0, 1.0, 2.0}, 1.0}), cap_m2, 0.02 * cap_m2);
 }
 
 }  // namespace

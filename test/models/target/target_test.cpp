@@ -179,5 +179,42 @@ TEST(GrowingUncertainty, GrowsWithTheStepsUnseenAndNotWithTime) {
   EXPECT_EQ(model.process_noise(0.1, 4), model.process_noise(9.0, 4));
 }
 
+// Where h = γ/2 and ω are nearly the same a series stands for the root of their difference: on both
+// sides of where it begins it is e^{−ht} (cosh x + …), to the last digits.
+TEST(DampedOscillator, IsAsExactWhereItNearlySwingsAsElsewhere) {
+  for (const double x : {-9.9e-4, -1.01e-3, -3e-4, 3e-4, 9.9e-4, 1.01e-3}) {
+    constexpr long double kT = 0.5L;
+    constexpr long double kH = 0.8L;
+    const long double D = static_cast<long double>(x) / (kT * kT);
+    const long double k = kH * kH - D;
+    TargetModel model{TargetKind::kDampedOscillator, 2};
+    model.surroundings.damping_per_s.setConstant(2.0 * static_cast<double>(kH));
+    model.surroundings.position_sigma_m.setConstant(2.0);
+    model.surroundings.velocity_sigma_mps.setConstant(2.0 * std::sqrt(static_cast<double>(k)));
+    const long double root = std::sqrt(std::abs(D));
+    const long double even = D > 0.0L ? std::cosh(root * kT) : std::cos(root * kT);
+    const long double odd = (D > 0.0L ? std::sinh(root * kT) : std::sin(root * kT)) / root;
+    const long double e = std::exp(-kH * kT);
+    const StateMatrix A = model.transition(static_cast<double>(kT));
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      EXPECT_NEAR(A(i, i), static_cast<double>(e * (even + kH * odd)), 3e-15) << x;
+      EXPECT_NEAR(A(i, i + 2), static_cast<double>(e * odd), 3e-15) << x;
+      EXPECT_NEAR(A(i + 2, i), static_cast<double>(-k * e * odd), 3e-15) << x;
+      EXPECT_NEAR(A(i + 2, i + 2), static_cast<double>(e * (even - kH * odd)), 3e-15) << x;
+      EXPECT_EQ(A(i, 1 - i), 0.0);
+    }
+  }
+}
+
+TEST(GrowingUncertainty, IsPlannedByWholeStepsButForARounding) {
+  const TargetModel& model = kModels[5];
+  EXPECT_NEAR(model.as_planned(3.0 - 1e-7, 0.5).q, 3.0 * 0.3 / 0.5, 1e-12);
+  EXPECT_NEAR(model.as_planned(3.0 - 1e-5, 0.5).q, 2.0 * 0.3 / 0.5, 1e-12);
+  EXPECT_NEAR(model.as_planned(3.9, 0.25).q, 3.0 * 0.3 / 0.25, 1e-12);
+  for (const int i : {1, 3, 4}) {
+    EXPECT_EQ(kModels[i].as_planned(3.0, 0.5).q, kModels[i].q);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::models

@@ -207,5 +207,57 @@ TEST(RegionCost, SumsOverlappingRegionsWithTheirEdges) {
   EXPECT_EQ(region_cost(world, {5.0, 5.0}), 0.0);
 }
 
+// As many as there is room for are all of them; one more, and none may be left out.
+TEST(NearbyObstacles, SayWhenThereAreMoreThanTheyHold) {
+  World world{{{-50, -50}, {50, 50}}, 3.0, {}, {}};
+  for (std::size_t i = 0; i < NearbyObstacles::kMax; ++i) {
+    const double x_m = 0.1 * static_cast<double>(i);
+    world.obstacles.push_back({{{x_m, 2.0}, {x_m + 0.05, 3.0}}, 1.0});
+  }
+  NearbyObstacles nearby = nearby_obstacles(world, {0.0, 0.0}, 5.0);
+  EXPECT_TRUE(nearby.is_complete);
+  ASSERT_EQ(nearby.count, NearbyObstacles::kMax);
+  for (std::uint32_t i = 0; i < NearbyObstacles::kMax; ++i) {
+    EXPECT_EQ(nearby.indices[i], i);
+  }
+  world.obstacles.push_back({{{20.0, 20.0}, {21.0, 21.0}}, 1.0});  // far away
+  EXPECT_TRUE(nearby_obstacles(world, {0.0, 0.0}, 5.0).is_complete);
+  world.obstacles.push_back({{{-3.0, -3.0}, {-1.0, -1.0}}, 1.0});
+  nearby = nearby_obstacles(world, {0.0, 0.0}, 5.0);
+  EXPECT_FALSE(nearby.is_complete);
+  EXPECT_NEAR(clearance_m(world, nearby, {0.0, 0.0}), std::sqrt(2.0), 1e-12) << "of all of them";
+  // On each side, from just within and just beyond reach.
+  const World one{{{-50, -50}, {50, 50}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
+  for (const double side : {-1.0, 1.0}) {
+    for (const double beyond_m : {-1e-9, 1e-9}) {
+      const std::size_t count = beyond_m < 0.0 ? 1 : 0;
+      EXPECT_EQ(nearby_obstacles(one, {side * (4.0 + beyond_m), 0.0}, 3.0).count, count);
+      EXPECT_EQ(nearby_obstacles(one, {0.0, side * (5.0 + beyond_m)}, 3.0).count, count);
+    }
+  }
+}
+
+// What is outside of the bounds on one side and beside them on the other; and of ways along an
+// axis.
+TEST(SweptClearance, KnowsTheClosedFormsAroundOneBox) {
+  const World world{{{-10, -8}, {10, 8}}, 3.0, {{{{-1, -2}, {1, 2}}, 1.0}}, {}};
+  EXPECT_DOUBLE_EQ(swept_clearance_m(world, {3, -5}, {3, 5}), 2.0);
+  EXPECT_DOUBLE_EQ(swept_clearance_m(world, {-3, 5}, {-3, -5}), 2.0);
+  EXPECT_DOUBLE_EQ(swept_clearance_m(world, {-4, 3}, {4, 3}), 1.0);
+  EXPECT_DOUBLE_EQ(swept_clearance_m(world, {4, -3.5}, {-4, -3.5}), 1.5);
+  EXPECT_DOUBLE_EQ(swept_clearance_m(world, {3, 0}, {9.5, 0}), 0.5) << "the wall is nearer";
+  EXPECT_DOUBLE_EQ(swept_clearance_m(world, {9.5, 1}, {3, 1}), 0.5);
+  EXPECT_DOUBLE_EQ(swept_clearance_m(world, {4, -6}, {4, -6}), 2.0);
+  // Past each corner on a slant: the corner's distance from the line.
+  for (const double sx : {-1.0, 1.0}) {
+    for (const double sy : {-1.0, 1.0}) {
+      EXPECT_NEAR(swept_clearance_m(world, {sx * 4.0, sy * 1.0}, {sx * 0.0, sy * 5.0}),
+                  std::abs(4.0 * (1.0 - 4.0) + 4.0 * (2.0 - 1.0)) / std::hypot(4.0, 4.0), 1e-12);
+    }
+  }
+  EXPECT_LE(swept_clearance_m(world, {-3, 0}, {3, 0.5}), 0.0);
+  EXPECT_LE(swept_clearance_m(world, {9, 0}, {11, 0}), -1.0) << "ends a metre outside";
+}
+
 }  // namespace
 }  // namespace vantage::models

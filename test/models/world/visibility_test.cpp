@@ -179,5 +179,43 @@ TEST(Frontiers, LieOutsideTheFieldOfViewButNotBehindTheBounds) {
   }
 }
 
+// Also where what was seen reaches the edges of the grid: beyond the end of a row nothing is beside
+// the beginning of the next.
+TEST(Frontiers, EndAtTheEdgesOfTheGrid) {
+  const World world{{{0, 0}, {2.0, 1.5}}, 3.0, {}, {}};
+  test::Random random(52);
+  for (int i = 0; i < 200; ++i) {
+    VisibilityGrid grid(world, 0.25, 0.0);
+    const GridGeometry& cells = grid.geometry();
+    std::vector<std::int64_t> stamps(static_cast<std::size_t>(cells.size()));
+    for (std::int64_t& stamp : stamps) {
+      stamp = random.integer(0, 2 + i % 3) == 0 ? to_utime(kNow) : VisibilityGrid::kNeverSeen;
+    }
+    stamps[static_cast<std::size_t>(random.integer(0, cells.size() - 1))] = to_utime(kNow);
+    grid.set_last_seen(stamps);
+    std::vector<Eigen::Vector2d> expected;
+    int explored = 0;
+    for (int index = 0; index < cells.size(); ++index) {
+      const Eigen::Vector2d c_m = cells.centre_m(index);
+      bool beside = false;
+      for (int other = 0; other < cells.size(); ++other) {
+        beside = beside || (stamps[static_cast<std::size_t>(other)] != 0 &&
+                            (cells.centre_m(other) - c_m).norm() < 0.26);
+      }
+      explored += stamps[static_cast<std::size_t>(index)] != 0 ? 1 : 0;
+      if (stamps[static_cast<std::size_t>(index)] == 0 && beside) {
+        expected.push_back(c_m);
+      }
+    }
+    EXPECT_EQ(grid.frontiers(kNow, 0.0), expected);
+    EXPECT_NEAR(grid.explored_share(kNow), static_cast<double>(explored) / cells.size(), 1e-12);
+  }
+}
+
+TEST(VisibilityGrid, IsExploredWhereNothingIsFree) {
+  const World full{{{0, 0}, {1, 1}}, 3.0, {{{{-1, -1}, {2, 2}}, 1.0}}, {}};
+  EXPECT_EQ(VisibilityGrid(full, 0.25, 0.0).explored_share(kNow), 1.0);
+}
+
 }  // namespace
 }  // namespace vantage::models

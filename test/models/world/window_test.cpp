@@ -102,5 +102,66 @@ TEST(GridWindow, TakesNoStampsThatAreNotOfItsCells) {
       << "none is later than the limit";
 }
 
+// And none that does not, but for the nearest where the square is beyond the grid.
+TEST(GridWindow, HasNoCellThatDoesNotReachIntoTheSquare) {
+  const GridGeometry whole = GridGeometry::covering(field().bounds, 0.7);
+  test::Random random(9);
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Vector2d around_m(random.uniform(-40, 60), random.uniform(-40, 60));
+    const double half_m = random.uniform(0.0, 30.0);
+    const GridGeometry part = whole.window(around_m, half_m);
+    for (int axis = 0; axis < 2; ++axis) {
+      const int cells = axis == 0 ? part.columns : part.rows;
+      const double low_m = part.origin_m(axis);
+      const double high_m = low_m + cells * 0.7;
+      if (cells > 1) {
+        EXPECT_GT(low_m + 0.7, around_m(axis) - half_m);
+        EXPECT_LT(high_m - 0.7, around_m(axis) + half_m);
+        continue;
+      }
+      const double begin_m = whole.origin_m(axis);
+      const double end_m = begin_m + (axis == 0 ? whole.columns : whole.rows) * 0.7;
+      const double nearest_m = std::clamp(around_m(axis), begin_m, end_m);
+      EXPECT_LE(low_m - 1e-9, nearest_m);
+      EXPECT_GE(high_m + 1e-9, nearest_m);
+    }
+  }
+}
+
+// Only where both have cells, whichever way one reaches beyond the other; and nothing at all where
+// either has another number of stamps than of cells.
+TEST(MergeStamps, TakesTheNewerWhereBothHaveCells) {
+  const GridGeometry own{{0.0, 0.0}, 0.5, 3, 2};
+  const GridGeometry theirs{{0.5, -0.5}, 0.5, 3, 2};  // two columns and one row in common
+  std::vector<std::int64_t> stamps{1, 2, 3, 4, 5, 6};
+  const std::vector<std::int64_t> others{100, 200, 300, 40, 1, 60};
+  EXPECT_TRUE(merge_stamps(own, stamps, theirs, others, 50));
+  EXPECT_EQ(stamps, (std::vector<std::int64_t>{1, 40, 3, 4, 5, 6}));
+  std::vector<std::int64_t> back = others;
+  EXPECT_TRUE(merge_stamps(theirs, back, own, {1, 2, 3, 4, 5, 6}, kNoLimit));
+  EXPECT_EQ(back, (std::vector<std::int64_t>{100, 200, 300, 40, 3, 60}));
+  std::vector<std::int64_t> short_one{1, 2, 3, 4, 5};
+  EXPECT_FALSE(merge_stamps(own, short_one, theirs, others, 50));
+  EXPECT_EQ(short_one, (std::vector<std::int64_t>{1, 2, 3, 4, 5}));
+  EXPECT_FALSE(merge_stamps(own, stamps, theirs, short_one, 50));
+  const GridGeometry apart{{5.0, 5.0}, 0.5, 3, 2};
+  EXPECT_TRUE(merge_stamps(own, stamps, apart, others, 50));
+  EXPECT_EQ(stamps, (std::vector<std::int64_t>{1, 40, 3, 4, 5, 6}));
+}
+
+TEST(GridWindow, TakesTheSameSquaresForTheSameButForRounding) {
+  const GridGeometry own{{0.0, 0.0}, 0.5, 3, 2};
+  const auto place_of = [&](double x_m, double y_m) {
+    return own.place_of({{x_m, y_m}, 0.5, 1, 1});
+  };
+  ASSERT_TRUE(place_of(1.0 + 5e-10, -1.5 - 5e-10));
+  EXPECT_EQ(*place_of(1.0, -1.5), Eigen::Vector2i(2, -3));
+  EXPECT_FALSE(place_of(1.0 + 5e-9, -1.5));
+  EXPECT_FALSE(place_of(1.0, -1.5 - 5e-9));
+  EXPECT_TRUE(place_of(0.49e8, 0.0));
+  EXPECT_FALSE(place_of(0.51e8, 0.0)) << "a hundred million cells away";
+  EXPECT_FALSE(place_of(0.0, -0.51e8));
+}
+
 }  // namespace
 }  // namespace vantage::models

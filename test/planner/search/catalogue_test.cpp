@@ -8,6 +8,7 @@
 
 #include "core/check.hpp"
 #include "planner/problem/block_kernels.hpp"
+#include "planner/search/astar.hpp"
 #include "scenario/scenario.hpp"
 #include "test/planner/problem/random_problem.hpp"
 
@@ -104,6 +105,138 @@ TEST(Catalogue, DrawsByTheProblemsSeed) {
     ways.insert(once);
   }
   EXPECT_GT(ways.size(), 2U);
+}
+
+// What each is told reaches it: ε and δ where it prunes, the weight where it weighs.
+TEST(Catalogue, TellsEachSearchWhatItIsTold) {
+  AlgorithmOptions options;
+  options.epsilon = 0.6;
+  options.delta_m = 0.8;
+  options.yaw_weight_m_per_rad = 1.7;
+  options.weight = 2.5;
+  const SearchCapacity capacity{20'000, 800'000, 8, 8, 4};
+  int differ = 0;
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    const test::OwnedProblem owned = test::smooth_problem(seed);
+    const auto plan_by = [&](const char* name) {
+      return algorithm_called(name).make(capacity, options)->plan(owned.problem, Deadline::never());
+    };
+    const SearchResult rvi = plan_by("rvi");
+    EXPECT_EQ(rvi.epsilon, 0.6);
+    EXPECT_EQ(rvi.delta_m, 0.8);
+    const SearchResult arvi = plan_by("arvi");
+    ASSERT_GT(arvi.history.size(), 2U);
+    EXPECT_EQ(arvi.history[1].epsilon, 0.6);
+    EXPECT_EQ(arvi.history[1].delta_m, 0.8);
+    const SearchResult aegis = plan_by("aegis");
+    EXPECT_EQ(aegis.epsilon, 0.6);
+    EXPECT_EQ(aegis.delta_m, 0.8);
+    ReducedOptions reduced;
+    reduced.search = ReducedSearch::kSinglePass;
+    reduced.epsilon = 0.6;
+    reduced.delta_m = 0.8;
+    const auto expanded = [&] {
+      return ReducedValueIteration(capacity)
+          .plan(owned.problem, reduced, Deadline::never())
+          .nodes_expanded;
+    };
+    const std::int64_t lightly = expanded();
+    reduced.yaw_weight_m_per_rad = 1.7;
+    const std::int64_t heavily = expanded();
+    EXPECT_EQ(rvi.nodes_expanded, heavily);
+    differ += lightly != heavily ? 1 : 0;
+    BestFirstOptions weighted;
+    weighted.search = BestFirst::kWeightedAStar;
+    weighted.weight = 2.5;
+    const SearchResult wastar = plan_by("wastar");
+    const SearchResult expected =
+        BestFirstSearch(capacity).plan(owned.problem, weighted, Deadline::never());
+    EXPECT_EQ(wastar.work_nodes, expected.work_nodes);
+    EXPECT_EQ(wastar.controls, expected.controls);
+  }
+  EXPECT_GT(differ, 5) << "the weight of a turn hardly mattered";
+}
+
+TEST(Catalogue, SaysWhatEachIsLike) {
+  for (const Algorithm& algorithm : all_algorithms()) {
+    const bool is_beam = algorithm.name == "beam";
+    EXPECT_EQ(algorithm.kept_share, is_beam ? 0.25 : 1.0) << algorithm.name;
+    EXPECT_EQ(algorithm.remembers, algorithm.name == "lawn_mower") << algorithm.name;
+    EXPECT_EQ(algorithm.makes_candidates, algorithm.name == "arvi" || algorithm.name == "rvi")
+        << algorithm.name;
+    const auto search = algorithm.make({1'000, 10'000, 8, 8, 4}, {});
+    EXPECT_EQ(search->peak_bytes(), 0U);
+    std::uint64_t seed = 0;
+    while (test::random_problem(seed).problem.world == nullptr) {
+      ++seed;
+    }
+    const test::OwnedProblem owned = test::random_problem(seed);
+    const std::size_t peak = search->plan(owned.problem, Deadline::nodes(300)).peak_bytes;
+    EXPECT_EQ(search->peak_bytes(), peak) << algorithm.name;
+  }
+  const AlgorithmOptions silent;
+  EXPECT_EQ(silent.epsilon, 1.0);
+  EXPECT_EQ(silent.delta_m, 1.0);
+  EXPECT_EQ(silent.yaw_weight_m_per_rad, 0.3);
+  EXPECT_EQ(silent.weight, 1.0);
+  EXPECT_EQ(silent.sweep.index, 0);
+  EXPECT_EQ(silent.sweep.count, 1);
+}
+
+// Ranges alone of what stands still are mapping; anything else that is seen or moves is not.
+TEST(DefaultAlgorithm, IsAStarForRangesOfWhatStandsStill) {
+  SearchProblem problem;
+  models::SensorModel range;
+  range.kind = models::SensorKind::kRange;
+  models::SensorModel other;
+  const SearchTarget still{{models::TargetKind::kStatic, 2, 0.0}, {}};
+  const SearchTarget moves{{models::TargetKind::kDoubleIntegrator, 2, 0.0}, {}};
+  problem.sensors = {range, range};
+  problem.targets = {still, still};
+  EXPECT_EQ(default_algorithm(problem), "astar");
+  problem.targets = {still, moves};
+  EXPECT_EQ(default_algorithm(problem), "beam");
+  problem.targets = {moves, still};
+  EXPECT_EQ(default_algorithm(problem), "beam");
+  problem.targets = {still};
+  for (const models::SensorKind kind :
+       {models::SensorKind::kBearing, models::SensorKind::kRangeBearing,
+        models::SensorKind::kPosition, models::SensorKind::kCamera}) {
+    other.kind = kind;
+    problem.sensors = {range, other};
+    EXPECT_EQ(default_algorithm(problem), "beam") << kind.name();
+    problem.sensors = {other, range};
+    EXPECT_EQ(default_algorithm(problem), "beam") << kind.name();
+  }
+}
+
+// As many nodes as are kept of those generated, no fewer than twenty thousand, and no more than
+// there is memory for: 260 bytes a node and twelve numbers of nine bytes.
+TEST(CapacityFor, IsWhatIsKeptWithinTheMemory) {
+  SearchProblem problem;
+  problem.targets.resize(3);
+  problem.horizon_steps = 7;
+  problem.teammates.resize(2);
+  const auto nodes = [&](const char* name, std::size_t memory_bytes, std::size_t nodes_max) {
+    const SearchCapacity capacity =
+        capacity_for(algorithm_called(name), problem, memory_bytes, nodes_max);
+    EXPECT_EQ(capacity.targets_max, 3);
+    EXPECT_EQ(capacity.horizon_max, 7);
+    EXPECT_EQ(capacity.teammates_max, 2);
+    EXPECT_EQ(capacity.block_doubles_max, 12 * capacity.nodes_max);
+    return capacity.nodes_max;
+  };
+  constexpr std::size_t kMuch = std::size_t{1} << 40U;
+  constexpr std::size_t kNodeBytes = 260 + 12 * 9;
+  EXPECT_EQ(nodes("arvi", kMuch, 100'000), 100'000U);
+  EXPECT_EQ(nodes("beam", kMuch, 100'000), 25'000U);
+  EXPECT_EQ(nodes("arvi", kMuch, 19'999), 20'000U);
+  EXPECT_EQ(nodes("beam", kMuch, 79'000), 20'000U);
+  EXPECT_EQ(nodes("arvi", 50'000 * kNodeBytes, 100'000), 50'000U);
+  EXPECT_EQ(nodes("arvi", 50'000 * kNodeBytes - 1, 100'000), 49'999U);
+  EXPECT_EQ(nodes("arvi", 10, 100'000), 20'000U);
+  EXPECT_EQ(nodes_within(0.1), 6'000'000U);
+  EXPECT_EQ(nodes_within(1e9), 4'000'000'000U);
 }
 
 }  // namespace

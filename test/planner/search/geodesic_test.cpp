@@ -127,5 +127,117 @@ TEST(GeodesicTable, IsAMetricEvenWhereBoxesTouchWallsAndOverlap) {
   EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
 }
 
+// As the world looks when it is turned by quarters, after it is mirrored if so.
+Eigen::Vector2d seen(const Eigen::Vector2d& p_m, bool is_mirrored, int quarters) {
+  Eigen::Vector2d out = is_mirrored ? Eigen::Vector2d(-p_m.x(), p_m.y()) : p_m;
+  for (int i = 0; i < quarters; ++i) {
+    out = Eigen::Vector2d(-out.y(), out.x());
+  }
+  return out;
+}
+
+models::Rectangle seen(const models::Rectangle& box, bool is_mirrored, int quarters) {
+  const Eigen::Vector2d a = seen(box.min_m, is_mirrored, quarters);
+  const Eigen::Vector2d b = seen(box.max_m, is_mirrored, quarters);
+  return {a.cwiseMin(b), a.cwiseMax(b)};
+}
+
+// Between a box and the wall that it touches there is no way, whichever wall that is: the way leads
+// around the other end, past two corners. Where somebody is outside of the walls there is one.
+TEST(GeodesicTable, HasNoWayBetweenABoxAndAnyWallThatItTouches) {
+  for (int which = 0; which < 8; ++which) {
+    SCOPED_TRACE(which);
+    const auto turned = [&](const auto& it) { return seen(it, which >= 4, which % 4); };
+    models::World world;
+    world.bounds = turned(models::Rectangle{{0.0, 0.0}, {4.0, 6.0}});
+    world.obstacles = {{turned(models::Rectangle{{1.0, 0.0}, {1.5, 3.0}}), 10.0}};
+    const std::vector<Eigen::Vector2d> points{
+        turned(Eigen::Vector2d(0.5, 0.5)), turned(Eigen::Vector2d(2.0, 1.0)),
+        turned(Eigen::Vector2d(0.5, 5.0)), turned(Eigen::Vector2d(3.0, 5.5))};
+    GeodesicTable table(8);
+    table.reset(&world, points);
+    const double around_m = std::hypot(0.5, 2.5) + 0.5 + std::hypot(0.5, 2.0);
+    EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
+    EXPECT_NEAR(table.between_m(1, 0), around_m, 1e-6);
+    EXPECT_NEAR(table.between_m(2, 3), std::hypot(2.5, 0.5), 1e-9);
+    EXPECT_NEAR(table.between_m(0, 2), 4.5, 1e-9);
+    EXPECT_NEAR(table.between_m(2, 1), std::hypot(1.0, 2.0) + std::hypot(0.5, 2.0), 1e-6);
+    // From anywhere, points or not.
+    GeodesicTable::Outlook outlook;
+    table.look_around(turned(Eigen::Vector2d(0.9, 0.1)), outlook);
+    EXPECT_NEAR(table.way_m(outlook, 1), std::hypot(0.1, 2.9) + 0.5 + std::hypot(0.5, 2.0), 1e-6);
+
+    std::vector<Eigen::Vector2d> with_one_outside = points;
+    with_one_outside.push_back(turned(Eigen::Vector2d(2.0, -0.5)));
+    table.reset(&world, with_one_outside);
+    const double below_m = std::hypot(0.5, 0.5) + 0.5 + std::hypot(0.5, 1.0);
+    EXPECT_NEAR(table.between_m(0, 1), below_m, 1e-6);
+    EXPECT_NEAR(table.between_m(0, 4), std::hypot(0.5, 0.5) + std::hypot(1.0, 0.5), 1e-6);
+    // And once more as at first, then without a world.
+    table.reset(&world, points);
+    EXPECT_EQ(table.point_count(), 4);
+    EXPECT_NEAR(table.between_m(0, 1), around_m, 1e-6);
+    table.reset(nullptr, points);
+    EXPECT_NEAR(table.between_m(0, 1), std::hypot(1.5, 0.5), 1e-9);
+    EXPECT_FALSE(table.is_blocked(turned(Eigen::Vector2d(1.2, 1.0))));
+    EXPECT_FALSE(table.is_blocked(turned(Eigen::Vector2d(-9.0, 1.0))));
+  }
+}
+
+TEST(GeodesicTable, SaysWhereNoRobotCanBe) {
+  models::World world;
+  world.bounds = {{-3.0, -2.0}, {3.0, 2.0}};
+  world.obstacles = {{{{-1.0, -1.0}, {0.0, 0.5}}, 10.0}, {{{1.0, 0.0}, {2.0, 1.0}}, 10.0}};
+  GeodesicTable table(8);
+  table.reset(&world, {{0.5, 0.0}});
+  constexpr double kLittle_m = 1e-5;
+  const auto expect_edges = [&](const models::Rectangle& box, bool is_inside_blocked) {
+    const Eigen::Vector2d middle_m = 0.5 * (box.min_m + box.max_m);
+    for (int axis = 0; axis < 2; ++axis) {
+      for (const double side : {-1.0, 1.0}) {
+        Eigen::Vector2d edge_m = middle_m;
+        edge_m(axis) += side * 0.5 * (box.max_m - box.min_m)(axis);
+        Eigen::Vector2d off_m = Eigen::Vector2d::Zero();
+        off_m(axis) = side * kLittle_m;
+        EXPECT_EQ(table.is_blocked(edge_m - off_m), is_inside_blocked) << edge_m.transpose();
+        EXPECT_EQ(table.is_blocked(edge_m + off_m), !is_inside_blocked) << edge_m.transpose();
+        EXPECT_FALSE(table.is_blocked(edge_m)) << "who touches is not in it";
+      }
+    }
+  };
+  expect_edges(world.bounds, false);
+  expect_edges(world.obstacles[0].footprint, true);
+  expect_edges(world.obstacles[1].footprint, true);
+}
+
+// Of more boxes than it keeps the largest are kept, in whatever order they come; a wall without a
+// width is none.
+TEST(GeodesicTable, KeepsTheLargestBoxes) {
+  for (const int first : {0, 3, 8}) {
+    models::World world;
+    world.bounds = {{-50.0, -50.0}, {50.0, 50.0}};
+    std::vector<Eigen::Vector2d> points;
+    for (int i = 0; i < 9; ++i) {
+      const int size = (i + first) % 9;  // 0 is the smallest
+      const double half_m = 0.5 + 0.1 * size;
+      const Eigen::Vector2d middle_m(10.0 * size - 40.0, 0.0);
+      world.obstacles.push_back({{middle_m.array() - half_m, middle_m.array() + half_m}, 10.0});
+    }
+    for (int size = 0; size < 9; ++size) {
+      points.emplace_back(10.0 * size - 40.0, -2.0);
+      points.emplace_back(10.0 * size - 40.0, 2.0);
+    }
+    world.obstacles.push_back({{{-45.0, 1.0}, {45.0, 1.0}}, 10.0});  // a line
+    GeodesicTable table(32);
+    table.reset(&world, points);
+    for (int size = 0; size < 9; ++size) {
+      const double half_m = 0.5 + 0.1 * size;
+      const double around_m = 2.0 * std::hypot(half_m, 2.0 - half_m) + 2.0 * half_m;
+      EXPECT_NEAR(table.between_m(2 * size, 2 * size + 1), size == 0 ? 4.0 : around_m, 1e-5)
+          << size << " of those from " << first;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::planner

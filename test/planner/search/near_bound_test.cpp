@@ -204,5 +204,106 @@ TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
   EXPECT_GT(tight, 20);
 }
 
+/// A target that a robot passes right over in its first step, and the bound of what its controls
+/// let it do after that.
+class PassedOver : public ::testing::Test {
+ protected:
+  PassedOver() {
+    problem_.horizon_steps = 4;
+    problem_.step_s = 1.0;
+    models::SensorModel sensor;
+    sensor.kind = models::SensorKind::kBearing;
+    sensor.range_min_m = 1e-3;
+    sensor.range_max_m = 20.0;
+    problem_.sensors = {sensor};
+    problem_.targets = {spread(1.0, 0.0)};
+  }
+  static SearchTarget spread(double x_m, double y_m) {
+    return {{models::TargetKind::kRandomWalk, 2, 0.5},
+            {Eigen::Vector2d(x_m, y_m), Eigen::Matrix2d::Identity()}};
+  }
+  double bound_with(const std::vector<models::UnicycleControl>& controls) {
+    problem_.controls = controls;
+    reset();
+    std::int64_t work_nodes = 0;
+    return near_.cost(Deadline::never(), work_nodes).cost;
+  }
+  void reset() {
+    beliefs_.reset(problem_);
+    heuristic_.reset(problem_, beliefs_);
+    near_.reset(problem_, beliefs_, heuristic_);
+  }
+  SearchProblem problem_;
+  BeliefTable beliefs_{8, 32};
+  InformationHeuristic heuristic_{8, 32};
+  NearBound near_{8, 32};
+};
+
+// Who has been beside a target is there again one, two or three steps later only if some controls
+// lead back in so many: over a metre's way there and back, around a triangle, or never.
+TEST_F(PassedOver, IsBesideItAgainAfterAsManyStepsAsControlsLeadBackIn) {
+  const double never = bound_with({{1.0, 0.0}});
+  const double after_two = bound_with({{1.0, 0.0}, {1.0, kPi}});
+  const double third_rad = 2.0 * kPi / 3.0;
+  // Chords of a metre along a circle that closes after three of them.
+  const double chord = 0.5 * third_rad / std::sin(0.5 * third_rad);
+  problem_.targets = {spread(0.5, std::sqrt(0.75))};
+  const double after_three = bound_with({{chord, third_rad}});
+  problem_.targets = {spread(1.0, 0.0)};
+  const double always = bound_with({{1.0, 0.0}, {0.0, 0.0}});
+  constexpr double kOneLook = 3.0;  // from right beside it tells so many nats more at least
+  EXPECT_GT(never, after_three + kOneLook);
+  EXPECT_GT(after_three, always + kOneLook);
+  EXPECT_GT(never, after_two + kOneLook);
+  EXPECT_GT(after_two, always + kOneLook);
+}
+
+// Of more than a dozen controls it is not worked out where three lead: anywhere then.
+TEST_F(PassedOver, MayBeAnywhereInThreeStepsOfManyControls) {
+  std::vector<models::UnicycleControl> controls(12, {1.0, 0.0});
+  const double few = bound_with(controls);
+  EXPECT_EQ(bound_with({{1.0, 0.0}}), few);
+  controls.push_back({1.0, 0.0});
+  EXPECT_LT(bound_with(controls), few - 3.0);
+}
+
+// Planar targets that move or spread, over thirty steps at most.
+TEST_F(PassedOver, IsOfThoseThatMoveOrSpread) {
+  problem_.targets = {spread(1.0, 0.0), spread(2.0, 0.0), spread(3.0, 0.0), spread(4.0, 0.0)};
+  problem_.targets[0].model.kind = models::TargetKind::kStatic;
+  problem_.targets[1].model.q = 0.0;
+  problem_.targets[2].model.position_dim = 3;
+  problem_.targets[2].prior = {Eigen::Vector3d(3.0, 0.0, 0.0), Eigen::Matrix3d::Identity()};
+  problem_.controls = {{1.0, 0.0}};
+  reset();
+  EXPECT_EQ(near_.takes_part(), (std::vector<std::uint8_t>{0, 0, 0, 1}));
+  problem_.horizon_steps = 30;
+  reset();
+  EXPECT_FALSE(near_.is_empty());
+  problem_.horizon_steps = 31;
+  reset();
+  EXPECT_TRUE(near_.is_empty());
+  EXPECT_EQ(near_.takes_part(), (std::vector<std::uint8_t>(4, 0)));
+  problem_.horizon_steps = 4;
+  problem_.fixed_information.assign(
+      4, std::vector<models::PositionMatrix>(4, Eigen::Matrix2d::Identity()));
+  problem_.fixed_information[2].assign(4, Eigen::Matrix3d::Identity());
+  reset();
+  EXPECT_TRUE(near_.is_empty()) << "teammates look at all of them";
+}
+
+// Two targets that a step leads from one to the other of, and two that none does: beside both, or
+// beside one of them.
+TEST_F(PassedOver, IsBesideAnotherOnlyWhereAStepLeads) {
+  const auto bound_of = [&](double apart_m) {
+    problem_.targets = {spread(1.0, 0.0), spread(1.0 + apart_m, 0.0)};
+    return bound_with({{1.0, 0.0}});
+  };
+  const double both = bound_of(1.0);
+  for (const double apart_m : {0.6, 1.3, 1.6}) {
+    EXPECT_GT(bound_of(apart_m), both + 1.0) << apart_m;
+  }
+}
+
 }  // namespace
 }  // namespace vantage::planner

@@ -101,5 +101,181 @@ TEST(ReachLattice, HasTheCellsThatCanBeReachedAndNoneBeyondThem) {
   }
 }
 
+SearchProblem with_turns(const std::vector<double>& turns_rad, int horizon_steps) {
+  SearchProblem problem;
+  problem.horizon_steps = horizon_steps;
+  problem.step_s = 0.5;
+  for (const double turn_rad : turns_rad) {
+    problem.controls.push_back({1.0, turn_rad / problem.step_s});
+  }
+  return problem;
+}
+
+// The unit is the largest angle that all turns are whole multiples of, of those that the least of
+// them is one to four of; both ways round.
+TEST(ReachLattice, FindsTheUnitOfItsTurns) {
+  ReachLattice lattice(8);
+  const auto expect = [&](const std::vector<double>& turns_rad, double unit_rad,
+                          const std::vector<int>& turns) {
+    ASSERT_TRUE(lattice.reset(with_turns(turns_rad, 2)));
+    EXPECT_NEAR(lattice.unit_rad(), unit_rad, 1e-12);
+    for (std::size_t c = 0; c < turns.size(); ++c) {
+      EXPECT_EQ(lattice.turn(c), turns[c]) << c;
+    }
+    EXPECT_NEAR(lattice.step_m(), 0.5, 2.0 * ReachLattice::kEdge_m) << "the longest chord";
+  };
+  expect({0.0}, 1.0, {0});
+  expect({0.0, 0.3, -0.3}, 0.3, {0, 1, -1});
+  expect({0.6, -0.3, 0.0}, 0.3, {2, -1, 0});
+  expect({0.0, 0.3, -0.45}, 0.15, {0, 2, -3});
+  expect({0.0, -0.3, 0.4}, 0.1, {0, -3, 4});
+  expect({0.0, 0.4, 0.5}, 0.1, {0, 4, 5});
+  EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.5, 0.6}, 2))) << "five parts are too many";
+  EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2)));
+  EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2))) << "asked again";
+  expect({0.0, 0.3, -0.3}, 0.3, {0, 1, -1});
+  // Of headings there may be a thousand, and of planes two.
+  SearchProblem many = with_turns({0.0, 0.01, 0.2}, 8);  // twenty units a step at most
+  EXPECT_TRUE(lattice.reset(many));
+  many.horizon_steps = 9;
+  EXPECT_TRUE(lattice.reset(many)) << "1810 planes";
+  many.horizon_steps = 10;
+  EXPECT_FALSE(lattice.reset(many)) << "2211 planes";
+  EXPECT_TRUE(lattice.reset(with_turns({0.0, 1e-3, 0.511}, 1))) << "1023 headings";
+  EXPECT_FALSE(lattice.reset(with_turns({0.0, 1e-3, 0.512}, 1))) << "1025 headings";
+}
+
+// What is tabled is of the controls, the length of a step and the horizon that it is asked for.
+TEST(ReachLattice, TablesAnewWhateverOfTheThreeChanges) {
+  const SearchProblem first = with_turns({0.0, 0.4, -0.4}, 3);
+  ReachLattice lattice(8);
+  const auto expect_as_new = [&](const SearchProblem& problem) {
+    ReachLattice fresh(8);
+    ASSERT_EQ(lattice.reset(problem), fresh.reset(problem));
+    EXPECT_EQ(lattice.unit_rad(), fresh.unit_rad());
+    EXPECT_EQ(lattice.step_m(), fresh.step_m());
+    const auto* const is = lattice.layout(problem.horizon_steps, 50'000, 50'000);
+    const auto* const expected = fresh.layout(problem.horizon_steps, 50'000, 50'000);
+    ASSERT_NE(is, nullptr);
+    EXPECT_EQ(is->cell_m, expected->cell_m);
+    EXPECT_EQ(is->planes.size(), expected->planes.size());
+    EXPECT_EQ(is->levels.size(), expected->levels.size());
+    EXPECT_EQ(is->shifts.size(), expected->shifts.size());
+    EXPECT_EQ(is->levels.back().begin + is->levels.back().size,
+              expected->levels.back().begin + expected->levels.back().size);
+  };
+  expect_as_new(first);
+  SearchProblem other = first;
+  other.step_s = 0.7;
+  expect_as_new(other);
+  other.horizon_steps = 4;
+  expect_as_new(other);
+  other.controls[1].speed_mps = 3.0;
+  expect_as_new(other);
+  other.controls.pop_back();
+  expect_as_new(other);
+  expect_as_new(first);
+}
+
+// The finest that is not too large, neither in all nor at any depth.
+TEST(ReachLattice, IsAsFineAsThereIsRoomFor) {
+  const SearchProblem problem = with_turns({0.0, 0.4, -0.4}, 4);
+  ReachLattice lattice(8);
+  ASSERT_TRUE(lattice.reset(problem));
+  constexpr std::size_t kEnough = 1U << 30U;
+  for (const int steps : {3, 4}) {
+    double last_m = 0.0;
+    std::size_t room = kEnough;
+    std::size_t level_room = kEnough;
+    for (const double ratio : ReachLattice::kCellsPerStep) {
+      const ReachLattice::Layout* const layout = lattice.layout(steps, room, kEnough);
+      ASSERT_NE(layout, nullptr);
+      EXPECT_EQ(lattice.layout(steps, kEnough, level_room), layout);
+      EXPECT_NEAR(layout->cell_m, lattice.step_m() / ratio, 1e-12);
+      EXPECT_GT(layout->cell_m, last_m);
+      last_m = layout->cell_m;
+      std::size_t cells = 0;
+      std::size_t level_cells = 0;
+      for (int t = 1; t <= steps; ++t) {
+        const ReachLattice::Level& level = layout->levels[static_cast<std::size_t>(t)];
+        EXPECT_EQ(level.begin, cells);
+        std::size_t in_level = 0;
+        for (int n = -level.turns; n <= level.turns; ++n) {
+          EXPECT_EQ(layout->plane(t, n).begin, in_level);
+          in_level += layout->plane(t, n).size();
+        }
+        EXPECT_EQ(level.size, in_level);
+        cells += in_level;
+        level_cells = in_level;
+      }
+      EXPECT_EQ(lattice.layout(steps, cells, level_cells), layout) << "just enough";
+      room = cells - 1;
+      level_room = level_cells - 1;
+    }
+    EXPECT_EQ(lattice.layout(steps, room, kEnough), nullptr);
+    EXPECT_EQ(lattice.layout(steps, kEnough, level_room), nullptr);
+  }
+}
+
+// From wherever in a cell a control starts, it ends in one of the four cells that it leads to, and
+// those are on the plane of the next depth.
+TEST(ReachLattice, LeadsFromACellToTheFourThatTheMovedOneTouches) {
+  const SearchProblem problem = with_turns({0.0, 0.7, -1.4}, 4);
+  ReachLattice lattice(8);
+  ASSERT_TRUE(lattice.reset(problem));
+  const ReachLattice::Layout* const layout = lattice.layout(4, 30'000, 30'000);
+  ASSERT_NE(layout, nullptr);
+  const double cell_m = layout->cell_m;
+  int moved = 0;
+  for (int t = 1; t < 4; ++t) {
+    const ReachLattice::Level& level = layout->levels[static_cast<std::size_t>(t)];
+    for (int n = -level.turns; n <= level.turns; ++n) {
+      const ReachLattice::Plane& plane = layout->plane(t, n);
+      for (std::size_t u = 0; u < lattice.ends().size() && plane.size() > 0; ++u) {
+        const ReachLattice::Shift& shift = lattice.shift(*layout, n, u);
+        const ReachLattice::Plane& next = layout->plane(t + 1, n + lattice.turn(u));
+        for (int j = plane.low; j <= plane.high; ++j) {
+          const ReachLattice::Row row = ReachLattice::row(plane, j);
+          for (int i = row.left; i <= row.right; ++i) {
+            for (int corner = 0; corner < 4; ++corner) {
+              const double half = 0.4999;  // of a cell
+              const Pose2 from{cell_m * (i + (corner % 2 == 0 ? half : -half)),
+                               cell_m * (j + (corner < 2 ? half : -half)), n * lattice.unit_rad()};
+              const Pose2 to = models::step_unicycle(from, problem.controls[u], problem.step_s);
+              const int x = static_cast<int>(std::lround(to.x_m / cell_m)) - i - shift.x;
+              const int y = static_cast<int>(std::lround(to.y_m / cell_m)) - j - shift.y;
+              ASSERT_TRUE(x >= 0 && x <= 1 && y >= 0 && y <= 1) << x << ' ' << y;
+            }
+            ASSERT_TRUE(next.has(i + shift.x, j + shift.y));
+            ASSERT_TRUE(next.has(i + shift.x + 1, j + shift.y + 1));
+            ++moved;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(moved, 1'000);
+}
+
+TEST(ReachLattice, NumbersTheCellsOfABoxRowByRow) {
+  ReachLattice::Plane plane;
+  plane.left = -3;
+  plane.bottom = 2;
+  plane.width = 4;
+  plane.height = 2;
+  EXPECT_EQ(plane.size(), 8U);
+  std::ptrdiff_t next = 0;
+  for (int j = 2; j < 4; ++j) {
+    for (int i = -3; i < 1; ++i) {
+      EXPECT_TRUE(plane.has(i, j));
+      EXPECT_EQ(plane.at(i, j), next++);
+    }
+  }
+  EXPECT_FALSE(plane.has(-4, 2));
+  EXPECT_FALSE(plane.has(1, 2));
+  EXPECT_FALSE(plane.has(0, 1));
+  EXPECT_FALSE(plane.has(0, 4));
+}
+
 }  // namespace
 }  // namespace vantage::planner

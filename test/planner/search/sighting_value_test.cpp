@@ -77,5 +77,70 @@ TEST_F(Sighting, ComesAsManyStepsLaterAsTheWayAndTheTurnTake) {
   EXPECT_GT(late, 50);
 }
 
+// Of several the best; what several sensors tell adds up, the farthest and the widest say when.
+TEST_F(Sighting, IsOfTheBestOfAllTargetsBySensorsTogether) {
+  const double near = at(4.0, 1.0, 2);
+  ASSERT_GT(near, 0.0);
+  SearchTarget vague = problem_.targets[0];
+  vague.prior.mean = Eigen::Vector2d(8.0, 0.0);
+  vague.prior.covariance *= 50.0;
+  problem_.targets.insert(problem_.targets.begin(), vague);
+  reset();
+  const double both = at(4.0, 1.0, 2);
+  problem_.targets.pop_back();
+  reset();
+  const double far = at(4.0, 1.0, 2);
+  EXPECT_EQ(both, std::max(near, far));
+  EXPECT_GT(std::abs(near - far), 1.0);
+
+  problem_.targets = {{{models::TargetKind::kStatic, 2, 0.0},
+                       {Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}}};
+  models::SensorModel range = sensor_;
+  range.kind = models::SensorKind::kRange;
+  range.range_max_m = 5.0;
+  models::SensorModel wide = sensor_;
+  wide.kind = models::SensorKind::kRange;
+  wide.range_max_m = 1.0;
+  wide.fov_rad = kPi;
+  const models::PositionVector target_m = Eigen::Vector2d::Zero();
+  for (const bool turned : {false, true}) {
+    problem_.sensors = {sensor_, range, wide};
+    if (turned) {
+      std::reverse(problem_.sensors.begin(), problem_.sensors.end());
+    }
+    reset();
+    Eigen::Matrix2d M = Eigen::Matrix2d::Zero();  // each from half its own range
+    for (const models::SensorModel& each : problem_.sensors) {
+      M += models::information(each, {{-0.5 * each.range_max_m, 0.0, 0.0}, 0.0}, target_m);
+    }
+    const double look = std::log((Eigen::Matrix2d::Identity() + M).determinant());
+    EXPECT_NEAR(at(1.0, 0.0, 0), look * 12.0, 1e-9);
+    // A metre and a half beyond five metres, half a radian beyond a quarter turn.
+    const double steps = (1.5 + 0.5 / 2.0) / problem_.step_s;
+    EXPECT_NEAR(at(6.5, 0.5 * kPi + 0.5, 0), look * (13.0 - steps), 1e-9);
+    EXPECT_NEAR(at(6.5, -0.5 * kPi - 0.5, 0), look * (13.0 - steps), 1e-9);
+  }
+}
+
+// A target in space is looked at from where the robot flies; and who cannot move waits for nobody.
+TEST_F(Sighting, IsFromTheHeightOfTheRobotAndForWhoGetsThere) {
+  problem_.height_m = 1.2;
+  Eigen::Vector3d place_m(0.0, 0.0, 0.5);
+  problem_.targets = {
+      {{models::TargetKind::kStatic, 3, 0.0}, {place_m, Eigen::Matrix3d::Identity()}}};
+  reset();
+  const models::PositionVector target_m = place_m;
+  const Eigen::Matrix3d M = models::information(sensor_, {{-1.5, 0.0, 0.0}, 1.2}, target_m);
+  const double look = std::log((Eigen::Matrix3d::Identity() + M).determinant());
+  EXPECT_NEAR(at(1.0, 0.0, 0), look * 12.0, 1e-9);
+  problem_.controls = {{0.0, 2.0}};
+  reset();
+  EXPECT_NEAR(at(2.9, 0.0, 0), look * 12.0, 1e-9);
+  EXPECT_EQ(at(3.1, 0.0, 0), 0.0);
+  problem_.controls = {{1.0, 0.0}};
+  reset();
+  EXPECT_NEAR(at(2.9, 2.0, 0), look * 12.0, 1e-9) << "that it cannot turn is not held against it";
+}
+
 }  // namespace
 }  // namespace vantage::planner
