@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/check.hpp"
 #include "planner/robot/robot_planner.hpp"
 #include "planner/robot/trajectory_tools.hpp"
 #include "test/planner/robot/team_scenario.hpp"
@@ -222,6 +223,72 @@ TEST(MapPlanner, HasAPlanAtEveryBudgetABetterOneWithMoreAndTheSameAgain) {
     }
   }
   EXPECT_GE(improved, 5);
+}
+
+// Optimal when it came to its end with all steps, of no bound otherwise; what it says of itself is
+// what it looked at.
+TEST(MapPlanner, SaysWhatItHasProven) {
+  Random random(5405);
+  const scenario::Scenario scenario = mapping_scenario();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  int proven = 0;
+  for (int i = 0; i < 6; ++i) {
+    const Bench bench(scenario, random);
+    MapPlanner planner(scenario);
+    for (const bool is_limited : {false, true}) {
+      const MapPlan plan = planner.plan(bench.problem, bench.map.team_looks, bench.teammates,
+                                        is_limited ? Deadline::nodes(60) : Deadline::never());
+      const SearchResult& result = plan.result;
+      const bool is_cut = is_limited && result.work_nodes == 60;
+      const bool is_best = !is_cut && result.moving_steps == bench.problem.horizon_steps;
+      proven += is_best ? 1 : 0;
+      EXPECT_EQ(result.epsilon, is_best ? 0.0 : kInfinite);
+      EXPECT_EQ(result.delta_m, is_best ? 0.0 : kInfinite);
+      EXPECT_EQ(result.passes, is_best ? 1 : 0);
+      EXPECT_EQ(result.lower_bound, is_best ? result.cost : -kInfinite);
+      EXPECT_EQ(result.stop_reason, is_cut ? StopReason::kDeadline : StopReason::kFinished);
+      EXPECT_LT(result.nodes_generated, result.work_nodes);
+      EXPECT_TRUE(result.nodes_generated >= bench.problem.horizon_steps || !is_best) << i;
+      EXPECT_EQ(static_cast<int>(result.controls.size()), result.moving_steps);
+      EXPECT_GE(plan.gain_nats, 0.0);
+    }
+  }
+  EXPECT_GT(proven, 2);
+}
+
+// At 1 m/s it takes 25 cm to stop: 40 cm before the wall that is no plan, and at rest it is one.
+TEST(MapPlanner, FindsNothingWhereItCannotEvenStop) {
+  Random random(5406);
+  const scenario::Scenario scenario = mapping_scenario();
+  Bench bench(scenario, random);
+  bench.problem.teammates.clear();
+  bench.problem.start = {3.6, 0.0, 0.0};
+  MapPlanner planner(scenario);
+  for (const double speed_mps : {1.0, 0.0}) {
+    bench.problem.start_speed_mps = speed_mps;
+    const MapPlan plan = planner.plan(bench.problem, {}, {}, Deadline::never());
+    EXPECT_EQ(plan.result.found, speed_mps == 0.0);
+    EXPECT_EQ(plan.result.moving_steps, 0);
+    EXPECT_EQ(plan.result.lower_bound, -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(plan.gain_nats, 0.0) << "it has looked from there already";
+  }
+}
+
+// Nothing heard is nothing looked at; looks of another ground are none of this one's.
+TEST(MapPlanner, TakesLooksOfEachCellOrNone) {
+  Random random(5407);
+  const scenario::Scenario scenario = mapping_scenario();
+  const Bench bench(scenario, random);
+  MapPlanner planner(scenario);
+  const auto cost = [&](const models::Looks& looks) {
+    return planner.plan(bench.problem, looks, bench.teammates, Deadline::nodes(300)).result.cost;
+  };
+  models::Looks looks(bench.map.team_looks.size(), 0);
+  EXPECT_EQ(cost({}), cost(looks));
+  looks.pop_back();
+  EXPECT_THROW(cost(looks), UsageError);
+  looks.resize(bench.map.team_looks.size() + 1, 0);
+  EXPECT_THROW(cost(looks), UsageError);
 }
 
 TEST(RobotPlanner, MapsWithTheSameLadder) {

@@ -1,6 +1,7 @@
 #include "planner/mapping/mapping_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
@@ -209,6 +210,131 @@ TEST(MappingSearch, KeepsApartFromTheTeammatesItPlansAgainst) {
       ASSERT_GE((routes[0].poses[t].position_m() - routes[1].poses[t].position_m()).norm(), 0.5);
     }
   }
+}
+
+// Both drive each step straight and evenly: sampled there, and whoever has no route, or whose route
+// is over, is in nobody's way.
+TEST(MappingSearch, FindsTheBestOfTheRoutesThatKeepApart) {
+  test::Random random(4712);
+  int refused = 0;
+  int compared = 0;
+  for (int i = 0; i < 20; ++i) {
+    Bench bench(random, 3, 0.5);
+    bench.options.separation_m = 0.5;
+    MappingSearch search(bench.views, bench.drive, bench.options);
+    const MapRoute mate = search.plan(bench.starts[0], {});
+    const MapRoute brief{bench.starts[2], {0}, {bench.starts[2]}, 0.0, 0};
+    const std::vector<const MapRoute*> fixed{&mate, nullptr, &brief};
+    const auto least_m = [&](const MapRoute& route) {
+      double nearest_m = std::numeric_limits<double>::infinity();
+      for (const MapRoute* other : {&mate, &brief}) {
+        for (std::size_t step = 0; step < std::min<std::size_t>(3, other->poses.size()); ++step) {
+          const auto along_m = [&](const MapRoute& way, double share) -> Eigen::Vector2d {
+            const Pose2& from = step == 0 ? way.start : way.poses[step - 1];
+            return (1.0 - share) * from.position_m() + share * way.poses[step].position_m();
+          };
+          for (int k = 0; k <= 400; ++k) {
+            nearest_m = std::min(nearest_m,
+                                 (along_m(route, k / 400.0) - along_m(*other, k / 400.0)).norm());
+          }
+        }
+      }
+      return nearest_m;
+    };
+    const double before_nats = search.value(fixed);
+    const auto worth_nats = [&](const MapRoute& route) {
+      return search.value(std::vector<const MapRoute*>{&mate, &brief, &route}) - before_nats -
+             0.5 * std::min(16.0, bench.drive.to_frontier_m(route.poses.back().position_m()));
+    };
+    double best_nats = -std::numeric_limits<double>::infinity();
+    bool is_close = false;
+    for (const MapRoute& route : all_routes(bench, bench.starts[1])) {
+      const double apart_m = least_m(route);
+      is_close = is_close || std::abs(apart_m - 0.5) < 1e-4;  // as far as samples can tell
+      refused += apart_m < 0.5 ? 1 : 0;
+      best_nats = apart_m < 0.5 ? best_nats : std::max(best_nats, worth_nats(route));
+    }
+    if (is_close) {
+      continue;
+    }
+    const MapRoute plan = search.plan(bench.starts[1], fixed);
+    EXPECT_EQ(plan.controls.empty(), std::isinf(best_nats)) << i;
+    if (std::isfinite(best_nats)) {
+      ++compared;
+      EXPECT_NEAR(worth_nats(plan), best_nats, 1e-9) << i;
+      EXPECT_NEAR(plan.worth_nats, best_nats, 1e-9) << i;
+    }
+  }
+  EXPECT_GT(compared, 5);
+  EXPECT_GT(refused, 50);
+}
+
+// Where not every route may end: the best of all steps that may; else the longest that may, of
+// these the best, and it stands still behind it; else it stays.
+TEST(MappingSearch, EndsWhereItMay) {
+  test::Random random(4713);
+  std::vector<int> ended(4, 0);
+  for (int i = 0; i < 60; ++i) {
+    Bench bench(random, 3, 0.5);
+    const int steps_max = i % 4;
+    const auto may_end = [&](const Pose2& at, int control, int steps) {
+      const int draw = static_cast<int>(std::floor(8.0 * at.x_m)) + 3 * control + steps;
+      return steps <= steps_max && draw % 3 == 0;
+    };
+    MappingSearchOptions options = bench.options;
+    options.may_end = may_end;
+    MappingSearch search(bench.views, bench.drive, options);
+    const auto worth_nats = [&](const MapRoute& route) {
+      return search.value(std::vector<const MapRoute*>{&route}) -
+             0.5 * std::min(16.0, bench.drive.to_frontier_m(route.poses.back().position_m()));
+    };
+    double best_nats = -std::numeric_limits<double>::infinity();
+    std::size_t steps = 0;
+    for (std::size_t length = 3; length > 0 && steps == 0; --length) {
+      bench.options.horizon_steps = static_cast<int>(length);
+      for (const MapRoute& route : all_routes(bench, bench.starts[0])) {
+        if (may_end(route.poses.back(), route.controls.back(), static_cast<int>(length))) {
+          steps = length;
+          best_nats = std::max(best_nats, worth_nats(route));
+        }
+      }
+    }
+    const MapRoute plan = search.plan(bench.starts[0], {});
+    ++ended[steps];
+    ASSERT_EQ(plan.controls.size(), steps) << i;
+    ASSERT_EQ(plan.poses.size(), 3U);
+    const Pose2 end = steps == 0 ? plan.start : plan.poses[steps - 1];
+    EXPECT_EQ(plan.start, bench.starts[0]);
+    for (std::size_t step = steps; step < 3; ++step) {
+      EXPECT_EQ(plan.poses[step], end) << i;
+    }
+    const double gain_nats = search.value(std::vector<const MapRoute*>{&plan});
+    EXPECT_NEAR(plan.gain_nats, gain_nats, 1e-9) << i;
+    EXPECT_NEAR(plan.worth_nats, worth_nats(plan), 1e-9) << i;
+    if (steps > 0) {
+      EXPECT_NEAR(worth_nats(plan), best_nats, 1e-9) << i;
+    }
+    EXPECT_FALSE(plan.is_cut);
+  }
+  for (const int count : ended) {
+    EXPECT_GT(count, 3);
+  }
+}
+
+// Each against those before it in the order that is given; who is not in it has no route.
+TEST(MappingSearch, PlansARobotAfterAnotherInTheOrderGiven) {
+  test::Random random(4714);
+  Bench bench(random, 2, 0.5);
+  MappingSearch search(bench.views, bench.drive, bench.options);
+  const MapRoute third = search.plan(bench.starts[2], {});
+  const MapRoute first = search.plan(bench.starts[0], std::vector<const MapRoute*>{&third});
+  const std::vector<MapRoute> routes =
+      search.coordinate_descent(bench.starts, std::vector<int>{2, 0});
+  ASSERT_EQ(routes.size(), 4U);
+  EXPECT_EQ(routes[2].controls, third.controls);
+  EXPECT_EQ(routes[0].controls, first.controls);
+  EXPECT_EQ(routes[0].gain_nats, first.gain_nats);
+  EXPECT_TRUE(routes[1].poses.empty() && routes[3].poses.empty());
 }
 
 TEST(MappingSearch, StandsStillWhereNothingIsAllowed) {

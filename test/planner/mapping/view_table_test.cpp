@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -152,6 +154,161 @@ TEST(MapCoverage, GainsBetweenNothingAndTheWholeView) {
       ASSERT_LE(gain_nats, view.nats + 1e-12);
     }
   });
+}
+
+/// One beam as the documentation parts it: its information over its cells, by P(it comes there)
+/// · o (1 − o).
+struct Traced {
+  double nats = 0.0;
+  std::map<int, double> nats_of;  ///< by cell
+};
+
+/// The beams of a scan from the middle of a cell that tell anything.
+std::vector<Traced> traced(const OccupancyBelief& belief, const BeamSensor& sensor,
+                           const Eigen::Vector2d& from_m, double yaw_rad, BeamMeasure measure) {
+  std::vector<Traced> beams;
+  for (int beam = 0; beam < sensor.beams; ++beam) {
+    models::BeamProfile profile;
+    models::trace_beam(belief, sensor, from_m, yaw_rad + sensor.bearing_rad(beam), profile);
+    std::vector<double> weights;
+    double comes_there = 1.0;
+    double sum = 0.0;
+    for (const double o : profile.occupancy) {
+      weights.push_back(comes_there * o * (1.0 - o));
+      sum += weights.back();
+      comes_there *= 1.0 - o;
+    }
+    if (sum > 0.0) {
+      Traced& one = beams.emplace_back();
+      one.nats = measure == BeamMeasure::kCsqmi ? models::csqmi(profile, sensor, 6.0).nats
+                                                : models::fsmi(profile, sensor, {}, 6.0).nats;
+      for (std::size_t k = 0; k < weights.size(); ++k) {
+        if (weights[k] > 0.0) {
+          one.nats_of[profile.cell[k]] = one.nats * weights[k] / sum;
+        }
+      }
+    }
+  }
+  return beams;
+}
+
+/// What is told of each cell, and by how much a beam more adds to it.
+class Told {
+ public:
+  Told(BeamDependence dependence, double dependent_share)
+      : dependence_(dependence), dependent_share_(dependent_share) {}
+
+  double add(const Traced& beam) {
+    double rise_nats = 0.0;
+    double known_nats = 0.0;
+    for (const auto& [cell, nats] : beam.nats_of) {
+      rise_nats += std::max(0.0, nats - nats_of_[cell]);
+      known_nats += std::min(nats, nats_of_[cell]);
+    }
+    if (dependence_ == BeamDependence::kDropBeams) {
+      if (known_nats >= dependent_share_ * beam.nats) {
+        return 0.0;
+      }
+      rise_nats = beam.nats;
+    }
+    for (const auto& [cell, nats] : beam.nats_of) {
+      nats_of_[cell] = std::max(nats_of_[cell], nats);
+    }
+    return rise_nats;
+  }
+
+ private:
+  BeamDependence dependence_;
+  double dependent_share_;
+  std::map<int, double> nats_of_;
+};
+
+// A scan, and scans one after another, by the two rules as they are stated; turned too, where it
+// does not see all around.
+TEST(ViewTable, CountsBeamsByItsTwoRules) {
+  test::Random random(4507);
+  for (int i = 0; i < 36; ++i) {
+    ViewOptions options;
+    options.measure = i / 4 % 2 == 0 ? BeamMeasure::kCsqmi : BeamMeasure::kFsmi;
+    options.dependence = i % 4 == 0 ? BeamDependence::kBestOfCell : BeamDependence::kDropBeams;
+    options.dependent_share = i % 3 == 0 ? 0.2 : i % 3 == 1 ? 0.55 : 0.95;
+    BeamSensor sensor = kCircle;
+    if (i % 5 > 1) {
+      sensor = {7, 1.5, 0.0, 1.5, 0.01};
+    }
+    const OccupancyBelief belief = test::random_map(random, kGrid, 0.05);
+    ViewTable table(belief, sensor, options);
+    MapCoverage coverage(kGrid.size());
+    Told team(options.dependence, options.dependent_share);
+    std::int64_t cells = 0;
+    std::set<std::pair<int, int>> views;
+    for (int k = 0; k < 4; ++k) {
+      const int cell = (18 + k / 2) * kGrid.columns + 20 + k % 2;
+      const int sector = i % 5 > 1 ? random.integer(-14, 14) : 0;
+      const Eigen::Vector2d at_m = kGrid.centre_m(cell);
+      const double yaw_rad = (sector + 28) % 28 * (2.0 * kPi / 28.0);
+      Told alone(options.dependence, options.dependent_share);
+      double nats = 0.0;
+      double gain_nats = 0.0;
+      for (const Traced& beam : traced(belief, sensor, at_m, yaw_rad, options.measure)) {
+        const double rise_nats = alone.add(beam);
+        nats += rise_nats;
+        if (options.dependence == BeamDependence::kBestOfCell || rise_nats > 0.0) {
+          gain_nats += team.add(beam);  // who was dropped within its scan is not there for others
+        }
+      }
+      const BeamView& view = table.view({at_m.x(), at_m.y(), sector * (2.0 * kPi / 28.0)});
+      ASSERT_NEAR(view.nats, nats, 1e-9) << i << ' ' << k;
+      ASSERT_NEAR(coverage.add(view, options), gain_nats, 1e-9) << i << ' ' << k;
+      if (views.emplace(cell, (sector + 28) % 28).second) {
+        for (int beam = 0; beam < sensor.beams; ++beam) {
+          models::BeamProfile profile;
+          models::trace_beam(belief, sensor, at_m, yaw_rad + sensor.bearing_rad(beam), profile);
+          cells += profile.size();
+        }
+      }
+      EXPECT_EQ(table.beam_cells(), cells);
+      EXPECT_EQ(table.views(), static_cast<std::int64_t>(views.size()));
+    }
+  }
+}
+
+// Five beams: headings are rounded to twentieths of a turn, the last of which is the first again.
+TEST(ViewTable, TellsHeadingsApartByTheSpacingOfItsBeams) {
+  const OccupancyBelief belief(kGrid, 3.0);
+  const Eigen::Vector2d at_m = kGrid.centre_m(820);
+  const double sector_rad = 2.0 * kPi / 20.0;
+  for (const double field_of_view_rad : {1.5, 2.0 * kPi - 1e-6, 2.0 * kPi}) {
+    ViewTable table(belief, {5, field_of_view_rad, 0.0, 1.5, 0.01}, {});
+    const auto view = [&](double yaw_rad, double x_m = 0.0, double y_m = 0.0) {
+      return &table.view({at_m.x() + x_m, at_m.y() + y_m, yaw_rad});
+    };
+    const bool is_all_around = field_of_view_rad == 2.0 * kPi;
+    std::set<const BeamView*> different;
+    for (int k = -10; k <= 10; ++k) {
+      const double yaw_rad = k * sector_rad;
+      different.insert(view(yaw_rad));
+      EXPECT_EQ(view(yaw_rad + 0.49 * sector_rad), view(yaw_rad)) << k;
+      EXPECT_EQ(view(yaw_rad - 0.49 * sector_rad), view(yaw_rad)) << k;
+      EXPECT_EQ(view(yaw_rad + 0.51 * sector_rad), view(yaw_rad + sector_rad)) << k;
+      EXPECT_EQ(view(yaw_rad - 0.51 * sector_rad), view(yaw_rad - sector_rad)) << k;
+      for (const double off_m : {0.09, -0.09}) {
+        EXPECT_EQ(view(yaw_rad, off_m, -off_m), view(yaw_rad)) << "the same cell";
+      }
+    }
+    EXPECT_EQ(different.size(), is_all_around ? 1U : 20U);
+    EXPECT_EQ(table.views(), is_all_around ? 1 : 20);
+    EXPECT_NE(view(0.0, 0.11), view(0.0)) << "the cell beside";
+    EXPECT_NE(view(0.0, 0.0, -0.11), view(0.0));
+  }
+}
+
+TEST(ViewTable, IsOtherwiseAsStated) {
+  const ViewOptions options;
+  EXPECT_EQ(options.measure, BeamMeasure::kCsqmi);
+  EXPECT_EQ(options.dependence, BeamDependence::kBestOfCell);
+  EXPECT_EQ(options.dependent_share, 0.5);
+  EXPECT_EQ(options.cutoff_sigmas, 6.0);
 }
 
 TEST(MapCoverage, BestOfCellIsSubmodularAndKnowsNoOrder) {

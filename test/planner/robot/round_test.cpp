@@ -48,6 +48,148 @@ TEST(RoundSchedule, RefusesABudgetThatDoesNotFit) {
   spec.team_budget_s = 0.5;
   spec.publish_margin_s = 0.1;
   EXPECT_THROW(RoundSchedule(spec, 0, 1), UsageError);
+  spec.team_budget_s = 0.4;
+  EXPECT_NO_THROW(RoundSchedule(spec, 0, 1)) << "the whole round";
+  EXPECT_EQ(to_utime(RoundSchedule(spec, 0, 1).slot(4).begin), 2'000'000);
+  spec.team_budget_s = 0.4 + 1e-6;
+  EXPECT_THROW(RoundSchedule(spec, 0, 1), UsageError);
+}
+
+TEST(RoundSchedule, RefusesARobotThatIsNoneOfItsTeam) {
+  const scenario::PlannerSpec spec;
+  EXPECT_NO_THROW(RoundSchedule(spec, 0, 1));
+  EXPECT_NO_THROW(RoundSchedule(spec, 2, 3));
+  EXPECT_THROW(RoundSchedule(spec, 3, 3), UsageError);
+  EXPECT_THROW(RoundSchedule(spec, -1, 3), UsageError);
+  EXPECT_THROW(RoundSchedule(spec, 0, 0), UsageError);
+  scenario::PlannerSpec still;
+  still.execute_steps = 0;
+  still.team_budget_s = still.publish_margin_s = 0.0;
+  EXPECT_THROW(RoundSchedule(still, 0, 1), UsageError);
+}
+
+// Round 9 of 1.5 s: it begins at 13.5 s and is over at 15; the budget of 0.6 s ends 0.1 s before
+// that. In thirds, or the second half of it in thirds and the first in thirds for proposals.
+TEST(RoundSchedule, CutsTheBudgetAtTheEndOfTheRound) {
+  scenario::PlannerSpec spec;
+  spec.step_s = 0.5;
+  spec.execute_steps = 3;
+  spec.team_budget_s = 0.6;
+  spec.publish_margin_s = 0.1;
+  for (int i = 0; i < 3; ++i) {
+    spec.attacks_max = 0;
+    const RoundSchedule plain(spec, i, 3);
+    EXPECT_EQ(plain.round_length(), from_seconds(1.5));
+    EXPECT_FALSE(plain.is_shared());
+    EXPECT_EQ(plain.slots(), 3);
+    EXPECT_EQ(plain.first_place(), i);
+    const auto slot = plain.slot(9);
+    EXPECT_EQ(slot.round, 9);
+    EXPECT_EQ(slot.place, i);
+    EXPECT_FALSE(slot.is_proposal);
+    EXPECT_EQ(to_utime(slot.begin), 14'300'000 + 200'000 * i);
+    EXPECT_EQ(to_utime(slot.end), 14'500'000 + 200'000 * i);
+    EXPECT_EQ(to_utime(slot.activation), 15'000'000);
+    for (int place = 0; place < 3; ++place) {
+      EXPECT_EQ(to_utime(plain.slot(9, place).begin), 14'300'000 + 200'000 * place);
+      EXPECT_EQ(plain.slot(9, place).place, place);
+    }
+    spec.attacks_max = 1;
+    const RoundSchedule wary(spec, i, 3);
+    const auto proposal = wary.proposal_slot(9);
+    EXPECT_TRUE(proposal.is_proposal);
+    EXPECT_EQ(proposal.round, 9);
+    EXPECT_EQ(to_utime(proposal.begin), 14'300'000 + 100'000 * i);
+    EXPECT_EQ(to_utime(proposal.end), 14'400'000 + 100'000 * i);
+    EXPECT_EQ(to_utime(proposal.activation), 15'000'000);
+    EXPECT_EQ(to_utime(wary.slot(9).begin), 14'600'000 + 100'000 * i);
+    EXPECT_EQ(to_utime(wary.slot(9).end), 14'700'000 + 100'000 * i);
+    spec.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
+    const auto exchange = RoundSchedule(spec, i, 3).proposal_slot(9);
+    EXPECT_EQ(to_utime(exchange.begin), 14'300'000) << "everybody's";
+    EXPECT_EQ(to_utime(exchange.end), 14'600'000);
+    spec.team_algorithm = scenario::TeamAlgorithm::kCoordinateDescent;
+  }
+}
+
+// The first of all slots and proposals that are ahead, counted out.
+TEST(RoundSchedule, FindsTheNextOfBothKinds) {
+  std::mt19937_64 rng(4);
+  for (const int attacks_max : {0, 1}) {
+    scenario::PlannerSpec spec;
+    spec.attacks_max = attacks_max;
+    spec.execute_steps = 2;
+    const RoundSchedule schedule(spec, 2, 3);
+    for (int i = 0; i < 500; ++i) {
+      const Time now = from_utime(1'700'000'000'000'000 +
+                                  std::uniform_int_distribution<std::int64_t>(0, 9'000'000)(rng));
+      std::optional<RoundSchedule::Slot> first;
+      const std::int64_t around = now.time_since_epoch() / schedule.round_length();
+      for (std::int64_t round = around - 2; round <= around + 2; ++round) {
+        for (const bool is_proposal : {true, false}) {
+          if (is_proposal && attacks_max == 0) {
+            continue;
+          }
+          const auto slot = is_proposal ? schedule.proposal_slot(round) : schedule.slot(round);
+          if (slot.begin > now && (!first || slot.begin < first->begin)) {
+            first = slot;
+          }
+        }
+      }
+      const auto next = schedule.next_slot(now);
+      EXPECT_EQ(next.begin, first->begin);
+      EXPECT_EQ(next.round, first->round);
+      EXPECT_EQ(next.is_proposal, first->is_proposal);
+      const int place = i % 3;
+      const auto after = schedule.slot_after(around - 3, now, place);
+      EXPECT_GT(after.begin, now);
+      EXPECT_LE(schedule.slot(after.round - 1, place).begin, now);
+      EXPECT_EQ(after.place, place);
+      EXPECT_EQ(schedule.slot_after(around + 5, now, place).round, around + 6);
+    }
+    const auto slot = schedule.slot(1'700'000'000);
+    EXPECT_EQ(schedule.next_slot(slot.begin - Duration{1}).begin, slot.begin);
+    EXPECT_GT(schedule.next_slot(slot.begin).begin, slot.begin);
+    EXPECT_EQ(schedule.slot_after(5, slot.begin - Duration{1}, 2).begin, slot.begin);
+    EXPECT_EQ(schedule.slot_after(5, slot.begin, 2).round, slot.round + 1);
+  }
+}
+
+// Slots begin at whole microseconds, wherever the budget is cut: each is found again by where it
+// begins, and by nothing else.
+TEST(RoundSchedule, KnowsWhichSlotAPlanWasMadeIn) {
+  scenario::PlannerSpec spec;
+  spec.execute_steps = 2;
+  for (const double budget_s : {0.5, 0.499999, 0.1, 5e-6}) {
+    spec.team_budget_s = budget_s;
+    for (const int attacks_max : {0, 2}) {
+      spec.attacks_max = attacks_max;
+      for (const int robots : {1, 2, 7, 48}) {
+        const RoundSchedule schedule(spec, 0, robots);
+        const bool are_apart = budget_s > 1e-3;
+        for (int place = 0; place < robots; ++place) {
+          models::RobotPlan plan;
+          plan.round = 77;
+          plan.slot_start = schedule.slot(77, place).begin;
+          const auto found = schedule.place_of(plan);
+          if (are_apart) {
+            EXPECT_EQ(found, place) << budget_s << ' ' << robots;
+          }
+          for (const int us : {-1, 1}) {
+            plan.slot_start = schedule.slot(77, place).begin + Duration{us};
+            EXPECT_FALSE(are_apart && schedule.place_of(plan)) << budget_s << ' ' << robots;
+          }
+          plan.slot_start = schedule.slot(77, place).begin;
+          ++plan.round;
+          EXPECT_EQ(schedule.place_of(plan), std::nullopt) << "a round before";
+        }
+        models::RobotPlan plan;
+        plan.round = 77;
+        plan.slot_start = schedule.slot(77, robots - 1).end;
+        EXPECT_EQ(schedule.place_of(plan), std::nullopt) << "after the last";
+      }
+    }
+  }
 }
 
 }  // namespace

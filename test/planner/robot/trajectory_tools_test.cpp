@@ -39,7 +39,55 @@ TEST(RestOf, IsTheSameMotionFromThereOn) {
       EXPECT_NEAR(a.world_from_body.y_m, b.world_from_body.y_m, 1e-5);
       EXPECT_NEAR(wrap_to_pi(a.world_from_body.yaw_rad - b.world_from_body.yaw_rad), 0.0, 1e-5);
     }
+    EXPECT_EQ(rest.start_time, cut);
+    EXPECT_EQ(rest.height_m, whole.height_m);
+    for (const models::PlanSegment& segment : rest.segments) {
+      EXPECT_GT(segment.duration_s, 0.0) << "what is over is left out";
+    }
+    EXPECT_EQ(rest.segments.empty(), models::end_time(whole) <= cut);
   }
+}
+
+// Cut between two segments, only the second is left, whole; while it brakes, what is left of the
+// brake from the speed that is left.
+TEST(RestOf, KeepsWhatIsNotOver) {
+  models::Trajectory whole;
+  whole.start_time = from_utime(1'700'000'000'000'000);
+  whole.segments = {{{2.0, 0.0}, 0.5, 0.0}, {{1.0, 1.0}, 0.5, 0.0}, {{1.0, 0.0}, 0.5, 2.0}};
+  EXPECT_EQ(rest_of(whole, whole.start_time).segments.size(), 3U);
+  const models::Trajectory two = rest_of(whole, whole.start_time + from_seconds(0.5));
+  ASSERT_EQ(two.segments.size(), 2U);
+  EXPECT_EQ(two.segments[0].control, whole.segments[1].control);
+  EXPECT_EQ(two.segments[0].duration_s, 0.5);
+  const models::Trajectory braking = rest_of(whole, whole.start_time + from_seconds(1.2));
+  ASSERT_EQ(braking.segments.size(), 1U);
+  EXPECT_NEAR(braking.segments[0].control.speed_mps, 0.6, 1e-12);
+  EXPECT_NEAR(braking.segments[0].duration_s, 0.3, 1e-12);
+  EXPECT_EQ(braking.segments[0].brake_mps2, 2.0);
+  EXPECT_TRUE(rest_of(whole, whole.start_time + from_seconds(1.5)).segments.empty());
+}
+
+// From where and as fast as it is then, straight ahead; what stands stays where it is.
+TEST(StopFrom, BrakesFromTheSpeedThatItHasThen) {
+  std::mt19937_64 rng(12);
+  for (int i = 0; i < 50; ++i) {
+    const models::Trajectory whole = winding_trajectory(rng);
+    const Time when =
+        whole.start_time + from_seconds(std::uniform_real_distribution<double>(0.0, 3.0)(rng));
+    const models::TrajectoryPoint now = models::at(whole, when);
+    const models::Trajectory stop = stop_from(whole, when, 1.6);
+    EXPECT_EQ(stop.start, now.world_from_body);
+    EXPECT_EQ(stop.start_time, when);
+    EXPECT_EQ(stop.height_m, 1.5);
+    const double speed_mps = now.control.speed_mps;
+    EXPECT_EQ(models::end_time(stop), when + from_seconds(speed_mps / 1.6));
+    const Eigen::Vector2d way_m =
+        models::at(stop, Time::max()).world_from_body.position_m() - stop.start.position_m();
+    const Eigen::Vector2d ahead(std::cos(stop.start.yaw_rad), std::sin(stop.start.yaw_rad));
+    EXPECT_LT((way_m - speed_mps * speed_mps / 3.2 * ahead).norm(), 1e-9);
+  }
+  const models::Trajectory whole = winding_trajectory(rng);
+  EXPECT_TRUE(stop_from(whole, models::end_time(whole), 1.6).segments.empty());
 }
 
 // Four horizons, and the stop of whoever needs longest for it, wherever in the team that is.
@@ -64,6 +112,19 @@ TEST(IsOfPlanLength, AllowsTheLongestStopOfTheTeam) {
     EXPECT_FALSE(is_taken(most_s + 1e-9, robots));
   }
   EXPECT_FALSE(is_taken(most_s - 1e-9, {quick, quick}));
+  const double quick_s = 4 * 3 * 0.5 + 1.0 / 2.0;
+  EXPECT_TRUE(is_taken(quick_s - 1e-9, {quick, quick}));
+  EXPECT_FALSE(is_taken(quick_s + 1e-9, {quick, quick}));
+}
+
+TEST(IsOfPlanLength, AllowsAsManySegmentsAsFourHorizonsHaveSteps) {
+  scenario::PlannerSpec planner;
+  planner.horizon_steps = 3;
+  models::Trajectory motion;
+  motion.segments.assign(12, {{1.0, 0.0}, 0.1, 0.0});
+  EXPECT_TRUE(is_of_plan_length(motion, planner, {scenario::RobotSpec{}}));
+  motion.segments.push_back(motion.segments.back());
+  EXPECT_FALSE(is_of_plan_length(motion, planner, {scenario::RobotSpec{}}));
 }
 
 }  // namespace
