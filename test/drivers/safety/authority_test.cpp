@@ -1,6 +1,11 @@
 #include "drivers/safety/authority.hpp"
 
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
+
+#include "drivers/safety/inputs.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -144,6 +149,107 @@ TEST_F(Authority, ObeysNoOrderThatWasOvertaken) {
     EXPECT_FALSE(admit_at(first + 1, begin_s + 0.2, begin_s + 0.32));
     EXPECT_TRUE(admit_at(first + 1, begin_s + 0.4, begin_s + 0.41)) << "stamped later";
     EXPECT_TRUE(admit_at(first + 4, begin_s + 0.3, begin_s + 0.42)) << "numbered later";
+  }
+}
+
+TEST(PlannerLease, LastsAsLongAsItIsToldAndIsContestedForAsLong) {
+  constexpr double kLeaseS = 2.0;
+  const auto at = [](double t_s) { return kStart + from_seconds(t_s); };
+  PlannerLease lease;
+  EXPECT_EQ(lease.age_s(at(0.0)), kNever);
+  EXPECT_TRUE(lease.is_holder(1));
+  EXPECT_TRUE(lease.is_holder(2)) << "nobody holds it";
+  EXPECT_FALSE(lease.is_contested(at(0.0), kLeaseS));
+  EXPECT_TRUE(lease.admit(1, at(0.0), kLeaseS));
+  for (int time = 0; time < 2; ++time) {
+    const double begin_s = 10.0 * time;
+    const std::int64_t holder = 1 + time;
+    EXPECT_TRUE(lease.admit(holder, at(begin_s), kLeaseS));
+    EXPECT_EQ(lease.takeovers(), time);
+    EXPECT_TRUE(lease.is_holder(holder));
+    EXPECT_FALSE(lease.is_holder(holder + 1));
+    EXPECT_FALSE(lease.is_contested(at(begin_s + 0.5), kLeaseS));
+    EXPECT_FALSE(lease.admit(holder + 1, at(begin_s + 1.5), kLeaseS));
+    EXPECT_TRUE(lease.is_contested(at(begin_s + 3.4), kLeaseS));
+    EXPECT_FALSE(lease.is_contested(at(begin_s + 3.6), kLeaseS)) << "the other is silent again";
+    EXPECT_NEAR(lease.age_s(at(begin_s + 1.9)), 1.9, 1e-9) << "another says nothing for it";
+    EXPECT_FALSE(lease.admit(holder + 1, at(begin_s + 1.99), kLeaseS));
+    EXPECT_TRUE(lease.admit(holder + 1, at(begin_s + 2.01), kLeaseS));
+    EXPECT_NEAR(lease.age_s(at(begin_s + 3.0)), 0.99, 1e-9);
+  }
+}
+
+TEST_F(Authority, CountsWhatIsNotOfNowWhoTakesOverAndClocksThatAreSet) {
+  const auto expect_counts = [&](std::int64_t handovers, std::int64_t other_time,
+                                 std::int64_t clock_set) {
+    std::vector<models::NamedCount> counts;
+    authority.count(counts);
+    ASSERT_EQ(counts.size(), 3U);
+    EXPECT_EQ(counts[0].name, "operator.handovers");
+    EXPECT_EQ(counts[1].name, "operator.other_time");
+    EXPECT_EQ(counts[2].name, "operator.clock_set");
+    EXPECT_EQ(counts[0].count, handovers);
+    EXPECT_EQ(counts[1].count, other_time);
+    EXPECT_EQ(counts[2].count, clock_set);
+  };
+  const auto beat = [&](std::int64_t run, double at_s, double ahead_s) {
+    return authority.admit(command(OperatorAction::kHeartbeat, run, sequence++, at_s + ahead_s),
+                           kStart + from_seconds(at_s), kSilentS);
+  };
+  EXPECT_EQ(authority.age_s(kStart), kNever);
+  expect_counts(0, 0, 0);
+  EXPECT_TRUE(beat(1, 0.0, 0.0));
+  for (std::int64_t time = 0; time < 3; ++time) {
+    const double begin_s = 10.0 * static_cast<double>(time);
+    EXPECT_FALSE(beat(9, begin_s + 0.1, 3600.0)) << "a log";
+    EXPECT_TRUE(beat(time + 1, begin_s, 3600.0)) << "its clock is set";
+    expect_counts(time, time + 1, 2 * time + 1);
+    EXPECT_TRUE(beat(time + 1, begin_s + 0.2, 3600.0)) << "and goes on";
+    expect_counts(time, time + 1, 2 * time + 1);
+    EXPECT_TRUE(beat(time + 1, begin_s + 0.4, 0.0)) << "it is set back";
+    EXPECT_TRUE(beat(time + 1, begin_s + 0.6, 0.0));
+    expect_counts(time, time + 1, 2 * time + 2);
+    EXPECT_TRUE(beat(time + 2, begin_s + 10.0, 0.0));
+    expect_counts(time + 1, time + 1, 2 * time + 2);
+  }
+}
+
+TEST_F(Authority, HearsWhatIsSaidWithinTwoSecondsOfItsClock) {
+  for (const double side : {1.0, -1.0}) {
+    for (const auto& [ahead_s, is_heard] : {std::pair(1.99, true), std::pair(2.01, false)}) {
+      authority = {};
+      const auto beat = command(OperatorAction::kHeartbeat, 1, 0, side * ahead_s);
+      EXPECT_EQ(authority.admit(beat, kStart, kSilentS), is_heard) << side * ahead_s;
+      // Nobody is known yet: a stop is held against our clock, too.
+      authority = {};
+      const auto stop = command(OperatorAction::kEmergencyStop, 1, 0, side * ahead_s);
+      EXPECT_EQ(authority.admit(stop, kStart, kSilentS), is_heard) << side * ahead_s;
+    }
+  }
+}
+
+// Eight stations are known. A ninth takes the place of the one that was silent longest, unless that
+// is in charge: what makes the vehicle safer is taken late from a known one alone.
+TEST_F(Authority, ForgetsTheStationThatWasSilentLongestOnly) {
+  const auto is_known = [&](std::int64_t run) {
+    OperatorAuthority asked = authority;  // what is said late leaves no trace of its own
+    return asked.admit(command(OperatorAction::kHold, run, 1'000, 0.0),
+                       kStart + from_seconds(100.0), kSilentS);
+  };
+  for (std::int64_t run = 1; run <= 8; ++run) {
+    admit(OperatorAction::kHeartbeat, run, 0.1 * static_cast<double>(run));
+  }
+  for (std::int64_t run = 1; run <= 8; ++run) {
+    EXPECT_TRUE(is_known(run)) << run;
+  }
+  EXPECT_FALSE(is_known(9));
+  admit(OperatorAction::kHeartbeat, 3, 0.9);  // now the fourth is silent longest but one
+  admit(OperatorAction::kHeartbeat, 2, 0.95);
+  for (const std::int64_t newcomer : {9, 10}) {
+    admit(OperatorAction::kHeartbeat, newcomer, 0.96 + 0.001 * static_cast<double>(newcomer));
+  }
+  for (std::int64_t run = 1; run <= 10; ++run) {
+    EXPECT_EQ(is_known(run), run != 4 && run != 5) << run;
   }
 }
 

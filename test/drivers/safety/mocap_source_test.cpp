@@ -116,5 +116,51 @@ TEST_F(Source, IsCountedWhenItIsRefusedAndWhenItTakesOver) {
   }
 }
 
+// Both limits of time on both sides of them, and again after a take-over.
+TEST_F(Source, IsSilentAfterThreeTenthsAndOfNowWithinTwoSeconds) {
+  shows_body = false;
+  for (const double side : {1.0, -1.0}) {
+    EXPECT_EQ(hear(7, 0.0, side * 1.99), Standing::kCandidate);
+    EXPECT_EQ(hear(7, 0.0, side * 2.01), Standing::kRefused);
+  }
+  for (const std::int64_t run : {1, 2}) {
+    const double begin_s = 10.0 * static_cast<double>(run);
+    shows_body = true;
+    EXPECT_EQ(hear(run, begin_s), Standing::kCandidate);
+    EXPECT_EQ(hear(run, begin_s + 1.0), Standing::kBelieved);
+    shows_body = false;
+    EXPECT_EQ(hear(9, begin_s + 1.299), Standing::kRefused);
+    EXPECT_EQ(hear(9, begin_s + 1.301), Standing::kCandidate);
+  }
+}
+
+// In words for people: a second source first, then a clock that is another; each for two seconds.
+TEST_F(Source, SaysWhoWasRefusedInTheLastTwoSeconds) {
+  const std::string second = "a second source of VICON is refused";
+  const std::string other_time = "VICON stamped by another clock, or of a log, is refused";
+  const auto complaint = [&](double at_s) {
+    const char* const text = source.complaint(at(at_s));
+    return text == nullptr ? std::string() : text;
+  };
+  EXPECT_EQ(complaint(0.0), "");
+  EXPECT_EQ(hear(1, 0.0), Standing::kCandidate);
+  EXPECT_EQ(complaint(0.0), "");
+  for (const double begin_s : {0.1, 10.1}) {
+    EXPECT_EQ(hear(1, begin_s), Standing::kBelieved);
+    EXPECT_EQ(hear(2, begin_s + 0.1, kHourS), Standing::kRefused);
+    EXPECT_EQ(complaint(begin_s + 0.1), other_time);
+    EXPECT_EQ(hear(2, begin_s + 0.2), Standing::kRefused);
+    EXPECT_EQ(complaint(begin_s + 0.2), second);
+    EXPECT_EQ(hear(2, begin_s + 0.25, kHourS), Standing::kRefused);
+    EXPECT_EQ(complaint(begin_s + 2.19), second);
+    EXPECT_EQ(complaint(begin_s + 2.21), other_time);
+    EXPECT_EQ(complaint(begin_s + 2.24), other_time);
+    EXPECT_EQ(complaint(begin_s + 2.26), "");
+  }
+  // Whoever takes over is a second source no more.
+  EXPECT_EQ(hear(2, 20.0), Standing::kCandidate);
+  EXPECT_EQ(complaint(20.0), "");
+}
+
 }  // namespace
 }  // namespace vantage::drivers

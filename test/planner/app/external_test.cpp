@@ -1,6 +1,8 @@
+#include <chrono>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,6 +15,10 @@
 
 namespace vantage::planner {
 namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kClosing = 20ms;  // of a slot of 100 ms and more
 
 using Answer = std::function<std::vector<models::RobotPlan>(const models::RobotPlan& question)>;
 
@@ -98,6 +104,69 @@ TEST_F(ExternalTest, AsksNobodyWhenItIsTooLateForAnAnswer) {
   ASSERT_EQ(plans_.size(), 1U);
   EXPECT_EQ(plans_[0].source, models::PlanSource::kShifted);
   EXPECT_EQ(count("fallbacks_shifted"), 1);
+  EXPECT_EQ(count("external_missing"), 0) << "nobody was asked";
+  const Duration round = from_seconds(1.0);
+  const Time due = inputs_.slot.end - kClosing;
+  for (const auto& [now, asked] : {std::pair(due + round, 0U), {due + 2 * round - 1us, 1U}}) {
+    clock_.set(now);
+    node_->tick(now);
+    deliver();
+    EXPECT_EQ(questions_.size(), asked);
+  }
+}
+
+TEST_F(ExternalTest, AsksAtTheBeginningOfItsSlotByWhatItKnows) {
+  start_with([](const auto& question) { return std::vector{drive(question, 0.5, 1.0)}; });
+  ASSERT_EQ(questions_.size(), 1U);
+  const models::InputRef belief{"BELIEF_Q1", 100, 0};
+  const models::InputRef mocap{"VICON", 100, 0};
+  EXPECT_EQ(asked_at_, inputs_.slot.begin);
+  EXPECT_EQ(questions_[0].finish, inputs_.slot.begin);
+  EXPECT_EQ(questions_[0].deadline, inputs_.slot.end - kClosing);
+  EXPECT_EQ(questions_[0].inputs, (std::vector{belief, mocap}));
+  inputs_.slot.activation += from_seconds(1.0);
+  inputs_.mocap->stamp.time += from_seconds(1.0);
+  world_.publish(bus::kVicon, *inputs_.mocap);
+  round();
+  ASSERT_EQ(questions_.size(), 2U);
+  EXPECT_EQ(questions_[1].inputs,
+            (std::vector<models::InputRef>{belief, {"VICON", 100, 1}, {"PLAN_Q1", 1, 0}}));
+}
+
+TEST_F(ExternalTest, GoesOnWithoutAnAnswerInARoundAfterOneThatHadOne) {
+  bool answers = true;
+  start_with([&](const auto& question) {
+    return answers ? std::vector{drive(question, 0.5, 1.0)} : std::vector<models::RobotPlan>{};
+  });
+  for (const bool is_answered : {false, true, false}) {
+    answers = is_answered;
+    inputs_.slot.activation += from_seconds(1.0);
+    round();
+    EXPECT_EQ(plans_.back().source == models::PlanSource::kSearched, is_answered);
+    EXPECT_EQ(plans_.back().inputs.back().channel == "EXTERNAL_PLAN_Q1", is_answered);
+  }
+  EXPECT_EQ(count("external_rounds"), 2);
+  EXPECT_EQ(count("external_missing"), 2);
+  world_.publish(bus::external_plan_channel("Q1"), drive(questions_[0], 0.5, 1.0));
+  deliver();
+  EXPECT_EQ(count("external_late"), 1) << "of a round that is long over";
+}
+
+// Woken only after the slot, it has been asking all the while: that is no slot that it slept
+// through.
+TEST_F(ExternalTest, PlansAfterItsSlotWhenItHasAsked) {
+  start(external_scenario());
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  deliver();
+  for (const Time now : {inputs_.slot.begin, inputs_.slot.end + 1us}) {
+    clock_.set(now);
+    node_->tick(now);
+    deliver();
+  }
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_EQ(plans_[0].source, models::PlanSource::kShifted);
+  EXPECT_EQ(count("slots_skipped"), 0);
+  EXPECT_EQ(count("external_missing"), 1);
 }
 
 TEST_F(ExternalTest, CountsAnswersThatComeTooLateOrUnasked) {

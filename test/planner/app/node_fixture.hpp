@@ -24,11 +24,14 @@ class PlannerNodeTest : public ::testing::Test {
     }
   }
 
-  void start(const scenario::Scenario& scenario) {
+  void start(const scenario::Scenario& scenario) { start(scenario, clock_); }
+
+  /// By another clock than that of round().
+  void start(const scenario::Scenario& scenario, const bus::Clock& clock) {
     scenario_ = scenario;
     inputs_ = first_inputs(scenario, 0, 5);
     clock_.set(inputs_.slot.activation - from_seconds(1.0));
-    node_ = std::make_unique<PlannerNode>(robot_bus_, clock_, scenario, "Q1");
+    node_ = std::make_unique<PlannerNode>(robot_bus_, clock, scenario, "Q1");
     world_.subscribe<models::RobotPlan>(bus::plan_channel("Q1"),
                                         [this](const auto& plan) { plans_.push_back(plan); });
     world_.publish(bus::kVicon, *inputs_.mocap);
