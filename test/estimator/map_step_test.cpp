@@ -23,7 +23,7 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 class MapPublisherTest : public ::testing::Test {
  protected:
   void deliver() {
-    while (bus_.handle(0us) + ear_.handle(0us) > 0) {
+    while (bus_.handle(0us) + ear_.handle(0us) + replay_bus_.handle(0us) > 0) {
     }
   }
 
@@ -46,10 +46,31 @@ class MapPublisherTest : public ::testing::Test {
   models::RobotMap step(int step) {
     models::RobotBelief belief;
     belief.stamp.time = time_of(step);
+    belief.robot = "Q1";
     belief.step = step;
-    publisher_.step(belief, {"BELIEF_Q1", 1, step});
+    belief.viewpoint = {{0.5, 0.25, 0.5}, 1.0};
+    publisher_.step(belief, bus_.publish(bus::belief_channel("Q1"), belief));
     deliver();
     return heard_.back();
+  }
+
+  // SCAN_Q1 by `robot`, which met nothing.
+  models::InputRef scan(int step, const std::string& robot = "Q1") {
+    models::RangeScan scan;
+    scan.stamp.time = time_of(step);
+    scan.robot = robot;
+    scan.viewpoint = {{2.0, 3.0, 0.5}, 1.0};
+    scan.field_of_view_rad = scenario_.mapping.scanner.field_of_view_rad;
+    scan.range_max_m = scenario_.mapping.scanner.range_max_m;
+    scan.ranges_m.assign(static_cast<std::size_t>(scenario_.mapping.scanner.beams), 1.5);
+    const models::InputRef ref = ear_.publish(bus::scan_channel("Q1"), scan);
+    deliver();
+    return ref;
+  }
+
+  [[nodiscard]] std::int16_t own_looks_here() const {
+    const int here = grid_.index_of({2.0, 3.0});
+    return heard_.back().own_looks[static_cast<std::size_t>(here)];
   }
 
   [[nodiscard]] static Time time_of(int step) { return kStart + step * 500ms; }
@@ -69,8 +90,10 @@ class MapPublisherTest : public ::testing::Test {
   std::unique_ptr<bus::Transport> own_end_ = hub_.connect();
   std::unique_ptr<bus::Transport> mate_end_ = hub_.connect();
   std::unique_ptr<bus::Transport> ear_end_ = hub_.connect();
+  std::unique_ptr<bus::Transport> replay_end_ = hub_.connect();
   bus::Bus bus_{*own_end_, 1};
   bus::Bus ear_{*ear_end_, 2};
+  bus::Bus replay_bus_{*replay_end_, 3, "REPLAY_"};
   std::map<std::int64_t, bus::Bus> mates_;  ///< by run
   MapPublisher publisher_{bus_, scenario_, "Q1"};
   std::vector<models::RobotMap> heard_;
@@ -114,6 +137,128 @@ TEST_F(MapPublisherTest, KeepsSoManyRunsOfATeammateWhoseEstimatorStartsOverAndOv
   EXPECT_EQ(map.team_looks[0], -16);
   EXPECT_EQ(map.inputs.size(), 2 + 16U) << "the belief, the own map before, its maps";
   EXPECT_EQ(count("map.runs_forgotten"), 24);
+}
+
+TEST_F(MapPublisherTest, CountsEachScanInTheStepOfItsTime) {
+  const models::InputRef first = scan(0);
+  const models::InputRef second = scan(1);
+  const models::InputRef later = scan(2);
+  const models::RobotMap map = step(1);
+  EXPECT_EQ(map.inputs, (std::vector<models::InputRef>{{"BELIEF_Q1", 1, 0}, first, second}));
+  EXPECT_EQ(own_looks_here(), -2);
+  EXPECT_EQ(map.step, 1);
+  EXPECT_EQ(map.stamp.time, time_of(1));
+  EXPECT_EQ(map.viewpoint.world_from_body, (Pose2{0.5, 0.25, 0.5}));
+  const models::InputRef theirs = say(10, 2, -3);
+  const models::RobotMap next = step(2);
+  EXPECT_EQ(next.inputs,
+            (std::vector<models::InputRef>{{"BELIEF_Q1", 1, 1}, {"MAP_Q1", 1, 0}, later, theirs}));
+  EXPECT_EQ(own_looks_here(), -3);
+  EXPECT_EQ(next.team_looks[0], -3);
+  EXPECT_TRUE(publisher_.counters().empty());
+}
+
+TEST_F(MapPublisherTest, KeepsTheNewestOfMoreScansThanItHasRoomFor) {
+  constexpr std::size_t kRoom = 64;
+  std::vector<models::InputRef> scans;
+  for (std::size_t i = 0; i < kRoom; ++i) {
+    scans.push_back(scan(0));
+  }
+  EXPECT_EQ(count("map.scans_overflowed"), 0);
+  scans.push_back(scan(0));
+  scans.push_back(scan(0));
+  EXPECT_EQ(count("map.scans_overflowed"), 2);
+  const models::RobotMap map = step(0);
+  ASSERT_EQ(map.inputs.size(), 1 + kRoom);
+  EXPECT_TRUE(std::equal(map.inputs.begin() + 1, map.inputs.end(), scans.begin() + 2));
+  EXPECT_EQ(own_looks_here(), -static_cast<int>(kRoom));
+}
+
+TEST_F(MapPublisherTest, BelievesNobodyUnderAnothersName) {
+  scan(0, "Q2");
+  models::RobotMap map;
+  map.stamp.time = time_of(0);
+  map.robot = "Q1";
+  map.grid = grid_;
+  map.own_looks.assign(static_cast<std::size_t>(grid_.size()), 5);
+  map.team_looks = map.own_looks;
+  ear_.publish(bus::map_channel("Q2"), map);
+  ear_.publish(bus::map_channel("Q2"), map);
+  deliver();
+  EXPECT_EQ(count("map.misaddressed"), 3);
+  EXPECT_EQ(step(0).inputs.size(), 1U);
+  EXPECT_EQ(heard_.back().team_looks[0], 0);
+}
+
+// Out of range nothing is taken up, and what was taken up before stays.
+TEST_F(MapPublisherTest, TakesUpWhatComesFromWithinTheRadiosRange) {
+  scenario_.network.communication_range_m = 0.5;
+  const auto far_end = hub_.connect();
+  bus::Bus far_bus(*far_end, 7);
+  MapPublisher far(far_bus, scenario_, "Q1");
+  std::vector<models::RobotMap> made;
+  ear_.subscribe<models::RobotMap>(bus::map_channel("Q1"),
+                                   [&](const auto& map) { made.push_back(map); });
+  say(10, 0, -3);
+  far_bus.handle(0us);
+  models::RobotBelief belief;
+  belief.stamp.time = time_of(0);
+  belief.viewpoint = {{0.4, 0.0, 0.0}, 0.0};
+  far.step(belief, {"BELIEF_Q1", 1, 0});
+  say(10, 1, -4);
+  far_bus.handle(0us);
+  belief.stamp.time = time_of(1);
+  belief.viewpoint = {{0.6, 0.0, 0.0}, 0.0};
+  far.step(belief, {"BELIEF_Q1", 1, 1});
+  deliver();
+  ASSERT_EQ(made.size(), 2U);
+  EXPECT_EQ(made[0].team_looks[0], -3);
+  EXPECT_EQ(made[1].team_looks[0], -3);
+}
+
+// What was flown, made again: under another prefix, and from what each map names alone.
+TEST_F(MapPublisherTest, IsReplayedFromWhatItsMapsName) {
+  MapReplayer replayer(replay_bus_, scenario_, "Q1");
+  std::vector<models::RobotMap> again;
+  ear_.subscribe<models::RobotMap>(bus::Channel<models::RobotMap>{"REPLAY_MAP_Q1"},
+                                   [&](const auto& map) { again.push_back(map); });
+  for (int k = 0; k < 6; ++k) {
+    scan(k);
+    if (k % 3 == 0) {
+      say(10, k, static_cast<std::int16_t>(-1 - k));
+    }
+    if (k == 2) {
+      scan(k);  // two of one step
+    }
+    step(k);
+  }
+  deliver();
+  ASSERT_EQ(again.size(), 6U);
+  for (std::size_t k = 0; k < 6; ++k) {
+    EXPECT_EQ(again[k].inputs, heard_[k].inputs);
+    EXPECT_EQ(again[k].own_looks, heard_[k].own_looks);
+    EXPECT_EQ(again[k].team_looks, heard_[k].team_looks);
+    EXPECT_EQ(again[k].entropy_nats, heard_[k].entropy_nats);
+    EXPECT_EQ(again[k].step, heard_[k].step);
+  }
+  EXPECT_TRUE(replayer.counters().empty());
+  // Of what names something that nobody has heard, or no belief, nothing is made; it waits for two
+  // seconds, and what comes behind it does not wait for longer.
+  models::RobotMap strange = heard_.back();
+  strange.inputs.push_back({"SCAN_Q1", 77, 0});
+  bus_.publish(bus::map_channel("Q1"), strange);
+  strange.inputs = {heard_.back().inputs[1]};
+  bus_.publish(bus::map_channel("Q1"), strange);
+  deliver();
+  for (int tick = 0; tick < 60; ++tick) {
+    EXPECT_EQ(replayer.counters().empty(), tick < 20) << tick;
+    replayer.tick();
+  }
+  deliver();
+  EXPECT_EQ(again.size(), 6U);
+  ASSERT_EQ(replayer.counters().size(), 1U);
+  EXPECT_EQ(replayer.counters()[0].name, "map.replay_inputs_missing");
+  EXPECT_EQ(replayer.counters()[0].count, 2);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "estimator/mixture.hpp"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "test/support/near.hpp"
@@ -69,6 +71,72 @@ TEST(Reduce, DropsWhatWeighsNothingButNeverTheHeaviest) {
   EXPECT_NEAR(mixture[0].weight + mixture[1].weight, 0.9 + 1e-9, 1e-12);
   reduce(mixture, 3, 0.0, 0.99);
   EXPECT_EQ(mixture.size(), 1U);
+}
+
+Component at_x(double weight, double x_m, double sigma_m) {
+  return {weight, {Eigen::Vector2d(x_m, 0.0), sigma_m * sigma_m * Eigen::Matrix2d::Identity()}};
+}
+
+TEST(Moments, AreNotOfWhatWeighsNothing) {
+  const Component one = at_x(0.3, 2.0, 0.5);
+  const Mixture mixture = {at_x(0.0, -7.0, 3.0), at_x(0.0, 5.0, 2.0), one, at_x(0.0, 1.0, 9.0)};
+  EXPECT_TRUE(is_near(moments(mixture).mean, one.belief.mean, 1e-12));
+  EXPECT_TRUE(is_near(moments(mixture).covariance, one.belief.covariance, 1e-12));
+}
+
+// By its own covariance, whatever the other's, and whichever was named first.
+TEST(Reduce, MergesWhatIsWithinSoManySigmaOfTheHeavier) {
+  for (const double other_sigma_m : {0.05, 5.0}) {
+    for (const double side : {-1.0, 1.0}) {
+      for (const bool is_lighter_first : {false, true}) {
+        const auto left = [&](double away_m) {
+          Mixture mixture = {at_x(0.6, 0.0, 0.5), at_x(0.4, side * away_m, other_sigma_m)};
+          if (is_lighter_first) {
+            std::swap(mixture[0], mixture[1]);
+          }
+          reduce(mixture, 8, 2.0, 0.0);
+          return mixture.size();
+        };
+        EXPECT_EQ(left(0.999), 1U);
+        EXPECT_EQ(left(1.001), 2U);
+      }
+    }
+  }
+}
+
+// What it has taken up makes it wide, and takes up no more for that.
+TEST(Reduce, JudgesByWhatTheHeavierWasAtFirst) {
+  Mixture mixture = {at_x(0.5, 0.0, 0.5), at_x(0.3, 0.9, 0.5), at_x(0.2, 1.1, 0.5)};
+  reduce(mixture, 8, 2.0, 0.0);
+  ASSERT_EQ(mixture.size(), 2U);
+  EXPECT_NEAR(mixture[0].weight, 0.8, 1e-12);
+  EXPECT_NEAR(mixture[0].belief.mean(0), 0.3 * 0.9 / 0.8, 1e-12);
+  EXPECT_EQ(mixture[1].belief.mean(0), 1.1);
+}
+
+// Nearest by the covariance of who takes it up: a wide one is near from farther away.
+TEST(Reduce, GivesWhatIsTooManyToItsNearest) {
+  for (const auto& [wide_m, is_to_wide] : {std::pair(1.0, false), std::pair(4.0, true)}) {
+    Mixture mixture = {at_x(1.5, 0.0, wide_m), at_x(0.9, 10.0, 1.0), at_x(0.75, 6.0, 1.0),
+                       at_x(0.03, -90.0, 1.0)};
+    reduce(mixture, 2, 0.1, 0.02);
+    ASSERT_EQ(mixture.size(), 2U);
+    const double total = 1.5 + 0.9 + 0.75 + 0.03;  // what is dropped is shared out
+    EXPECT_NEAR(mixture[0].weight + mixture[1].weight, total, 1e-12);
+    const double heavier = is_to_wide ? 1.5 + 0.75 : 0.9 + 0.75;
+    EXPECT_NEAR(mixture[0].weight, total * heavier / 3.15, 1e-12);
+    EXPECT_NEAR(mixture[0].belief.mean(0), is_to_wide ? 2.0 : (9.0 + 4.5) / 1.65, 1e-12);
+  }
+}
+
+TEST(Reduce, DropsWhatWeighsLessThanItsShareAndNotJustAsMuch) {
+  for (const auto& [least, left] : {std::pair(0.25, 2U), std::pair(0.2501, 1U)}) {
+    Mixture mixture = {at_x(1.0, 9.0, 1.0), at_x(3.0, 0.0, 1.0)};
+    reduce(mixture, 2, 0.1, least);
+    EXPECT_EQ(mixture.size(), left);
+    EXPECT_EQ(mixture[0].belief.mean(0), 0.0);
+    EXPECT_NEAR(mixture[0].weight, left == 2U ? 3.0 : 4.0, 1e-12);
+  }
 }
 
 }  // namespace

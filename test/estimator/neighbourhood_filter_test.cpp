@@ -121,5 +121,49 @@ TEST(NeighbourhoodFilter, TakesWhatTeammatesTellWhereBothAre) {
   EXPECT_EQ(own.counters().grid_mismatches, 1);
 }
 
+// The same in a square of half the neighbourhood, and with all that is near wherever in it one is.
+TEST(NeighbourhoodFilter, HasAGridOfWhatIsNearThatSeldomMoves) {
+  const auto grid_at = [](double x_m, double y_m) {
+    FilterSpec spec = near_spec(kNear_m);
+    spec.start = at(x_m, y_m);
+    return DistributedFilter(spec).grid().geometry();
+  };
+  const double half_m = 0.25 * kNear_m;
+  for (const double middle_m : {-75.0, 0.0, 37.5}) {
+    const models::GridGeometry grid = grid_at(middle_m, -middle_m);
+    for (const double side : {-1.0, 1.0}) {
+      EXPECT_EQ(grid_at(middle_m + side * (half_m - 0.01), -middle_m), grid);
+      EXPECT_EQ(grid_at(middle_m, -middle_m + side * (half_m - 0.01)), grid);
+      EXPECT_NE(grid_at(middle_m + side * (half_m + 0.01), -middle_m), grid);
+      EXPECT_NE(grid_at(middle_m, -middle_m + side * (half_m + 0.01)), grid);
+      const double far_m = side * (half_m + kNear_m - 0.01);
+      EXPECT_GE(grid.index_of({middle_m + far_m, -middle_m}), 0);
+      EXPECT_GE(grid.index_of({middle_m, -middle_m + far_m}), 0);
+    }
+    EXPECT_LE(grid.columns, 20) << "2.5 neighbourhoods of 15 m in cells of 2 m";
+    EXPECT_LE(grid.rows, 20);
+  }
+  EXPECT_EQ(DistributedFilter(near_spec(0.0)).grid().geometry().size(), 200 * 200);
+}
+
+TEST(NeighbourhoodFilter, ForgetsATargetFromItsVeryEdgeOn) {
+  for (const Eigen::Vector2d& towards : {Eigen::Vector2d(0.6, -0.8), Eigen::Vector2d(-1.0, 0.0)}) {
+    DistributedFilter filter(near_spec(kNear_m));
+    const Eigen::Vector2d here_m(3.0, -4.0);
+    models::RobotBelief before;
+    before.stamp.time = instant(0);
+    for (const double away_m : {kNear_m - 0.01, kNear_m + 0.01}) {
+      const Eigen::Vector2d there_m = here_m + away_m * towards;
+      before.targets.push_back(
+          {static_cast<int>(before.targets.size()),
+           models::to_information({there_m, Eigen::Matrix2d::Identity()}).value(), instant(0)});
+    }
+    filter.rebase(before);
+    const models::RobotBelief after = take_step(filter, instant(1), at(3.0, -4.0), {});
+    ASSERT_EQ(after.targets.size(), 1U);
+    EXPECT_EQ(after.targets[0].target_id, 0);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator

@@ -226,6 +226,109 @@ TEST_F(NodeTest, RefusesARobotThatIsNotInTheScenario) {
   EXPECT_THROW(EstimatorNode(robot_bus_, clock_, scenario_, "Q9"), UsageError);
 }
 
+// Of each robot of the team 64 looks may wait; of poses the newest 256 are there.
+TEST_F(NodeTest, KeepsTheNewestOfMoreThanItHasRoomFor) {
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
+  std::vector<models::RobotBelief> heard;
+  world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
+                                        [&](const auto& belief) { heard.push_back(belief); });
+  const Time t1 = kStart + 400ms;
+  const auto counters = [&] {
+    std::map<std::string, std::int64_t> counts;
+    for (const models::NamedCount& count : node.counters()) {
+      counts[count.name] = count.count;
+    }
+    return counts;
+  };
+  const auto pose = world_.publish(bus::kVicon, frame_at(t1 - 10ms, {{"Q1", {1.0, 2.0, 0.5}}}));
+  for (int i = 0; i < 255; ++i) {
+    world_.publish(bus::kVicon, frame_at(t1 + 10ms + i * 1ms, {{"Q1", {9.0, 9.0, 0.5}}}));
+    deliver();
+  }
+  std::vector<InputRef> looks;
+  for (int i = 0; i < 2 * 64; ++i) {
+    looks.push_back(
+        world_.publish(bus::measurement_channel("Q2"), look("Q2", t1 - Duration{i}, {})));
+    deliver();
+  }
+  EXPECT_EQ(counters().count("looks_overflowed"), 0U);
+  looks.push_back(world_.publish(bus::measurement_channel("Q2"), look("Q2", t1, {})));
+  deliver();
+  EXPECT_EQ(counters()["looks_overflowed"], 1);
+  run_until(t1 + 60ms, {&node});
+  ASSERT_EQ(heard.size(), 1u);
+  looks.erase(looks.begin());
+  looks.push_back(pose);
+  EXPECT_EQ(heard[0].inputs, looks);
+  EXPECT_EQ(counters().count("viewpoint_unknown"), 0U);
+  world_.publish(bus::kVicon, frame_at(t1 + 490ms, {{"Q1", {1.0, 2.0, 0.5}}}));
+  for (int i = 0; i < 256; ++i) {
+    world_.publish(bus::kVicon, frame_at(t1 + 510ms + i * 1ms, {{"Q1", {9.0, 9.0, 0.5}}}));
+    deliver();
+  }
+  run_until(t1 + 560ms, {&node});
+  EXPECT_EQ(counters()["viewpoint_unknown"], 1) << "256 have come since";
+}
+
+// A look or a pose says where the robot is at t if it is of the step that ends there.
+TEST_F(NodeTest, TakesItsPlaceFromWhatIsOfThisStep) {
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1");
+  std::vector<models::RobotBelief> heard;
+  world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
+                                        [&](const auto& belief) { heard.push_back(belief); });
+  const Time t1 = kStart + 400ms;
+  const auto x_of_step = [&](int step) {
+    deliver();
+    run_until(t1 + step * 500ms + 90ms, {&node});
+    return heard.back().viewpoint.world_from_body.x_m;
+  };
+  world_.publish(bus::measurement_channel("Q1"), look("Q1", t1, {0.5, 0.0, 0.0}));
+  world_.publish(bus::measurement_channel("Q1"), look("Q1", t1 - 100ms, {0.7, 0.0, 0.0}));
+  EXPECT_EQ(x_of_step(0), 0.5) << "the newest of two, whichever came last";
+  world_.publish(bus::measurement_channel("Q1"), look("Q1", t1, {0.6, 0.0, 0.0}));
+  world_.publish(bus::kVicon, frame_at(t1 + Duration{1}, {{"Q1", {1.0, 0.0, 0.0}}}));
+  EXPECT_NEAR(x_of_step(1), 1.0, 1e-9) << "a look of the step before is too old";
+  world_.publish(bus::measurement_channel("Q1"),
+                 look("Q1", t1 + 500ms + Duration{1}, {0.8, 0.0, 0.0}));
+  world_.publish(bus::kVicon, frame_at(t1 + 990ms, {{"Q1", {2.0, 0.0, 0.0}}}));
+  EXPECT_EQ(x_of_step(2), 0.8) << "and one after it is not";
+  world_.publish(bus::kVicon, frame_at(t1 + 1000ms, {{"Q1", {3.0, 0.0, 0.0}}}));
+  auto hidden = frame_at(t1 + 1400ms, {{"Q1", {4.0, 0.0, 0.0}}});
+  hidden.bodies[0].occluded = true;
+  world_.publish(bus::kVicon, hidden);
+  EXPECT_EQ(x_of_step(3), 0.8) << "it is where it was";
+  EXPECT_EQ(node.counters().back().name, "viewpoint_unknown");
+  EXPECT_EQ(node.counters().back().count, 1);
+}
+
+TEST_F(NodeTest, SaysOfTheTargetsWhatItIsToldToBelieve) {
+  std::vector<std::pair<Time, std::size_t>> asked;
+  const auto believe = [&](Time t, const std::vector<Heard<models::DetectionSet>>& looks) {
+    asked.emplace_back(t, looks.size());
+    return std::vector<models::TargetBelief>{
+        {2, {Eigen::Vector4d::Ones(), Eigen::Matrix4d::Identity()}, t}};
+  };
+  EstimatorNode node(robot_bus_, clock_, scenario_, "Q1", believe);
+  std::vector<models::RobotBelief> heard;
+  world_.subscribe<models::RobotBelief>(bus::belief_channel("Q1"),
+                                        [&](const auto& belief) { heard.push_back(belief); });
+  EXPECT_EQ(node.name(), "ESTIMATOR_Q1");
+  const Time t1 = kStart + 400ms;
+  world_.publish(bus::measurement_channel("Q1"), look("Q1", t1, {}));
+  models::RobotBelief mate = test::prior(t1 - 500ms, {});
+  mate.robot = "Q3";
+  world_.publish(bus::belief_channel("Q2"), mate);
+  deliver();
+  run_until(t1 + 90ms, {&node});
+  EXPECT_EQ(asked, (std::vector<std::pair<Time, std::size_t>>{{t1, 1U}}));
+  ASSERT_EQ(heard.size(), 1u);
+  ASSERT_EQ(heard[0].targets.size(), 1u);
+  EXPECT_EQ(heard[0].targets[0].target_id, 2);
+  ASSERT_EQ(node.counters().size(), 1U);
+  EXPECT_EQ(node.counters()[0].name, "misaddressed") << "who speaks for another";
+  EXPECT_EQ(heard[0].inputs.size(), 1U);
+}
+
 /// What a logger heard: everything that went over the bus, in order.
 class Replay : public NodeTest {
  protected:

@@ -2,12 +2,14 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/check.hpp"
 #include "models/mapping/beam_scan.hpp"
+#include "models/mapping/looks.hpp"
 #include "models/mapping/ray_walk.hpp"
 #include "test/support/random.hpp"
 
@@ -173,6 +175,70 @@ TEST(OccupancyFusion, RefusesAModelThatLearnsBackwards) {
   EXPECT_THROW(OccupancyFusion(kBeam, {-1.0, -1.0}), UsageError);
   EXPECT_THROW(OccupancyFusion(kBeam, {1.0, 1.0}), UsageError);
   EXPECT_THROW(OccupancyFusion({0, 1.0, 0.0, 1.0, 0.1}, {}), UsageError);
+}
+
+// What is too near by more than its noise was no echo.
+TEST(OccupancyFusion, IgnoresReadingsThreeSigmaBelowTheLeast) {
+  for (const double least_m : {0.0, 0.5}) {
+    const BeamSensor sensor{1, 1.0, least_m, 1.5, 0.02};
+    for (const auto& [off_m, is_used] : {std::pair(-0.061, false), std::pair(-0.059, true)}) {
+      OccupancyBelief belief(kLine, 9.0);
+      const ScanCounts counts =
+          OccupancyFusion(sensor, {})
+              .fuse({0.1, 0.1, 0.0}, std::vector<double>{least_m + off_m}, belief);
+      EXPECT_EQ(counts.ignored, is_used ? 0 : 1);
+      EXPECT_EQ(counts.hits, is_used ? 1 : 0);
+      EXPECT_EQ(counts.misses, 0);
+    }
+  }
+}
+
+TEST(OccupancyFusion, HitsNothingFromThreeSigmaBelowTheGreatestRangeOn) {
+  for (const auto& [range_m, is_hit] : {std::pair(1.469, true), std::pair(1.471, false)}) {
+    OccupancyBelief belief(kLine, 9.0);
+    const ScanCounts counts =
+        OccupancyFusion(kBeam, {}).fuse({0.1, 0.1, 0.0}, std::vector<double>{range_m}, belief);
+    EXPECT_EQ(counts.hits, is_hit ? 1 : 0);
+    EXPECT_EQ(counts.misses, is_hit ? 0 : 1);
+  }
+}
+
+// With much noise the cell before the hit is not known to be free, unless its middle is nearer.
+TEST(OccupancyFusion, MissesCellsWhoseMiddleIsNearerThanTheReading) {
+  const BeamSensor noisy{1, 1.0, 0.0, 1.5, 0.1};
+  for (const auto& [range_m, of_middle] : {std::pair(0.39, 0.0), std::pair(0.41, -1.0)}) {
+    OccupancyBelief belief(kLine, 9.0);  // middles at 0.2, 0.4, … m from the vehicle
+    OccupancyFusion(noisy, {2.0, -1.0}).fuse({0.1, 0.1, 0.0}, std::vector<double>{range_m}, belief);
+    EXPECT_EQ(belief.log_odds(0), -1.0);
+    EXPECT_EQ(belief.log_odds(1), -1.0);
+    EXPECT_EQ(belief.log_odds(2), of_middle);
+    EXPECT_EQ(belief.log_odds(3), 2.0);
+    EXPECT_EQ(belief.log_odds(4), 0.0);
+  }
+}
+
+// A scan that is counted and one that is fused see the same cells, each once; and so does the next.
+TEST(OccupancyFusion, CountsTheCellsThatItFuses) {
+  const models::World world{{{0.0, 0.0}, {4.0, 4.0}}, 3.0, {{{{1.1, 1.1}, {2.1, 2.4}}, 3.0}}, {}};
+  const GridGeometry grid = GridGeometry::covering(world.bounds, 0.2);
+  test::Random random(4805);
+  OccupancyBelief belief(grid, 1e6);
+  models::Looks looks(static_cast<std::size_t>(grid.size()), 0);
+  OccupancyFusion fusing(kScanner, {1.0, -1.0});
+  OccupancyFusion counting(kScanner, {1.0, -1.0});
+  for (int i = 0; i < 5; ++i) {
+    const Pose2 at{random.uniform(2.3, 3.8), random.uniform(0.2, 3.8), random.uniform(-3.0, 3.0)};
+    const std::vector<double> scan = models::beam_scan(world, kScanner, at, random.engine());
+    const ScanCounts fused = fusing.fuse(at, scan, belief);
+    const ScanCounts counted = counting.count(grid, at, scan, looks);
+    EXPECT_EQ(fused.hits, counted.hits);
+    EXPECT_EQ(fused.misses, counted.misses);
+    EXPECT_EQ(fused.hits + fused.misses, kScanner.beams);
+    EXPECT_EQ(counting.count(grid, {-1.0, 1.0, 0.0}, scan, looks).ignored, kScanner.beams);
+    for (int cell = 0; cell < grid.size(); ++cell) {
+      ASSERT_EQ(belief.log_odds(cell), looks[static_cast<std::size_t>(cell)]) << cell;
+    }
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -171,6 +172,90 @@ TEST(FitRanges, HoldsOutWhereEveryRangeIsAnOutlier) {
     EXPECT_LT((fit.beacons[b].position_m - scene.beacons_m[b]).norm(), 1.5);
   }
   EXPECT_TRUE(fit.beacons.back().joint.allFinite());
+}
+
+// By a fit whose every number is another: each range against what is expected of it.
+TEST(Judge, ScoresWhatIsWithinFourSigmaOfWhatIsExpected) {
+  RangeFit fit;
+  fit.calibration = {1.1, 0.5};
+  fit.beacons.resize(2);
+  fit.beacons[0].position_m = {-50.0, 70.0};
+  FittedBeacon& beacon = fit.beacons[1];
+  beacon.position_m = {4.0, 2.0};
+  beacon.range_sigma_m = 0.3;
+  Eigen::Matrix4d root;
+  root << 0.02, 0.0, 0.0, 0.0, -0.1, 0.3, 0.0, 0.0, 0.05, 0.1, 0.2, 0.0, -0.07, 0.02, 0.1, 0.25;
+  beacon.joint = root * root.transpose();
+  const Eigen::Vector2d robot_m(1.0, -2.0);  // 3 and 4 m away: 5 m, towards (0.6, 0.8)
+  const Eigen::Vector4d slopes(5.0, 1.0, 1.1 * 0.6, 1.1 * 0.8);
+  const double sigma_m = std::hypot(0.3, (root.transpose() * slopes).norm());
+  const double expected_m = 1.1 * 5.0 + 0.5;
+  const auto score = [&](const std::vector<double>& off_sigma) {
+    std::vector<TakenRange> ranges;
+    for (const double off : off_sigma) {
+      ranges.push_back({robot_m, expected_m + off * sigma_m, 1});
+    }
+    return judge(fit, ranges);
+  };
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_EQ(score({side * 3.999}).honest, 1);
+    EXPECT_EQ(score({side * 3.999}).outliers, 0);
+    EXPECT_NEAR(score({side * 3.999}).nees, 3.999 * 3.999, 1e-9);
+    EXPECT_EQ(score({side * 4.001}).honest, 0);
+    EXPECT_EQ(score({side * 4.001}).outliers, 1);
+    EXPECT_EQ(score({side * 4.001}).nees, 0.0);
+  }
+  const InnovationScore several = score({2.0, -9.0, 1.0, 9.0, 5.0, -0.5});
+  EXPECT_EQ(several.honest, 3);
+  EXPECT_EQ(several.outliers, 3);
+  EXPECT_NEAR(several.nees, (4.0 + 1.0 + 0.25) / 3.0, 1e-9);
+  EXPECT_EQ(score({}).nees, 0.0);
+  // At the beacon itself no direction counts, and what is expected is a number.
+  const TakenRange there{beacon.position_m, 0.5, 1};
+  EXPECT_EQ(judge(fit, {&there, 1}).honest, 1);
+  EXPECT_LT(judge(fit, {&there, 1}).nees, 1e-6);
+}
+
+// Half of the ranges are below zero.
+TEST(FitRanges, KnowsBeaconsBehindASensorThatSaysLessThanNothing) {
+  std::mt19937_64 rng(3);
+  std::normal_distribution<double> noise(0.0, 0.05);
+  const Eigen::Vector2d beacons_m[] = {{3.0, 1.0}, {-2.0, 2.5}};
+  std::vector<TakenRange> ranges;
+  for (int k = 0; k < 240; ++k) {
+    const Eigen::Vector2d robot_m(2.0 * std::cos(0.05 * k), 2.5 * std::sin(0.05 * k));
+    ranges.push_back({robot_m, (beacons_m[k % 2] - robot_m).norm() - 2.0 + noise(rng), k % 2});
+  }
+  const RangeFit fit = fit_ranges(ranges, 2);
+  EXPECT_NEAR(fit.calibration.range_bias_m, -2.0, 0.1);
+  for (std::size_t b = 0; b < 2; ++b) {
+    EXPECT_LT((fit.beacons[b].position_m - beacons_m[b]).norm(), 0.1);
+    EXPECT_NEAR(fit.beacons[b].range_sigma_m, 0.05, 0.01);
+    EXPECT_GT(fit.beacons[b].probability, 0.99);
+    EXPECT_FALSE(fit.beacons[b].other.has_value());
+  }
+}
+
+TEST(FitRanges, TakesAsFewRangesOfABeaconAsItSaysAndNoFewer) {
+  const test::RangeScene scene = test::draw_range_scene(3, {.ranges_of_beacon = 40});
+  std::vector<TakenRange> ranges;
+  for (const TakenRange& range : scene.ranges) {
+    if (range.beacon == 0 && ranges.size() < index(kRangesOfBeaconMin)) {
+      ranges.push_back(range);
+    }
+  }
+  ASSERT_EQ(ranges.size(), 10U);
+  EXPECT_EQ(fit_ranges(ranges, 1).beacons.size(), 1U);
+  ranges.pop_back();
+  EXPECT_THROW(fit_ranges(ranges, 1), UsageError);
+  TakenRange broken = ranges.front();
+  broken.robot_m.y() = std::numeric_limits<double>::infinity();
+  ranges.resize(10, broken);
+  EXPECT_THROW(fit_ranges(ranges, 1), UsageError);
+  ranges.back() = ranges.front();
+  ranges.back().beacon = -1;
+  ranges.push_back(ranges.front());
+  EXPECT_THROW(fit_ranges(ranges, 1), UsageError);
 }
 
 }  // namespace

@@ -153,5 +153,72 @@ TEST(TeamMap, TakesUpWhatComesFromNearAndNowAndOfTheSameGround) {
   EXPECT_THROW(TeamMap(scenario, "Q9"), UsageError);
 }
 
+TEST(TeamMap, IsOfTheStepOfTheBeliefThatItStandsOn) {
+  const scenario::Scenario scenario = mapping_scenario();
+  TeamMap team_map(scenario, "Q2");
+  const models::RobotBelief belief = belief_at(5, {1.0, 2.0, 0.3});
+  models::RobotMap before;
+  before.grid = models::map_geometry(scenario.world, scenario.mapping);
+  before.own_looks.assign(static_cast<std::size_t>(before.grid.size()), 3);
+  const models::RobotMap map = team_map.step({&belief, &before, {}, {}});
+  EXPECT_EQ(map.stamp.time, belief.stamp.time);
+  EXPECT_EQ(map.robot, "Q2");
+  EXPECT_EQ(map.step, 5);
+  EXPECT_EQ(map.viewpoint.world_from_body, belief.viewpoint.world_from_body);
+  EXPECT_EQ(map.grid, before.grid);
+  EXPECT_EQ(map.own_looks, before.own_looks);
+  before.grid.resolution_m *= 2.0;  // of another ground: begun anew
+  EXPECT_EQ(team_map.step({&belief, &before, {}, {}}).own_looks,
+            models::Looks(before.own_looks.size(), 0));
+  EXPECT_THROW(team_map.step({nullptr, &before, {}, {}}), UsageError);
+}
+
+// As the scenario's scanner to a rounding of its field of view, which is told in another unit.
+TEST(TeamMap, CountsScansOfTheScenariosScannerAlone) {
+  const scenario::Scenario scenario = mapping_scenario();
+  test::Random random(5304);
+  const auto malformed = [&](double off_rad, double off_m, int surplus) {
+    TeamMap team_map(scenario, "Q1");
+    models::RangeScan scan = scan_of(scenario, random);
+    scan.field_of_view_rad += off_rad;
+    scan.range_max_m += off_m;
+    scan.ranges_m.resize(scan.ranges_m.size() + static_cast<std::size_t>(surplus), 1.0);
+    const models::RobotMap map = map_of(team_map, {{scan}});
+    const bool is_counted = map.own_looks != models::Looks(map.own_looks.size(), 0);
+    EXPECT_EQ(team_map.counters().malformed_scans, is_counted ? 0 : 1);
+    return !is_counted;
+  };
+  EXPECT_FALSE(malformed(0.0, 0.0, 0));
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_FALSE(malformed(side * 0.6e-9, 0.0, 0));
+    EXPECT_TRUE(malformed(side * 1.5e-9, 0.0, 0));
+    EXPECT_TRUE(malformed(0.0, side * 1e-3, 0));
+  }
+  EXPECT_TRUE(malformed(0.0, 0.0, 1));
+}
+
+TEST(TeamMap, AddsUpNoMapOfAnotherGrid) {
+  const scenario::Scenario scenario = mapping_scenario();
+  TeamMap team_map(scenario, "Q1");
+  models::RobotMap theirs;
+  theirs.grid = models::map_geometry(scenario.world, scenario.mapping);
+  theirs.own_looks.assign(static_cast<std::size_t>(theirs.grid.size()), 2);
+  models::RobotMap others = theirs;
+  others.grid.origin_m.x() += 0.1;
+  EXPECT_EQ(map_of(team_map, {{}}, {&others, &theirs}).team_looks[0], 2);
+  EXPECT_EQ(team_map.counters().malformed_maps, 1);
+}
+
+TEST(MapCounters, AreNamedOnceTheyCount) {
+  EXPECT_TRUE(MapCounters{}.named().empty());
+  const std::vector<models::NamedCount> all = MapCounters{1, 2, 3}.named();
+  ASSERT_EQ(all.size(), 3U);
+  const std::string names[] = {"map.jammed_scans", "map.malformed_scans", "map.malformed_maps"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(all[i].name, names[i]);
+    EXPECT_EQ(all[i].count, static_cast<std::int64_t>(i) + 1);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator

@@ -1,6 +1,10 @@
 #include "estimator/track_labels.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -130,6 +134,175 @@ TEST(Reconcile, TakesTheBeliefThatTellsClearlyMoreAsItIs) {
   heard = {theirs(kOld, vague)};
   EXPECT_EQ(reconcile(tracks, heard).taken_over, 0);
   EXPECT_EQ(moments(tracks[0].mixture).covariance, sure.covariance);
+}
+
+TEST(TrackLabels, FillTheUpperHalfOfWhatIsPositive) {
+  const Time last = from_utime(((1 << 20) - 1) * kLabelTick.count());
+  EXPECT_EQ(first_label(from_utime(0), 0), models::kTrackLabelMin);
+  EXPECT_EQ(first_label(last, kLabelledRobots - 1) + kLabelledDetections - 1,
+            std::numeric_limits<int>::max());
+  EXPECT_EQ(first_label(last + kLabelTick, 0), models::kTrackLabelMin) << "and begin anew";
+  const Time tick = from_utime(1000 * kLabelTick.count());
+  EXPECT_EQ(first_label(tick + kLabelTick - Duration{1}, 3), first_label(tick, 3));
+  EXPECT_NE(first_label(tick - Duration{1}, 3), first_label(tick, 3));
+}
+
+TEST(TrackLabels, AreOlderForHalfOfTheirRound) {
+  const Time begin = instant(0);
+  const int label = first_label(begin, 5);
+  const auto after = [&](int ticks) { return first_label(begin + ticks * kLabelTick, 5); };
+  constexpr int kHalf = 1 << 19;
+  EXPECT_TRUE(is_older(label, after(kHalf - 1)));
+  EXPECT_FALSE(is_older(after(kHalf - 1), label));
+  EXPECT_FALSE(is_older(label, after(kHalf + 1)));
+  EXPECT_TRUE(is_older(after(kHalf + 1), label));
+  EXPECT_FALSE(is_older(label, after(kHalf)));
+  EXPECT_FALSE(is_older(after(kHalf), label));
+}
+
+// Of the sum of both covariances.
+TEST(Reconcile, TakesForOneWhatIsWithinThreeSigma) {
+  for (const bool is_along_x : {false, true}) {
+    for (const auto& [away_m, is_one] : {std::pair(1.499, true), std::pair(1.501, false)}) {
+      std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1.0, 2.0, 0.3)), LabelledTrack{}};
+      std::vector<HeardLabel> heard = {theirs(
+          kOld, at_m(is_along_x ? 1.0 - away_m : 1.0, is_along_x ? 2.0 : 2.0 - away_m, 0.4))};
+      const Reconciled done = reconcile(tracks, heard);
+      EXPECT_EQ(done.relabelled, is_one ? 1 : 0);
+      EXPECT_EQ(done.adopted, is_one ? 0 : 1);
+      EXPECT_EQ(tracks[0].existence, 0.95);
+    }
+  }
+}
+
+TEST(Reconcile, ComparesTracksFromATenthOfACertaintyOn) {
+  for (const auto& [existence, is_compared] : {std::pair(0.0999, false), std::pair(0.1, true)}) {
+    std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1, 1, 0.2), existence),
+                                         own(kYoung + 1, at_m(9, 9, 0.2))};
+    std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.1, 1, 0.2))};
+    const Reconciled done = reconcile(tracks, heard);
+    EXPECT_EQ(done.relabelled, is_compared ? 1 : 0);
+    EXPECT_EQ(tracks[0].label, kOld) << "joined, or adopted in its place";
+    EXPECT_EQ(tracks[0].existence, is_compared ? 0.5 : 0.9);
+  }
+}
+
+TEST(Reconcile, MindsNoLabelOfATrackThatIsNoMore) {
+  std::vector<LabelledTrack> tracks = {own(kYoung, at_m(1, 1, 0.2)), own(kOld, at_m(5, 5, 0.2), 0)};
+  std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.1, 1, 0.2))};
+  EXPECT_EQ(reconcile(tracks, heard).relabelled, 1);
+  EXPECT_EQ(labels_of(tracks), std::vector{kOld});
+}
+
+// They are one from then on: what the teammate knows better is taken in the same breath.
+TEST(Reconcile, TakesTheSurerBeliefOfWhatItHasJustJoined) {
+  for (const bool is_own_older : {false, true}) {
+    std::vector<LabelledTrack> tracks = {own(is_own_older ? kOld : kYoung, at_m(1, 1, 1.0))};
+    std::vector<HeardLabel> heard = {theirs(is_own_older ? kYoung : kOld, at_m(1.1, 1, 0.2))};
+    const Reconciled done = reconcile(tracks, heard);
+    EXPECT_EQ(done.relabelled, is_own_older ? 0 : 1);
+    EXPECT_EQ(done.taken_over, 1);
+    EXPECT_EQ(done.adopted, 0);
+    EXPECT_EQ(labels_of(tracks), std::vector{kOld});
+    EXPECT_EQ(moments(tracks[0].mixture).mean(0), 1.1);
+  }
+}
+
+// In the plane half a nat is a σ that is smaller by e^¼.
+TEST(Reconcile, TakesABeliefThatTellsMoreByHalfANat) {
+  for (const auto& [nats, is_taken] : {std::pair(0.499, false), std::pair(0.501, true)}) {
+    for (const int own_seen : {0, 2}) {
+      std::vector<LabelledTrack> tracks = {own(kOld, at_m(1, 1, 1.0))};
+      tracks[0].last_seen = instant(own_seen);
+      std::vector<HeardLabel> heard = {theirs(kOld, at_m(1.1, 1, std::exp(-0.5 * nats)))};
+      EXPECT_EQ(reconcile(tracks, heard).taken_over, is_taken ? 1 : 0);
+      EXPECT_EQ(moments(tracks[0].mixture).mean(0), is_taken ? 1.1 : 1.0);
+      EXPECT_EQ(tracks[0].last_seen, instant(is_taken ? std::max(own_seen, 1) : own_seen));
+    }
+  }
+}
+
+TEST(Reconcile, AdoptsInThePlaceOfTheUnlikeliestThatIsNotConfirmed) {
+  for (const auto& [least, is_adopted] : {std::pair(0.499, true), std::pair(0.5, false)}) {
+    std::vector<LabelledTrack> tracks = {own(kYoung, at_m(0, 0, 0.1), 0.95),
+                                         own(kYoung + 1, at_m(3, 0, 0.1), least),
+                                         own(kYoung + 2, at_m(6, 0, 0.1), 0.6)};
+    for (LabelledTrack& track : tracks) {
+      track.hits = 7;
+      track.misses = 1;
+    }
+    std::vector<HeardLabel> heard = {theirs(kOld, at_m(9, 0, 0.1))};
+    EXPECT_EQ(reconcile(tracks, heard).adopted, is_adopted ? 1 : 0);
+    EXPECT_EQ(labels_of(tracks), (std::vector{kYoung, is_adopted ? kOld : kYoung + 1, kYoung + 2}));
+    EXPECT_EQ(tracks[1].existence, is_adopted ? 0.9 : 0.5);
+    EXPECT_EQ(tracks[1].hits, is_adopted ? 0 : 7);
+    EXPECT_EQ(tracks[1].misses, is_adopted ? 0 : 1);
+    EXPECT_EQ(tracks[1].last_seen, instant(is_adopted ? 1 : 0));
+    ASSERT_EQ(tracks[1].mixture.size(), 1U);
+    EXPECT_EQ(tracks[1].mixture[0].weight, 1.0);
+    EXPECT_EQ(tracks[1].mixture[0].belief.mean(0), is_adopted ? 9.0 : 3.0);
+  }
+}
+
+MultiTargetFilter planar_filter() {
+  MultiTargetSpec spec;
+  spec.estimator.target_model = {models::TargetKind::kRandomWalk, 2, 0.02};
+  spec.world.bounds = {{-20.0, -20.0}, {20.0, 20.0}};
+  return MultiTargetFilter(spec);
+}
+
+TEST(Told, AreTheConfirmedOnesByTheirLabels) {
+  const MultiTargetFilter filter = planar_filter();
+  std::vector<LabelledTrack> tracks = {
+      own(kYoung, at_m(3, 0, 0.2)), own(kOld, at_m(1, 0, 0.1), 0.5),
+      own(kOld + 1, at_m(2, 0, 0.1), 0.499), own(kYoung, at_m(4, 0, 0.2), 0.9),
+      own(kYoung + 1, at_m(5, 0, 0.0))};
+  tracks[0].last_seen = instant(3);
+  tracks[1].existence = 1.0 + 1e-15;
+  tracks[1].mixture = {{1.0 + 1e-15, at_m(1, 0, 0.1)}};
+  tracks[0].mixture = {{0.75, at_m(3, 0, 0.2)}, {0.25, at_m(3.4, 0, 0.2)}};
+  const std::vector<models::TargetBelief> beliefs = told(filter, tracks);
+  ASSERT_EQ(beliefs.size(), 2U) << "a label counts once, and only of what is a Gaussian";
+  EXPECT_EQ(beliefs[0].target_id, kOld);
+  EXPECT_EQ(beliefs[1].target_id, kYoung);
+  EXPECT_EQ(beliefs[1].last_seen, instant(3)) << "the first of two";
+  EXPECT_NEAR(models::to_gaussian(beliefs[0].information)->mean(0), 1.0, 1e-9);
+  EXPECT_NEAR(models::to_gaussian(beliefs[1].information)->mean(0), 3.1, 1e-9);
+
+  const std::vector<models::TargetMixture> mixtures = told_mixtures(filter, tracks);
+  ASSERT_EQ(mixtures.size(), 2U);
+  EXPECT_EQ(mixtures[0].target_id, kOld);
+  EXPECT_EQ(mixtures[0].existence, 1.0) << "no more than surely";
+  EXPECT_EQ(mixtures[0].components[0].weight, 1.0);
+  EXPECT_EQ(mixtures[1].target_id, kYoung);
+  EXPECT_EQ(mixtures[1].existence, 0.95);
+  ASSERT_EQ(mixtures[1].components.size(), 2U);
+  EXPECT_EQ(mixtures[1].components[0].weight, 0.75);
+  EXPECT_EQ(mixtures[1].components[1].belief.mean(0), 3.4);
+}
+
+TEST(SetTold, LeavesNothingOfBeforeAndNothingThatIsNoBelief) {
+  const auto belief = [](int label, const models::Gaussian& of, int seen) {
+    return models::TargetBelief{label, models::to_information(of).value(), instant(seen)};
+  };
+  std::vector<LabelledTrack> tracks = {own(kYoung + 5, at_m(7, 7, 0.1)),
+                                       own(kYoung + 6, at_m(8, 8, 0.1)),
+                                       own(kYoung + 7, at_m(9, 9, 0.1))};
+  models::TargetBelief none = belief(kOld + 3, at_m(3, 0, 1.0), 3);
+  none.information.matrix.setZero();
+  const models::Gaussian in_space{Eigen::Vector3d(2, 0, 0), Eigen::Matrix3d::Identity()};
+  const std::vector<models::TargetBelief> said = {belief(kOld, at_m(1, 0, 0.1), 1), none,
+                                                  belief(kOld + 1, in_space, 2),
+                                                  belief(kOld + 2, at_m(2, 0, 0.2), 4)};
+  set_told(tracks, said, 2);
+  EXPECT_EQ(labels_of(tracks), (std::vector{kOld, kOld + 2}));
+  EXPECT_EQ(tracks[0].existence, 0.9);
+  EXPECT_EQ(tracks[1].last_seen, instant(4));
+  EXPECT_NEAR(tracks[1].mixture.at(0).belief.covariance(1, 1), 0.04, 1e-12);
+  EXPECT_TRUE(tracks[2].mixture.empty());
+  EXPECT_EQ(tracks[2].existence, 0.0);
+  set_told(tracks, {}, 2);
+  EXPECT_TRUE(labels_of(tracks).empty());
 }
 
 }  // namespace

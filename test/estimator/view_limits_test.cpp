@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "estimator/track.hpp"
+#include "models/sensor/law.hpp"
 #include "test/estimator/filter_support.hpp"
+#include "test/support/own_sensor.hpp"
 
 namespace vantage::estimator {
 namespace {
@@ -79,6 +82,152 @@ TEST(ViewProbability, IsHowOftenATargetIsInViewOfLimitsThatAreOff) {
       EXPECT_NEAR(static_cast<double>(seen) / kDraws, probability, slack) << kind.name();
     }
   }
+}
+
+constexpr double kNoDepth_m = std::numeric_limits<double>::infinity();
+
+double normal_below(double sigmas) { return 0.5 * std::erfc(-sigmas / std::sqrt(2.0)); }
+
+/// Limits far from each other, so that one at a time matters.
+models::SensorModel wide_sensor(models::SensorKind kind) {
+  models::SensorModel sensor = lab_sensor(kind);
+  sensor.range_min_m = 2.0;
+  sensor.range_max_m = 10.0;
+  sensor.fov_rad = 2.0;
+  sensor.depth_min_m = 0.5;
+  return sensor;
+}
+
+TEST(LimitSoftness, IsATenthOfEachSigmaOfWhatIsMeasured) {
+  const Eigen::Vector2d variances(0.04, 0.09);
+  const models::MeasurementMatrix V = variances.asDiagonal();
+  const models::MeasurementMatrix V1 = V.topLeftCorner(1, 1);
+  const auto expect = [](const LimitSoftness& of, double distance_m, double angle_rad) {
+    EXPECT_NEAR(of.distance_m, distance_m, 1e-15);
+    EXPECT_NEAR(of.angle_rad, angle_rad, 1e-15);
+  };
+  using models::SensorKind;
+  expect(limit_softness(wide_sensor(SensorKind::kPosition), V), 0.02, 0.0);
+  expect(limit_softness(wide_sensor(SensorKind::kRange), V1), 0.02, 0.0);
+  expect(limit_softness(wide_sensor(SensorKind::kBearing), V1), 0.0, 0.02);
+  expect(limit_softness(wide_sensor(SensorKind::kRangeBearing), V), 0.02, 0.03);
+  models::SensorModel camera = wide_sensor(SensorKind::kCamera);
+  camera.focal_length_pixels = 50.0;
+  expect(limit_softness(camera, V), 0.0, 0.02 / 50.0);
+}
+
+// What has limits of its own keeps to them exactly, whatever it measures; a bearing's are ours.
+TEST(LimitSoftness, IsNoneOfAKindWithLimitsOfItsOwn) {
+  const models::MeasurementMatrix V1 = 0.04 * Eigen::Matrix<double, 1, 1>::Identity();
+  models::SensorLaw law = vantage::test::signal_strength_law();
+  models::SensorModel own;
+  own.kind = models::SensorKind(law);
+  for (const bool is_linear : {false, true}) {
+    law.is_linear = is_linear;
+    law.measures_range = !is_linear;
+    EXPECT_EQ(limit_softness(own, V1).distance_m, 0.0);
+    EXPECT_EQ(limit_softness(own, V1).angle_rad, 0.0);
+  }
+  law.measures_bearing = true;
+  EXPECT_NEAR(limit_softness(own, V1).angle_rad, 0.02, 1e-15);
+  law.measures_bearing = law.is_linear = false;
+  law.measures_range = true;
+  law.sees = nullptr;
+  EXPECT_NEAR(limit_softness(own, V1).distance_m, 0.02, 1e-15);
+}
+
+TEST(ViewProbability, FallsOffAtEachLimitAsANormalDistribution) {
+  const models::SensorModel sensor = wide_sensor(models::SensorKind::kRangeBearing);
+  const models::SensorModel camera = wide_sensor(models::SensorKind::kCamera);
+  const LimitSoftness soft{0.1, 0.02};
+  const double side_rad = std::hypot(0.02, 0.1 / 4.0);
+  for (const double n : {-3.0, -1.0, 0.0, 0.5, 2.0}) {
+    const double expected = normal_below(n);
+    const auto is = [&](const models::SensorModel& of, double range_m, double horizontal_m,
+                        double bearing_rad, double depth_m) {
+      EXPECT_NEAR(view_probability(of, soft, range_m, horizontal_m, bearing_rad, depth_m), expected,
+                  1e-12)
+          << n;
+    };
+    is(sensor, 10.0 - 0.1 * n, 5.0, 0.0, kNoDepth_m);
+    is(sensor, 5.0, 5.0, 0.0, 0.5 + 0.1 * n);
+    is(sensor, 6.0, 2.0 + 0.1 * n, 0.0, kNoDepth_m);  // a bearing's least distance is horizontal
+    is(camera, 2.0 + 0.1 * n, 1.0, 0.0, 1.5);         // a camera's is in space
+    is(camera, 6.0, 1.0, 0.0, 0.5 + 0.1 * n);
+    for (const double side : {-1.0, 1.0}) {
+      is(sensor, 4.0, 4.0, side * (1.0 - side_rad * n), kNoDepth_m);
+      is(sensor, 4.0, 4.0, side * (1.0 - side_rad * n - 2.0 * kPi), kNoDepth_m);
+    }
+  }
+  // All at once: how far from each, multiplied.
+  const double side_there_rad = std::hypot(0.02, 0.1 / 2.05);
+  EXPECT_NEAR(view_probability(sensor, soft, 9.95, 2.05, 1.0 + side_there_rad, 0.7),
+              normal_below(0.5) * normal_below(0.5) * normal_below(-1.0) * normal_below(2.0),
+              1e-12);
+}
+
+TEST(ViewProbability, IsCertainSixSigmaFromALimitAndWhereThereIsNone) {
+  models::SensorModel sensor = wide_sensor(models::SensorKind::kRangeBearing);
+  const LimitSoftness soft{0.1, 0.02};
+  const auto at_range = [&](double range_m) {
+    return view_probability(sensor, soft, range_m, range_m, 0.0, kNoDepth_m);
+  };
+  EXPECT_EQ(at_range(10.0 - 0.61), 1.0);
+  EXPECT_EQ(at_range(10.0 + 0.61), 0.0);
+  EXPECT_GT(at_range(10.0 + 0.59), 0.0);
+  EXPECT_EQ(at_range(2.0 - 0.61), 0.0);
+  EXPECT_GT(at_range(2.0 - 0.59), 0.0);
+  // Above the target every direction is sideways; behind the image plane nothing is.
+  EXPECT_NEAR(view_probability(sensor, soft, 6.0, 0.0, 0.0, kNoDepth_m), 0.0, 1e-12);
+  sensor.range_min_m = 0.0;
+  EXPECT_EQ(at_range(5.0), 1.0);
+  EXPECT_NEAR(at_range(0.0), 0.5, 1e-6) << "right there it may be on any side";
+  sensor.depth_min_m = -1.0;
+  EXPECT_EQ(view_probability(sensor, soft, 5.0, 5.0, 0.0, 0.0), 0.0);
+  EXPECT_EQ(view_probability(sensor, soft, 5.0, 5.0, 0.0, -0.3), 0.0);
+  EXPECT_EQ(view_probability(sensor, soft, 5.0, 5.0, kPi, kNoDepth_m), 0.0);
+  sensor.fov_rad = 2.0 * kPi;
+  EXPECT_EQ(view_probability(sensor, soft, 5.0, 5.0, kPi, kNoDepth_m), 1.0);
+  EXPECT_EQ(view_probability(sensor, soft, 0.0, 0.0, 1.0, kNoDepth_m), 1.0);
+}
+
+TEST(ViewProbability, OfAPlaceIsThatOfItsRangeBearingAndDepth) {
+  const LimitSoftness soft{0.1, 0.02};
+  models::Viewpoint from = test::at(1.0, -2.0, 2.5);
+  from.height_m = 4.0;
+  const double yaw_rad = from.world_from_body.yaw_rad;
+  for (const double away_m : {0.3, 2.05, 6.0, 9.3, 10.55}) {
+    for (const double bearing_rad : {-0.98, 0.0, 1.01}) {
+      const double angle_rad = yaw_rad + bearing_rad;
+      const Eigen::Vector2d place_m(1.0 + away_m * std::cos(angle_rad),
+                                    -2.0 + away_m * std::sin(angle_rad));
+      models::SensorModel sensor = wide_sensor(models::SensorKind::kRangeBearing);
+      EXPECT_NEAR(view_probability(sensor, soft, from, place_m),
+                  view_probability(sensor, soft, away_m, away_m, bearing_rad, kNoDepth_m), 1e-9);
+      const Eigen::Vector3d in_space_m(place_m.x(), place_m.y(), 0.8);
+      const double range_m = std::hypot(away_m, 3.2);
+      EXPECT_NEAR(view_probability(sensor, soft, from, in_space_m),
+                  view_probability(sensor, soft, range_m, away_m, bearing_rad, kNoDepth_m), 1e-9);
+      sensor = wide_sensor(models::SensorKind::kCamera);
+      sensor.camera_tilt_rad = 0.5 * kPi;  // straight down: depth is height
+      sensor.depth_min_m = 3.1;
+      EXPECT_NEAR(view_probability(sensor, soft, from, in_space_m),
+                  view_probability(sensor, soft, range_m, away_m, bearing_rad, 3.2), 1e-9);
+      sensor.camera_tilt_rad = 0.0;  // along body x
+      sensor.depth_min_m = 2.0;
+      EXPECT_NEAR(view_probability(sensor, soft, from, in_space_m),
+                  view_probability(sensor, soft, range_m, away_m, bearing_rad,
+                                   away_m * std::cos(bearing_rad)),
+                  1e-9);
+    }
+  }
+  // At the sensor itself a range has no direction; a position is one.
+  models::SensorModel sensor = wide_sensor(models::SensorKind::kRange);
+  sensor.range_min_m = 0.0;
+  sensor.fov_rad = 2.0 * kPi;
+  EXPECT_EQ(view_probability(sensor, soft, from, Eigen::Vector2d(1.0, -2.0)), 0.0);
+  sensor.kind = models::SensorKind::kPosition;
+  EXPECT_EQ(view_probability(sensor, soft, from, Eigen::Vector2d(1.0, -2.0)), 1.0);
 }
 
 TEST(ViewProbability, OfLimitsThatAreExactIsWhetherItIsInView) {

@@ -1,0 +1,169 @@
+#include "estimator/step_record.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/estimator/filter_support.hpp"
+#include "test/support/allocation_counter.hpp"
+
+// What a step is made from, and the tracks by target.
+
+namespace vantage::estimator {
+namespace {
+
+using test::instant;
+
+KnownTrack known_track(int target_id, double x_m) {
+  KnownTrack known;
+  known.target_id = target_id;
+  known.track.known = true;
+  known.track.information =
+      models::to_information({Eigen::Vector2d(x_m, 0.0), Eigen::Matrix2d::Identity()}).value();
+  return known;
+}
+
+std::vector<int> ids_of(const TrackTable& tracks) {
+  std::vector<int> ids;
+  for (const KnownTrack& each : tracks) {
+    ids.push_back(each.target_id);
+  }
+  return ids;
+}
+
+TEST(TrackTable, HasEachTargetOnceInTheOrderOfTheirNumbers) {
+  TrackTable tracks(8);
+  for (const int id : {5, 2, 7, 0, 3}) {
+    EXPECT_EQ(tracks.put(known_track(id, id)).target_id, id);
+  }
+  EXPECT_EQ(ids_of(tracks), (std::vector{0, 2, 3, 5, 7}));
+  const TrackTable& same = tracks;
+  for (const int id : {0, 2, 3, 5, 7}) {
+    ASSERT_NE(tracks.find(id), nullptr);
+    EXPECT_EQ(tracks.find(id)->target_id, id);
+    EXPECT_EQ(same.find(id), tracks.find(id));
+  }
+  for (const int id : {-1, 1, 4, 6, 8}) {
+    EXPECT_EQ(tracks.find(id), nullptr);
+    EXPECT_EQ(same.find(id), nullptr);
+  }
+  // Another of a target that is there takes its place.
+  for (const int id : {0, 3, 7}) {
+    EXPECT_EQ(tracks.put(known_track(id, 10.0 + id)).track.information.vector(0), 10.0 + id);
+  }
+  EXPECT_EQ(ids_of(tracks), (std::vector{0, 2, 3, 5, 7}));
+  EXPECT_EQ(tracks.find(3)->track.information.vector(0), 13.0);
+  EXPECT_EQ(tracks.find(5)->track.information.vector(0), 5.0);
+  tracks.erase_if([](const KnownTrack& each) { return each.target_id % 2 == 1; });
+  EXPECT_EQ(ids_of(tracks), (std::vector{0, 2}));
+  tracks.clear();
+  EXPECT_TRUE(ids_of(tracks).empty());
+}
+
+TEST(TrackTable, HasRoomForAsManyTargetsAsThereAreUpToSoMany) {
+  if (!vantage::test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the allocation counter is inert under sanitizers";
+  }
+  TargetTable<HeardTrack> few(3);
+  const vantage::test::AllocationCounter of_few;
+  for (int id = 3; id-- > 0;) {
+    few.put({id, {}, 1.0});
+  }
+  EXPECT_EQ(of_few.count(), 0U);
+  // Of more than anybody has memory for, as of fewer than none, the table is made all the same.
+  TargetTable<HeardTrack> many(2'000'000'000);
+  const vantage::test::AllocationCounter of_many;
+  constexpr int kRoom = static_cast<int>(TargetTable<HeardTrack>::kReserved);
+  for (int id = kRoom; id-- > 0;) {
+    many.put({id, {}, 1.0});
+  }
+  EXPECT_EQ(of_many.count(), 0U);
+  TargetTable<HeardTrack> none(-1);
+  none.put({4, {}, 1.0});
+  EXPECT_NE(none.find(4), nullptr);
+}
+
+std::vector<std::pair<Time, int>> looks_of(const StepRecord& record) {
+  std::vector<std::pair<Time, int>> looks;
+  for (int i = 0; i < record.look_count; ++i) {
+    const Look& look = record.looks[static_cast<std::size_t>(i)];
+    looks.emplace_back(look.time, look.looker);
+  }
+  return looks;
+}
+
+// In whatever order they come, and more than there was room for.
+TEST(StepRecord, KeepsLooksByInstantAndThenByWhoLooked) {
+  std::vector<std::pair<Time, int>> sorted;
+  for (int step = 0; step < 2; ++step) {
+    for (int looker = -1; looker < 2; ++looker) {
+      sorted.emplace_back(instant(step), looker);
+    }
+  }
+  std::vector<std::pair<Time, int>> order = sorted;
+  StepRecord record(3, 4);
+  do {
+    record.start(instant(0), instant(1), TrackTable(3));
+    EXPECT_EQ(record.look_count, 0);
+    for (const auto& [time, looker] : order) {
+      EXPECT_FALSE(record.holds(time, looker));
+      Look& look = record.insert(time, looker);
+      EXPECT_EQ(look.time, time);
+      EXPECT_EQ(look.looker, looker);
+      EXPECT_TRUE(look.detections.empty()) << "of one that was there before";
+      EXPECT_FALSE(look.counted);
+      look.detections.emplace_back();
+      look.counted = true;
+      EXPECT_TRUE(record.holds(time, looker));
+    }
+    ASSERT_EQ(looks_of(record), sorted);
+  } while (std::next_permutation(order.begin(), order.end()));
+  EXPECT_FALSE(record.holds(instant(0), 2));
+  EXPECT_FALSE(record.holds(instant(2), 1));
+}
+
+TEST(StepRecord, StartsOverWithNothingButTheTracks) {
+  StepRecord record(3, 4);
+  TrackTable tracks(3);
+  tracks.put(known_track(1, 2.0));
+  record.heard.put({0, {}, 1.0});
+  record.heard_of_start.put({2, {}, 1.0});
+  record.heard_labels.emplace_back();
+  record.is_heard_of_end = true;
+  record.insert(instant(1), 0);
+  record.start(instant(2), instant(3), tracks);
+  EXPECT_EQ(record.from, instant(2));
+  EXPECT_EQ(record.to, instant(3));
+  EXPECT_EQ(ids_of(record.before), std::vector{1});
+  EXPECT_EQ(record.heard.begin(), record.heard.end());
+  EXPECT_EQ(record.heard_of_start.begin(), record.heard_of_start.end());
+  EXPECT_TRUE(record.heard_labels.empty());
+  EXPECT_FALSE(record.is_heard_of_end);
+  EXPECT_EQ(record.look_count, 0);
+  EXPECT_FALSE(record.holds(instant(1), 0));
+}
+
+TEST(StepRecord, HasRoomForEveryTargetInEveryLookOfASmallTeam) {
+  if (!vantage::test::AllocationCounter::is_active()) {
+    GTEST_SKIP() << "the allocation counter is inert under sanitizers";
+  }
+  const auto room_of = [](int targets, int looks) {
+    const StepRecord record(targets, looks);
+    std::size_t room = 0;
+    for (const Look& look : record.looks) {
+      EXPECT_EQ(look.detections.capacity(), record.looks.front().detections.capacity());
+      room += look.detections.capacity();
+    }
+    return room;
+  };
+  EXPECT_EQ(room_of(10, 8), 80U);
+  EXPECT_EQ(room_of(64, 8), StepRecord::kDetectionsReserved);
+  EXPECT_EQ(room_of(1000, 8), StepRecord::kDetectionsReserved) << "a large team costs no more";
+  EXPECT_EQ(room_of(5, 0), 0U);
+  EXPECT_GE(StepRecord::kDetectionsReserved, 512U);
+}
+
+}  // namespace
+}  // namespace vantage::estimator
