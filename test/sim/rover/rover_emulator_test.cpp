@@ -1,0 +1,260 @@
+// A rover at the end of a wire: what it does late, what it does not measure, and what it tells.
+
+#include "sim/rover/rover_emulator.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "sim/rover/rover_endpoint.hpp"
+#include "test/support/udp_port.hpp"
+#include "wire/rover/packet.hpp"
+
+namespace vantage::sim {
+namespace {
+
+namespace wire = vantage::wire::rover;
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+/// Rover 7 and a driver of session 11, heard every 20 ms.
+struct Bench {
+  explicit Bench(const RoverEmulatorSpec& spec = exact()) : rover(spec, kStart) {}
+  static RoverEmulatorSpec exact() {
+    RoverEmulatorSpec out;
+    out.number = 7;
+    out.boot = 99;
+    out.delay_s = 0.0;
+    out.grip = 1.0;
+    out.drift_radps = 0.0;
+    return out;
+  }
+  void say(wire::Command command) {
+    command.time_us = to_utime(now) - 5;
+    rover.receive(wire::encode(command), now);
+  }
+  wire::Command drive(float speed_mps, float yaw_rate_radps = 0.0F) {
+    return {7, 11, ++sequence, 0, speed_mps, yaw_rate_radps, wire::kDrive};
+  }
+  void drive_for(double seconds, float speed_mps, float yaw_rate_radps = 0.0F) {
+    for (const Time end = now + from_seconds(seconds); now < end; now += Duration{20'000}) {
+      say(drive(speed_mps, yaw_rate_radps));
+      rover.advance_to(now + Duration{20'000});
+    }
+  }
+  wire::Telemetry hear() {
+    wire::Telemetry out;
+    now += Duration{50'000};
+    rover.advance_to(now);
+    const auto bytes = rover.take_output();
+    EXPECT_TRUE(bytes);
+    if (bytes) {
+      EXPECT_EQ(wire::decode(*bytes, out), wire::Verdict::kAccepted);
+    }
+    return out;
+  }
+  RoverEmulator rover;
+  Time now = kStart;
+  std::uint32_t sequence = 0;
+};
+
+TEST(RoverEmulator, ObeysWhatItHearsAfterItsDelayAndNotBefore) {
+  RoverEmulatorSpec spec = Bench::exact();
+  spec.delay_s = 0.1;
+  Bench bench(spec);
+  bench.say(bench.drive(0.5F));
+  bench.now += Duration{50'000};
+  bench.rover.advance_to(bench.now);
+  bench.say(bench.drive(0.2F, 1.0F));
+  bench.rover.advance_to(kStart + Duration{95'000});
+  EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
+  bench.rover.advance_to(kStart + Duration{145'000});
+  EXPECT_NEAR(bench.rover.state().speed_mps, 0.05, 1e-9);
+  EXPECT_EQ(bench.rover.state().yaw_rate_radps, 0.0);
+  bench.rover.advance_to(kStart + Duration{170'000});
+  EXPECT_NEAR(bench.rover.state().yaw_rate_radps, 5 * 0.005 * 8.0, 1e-9) << "the second, in turn";
+}
+
+// Slip and drift act on the truth alone, along any heading, and drift only while it moves.
+TEST(RoverEmulator, SlipsAndTurnsInAWayThatItsWheelsDoNotMeasure) {
+  for (const double yaw_rad : {0.3, 2.0, -2.5}) {
+    RoverEmulatorSpec spec = Bench::exact();
+    spec.start = {1.0, -2.0, yaw_rad};
+    Bench straight(spec);
+    spec.grip = 0.8;
+    Bench slipping(spec);
+    spec.grip = 1.0;
+    spec.drift_radps = 0.25;
+    Bench drifting(spec);
+    for (Bench* bench : {&straight, &slipping, &drifting}) {
+      bench->rover.advance_to(kStart + Duration{100'000});
+      bench->now = kStart + Duration{100'000};
+      EXPECT_EQ(bench->rover.state().world_from_body, (Pose2{1.0, -2.0, yaw_rad}));
+      bench->drive_for(1.0, 0.5F);
+      EXPECT_NEAR(bench->rover.state().speed_mps, 0.5, 1e-6);
+    }
+    const Eigen::Vector2d from_m(1.0, -2.0);
+    const Eigen::Vector2d way_m = straight.rover.state().world_from_body.position_m() - from_m;
+    EXPECT_NEAR(way_m.norm(), 0.5 * 0.5 * 0.5 + 0.5 * 0.5, 1e-6);
+    EXPECT_NEAR(std::atan2(way_m.y(), way_m.x()), yaw_rad, 1e-9);
+    EXPECT_LT((slipping.rover.state().world_from_body.position_m() - from_m - 0.8 * way_m).norm(),
+              1e-9);
+    const double turned_rad = drifting.rover.state().world_from_body.yaw_rad - yaw_rad;
+    EXPECT_NEAR(wrap_to_pi(turned_rad), 0.25, 1e-9) << "to the left";
+    EXPECT_EQ(drifting.rover.state().yaw_rate_radps, 0.0);
+  }
+}
+
+TEST(RoverEmulator, TellsEveryFiftyMillisecondsHowItIs) {
+  Bench bench;
+  ASSERT_TRUE(bench.rover.take_output()) << "at once";
+  EXPECT_FALSE(bench.rover.take_output());
+  wire::Telemetry told = bench.hear();
+  EXPECT_EQ(told.robot, 7U);
+  EXPECT_EQ(told.boot, 99U);
+  EXPECT_EQ(told.sequence, 1U);
+  EXPECT_EQ(told.session, 0U);
+  EXPECT_EQ(told.command_sequence, 0U);
+  EXPECT_EQ(told.command_time_us, 0);
+  EXPECT_EQ(told.speed_mps, 0.0F);
+  EXPECT_EQ(told.flags, wire::kWatchdogOut);
+  EXPECT_EQ(told.refused, 0U);
+  bench.drive_for(1.0, 0.5F, -1.0F);
+  const std::int64_t said_us = to_utime(bench.now) - 20'000 - 5;
+  told = bench.hear();
+  EXPECT_EQ(told.sequence, 2U) << "of those taken";
+  EXPECT_EQ(told.session, 11U);
+  EXPECT_EQ(told.command_sequence, bench.sequence);
+  EXPECT_EQ(told.command_time_us, said_us);
+  EXPECT_FLOAT_EQ(told.speed_mps, 0.5F);
+  EXPECT_FLOAT_EQ(told.yaw_rate_radps, -1.0F);
+  EXPECT_EQ(told.flags, wire::kDriving);
+  // 1.1 s of the two hours that a battery lasts.
+  EXPECT_NEAR(told.battery_share, 0.9 - 1.1 / 7200.0, 1e-6);
+  bench.rover.advance_to(bench.now + Duration{49'999});
+  EXPECT_FALSE(bench.rover.take_output());
+  bench.rover.advance_to(bench.now + Duration{50'000});
+  EXPECT_TRUE(bench.rover.take_output());
+}
+
+TEST(RoverEmulator, SaysWhyItDoesNotDrive) {
+  Bench bench;
+  bench.rover.take_output();
+  bench.drive_for(0.5, 0.5F);
+  EXPECT_EQ(bench.hear().flags, wire::kDriving);
+  bench.rover.press_stop();
+  EXPECT_EQ(bench.hear().flags, wire::kStopLatched);
+  bench.now += Duration{200'000};
+  EXPECT_EQ(bench.hear().flags, wire::kStopLatched | wire::kWatchdogOut);
+  wire::Command release = bench.drive(0.5F);
+  release.flags = wire::kReleaseStop;
+  bench.say(release);
+  EXPECT_EQ(bench.hear().flags, 0U) << "heard, and not asked to drive";
+  bench.drive_for(0.5, 0.5F);
+  EXPECT_NEAR(bench.rover.state().speed_mps, 0.5, 1e-6);
+  bench.rover.fail_motor();
+  bench.drive_for(0.5, 0.5F);
+  EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
+  EXPECT_EQ(bench.hear().flags, wire::kDriving | wire::kMotorFailed);
+}
+
+// A command that asks for the stop and for driving, or for the stop and its end, is a stop.
+TEST(RoverEmulator, StopsWhateverElseIsAskedInTheSameBreath) {
+  for (const std::uint32_t flags :
+       {wire::kEmergencyStop | wire::kDrive, wire::kEmergencyStop | wire::kReleaseStop,
+        wire::kEmergencyStop}) {
+    Bench bench;
+    bench.rover.take_output();
+    bench.drive_for(0.5, 0.5F);
+    wire::Command both = bench.drive(0.5F);
+    both.flags = flags;
+    bench.say(both);
+    EXPECT_TRUE(bench.rover.is_stopped());
+    EXPECT_EQ(bench.hear().flags, wire::kStopLatched);
+    bench.rover.advance_to(bench.now + Duration{300'000});
+    EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
+  }
+}
+
+// What was on its way to the wheels when it stopped is not obeyed when the stop ends.
+TEST(RoverEmulator, ForgetsWhatWasOnItsWayWhenItStops) {
+  RoverEmulatorSpec spec = Bench::exact();
+  spec.delay_s = 0.3;
+  Bench bench(spec);
+  for (int i = 0; i < 15; ++i) {  // for as long as the delay
+    bench.say(bench.drive(0.5F));
+    bench.now += Duration{20'000};
+    bench.rover.advance_to(bench.now);
+  }
+  bench.rover.press_stop();
+  bench.now += Duration{20'000};
+  bench.rover.advance_to(bench.now);
+  wire::Command idle = bench.drive(0.0F);
+  idle.flags = wire::kReleaseStop;
+  bench.say(idle);
+  bench.drive_for(0.28, 0.0F);
+  EXPECT_EQ(bench.rover.state().speed_mps, 0.0);
+}
+
+// 0.2 s without a command, to the microsecond; a new driver may then speak, with any number.
+TEST(RoverEmulator, IsFreeForAnotherDriverWhenItsWatchdogIsOut) {
+  Bench bench;
+  wire::Command other{7, 12, 1, 0, 0.1F, 0.0F, wire::kDrive};
+  bench.sequence = 1000;
+  bench.say(bench.drive(0.1F));
+  bench.now = kStart + Duration{200'000};
+  bench.say(other);
+  EXPECT_EQ(bench.rover.refused(), 1);
+  bench.now += Duration{1};
+  bench.say(other);
+  EXPECT_EQ(bench.rover.refused(), 1);
+  bench.say(bench.drive(0.1F));
+  EXPECT_EQ(bench.rover.refused(), 2) << "the first one has lost it";
+  EXPECT_EQ(bench.hear().session, 12U);
+  EXPECT_EQ(bench.hear().refused, 2U);
+  bench.rover.receive({}, bench.now);
+  EXPECT_EQ(bench.hear().refused, 3U) << "no command at all";
+}
+
+TEST(RoverEmulator, HasItsStatedSelfWhereNothingElseIsSaid) {
+  const RoverEmulatorSpec spec;
+  EXPECT_EQ(spec.number, 1U);
+  EXPECT_EQ(spec.delay_s, 0.03);
+  EXPECT_EQ(spec.grip, 0.97);
+  EXPECT_EQ(spec.drift_radps, 0.02);
+  RoverEmulatorSpec empty = Bench::exact();
+  empty.battery_share = 0.001;
+  empty.battery_per_s = 0.01;
+  Bench bench(empty);
+  bench.now += Duration{1'000'000};
+  EXPECT_EQ(bench.hear().battery_share, 0.0F) << "and no less";
+  bench.rover.push_to({4.0, 5.0, -1.0});
+  EXPECT_EQ(bench.rover.state().world_from_body, (Pose2{4.0, 5.0, -1.0}));
+}
+
+// Both ends of a wire have the same socket: the one listens, the other speaks first.
+TEST(RoverEndpoint, TakesWhatHasComeAndSendsWhatIsDue) {
+  const std::string port = test::port_of_this_test(2);
+  RoverEndpoint endpoint(Bench::exact(), "udpout://127.0.0.1:" + port, kStart);
+  VehicleSocket driver("udp://127.0.0.1:" + port);
+  driver.write(wire::encode(wire::Command{7, 11, 1, 0, 0.5F, 0.0F, wire::kDrive}));
+  endpoint.run_to(kStart + Duration{100'000});
+  std::vector<wire::Telemetry> heard;
+  driver.read_each([&](auto bytes, Time) {
+    heard.emplace_back();
+    EXPECT_EQ(wire::decode(bytes, heard.back()), wire::Verdict::kAccepted);
+  });
+  ASSERT_EQ(heard.size(), 1u);
+  EXPECT_EQ(heard[0].session, 11U);
+  EXPECT_EQ(heard[0].speed_mps, 0.0F) << "it was heard at the end of the time";
+  endpoint.run_to(kStart + Duration{200'000});
+  EXPECT_NEAR(endpoint.emulator().state().speed_mps, 0.1, 1e-9);
+  EXPECT_EQ(endpoint.send_errors(), 0);
+}
+
+}  // namespace
+}  // namespace vantage::sim

@@ -1,0 +1,253 @@
+#include "sim/vicon/vrpn_peer.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "wire/vicon/rotation.hpp"
+
+namespace vantage::sim::vicon {
+namespace {
+
+namespace wire = vantage::wire::vicon;
+using Bytes = std::vector<std::uint8_t>;
+
+struct Message {
+  wire::VrpnHeader header;
+  Bytes body;
+};
+
+/// What the peer has said since the last call, its cookie left out.
+std::vector<Message> take_messages(VrpnPeer& peer, bool has_cookie = false) {
+  std::vector<Message> out;
+  wire::Bytes left(peer.outgoing);
+  left = left.subspan(has_cookie ? wire::kVrpnCookieBytes : 0);
+  while (!left.empty()) {
+    Message message;
+    const wire::Framed framed = wire::next_vrpn_message(left, message.header);
+    EXPECT_EQ(framed.state, wire::Framing::kWhole);
+    message.body.assign(framed.body.begin(), framed.body.end());
+    out.push_back(message);
+    left = left.subspan(framed.bytes);
+  }
+  peer.outgoing.clear();
+  return out;
+}
+
+Bytes cookie() {
+  Bytes out;
+  wire::append_vrpn_cookie(out);
+  return out;
+}
+
+EmulatedFrame frame_of(double x_m) {
+  EmulatedFrame frame;
+  frame.captured = from_utime(1'700'000'000'123'456);
+  frame.bodies.push_back({"Q1", lift({x_m, -2.0, 0.5}, 3.0), false});
+  frame.bodies.push_back({"Q2", lift({x_m + 4.0, 5.0, -1.0}, 6.0), true});
+  return frame;
+}
+
+/// A client that has been greeted, and what the peer calls its senders and types.
+struct Talk {
+  explicit Talk(OcclusionStyle style, bool is_y_up = false, std::size_t backlog = 1U << 20U)
+      : peer(settings_of(style, is_y_up, backlog)) {
+    EXPECT_TRUE(peer.receive(cookie()));
+    hear(true);
+  }
+  static ServerSettings settings_of(OcclusionStyle style, bool is_y_up, std::size_t backlog) {
+    ServerSettings out;
+    out.occlusion = style;
+    out.is_y_up = is_y_up;
+    out.backlog_bytes_max = backlog;
+    return out;
+  }
+  /// Learns names; the other messages by the names of sender and type.
+  std::map<std::string, wire::VrpnPose> hear(bool has_cookie = false) {
+    std::map<std::string, wire::VrpnPose> poses;
+    for (const Message& message : take_messages(peer, has_cookie)) {
+      const std::int32_t id = message.header.sender;
+      if (message.header.type == wire::kVrpnSenderDescription) {
+        senders[id] = wire::decode_vrpn_name(message.body).value_or("");
+        ++announced;
+      } else if (message.header.type == wire::kVrpnTypeDescription) {
+        types[id] = wire::decode_vrpn_name(message.body).value_or("");
+      } else if (types[message.header.type] == wire::kVrpnPoseType) {
+        last = message.header;
+        const auto pose = wire::decode_vrpn_pose(message.body);
+        EXPECT_TRUE(pose);
+        poses[senders.at(id)] = pose.value_or(wire::VrpnPose{});
+      } else if (types[message.header.type] == wire::kVrpnPongType) {
+        pongs.push_back(senders.at(id));
+      } else {
+        ADD_FAILURE() << "type " << message.header.type;
+      }
+    }
+    return poses;
+  }
+  std::map<std::string, wire::VrpnPose> show(const EmulatedFrame& frame) {
+    peer.on_frame(frame);
+    return hear();
+  }
+  void name(std::int32_t type, std::int32_t id, std::string_view name) {
+    Bytes out;
+    wire::append_vrpn_name(out, type, id, name);
+    EXPECT_TRUE(peer.receive(out));
+  }
+  void say(std::int32_t sender, std::int32_t type) {
+    Bytes out;
+    wire::append_vrpn_message(out, {0, 0, sender, type}, {});
+    EXPECT_TRUE(peer.receive(out));
+    hear();
+  }
+  VrpnPeer peer;
+  std::map<std::int32_t, std::string> senders;
+  std::map<std::int32_t, std::string> types;
+  std::vector<std::string> pongs;
+  int announced = 0;
+  wire::VrpnHeader last;
+};
+
+TEST(VrpnPeer, SaysItsCookieAtOnceAndNothingElseBeforeTheClients) {
+  VrpnPeer peer{ServerSettings{}};
+  EXPECT_EQ(peer.outgoing, cookie());
+  peer.outgoing.clear();
+  const Bytes greeting = cookie();
+  for (std::size_t k = 0; k < greeting.size(); ++k) {
+    peer.on_frame(frame_of(1.0));
+    EXPECT_TRUE(peer.outgoing.empty());
+    EXPECT_TRUE(peer.receive(wire::Bytes(greeting).subspan(k, 1)));
+  }
+  EXPECT_EQ(peer.frames_sent, 0);
+  EXPECT_EQ(take_messages(peer).size(), 2u) << "two types";
+  peer.on_frame(frame_of(1.0));
+  EXPECT_EQ(peer.frames_sent, 1);
+}
+
+TEST(VrpnPeer, HangsUpOnWhatIsNoCookieOrOfAnotherMajorVersionOrNoMessage) {
+  const auto is_taken = [](const std::string& text) {
+    VrpnPeer peer{ServerSettings{}};
+    Bytes bytes(text.begin(), text.end());
+    bytes.resize(wire::kVrpnCookieBytes, 0);
+    return peer.receive(bytes);
+  };
+  EXPECT_TRUE(is_taken("vrpn: ver. 07.35  0"));
+  EXPECT_TRUE(is_taken("vrpn: ver. 07.01  0"));
+  EXPECT_FALSE(is_taken("vrpn: ver. 06.35  0"));
+  EXPECT_FALSE(is_taken("vrpn: ver. 08.35  0"));
+  EXPECT_FALSE(is_taken("GET / HTTP/1.1"));
+  VrpnPeer peer{ServerSettings{}};
+  EXPECT_TRUE(peer.receive(cookie()));
+  EXPECT_FALSE(peer.receive(Bytes(24, 0xFF)));
+}
+
+TEST(VrpnPeer, ShowsEachBodyAsASenderOfItsOwnAtTheInstantOfCapture) {
+  for (const bool is_y_up : {false, true}) {
+    Talk talk(OcclusionStyle::kAbsent, is_y_up);
+    EmulatedFrame frame = frame_of(1.0);
+    frame.bodies[1].is_occluded = false;
+    const auto poses = talk.show(frame);
+    EXPECT_EQ(talk.announced, 2);
+    ASSERT_EQ(poses.size(), 2u);
+    EXPECT_EQ(talk.last.seconds, 1'700'000'000U);
+    EXPECT_EQ(talk.last.microseconds, 123'456U);
+    for (const EmulatedBody& body : frame.bodies) {
+      const wire::VrpnPose& told = poses.at(body.name);
+      EXPECT_EQ(told.sensor, 0);
+      Pose3 pose{told.position_m, Quaternion(told.quaternion_xyzw(3), told.quaternion_xyzw(0),
+                                             told.quaternion_xyzw(1), told.quaternion_xyzw(2))};
+      pose = is_y_up ? wire::z_up_from_y_up(pose) : pose;
+      EXPECT_LT((pose.translation_m - body.world_from_body.translation_m).norm(), 1e-12);
+      EXPECT_LT(pose.rotation.angularDistance(body.world_from_body.rotation), 1e-7);
+    }
+    talk.show(frame);
+    EXPECT_EQ(talk.announced, 2) << "names are announced once";
+    frame.bodies.push_back({"LATE", lift({}, 0.0), false});
+    EXPECT_EQ(talk.show(frame).size(), 3u);
+    EXPECT_EQ(talk.announced, 3);
+    EXPECT_EQ(talk.senders.size(), 3u) << "each has a number of its own";
+  }
+}
+
+TEST(VrpnPeer, ShowsThoseThatAreHiddenInItsStyle) {
+  EmulatedFrame seen = frame_of(1.0);
+  seen.bodies[1].is_occluded = false;
+  Talk absent(OcclusionStyle::kAbsent);
+  absent.show(seen);
+  EXPECT_EQ(absent.show(frame_of(2.0)).count("Q2"), 0u);
+  Talk zero(OcclusionStyle::kZero);
+  zero.show(seen);
+  EXPECT_EQ(zero.show(frame_of(2.0)).at("Q2").position_m, Eigen::Vector3d::Zero());
+  EXPECT_EQ(zero.show(frame_of(2.0)).at("Q1").position_m, Eigen::Vector3d(2.0, -2.0, 3.0));
+  Talk repeated(OcclusionStyle::kRepeated);
+  EXPECT_EQ(repeated.show(frame_of(0.0)).at("Q2").position_m, Eigen::Vector3d::Zero());
+  repeated.show(seen);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(repeated.show(frame_of(2.0 + k)).at("Q2").position_m, Eigen::Vector3d(5.0, 5.0, 6.0));
+  }
+}
+
+// Whoever asks a body by name is answered by it; numbers are the client's own.
+TEST(VrpnPeer, AnswersPingsOfBodiesThatItHas) {
+  Talk talk(OcclusionStyle::kAbsent);
+  talk.show(frame_of(1.0));
+  talk.name(wire::kVrpnSenderDescription, 5, "Q2");
+  talk.name(wire::kVrpnSenderDescription, 6, "Q1");
+  talk.name(wire::kVrpnSenderDescription, 7, "NOBODY");
+  talk.name(wire::kVrpnTypeDescription, 8, wire::kVrpnPingType);
+  talk.name(wire::kVrpnTypeDescription, 9, wire::kVrpnPongType);
+  talk.say(5, 8);
+  EXPECT_EQ(talk.pongs, std::vector<std::string>{"Q2"});
+  talk.say(6, 8);
+  EXPECT_EQ(talk.pongs, (std::vector<std::string>{"Q2", "Q1"}));
+  talk.say(7, 8);  // a body that it has not
+  talk.say(5, 9);  // no ping
+  talk.say(5, 4);  // a type without a name
+  talk.say(4, 8);  // a sender without a name
+  EXPECT_EQ(talk.pongs.size(), 2u);
+  talk.name(wire::kVrpnSenderDescription, 5, "Q1");
+  talk.say(5, 8);
+  EXPECT_EQ(talk.pongs.back(), "Q1") << "named anew";
+}
+
+TEST(VrpnPeer, KeepsAThousandNamesOfAClientAndNoMore) {
+  Talk talk(OcclusionStyle::kAbsent);
+  talk.show(frame_of(1.0));
+  talk.name(wire::kVrpnTypeDescription, 1, wire::kVrpnPingType);
+  for (int i = 0; i < 1023; ++i) {
+    talk.name(wire::kVrpnSenderDescription, i, "X");
+  }
+  talk.name(wire::kVrpnSenderDescription, 2000, "Q1");
+  talk.name(wire::kVrpnSenderDescription, 2001, "Q2");
+  talk.say(2000, 1);
+  EXPECT_EQ(talk.pongs, std::vector<std::string>{"Q1"}) << "1024";
+  talk.say(2001, 1);
+  EXPECT_EQ(talk.pongs.size(), 1u);
+}
+
+TEST(VrpnPeer, SkipsFramesAndPingsWhileItsBacklogIsFull) {
+  Talk talk(OcclusionStyle::kAbsent, false, 200);
+  talk.show(frame_of(1.0));
+  talk.name(wire::kVrpnSenderDescription, 5, "Q2");
+  talk.name(wire::kVrpnTypeDescription, 8, wire::kVrpnPingType);
+  Bytes ping;
+  wire::append_vrpn_message(ping, {0, 0, 5, 8}, {});
+  talk.peer.outgoing.assign(201, 0);
+  talk.peer.on_frame(frame_of(2.0));
+  EXPECT_TRUE(talk.peer.receive(ping));
+  EXPECT_EQ(talk.peer.outgoing.size(), 201u);
+  EXPECT_EQ(talk.peer.frames_skipped, 1);
+  EXPECT_EQ(talk.peer.frames_sent, 1);
+  talk.peer.outgoing.assign(200, 0);
+  EXPECT_TRUE(talk.peer.receive(ping));
+  EXPECT_GT(talk.peer.outgoing.size(), 200u) << "it is no more than full";
+  talk.peer.outgoing.assign(200, 0);
+  talk.peer.on_frame(frame_of(3.0));
+  EXPECT_GT(talk.peer.outgoing.size(), 200u);
+  EXPECT_EQ(talk.peer.frames_sent, 2);
+}
+
+}  // namespace
+}  // namespace vantage::sim::vicon
