@@ -269,5 +269,182 @@ TEST(Stream, CountsAScenarioThatItCannotRead) {
   EXPECT_TRUE(notebook.of("/scenario").empty());
 }
 
+TEST(Stream, TellsOfAScenarioOnceAndBeginsAnewWithAnother) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), from_utime(7));
+  stream.on(belief_of("Q1", 100, {known(0, 1.0, 0.0, 0.5)}), from_utime(8));
+  stream.on(models::ContactReport{}, from_utime(8));
+  stream.on(lab_notice(), from_utime(9));
+  for (const char* topic : {"/scenario", "/world", "/targets", "/robots", "/views"}) {
+    EXPECT_EQ(notebook.of(topic).size(), 1U) << topic;
+  }
+  models::ScenarioNotice other = lab_notice();
+  other.yaml += "\n";
+  stream.on(other, from_utime(10));
+  for (const char* topic : {"/scenario", "/world", "/targets", "/robots", "/views"}) {
+    ASSERT_EQ(notebook.of(topic).size(), 2U) << topic;
+  }
+  EXPECT_EQ(notebook.of("/world").at(0).at("entities")[0].at("timestamp"),
+            to_json(lab_notice().stamp.time));
+  EXPECT_EQ(notebook.records.front().time, from_utime(7)) << "when it was heard";
+  // Steps are counted anew, and nothing is known any more.
+  const std::size_t told = notebook.of("/team").size();
+  stream.on(belief_of("Q1", 95, {}), from_utime(11));
+  ASSERT_EQ(notebook.of("/team").size(), told + 1);
+  EXPECT_EQ(notebook.of("/team").back().at("separation_violations"), 0);
+  stream.on(models::TruthFrame{}, from_utime(12));
+  for (const Json& scene : notebook.of("/estimates")) {
+    EXPECT_TRUE(scene.at("entities").empty()) << "what the other scenario's robots knew";
+  }
+}
+
+TEST(Stream, TellsOfTheTeamAtEachStepAndWhenStepsBeginAnew) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), Time{});
+  const auto told = [&](const std::string& robot, std::int64_t step) {
+    const std::size_t before = notebook.of("/team").size();
+    stream.on(belief_of(robot, step, {}), Time{});
+    return notebook.of("/team").size() - before;
+  };
+  EXPECT_EQ(told("Q1", 20), 1U);
+  EXPECT_EQ(told("Q2", 20), 0U);
+  EXPECT_EQ(told("Q1", 21), 1U);
+  EXPECT_EQ(told("Q2", 20), 0U) << "late";
+  EXPECT_EQ(told("Q2", 11), 0U) << "later still";
+  EXPECT_EQ(told("Q2", 10), 1U) << "started anew";
+  EXPECT_EQ(told("Q1", 11), 1U);
+  EXPECT_EQ(notebook.of("/team").back().at("timestamp"), to_json(from_utime(6'500'000)));
+}
+
+// The error is that of the newest step that has been judged, which is two before the newest.
+TEST(Stream, TellsHowWrongAnEstimateIs) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), from_utime(1'000'000));
+  for (std::int64_t step = 0; step <= 2; ++step) {
+    models::TruthFrame truth;
+    truth.stamp.time = from_utime(1'000'000 + 500'000 * step);
+    truth.bodies = {{"R2", 1, {{1.0, 2.0, 0.0}, Quaternion::Identity()}, Eigen::Vector3d::Zero()}};
+    stream.on(truth, Time{});
+    stream.on(belief_of("Q1", step, {known(1, 4.0, 6.0, 0.5), known(3, 0.0, 0.0, 0.5)}), Time{});
+  }
+  stream.on(models::MocapFrame{}, Time{});
+  const Json entities = notebook.of("/estimates").back().at("entities");
+  ASSERT_EQ(entities.size(), 2U);
+  const auto error_of = [&](std::size_t i) -> std::string {
+    for (const Json& each : entities[i].at("metadata")) {
+      if (each.at("key") == "error_m") {
+        return each.at("value");
+      }
+    }
+    return "unknown";
+  };
+  EXPECT_EQ(error_of(0), "5.000");
+  EXPECT_EQ(error_of(1), "unknown");
+  const Json own = notebook.of("/belief/Q1").back().at("entities");
+  ASSERT_EQ(own.size(), 2U);
+  EXPECT_EQ(own[1].at("id"), "belief/Q1/R4");
+}
+
+TEST(Stream, NamesTargetsAndTracks) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), Time{});
+  stream.on(belief_of("Q1", 0,
+                      {known(4, 1.0, 0.0, 0.5), known(77, 1.0, 0.0, 0.5),
+                       known(models::kTrackLabelMin, 1.0, 0.0, 0.5)}),
+            Time{});
+  const Json scene = notebook.of("/belief/Q1").at(0);
+  std::set<std::string> ids;
+  for (const Json& entity : scene.at("entities")) {
+    ids.insert(entity.at("id").get<std::string>());
+  }
+  EXPECT_EQ(ids,
+            (std::set<std::string>{"belief/Q1/R5", "belief/Q1/target 77", "belief/Q1/track 0"}));
+  EXPECT_EQ(scene.at("deletions").size(), 4U);
+}
+
+TEST(Stream, RemembersWhatTheSixteenNewestPlansWereMadeFrom) {
+  Notebook notebook;
+  Stream stream(notebook);
+  for (std::int64_t round = 0; round < 17; ++round) {
+    models::DetectionSet look;
+    look.robot = "Q1";
+    look.stamp = {from_utime(1'000'000 * round), 1, round};
+    stream.on(look, Time{});
+    models::RobotBelief belief = belief_of("Q1", round, {});
+    belief.stamp.run_id = 2;
+    belief.stamp.sequence = round;
+    belief.inputs = {{"MEASUREMENT_Q1", 1, round}};
+    stream.on(belief, Time{});
+    models::RobotPlan plan;
+    plan.robot = "Q1";
+    plan.round = round;
+    plan.inputs = {{"BELIEF_Q1", 2, round}};
+    stream.on(plan, Time{});
+  }
+  const auto latency_s = [&](std::int64_t round) {
+    models::VehicleStatus status;
+    status.robot = "Q1";
+    status.stamp.time = from_utime(20'000'000);
+    status.plan_round = round;
+    stream.on(status, Time{});
+    return notebook.of("/vehicle/Q1").back().value("capture_to_setpoint_s", -1.0);
+  };
+  EXPECT_EQ(latency_s(-1), -1.0);
+  EXPECT_EQ(latency_s(1), 19.0);
+  EXPECT_EQ(latency_s(16), 4.0);
+  EXPECT_EQ(latency_s(0), -1.0) << "the seventeenth";
+}
+
+// What is on /team is of all that was heard since the scenario.
+TEST(Stream, HandsEveryKindOfMessageToWhoJudgesTheTrial) {
+  Notebook notebook;
+  Stream stream(notebook);
+  stream.on(lab_notice(), Time{});
+  models::ContactReport contact;
+  contact.kind = models::ContactKind::kCollision;
+  stream.on(contact, Time{});
+  models::RobotPlan plan;
+  plan.robot = "Q1";
+  plan.late = true;
+  stream.on(plan, Time{});
+  models::ProcessHealth health;
+  health.counters = {{"VICON.lost", 5}};
+  stream.on(health, Time{});
+  models::RobotMap map;
+  map.robot = "Q1";
+  map.grid = {{0.0, 0.0}, 1.0, 1, 1};
+  map.own_looks = map.team_looks = {3};
+  map.entropy_nats = 7.5;
+  stream.on(map, Time{});
+  stream.on(belief_of("Q1", 1, {}), Time{});
+  const Json team = notebook.of("/team").at(0);
+  EXPECT_EQ(team.at("collisions"), 1);
+  EXPECT_EQ(team.at("rounds_late"), 1);
+  EXPECT_EQ(team.at("messages_lost"), 5);
+  EXPECT_EQ(team.at("map_entropy_nats"), 7.5);
+}
+
+TEST(Stream, DrawsWhatRobotsOfTheScenarioMeasure) {
+  Notebook notebook;
+  Stream stream(notebook);
+  models::DetectionSet look;
+  look.robot = "Q1";
+  stream.on(look, Time{});
+  stream.on(lab_notice(), Time{});
+  look.detections.resize(1);
+  look.detections[0].measurement.z = Eigen::Vector2d(0.5, 0.1);
+  stream.on(look, Time{});
+  look.robot = "stranger";
+  stream.on(look, Time{});
+  ASSERT_EQ(notebook.of("/measurement/Q1").size(), 1U);
+  EXPECT_EQ(notebook.of("/measurement/Q1")[0].at("entities")[0].at("lines")[0].at("points").size(),
+            2U);
+  EXPECT_FALSE(notebook.schemas.contains("/measurement/stranger"));
+}
+
 }  // namespace
 }  // namespace vantage::logs::foxglove

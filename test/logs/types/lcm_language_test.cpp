@@ -88,5 +88,78 @@ TEST(ParseLcm, EndsWhateverItIsGiven) {
   }
 }
 
+TEST(ParseLcm, KnowsTheBasicTypesAndTakesEveryOtherForAStruct) {
+  for (const char* basic : {"int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double",
+                            "string", "boolean"}) {
+    EXPECT_TRUE(is_basic_lcm_type(basic)) << basic;
+    const auto structs = parse_lcm("package p; struct a_t { " + std::string(basic) + " x; }", "");
+    EXPECT_EQ(structs.at(0).members.at(0).type, basic);
+  }
+  for (const char* other : {"uint8_t", "bool", "char", "", "Double"}) {
+    EXPECT_FALSE(is_basic_lcm_type(other)) << other;
+  }
+  EXPECT_EQ(parse_lcm("package p; struct a_t { bool x; }", "").at(0).members.at(0).type, "p.bool");
+  EXPECT_EQ(parse_lcm("struct a_t { q.bool x; }", "").at(0).members.at(0).type, "q.bool");
+}
+
+TEST(ParseLcm, ReadsSizesAsCDoes) {
+  const auto dimensions = [](const std::string& size) {
+    return parse_lcm("struct a_t { int8_t n; byte m; byte x[" + size + "]; }", "a.lcm")
+        .at(0)
+        .members.at(2)
+        .dimensions.at(0);
+  };
+  EXPECT_EQ(dimensions("12").constant, 12);
+  EXPECT_EQ(dimensions("12").size, "12");
+  EXPECT_EQ(dimensions("0x1F").constant, 31);
+  EXPECT_EQ(dimensions("020").constant, 16);
+  EXPECT_EQ(dimensions("1").constant, 1);
+  EXPECT_EQ(dimensions("2147483647").constant, 2'147'483'647);
+  EXPECT_EQ(dimensions("n").member, 0);
+  EXPECT_EQ(dimensions("n").constant, 0);
+  for (const char* size : {"0", "2147483648", "08"}) {
+    EXPECT_EQ(why_not("struct a_t { byte x[" + std::string(size) + "]; }"),
+              "a.lcm:1: an array's size must be a whole number above 0, not " + std::string(size));
+  }
+  EXPECT_EQ(why_not("struct a_t { const int32_t N = -3; byte x[N]; }"),
+            "a.lcm:1: an array's size must be a whole number above 0, not -3");
+  EXPECT_EQ(why_not("struct a_t { const double N = 3; byte x[N]; }"),
+            "a.lcm:1: the array's size N is no integer");
+  EXPECT_EQ(why_not("struct a_t { int32_t n[2]; byte x[n]; }"),
+            "a.lcm:1: the array's size n is no integer")
+      << "but a list of them";
+  EXPECT_EQ(why_not("struct a_t { byte m; byte x[m]; }"),
+            "a.lcm:1: the array's size m is no integer");
+  EXPECT_EQ(why_not("struct a_t { const int32_t N = 3; }\nstruct b_t { byte x[N]; }"),
+            "a.lcm:2: the array's size N is no member before it")
+      << "of another struct";
+}
+
+TEST(ParseLcm, SaysOnWhichLineWhateverStandsBetween) {
+  EXPECT_EQ(why_not("/* one\n two */ // three\n struct a_t { struct b_t x; }"),
+            "a.lcm:3: no struct inside a struct");
+  EXPECT_EQ(why_not("struct a_t {\n\n enum b x; }"), "a.lcm:3: no enum inside a struct");
+  EXPECT_EQ(why_not("struct a_t { const int32_t N = 3,\n N = 4; }"),
+            "a.lcm:2: N stands twice in a_t");
+  EXPECT_EQ(why_not("struct a_t { const int32_t N = 3; byte N; }"),
+            "a.lcm:1: N stands twice in a_t");
+  EXPECT_EQ(why_not("package p;\nstruct a_t {}\n\nstruct a_t {}"),
+            "a.lcm:4: struct p.a_t stands here twice");
+  EXPECT_EQ(why_not("package 3;"), "a.lcm:1: expected a package, not 3");
+  EXPECT_EQ(why_not("enum {"), "a.lcm:1: expected an enum, not {");
+  EXPECT_EQ(why_not("enum e_t { A,\n B"), "a.lcm:2: expected }, and the file ends");
+  EXPECT_EQ(why_not("struct a_t { byte x[3; }"), "a.lcm:1: expected ], not ;");
+  EXPECT_EQ(why_not("\n\nstruct a_t { byte x; }\n}"),
+            "a.lcm:4: expected package, struct or enum, not }");
+  EXPECT_EQ(why_not("struct a_t { byte _x, x2/**/, x3//\n; }"), "");
+}
+
+TEST(ParseLcm, SaysWhereEachStructBegins) {
+  const auto structs = parse_lcm("struct a_t {\n byte x;\n}\n\nstruct\n b_t { byte x; }", "");
+  ASSERT_EQ(structs.size(), 2U);
+  EXPECT_EQ(structs[0].line, 1U);
+  EXPECT_EQ(structs[1].line, 5U);
+}
+
 }  // namespace
 }  // namespace vantage::logs

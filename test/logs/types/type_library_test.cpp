@@ -1,6 +1,7 @@
 #include "logs/types/type_library.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -169,6 +170,54 @@ TEST(TypeLibrary, SaysWhatIsWrongWithTheFiles) {
   EXPECT_EQ(why_not({lonely, other, other}), "") << "the same again";
   const std::string another = written("another.lcm", "\nstruct b_t { float x; }");
   EXPECT_EQ(why_not({lonely, other, another}), another + ":2: b_t is another one than in " + other);
+}
+
+TEST(TypeLibrary, SaysWhatIsTooLargeToBeRead) {
+  const test::TemporaryFolder folder;
+  const auto library = [&](const std::string& name, const std::string& text) {
+    std::ofstream(folder.file(name)) << text;
+    try {
+      const TypeLibrary types({folder.file(name)});
+      EXPECT_EQ(types.size(), 1U);
+    } catch (const StartupError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(library("flat.lcm", "struct a_t { byte x[1][2][3][4]; }"), "");
+  EXPECT_EQ(library("deep.lcm", "\nstruct a_t { byte x[1][2][3][4][5]; }"),
+            folder.file("deep.lcm") + ":2: a_t: its member x has more than " +
+                std::to_string(bus::kWireDims) + " dimensions");
+  for (const std::size_t more : {0U, 1U}) {
+    std::string text = "struct a_t {";
+    for (std::size_t i = 0; i < bus::kWireFieldsMax + more; ++i) {
+      text += "byte x" + std::to_string(i) + ";";
+    }
+    const std::string name = "wide" + std::to_string(more) + ".lcm";
+    EXPECT_EQ(library(name, text + "}"), more == 0 ? ""
+                                                   : folder.file(name) + ":1: a_t: more than " +
+                                                         std::to_string(bus::kWireFieldsMax) +
+                                                         " members");
+  }
+}
+
+// Of two types that lie alike on the wire, the one first in the alphabet; in folders of folders.
+TEST(TypeLibrary, FindsTypesInFoldersAndTheFirstOfTwoThatAreAlike) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directories(folder.file("deep/deeper"));
+  std::ofstream(folder.file("deep/z.lcm")) << "struct z_t { double x; }";
+  std::ofstream(folder.file("deep/deeper/b.lcm")) << "package p; struct b_t { double x; }";
+  std::ofstream(folder.file("deep/no.txt")) << "struct {";
+  const TypeLibrary types({folder.path()});
+  EXPECT_EQ(types.size(), 2U);
+  ASSERT_TRUE(types.fingerprint("z_t"));
+  EXPECT_EQ(types.fingerprint("z_t"), types.fingerprint("p.b_t")) << "names are not in it";
+  std::vector<std::uint8_t> bytes;
+  append_big_endian(*types.fingerprint("z_t"), 8, bytes);
+  ASSERT_NE(types.find(bytes), nullptr);
+  EXPECT_EQ(types.find(bytes)->name, "p.b_t");
+  bytes.pop_back();
+  EXPECT_EQ(types.find(bytes), nullptr);
 }
 
 }  // namespace

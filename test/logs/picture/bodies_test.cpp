@@ -1,0 +1,400 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "logs/picture/label_placer.hpp"
+#include "logs/picture/layout.hpp"
+#include "logs/picture/map_layer.hpp"
+#include "logs/picture/svg.hpp"
+#include "test/logs/picture/svg_text.hpp"
+
+namespace vantage::logs {
+namespace {
+
+using test::elements;
+using test::number;
+using Attributes = std::map<std::string, std::string>;
+using Points = std::vector<Eigen::Vector2d>;
+
+constexpr Time kNow = from_utime(1'700'000'000'000'000);
+
+Points points_of(const Attributes& element) {
+  Points out;
+  std::istringstream in(element.at("points"));
+  char comma = ' ';
+  for (double x = 0.0, y = 0.0; in >> x >> comma >> y;) {
+    out.emplace_back(x, y);
+  }
+  return out;
+}
+
+void expect_near(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  EXPECT_LT((a - b).norm(), 0.011) << a.transpose() << " and " << b.transpose();
+}
+
+struct Example {
+  scenario::Scenario scenario;
+  Scene scene;
+  [[nodiscard]] Layout layout() const { return {scenario.world.bounds, 0.0}; }
+  /// What `draw` draws of it.
+  template <class Draw>
+  [[nodiscard]] std::string drawn(const Draw& draw) const {
+    Svg svg(2000.0, 1000.0);
+    draw(svg, layout());
+    return svg.str();
+  }
+};
+
+Example three_robots() {
+  Example out;
+  out.scenario.world.bounds = {{-4.0, -1.0}, {4.0, 5.0}};
+  out.scenario.robots.resize(3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string name = "Q" + std::to_string(i + 1);
+    out.scenario.robots[i].name = name;
+    out.scenario.robots[i].sensor.range_max_m = 1.0 + 0.5 * static_cast<double>(i);
+    out.scenario.robots[i].sensor.fov_rad = 0.5 + static_cast<double>(i);
+    const auto at = static_cast<double>(i);
+    out.scene.robots[name].world_from_body = Pose2{-3.0 + 2.0 * at, 0.5 + at, 0.3 + 2.0 * at};
+  }
+  out.scene.time = kNow;
+  return out;
+}
+
+// A triangle that grows out of the body, as wide to the left as to the right.
+TEST(DrawRobot, HasItsNoseAheadAndACoreOfAnotherColour) {
+  const Eigen::Vector2d at_px(200.0, 100.0);
+  for (const double yaw_rad : {0.0, kPi / 2, -2.5}) {
+    Svg svg(400.0, 400.0);
+    draw_robot(svg, at_px, yaw_rad, 20.0, "#111111", "#222222");
+    const Eigen::Vector2d ahead(std::cos(yaw_rad), -std::sin(yaw_rad));  // y points down
+    const Eigen::Vector2d aside(-ahead.y(), ahead.x());
+    const auto noses = elements(svg.str(), "polygon");
+    ASSERT_EQ(noses.size(), 1U);
+    EXPECT_EQ(noses[0].at("fill"), "#111111");
+    const Points nose = points_of(noses[0]);
+    ASSERT_EQ(nose.size(), 3U);
+    EXPECT_NEAR((nose[0] - at_px).dot(aside), 0.0, 0.02);
+    EXPECT_GT((nose[0] - at_px).dot(ahead), 1.5 * 20.0);
+    EXPECT_LT((nose[0] - at_px).dot(ahead), 2.0 * 20.0);
+    EXPECT_NEAR((nose[1] - at_px).dot(aside), -(nose[2] - at_px).dot(aside), 0.02);
+    for (const std::size_t wing : {1U, 2U}) {
+      EXPECT_NEAR((nose[wing] - at_px).norm(), 20.0, 1.0) << "at the body's edge";
+      EXPECT_NEAR((nose[wing] - at_px).dot(ahead), (nose[3 - wing] - at_px).dot(ahead), 0.02);
+      EXPECT_NEAR(std::abs((nose[wing] - at_px).dot(aside)), 14.0, 0.02);
+    }
+    const auto circles = elements(svg.str(), "circle");
+    ASSERT_EQ(circles.size(), 2U);
+    for (const Attributes& each : circles) {
+      expect_near({number(each, "cx"), number(each, "cy")}, at_px);
+    }
+    EXPECT_EQ(number(circles[0], "r"), 20.0);
+    EXPECT_EQ(circles[0].at("fill"), "#111111");
+    EXPECT_EQ(number(circles[1], "r"), 10.0);
+    EXPECT_EQ(circles[1].at("fill"), "#222222");
+  }
+  Svg svg(400.0, 400.0);
+  draw_robot(svg, at_px, 0.0, 20.0, "#111111", "#111111");
+  EXPECT_EQ(elements(svg.str(), "circle").size(), 1U);
+}
+
+TEST(DrawViewsAndPlans, ShowsWhatEachSensorReachesAhead) {
+  Example it = three_robots();
+  it.scenario.robots[2].sensor.fov_rad = 2.0 * kPi;
+  it.scene.jammed = {"Q2"};
+  const Layout layout = it.layout();
+  const std::string svg = it.drawn(
+      [&](Svg& to, const Layout& on) { draw_views_and_plans(to, on, it.scenario, it.scene); });
+  const auto sectors = elements(svg, "polygon");
+  ASSERT_EQ(sectors.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const models::SensorModel& sensor = it.scenario.robots[i].sensor;
+    const Pose2& pose = *it.scene.robots.at(it.scenario.robots[i].name).world_from_body;
+    const Points edge = points_of(sectors[i]);
+    ASSERT_EQ(edge.size(), 34U);
+    expect_near(edge[0], layout.page_from_world(pose.position_m()));
+    for (std::size_t k = 0; k <= 32; ++k) {
+      const double angle_rad =
+          pose.yaw_rad + sensor.fov_rad * (static_cast<double>(k) / 32.0 - 0.5);
+      const Eigen::Vector2d direction(std::cos(angle_rad), std::sin(angle_rad));
+      expect_near(edge[1 + k],
+                  layout.page_from_world(pose.position_m() + sensor.range_max_m * direction));
+    }
+    EXPECT_EQ(sectors[i].at("fill"), i == 1 ? role_colour("jammed") : robot_colour(0));
+  }
+  const auto discs = elements(svg, "circle");
+  ASSERT_EQ(discs.size(), 1U);
+  EXPECT_NEAR(number(discs[0], "r"), 2.0 * layout.px_per_m, 0.01);
+  EXPECT_EQ(discs[0].at("fill"), robot_colour(2));
+  it.scene.robots.at("Q1").world_from_body.reset();
+  it.scene.robots.erase("Q2");
+  const std::string fewer = it.drawn(
+      [&](Svg& to, const Layout& on) { draw_views_and_plans(to, on, it.scenario, it.scene); });
+  EXPECT_TRUE(elements(fewer, "polygon").empty()) << "nobody knows where they are";
+}
+
+// From now on, or from its start where that is to come, until where it hovers.
+TEST(DrawViewsAndPlans, ShowsThePlanThatIsStillToBeFlown) {
+  Example it = three_robots();
+  const Layout layout = it.layout();
+  for (const double start_s : {0.25, -0.55}) {
+    models::RobotPlan plan;
+    plan.trajectory = {kNow + from_seconds(start_s),
+                       {1.0, 2.0, kPi / 2},
+                       1.0,
+                       {{{1.0, 0.0}, 1.0, 0.0}, {{1.0, -1.0}, 1.0, 0.0}}};
+    it.scene.robots.at("Q2").plan = plan;
+    const std::string svg = it.drawn(
+        [&](Svg& to, const Layout& on) { draw_views_and_plans(to, on, it.scenario, it.scene); });
+    const auto ways = elements(svg, "polyline");
+    ASSERT_EQ(ways.size(), 1U);
+    EXPECT_EQ(ways[0].at("stroke"), robot_colour(1));
+    const Points way = points_of(ways[0]);
+    const double from_s = std::max(0.0, start_s);
+    const auto pieces = static_cast<std::size_t>(std::ceil((2.0 + start_s - from_s) / 0.1 - 1e-9));
+    ASSERT_EQ(way.size(), pieces + 1);
+    for (std::size_t k = 0; k <= pieces; ++k) {
+      const double at_s = std::min(from_s + 0.1 * static_cast<double>(k), 2.0 + start_s);
+      const Pose2 pose = models::at(plan.trajectory, kNow + from_seconds(at_s)).world_from_body;
+      expect_near(way[k], layout.page_from_world(pose.position_m()));
+    }
+    const auto marks = elements(svg, "circle");
+    ASSERT_EQ(marks.size(), 1U);
+    expect_near({number(marks[0], "cx"), number(marks[0], "cy")}, way.back());
+    EXPECT_EQ(marks[0].at("stroke"), robot_colour(1));
+  }
+}
+
+// The last 20 s strongly, what is older faintly; and there is no gap between the two.
+TEST(DrawTracks, CutsEachWayWhereItBecomesOld) {
+  Example it = three_robots();
+  it.scenario.robots.resize(2);
+  it.scene.targets[4];
+  const Layout layout = it.layout();
+  const auto way = [](double y_m) {
+    std::vector<TrackPoint> out;
+    for (const double ago_s : {60.0, 40.0, 20.000001, 20.0, 10.0, 0.0}) {
+      out.push_back({kNow - from_seconds(ago_s), {0.05 * ago_s - 1.0, y_m}});
+    }
+    return out;
+  };
+  it.scene.robots.at("Q1").track = way(1.0);
+  it.scene.robots.at("Q2").track = way(2.0);
+  it.scene.targets.at(4).track = way(3.0);
+  const auto lines = elements(
+      it.drawn([&](Svg& to, const Layout& on) { draw_tracks(to, on, it.scenario, it.scene); }),
+      "polyline");
+  ASSERT_EQ(lines.size(), 6U);  // of the target, then of each robot; old, then recent
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double y_m = i == 0 ? 3.0 : static_cast<double>(i);
+    const std::string_view colour = i == 0 ? role_colour("truth") : robot_colour(i - 1);
+    const Attributes& old = lines[2 * i];
+    const Attributes& recent = lines[2 * i + 1];
+    EXPECT_EQ(old.at("stroke"), colour);
+    EXPECT_EQ(recent.at("stroke"), colour);
+    const auto all = way(y_m);
+    const Points old_px = points_of(old);
+    const Points recent_px = points_of(recent);
+    ASSERT_EQ(old_px.size(), 3U);
+    ASSERT_EQ(recent_px.size(), 4U);
+    for (std::size_t k = 0; k < 3; ++k) {
+      expect_near(old_px[k], layout.page_from_world(all[k].position_m));
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      expect_near(recent_px[k], layout.page_from_world(all[k + 2].position_m));
+    }
+    EXPECT_NEAR(number(old, "stroke-width"), 0.5 * number(recent, "stroke-width"), 1e-9);
+    EXPECT_LT(number(old, "stroke-opacity"), 0.2);
+    EXPECT_GT(number(recent, "stroke-opacity"), 0.4);
+    EXPECT_LE(number(recent, "stroke-opacity"), 1.0);
+  }
+  EXPECT_GT(number(lines[3], "stroke-width"), number(lines[1], "stroke-width"));
+  EXPECT_GT(number(lines[3], "stroke-opacity"), number(lines[1], "stroke-opacity"));
+}
+
+TEST(DrawEstimates, TurnsTheEllipseAsTheTargetIsUncertain) {
+  for (const double turn_rad : {0.5, -0.5, 1.2}) {
+    Example it = three_robots();
+    const Layout layout = it.layout();
+    PositionEstimate estimate;
+    estimate.mean_m = Eigen::Vector2d(1.0, 3.0);
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(turn_rad).toRotationMatrix();
+    estimate.covariance_m2 = turn * Eigen::Vector2d(0.09, 0.01).asDiagonal() * turn.transpose();
+    it.scene.targets[0].estimate = estimate;
+    it.scene.targets[0].track = {{kNow, {-1.0, 0.0}}, {kNow, {0.5, 4.0}}};
+    it.scene.targets[1].track = {{kNow, {-1.0, 0.0}}};  // nobody knows it
+    const std::string svg =
+        it.drawn([&](Svg& to, const Layout& on) { draw_estimates(to, on, it.scene); });
+    const auto ellipses = elements(svg, "ellipse");
+    ASSERT_EQ(ellipses.size(), 1U);
+    const double rx = number(ellipses[0], "rx");
+    const double ry = number(ellipses[0], "ry");
+    EXPECT_NEAR(std::max(rx, ry), 0.3 * look().ellipse_radius() * layout.px_per_m, 0.01);
+    EXPECT_NEAR(std::min(rx, ry), 0.1 * look().ellipse_radius() * layout.px_per_m, 0.01);
+    double x = 0.0;
+    double y = 0.0;
+    double angle_deg = 0.0;
+    ASSERT_EQ(std::sscanf(ellipses[0].at("transform").c_str(), "translate(%lf %lf) rotate(%lf)", &x,
+                          &y, &angle_deg),
+              3);
+    const Eigen::Vector2d mean_px = layout.page_from_world({1.0, 3.0});
+    expect_near({x, y}, mean_px);
+    // Clockwise on the page, of the long axis; an ellipse is the same after half a turn.
+    const double long_deg = angle_deg + (rx > ry ? 0.0 : 90.0);
+    EXPECT_NEAR(std::remainder(long_deg + degrees(turn_rad), 180.0), 0.0, 0.02);
+    const auto lines = elements(svg, "line");
+    ASSERT_EQ(lines.size(), 3U);
+    const auto end = [&](std::size_t i, const char* which) -> Eigen::Vector2d {
+      const std::string n = which;
+      return {number(lines[i], ("x" + n).c_str()), number(lines[i], ("y" + n).c_str())};
+    };
+    expect_near(end(0, "1"), mean_px);
+    expect_near(end(0, "2"), layout.page_from_world({0.5, 4.0}));
+    for (const std::size_t i : {1U, 2U}) {  // a cross, both ways
+      expect_near(0.5 * (end(i, "1") + end(i, "2")), mean_px);
+      const Eigen::Vector2d arm_px = 0.5 * (end(i, "2") - end(i, "1"));
+      EXPECT_EQ(arm_px.x(), 5.0);
+      EXPECT_EQ(arm_px.y(), i == 1 ? 5.0 : -5.0);
+    }
+  }
+}
+
+struct Shown {
+  std::string words;
+  Eigen::AlignedBox2d box_px;
+};
+
+/// Labels with the room that their words take.
+std::vector<Shown> labels_of(const std::string& svg) {
+  std::vector<Shown> out;
+  for (const Attributes& each : elements(svg, "text")) {
+    const double size_px = number(each, "font-size");
+    const std::string& words = each.at("words");
+    const Eigen::Vector2d half_px(0.34 * size_px * static_cast<double>(words.size()),
+                                  0.525 * size_px);
+    const Eigen::Vector2d middle_px(number(each, "x"), number(each, "y") - 0.305 * size_px);
+    out.push_back({words, {middle_px - half_px, middle_px + half_px}});
+  }
+  return out;
+}
+
+// Robots in a row so close that a label may cover the next one, a target, its estimate.
+TEST(DrawBodies, LabelsWhatItDrawsAndCoversNoneOfIt) {
+  Example it = three_robots();
+  const Layout layout = it.layout();
+  for (std::size_t i = 0; i < 3; ++i) {
+    it.scene.robots.at(it.scenario.robots[i].name).world_from_body =
+        Pose2{-0.5 + 0.4 * static_cast<double>(i), 2.0, 0.5};
+    it.scenario.robots[i].limits.radius_m = i == 2 ? 0.15 : 0.01;
+  }
+  it.scene.jammed = {"Q2"};
+  it.scenario.targets = {{"R1", 3, {}, 0.2}, {"R2", 5, {}, 0.2}, {"R3", 6, {}, 0.2}};
+  it.scene.targets[3].track = {{kNow, {3.0, 3.0}}, {kNow, {-0.1, 2.3}}};
+  it.scene.targets[3].estimate.emplace().mean_m = Eigen::Vector2d(0.2, 2.35);
+  it.scene.targets[5];  // neither seen nor known
+  const std::string svg =
+      it.drawn([&](Svg& to, const Layout& on) { draw_bodies(to, on, it.scenario, it.scene); });
+  std::vector<std::pair<Eigen::Vector2d, double>> bodies_px;
+  std::vector<std::string> fills;
+  for (const Attributes& each : elements(svg, "circle")) {
+    bodies_px.emplace_back(Eigen::Vector2d(number(each, "cx"), number(each, "cy")),
+                           number(each, "r"));
+    fills.push_back(each.at("fill"));
+  }
+  ASSERT_EQ(bodies_px.size(), 4U) << "one with a core, which is jammed";
+  EXPECT_EQ(fills, (std::vector<std::string>{
+                       std::string(robot_colour(0)), std::string(role_colour("jammed")),
+                       std::string(robot_colour(1)), std::string(robot_colour(2))}));
+  EXPECT_EQ(bodies_px[0].second, 8.0) << "no smaller";
+  EXPECT_EQ(bodies_px[1].second, 8.0);
+  EXPECT_NEAR(bodies_px[3].second, 0.15 * layout.px_per_m, 0.01) << "as it is";
+  expect_near(bodies_px[3].first, layout.page_from_world({0.3, 2.0}));
+  const auto diamonds = elements(svg, "polygon");
+  ASSERT_EQ(diamonds.size(), 4U) << "three noses";
+  const Eigen::Vector2d target_px = layout.page_from_world({-0.1, 2.3});
+  const Points diamond = points_of(diamonds[0]);
+  EXPECT_EQ(diamonds[0].at("class"), "truth");
+  ASSERT_EQ(diamond.size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR((diamond[k] - target_px).norm(), 6.0, 0.02);
+    expect_near(diamond[k] + diamond[(k + 2) % 4], 2.0 * target_px);
+  }
+  EXPECT_NEAR(diamond[0].x(), target_px.x(), 0.02) << "with its corners up, right, down and left";
+  bodies_px.emplace_back(target_px, 6.0);
+  bodies_px.emplace_back(layout.page_from_world({0.2, 2.35}), 5.0);
+
+  const auto labels = labels_of(svg);
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    words.push_back(labels[i].words);
+    for (const auto& [at_px, radius_px] : bodies_px) {
+      EXPECT_GT(labels[i].box_px.exteriorDistance(at_px), radius_px - 0.02) << labels[i].words;
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_TRUE(labels[i].box_px.intersection(labels[j].box_px).isEmpty());
+    }
+  }
+  EXPECT_EQ(words, (std::vector<std::string>{"R1", "Q1", "Q2 jammed", "Q3"}));
+  const auto texts = elements(svg, "text");
+  EXPECT_EQ(texts[0].at("fill"), role_colour("truth"));
+  EXPECT_EQ(texts[0].at("font-weight"), "normal");
+  EXPECT_LT(number(texts[0], "font-size"), number(texts[1], "font-size"));
+  EXPECT_EQ(texts[1].at("fill"), robot_colour(0));
+  EXPECT_EQ(texts[2].at("fill"), role_colour("jammed"));
+  EXPECT_EQ(texts[1].at("font-weight"), "bold");
+}
+
+// Beside its point, up and to the right, eight pixels off; and from there all around.
+TEST(LabelPlacer, PutsALabelBesideItsPointAndAsNearAsNothingIsInTheWay) {
+  const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(400, 400));
+  const Eigen::Vector2d anchor_px(200, 200);
+  const Eigen::Vector2d size_px(40, 20);
+  const auto offset_px = [&](const Eigen::AlignedBox2d& box) {
+    return Eigen::Vector2d(box.center() - anchor_px);
+  };
+  const auto at = [&](double gap_px, double angle_rad) {
+    const Eigen::Vector2d direction(std::cos(angle_rad), std::sin(angle_rad));
+    return Eigen::Vector2d(gap_px * direction + 0.5 * size_px.cwiseProduct(direction));
+  };
+  const auto is_at = [&](const Eigen::Vector2d& found_px, double gap_px) {
+    double least_px = 1e9;
+    for (int k = 0; k < 16; ++k) {
+      least_px = std::min(least_px, (found_px - at(gap_px, k * kPi / 8)).norm());
+    }
+    return least_px < 1e-9;
+  };
+  LabelPlacer placer(page);
+  EXPECT_LT((offset_px(placer.place(anchor_px, size_px)) - at(8.0, -kPi / 4)).norm(), 1e-9);
+  EXPECT_TRUE(is_at(offset_px(placer.place(anchor_px, size_px)), 8.0)) << "on another side";
+  // What is nearer is all in the way: as much farther as there is room again.
+  for (const auto& [reach_px, gap_px] : {std::pair{10.0, 16.0}, {19.0, 26.0}, {32.0, 40.0}}) {
+    LabelPlacer crowded(page);
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_px);
+    const Eigen::AlignedBox2d taken(anchor_px - reach, anchor_px + reach);
+    crowded.avoid(taken);
+    const Eigen::AlignedBox2d found = crowded.place(anchor_px, size_px);
+    EXPECT_TRUE(is_at(offset_px(found), gap_px)) << reach_px;
+    EXPECT_TRUE(found.intersection(taken).isEmpty());
+  }
+}
+
+// It rather covers something than that it leaves the page.
+TEST(LabelPlacer, StaysOnThePageThoughThatIsFull) {
+  const Eigen::AlignedBox2d page(Eigen::Vector2d(0, 0), Eigen::Vector2d(100, 60));
+  LabelPlacer placer(page);
+  placer.avoid(page);
+  for (const Eigen::Vector2d& anchor_px : {Eigen::Vector2d(2, 2), Eigen::Vector2d(98, 2),
+                                           Eigen::Vector2d(98, 58), Eigen::Vector2d(2, 58)}) {
+    LabelPlacer each = placer;
+    EXPECT_TRUE(page.contains(each.place(anchor_px, {30, 14}))) << anchor_px.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace vantage::logs
