@@ -247,6 +247,8 @@ TEST(NearestWord, IsTheSameNameWithAnotherUnitBeforeAnyOther) {
   EXPECT_EQ(nearest_word("range_km", {"range_k", "range_m"}), "range_m");
   EXPECT_EQ(nearest_word("range_km", {"range_m", "range_k"}), "range_m");
   EXPECT_EQ(nearest_word("turn_radps", {"turn_deg", "turn_radpz"}), "turn_deg");
+  EXPECT_EQ(nearest_word("q_radps", {"q"}), "q");
+  EXPECT_EQ(nearest_word("seed_min", {"name", "seed"}), "seed");
 }
 
 }  // namespace
