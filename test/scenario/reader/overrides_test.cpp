@@ -13,6 +13,7 @@ const std::string kLab = VANTAGE_SOURCE_DIR "/config/lab.yaml";
 TEST(Overrides, LeaveTheTextAloneWhenThereAreNone) {
   const Scenario scenario = load_scenario_with(kLab, {});
   EXPECT_EQ(scenario.source_text, load_scenario(kLab).source_text);
+  EXPECT_EQ(apply_overrides("a:   1  # one\n", {}), "a:   1  # one\n") << "to its blanks";
 }
 
 TEST(Overrides, AreWhatTheTextThenSays) {

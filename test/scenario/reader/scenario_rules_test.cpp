@@ -99,6 +99,8 @@ TEST(ScenarioRules, MissingKeysAreSaidOfTheFirstAndWhereTheyBelong) {
             "f:7: robots[0].sensor.fov_deg: given twice, as fov_rad and as fov_deg; keep one");
   EXPECT_EQ(answer_to_robot(", sensor: {fov_deg: 60,\n    fov_rad: 1}"),
             "f:7: robots[0].sensor.fov_rad: given twice, as fov_rad and as fov_deg; keep one");
+  EXPECT_EQ(answer_to_robot(", sensor: {fov_rad: 1, fov_deg: 60}"),
+            "f:6: robots[0].sensor.fov_deg: given twice, as fov_rad and as fov_deg; keep one");
   EXPECT_EQ(answer_to_robot(", primitives: [{speed_mps: 1}]"),
             "f:6: robots[0].primitives[0]: missing required key yaw_rate_radps");
   EXPECT_EQ(answer_to_robot(", primitives: [{yaw_rate_radps: 1}]"),
@@ -340,6 +342,17 @@ TEST(ScenarioRules, TargetsHaveIdsPlacesAndSpeedsThatCanBe) {
             "f:6: targets[0].start: (9.5, 1) m is outside world.bounds");
   EXPECT_EQ(answer_to(base + "  - {}\ntarget_truth: {speed_min_mps: 1.5, speed_max_mps: 1}\n"),
             "f:7: target_truth.speed_min_mps: must be at most speed_max_mps, 1, is 1.5");
+  // Of a list that is not too long the first that is wrong is named instead.
+  const auto many = [&](int count) {
+    std::string list = "  - {id: -1}\n";
+    for (int i = 1; i < count; ++i) {
+      list += "  - {}\n";
+    }
+    return answer_to(base + list);
+  };
+  EXPECT_EQ(many(10'000), "f:6: targets[0].id: must be at least 0 and at most 9999, is '-1'");
+  EXPECT_EQ(many(10'001),
+            "f:5: targets: must list at least 1 and at most 10000 targets, lists 10001");
   const Scenario named =
       parse_scenario(kWorld + kDefaults + "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\n" +
                          "targets: {count: 3, name_prefix: CAT, radius_m: 0.5}\n",
@@ -350,6 +363,10 @@ TEST(ScenarioRules, TargetsHaveIdsPlacesAndSpeedsThatCanBe) {
     EXPECT_EQ(named.targets[static_cast<std::size_t>(id)].id, id);
     EXPECT_EQ(named.targets[static_cast<std::size_t>(id)].radius_m, 0.5);
   }
+  const Scenario plain = parse_scenario(
+      kWorld + kDefaults + "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\n" + kTargets, "f");
+  EXPECT_EQ(plain.targets[0].name, "T1");
+  EXPECT_EQ(plain.targets[0].radius_m, 0.2);
 }
 
 }  // namespace

@@ -107,6 +107,8 @@ TEST(ScenarioRules, TeamsAgreeInOneWayAtATime) {
             "is 1");
   EXPECT_EQ(with("attacks_max: 2"),
             "f:8: planner: attacks_max must be below the number of robots, 2, is 2");
+  EXPECT_EQ(with("attacks_max: 1001"),
+            "f:8: planner.attacks_max: must be at least 0 and at most 1000, is '1001'");
   EXPECT_EQ(with("attacks_max: 5"),
             "f:8: planner: attacks_max must be below the number of robots, 2, is 5");
 }

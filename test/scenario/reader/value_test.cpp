@@ -129,6 +129,9 @@ TEST(Value, IsATextWithOrWithoutQuotes) {
               static_cast<void>(Value{literal, "f", "a.b", 3}.text());
             }),
             "f:3: a.b: must be a text, in quotes, is 12.5");
+  EXPECT_EQ((Value{literal, "f", "a.b", 3}.number(any_number())), 12.5);
+  const auto yes = std::make_shared<const Node>(Node{Node::Kind::kLiteral, 3, "true", {}});
+  EXPECT_TRUE((Value{yes, "f", "a.b", 3}.flag()));
 }
 
 TEST(Value, HandsOutItsItemsInTheirOrderEachWithItsPlace) {
