@@ -244,11 +244,11 @@ std::string nearest_word(std::string_view word, const std::vector<std::string_vi
   std::string_view best;
   std::size_t best_distance = std::max(kNear, word.size() / 3) + 1;
   for (const std::string_view candidate : known) {
-    if (word.size() > candidate.size() + best_distance) {
+    const bool is_same = differs_in_unit(word, candidate);
+    if (!is_same && word.size() > candidate.size() + best_distance) {
       continue;  // and long words take long
     }
-    const std::size_t distance =
-        differs_in_unit(word, candidate) ? 0 : edit_distance(word, candidate);
+    const std::size_t distance = is_same ? 0 : edit_distance(word, candidate);
     if (distance < best_distance) {
       best = candidate;
       best_distance = distance;

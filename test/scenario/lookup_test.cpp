@@ -1,7 +1,12 @@
+#include <algorithm>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "models/exchange/messages.hpp"
+#include "scenario/mocap_spec.hpp"
 #include "scenario/scenario.hpp"
+#include "scenario/search_name.hpp"
 
 namespace vantage::scenario {
 namespace {
@@ -27,6 +32,70 @@ TEST(RunsOn, IsTheHostThatNamesItElseTheFirst) {
   EXPECT_TRUE(scenario.runs_on("LAB", kLoggerPart)) << "named by none";
   EXPECT_FALSE(scenario.runs_on("AIR", kLoggerPart));
   EXPECT_FALSE(scenario.runs_on("ELSE", "Q2"));
+}
+
+TEST(FirmwareInstance, IsTheOneSaidElseTheRobotsPlace) {
+  Scenario scenario;
+  scenario.robots.resize(4);
+  scenario.robots[1].firmware.emplace();
+  scenario.robots[2].firmware.emplace().instance = 7;
+  scenario.robots[3].firmware.emplace().instance = 0;
+  const std::vector<int> expected{0, 1, 7, 0};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(scenario.firmware_instance(scenario.robots[i]), expected[i]) << i;
+  }
+}
+
+TEST(TrialMode, IsThatOfTheDeviceWhichIsMostReal) {
+  using enum DeviceSource;
+  for (const DeviceSource mocap : {kDirect, kWire, kReal}) {
+    for (const DeviceSource first : {kDirect, kWire, kReal}) {
+      for (const DeviceSource second : {kDirect, kWire, kReal}) {
+        Scenario scenario;
+        scenario.robots.resize(2);
+        scenario.mocap.device = mocap;
+        scenario.robots[0].device = first;
+        scenario.robots[1].device = second;
+        // In their order each is more real than the one before.
+        const TrialMode expected[] = {TrialMode::kSimulation, TrialMode::kWire, TrialMode::kLive};
+        const auto most = static_cast<std::size_t>(std::max({mocap, first, second}));
+        EXPECT_EQ(trial_mode(scenario), expected[most]);
+      }
+    }
+  }
+  EXPECT_EQ(trial_mode({}), TrialMode::kSimulation);
+  EXPECT_STREQ(name_of(TrialMode::kLive), "live");
+  EXPECT_STREQ(name_of(TrialMode::kWire), "wire");
+  EXPECT_STREQ(name_of(TrialMode::kSimulation), "simulation");
+  EXPECT_STREQ(name_of(TrialMode::kReplay), "replay");
+}
+
+TEST(MocapProtocol, HasTheNamesAndPortsOfItsMakers) {
+  EXPECT_STREQ(name_of(MocapProtocol::kDataStream), "datastream");
+  EXPECT_STREQ(name_of(MocapProtocol::kObjectStream), "object_stream");
+  EXPECT_STREQ(name_of(MocapProtocol::kVrpn), "vrpn");
+  MocapSpec mocap;
+  EXPECT_EQ(mocap.actual_port(), 801);
+  mocap.protocol = MocapProtocol::kObjectStream;
+  EXPECT_EQ(mocap.actual_port(), 51001);
+  mocap.protocol = MocapProtocol::kVrpn;
+  EXPECT_EQ(mocap.actual_port(), 3883);
+  mocap.port = 1;
+  EXPECT_EQ(mocap.actual_port(), 1);
+}
+
+TEST(SearchName, IsTheAlgorithmButOfATeamThatMapsByItself) {
+  PlannerSpec planner;
+  planner.algorithm = "greedy";
+  EXPECT_EQ(search_name(planner), "greedy");
+  EXPECT_FALSE(is_external(planner));
+  planner.objective = PlanObjective::kMapping;
+  EXPECT_EQ(search_name(planner), "mapping");
+  planner.algorithm = "external";
+  EXPECT_EQ(search_name(planner), "external");
+  EXPECT_TRUE(is_external(planner));
+  planner.objective = PlanObjective::kTracking;
+  EXPECT_EQ(search_name(planner), "external");
 }
 
 TEST(FindBody, GivesTheOneOfThatNameOrNone) {

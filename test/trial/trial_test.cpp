@@ -1,6 +1,7 @@
 #include "trial/trial.hpp"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
+#include <sys/resource.h>
 
 #include "bus/convert/convert.hpp"
 #include "bus/node/clock.hpp"
@@ -140,6 +142,144 @@ TEST(RunTrial, SaysHowFarItIs) {
   EXPECT_NEAR(shares.back(), 1.0, 1e-9);
 }
 
+// Without nodes nothing happens, and three hours pass at once.
+TEST(RunTrial, SaysAHundredTimesHowFarItIsHoweverLongItLasts) {
+  scenario::Scenario scenario = short_lab(5);
+  for (const double duration_s : {300.0, 10'800.0}) {
+    scenario.duration_s = duration_s;
+    std::vector<double> shares;
+    int asked = 0;
+    TrialOptions options;
+    options.progress = [&](double share) { shares.push_back(share); };
+    options.stop = [&asked] {
+      ++asked;
+      return false;
+    };
+    const TrialResult result = run_trial(scenario, {}, options);
+    ASSERT_EQ(shares.size(), 100U) << duration_s;
+    for (std::size_t i = 0; i < 100; ++i) {
+      EXPECT_NEAR(shares[i], 0.01 * static_cast<double>(i + 1), 0.5 / duration_s + 1e-9);
+    }
+    EXPECT_EQ(asked, static_cast<int>(2.0 * duration_s) - 1) << "each half second but at the end";
+    EXPECT_FALSE(result.was_stopped);
+    EXPECT_EQ(result.summary.duration_s, duration_s);
+  }
+}
+
+TEST(RunTrial, EndsAtTheHalfSecondAtWhichItIsToldTo) {
+  scenario::Scenario scenario = short_lab(5);
+  for (const int at : {1, 2, 7}) {
+    TrialOptions options;
+    int asked = 0;
+    options.stop = [&] { return ++asked >= at; };
+    const TrialResult result = run_trial(scenario, {}, options);
+    EXPECT_EQ(result.summary.duration_s, 0.5 * at);
+    EXPECT_EQ(asked, at) << "and is not asked again";
+    EXPECT_TRUE(result.was_stopped);
+  }
+}
+
+TEST(Trial, GoesNeitherBackNorBeyondItsEnd) {
+  const scenario::Scenario scenario = short_lab(5);
+  Trial trial(scenario, {}, "");
+  EXPECT_EQ(trial.start(), trial_start(scenario));
+  EXPECT_EQ(trial.time(), trial.start());
+  EXPECT_EQ(trial.planned_end(), trial.start() + std::chrono::seconds(6));
+  EXPECT_FALSE(trial.is_log_lost());
+  EXPECT_EQ(trial.result().summary.duration_s, 0.0);
+  trial.advance_to(trial.start() + std::chrono::milliseconds(1'500));
+  EXPECT_EQ(trial.result().summary.duration_s, 1.5);
+  EXPECT_TRUE(trial.result().was_stopped);
+  trial.advance_to(trial.start() + std::chrono::seconds(1));
+  EXPECT_EQ(trial.time(), trial.start() + std::chrono::milliseconds(1'500));
+  trial.advance_to(trial.start() + std::chrono::hours(1));
+  EXPECT_EQ(trial.time(), trial.planned_end());
+  EXPECT_FALSE(trial.result().was_stopped);
+}
+
+TEST(RunTrial, RefusesWhatAsksAProcessThatIsNotThere) {
+  scenario::Scenario scenario = short_lab(5);
+  scenario.planner.algorithm = "external";
+  EXPECT_THROW(run_trial(scenario, {}), StartupError);
+  const test::TemporaryFolder folder;
+  TrialOptions options;
+  options.log_path = folder.file("there.lcmlog");
+  std::ofstream(options.log_path) << "a log of before";
+  EXPECT_THROW(run_trial(short_lab(5), {}, options), StartupError);
+}
+
+// A limit on the size of files stands for a disk that fills up.
+TEST(RunTrial, EndsWhenItsLogCannotBeWrittenAndCountsWhatIsNotInIt) {
+  const scenario::Scenario scenario = short_lab(5);
+  const test::TemporaryFolder folder;
+  TrialOptions options;
+  options.log_path = folder.file("full.lcmlog");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{400'000, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const TrialResult result = run_trial(scenario, trial_recipes(scenario), options);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_TRUE(result.was_stopped);
+  ASSERT_TRUE(result.log_error);
+  EXPECT_GT(result.summary.duration_s, 0.0);
+  EXPECT_LT(result.summary.duration_s, 6.0);
+
+  scenario::Scenario shorter = scenario;
+  shorter.duration_s = result.summary.duration_s;
+  TrialOptions whole;
+  whole.log_path = folder.file("whole.lcmlog");
+  EXPECT_FALSE(run_trial(shorter, trial_recipes(shorter), whole).log_error);
+  const auto events = [](const std::string& path) {
+    lcm::LogFile log(path, "r");
+    std::int64_t count = 0;
+    while (log.readNextEvent() != nullptr) {
+      ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(result.summary.messages_lost, events(whole.log_path) - events(options.log_path));
+  EXPECT_GT(result.summary.messages_lost, 0);
+}
+
+/// Says more at its first instant than a queue holds, and listens to itself.
+class Talker : public bus::Node {
+ public:
+  explicit Talker(bus::Bus& bus) : bus_(bus) {
+    bus_.subscribe<models::AttackNotice>(kTalk, [](const models::AttackNotice& /*heard*/) {});
+  }
+  [[nodiscard]] std::string name() const override { return "TALKER"; }
+  [[nodiscard]] Time next_tick() const override { return next_; }
+  void tick(Time now) override {
+    for (int i = 0; i < 10'050; ++i) {
+      models::AttackNotice notice;
+      notice.stamp.time = now;
+      bus_.publish(kTalk, notice);
+    }
+    next_ = now + std::chrono::hours(1);
+  }
+
+ private:
+  inline static const bus::Channel<models::AttackNotice> kTalk{"TALK"};
+  bus::Bus& bus_;
+  Time next_{};
+};
+
+// Of 10 050 messages a queue holds the last ten thousand: its own has no room for 50 of them, the
+// recorder's, which hears of the talker's health as well, for 51.
+TEST(RunTrial, CountsWhatItsRecorderHadNoRoomFor) {
+  scenario::Scenario scenario = short_lab(5);
+  scenario.duration_s = 1.0;
+  const std::vector<NodeRecipe> recipes = {
+      {"TALKER", [](bus::Bus& bus, const bus::Clock&) { return std::make_unique<Talker>(bus); }}};
+  EXPECT_EQ(run_trial(scenario, recipes).summary.messages_lost, 50);
+  const test::TemporaryFolder folder;
+  TrialOptions options;
+  options.log_path = folder.file("talk.lcmlog");
+  EXPECT_EQ(run_trial(scenario, recipes, options).summary.messages_lost, 50 + 51);
+}
+
 TEST(RunTrial, RefusesATimeBudgetInVirtualTime) {
   scenario::Scenario scenario = short_lab(1);
   scenario.planner.node_budget = 0;
@@ -154,6 +294,14 @@ TEST(RunTrial, StartsOnAWholeRound) {
   EXPECT_GE(start, 1'700'000'000'000'000);
   EXPECT_LT(start, 1'700'000'000'000'000 + 2'100'000);
   EXPECT_EQ(start % 2'100'000, 0);
+  // Where a round begins just then, at that.
+  scenario.planner.step_s = 0.5;
+  scenario.planner.execute_steps = 2;
+  EXPECT_EQ(to_utime(trial_start(scenario)), 1'700'000'000'000'000);
+  // 1 699 999 999 999 999 is a multiple of 157, and the next is 156 behind that instant.
+  scenario.planner.step_s = 157e-6;
+  scenario.planner.execute_steps = 1;
+  EXPECT_EQ(to_utime(trial_start(scenario)), 1'700'000'000'000'156);
 }
 
 TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
@@ -184,6 +332,20 @@ TEST(RunTrial, LogsEverythingAfterTheScenarioItself) {
                                     "VEHICLE_Q1", "HEALTH_SIM", "HEALTH_PLANNER_Q1"}) {
     EXPECT_GT(events[channel], 0) << channel;
   }
+  EXPECT_EQ(events["SCENARIO"], 1) << "and once more after 5 s";
+}
+
+TEST(TrialRecipes, AreOfTheSimulatorAndThenOfEachKindOfAllRobots) {
+  const scenario::Scenario scenario = short_lab(3);
+  std::vector<std::string> names;
+  for (const NodeRecipe& recipe : trial_recipes(scenario)) {
+    names.push_back(recipe.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"SIM", "SENSOR_Q1", "SENSOR_Q2", "SENSOR_Q3",
+                                             "ESTIMATOR_Q1", "ESTIMATOR_Q2", "ESTIMATOR_Q3",
+                                             "PLANNER_Q1", "PLANNER_Q2", "PLANNER_Q3"}));
+  EXPECT_EQ(process_name("planner", "Q1"), "planner Q1");
+  EXPECT_EQ(node_name("a bc D9"), "A_BC_D9");
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 #include "trial/virtual_loop.hpp"
 
+#include <map>
 #include <set>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+
+#include "test/logs/file_support.hpp"
 
 namespace vantage::trial {
 namespace {
@@ -100,6 +103,119 @@ TEST(VirtualTimeLoop, ReportsTheHealthOfItsNodes) {
   loop.add_node(recipe("B", diary, std::chrono::milliseconds(500)), 2);
   loop.run_until(kStart + std::chrono::seconds(3));
   EXPECT_EQ(heard, (std::set<std::string>{"A", "B"}));
+}
+
+TEST(VirtualTimeLoop, LetsSomethingElseHearAllBeforeTheNextOneActs) {
+  Diary diary;
+  VirtualTimeLoop loop(kStart);
+  const auto ear = loop.connect();
+  ear->subscribe("DIARY_*", [&diary](std::string_view channel, const auto& /*bytes*/) {
+    diary.push_back("recorded " + std::string(channel));
+  });
+  loop.on_delivered([&ear] {
+    while (ear->handle(std::chrono::microseconds(0)) > 0) {
+    }
+  });
+  loop.add_node(recipe("A", diary, Duration(20)), 1);
+  loop.add_node(recipe("B", diary, Duration(30)), 2);
+  loop.run_until(kStart + Duration(1));
+  EXPECT_EQ(diary, (Diary{"A at 0", "A hears A", "B hears A", "recorded DIARY_A", "B at 0",
+                          "A hears B", "B hears B", "recorded DIARY_B"}));
+}
+
+TEST(VirtualTimeLoop, DeliversWhatIsSaidWhileItDelivers) {
+  VirtualTimeLoop loop(kStart);
+  const bus::Channel<models::AttackNotice> ask{"ASK"};
+  const bus::Channel<models::AttackNotice> answer{"ANSWER"};
+  bus::Bus& one = loop.add_bus(1);
+  bus::Bus& two = loop.add_bus(2);
+  int left = 5;
+  int asked = 0;
+  two.subscribe<models::AttackNotice>(ask, [&](const models::AttackNotice& notice) {
+    ++asked;
+    two.publish(answer, notice);
+  });
+  one.subscribe<models::AttackNotice>(answer, [&](const models::AttackNotice& notice) {
+    if (--left > 0) {
+      one.publish(ask, notice);
+    }
+  });
+  one.publish(ask, {});
+  loop.deliver();
+  EXPECT_EQ(left, 0);
+  EXPECT_EQ(asked, 5);
+  EXPECT_EQ(loop.messages_lost(), 0);
+}
+
+TEST(VirtualTimeLoop, ActsLateRatherThanInThePast) {
+  Diary diary;
+  VirtualTimeLoop loop(kStart);
+  loop.run_until(kStart + Duration(100));
+  EXPECT_EQ(loop.clock().now(), kStart + Duration(100));
+  loop.add_node(recipe("A", diary, Duration(150)), 1);  // due since 100 us
+  loop.run_until(kStart + Duration(140));
+  EXPECT_EQ(diary.front(), "A at 100");
+  EXPECT_EQ(loop.clock().now(), kStart + Duration(140));
+  loop.run_until(kStart + Duration(160));
+  ASSERT_EQ(diary.size(), 4U);
+  EXPECT_EQ(diary[2], "A at 150");
+}
+
+vantage_lcm::attack_t attack_numbered(std::int64_t sequence) {
+  vantage_lcm::attack_t attack{};
+  attack.utime = to_utime(kStart) + sequence;
+  attack.run_id = 5;
+  attack.sequence = sequence;
+  return attack;
+}
+
+// One bus misses four numbers and three, another of them only the three; a queue of ten thousand
+// drops what is more.
+TEST(VirtualTimeLoop, CountsWhatAnyBusMissesAndWhatAnyQueueDrops) {
+  VirtualTimeLoop loop(kStart);
+  const auto speaks = loop.connect();
+  const auto say = [&](const std::string& channel, std::int64_t sequence) {
+    speaks->publish(channel, logs::test::encoded(attack_numbered(sequence)));
+  };
+  const auto ignore = [](const models::AttackNotice& /*notice*/) {};
+  bus::Bus& both = loop.add_bus(1);
+  both.subscribe<models::AttackNotice>({"A"}, ignore);
+  both.subscribe<models::AttackNotice>({"B"}, ignore);
+  loop.add_bus(2).subscribe<models::AttackNotice>({"B"}, ignore);
+  for (const std::int64_t sequence : {0, 5}) {
+    say("A", sequence);
+  }
+  for (const std::int64_t sequence : {0, 4}) {
+    say("B", sequence);
+  }
+  loop.deliver();
+  EXPECT_EQ(loop.messages_lost(), 4 + 3 + 3);
+  loop.add_bus(3).subscribe<models::AttackNotice>({"C"}, ignore);
+  for (int i = 0; i < 10'007; ++i) {
+    say("C", i);
+  }
+  loop.deliver();
+  EXPECT_EQ(loop.messages_lost(), 4 + 3 + 3 + 7)
+      << "of the first, which nobody knows to be missing";
+}
+
+TEST(VirtualTimeLoop, ReportsHowOftenEachNodeActed) {
+  Diary diary;
+  VirtualTimeLoop loop(kStart);
+  std::map<std::string, models::ProcessHealth> newest;
+  loop.add_bus(9).subscribe<models::ProcessHealth>(
+      bus::health_channel("*"),
+      [&newest](const models::ProcessHealth& health) { newest[health.process] = health; });
+  loop.add_node(recipe("A", diary, std::chrono::milliseconds(500)), 1);
+  loop.add_node(recipe("B", diary, std::chrono::milliseconds(250)), 2);
+  loop.run_until(kStart + std::chrono::microseconds(3'000'001));
+  ASSERT_EQ(newest.size(), 2U);
+  EXPECT_EQ(newest["A"].loops, 7) << "at 0, 0.5, ... and 3 s, when it reports";
+  EXPECT_EQ(newest["B"].loops, 13);
+  for (const auto& [name, health] : newest) {
+    EXPECT_EQ(health.loop_worst_s, 0.0) << "virtual time passes in no loop";
+    EXPECT_EQ(health.stamp.time, kStart + std::chrono::seconds(3));
+  }
 }
 
 TEST(DeterministicRunId, DependsOnSeedAndNameAndIsNeverZero) {

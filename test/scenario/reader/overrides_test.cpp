@@ -13,6 +13,7 @@ const std::string kLab = VANTAGE_SOURCE_DIR "/config/lab.yaml";
 TEST(Overrides, LeaveTheTextAloneWhenThereAreNone) {
   const Scenario scenario = load_scenario_with(kLab, {});
   EXPECT_EQ(scenario.source_text, load_scenario(kLab).source_text);
+  EXPECT_EQ(apply_overrides("a:   1  # one\n", {}), "a:   1  # one\n") << "to its blanks";
 }
 
 TEST(Overrides, AreWhatTheTextThenSays) {
@@ -34,6 +35,63 @@ TEST(Overrides, AreWhatTheTextThenSays) {
     EXPECT_EQ(each.network.url, "memq://");
     EXPECT_EQ(each.robots.size(), load_scenario(kLab).robots.size());
     EXPECT_EQ(each.robots[0].primitives, load_scenario(kLab).robots[0].primitives);
+  }
+}
+
+// Any one alone is enough, and changes nothing but what it says.
+TEST(Overrides, ChangeOneThingEach) {
+  const Scenario lab = load_scenario(kLab);
+  EXPECT_TRUE(Overrides{}.is_empty());
+  for (int which = 0; which < 7; ++which) {
+    Overrides one;
+    Scenario expected = lab;
+    switch (which) {
+      case 0:
+        expected.seed = one.seed.emplace(18'446'744'073'709'551'615U);
+        break;
+      case 1:
+        expected.duration_s = one.duration_s.emplace(1.0 / 3.0);
+        break;
+      case 2:
+        expected.planner.algorithm = one.planner.emplace("greedy");
+        break;
+      case 3:
+        expected.network.communication_range_m = one.communication_range_m.emplace(0.1);
+        break;
+      case 4:
+        expected.planner.node_budget = one.node_budget.emplace(9'000'000'000);
+        break;
+      case 5:
+        expected.network.url = one.url.emplace("memq://");
+        break;
+      default:
+        one.keys["planner.exploration.landmarks_max"] = "7";
+        expected.planner.exploration.landmarks_max = 7;
+    }
+    EXPECT_FALSE(one.is_empty()) << which;
+    const Scenario changed = load_scenario_with(kLab, one);
+    EXPECT_NE(changed.source_text, lab.source_text) << which;
+    EXPECT_EQ(changed.seed, expected.seed) << which;
+    EXPECT_EQ(changed.duration_s, expected.duration_s) << "to the last digit";
+    EXPECT_EQ(changed.planner.algorithm, expected.planner.algorithm) << which;
+    EXPECT_EQ(changed.network.communication_range_m, expected.network.communication_range_m);
+    EXPECT_EQ(changed.planner.node_budget, expected.planner.node_budget) << which;
+    EXPECT_EQ(changed.network.url, expected.network.url) << which;
+    EXPECT_EQ(changed.planner.exploration.landmarks_max, expected.planner.exploration.landmarks_max)
+        << which;
+    EXPECT_EQ(changed.planner.horizon_steps, lab.planner.horizon_steps) << which;
+    EXPECT_EQ(changed.robots.size(), lab.robots.size()) << which;
+  }
+}
+
+TEST(Overrides, AreNamedWhereTheyAreRefused) {
+  Overrides overrides;
+  overrides.keys["planner.horizon_steps"] = "0";
+  try {
+    static_cast<void>(load_scenario_with(kLab, overrides));
+    ADD_FAILURE() << "taken";
+  } catch (const StartupError& error) {
+    EXPECT_EQ(std::string(error.what()).find(kLab + " with options:"), 0U) << error.what();
   }
 }
 

@@ -1,8 +1,11 @@
 #include "trial/observe/neighbours.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "bus/node/bus.hpp"
+#include "core/deadline.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
 
 namespace vantage::trial {
@@ -48,6 +51,42 @@ TEST(RivalsOfUp, AreVehiclesThatItWouldFlyItself) {
   EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).size(), 1U);
 }
 
+using Sentences = std::vector<std::string>;
+
+TEST(RivalsOfUp, AreNamedInASentenceEach) {
+  const scenario::Scenario scenario = lab_of_two_hosts();
+  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"HOST_LAB"}),
+            Sentences{"another `vantage up` runs on this network, as host LAB"});
+  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"HOST_OTHER"}),
+            Sentences{"another `vantage up` runs on this network, as host OTHER"});
+  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"TRUTH"}),
+            Sentences{"a simulator runs on this network (TRUTH is published)"});
+  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"VEHICLE_X"}),
+            Sentences{"vehicle X is alive on this network (VEHICLE_X is published)"});
+  EXPECT_EQ(rivals_of_up(scenario, "LAB", Channels{"QUADROTOR_X"}),
+            Sentences{"vehicle X is alive on this network (QUADROTOR_X is published)"});
+  EXPECT_TRUE(rivals_of_up(scenario, "AIR", Channels{"TRUTH"}).empty()) << "the simulator is LAB's";
+  EXPECT_TRUE(rivals_of_up(scenario, "LAB", Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
+}
+
+// A direct vehicle is the simulator's, whoever runs its robot; one with a driver is its host's.
+TEST(RivalsOfUp, AreVehiclesByWhoSpeaksForThem) {
+  scenario::Scenario scenario = lab_of_two_hosts();
+  scenario.robots[1].device = scenario::DeviceSource::kWire;
+  EXPECT_TRUE(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_Q1", "VEHICLE_Q3"}).empty());
+  EXPECT_EQ(rivals_of_up(scenario, "AIR", Channels{"VEHICLE_Q2"}).size(), 1U);
+  EXPECT_TRUE(rivals_of_up(scenario, "LAB", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).empty());
+  EXPECT_EQ(rivals_of_up(scenario, "", Channels{"VEHICLE_Q1", "VEHICLE_Q2"}).size(), 2U);
+}
+
+TEST(RivalsOfPlay, AreNamedInASentenceEach) {
+  EXPECT_EQ(rivals_of_play(Channels{"HOST_LAB", "QUADROTOR_Q2", "TRUTH", "VEHICLE_Q1"}),
+            (Sentences{"`vantage up` runs on this network, as host LAB",
+                       "vehicle Q2 is alive on this network", "a simulator runs on this network",
+                       "vehicle Q1 is alive on this network"}));
+  EXPECT_TRUE(rivals_of_play(Channels{"HOST_", "VEHICLE_", "TRUTHS"}).empty());
+}
+
 TEST(RivalsOfPlay, AreAllThatALogMightBeTakenFor) {
   EXPECT_TRUE(rivals_of_play(Channels{"HEALTH_VIEW", "COMMAND"}).empty());
   EXPECT_EQ(rivals_of_play(Channels{"VEHICLE_Q1", "HOST_LAB", "TRUTH"}).size(), 3U);
@@ -64,6 +103,64 @@ TEST(HearChannels, KnowsWhoSpeaks) {
     return ++asked > 3;
   };
   EXPECT_EQ(hear_channels(*listens, std::chrono::hours(1), stop), (Channels{"HOST_LAB", "TRUTH"}));
+}
+
+/// Says `channels` one after another, each time that it is asked, then that nothing can come.
+class Recording : public bus::Transport {
+ public:
+  explicit Recording(int channels) : left_(channels) {}
+  void subscribe(const std::string& channel, Handler handler) override {
+    EXPECT_EQ(channel, "*");
+    handler_ = std::move(handler);
+  }
+  void unsubscribe(const std::string& /*channel*/) override {}
+  bool publish(const std::string& /*channel*/, std::span<const std::uint8_t> /*bytes*/) override {
+    ADD_FAILURE() << "who listens says nothing";
+    return false;
+  }
+  int handle(std::chrono::microseconds timeout) override {
+    longest_ = std::max(longest_, timeout);
+    if (left_ == 0) {
+      return bus::kSourceEnded;
+    }
+    for (int i = 0; i < 1000 && left_ > 0; ++i) {
+      handler_("C" + std::to_string(--left_), std::vector<std::uint8_t>{});
+    }
+    return 1;
+  }
+  [[nodiscard]] bus::TransportStats stats() const override { return {}; }
+  [[nodiscard]] std::chrono::microseconds longest() const { return longest_; }
+
+ private:
+  Handler handler_;
+  int left_;
+  std::chrono::microseconds longest_{};
+};
+
+TEST(HearChannels, EndsWithWhatItListensToAndKeepsNoMoreThanTenThousandNames) {
+  const auto never = [] { return false; };
+  for (const int channels : {0, 3, 10'000, 10'001, 12'345}) {
+    Recording recording(channels);
+    const Channels heard = hear_channels(recording, std::chrono::hours(1), never);
+    EXPECT_EQ(heard.size(), static_cast<std::size_t>(std::min(channels, 10'000)));
+    EXPECT_LE(recording.longest(), std::chrono::milliseconds(50)) << "so that Ctrl-C is heeded";
+    EXPECT_GT(recording.longest(), std::chrono::milliseconds(10)) << "and it does not spin";
+  }
+  Recording recording(5'000);
+  EXPECT_TRUE(hear_channels(recording, std::chrono::hours(1), [] { return true; }).empty());
+}
+
+TEST(HearChannels, ListensForAsLongAsItIsToldTo) {
+  bus::InProcessHub hub;
+  const auto listens = hub.connect();
+  // It asks whether to stop each 50 ms at most: at 0 and at 50 ms, and perhaps at 100.
+  const std::int64_t begin_ns = monotonic_ns();
+  int asked = 0;
+  hear_channels(*listens, std::chrono::milliseconds(75), [&asked] { return ++asked > 9; });
+  EXPECT_GE(monotonic_ns() - begin_ns, 75'000'000);
+  EXPECT_LE(asked, 3);
+  EXPECT_GT(kListenToNeighbours, std::chrono::seconds(1)) << "supervisors speak once a second";
+  EXPECT_LT(kListenToNeighbours, std::chrono::seconds(2)) << "somebody waits";
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -55,6 +58,34 @@ TEST_F(ConfigFolder, EachNameIsThatOfAFile) {
   EXPECT_GE(names.size(), 10U);
   for (const std::string& name : names) {
     EXPECT_TRUE(fs::is_regular_file(scenario_path(name))) << name;
+  }
+}
+
+TEST_F(ConfigFolder, KnowsAllThatCameAlongInTheirOrder) {
+  std::set<std::string> files;
+  for (const auto& entry : fs::directory_iterator(VANTAGE_SOURCE_DIR "/config")) {
+    if (entry.path().extension() == ".yaml") {
+      files.insert(entry.path().stem());
+    }
+  }
+  EXPECT_EQ(config_names(), std::vector<std::string>(files.begin(), files.end()));
+}
+
+TEST_F(ConfigFolder, FindsANameWithItsEndingAndSaysWhatThereIs) {
+  const std::string lab = (fs::path(config_folder()) / "lab.yaml").string();
+  EXPECT_EQ(config_path("lab"), lab);
+  EXPECT_EQ(config_path("lab.yaml"), lab);
+  EXPECT_EQ(scenario_path(""), "") << "said by whoever reads it";
+  std::string all;
+  for (const std::string& name : config_names()) {
+    all += (all.empty() ? "" : ", ") + name;
+  }
+  for (const std::string none : {"nothing-like-any-of-them", ".yaml", "autopilot"}) {
+    try {
+      ADD_FAILURE() << config_path(none);
+    } catch (const StartupError& error) {
+      EXPECT_EQ(error.what(), "no scenario is called '" + none + "'; there are " + all);
+    }
   }
 }
 

@@ -1,0 +1,373 @@
+#include <array>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+
+// What keys together must be, to the whole sentence: its numbers, its names and its line.
+
+namespace vantage::scenario {
+namespace {
+
+const std::string kWorld = "name: x\nworld: {bounds: {min_m: [-9, -5], max_m: [9, 5]}}\n";
+const std::string kTargets = "targets: {count: 1}\n";
+const std::string kDefaults = "robot_defaults: {primitives: lab, sensor: {kind: range}}\n";
+
+using Pairs = std::vector<std::array<std::string, 2>>;
+using Triples = std::vector<std::array<std::string, 3>>;
+
+std::string answer_to(const std::string& text) {
+  try {
+    static_cast<void>(parse_scenario(text, "f"));
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+/// Of a team whose robots, from line 6 on, are `robots`.
+std::string answer_to_team(const std::string& robots, const std::string& more = "") {
+  return answer_to(kWorld + kTargets + kDefaults + "robots:\n" + robots + more);
+}
+
+/// Of one robot with `keys`, on line 6, and `more` from line 7 on.
+std::string answer_to_robot(const std::string& keys, const std::string& more = "") {
+  return answer_to_team("  - {name: A, start: {x_m: 2, y_m: 2}" + keys + "}\n", more);
+}
+
+std::string answer_to_two(const std::string& of_a, const std::string& of_b,
+                          const std::string& more = "") {
+  return answer_to_team("  - {name: A" + of_a + "}\n  - {name: B" + of_b + "}\n", more);
+}
+
+TEST(ScenarioRules, NamesAreOfTheLettersAndDigitsThatChannelsHave) {
+  EXPECT_EQ(answer_to_two(", start: {x_m: 1, y_m: 1}", ", start: {x_m: 4, y_m: 1}"), "taken");
+  for (const char letter : {'A', 'Z', '0', '9'}) {
+    const std::string name(1, letter);
+    EXPECT_EQ(answer_to_team("  - {name: '" + name + "', start: {x_m: 1, y_m: 1}}\n"), "taken");
+  }
+  for (const char other : {'@', '[', '/', ':', 'a', '_', '-'}) {
+    const std::string name = std::string("A") + other;
+    EXPECT_EQ(answer_to_team("  - {name: '" + name + "', start: {x_m: 1, y_m: 1}}\n"),
+              "f:6: robots[0].name: must be of A-Z and 0-9 only, is '" + name + "'");
+  }
+  const auto named = [](const std::string& name) {
+    return answer_to("name: '" + name + "'\n" + kWorld.substr(8) + kTargets + kDefaults +
+                     "robots: [{name: A, start: {x_m: 1, y_m: 1}}]\n");
+  };
+  EXPECT_EQ(named("azAZ09-_"), "taken");
+  for (const char other : {'@', '[', '`', '{', '/', ':', ',', '.', '^'}) {
+    const std::string name = std::string("a") + other;
+    EXPECT_EQ(named(name),
+              "f:1: name: must be of letters, digits, - and _ only, is '" + name + "'");
+  }
+}
+
+TEST(ScenarioRules, NoTwoBodiesHaveOneName) {
+  const std::string robots = "  - {name: A, start: {x_m: 2, y_m: 2}}\n";
+  const std::string base = kWorld + kDefaults + "robots:\n" + robots + "targets:\n";
+  EXPECT_EQ(answer_to(base + "  - {name: B}\n  - {name: C}\n"), "taken");
+  EXPECT_EQ(answer_to(base + "  - {name: B}\n  - {name: B}\n"),
+            "f:8: targets[1].name: is taken: a robot or target before is called B");
+  EXPECT_EQ(answer_to(base + "  - {name: a}\n"),
+            "f:7: targets[0].name: must be of A-Z and 0-9 only, is 'a'");
+  EXPECT_EQ(answer_to(kWorld + kDefaults + "robots:\n" + robots +
+                      "targets: {count: 2, name_prefix: t}\n"),
+            "f:6: targets.name_prefix: must be of A-Z and 0-9 only, is 't'");
+  EXPECT_EQ(answer_to(kWorld + kDefaults + "robots: [{name: T2, start: {x_m: 1, y_m: 1}}]\n" +
+                      "targets: {count: 3}\n"),
+            "f:5: targets: name_prefix: makes the name T2, which is a robot's");
+  EXPECT_EQ(answer_to(kWorld + kDefaults + "robots:\n" + robots + "targets: {radius_m: 1}\n"),
+            "f:6: targets: missing required key count");
+}
+
+TEST(ScenarioRules, MissingKeysAreSaidOfTheFirstAndWhereTheyBelong) {
+  EXPECT_EQ(answer_to_robot(", limits: {}"), "taken");
+  EXPECT_EQ(answer_to_team("  - {name: A, start: {}}\n"),
+            "f:6: robots[0].start: missing required key x_m");
+  EXPECT_EQ(answer_to_team("  - {start: {x_m: 1, y_m: 1}}\n"),
+            "f:6: robots[0]: missing required key name")
+      << "of the robot, not of what lies under it";
+  EXPECT_EQ(answer_to_team("  -\n"),
+            "f:5: robots[0]: has no value; expected a mapping of keys to values");
+  EXPECT_EQ(answer_to_robot("", "wind: {x_mps: 1,\n  y_mps: 2,\n  x_mps: 3}\n"),
+            "f:9: wind.x_mps: duplicate key, first given on line 7");
+  EXPECT_EQ(answer_to_robot(", sensor: {fov_rad: 1,\n    fov_deg: 60}"),
+            "f:7: robots[0].sensor.fov_deg: given twice, as fov_rad and as fov_deg; keep one");
+  EXPECT_EQ(answer_to_robot(", sensor: {fov_deg: 60,\n    fov_rad: 1}"),
+            "f:7: robots[0].sensor.fov_rad: given twice, as fov_rad and as fov_deg; keep one");
+  EXPECT_EQ(answer_to_robot(", sensor: {fov_rad: 1, fov_deg: 60}"),
+            "f:6: robots[0].sensor.fov_deg: given twice, as fov_rad and as fov_deg; keep one");
+  EXPECT_EQ(answer_to_robot(", primitives: [{speed_mps: 1}]"),
+            "f:6: robots[0].primitives[0]: missing required key yaw_rate_radps");
+  EXPECT_EQ(answer_to_robot(", primitives: [{yaw_rate_radps: 1}]"),
+            "f:6: robots[0].primitives[0]: missing required key speed_mps");
+}
+
+TEST(ScenarioRules, PrimitivesAreAsManyAndAsFastAsTheyMayBe) {
+  const auto of = [](int count) {
+    std::string list;
+    for (int i = 0; i < count; ++i) {
+      list += (i == 0 ? "" : ", ") + std::string("{speed_mps: 0, yaw_rate_radps: 0}");
+    }
+    return ", primitives: [" + list + "]";
+  };
+  EXPECT_EQ(answer_to_robot(of(1)), "taken");
+  EXPECT_EQ(answer_to_robot(of(64)), "taken");
+  EXPECT_EQ(answer_to_robot(of(65)),
+            "f:6: robots[0].primitives: must hold at least 1 and at most 64 primitives, holds 65");
+  const std::string limits = ", limits: {speed_max_mps: 2, yaw_rate_max_radps: 1.5}";
+  const auto one = [&](const std::string& speed, const std::string& turn) {
+    return answer_to_robot(limits + ", primitives: [{speed_mps: " + speed +
+                           ", yaw_rate_radps: " + turn + "}]");
+  };
+  for (const char* turn : {"1.5", "-1.5"}) {
+    EXPECT_EQ(one("2", turn), "taken");
+  }
+  EXPECT_EQ(
+      one("2.25", "0"),
+      "f:6: robots[0].primitives: speed_mps must be at most limits.speed_max_mps, 2, is 2.25");
+  for (const std::string turn : {"1.75", "-1.75"}) {
+    EXPECT_EQ(one("0", turn),
+              "f:6: robots[0].primitives: yaw_rate_radps must be at most "
+              "limits.yaw_rate_max_radps, 1.5, either way; is " +
+                  turn);
+  }
+}
+
+TEST(ScenarioRules, RobotsStandClearOfWallsObstaclesAndEachOther) {
+  const auto at = [](const std::string& x, const std::string& y) {
+    return answer_to_team("  - {name: A, start: {x_m: " + x + ", y_m: " + y + "}}\n");
+  };
+  // 0.25 m of radius and 0.1 m beyond it, in the plane: at each of the four walls.
+  for (const auto& [x, y] : Pairs{{"8.6", "0"}, {"-8.6", "0"}, {"0", "4.6"}, {"0", "-4.6"}}) {
+    EXPECT_EQ(at(x, y), "taken");
+  }
+  for (const auto& [x, y] : Pairs{{"8.75", "0"}, {"-8.75", "0"}, {"0", "4.75"}, {"0", "-4.75"}}) {
+    EXPECT_EQ(at(x, y),
+              "f:6: robots[0].start: must be at least 0.35 m from obstacles "
+              "and walls, (" +
+                  x + ", " + y + ") m is 0.25");
+  }
+  const std::string a = ", start: {x_m: 1, y_m: 1}, height_m: 3";
+  const auto b = [](const std::string& x, const std::string& y, const std::string& z) {
+    return ", start: {x_m: " + x + ", y_m: " + y + "}, height_m: " + z;
+  };
+  // In space: 0.6 m in any one direction, either way, is enough, and 0.36 m with 0.48 m are.
+  for (const auto& [x, y, z] : Triples{{"1.625", "1", "3"},
+                                       {"0.375", "1", "3"},
+                                       {"1", "1.625", "3"},
+                                       {"1", "0.375", "3"},
+                                       {"1", "1", "3.625"},
+                                       {"1", "1", "2.375"},
+                                       {"1.375", "1.5", "3"}}) {
+    EXPECT_EQ(answer_to_two(a, b(x, y, z)), "taken") << x << " " << y << " " << z;
+  }
+  for (const auto& [x, y, z] :
+       Triples{{"1.5", "1", "3"}, {"1", "0.5", "3"}, {"1", "1", "2.5"}, {"1.3", "1.4", "3"}}) {
+    EXPECT_EQ(answer_to_two(a, b(x, y, z)),
+              "f:7: robots[1].start: must be at least planner.separation_m, 0.6 m, from the start "
+              "of A; is 0.5");
+  }
+  // Of three the first that is too near is named, by the radii of the two.
+  EXPECT_EQ(answer_to_two(", start: {x_m: 1, y_m: 1}, limits: {radius_m: 0.125}",
+                          ", start: {x_m: 4, y_m: 1}, limits: {radius_m: 0.375}",
+                          "planner: {separation_m: 0.375}\n"),
+            "f:7: robots[1].limits: planner.separation_m must be at least the radii of A and B, "
+            "0.5 m together; is 0.375");
+  EXPECT_EQ(answer_to_two(", start: {x_m: 1, y_m: 1}", ", start: {x_m: 4, y_m: 1}",
+                          "planner: {separation_m: 0.375}\n"),
+            "f:7: robots[1]: limits: planner.separation_m must be at least the radii of A and B, "
+            "0.5 m together; is 0.375")
+      << "where neither says it, of the robot";
+}
+
+TEST(ScenarioRules, RobotsStayBelowTheCeilingWithAllOfThem) {
+  const auto at = [](const std::string& height) {
+    return answer_to_team("  - {name: A, start: {x_m: 1, y_m: 1}, height_m: " + height +
+                          ", limits: {radius_m: 0.5}}\n");
+  };
+  EXPECT_EQ(at("9.5"), "taken");
+  EXPECT_EQ(at("9.75"),
+            "f:6: robots[0].height_m: must be at most world.ceiling_m, 10, less the robot's "
+            "radius_m, 0.5: it would touch the ceiling; is 9.75");
+  EXPECT_EQ(at("10.5"), "f:6: robots[0].height_m: must be below world.ceiling_m, 10, is 10.5");
+}
+
+TEST(ScenarioRules, ObstaclesMayReachOutOfTheWorldButNotLieOutside) {
+  const auto box = [](const std::string& min, const std::string& max) {
+    return answer_to(
+        "name: x\nworld:\n  bounds: {min_m: [-9, -5], max_m: [9, 5]}\n  obstacles:\n"
+        "    - {footprint: {min_m: " +
+        min + ", max_m: " + max + "}}\n" + kTargets + kDefaults +
+        "robots: [{name: A, start: {x_m: 0, y_m: 0}}]\n");
+  };
+  EXPECT_EQ(box("[-11, 4]", "[-8, 4.5]"), "taken");
+  EXPECT_EQ(box("[8, 4]", "[11, 4.5]"), "taken");
+  EXPECT_EQ(box("[2, 4]", "[3, 6]"), "taken");
+  EXPECT_EQ(box("[2, -6]", "[3, -4]"), "taken");
+  for (const auto& [min, max] : Pairs{{"[-11, 2]", "[-9, 3]"},
+                                      {"[9, 2]", "[11, 3]"},
+                                      {"[2, 5]", "[3, 7]"},
+                                      {"[2, -7]", "[3, -5]"}}) {
+    EXPECT_EQ(box(min, max), "f:5: world.obstacles[0].footprint: is wholly outside world.bounds");
+  }
+  EXPECT_EQ(box("[2, 3]", "[4, 3]"),
+            "f:5: world.obstacles[0].footprint.max_m: must be above min_m, [2, 3], in x and in y; "
+            "is [4, 3]");
+  EXPECT_EQ(box("[4, 2]", "[3, 5]"),
+            "f:5: world.obstacles[0].footprint.max_m: must be above min_m, [4, 2], in x and in y; "
+            "is [3, 5]");
+}
+
+TEST(ScenarioRules, AutopilotsAreReachedByWhatTheDriverSpeaks) {
+  const auto with = [](const std::string& autopilot) {
+    return answer_to_robot(", autopilot: {" + autopilot + "}");
+  };
+  for (const std::string url : {"udp://:14540", "udpout://h:1", "serial:/dev/ttyS0"}) {
+    EXPECT_EQ(with("dialect: px4, url: \"" + url + "\""), "taken");
+  }
+  EXPECT_EQ(with("dialect: px4, url: \"tcp://h:1\""),
+            "f:6: robots[0].autopilot.url: must begin with udp://, udpout:// or serial:, is "
+            "'tcp://h:1'");
+  EXPECT_EQ(with("dialect: px4"), "f:6: robots[0].autopilot: missing required key url");
+  EXPECT_EQ(with("url: \"udp://:1\""), "f:6: robots[0].autopilot: missing required key dialect");
+  EXPECT_EQ(with("dialect: px4, url: \"udp://:1\", battery: {empty_v: 3.5, full_v: 3.5, cells: 2}"),
+            "f:6: robots[0].autopilot.battery.full_v: must be above empty_v, 3.5, is 3.5; volts of "
+            "one cell");
+  EXPECT_EQ(with("dialect: px4, url: \"udp://:1\", battery: {full_v: 4}"),
+            "f:6: robots[0].autopilot.battery: missing required key cells");
+}
+
+TEST(ScenarioRules, ARealAutopilotSaysWhoItIsAndSigns) {
+  const std::string url = "dialect: px4, url: \"udp://:1\"";
+  const auto real = [&](const std::string& more, const std::string& device = "real") {
+    return answer_to_robot(", device: " + device + ", autopilot: {" + url + more + "}");
+  };
+  EXPECT_EQ(real(", system_id: 1, key_file: k"), "taken");
+  EXPECT_EQ(
+      real(", key_file: k").find("f:6: robots[0].autopilot: must say the system_id, 1 to 255"), 0U);
+  EXPECT_EQ(real(", system_id: 1").find("f:6: robots[0].autopilot: must say the key_file"), 0U);
+  EXPECT_EQ(real("", "wire"), "taken") << "a simulated one need not";
+  EXPECT_EQ(answer_to_robot(", device: real"), "taken") << "without an autopilot there is none";
+}
+
+TEST(ScenarioRules, FirmwareFliesASimulatedVehicleOfAnAutopilot) {
+  const std::string flown = ", device: wire, autopilot: {dialect: px4, url: \"udp://:1\"}";
+  EXPECT_EQ(answer_to_robot(flown + ", firmware: {binary: px4, parameters: p}"), "taken");
+  EXPECT_EQ(answer_to_robot(flown + ", firmware: {serial: /dev/ttyACM0}"), "taken");
+  EXPECT_EQ(answer_to_robot(flown + ", firmware: {serial: /dev/ttyACM0, binary: px4}"),
+            "f:6: robots[0].firmware.serial: is of a board, which runs its own firmware: leave "
+            "`binary` out");
+  EXPECT_EQ(answer_to_robot(", device: wire, firmware: {binary: px4}"),
+            "f:6: robots[0].firmware: needs an `autopilot`, whose dialect says which firmware it "
+            "is");
+  EXPECT_EQ(answer_to_robot(", autopilot: {dialect: px4, url: \"udp://:1\"}, firmware: {}"),
+            "f:6: robots[0].firmware: flies a simulated vehicle: it needs device 'wire'");
+  const Scenario scenario = parse_scenario(
+      kWorld + kTargets + kDefaults + "robots:\n  - {name: A, start: {x_m: 1, y_m: 1}" + flown +
+          ", firmware: {binary: b, parameters: p, instance: 0}}\n  - {name: B, start: {x_m: 4, "
+          "y_m: 1}" +
+          flown + ", firmware: {serial: s}}\n  - {name: C, start: {x_m: 4, y_m: 3}" + flown +
+          ", firmware: {instance: 9}}\n",
+      "f");
+  EXPECT_EQ(scenario.robots[0].firmware->binary, "b");
+  EXPECT_EQ(scenario.robots[0].firmware->parameters, "p");
+  EXPECT_EQ(scenario.robots[0].firmware->instance, 0);
+  EXPECT_EQ(scenario.robots[1].firmware->serial, "s");
+  EXPECT_FALSE(scenario.robots[1].firmware->instance);
+  EXPECT_EQ(scenario.firmware_instance(scenario.robots[0]), 0);
+  EXPECT_EQ(scenario.firmware_instance(scenario.robots[1]), 1) << "its place";
+  EXPECT_EQ(scenario.firmware_instance(scenario.robots[2]), 9);
+}
+
+TEST(ScenarioRules, RoversAreReachedByDatagramsAndAreNoAutopilots) {
+  EXPECT_EQ(answer_to_robot(", rover: {url: \"udp://:1\"}"), "taken");
+  EXPECT_EQ(answer_to_robot(", rover: {url: \"udpout://h:1\"}"), "taken");
+  EXPECT_EQ(answer_to_robot(", rover: {url: \"tcp://h:1\"}"),
+            "f:6: robots[0].rover.url: must begin with udp:// or udpout://, is 'tcp://h:1'");
+  EXPECT_EQ(answer_to_robot(", rover: {url: \"udp://:1\"}, autopilot: {dialect: px4, url: "
+                            "\"udp://:2\"}"),
+            "f:6: robots[0].rover: a robot has an autopilot or is a rover, not both");
+}
+
+TEST(ScenarioRules, SensorsSeeFartherThanTheirLeastRange) {
+  const auto with = [](const std::string& sensor) {
+    return answer_to_robot(", sensor: {" + sensor + "}");
+  };
+  EXPECT_EQ(with("range_min_m: 3, range_max_m: 3.5"), "taken");
+  EXPECT_EQ(with("range_min_m: 3.5, range_max_m: 3.5"),
+            "f:6: robots[0].sensor.range_min_m: must be below range_max_m, 3.5, is 3.5");
+  EXPECT_EQ(with("range_min_m: 4, range_max_m: 3.5"),
+            "f:6: robots[0].sensor.range_min_m: must be below range_max_m, 3.5, is 4");
+  EXPECT_EQ(with("kind: position, detects_ids: false, clutter_per_look: 2"), "taken");
+  EXPECT_EQ(with("clutter_per_look: 1.5"),
+            "f:6: robots[0].sensor.clutter_per_look: must be 0 with detects_ids: true: a false "
+            "alarm has no target whose id it could bear; is 1.5");
+}
+
+TEST(ScenarioRules, TeamsWithoutIdsAreAsLargeAsTheyMayBe) {
+  const auto team = [](int robots, int targets, const std::string& more = "") {
+    std::string text = kWorld +
+                       "robot_defaults: {primitives: lab, sensor: {kind: position, "
+                       "detects_ids: false}}\ntargets: {count: " +
+                       std::to_string(targets) + "}\n" + more + "robots:\n";
+    for (int i = 0; i < robots; ++i) {
+      text += "  - {name: Q" + std::to_string(i) + ", start: {x_m: " + std::to_string(i % 17 - 8) +
+              ", y_m: " + std::to_string(i / 17 * 2 - 2) + "}}\n";
+    }
+    return answer_to(text);
+  };
+  EXPECT_EQ(team(32, 100), "taken");
+  EXPECT_EQ(team(33, 100), "f:5: robots: must be at most 32 with detects_ids: false, are 33");
+  EXPECT_EQ(team(1, 101), "f:4: targets: must be 1 to 100 with detects_ids: false, are 101");
+}
+
+TEST(ScenarioRules, TargetsHaveIdsPlacesAndSpeedsThatCanBe) {
+  const std::string base =
+      kWorld + kDefaults + "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\ntargets:\n";
+  EXPECT_EQ(answer_to(base + "  - {id: 1}\n  - {id: 0}\n"), "taken");
+  EXPECT_EQ(answer_to(base + "  - {}\n  - {id: 3}\n  - {id: 1}\n"),
+            "f:7: targets[1]: id must be at most 2, one less than there are targets; is 3");
+  EXPECT_EQ(answer_to(base + "  - {id: 0}\n  - {id: 2}\n  - {id: 2}\n"),
+            "f:8: targets[2].id: is taken: a target before has the id 2");
+  EXPECT_EQ(answer_to(base + "  - {start: {x_m: -8.875, y_m: 1}, radius_m: 0.125}\n"), "taken");
+  EXPECT_EQ(answer_to(base + "  - {start: {x_m: -8.875, y_m: 1}, radius_m: 0.25}\n"),
+            "f:6: targets[0].start: must be at least 0.25 m from obstacles and walls, (-8.875, 1) "
+            "m is 0.125");
+  EXPECT_EQ(answer_to(base + "  - {start: {x_m: 9.5, y_m: 1}}\n"),
+            "f:6: targets[0].start: (9.5, 1) m is outside world.bounds");
+  EXPECT_EQ(answer_to(base + "  - {}\ntarget_truth: {speed_min_mps: 1.5, speed_max_mps: 1}\n"),
+            "f:7: target_truth.speed_min_mps: must be at most speed_max_mps, 1, is 1.5");
+  // Of a list that is not too long the first that is wrong is named instead.
+  const auto many = [&](int count) {
+    std::string list = "  - {id: -1}\n";
+    for (int i = 1; i < count; ++i) {
+      list += "  - {}\n";
+    }
+    return answer_to(base + list);
+  };
+  EXPECT_EQ(many(10'000), "f:6: targets[0].id: must be at least 0 and at most 9999, is '-1'");
+  EXPECT_EQ(many(10'001),
+            "f:5: targets: must list at least 1 and at most 10000 targets, lists 10001");
+  const Scenario named =
+      parse_scenario(kWorld + kDefaults + "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\n" +
+                         "targets: {count: 3, name_prefix: CAT, radius_m: 0.5}\n",
+                     "f");
+  ASSERT_EQ(named.targets.size(), 3U);
+  for (int id = 0; id < 3; ++id) {
+    EXPECT_EQ(named.targets[static_cast<std::size_t>(id)].name, "CAT" + std::to_string(id + 1));
+    EXPECT_EQ(named.targets[static_cast<std::size_t>(id)].id, id);
+    EXPECT_EQ(named.targets[static_cast<std::size_t>(id)].radius_m, 0.5);
+  }
+  const Scenario plain = parse_scenario(
+      kWorld + kDefaults + "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\n" + kTargets, "f");
+  EXPECT_EQ(plain.targets[0].name, "T1");
+  EXPECT_EQ(plain.targets[0].radius_m, 0.2);
+}
+
+}  // namespace
+}  // namespace vantage::scenario

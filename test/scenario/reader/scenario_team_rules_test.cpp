@@ -1,0 +1,236 @@
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+
+// What keys together must be, to the whole sentence: its numbers, its names and its line.
+
+namespace vantage::scenario {
+namespace {
+
+const std::string kWorld = "name: x\nworld: {bounds: {min_m: [-9, -5], max_m: [9, 5]}}\n";
+const std::string kTargets = "targets: {count: 1}\n";
+const std::string kDefaults = "robot_defaults: {primitives: lab, sensor: {kind: range}}\n";
+
+std::string answer_to(const std::string& text) {
+  try {
+    static_cast<void>(parse_scenario(text, "f"));
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+/// Of a team whose robots, from line 6 on, are `robots`.
+std::string answer_to_team(const std::string& robots, const std::string& more = "") {
+  return answer_to(kWorld + kTargets + kDefaults + "robots:\n" + robots + more);
+}
+
+/// Of one robot with `keys`, on line 6, and `more` from line 7 on.
+std::string answer_to_robot(const std::string& keys, const std::string& more = "") {
+  return answer_to_team("  - {name: A, start: {x_m: 2, y_m: 2}" + keys + "}\n", more);
+}
+
+std::string answer_to_two(const std::string& of_a, const std::string& of_b,
+                          const std::string& more = "") {
+  return answer_to_team("  - {name: A" + of_a + "}\n  - {name: B" + of_b + "}\n", more);
+}
+
+// In a world that is not about its origin, so that what is added and what is taken off differ.
+TEST(ScenarioRules, GridsAndDrawsAreOfTheWorldWhereverItLies) {
+  const auto world = [](double x_m, double y_m, const std::string& more) {
+    const auto text = [](double a, double b) {
+      return "[" + std::to_string(a) + ", " + std::to_string(b) + "]";
+    };
+    return "name: x\nworld: {bounds: {min_m: " + text(x_m, y_m) +
+           ", max_m: " + text(x_m + 100.0, y_m + 50.0) + "}}\n" + kDefaults +
+           "robots: [{name: A, start: {x_m: " + std::to_string(x_m + 1.0) +
+           ", y_m: " + std::to_string(y_m + 1.0) + "}}]\n" + kTargets + more;
+  };
+  for (const double x_m : {-300.0, -50.0, 0.0, 200.0}) {
+    const double y_m = 0.5 * x_m;
+    EXPECT_EQ(answer_to(world(x_m, y_m, "mapping: {resolution_m: 0.5}\n")), "taken");
+    EXPECT_EQ(answer_to(world(x_m, y_m, "mapping: {resolution_m: 0.25}\n")),
+              "f:6: mapping.resolution_m: must cut world.bounds into at most 50000 cells, 0.25 "
+              "makes 8e+04");
+    EXPECT_EQ(answer_to(world(x_m, y_m, "estimator: {grid_resolution_m: 0.03125}\n")),
+              "f:6: estimator.grid_resolution_m: must cut world.bounds into at most 4000000 cells, "
+              "0.03125 makes 5.12e+06");
+    const models::Surroundings drawn =
+        parse_scenario(
+            world(x_m, y_m, "estimator: {target_model: {kind: damped_oscillator, q: 0.1}}\n"), "f")
+            .estimator.target_model.surroundings;
+    EXPECT_EQ(drawn.center_m, Eigen::Vector2d(x_m + 50.0, y_m + 25.0));
+    // The variance of a uniform draw of length l is l²/12.
+    EXPECT_NEAR(drawn.position_sigma_m.x() * drawn.position_sigma_m.x(), 1e4 / 12.0, 1e-9);
+    EXPECT_NEAR(drawn.position_sigma_m.y() * drawn.position_sigma_m.y(), 2.5e3 / 12.0, 1e-9);
+  }
+}
+
+TEST(ScenarioRules, RoundsHoldWhatIsDoneInThem) {
+  const auto with = [](const std::string& planner) {
+    return answer_to_robot("", "planner: {" + planner + "}\n");
+  };
+  EXPECT_EQ(with("horizon_steps: 7, execute_steps: 7"), "taken");
+  EXPECT_EQ(with("horizon_steps: 7, execute_steps: 8"),
+            "f:7: planner.execute_steps: must be at most horizon_steps, 7, is 8");
+  const std::string round = "execute_steps: 3, step_s: 0.25, publish_margin_s: 0.125, ";
+  EXPECT_EQ(with(round + "team_budget_s: 0.625"), "taken") << "just as long as the round";
+  EXPECT_EQ(with(round + "team_budget_s: 0.75"),
+            "f:7: planner.team_budget_s: must fit with publish_margin_s, 0.125, into a round of "
+            "execute_steps · step_s = 0.75 s; is 0.75");
+}
+
+TEST(ScenarioRules, TeamsAgreeInOneWayAtATime) {
+  const auto with = [](const std::string& planner) {
+    return answer_to_two(", start: {x_m: 1, y_m: 1}", ", start: {x_m: 4, y_m: 1}",
+                         "planner: {" + planner + "}\nmapping: {}\n");
+  };
+  const std::string local = "team_algorithm: local_search";
+  for (const std::string search : {"arvi", "rvi"}) {
+    EXPECT_EQ(with(local + ", algorithm: " + search), "taken");
+  }
+  EXPECT_EQ(with(local + ", algorithm: greedy"),
+            "f:8: planner.algorithm: must be arvi or rvi, which make the candidates of "
+            "team_algorithm: local_search; is greedy");
+  EXPECT_EQ(with(local + ", objective: mapping"),
+            "f:8: planner.team_algorithm: local_search needs objective: tracking");
+  EXPECT_EQ(with(local + ", attacks_max: 1"),
+            "f:8: planner.attacks_max: must be 0 with team_algorithm: local_search, is 1");
+  EXPECT_EQ(with("attacks_max: 1"), "taken");
+  EXPECT_EQ(with("algorithm: greedy"), "taken");
+  EXPECT_EQ(with("algorithm: external"), "taken");
+  EXPECT_EQ(with("algorithm: external, attacks_max: 1"),
+            "f:8: planner.attacks_max: must be 0 with algorithm: external, which proposes nothing; "
+            "is 1");
+  EXPECT_EQ(with("attacks_max: 2"),
+            "f:8: planner: attacks_max must be below the number of robots, 2, is 2");
+  EXPECT_EQ(with("attacks_max: 1001"),
+            "f:8: planner.attacks_max: must be at least 0 and at most 1000, is '1001'");
+  EXPECT_EQ(with("attacks_max: 5"),
+            "f:8: planner: attacks_max must be below the number of robots, 2, is 5");
+}
+
+// Of one robot as it is by default: 2 (3 (6 + 2 · 3) + 9/4) + 0.6 + 2 · 0.2 m.
+TEST(ScenarioRules, NeighbourhoodsAreOfTeamsThatTrackInARow) {
+  const auto with = [](const std::string& neighbourhood_m, const std::string& planner) {
+    return answer_to_robot("", "network: {neighbourhood_m: " + neighbourhood_m +
+                                   "}\nmapping: {}\nplanner: {" + planner + "}\n");
+  };
+  EXPECT_EQ(with("77.5", "slots: 4"), "taken");
+  EXPECT_EQ(
+      with("77.25", "slots: 4"),
+      "f:7: network.neighbourhood_m: must be 0, or at least 77.5 here, that nobody comes near "
+      "before he is heard; is 77.25");
+  EXPECT_EQ(with("0", ""), "taken");
+  EXPECT_EQ(with("0", "slots: 1"),
+            "f:7: network.neighbourhood_m: of network must be above 0 with planner.slots above 0: "
+            "who is near may not plan at once");
+  for (const char* whole : {"objective: mapping", "team_algorithm: local_search"}) {
+    EXPECT_EQ(with("77.5", whole),
+              "f:7: network.neighbourhood_m: must be 0 where the whole team decides or maps: with "
+              "objective: mapping, team_algorithm: local_search or attacks_max above 0");
+    EXPECT_EQ(with("0", whole), "taken");
+  }
+}
+
+TEST(ScenarioRules, NetworksAndSignaturesAreAsTheyAreWritten) {
+  const auto url = [](const std::string& word) {
+    return answer_to_robot("", "network: {url: \"" + word + "\"}\n");
+  };
+  EXPECT_EQ(url("udpm://239.255.76.67:7667"), "taken");
+  EXPECT_EQ(url("memq://"), "taken");
+  for (const std::string none : {"udp://h:1", "xudpm://", "memq:/", "file://log"}) {
+    EXPECT_EQ(url(none), "f:7: network.url: must begin with udpm:// or memq://, is '" + none + "'");
+  }
+  const auto security = [](const std::string& keys) {
+    return answer_to_robot("", "security: {" + keys + "}\n");
+  };
+  EXPECT_EQ(security("mode: off"), "taken");
+  EXPECT_EQ(security("mode: warn, keys: k"), "taken");
+  for (const char* mode : {"warn", "require"}) {
+    EXPECT_EQ(security(std::string("mode: ") + mode),
+              "f:7: security: keys: must name the folder that `vantage keys new` made");
+  }
+  EXPECT_EQ(security("keys: k"), "f:7: security: missing required key mode");
+}
+
+TEST(ScenarioRules, AttacksHaveASpanAndNameRobots) {
+  const auto attack = [](const std::string& keys) {
+    return answer_to_robot("", "attacks:\n  - {" + keys + "}\n");
+  };
+  EXPECT_EQ(attack("from_s: 2.5, to_s: 2.75, robots: [A]"), "taken");
+  EXPECT_EQ(attack("to_s: 2, robots: []"), "taken");
+  EXPECT_EQ(attack("from_s: 2.5, to_s: 2.5, robots: [A]"),
+            "f:8: attacks[0].to_s: must be above from_s, 2.5, is 2.5");
+  EXPECT_EQ(attack("from_s: 2.5, to_s: 1, robots: [A]"),
+            "f:8: attacks[0].to_s: must be above from_s, 2.5, is 1");
+  EXPECT_EQ(attack("to_s: 2, robots: [A, B]"),
+            "f:8: attacks[0].robots[1]: must be a robot of the scenario, is 'B'");
+  EXPECT_EQ(attack("to_s: 2"), "f:8: attacks[0]: missing required key robots");
+  EXPECT_EQ(attack("robots: [A], from_s: 1").find("f:8: attacks[0]"), 0U);
+  const auto many = [](int count) {
+    std::string text = "attacks:\n";
+    for (int i = 0; i < count; ++i) {
+      text += "  - {to_s: 2, robots: [A]}\n";
+    }
+    return answer_to_robot("", text);
+  };
+  EXPECT_EQ(many(1000), "taken");
+  EXPECT_EQ(many(1001), "f:7: attacks: must list at most 1000, lists 1001");
+}
+
+TEST(ScenarioRules, HostsAreAsManyAsTheyMayBeAndRunEachPartOnce) {
+  const auto many = [](int count) {
+    std::string text = "hosts:\n";
+    for (int i = 0; i < count; ++i) {
+      text += "  - {name: H" + std::to_string(i) + ", runs: []}\n";
+    }
+    return answer_to_robot("", text);
+  };
+  EXPECT_EQ(many(1), "taken");
+  EXPECT_EQ(many(32), "taken");
+  EXPECT_EQ(many(33), "f:7: hosts: must list at least 1 and at most 32 hosts, lists 33");
+  EXPECT_EQ(answer_to_robot("",
+                            "hosts:\n  - {name: L, runs: [sim, logger]}\n"
+                            "  - {name: M, runs: [A]}\n  - {name: N, runs: [vicon, A]}\n"),
+            "f:10: hosts[2].runs[1]: 'A' runs on M already");
+  EXPECT_EQ(answer_to_robot("", "hosts:\n  - {runs: [A]}\n"),
+            "f:8: hosts[0]: missing required key name");
+}
+
+TEST(ScenarioRules, RegionsThatCostAreThoseOfTheWorld) {
+  const auto paying = [](const std::string& regions) {
+    return answer_to(
+        "name: x\nworld:\n  bounds: {min_m: [-9, -5], max_m: [9, 5]}\n  regions:\n"
+        "    - {name: mud, footprint: {min_m: [1, 1], max_m: [2, 2]}}\n"
+        "    - {name: ice, footprint: {min_m: [1, 1], max_m: [2, 2]}}\n" +
+        kTargets + kDefaults +
+        "robots:\n  - {name: A, start: {x_m: 0, y_m: 0}, "
+        "energy: {regions: " +
+        regions + "}}\n");
+  };
+  EXPECT_EQ(paying("[mud, ice]"), "taken");
+  EXPECT_EQ(paying("[mud, sand]"),
+            "f:10: robots[0].energy.regions[1]: must be the name of one of world.regions, is "
+            "'sand'");
+}
+
+TEST(LineOfKey, IsThatOfTheInnermostKeyOfThePathThatIsGiven) {
+  const std::string text = "a: 1\n\nb:\n  c:\n    d: [e: 1]\n  f: 2\ng: 3\n";
+  EXPECT_EQ(line_of_key(text, "a"), 1);
+  EXPECT_EQ(line_of_key(text, "b"), 3);
+  EXPECT_EQ(line_of_key(text, "b.c"), 4);
+  EXPECT_EQ(line_of_key(text, "b.c.d"), 5);
+  EXPECT_EQ(line_of_key(text, "b.c.d.e"), 5) << "a list has no keys";
+  EXPECT_EQ(line_of_key(text, "b.f"), 6);
+  EXPECT_EQ(line_of_key(text, "b.x"), 3);
+  EXPECT_EQ(line_of_key(text, "b.x.c"), 3);
+  EXPECT_EQ(line_of_key(text, "g.a"), 7);
+  EXPECT_EQ(line_of_key(text, "x"), 0);
+}
+
+}  // namespace
+}  // namespace vantage::scenario

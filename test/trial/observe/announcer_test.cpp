@@ -1,0 +1,77 @@
+#include "trial/observe/announcer.hpp"
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/node/bus.hpp"
+
+namespace vantage::trial {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::seconds;
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+class AnnouncerTest : public ::testing::Test {
+ protected:
+  AnnouncerTest() {
+    scenario_.source_text = "name: some\nseed: 7\n";
+    listens_.subscribe<models::ScenarioNotice>(
+        bus::kScenario, [this](const models::ScenarioNotice& notice) { heard_.push_back(notice); });
+  }
+  /// What was said since the last time.
+  std::vector<models::ScenarioNotice> heard() {
+    while (listens_.handle(microseconds(0)) > 0) {
+    }
+    return std::exchange(heard_, {});
+  }
+
+  bus::InProcessHub hub_;
+  std::unique_ptr<bus::Transport> speaker_ = hub_.connect();
+  std::unique_ptr<bus::Transport> listener_ = hub_.connect();
+  bus::Bus speaks_{*speaker_, 1};
+  bus::Bus listens_{*listener_, 2};
+  scenario::Scenario scenario_;
+  std::vector<models::ScenarioNotice> heard_;
+};
+
+TEST_F(AnnouncerTest, SaysTheScenarioAtOnceAndEveryFiveSeconds) {
+  Announcer announcer(speaks_, scenario_, "some process");
+  EXPECT_TRUE(heard().empty());
+  std::vector<Time> said;
+  for (int half_s = 0; half_s <= 31; ++half_s) {
+    const Time now = kStart + half_s * microseconds(500'000);
+    announcer.tick(now);
+    for (const models::ScenarioNotice& notice : heard()) {
+      said.push_back(notice.stamp.time);
+      EXPECT_EQ(notice.yaml, scenario_.source_text);
+      EXPECT_EQ(notice.process, "some process");
+      EXPECT_EQ(notice.version, version());
+    }
+    EXPECT_GT(announcer.next_tick(), now);
+  }
+  EXPECT_EQ(said, (std::vector<Time>{kStart, kStart + seconds(5), kStart + seconds(10),
+                                     kStart + seconds(15)}));
+  EXPECT_FALSE(version().empty());
+}
+
+TEST_F(AnnouncerTest, WaitsFiveSecondsFromWhenItSaidItLast) {
+  Announcer announcer(speaks_, scenario_, "p");
+  announcer.tick(kStart);
+  announcer.tick(kStart + microseconds(4'999'999));
+  EXPECT_EQ(heard().size(), 1U);
+  announcer.publish(kStart + seconds(2));
+  EXPECT_EQ(heard().size(), 1U) << "asked to, it says it at any time";
+  EXPECT_EQ(announcer.next_tick(), kStart + seconds(7));
+  announcer.tick(kStart + microseconds(6'999'999));
+  EXPECT_TRUE(heard().empty());
+  announcer.tick(kStart + seconds(7));
+  EXPECT_EQ(heard().size(), 1U);
+}
+
+}  // namespace
+}  // namespace vantage::trial
