@@ -196,6 +196,9 @@ TEST(StreamMonitor, RemembersTheNewest256NumbersOfAGap) {
           << late << " of " << gap;
     }
     EXPECT_EQ(monitor.counts().lost, oldest - 1) << "stay lost";
+    if (oldest == 1) {
+      EXPECT_EQ(monitor.judge(stamp(7, 1, 99)), Arrival::kDuplicate) << "it came, however it dates";
+    }
   }
 }
 
