@@ -1,6 +1,8 @@
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -161,6 +163,137 @@ TEST_F(KeyFolder, RotatesOneRoleAlone) {
   const Keyring after = load_keyring(folder());
   EXPECT_NE(after.signing(Role::kOperator)->id, before.signing(Role::kOperator)->id);
   EXPECT_EQ(after.signing(Role::kMocap)->id, before.signing(Role::kMocap)->id);
+}
+
+TEST_F(KeyFolder, LeavesFilesOfOtherNamesAlone) {
+  for (const char* const name :
+       {"mocap-0123456.key", "mocap-012345678.key", "mocap-0123456G.key", "mocap-0123ABCD.key",
+        "mocap-01234567.bak", "mocap-01234567.key.bak", "camera-01234567.key", "mocap01234567.key",
+        "README", "-01234567.key"}) {
+    std::ofstream(folder() + "/" + name) << "no key";
+  }
+  EXPECT_EQ(load_keyring(folder()).keys().size(), kRoles.size());
+}
+
+TEST_F(KeyFolder, IsRefusedWhenOthersMayChangeIt) {
+  for (const unsigned mode : {0720U, 0702U}) {
+    ASSERT_EQ(chmod(folder().c_str(), mode), 0);
+    EXPECT_NE(refusal_of(folder()).find("chmod 700"), std::string::npos) << mode;
+  }
+  ASSERT_EQ(chmod(folder().c_str(), 0755), 0);
+  EXPECT_EQ(refusal_of(folder()), "loaded") << "to look into it is no harm";
+}
+
+TEST_F(KeyFolder, RotatesEachRoleByItself) {
+  const Keyring before = load_keyring(folder());
+  begin_rotation(folder(), Role::kMocap);
+  EXPECT_THROW(begin_rotation(folder(), Role::kMocap), StartupError);
+  EXPECT_THROW(begin_rotation(folder(), std::nullopt), StartupError) << "one is under way";
+  EXPECT_THROW(end_rotation(folder(), Role::kVehicle), StartupError) << "it has no new key";
+  begin_rotation(folder(), Role::kPlanner);
+  EXPECT_EQ(load_keyring(folder()).keys().size(), kRoles.size() + 2);
+  end_rotation(folder(), Role::kMocap);
+  const Keyring after = load_keyring(folder());
+  for (const Role role : kRoles) {
+    EXPECT_EQ(after.signing(role)->id == before.signing(role)->id, role != Role::kMocap)
+        << name_of(role);
+  }
+  EXPECT_EQ(after.find(before.signing(Role::kMocap)->id)->use, KeyUse::kOld);
+  end_rotation(folder(), std::nullopt);
+  const Keyring last = load_keyring(folder());
+  for (const Role role : kRoles) {
+    EXPECT_EQ(last.signing(role)->id == before.signing(role)->id,
+              role != Role::kMocap && role != Role::kPlanner)
+        << name_of(role);
+  }
+  EXPECT_EQ(last.signing(Role::kMocap)->id, after.signing(Role::kMocap)->id) << "not once more";
+}
+
+TEST_F(KeyFolder, RevokesByNameAndByNumberWithTheSeed) {
+  const auto files = [this] {
+    return std::distance(fs::directory_iterator(folder()), fs::directory_iterator());
+  };
+  const Keyring keyring = load_keyring(folder());
+  const std::string name = key_name(*keyring.signing(Role::kOperator));
+  EXPECT_EQ(name.substr(0, 9), "operator-");
+  revoke_key(folder(), name.substr(9));
+  EXPECT_EQ(files(), 4) << "and its seed is gone";
+  revoke_key(folder(), key_name(*keyring.signing(Role::kNode)));
+  EXPECT_EQ(files(), 3);
+  EXPECT_THROW(revoke_key(folder(), name), StartupError);
+  EXPECT_EQ(files(), 3);
+}
+
+TEST_F(KeyFolder, IsMadeInAFolderThatIsThereAndEmpty) {
+  const std::string empty = outer_.file("empty");
+  ASSERT_EQ(mkdir(empty.c_str(), 0700), 0);
+  EXPECT_NO_THROW(make_keys(empty));
+  EXPECT_EQ(load_keyring(empty).keys().size(), kRoles.size());
+  EXPECT_THROW(make_keys(outer_.file("no/where")), StartupError);
+}
+
+TEST_F(KeyFolder, GivesNothingOfASecretThatItRefuses) {
+  const std::string file = outer_.file("secret");
+  const std::vector<std::uint8_t> secret(16, 7);
+  write_secret_file(file, secret);
+  EXPECT_THROW(write_secret_file(file, secret), StartupError) << "it is there already";
+  std::vector<std::uint8_t> out(16, 9);
+  read_secret_file(file, out, "secret");
+  EXPECT_EQ(out, secret);
+  ASSERT_EQ(chmod(file.c_str(), 0604), 0);
+  EXPECT_THROW(read_secret_file(file, out, "secret"), StartupError);
+  EXPECT_EQ(out, std::vector<std::uint8_t>(16, 0));
+  ASSERT_EQ(chmod(file.c_str(), 0400), 0);
+  EXPECT_NO_THROW(read_secret_file(file, out, "secret")) << "less is as good";
+  for (const std::size_t size : {15U, 17U}) {
+    std::vector<std::uint8_t> other(size, 9);
+    EXPECT_THROW(read_secret_file(file, other, "secret"), StartupError);
+    EXPECT_EQ(other, std::vector<std::uint8_t>(size, 0));
+  }
+}
+
+TEST(Secret, BeginsWithZeros) {
+  const Secret secret(40);
+  EXPECT_EQ(secret.bytes().size(), 40U);
+  for (const std::uint8_t byte : secret.bytes()) {
+    EXPECT_EQ(byte, 0);
+  }
+}
+
+TEST(Keyring, HasOneKeyOfAnIdAndOneToSignWithOfARole) {
+  Keyring keyring;
+  keyring.add(test::key_of(Role::kMocap, 1));
+  EXPECT_THROW(keyring.add(test::key_of(Role::kMocap, 1)), UsageError);
+  EXPECT_THROW(keyring.add(test::key_of(Role::kMocap, 2)), UsageError);
+  for (const KeyUse use : {KeyUse::kNext, KeyUse::kOld}) {
+    Key key = test::key_of(Role::kMocap, static_cast<std::uint8_t>(use == KeyUse::kNext ? 3 : 4));
+    key.use = use;
+    EXPECT_FALSE(key.can_sign());
+    keyring.add(std::move(key));
+  }
+  keyring.add(test::key_of(Role::kPlanner, 5));
+  EXPECT_EQ(keyring.keys().size(), 4U);
+  EXPECT_EQ(keyring.signing(Role::kMocap)->id, test::key_of(Role::kMocap, 1).id);
+  EXPECT_EQ(keyring.signing(Role::kPlanner)->id, test::key_of(Role::kPlanner, 5).id);
+  EXPECT_EQ(keyring.signing(Role::kNode), nullptr);
+  EXPECT_EQ(keyring.find(test::key_of(Role::kMocap, 4).id)->use, KeyUse::kOld);
+  EXPECT_EQ(keyring.find(1), nullptr);
+}
+
+TEST_F(KeyFolder, IsMissedWhereAKeyIsOnlyTheNextOne) {
+  const Keyring before = load_keyring(folder());
+  begin_rotation(folder(), Role::kMocap);
+  revoke_key(folder(), key_name(*before.signing(Role::kMocap)));
+  const scenario::SecuritySpec required{scenario::SecurityMode::kRequire, folder()};
+  scenario::Scenario scenario;
+  scenario.security = required;
+  scenario.mocap.device = scenario::DeviceSource::kWire;
+  const auto faults = security_faults(scenario);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_NE(faults[0].find("mocap-ID.key"), std::string::npos) << faults[0];
+  fs::remove(file_of(Role::kVehicle));
+  fs::remove(file_of(Role::kNode));
+  EXPECT_EQ(security_faults(scenario).size(), 3U);
 }
 
 TEST(LoadKeyring, SaysHowToMakeAFolderThatIsMissing) {

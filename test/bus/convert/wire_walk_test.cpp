@@ -133,6 +133,108 @@ TEST(IsWellFormed, RefusesTheLengthsThatCrashTheGeneratedDecoder) {
   EXPECT_FALSE(is_attack_well_formed(1, {0, 0, 0, 2, 'Q', 'R'})) << "string without NUL";
 }
 
+constexpr WireDim kNoDim{1, -1};
+constexpr std::array<WireDim, kWireDims> kScalar{kNoDim, kNoDim, kNoDim, kNoDim};
+
+constexpr WireField whole_number(std::int32_t bytes) {
+  return {WireKind::kInteger, bytes, nullptr, kScalar, "n", WireNumber::kNone, 0};
+}
+/// Elements of `bytes` each, as many as the dimensions say.
+constexpr WireField elements_of(std::int32_t bytes, WireDim first, WireDim second = kNoDim) {
+  return {WireKind::kBytes,  bytes, nullptr, {first, second, kNoDim, kNoDim}, "e",
+          WireNumber::kNone, 1};
+}
+
+bool fits(const std::vector<WireField>& fields, const Bytes& body) {
+  return is_well_formed({"made up", fields}, body);
+}
+
+// Counts of each width that an integer may have, of either sign; which one is meant is stated.
+TEST(IsWellFormed, CountsByIntegersOfEachWidth) {
+  for (const std::int32_t width : {1, 2, 4, 8}) {
+    const std::vector<WireField> fields{whole_number(1), whole_number(width),
+                                        elements_of(3, {0, 1})};
+    for (const int count : {-2, -1, 0, 1, 2, 30}) {
+      for (int elements = 0; elements < 40; ++elements) {
+        Bytes body{77};
+        for (std::int32_t i = width; i > 0; --i) {
+          body.push_back(static_cast<std::uint8_t>(std::int64_t{count} >> (8 * (i - 1))));
+        }
+        body.resize(body.size() + static_cast<std::size_t>(3 * elements), 0xFF);
+        EXPECT_EQ(fits(fields, body), count == elements) << width << ' ' << count;
+      }
+    }
+  }
+}
+
+TEST(IsWellFormed, TakesDimensionsTimesOneAnother) {
+  const std::vector<WireField> fields{whole_number(1), whole_number(1),
+                                      elements_of(2, {0, 0}, {0, 1})};
+  for (std::uint8_t rows = 0; rows < 5; ++rows) {
+    for (std::uint8_t columns = 0; columns < 5; ++columns) {
+      for (std::size_t bytes = 0; bytes < 40; ++bytes) {
+        Bytes body{rows, columns};
+        body.resize(2 + bytes, 0);
+        // Of a matrix without rows or without columns there is neither.
+        const bool is_whole = rows * columns > 0 || rows + columns == 0;
+        EXPECT_EQ(fits(fields, body), is_whole && bytes == 2U * rows * columns);
+      }
+    }
+  }
+  const std::vector<WireField> constant{whole_number(1), elements_of(2, {3, -1}, {0, 0})};
+  EXPECT_TRUE(fits(constant, Bytes(1 + 3 * 2 * 1, 1)));
+  EXPECT_FALSE(fits(constant, Bytes(1 + 3 * 2 * 2, 1)));
+}
+
+// 2¹⁶ four times is 2⁶⁴, which is 0 in 64 bits; so is 2³³ times 2³¹.
+TEST(IsWellFormed, LetsNoProductOverflow) {
+  WireField huge = elements_of(1, {65'536, -1}, {65'536, -1});
+  huge.dims[2] = huge.dims[3] = {65'536, -1};
+  EXPECT_FALSE(fits({huge}, {}));
+  EXPECT_FALSE(fits({elements_of(1, {1 << 30, -1}, {1 << 30, -1})}, Bytes(16, 0)));
+  EXPECT_TRUE(fits({elements_of(1, {0, -1}, {1 << 30, -1})}, {}));
+}
+
+// As many rows of nothing would be made as the message has bytes, and no more.
+TEST(IsWellFormed, BelievesNoMoreRowsOfNothingThanThereAreBytes) {
+  const std::vector<WireField> fields{whole_number(2), whole_number(1),
+                                      elements_of(8, {0, 0}, {0, 1}), elements_of(1, {5, -1})};
+  for (std::uint8_t rows = 0; rows < 10; ++rows) {
+    EXPECT_EQ(fits(fields, {0, rows, 0, 1, 2, 3, 4, 5}), rows <= 5) << int{rows};
+  }
+}
+
+TEST(IsWellFormed, GoesEightStructsDeepAndNoDeeper) {
+  for (const std::size_t depth : {1U, 8U, 9U}) {
+    std::vector<std::vector<WireField>> fields(depth + 1);
+    std::vector<WireSchema> schemas(depth + 1);
+    fields[depth] = {whole_number(1)};
+    schemas[depth] = {"inmost", fields[depth]};
+    for (std::size_t i = depth; i > 0; --i) {
+      fields[i - 1] = {{WireKind::kStruct, 1, &schemas[i], kScalar, "in", WireNumber::kNone, 0}};
+      schemas[i - 1] = {"outer", fields[i - 1]};
+    }
+    EXPECT_EQ(is_well_formed(schemas[0], Bytes{5}), depth <= 8) << depth;
+  }
+}
+
+TEST(IsWellFormed, TakesAsManyFieldsAsATypeMayHave) {
+  EXPECT_TRUE(fits(std::vector<WireField>(256, whole_number(1)), Bytes(256, 0)));
+  EXPECT_FALSE(fits(std::vector<WireField>(257, whole_number(1)), Bytes(257, 0)));
+}
+
+TEST(SignedValue, HasTheSignOfItsWidth) {
+  constexpr std::uint64_t kBits = 0x8182'8384'8586'8788;
+  EXPECT_EQ(signed_value(WireNumber::kInt8, kBits), std::int64_t{0x88} - (1 << 8));
+  EXPECT_EQ(signed_value(WireNumber::kInt16, kBits), std::int64_t{0x8788} - (1 << 16));
+  EXPECT_EQ(signed_value(WireNumber::kInt32, kBits),
+            std::int64_t{0x8586'8788} - (std::int64_t{1} << 32));
+  EXPECT_LT(signed_value(WireNumber::kInt64, kBits), 0);
+  EXPECT_EQ(signed_value(WireNumber::kInt64, 1), 1);
+  EXPECT_EQ(signed_value(WireNumber::kInt8, 0x7F), 127);
+  EXPECT_EQ(signed_value(WireNumber::kInt16, 0x7FFF), 32'767);
+}
+
 TEST(FindWireSchema, KnowsTheTypesOfTheHouseAndNoOthers) {
   EXPECT_NE(find_wire_schema("target_belief_t"), nullptr);
   EXPECT_EQ(find_wire_schema("pose_t"), nullptr);

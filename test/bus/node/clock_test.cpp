@@ -1,5 +1,6 @@
 #include "bus/node/clock.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <random>
 #include <string>
@@ -65,6 +66,70 @@ TEST(SteadyClock, IsDrawnToAWallClockThatIsNearAndNeverGoesBack) {
       EXPECT_LE(std::abs(to_seconds(machine.clock.apart())), 2e-6);
     }
   }
+}
+
+// By 5 ms a second; half a second apart is followed, more is not; looked at every 20 ms.
+TEST(SteadyClock, IsDrawnSoFastAndFromSoFar) {
+  for (const int sign : {-1, 1}) {
+    for (const int apart_ms : {10, 100, 500}) {
+      Machine machine;
+      machine.set = sign * milliseconds(apart_ms);
+      machine.pass(milliseconds(20));
+      EXPECT_EQ(machine.clock.now(), kStart + milliseconds(20)) << "from then on";
+      machine.pass(seconds(4));
+      const Duration drawn = sign * milliseconds(std::min(apart_ms, 4 * 5));
+      EXPECT_EQ(machine.clock.now(), kStart + milliseconds(20) + seconds(4) + drawn) << apart_ms;
+      EXPECT_EQ(machine.clock.apart(), machine.set - drawn);
+    }
+    Machine far;
+    far.set = sign * (milliseconds(500) + Duration{1});
+    far.pass(milliseconds(20));
+    static_cast<void>(far.clock.now());
+    far.pass(seconds(4));
+    EXPECT_EQ(far.clock.now(), kStart + milliseconds(20) + seconds(4));
+  }
+}
+
+TEST(SteadyClock, LooksAtTheWallClockEveryTwentyMilliseconds) {
+  for (const bool is_early : {true, false}) {
+    Machine machine;
+    machine.set = milliseconds(100);
+    machine.pass(milliseconds(20) - (is_early ? Duration{1} : Duration{0}));
+    const Time at = machine.clock.now();
+    machine.pass(milliseconds(10));
+    EXPECT_EQ(machine.clock.now(), at + milliseconds(10) + Duration{is_early ? 0 : 50});
+  }
+}
+
+// What it hands on is where it has been drawn to.
+TEST(SteadyClock, HandsOnWhatLiesBetweenItAndTheMonotonicClock) {
+  Machine machine;
+  machine.set = milliseconds(100);
+  machine.pass(milliseconds(20));
+  static_cast<void>(machine.clock.now());
+  machine.pass(seconds(2));
+  machine.clock.hand_on();
+  const Duration ahead = machine.clock.now() - Time{machine.since_boot};
+  EXPECT_EQ(std::string(std::getenv(SteadyClock::kHandedOn)), std::to_string(ahead.count()));
+  EXPECT_EQ(ahead, kStart.time_since_epoch() - hours(5) + milliseconds(10));
+  for (const char* const other : {"-5000000", "5000000 ", "0x5", ""}) {
+    ASSERT_EQ(::setenv(SteadyClock::kHandedOn, other, 1), 0);
+    const bool is_number = *other == '-';
+    const double apart_s = to_seconds(SteadyClock().now() - Time{Duration{monotonic_ns() / 1'000}});
+    EXPECT_EQ(std::abs(apart_s + 5.0) < 1.0, is_number) << other;
+  }
+  ASSERT_EQ(::unsetenv(SteadyClock::kHandedOn), 0);
+}
+
+TEST(Clocks, SayWhetherTheyFollowTheMachines) {
+  EXPECT_TRUE(SystemClock().is_real_time());
+  EXPECT_TRUE(SteadyClock().is_real_time());
+  VirtualClock clock(kStart);
+  EXPECT_FALSE(clock.is_real_time());
+  EXPECT_EQ(clock.now(), kStart);
+  clock.set(kStart + seconds(1));
+  EXPECT_EQ(clock.now(), kStart + seconds(1));
+  EXPECT_GT(SystemClock().now(), kStart);
 }
 
 TEST(SteadyClock, GoesOnFromWhatWasHandedOn) {

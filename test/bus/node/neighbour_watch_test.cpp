@@ -30,8 +30,8 @@ models::MocapFrame frame_of(const scenario::Scenario& scenario, Time time, doubl
 
 class Listened : public ::testing::Test {
  protected:
-  NeighbourWatch watch(const scenario::Scenario& scenario) {
-    return {scenario, "Q1",
+  NeighbourWatch watch(const scenario::Scenario& scenario, const std::string& robot = "Q1") {
+    return {scenario, robot,
             [this](const std::string& name) { EXPECT_TRUE(to.insert(name).second); },
             [this](const std::string& name) { EXPECT_EQ(to.erase(name), 1U); }};
   }
@@ -59,6 +59,43 @@ TEST_F(Listened, ToThoseWhoAreNearAsTheyComeAndGo) {
   EXPECT_EQ(to, (Names{"Q2", "Q3"})) << "it looks once a step";
   near.on_frame(frame_of(scenario, kStart + kStep, 630.0));
   EXPECT_EQ(to, (Names{"Q62", "Q63", "Q64", "Q65"}));
+}
+
+TEST_F(Listened, ToOthersThanItselfWhereverItStandsInTheTeam) {
+  const scenario::Scenario alone = in_a_row(4, 0.0);
+  NeighbourWatch all = watch(alone, "Q3");
+  EXPECT_EQ(to, (Names{"Q1", "Q2", "Q4"}));
+  to.clear();
+  const scenario::Scenario scenario = in_a_row(9, 10.0);
+  for (const int own : {1, 2, 5, 9}) {
+    NeighbourWatch near = watch(scenario, "Q" + std::to_string(own));
+    near.on_frame(frame_of(scenario, kStart, 0.0));
+    Names expected;
+    for (const int other : {own - 1, own + 1}) {
+      if (other >= 1 && other <= 9) {
+        expected.insert("Q" + std::to_string(other));
+      }
+    }
+    EXPECT_EQ(to, expected) << own;
+    to.clear();
+  }
+}
+
+TEST_F(Listened, OnceAStepAgainAndAgain) {
+  scenario::Scenario scenario = in_a_row(2, 10.0);
+  scenario.planner.step_s = 0.25;
+  NeighbourWatch near = watch(scenario);
+  const auto listens_at = [&](int ms, double x_m) {
+    near.on_frame(frame_of(scenario, kStart + Duration{1'000} * ms, x_m));
+    return !to.empty();
+  };
+  EXPECT_TRUE(listens_at(0, 0.0));
+  EXPECT_TRUE(listens_at(249, 30.0));
+  EXPECT_FALSE(listens_at(250, 30.0));
+  EXPECT_FALSE(listens_at(499, 0.0));
+  EXPECT_TRUE(listens_at(600, 0.0));
+  EXPECT_TRUE(listens_at(849, 30.0)) << "a step after it looked last";
+  EXPECT_FALSE(listens_at(850, 30.0));
 }
 
 TEST_F(Listened, StillToThoseWhoAreNotSeen) {

@@ -1,6 +1,7 @@
 #include "bus/node/node.hpp"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
@@ -60,12 +61,16 @@ class Ticker : public Node {
     next_ = next_ + period_;
   }
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {
-    return {{"stale_inputs", stale_inputs}, {"rest_rounds", rest_rounds}};
+    return {{"stale_inputs", stale_inputs}, {"rest_rounds", rest_rounds}, {"busy_us", busy_us}};
   }
+
+  [[nodiscard]] std::int64_t deadlines_missed() const override { return missed; }
 
   std::vector<Time> ticks;
   std::int64_t stale_inputs = 0;
   std::int64_t rest_rounds = 0;
+  std::int64_t busy_us = 0;
+  std::int64_t missed = 0;
 
  private:
   Time next_;
@@ -106,7 +111,7 @@ TEST_F(RunNode, AsksWhetherToStopEvenWhenTheNodeSleepsLong) {
   int asked = 0;
   run_node(bus_, sleeper, clock_, [&] { return ++asked > 10; });
   EXPECT_TRUE(sleeper.ticks.empty());
-  EXPECT_LE(transport_.longest_wait(), milliseconds(50));
+  EXPECT_EQ(transport_.longest_wait(), milliseconds(50));
 }
 
 /// Its device has nothing to say for twenty seconds.
@@ -123,6 +128,12 @@ class TickerWithADevice : public Ticker {
     const itimerspec after{{}, {20, 0}};
     ASSERT_EQ(timerfd_settime(device_, 0, &after, nullptr), 0);
   }
+  void speak() {
+    const itimerspec after{{}, {0, 1}};
+    ASSERT_EQ(timerfd_settime(device_, 0, &after, nullptr), 0);
+    pollfd polled{device_, POLLIN, 0};
+    ASSERT_EQ(poll(&polled, 1, -1), 1);
+  }
   [[nodiscard]] bool has_spoken() const {
     std::uint64_t times = 0;
     return read(device_, &times, sizeof times) > 0;
@@ -138,6 +149,17 @@ TEST_F(RunNode, WaitsNoLongerForADeviceThanUntilTheNodesTime) {
   int asked = 0;
   run_node(bus_, node, clock_, [&] { return ++asked > 3; });
   EXPECT_FALSE(node.has_spoken());
+}
+
+TEST_F(RunNode, TicksAsSoonAsItsDeviceSpeaks) {
+  TickerWithADevice node(start_ + seconds(1'000), seconds(1));
+  int asked = 0;
+  run_node(bus_, node, clock_, [&] { return ++asked > 1; });
+  EXPECT_TRUE(node.ticks.empty()) << "it says nothing";
+  node.speak();
+  asked = 0;
+  run_node(bus_, node, clock_, [&] { return ++asked > 3; });
+  EXPECT_EQ(node.ticks, (std::vector<Time>{start_, start_, start_})) << "long before its time";
 }
 
 TEST_F(RunNode, ReportsItsHealthEachSecondFromStartingToStopping) {
@@ -196,6 +218,70 @@ TEST_F(Health, IsReportedAtOnceWhenSomethingWasDroppedAndDegradedForThatSecond) 
   EXPECT_EQ(health_.back().state, models::ProcessState::kRunning) << "nothing since";
   ++node_.rest_rounds;
   EXPECT_EQ(loop(milliseconds(2'500)), 5U) << "nothing is wrong with resting";
+}
+
+// Ten times a second at most, to the microsecond; and a second after the last full one.
+TEST_F(Health, ComesATenthOfASecondAfterTheLastAtTheEarliest) {
+  HealthReporter reporter(bus_, node_);
+  const auto reports = [&](Duration at) {
+    reporter.on_loop(start_ + at, 0.001);
+    observer_.handle(std::chrono::microseconds{0});
+    return health_.size();
+  };
+  EXPECT_EQ(reports(milliseconds(0)), 1U);
+  ++node_.stale_inputs;
+  EXPECT_EQ(reports(milliseconds(100) - Duration{1}), 1U);
+  EXPECT_EQ(reports(milliseconds(100)), 2U);
+  EXPECT_EQ(reports(milliseconds(300)), 2U) << "that is told";
+  EXPECT_EQ(reports(seconds(1) - Duration{1}), 2U);
+  EXPECT_EQ(reports(seconds(1)), 3U) << "of the last full second, whatever came between";
+  EXPECT_EQ(reports(seconds(2)), 4U);
+  EXPECT_EQ(health_.back().stamp.time, start_ + seconds(2));
+  EXPECT_EQ(health_.back().process, "TICKER");
+}
+
+TEST_F(Health, IsDegradedByWhatIsMissedAndNotByWhatIsPlainTraffic) {
+  bus_.subscribe<models::AttackNotice>(kAttack, [](const auto&) {});
+  HealthReporter reporter(bus_, node_);
+  int second = 0;
+  const auto state = [&] {
+    reporter.on_loop(start_ + seconds(second++), 0.001);
+    observer_.handle(std::chrono::microseconds{0});
+    return health_.back().state;
+  };
+  const auto say = [&] {
+    observer_.publish(kAttack, models::AttackNotice{});
+    bus_.handle(std::chrono::microseconds{0});
+  };
+  EXPECT_EQ(state(), models::ProcessState::kRunning);
+  say();
+  node_.busy_us += 1'000;
+  node_.rest_rounds += 1;
+  EXPECT_EQ(state(), models::ProcessState::kRunning) << "heard, worked and rested";
+  node_.missed += 2;
+  EXPECT_EQ(state(), models::ProcessState::kDegraded);
+  EXPECT_EQ(health_.back().deadlines_missed, 2);
+  EXPECT_EQ(state(), models::ProcessState::kRunning) << "two seconds ago";
+  bus_.unsubscribe(kAttack.name);
+  const auto raw = transport_.hub().connect();
+  bus_.subscribe<models::AttackNotice>(kAttack, [](const auto&) {});
+  raw->publish(kAttack.name, std::vector<std::uint8_t>{1});
+  bus_.handle(std::chrono::microseconds{0});
+  EXPECT_EQ(state(), models::ProcessState::kDegraded) << "something did not decode";
+}
+
+TEST_F(Health, IsOfTheWorstOfItsLoops) {
+  HealthReporter reporter(bus_, node_);
+  for (const double loop_s : {0.002, 0.007, 0.003}) {
+    reporter.on_loop(start_, loop_s);
+  }
+  reporter.publish(start_, models::ProcessState::kStopping);
+  reporter.publish(start_, models::ProcessState::kStopping);
+  observer_.handle(std::chrono::microseconds{0});
+  ASSERT_EQ(health_.size(), 3U);
+  EXPECT_EQ(health_[1].loop_worst_s, 0.007);
+  EXPECT_EQ(health_[1].loops, 3);
+  EXPECT_EQ(health_[2].loop_worst_s, 0.0) << "none since";
 }
 
 TEST_F(Health, CarriesTheCountersOfBusAndNodeAndTheWorstLoopSinceTheLast) {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace vantage::bus {
@@ -30,6 +31,42 @@ TEST(UsageFromStat, RefusesWhatIsNoSuchLine) {
   EXPECT_FALSE(usage_from_stat("77 (x) S 1 9 9", 100, 4096));
   EXPECT_FALSE(usage_from_stat("77 (x) S 1 9 9 0 -1 4 1 0 0 0 many 50 0 0 20 0 3 0 1 5 1", 100, 1));
   EXPECT_FALSE(usage_from_stat("77 (vantage-sim)" + kRest, 0, 4096));
+}
+
+TEST(UsageFromStat, NeedsNoMoreThanTheFieldsThatItReads) {
+  const std::string least = kRest.substr(0, kRest.rfind(' '));
+  const auto usage = usage_from_stat("77 (x)" + least, 1, 1);
+  ASSERT_TRUE(usage);
+  EXPECT_EQ(usage->cpu_us, 300'000'000) << "of ticks of a second";
+  EXPECT_EQ(usage->memory_bytes, 1'000);
+  EXPECT_EQ(usage->memory_most_bytes, 0);
+  EXPECT_FALSE(usage_from_stat("77 (x)" + least.substr(0, least.rfind(' ')), 1, 1));
+  EXPECT_FALSE(usage_from_stat("77 (x)" + least, -1, 1));
+  EXPECT_FALSE(usage_from_stat("77 x" + least, 1, 1)) << "no name";
+}
+
+// What the kernel says before and after holds what is said in between.
+TEST(UsageCounters, AreWhatTheKernelSaysOfThisProcess) {
+  const auto asked = [] {
+    rusage own{};
+    ::getrusage(RUSAGE_SELF, &own);
+    return own;
+  };
+  const auto cpu_us = [](const rusage& own) {
+    return (own.ru_utime.tv_sec + own.ru_stime.tv_sec) * 1'000'000 + own.ru_utime.tv_usec +
+           own.ru_stime.tv_usec;
+  };
+  const rusage before = asked();
+  const auto counters = usage_counters();
+  const rusage after = asked();
+  ASSERT_EQ(counters.size(), 3U);
+  EXPECT_GE(counters[0].count, cpu_us(before));
+  EXPECT_LE(counters[0].count, cpu_us(after));
+  EXPECT_EQ(counters[1].name, "process.memory_bytes");
+  EXPECT_EQ(counters[1].count % ::sysconf(_SC_PAGESIZE), 0);
+  EXPECT_EQ(counters[2].name, "process.memory_most_bytes");
+  EXPECT_GE(counters[2].count, before.ru_maxrss * 1024);
+  EXPECT_LE(counters[2].count, after.ru_maxrss * 1024);
 }
 
 TEST(UsageOf, KnowsThisProcessAndNoneThatIsGone) {

@@ -1,8 +1,12 @@
 #include "bus/node/replay_queue.hpp"
 
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "bus/node/input_store.hpp"
 
 namespace vantage::bus {
 namespace {
@@ -60,6 +64,76 @@ TEST(ReplayQueue, GivesUpWhenMoreWaitBehindIt) {
   player.work();
   EXPECT_EQ(player.given_up, 1);
   EXPECT_EQ(player.made, (std::vector<int>{2, 3, 4}));
+}
+
+TEST(ReplayQueue, LetsThreeWaitBehindTheFirstUnlessItIsToldOtherwise) {
+  Player player{ReplayQueue<int>(), 1, {}, 0};
+  for (int i = 1; i <= 4; ++i) {
+    EXPECT_EQ(player.given_up, 0) << i;
+    player.queue.add(i);
+    player.work();
+  }
+  EXPECT_EQ(player.given_up, 1);
+  Player impatient{ReplayQueue<int>(0), 1, {}, 0};
+  impatient.queue.add(1);
+  impatient.work();
+  EXPECT_EQ(impatient.given_up, 1);
+}
+
+TEST(ReplayQueue, CountsTheTimeOfWhatWaitsAloneFromWhenItCame) {
+  Player player;
+  player.missing = 7;
+  player.queue.add(1);
+  for (int i = 0; i < 15; ++i) {
+    player.queue.tick();
+  }
+  player.work();  // 1 is made, and nothing waits
+  player.queue.add(7);
+  for (int i = 0; i < 19; ++i) {
+    player.queue.tick();
+    player.work();
+  }
+  EXPECT_EQ(player.given_up, 0);
+  player.queue.tick();
+  player.work();
+  EXPECT_EQ(player.given_up, 1);
+}
+
+models::OperatorCommand numbered(std::int64_t run, std::int64_t sequence, std::string robot) {
+  models::OperatorCommand out;
+  out.stamp.run_id = run;
+  out.stamp.sequence = sequence;
+  out.robot = std::move(robot);
+  return out;
+}
+
+TEST(InputStore, FindsTheVeryMessageThatIsNamed) {
+  InputStore<models::OperatorCommand> store(8);
+  EXPECT_EQ(store.find({"A", 1, 2}), nullptr);
+  store.add("A", numbered(1, 2, "first"));
+  store.add("B", numbered(1, 2, "of another channel"));
+  store.add("A", numbered(2, 1, "of another run"));
+  store.add("A", numbered(1, 3, "the next"));
+  ASSERT_NE(store.find({"A", 1, 2}), nullptr);
+  EXPECT_EQ(store.find({"A", 1, 2})->robot, "first");
+  EXPECT_EQ(store.find({"B", 1, 2})->robot, "of another channel");
+  EXPECT_EQ(store.find({"A", 2, 1})->robot, "of another run");
+  EXPECT_EQ(store.find({"A", 1, 3})->robot, "the next");
+  EXPECT_EQ(store.find({"B", 1, 3}), nullptr);
+  EXPECT_EQ(store.find({"A", 2, 2}), nullptr);
+  EXPECT_EQ(store.find({"A", 3, 3}), nullptr);
+  store.add("A", numbered(1, 2, "again"));
+  EXPECT_EQ(store.find({"A", 1, 2})->robot, "again") << "the newest of a name";
+}
+
+TEST(InputStore, ForgetsTheOldestBeyondItsCapacity) {
+  InputStore<models::OperatorCommand> store(3);
+  for (std::int64_t i = 0; i < 10; ++i) {
+    store.add("A", numbered(1, i, ""));
+    for (std::int64_t k = 0; k <= i; ++k) {
+      EXPECT_EQ(store.find({"A", 1, k}) != nullptr, k > i - 3) << i << ' ' << k;
+    }
+  }
 }
 
 TEST(ReplayQueue, GivesUpAfterTwoSecondsOfTicksEachAnew) {

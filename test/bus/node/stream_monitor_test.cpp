@@ -1,5 +1,6 @@
 #include "bus/node/stream_monitor.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <random>
 #include <set>
@@ -173,6 +174,204 @@ TEST(StreamMonitor, ComparesRunsByNoTimeInTheFuture) {
   const Time now = from_utime(0) + seconds(100);
   EXPECT_EQ(monitor.judge({now + std::chrono::hours(24), 1, 0}, {now, {}}), Arrival::kFresh);
   EXPECT_EQ(monitor.judge({now + seconds(3), 2, 0}, {now + seconds(3), {}}), Arrival::kFresh);
+}
+
+/// Judged at `at_s` by the listener's clock, said then.
+Arrival judged_at(StreamMonitor& monitor, double at_s, std::int64_t run, std::int64_t sequence,
+                  Duration lease = {}) {
+  const Time now = from_utime(0) + from_seconds(at_s);
+  return monitor.judge({now, run, sequence}, {now, lease});
+}
+
+TEST(StreamMonitor, RemembersTheNewest256NumbersOfAGap) {
+  for (const std::int64_t gap : {255, 256, 257, 1'000}) {
+    StreamMonitor monitor;
+    EXPECT_EQ(monitor.judge(stamp(0)), Arrival::kFresh);
+    EXPECT_EQ(monitor.judge(stamp(gap + 1)), Arrival::kFresh);
+    EXPECT_EQ(monitor.counts().lost, gap);
+    const std::int64_t oldest = std::max<std::int64_t>(1, gap + 1 - 256);
+    for (std::int64_t late = 1; late <= gap; ++late) {
+      ASSERT_EQ(monitor.judge(stamp(late)),
+                late < oldest ? Arrival::kDuplicate : Arrival::kReordered)
+          << late << " of " << gap;
+    }
+    EXPECT_EQ(monitor.counts().lost, oldest - 1) << "stay lost";
+    if (oldest == 1) {
+      EXPECT_EQ(monitor.judge(stamp(7, 1, 99)), Arrival::kDuplicate) << "it came, however it dates";
+    }
+  }
+}
+
+TEST(StreamMonitor, RemembersTheNewest256NumbersOfManyGaps) {
+  StreamMonitor monitor;
+  for (std::int64_t i = 0; i <= 300; ++i) {
+    EXPECT_EQ(monitor.judge(stamp(2 * i)), Arrival::kFresh);
+  }
+  EXPECT_EQ(monitor.counts().lost, 300);
+  for (std::int64_t i = 0; i < 300; ++i) {
+    ASSERT_EQ(monitor.judge(stamp(2 * i + 1)),
+              i < 300 - 256 ? Arrival::kDuplicate : Arrival::kReordered)
+        << i;
+  }
+  EXPECT_EQ(monitor.counts().lost, 300 - 256);
+}
+
+// Three were lost before the gap that was forged, and stay lost.
+TEST(StreamMonitor, GoesBackBeforeAForgedGapToWhatWasLostBefore) {
+  StreamMonitor monitor;
+  EXPECT_EQ(monitor.judge(stamp(0, 1, 1000)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(4, 1, 1001)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(5'000, 1, 1002)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(4, 1, 1003)), Arrival::kDuplicate) << "the last before it";
+  EXPECT_EQ(monitor.judge(stamp(7, 1, 1002)), Arrival::kDuplicate) << "its time is not newer";
+  EXPECT_EQ(monitor.judge(stamp(7, 1, 1003)), Arrival::kFresh);
+  EXPECT_EQ(monitor.counts().lost, 5) << "1, 2, 3 and 5, 6";
+  EXPECT_EQ(monitor.judge(stamp(3, 1, 1000)), Arrival::kDuplicate) << "they are forgotten";
+  EXPECT_EQ(monitor.judge(stamp(6, 1, 1002)), Arrival::kReordered);
+  EXPECT_EQ(monitor.judge(stamp(5'000, 1, 1010)), Arrival::kFresh) << "and once more";
+  EXPECT_EQ(monitor.judge(stamp(4'900, 1, 1011)), Arrival::kReordered) << "that one is missing";
+  EXPECT_EQ(monitor.judge(stamp(8, 1, 1011)), Arrival::kFresh);
+}
+
+TEST(StreamMonitor, BelievesAFarStepOfTenInARowAlone) {
+  StreamMonitor monitor;
+  EXPECT_EQ(monitor.judge(stamp(0)), Arrival::kFresh);
+  const auto refuse = [&](std::int64_t from, int times) {
+    for (int i = 0; i < times; ++i) {
+      ASSERT_EQ(monitor.judge(stamp(from + i)), Arrival::kTooFarAhead) << from + i;
+    }
+  };
+  refuse(50'000, 9);
+  EXPECT_EQ(monitor.judge(stamp(1)), Arrival::kFresh);
+  refuse(50'009, 9);  // what was heard in between begins the count anew
+  refuse(50'017, 9);  // so does the same once more
+  refuse(60'026, 9);  // and a step that is too far again, by one
+  refuse(40'000, 9);
+  EXPECT_EQ(monitor.judge(stamp(40'008 + StreamMonitor::kStepMax)), Arrival::kFresh)
+      << "the tenth, just near enough";
+  EXPECT_EQ(monitor.counts().too_far_ahead, 45);
+}
+
+TEST(StreamMonitor, BelievesAFarStepAfterTwoSecondsOfSilence) {
+  for (const bool is_silent : {false, true}) {
+    StreamMonitor monitor;
+    EXPECT_EQ(judged_at(monitor, 10.0, 1, 0), Arrival::kFresh);
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_EQ(judged_at(monitor, 11.0, 1, 50'000 + i), Arrival::kTooFarAhead);
+    }
+    EXPECT_EQ(judged_at(monitor, is_silent ? 12.0 : 11.999'999, 1, 50'020),
+              is_silent ? Arrival::kFresh : Arrival::kTooFarAhead);
+  }
+}
+
+TEST(StreamMonitor, LetsAnotherRunBeginAtTheEndOfTheLease) {
+  for (const bool is_over : {false, true}) {
+    StreamMonitor monitor;
+    EXPECT_EQ(judged_at(monitor, 1.0, 1, 0, milliseconds(500)), Arrival::kFresh);
+    EXPECT_EQ(judged_at(monitor, is_over ? 1.5 : 1.499'999, 2, 0, milliseconds(500)),
+              is_over ? Arrival::kFresh : Arrival::kOldRun);
+  }
+}
+
+// Two seconds ahead of the listener's clock at most, when runs are compared.
+TEST(StreamMonitor, BelievesAStampTwoSecondsAhead) {
+  for (const bool is_older : {false, true}) {
+    StreamMonitor monitor;
+    const Time now = from_utime(0) + seconds(100);
+    EXPECT_EQ(monitor.judge({now + std::chrono::hours(1), 1, 0}, {now, {}}), Arrival::kFresh);
+    const Time said = now + seconds(2) - Duration{is_older ? 1 : 0};
+    EXPECT_EQ(monitor.judge({said, 2, 0}, {now, {}}),
+              is_older ? Arrival::kOldRun : Arrival::kFresh);
+  }
+}
+
+TEST(StreamMonitor, RefusesTheSixteenRunsThatWereReplacedLast) {
+  StreamMonitor monitor;
+  for (std::int64_t run = 1; run <= 17; ++run) {
+    EXPECT_EQ(monitor.judge(stamp(0, run, 10)), Arrival::kFresh);
+  }
+  for (std::int64_t run = 1; run <= 16; ++run) {
+    EXPECT_EQ(monitor.judge(stamp(1, run, 10)), Arrival::kOldRun) << run;
+  }
+  EXPECT_EQ(monitor.judge(stamp(0, 18, 10)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(1, 2, 10)), Arrival::kOldRun);
+  EXPECT_EQ(monitor.judge(stamp(1, 1, 10)), Arrival::kFresh) << "that is too long ago";
+  EXPECT_EQ(monitor.counts().runs, 19);
+  EXPECT_EQ(monitor.counts().old_runs, 17);
+}
+
+TEST(StreamMonitor, ExpectsALaterRunFromZeroUnlessThatCannotBe) {
+  for (const std::int64_t first : {std::int64_t{0}, std::int64_t{7}, StreamMonitor::kStepMax - 1,
+                                   StreamMonitor::kStepMax, 5 * StreamMonitor::kStepMax}) {
+    StreamMonitor monitor;
+    EXPECT_EQ(monitor.judge(stamp(3, 1)), Arrival::kFresh);
+    EXPECT_EQ(monitor.judge(stamp(first, 2)), Arrival::kFresh) << first;
+    EXPECT_EQ(monitor.counts().lost, first < StreamMonitor::kStepMax ? first : 0);
+  }
+}
+
+// Nothing of the run before is held against the next: no gap, no number that was missing, no time.
+TEST(StreamMonitor, BeginsItsBooksAnewWithEachRun) {
+  StreamMonitor missing;
+  EXPECT_EQ(missing.judge(stamp(0, 1)), Arrival::kFresh);
+  EXPECT_EQ(missing.judge(stamp(5, 1)), Arrival::kFresh);
+  for (std::int64_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(missing.judge(stamp(i, 2)), Arrival::kFresh);
+  }
+  EXPECT_EQ(missing.judge(stamp(2, 2)), Arrival::kDuplicate);
+  EXPECT_EQ(missing.counts().lost, 4) << "of the first";
+
+  StreamMonitor gap;
+  EXPECT_EQ(gap.judge(stamp(0, 1, 10)), Arrival::kFresh);
+  EXPECT_EQ(gap.judge(stamp(500, 1, 10)), Arrival::kFresh);
+  EXPECT_EQ(gap.judge(stamp(0, 2, 10)), Arrival::kFresh);
+  EXPECT_EQ(gap.judge(stamp(1, 2, 10)), Arrival::kFresh);
+  EXPECT_EQ(gap.judge(stamp(1, 2, 11)), Arrival::kDuplicate);
+
+  StreamMonitor times;
+  EXPECT_EQ(judged_at(times, 10.0, 1, 0), Arrival::kFresh);
+  EXPECT_EQ(times.judge({from_utime(0), 2, 0}, {from_utime(0) + seconds(20), seconds(1)}),
+            Arrival::kFresh);
+  EXPECT_EQ(times.judge(stamp(0, 3, 1)), Arrival::kFresh) << "newer than the second";
+}
+
+TEST(StreamCounts, AddUpAndNeverBeyondWhatFits) {
+  StreamCounts sum{1, 2, 3, 4, 5, 6, 7};
+  sum.add({10, 20, 30, 40, 50, 60, 70});
+  const auto all = [](const StreamCounts& c) {
+    return std::vector<std::int64_t>{c.fresh,    c.lost,          c.duplicates, c.reordered,
+                                     c.old_runs, c.too_far_ahead, c.runs};
+  };
+  EXPECT_EQ(all(sum), (std::vector<std::int64_t>{11, 22, 33, 44, 55, 66, 77}));
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  StreamCounts full{kMax - 1, kMax, 0, 0, 0, 0, 0};
+  full.add({1, 1, kMax, 0, 0, 0, 0});
+  EXPECT_EQ(full.fresh, kMax);
+  EXPECT_EQ(full.lost, kMax);
+  EXPECT_EQ(full.duplicates, kMax);
+}
+
+// One that was forgotten is heard as if for the first time; what it came to is not forgotten.
+TEST(SharedStreamMonitor, ForgetsOfThirtyThreeRunsTheOneSilentLongest) {
+  SharedStreamMonitor monitor;
+  EXPECT_EQ(monitor.judge(stamp(0, 1)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(3, 1)), Arrival::kFresh);
+  for (std::int64_t run = 2; run <= 32; ++run) {
+    EXPECT_EQ(monitor.judge(stamp(0, run)), Arrival::kFresh);
+  }
+  EXPECT_EQ(monitor.judge(stamp(3, 1)), Arrival::kDuplicate) << "all are known; this spoke last";
+  EXPECT_EQ(monitor.judge(stamp(0, 33)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(3, 1)), Arrival::kDuplicate);
+  EXPECT_EQ(monitor.judge(stamp(0, 3)), Arrival::kDuplicate);
+  EXPECT_EQ(monitor.judge(stamp(0, 2)), Arrival::kFresh) << "in the place of the fourth";
+  EXPECT_EQ(monitor.judge(stamp(0, 4)), Arrival::kFresh);
+  EXPECT_EQ(monitor.judge(stamp(2, 1)), Arrival::kReordered);
+  const StreamCounts counts = monitor.counts();
+  EXPECT_EQ(counts.fresh, 2 + 31 + 1 + 2);
+  EXPECT_EQ(counts.duplicates, 3);
+  EXPECT_EQ(counts.reordered, 1);
+  EXPECT_EQ(counts.lost, 1);
+  EXPECT_EQ(counts.runs, 35);
 }
 
 // A set of everything seen is the oracle; gaps stay below what the monitor remembers.

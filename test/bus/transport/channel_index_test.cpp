@@ -1,5 +1,6 @@
 #include "bus/transport/channel_index.hpp"
 
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -32,6 +33,49 @@ TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFind) {
     for (const std::string& pattern : patterns) {
       EXPECT_EQ(index.contains(pattern),
                 std::find(added.begin(), added.end(), pattern) != added.end());
+    }
+  }
+}
+
+// Who listens to what, kept in a list: names and patterns come and go, and come again.
+TEST(ChannelIndex, FindsWhatGoingThroughAllWouldFindAsTheyComeAndGo) {
+  std::mt19937_64 rng(6);
+  const std::vector<std::string> patterns = {"A", "AB", "A*", "*", "PLAN_Q1", "PLAN_*"};
+  const std::vector<std::string> channels = {"A", "AB", "PLAN_Q1", "PLAN_", "B"};
+  ChannelIndex index;
+  std::vector<std::string> held;  // by number; empty: given back
+  for (int i = 0; i < 3'000; ++i) {
+    const std::string& pattern = patterns[rng() % patterns.size()];
+    if (rng() % 4 != 0) {
+      const std::size_t number = index.add(pattern);
+      if (number == held.size()) {
+        EXPECT_EQ(std::count(held.begin(), held.end(), ""), 0) << "one was free";
+        held.emplace_back();
+      }
+      ASSERT_LT(number, held.size());
+      ASSERT_EQ(held[number], "");
+      held[number] = pattern;
+    } else {
+      std::vector<std::size_t> expected;
+      for (std::size_t k = 0; k < held.size(); ++k) {
+        if (held[k] == pattern) {
+          expected.push_back(k);
+          held[k] = "";
+        }
+      }
+      std::vector<std::size_t> removed = index.remove(pattern);
+      std::sort(removed.begin(), removed.end());
+      ASSERT_EQ(removed, expected);
+    }
+    for (const std::string& channel : channels) {
+      std::size_t from = 0;
+      for (std::size_t k = 0; k < held.size(); ++k) {
+        if (!held[k].empty() && channel_matches(held[k], channel)) {
+          ASSERT_EQ(index.next(channel, from), k);
+          from = k + 1;
+        }
+      }
+      ASSERT_EQ(index.next(channel, from), std::nullopt);
     }
   }
 }

@@ -122,6 +122,94 @@ TEST(InProcessHub, ForgetsEndpointsThatAreGone) {
   EXPECT_TRUE(stays->publish("X", Bytes{1}));
 }
 
+// One that listens to nothing may come to stand where it stood.
+TEST(InProcessHub, SaysNothingToEndpointsThatAreGone) {
+  InProcessHub hub;
+  const auto speaker = hub.connect();
+  for (const char* const pattern : {"X", "X*"}) {
+    std::vector<Bytes> ignored;
+    int arrivals = 0;
+    auto goes = hub.connect([&arrivals] { ++arrivals; });
+    goes->subscribe(pattern, into(ignored));
+    speaker->publish("X", Bytes{1});
+    EXPECT_EQ(arrivals, 1);
+    goes.reset();
+    std::vector<std::unique_ptr<Transport>> deaf;
+    for (int i = 0; i < 8; ++i) {
+      deaf.push_back(hub.connect([&arrivals] { ++arrivals; }));
+    }
+    speaker->publish("X", Bytes{2});
+    EXPECT_EQ(arrivals, 1);
+    for (const auto& each : deaf) {
+      EXPECT_EQ(each->handle(kNow), 0);
+    }
+  }
+}
+
+TEST(InProcessHub, HandsAMessageOnceToEachOfSeveralHandlersOfOneEndpoint) {
+  InProcessHub hub;
+  const auto endpoint = hub.connect();
+  std::string order;
+  const std::vector<std::pair<const char*, char>> handlers{
+      {"XY", 'a'}, {"X*", 'b'}, {"*", 'c'}, {"XY", 'd'}, {"Z", 'e'}};
+  for (const auto& [pattern, who] : handlers) {
+    endpoint->subscribe(pattern, [&order, who = who](auto, auto) { order += who; });
+  }
+  endpoint->publish("XY", Bytes{1});
+  endpoint->publish("XZ", Bytes{1});
+  EXPECT_EQ(endpoint->handle(kNow), 2) << "each is one message, whoever hears it";
+  EXPECT_EQ(order, "abcdbc");
+  EXPECT_EQ(endpoint->stats().messages_received, 2);
+  EXPECT_EQ(endpoint->stats().messages_sent, 2);
+  order.clear();
+  endpoint->unsubscribe("X*");
+  endpoint->publish("XZ", Bytes{1});
+  EXPECT_EQ(endpoint->handle(kNow), 1) << "another pattern is left";
+  endpoint->unsubscribe("*");
+  endpoint->unsubscribe("*");
+  endpoint->publish("XZ", Bytes{1});
+  EXPECT_EQ(endpoint->handle(kNow), 0);
+  endpoint->publish("XY", Bytes{1});
+  EXPECT_EQ(endpoint->handle(kNow), 1) << "a name is";
+  EXPECT_EQ(order, "cad");
+  endpoint->unsubscribe("XY");
+  endpoint->publish("XY", Bytes{1});
+  EXPECT_EQ(endpoint->handle(kNow), 0);
+}
+
+TEST(Decoded, IsOfOneTypeAndTheLastThatWasKept) {
+  Decoded decoded;
+  EXPECT_EQ(decoded.get<int>(), nullptr);
+  decoded.keep(std::make_shared<const int>(5));
+  ASSERT_NE(decoded.get<int>(), nullptr);
+  EXPECT_EQ(*decoded.get<int>(), 5);
+  EXPECT_EQ(decoded.get<unsigned>(), nullptr);
+  decoded.keep(std::make_shared<const unsigned>(6U));
+  EXPECT_EQ(decoded.get<int>(), nullptr);
+  EXPECT_EQ(*decoded.get<unsigned>(), 6U);
+}
+
+// What one message's bytes came to is for all who get the same bytes, and for no other message.
+TEST(InProcessHub, SharesWhatWasDecodedOfOneMessage) {
+  InProcessHub hub;
+  const auto a = hub.connect();
+  const auto b = hub.connect();
+  std::vector<int> found;
+  const auto note = [&found](std::string_view, const Payload& payload) {
+    ASSERT_NE(payload.decoded, nullptr);
+    const auto known = payload.decoded->get<int>();
+    found.push_back(known ? *known : 0);
+    payload.decoded->keep(std::make_shared<const int>(payload[0]));
+  };
+  a->subscribe("X", note);
+  b->subscribe("X", note);
+  a->publish("X", Bytes{7});
+  a->publish("X", Bytes{8});
+  a->handle(kNow);
+  b->handle(kNow);
+  EXPECT_EQ(found, (std::vector<int>{0, 0, 7, 8}));
+}
+
 TEST(InProcessHub, RefusesAQueueOfNothing) { EXPECT_THROW(InProcessHub(0), UsageError); }
 
 // Two senders in threads of their own; both receivers must hear all of it, in the same order.

@@ -1,5 +1,6 @@
 #include "bus/transport/lcm_transport.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -53,6 +54,73 @@ TEST(LcmTransport, TakesChannelNamesLiterallyOrNotAtAll) {
   }
 }
 
+TEST(LcmTransport, TakesEveryLetterDigitAndSignThatItMay) {
+  const auto transport = open_transport("memq://");
+  const std::string allowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_:/-";
+  const auto ignore = [](auto, auto) {};
+  for (int c = 1; c < 256; ++c) {
+    const std::string name = std::string("X") + static_cast<char>(c) + "Y";
+    if (allowed.find(static_cast<char>(c)) != std::string::npos) {
+      EXPECT_NO_THROW(transport->subscribe(name, ignore)) << name;
+      EXPECT_NO_THROW(transport->subscribe(name + "*", ignore)) << name;
+    } else {
+      EXPECT_THROW(transport->subscribe(name, ignore), UsageError) << name;
+    }
+  }
+}
+
+TEST(LcmTransport, HearsNoMoreWhatItUnsubscribed) {
+  const auto transport = open_transport("memq://");
+  std::string heard;
+  const std::vector<std::pair<const char*, char>> handlers{
+      {"X", 'a'}, {"Y", 'b'}, {"X", 'c'}, {"X*", 'd'}};
+  for (const auto& [name, who] : handlers) {
+    transport->subscribe(name, [&heard, who = who](auto, auto) { heard += who; });
+  }
+  for (int time = 0; time < 2; ++time) {
+    transport->unsubscribe("X");
+    transport->publish("X", Bytes{});
+    transport->publish("Y", Bytes{});
+    EXPECT_EQ(transport->handle(kNow), 2);
+    EXPECT_EQ(heard, "db");
+    heard.clear();
+  }
+  transport->subscribe("X", [&heard](auto, auto) { heard += 'e'; });
+  transport->unsubscribe("X*");
+  transport->publish("X", Bytes{});
+  transport->handle(kNow);
+  EXPECT_EQ(heard, "e");
+}
+
+TEST(LcmTransport, CountsWhatItSaysAndWhatItHears) {
+  const auto transport = open_transport("memq://");
+  for (const char* const name : {"X", "X*", "Y"}) {
+    transport->subscribe(name, [](auto, auto) {});
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(transport->publish("X", Bytes{1}));
+  }
+  EXPECT_TRUE(transport->publish("Y", Bytes{1}));
+  EXPECT_EQ(transport->handle(kNow), 4);
+  EXPECT_EQ(transport->stats().messages_sent, 4);
+  EXPECT_EQ(transport->stats().messages_received, 7) << "by two who hear X, and by one";
+  EXPECT_EQ(transport->stats().send_errors, 0);
+}
+
+// A flood must not keep the caller; what it left is handled next time.
+TEST(LcmTransport, HandlesSoManyMessagesAtATime) {
+  const auto transport = open_transport("memq://");
+  int heard = 0;
+  transport->subscribe("X", [&heard](auto, auto) { ++heard; });
+  for (int i = 0; i < 5'000; ++i) {
+    transport->publish("X", Bytes{1});
+  }
+  EXPECT_EQ(transport->handle(kNow), 4'096);
+  EXPECT_EQ(heard, 4'096);
+  EXPECT_EQ(transport->handle(kNow), 904);
+  EXPECT_EQ(transport->handle(kNow), 0);
+}
+
 TEST(LcmTransport, RefusesToHandleInsideAHandler) {
   const auto transport = open_transport("memq://");
   transport->subscribe("X", [&](auto, auto) { transport->handle(kNow); });
@@ -74,9 +142,13 @@ TEST(LcmTransport, WritesALogAndReadsItToItsEnd) {
   reader->subscribe("X",
                     [&](auto, std::span<const std::uint8_t> bytes) { heard.push_back(bytes[0]); });
   int status = 0;
+  int handled = 0;
   for (int i = 0; i < 1'000 && status != kSourceEnded; ++i) {
     status = reader->handle(std::chrono::milliseconds(100));
+    handled += std::max(status, 0);
   }
+  EXPECT_EQ(handled, 10);
+  EXPECT_EQ(reader->handle(kNow), kSourceEnded) << "and so it stays";
   std::filesystem::remove(path);
   EXPECT_EQ(status, kSourceEnded);
   EXPECT_EQ(heard, (Bytes{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));

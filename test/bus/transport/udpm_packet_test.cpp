@@ -99,6 +99,59 @@ TEST(ParsePacket, RefusesImpossibleNumbering) {
       << "more fragments than bytes";
 }
 
+// Whatever a sender may say: each number in all of its bytes, each length of a name.
+TEST(ParsePacket, ReadsBackEveryHeadThatIsPossible) {
+  std::mt19937_64 rng(12);
+  for (int i = 0; i < 5'000; ++i) {
+    const auto sequence = static_cast<std::uint32_t>(rng());
+    const std::string channel(1 + rng() % 63, static_cast<char>('A' + rng() % 26));
+    const Bytes payload(1 + rng() % 9, static_cast<std::uint8_t>(rng()));
+    const Bytes message = joined(PacketHead::of_short(sequence, channel), payload);
+    ASSERT_EQ(message.size(), 8 + channel.size() + 1 + payload.size());
+    const auto whole = parse_packet(message);
+    ASSERT_TRUE(whole.has_value());
+    EXPECT_FALSE(whole->is_fragment);
+    EXPECT_EQ(whole->sequence, sequence);
+    EXPECT_EQ(whole->channel, channel);
+    EXPECT_EQ(whole->message_bytes, payload.size());
+    EXPECT_EQ(whole->fragment_count, 1);
+    EXPECT_EQ(Bytes(whole->payload.begin(), whole->payload.end()), payload);
+
+    const auto message_bytes = static_cast<std::uint32_t>(100'000 + rng() % 4'000'000'000);
+    const auto offset = static_cast<std::uint32_t>(rng() % (message_bytes - 10));
+    const auto count = static_cast<std::uint16_t>(1 + rng() % 65'535);
+    const auto number = static_cast<std::uint16_t>(rng() % 4 == 0 ? 0 : rng() % count);
+    const Bytes piece = joined(
+        PacketHead::of_fragment(sequence, message_bytes, offset, number, count, channel), payload);
+    ASSERT_EQ(piece.size(), 20 + (number == 0 ? channel.size() + 1 : 0) + payload.size());
+    const auto part = parse_packet(piece);
+    ASSERT_TRUE(part.has_value());
+    EXPECT_TRUE(part->is_fragment);
+    EXPECT_EQ(part->sequence, sequence);
+    EXPECT_EQ(part->message_bytes, message_bytes);
+    EXPECT_EQ(part->fragment_offset, offset);
+    EXPECT_EQ(part->fragment_number, number);
+    EXPECT_EQ(part->fragment_count, count);
+    EXPECT_EQ(part->channel, number == 0 ? channel : "");
+    EXPECT_EQ(Bytes(part->payload.begin(), part->payload.end()), payload);
+  }
+}
+
+TEST(ParsePacket, TakesAsManyFragmentsAsThereAreBytes) {
+  EXPECT_TRUE(parse_packet(fragment(4, 3, 3, 4, Bytes(1))).has_value());
+  EXPECT_FALSE(parse_packet(fragment(4, 3, 3, 5, Bytes(1))).has_value());
+  const auto whole = parse_packet(fragment(1, 0, 0, 1, Bytes(1)));
+  ASSERT_TRUE(whole.has_value());
+  EXPECT_EQ(whole->channel, "T");
+}
+
+TEST(PacketHead, CutsANameThatIsTooLong) {
+  const Bytes bytes = joined(PacketHead::of_short(1, std::string(64, 'N')), {5});
+  const auto packet = parse_packet(bytes);
+  ASSERT_TRUE(packet.has_value());
+  EXPECT_EQ(packet->channel, std::string(63, 'N'));
+}
+
 // Every view must lie inside the datagram; buffers of exact size let the sanitizer see a step over.
 TEST(ParsePacket, StaysInsideRandomAndTruncatedDatagrams) {
   std::mt19937_64 rng(11);
@@ -141,6 +194,31 @@ TEST(CutMessage, KeepsToTheLimitsMeasuredOfLcm) {
   EXPECT_EQ(above->fragments, 2U);
   EXPECT_EQ(above->first_bytes, kFragmentBytesMax - 5);
   EXPECT_FALSE(cut_message(4, kFragmentBytesMax * 65'535).has_value());
+}
+
+// UDP over IPv4 carries 65 535 bytes less two headers, of 20 and 8.
+TEST(CutMessage, FillsDatagramsAsFarAsTheyGo) {
+  EXPECT_EQ(kDatagramBytesMax, 65'535U - 20U - 8U);
+  EXPECT_EQ(kShortHeaderBytes + kShortBytesMax, kDatagramBytesMax);
+  EXPECT_EQ(kFragmentHeaderBytes + kFragmentBytesMax, kDatagramBytesMax);
+}
+
+TEST(CutMessage, CutsIntoAsFewPiecesAsHoldItAll) {
+  for (const std::size_t channel : {1U, 4U, 63U}) {
+    for (std::size_t pieces = 2; pieces <= 65'535; pieces += pieces < 10 ? 1 : 13'105) {
+      const std::size_t most = pieces * kFragmentBytesMax - channel - 1;
+      const auto cut = cut_message(channel, most);
+      ASSERT_TRUE(cut.has_value()) << pieces;
+      EXPECT_EQ(cut->fragments, pieces);
+      EXPECT_EQ(cut->first_bytes, kFragmentBytesMax - channel - 1);
+      EXPECT_EQ(cut->first_bytes + (pieces - 1) * kFragmentBytesMax, most);
+      const auto more = cut_message(channel, most + 1);
+      ASSERT_EQ(more.has_value(), pieces < 65'535) << pieces;
+      EXPECT_TRUE(!more || more->fragments == pieces + 1);
+    }
+    EXPECT_EQ(cut_message(channel, 5)->first_bytes, 5U);
+    EXPECT_EQ(cut_message(channel, 0)->fragments, 1U);
+  }
 }
 
 TEST(IsChannelName, AllowsOneTo63Bytes) {

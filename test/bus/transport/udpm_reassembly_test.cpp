@@ -61,7 +61,9 @@ TEST(Reassembler, PutsFragmentsTogetherInAnyOrder) {
     const auto whole = reassembler.add(1, message.piece(order.back()), 0);
     ASSERT_TRUE(whole.has_value());
     EXPECT_EQ(whole->channel, "T");
+    EXPECT_EQ(whole->source, 1U);
     EXPECT_EQ(whole->payload, message.payload());
+    EXPECT_EQ(reassembler.counts().completed, 1);
     EXPECT_EQ(reassembler.bytes_kept(), 0U);
   }
 }
@@ -92,6 +94,8 @@ TEST(Reassembler, KeepsSendersAndMessagesApart) {
   EXPECT_EQ(reassembler.add(1, a.piece(1), 0)->payload, a.payload());
   EXPECT_EQ(reassembler.add(2, b.piece(1), 0)->payload, b.payload());
   EXPECT_EQ(reassembler.add(1, c.piece(1), 0)->payload, c.payload());
+  EXPECT_EQ(reassembler.counts().conflicting, 0);
+  EXPECT_EQ(reassembler.counts().completed, 3);
 }
 
 TEST(Reassembler, GivesUpAndCountsWhatStaysIncomplete) {
@@ -104,6 +108,51 @@ TEST(Reassembler, GivesUpAndCountsWhatStaysIncomplete) {
   EXPECT_EQ(reassembler.messages_kept(), 0U);
   EXPECT_EQ(reassembler.bytes_kept(), 0U);
   EXPECT_EQ(reassembler.counts().incomplete, 1);
+}
+
+TEST(Reassembler, CountsAMessagesAgeFromItsNewestFragment) {
+  Reassembler reassembler;
+  const Message message(1, 300, 100);
+  EXPECT_FALSE(reassembler.add(1, message.piece(0), 5 * kSecondNs).has_value());
+  EXPECT_FALSE(reassembler.add(1, message.piece(1), 6 * kSecondNs).has_value());
+  reassembler.expire(7 * kSecondNs);
+  EXPECT_EQ(reassembler.messages_kept(), 1U);
+  EXPECT_TRUE(reassembler.add(1, message.piece(2), 7 * kSecondNs).has_value());
+}
+
+TEST(Reassembler, GivesUpOfSeveralThoseThatAreTooOld) {
+  Reassembler reassembler;
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const Message message(i, 200, 100);
+    EXPECT_FALSE(reassembler.add(1, message.piece(0), i * kSecondNs / 4).has_value());
+  }
+  reassembler.expire(kSecondNs + kSecondNs / 4 + 1);
+  EXPECT_EQ(reassembler.messages_kept(), 3U);
+  EXPECT_EQ(reassembler.counts().incomplete, 2);
+  const Message last(2, 200, 100);
+  EXPECT_TRUE(reassembler.add(1, last.piece(1), 2 * kSecondNs).has_value());
+}
+
+// What is whole is remembered for a second, and of 256 messages: the rest of it begins none.
+TEST(Reassembler, KnowsALateDuplicateOfTheNewest256ForASecond) {
+  for (const std::uint32_t messages : {1U, 256U, 257U, 600U}) {
+    Reassembler reassembler;
+    for (std::uint32_t i = 0; i < messages; ++i) {
+      EXPECT_TRUE(reassembler.add(1, Message(i, 50, 50).piece(0), 10).has_value());
+    }
+    const std::uint32_t known = std::min(messages, 256U);
+    for (std::uint32_t i = messages - known; i < messages; ++i) {
+      EXPECT_FALSE(reassembler.add(1, Message(i, 50, 50).piece(0), 10 + kSecondNs).has_value());
+    }
+    EXPECT_EQ(reassembler.counts().duplicates, known) << messages;
+    EXPECT_EQ(reassembler.counts().completed, messages);
+    if (messages > known) {
+      EXPECT_TRUE(reassembler.add(1, Message(messages - known - 1, 50, 50).piece(0), 20))
+          << "the one before those";
+    }
+    EXPECT_TRUE(reassembler.add(1, Message(messages - 1, 50, 50).piece(0), 11 + kSecondNs))
+        << "another of that number, a second later";
+  }
 }
 
 TEST(Reassembler, TakesASequenceNumberAgainLongAfter) {
@@ -127,6 +176,39 @@ TEST(Reassembler, RefusesFragmentsThatContradictTheirMessage) {
   EXPECT_EQ(reassembler.add(1, message.piece(1), 0)->payload, message.payload()) << "unharmed";
 }
 
+TEST(Reassembler, TellsADuplicateFromOneThatContradictsIt) {
+  Reassembler reassembler;
+  const Message message(1, 300, 100);
+  EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
+  EXPECT_FALSE(reassembler.add(1, message.piece(1), 0).has_value());
+  EXPECT_FALSE(reassembler.add(1, message.piece(1), 0).has_value());
+  EXPECT_EQ(reassembler.counts().duplicates, 1);
+  EXPECT_EQ(reassembler.counts().conflicting, 0);
+  Packet elsewhere = message.piece(1);
+  elsewhere.fragment_offset += 1;
+  EXPECT_FALSE(reassembler.add(1, elsewhere, 0).has_value());
+  EXPECT_EQ(reassembler.counts().conflicting, 1);
+  Packet other = message.piece(1);
+  other.payload = message.piece(2).payload;
+  EXPECT_FALSE(reassembler.add(1, other, 0).has_value());
+  other.payload = message.piece(1).payload.first(99);
+  EXPECT_FALSE(reassembler.add(1, other, 0).has_value());
+  EXPECT_EQ(reassembler.counts().conflicting, 3);
+  EXPECT_EQ(reassembler.counts().duplicates, 1);
+  EXPECT_EQ(reassembler.add(1, message.piece(2), 0)->payload, message.payload());
+}
+
+TEST(Reassembler, DeliversNothingThatIsTooShort) {
+  Reassembler reassembler;
+  const Message message(1, 200, 100);
+  Packet shorter = message.piece(1);
+  shorter.payload = shorter.payload.first(99);
+  EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
+  EXPECT_FALSE(reassembler.add(1, shorter, 0).has_value());
+  EXPECT_EQ(reassembler.counts().conflicting, 1);
+  EXPECT_EQ(reassembler.messages_kept(), 0U);
+}
+
 TEST(Reassembler, DeliversNothingThatDoesNotTile) {
   Reassembler reassembler;
   const Message message(1, 200, 100);
@@ -145,6 +227,18 @@ TEST(Reassembler, RefusesMessagesAboveTheCap) {
   EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
   EXPECT_EQ(reassembler.counts().oversized, 1);
   EXPECT_EQ(reassembler.bytes_kept(), 0U);
+  EXPECT_FALSE(reassembler.add(1, Message(2, 1000, 100).piece(0), 0).has_value());
+  EXPECT_EQ(reassembler.counts().oversized, 1) << "up to the cap";
+  EXPECT_EQ(reassembler.messages_kept(), 1U);
+}
+
+TEST(Reassembler, IsBoundedAsItsHeaderSays) {
+  const ReassemblyLimits limits;
+  EXPECT_EQ(limits.message_bytes_max, 4U * 1024U * 1024U);
+  EXPECT_EQ(limits.source_bytes_max, 8U * 1024U * 1024U);
+  EXPECT_EQ(limits.total_bytes_max, 32U * 1024U * 1024U);
+  EXPECT_EQ(limits.messages_max, 256U);
+  EXPECT_EQ(limits.age_max_ns, kSecondNs);
 }
 
 TEST(Reassembler, PaysOnlyForBytesThatArrived) {
@@ -167,6 +261,102 @@ TEST(Reassembler, HoldsOneSenderToItsShare) {
   }
   EXPECT_EQ(reassembler.counts().incomplete,
             100 - static_cast<std::int64_t>(reassembler.messages_kept()));
+}
+
+// Of 16 messages the two that were added to last are spared; of the others that of which least has
+// arrived gives way, the oldest of such. A list of what is there is the oracle.
+TEST(Reassembler, GivesUpThatOfWhichLeastHasArrivedButNoneOfTheNewestEighth) {
+  struct Held {
+    std::uint32_t sequence;
+    std::size_t bytes;
+  };
+  std::mt19937 rng(17);
+  for (int trial = 0; trial < 20; ++trial) {
+    Reassembler reassembler({.messages_max = 16});
+    std::vector<Held> held;  // the newest last
+    std::int64_t given_up = 0;
+    for (std::uint32_t sequence = 0; sequence < 200; ++sequence) {
+      if (!held.empty() && rng() % 3 == 0) {  // one more piece of an older one
+        const auto at = held.begin() + static_cast<std::ptrdiff_t>(rng() % held.size());
+        const Message message(at->sequence, 3'000, 1'000);
+        if (at->bytes < 1'000) {
+          EXPECT_FALSE(reassembler.add(1, message.piece(1), 0).has_value());
+          at->bytes += 1'000;
+          std::rotate(at, at + 1, held.end());
+        }
+      }
+      const Message message(sequence, 3'000, 1'000);
+      Packet first = message.piece(0);
+      first.payload = first.payload.first(1 + rng() % 10);
+      if (held.size() == 16) {
+        held.erase(std::min_element(held.begin(), held.end() - 2, [](const Held& a, const Held& b) {
+          return a.bytes < b.bytes;
+        }));
+        ++given_up;
+      }
+      held.push_back({sequence, first.payload.size()});
+      EXPECT_FALSE(reassembler.add(1, first, 0).has_value());
+      ASSERT_EQ(reassembler.messages_kept(), held.size());
+      ASSERT_EQ(reassembler.counts().incomplete, given_up);
+    }
+    // Those that are there know their first piece.
+    for (const Held& each : held) {
+      const std::int64_t before =
+          reassembler.counts().duplicates + reassembler.counts().conflicting;
+      const Message message(each.sequence, 3'000, 1'000);
+      EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
+      ASSERT_EQ(reassembler.counts().duplicates + reassembler.counts().conflicting, before + 1)
+          << each.sequence;
+    }
+  }
+}
+
+// A message that alone is more than its sender may keep makes way itself; others' are left alone.
+TEST(Reassembler, GivesUpAMessageThatItsSenderHasNoRoomFor) {
+  Reassembler reassembler({.source_bytes_max = 10'000});
+  const Message others(1, 9'000, 4'500);
+  EXPECT_FALSE(reassembler.add(2, others.piece(0), 0).has_value());
+  const Message message(1, 20'000, 4'000);
+  EXPECT_FALSE(reassembler.add(1, message.piece(0), 0).has_value());
+  EXPECT_FALSE(reassembler.add(1, message.piece(1), 0).has_value());
+  EXPECT_EQ(reassembler.messages_kept(), 2U);
+  EXPECT_FALSE(reassembler.add(1, message.piece(2), 0).has_value());
+  EXPECT_EQ(reassembler.messages_kept(), 1U);
+  EXPECT_EQ(reassembler.counts().incomplete, 1);
+  const Message at_once(2, 30'000, 15'000);
+  EXPECT_FALSE(reassembler.add(1, at_once.piece(0), 0).has_value());
+  EXPECT_EQ(reassembler.messages_kept(), 1U);
+  EXPECT_EQ(reassembler.counts().incomplete, 2);
+  EXPECT_EQ(reassembler.add(2, others.piece(1), 0)->payload, others.payload());
+  EXPECT_EQ(reassembler.bytes_kept(), 0U);
+}
+
+TEST(Reassembler, HoldsAllSendersToWhatTheyMayKeepTogether) {
+  const ReassemblyLimits limits{.source_bytes_max = 10'000, .total_bytes_max = 30'000};
+  Reassembler reassembler(limits);
+  for (std::uint64_t source = 0; source < 50; ++source) {
+    EXPECT_FALSE(reassembler.add(source, Message(1, 8'000, 4'000).piece(0), 0).has_value());
+    EXPECT_LE(reassembler.bytes_kept(), limits.total_bytes_max);
+  }
+  EXPECT_GE(reassembler.messages_kept(), 6U) << "of 4 kB each, and little more";
+}
+
+// What is kept is charged by what arrived: for each piece its bytes and as much again of
+// book-keeping as it takes, for each message that and one bit for each of its pieces.
+TEST(Reassembler, ChargesEachPieceAlikeAndEachMessageForItsBits) {
+  Reassembler reassembler;
+  const Message message(1, 8'000, 10);
+  std::size_t before = 0;
+  std::vector<std::size_t> charged;
+  for (std::uint16_t i = 0; i < 4; ++i) {
+    EXPECT_FALSE(reassembler.add(1, message.piece(i), 0).has_value());
+    charged.push_back(reassembler.bytes_kept() - before);
+    before = reassembler.bytes_kept();
+  }
+  EXPECT_EQ(charged[1], 10U + 128U) << "a piece of 64 bytes, in a vector that grows by doubling";
+  EXPECT_EQ(charged[2], charged[1]);
+  EXPECT_EQ(charged[3], charged[1]);
+  EXPECT_EQ(charged[0], charged[1] + 256U + message.count() / 8U);
 }
 
 // 100 000 first fragments from ever new senders arrive between the two halves of a good message.

@@ -1,5 +1,9 @@
 #include "bus/transport/url.hpp"
 
+#include <cstdlib>
+#include <optional>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "bus/transport/transport.hpp"
@@ -28,6 +32,7 @@ TEST(ParseUdpm, FillsInWhatIsLeftOut) {
   EXPECT_EQ(plain.port, 7667);
   EXPECT_EQ(plain.ttl, 0);
   EXPECT_EQ(plain.recv_buf_bytes, 4 << 20);
+  EXPECT_EQ(plain.message_bytes_max, 4 << 20);
   EXPECT_EQ(plain.interface, "");
   const UdpmAddress full =
       parse_udpm(parse_url("udpm://239.1.2.3:7000?ttl=1&recv_buf_size=9000&max_message_size=5000"
@@ -48,6 +53,89 @@ TEST(ParseUdpm, RefusesWhatItCannotDo) {
         "udpm://?interface=", "udpm://?interface=a/b", "udpm://?interface=sixteen-letters0"}) {
     EXPECT_THROW(parse_udpm(parse_url(url)), StartupError) << url;
   }
+}
+
+std::string refusal(const std::string& url) {
+  try {
+    static_cast<void>(parse_udpm(parse_url(url)));
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+TEST(ParseUdpm, TakesEachNumberFromItsLeastToItsGreatest) {
+  const auto taken = [](const std::string& url) { return refusal(url) == "taken"; };
+  EXPECT_TRUE(taken("udpm://239.255.76.67:1") && taken("udpm://239.255.76.67:65535"));
+  EXPECT_FALSE(taken("udpm://239.255.76.67:0") || taken("udpm://239.255.76.67:65536"));
+  EXPECT_TRUE(taken("udpm://?ttl=0") && taken("udpm://?ttl=255"));
+  EXPECT_FALSE(taken("udpm://?ttl=-1") || taken("udpm://?ttl=256"));
+  for (const char* const name : {"recv_buf_size", "max_message_size"}) {
+    const std::string url = std::string("udpm://?") + name + "=";
+    EXPECT_TRUE(taken(url + "2048") && taken(url + "1073741824")) << name;
+    EXPECT_FALSE(taken(url + "2047") || taken(url + "1073741825")) << name;
+    EXPECT_FALSE(taken(url + "4096k") || taken(url)) << name;
+  }
+  EXPECT_EQ(refusal("udpm://?recv_buf_size=1"),
+            "LCM url: recv_buf_size is '1', must be a whole number in [2048, 1073741824]");
+  for (const char* const group : {"224.0.0.0", "239.255.255.255"}) {
+    EXPECT_EQ(parse_udpm(parse_url(std::string("udpm://") + group)).group, group);
+  }
+  EXPECT_FALSE(taken("udpm://223.255.255.255") || taken("udpm://240.0.0.0"));
+}
+
+TEST(ParseUdpm, TakesNamesThatACardCanHave) {
+  const auto card = [](const std::string& name) { return refusal("udpm://?interface=" + name); };
+  EXPECT_EQ(card("fifteen-letters"), "taken");
+  EXPECT_EQ(card("10.0.0.1"), "taken");
+  for (const char* const bad : {"sixteen-letters-", "a b", "a\tb", "a%b", "/a", ""}) {
+    EXPECT_NE(card(bad), "taken") << bad;
+  }
+}
+
+TEST(ParseUrl, TakesItsOptionsApart) {
+  const Url url = parse_url("udpm://239.1.2.3:7000?a=1&b=x=y&c=");
+  EXPECT_EQ(url.target, "239.1.2.3:7000");
+  EXPECT_EQ(url.options, (std::map<std::string, std::string>{{"a", "1"}, {"b", "x=y"}, {"c", ""}}));
+  EXPECT_EQ(parse_url("a://").scheme, "a");
+  EXPECT_TRUE(parse_url("memq://").target.empty());
+  EXPECT_THROW(parse_url("udpm://?=1"), StartupError);
+  EXPECT_THROW(parse_url("udpm://?a=1&&b=2"), StartupError);
+}
+
+/// $LCM_DEFAULT_URL for as long as it lives; then what it was.
+class DefaultUrl {
+ public:
+  explicit DefaultUrl(const char* url) {
+    if (const char* const before = std::getenv(kName)) {
+      before_ = before;
+    }
+    ::setenv(kName, url, 1);
+  }
+  ~DefaultUrl() {
+    if (before_) {
+      ::setenv(kName, before_->c_str(), 1);
+    } else {
+      ::unsetenv(kName);
+    }
+  }
+  DefaultUrl(const DefaultUrl&) = delete;
+  DefaultUrl& operator=(const DefaultUrl&) = delete;
+  DefaultUrl(DefaultUrl&&) = delete;
+  DefaultUrl& operator=(DefaultUrl&&) = delete;
+
+ private:
+  static constexpr const char* kName = "LCM_DEFAULT_URL";
+  std::optional<std::string> before_;
+};
+
+TEST(OpenTransport, TakesTheUrlOfTheEnvironmentWhereItIsGivenNone) {
+  const DefaultUrl memory("memq://");
+  EXPECT_NO_THROW(open_transport(""));
+  EXPECT_THROW(open_transport("tcpq://localhost"), StartupError) << "what it is given goes first";
+  const DefaultUrl unknown("tcpq://localhost");
+  EXPECT_THROW(open_transport(""), StartupError);
+  EXPECT_NO_THROW(open_transport("memq://"));
 }
 
 TEST(OpenTransport, RefusesUnknownSchemesAndMissingLogs) {

@@ -38,6 +38,30 @@ TEST(JsonPhysics, TakesThirtyTwoOutputsToo) {
   EXPECT_EQ(outputs->pulse_us[0], 1500);
 }
 
+TEST(JsonPhysics, KeepsEachOutputInItsPlace) {
+  wire::sitl::ServoOutputs sent;
+  sent.frame_rate_hz = 0x0102;
+  sent.frame_count = 0x03040506;
+  for (std::size_t i = 0; i < sent.pulse_us.size(); ++i) {
+    sent.pulse_us[i] = static_cast<std::uint16_t>(1000 + 37 * i);
+  }
+  const auto bytes = wire::sitl::format_servo_outputs(sent);
+  const auto read = wire::sitl::parse_servo_outputs(bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->frame_rate_hz, sent.frame_rate_hz);
+  EXPECT_EQ(read->frame_count, sent.frame_count);
+  EXPECT_EQ(read->pulse_us, sent.pulse_us);
+  std::vector<std::uint8_t> wide(bytes.begin(), bytes.end());
+  wide.resize(72, 0xFF);
+  EXPECT_FALSE(wire::sitl::parse_servo_outputs(wide)) << "the magic of the short one";
+  wide[0] = 0x81;
+  wide[1] = 0x73;
+  ASSERT_TRUE(wire::sitl::parse_servo_outputs(wide));
+  EXPECT_EQ(wire::sitl::parse_servo_outputs(wide)->pulse_us, sent.pulse_us);
+  wide.resize(40);
+  EXPECT_FALSE(wire::sitl::parse_servo_outputs(wide)) << "the magic of the long one";
+}
+
 TEST(JsonPhysics, RefusesEveryOtherLengthAndMagic) {
   for (std::size_t length = 0; length < 80; ++length) {
     std::vector<std::uint8_t> bytes = kRecorded;
@@ -60,7 +84,7 @@ TEST(JsonPhysics, IsReadByAReaderLikeTheFirmwares) {
   sensors.specific_force_body_mps2 = {0.5, 0.0, -9.81};
   sensors.position_local_m = {-3.0, 0.25, -1.5};
   sensors.velocity_local_mps = {0.75, -0.5, 0.125};
-  sensors.local_from_body = Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5);
+  sensors.local_from_body = Eigen::Quaterniond(0.1, -0.3, 0.5, -0.8);
   const std::string text = wire::sitl::format_json_sensors(sensors);
   ASSERT_EQ(text.front(), '\n');
   ASSERT_EQ(text.back(), '\n');
@@ -77,7 +101,8 @@ TEST(JsonPhysics, IsReadByAReaderLikeTheFirmwares) {
   EXPECT_EQ(read3("position"), sensors.position_local_m);
   EXPECT_EQ(read3("velocity"), sensors.velocity_local_mps);
   EXPECT_NE(text.find("\"timestamp\":12.500000"), std::string::npos);
-  EXPECT_NE(text.find("\"quaternion\":[0.5,-0.5,0.5,-0.5]"), std::string::npos);
+  EXPECT_EQ(wire::sitl::kJsonPort, 9002);
+  EXPECT_NE(text.find("\"quaternion\":[0.1,-0.3,0.5,-0.8]"), std::string::npos);
   EXPECT_NE(text.find("\"no_time_sync\":1"), std::string::npos);
 }
 

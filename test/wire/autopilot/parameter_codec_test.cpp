@@ -59,6 +59,34 @@ TEST(ParameterValue, StaysInTheRangeOfItsType) {
   EXPECT_TRUE(std::isnan(decode_parameter(1.0F, 8, kBytewise))) << "eight bytes do not fit";
 }
 
+TEST(ParameterValue, OfEachWholeTypeGoesFromItsLeastToItsGreatest) {
+  struct Row {
+    std::uint8_t type;
+    double min;
+    double max;
+  };
+  for (const Row& row : {Row{1, 0.0, 255.0}, Row{2, -128.0, 127.0}, Row{3, 0.0, 65'535.0},
+                         Row{4, -32'768.0, 32'767.0}, Row{5, 0.0, 4'294'967'295.0},
+                         Row{6, -2'147'483'648.0, 2'147'483'647.0}}) {
+    const auto bytewise = [&row](double value) {
+      return decode_parameter(encode_parameter(value, row.type, kBytewise), row.type, kBytewise);
+    };
+    EXPECT_EQ(bytewise(row.min), row.min) << int{row.type};
+    EXPECT_EQ(bytewise(row.max), row.max) << int{row.type};
+    EXPECT_EQ(bytewise(row.min - 1.0), row.min) << int{row.type};
+    EXPECT_EQ(bytewise(row.max + 1.0), row.max) << int{row.type};
+    EXPECT_EQ(bytewise(41.6), 42.0) << "rounded";
+    EXPECT_EQ(encode_parameter(row.min - 1e3, row.type, kCast), static_cast<float>(row.min));
+    EXPECT_EQ(encode_parameter(row.max + 1e3, row.type, kCast), static_cast<float>(row.max));
+    EXPECT_EQ(encode_parameter(41.6, row.type, kCast), 42.0F);
+  }
+  for (const int number : {0, 7, 8, 10}) {
+    const auto type = static_cast<std::uint8_t>(number);
+    EXPECT_TRUE(std::isnan(decode_parameter(1.0F, type, kBytewise))) << int{type};
+    EXPECT_EQ(decode_parameter(1.5F, type, kCast), 1.5) << int{type};
+  }
+}
+
 TEST(ParameterName, FillsItsFieldWithoutAnEnd) {
   EXPECT_EQ(parameter_name(parameter_id("GUID_TIMEOUT")), "GUID_TIMEOUT");
   EXPECT_EQ(parameter_name(parameter_id("SIXTEEN_LETTERS_")), "SIXTEEN_LETTERS_");

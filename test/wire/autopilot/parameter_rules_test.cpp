@@ -1,6 +1,7 @@
 #include "wire/autopilot/parameter_rules.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -61,6 +62,56 @@ TEST(ParameterRules, AcceptANumberAsTheyAcceptItsNegative) {
   }
 }
 
+// A millionth of 1, or of what is larger: on each side of each bound of each kind of rule.
+TEST(ParameterRules, ForgiveAMillionthAndNoMoreOnEitherSide) {
+  for (const double at : {-3000.0, -0.25, 0.0, 0.25, 3000.0}) {
+    const double little = 0.9e-6 * std::max(1.0, std::abs(at));
+    const double much = 1.2e-6 * std::max(1.0, std::abs(at));
+    ParameterRule rule;
+    rule.value = at;
+    for (const double sign : {-1.0, 1.0}) {
+      rule.kind = Kind::kExactly;
+      EXPECT_TRUE(rule.accepts(at + sign * little)) << at;
+      EXPECT_FALSE(rule.accepts(at + sign * much)) << at;
+      EXPECT_FALSE(rule.accepts(at + sign * 1e5)) << at;
+      rule.kind = Kind::kAtMost;
+      rule.bounds = {at};
+      EXPECT_TRUE(rule.accepts(at + little)) << at;
+      EXPECT_EQ(rule.accepts(at + sign * much), sign < 0.0) << at;
+      EXPECT_EQ(rule.accepts(at + sign * 1e5), sign < 0.0) << at;
+      rule.kind = Kind::kAtLeast;
+      EXPECT_TRUE(rule.accepts(at - little)) << at;
+      EXPECT_EQ(rule.accepts(at + sign * much), sign > 0.0) << at;
+      EXPECT_EQ(rule.accepts(at + sign * 1e5), sign > 0.0) << at;
+      rule.kind = Kind::kBetween;
+      rule.bounds = {at, at + 7.0};
+      EXPECT_TRUE(rule.accepts(at - little) && rule.accepts(at + 3.0)) << at;
+      EXPECT_FALSE(rule.accepts(at - much)) << at;
+      rule.bounds = {at - 7.0, at};
+      EXPECT_TRUE(rule.accepts(at + little) && rule.accepts(at - 3.0)) << at;
+      EXPECT_FALSE(rule.accepts(at + much)) << at;
+      rule.kind = Kind::kOneOf;
+      rule.bounds = {at - 7.0, at, at + 7.0};
+      for (const double allowed : rule.bounds) {
+        EXPECT_TRUE(rule.accepts(allowed)) << at;
+      }
+      EXPECT_FALSE(rule.accepts(at + sign * much)) << at;
+      EXPECT_FALSE(rule.accepts(at + sign * 3.0)) << at;
+    }
+  }
+}
+
+TEST(ParameterRules, SayWhatIsWantedOfEachKind) {
+  EXPECT_EQ(rule("A 7.25 # exactly: b").wanted(), "7.25");
+  EXPECT_EQ(rule("A 7 # at most 8: b").wanted(), "at most 8");
+  EXPECT_EQ(rule("A 7 # at least -6: b").wanted(), "at least -6");
+  EXPECT_EQ(rule("A 7 # between 6 and 8: b").wanted(), "between 6 and 8");
+  EXPECT_EQ(rule("A 7 # one of 7: b").wanted(), "7");
+  EXPECT_EQ(rule("A 7 # one of 6 7: b").wanted(), "6 or 7");
+  EXPECT_EQ(rule("A 7 # one of 5 6 7 8: b").wanted(), "5, 6, 7 or 8");
+  EXPECT_EQ(parameter_text(static_cast<double>(0.3F)), "0.3");
+}
+
 TEST(ParameterRules, SayTheValueTheRuleAndWhatWouldHappen) {
   EXPECT_EQ(rule("GUID_TIMEOUT 0.3 # at most 0.5: it flies on").complaint(3.0),
             "GUID_TIMEOUT is 3, wanted is at most 0.5: it flies on");
@@ -84,6 +135,35 @@ TEST(ParameterRules, RefuseWhatIsNoneAndNameTheLine) {
   EXPECT_NE(refusal("LONGER_THAN_16_IT 1 # exactly: b"), "taken");
   EXPECT_EQ(refusal("A 1 # at most 0: b"), "line 1: A breaks its own rule");
   EXPECT_EQ(refusal("A 1 # exactly: b\nA 1 # exactly: b"), "line 2: A comes a second time");
+}
+
+TEST(ParameterRules, HaveAsManyNumbersAsTheirKind) {
+  for (const char* const line :
+       {"A 1 # exactly 1: b", "A 1 # at most 1 2: b", "A 1 # at least 1 1: b",
+        "A 1 # between 1 and 2 3: b", "A 1 # between 0 1 and 2: b", "A 1 # between and 2: b",
+        "A 1 # between 1 and: b", "A 1 # one of: b", "A 1 2 # exactly: b", "1 # exactly: b",
+        "A 1 exactly: b", "A 1 # exactly"}) {
+    EXPECT_NE(refusal(line), "taken") << line;
+  }
+  EXPECT_EQ(rule("EXACTLY_16_CHARS 1 # exactly: b").name, "EXACTLY_16_CHARS");
+  EXPECT_NE(refusal("ONE_MORE_THAN_16_ 1 # exactly: b"), "taken");
+  EXPECT_EQ(rule("A:B 1 # exactly: b").name, "A:B") << "the colon that counts is the rule's";
+}
+
+TEST(ParameterRules, CountEveryLineForThoseWhoLookForIt) {
+  EXPECT_EQ(refusal("\n# a comment\n\t\nA 1 # exactly: b\nA 1 # roughly: b"),
+            "line 5: 'roughly' is no rule");
+  EXPECT_EQ(refusal("A 1 # exactly: b\nB 1 # exactly: b\nC 1 # exactly: b\nB 1 # exactly: c"),
+            "line 4: B comes a second time");
+  EXPECT_EQ(parse_parameter_rules("A 1 # exactly: b\nB 2 # exactly: c").at(1).otherwise, "c");
+  EXPECT_TRUE(parse_parameter_rules("").empty());
+}
+
+TEST(ParameterEncoding, IsThatOfTheAutopilot) {
+  EXPECT_EQ(parameter_encoding(models::AutopilotDialect::kPx4),
+            mavlink::ParameterEncoding::kBytewise);
+  EXPECT_EQ(parameter_encoding(models::AutopilotDialect::kArdupilot),
+            mavlink::ParameterEncoding::kCast);
 }
 
 TEST(ParameterFiles, AreReadAndNameWhatTheDriverCannotDoWithout) {

@@ -9,6 +9,7 @@
 #include "test/wire/mavlink/hex.hpp"
 #include "test/wire/mavlink/random_message.hpp"
 #include "wire/mavlink/parser.hpp"
+#include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::wire::mavlink {
 namespace {
@@ -181,6 +182,65 @@ TEST(Pack, KeepsOneByteOfAMessageOfZeros) {
   EXPECT_EQ(pack(MessageInterval{}, {1, 1, 0}).payload_size, 1);
 }
 
+// By common.xml and minimal.xml; both ends of a link of ours would agree on any other number.
+TEST(Vocabulary, HasTheNumbersOfTheDefinitions) {
+  EXPECT_EQ(command::kLand, 21);
+  EXPECT_EQ(command::kTakeOff, 22);
+  EXPECT_EQ(command::kSetMode, 176);
+  EXPECT_EQ(command::kArmDisarm, 400);
+  EXPECT_EQ(command::kSetMessageInterval, 511);
+  EXPECT_EQ(kForceDisarm, 21196.0F);
+  EXPECT_EQ(result::kAccepted, 0);
+  EXPECT_EQ(result::kInProgress, 5);
+  EXPECT_EQ(type::kGroundStation, 6);
+  EXPECT_EQ(type::kOnboardController, 18);
+  EXPECT_EQ(autopilot::kArdupilot, 3);
+  EXPECT_EQ(autopilot::kNone, 8);
+  EXPECT_EQ(autopilot::kPx4, 12);
+  EXPECT_EQ(kComponentAutopilot, 1);
+  EXPECT_EQ(kComponentOnboardComputer, 191);
+  EXPECT_EQ(kArmedFlag, 1 << 7);
+  EXPECT_EQ(kStateActive, 4);
+  EXPECT_EQ(kEstimatorVision, 2);
+  EXPECT_EQ(landed::kUnknown, 0);
+  EXPECT_EQ(landed::kOnGround, 1);
+  EXPECT_EQ(frame::kLocalNed, 1);
+  EXPECT_EQ(frame::kBodyNed, 8);
+  EXPECT_EQ(frame::kBodyFrd, 12);
+  EXPECT_EQ(frame::kLocalFrd, 20);
+}
+
+// Bits 0 to 11 of a target's type_mask: place, velocity, acceleration, force, yaw, yaw rate.
+TEST(Vocabulary, IgnoresByTheBitsOfTheDefinitions) {
+  EXPECT_EQ(mask::kIgnorePosition, 0b111);
+  EXPECT_EQ(mask::kIgnoreVelocity, 0b111 << 3);
+  EXPECT_EQ(mask::kIgnoreAcceleration, 0b111 << 6);
+  EXPECT_EQ(mask::kIsForce, 1 << 9);
+  EXPECT_EQ(mask::kIgnoreYaw, 1 << 10);
+  EXPECT_EQ(mask::kIgnoreYawRate, 1 << 11);
+  EXPECT_EQ(mask::kNothingIgnored, 0);
+  EXPECT_EQ(mask::kPositionAndYaw, 0b1001'1111'1000);
+  EXPECT_EQ(mask::kVelocityAndYawRate, 0b0101'1100'0111);
+  EXPECT_EQ(estimator::kAttitude, 1 << 0);
+  EXPECT_EQ(estimator::kHorizontalVelocity, 1 << 1);
+  EXPECT_EQ(estimator::kVerticalVelocity, 1 << 2);
+  EXPECT_EQ(estimator::kRelativePosition, 1 << 3);
+  EXPECT_EQ(estimator::kAbsolutePosition, 1 << 4);
+  EXPECT_EQ(estimator::kHeight, 1 << 5);
+  EXPECT_EQ(estimator::kConstantPosition, 1 << 7);
+  EXPECT_EQ(estimator::kUninitialised, 1 << 10);
+}
+
+TEST(HeartbeatOf, IsOfAPeerThatFliesNothing) {
+  const Heartbeat heartbeat = heartbeat_of(type::kOnboardController);
+  EXPECT_EQ(heartbeat.type, 18);
+  EXPECT_EQ(heartbeat.autopilot, 8);
+  EXPECT_EQ(heartbeat.system_status, 4);
+  EXPECT_EQ(heartbeat.mavlink_version, 3) << "of the protocol's dialect";
+  EXPECT_EQ(heartbeat.base_mode, 0);
+  EXPECT_EQ(heartbeat.custom_mode, 0U);
+}
+
 TEST(Unpack, GivesBackEveryMessageWhateverItHolds) {
   std::mt19937_64 rng(1);
   test::for_each_message([&rng]<class Message>() {
@@ -209,6 +269,30 @@ TEST(Unpack, IgnoresWhatGoesBeyondTheFieldsItKnows) {
   const auto state = unpack<ExtendedSysState>(frame);
   ASSERT_TRUE(state.has_value());
   EXPECT_EQ(state->landed_state, 2);
+}
+
+// Whatever an old sender puts behind what version 1 knows is none of the extensions.
+TEST(Unpack, KnowsNoExtensionsInVersionOne) {
+  CommandAck ack;
+  ack.command = 400;
+  ack.result = 2;
+  ack.progress = 77;
+  ack.result_param2 = -5;
+  ack.target_system = 3;
+  ack.target_component = 4;
+  Frame frame = pack(ack, {1, 1, 0});
+  frame.is_v1 = true;
+  frame.crc = crc_of(frame);
+  const auto read = unpack<CommandAck>(frame);
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(read->command, 400);
+  EXPECT_EQ(read->result, 2);
+  EXPECT_EQ(read->progress, 0);
+  EXPECT_EQ(read->result_param2, 0);
+  EXPECT_EQ(read->target_system, 0);
+  EXPECT_EQ(read->target_component, 0);
+  frame.is_v1 = false;
+  EXPECT_EQ(unpack<CommandAck>(frame)->progress, 77);
 }
 
 }  // namespace

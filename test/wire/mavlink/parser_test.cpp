@@ -8,6 +8,7 @@
 
 #include "test/wire/mavlink/hex.hpp"
 #include "test/wire/mavlink/random_message.hpp"
+#include "wire/mavlink/signing.hpp"
 
 namespace vantage::wire::mavlink {
 namespace {
@@ -74,6 +75,8 @@ TEST(Parser, FindsEveryFrameBetweenNoiseThatHoldsNoMarkers) {
   }
   Parser parser;
   EXPECT_EQ(frames_in(parser, stream).size(), 200U);
+  EXPECT_EQ(parser.counts().frames, 200);
+  EXPECT_EQ(parser.counts().frames_v1, 0);
   EXPECT_EQ(parser.counts().bytes_skipped, static_cast<std::int64_t>(noise));
 }
 
@@ -148,6 +151,56 @@ TEST(Parser, RecognisesVersionOne) {
   EXPECT_EQ(heartbeat->base_mode, 128);
 }
 
+// Where version 2 has its flags, version 1 has the running number, and is never signed.
+TEST(Parser, ReadsEveryRunningNumberOfVersionOne) {
+  Parser parser;
+  for (int sequence = 0; sequence < 256; ++sequence) {
+    Frame frame = pack(Heartbeat{4, 2, 3, 128, 4, 3}, {7, 8, static_cast<std::uint8_t>(sequence)});
+    frame.is_v1 = true;
+    frame.crc = crc_of(frame);
+    const std::vector<Frame> frames = frames_in(parser, bytes_of(frame));
+    ASSERT_EQ(frames.size(), 1U) << sequence;
+    EXPECT_EQ(frames[0].origin, frame.origin);
+    EXPECT_FALSE(frames[0].signature.has_value());
+  }
+  EXPECT_EQ(parser.counts().frames_v1, 256);
+}
+
+TEST(Parser, ReadsWhatWasSignedWithItsSignature) {
+  const SigningKey key{1, 2, 3};
+  const Time now = from_utime(1'767'225'600'123'450);
+  Signer sender(key, 7);
+  Signer receiver(key, 0);
+  Parser parser;
+  std::mt19937_64 rng(6);
+  test::for_each_message([&]<class Message>() {
+    Frame sent = pack(test::random_message<Message>(rng), {9, 8, 7});
+    sender.sign(sent, now);
+    const Bytes bytes = bytes_of(sent);
+    ASSERT_EQ(bytes.size(), 10U + sent.payload_size + 2 + 13);
+    EXPECT_TRUE(frames_in(parser, {bytes.begin(), bytes.end() - 1}).empty());
+    const std::vector<Frame> frames = frames_in(parser, {bytes.back()});
+    ASSERT_EQ(frames.size(), 1U) << Message::kMessage.name;
+    ASSERT_TRUE(frames[0].signature.has_value());
+    EXPECT_EQ(frames[0].signature->link_id, 7);
+    EXPECT_EQ(frames[0].signature->timestamp_10us, sent.signature->timestamp_10us);
+    EXPECT_EQ(frames[0].signature->truncated, sent.signature->truncated);
+    EXPECT_EQ(receiver.check(frames[0], now), SignatureVerdict::kGood);
+  });
+  EXPECT_EQ(parser.counts().bytes_skipped, 0);
+}
+
+// What cannot be checked is believed to be a frame by what follows it.
+TEST(Parser, TakesAnUnknownMessageForNoiseWhenNoFrameFollows) {
+  Parser parser;
+  Bytes stream = unknown_frame(0);
+  stream.push_back(0x55);
+  append(stream, bytes_of(attitude_frame(1)));
+  EXPECT_EQ(frames_in(parser, stream).size(), 1U);
+  EXPECT_EQ(parser.counts().unknown, 0);
+  EXPECT_EQ(parser.counts().bytes_skipped, 33);
+}
+
 TEST(Parser, FindsWhatAFalseStartWasHidingWhenTheDatagramEnds) {
   Bytes datagram{kMarkerV2, 200, 0, 0, 0, 1, 1, 30, 0, 0};
   append(datagram, bytes_of(attitude_frame(5)));
@@ -216,6 +269,30 @@ TEST(SequenceMonitor, CountsGapsOfEachSenderAcrossTheWrap) {
   EXPECT_EQ(monitor.out_of_order(), 10);
   monitor.see({1, 1, 10});
   EXPECT_EQ(monitor.lost(), 5);
+}
+
+TEST(SequenceMonitor, TakesAStepOfLessThanHalfTheNumbersForALoss) {
+  for (int start = 0; start < 256; start += 51) {
+    for (int step = 1; step < 256; ++step) {
+      SequenceMonitor monitor;
+      monitor.see({1, 1, static_cast<std::uint8_t>(start)});
+      monitor.see({1, 1, static_cast<std::uint8_t>(start + step)});
+      EXPECT_EQ(monitor.lost(), step <= 128 ? step - 1 : 0) << step;
+      EXPECT_EQ(monitor.out_of_order(), step <= 128 ? 0 : 1) << step;
+    }
+  }
+}
+
+TEST(SequenceMonitor, KeepsBooksOfSixtyFourSendersEachByItself) {
+  SequenceMonitor monitor;
+  for (int round = 0; round < 2; ++round) {
+    for (int sender = 0; sender < 80; ++sender) {  // by system and component, neither alone
+      monitor.see({static_cast<std::uint8_t>(sender / 9), static_cast<std::uint8_t>(sender % 9),
+                   static_cast<std::uint8_t>(sender + 3 * round)});
+    }
+  }
+  EXPECT_EQ(monitor.lost(), 64 * 2);
+  EXPECT_EQ(monitor.out_of_order(), 0);
 }
 
 }  // namespace

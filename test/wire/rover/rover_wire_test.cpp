@@ -103,6 +103,62 @@ TEST(RoverWire, NamesTheFirstThingThatIsWrong) {
   EXPECT_EQ(decode(encode(full), told), Verdict::kValue);
 }
 
+TEST(RoverWire, RefusesEachNumberThatCannotBeTrue) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Command heard;
+  Telemetry told;
+  EXPECT_EQ(decode(kWorkedCommand, told), Verdict::kKind) << "the other way round";
+  for (const float bad : {kNan, kInfinity, -kInfinity}) {
+    Command command = worked_command();
+    command.speed_mps = bad;
+    EXPECT_EQ(decode(encode(command), heard), Verdict::kValue) << bad;
+    command = worked_command();
+    command.yaw_rate_radps = bad;
+    EXPECT_EQ(decode(encode(command), heard), Verdict::kValue) << bad;
+    Telemetry telemetry = worked_telemetry();
+    telemetry.speed_mps = bad;
+    EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
+    telemetry = worked_telemetry();
+    telemetry.yaw_rate_radps = bad;
+    EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
+    telemetry = worked_telemetry();
+    telemetry.battery_share = bad;
+    EXPECT_EQ(decode(encode(telemetry), told), Verdict::kValue) << bad;
+  }
+  EXPECT_EQ(heard, Command{}) << "written only when accepted";
+  EXPECT_EQ(told, Telemetry{});
+  for (const float share : {-0.001F, 0.0F, 0.5F, 1.0F, 1.001F}) {
+    Telemetry telemetry = worked_telemetry();
+    telemetry.battery_share = share;
+    telemetry.session = 0;  // it obeys nobody yet
+    EXPECT_EQ(decode(encode(telemetry), told),
+              share < 0.0F || share > 1.0F ? Verdict::kValue : Verdict::kAccepted)
+        << share;
+  }
+}
+
+// Both ends here are ours and would agree on anything else.
+TEST(RoverWire, HasTheFlagsAndTimesOfItsPage) {
+  EXPECT_EQ(kDrive, 1U);
+  EXPECT_EQ(kEmergencyStop, 2U);
+  EXPECT_EQ(kReleaseStop, 4U);
+  EXPECT_EQ(kDriving, 1U);
+  EXPECT_EQ(kStopLatched, 2U);
+  EXPECT_EQ(kWatchdogOut, 4U);
+  EXPECT_EQ(kMotorFailed, 8U);
+  EXPECT_EQ(kWatchdogS, 0.2);
+  EXPECT_EQ(1.0 / kTelemetryPeriodS, 20.0);
+}
+
+TEST(RoverWire, CallsEachVerdictByItsName) {
+  const std::array<const char*, kVerdicts> names{"accepted", "foreign",  "version", "kind",
+                                                 "length",   "checksum", "value"};
+  for (std::size_t i = 0; i < kVerdicts; ++i) {
+    EXPECT_STREQ(name_of(static_cast<Verdict>(i)), names.at(i));
+  }
+}
+
 TEST(RoverWire, NoSingleBitChangesUnseen) {
   for (std::size_t bit = 0; bit < 8 * kTelemetryBytes; ++bit) {
     auto bytes = kWorkedTelemetry;
@@ -118,6 +174,8 @@ TEST(RoverWire, SequencesWrap) {
   EXPECT_FALSE(is_after(0, 1));
   EXPECT_TRUE(is_after(0, 0xFFFFFFFF));
   EXPECT_TRUE(is_after(5, 0xFFFFFFF0));
+  EXPECT_TRUE(is_after(0x7FFFFFFF, 0)) << "by less than half of the numbers";
+  EXPECT_FALSE(is_after(0x80000001, 0));
 }
 
 /// Random bytes; half of them begin like a datagram of ours, and some of those are only damaged.

@@ -1,3 +1,5 @@
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "test/wire/vicon/vicon_bytes.hpp"
@@ -185,6 +187,123 @@ TEST(IsStatic, PartsTypesAsTheSdkDoes) {
   for (const std::uint32_t type : {42u, 100001u, 100003u, 100004u}) {
     EXPECT_TRUE(!is_dynamic(type) && !is_static(type)) << type;
   }
+}
+
+// The SDK's own split: what describes the scene, what belongs to a frame, what is said beside.
+TEST(IsStatic, PartsEveryTypeAsTheSdkDoes) {
+  const std::set<std::uint32_t> scene{1,  2,  3,  4,  14, 19, 20,   27,   28,
+                                      29, 33, 34, 37, 38, 40, 1401, 28001};
+  for (std::uint32_t type = 0; type < 100'020; ++type) {
+    ASSERT_EQ(is_static(type), scene.contains(type)) << type;
+    const bool is_said_beside = type == 42 || type > 100'000;
+    ASSERT_EQ(is_dynamic(type), !scene.contains(type) && !is_said_beside) << type;
+  }
+}
+
+TEST(PacketWriter, PutsSeveralBlocksIntoSeveralPackets) {
+  std::vector<std::uint8_t> bytes{9, 9, 9};  // what was written before stays
+  std::vector<std::size_t> ends;
+  for (const std::uint32_t first : {1u, 4u}) {
+    PacketWriter packet(bytes);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      packet.begin_block(first + k);
+      packet.body().zeros(first * k);
+      packet.end_block();
+    }
+    packet.finish();
+    ends.push_back(bytes.size());
+  }
+  ASSERT_EQ(bytes.size(), 3u + (8 + 3 * 8 + 3 * 1) + (8 + 3 * 8 + 3 * 4));
+  Bytes rest = Bytes(bytes).subspan(3);
+  for (const std::uint32_t first : {1u, 4u}) {
+    const Framed framed = next_packet(rest);
+    ASSERT_EQ(framed.state, Framing::kWhole);
+    EXPECT_EQ(framed.bytes, framed.body.size() + 8);
+    BlockCursor cursor(framed.body);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const auto block = cursor.next();
+      ASSERT_TRUE(block);
+      EXPECT_EQ(block->type, first + k);
+      EXPECT_EQ(block->body.size(), first * k);
+    }
+    EXPECT_FALSE(cursor.next());
+    EXPECT_FALSE(cursor.is_broken());
+    for (std::size_t part = 0; part < framed.bytes; ++part) {
+      EXPECT_EQ(next_packet(rest.first(part)).state, Framing::kNeedMore) << part;
+    }
+    rest = rest.subspan(framed.bytes);
+  }
+  EXPECT_TRUE(rest.empty());
+}
+
+TEST(NextPacket, IsOfTwoMebibytesAtMost) {
+  const auto state_of = [](std::uint32_t body_bytes) {
+    std::vector<std::uint8_t> header;
+    Writer<std::endian::little> writer(header);
+    writer.u32(kPacketMagic);
+    writer.u32(body_bytes);
+    return next_packet(header).state;
+  };
+  EXPECT_EQ(state_of((2u << 20u) - 8), Framing::kNeedMore);
+  EXPECT_EQ(state_of((2u << 20u) - 7), Framing::kBroken);
+  for (std::size_t at = 0; at < 4; ++at) {
+    auto header = from_hex("0100 2B1A 00000000");
+    header[at] ^= 0x40;
+    EXPECT_EQ(next_packet(header).state, Framing::kBroken) << at;
+    EXPECT_EQ(next_packet(Bytes(header).first(at + 1)).state, Framing::kBroken) << at;
+  }
+}
+
+TEST(Decode, TakesAnyOtherByteThanItsOwnForNo) {
+  RequestFrame request;
+  ApplicationInfo application;
+  for (int byte = 0; byte < 256; ++byte) {
+    const std::vector<std::uint8_t> body{static_cast<std::uint8_t>(byte)};
+    ASSERT_TRUE(decode(body, request) && decode(body, application));
+    EXPECT_EQ(request.streaming, byte != 0) << byte;
+    EXPECT_EQ(application.is_y_up, byte == 1) << byte;
+  }
+  EXPECT_FALSE(there_and_back(RequestFrame{false}, kRequestFrame).streaming);
+  EXPECT_FALSE(there_and_back(ApplicationInfo{false}, kApplicationInfo).is_y_up);
+  EXPECT_EQ(StreamInfo{-1}.rate_hz(), 0.0);
+  EXPECT_EQ(StreamInfo{1}.rate_hz(), 135e6);
+  EXPECT_EQ(RequestNextFrame{}.count, 1u);
+}
+
+/// Expects that a count of elements of `element_bytes` each, behind `head`, is believed when the
+/// bytes are there and reserves nothing when one of them is missing. `elements`: how many there
+/// are.
+template <class Value, class Elements>
+void expect_room_for_all(const std::vector<std::uint8_t>& head, std::size_t element_bytes,
+                         const Elements& elements) {
+  for (const std::uint32_t count : {1u, 2u, 5u, 40u}) {
+    std::vector<std::uint8_t> body = head;
+    Writer<std::endian::little> writer(body);
+    writer.u32(count);
+    writer.zeros(count * element_bytes - 1);
+    Value value;
+    EXPECT_FALSE(decode(body, value));
+    EXPECT_EQ(elements(value), 0u) << count << " of " << element_bytes;
+    writer.zeros(1 + 8);  // and no counts of what may come behind
+    EXPECT_TRUE(decode(body, value));
+    EXPECT_EQ(elements(value), count) << count << " of " << element_bytes;
+  }
+}
+
+TEST(Decode, ReservesNothingForWhatCannotBeThere) {
+  const auto id = from_hex("01000000");
+  expect_room_for_all<Segments>(id, 100, [](const auto& v) { return v.poses.size(); });
+  expect_room_for_all<LightweightSegments>(id, 28, [](const auto& v) { return v.poses.size(); });
+  expect_room_for_all<LatencyInfo>({}, 12, [](const auto& v) { return v.stages.size(); });
+  expect_room_for_all<FrameRateInfo>({}, 12, [](const auto& v) { return v.rates.size(); });
+  expect_room_for_all<ObjectEnums>({}, 4, [](const auto& v) { return v.types.size(); });
+  expect_room_for_all<Contents>({}, 8, [](const auto& v) { return v.sent.size(); });
+  expect_room_for_all<SubjectInfo>(from_hex("01000000 00000000"), 36,
+                                   [](const auto& v) { return v.segments.size(); });
+  expect_room_for_all<SubjectInfo>(from_hex("01000000 00000000 00000000"), 8,
+                                   [](const auto& v) { return v.markers.size(); });
+  expect_room_for_all<SubjectInfo>(from_hex("01000000 00000000 00000000 00000000"), 8,
+                                   [](const auto& v) { return v.attachments.size(); });
 }
 
 TEST(StreamBuffer, NeverHoldsMoreThanItsCapacityAndLosesNothing) {

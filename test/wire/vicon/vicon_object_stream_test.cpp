@@ -56,6 +56,45 @@ TEST(ObjectsPerBlock, AreThreeSixThirteen) {
   EXPECT_EQ(objects_per_block(0), 0u);
 }
 
+TEST(ObjectsPerBlock, AreAsManyAsFitAndAsTheCountCanSay) {
+  for (std::size_t objects = 0; objects < 300; ++objects) {
+    const std::size_t bytes = 5 + 75 * objects;
+    EXPECT_EQ(objects_per_block(bytes), std::min<std::size_t>(objects, 255)) << objects;
+    EXPECT_EQ(objects_per_block(bytes + 74), std::min<std::size_t>(objects, 255)) << objects;
+  }
+  EXPECT_EQ(objects_per_block(4), 0u);
+}
+
+TEST(EncodeObjectBlock, IsNoLongerThanItMustBe) {
+  ObjectBlock block = worked_block();
+  std::vector<std::uint8_t> datagram;
+  for (const std::size_t block_bytes : {79u, 80u, 81u}) {
+    encode_object_block(block, block_bytes, datagram);
+    EXPECT_EQ(datagram.size(), std::max<std::size_t>(block_bytes, 80u));
+  }
+  block.objects.clear();
+  encode_object_block(block, 0, datagram);
+  EXPECT_EQ(datagram.size(), kObjectHeaderBytes);
+}
+
+// The memory is used again; what was wrong with the datagram before is not.
+TEST(DecodeObjectBlock, SaysNothingOfTheDatagramBefore) {
+  ObjectBlock block;
+  std::vector<std::uint8_t> spoiled = kWorked;
+  spoiled[4] = 3;
+  spoiled.insert(spoiled.end(), {7, 0, 0});  // another kind; then the end, too early
+  ASSERT_TRUE(decode_object_block(spoiled, block));
+  EXPECT_EQ(block.skipped_items, 1);
+  EXPECT_TRUE(block.is_truncated);
+  EXPECT_EQ(block.objects.size(), 1u);
+  ASSERT_TRUE(decode_object_block(kWorked, block));
+  EXPECT_EQ(block.skipped_items, 0);
+  EXPECT_FALSE(block.is_truncated);
+  EXPECT_EQ(block.objects.size(), 1u);
+  EXPECT_FALSE(decode_object_block(Bytes(kWorked).first(4), block));
+  EXPECT_TRUE(block.objects.empty());
+}
+
 TEST(DecodeObjectBlock, UndoesEncodingForAnyContents) {
   test::Random random(4);
   std::vector<std::uint8_t> datagram;

@@ -68,6 +68,49 @@ TEST(RotationFromXyzw, RefusesWhatIsNotUnit) {
   EXPECT_FALSE(rotation_from_xyzw(std::nan(""), 0.0, 0.6, 0.8));
 }
 
+// By up to a thousandth, on either side; what is taken is made unit, in its own order.
+TEST(RotationFromXyzw, MakesUnitWhatIsNearlyUnit) {
+  const Eigen::Vector4d xyzw = Eigen::Vector4d(0.1, -0.3, 0.5, 0.7).normalized();
+  for (const double off : {-0.95e-3, -1e-9, 0.0, 1e-9, 0.95e-3}) {
+    const Eigen::Vector4d q = (1.0 + off) * xyzw;
+    const auto rotation = rotation_from_xyzw(q.x(), q.y(), q.z(), q.w());
+    ASSERT_TRUE(rotation) << off;
+    EXPECT_TRUE(is_near(rotation->coeffs(), xyzw, 1e-15)) << off;
+  }
+  for (const double off : {-1.05e-3, 1.05e-3}) {
+    const Eigen::Vector4d q = (1.0 + off) * xyzw;
+    EXPECT_FALSE(rotation_from_xyzw(q.x(), q.y(), q.z(), q.w())) << off;
+  }
+}
+
+// RᵀR of a scaled rotation is (1 + off)·I, of a sheared one has `off` beside its diagonal.
+TEST(RotationFromMatrix, TakesWhatIsNearlyOneAndMakesItOne) {
+  const Eigen::Matrix3d R = product_of_turns({0.3, -1.2, 2.0});
+  for (const double off : {-1.05e-3, -0.95e-3, 0.95e-3, 1.05e-3}) {
+    const auto scaled = rotation_from_matrix(std::sqrt(1.0 + off) * R);
+    Eigen::Matrix3d shear = Eigen::Matrix3d::Identity();
+    shear(0, 2) = off;
+    const auto sheared = rotation_from_matrix(R * shear);
+    EXPECT_EQ(scaled.has_value(), std::abs(off) < 1e-3) << off;
+    EXPECT_EQ(sheared.has_value(), std::abs(off) < 1e-3) << off;
+    if (scaled && sheared) {
+      EXPECT_TRUE(is_near(scaled->toRotationMatrix(), R, 1e-3));
+      EXPECT_NEAR(scaled->norm(), 1.0, 1e-15);
+      EXPECT_TRUE(is_near(sheared->toRotationMatrix(), R, 1e-3));
+      EXPECT_NEAR(sheared->norm(), 1.0, 1e-15);
+    }
+  }
+}
+
+TEST(EulerXyzFromRotation, GivesTheAnglesWithinTheirRanges) {
+  test::Random random(4);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d euler(random.uniform(-kPi, kPi), random.uniform(-1.57, 1.57),
+                                random.uniform(-kPi, kPi));
+    EXPECT_TRUE(is_near(euler_xyz_from_rotation(rotation_from_euler_xyz(euler)), euler, 1e-9));
+  }
+}
+
 TEST(ZUpFromYUp, MapsThePointThatTheirOwnClientMapped) {
   const Pose3 y_up{{0.989, 0.145, 1.020}, Eigen::Quaterniond::Identity()};
   const Pose3 z_up = z_up_from_y_up(y_up);

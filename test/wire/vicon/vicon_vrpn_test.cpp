@@ -1,3 +1,6 @@
+#include <cmath>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "test/wire/vicon/vicon_bytes.hpp"
@@ -29,6 +32,33 @@ TEST(VrpnCookie, IsRefusedWhenItIsNone) {
   EXPECT_FALSE(decode_vrpn_cookie(from_text("vrpn: ver. 07.35  0")));  // 19 of 24 bytes
   EXPECT_FALSE(decode_vrpn_cookie(from_text("vrpn: ver. ab.cd  0     ")));
   EXPECT_FALSE(decode_vrpn_cookie(from_text("SSH-2.0-OpenSSH_9.2p1 De")));
+}
+
+TEST(VrpnCookie, NamesItsVersionByTwoDigitsEach) {
+  std::vector<std::uint8_t> cookies;
+  for (int minor = 0; minor < 100; ++minor) {  // one behind the other
+    append_vrpn_cookie(cookies, minor);
+    ASSERT_EQ(cookies.size(), 24U * (static_cast<std::size_t>(minor) + 1));
+    const auto version = decode_vrpn_cookie(Bytes(cookies).last(24));
+    ASSERT_TRUE(version);
+    EXPECT_EQ(version->major, kVrpnMajor);
+    EXPECT_EQ(version->minor, minor);
+  }
+  const auto other = decode_vrpn_cookie(from_text("vrpn: ver. 12.34  0     "));
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->major, 12);
+  EXPECT_EQ(other->minor, 34);
+  for (std::size_t at = 0; at < 16; ++at) {
+    for (const char c : {'/', ':', 'v'}) {  // beside the digits; and one more
+      std::string text = "vrpn: ver. 12.34  0     ";
+      const bool is_same = text[at] == c;
+      text[at] = c;
+      EXPECT_EQ(decode_vrpn_cookie(from_text(text)).has_value(), is_same) << text;
+    }
+  }
+  for (const char* edge : {"vrpn: ver. 00.00  0     ", "vrpn: ver. 99.99  0     "}) {
+    EXPECT_TRUE(decode_vrpn_cookie(from_text(edge))) << edge;
+  }
 }
 
 TEST(VrpnMessage, PoseHasItsBytes) {
@@ -103,6 +133,78 @@ TEST(VrpnMessage, LengthsThatCannotBeBreakTheStream) {
   EXPECT_EQ(next_vrpn_message(from_hex("00000018"), header).state, Framing::kNeedMore);
 }
 
+TEST(VrpnMessage, IsOf64KibibytesAtMost) {
+  VrpnHeader header;
+  EXPECT_EQ(next_vrpn_message(from_hex("00010000"), header).state, Framing::kNeedMore);
+  EXPECT_EQ(next_vrpn_message(from_hex("00010001"), header).state, Framing::kBroken);
+}
+
+// Names of every length, each with the next behind it: padding is to 8 bytes and no more.
+TEST(VrpnMessage, EveryNameComesBackAndTheNextOneBehindIt) {
+  std::vector<std::uint8_t> bytes;
+  for (int length = 1; length <= 129; ++length) {
+    append_vrpn_name(bytes, kVrpnTypeDescription, length,
+                     std::string(static_cast<std::size_t>(length), 'n'));
+  }
+  Bytes rest(bytes);
+  for (int length = 1; length <= 129; ++length) {
+    VrpnHeader header;
+    const Framed framed = next_vrpn_message(rest, header);
+    ASSERT_EQ(framed.state, Framing::kWhole);
+    EXPECT_EQ(header.sender, length);
+    EXPECT_EQ(header.type, kVrpnTypeDescription);
+    EXPECT_EQ(framed.body.size(), static_cast<std::size_t>(length) + 5);
+    EXPECT_EQ(framed.bytes, (framed.body.size() + 24 + 7) / 8 * 8);
+    EXPECT_EQ(next_vrpn_message(rest.first(framed.bytes - 1), header).state, Framing::kNeedMore);
+    const auto name = decode_vrpn_name(framed.body);
+    ASSERT_EQ(name.has_value(), length <= 128) << length;
+    if (name) {
+      EXPECT_EQ(*name, std::string(static_cast<std::size_t>(length), 'n'));
+    }
+    rest = rest.subspan(framed.bytes);
+  }
+  EXPECT_TRUE(rest.empty());
+  EXPECT_EQ(decode_vrpn_name(from_hex("00000003 616263")), "abc") << "without a NUL, too";
+}
+
+TEST(VrpnMessage, PlainOneHasItsBytes) {
+  std::vector<std::uint8_t> bytes{0xEE};
+  append_vrpn_message(bytes, {1, 2, 3, -4}, from_hex("abcdef"));
+  EXPECT_EQ(bytes, from_hex("EE 0000001b 00000001 00000002 00000003 fffffffc 00000000"
+                            "abcdef 0000000000"));
+}
+
+TEST(VrpnMessage, VelocityComesBackWhole) {
+  std::vector<std::uint8_t> bytes;
+  append_vrpn_velocity(bytes, {1, 2, 3, 4}, {5, {0.1, -0.2, 0.3}, {0.5, -0.1, 0.7, 0.2}, 0.01});
+  ASSERT_EQ(bytes.size(), 24U + 72U);
+  const Bytes payload = Bytes(bytes).subspan(24);
+  const auto velocity = decode_vrpn_velocity(payload);
+  ASSERT_TRUE(velocity);
+  EXPECT_EQ(velocity->sensor, 5);
+  EXPECT_EQ(velocity->velocity_mps, Eigen::Vector3d(0.1, -0.2, 0.3));
+  EXPECT_EQ(velocity->quaternion_xyzw, Eigen::Vector4d(0.5, -0.1, 0.7, 0.2));
+  EXPECT_EQ(velocity->interval_s, 0.01);
+  EXPECT_FALSE(decode_vrpn_velocity(payload.first(64))) << "that is a pose";
+  EXPECT_FALSE(decode_vrpn_pose(payload)) << "that is a velocity";
+}
+
+TEST(VrpnCallback, IsOfAPortThatThereIs) {
+  for (const int port : {1, 65'535}) {
+    const auto callback = decode_vrpn_callback(from_text("host " + std::to_string(port)));
+    ASSERT_TRUE(callback) << port;
+    EXPECT_EQ(callback->port, port);
+  }
+  EXPECT_FALSE(decode_vrpn_callback(from_text("host -1")));
+  const auto of_a_name_of = [](std::size_t letters) {
+    std::string text(letters, 'h');
+    text.append(" 40123");
+    return decode_vrpn_callback(from_text(text));
+  };
+  EXPECT_TRUE(of_a_name_of(74)) << "80 bytes are looked at";
+  EXPECT_FALSE(of_a_name_of(80));
+}
+
 TEST(VrpnCallback, IsTextOfAddressAndPort) {
   std::vector<std::uint8_t> bytes;
   append_vrpn_callback(bytes, {"10.0.0.7", 40123});
@@ -155,6 +257,71 @@ TEST(IdentifyStream, TellsTheServersApart) {
   EXPECT_EQ(identify_stream(qualisys), Speaker::kQualisys);
   EXPECT_EQ(identify_stream(from_hex("ff00ff00ff00ff00")), Speaker::kUnknown);
   EXPECT_EQ(identify_stream({}), Speaker::kTooFewBytes);
+}
+
+TEST(IdentifyStream, SaysNothingBeforeThereIsEnough) {
+  const auto magic = from_hex("0100 2B1A");
+  EXPECT_EQ(identify_stream(magic), Speaker::kDataStream);
+  const std::string cookie = "vrpn: ver. ";
+  for (std::size_t bytes = 1; bytes <= cookie.size(); ++bytes) {
+    EXPECT_EQ(identify_stream(from_text(cookie.substr(0, bytes))),
+              bytes < cookie.size() ? Speaker::kTooFewBytes : Speaker::kVrpn)
+        << bytes;
+  }
+  for (std::size_t bytes = 1; bytes < 12; ++bytes) {
+    EXPECT_EQ(identify_stream(std::vector<std::uint8_t>(bytes, 0xff)),
+              bytes < 8 ? Speaker::kTooFewBytes : Speaker::kUnknown)
+        << bytes;
+    std::string text(12, 't');
+    text[bytes] = '\x7f';  // only the beginning has to be text
+    EXPECT_EQ(identify_stream(from_text(text)), bytes < 8 ? Speaker::kUnknown : Speaker::kText)
+        << bytes;
+  }
+  std::vector<std::uint8_t> qualisys = from_hex("0000002b 00000001");
+  EXPECT_EQ(identify_stream(qualisys), Speaker::kUnknown) << "a header of anything";
+  qualisys.push_back('Q');
+  EXPECT_EQ(identify_stream(qualisys), Speaker::kQualisys);
+  qualisys.push_back('R');
+  EXPECT_EQ(identify_stream(qualisys), Speaker::kUnknown);
+}
+
+TEST(IdentifyDatagram, TakesNoNonsenseForAnObjectStream) {
+  ObjectBlock block;
+  block.objects.resize(3);
+  for (TrackerObject& object : block.objects) {
+    object.set_name("object");
+  }
+  const auto identified = [](const ObjectBlock& changed) {
+    std::vector<std::uint8_t> datagram;
+    encode_object_block(changed, 0, datagram);
+    return identify_datagram(datagram);
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      for (const double sign : {-1.0, 1.0}) {
+        ObjectBlock changed = block;
+        changed.objects[k].translation_mm(axis) = sign * 0.9e7;
+        EXPECT_EQ(identified(changed), Speaker::kObjectStream);
+        changed.objects[k].translation_mm(axis) = sign * 1.1e7;
+        EXPECT_EQ(identified(changed), Speaker::kUnknown);
+      }
+      ObjectBlock changed = block;
+      changed.objects[k].translation_mm(axis) = std::nan("");
+      EXPECT_EQ(identified(changed), Speaker::kUnknown);
+      changed = block;
+      changed.objects[k].euler_xyz_rad(axis) = std::nan("");
+      EXPECT_EQ(identified(changed), Speaker::kUnknown);
+    }
+    ObjectBlock changed = block;
+    changed.objects[k].set_name("");
+    EXPECT_EQ(identified(changed), Speaker::kUnknown) << "nameless";
+  }
+  std::vector<std::uint8_t> datagram;
+  encode_object_block(block, 0, datagram);
+  EXPECT_EQ(identify_datagram(Bytes(datagram).first(datagram.size() - 1)), Speaker::kUnknown);
+  EXPECT_EQ(identify_datagram(from_hex("01000000 00")), Speaker::kUnknown) << "of no object";
+  EXPECT_EQ(identify_datagram(from_hex("0100 2B1A")), Speaker::kDataStream);
+  EXPECT_EQ(identify_datagram(from_hex("0100 2B")), Speaker::kUnknown);
 }
 
 TEST(IdentifyDatagram, TellsTheStreamsApart) {

@@ -1,0 +1,178 @@
+#include <cstdint>
+#include <random>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/auth/envelope.hpp"
+#include "test/bus/auth/auth_support.hpp"
+
+// What is remembered and what may be spent, to its edges.
+
+namespace vantage::bus::auth {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::milliseconds;
+
+constexpr Time kNow = Time{Duration{1'700'000'000'000'000}};
+constexpr std::uint64_t kNowCounter = 1'700'000'000'000'000;
+
+TEST(Budget, IsSpentOneByOneAndFilledUpToItsBurst) {
+  Budget budget(2.0, 3.0);
+  const auto spend = [&budget](Time now) {
+    int out = 0;
+    while (out < 100 && budget.take(now)) {
+      ++out;
+    }
+    return out;
+  };
+  EXPECT_EQ(spend(kNow), 3);
+  EXPECT_EQ(spend(kNow + milliseconds(499)), 0) << "not yet a whole one";
+  EXPECT_EQ(spend(kNow + milliseconds(500)), 1);
+  EXPECT_EQ(spend(kNow + milliseconds(1'500)), 2);
+  EXPECT_EQ(spend(kNow + hours(1)), 3) << "no more than the burst";
+  EXPECT_EQ(spend(kNow + hours(1)), 0);
+}
+
+const Budget kNone(0.0, 0.0);
+const Budget kAny(1e9, 1e9);
+constexpr std::uint64_t host(std::uint64_t number, std::uint64_t port = 0) {
+  return (number << 16U) | port;
+}
+
+TEST(SignatureBudgets, OfAHostAreOfAllItsPortsTogether) {
+  SignatureBudgets budgets({kNone, kNone}, {Budget(0.0, 3.0), Budget(0.0, 2.0)}, {kAny, kAny});
+  int orders = 0;
+  int stops = 0;
+  for (std::uint64_t port = 1; port < 10; ++port) {
+    orders += budgets.take({host(1, port), port}, false, kNow) ? 1 : 0;
+    stops += budgets.take({host(1, 65'535), port}, true, kNow) ? 1 : 0;
+  }
+  EXPECT_EQ(orders, 3);
+  EXPECT_EQ(stops, 2);
+  EXPECT_TRUE(budgets.take({host(2, 1), 1}, false, kNow)) << "another host's";
+}
+
+// As one who was right is known by its address and session, both.
+TEST(SignatureBudgets, OfWhoWasRightAreItsOwn) {
+  SignatureBudgets budgets({Budget(0.0, 2.0), Budget(0.0, 2.0)}, {kNone, kNone}, {kAny, kAny});
+  const Sender known{host(1, 5), 7};
+  EXPECT_FALSE(budgets.take(known, false, kNow));
+  budgets.prove(known, kNow);
+  EXPECT_FALSE(budgets.take({host(1, 6), 7}, false, kNow));
+  EXPECT_FALSE(budgets.take({host(1, 5), 8}, false, kNow));
+  EXPECT_TRUE(budgets.take(known, false, kNow));
+  budgets.prove(known, kNow);
+  EXPECT_TRUE(budgets.take(known, false, kNow));
+  EXPECT_FALSE(budgets.take(known, false, kNow)) << "being right again fills nothing up";
+  EXPECT_TRUE(budgets.take(known, true, kNow)) << "stops have their own";
+}
+
+TEST(SignatureBudgets, OfSixteenWhoWereRightTheOneSilentLongestGivesWay) {
+  SignatureBudgets budgets({kAny, kAny}, {kNone, kNone}, {kNone, kNone});
+  const auto sender = [](int i) { return Sender{host(static_cast<std::uint64_t>(i)), 1}; };
+  for (int i = 0; i < 16; ++i) {
+    budgets.prove(sender(i), kNow + milliseconds(i));
+  }
+  EXPECT_TRUE(budgets.take(sender(0), false, kNow + milliseconds(20))) << "all are known";
+  budgets.prove(sender(16), kNow + milliseconds(30));
+  EXPECT_FALSE(budgets.take(sender(1), false, kNow + milliseconds(40)));
+  for (const int i : {0, 2, 15, 16}) {
+    EXPECT_TRUE(budgets.take(sender(i), false, kNow + milliseconds(40))) << i;
+  }
+}
+
+TEST(SignatureBudgets, OfSixtyFourHostsTheOneSilentLongestBeginsAnew) {
+  SignatureBudgets budgets({kNone, kNone}, {Budget(0.0, 1.0), Budget(0.0, 1.0)}, {kAny, kAny});
+  const auto take = [&budgets](std::uint64_t number, int at_ms) {
+    return budgets.take({host(number), 1}, false, kNow + milliseconds(at_ms));
+  };
+  for (std::uint64_t i = 0; i < 64; ++i) {
+    EXPECT_TRUE(take(i, static_cast<int>(i)));
+  }
+  EXPECT_FALSE(take(0, 70)) << "all are remembered";
+  EXPECT_TRUE(take(64, 80));
+  EXPECT_FALSE(take(0, 81));
+  EXPECT_FALSE(take(2, 81));
+  EXPECT_TRUE(take(1, 82)) << "who gave way has a host's budget again";
+}
+
+TEST(SignatureBudgets, OfStrangersAreOneForAllHosts) {
+  SignatureBudgets budgets({kNone, kNone}, {kAny, kAny}, {Budget(0.0, 3.0), Budget(0.0, 5.0)});
+  int orders = 0;
+  int stops = 0;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    orders += budgets.take({host(i), i}, false, kNow) ? 1 : 0;
+    stops += budgets.take({host(i), i}, true, kNow) ? 1 : 0;
+  }
+  EXPECT_EQ(orders, 3);
+  EXPECT_EQ(stops, 5);
+}
+
+// Sets of what was heard are the oracle: the newest 64, and nothing below the newest forgotten.
+TEST(ReplayGuard, AgreesWithFullBookkeeping) {
+  std::mt19937_64 rng(9);
+  for (int trial = 0; trial < 30; ++trial) {
+    ReplayGuard guard;
+    std::set<std::uint64_t> heard;
+    std::uint64_t forgotten = 0;
+    std::uint64_t newest = 200;
+    for (int i = 0; i < 2'000; ++i) {
+      const std::uint64_t counter =
+          newest + rng() % 5 - std::min<std::uint64_t>(rng() % 130, newest);
+      const bool is_new = counter > forgotten && !heard.contains(counter);
+      ASSERT_EQ(guard.refuses(1, 1, counter), !is_new);
+      ASSERT_EQ(guard.refuses(1, 1, counter), !is_new) << "asking changes nothing";
+      ASSERT_EQ(guard.admit(1, 1, counter), is_new);
+      if (is_new) {
+        heard.insert(counter);
+        if (heard.size() > 64) {
+          forgotten = *heard.begin();
+          heard.erase(heard.begin());
+        }
+      }
+      newest = std::max(newest, counter);
+    }
+    EXPECT_FALSE(guard.refuses(1, 2, 1)) << "of another session";
+    EXPECT_FALSE(guard.refuses(2, 1, 1)) << "of another key";
+    EXPECT_FALSE(guard.knows(2, 1));
+    EXPECT_TRUE(guard.knows(1, 1));
+  }
+}
+
+TEST(Verify, TakesWhatIsSaidWithinTwoSecondsOfNow) {
+  const Key key = test::key_of(Role::kMocap, 1);
+  const Key station = test::key_of(Role::kOperator, 4);
+  struct Row {
+    std::int64_t off_us;
+    bool is_of_now;
+  };
+  for (const Row& row : {Row{-2'000'001, false}, Row{-2'000'000, true}, Row{0, true},
+                         Row{2'000'000, true}, Row{2'000'001, false}}) {
+    for (const bool judges_time : {false, true}) {
+      Keyring keyring;
+      keyring.add(test::key_of(Role::kMocap, 1));
+      keyring.add(test::key_of(Role::kOperator, 4));
+      ReplayGuard replays;
+      SignatureBudgets budgets;
+      const std::uint64_t counter = kNowCounter + static_cast<std::uint64_t>(row.off_us);
+      const auto judged = [&](const Key& signer, const char* channel) {
+        std::vector<std::uint8_t> message{1, 2, 3};
+        sign(signer, channel, {0, 5, counter, signer.role, scenario::TrialMode::kLive}, {},
+             message);
+        return verify(keyring, channel, message,
+                      {scenario::TrialMode::kLive, kNow, judges_time, false, 0}, replays, budgets)
+            .refusal;
+      };
+      EXPECT_EQ(judged(key, "VICON"),
+                row.is_of_now || !judges_time ? Refusal::kNone : Refusal::kStale)
+          << row.off_us;
+      EXPECT_EQ(judged(station, "COMMAND"), Refusal::kNone) << "a station's clock may be wrong";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vantage::bus::auth

@@ -1,0 +1,169 @@
+#include "bus/auth/authenticator.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/bus/auth/auth_support.hpp"
+
+// One process's part, without a bus: whom it echoes, and for how long it takes what.
+
+namespace vantage::bus::auth {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Message = std::vector<std::uint8_t>;
+
+constexpr Time kNow = Time{Duration{1'700'000'000'000'000}};
+
+std::unique_ptr<Authenticator> process() { return test::authenticator(test::keys_of_a_trial()); }
+
+Message said(Authenticator& process, const std::string& channel, Time now,
+             const std::string& robot = "") {
+  Message message{1, 2, 3};
+  process.seal(channel, robot, now, message);
+  return message;
+}
+
+/// What a station that heard `statuses` says to `robot`.
+SignedParts parts_of(const Message& message) { return split(message).value(); }
+
+void hear(Authenticator& station, const std::string& robot, const Message& status, Time now) {
+  EXPECT_TRUE(station.judge("VEHICLE_" + robot, status, now, true, false).may_pass);
+}
+
+TEST(Authenticator, EchoesOneVehicleOrAllThatItHeard) {
+  const auto station = process();
+  std::map<std::string, std::uint64_t> sessions;
+  for (const char* const robot : {"Q1", "Q2", "Q3"}) {
+    const auto vehicle = process();
+    sessions[robot] = vehicle->session();
+    hear(*station, robot, said(*vehicle, std::string("VEHICLE_") + robot, kNow), kNow);
+  }
+  const Message to_all = said(*station, "COMMAND", kNow);
+  EXPECT_EQ(parts_of(to_all).echoes.size(), 3 * kEchoBytes);
+  const Message to_one = said(*station, "COMMAND", kNow, "Q2");
+  EXPECT_EQ(parts_of(to_one).echoes.size(), kEchoBytes);
+  EXPECT_EQ(parts_of(to_one).echo_for(destination_of("Q2")), sessions["Q2"]);
+  for (const auto& [robot, session] : sessions) {
+    EXPECT_EQ(parts_of(to_all).echo_for(destination_of(robot)), session) << robot;
+  }
+  EXPECT_EQ(parts_of(said(*station, "COMMAND", kNow, "Q9")).echoes.size(), 0U);
+  EXPECT_EQ(parts_of(said(*station, "PLAN_Q1", kNow)).echoes.size(), 0U) << "that is no command";
+}
+
+TEST(Authenticator, EchoesSixtyFourVehiclesAtMost) {
+  const auto station = process();
+  for (int i = 0; i < 70; ++i) {
+    const std::string robot = "Q" + std::to_string(i);
+    const auto vehicle = process();
+    hear(*station, robot, said(*vehicle, "VEHICLE_" + robot, kNow), kNow);
+    EXPECT_EQ(parts_of(said(*station, "COMMAND", kNow)).echoes.size(),
+              std::min<std::size_t>(static_cast<std::size_t>(i) + 1, 64) * kEchoBytes);
+  }
+}
+
+TEST(Authenticator, CountsOnByItsClockAndNeverBack) {
+  const auto node = process();
+  std::uint64_t last = 0;
+  for (const int at_ms : {0, 0, 5, -100, -100, 6}) {
+    const Time now = kNow + milliseconds(at_ms);
+    const std::uint64_t counter = parts_of(said(*node, "MAP_Q1", now)).foot.counter;
+    EXPECT_GE(counter, static_cast<std::uint64_t>(to_utime(now)));
+    EXPECT_GT(counter, last);
+    EXPECT_LE(counter, static_cast<std::uint64_t>(to_utime(kNow)) + 6'000) << "and no further";
+    last = counter;
+  }
+  EXPECT_EQ(parts_of(said(*process(), "MAP_Q1", from_utime(-5))).foot.counter, 1U);
+}
+
+/// A vehicle Q1 that asks for a nonce, and a station that has heard it.
+class Nonces : public ::testing::Test {
+ protected:
+  Nonces() { vehicle_->answer_to("Q1"); }
+  Message status(Time now) { return said(*vehicle_, "VEHICLE_Q1", now); }
+  Refusal command(Time now) {
+    const Message message = said(*station_, "COMMAND", now, "Q1");
+    return vehicle_->judge("COMMAND", message, now, true, false).echo;
+  }
+  std::unique_ptr<Authenticator> vehicle_ = process();
+  std::unique_ptr<Authenticator> station_ = process();
+};
+
+TEST_F(Nonces, OfTheSessionBeforeAreTakenForASecond) {
+  EXPECT_EQ(command(kNow), Refusal::kWrongDestination);
+  hear(*station_, "Q1", status(kNow), kNow);
+  EXPECT_EQ(command(kNow), Refusal::kNone);
+  vehicle_->renew_session(kNow + seconds(1));
+  EXPECT_EQ(command(kNow + seconds(2)), Refusal::kNone);
+  EXPECT_EQ(command(kNow + seconds(2) + Duration{1}), Refusal::kWrongSession);
+  vehicle_->renew_session(kNow + seconds(3));
+  EXPECT_EQ(command(kNow + seconds(3)), Refusal::kWrongSession) << "that is two sessions ago";
+}
+
+TEST_F(Nonces, AreThoseOfTheNewestStatusOrOfOneThatAloneIsHeard) {
+  const Message old = status(kNow);
+  const std::uint64_t old_session = vehicle_->session();
+  vehicle_->renew_session(kNow);
+  const std::uint64_t session = vehicle_->session();
+  ASSERT_NE(session, old_session);
+  const auto echoed_by = [](Authenticator& station, Time now) {
+    return parts_of(said(station, "COMMAND", now)).echo_for(destination_of("Q1"));
+  };
+  hear(*station_, "Q1", status(kNow + milliseconds(1)), kNow + milliseconds(1));
+  EXPECT_EQ(echoed_by(*station_, kNow), session);
+  for (const int at_ms : {500, 1'000}) {  // the same session goes on
+    hear(*station_, "Q1", status(kNow + milliseconds(at_ms)), kNow + milliseconds(at_ms));
+  }
+  hear(*station_, "Q1", old, kNow + seconds(2));
+  EXPECT_EQ(echoed_by(*station_, kNow), session) << "older than what was heard";
+  // Heard last at 1 s: two seconds later it still is the live one's, and then no more.
+  for (const bool is_over : {false, true}) {
+    const auto station = test::authenticator(test::keys_of_a_trial());
+    for (const int at_ms : {500, 1'000}) {
+      hear(*station, "Q1", status(kNow + milliseconds(at_ms)), kNow + milliseconds(at_ms));
+    }
+    const Time now = kNow + seconds(3) + Duration{is_over ? 1 : 0};
+    EXPECT_TRUE(station->judge("VEHICLE_Q1", old, now, false, false).may_pass);
+    EXPECT_EQ(echoed_by(*station, now), is_over ? old_session : session);
+  }
+}
+
+TEST(Authenticator, CountsRefusalsOf1024ChannelsByTheirNames) {
+  const auto node = process();
+  const Message unsigned_message{1, 2, 3};
+  const auto refuse = [&](int i) {
+    const std::string channel = "PLAN_" + std::to_string(i);
+    EXPECT_FALSE(node->judge(channel, unsigned_message, kNow, true, false).may_pass);
+  };
+  const auto counts = [&] {
+    std::vector<models::NamedCount> list;
+    node->count(list);
+    std::map<std::string, std::int64_t> out;
+    for (const models::NamedCount& each : list) {
+      EXPECT_TRUE(out.emplace(each.name, each.count).second) << each.name;
+    }
+    return out;
+  };
+  for (int i = 0; i < 1'024; ++i) {
+    refuse(i);
+  }
+  EXPECT_EQ(counts().size(), 1'024U);
+  refuse(1'024);
+  refuse(2'000);
+  refuse(3);
+  EXPECT_EQ(counts().size(), 1'025U);
+  EXPECT_EQ(counts()["(other).unsigned"], 2);
+  EXPECT_EQ(counts()["PLAN_3.unsigned"], 2);
+  EXPECT_FALSE(node->refuse("PLAN_3", Refusal::kStale));
+  EXPECT_EQ(counts()["PLAN_3.stale"], 1);
+  EXPECT_TRUE(node->judge("HOST_A", unsigned_message, kNow, true, false).may_pass)
+      << "what only shows needs no key";
+  EXPECT_EQ(counts().count("HOST_A.unsigned"), 0U);
+}
+
+}  // namespace
+}  // namespace vantage::bus::auth

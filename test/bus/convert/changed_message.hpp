@@ -1,0 +1,114 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <type_traits>
+
+#include <gtest/gtest.h>
+
+#include "bus/convert/convert.hpp"
+
+/// Gives the field of a wire message.
+#define VANTAGE_FIELD(member) \
+  [](auto& w) -> auto& { return w.member; }
+
+namespace vantage::test {
+
+/// A message that could be true, changed, and what a receiver says to it.
+template <class Message>
+class Changed {
+ public:
+  explicit Changed(const Message& message) : good_(bus::to_wire(message)) {
+    EXPECT_TRUE(bus::from_wire(good_).has_value());
+  }
+  void taken(const char* what, const std::function<void(bus::WireOf<Message>&)>& change) const {
+    EXPECT_TRUE(is_taken(change)) << what;
+  }
+  void refused(const char* what, const std::function<void(bus::WireOf<Message>&)>& change) const {
+    EXPECT_FALSE(is_taken(change)) << what;
+  }
+  /// The number that `member` gives is taken from `min` to `max` and beside them is not.
+  template <class Member>
+  void between(const char* what, double min, double max, const Member& member) const {
+    for (const double good : {min, 0.5 * (min + max), max}) {
+      EXPECT_TRUE(is_taken([&](auto& w) { member(w) = good; })) << what << ' ' << good;
+    }
+    const double beside = 1e-9 * std::max(1.0, max - min);
+    for (const double bad : {min - beside, max + beside, kNan, kInfinity, -kInfinity}) {
+      EXPECT_FALSE(is_taken([&](auto& w) { member(w) = bad; })) << what << ' ' << bad;
+    }
+  }
+  /// The number is any that is one.
+  template <class Member>
+  void finite(const char* what, const Member& member) const {
+    for (const double good : {-1e9, 0.0, 1e9}) {
+      EXPECT_TRUE(is_taken([&](auto& w) { member(w) = good; })) << what << ' ' << good;
+    }
+    for (const double bad : {kNan, kInfinity, -kInfinity}) {
+      EXPECT_FALSE(is_taken([&](auto& w) { member(w) = bad; })) << what << ' ' << bad;
+    }
+  }
+  /// The number is one that is not negative.
+  template <class Member>
+  void amount(const char* what, const Member& member) const {
+    for (const double good : {0.0, 1e9}) {
+      EXPECT_TRUE(is_taken([&](auto& w) { member(w) = good; })) << what << ' ' << good;
+    }
+    for (const double bad : {-1e-9, kNan, kInfinity, -kInfinity}) {
+      EXPECT_FALSE(is_taken([&](auto& w) { member(w) = bad; })) << what << ' ' << bad;
+    }
+  }
+  /// Counted from `min` up, to `max` where that is stated.
+  template <class Member>
+  void whole(const char* what, std::int64_t min, const Member& member,
+             std::optional<std::int64_t> max = std::nullopt) const {
+    const auto with = [&](std::int64_t value) {
+      return is_taken([&](auto& w) {
+        auto& place = member(w);
+        place = static_cast<std::remove_reference_t<decltype(place)>>(value);
+      });
+    };
+    EXPECT_TRUE(with(min) && with(max.value_or(2'000'000'000))) << what;
+    EXPECT_FALSE(with(min - 1)) << what;
+    EXPECT_TRUE(!max || !with(*max + 1)) << what;
+  }
+  template <class Member>
+  void utime(const char* what, const Member& member) const {
+    whole(what, -kLatestUtime, member, kLatestUtime);
+  }
+  template <class Member>
+  void text(const char* what, const Member& member) const {
+    EXPECT_TRUE(is_taken([&](auto& w) { member(w).assign(256, 'x'); })) << what;
+    EXPECT_FALSE(is_taken([&](auto& w) { member(w).assign(257, 'x'); })) << what;
+    EXPECT_FALSE(is_taken([&](auto& w) { member(w) = "\xC3("; })) << what << ", not UTF-8";
+  }
+  template <class Member>
+  void boolean(const char* what, const Member& member) const {
+    whole(what, 0, member, 1);
+  }
+  /// A count that is not that of the elements.
+  template <class Member>
+  void count(const char* what, const Member& member) const {
+    EXPECT_FALSE(is_taken([&](auto& w) { ++member(w); })) << what;
+    EXPECT_FALSE(is_taken([&](auto& w) { --member(w); })) << what;
+  }
+
+ private:
+  static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  /// The year 2286.
+  static constexpr std::int64_t kLatestUtime = 10'000'000'000'000'000;
+
+  [[nodiscard]] bool is_taken(const std::function<void(bus::WireOf<Message>&)>& change) const {
+    bus::WireOf<Message> changed = good_;
+    change(changed);
+    return bus::from_wire(changed).has_value();
+  }
+  bus::WireOf<Message> good_;
+};
+
+}  // namespace vantage::test
