@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -150,6 +152,151 @@ TEST(DriveMap, GoesAroundWallsToTheUnknownAndKnowsWhenThereIsNoWay) {
     belief.add_log_odds(row * 30 + 18, 20.0);
   }
   EXPECT_TRUE(std::isinf(DriveMap(belief, {}).to_frontier_m(kGrid.centre_m(3 * 30 + 10))));
+}
+
+// Between the squares of two cells; of another that is beyond the grid, between a cell and its
+// edge.
+double gap_m(int a, int b_column, int b_row) {
+  const int columns = std::abs(a % kGrid.columns - b_column);
+  const int rows = std::abs(a / kGrid.columns - b_row);
+  return 0.25 * std::hypot(std::max(0, columns - 1), std::max(0, rows - 1));
+}
+
+// From somewhere in a cell the disc, larger by a quarter of a cell, would touch something: these
+// and no others are kept out of.
+TEST(DriveMap, IsFreeExactlyWhereNothingIsNear) {
+  test::Random random(4604);
+  int free = 0;
+  int near = 0;
+  for (const double radius_m : {0.2, 0.55, 1.1}) {
+    for (const double occupied_from : {0.51, 0.3}) {
+      const OccupancyBelief belief = test::random_map(random, kGrid, 0.01);
+      const DriveMap map(belief, {radius_m, occupied_from, 0.2});
+      for (int cell = 0; cell < kGrid.size(); ++cell) {
+        const int column = cell % kGrid.columns;
+        const int row = cell / kGrid.columns;
+        double least_m =
+            0.25 * std::min({column, row, kGrid.columns - 1 - column, kGrid.rows - 1 - row});
+        for (int other = 0; other < kGrid.size(); ++other) {
+          if (belief.occupancy(other) >= occupied_from) {
+            least_m = std::min(least_m, gap_m(cell, other % kGrid.columns, other / kGrid.columns));
+          }
+        }
+        const bool is_free = least_m >= radius_m + 0.25 * 0.25;
+        EXPECT_EQ(map.is_free(kGrid.centre_m(cell)), is_free) << radius_m << " cell " << cell;
+        (is_free ? free : near) += 1;
+      }
+    }
+  }
+  EXPECT_GT(free, 200);
+  EXPECT_GT(near, 200);
+  const DriveMap empty(OccupancyBelief(kGrid, 3.0), {});
+  EXPECT_TRUE(empty.is_free({1.75, 4.0}));
+  for (const Eigen::Vector2d& outside_m :
+       {Eigen::Vector2d(-2.1, 4.0), Eigen::Vector2d(5.6, 4.0), Eigen::Vector2d(1.75, 0.9),
+        Eigen::Vector2d(1.75, 7.1)}) {
+    EXPECT_FALSE(empty.is_free(outside_m));
+  }
+}
+
+// Against every way there is, made shorter until none is.
+TEST(DriveMap, MeasuresTheShortestWayToTheNearestFrontier) {
+  test::Random random(4605);
+  constexpr double kNoWay_m = std::numeric_limits<double>::infinity();
+  int frontiers = 0;
+  int on_the_way = 0;
+  for (int i = 0; i < 6; ++i) {
+    const OccupancyBelief belief = test::random_map(random, kGrid, 0.03);
+    const DriveMap map(belief, {0.2, 0.51, i % 2 == 0 ? 0.35 : 0.1});
+    const double free_up_to = i % 2 == 0 ? 0.35 : 0.1;
+    const auto is_within = [](int column, int row) {
+      return column >= 0 && column < kGrid.columns && row >= 0 && row < kGrid.rows;
+    };
+    const auto is_free = [&](int cell) { return map.is_free(kGrid.centre_m(cell)); };
+    std::vector<double> ways_m(static_cast<std::size_t>(kGrid.size()), kNoWay_m);
+    for (int cell = 0; cell < kGrid.size(); ++cell) {
+      for (const Eigen::Vector2i& by : {Eigen::Vector2i(1, 0), Eigen::Vector2i(-1, 0),
+                                        Eigen::Vector2i(0, 1), Eigen::Vector2i(0, -1)}) {
+        const int column = cell % kGrid.columns + by.x();
+        const int row = cell / kGrid.columns + by.y();
+        const int beside = row * kGrid.columns + column;
+        if (is_free(cell) && belief.occupancy(cell) > free_up_to && is_within(column, row) &&
+            is_free(beside) && belief.occupancy(beside) <= free_up_to) {
+          ways_m[static_cast<std::size_t>(cell)] = 0.0;
+        }
+      }
+    }
+    frontiers += static_cast<int>(std::count(ways_m.begin(), ways_m.end(), 0.0));
+    for (bool is_shorter = true; is_shorter;) {
+      is_shorter = false;
+      for (int cell = 0; cell < kGrid.size(); ++cell) {
+        for (int by = 0; by < 9 && is_free(cell); ++by) {
+          const int column = cell % kGrid.columns + by % 3 - 1;
+          const int row = cell / kGrid.columns + by / 3 - 1;
+          const int beside = row * kGrid.columns + column;
+          if (!is_within(column, row) || !is_free(beside)) {
+            continue;
+          }
+          const double way_m =
+              ways_m[static_cast<std::size_t>(beside)] + 0.25 * std::hypot(by % 3 - 1, by / 3 - 1);
+          if (way_m < ways_m[static_cast<std::size_t>(cell)] - 1e-12) {
+            ways_m[static_cast<std::size_t>(cell)] = way_m;
+            is_shorter = true;
+          }
+        }
+      }
+    }
+    for (int cell = 0; cell < kGrid.size(); ++cell) {
+      const double way_m = map.to_frontier_m(kGrid.centre_m(cell));
+      const double expected_m = ways_m[static_cast<std::size_t>(cell)];
+      EXPECT_TRUE(way_m == expected_m || std::abs(way_m - expected_m) < 1e-9)
+          << cell << ": " << way_m << " and " << expected_m;
+      on_the_way += way_m > 0.0 && std::isfinite(way_m) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(frontiers, 20);
+  EXPECT_GT(on_the_way, 60);
+}
+
+// Between two walls that leave no room a robot is too near all along, and clear from half a metre
+// behind their end. It may drive out if it gets there within its radius and two cells, 0.7 m.
+TEST(DriveMap, LetsWhoStandsTooNearGoAsFarAsItsRadiusAndTwoCells) {
+  for (const bool is_upright : {false, true}) {
+    OccupancyBelief belief(kGrid, 3.0);
+    for (int along = 9; along <= 14; ++along) {
+      for (const int across : {10, 13}) {
+        belief.add_log_odds(is_upright ? along * 30 + across : across * 30 + along, 9.0);
+      }
+    }
+    const DriveMap map(belief, {});
+    for (const double side : {1.0, -1.0}) {
+      const double clear_from_m = side > 0.0 ? 17 * 0.25 : 7 * 0.25;  // from the grid's corner
+      const auto may_drive = [&](double before_m, double way_m) {
+        const double along_m = clear_from_m - side * before_m;
+        const double across_m = 11.5 * 0.25 + 0.02;
+        const double yaw_rad = (is_upright ? 0.5 * kPi : 0.0) + (side > 0.0 ? 0.0 : kPi);
+        const Pose2 from{-2.0 + (is_upright ? across_m : along_m),
+                         1.0 + (is_upright ? along_m : across_m), wrap_to_pi(yaw_rad)};
+        EXPECT_FALSE(map.is_free(from.position_m())) << before_m;
+        EXPECT_EQ(map.is_free(from, {way_m, 0.0}, 1.0), map.is_free(from, {2.0 * way_m, 0.0}, 0.5));
+        return map.is_free(from, {way_m, 0.0}, 1.0);
+      };
+      for (const double before_m : {0.04, 0.3, 0.5, 0.69}) {
+        EXPECT_TRUE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;
+        EXPECT_FALSE(may_drive(before_m, before_m - 0.02)) << "it is not out at the end";
+      }
+      for (const double before_m : {0.84, 1.0, 1.2}) {  // it looks each half of a cell
+        EXPECT_FALSE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;
+      }
+    }
+  }
+}
+
+TEST(DriveMap, IsOtherwiseAsStated) {
+  const DriveOptions options;
+  EXPECT_EQ(options.radius_m, 0.2);
+  EXPECT_EQ(options.occupied_from, 0.51);
+  EXPECT_EQ(options.free_up_to, 0.35);
 }
 
 TEST(DriveMap, RefusesOptionsThatMakeNoSense) {

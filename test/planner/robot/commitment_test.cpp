@@ -1,3 +1,5 @@
+#include "planner/robot/commitment.hpp"
+
 #include <cstdint>
 
 #include <gtest/gtest.h>
@@ -5,6 +7,7 @@
 #include "core/angle.hpp"
 #include "planner/robot/robot_planner.hpp"
 #include "planner/robot/round.hpp"
+#include "planner/robot/trajectory_tools.hpp"
 #include "test/planner/robot/team_scenario.hpp"
 #include "test/support/bisect.hpp"
 
@@ -109,6 +112,117 @@ TEST(RobotPlanner, BeginsWhereItsVehicleHoldsEachTime) {
     }
     EXPECT_EQ(planner.counts().off_plan, holds);
     inputs.own_plan = plan;
+  }
+}
+
+/// Q2 drives on its last plan, 1 m/s along the x axis since two seconds before the slot's begin.
+class CommitmentOfADriver : public ::testing::Test {
+ protected:
+  CommitmentOfADriver() : inputs_(test::first_inputs(scenario_, 1)) {
+    models::Trajectory& last = inputs_.own_plan.emplace().trajectory;
+    last = hover_at({-3.0, 0.5, 0.0}, 1.5, inputs_.slot.begin - from_seconds(2.0));
+    last.segments = {{{1.0, 0.0}, 6.0, 0.0}};
+    see({0.0, 0.0, 0.0});
+  }
+
+  /// Seen so far off where its plan has it at that time.
+  void see(const Pose2& off, double ago_s = 0.5) {
+    inputs_.mocap->stamp.time = inputs_.slot.begin - from_seconds(ago_s);
+    const Pose2 planned =
+        models::at(inputs_.own_plan->trajectory, inputs_.mocap->stamp.time).world_from_body;
+    seen_ = {planned.x_m + off.x_m, planned.y_m + off.y_m, off.yaw_rad};
+    inputs_.mocap->bodies[1].world_from_body = lift(seen_, 1.3);
+  }
+  [[nodiscard]] Commitment commitment() const { return commitment_of(scenario_, 1, inputs_); }
+  [[nodiscard]] Pose2 on_plan() const {
+    return models::at(inputs_.own_plan->trajectory, inputs_.slot.activation).world_from_body;
+  }
+
+  scenario::Scenario scenario_ = test::lab_scenario();
+  PlanInputs inputs_;
+  Pose2 seen_;
+};
+
+// Within the tolerance nothing is said of it; beyond it, it is off, and goes on with its plan all
+// the same; beyond three it has not followed, and begins anew from where it is. To every side.
+TEST_F(CommitmentOfADriver, GoesOnUntilItIsThreeTolerancesOff) {
+  const double tolerance_m = scenario_.planner.tracking_tolerance_m;
+  for (int bearing = 0; bearing < 8; ++bearing) {
+    const double to_rad = 0.25 * kPi * bearing;
+    for (const double share : {0.0, 0.999, 1.001, 2.999, 3.001, 9.0}) {
+      const double off_m = share * tolerance_m;
+      see({off_m * std::cos(to_rad), off_m * std::sin(to_rad), 2.0});
+      const Commitment commitment = this->commitment();
+      ASSERT_EQ(commitment.known, Commitment::Known::kMotion);
+      EXPECT_EQ(commitment.is_off_plan, share > 1.0) << share;
+      EXPECT_EQ(commitment.motion.start_time, inputs_.slot.activation);
+      EXPECT_EQ(commitment.motion.height_m, 1.5);
+      const Pose2 expected = share > 3.0 ? seen_ : on_plan();
+      EXPECT_LT((commitment.motion.start.position_m() - expected.position_m()).norm(), 1e-9);
+      EXPECT_NEAR(wrap_to_pi(commitment.motion.start.yaw_rad - expected.yaw_rad), 0.0, 1e-9);
+      EXPECT_EQ(commitment.motion.segments.empty(), share > 3.0) << "it hovers, or drives on";
+    }
+  }
+}
+
+// A frame that is older than its plan says nothing of how it follows that, nor does one in which it
+// is not seen.
+TEST_F(CommitmentOfADriver, IsComparedOnlyWhereItWasSeenOnItsPlan) {
+  const auto is_on_plan = [&] {
+    const Commitment commitment = this->commitment();
+    return !commitment.is_off_plan &&
+           (commitment.motion.start.position_m() - on_plan().position_m()).norm() < 1e-9;
+  };
+  see({0.0, 1.5, 0.0}, 2.0 - 1e-6);
+  EXPECT_FALSE(is_on_plan());
+  see({0.0, 1.5, 0.0}, 2.0 + 1e-6);
+  EXPECT_TRUE(is_on_plan());
+  see({0.0, 1.5, 0.0});
+  inputs_.mocap->bodies[1].occluded = true;
+  EXPECT_TRUE(is_on_plan());
+  inputs_.mocap->bodies[1].occluded = false;
+  EXPECT_FALSE(is_on_plan());
+  inputs_.mocap->bodies[1].name = "X2";
+  EXPECT_TRUE(is_on_plan());
+  inputs_.mocap.reset();
+  EXPECT_TRUE(is_on_plan());
+}
+
+// Without a plan it hovers where it is seen, and where it is not nobody knows.
+TEST_F(CommitmentOfADriver, HoversWhereItIsSeenWithoutAPlan) {
+  see({0.3, -0.4, 1.0});
+  inputs_.own_plan.reset();
+  const Commitment commitment = this->commitment();
+  ASSERT_EQ(commitment.known, Commitment::Known::kMotion);
+  EXPECT_FALSE(commitment.is_off_plan);
+  EXPECT_LT((commitment.motion.start.position_m() - seen_.position_m()).norm(), 1e-12);
+  EXPECT_NEAR(commitment.motion.start.yaw_rad, 1.0, 1e-12);
+  EXPECT_EQ(commitment.motion.height_m, 1.5) << "its own height, not that at which it is seen";
+  EXPECT_EQ(commitment.motion.start_time, inputs_.slot.activation);
+  EXPECT_TRUE(commitment.motion.segments.empty());
+  inputs_.mocap->bodies[1].occluded = true;
+  EXPECT_EQ(this->commitment().known, Commitment::Known::kNoPose);
+  inputs_.mocap.reset();
+  EXPECT_EQ(this->commitment().known, Commitment::Known::kNoPose);
+}
+
+// Who holds is compared with where its plan had it when it said so; a plan that had not begun by
+// then has it at its start.
+TEST_F(CommitmentOfADriver, HoldsWhereItsPlanHadItThen) {
+  models::VehicleStatus& status = inputs_.team_statuses["Q2"];
+  status.state = models::FlightState::kHold;
+  for (const double since_s : {-3.0, 0.0, 0.7, 1.9}) {
+    status.stamp.time = inputs_.own_plan->trajectory.start_time + from_seconds(since_s);
+    const double along_m = -3.0 + std::max(0.0, since_s);
+    for (const double off_m : {0.0, 0.19, -0.19, 0.21, -0.21}) {
+      status.setpoint = {along_m + off_m, 0.5, 0.0};
+      const Commitment commitment = this->commitment();
+      const bool is_off = std::abs(off_m) > 0.2;
+      EXPECT_EQ(commitment.is_off_plan, is_off) << since_s << ' ' << off_m;
+      EXPECT_EQ(commitment.motion.start, is_off ? status.setpoint : on_plan()) << since_s;
+      EXPECT_EQ(commitment.motion.height_m, 1.5);
+      EXPECT_EQ(commitment.motion.start_time, inputs_.slot.activation);
+    }
   }
 }
 

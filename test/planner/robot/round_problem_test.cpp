@@ -1,9 +1,12 @@
 #include "planner/robot/round_problem.hpp"
 
+#include <cstdint>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "planner/robot/trajectory_tools.hpp"
 #include "test/planner/robot/team_scenario.hpp"
 
 namespace vantage::planner {
@@ -111,6 +114,228 @@ TEST(ProblemOfRound, ExploresUntilAllAreFoundWhereItIsTold) {
   EXPECT_EQ(landmarks(), all);
   scenario.planner.exploration.until_found = false;
   EXPECT_EQ(landmarks(), all);
+}
+
+// All numbers differ; of the robot that is asked for, from where it is committed to be.
+TEST(ProblemOfRound, IsWhatItsScenarioSays) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.horizon_steps = 7;
+  scenario.planner.step_s = 0.4;
+  scenario.planner.separation_m = 0.7;
+  scenario.planner.tracking_tolerance_m = 0.15;
+  scenario.planner.obstacle_margin_m = 0.12;
+  scenario.robots[1].limits.radius_m = 0.31;
+  scenario.robots[1].limits.brake_mps2 = 1.7;
+  scenario.robots[1].sensor.range_max_m = 1.9;
+  scenario.robots[1].primitives = models::standard_primitives();
+  PlanInputs inputs = test::first_inputs(scenario, 1);
+  Workspace workspace(scenario);
+  models::Trajectory committed;
+  committed.start_time = inputs.slot.activation;
+  committed.start = {0.5, -0.4, 2.0};
+  committed.segments = {{{0.8, 1.0}, 0.4, 0.0}, {{0.3, 0.0}, 1.0, 0.0}};
+  const SearchProblem problem = problem_of_round(workspace, 1, inputs, committed, {}).search;
+  EXPECT_EQ(problem.start_time, inputs.slot.activation);
+  EXPECT_EQ(problem.start, committed.start);
+  EXPECT_EQ(problem.start_speed_mps, 0.8);
+  EXPECT_EQ(problem.height_m, 1.5);
+  EXPECT_EQ(problem.controls, models::standard_primitives());
+  EXPECT_EQ(problem.horizon_steps, 7);
+  EXPECT_EQ(problem.step_s, 0.4);
+  ASSERT_EQ(problem.sensors.size(), 1U);
+  EXPECT_EQ(problem.sensors[0].range_max_m, 1.9);
+  EXPECT_EQ(problem.cost, CostKind::kLogDet);
+  EXPECT_EQ(problem.world, &workspace.scenario().world);
+  EXPECT_EQ(problem.field, &workspace.field());
+  EXPECT_NEAR(problem.clearance_m, 0.43, 1e-12);
+  EXPECT_NEAR(problem.separation_m, 1.0, 1e-12);
+  EXPECT_FALSE(problem.separation_from_above);
+  EXPECT_EQ(problem.brake_mps2, 1.7);
+  EXPECT_TRUE(problem.targets.empty()) << "nothing was believed";
+  scenario.planner.separation_from_above = true;
+  Workspace from_above(scenario);
+  EXPECT_TRUE(problem_of_round(from_above, 1, inputs, committed, {}).search.separation_from_above);
+}
+
+// Every robot, round and scenario draws on its own, and the same again.
+TEST(ProblemOfRound, DrawsItsOwnRandomNumbers) {
+  scenario::Scenario scenario = test::lab_scenario();
+  std::set<std::uint64_t> seeds;
+  for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{1} << 32U}) {
+    scenario.seed = seed;
+    Workspace workspace(scenario);
+    for (std::size_t robot = 0; robot < 3; ++robot) {
+      for (std::int64_t later = 0; later < 3; ++later) {
+        PlanInputs inputs = test::first_inputs(scenario, robot);
+        inputs.slot.round += later;
+        const auto draw = [&] {
+          return problem_of_round(workspace, robot, inputs, {}, {}).search.seed;
+        };
+        EXPECT_EQ(draw(), draw());
+        seeds.insert(draw());
+        EXPECT_GT(draw() >> 32U, 0U) << "both halves are drawn";
+        EXPECT_GT(draw() & 0xFFFFFFFFU, 0U);
+      }
+    }
+  }
+  EXPECT_EQ(seeds.size(), 27U);
+}
+
+// By its plan where that was heard, however far that is; else hovering where it is seen or, unseen,
+// where it starts: then only within the neighbourhood, on whose edge it still counts.
+TEST(ProblemOfRound, HasTheTeammatesThatMayMatter) {
+  scenario::Scenario scenario = test::lab_scenario();
+  for (const double neighbourhood_m : {0.0, 2.0}) {
+    scenario.network.neighbourhood_m = neighbourhood_m;
+    for (const double at_m : {1.999, 2.001}) {
+      for (const double side : {1.0, -1.0}) {
+        PlanInputs inputs = test::first_inputs(scenario, 0);
+        models::Trajectory committed;
+        committed.start_time = inputs.slot.activation;
+        committed.start = {0.4, 0.3, 0.0};
+        const Pose2 place{0.4 + 0.6 * side * at_m, 0.3 - 0.8 * side * at_m, 1.0};
+        inputs.mocap->bodies[2].world_from_body = lift(place, 0.1);
+        inputs.team_plans["Q2"].trajectory = hover_at({50.0, 0.0, 0.0}, 1.5, {});
+        inputs.attack = models::AttackNotice{{}, {"Q3", "Q9"}};
+        const auto round_of = [&](const std::vector<int>& unseeing) {
+          Workspace workspace(scenario);
+          return problem_of_round(workspace, 0, inputs, committed, unseeing);
+        };
+        const RoundProblem round = round_of({0});
+        const bool is_near = neighbourhood_m == 0.0 || at_m < 2.0;
+        ASSERT_EQ(round.teammates.size(), is_near ? 2U : 1U) << neighbourhood_m << ' ' << at_m;
+        ASSERT_EQ(round.search.teammates.size(), round.teammates.size());
+        EXPECT_EQ(round.teammates[0].robot, 1U);
+        EXPECT_EQ(round.teammates[0].trajectory.start.x_m, 50.0);
+        EXPECT_EQ(round.search.teammates[0].start.x_m, 50.0);
+        EXPECT_FALSE(round.teammates[0].jammed);
+        EXPECT_TRUE(round_of({2, 1}).teammates[0].jammed);
+        if (is_near) {
+          EXPECT_EQ(round.teammates[1].robot, 2U);
+          EXPECT_TRUE(round.teammates[1].jammed) << "as the notice says";
+          const models::Trajectory& there = round.teammates[1].trajectory;
+          EXPECT_LT((there.start.position_m() - place.position_m()).norm(), 1e-12);
+          EXPECT_EQ(there.height_m, 2.0);
+          EXPECT_EQ(there.start_time, inputs.slot.activation);
+        }
+        inputs.attack.reset();
+        inputs.mocap->bodies[2].occluded = true;  // its start is 2.66 m away
+        const RoundProblem unseen = round_of({});
+        ASSERT_EQ(unseen.teammates.size(), neighbourhood_m == 0.0 ? 2U : 1U);
+        EXPECT_FALSE(unseen.teammates.back().jammed);
+        if (neighbourhood_m == 0.0) {
+          EXPECT_EQ(unseen.teammates[1].trajectory.start, scenario.robots[2].start);
+        }
+      }
+    }
+  }
+}
+
+// Beliefs that cannot be worked on, and those that are more than there are targets, are left out
+// and counted; to the edge of what can be.
+TEST(ProblemOfRound, CountsBeliefsThatItCannotUse) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.estimator.target_model = {models::TargetKind::kStatic, 2, 0.0};
+  Workspace workspace(scenario);
+  PlanInputs inputs = test::first_inputs(scenario, 0, 1);
+  inputs.belief->grid =
+      models::GridGeometry::covering(scenario.world.bounds, scenario.estimator.grid_resolution_m);
+  inputs.belief->last_seen_utime.assign(static_cast<std::size_t>(inputs.belief->grid.size()),
+                                        to_utime(inputs.slot.begin));  // all of it: no landmarks
+  const auto unusable = [&] {
+    models::Trajectory committed;
+    committed.start_time = inputs.slot.activation;
+    const RoundProblem round = problem_of_round(workspace, 0, inputs, committed, {});
+    EXPECT_EQ(round.search.targets.size() + static_cast<std::size_t>(round.unusable_beliefs),
+              inputs.belief->targets.size());
+    return round.unusable_beliefs;
+  };
+  EXPECT_EQ(unusable(), 0);
+  const auto of_last = [&](const models::Gaussian& belief) {
+    inputs.belief->targets.back().information = *models::to_information(belief);
+    return unusable();
+  };
+  const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_EQ(of_last({Eigen::Vector2d(1.0, sign * 0.99e30), one}), 0);
+    EXPECT_EQ(of_last({Eigen::Vector2d(1.0, sign * 1.01e30), one}), 1);
+  }
+  EXPECT_EQ(of_last({Eigen::Vector2d(1.0, 1.0), 0.99e30 * one}), 0);
+  EXPECT_EQ(of_last({Eigen::Vector2d(1.0, 1.0), 1.01e30 * one}), 1);
+  EXPECT_EQ(of_last({Eigen::Vector2d(1.0, 1.0), 1.01e-30 * one}), 0);
+  EXPECT_EQ(of_last({Eigen::Vector2d(1.0, 1.0), 0.99e-30 * one}), 1);
+  EXPECT_EQ(of_last({Eigen::Vector4d(1.0, 1.0, 0.0, 0.0), Eigen::Matrix4d::Identity()}), 1);
+  EXPECT_EQ(of_last({Eigen::Vector2d(1.0, 1.0), one}), 0);
+  inputs.belief->targets.push_back(inputs.belief->targets.back());
+  EXPECT_EQ(unusable(), 1) << "there are five";
+  inputs.belief->targets.pop_back();
+  inputs.belief->stamp.time = inputs.slot.activation;
+  EXPECT_EQ(unusable(), 0);
+  inputs.belief->stamp.time += Duration{1};
+  EXPECT_EQ(unusable(), 5) << "of a time that is still to come";
+}
+
+// Its own grid, or where robots have neighbourhoods a part of it, and a stamp for each cell.
+TEST(ProblemOfRound, ExploresByTheGridOfItsScenario) {
+  scenario::Scenario scenario = test::lab_scenario();
+  const auto whole =
+      models::GridGeometry::covering(scenario.world.bounds, scenario.estimator.grid_resolution_m);
+  const auto part = whole.window({1.0, 0.5}, 1.0);
+  models::GridGeometry shifted = part;
+  shifted.origin_m.x() += 0.3 * shifted.resolution_m;
+  struct Case {
+    models::GridGeometry grid;
+    double neighbourhood_m;
+    std::size_t too_many;
+    bool is_used;
+  };
+  for (const Case& each :
+       {Case{whole, 0.0, 0, true}, Case{whole, 9.0, 0, true}, Case{part, 9.0, 0, true},
+        Case{part, 0.0, 0, false}, Case{shifted, 9.0, 0, false}, Case{whole, 0.0, 1, false}}) {
+    scenario.network.neighbourhood_m = each.neighbourhood_m;
+    PlanInputs inputs = test::first_inputs(scenario, 0, 1);
+    inputs.belief->grid = each.grid;
+    inputs.belief->last_seen_utime.assign(
+        static_cast<std::size_t>(each.grid.size()) + each.too_many, 0);
+    for (const int landmarks_max : {0, 1, 3}) {
+      scenario.planner.exploration.landmarks_max = landmarks_max;
+      Workspace workspace(scenario);
+      models::Trajectory committed;
+      committed.start_time = inputs.slot.activation;
+      const RoundProblem round = problem_of_round(workspace, 0, inputs, committed, {});
+      const std::size_t landmarks = round.search.targets.size() - inputs.belief->targets.size();
+      EXPECT_EQ(landmarks, each.is_used ? static_cast<std::size_t>(landmarks_max) : 0U);
+      EXPECT_EQ(round.unusable_beliefs, each.is_used || landmarks_max == 0 ? 0 : 1);
+    }
+  }
+}
+
+TEST(ProblemOfRound, MapsByTheGridOfItsScenario) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.objective = scenario::PlanObjective::kMapping;
+  Workspace workspace(scenario);
+  PlanInputs inputs = test::first_inputs(scenario, 0, 1);
+  const auto round_of = [&] {
+    models::Trajectory committed;
+    committed.start_time = inputs.slot.activation;
+    return problem_of_round(workspace, 0, inputs, committed, {});
+  };
+  EXPECT_TRUE(round_of().looks.empty());
+  EXPECT_EQ(round_of().unusable_maps, 0);
+  EXPECT_TRUE(round_of().search.targets.empty()) << "it maps, whatever it believes";
+  models::RobotMap& map = inputs.map.emplace();
+  map.grid = models::map_geometry(scenario.world, scenario.mapping);
+  map.team_looks.assign(static_cast<std::size_t>(map.grid.size()), -2);
+  map.own_looks.assign(static_cast<std::size_t>(map.grid.size()), 5);
+  EXPECT_EQ(round_of().looks, map.team_looks);
+  EXPECT_EQ(round_of().unusable_maps, 0);
+  map.team_looks.push_back(-2);
+  EXPECT_TRUE(round_of().looks.empty());
+  EXPECT_EQ(round_of().unusable_maps, 1);
+  map.team_looks.pop_back();
+  map.grid.origin_m.y() += 0.1;
+  EXPECT_TRUE(round_of().looks.empty());
+  EXPECT_EQ(round_of().unusable_maps, 1);
 }
 
 TEST_F(PlansByMixtures, WhereverATargetMayBeThereIsOne) {

@@ -1,0 +1,131 @@
+#include "planner/robot/workspace.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/check.hpp"
+#include "test/planner/robot/team_scenario.hpp"
+
+namespace vantage::planner {
+namespace {
+
+TEST(Workspace, KnowsRobotsByTheirNames) {
+  const Workspace workspace(test::lab_scenario());
+  EXPECT_EQ(workspace.index_of("Q1"), 0U);
+  EXPECT_EQ(workspace.index_of("Q3"), 2U);
+  EXPECT_EQ(workspace.index_of("Q4"), std::nullopt);
+}
+
+// Cells of 5 cm, and 500 of them at most along the longer side, whichever that is.
+TEST(Workspace, HasAFieldAsFineAsItMayBe) {
+  const auto resolution_m = [](double width_m, double depth_m) {
+    scenario::Scenario scenario = test::lab_scenario();
+    scenario.world.obstacles.clear();
+    scenario.world.bounds = {{-3.0, 1.0}, {-3.0 + width_m, 1.0 + depth_m}};
+    return Workspace(scenario).field().geometry().resolution_m;
+  };
+  EXPECT_NEAR(resolution_m(8.0, 4.0), 0.05, 1e-12);
+  EXPECT_NEAR(resolution_m(24.0, 4.0), 0.05, 1e-12);
+  EXPECT_NEAR(resolution_m(100.0, 10.0), 0.2, 1e-12);
+  EXPECT_NEAR(resolution_m(10.0, 100.0), 0.2, 1e-12);
+}
+
+// A search has room for each target, the places where they may be, the landmarks, a plan and a
+// hover of each robot; and for no more.
+TEST(Workspace, HasRoomForAllThatARoundMayHave) {
+  scenario::Scenario scenario = test::lab_scenario();
+  for (const auto& [landmarks_max, has_parts] :
+       {std::pair{12, false}, std::pair{12, true}, std::pair{-5, false}}) {
+    scenario.planner.exploration.landmarks_max = landmarks_max;
+    scenario.estimator.samples = has_parts;
+    Workspace workspace(scenario);
+    const std::size_t targets = 5 + (has_parts ? 35U : 0U) + (landmarks_max > 0 ? 12U : 0U);
+    SearchProblem problem;
+    problem.horizon_steps = scenario.planner.horizon_steps;
+    problem.controls = models::lab_primitives();
+    problem.start.x_m = 100.0;
+    problem.sensors.emplace_back();
+    problem.targets.assign(targets, {{models::TargetKind::kStatic, 2, 0.0},
+                                     {Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}});
+    problem.teammates.resize(6);
+    const Deadline deadline = Deadline::nodes(50);
+    const auto plan = [&] {
+      workspace.search().plan(problem, deadline);
+      workspace.make_search(1)->plan(problem, deadline);
+      workspace.reduced().plan(problem, {}, deadline);
+    };
+    EXPECT_NO_THROW(plan()) << landmarks_max << has_parts;
+    const SearchProblem right = problem;
+    problem.targets.push_back(problem.targets.back());
+    EXPECT_THROW(workspace.search().plan(problem, deadline), UsageError) << "a target too many";
+    EXPECT_THROW(workspace.reduced().plan(problem, {}, deadline), UsageError);
+    problem = right;
+    problem.teammates.emplace_back();
+    EXPECT_THROW(workspace.search().plan(problem, deadline), UsageError) << "a teammate too many";
+    problem = right;
+    ++problem.horizon_steps;
+    EXPECT_THROW(workspace.search().plan(problem, deadline), UsageError) << "a step too many";
+  }
+}
+
+TEST(PartsMax, IsSevenMoreOfEachTargetAndNoMoreThanFitIn) {
+  scenario::Scenario scenario = test::lab_scenario();
+  EXPECT_EQ(parts_max(scenario), 0U);
+  for (const auto& [targets, parts] :
+       {std::pair{0, 0}, std::pair{1, 7}, std::pair{36, 252}, std::pair{37, 256}}) {
+    scenario.targets.resize(static_cast<std::size_t>(targets));
+    scenario.estimator.samples = true;
+    EXPECT_EQ(parts_max(scenario), static_cast<std::size_t>(parts));
+    scenario.estimator.samples = false;
+    for (scenario::RobotSpec& robot : scenario.robots) {
+      robot.detection.detects_ids = false;
+      EXPECT_EQ(parts_max(scenario), static_cast<std::size_t>(parts)) << robot.name;
+      robot.detection.detects_ids = true;
+    }
+  }
+}
+
+// One search for all, made once; others are others'.
+TEST(Workspace, SharesItsSearches) {
+  Workspace workspace(test::lab_scenario());
+  workspace.prefault();  // nothing is there yet
+  Search& search = workspace.search();
+  EXPECT_EQ(&workspace.search(), &search);
+  EXPECT_NE(workspace.make_search(0).get(), &search);
+  ReducedValueIteration& reduced = workspace.reduced();
+  EXPECT_EQ(&workspace.reduced(), &reduced);
+  workspace.prefault();
+}
+
+// As it was last seen, whichever part and whatever it was before; forgotten after the memory.
+TEST(Workspace, ShowsThatPartOfTheGroundAsItWasLastSeen) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.estimator.grid_memory_s = 10.0;
+  Workspace workspace(scenario);
+  const auto whole = models::GridGeometry::covering(scenario.world.bounds, 0.25);
+  const auto part = whole.window({2.0, 1.0}, 0.6);
+  ASSERT_LT(part.size(), whole.size());
+  const Time now = from_utime(1'700'000'000'000'000);
+  for (int i = 0; i < 3; ++i) {
+    for (const models::GridGeometry& geometry : {whole, part, part}) {
+      std::vector<std::int64_t> stamps(static_cast<std::size_t>(geometry.size()),
+                                       models::VisibilityGrid::kNeverSeen);
+      stamps[static_cast<std::size_t>(i)] = to_utime(now - from_seconds(9.9));
+      stamps[static_cast<std::size_t>(i + 1)] = to_utime(now - from_seconds(10.1));
+      const models::VisibilityGrid& ground = workspace.ground(geometry, stamps);
+      EXPECT_EQ(ground.geometry(), geometry);
+      EXPECT_EQ(ground.last_seen_utime(), stamps);
+      EXPECT_TRUE(ground.is_explored(i, now));
+      EXPECT_FALSE(ground.is_explored(i + 1, now));
+      for (int cell = 0; cell < geometry.size(); ++cell) {
+        const Eigen::Vector2d at_m = geometry.centre_m(cell);
+        EXPECT_EQ(ground.is_free(cell), models::clearance_m(scenario.world, at_m) > 0.0) << cell;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vantage::planner
