@@ -162,5 +162,114 @@ TEST(PathsBound, SaysNothingWhereItsRulesDoNotHold) {
       kInfinity);
 }
 
+// ---- Where every path sees the same, so that the bound is known ----
+
+/// A robot that drives straight on at `x_m`, whose look tells 1 / σ² of all that is within 20 m.
+SearchProblem seer(double x_m, double sigma_m) {
+  SearchProblem problem;
+  problem.start = {x_m, 0.0, 0.0};
+  problem.controls = {{0.1, 0.0}};
+  problem.horizon_steps = 3;
+  models::SensorModel sensor;
+  sensor.kind = models::SensorKind::kPosition;
+  sensor.position_sigma_m = sigma_m;
+  sensor.range_max_m = 20.0;
+  sensor.range_min_m = 1e-3;
+  sensor.fov_rad = 2.0 * kPi;
+  problem.sensors = {sensor};
+  for (const double target_x_m : {5.0, 105.0}) {
+    SearchTarget target{{models::TargetKind::kRandomWalk, 2, 0.0}, {}};
+    target.prior.mean = Eigen::Vector2d(target_x_m, 5.0);
+    target.prior.covariance = Eigen::Matrix2d::Identity();
+    problem.targets.push_back(target);
+  }
+  return problem;
+}
+
+/// About a target of variance 1 m² that is told `told` more at each of three steps.
+double known_nats(double told, InformationMeasure measure) {
+  return measure == InformationMeasure::kMutual
+             ? std::log(1.0 + 3.0 * told)
+             : std::log(1.0 + told) + std::log(1.0 + 2.0 * told) + std::log(1.0 + 3.0 * told);
+}
+
+// The first and the third see one target, the second the other.
+std::vector<SearchProblem> seers() { return {seer(0.0, 0.5), seer(100.0, 1.0), seer(1.0, 2.0)}; }
+
+void expect_known(double is, double known) {
+  EXPECT_GE(is, known);
+  EXPECT_LE(is, known * (1.0 + 2e-3));
+}
+
+TEST(PathsBound, IsWhatIsSeenWhereEveryPathSeesTheSame) {
+  PathsBound bound(4, 5);
+  std::vector<SearchProblem> team = seers();
+  for (const InformationMeasure measure : kMeasures) {
+    const auto of = [&](const std::vector<int>& robots) {
+      return bound.of(team, robots, measure, Deadline::nodes(kNodes));
+    };
+    expect_known(of({0}).information_nats, known_nats(4.0, measure));
+    expect_known(of({1}).information_nats, known_nats(1.0, measure));
+    expect_known(of({2}).information_nats, known_nats(0.25, measure));
+    expect_known(of({0, 2}).information_nats, known_nats(4.25, measure));
+    const PathsBound::Answer all = of({0, 1, 2});
+    expect_known(all.information_nats, known_nats(4.25, measure) + known_nats(1.0, measure));
+    ASSERT_EQ(all.parts.size(), 3U);
+    EXPECT_NEAR(all.parts[0], 16.0 * all.parts[2], 0.02 * all.parts[0]) << "a sixteenth as much";
+    const PathsBound::Answer turned = of({2, 1, 0});
+    EXPECT_NEAR(turned.information_nats, all.information_nats, 1e-3);
+    EXPECT_NEAR(turned.parts[0], all.parts[2], 1e-3 * all.parts[0]);
+    // What teammates are sure to see is not theirs.
+    for (std::size_t robot = 0; robot < team.size(); ++robot) {
+      team[robot].fixed_information.assign(
+          2, std::vector<models::PositionMatrix>(3, models::PositionMatrix::Identity(2, 2)));
+      EXPECT_EQ(of({0, 1, 2}).information_nats, all.information_nats) << robot;
+    }
+    team = seers();
+  }
+}
+
+TEST(PathsBound, UnderAttackIsWhatTheOthersSeeWithoutTheBest) {
+  PathsBound bound(4, 5);
+  const std::vector<SearchProblem> team = seers();
+  for (const InformationMeasure measure : kMeasures) {
+    const auto left = [&](int attacks) {
+      return bound.under_attack(team, attacks, measure, 2 * kNodes);
+    };
+    for (const int none : {-1, 0}) {
+      expect_known(left(none).information_nats,
+                   known_nats(4.25, measure) + known_nats(1.0, measure));
+    }
+    EXPECT_EQ(left(0).parts.size(), 3U);
+    // Whoever's part is the greatest is attacked; what it saw alone is lost.
+    const std::vector<double> parts =
+        bound.of(team, std::vector<int>{0, 1, 2}, measure, Deadline::nodes(kNodes)).parts;
+    const bool is_first = parts[0] > parts[1];
+    expect_known(left(1).information_nats,
+                 is_first ? known_nats(0.25, measure) + known_nats(1.0, measure)
+                          : known_nats(4.25, measure));
+    EXPECT_EQ(left(1).parts.size(), 2U);
+    expect_known(left(2).information_nats, known_nats(0.25, measure));
+    EXPECT_EQ(left(2).parts.size(), 1U);
+    EXPECT_EQ(left(3).information_nats, 0.0);
+    EXPECT_EQ(left(9).information_nats, 0.0);
+    EXPECT_TRUE(left(3).parts.empty());
+    // Half of the work is for finding them, half for the others.
+    EXPECT_GE(left(1).work_nodes, 2 * kNodes);
+    EXPECT_LE(left(1).work_nodes, 3 * kNodes);
+    EXPECT_GE(left(3).work_nodes, kNodes);
+    EXPECT_LE(left(3).work_nodes, 3 * kNodes / 2);
+  }
+}
+
+TEST(PathsBound, KnowsNothingBeforeItHasLooked) {
+  PathsBound bound(4, 5);
+  const std::vector<SearchProblem> team = seers();
+  const auto answer =
+      bound.of(team, std::vector<int>{0, 1}, InformationMeasure::kMutual, Deadline::nodes(0));
+  EXPECT_EQ(answer.information_nats, kInfinity);
+  EXPECT_EQ(answer.parts, (std::vector<double>{kInfinity, kInfinity}));
+}
+
 }  // namespace
 }  // namespace vantage::planner

@@ -1,6 +1,9 @@
 #include "planner/decision/team_set.hpp"
 
 #include <limits>
+#include <random>
+#include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -142,25 +145,119 @@ TEST(MutualInformation, OfAStillTargetIsTheClosedForm) {
   EXPECT_NEAR(team.value(), std::log(1.0 + 2.0 * variance_m2 * information), 1e-12);
 }
 
-TEST(TeamOracle, RefusesLooksThatAreOutOfOrderOrRange) {
+TEST(TeamOracle, TakesLooksInOrderAndRangeAlone) {
   TeamProblem problem = test::random_instance(2, {2, 2, 0.0}, {});
-  const auto refuses = [&](std::vector<Look> looks, double cost) {
-    problem.candidates = {{Candidate{{}, {}, std::move(looks), cost}}};
-    EXPECT_THROW(TeamOracle{problem}, UsageError);
+  const auto target = problem.targets.front();
+  problem.targets.assign(2, target);
+  problem.horizon_steps = 3;
+  const auto takes = [&](std::vector<Look> looks) {
+    problem.candidates = {{},
+                          {Candidate{{}, {}, {}, 0.0}, Candidate{{}, {}, std::move(looks), 0.0}}};
+    try {
+      const TeamOracle oracle(problem);
+      return true;
+    } catch (const UsageError&) {
+      return false;
+    }
   };
-  refuses({{99, 1, {}}}, 0.0);
-  refuses({{0, 0, {}}}, 0.0);
-  refuses({{0, static_cast<std::uint16_t>(problem.horizon_steps + 1), {}}}, 0.0);
-  refuses({{0, 1, {}}, {0, 1, {}}}, 0.0);
-  refuses({}, -1.0);
+  EXPECT_TRUE(takes({{0, 1, {}}, {0, 3, {}}, {1, 1, {}}, {1, 3, {}}}));
+  EXPECT_FALSE(takes({{2, 1, {}}}));
+  EXPECT_FALSE(takes({{0, 0, {}}}));
+  EXPECT_FALSE(takes({{0, 4, {}}}));
+  EXPECT_FALSE(takes({{0, 1, {}}, {0, 1, {}}}));
+  EXPECT_FALSE(takes({{0, 2, {}}, {0, 1, {}}}));
+  EXPECT_FALSE(takes({{1, 1, {}}, {0, 2, {}}}));
+  EXPECT_FALSE(takes({{0, 1, {}}, {1, 1, {}}, {0, 2, {}}}));
 }
 
-TEST(TeamOracle, RefusesAGainBroughtAlongThatIsNone) {
-  for (const double nats :
-       {-1e-3, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+TEST(TeamOracle, TakesCostsAndGainsThatAreFiniteAndNoLessThanNone) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const auto takes = [](auto&& set) {
     TeamProblem problem = test::random_instance(2, {2, 2, 0.0}, {});
-    problem.candidates[0][0].mutual_nats = nats;
-    EXPECT_THROW(TeamOracle{problem}, UsageError);
+    set(problem.candidates[0].back());
+    try {
+      const TeamOracle oracle(problem);
+      return true;
+    } catch (const UsageError&) {
+      return false;
+    }
+  };
+  for (const auto& [nats, is_taken] :
+       {std::pair(0.0, true), std::pair(1e6, true), std::pair(-1e-12, false),
+        std::pair(kInf, false), std::pair(kNan, false)}) {
+    const double value = nats;
+    EXPECT_EQ(takes([&](Candidate& c) { c.energy_cost = value; }), is_taken) << nats;
+    EXPECT_EQ(takes([&](Candidate& c) { c.unshared_nats = value; }), is_taken) << nats;
+  }
+  // A gain that was brought along may be below zero by rounding.
+  for (const auto& [nats, is_taken] :
+       {std::pair(0.0, true), std::pair(-0.9e-9, true), std::pair(-1.1e-9, false),
+        std::pair(kInf, false), std::pair(kNan, false)}) {
+    const double value = nats;
+    EXPECT_EQ(takes([&](Candidate& c) { c.mutual_nats = value; }), is_taken) << nats;
+  }
+}
+
+// Candidates by number, robot after robot; each worth its information, and what only its robot
+// knows of, less its cost; ranked by that, equals by number.
+TEST(TeamOracle, RanksEachRobotsCandidatesByWhatEachIsWorthAlone) {
+  const auto check = [](std::uint64_t seed, TeamProblem problem) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 rng(seed);
+    double offset = 0.0;
+    std::int64_t unknown = 0;
+    for (auto& of_robot : problem.candidates) {
+      double dearest = 0.0;
+      for (Candidate& candidate : of_robot) {
+        candidate.unshared_nats = test::pick(rng, 0, 1) * test::uniform(rng, 0.0, 2.0);
+        if (test::pick(rng, 0, 2) == 0) {
+          candidate.mutual_nats = test::uniform(rng, 0.0, 5.0);  // which is believed
+        }
+        const bool is_known =
+            candidate.mutual_nats && problem.measure == InformationMeasure::kMutual;
+        unknown += is_known ? 0 : 1;
+        dearest = std::max(dearest, candidate.energy_cost);
+      }
+      offset += dearest;
+    }
+    const TeamOracle oracle(problem);
+    EXPECT_NEAR(oracle.offset(), offset, 1e-12);
+    EXPECT_EQ(oracle.calls(), unknown);
+    EXPECT_EQ(oracle.target_count(), std::ssize(problem.targets));
+    EXPECT_EQ(oracle.is_submodular(), problem.measure == InformationMeasure::kMutual);
+    CandidateId id = 0;
+    for (int robot = 0; robot < oracle.robot_count(); ++robot) {
+      EXPECT_EQ(oracle.begin(robot), id);
+      for (const Candidate& candidate : problem.candidates[static_cast<std::size_t>(robot)]) {
+        EXPECT_EQ(&oracle.candidate(id), &candidate);
+        EXPECT_EQ(oracle.robot_of(id), robot);
+        const double information = candidate.mutual_nats && oracle.is_submodular()
+                                       ? *candidate.mutual_nats
+                                       : plain_value(problem, {&candidate}) + candidate.energy_cost;
+        EXPECT_NEAR(oracle.alone(id), information + candidate.unshared_nats - candidate.energy_cost,
+                    1e-9);
+        ++id;
+      }
+      EXPECT_EQ(oracle.end(robot), id);
+      const auto ranked = oracle.by_value(robot);
+      ASSERT_EQ(std::ssize(ranked), oracle.end(robot) - oracle.begin(robot));
+      EXPECT_EQ(std::set<CandidateId>(ranked.begin(), ranked.end()).size(), ranked.size());
+      for (std::size_t i = 0; i < ranked.size(); ++i) {
+        EXPECT_EQ(oracle.robot_of(ranked[i]), robot);
+        if (i > 0) {
+          EXPECT_LT(std::pair(-oracle.alone(ranked[i - 1]), ranked[i - 1]),
+                    std::pair(-oracle.alone(ranked[i]), ranked[i]));
+        }
+      }
+    }
+    EXPECT_EQ(oracle.candidate_count(), id);
+  };
+  for (const InformationMeasure measure :
+       {InformationMeasure::kMutual, InformationMeasure::kLogDet}) {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+      check(seed, test::random_instance(seed, {4, 5, 1.0}, measure));
+    }
   }
 }
 

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "planner/decision/team_set.hpp"
+
+namespace vantage::test {
+
+inline std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+/// J of `choice`, by a set of its own.
+inline double value_of(const planner::TeamOracle& oracle, const planner::Choice& choice) {
+  planner::TeamSet team(oracle);
+  team.become(choice);
+  return team.value();
+}
+
+/// `choice` with candidate `id`, without what robot `dropped` has.
+inline planner::Choice changed(const planner::TeamOracle& oracle, planner::Choice choice,
+                               int dropped, planner::CandidateId id) {
+  if (dropped >= 0) {
+    choice[at(dropped)] = planner::kNoCandidate;
+  }
+  if (id != planner::kNoCandidate) {
+    choice[at(oracle.robot_of(id))] = id;
+  }
+  return choice;
+}
+
+/// Candidates that look at one still target of their own each, and bring so many nats; several of
+/// one target bring less than their sum.
+struct Made {
+  int target = 0;
+  double nats = 0.0;
+  double cost = 0.0;
+};
+inline planner::TeamProblem made_team(int targets, const std::vector<std::vector<Made>>& robots) {
+  planner::TeamProblem problem;
+  problem.horizon_steps = 1;
+  for (int m = 0; m < targets; ++m) {
+    problem.targets.push_back(
+        {{models::TargetKind::kStatic, 2, 0.0},
+         {models::StateVector::Zero(2), models::StateMatrix::Identity(2, 2)}});
+  }
+  for (const std::vector<Made>& of_robot : robots) {
+    problem.candidates.emplace_back();
+    for (const Made& made : of_robot) {
+      // ½ log det (I + M) = log(1 + m) of M = m I.
+      const double m = std::expm1(made.nats);
+      planner::Candidate candidate;
+      candidate.energy_cost = made.cost;
+      candidate.looks = {{static_cast<std::uint16_t>(made.target), 1, {{m, 0.0, m}}}};
+      problem.candidates.back().push_back(candidate);
+    }
+  }
+  return problem;
+}
+
+}  // namespace vantage::test
