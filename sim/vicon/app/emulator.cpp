@@ -118,6 +118,7 @@ int serve(const Arguments& arguments) {
   const std::int64_t start_ns = monotonic_ns();
   EmulatedFrame frame;
   frame.latency_s = arguments.latency_s;
+  std::int64_t sent = 0;
   for (std::int64_t k = 0; !stop_requested(); ++k) {
     const double time_s = static_cast<double>(k) / arguments.settings.rate_hz;
     // What was captured at time_s is there after the latency, as it would be for real.
@@ -135,10 +136,11 @@ int serve(const Arguments& arguments) {
     }
     hide(time_s, arguments.occluded_s, frame);
     server.publish(frame);
+    ++sent;
   }
-  std::fprintf(
-      stderr, "vantage-vicon-emulator: %lld frames, %lld skipped for clients that did not read\n",
-      static_cast<long long>(frame.number) + 1, static_cast<long long>(server.frames_skipped()));
+  std::fprintf(stderr,
+               "vantage-vicon-emulator: %lld frames, %lld skipped for clients that did not read\n",
+               static_cast<long long>(sent), static_cast<long long>(server.frames_skipped()));
   return 0;
 }
 

@@ -79,6 +79,32 @@ TEST(RoverEmulator, ObeysWhatItHearsAfterItsDelayAndNotBefore) {
   EXPECT_NEAR(bench.rover.state().yaw_rate_radps, 5 * 0.005 * 8.0, 1e-9) << "the second, in turn";
 }
 
+// Asked for now and then or all the time: what took effect meanwhile took it at its instant.
+TEST(RoverEmulator, DoesNotDependOnHowItIsStepped) {
+  RoverEmulatorSpec spec = Bench::exact();
+  spec.delay_s = 0.03;
+  Bench often(spec);
+  Bench seldom(spec);
+  for (int k = 0; k < 20; ++k) {
+    for (Bench* bench : {&often, &seldom}) {
+      bench->now = kStart + k * Duration{100'000};
+      bench->say(bench->drive(k % 3 == 0 ? 0.8F : 0.2F, k % 2 == 0 ? 1.0F : -0.5F));
+    }
+    for (int i = 0; i < 100; ++i) {
+      often.now += Duration{1'000};
+      if (i % 5 == 4) {
+        often.rover.advance_to(often.now);
+      }
+    }
+  }
+  seldom.rover.advance_to(often.now);
+  const RoverState& a = often.rover.state();
+  const RoverState& b = seldom.rover.state();
+  EXPECT_LT((a.world_from_body.position_m() - b.world_from_body.position_m()).norm(), 1e-12);
+  EXPECT_NEAR(a.world_from_body.yaw_rad, b.world_from_body.yaw_rad, 1e-12);
+  EXPECT_GT(a.world_from_body.position_m().norm(), 0.3);
+}
+
 // Slip and drift act on the truth alone, along any heading, and drift only while it moves.
 TEST(RoverEmulator, SlipsAndTurnsInAWayThatItsWheelsDoNotMeasure) {
   for (const double yaw_rad : {0.3, 2.0, -2.5}) {

@@ -158,11 +158,11 @@ TEST(Drifters, OfDifferentSizesStopShortOfEachOtherAndOfWallsByAMillimetre) {
   }
   // A step is 1.5 mm at the most.
   EXPECT_GE(pair_m, 0.351);
-  EXPECT_LT(pair_m, 0.354);
+  EXPECT_LT(pair_m, 0.3517);
   EXPECT_GE(wall_m[0], 0.101);
-  EXPECT_LT(wall_m[0], 0.103);
+  EXPECT_LT(wall_m[0], 0.1017);
   EXPECT_GE(wall_m[1], 0.251);
-  EXPECT_LT(wall_m[1], 0.253);
+  EXPECT_LT(wall_m[1], 0.2517);
   EXPECT_LE(fastest_mps, 0.3 + 1e-12);
   EXPECT_GT(fastest_mps, 0.299);
 }

@@ -247,6 +247,21 @@ TEST(RunEmulator, SendsItsBodiesAtItsRateForAsLongAsItIsTold) {
   EXPECT_EQ(frames_of({"--rate", "500", "--duration-s", "0.004"}).at(0).size(), 3u);
 }
 
+// At its end it says how many frames it has sent, however it came to that.
+TEST(RunEmulator, SaysHowManyFramesItHasSent) {
+  const vantage::test::TemporaryFolder folder;
+  const std::string path = flight_in(folder, "LARK.csv", 4, 0.01);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--bodies", "1", "--rate", "500", "--duration-s", "0.006"},
+        std::vector<std::string>{"--flight", path, "--rate", "500"}}) {
+    testing::internal::CaptureStderr();
+    const std::size_t sent = frames_of(words).size();
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find(": " + std::to_string(sent) + " frames, 0 skipped"), std::string::npos)
+        << sent << " of: " << said;
+  }
+}
+
 TEST(RunEmulator, EndsWithItsRecording) {
   const vantage::test::TemporaryFolder folder;
   const std::string path = flight_in(folder, "LARK.csv", 4, 0.01);

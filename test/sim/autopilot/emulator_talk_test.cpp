@@ -1,0 +1,468 @@
+// What an emulated autopilot says and to what it listens, message by message.
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "core/axes.hpp"
+#include "sim/autopilot/autopilot_emulator.hpp"
+#include "wire/mavlink/messages.hpp"
+#include "wire/mavlink/parameter.hpp"
+#include "wire/mavlink/parser.hpp"
+#include "wire/mavlink/single.hpp"
+#include "wire/mavlink/vocabulary.hpp"
+
+namespace vantage::sim {
+namespace {
+
+namespace mavlink = wire::mavlink;
+using models::AutopilotDialect;
+
+constexpr Time kBoot = from_utime(1'700'000'000'000'000);
+
+AutopilotEmulatorSpec spec_of(AutopilotDialect dialect) {
+  AutopilotEmulatorSpec spec;
+  spec.dialect = dialect;
+  spec.system_id = 9;
+  spec.start = lift({1.0, 2.0, 0.5}, 0.25);
+  spec.airframe.wind_sigma_mps = 0.0;
+  return spec;
+}
+
+/// An emulator of system 9, and what it has said.
+struct Desk {
+  explicit Desk(AutopilotDialect dialect) : Desk(spec_of(dialect)) {}
+  explicit Desk(const AutopilotEmulatorSpec& spec) : emulator(spec, kBoot) {}
+
+  template <class Message>
+  void send(const Message& message, std::uint8_t system_id = 255) {
+    std::vector<std::uint8_t> bytes;
+    mavlink::append_bytes(mavlink::pack(message, {system_id, 191, sequence++}), bytes);
+    emulator.receive(bytes, now);
+    hear();
+  }
+  void run(double seconds) {
+    for (const Time end = now + from_seconds(seconds); now < end;) {
+      now += AutopilotEmulator::kStep;
+      emulator.advance_to(now);
+      hear();
+    }
+  }
+  int command(std::uint16_t number, float p1 = 0.0F, float p2 = 0.0F, float p3 = 0.0F,
+              float p7 = 0.0F, std::uint8_t to = 9) {
+    mavlink::CommandLong out;
+    out.command = number;
+    out.param1 = p1;
+    out.param2 = p2;
+    out.param3 = p3;
+    out.param7 = p7;
+    out.target_system = to;
+    frames.clear();
+    send(out);
+    const auto acks = all<mavlink::CommandAck>();
+    if (acks.size() == 1) {
+      EXPECT_EQ(acks[0].command, number);
+      EXPECT_EQ(acks[0].target_system, 255);
+      EXPECT_EQ(acks[0].target_component, 191);
+    }
+    return acks.size() == 1 ? acks[0].result : -1;
+  }
+  template <class Message>
+  std::vector<Message> all() const {
+    std::vector<Message> out;
+    for (const mavlink::Frame& frame : frames) {
+      if (const auto message = mavlink::unpack<Message>(frame)) {
+        out.push_back(*message);
+      }
+    }
+    return out;
+  }
+  /// The newest of its kind in the next tenth of a second, asked for.
+  template <class Message>
+  Message ask() {
+    EXPECT_EQ(command(mavlink::command::kSetMessageInterval, float(Message::kMessage.id), 5000.0F),
+              0);
+    frames.clear();
+    run(0.1);
+    const auto heard = all<Message>();
+    EXPECT_EQ(heard.size(), 20u);
+    return heard.empty() ? Message{} : heard.back();
+  }
+  mavlink::Odometry pose(const Eigen::Vector3d& position_m) const {
+    mavlink::Odometry out;
+    out.x = mavlink::f32(position_m.x());
+    out.y = mavlink::f32(position_m.y());
+    out.z = mavlink::f32(position_m.z());
+    out.frame_id = mavlink::frame::kLocalFrd;
+    out.child_frame_id = mavlink::frame::kBodyFrd;
+    out.estimator_type = mavlink::kEstimatorVision;
+    out.time_usec = static_cast<std::uint64_t>(to_utime(now));
+    return out;
+  }
+  [[nodiscard]] Eigen::Vector3d place_m() const {
+    return turn_axes(emulator.world_from_body().translation_m);
+  }
+  /// Poses at 50 Hz, and targets beside them where there is one.
+  void watch(double seconds, const mavlink::SetPositionTargetLocalNed* target = nullptr) {
+    for (double t = 0.0; t < seconds - 1e-9; t += 0.02) {
+      send(pose(place_m()));
+      if (target != nullptr) {
+        send(*target);
+      }
+      run(0.02);
+    }
+  }
+  [[nodiscard]] std::int64_t poses() const { return emulator.controller().estimator().poses(); }
+
+  AutopilotEmulator emulator;
+  Time now = kBoot;
+  std::vector<mavlink::Frame> frames;
+
+ private:
+  void hear() {
+    for (const auto& datagram : emulator.take_output()) {
+      parser_.feed(datagram, [&](const mavlink::Frame& frame) { frames.push_back(frame); });
+    }
+  }
+  mavlink::Parser parser_;
+  std::uint8_t sequence = 0;
+};
+
+mavlink::SetPositionTargetLocalNed target_of(std::uint16_t mask) {
+  mavlink::SetPositionTargetLocalNed out;
+  out.type_mask = mask;
+  out.coordinate_frame = mavlink::frame::kLocalNed;
+  out.target_system = 9;
+  return out;
+}
+
+/// PX4 in the air at 1.5 m, on a place.
+Desk flying() {
+  Desk desk(AutopilotDialect::kPx4);
+  desk.watch(3.0);
+  auto target = target_of(mavlink::mask::kPositionAndYaw);
+  target.x = 1.0F;
+  target.y = -2.0F;
+  target.z = -1.75F;
+  target.yaw = -0.5F;
+  desk.watch(1.5, &target);
+  EXPECT_EQ(desk.command(mavlink::command::kSetMode, 1.0F, 6.0F), 0);
+  EXPECT_EQ(desk.command(mavlink::command::kArmDisarm, 1.0F), 0);
+  desk.watch(8.0, &target);
+  EXPECT_NEAR(desk.place_m().z(), -1.75, 0.1);
+  return desk;
+}
+
+TEST(EmulatorTalk, BeginsWithItsPlaceInTheWorldsAxes) {
+  const Desk desk(AutopilotDialect::kPx4);
+  EXPECT_LT(
+      (desk.emulator.world_from_body().translation_m - Eigen::Vector3d(1.0, 2.0, 0.25)).norm(),
+      1e-12);
+  EXPECT_NEAR(flatten(desk.emulator.world_from_body()).yaw_rad, 0.5, 1e-12);
+  EXPECT_EQ(desk.emulator.velocity_world_mps(), Eigen::Vector3d::Zero());
+}
+
+TEST(EmulatorTalk, SaysAHeartbeatEachSecondOfItsKind) {
+  struct Row {
+    AutopilotDialect dialect;
+    int id;
+    std::uint32_t mode;
+    int timesyncs;  ///< in ten seconds and a step
+  };
+  for (const Row& row : {Row{AutopilotDialect::kPx4, 12, 0x03040000U, 101},
+                         Row{AutopilotDialect::kArdupilot, 3, 0U, 2}}) {
+    Desk desk(row.dialect);
+    desk.run(10.005);
+    const auto heartbeats = desk.all<mavlink::Heartbeat>();
+    EXPECT_EQ(heartbeats.size(), 11u);
+    EXPECT_EQ(desk.all<mavlink::Timesync>().size(), static_cast<std::size_t>(row.timesyncs));
+    EXPECT_EQ(desk.all<mavlink::Timesync>().front().tc1, 0);
+    EXPECT_EQ(desk.all<mavlink::Timesync>().front().ts1, 5'000'000) << "its own time, in ns";
+    const mavlink::Heartbeat& heartbeat = heartbeats.back();
+    EXPECT_EQ(heartbeat.autopilot, row.id);
+    EXPECT_EQ(heartbeat.type, 2) << "a quadrotor";
+    EXPECT_EQ(heartbeat.custom_mode, row.mode);
+    EXPECT_EQ(heartbeat.base_mode, 1);
+    EXPECT_EQ(heartbeat.system_status, 3) << "standby";
+    EXPECT_EQ(heartbeat.mavlink_version, 3);
+    std::uint8_t sequence = 0;
+    for (const mavlink::Frame& frame : desk.frames) {
+      EXPECT_EQ(frame.origin.system_id, 9);
+      EXPECT_EQ(frame.origin.component_id, 1);
+      EXPECT_EQ(frame.origin.sequence, sequence++);
+    }
+  }
+}
+
+TEST(EmulatorTalk, SendsAMessageAsOftenAsItIsAskedToAndNoneOfTheOtherAutopilots) {
+  Desk desk(AutopilotDialect::kPx4);
+  const std::uint16_t kInterval = mavlink::command::kSetMessageInterval;
+  EXPECT_EQ(desk.command(kInterval, 30.0F, 20'000.0F), 0);
+  desk.frames.clear();
+  desk.run(1.0);
+  EXPECT_EQ(desk.all<mavlink::Attitude>().size(), 50u);
+  EXPECT_EQ(desk.command(kInterval, 30.0F, 5'000.0F), 0);
+  EXPECT_EQ(desk.command(kInterval, 30.0F, 4'999.0F), 4);
+  EXPECT_EQ(desk.command(kInterval, 30.0F, -1.0F), 4);
+  EXPECT_EQ(desk.command(kInterval, 30.0F, std::numeric_limits<float>::quiet_NaN()), 4);
+  EXPECT_EQ(desk.command(kInterval, 9'999.0F, 20'000.0F), 4) << "nobody's";
+  EXPECT_EQ(desk.command(kInterval, 193.0F, 20'000.0F), 4);
+  EXPECT_EQ(desk.command(kInterval, 230.0F, 20'000.0F), 0);
+  EXPECT_EQ(desk.command(kInterval, 242.0F, 20'000.0F), 0) << "of which it has no source";
+  desk.frames.clear();
+  desk.run(1.0);
+  EXPECT_EQ(desk.all<mavlink::Attitude>().size(), 200u);
+  EXPECT_EQ(desk.all<mavlink::EstimatorStatus>().size(), 50u);
+  EXPECT_EQ(desk.all<mavlink::HomePosition>().size(), 0u);
+  Desk other(AutopilotDialect::kArdupilot);
+  EXPECT_EQ(other.command(kInterval, 193.0F, 20'000.0F), 0);
+  EXPECT_EQ(other.command(kInterval, 230.0F, 20'000.0F), 4);
+}
+
+TEST(EmulatorTalk, ListensToItselfAndToEverybodysMessagesAlone) {
+  Desk desk(AutopilotDialect::kPx4);
+  EXPECT_EQ(desk.command(mavlink::command::kSetMode, 1.0F, 4.0F, 6.0F, 0.0F, 8), -1);
+  EXPECT_EQ(desk.command(mavlink::command::kSetMode, 1.0F, 4.0F, 6.0F, 0.0F, 0), 0);
+  EXPECT_EQ(desk.emulator.controller().mode(), 0x06040000U);
+  EXPECT_EQ(desk.command(mavlink::command::kSetMode, 1.0F, 6.0F), 0);
+  EXPECT_EQ(desk.emulator.controller().mode(), 0x00060000U);
+  EXPECT_EQ(desk.command(mavlink::command::kLand), 0);
+  EXPECT_EQ(desk.emulator.controller().mode(), 0x06040000U);
+  EXPECT_EQ(desk.command(12'345), 3) << "unsupported";
+  EXPECT_EQ(desk.command(mavlink::command::kTakeOff, 0.0F, 0.0F, 0.0F, 1.0F), 1);
+  EXPECT_EQ(desk.command(mavlink::command::kArmDisarm, 0.0F), 0) << "it is not armed anyway";
+  Desk other(AutopilotDialect::kArdupilot);
+  EXPECT_EQ(other.command(mavlink::command::kSetMode, 1.0F, 9.0F, 3.0F), 0);
+  EXPECT_EQ(other.emulator.controller().mode(), 9U) << "it has no sub modes";
+}
+
+TEST(EmulatorTalk, SaysWhereItIsAndHowItLiesInTheAutopilotsAxes) {
+  Desk desk = flying();
+  auto target = target_of(mavlink::mask::kVelocityAndYawRate);
+  target.vx = 1.0F;
+  target.vy = -1.4F;
+  target.vz = -0.3F;
+  target.yaw_rate = 0.4F;
+  desk.command(mavlink::command::kSetMessageInterval, 32.0F, 5000.0F);
+  desk.command(mavlink::command::kSetMessageInterval, 30.0F, 5000.0F);
+  desk.watch(0.4, &target);
+  const mavlink::LocalPositionNed motion = desk.all<mavlink::LocalPositionNed>().back();
+  EXPECT_EQ(motion.time_boot_ms, static_cast<std::uint32_t>((desk.now - kBoot).count() / 1000));
+  const Eigen::Vector3d place_m = desk.place_m();
+  EXPECT_NEAR(motion.x, place_m.x(), 0.02);
+  EXPECT_NEAR(motion.y, place_m.y(), 0.02);
+  EXPECT_NEAR(motion.z, place_m.z(), 0.02);
+  const Eigen::Vector3d velocity_mps = turn_axes(desk.emulator.velocity_world_mps());
+  EXPECT_NEAR(motion.vx, velocity_mps.x(), 1e-5);
+  EXPECT_NEAR(motion.vy, velocity_mps.y(), 1e-5);
+  EXPECT_NEAR(motion.vz, velocity_mps.z(), 1e-5);
+  EXPECT_GT(velocity_mps.x(), 0.2);
+  EXPECT_LT(velocity_mps.y(), -0.2);
+  const mavlink::Attitude attitude = desk.all<mavlink::Attitude>().back();
+  const Eigen::Matrix3d told = (Eigen::AngleAxisd(attitude.yaw, Eigen::Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(attitude.pitch, Eigen::Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(attitude.roll, Eigen::Vector3d::UnitX()))
+                                   .toRotationMatrix();
+  const Quaternion truth = turn_axes(desk.emulator.world_from_body().rotation);
+  EXPECT_LT((told - truth.toRotationMatrix()).norm(), 1e-5);
+  EXPECT_GT(std::abs(attitude.roll), 0.02);
+  EXPECT_LT(attitude.pitch, -0.02) << "nose down, it flies forwards";
+  EXPECT_NEAR(attitude.yawspeed, desk.emulator.controller().airframe().yaw_rate_radps(), 1e-6);
+  EXPECT_GT(attitude.yawspeed, 0.1);
+  EXPECT_EQ(attitude.time_boot_ms, motion.time_boot_ms);
+  const auto status = desk.ask<mavlink::EstimatorStatus>();
+  EXPECT_EQ(status.time_usec, static_cast<std::uint64_t>((desk.now - kBoot).count()));
+  EXPECT_EQ(status.flags, 0x12F);
+  EXPECT_EQ(desk.ask<mavlink::ExtendedSysState>().landed_state, 2);
+  const auto heartbeat = desk.ask<mavlink::Heartbeat>();
+  EXPECT_EQ(heartbeat.base_mode, 129);
+  EXPECT_EQ(heartbeat.system_status, 4) << "active";
+}
+
+// Without a place PX4 takes itself to stand where it was switched on; ArduPilot says nothing.
+TEST(EmulatorTalk, WithoutPosesIsAtZeroOrSilent) {
+  Desk desk(AutopilotDialect::kPx4);
+  const auto motion = desk.ask<mavlink::LocalPositionNed>();
+  EXPECT_EQ(motion.x, 0.0F);
+  EXPECT_EQ(motion.y, 0.0F);
+  EXPECT_EQ(motion.z, 0.0F);
+  Desk other(AutopilotDialect::kArdupilot);
+  EXPECT_EQ(other.command(mavlink::command::kSetMessageInterval, 32.0F, 5000.0F), 0);
+  other.run(1.0);
+  EXPECT_TRUE(other.all<mavlink::LocalPositionNed>().empty());
+}
+
+TEST(EmulatorTalk, SaysOfItsBatteryAsMuchAsItsKindKnows) {
+  struct Row {
+    BatteryReport report;
+    int remaining;
+  };
+  for (const Row& row : {Row{BatteryReport::kShare, 46}, Row{BatteryReport::kVoltageOnly, -1},
+                         Row{BatteryReport::kFromFull, 100}}) {
+    AutopilotEmulatorSpec spec = spec_of(AutopilotDialect::kPx4);
+    spec.battery = row.report;
+    spec.airframe.battery_start_share = 0.456;
+    Desk desk(spec);
+    const auto battery = desk.ask<mavlink::BatteryStatus>();
+    EXPECT_EQ(battery.battery_remaining, row.remaining);
+    EXPECT_EQ(battery.voltages[0], std::lround(1000.0 * (10.5 + 0.456 * 2.1)));
+    EXPECT_EQ(battery.charge_state, 1);
+    const auto status = desk.ask<mavlink::SysStatus>();
+    EXPECT_EQ(status.battery_remaining, row.remaining);
+    EXPECT_EQ(status.voltage_battery, battery.voltages[0]);
+    for (const auto& [share, state] :
+         {std::pair{0.151, 1}, std::pair{0.149, 2}, std::pair{0.051, 2}, std::pair{0.049, 4}}) {
+      desk.emulator.controller().airframe().set_battery_share(share);
+      EXPECT_EQ(desk.ask<mavlink::BatteryStatus>().charge_state, state) << share;
+    }
+  }
+  Desk desk = flying();
+  // Hovering takes g of the 20 m/s² that there are, of 25 A.
+  EXPECT_NEAR(desk.ask<mavlink::BatteryStatus>().current_battery, 2500.0 * 9.81 / 20.0, 60.0);
+}
+
+TEST(EmulatorTalk, ReadsWritesAndForgetsParameters) {
+  Desk desk(AutopilotDialect::kPx4);
+  const auto ask = [&](const std::string& name, std::uint8_t to = 9) {
+    mavlink::ParamRequestRead out;
+    out.param_id = mavlink::parameter_id(name);
+    out.target_system = to;
+    desk.frames.clear();
+    desk.send(out);
+    return desk.all<mavlink::ParamValue>();
+  };
+  const auto set = [&](const std::string& name, float value, std::uint8_t to = 9) {
+    mavlink::ParamSet out;
+    out.param_id = mavlink::parameter_id(name);
+    out.param_value = value;
+    out.param_type = mavlink::parameter_type::kFloat;
+    out.target_system = to;
+    desk.frames.clear();
+    desk.send(out);
+    return desk.all<mavlink::ParamValue>();
+  };
+  ASSERT_EQ(ask("COM_OF_LOSS_T").size(), 1u);
+  EXPECT_EQ(mavlink::parameter_name(ask("COM_OF_LOSS_T")[0].param_id), "COM_OF_LOSS_T");
+  EXPECT_EQ(ask("COM_OF_LOSS_T")[0].param_index, 0xFFFF);
+  const std::uint16_t count = ask("COM_OF_LOSS_T")[0].param_count;
+  EXPECT_TRUE(ask("COM_OF_LOSS_T", 8).empty());
+  EXPECT_EQ(desk.emulator.ignored(), 0);
+  EXPECT_TRUE(ask("NO_SUCH_NAME").empty());
+  EXPECT_EQ(desk.emulator.ignored(), 1);
+  ASSERT_EQ(set("COM_OF_LOSS_T", 0.75F).size(), 1u);
+  EXPECT_EQ(desk.emulator.parameter("COM_OF_LOSS_T"), 0.75);
+  EXPECT_TRUE(set("COM_OF_LOSS_T", 0.5F, 8).empty());
+  EXPECT_EQ(desk.emulator.parameter("COM_OF_LOSS_T"), 0.75);
+  EXPECT_TRUE(set("NO_SUCH_NAME", 0.5F).empty());
+  EXPECT_EQ(desk.emulator.parameter("NO_SUCH_NAME"), std::nullopt);
+  // A new one that is whole is an integer, and any other is not.
+  desk.emulator.set_parameter("WHOLE", 7.0);
+  desk.emulator.set_parameter("PART", 7.5);
+  ASSERT_EQ(ask("WHOLE").size(), 1u);
+  EXPECT_EQ(ask("WHOLE")[0].param_type, mavlink::parameter_type::kInt32);
+  EXPECT_EQ(ask("PART")[0].param_type, mavlink::parameter_type::kFloat);
+  EXPECT_EQ(ask("PART")[0].param_value, 7.5F);
+  EXPECT_EQ(ask("PART")[0].param_count, count + 2);
+  desk.emulator.set_parameter("PART", 8.0);
+  EXPECT_EQ(ask("PART")[0].param_type, mavlink::parameter_type::kFloat) << "as it was made";
+  desk.emulator.forget_parameter("PART");
+  EXPECT_TRUE(ask("PART").empty());
+}
+
+// In PX4 a pose may be in any of the frames that it knows; what it does not know is counted.
+TEST(EmulatorTalk, Px4TurnsPosesOfOtherFramesIntoItsOwn) {
+  struct Row {
+    std::uint8_t frame;
+    Eigen::Vector3d said_m;
+    bool is_taken;
+  };
+  const Eigen::Vector3d ned(1.0, -2.0, -0.25);  // of the place where it stands
+  for (const Row& row :
+       {Row{mavlink::frame::kLocalNed, ned, true}, Row{mavlink::frame::kLocalFrd, ned, true},
+        Row{4, {-2.0, 1.0, 0.25}, true},  // east, north, up
+        Row{21, {1.0, 2.0, 0.25}, true},  // forward, left, up
+        Row{0, ned, false}, Row{8, ned, false}, Row{12, ned, false}}) {
+    Desk desk(AutopilotDialect::kPx4);
+    desk.run(0.1);
+    auto pose = desk.pose(row.said_m);
+    pose.frame_id = row.frame;
+    desk.send(pose);
+    EXPECT_EQ(desk.poses(), row.is_taken ? 1 : 0) << int{row.frame};
+    EXPECT_EQ(desk.emulator.ignored(), row.is_taken ? 0 : 1);
+    if (row.is_taken) {
+      EXPECT_LT((desk.emulator.controller().estimator().position_m() - ned).norm(), 1e-6)
+          << int{row.frame};
+    }
+  }
+}
+
+TEST(EmulatorTalk, Px4FusesWhatClaimsToBeVisionAndSaysOfOthersThatItDoesNot) {
+  for (int type = 0; type <= 8; ++type) {
+    Desk desk(AutopilotDialect::kPx4);
+    mavlink::Heartbeat station;
+    station.type = mavlink::type::kGroundStation;
+    desk.send(station);
+    desk.run(0.1);
+    auto pose = desk.pose(desk.place_m());
+    pose.estimator_type = static_cast<std::uint8_t>(type);
+    desk.frames.clear();
+    desk.send(pose);
+    EXPECT_EQ(desk.poses(), type <= 3 ? 1 : 0) << type;
+    EXPECT_EQ(desk.emulator.ignored(), type <= 3 ? 0 : 1) << type;
+    const auto texts = desk.all<mavlink::Statustext>();
+    ASSERT_EQ(texts.size(), type <= 3 || type == 6 ? 0u : 1u) << type;
+    if (!texts.empty()) {
+      EXPECT_EQ(std::string(texts[0].text.data()), "ODOMETRY: estimator_type unsupported");
+      EXPECT_EQ(texts[0].severity, 2);
+    }
+  }
+}
+
+TEST(EmulatorTalk, ArdupilotTakesPosesInItsOneFrameOfItsOneBodyAlone) {
+  const auto taken = [](std::uint8_t frame, std::uint8_t body, double x_m) {
+    Desk desk(AutopilotDialect::kArdupilot);
+    desk.run(5.1);
+    auto pose = desk.pose({x_m, -2.0, -0.25});
+    pose.frame_id = frame;
+    pose.child_frame_id = body;
+    desk.send(pose);
+    EXPECT_EQ(desk.poses() + desk.emulator.ignored(), 1);
+    return desk.poses() == 1;
+  };
+  EXPECT_TRUE(taken(mavlink::frame::kLocalFrd, mavlink::frame::kBodyFrd, 1.0));
+  EXPECT_FALSE(taken(mavlink::frame::kLocalNed, mavlink::frame::kBodyFrd, 1.0));
+  EXPECT_FALSE(taken(mavlink::frame::kLocalFrd, mavlink::frame::kBodyNed, 1.0));
+  EXPECT_FALSE(taken(mavlink::frame::kLocalFrd, mavlink::frame::kBodyFrd,
+                     std::numeric_limits<double>::infinity()));
+}
+
+TEST(EmulatorTalk, TakesVisionPositionEstimatesThatAreNumbers) {
+  Desk desk(AutopilotDialect::kPx4);
+  desk.run(0.1);
+  mavlink::VisionPositionEstimate vision;
+  vision.x = 1.0F;
+  vision.y = -2.5F;
+  vision.z = std::numeric_limits<float>::quiet_NaN();
+  desk.send(vision);
+  EXPECT_EQ(desk.poses(), 0);
+  vision.z = -0.5F;
+  desk.send(vision);
+  EXPECT_EQ(desk.poses(), 1);
+  EXPECT_EQ(desk.emulator.controller().estimator().position_m(), Eigen::Vector3d(1.0, -2.5, -0.5));
+  // A reset is taken whole, as of odometry.
+  vision.x = 9.0F;
+  vision.reset_counter = 1;
+  desk.send(vision);
+  EXPECT_EQ(desk.emulator.controller().estimator().position_m().x(), 9.0);
+  auto pose = desk.pose({-9.0, 0.0, 0.0});
+  pose.reset_counter = 2;
+  desk.send(pose);
+  EXPECT_EQ(desk.emulator.controller().estimator().position_m().x(), -9.0);
+}
+
+}  // namespace
+}  // namespace vantage::sim

@@ -1,0 +1,445 @@
+// The inside of the emulated autopilots: who may arm, what is flown, when it is given up. With
+// poses that are the truth, in still air.
+
+#include "sim/autopilot/flight_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "sim/autopilot/profile.hpp"
+
+namespace vantage::sim {
+namespace {
+
+using models::AutopilotDialect;
+
+constexpr Time kBoot = from_utime(1'700'000'000'000'000);
+constexpr double kDtS = 0.005;
+
+AirframeParameters still_air() {
+  AirframeParameters out;
+  out.wind_sigma_mps = 0.0;
+  return out;
+}
+
+AutopilotSettings settings() {
+  AutopilotSettings out;
+  out.setpoint_loss_s = 0.5;
+  out.pose_loss_s = 2.0;
+  out.speed_max_mps = 1.5;
+  out.land_speed_mps = 0.4;
+  out.land_disarm_s = 0.5;
+  out.yaw_rate_max_radps = 1.0;
+  return out;
+}
+
+/// One who gives it poses and targets at 50 Hz.
+struct Pilot {
+  explicit Pilot(AutopilotDialect dialect, const AutopilotSettings& set = settings(),
+                 const Eigen::Vector3d& place_m = {0.0, 0.0, 0.0}, double yaw_rad = 0.0)
+      : profile(profile_of(dialect)),
+        controller(profile, set, still_air(), 1, place_m, yaw_rad, kBoot) {}
+  void step() {
+    if (ticks++ % 4 == 0) {
+      if (gives_poses) {
+        controller.take_pose(now, now, controller.airframe().position_m(), 0);
+      }
+      if (target) {
+        controller.take_target(*target, now);
+      }
+    }
+    now += Duration{5'000};
+    controller.step(now, kDtS);
+    for (const SpokenText& text : controller.take_texts()) {
+      said.push_back(text.text);
+    }
+  }
+  void run(double seconds) {
+    for (int n = 0; n < std::lround(seconds / kDtS); ++n) {
+      step();
+    }
+  }
+  [[nodiscard]] Eigen::Vector3d place_m() const { return controller.airframe().position_m(); }
+  /// From the ground to `up_m` above it.
+  void take_off(double up_m) {
+    run(1.0);
+    target = FlightTarget{};
+    target->position_m = place_m() - Eigen::Vector3d(0.0, 0.0, up_m);
+    target->yaw_rad = controller.airframe().yaw_rad();
+    if (profile.takes_off_by_command) {
+      controller.set_origin();
+      run(24.0);
+    } else {
+      run(1.2);
+    }
+    EXPECT_EQ(controller.set_mode(profile.follow_mode, now), 0);
+    EXPECT_EQ(controller.arm(now), 0);
+    if (profile.takes_off_by_command) {
+      EXPECT_EQ(controller.take_off(up_m), 0);
+    }
+    run(up_m / 0.5 + 6.0);
+    EXPECT_NEAR(place_m().z(), target->position_m->z(), 0.1);
+  }
+
+  const AutopilotProfile& profile;
+  FlightController controller;
+  Time now = kBoot;
+  std::int64_t ticks = 0;
+  bool gives_poses = true;
+  std::optional<FlightTarget> target;
+  std::vector<std::string> said;
+};
+
+constexpr AutopilotDialect kBoth[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
+
+// Wherever north is, and with left and right exchanged: the same flight.
+TEST(FlightController, FliesTheSameTurnedAndMirrored) {
+  for (const AutopilotDialect dialect : kBoth) {
+    const auto fly = [&](double turn_rad, double side) {
+      const Eigen::AngleAxisd turn(turn_rad, Eigen::Vector3d::UnitZ());
+      const auto see = [&](const Eigen::Vector3d& v) {
+        return Eigen::Vector3d(turn * Eigen::Vector3d(v.x(), side * v.y(), v.z()));
+      };
+      Pilot pilot(dialect, settings(), see({1.0, -2.0, 0.0}), side * 0.3 + turn_rad);
+      pilot.take_off(1.5);
+      pilot.target->velocity_mps = see({0.8, 0.3, 0.1});
+      pilot.target->acceleration_mps2 = see({0.2, -0.4, 0.0});
+      pilot.target->yaw_rad = wrap_to_pi(side * 1.5 + turn_rad);
+      pilot.target->yaw_rate_radps = side * 0.2;
+      pilot.run(1.0);
+      pilot.target->position_m.reset();
+      pilot.run(0.5);
+      pilot.target->position_m = see({3.0, -1.0, -1.2});
+      pilot.target->velocity_mps.reset();
+      pilot.run(1.0);
+      pilot.controller.set_mode(pilot.profile.land_mode, pilot.now);
+      pilot.run(1.0);
+      const Eigen::Vector3d place_m = turn.inverse() * pilot.place_m();
+      return Eigen::Vector4d(place_m.x(), side * place_m.y(), place_m.z(),
+                             wrap_to_pi(side * (pilot.controller.airframe().yaw_rad() - turn_rad)));
+    };
+    const Eigen::Vector4d expected = fly(0.0, 1.0);
+    EXPECT_GT((expected.head<2>() - Eigen::Vector2d(1.0, -2.0)).norm(), 0.8);
+    for (const double turn_rad : {1.1, -2.5}) {
+      for (const double side : {1.0, -1.0}) {
+        EXPECT_LT((fly(turn_rad, side) - expected).cwiseAbs().maxCoeff(), 1e-6)
+            << turn_rad << ' ' << side;
+      }
+    }
+  }
+}
+
+// After a while each kind of target is met, and no limit is passed on the way.
+TEST(FlightController, ComesToItsTargetWithinItsLimits) {
+  for (const AutopilotDialect dialect : kBoth) {
+    Pilot pilot(dialect);
+    pilot.take_off(1.5);
+    pilot.target->position_m = Eigen::Vector3d(8.0, -6.0, -3.5);
+    pilot.target->yaw_rad = 3.0;
+    Eigen::Vector3d most_mps = Eigen::Vector3d::Zero();
+    double turn_radps = 0.0;
+    for (int n = 0; n < 4000; ++n) {
+      pilot.step();
+      const Eigen::Vector3d& v = pilot.controller.airframe().velocity_mps();
+      most_mps = most_mps.cwiseMax(Eigen::Vector3d(v.head<2>().norm(), -v.z(), v.z()));
+      turn_radps = std::max(turn_radps, std::abs(pilot.controller.airframe().yaw_rate_radps()));
+    }
+    EXPECT_LT((pilot.place_m() - Eigen::Vector3d(8.0, -6.0, -3.5)).norm(), 0.05);
+    EXPECT_NEAR(wrap_to_pi(pilot.controller.airframe().yaw_rad() - 3.0), 0.0, 0.01);
+    EXPECT_NEAR(most_mps.x(), 1.5, 0.12) << "as fast as it may";
+    EXPECT_NEAR(most_mps.y(), 0.7, 0.1);
+    EXPECT_NEAR(turn_radps, 1.0, 0.02);
+    // Down again as fast as up, and a turn the other way through the back.
+    pilot.target->position_m->z() = -1.5;
+    pilot.target->yaw_rad = -3.0;
+    double sink_mps = 0.0;
+    double turned_rad = 0.0;
+    for (int n = 0; n < 2000; ++n) {
+      const double before_rad = pilot.controller.airframe().yaw_rad();
+      pilot.step();
+      turned_rad += wrap_to_pi(pilot.controller.airframe().yaw_rad() - before_rad);
+      sink_mps = std::max(sink_mps, pilot.controller.airframe().velocity_mps().z());
+    }
+    EXPECT_NEAR(sink_mps, 0.7, 0.1);
+    EXPECT_NEAR(turned_rad, 2.0 * kPi - 6.0, 0.02);
+    for (const Eigen::Vector3d& wish :
+         {Eigen::Vector3d(0.6, -0.5, 0.2), Eigen::Vector3d(-0.4, 0.7, -0.3)}) {
+      pilot.target = FlightTarget{};
+      pilot.target->velocity_mps = wish;
+      pilot.target->yaw_rate_radps = -0.3;
+      pilot.run(6.0);
+      EXPECT_LT((pilot.controller.airframe().velocity_mps() - wish).norm(), 0.09)
+          << wish.transpose();
+      EXPECT_NEAR(pilot.controller.airframe().yaw_rate_radps(), -0.3, 1e-3);
+    }
+  }
+}
+
+// A place that moves at a stated velocity is followed without lagging behind.
+TEST(FlightController, FollowsAPlaceThatMovesAtTheStatedVelocity) {
+  for (const AutopilotDialect dialect : kBoth) {
+    Pilot pilot(dialect);
+    pilot.take_off(1.5);
+    const Eigen::Vector3d velocity_mps(0.6, -0.4, -0.1);
+    const Eigen::Vector3d from_m = pilot.place_m();
+    const Time begin = pilot.now;
+    for (int n = 0; n < 1600; ++n) {
+      pilot.target->velocity_mps = velocity_mps;
+      pilot.target->position_m = from_m + to_seconds(pilot.now - begin) * velocity_mps;
+      pilot.step();
+    }
+    const Eigen::Vector3d there_m = from_m + to_seconds(pilot.now - begin) * velocity_mps;
+    EXPECT_LT((pilot.place_m() - there_m).norm(), 0.05);
+    EXPECT_LT((pilot.controller.airframe().velocity_mps() - velocity_mps).norm(), 0.02);
+  }
+}
+
+TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsWhenItHasNoticed) {
+  for (const AutopilotDialect dialect : kBoth) {
+    Pilot pilot(dialect);
+    pilot.take_off(1.5);
+    EXPECT_EQ(pilot.controller.landed_state(), 2);
+    EXPECT_EQ(pilot.controller.set_mode(pilot.profile.land_mode, pilot.now), 0);
+    EXPECT_EQ(pilot.controller.landed_state(), 4);
+    pilot.run(2.0);
+    EXPECT_NEAR(pilot.controller.airframe().velocity_mps().z(), 0.4, 0.035);
+    while (!pilot.controller.airframe().is_on_ground()) {
+      pilot.step();
+    }
+    const Time down = pilot.now;
+    EXPECT_LT(pilot.place_m().head<2>().norm(), 0.05);
+    while (pilot.controller.landed_state() == 4) {
+      pilot.step();
+    }
+    EXPECT_NEAR(to_seconds(pilot.now - down), pilot.profile.landed_delay_s, 0.011);
+    EXPECT_TRUE(pilot.controller.is_armed());
+    while (pilot.controller.is_armed()) {
+      pilot.step();
+    }
+    EXPECT_NEAR(to_seconds(pilot.now - down), pilot.profile.landed_delay_s + 0.5, 0.011);
+    EXPECT_EQ(pilot.said.back(), pilot.profile.words_of_landed);
+    EXPECT_EQ(pilot.controller.landed_state(), 1);
+    // And once more, from there.
+    pilot.target.reset();
+    pilot.run(1.0);
+    pilot.take_off(1.0);
+    EXPECT_EQ(pilot.controller.landed_state(), 2);
+  }
+}
+
+TEST(FlightController, NeverStopsItsMotorsByItselfWhereItsOwnerHasSetNoTime) {
+  AutopilotSettings set = settings();
+  set.land_disarm_s.reset();
+  set.idle_disarm_s.reset();
+  Pilot pilot(AutopilotDialect::kPx4, set);
+  pilot.run(1.0);
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
+  pilot.run(40.0);
+  EXPECT_TRUE(pilot.controller.is_armed());
+  set.idle_disarm_s = 3.0;
+  Pilot idle(AutopilotDialect::kPx4, set);
+  idle.run(1.0);
+  EXPECT_EQ(idle.controller.arm(idle.now), 0);
+  const Time armed = idle.now;
+  EXPECT_EQ(idle.controller.arm(idle.now + Duration{1'000'000}), 0) << "it is armed already";
+  while (idle.controller.is_armed()) {
+    idle.step();
+  }
+  EXPECT_NEAR(to_seconds(idle.now - armed), 3.005, 1e-9);
+  EXPECT_EQ(idle.said.back(), idle.profile.words_of_idle);
+}
+
+// 10 % to arm, 3 % to fly on.
+TEST(FlightController, NeitherArmsNorFliesOnWithAnEmptyBattery) {
+  for (const AutopilotDialect dialect : kBoth) {
+    Pilot pilot(dialect);
+    pilot.run(25.0);
+    pilot.controller.set_origin();
+    pilot.controller.airframe().set_battery_share(0.099);
+    EXPECT_EQ(pilot.controller.arm(pilot.now), pilot.profile.refusal);
+    pilot.step();
+    const bool is_px4 = dialect == AutopilotDialect::kPx4;
+    EXPECT_EQ(pilot.said.back(), is_px4 ? "Arming denied: low battery" : "Arm: Battery 1 low");
+    pilot.controller.airframe().set_battery_share(0.101);
+    pilot.take_off(1.5);
+    pilot.controller.airframe().set_battery_share(0.031);
+    pilot.run(0.1);
+    EXPECT_EQ(pilot.controller.mode(), pilot.profile.follow_mode);
+    pilot.controller.airframe().set_battery_share(0.029);
+    pilot.step();
+    EXPECT_EQ(pilot.controller.mode(), pilot.profile.land_mode);
+    EXPECT_EQ(pilot.said.back(), "Failsafe activated: battery empty");
+    const std::size_t said = pilot.said.size();
+    pilot.run(pilot.profile.failsafe_pause_s);
+    EXPECT_EQ(pilot.said.size(), said) << "once";
+    EXPECT_NEAR(pilot.place_m().z(), -1.5, 0.12) << "it waits before it comes down";
+    pilot.run(1.0);
+    EXPECT_GT(pilot.place_m().z(), -1.3);
+  }
+}
+
+TEST(FlightController, ArmsWithoutAFaultOfItsOwnAlone) {
+  Pilot pilot(AutopilotDialect::kPx4);
+  pilot.run(1.0);
+  pilot.controller.set_fault("Preflight Fail: compass");
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 1);
+  pilot.step();
+  EXPECT_EQ(pilot.said, std::vector<std::string>{"Preflight Fail: compass"});
+  pilot.controller.set_fault("");
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
+  pilot.step();
+  EXPECT_EQ(pilot.said.back(), pilot.profile.words_of_arming);
+}
+
+// Every reason, in its order; which ones there are changes with its time since power-up.
+TEST(FlightController, ArdupilotSaysAllThatKeepsItFromArming) {
+  const std::string none = "Arm: Need Alt Estimate", attitude = "Arm: EKF attitude is bad",
+                    odometry = "Arm: VisOdom: not healthy", accels = "Arm: Accels inconsistent",
+                    gyros = "Arm: Gyros inconsistent", home = "Arm: AHRS: waiting for home";
+  Pilot pilot(AutopilotDialect::kArdupilot);
+  pilot.gives_poses = false;
+  const auto reasons = [&] {
+    pilot.said.clear();
+    EXPECT_EQ(pilot.controller.arm(pilot.now), 4);
+    pilot.step();
+    return pilot.said;
+  };
+  using Words = std::vector<std::string>;
+  pilot.run(11.99);
+  EXPECT_EQ(reasons(), (Words{none, accels, attitude, home, odometry}));
+  pilot.run(0.01);
+  EXPECT_EQ(reasons(), (Words{none, gyros, attitude, home, odometry}));
+  pilot.gives_poses = true;
+  pilot.run(0.5);
+  EXPECT_EQ(reasons(), (Words{gyros, home}));
+  pilot.controller.set_origin();
+  EXPECT_TRUE(pilot.controller.has_origin());
+  EXPECT_EQ(reasons(), Words{gyros});
+  pilot.run(22.485 - to_seconds(pilot.now - kBoot));
+  EXPECT_EQ(reasons(), Words{gyros});
+  pilot.run(0.02);
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
+}
+
+// A stream of targets for more than a second, without a gap of more than half of one.
+TEST(FlightController, Px4WantsAProofOfLifeBeforeItArmsInItsModeOrEntersItArmed) {
+  const auto is_let_in = [](int targets, int gap_ms) {
+    Pilot pilot(AutopilotDialect::kPx4);
+    pilot.run(1.0);
+    EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
+    for (int n = 0; n < targets; ++n) {
+      for (int k = 0; k < gap_ms; k += 5) {
+        pilot.step();
+      }
+      pilot.controller.take_target(FlightTarget{}, pilot.now);
+    }
+    return pilot.controller.set_mode(pilot.profile.follow_mode, pilot.now) == 0;
+  };
+  EXPECT_TRUE(is_let_in(4, 500));
+  EXPECT_FALSE(is_let_in(3, 500)) << "a second is not more than one";
+  EXPECT_FALSE(is_let_in(10, 505)) << "each begins anew";
+  EXPECT_TRUE(is_let_in(60, 20));
+  Pilot pilot(AutopilotDialect::kPx4);
+  pilot.target = FlightTarget{};
+  pilot.run(2.0);
+  EXPECT_EQ(pilot.controller.set_mode(pilot.profile.follow_mode, pilot.now), 0);
+  pilot.target.reset();
+  pilot.run(0.5);
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 1) << "the last is too old";
+  EXPECT_EQ(pilot.controller.set_mode(pilot.profile.start_mode, pilot.now), 0);
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 0) << "in another mode nobody asks";
+}
+
+TEST(FlightController, TakesOffByCommandAloneAndOnlyFromTheGroundInItsMode) {
+  Pilot pilot(AutopilotDialect::kArdupilot);
+  pilot.controller.set_origin();
+  pilot.run(25.0);
+  EXPECT_EQ(pilot.controller.take_off(1.0), 4) << "not armed";
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
+  EXPECT_EQ(pilot.controller.take_off(1.0), 4) << "in another mode";
+  EXPECT_EQ(pilot.controller.set_mode(pilot.profile.follow_mode, pilot.now), 0);
+  EXPECT_EQ(pilot.controller.take_off(0.0), 4);
+  EXPECT_EQ(pilot.controller.take_off(-1.0), 4);
+  EXPECT_EQ(pilot.controller.landed_state(), 1);
+  EXPECT_EQ(pilot.controller.take_off(1.2), 0);
+  // It spools up for a second, and climbs at 0.7 m/s at the most.
+  const Time begin = pilot.now;
+  while (pilot.controller.airframe().is_on_ground()) {
+    pilot.step();
+  }
+  EXPECT_GT(to_seconds(pilot.now - begin), 0.99);
+  EXPECT_LT(to_seconds(pilot.now - begin), 1.5);
+  EXPECT_EQ(pilot.controller.landed_state(), 3);
+  EXPECT_EQ(pilot.controller.take_off(1.0), 4) << "it flies";
+  pilot.run(7.0);
+  EXPECT_NEAR(pilot.place_m().z(), -1.2, 0.05);
+  EXPECT_LT(pilot.place_m().head<2>().norm(), 0.01);
+  EXPECT_EQ(pilot.controller.landed_state(), 3) << "until it has a target";
+  pilot.target = FlightTarget{};
+  pilot.run(0.1);
+  EXPECT_EQ(pilot.controller.landed_state(), 2);
+  EXPECT_EQ(pilot.controller.disarm(false), 4);
+  EXPECT_EQ(pilot.controller.disarm(true), 0);
+  EXPECT_FALSE(pilot.controller.is_armed());
+}
+
+// In the air without poses for more than 0.6 s it says so; lost, it says that; on the ground its
+// own.
+TEST(FlightController, SaysHowItsEstimatorIs) {
+  AutopilotSettings set = settings();
+  set.lands_on_pose_loss = false;
+  Pilot pilot(AutopilotDialect::kPx4, set);
+  EXPECT_EQ(pilot.controller.estimator_flags(pilot.now), 0x0A5);
+  pilot.take_off(1.5);
+  EXPECT_EQ(pilot.controller.estimator_flags(pilot.now), 0x12F);
+  pilot.gives_poses = false;
+  const Time last = pilot.now - Duration{(pilot.ticks - 1) % 4 * 5'000 + 5'000};
+  EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{600'000}), 0x12F);
+  EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{600'001}), 0x02F);
+  EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{2'000'000}), 0x02F);
+  EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{2'000'001}), 0x025);
+  set.has_barometer = false;
+  pilot.controller.set_settings(set);
+  EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{600'000}), 0x12F);
+  EXPECT_EQ(pilot.controller.estimator_flags(last + Duration{600'001}), 0x00F);
+  pilot.run(4.0);
+  EXPECT_EQ(pilot.controller.mode(), pilot.profile.follow_mode) << "its owner wants no landing";
+  EXPECT_TRUE(pilot.said.empty() || pilot.said.back() == pilot.profile.words_of_arming);
+}
+
+// A station that falls silent on the ground stops the motors; heard again, it may be missed again.
+TEST(FlightController, MissesItsOwnStationAlone) {
+  AutopilotSettings set = settings();
+  set.heartbeat_loss_s = 1.0;
+  set.station_id = 250;
+  Pilot pilot(AutopilotDialect::kPx4, set);
+  pilot.run(1.0);
+  EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
+  pilot.run(2.0);
+  EXPECT_TRUE(pilot.controller.is_armed()) << "it was never heard";
+  pilot.controller.take_heartbeat(251, pilot.now);
+  pilot.run(2.0);
+  EXPECT_TRUE(pilot.controller.is_armed()) << "another's";
+  for (int time = 0; time < 2; ++time) {
+    pilot.controller.take_heartbeat(250, pilot.now);
+    pilot.run(1.0);
+    EXPECT_TRUE(pilot.controller.is_armed());
+    pilot.run(0.005);
+    EXPECT_FALSE(pilot.controller.is_armed());
+    EXPECT_EQ(pilot.said.back(), "GCS Failsafe: Disarming");
+    const std::size_t said = pilot.said.size();
+    EXPECT_EQ(pilot.controller.arm(pilot.now), 0);
+    pilot.run(1.0);
+    EXPECT_EQ(pilot.said.size(), said + 1) << "once each";
+    EXPECT_TRUE(pilot.controller.is_armed());
+  }
+}
+
+}  // namespace
+}  // namespace vantage::sim
