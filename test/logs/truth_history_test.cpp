@@ -113,6 +113,16 @@ TEST(TruthHistory, FindsTheLeastSeparationOfManyWhoComeAndGo) {
   }
 }
 
+// Between two frames they meet; in the second they are farther apart than anybody may have been
+// looked for who did not move himself.
+TEST(TruthHistory, SeesTwoPassEachOtherWhoAreFarApartAgain) {
+  TruthHistory truth;
+  truth.add(frame(0, {body("Q1", -1, -0.3, 0.0), body("Q2", -1, 0.3, 0.0)}));
+  EXPECT_NEAR(truth.min_separation_m().value(), 0.6, 1e-12);
+  truth.add(frame(100'000, {body("Q1", -1, 1.7, 0.0), body("Q2", -1, -1.7, 0.0)}));
+  EXPECT_NEAR(truth.min_separation_m().value(), 0.0, 1e-12);
+}
+
 TEST(TruthHistory, GoesFromFrameToFrameOfEachTargetAlone) {
   TruthHistory truth;
   truth.add(frame(1'000'000, {body("R1", 0, 0.0, 0.0), body("R2", 1, 5.0, -3.0)}));
