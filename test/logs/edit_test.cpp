@@ -206,5 +206,121 @@ TEST_F(Edit, EndsWhereItIsToldTo) {
   EXPECT_EQ(merged.written, 1);
 }
 
+// As far back as SCENARIO comes three times over; farther, what the log begins with says it.
+TEST_F(Edit, LooksFifteenSecondsBackForTheNewestScenario) {
+  const auto scenario_of = [&](const Kept& events, std::int64_t from) {
+    const IndexedLog log =
+        log_of("a" + std::to_string(events.size()) + std::to_string(from), events);
+    EditRules rules;
+    rules.from = from_utime(from);
+    Kept kept;
+    edit_log(log, rules, into(kept));
+    if (kept.empty() || std::get<1>(kept[0]) != "SCENARIO") {
+      return -1;
+    }
+    EXPECT_EQ(std::get<0>(kept[0]), from);
+    return std::get<2>(kept[0]);
+  };
+  const Kept events{{0, "SCENARIO", 1},
+                    {1'000'000, "A", 2},
+                    {30'000'000, "SCENARIO", 3},
+                    {31'000'000, "SCENARIO", 4},
+                    {60'000'000, "A", 5}};
+  EXPECT_EQ(scenario_of(events, 46'000'000), 4);
+  EXPECT_EQ(scenario_of(events, 46'000'001), 1) << "too long ago: the first there is";
+  EXPECT_EQ(scenario_of(events, 31'000'001), 4);
+  EXPECT_EQ(scenario_of({{0, "A", 1}, {10, "SCENARIO", 2}, {20, "A", 3}}, 10), 2)
+      << "the part's own, not from before it";
+  EXPECT_EQ(scenario_of({{0, "A", 1}, {10, "B", 2}}, 5), -1);
+  EXPECT_EQ(scenario_of({{0, "SCENARIO", 1}, {10, "A", 2}}, 0), 1) << "the whole log";
+}
+
+TEST_F(Edit, LooksAmongTheFirstThousandEventsForAScenario) {
+  for (const int before : {999, 1000}) {
+    Kept events;
+    for (int i = 0; i < before; ++i) {
+      events.emplace_back(i, "A", 1);
+    }
+    events.emplace_back(before, "SCENARIO", 2);
+    events.emplace_back(90'000'000, "A", 3);
+    const IndexedLog log = log_of("a" + std::to_string(before), events);
+    EditRules rules;
+    rules.from = from_utime(80'000'000);
+    Kept kept;
+    edit_log(log, rules, into(kept));
+    EXPECT_EQ(kept.size(), before == 999 ? 2U : 1U) << before;
+  }
+}
+
+TEST_F(Edit, PutsNoScenarioFirstThatWasNotAskedForAndRenamesIt) {
+  const Kept events{{0, "SCENARIO", 1}, {10, "A", 2}, {20, "A", 3}};
+  const IndexedLog log = log_of("a", events);
+  EditRules rules;
+  rules.from = from_utime(15);
+  rules.channels = ChannelFilter({"A"}, {});
+  Kept kept;
+  edit_log(log, rules, into(kept));
+  EXPECT_EQ(kept, (Kept{{20, "A", 3}}));
+  rules = {};
+  rules.from = from_utime(15);
+  rules.names = ChannelRenames({"SCENARIO=OLD"});
+  kept.clear();
+  edit_log(log, rules, into(kept));
+  EXPECT_EQ(kept, (Kept{{15, "OLD", 1}, {20, "A", 3}}));
+  rules.from = from_utime(0);
+  kept.clear();
+  edit_log(log, rules, into(kept));
+  EXPECT_EQ(kept.size(), 3U) << "from its very beginning nothing is put before it";
+  const EditCounts failed = edit_log(log, rules, [](const LogEvent&) { return false; });
+  EXPECT_EQ(failed.failed, 1);
+}
+
+TEST_F(Edit, LeavesOutWhatIsDoubtfulOnlyWhenToldTo) {
+  log_of("whole", {{10, "A", 1}, {20, "A", 2}, {30, "A", 3}});
+  Bytes bytes = test::read_file(folder_.file("whole"));
+  bytes[27] = 0;  // the first one's length: no header is behind it
+  test::write_file(folder_.file("a"), bytes);
+  const IndexedLog log(folder_.file("a"));
+  ASSERT_EQ(log.survey().scan.doubtful, 1);
+  for (const bool drops : {false, true}) {
+    EditRules rules;
+    rules.drops_doubtful = drops;
+    const EditCounts counts = edit_log(log, rules, [](const LogEvent&) { return true; });
+    EXPECT_EQ(counts.written, drops ? 2 : 3);
+    EXPECT_EQ(counts.left_out, drops ? 1 : 0);
+  }
+}
+
+// Of a sorted log nothing is read behind the part; of one that is not, all of it.
+TEST_F(Edit, CountsWhatItLeavesOutAsFarAsItReads) {
+  EditRules rules;
+  rules.from = from_utime(20);
+  rules.to = from_utime(30);
+  const auto counts_of = [&](const std::string& name, const Kept& events) {
+    const IndexedLog log = log_of(name, events);
+    return edit_log(log, rules, [](const LogEvent&) { return true; });
+  };
+  const EditCounts sorted =
+      counts_of("a", {{10, "A", 1}, {20, "A", 2}, {29, "A", 3}, {30, "A", 4}, {40, "A", 5}});
+  EXPECT_EQ(sorted.written, 2);
+  EXPECT_EQ(sorted.left_out, 0);
+  const EditCounts mixed =
+      counts_of("b", {{20, "A", 1}, {10, "A", 2}, {30, "A", 3}, {29, "A", 4}, {19, "A", 5}});
+  EXPECT_EQ(mixed.written, 2);
+  EXPECT_EQ(mixed.left_out, 3);
+  EXPECT_FALSE(mixed.is_stopped);
+}
+
+TEST_F(Edit, EndsAMergeAtTheFirstThatCannotBeWritten) {
+  const IndexedLog log = log_of("a", {{10, "A", 1}, {30, "A", 2}, {50, "A", 3}});
+  int taken = 0;
+  const EditCounts counts = merge_logs({&log, &log}, [&](const LogEvent&) { return ++taken <= 3; });
+  EXPECT_EQ(taken, 4);
+  EXPECT_EQ(counts.written, 3);
+  EXPECT_EQ(counts.failed, 1);
+  EXPECT_FALSE(counts.is_stopped);
+  EXPECT_EQ(merge_logs({}, [](const LogEvent&) { return true; }).written, 0);
+}
+
 }  // namespace
 }  // namespace vantage::logs

@@ -4,13 +4,18 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "bus/convert/convert.hpp"
 #include "core/check.hpp"
+#include "logs/file/wire_witness.hpp"
 #include "test/logs/damage.hpp"
 #include "test/logs/file_support.hpp"
 
@@ -177,6 +182,251 @@ TEST(IndexedLog, OpensAnEmptyLogAndRefusesWhatIsNone) {
   EXPECT_FALSE(scan.next().has_value());
   EXPECT_THROW(IndexedLog(folder.file("missing")), StartupError);
   EXPECT_THROW(IndexedLog(folder.path()), StartupError);
+}
+
+/// A log that has something of everything: a scenario first, the house's messages of which some are
+/// lost, others' data, clocks that go back, numbers that are missing and begin anew, damage.
+Bytes eventful_log() {
+  std::mt19937_64 rng(3);
+  Bytes out;
+  test::append_message(vantage_lcm::scenario_t{}, 7, 5'000'000, "SCENARIO", out);
+  std::int64_t number = 8;
+  std::int64_t utime = 5'000'000;
+  std::vector<std::size_t> begins;
+  for (std::int64_t i = 0; i < 400; ++i) {
+    begins.push_back(out.size());
+    utime += i % 40 == 20 ? -25'000 - 100 * i : 1'000 * (1 + i % 7);
+    vantage_lcm::attack_t attack{};
+    attack.utime = utime;
+    attack.run_id = 3;
+    attack.sequence = i + (i > 100 ? 2 : 0) + (i > 200 ? 5 : 0);
+    const std::string channel = i % 3 == 0 ? "EVERY_THIRD" : "ATTACK";
+    if (i % 3 == 0 && i % 2 == 0) {
+      const Bytes data(static_cast<std::size_t>(10'000 + rng() % 9'000), 7);
+      append_event({number, from_utime(utime), channel, data}, out);
+    } else {
+      test::append_message(attack, number, utime, channel, out);
+    }
+    number += i % 50 == 49 ? 3 : i % 90 == 89 ? -20 : i % 90 == 44 ? 0 : 1;
+  }
+  for (const std::size_t event : {130U, 260U}) {  // their headers
+    std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(begins[event]), 30, std::uint8_t{0});
+  }
+  out.resize(out.size() - 2);
+  return out;
+}
+
+/// By the definitions, one event after another.
+LogSurvey survey_by_hand(const Bytes& log) {
+  LogSurvey out;
+  out.size_bytes = log.size();
+  LogScan scan(log, wire_testimony);
+  std::vector<PlacedEvent> events;
+  while (const auto event = scan.next()) {
+    events.push_back(*event);
+  }
+  out.first = Time::max();
+  out.last = Time::min();
+  std::map<std::string, std::vector<PlacedEvent>> by_channel;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const PlacedEvent& event = events[i];
+    out.first = std::min(out.first, event.time);
+    out.last = std::max(out.last, event.time);
+    by_channel[std::string(event.channel)].push_back(event);
+    if (i > 0) {
+      const std::int64_t step = event.number - events[i - 1].number;
+      out.numbers_missing += std::max<std::int64_t>(0, step - 1);
+      out.number_restarts += step <= 0 ? 1 : 0;
+      const Duration back = events[i - 1].time - event.time;
+      out.times_backward += back > Duration{0} ? 1 : 0;
+      out.backward_max = std::max(out.backward_max, back);
+    }
+  }
+  for (const auto& [name, own] : by_channel) {
+    ChannelSurvey& channel = out.channels[name];
+    channel.events = std::ssize(own);
+    channel.first = own.front().time;
+    channel.last = own.back().time;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      channel.data_bytes += own[i].data.size();
+      if (i > 0 && own[i].time - own[i - 1].time > channel.gap_max) {
+        channel.gap_max = own[i].time - own[i - 1].time;
+        channel.gap_at = own[i - 1].time;
+      }
+    }
+  }
+  return out;
+}
+
+TEST(SurveyLog, CountsWhatOneWouldCountByHand) {
+  const Bytes log = eventful_log();
+  const LogSurvey survey = survey_log(log);
+  const LogSurvey wanted = survey_by_hand(log);
+  EXPECT_TRUE(survey.begins_with_scenario);
+  EXPECT_FALSE(survey.is_whole());
+  EXPECT_EQ(survey.size_bytes, log.size());
+  EXPECT_EQ(survey.first, wanted.first);
+  EXPECT_EQ(survey.last, wanted.last);
+  EXPECT_DOUBLE_EQ(survey.duration_s(),
+                   1e-6 * static_cast<double>((wanted.last - wanted.first).count()));
+  EXPECT_GT(survey.numbers_missing, 10);
+  EXPECT_EQ(survey.numbers_missing, wanted.numbers_missing);
+  EXPECT_GE(survey.number_restarts, 3);
+  EXPECT_EQ(survey.number_restarts, wanted.number_restarts);
+  EXPECT_GE(survey.times_backward, 8);
+  EXPECT_EQ(survey.times_backward, wanted.times_backward);
+  EXPECT_EQ(survey.backward_max, wanted.backward_max);
+  EXPECT_EQ(survey.scan.stretches, 3);
+  EXPECT_EQ(survey.stretches.size(), 3U);
+  ASSERT_EQ(survey.channels.size(), 3U);
+  for (const auto& [name, channel] : survey.channels) {
+    const ChannelSurvey& own = wanted.channels.at(name);
+    EXPECT_EQ(channel.events, own.events) << name;
+    EXPECT_EQ(channel.data_bytes, own.data_bytes) << name;
+    EXPECT_EQ(channel.first, own.first) << name;
+    EXPECT_EQ(channel.last, own.last) << name;
+    EXPECT_EQ(channel.gap_max, own.gap_max) << name;
+    EXPECT_EQ(channel.gap_at, own.gap_at) << name;
+  }
+  EXPECT_EQ(survey.channels.at("SCENARIO").type, "scenario_t");
+  EXPECT_EQ(survey.channels.at("ATTACK").type, "attack_t");
+  EXPECT_EQ(survey.channels.at("ATTACK").other_types, 0);
+  EXPECT_GE(survey.channels.at("ATTACK").messages_lost, 7);
+  EXPECT_EQ(survey.channels.at("EVERY_THIRD").type, "") << "of its first";
+  EXPECT_GT(survey.channels.at("EVERY_THIRD").other_types, 50);
+}
+
+// Blocks are where reading can begin: of 256 KiB at least, each ended by the next event.
+TEST(SurveyLog, CutsALogIntoBlocksThatSayWhatIsInThem) {
+  const Bytes log = eventful_log();
+  const LogSurvey survey = survey_log(log);
+  std::vector<PlacedEvent> events;
+  LogScan scan(log, wire_testimony);
+  while (const auto event = scan.next()) {
+    events.push_back(*event);
+  }
+  std::vector<LogBlock> wanted;
+  std::map<std::string, std::set<std::size_t>> blocks_of;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    if (wanted.empty() || events[i].offset >= wanted.back().offset + 256U * 1024U) {
+      wanted.push_back({events[i].offset, static_cast<std::int64_t>(i), Time::max(), Time::min()});
+    }
+    wanted.back().time_min = std::min(wanted.back().time_min, events[i].time);
+    wanted.back().time_max = std::max(wanted.back().time_max, events[i].time);
+    blocks_of[std::string(events[i].channel)].insert(wanted.size() - 1);
+  }
+  ASSERT_GE(wanted.size(), 2U);
+  ASSERT_EQ(survey.blocks.size(), wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    EXPECT_EQ(survey.blocks[i].offset, wanted[i].offset);
+    EXPECT_EQ(survey.blocks[i].first_event, wanted[i].first_event);
+    EXPECT_EQ(survey.blocks[i].time_min, wanted[i].time_min);
+    EXPECT_EQ(survey.blocks[i].time_max, wanted[i].time_max);
+  }
+  for (const auto& [name, channel] : survey.channels) {
+    for (std::size_t i = 0; i < 8 * channel.in_block.size(); ++i) {
+      EXPECT_EQ((channel.in_block[i / 8] >> (i % 8) & 1U) != 0, blocks_of[name].contains(i)) << i;
+    }
+    EXPECT_EQ(channel.in_block.size(), *blocks_of[name].rbegin() / 8 + 1);
+  }
+}
+
+TEST(SurveyLog, TellsHowFarItIsAboutAHundredTimes) {
+  Bytes log;
+  for (std::int64_t i = 0; i < 5'000; ++i) {
+    append_event({i, from_utime(i), "A", Bytes(71, 1)}, log);
+  }
+  std::vector<double> shares;
+  survey_log(log, [&](double share) { shares.push_back(share); });
+  EXPECT_NEAR(static_cast<double>(shares.size()), 100.0, 2.0);
+  for (std::size_t i = 1; i < shares.size(); ++i) {
+    EXPECT_LT(shares[i - 1], shares[i]);
+    EXPECT_LT(shares[i] - shares[i - 1], 0.0105) << "a hundredth, and what is left of an event";
+  }
+  EXPECT_NEAR(shares.front(), 0.01, 0.0005);
+  EXPECT_EQ(shares.back(), 1.0);
+}
+
+// What the index has is all that was surveyed, each under its own name.
+TEST(IndexedLog, ReadsItsWholeSurveyBack) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.lcmlog");
+  const Bytes log = eventful_log();
+  test::write_file(path, log);
+  const LogSurvey first = IndexedLog(path).survey();
+  const IndexedLog again(path);
+  ASSERT_TRUE(again.was_indexed());
+  const LogSurvey& second = again.survey();
+  EXPECT_EQ(second.size_bytes, first.size_bytes);
+  EXPECT_EQ(second.first, first.first);
+  EXPECT_EQ(second.last, first.last);
+  EXPECT_EQ(second.numbers_missing, first.numbers_missing);
+  EXPECT_EQ(second.number_restarts, first.number_restarts);
+  EXPECT_EQ(second.times_backward, first.times_backward);
+  EXPECT_EQ(second.backward_max, first.backward_max);
+  EXPECT_EQ(second.begins_with_scenario, first.begins_with_scenario);
+  EXPECT_EQ(second.scan.events, first.scan.events);
+  EXPECT_EQ(second.scan.doubtful, first.scan.doubtful);
+  EXPECT_EQ(second.scan.refused, first.scan.refused);
+  EXPECT_EQ(second.scan.stretches, first.scan.stretches);
+  EXPECT_EQ(second.scan.bytes_damaged, first.scan.bytes_damaged);
+  ASSERT_EQ(second.stretches.size(), first.stretches.size());
+  for (std::size_t i = 0; i < first.stretches.size(); ++i) {
+    EXPECT_EQ(second.stretches[i].offset, first.stretches[i].offset);
+    EXPECT_EQ(second.stretches[i].size_bytes, first.stretches[i].size_bytes);
+    EXPECT_EQ(second.stretches[i].is_tail, first.stretches[i].is_tail);
+  }
+  ASSERT_EQ(second.channels.size(), first.channels.size());
+  for (const auto& [name, channel] : first.channels) {
+    const ChannelSurvey& read = second.channels.at(name);
+    EXPECT_EQ(read.type, channel.type);
+    EXPECT_EQ(read.events, channel.events);
+    EXPECT_EQ(read.data_bytes, channel.data_bytes);
+    EXPECT_EQ(read.first, channel.first);
+    EXPECT_EQ(read.last, channel.last);
+    EXPECT_EQ(read.gap_max, channel.gap_max);
+    EXPECT_EQ(read.gap_at, channel.gap_at);
+    EXPECT_EQ(read.messages_lost, channel.messages_lost);
+    EXPECT_EQ(read.other_types, channel.other_types);
+    EXPECT_EQ(read.in_block, channel.in_block);
+  }
+  ASSERT_EQ(second.blocks.size(), first.blocks.size());
+  for (std::size_t i = 0; i < first.blocks.size(); ++i) {
+    EXPECT_EQ(second.blocks[i].offset, first.blocks[i].offset);
+    EXPECT_EQ(second.blocks[i].first_event, first.blocks[i].first_event);
+    EXPECT_EQ(second.blocks[i].time_min, first.blocks[i].time_min);
+    EXPECT_EQ(second.blocks[i].time_max, first.blocks[i].time_max);
+  }
+}
+
+// 4 KiB of either end say which log it is.
+TEST(IndexedLog, DoesNotTrustTheIndexOfALogThatIsAnotherAtItsEnds) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.lcmlog");
+  const Bytes log = eventful_log();
+  for (const std::size_t at :
+       {std::size_t{0}, std::size_t{4095}, log.size() - 4096, log.size() - 1}) {
+    test::write_file(path, log);
+    const auto changed = std::filesystem::last_write_time(path);
+    static_cast<void>(IndexedLog(path));
+    ASSERT_TRUE(IndexedLog(path).was_indexed());
+    Bytes other = log;
+    other[at] ^= 1U;
+    test::write_file(path, other);
+    std::filesystem::last_write_time(path, changed);
+    EXPECT_FALSE(IndexedLog(path).was_indexed()) << at;
+    std::filesystem::remove(path + ".index");
+  }
+}
+
+TEST(IndexedLog, LeavesNothingBehindButItsIndex) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.lcmlog");
+  test::write_file(path, eventful_log());
+  const IndexedLog log(path);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
+  EXPECT_TRUE(std::filesystem::exists(path + ".index"));
+  EXPECT_FALSE(save_index(folder.file("missing/b.lcmlog"), log.bytes(), log.survey()));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "logs/file/log_scan.hpp"
 
+#include <cstdlib>
 #include <map>
 #include <random>
 #include <string>
@@ -273,6 +274,68 @@ TEST(LogScan, TakesSixtyFourStrangersInARowForTheLogsOwnEachTime) {
     ASSERT_EQ(found.size(), events.size() + 2) << part;
     EXPECT_EQ(found.back().number, number + 1) << part;
   }
+}
+
+// Every stretch is counted, and the first thousand are told.
+TEST(LogScan, CountsEveryStretchAndEveryDoubt) {
+  Bytes bytes;
+  std::size_t damaged = 0;
+  for (std::int64_t i = 0; i < 1'203; ++i) {
+    append_event({i, from_utime(i), "A", Bytes(3, 7)}, bytes);
+    if (i <= 1'200) {  // bytes of nobody's
+      bytes.insert(bytes.end(), static_cast<std::size_t>(1 + i % 3), std::uint8_t{0});
+      damaged += static_cast<std::size_t>(1 + i % 3);
+    }
+  }
+  LogScan scan(bytes);
+  EXPECT_EQ(all_events(scan).size(), 1'203U);
+  EXPECT_EQ(scan.counts().events, 1'203);
+  EXPECT_EQ(scan.counts().doubtful, 1'201) << "nothing is right behind them";
+  EXPECT_EQ(scan.counts().refused, 0);
+  EXPECT_EQ(scan.counts().stretches, 1'201);
+  EXPECT_EQ(scan.counts().bytes_damaged, damaged);
+  ASSERT_EQ(scan.stretches().size(), 1'000U);
+  for (std::size_t i = 0; i < 1'000; ++i) {
+    EXPECT_EQ(scan.stretches()[i].size_bytes, 1 + i % 3);
+    EXPECT_FALSE(scan.stretches()[i].is_tail);
+  }
+  EXPECT_EQ(scan.stretches()[1].offset, 2 * (kEventHeaderBytes + 4) + 1);
+  EXPECT_EQ(scan.position(), bytes.size());
+  EXPECT_FALSE(scan.next()) << "and nothing more is counted";
+  EXPECT_EQ(scan.counts().stretches, 1'201);
+}
+
+// Of one log are numbers that lie ten thousand apart, above or below; no more than that.
+TEST(LogScan, TakesAHeaderInsideForTheLogsOwnByItsNumber) {
+  constexpr std::int64_t kNumber = 50'000;
+  for (const std::int64_t apart : {-10'001, -10'000, -1, 1, 10'000, 10'001}) {
+    Bytes inner;
+    append_event({kNumber + apart, from_utime(1), "A", Bytes(3, 7)}, inner);
+    Bytes bytes = log_of({{kNumber, inner}, {kNumber + 5, Bytes(3, 7)}});
+    LogScan scan(bytes);
+    const auto events = all_events(scan);
+    ASSERT_EQ(events.size(), 2U);
+    const bool is_near = std::abs(apart) <= 10'000;
+    EXPECT_EQ(events[0].number, is_near ? kNumber + apart : kNumber) << apart;
+    EXPECT_EQ(scan.counts().refused, is_near ? 1 : 0) << apart;
+    EXPECT_EQ(scan.counts().bytes_damaged, is_near ? kEventHeaderBytes + 1 : 0U) << apart;
+  }
+}
+
+// A scan that begins in the midst counts what it passes from there.
+TEST(LogScan, CountsFromWhereItBegins) {
+  const Bytes bytes = log_of({{0, Bytes(5, 7)}, {1, Bytes(5, 7)}, {2, Bytes(5, 7)}});
+  const std::size_t size = bytes.size() / 3;
+  LogScan scan(bytes, {}, size - 2);
+  EXPECT_EQ(scan.position(), size - 2);
+  const auto events = all_events(scan);
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0].offset, size);
+  EXPECT_EQ(scan.counts().bytes_damaged, 2U);
+  EXPECT_EQ(scan.counts().events, 2);
+  LogScan beyond(bytes, {}, bytes.size());
+  EXPECT_FALSE(beyond.next());
+  EXPECT_EQ(beyond.counts().stretches, 0);
 }
 
 }  // namespace

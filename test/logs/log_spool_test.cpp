@@ -1,5 +1,8 @@
 #include "logs/record/log_spool.hpp"
 
+#include <atomic>
+#include <memory>
+
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
 
@@ -302,6 +305,124 @@ TEST(FreeBytesFor, IsWhatTheFileSystemSays) {
   EXPECT_TRUE(free_bytes_for(folder.file("not_there.lcmlog")).has_value());
   EXPECT_TRUE(free_bytes_for("here.lcmlog").has_value());
   EXPECT_FALSE(free_bytes_for("/no/such/folder/x.lcmlog").has_value());
+}
+
+TEST(LogSpool, IsOtherwiseAsStated) {
+  const SpoolOptions options;
+  EXPECT_EQ(options.rotate_bytes, 0U);
+  EXPECT_EQ(options.limit_bytes, 0U);
+  EXPECT_EQ(options.queue_bytes_max, 64U * 1024U * 1024U);
+  EXPECT_EQ(options.write_period, std::chrono::milliseconds(10));
+  EXPECT_EQ(options.sync_period, std::chrono::milliseconds(40));
+  EXPECT_EQ(options.retry_period, std::chrono::milliseconds(200));
+  // What comes is safe within its time: written, then synced after the sync that was under way.
+  EXPECT_LE(options.write_period + 2 * options.sync_period, LogSpool::kAtRiskMax);
+  EXPECT_EQ(LogSpool::kAtRiskMax, std::chrono::milliseconds(100));
+  FakeDisk disk;
+  LogSpool spool(quick(), disk.opener());
+  const SpoolReport report = spool.report();
+  EXPECT_EQ(report.path, kPath);
+  EXPECT_EQ(report.files, 1);
+  EXPECT_EQ(report.events + report.events_lost + report.write_errors + report.sync_errors, 0);
+  EXPECT_TRUE(report.is_written);
+  EXPECT_FALSE(report.is_full);
+  EXPECT_TRUE(report.is_good());
+  EXPECT_EQ(report.at_risk_worst_us, 0) << "there is nothing to lose";
+}
+
+// To the byte: what fills the limit is written. What is behind it is lost, however small.
+TEST(LogSpool, FillsItsLimitToTheByte) {
+  for (const std::size_t less : {0U, 1U}) {
+    FakeDisk disk;
+    SpoolOptions options = quick();
+    options.limit_bytes = 3 * kEventBytes - less;
+    LogSpool spool(options, disk.opener());
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_TRUE(write(spool, i));
+    }
+    spool.close();
+    expect_events(disk.bytes(kPath), 0, less == 0 ? 3 : 2);
+    EXPECT_EQ(spool.report().is_full, less > 0);
+    EXPECT_EQ(spool.report().events_lost, static_cast<std::int64_t>(less));
+    EXPECT_EQ(spool.report().bytes, (3 - less) * kEventBytes);
+    const auto news = spool.take_news();
+    ASSERT_EQ(news.size(), less);
+    if (less > 0) {
+      EXPECT_EQ(news[0], kPath + ": the limit of " + std::to_string(3 * kEventBytes - 1) +
+                             " bytes is reached");
+    }
+    EXPECT_TRUE(spool.take_news().empty()) << "told once";
+  }
+}
+
+// The limit is of all files together, and a file is filled to the byte before the next.
+TEST(LogSpool, CountsAllItsFilesTogether) {
+  FakeDisk disk;
+  SpoolOptions options = quick();
+  options.rotate_bytes = 2 * kEventBytes;
+  options.limit_bytes = 5 * kEventBytes;
+  LogSpool spool(options, disk.opener());
+  for (int i = 0; i < 7; ++i) {
+    EXPECT_TRUE(write(spool, i));
+  }
+  spool.close();
+  expect_events(disk.bytes(kPath), 0, 2);
+  expect_events(disk.bytes("/nowhere/flight-2.lcmlog"), 2, 4);
+  expect_events(disk.bytes("/nowhere/flight-3.lcmlog"), 4, 5);
+  const SpoolReport report = spool.report();
+  EXPECT_EQ(report.files, 3);
+  EXPECT_EQ(report.path, "/nowhere/flight-3.lcmlog");
+  EXPECT_EQ(report.events, 5);
+  EXPECT_EQ(report.events_lost, 2);
+  EXPECT_EQ(report.bytes, 5 * kEventBytes);
+  EXPECT_EQ(report.queue_bytes, 0U);
+}
+
+TEST(LogSpool, TriesTheNextFileUntilItCanBeMade) {
+  FakeDisk disk;
+  std::atomic<int> refused = 0;
+  const OpenFile open = [&, opener = disk.opener()](
+                            const std::string& path,
+                            Existing existing) -> Result<std::unique_ptr<AppendFile>> {
+    if (path == "/nowhere/flight-2.lcmlog" && refused < 3) {
+      ++refused;
+      return Error{path + ": not yet"};
+    }
+    return opener(path, existing);
+  };
+  SpoolOptions options = quick();
+  options.rotate_bytes = kEventBytes;
+  LogSpool spool(options, open);
+  write(spool, 0);
+  write(spool, 1);
+  const std::string said = hear(spool, "written again; events lost: 0");
+  EXPECT_NE(said.find("LOG NOT WRITTEN: /nowhere/flight-2.lcmlog: not yet"), std::string::npos)
+      << said;
+  spool.close();
+  EXPECT_EQ(refused, 3);
+  EXPECT_EQ(spool.report().write_errors, 1);
+  EXPECT_EQ(spool.report().files, 2);
+  expect_events(disk.bytes("/nowhere/flight-2.lcmlog"), 1, 2);
+}
+
+TEST(LogSpool, LosesWhatHasNoFileWhenItEnds) {
+  FakeDisk disk;
+  const OpenFile open = [&, opener = disk.opener()](
+                            const std::string& path,
+                            Existing existing) -> Result<std::unique_ptr<AppendFile>> {
+    return path == kPath ? opener(path, existing)
+                         : Result<std::unique_ptr<AppendFile>>(Error{path + ": never"});
+  };
+  SpoolOptions options = quick();
+  options.rotate_bytes = 2 * kEventBytes;
+  LogSpool spool(options, open);
+  for (int i = 0; i < 5; ++i) {
+    write(spool, i);
+  }
+  spool.close();
+  expect_events(disk.bytes(kPath), 0, 2);
+  EXPECT_EQ(spool.report().events, 2);
+  EXPECT_EQ(spool.report().events_lost, 3);
 }
 
 }  // namespace

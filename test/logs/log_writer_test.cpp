@@ -105,5 +105,43 @@ TEST(LogWriter, EndsWithItsLastWholeEventWhenTheDiskIsFull) {
   EXPECT_EQ(scan.counts().stretches, 0);
 }
 
+TEST(LogWriter, KeepsSixtyFourKibibytesTogether) {
+  test::FakeDisk disk;
+  LogWriter writer("a.lcmlog", Existing::kRefuse, disk.opener());
+  constexpr std::size_t kEventBytes = kEventHeaderBytes + 1 + 1'000;
+  const std::vector<std::uint8_t> data(1'000);
+  for (std::size_t i = 1; i <= 130; ++i) {
+    EXPECT_TRUE(writer.write(from_utime(1), "X", data));
+    const std::size_t together = (65'536 + kEventBytes - 1) / kEventBytes;
+    EXPECT_EQ(disk.bytes("a.lcmlog").size(), i / together * together * kEventBytes) << i;
+  }
+  writer.flush();
+  EXPECT_EQ(disk.bytes("a.lcmlog").size(), 130 * kEventBytes);
+  EXPECT_TRUE(writer.write(from_utime(1), "X", data));
+  EXPECT_FALSE(writer.error());
+  EXPECT_FALSE(writer.close());
+  EXPECT_FALSE(writer.close()) << "and once more";
+  EXPECT_EQ(disk.bytes("a.lcmlog").size(), 131 * kEventBytes);
+  EXPECT_EQ(writer.events(), 131);
+  EXPECT_EQ(writer.events_lost(), 0);
+}
+
+TEST(LogWriter, WritesNothingMoreAfterAnError) {
+  test::FakeDisk disk;
+  disk.set_room(29);
+  LogWriter writer("a.lcmlog", Existing::kRefuse, disk.opener());
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(writer.write(from_utime(i), "X", {}));
+  }
+  writer.flush();
+  ASSERT_TRUE(writer.error());
+  disk.set_room(1'000);
+  EXPECT_FALSE(writer.write(from_utime(2), "X", {}));
+  EXPECT_EQ(writer.events(), 1);
+  EXPECT_EQ(writer.events_lost(), 2);
+  EXPECT_TRUE(writer.close());
+  EXPECT_EQ(disk.bytes("a.lcmlog").size(), 29U);
+}
+
 }  // namespace
 }  // namespace vantage::logs

@@ -91,5 +91,51 @@ TEST(OspaJudge, CountsATargetWhoseTrackIsAnotherThanBefore) {
   EXPECT_EQ(judge.swaps(), 3);
 }
 
+// Without a cutoff: the least sum of squares over all pairings of the smaller set with the larger.
+TEST(OspaJudge, MatchesEachOfTheSmallerSetAtTheLeastDistance) {
+  test::Random random(3);
+  OspaJudge judge(0.7);
+  for (int trial = 0; trial < 200; ++trial) {
+    const auto truth = points(random, random.integer(0, 5));
+    const auto estimates = points(random, random.integer(0, 5));
+    const SetError error = judge.judge(truth, estimates);
+    const auto pairs = std::min(truth.size(), estimates.size());
+    EXPECT_EQ(error.pairs, static_cast<int>(pairs));
+    // Of so great a cutoff that it never cuts, and of no more points than are paired.
+    const double cutoff_m = 1e3;
+    const double most = static_cast<double>(std::max(truth.size(), estimates.size()));
+    const double all_m2 = std::pow(by_definition(truth, estimates, cutoff_m), 2) * most;
+    const double matched_m2 = all_m2 - cutoff_m * cutoff_m * (most - static_cast<double>(pairs));
+    EXPECT_NEAR(error.matched_rmse_m,
+                pairs == 0 ? 0.0 : std::sqrt(matched_m2 / static_cast<double>(pairs)), 1e-5);
+  }
+}
+
+// A swap is of a track that is nearer than the cutoff, whichever of the sets is the larger.
+TEST(OspaJudge, CountsSwapsOfTracksThatAreNearOnly) {
+  const auto at = [](std::int64_t label, double x_m) { return Labelled{label, {x_m, 0.0}}; };
+  for (const bool has_more_tracks : {false, true}) {
+    OspaJudge judge(1.0);
+    std::vector<Labelled> truth{at(0, 0.0), at(1, 10.0), at(2, 20.0)};
+    std::vector<Labelled> tracks{at(7, 0.5), at(8, 10.5)};
+    if (has_more_tracks) {
+      truth.resize(1);
+    }
+    judge.judge(truth, tracks);
+    tracks[0].label = 9;
+    tracks[0].position_m.x() = 1.001;
+    judge.judge(truth, tracks);
+    EXPECT_EQ(judge.swaps(), 0) << "too far to be of it";
+    tracks[0].position_m.x() = -0.999;
+    judge.judge(truth, tracks);
+    EXPECT_EQ(judge.swaps(), 1);
+    judge.judge(truth, tracks);
+    EXPECT_EQ(judge.swaps(), 1) << "it is the same as before";
+    tracks[0].label = 7;
+    judge.judge(truth, tracks);
+    EXPECT_EQ(judge.swaps(), 2) << "also back";
+  }
+}
+
 }  // namespace
 }  // namespace vantage::logs

@@ -184,5 +184,190 @@ TEST_F(PlayerTest, WaitsOutNoBrokenTimeStamp) {
   EXPECT_EQ(heard(), (Pairs{{0, 0}})) << "what comes after the end is not waited for";
 }
 
+TEST(ParsePlayCommand, SaysWhatEachKeyAndWordIs) {
+  using Kind = PlayCommand::Kind;
+  const std::tuple<const char*, Kind, double> known[] = {
+      {" ", Kind::kToggle, 0.0},
+      {"q", Kind::kQuit, 0.0},
+      {"quit", Kind::kQuit, 0.0},
+      {"pause", Kind::kPause, 0.0},
+      {"resume", Kind::kResume, 0.0},
+      {"+", Kind::kFaster, 0.0},
+      {"=", Kind::kFaster, 0.0},
+      {"-", Kind::kSlower, 0.0},
+      {"f", Kind::kStep, 5.0},
+      {"b", Kind::kStep, -5.0},
+      {"\x1b[C", Kind::kStep, 5.0},
+      {"\x1b[D", Kind::kStep, -5.0},
+      {"\x1b[A", Kind::kFaster, 0.0},
+      {"\x1b[B", Kind::kSlower, 0.0},
+      {"seek -2.5", Kind::kSeek, -2.5},
+      {"step 3", Kind::kStep, 3.0},
+      {"speed 2.5", Kind::kSpeed, 2.5},
+      {"speed 64", Kind::kSpeed, 64.0},
+      {"speed 0.015625", Kind::kSpeed, 1.0 / 64.0}};
+  for (const auto& [text, kind, value] : known) {
+    const auto command = parse_play_command(text);
+    ASSERT_TRUE(command) << text;
+    EXPECT_EQ(command->kind, kind) << text;
+    EXPECT_EQ(command->value, value) << text;
+  }
+  for (const char* text : {"speed 64.001", "speed 0.0156", "step", "step ", "seek 1e12",
+                           "step -1e12", "steps 3", "speed 2 ", "Q"}) {
+    EXPECT_FALSE(parse_play_command(text)) << text;
+  }
+  EXPECT_TRUE(parse_play_command("seek 9.9e11"));
+  EXPECT_TRUE(parse_play_command("seek -9.9e11"));
+}
+
+TEST_F(PlayerTest, DoublesAndHalvesItsSpeedBetweenItsLimits) {
+  PlayOptions options;
+  options.rules.to = from_utime(1'400'000);
+  play(options, {{110, "+"}, {170, "-"}});
+  // Keys are looked at each 20 ms: from 120 ms on it is twice as fast, from 180 ms on as before.
+  EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 160}, {3, 240}}));
+  const auto last_speed = [&](double speed, const std::string& key) {
+    double seen = 0.0;
+    PlayOptions fast;
+    fast.speed = speed;
+    fast.starts_paused = true;
+    std::deque<std::string> keys{key, "q"};
+    Player player(*log_, fast, timer(), [](const LogEvent&) { return true; });
+    player.run(
+        [&]() -> std::optional<PlayCommand> {
+          if (keys.empty()) {
+            return std::nullopt;
+          }
+          const auto command = parse_play_command(keys.front());
+          keys.pop_front();
+          return command;
+        },
+        [] { return false; }, [&](const PlaySchedule& schedule, Time) { seen = schedule.speed(); });
+    return seen;
+  };
+  EXPECT_EQ(last_speed(1.0, "+"), 2.0);
+  EXPECT_EQ(last_speed(1.0, "-"), 0.5);
+  EXPECT_EQ(last_speed(40.0, "+"), 64.0);
+  EXPECT_EQ(last_speed(1.0 / 40.0, "-"), 1.0 / 64.0);
+}
+
+TEST_F(PlayerTest, TogglesAndPausesHoweverOften) {
+  PlayOptions options;
+  options.rules.to = from_utime(1'400'000);
+  play(options, {{120, " "},
+                 {300, "pause"},
+                 {420, " "},
+                 {500, "resume"},
+                 {520, " "},
+                 {700, "resume"},
+                 {740, "resume"}});
+  // It stood at 120 ms for 300 ms, and at 220 ms for 180 ms.
+  EXPECT_EQ(heard(), (Pairs{{0, 0}, {1, 100}, {2, 500}, {3, 780}}));
+}
+
+TEST_F(PlayerTest, StaysBetweenItsEndsWhereverItIsSentTo) {
+  PlayOptions options;
+  options.rules.from = from_utime(1'500'000);
+  options.rules.to = from_utime(1'800'000);
+  play(options, {{110, "seek -100"}, {150, "quit"}});
+  EXPECT_EQ(heard(), (Pairs{{5, 0}, {6, 100}, {5, 120}})) << "not before its beginning";
+  heard_.clear();
+  now_ns_ = kBegin;
+  const PlayReport report = play(options, {{110, "step 1000"}});
+  EXPECT_EQ(heard(), (Pairs{{5, 0}, {6, 100}}));
+  EXPECT_EQ(report.passes, 1) << "that is its end";
+  heard_.clear();
+  now_ns_ = kBegin;
+  options.rules.to = from_utime(1'400'000);  // before it begins
+  EXPECT_EQ(play(options, {{0, "seek 0.1"}}).published, 0);
+}
+
+TEST_F(PlayerTest, PlaysTheWholeLogUnlessToldWhichPart) {
+  PlayOptions options;
+  options.rules.from = from_utime(1);
+  options.rules.to = from_utime(900'000'000);
+  EXPECT_EQ(play(options).published, 20);
+  EXPECT_EQ(heard().front(), (std::pair<int, std::int64_t>(0, 0))) << "without waiting for it";
+  EXPECT_EQ(heard().back(), (std::pair<int, std::int64_t>(19, 1900)));
+  const PlayOptions usual;
+  EXPECT_EQ(usual.speed, 1.0);
+  EXPECT_FALSE(usual.loops);
+  EXPECT_FALSE(usual.starts_paused);
+  EXPECT_EQ(usual.gap_max, std::chrono::seconds(60));
+}
+
+// What the sink takes counts: 3 ms for every other event, and 250 ms once.
+TEST_F(PlayerTest, TellsHowLateItWas) {
+  Player player(*log_, {}, timer(), [&](const LogEvent& event) {
+    now_ns_ += (event.data[0] == 5 ? 250 : event.data[0] % 2 == 0 ? 3 : 0) * kMs;
+    return event.data[0] != 19;
+  });
+  const PlayReport report = player.run([] { return std::nullopt; }, [] { return false; });
+  EXPECT_EQ(report.published, 19);
+  EXPECT_EQ(report.failed, 1);
+  EXPECT_NEAR(report.late_worst_us, 250e3, 1e-6);
+  // After the one that took long, those of 100 ms and 200 ms later were late as well.
+  EXPECT_NEAR(report.late_mean_us, (9 * 3e3 + 250e3 + 153e3 + 53e3) / 19.0, 1e-6);
+  EXPECT_EQ(report.late_over_1_ms, 9 + 3);
+}
+
+// Names that LCM would not carry are not played, and counted.
+TEST_F(PlayerTest, CountsWhatItCannotPublish) {
+  PlayOptions options;
+  options.rules.names = ChannelRenames({"ODD=" + std::string(64, 'A')});
+  const PlayReport report = play(options);
+  EXPECT_EQ(report.published, 10);
+  EXPECT_EQ(report.failed, 10);
+  EXPECT_EQ(heard_.size(), 10U);
+}
+
+TEST_F(PlayerTest, AsksEachTwentyMillisecondsAndTellsWhereItIs) {
+  std::vector<std::int64_t> asked_ms;
+  std::vector<std::int64_t> told_ms;
+  PlayOptions options;
+  options.speed = 0.5;
+  options.rules.to = from_utime(1'200'000);
+  Player player(*log_, options, timer(), [](const LogEvent&) { return true; });
+  player.run([] { return std::nullopt; },
+             [&] {
+               asked_ms.push_back((now_ns_ - kBegin) / kMs);
+               return false;
+             },
+             [&](const PlaySchedule& schedule, Time here) {
+               EXPECT_FALSE(schedule.is_paused());
+               told_ms.push_back((here - from_utime(1'000'000)) / std::chrono::milliseconds(1));
+             });
+  ASSERT_GE(asked_ms.size(), 10U);
+  for (std::size_t i = 0; i < asked_ms.size(); ++i) {
+    EXPECT_EQ(asked_ms[i], 20 * static_cast<std::int64_t>(i));
+    EXPECT_EQ(told_ms[i], 10 * static_cast<std::int64_t>(i)) << "at half the speed";
+  }
+}
+
+TEST_F(PlayerTest, StopsWhenItIsTold) {
+  int asked = 0;
+  PlayOptions options;
+  options.loops = true;
+  Player player(*log_, options, timer(), [](const LogEvent&) { return true; });
+  const PlayReport report = player.run([] { return std::nullopt; }, [&] { return ++asked > 100; });
+  EXPECT_EQ(report.passes, 1);
+  EXPECT_EQ(report.published, 20 + 1) << "1900 ms, then from the beginning until 2000 ms";
+}
+
+TEST_F(PlayerTest, WaitsOutAPauseOfAMinuteAndNoneThatIsLonger) {
+  for (const std::int64_t gap_us : {60'000'000, 60'000'001}) {
+    Bytes bytes;
+    append_event({0, from_utime(1'000'000), "A", Bytes{0}}, bytes);
+    append_event({1, from_utime(1'000'000 + gap_us), "A", Bytes{1}}, bytes);
+    const std::string path = folder_.file("gap" + std::to_string(gap_us));
+    test::write_file(path, bytes);
+    log_.emplace(path);
+    heard_.clear();
+    now_ns_ = kBegin;
+    EXPECT_EQ(play({}).gaps, gap_us > 60'000'000 ? 1 : 0);
+    EXPECT_EQ(heard().back().second, gap_us > 60'000'000 ? 500 : 60'000);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::logs

@@ -1,6 +1,7 @@
 #include "logs/record/recorder.hpp"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,48 @@ TEST(RecorderNode, TellsAtOnceAndCountsWhatTheDiskRefuses) {
   spool.close();
   EXPECT_EQ(count_of(node.counters(), "log.events_lost"), 1);
   EXPECT_TRUE(disk.bytes("flight.lcmlog").empty()) << "no torn event";
+}
+
+TEST(RecorderNode, SaysWhatWasWrittenAndLooksTwentyTimesASecond) {
+  bus::InProcessHub hub;
+  const auto ear = hub.connect();
+  const auto mouth = hub.connect();
+  bus::VirtualClock clock(kNow);
+  test::FakeDisk disk;
+  SpoolOptions options;
+  options.path = "flight.lcmlog";
+  LogSpool spool(options, disk.opener());
+  RecorderNode node(*ear, clock, spool, ChannelFilter({}, {"SCAN_.*"}),
+                    [](const std::string& words) { ADD_FAILURE() << words; });
+  EXPECT_EQ(node.name(), "RECORDER");
+  EXPECT_EQ(node.next_tick(), kNow);
+  node.tick(kNow + Duration{7});
+  EXPECT_EQ(node.next_tick(), kNow + Duration{7} + std::chrono::milliseconds(50));
+  for (const char* channel : {"VICON", "SCAN_Q1", "\xff\x01", "VICON"}) {
+    mouth->publish(channel, std::vector<std::uint8_t>(100));
+  }
+  ear->handle(std::chrono::microseconds(0));
+  EXPECT_EQ(node.heard(), 2);
+  spool.close();
+  std::map<std::string, std::int64_t> counts;
+  for (const auto& list : {node.counters(), node.traffic()}) {
+    for (const models::NamedCount& each : list) {
+      EXPECT_TRUE(counts.emplace(each.name, each.count).second) << each.name;
+    }
+  }
+  counts.erase("log.at_risk_worst_us");  // as fast as this machine is
+  counts.erase("log.syncs_late");
+  EXPECT_EQ(counts, (std::map<std::string, std::int64_t>{{"log.events_lost", 0},
+                                                         {"log.write_errors", 0},
+                                                         {"log.sync_errors", 0},
+                                                         {"log.names_refused", 1},
+                                                         {"log.is_written", 1},
+                                                         {"log.events", 2},
+                                                         {"log.bytes", 2 * (28 + 5 + 100)},
+                                                         {"log.files", 1},
+                                                         {"log.queue_bytes", 0},
+                                                         {"log.free_bytes", 0}}))
+      << "what is free on that disk nobody can say";
 }
 
 }  // namespace

@@ -290,5 +290,64 @@ TEST_F(LongLog, IsOpenedAndSoughtByReadingALittle) {
   EXPECT_LT(bytes_of_seek(log), 3 * kMib / 2) << "a few blocks";
 }
 
+// It says how far it is in blocks that have their end, and what it has read in bytes.
+TEST_F(LongLog, SaysHowFarItIsAndWhatItHasRead) {
+  SeekableLog log(write());
+  const auto size = static_cast<double>(log.bytes().size());
+  const auto bytes_surveyed = [&] { return log.surveyed_share() * size; };
+  EXPECT_LE(bytes_surveyed(), 8.0 * kMib);
+  EXPECT_GT(bytes_surveyed(), 8.0 * kMib - 0.3 * kMib);
+  EXPECT_GE(log.bytes_read(), 8 * kMib + 60 * 1024) << "its end, too";
+  EXPECT_LT(log.bytes_read(), 8 * kMib + 70 * 1024);
+  std::size_t read = log.bytes_read();
+  for (int i = 9; log.go_on(kMib); ++i) {
+    EXPECT_LE(bytes_surveyed(), i * (1.0 * kMib) + 30.0 * 1'100.0);
+    EXPECT_GT(bytes_surveyed(), (i - 0.3) * kMib);
+    EXPECT_NEAR(static_cast<double>(log.bytes_read() - read), 1.0 * kMib, 2'200.0);
+    read = log.bytes_read();
+  }
+  EXPECT_EQ(log.surveyed_share(), 1.0);
+  // A block that was read is not read again; of 32 others it is forgotten.
+  const Time early = from_utime(kStart_us);
+  const auto read_for = [&](Time from) {
+    const std::size_t before = log.bytes_read();
+    static_cast<void>(log.events(from, from + Duration{1}));
+    return log.bytes_read() - before;
+  };
+  EXPECT_GT(read_for(early), 200'000U);
+  EXPECT_EQ(read_for(early), 0U);
+  for (int block = 1; block <= 31; ++block) {
+    EXPECT_GT(read_for(early + std::chrono::milliseconds(290 * block)), 200'000U) << block;
+  }
+  EXPECT_EQ(read_for(early), 0U);
+  EXPECT_GT(read_for(early + std::chrono::milliseconds(290 * 32)), 200'000U);
+  EXPECT_EQ(read_for(early), 0U) << "it was looked at last";
+  EXPECT_GT(read_for(early + std::chrono::milliseconds(290)), 200'000U) << "and this was not";
+}
+
+TEST(SeekableLog, ReadsOnUntilThereIsAnEvent) {
+  Bytes bytes(9 * kMib, 0);
+  const Bytes events = log_of(first_numbers(10));
+  bytes.insert(bytes.end(), events.begin(), events.end());
+  bytes.insert(bytes.end(), 9 * kMib, 0);
+  const TemporaryFolder folder;
+  test::write_file(folder.file("a.lcmlog"), bytes);
+  const SeekableLog log(folder.file("a.lcmlog"));
+  EXPECT_EQ(log.range(), std::pair(from_utime(0), from_utime(9'000)));
+  EXPECT_EQ(log.events(from_utime(0), from_utime(10'000)).size(), 10U);
+}
+
+TEST(SeekableLog, SaysWhatIsWrongWithALogWithoutEvents) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.txt");
+  test::write_file(path, Bytes(200, 'x'));
+  try {
+    const SeekableLog log(path);
+    FAIL() << "there is nothing in it";
+  } catch (const StartupError& error) {
+    EXPECT_EQ(error.what(), path + ": no event in it; `vantage log check` says more");
+  }
+}
+
 }  // namespace
 }  // namespace vantage::logs

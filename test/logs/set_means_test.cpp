@@ -60,5 +60,43 @@ TEST(SetSums, AreNoneWithoutTruth) {
   EXPECT_FALSE(sums.means());
 }
 
+// Robots that are heard more often count no more; nor do those that know more.
+TEST(SetSums, WeighEachRobotAlike) {
+  SetSums sums(2);
+  sums.on_truth(truth(0.0));
+  sums.on_belief(belief("Q2", 0.0, {{0, 0.6}}));
+  for (int k = 0; k < 3; ++k) {
+    sums.on_belief(belief("Q1", 10.0 * k, {{0, 0.0}, {1, 5.0}}));  // knows all
+  }
+  sums.on_belief(belief("Q2", 30.0, {{1, 0.6}}));  // of another name: a swap in 30 s
+  for (int k = 1; k <= 30; ++k) {
+    sums.on_truth(truth(k));
+  }
+  const auto means = sums.means();
+  ASSERT_TRUE(means);
+  EXPECT_NEAR(means->ospa_m, 0.5 * (0.0 + std::sqrt((0.36 + 1.0) / 2.0)), 1e-9);
+  EXPECT_NEAR(means->matched_rmse_m, 0.5 * (0.0 + 0.6), 1e-9);
+  EXPECT_NEAR(means->swaps_per_min, 0.5 * (0.0 + 2.0), 1e-9);
+}
+
+TEST(SetSums, JudgeABeliefOnceTheTruthOfItsInstantIsThere) {
+  SetSums sums(2);
+  sums.on_truth(truth(0.0));
+  sums.on_belief(belief("Q1", 1.0, {}));
+  sums.on_truth(truth(0.999));
+  EXPECT_FALSE(sums.means());
+  sums.on_truth(truth(1.0));
+  ASSERT_TRUE(sums.means());
+  EXPECT_EQ(sums.means()->ospa_m, 1.0) << "the cutoff";
+  EXPECT_EQ(sums.means()->swaps_per_min, 0.0) << "of one belief nobody can tell";
+  sums.on_belief(belief("Q2", 0.5, {{0, 0.0}, {1, 5.0}}));  // late, but its truth is known
+  sums.on_truth(truth(2.0));
+  EXPECT_NEAR(sums.means()->ospa_m, 0.5, 1e-12);
+  SetSums before(2);
+  before.on_belief(belief("Q1", 1.0, {}));
+  before.on_truth(truth(2.0));
+  EXPECT_FALSE(before.means()) << "what was before the first truth nobody knows";
+}
+
 }  // namespace
 }  // namespace vantage::logs

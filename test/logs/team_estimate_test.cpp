@@ -65,5 +65,46 @@ TEST(TeamEstimate, IsTheMostInformedThenTheNewestThenTheFirstInTheAlphabet) {
   EXPECT_EQ(team.find(7)->robot, "Q3");
 }
 
+TEST(PositionEstimate, IsInSpaceWhereTheBeliefIs) {
+  Eigen::Matrix3d root;
+  root << 2.0, 0.3, 0.4, 0.0, 1.0, 0.2, 0.0, 0.0, 1.5;
+  const Eigen::Matrix3d covariance = root * root.transpose();
+  const Eigen::Vector3d mean(1.0, -2.0, 3.0);
+  models::TargetBelief belief = belief_with(mean, covariance);
+  belief.last_seen = from_utime(4);
+  const auto estimate = position_estimate(belief, "Q1", from_utime(9), 3);
+  ASSERT_TRUE(estimate);
+  EXPECT_EQ(estimate->robot, "Q1");
+  EXPECT_EQ(estimate->time, from_utime(9));
+  EXPECT_EQ(estimate->last_seen, from_utime(4));
+  EXPECT_NEAR(estimate->entropy_nats,
+              0.5 * std::log(std::pow(2.0 * std::numbers::pi * std::numbers::e, 3) *
+                             covariance.determinant()),
+              1e-9);
+  EXPECT_NEAR(estimate->sigma_m(), std::sqrt(covariance.trace() / 3.0), 1e-9);
+  // eᵀ Σ⁻¹ e of an error that is a whole root's column is 1.
+  for (Eigen::Index column = 0; column < 3; ++column) {
+    EXPECT_NEAR(estimate->nees(mean + root.col(column)), 1.0, 1e-9);
+    EXPECT_NEAR(estimate->nees(mean - 2.0 * root.col(column)), 4.0, 1e-9);
+  }
+  EXPECT_NEAR(estimate->nees(mean), 0.0, 1e-12);
+  EXPECT_FALSE(position_estimate(belief_with(Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()),
+                                 "Q1", Time{}, 3))
+      << "of the plane alone";
+  EXPECT_NEAR(isotropic_entropy_nats(2.0, 3),
+              position_estimate(belief_with(mean, 4.0 * Eigen::Matrix3d::Identity()), "", {}, 3)
+                  ->entropy_nats,
+              1e-9);
+}
+
+TEST(TeamEstimate, KeepsTheTargetsApart) {
+  TeamEstimate team;
+  team.offer(3, {"Q1", Time{}, from_utime(1), {}, {}, 2.0});
+  team.offer(4, {"Q2", Time{}, from_utime(1), {}, {}, 1.0});
+  EXPECT_EQ(team.find(3)->robot, "Q1");
+  EXPECT_EQ(team.find(4)->robot, "Q2");
+  EXPECT_EQ(team.find(5), nullptr);
+}
+
 }  // namespace
 }  // namespace vantage::logs

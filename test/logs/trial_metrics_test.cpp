@@ -380,5 +380,82 @@ TEST(TrialSummary, HasThePublishedKeysFirstAndInOrder) {
   EXPECT_TRUE(json["entropy"].is_number());
 }
 
+TEST(TrialMetrics, LeavesOutBeliefsThatComeWhenTheirStepIsJudged) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  metrics.on_truth(truth(0.0));
+  metrics.on_truth(truth(5.0));
+  metrics.on_belief(belief("Q1", 0.5, {target(1, 5.0, 6.0, 1.0)}));
+  metrics.on_belief(belief("Q1", 1.0, {target(1, 5.0, 6.0, 1.0)}));
+  metrics.on_belief(belief("Q2", 0.5, {target(1, 5.0, 5.0, 0.1)}));  // in time
+  metrics.on_belief(belief("Q1", 1.5, {target(1, 5.0, 6.0, 1.0)}));  // now 0.5 s is judged
+  EXPECT_NEAR(metrics.targets()[1].error_m.value(), 0.0, 1e-9);
+  EXPECT_EQ(metrics.targets()[1].estimate->robot, "Q2");
+  metrics.on_belief(belief("Q2", 0.5, {target(0, 9.0, 9.0, 0.1)}));  // too late
+  const TrialSummary summary = metrics.finish(at_s(5.0));
+  EXPECT_NEAR(*summary.rmse_m, (0.0 + 1.0 + 1.0) / 3.0, 1e-9);
+  EXPECT_EQ(summary.discovery_time_s[0], 0.5) << "but it was told in time";
+  EXPECT_EQ(metrics.finish(at_s(5.0)).rmse_m, summary.rmse_m) << "nothing is judged twice";
+}
+
+TEST(TrialMetrics, MissesNoPlanThatCameTwiceAndKnowsWhatItWasTold) {
+  scenario::Scenario named = scenario();
+  named.planner.algorithm = "greedy";
+  TrialMetrics metrics(named, at_s(0.5));
+  models::RobotPlan plan;
+  plan.robot = "Q1";
+  plan.round = 4;
+  for (int time = 0; time < 3; ++time) {
+    metrics.on_plan(plan);
+  }
+  EXPECT_EQ(metrics.robots().at("Q1").plan->round, 4);
+  EXPECT_FALSE(metrics.robots().at("Q2").plan);
+  models::VehicleStatus status;
+  status.robot = "Q2";
+  status.state = models::FlightState::kLand;
+  metrics.on_vehicle(status);
+  EXPECT_EQ(metrics.robots().at("Q2").state, models::FlightState::kLand);
+  EXPECT_FALSE(metrics.robots().at("Q1").state);
+  metrics.on_belief(belief("Q1", 1.0, {target(-1, 0.0, 0.0, 1.0), target(2, 0.0, 0.0, 1.0)}));
+  const TrialSummary summary = metrics.finish(at_s(3.0));
+  EXPECT_EQ(summary.plans_missing, 0);
+  EXPECT_EQ(summary.plans, 3);
+  EXPECT_EQ(summary.rounds, 1);
+  EXPECT_EQ(summary.duration_s, 2.5);
+  EXPECT_EQ(summary.scenario, "bench");
+  EXPECT_EQ(summary.algorithm, "greedy");
+  EXPECT_EQ(summary.discovered, 0) << "there are no such targets";
+  EXPECT_EQ(summary.undiscovered_share, 1.0);
+  EXPECT_EQ(metrics.position_dim(), 2);
+  EXPECT_FALSE(summary.map_entropy_nats);
+}
+
+TEST(TrialMetrics, TakesTheMeanOfTheNewestMaps) {
+  TrialMetrics metrics(scenario(), at_s(0.0));
+  models::RobotMap map;
+  for (const auto& [robot, nats] : {std::pair{"Q1", 100.0}, {"Q2", 30.0}, {"Q1", 10.0}}) {
+    map.robot = robot;
+    map.entropy_nats = nats;
+    metrics.on_map(map);
+  }
+  EXPECT_EQ(metrics.map_entropy_nats(), 20.0);
+  EXPECT_EQ(metrics.finish(at_s(1.0)).map_entropy_nats, 20.0);
+}
+
+TEST(TrialMetrics, OfATrialInWhichNothingWasHeardIsThePrior) {
+  const TrialSummary summary = TrialMetrics(scenario(), at_s(0.0)).finish(at_s(2.0));
+  const double prior = isotropic_entropy_nats(kPriorSigma_m, 2);
+  EXPECT_EQ(summary.undiscovered_share, 1.0);
+  EXPECT_NEAR(summary.entropy_nats, prior, 1e-12);
+  EXPECT_EQ(summary.entropy_per_target_nats.size(), 2U);
+  EXPECT_NEAR(summary.entropy_per_target_nats[1], prior, 1e-12);
+  EXPECT_EQ(summary.plans_missing, 0);
+  scenario::Scenario alone = scenario();
+  alone.targets.clear();
+  TrialMetrics without(alone, at_s(0.0));
+  without.on_belief(belief("Q1", 1.0, {}));
+  EXPECT_EQ(without.finish(at_s(2.0)).entropy_nats, 0.0);
+  EXPECT_EQ(without.finish(at_s(2.0)).undiscovered_share, 0.0);
+}
+
 }  // namespace
 }  // namespace vantage::logs

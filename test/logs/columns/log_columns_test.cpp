@@ -1,13 +1,19 @@
 #include "logs/columns/log_columns.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "vantage_lcm/plan_t.hpp"
 
+#include "logs/json/wire_json.hpp"
+#include "test/bus/convert/message_types.hpp"
+#include "test/bus/convert/sample_messages.hpp"
 #include "test/logs/file_support.hpp"
 
 namespace vantage::logs {
@@ -78,6 +84,115 @@ TEST(LogColumns, TakeNothingOfWhatIsNotExactlyOneMessage) {
   EXPECT_FALSE(columns.add({}, {}));
   EXPECT_TRUE(columns.logged_utime().empty());
   EXPECT_TRUE(column<std::string>(columns, "robot").empty());
+}
+
+using Json = nlohmann::ordered_json;
+
+/// What the columns must hold, by the JSON of the same messages.
+struct Oracle {
+  std::map<std::string, std::vector<Json>> values;
+  std::map<std::string, std::vector<std::int64_t>> counts;
+  std::map<std::string, std::string> list_of;  ///< of columns and lists: whose elements they are of
+
+  void add(const bus::WireSchema& schema, const Json& message, const std::string& prefix,
+           const std::string& list) {
+    for (const bus::WireField& field : schema.fields) {
+      const std::string name = prefix + std::string(field.name);
+      std::vector<Json> elements{message.at(std::string(field.name))};
+      for (int dim = 0; dim < field.rank; ++dim) {
+        std::vector<Json> inner;
+        for (const Json& each : elements) {
+          inner.insert(inner.end(), each.begin(), each.end());
+        }
+        elements = inner;
+      }
+      const bool is_list = field.rank > 0 && (field.kind == bus::WireKind::kStruct ||
+                                              field.dims[0].field >= 0 || field.dims[1].field >= 0);
+      if (is_list) {
+        counts[name].push_back(std::ssize(elements));
+        list_of[name + " itself"] = list;
+      }
+      list_of[name] = is_list ? name : list;
+      for (const Json& each : elements) {
+        if (field.kind == bus::WireKind::kStruct) {
+          add(*field.nested, each, name + ".", is_list ? name : list);
+        } else {
+          values[name].push_back(each);
+        }
+      }
+    }
+  }
+};
+
+void expect_same(const LogColumn& column, const std::vector<Json>& wanted) {
+  std::visit(
+      [&](const auto& values) {
+        ASSERT_EQ(values.size(), wanted.size()) << column.name;
+        for (std::size_t i = 0; i < wanted.size(); ++i) {
+          using Value = std::decay_t<decltype(values[i])>;
+          if constexpr (std::is_same_v<Value, double>) {
+            ASSERT_TRUE(wanted[i].is_null() ? !std::isfinite(values[i])
+                                            : wanted[i].get<double>() == values[i])
+                << column.name;
+          } else if constexpr (std::is_same_v<Value, std::uint8_t>) {
+            ASSERT_EQ(wanted[i].is_boolean(), column.is_truth) << column.name;
+            ASSERT_EQ(wanted[i].get<int>(), int{values[i]}) << column.name;
+          } else {
+            ASSERT_EQ(wanted[i].get<Value>(), values[i]) << column.name;
+          }
+        }
+      },
+      column.values);
+}
+
+template <class Message>
+class LogColumnsOf : public ::testing::Test {};
+TYPED_TEST_SUITE(LogColumnsOf, vantage::test::MessageTypes);
+
+TYPED_TEST(LogColumnsOf, HoldWhatTheJsonOfTheSameMessagesSays) {
+  const bus::WireSchema& schema = *bus::find_wire_schema(bus::WireOf<TypeParam>::getTypeName());
+  LogColumns columns(schema);
+  Oracle oracle;
+  vantage::test::Sampler sampler(17);
+  for (int i = 0; i < 30; ++i) {
+    const auto bytes = vantage::test::encoded(vantage::test::sample<TypeParam>(sampler));
+    ASSERT_TRUE(columns.add(from_utime(i), bytes));
+    oracle.add(schema, *message_json(bytes), "", "");
+  }
+  const auto name_of = [&](int list) {
+    return list < 0 ? std::string() : columns.lists().at(static_cast<std::size_t>(list)).name;
+  };
+  for (const LogColumn& column : columns.columns()) {
+    expect_same(column, oracle.values[column.name]);
+    if (!oracle.values[column.name].empty()) {
+      EXPECT_EQ(name_of(column.list), oracle.list_of[column.name]) << column.name;
+    }
+  }
+  for (const LogList& list : columns.lists()) {
+    const std::vector<std::int64_t>& counts = oracle.counts[list.name];
+    ASSERT_EQ(list.offsets.size(), counts.size() + 1) << list.name;
+    EXPECT_EQ(list.offsets[0], 0);
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      EXPECT_EQ(list.offsets[i + 1] - list.offsets[i], counts[i]) << list.name;
+    }
+    if (!counts.empty()) {
+      EXPECT_EQ(name_of(list.parent), oracle.list_of[list.name + " itself"]) << list.name;
+    }
+  }
+  EXPECT_EQ(columns.logged_utime().size(), 30U);
+}
+
+TEST(LogColumns, SayTheShapeOfArraysOfConstantSize) {
+  LogColumns columns(*bus::find_wire_schema("vicon_frame_t"));
+  std::map<std::string, std::vector<std::size_t>> shapes;
+  for (const LogColumn& column : columns.columns()) {
+    shapes[column.name] = column.item_shape;
+  }
+  using Shape = std::vector<std::size_t>;
+  EXPECT_EQ(shapes.at("bodies.position_world_m"), Shape{3});
+  EXPECT_EQ(shapes.at("bodies.quaternion_wxyz"), Shape{4});
+  EXPECT_EQ(shapes.at("bodies.name"), Shape{});
+  EXPECT_EQ(shapes.at("utime"), Shape{});
 }
 
 }  // namespace

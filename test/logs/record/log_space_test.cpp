@@ -90,5 +90,72 @@ TEST(LogWatch, SaysThatTheDiskIsNearlyFull) {
   EXPECT_TRUE(log.watch.is_written());
 }
 
+TEST(RoomForLog, SaysWhatIsFreeAndNeeded) {
+  scenario::Scenario scenario = three_robots();
+  EXPECT_EQ(room_for_log(scenario, "a", std::nullopt).words,
+            "log: nobody can say how much is free for a");
+  scenario.duration_s = 0.5;
+  scenario.robots.resize(1);
+  EXPECT_EQ(log_bytes_needed(scenario), 6'050'000U);  // 100 kB/s · 60.5 s
+  EXPECT_EQ(room_for_log(scenario, "a", 6'050'000U).words,
+            "log: 6.0 MB are free for a; 60.5 s take 6.0 MB at most");
+  EXPECT_TRUE(room_for_log(scenario, "a", 6'050'000U).is_enough);
+  EXPECT_FALSE(room_for_log(scenario, "a", 6'049'999U).is_enough);
+}
+
+TEST(LogWatch, WaitsThreeSecondsBeforeItSaysThatNothingIsWritten) {
+  LogWatch watch{300e3};
+  const auto at = [&](std::int64_t us, std::uint64_t size_bytes) {
+    return watch.look({size_bytes, 1'000'000'000}, kStart + Duration{us});
+  };
+  EXPECT_FALSE(at(0, 1'000));
+  EXPECT_FALSE(at(1'000'000, 1'001));
+  EXPECT_FALSE(at(3'999'999, 1'001));
+  EXPECT_TRUE(watch.is_written());
+  EXPECT_EQ(at(4'000'000, 1'001),
+            "LOG NOT WRITTEN for 3 s, with 1000.0 MB free: the flight goes on unrecorded");
+  EXPECT_FALSE(watch.is_written());
+  EXPECT_FALSE(at(9'000'000, 1'001));
+  EXPECT_EQ(at(9'100'000, 1'002), "log: written, with 1000.0 MB free");
+  EXPECT_FALSE(at(12'000'000, 1'002));
+  EXPECT_TRUE(at(12'100'000, 1'002)) << "and once more";
+  const models::ProcessHealth health = watch.health(kStart + Duration{13'000'000});
+  EXPECT_EQ(health.stamp.time, kStart + Duration{13'000'000});
+  EXPECT_EQ(health.loops, 8);
+  ASSERT_EQ(health.counters.size(), 4U);
+  const std::pair<const char*, std::int64_t> counters[] = {{"log.bytes", 1'002},
+                                                           {"log.free_bytes", 1'000'000'000},
+                                                           {"log.is_written", 0},
+                                                           {"log.times_unwritten", 2}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(health.counters[i].name, counters[i].first);
+    EXPECT_EQ(health.counters[i].count, counters[i].second) << counters[i].first;
+  }
+}
+
+TEST(LogWatch, KnowsWhenLessThanAMinuteIsLeft) {
+  for (const std::uint64_t free_bytes : {18'000'000U, 17'999'999U}) {
+    LogWatch watch{300e3};
+    const auto words = watch.look({1, free_bytes}, kStart);
+    EXPECT_EQ(words.has_value(), free_bytes < 18'000'000U);
+    EXPECT_EQ(watch.health(kStart).counters.at(2).count, 1) << "written all the same";
+  }
+  LogWatch watch{300e3};
+  EXPECT_TRUE(watch.look({1, 1'000}, kStart));
+  EXPECT_EQ(watch.look({2, 900}, kStart), std::nullopt) << "once";
+  EXPECT_EQ(watch.look({3, 1'000'000'000}, kStart), "log: written, with 1000.0 MB free");
+}
+
+// Where nobody can say what is free, that is no reason to worry.
+TEST(LogWatch, DoesWithoutKnowingWhatIsFree) {
+  LogWatch watch{300e3};
+  EXPECT_FALSE(watch.look({1, std::nullopt}, kStart));
+  EXPECT_EQ(watch.look({1, std::nullopt, true}, kStart + Duration{1'600'000}),
+            "LOG NOT WRITTEN for 2 s, with an unknown space free: the flight goes on unrecorded");
+  EXPECT_EQ(watch.health(kStart).counters.at(1).count, 0);
+  watch.look({1, ~std::uint64_t{0}}, kStart);
+  EXPECT_EQ(watch.health(kStart).counters.at(1).count, INT64_MAX) << "as much as can be said";
+}
+
 }  // namespace
 }  // namespace vantage::logs
