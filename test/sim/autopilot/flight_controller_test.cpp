@@ -65,6 +65,15 @@ struct Pilot {
       step();
     }
   }
+  /// As long as it is so, a minute at most.
+  template <class Condition>
+  void run_while(const Condition& is_so) {
+    const Time begin = now;
+    while (is_so()) {
+      ASSERT_LT(to_seconds(now - begin), 60.0);
+      step();
+    }
+  }
   [[nodiscard]] Eigen::Vector3d place_m() const { return controller.airframe().position_m(); }
   /// From the ground to `up_m` above it.
   void take_off(double up_m) {
@@ -209,19 +218,13 @@ TEST(FlightController, LandsAtItsSpeedAndStopsItsMotorsWhenItHasNoticed) {
     EXPECT_EQ(pilot.controller.landed_state(), 4);
     pilot.run(2.0);
     EXPECT_NEAR(pilot.controller.airframe().velocity_mps().z(), 0.4, 0.035);
-    while (!pilot.controller.airframe().is_on_ground()) {
-      pilot.step();
-    }
+    pilot.run_while([&] { return !pilot.controller.airframe().is_on_ground(); });
     const Time down = pilot.now;
     EXPECT_LT(pilot.place_m().head<2>().norm(), 0.05);
-    while (pilot.controller.landed_state() == 4) {
-      pilot.step();
-    }
+    pilot.run_while([&] { return pilot.controller.landed_state() == 4; });
     EXPECT_NEAR(to_seconds(pilot.now - down), pilot.profile.landed_delay_s, 0.011);
     EXPECT_TRUE(pilot.controller.is_armed());
-    while (pilot.controller.is_armed()) {
-      pilot.step();
-    }
+    pilot.run_while([&] { return pilot.controller.is_armed(); });
     EXPECT_NEAR(to_seconds(pilot.now - down), pilot.profile.landed_delay_s + 0.5, 0.011);
     EXPECT_EQ(pilot.said.back(), pilot.profile.words_of_landed);
     EXPECT_EQ(pilot.controller.landed_state(), 1);
@@ -248,9 +251,7 @@ TEST(FlightController, NeverStopsItsMotorsByItselfWhereItsOwnerHasSetNoTime) {
   EXPECT_EQ(idle.controller.arm(idle.now), 0);
   const Time armed = idle.now;
   EXPECT_EQ(idle.controller.arm(idle.now + Duration{1'000'000}), 0) << "it is armed already";
-  while (idle.controller.is_armed()) {
-    idle.step();
-  }
+  idle.run_while([&] { return idle.controller.is_armed(); });
   EXPECT_NEAR(to_seconds(idle.now - armed), 3.005, 1e-9);
   EXPECT_EQ(idle.said.back(), idle.profile.words_of_idle);
 }
@@ -370,9 +371,7 @@ TEST(FlightController, TakesOffByCommandAloneAndOnlyFromTheGroundInItsMode) {
   EXPECT_EQ(pilot.controller.take_off(1.2), 0);
   // It spools up for a second, and climbs at 0.7 m/s at the most.
   const Time begin = pilot.now;
-  while (pilot.controller.airframe().is_on_ground()) {
-    pilot.step();
-  }
+  pilot.run_while([&] { return pilot.controller.airframe().is_on_ground(); });
   EXPECT_GT(to_seconds(pilot.now - begin), 0.99);
   EXPECT_LT(to_seconds(pilot.now - begin), 1.5);
   EXPECT_EQ(pilot.controller.landed_state(), 3);
