@@ -7,26 +7,16 @@
 #include <gtest/gtest.h>
 
 #include "models/sensor/sensor.hpp"
+#include "test/models/sensor/random_target.hpp"
 #include "test/support/near.hpp"
 #include "test/support/random.hpp"
 
 namespace vantage::models {
 namespace {
 
-const auto kKinds = all_sensor_kinds();
-
-SensorModel of_kind(SensorKind kind) {
-  SensorModel sensor;
-  sensor.kind = kind;
-  sensor.range_min_m = 0.1;
-  return sensor;
-}
-
-PositionVector random_target(test::Random& random, int dim, double half_side_m) {
-  PositionVector target = PositionVector::Zero(dim);
-  target.head(2) = random.vector<2>(-half_side_m, half_side_m);
-  return target;
-}
+using test::kKinds;
+using test::of_kind;
+using test::random_target;
 
 // What planners ask of a law alone is what information() says of each look: along the line of
 // sight, across it, and in all directions.

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "test/models/sensor/random_target.hpp"
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
 #include "test/support/numerical_jacobian.hpp"
@@ -13,23 +14,9 @@
 namespace vantage::models {
 namespace {
 
-const auto kKinds = all_sensor_kinds();
-
-SensorModel of_kind(SensorKind kind) {
-  SensorModel sensor;
-  sensor.kind = kind;
-  sensor.range_min_m = 0.1;
-  return sensor;
-}
-
-PositionVector random_target(test::Random& random, int dim, double half_side_m) {
-  PositionVector target = PositionVector::Zero(dim);
-  target.head(2) = random.vector<2>(-half_side_m, half_side_m);
-  if (dim == 3) {
-    target(2) = random.uniform(0.0, 1.0);
-  }
-  return target;
-}
+using test::kKinds;
+using test::of_kind;
+using test::random_target;
 
 // ∂h/∂y by central differences of innovation(), which takes care of the cut of a bearing.
 template <int Dim>

@@ -2,41 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include "core/check.hpp"
-#include "scenario/reader/scenario_yaml.hpp"
+#include "test/scenario/reader/answer_to.hpp"
 
 // What keys together must be, to the whole sentence: its numbers, its names and its line.
 
 namespace vantage::scenario {
 namespace {
 
-const std::string kWorld = "name: x\nworld: {bounds: {min_m: [-9, -5], max_m: [9, 5]}}\n";
-const std::string kTargets = "targets: {count: 1}\n";
-const std::string kDefaults = "robot_defaults: {primitives: lab, sensor: {kind: range}}\n";
-
-std::string answer_to(const std::string& text) {
-  try {
-    static_cast<void>(parse_scenario(text, "f"));
-  } catch (const StartupError& error) {
-    return error.what();
-  }
-  return "taken";
-}
-
-/// Of a team whose robots, from line 6 on, are `robots`.
-std::string answer_to_team(const std::string& robots, const std::string& more = "") {
-  return answer_to(kWorld + kTargets + kDefaults + "robots:\n" + robots + more);
-}
-
-/// Of one robot with `keys`, on line 6, and `more` from line 7 on.
-std::string answer_to_robot(const std::string& keys, const std::string& more = "") {
-  return answer_to_team("  - {name: A, start: {x_m: 2, y_m: 2}" + keys + "}\n", more);
-}
-
-std::string answer_to_two(const std::string& of_a, const std::string& of_b,
-                          const std::string& more = "") {
-  return answer_to_team("  - {name: A" + of_a + "}\n  - {name: B" + of_b + "}\n", more);
-}
+using test::answer_to;
+using test::answer_to_robot;
+using test::answer_to_two;
+using test::kDefaults;
+using test::kTargets;
 
 // In a world that is not about its origin, so that what is added and what is taken off differ.
 TEST(ScenarioRules, GridsAndDrawsAreOfTheWorldWhereverItLies) {

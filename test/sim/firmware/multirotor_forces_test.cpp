@@ -10,17 +10,13 @@
 #include "core/axes.hpp"
 #include "sim/firmware/firmware_sensors.hpp"
 #include "sim/firmware/multirotor.hpp"
+#include "test/sim/firmware/still_air.hpp"
 
 namespace vantage::sim {
 namespace {
 
-constexpr double kGravityMps2 = 9.81;
-
-MultirotorParameters still_air() {
-  MultirotorParameters out;
-  out.gust_sigma_mps = 0.0;
-  return out;
-}
+using test::kGravityMps2;
+using test::still_air;
 
 double thrust_n(const MultirotorParameters& p, double u) {
   return p.motor_thrust_max_n * (p.thrust_expo * u * u + (1.0 - p.thrust_expo) * u);

@@ -6,17 +6,13 @@
 
 #include "core/angle.hpp"
 #include "sim/firmware/firmware_sensors.hpp"
+#include "test/sim/firmware/still_air.hpp"
 
 namespace vantage::sim {
 namespace {
 
-constexpr double kGravityMps2 = 9.81;
-
-MultirotorParameters still_air() {
-  MultirotorParameters out;
-  out.gust_sigma_mps = 0.0;
-  return out;
-}
+using test::kGravityMps2;
+using test::still_air;
 
 /// Throttle at which four motors carry the weight: e u² + (1 − e) u = m g / (4 T_max).
 double hover_throttle(const MultirotorParameters& p) {

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+
+#include "core/check.hpp"
+#include "scenario/reader/scenario_yaml.hpp"
+
+// What is said of a scenario that is taken or refused: "taken", or the whole sentence.
+
+namespace vantage::test {
+
+inline const std::string kWorld = "name: x\nworld: {bounds: {min_m: [-9, -5], max_m: [9, 5]}}\n";
+inline const std::string kTargets = "targets: {count: 1}\n";
+inline const std::string kDefaults = "robot_defaults: {primitives: lab, sensor: {kind: range}}\n";
+
+inline std::string answer_to(const std::string& text) {
+  try {
+    static_cast<void>(scenario::parse_scenario(text, "f"));
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+/// Of a team whose robots, from line 6 on, are `robots`.
+inline std::string answer_to_team(const std::string& robots, const std::string& more = "") {
+  return answer_to(kWorld + kTargets + kDefaults + "robots:\n" + robots + more);
+}
+
+/// Of one robot with `keys`, on line 6, and `more` from line 7 on.
+inline std::string answer_to_robot(const std::string& keys, const std::string& more = "") {
+  return answer_to_team("  - {name: A, start: {x_m: 2, y_m: 2}" + keys + "}\n", more);
+}
+
+inline std::string answer_to_two(const std::string& of_a, const std::string& of_b,
+                                 const std::string& more = "") {
+  return answer_to_team("  - {name: A" + of_a + "}\n  - {name: B" + of_b + "}\n", more);
+}
+
+}  // namespace vantage::test
