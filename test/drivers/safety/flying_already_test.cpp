@@ -86,6 +86,26 @@ TEST_F(FlyingAlready, IsNotDisarmedBecauseSomebodySaysSo) {
   }
 }
 
+// Nobody sees it: then three heartbeats in a row must say so, which come once a second. Until then
+// it is brought down as it would be.
+TEST_F(FlyingAlready, UnseenIsNotDisarmedBeforeThreeHeartbeatsSaySo) {
+  bench.fly_up(6.4);
+  const auto hide = [&] { q1.knobs.body = {BodyFault::kOccluded}; };
+  bench.run(0.6, hide);
+  bench.run(1.7, [&] {
+    hide();
+    q1.knobs.says_disarmed = true;
+    EXPECT_EQ(q1.out.state, FlightState::kLand);
+    EXPECT_TRUE(q1.is_armed);
+  });
+  bench.run(1.2, [&] {
+    hide();
+    q1.knobs.says_disarmed = true;
+  });
+  EXPECT_NE(q1.out.state, FlightState::kLand);
+  EXPECT_FALSE(q1.is_armed);
+}
+
 // Motors that really are off: it falls, and that is seen at once.
 TEST_F(FlyingAlready, IsDisarmedWhenItFalls) {
   bench.fly_up(6.4);

@@ -1,6 +1,7 @@
 #include "drivers/safety/mocap_clock.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -75,6 +76,23 @@ TEST(MocapClock, TellsALatencyBetweenNoneAndASecondWhenTheClockIsSet) {
   EXPECT_EQ(clock.latency_s(), 0.0);
   EXPECT_FALSE(clock.on_frame(after(10.0 - 7200.0), after(10.0), 1000)) << "after a long silence";
   EXPECT_EQ(clock.latency_s(), 1.0);
+}
+
+// A clock that is set while frames are lost: they were due, of a hundred at the most. What is so
+// many that none knows how long they took adds to the latency.
+TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
+  for (const auto& [frames, due] :
+       {std::pair{1, 1}, {99, 99}, {100, 100}, {101, 0}, {0, 0}, {-1, 0}}) {
+    MocapClock clock;
+    for (int i = 0; i < 10; ++i) {
+      clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i);
+    }
+    // Later by 0.2 s than so many frames take.
+    const double gap_s = kPeriodS * due + 0.2;
+    const double at_s = kPeriodS * 9 + 0.005 + gap_s;
+    EXPECT_FALSE(clock.on_frame(after(at_s + 3600.0), after(at_s), 9 + frames)) << frames;
+    EXPECT_NEAR(clock.latency_s(), 0.205, 1e-6) << frames;
+  }
 }
 
 }  // namespace

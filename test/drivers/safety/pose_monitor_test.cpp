@@ -178,5 +178,18 @@ TEST_F(Poses, AreCountedInARowUntilTheOtherKindComes) {
   }
 }
 
+TEST_F(Poses, AreCountedInARowFromTheFirst) {
+  const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
+  EXPECT_EQ(monitor.accepted_in_row(), 0);
+  for (int n = 1; n <= 3; ++n) {
+    EXPECT_EQ(see(here_m, kFrameS * n), PoseVerdict::kAccepted);
+    EXPECT_EQ(monitor.accepted_in_row(), n);
+  }
+  EXPECT_EQ(see(here_m + Eigen::Vector3d(2.0, 0.0, 0.0), 4 * kFrameS), PoseVerdict::kJump);
+  EXPECT_EQ(monitor.accepted_in_row(), 0);
+  EXPECT_EQ(see(here_m, 5 * kFrameS), PoseVerdict::kAccepted);
+  EXPECT_EQ(monitor.accepted_in_row(), 1);
+}
+
 }  // namespace
 }  // namespace vantage::drivers
