@@ -140,7 +140,8 @@ TEST(ParsePacket, ReadsBackEveryHeadThatIsPossible) {
 TEST(ParsePacket, TakesAsManyFragmentsAsThereAreBytes) {
   EXPECT_TRUE(parse_packet(fragment(4, 3, 3, 4, Bytes(1))).has_value());
   EXPECT_FALSE(parse_packet(fragment(4, 3, 3, 5, Bytes(1))).has_value());
-  const auto whole = parse_packet(fragment(1, 0, 0, 1, Bytes(1)));
+  const auto bytes = fragment(1, 0, 0, 1, Bytes(1));  // what is parsed looks into it
+  const auto whole = parse_packet(bytes);
   ASSERT_TRUE(whole.has_value());
   EXPECT_EQ(whole->channel, "T");
 }
