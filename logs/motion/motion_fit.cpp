@@ -213,6 +213,9 @@ std::vector<FittedMotion> fit_motion(std::span<const std::vector<TargetCourse>> 
         end = std::max(end, course.places_m().rbegin()->first);
       }
     }
+    if (begin > end) {
+      continue;  // a log in which no target has a place has no time
+    }
     for (const TargetCourse& course : courses) {
       fitted.add(course, begin, end, 0.0, fitted_share);
       held_back.add(course, begin, end, fitted_share, 1.0);
