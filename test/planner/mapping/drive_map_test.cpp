@@ -85,6 +85,9 @@ TEST(DriveMap, LetsARobotThatStandsTooNearLeaveButNotComeNear) {
   EXPECT_TRUE(map.is_free(beside, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({beside.x_m, beside.y_m, kPi}, {1.0, 0.0}, 1.0));
   EXPECT_FALSE(map.is_free({post_m.x() + 1.0, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
+  // Where the post should be it may only leave its cell at once, not drive on over it.
+  EXPECT_TRUE(map.is_free({post_m.x() - 0.1, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
+  EXPECT_FALSE(map.is_free({post_m.x() + 0.1, post_m.y(), kPi}, {1.0, 0.0}, 1.0));
   EXPECT_TRUE(map.is_free(beside, {0.0, 2.0}, 1.0)) << "it may turn on the spot";
 }
 
@@ -288,6 +291,26 @@ TEST(DriveMap, LetsWhoStandsTooNearGoAsFarAsItsRadiusAndTwoCells) {
       for (const double before_m : {0.84, 1.0, 1.2}) {  // it looks each half of a cell
         EXPECT_FALSE(may_drive(before_m, before_m + 0.9)) << before_m << ' ' << side << is_upright;
       }
+    }
+  }
+}
+
+// Past the outer corner of what is near a post: it looks each half of a cell, so that 18 cm of the
+// way within are not missed, wherever they begin; and what goes by is none of its business.
+TEST(DriveMap, LooksEachHalfOfACell) {
+  OccupancyBelief belief(kGrid, 3.0);
+  belief.add_log_odds(12 * 30 + 10, 9.0);
+  const DriveMap map(belief, {});
+  const Eigen::Vector2d corner_m = kGrid.centre_m(12 * 30 + 10) + Eigen::Vector2d(0.625, 0.375);
+  ASSERT_FALSE(map.is_free(corner_m - Eigen::Vector2d(0.01, 0.01)));
+  ASSERT_TRUE(map.is_free(corner_m + Eigen::Vector2d(0.01, -0.01)));
+  ASSERT_TRUE(map.is_free(corner_m + Eigen::Vector2d(-0.01, 0.01)));
+  for (const double within_m : {0.09, -0.01}) {
+    const Eigen::Vector2d middle_m = corner_m - within_m * Eigen::Vector2d(1.0, 1.0).normalized();
+    for (const double before_m : {0.35, 0.375, 0.4}) {
+      const Eigen::Vector2d from_m = middle_m + before_m * Eigen::Vector2d(1.0, -1.0).normalized();
+      EXPECT_EQ(map.is_free({from_m.x(), from_m.y(), 0.75 * kPi}, {0.5, 0.0}, 1.0), within_m < 0.0)
+          << before_m;
     }
   }
 }

@@ -143,6 +143,9 @@ TEST(MappingSearch, IsTheGreedyRouteWhenItIsCutOffBehindIt) {
     const MapRoute cut = search.plan(bench.starts[0], {}, Deadline::nodes(3 * controls));
     EXPECT_TRUE(cut.is_cut);
     EXPECT_EQ(cut.controls, greedy.controls) << i;
+    const double gain_nats = search.value(std::vector<const MapRoute*>{&greedy});
+    EXPECT_NEAR(cut.gain_nats, gain_nats, 1e-9) << i;
+    EXPECT_NEAR(cut.worth_nats, worth_nats(greedy), 1e-9) << i;
   }
   EXPECT_GT(greedy_routes, 10);
 }
@@ -315,6 +318,11 @@ TEST(MappingSearch, EndsWhereItMay) {
       EXPECT_NEAR(worth_nats(plan), best_nats, 1e-9) << i;
     }
     EXPECT_FALSE(plan.is_cut);
+    // Cut off behind the greedy route, that ends where it may, too.
+    const MapRoute cut = search.plan(bench.starts[0], {}, Deadline::nodes(12));
+    if (cut.controls.size() == 3) {
+      EXPECT_TRUE(may_end(cut.poses.back(), cut.controls.back(), 3)) << i;
+    }
   }
   for (const int count : ended) {
     EXPECT_GT(count, 3);

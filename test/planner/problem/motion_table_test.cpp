@@ -102,9 +102,10 @@ TEST(IsFree, IsTrueExactlyOfWhatStaysClear) {
     problem.clearance_m = pick(rng, 0, 1) == 0 ? 0.0 : uniform(rng, 0.0, 0.5);
     MotionTable exact(64, 16, 4);
     exact.reset(problem);
-    problem.field = &field;
+    SearchProblem by_field = problem;  // each table asks its own
+    by_field.field = &field;
     MotionTable fast(64, 16, 4);
-    fast.reset(problem);
+    fast.reset(by_field);
     for (int k = 0; k < 20; ++k) {
       const Pose2 from = random_pose(rng);
       const double cos_yaw = std::cos(from.yaw_rad);

@@ -10,6 +10,7 @@
 #include "models/plan/plan.hpp"
 #include "planner/problem/motion_table.hpp"
 #include "test/planner/problem/random_problem.hpp"
+#include "test/support/bisect.hpp"
 
 namespace vantage::planner {
 namespace {
@@ -141,6 +142,32 @@ TEST(CanStop, SeesWhoHoversBesideTheEndOfALongStop) {
   }
   EXPECT_GT(stops, 300);
   EXPECT_GT(refused, 300);
+}
+
+// In its pieces a stop is taken as uniform motion, and allowed a Δ²/8 for that: v²/2a before one
+// that hovers ahead, and no more than that nearer.
+TEST(CanStop, AllowsForItsBrakeAndNoMore) {
+  for (const double brake_mps2 : {0.5, 2.0, 4.0}) {
+    SearchProblem problem;
+    problem.start_time = from_utime(1'700'000'000'000'000);
+    problem.start.x_m = 100.0;
+    problem.horizon_steps = 4;
+    problem.controls = {{1.0, 0.0}};
+    problem.brake_mps2 = brake_mps2;
+    models::Trajectory hover;
+    hover.start_time = problem.start_time;
+    hover.start.x_m = 20.0;
+    problem.teammates = {hover};
+    MotionTable motion(64, 16, 4);
+    const double let_m = test::last_accepted(0.0, 20.0, 1e-7, [&](double separation_m) {
+      problem.separation_m = separation_m;
+      motion.reset(problem);
+      return motion.can_stop({}, 0, 2);
+    });
+    constexpr double kClock_m = 1e-5;
+    EXPECT_NEAR(let_m, 20.0 - 0.5 / brake_mps2 - brake_mps2 * 0.01 / 8.0 - kClock_m, 3e-6)
+        << brake_mps2;
+  }
 }
 
 // An arc bulges beyond its chords, to the left and to the right: asked for a hair more than what

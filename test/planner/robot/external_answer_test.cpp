@@ -107,6 +107,25 @@ TEST_F(MotionOfAnswer, IsFlownUpToTheLimitsOfItsVehicle) {
   }
 }
 
+// Another program's rounding is forgiven: a billionth of each limit, and no more.
+TEST_F(MotionOfAnswer, IsForgivenABillionth) {
+  for (const double over : {0.5e-9, 2e-9}) {
+    const double more = 1.0 + over;
+    const std::vector<models::PlanSegment> segments = {
+        {{2.0 * more, 0.0}, 1.0, 0.0},
+        {{1.0, 3.0 * more}, 1.0, 0.0},
+        {{1.0, 0.0}, 0.9, 1.0 * more},
+        {{1.0, 0.0}, 2.0 * more, 0.0},
+        {{2.0, 0.0}, 2.0 * more, 0.1},
+        {{0.5, 0.0}, 1.0, 0.5 + over * 2.0},  // it ends backwards by so much of the greatest speed
+    };
+    for (const models::PlanSegment& segment : segments) {
+      const auto motion = this->motion(driven({segment}));
+      EXPECT_EQ(motion.has_value(), over < 1e-9) << segment.control.speed_mps << ' ' << over;
+    }
+  }
+}
+
 // As long as the horizon, in however many pieces; and as long again for what brakes.
 TEST_F(MotionOfAnswer, LastsForItsHorizonAndAStop) {
   const auto drive = [](double s) { return models::PlanSegment{{1.0, 0.0}, s, 0.0}; };

@@ -120,6 +120,7 @@ TEST_F(TurnToAWayOut, TurnsRoundWhereOnlyTheWayBackIsFree) {
                       {{{2.4, -0.4}, {3.0, 0.4}}, 2.0}};
   EXPECT_EQ(side_of({2.0, 0.0, 0.0}), 1);
   EXPECT_EQ(side_of({2.0, 0.0, kPi}), 0);
+  EXPECT_EQ(side_of({1.6, 0.0, 0.0}), 1) << "there is room to stop, but not for a step";
   world_.obstacles.push_back({{{1.0, -0.4}, {1.6, 0.4}}, 2.0});
   for (const double yaw_rad : {0.0, 0.5 * kPi, kPi, -0.5 * kPi}) {
     EXPECT_EQ(side_of({2.0, 0.0, yaw_rad}), 0);

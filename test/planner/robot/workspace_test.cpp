@@ -1,6 +1,8 @@
 #include "planner/robot/workspace.hpp"
 
+#include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -97,6 +99,31 @@ TEST(Workspace, SharesItsSearches) {
   ReducedValueIteration& reduced = workspace.reduced();
   EXPECT_EQ(&workspace.reduced(), &reduced);
   workspace.prefault();
+}
+
+// The first pass that has an end begins with what the scenario says.
+TEST(Workspace, SearchesAsItsScenarioSays) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.epsilon_initial = 0.8;
+  scenario.planner.delta_initial_m = 0.6;
+  SearchProblem problem;
+  problem.horizon_steps = 3;
+  problem.controls = models::lab_primitives();
+  problem.sensors.emplace_back();
+  problem.targets = {{{models::TargetKind::kRandomWalk, 2, 0.1},
+                      {Eigen::Vector2d(1.0, 2.0), Eigen::Matrix2d::Identity()}}};
+  Workspace workspace(scenario);
+  const SearchResult& result = workspace.search().plan(problem, Deadline::never());
+  ASSERT_TRUE(result.found);
+  std::vector<PassReport> finite;
+  for (const PassReport& pass : result.history) {
+    if (std::isfinite(pass.epsilon)) {
+      finite.push_back(pass);
+    }
+  }
+  ASSERT_FALSE(finite.empty());
+  EXPECT_EQ(finite.front().epsilon, 0.8);
+  EXPECT_EQ(finite.front().delta_m, 0.6);
 }
 
 // As it was last seen, whichever part and whatever it was before; forgotten after the memory.
