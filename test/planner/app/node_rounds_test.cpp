@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bus/convert/external_channels.hpp"
 #include "planner/app/replay_node.hpp"
 #include "scenario/node_budget.hpp"
 #include "test/planner/app/node_fixture.hpp"
@@ -18,17 +19,6 @@ namespace {
 using namespace std::chrono_literals;
 using models::InputRef;
 using test::PlannerNodeTest;
-
-/// Follows the machine's clock, says the node, and stands still until it is moved.
-class RealClock : public bus::Clock {
- public:
-  [[nodiscard]] Time now() const override { return now_; }
-  [[nodiscard]] bool is_real_time() const override { return true; }
-  void set(Time now) { now_ = now; }
-
- private:
-  Time now_{};
-};
 
 bool names_channel(const models::RobotPlan& plan, const std::string& channel) {
   return std::any_of(plan.inputs.begin(), plan.inputs.end(),
@@ -254,6 +244,35 @@ TEST_F(PlannerNodeTest, ListensToItsNeighboursAlone) {
   }
 }
 
+// What a team does not use is not listened to: proposals, maps, answers of other processes.
+TEST_F(PlannerNodeTest, HearsOnlyWhatItsTeamUses) {
+  start(test::lab_scenario());
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  world_.publish(bus::proposal_channel("Q2"),
+                 models::PlanProposal{{inputs_.slot.activation, 0, 0}, 1.0, plan_of("Q2")});
+  world_.publish(bus::external_plan_channel("Q1"), plan_of("Q1"));
+  models::TeamProposal said;
+  said.robot = "Q2";
+  said.round = inputs_.slot.round;
+  said.stamp.time = inputs_.slot.activation;
+  said.value_nats = 1.0;
+  said.history = {1};
+  world_.publish(bus::team_proposal_channel("Q2"), said);
+  models::RobotMap map;
+  map.robot = "Q1";
+  map.grid = {{-4.0, -2.0}, 1.0, 8, 4};
+  map.own_looks.assign(32, 0);
+  map.team_looks = map.own_looks;
+  world_.publish(bus::map_channel("Q1"), map);
+  round();
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_EQ(plans_[0].inputs, (std::vector<InputRef>{{"BELIEF_Q1", 100, 0}, {"VICON", 100, 0}}));
+  for (const char* const counter : {"external_late", "external_unasked", "misaddressed",
+                                    "proposals_refused", "unusable_maps"}) {
+    EXPECT_EQ(count(counter), 0) << counter;
+  }
+}
+
 TEST_F(PlannerNodeTest, CountsByThePublishedNames) {
   const std::vector<std::string> names = {"plans_late",
                                           "slots_skipped",
@@ -394,83 +413,6 @@ TEST_F(PlannerNodeTest, CountsProposalsThatCannotBe) {
   other.robot = "Q3";
   EXPECT_EQ(say(other), 3);
   EXPECT_EQ(count("misaddressed"), 1);
-}
-
-// ---- In real time ----
-
-// A planner that was started anew listens for 350 ms, so that it hears what its vehicle does.
-TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
-  const scenario::Scenario scenario = test::lab_scenario();
-  const RoundSchedule::Slot slot = test::first_inputs(scenario, 0).slot;
-  const auto workspace = std::make_shared<Workspace>(scenario);
-  const auto first_tick = [&](const bus::Clock& clock) {
-    return PlannerNode(robot_bus_, clock, workspace, "Q1").next_tick();
-  };
-  RealClock real;
-  real.set(slot.begin - 350ms - 1us);
-  EXPECT_EQ(first_tick(real), slot.begin);
-  real.set(slot.begin - 350ms);
-  EXPECT_EQ(first_tick(real), slot.begin + 1s);
-  clock_.set(slot.begin - 1us);
-  EXPECT_EQ(first_tick(clock_), slot.begin);
-  clock_.set(slot.begin);
-  EXPECT_EQ(first_tick(clock_), slot.begin + 1s);
-}
-
-// When the search has ended after the slot, nothing new may be said any more.
-TEST_F(PlannerNodeTest, SaysNothingNewAfterItsSlot) {
-  scenario::Scenario scenario = test::lab_scenario();
-  scenario.planner.attacks_max = 1;
-  RealClock clock;
-  clock.set(test::first_inputs(scenario, 0).slot.activation - 1s);
-  start(scenario, clock);
-  std::vector<models::PlanProposal> proposals;
-  world_.subscribe<models::PlanProposal>(bus::proposal_channel("Q1"),
-                                         [&](const auto& each) { proposals.push_back(each); });
-  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
-  deliver();
-  const RoundSchedule schedule(scenario.planner, 0, 3);
-  std::int64_t late = 0;
-  std::size_t proposed = 0;
-  for (std::int64_t k = 0; k < 4; ++k) {
-    const bool is_late = k % 2 == 1;
-    for (const bool is_proposal : {true, false}) {
-      const std::int64_t round = inputs_.slot.round + k;
-      const RoundSchedule::Slot slot =
-          is_proposal ? schedule.proposal_slot(round) : schedule.slot(round);
-      ASSERT_EQ(node_->next_tick(), slot.begin);
-      clock.set(is_late ? slot.end + 1us : slot.end);
-      node_->tick(slot.begin);
-      deliver();
-      late += is_late ? 1 : 0;
-      proposed += is_proposal && !is_late ? 1 : 0;
-      EXPECT_EQ(proposals.size(), proposed);
-      EXPECT_EQ(node_->deadlines_missed(), late);
-      EXPECT_EQ(count("plans_late"), late);
-    }
-    ASSERT_EQ(plans_.size(), static_cast<std::size_t>(k) + 1);
-    EXPECT_EQ(plans_.back().finish, clock.now());
-    EXPECT_EQ(plans_.back().late, is_late);
-    EXPECT_EQ(plans_.back().source,
-              is_late ? models::PlanSource::kShifted : models::PlanSource::kSearched);
-  }
-  EXPECT_EQ(count("slots_skipped"), 0);
-}
-
-// With the last of its slot to go it still says a plan in time, which is not searched for long.
-TEST_F(PlannerNodeTest, SearchesNoLongerThanItsSlotLets) {
-  scenario::Scenario scenario = test::lab_scenario();
-  scenario.planner.node_budget = 0;
-  RealClock clock;
-  clock.set(test::first_inputs(scenario, 0).slot.activation - 1s);
-  start(scenario, clock);
-  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
-  deliver();
-  clock.set(inputs_.slot.end - 20ms);
-  node_->tick(clock.now());
-  deliver();
-  ASSERT_EQ(plans_.size(), 1U);
-  EXPECT_LT(plans_[0].nodes, 100);
 }
 
 }  // namespace

@@ -1,0 +1,124 @@
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "planner/app/replay_node.hpp"
+#include "test/planner/app/node_fixture.hpp"
+
+// A planner that is told that its clock is the machine's: how long it listens and searches, and
+// what it does when it is late.
+
+namespace vantage::planner {
+namespace {
+
+using namespace std::chrono_literals;
+using test::PlannerNodeTest;
+
+/// Follows the machine's clock, says the node, and stands still until it is moved.
+class RealClock : public bus::Clock {
+ public:
+  [[nodiscard]] Time now() const override { return now_; }
+  [[nodiscard]] bool is_real_time() const override { return true; }
+  void set(Time now) { now_ = now; }
+
+ private:
+  Time now_{};
+};
+
+// A planner that was started anew listens for 350 ms, so that it hears what its vehicle does.
+TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
+  const scenario::Scenario scenario = test::lab_scenario();
+  const RoundSchedule::Slot slot = test::first_inputs(scenario, 0).slot;
+  const auto workspace = std::make_shared<Workspace>(scenario);
+  const auto first_tick = [&](const bus::Clock& clock) {
+    return PlannerNode(robot_bus_, clock, workspace, "Q1").next_tick();
+  };
+  RealClock real;
+  real.set(slot.begin - 350ms - 1us);
+  EXPECT_EQ(first_tick(real), slot.begin);
+  real.set(slot.begin - 350ms);
+  EXPECT_EQ(first_tick(real), slot.begin + 1s);
+  clock_.set(slot.begin - 1us);
+  EXPECT_EQ(first_tick(clock_), slot.begin);
+  clock_.set(slot.begin);
+  EXPECT_EQ(first_tick(clock_), slot.begin + 1s);
+}
+
+// When the search has ended after the slot, nothing new may be said any more.
+TEST_F(PlannerNodeTest, SaysNothingNewAfterItsSlot) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.attacks_max = 1;
+  RealClock clock;
+  clock.set(test::first_inputs(scenario, 0).slot.activation - 1s);
+  start(scenario, clock);
+  std::vector<models::PlanProposal> proposals;
+  world_.subscribe<models::PlanProposal>(bus::proposal_channel("Q1"),
+                                         [&](const auto& each) { proposals.push_back(each); });
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  deliver();
+  const RoundSchedule schedule(scenario.planner, 0, 3);
+  std::int64_t late = 0;
+  std::size_t proposed = 0;
+  for (std::int64_t k = 0; k < 4; ++k) {
+    const bool is_late = k % 2 == 1;
+    for (const bool is_proposal : {true, false}) {
+      const std::int64_t round = inputs_.slot.round + k;
+      const RoundSchedule::Slot slot =
+          is_proposal ? schedule.proposal_slot(round) : schedule.slot(round);
+      ASSERT_EQ(node_->next_tick(), slot.begin);
+      clock.set(is_late ? slot.end + 1us : slot.end);
+      node_->tick(slot.begin);
+      deliver();
+      late += is_late ? 1 : 0;
+      proposed += is_proposal && !is_late ? 1 : 0;
+      EXPECT_EQ(proposals.size(), proposed);
+      EXPECT_EQ(node_->deadlines_missed(), late);
+      EXPECT_EQ(count("plans_late"), late);
+    }
+    ASSERT_EQ(plans_.size(), static_cast<std::size_t>(k) + 1);
+    EXPECT_EQ(plans_.back().finish, clock.now());
+    EXPECT_EQ(plans_.back().late, is_late);
+    EXPECT_EQ(plans_.back().source,
+              is_late ? models::PlanSource::kShifted : models::PlanSource::kSearched);
+  }
+  EXPECT_EQ(count("slots_skipped"), 0);
+}
+
+// A budget of nodes is one in real time, too, however little of the slot is left.
+TEST_F(PlannerNodeTest, PlansWithItsBudgetOfNodesInRealTimeToo) {
+  scenario::Scenario scenario = test::lab_scenario();
+  RealClock clock;
+  clock.set(test::first_inputs(scenario, 0).slot.activation - 1s);
+  start(scenario, clock);
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  deliver();
+  clock.set(inputs_.slot.end - 1us);
+  node_->tick(clock.now());
+  deliver();
+  ASSERT_EQ(plans_.size(), 1U);
+  RobotPlanner planner(scenario, "Q1");
+  const auto expected = planner.plan(inputs_, Deadline::nodes(1'500));
+  EXPECT_TRUE(is_same_decision(plans_[0], *expected));
+  EXPECT_EQ(plans_[0].nodes, expected->nodes);
+}
+
+// With the last of its slot to go it still says a plan in time, which is not searched for long.
+TEST_F(PlannerNodeTest, SearchesNoLongerThanItsSlotLets) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.node_budget = 0;
+  RealClock clock;
+  clock.set(test::first_inputs(scenario, 0).slot.activation - 1s);
+  start(scenario, clock);
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  deliver();
+  clock.set(inputs_.slot.end - 20ms);
+  node_->tick(clock.now());
+  deliver();
+  ASSERT_EQ(plans_.size(), 1U);
+  EXPECT_LT(plans_[0].nodes, 100);
+}
+
+}  // namespace
+}  // namespace vantage::planner
