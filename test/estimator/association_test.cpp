@@ -1,6 +1,7 @@
 #include "estimator/association.hpp"
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -107,6 +108,7 @@ TEST(Association, HasTheMarginalsOfAllJointAssociations) {
     const std::span<const int> best = association.best();
     double weight = 1.0;
     for (std::size_t i = 0; i < best.size(); ++i) {
+      EXPECT_GE(best[i], -1);
       weight *= best[i] < 0 ? 1.0 : odds[i][static_cast<std::size_t>(best[i])];
     }
     EXPECT_NEAR(weight, all.most, 1e-9 * all.most);
@@ -138,6 +140,70 @@ TEST(Association, OfALargeGroupWithoutLoopsIsExactByMessages) {
   set_all(association, odds);
   association.solve();
   expect_marginals(association, Enumeration(odds).marginal, 1e-6);
+}
+
+// However many compete, where one side is of ten at most: not by messages, which go round.
+TEST(Association, IsExactUpToTenOnEitherSide) {
+  test::Random random(5);
+  for (const auto& [tracks, detections] : {std::pair(3U, 12U), std::pair(12U, 3U)}) {
+    Odds odds(tracks, std::vector<double>(detections));
+    for (auto& row : odds) {
+      for (double& of : row) {
+        of = random.uniform(0.1, 3.0);
+      }
+    }
+    Association association(12, 12);
+    set_all(association, odds);
+    association.solve();
+    expect_marginals(association, Enumeration(odds).marginal, 1e-12);
+  }
+  constexpr std::size_t kTen = Association::kExactMax;
+  Odds ring(kTen, std::vector<double>(kTen));
+  for (std::size_t i = 0; i < kTen; ++i) {
+    ring[i][i] = random.uniform(0.5, 5.0);
+    ring[i][(i + 1) % kTen] = random.uniform(0.5, 5.0);
+  }
+  Association association(kTen, kTen);
+  set_all(association, ring);
+  association.solve();
+  expect_marginals(association, Enumeration(ring).marginal, 1e-12);
+}
+
+TEST(Association, OfALargeGroupIsExactByMessagesWhicheverSideIsLonger) {
+  test::Random random(6);
+  for (const auto& [tracks, detections] : {std::pair(11U, 12U), std::pair(12U, 11U)}) {
+    Odds odds(tracks, std::vector<double>(detections));
+    for (std::size_t i = 0; i < tracks; ++i) {  // a chain
+      for (const std::size_t j : {i, tracks > detections ? i - 1 : i + 1}) {
+        if (j < detections) {
+          odds[i][j] = random.uniform(0.1, 10.0);
+        }
+      }
+    }
+    Association association(12, 12);
+    set_all(association, odds);
+    association.solve();
+    expect_marginals(association, Enumeration(odds).marginal, 1e-6);
+  }
+}
+
+// Odds may change between two solutions: nothing of the first is left.
+TEST(Association, SolvesAnewWhatHasChanged) {
+  Association association(2, 2);
+  set_all(association, {{3.0, 1.0}, {0.0, 2.0}});
+  association.solve();
+  EXPECT_GT(association.probability(0, 0), 0.5);
+  association.set(0, 0, 0.0);
+  association.set(0, 1, 0.0);
+  EXPECT_EQ(association.odds(1, 1), 2.0);
+  association.solve();
+  EXPECT_EQ(association.probability(0, 0), 0.0);
+  EXPECT_EQ(association.probability(0, 1), 0.0);
+  EXPECT_EQ(association.miss_probability(0), 1.0);
+  EXPECT_EQ(association.nobodys_probability(0), 1.0);
+  EXPECT_DOUBLE_EQ(association.probability(1, 1), 2.0 / 3.0);
+  EXPECT_EQ(association.best()[0], -1);
+  EXPECT_EQ(association.best()[1], 1);
 }
 
 TEST(Association, OfOddsBeyondAllMeasureIsCertain) {

@@ -233,6 +233,33 @@ TEST(Hearing, MindsNoBeliefWithoutAGridAndCountsOneOfAnother) {
   EXPECT_EQ(filter.counters().grid_mismatches, 1);
 }
 
+// What is told of two steps ago has met the same walls as what was known then: who hears what he
+// knew himself is no surer for it, and no other.
+TEST(Hearing, TakesWhatIsOldToTheWallsThatItHasMetSince) {
+  for (const bool stay_inside : {false, true}) {
+    for (const double x_m : {0.0, 19.7}) {
+      FilterSpec spec = open_spec({TargetKind::kDoubleIntegrator, 2, 0.001},
+                                  test::far_sighted(SensorKind::kPosition), 1);
+      spec.estimator.targets_stay_inside = stay_inside;
+      spec.communication_range_m = 100.0;
+      Gaussian leaving{Eigen::Vector4d(x_m, 0.0, 0.6, 0.0), Eigen::Matrix4d::Zero()};
+      leaving.covariance.diagonal() << 0.01, 0.0025, 0.04, 0.04;
+      const models::RobotBelief told = told_by("Q2", instant(0), {leaving});
+      DistributedFilter alone(spec);
+      DistributedFilter listener(spec);
+      for (DistributedFilter* filter : {&alone, &listener}) {
+        filter->rebase(test::prior(instant(0), {leaving}));
+        take_step(*filter, instant(1), at(0, 0), {});
+      }
+      take_step(alone, instant(2), at(0, 0), {});
+      take_step(listener, instant(2), at(0, 0), {}, {told});
+      EXPECT_EQ(listener.belief().degree, 1);
+      EXPECT_TRUE(is_near(known(listener, 0).mean, known(alone, 0).mean, 1e-9));
+      EXPECT_TRUE(is_near(known(listener, 0).covariance, known(alone, 0).covariance, 1e-9));
+    }
+  }
+}
+
 // A filter that goes on from a belief says the same of itself, and of its targets.
 TEST(Rebase, GoesOnFromAllThatABeliefSays) {
   DistributedFilter filter(still_spec(5));

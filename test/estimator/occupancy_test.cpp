@@ -215,6 +215,10 @@ TEST(OccupancyFusion, MissesCellsWhoseMiddleIsNearerThanTheReading) {
     EXPECT_EQ(belief.log_odds(3), 2.0);
     EXPECT_EQ(belief.log_odds(4), 0.0);
   }
+  OccupancyBelief belief(kLine, 9.0);  // by noise below zero: it stands in a free cell all the same
+  OccupancyFusion(noisy, {2.0, -1.0}).fuse({0.1, 0.1, 0.0}, std::vector<double>{-0.05}, belief);
+  EXPECT_EQ(belief.log_odds(0), -1.0);
+  EXPECT_EQ(belief.log_odds(1), 2.0);
 }
 
 // A scan that is counted and one that is fused see the same cells, each once; and so does the next.

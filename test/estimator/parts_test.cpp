@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -127,6 +128,23 @@ TEST(MixtureOfAFilter, IsOfWhoIsUnseenAndNowhereInParticular) {
   look.detections.push_back({0, test::seen(from, truth_m)});
   take_step(filter, instant(41), from, {look});
   EXPECT_TRUE(filter.mixture().targets.empty()) << "it has been seen";
+}
+
+// From a fifth of the sensor's range on, 2 m: so narrow that one look tells whether it is there.
+TEST(MixtureOfAFilter, IsOfWhoIsWiderThanAFifthOfTheRange) {
+  for (const auto& [sigma_m, is_wide] : {std::pair(1.9, false), std::pair(2.1, true)}) {
+    Gaussian belief{Eigen::Vector4d::Zero(), Eigen::Matrix4d::Zero()};
+    belief.covariance.diagonal() << sigma_m * sigma_m, 1.0, 0.01, 0.01;
+    DistributedFilter filter = test::knows(belief);
+    const models::Viewpoint from = at(0.0, -12.0, 0.5 * kPi);  // sees hardly any of it
+    take_step(filter, instant(1), from, {test::look_of("Q1", 1, from)});
+    ASSERT_GT(filter.counters().missed_detections, 0);
+    const models::BeliefMixture mixture = filter.mixture();
+    EXPECT_EQ(mixture.targets.size(), is_wide ? 1U : 0U) << known(filter, 0).covariance(0, 0);
+    if (is_wide) {
+      EXPECT_EQ(mixture.targets[0].components.size(), 2U);
+    }
+  }
 }
 
 }  // namespace

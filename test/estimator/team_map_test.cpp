@@ -209,6 +209,16 @@ TEST(TeamMap, AddsUpNoMapOfAnotherGrid) {
   EXPECT_EQ(team_map.counters().malformed_maps, 1);
 }
 
+TEST(TeamMap, CountsAScanFromItsVeryFirstCell) {
+  const scenario::Scenario scenario = mapping_scenario();
+  test::Random random(5305);
+  TeamMap team_map(scenario, "Q1");
+  models::RangeScan scan = scan_of(scenario, random);
+  scan.viewpoint.world_from_body = {0.05, 0.05, 0.4};
+  EXPECT_LT(map_of(team_map, {{scan}}).own_looks[0], 0);
+  EXPECT_EQ(team_map.counters().malformed_scans, 0);
+}
+
 TEST(MapCounters, AreNamedOnceTheyCount) {
   EXPECT_TRUE(MapCounters{}.named().empty());
   const std::vector<models::NamedCount> all = MapCounters{1, 2, 3}.named();

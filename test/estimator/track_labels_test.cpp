@@ -244,6 +244,28 @@ TEST(Reconcile, AdoptsInThePlaceOfTheUnlikeliestThatIsNotConfirmed) {
   }
 }
 
+// A track that both have is that one: it is not compared with another that only the teammate has.
+TEST(Reconcile, JoinsNothingWithATrackThatBothHave) {
+  std::vector<LabelledTrack> tracks = {own(kOld, at_m(0, 0, 0.2)), LabelledTrack{}};
+  std::vector<HeardLabel> heard = {theirs(kOld, at_m(0.2, 0, 0.2)),
+                                   theirs(kYoung, at_m(0.1, 0, 0.2))};
+  const Reconciled done = reconcile(tracks, heard);
+  EXPECT_EQ(done.relabelled, 0);
+  EXPECT_EQ(done.adopted, 1);
+  EXPECT_EQ(labels_of(tracks), (std::vector{kOld, kYoung}));
+}
+
+TEST(Reconcile, AdoptsATrackThatItHadOnceAndNoneWithoutRoom) {
+  std::vector<LabelledTrack> tracks = {own(kOld, at_m(1, 1, 9.0), 0.0)};
+  std::vector<HeardLabel> heard = {theirs(kOld, at_m(1, 1, 0.2))};
+  const Reconciled done = reconcile(tracks, heard);
+  EXPECT_EQ(done.adopted, 1);
+  EXPECT_EQ(done.taken_over, 0);
+  EXPECT_EQ(tracks[0].existence, 0.9);
+  std::vector<LabelledTrack> nobody;
+  EXPECT_EQ(reconcile(nobody, heard).adopted, 0);
+}
+
 MultiTargetFilter planar_filter() {
   MultiTargetSpec spec;
   spec.estimator.target_model = {models::TargetKind::kRandomWalk, 2, 0.02};

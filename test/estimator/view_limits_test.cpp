@@ -193,14 +193,14 @@ TEST(ViewProbability, IsCertainSixSigmaFromALimitAndWhereThereIsNone) {
 
 TEST(ViewProbability, OfAPlaceIsThatOfItsRangeBearingAndDepth) {
   const LimitSoftness soft{0.1, 0.02};
-  models::Viewpoint from = test::at(1.0, -2.0, 2.5);
+  models::Viewpoint from = test::at(101.0, -52.0, 2.5);
   from.height_m = 4.0;
   const double yaw_rad = from.world_from_body.yaw_rad;
   for (const double away_m : {0.3, 2.05, 6.0, 9.3, 10.55}) {
     for (const double bearing_rad : {-0.98, 0.0, 1.01}) {
       const double angle_rad = yaw_rad + bearing_rad;
-      const Eigen::Vector2d place_m(1.0 + away_m * std::cos(angle_rad),
-                                    -2.0 + away_m * std::sin(angle_rad));
+      const Eigen::Vector2d place_m(101.0 + away_m * std::cos(angle_rad),
+                                    -52.0 + away_m * std::sin(angle_rad));
       models::SensorModel sensor = wide_sensor(models::SensorKind::kRangeBearing);
       EXPECT_NEAR(view_probability(sensor, soft, from, place_m),
                   view_probability(sensor, soft, away_m, away_m, bearing_rad, kNoDepth_m), 1e-9);
@@ -225,9 +225,9 @@ TEST(ViewProbability, OfAPlaceIsThatOfItsRangeBearingAndDepth) {
   models::SensorModel sensor = wide_sensor(models::SensorKind::kRange);
   sensor.range_min_m = 0.0;
   sensor.fov_rad = 2.0 * kPi;
-  EXPECT_EQ(view_probability(sensor, soft, from, Eigen::Vector2d(1.0, -2.0)), 0.0);
+  EXPECT_EQ(view_probability(sensor, soft, from, Eigen::Vector2d(101.0, -52.0)), 0.0);
   sensor.kind = models::SensorKind::kPosition;
-  EXPECT_EQ(view_probability(sensor, soft, from, Eigen::Vector2d(1.0, -2.0)), 1.0);
+  EXPECT_EQ(view_probability(sensor, soft, from, Eigen::Vector2d(101.0, -52.0)), 1.0);
 }
 
 TEST(ViewProbability, OfLimitsThatAreExactIsWhetherItIsInView) {
