@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/check.hpp"
 #include "core/deadline.hpp"
 #include "test/integration/network_support.hpp"
 
@@ -128,6 +129,84 @@ TEST(UdpmTransport, RefusesAndCountsOversizedMessagesOfOthers) {
   ASSERT_EQ(heard.size(), 1U);
   EXPECT_EQ(heard[0].second, Bytes{1});
   EXPECT_EQ(small->stats().oversized_messages, 2) << "fragments";
+}
+
+TEST(UdpmTransport, CarriesWhatIsAsLargeAsItMayBe) {
+  const auto ours = bus::open_transport(test::kUrl + "&max_message_size=100000");
+  Heard heard;
+  test::collect(*ours, "X", heard);
+  EXPECT_TRUE(ours->publish("X", payload(100'000)));
+  EXPECT_FALSE(ours->publish("X", payload(100'001)));
+  EXPECT_TRUE(ours->publish("X", Bytes{1}));
+  test::handle_until(*ours, [&] { return heard.size() == 2; });
+  ASSERT_EQ(heard.size(), 2U);
+  EXPECT_TRUE(heard[0].second == payload(100'000));
+  EXPECT_EQ(ours->stats().messages_sent, 2);
+  EXPECT_EQ(ours->stats().messages_received, 2);
+  EXPECT_EQ(ours->stats().send_errors, 1);
+  EXPECT_EQ(ours->stats().malformed_datagrams, 0);
+}
+
+TEST(UdpmTransport, HearsNoMoreWhatItUnsubscribed) {
+  const auto ours = bus::open_transport(test::kUrl);
+  std::string order;
+  const auto note = [&order](char who) { return [&order, who](auto, auto) { order += who; }; };
+  ours->subscribe("X", note('a'));
+  ours->subscribe("X*", note('b'));
+  ours->subscribe("Y", note('c'));
+  ours->subscribe("X", note('d'));
+  const auto say = [&](const char* channel) {
+    order.clear();
+    ours->publish(channel, Bytes{1});
+    ours->publish("Y", Bytes{1});
+    test::handle_until(*ours, [&] { return !order.empty() && order.back() == 'c'; });
+    return order;
+  };
+  EXPECT_EQ(say("X"), "abdc");
+  ours->unsubscribe("X");
+  EXPECT_EQ(say("X"), "bc");
+  ours->subscribe("X", note('e'));  // in the place of the first
+  EXPECT_EQ(say("X"), "ebc");
+  ours->unsubscribe("X*");
+  EXPECT_EQ(say("X"), "ec");
+  EXPECT_EQ(say("XY"), "c");
+}
+
+// By address and port: of one host, of one socket, whatever the message's size.
+TEST(UdpmTransport, SaysWhoSentIt) {
+  const auto first = bus::open_transport(test::kUrl);
+  const auto second = bus::open_transport(test::kUrl);
+  std::vector<std::uint64_t> sources;
+  first->subscribe(
+      "X", [&](std::string_view, const bus::Payload& bytes) { sources.push_back(bytes.source); });
+  for (const auto& sender : {first.get(), second.get()}) {
+    for (const std::size_t size : {1U, 100'000U}) {
+      const std::size_t before = sources.size();
+      ASSERT_TRUE(sender->publish("X", payload(size)));
+      test::handle_until(*first, [&] { return sources.size() > before; });
+      ASSERT_EQ(sources.size(), before + 1);
+    }
+  }
+  EXPECT_EQ(sources[0], sources[1]);
+  EXPECT_EQ(sources[2], sources[3]);
+  EXPECT_NE(sources[0], sources[2]);
+  EXPECT_EQ(sources[0] >> 16U, sources[2] >> 16U) << "one host";
+  EXPECT_NE(sources[0] & 0xFFFFU, 0U);
+}
+
+TEST(UdpmTransport, RefusesToHandleInsideAHandler) {
+  const auto ours = bus::open_transport(test::kUrl);
+  int calls = 0;
+  ours->subscribe("X", [&](auto, auto) {
+    if (++calls == 1) {
+      ours->handle(std::chrono::microseconds{0});
+    }
+  });
+  ours->publish("X", Bytes{1});
+  EXPECT_THROW(ours->handle(test::kPatience), UsageError);
+  ours->publish("X", Bytes{1});
+  test::handle_until(*ours, [&] { return calls == 2; });
+  EXPECT_EQ(calls, 2);
 }
 
 TEST(UdpmTransport, WaitsForAsLongAsItIsToldWhereNothingComes) {
