@@ -45,7 +45,7 @@ class Changed {
   /// The number is any that is one.
   template <class Member>
   void finite(const char* what, const Member& member) const {
-    for (const double good : {-1e9, 0.0, 1e9}) {
+    for (const double good : {-kMax, -1e9, 0.0, 1e9, kMax}) {
       EXPECT_TRUE(is_taken([&](auto& w) { member(w) = good; })) << what << ' ' << good;
     }
     for (const double bad : {kNan, kInfinity, -kInfinity}) {
@@ -55,7 +55,7 @@ class Changed {
   /// The number is one that is not negative.
   template <class Member>
   void amount(const char* what, const Member& member) const {
-    for (const double good : {0.0, 1e9}) {
+    for (const double good : {0.0, 1e9, kMax}) {
       EXPECT_TRUE(is_taken([&](auto& w) { member(w) = good; })) << what << ' ' << good;
     }
     for (const double bad : {-1e-9, kNan, kInfinity, -kInfinity}) {
@@ -100,6 +100,7 @@ class Changed {
  private:
   static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  static constexpr double kMax = std::numeric_limits<double>::max();
   /// The year 2286.
   static constexpr std::int64_t kLatestUtime = 10'000'000'000'000'000;
 

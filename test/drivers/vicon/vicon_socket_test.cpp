@@ -303,5 +303,48 @@ TEST(SocketServer, ServesSeveralClientsAndSkipsFramesForOneThatDoesNotRead) {
   EXPECT_EQ(drivers[0]->frame_counts().frames_lost, 0);
 }
 
+// One more is turned away at once; who leaves makes room for another.
+TEST(SocketServer, ServesNoMoreClientsThanItSays) {
+  SocketServer server({}, "127.0.0.1", 0);
+  std::vector<int> clients;
+  const auto connect_one = [&] {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<std::uint16_t>(server.port()));
+    clients.push_back(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    ASSERT_EQ(connect(clients.back(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  };
+  const auto until = [&](const auto& is_done) {
+    const std::int64_t end_ns = monotonic_ns() + kPatience_ns;
+    while (!is_done() && monotonic_ns() < end_ns) {
+      server.wait(std::chrono::microseconds(100));
+    }
+    return is_done();
+  };
+  const auto is_closed = [&] {
+    char byte = 0;
+    return recv(clients.back(), &byte, 1, MSG_DONTWAIT) == 0;
+  };
+  while (clients.size() < SocketServer::kClientsMax) {
+    connect_one();
+    ASSERT_TRUE(until([&] { return server.clients() == clients.size(); }));
+  }
+  for (int turn = 0; turn < 2; ++turn) {
+    connect_one();
+    EXPECT_TRUE(until(is_closed));
+    EXPECT_EQ(server.clients(), SocketServer::kClientsMax);
+    close(clients.front());
+    clients.erase(clients.begin());
+    ASSERT_TRUE(until([&] { return server.clients() == SocketServer::kClientsMax - 1; }));
+    connect_one();
+    ASSERT_TRUE(until([&] { return server.clients() == SocketServer::kClientsMax; }));
+    EXPECT_FALSE(is_closed());
+  }
+  for (const int fd : clients) {
+    close(fd);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::drivers
