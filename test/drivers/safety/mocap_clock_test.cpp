@@ -85,7 +85,7 @@ TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
        {std::pair{1, 1}, {99, 99}, {100, 100}, {101, 0}, {0, 0}, {-1, 0}}) {
     MocapClock clock;
     for (int i = 0; i < 10; ++i) {
-      clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i);
+      EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
     }
     // Later by 0.2 s than so many frames take.
     const double gap_s = kPeriodS * due + 0.2;
