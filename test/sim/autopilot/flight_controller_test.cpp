@@ -13,97 +13,16 @@
 
 #include "core/angle.hpp"
 #include "sim/autopilot/profile.hpp"
+#include "test/sim/autopilot/pilot.hpp"
 
 namespace vantage::sim {
 namespace {
 
 using models::AutopilotDialect;
+using test::Pilot;
+using test::settings;
 
-constexpr Time kBoot = from_utime(1'700'000'000'000'000);
-constexpr double kDtS = 0.005;
-
-AirframeParameters still_air() {
-  AirframeParameters out;
-  out.wind_sigma_mps = 0.0;
-  return out;
-}
-
-AutopilotSettings settings() {
-  AutopilotSettings out;
-  out.setpoint_loss_s = 0.5;
-  out.pose_loss_s = 2.0;
-  out.speed_max_mps = 1.5;
-  out.land_speed_mps = 0.4;
-  out.land_disarm_s = 0.5;
-  out.yaw_rate_max_radps = 1.0;
-  return out;
-}
-
-/// One who gives it poses and targets at 50 Hz.
-struct Pilot {
-  explicit Pilot(AutopilotDialect dialect, const AutopilotSettings& set = settings(),
-                 const Eigen::Vector3d& place_m = {0.0, 0.0, 0.0}, double yaw_rad = 0.0)
-      : profile(profile_of(dialect)),
-        controller(profile, set, still_air(), 1, place_m, yaw_rad, kBoot) {}
-  void step() {
-    if (ticks++ % 4 == 0) {
-      if (gives_poses) {
-        controller.take_pose(now, now, controller.airframe().position_m(), 0);
-      }
-      if (target) {
-        controller.take_target(*target, now);
-      }
-    }
-    now += Duration{5'000};
-    controller.step(now, kDtS);
-    for (const SpokenText& text : controller.take_texts()) {
-      said.push_back(text.text);
-    }
-  }
-  void run(double seconds) {
-    for (int n = 0; n < std::lround(seconds / kDtS); ++n) {
-      step();
-    }
-  }
-  /// As long as it is so, a minute at most.
-  template <class Condition>
-  void run_while(const Condition& is_so) {
-    const Time begin = now;
-    while (is_so()) {
-      ASSERT_LT(to_seconds(now - begin), 60.0);
-      step();
-    }
-  }
-  [[nodiscard]] Eigen::Vector3d place_m() const { return controller.airframe().position_m(); }
-  /// From the ground to `up_m` above it.
-  void take_off(double up_m) {
-    run(1.0);
-    target = FlightTarget{};
-    target->position_m = place_m() - Eigen::Vector3d(0.0, 0.0, up_m);
-    target->yaw_rad = controller.airframe().yaw_rad();
-    if (profile.takes_off_by_command) {
-      controller.set_origin();
-      run(24.0);
-    } else {
-      run(1.2);
-    }
-    EXPECT_EQ(controller.set_mode(profile.follow_mode, now), 0);
-    EXPECT_EQ(controller.arm(now), 0);
-    if (profile.takes_off_by_command) {
-      EXPECT_EQ(controller.take_off(up_m), 0);
-    }
-    run(up_m / 0.5 + 6.0);
-    EXPECT_NEAR(place_m().z(), target->position_m->z(), 0.1);
-  }
-
-  const AutopilotProfile& profile;
-  FlightController controller;
-  Time now = kBoot;
-  std::int64_t ticks = 0;
-  bool gives_poses = true;
-  std::optional<FlightTarget> target;
-  std::vector<std::string> said;
-};
+constexpr Time kBoot = test::kPilotBoot;
 
 constexpr AutopilotDialect kBoth[] = {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot};
 

@@ -1,0 +1,306 @@
+// What an emulated autopilot makes of targets, clocks and origins, and how it says long things.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/axes.hpp"
+#include "test/sim/autopilot/desk.hpp"
+
+namespace vantage::sim {
+namespace {
+
+namespace mavlink = wire::mavlink;
+using models::AutopilotDialect;
+using test::Desk;
+using test::flying;
+using test::spec_of;
+using test::target_of;
+
+constexpr Time kBoot = test::kDeskBoot;
+
+mavlink::SetPositionTargetLocalNed velocity_of(double vx, double vy, double vz) {
+  auto out = target_of(mavlink::mask::kVelocityAndYawRate);
+  out.vx = mavlink::f32(vx);
+  out.vy = mavlink::f32(vy);
+  out.vz = mavlink::f32(vz);
+  return out;
+}
+
+/// Where it is after it has been told so for a second and a half, and which way it looks.
+Eigen::Vector4d place_after(Desk desk, const mavlink::SetPositionTargetLocalNed& target) {
+  desk.watch(1.5, &target);
+  const Eigen::Vector3d place_m = desk.place_m();
+  return {place_m.x(), place_m.y(), place_m.z(), desk.emulator.controller().airframe().yaw_rad()};
+}
+
+// In its own axes, which are turned by its yaw: forwards and to the right of where it looks, down
+// as ever. A place in its own axes is none.
+TEST(EmulatorTargets, InItsOwnAxesAreTurnedByItsYaw) {
+  const Desk begin = flying();
+  const double yaw_rad = begin.emulator.controller().airframe().yaw_rad();
+  ASSERT_NEAR(yaw_rad, -0.5, 0.01);
+  for (const Eigen::Vector3d& wish :
+       {Eigen::Vector3d(0.8, 0.3, 0.1), Eigen::Vector3d(-0.4, 0.6, -0.2)}) {
+    auto body = velocity_of(wish.x(), wish.y(), wish.z());
+    body.coordinate_frame = mavlink::frame::kBodyNed;
+    const Eigen::Vector3d turned = Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) * wish;
+    const Eigen::Vector4d expected =
+        place_after(begin, velocity_of(turned.x(), turned.y(), turned.z()));
+    EXPECT_LT((place_after(begin, body) - expected).norm(), 2e-3) << wish.transpose();
+    EXPECT_GT((place_after(begin, velocity_of(wish.x(), wish.y(), wish.z())) - expected).norm(),
+              0.1);
+    body.type_mask = mavlink::mask::kVelocityAndYawRate &
+                     static_cast<std::uint16_t>(~mavlink::mask::kIgnorePosition);
+    body.x = 5.0F;
+    body.y = -5.0F;
+    body.z = -9.0F;
+    EXPECT_LT((place_after(begin, body) - expected).norm(), 2e-3);
+  }
+}
+
+TEST(EmulatorTargets, InAxesThatItDoesNotKnowOrOfAForceAreIgnoredAndCounted) {
+  const Desk begin = flying();
+  auto stay = target_of(mavlink::mask::kPositionAndYaw);
+  stay.x = 1.0F;
+  stay.y = -2.0F;
+  stay.z = -1.75F;
+  stay.yaw = -0.5F;
+  for (int frame = 0; frame <= 21; ++frame) {
+    Desk desk = begin;
+    auto target = velocity_of(0.5, 0.0, 0.0);
+    target.coordinate_frame = static_cast<std::uint8_t>(frame);
+    desk.send(target);
+    const bool is_known = frame == mavlink::frame::kLocalNed || frame == mavlink::frame::kBodyNed;
+    EXPECT_EQ(desk.emulator.ignored(), is_known ? 0 : 1) << frame;
+    desk.run(0.1);
+    EXPECT_EQ(desk.emulator.velocity_world_mps().norm() > 0.02, is_known) << frame;
+  }
+  Desk desk = begin;
+  auto force = velocity_of(0.5, 0.0, 0.0);
+  force.type_mask |= mavlink::mask::kIsForce;
+  desk.send(force);
+  EXPECT_EQ(desk.emulator.ignored(), 1);
+  auto others = velocity_of(0.5, 0.0, 0.0);
+  others.target_system = 8;
+  desk.send(others);
+  EXPECT_EQ(desk.emulator.ignored(), 1) << "another's is not even looked at";
+  desk.watch(0.5, &stay);
+  EXPECT_LT(desk.emulator.velocity_world_mps().norm(), 0.02);
+}
+
+// Each of the five is obeyed where it is not masked out, and only there.
+TEST(EmulatorTargets, ObeyEachPartThatIsNotMaskedOut) {
+  using Target = mavlink::SetPositionTargetLocalNed;
+  struct Part {
+    std::uint16_t bits;
+    void (*set)(Target&);
+  };
+  const Part parts[] = {{mavlink::mask::kIgnorePosition,
+                         [](Target& t) {
+                           t.x = 1.3F;
+                           t.y = -2.4F;
+                           t.z = -1.6F;
+                         }},
+                        {mavlink::mask::kIgnoreVelocity,
+                         [](Target& t) {
+                           t.vx = 0.5F;
+                           t.vy = 0.4F;
+                           t.vz = -0.2F;
+                         }},
+                        {mavlink::mask::kIgnoreAcceleration,
+                         [](Target& t) {
+                           t.afx = 0.5F;
+                           t.afy = -0.3F;
+                           t.afz = 0.2F;
+                         }},
+                        {mavlink::mask::kIgnoreYaw, [](Target& t) { t.yaw = 0.3F; }},
+                        {mavlink::mask::kIgnoreYawRate, [](Target& t) { t.yaw_rate = 0.4F; }}};
+  const Desk begin = flying();
+  const std::uint16_t all = mavlink::mask::kIgnorePosition | mavlink::mask::kIgnoreVelocity |
+                            mavlink::mask::kIgnoreAcceleration | mavlink::mask::kIgnoreYaw |
+                            mavlink::mask::kIgnoreYawRate;
+  const Eigen::Vector4d nothing = place_after(begin, target_of(all));
+  for (const Part& part : parts) {
+    Target masked = target_of(all);
+    part.set(masked);
+    EXPECT_EQ(place_after(begin, masked), nothing) << part.bits;
+    masked.type_mask = static_cast<std::uint16_t>(all & ~part.bits);
+    EXPECT_GT((place_after(begin, masked) - nothing).norm(), 0.05) << part.bits;
+  }
+}
+
+// --- whose clock it is
+
+TEST(EmulatorTalk, AnswersWhoAsksForItsTimeAndAsksItself) {
+  Desk desk(AutopilotDialect::kPx4);
+  desk.run(0.5);
+  desk.frames.clear();
+  mavlink::Timesync asked;
+  asked.ts1 = 123'456'789;
+  desk.send(asked);
+  const auto answers = desk.all<mavlink::Timesync>();
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers[0].ts1, 123'456'789);
+  EXPECT_EQ(answers[0].tc1, (desk.now - kBoot).count() * 1'000);
+  desk.frames.clear();
+  asked.tc1 = 5;  // an answer
+  desk.send(asked);
+  EXPECT_TRUE(desk.all<mavlink::Timesync>().empty()) << "is not answered in turn";
+}
+
+// Its host's clock is five hours off. Half a round trip after it asked, the host's was as answered:
+// then a pose of a tenth of a second ago is compared with where it was a tenth of a second ago.
+TEST(EmulatorTalk, KnowsWhenAPoseWasTakenByTheClockOfItsHost) {
+  constexpr Duration kOff = std::chrono::hours(5);
+  for (const bool is_answered : {false, true}) {
+    Desk desk = flying();
+    const auto flies_on = velocity_of(1.0, 0.0, 0.0);
+    desk.watch(2.0, &flies_on);
+    if (is_answered) {
+      mavlink::Timesync answer;
+      answer.ts1 = (desk.now - kBoot).count() * 1'000;
+      answer.tc1 = to_utime(desk.now + kOff + Duration{20'000}) * 1'000;
+      desk.run(0.04);
+      desk.send(answer);
+      answer.ts1 += 1'000'000'000;  // an answer to what it has not asked yet
+      answer.tc1 += 9'000'000'000;
+      desk.send(answer);
+    }
+    std::vector<Eigen::Vector3d> places_m;
+    for (int k = 0; k < 100; ++k) {
+      places_m.push_back(desk.place_m());
+      if (k >= 5) {
+        auto late = desk.pose(places_m[places_m.size() - 6]);
+        late.time_usec = static_cast<std::uint64_t>(to_utime(desk.now + kOff - Duration{100'000}));
+        desk.send(late);
+      }
+      desk.send(flies_on);
+      desk.run(0.02);
+    }
+    ASSERT_GT(desk.emulator.velocity_world_mps().x(), 0.85);
+    const double behind_m =
+        desk.place_m().x() - desk.emulator.controller().estimator().position_m().x();
+    EXPECT_NEAR(behind_m, is_answered ? 0.0 : 0.1 * desk.emulator.velocity_world_mps().x(), 0.005);
+  }
+}
+
+TEST(EmulatorTalk, ConfirmsTheOriginThatItWasGiven) {
+  for (const AutopilotDialect dialect : {AutopilotDialect::kPx4, AutopilotDialect::kArdupilot}) {
+    Desk desk(dialect);
+    desk.run(4.0);
+    mavlink::SetGpsGlobalOrigin origin{421'234'567, -710'987'654, 12'345, 8};
+    desk.frames.clear();
+    desk.send(origin);
+    EXPECT_TRUE(desk.all<mavlink::GpsGlobalOrigin>().empty()) << "another's";
+    EXPECT_FALSE(desk.emulator.controller().has_origin());
+    origin.target_system = 9;
+    desk.send(origin);
+    const auto confirmed = desk.all<mavlink::GpsGlobalOrigin>();
+    ASSERT_EQ(confirmed.size(), 1u);
+    EXPECT_EQ(confirmed[0].latitude, 421'234'567);
+    EXPECT_EQ(confirmed[0].longitude, -710'987'654);
+    EXPECT_EQ(confirmed[0].altitude, 12'345);
+    EXPECT_TRUE(desk.emulator.controller().has_origin());
+  }
+}
+
+// --- how it says what it has to say
+
+// 50 letters at a time: the pieces of one have a number in common, and are counted.
+TEST(EmulatorTalk, SaysLongTextsInPieces) {
+  Desk desk(AutopilotDialect::kPx4);
+  mavlink::Heartbeat station;
+  station.type = mavlink::type::kGroundStation;
+  desk.watch(1.0);
+  std::uint16_t last_id = 0;
+  for (const std::size_t letters : {49U, 50U, 51U, 100U, 101U, 130U}) {
+    std::string why;
+    for (std::size_t k = 0; k < letters; ++k) {
+      why.push_back(static_cast<char>('a' + k % 23));
+    }
+    desk.send(station);
+    desk.emulator.controller().set_fault(why);
+    EXPECT_EQ(desk.command(mavlink::command::kArmDisarm, 1.0F), 1);
+    const auto pieces = desk.all<mavlink::Statustext>();
+    ASSERT_EQ(pieces.size(), (letters + 49) / 50);
+    std::string said;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      EXPECT_EQ(pieces[k].severity, 2);
+      EXPECT_EQ(pieces[k].chunk_seq, k);
+      EXPECT_EQ(pieces[k].id, pieces[0].id);
+      said += std::string(pieces[k].text.begin(),
+                          std::find(pieces[k].text.begin(), pieces[k].text.end(), '\0'));
+    }
+    EXPECT_EQ(said, why);
+    EXPECT_EQ(pieces[0].id != 0, letters > 50) << letters;
+    EXPECT_TRUE(letters <= 50 || pieces[0].id != last_id);
+    last_id = pieces[0].id;
+    // The reason comes before the refusal.
+    EXPECT_TRUE(mavlink::unpack<mavlink::CommandAck>(desk.frames.back()));
+  }
+}
+
+// PX4 says nothing to who is no station, nor when it has not heard one for two and a half seconds.
+TEST(EmulatorTalk, SpeaksToAStationForTwoAndAHalfSecondsAfterItsHeartbeat) {
+  const auto texts_after = [](AutopilotDialect dialect, double silence_s) {
+    Desk desk(dialect);
+    desk.run(1.0);
+    mavlink::Heartbeat station;
+    station.type = mavlink::type::kGroundStation;
+    desk.send(station);
+    desk.run(silence_s);
+    EXPECT_GT(desk.command(mavlink::command::kArmDisarm, 1.0F), 0);
+    return desk.all<mavlink::Statustext>().size();
+  };
+  EXPECT_GT(texts_after(AutopilotDialect::kPx4, 2.5), 0u);
+  EXPECT_EQ(texts_after(AutopilotDialect::kPx4, 2.505), 0u);
+  EXPECT_GT(texts_after(AutopilotDialect::kArdupilot, 2.505), 0u) << "to everybody";
+}
+
+// Nobody fetches what it says: of a thousand and 24 the older half goes.
+TEST(EmulatorTalk, ForgetsTheOlderHalfOfWhatNobodyFetches) {
+  AutopilotEmulator emulator(spec_of(AutopilotDialect::kPx4), kBoot);
+  std::uint8_t sequence = 0;
+  const auto ask = [&](std::uint16_t number) {
+    mavlink::CommandLong command;
+    command.command = number;
+    command.target_system = 9;
+    std::vector<std::uint8_t> bytes;
+    mavlink::append_bytes(mavlink::pack(command, {255, 191, sequence++}), bytes);
+    emulator.receive(bytes, kBoot);
+  };
+  ask(9'999);
+  emulator.take_output();
+  const auto heard = [&](std::uint16_t questions) {
+    for (std::uint16_t k = 0; k < questions; ++k) {
+      ask(static_cast<std::uint16_t>(10'000 + k));
+    }
+    std::vector<int> out;
+    mavlink::Parser parser;
+    for (const auto& datagram : emulator.take_output()) {
+      parser.feed(datagram, [&](const mavlink::Frame& frame) {
+        const auto ack = mavlink::unpack<mavlink::CommandAck>(frame);
+        out.push_back(ack ? ack->command - 10'000 : -1);
+      });
+    }
+    return out;
+  };
+  const auto from_to = [](int first, int end) {
+    std::vector<int> out;
+    for (int k = first; k < end; ++k) {
+      out.push_back(k);
+    }
+    return out;
+  };
+  EXPECT_EQ(heard(1'024), from_to(0, 1'024));
+  EXPECT_EQ(heard(1'025), from_to(512, 1'025));
+  EXPECT_EQ(heard(1'536), from_to(512, 1'536));
+  EXPECT_EQ(heard(1'537), from_to(1'024, 1'537));
+}
+
+}  // namespace
+}  // namespace vantage::sim
