@@ -391,6 +391,10 @@ TEST(AutopilotSettings, AreTheFirmwaresOwnWhereNothingIsSet) {
   EXPECT_EQ(px4.velocity_gain_per_s, 1.8);
   const AutopilotSettings ardupilot = settings_with(AutopilotDialect::kArdupilot, {});
   EXPECT_EQ(ardupilot.setpoint_loss_s, 3.0);
+  EXPECT_FALSE(ardupilot.lands_on_setpoint_loss);
+  EXPECT_TRUE(ardupilot.has_barometer);
+  EXPECT_EQ(ardupilot.position_gain_per_s, 1.0);  // PSC_POSXY_P
+  EXPECT_EQ(ardupilot.velocity_gain_per_s, 2.0);  // PSC_VELXY_P
   EXPECT_EQ(ardupilot.heartbeat_loss_s, std::nullopt);
   EXPECT_EQ(ardupilot.station_id, 255);
   EXPECT_EQ(ardupilot.pose_loss_s, 7.0);
