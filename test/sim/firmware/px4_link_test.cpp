@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
@@ -11,11 +12,16 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/inotify.h>
 #include <sys/socket.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include "core/address.hpp"
 #include "core/check.hpp"
+#include "core/deadline.hpp"
+#include "core/write_file.hpp"
+#include "test/support/temporary_folder.hpp"
 #include "wire/mavlink/vocabulary.hpp"
 
 namespace vantage::sim {
@@ -230,27 +236,36 @@ TEST(Px4Link, ListensToAFirmwareThatWasStartedAnew) {
 TEST(Px4Link, NeverWaitsForAFirmwareThatDoesNotRead) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
-  int told = 0;
+  std::vector<std::uint64_t> told_usec;
   constexpr int kSamples = 100'000;  // more than the kernel keeps
   for (int i = 1; i <= kSamples; ++i) {
-    told += link->send(sensors_at(i * link->period())) ? 1 : 0;
+    const FirmwareSensors sensors = sensors_at(i * link->period());
+    if (link->send(sensors)) {
+      told_usec.push_back(static_cast<std::uint64_t>(sensors.since_start.count()));
+    }
   }
+  const auto told = static_cast<int>(told_usec.size());
   EXPECT_LT(told, kSamples);
   EXPECT_GE(link->counts().unsent, kSamples - told);
   // What it reads in the end is whole frames in their order; the last one may wait to be ended.
   std::uint64_t last_usec = 0;
+  std::vector<std::uint64_t> heard_usec;
   for (int i = 0; i < told - 1; ++i) {
     const wire::mavlink::HilSensor heard = firmware.hear();
     ASSERT_GT(heard.time_usec, last_usec);
     last_usec = heard.time_usec;
+    heard_usec.push_back(last_usec);
   }
   const Duration later = (kSamples + 1) * link->period();
   ASSERT_TRUE(link->send(sensors_at(later)));
+  told_usec.push_back(static_cast<std::uint64_t>(later.count()));
   while (last_usec < static_cast<std::uint64_t>(later.count())) {
     const wire::mavlink::HilSensor heard = firmware.hear();
     ASSERT_GT(heard.time_usec, last_usec);
     last_usec = heard.time_usec;
+    heard_usec.push_back(last_usec);
   }
+  EXPECT_EQ(heard_usec, told_usec) << "what it said it could not say is not said later";
 }
 
 TEST(Px4Link, SaysWhichPortCannotBeHad) {
@@ -286,6 +301,54 @@ TEST(Px4Link, SpeaksWithABoardThatHasAClockOfItsOwn) {
   const auto command = link->receive(kLong);
   ASSERT_TRUE(command);
   EXPECT_DOUBLE_EQ(command->throttles[0], 0.5);
+}
+
+// Its speed is what stands behind the last colon, or PX4's own.
+TEST(Px4Link, SpeaksWithABoardAtTheSpeedThatIsStated) {
+  struct Row {
+    std::string behind;
+    speed_t speed;
+  };
+  for (const Row& row : {Row{":57600", B57600}, Row{":115200", B115200}, Row{"", B921600}}) {
+    const Board board;
+    FakeFirmware firmware(board.fd);
+    const auto link = Px4Link::on_serial_line(board.device + row.behind);
+    ASSERT_TRUE(link->send(sensors_at(Duration{4'000}))) << row.behind;
+    EXPECT_EQ(firmware.hear().time_usec, 4'000U);
+    termios line{};
+    ASSERT_EQ(tcgetattr(board.fd, &line), 0);
+    EXPECT_EQ(cfgetospeed(&line), row.speed) << row.behind;
+    EXPECT_EQ(cfgetispeed(&line), row.speed) << row.behind;
+  }
+}
+
+// Twice a second, however often it is asked to speak: here to a file, which is no line.
+TEST(Px4Link, TriesToOpenALineThatIsNotThereTwiceASecond) {
+  const test::TemporaryFolder folder;
+  write_file(folder.file("no_line"), "");
+  const int watch = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  ASSERT_GE(inotify_add_watch(watch, folder.file("no_line").c_str(), IN_OPEN | IN_CLOSE), 0);
+  const std::int64_t begin_ns = monotonic_ns();
+  const auto link = Px4Link::on_serial_line(folder.file("no_line"));
+  for (int i = 1; i <= 200; ++i) {
+    EXPECT_FALSE(link->send(sensors_at(i * link->period())));
+    EXPECT_EQ(link->receive(Duration{0}), std::nullopt);
+  }
+  const std::int64_t half_seconds = (monotonic_ns() - begin_ns) / 500'000'000;
+  std::array<char, 1U << 16U> events{};
+  std::int64_t opened = 0;
+  std::int64_t closed = 0;
+  for (ssize_t got = read(watch, events.data(), events.size()), at = 0; at < got;) {
+    inotify_event event{};
+    std::memcpy(&event, events.data() + at, sizeof event);
+    opened += (event.mask & IN_OPEN) != 0 ? 1 : 0;
+    closed += (event.mask & IN_CLOSE) != 0 ? 1 : 0;
+    at += static_cast<ssize_t>(sizeof event + event.len);
+  }
+  close(watch);
+  EXPECT_GE(opened, 1);
+  EXPECT_LE(opened, 1 + half_seconds);
+  EXPECT_EQ(closed, opened);
 }
 
 TEST(Px4Link, WaitsForABoardThatIsNotThereAndRefusesASpeedThatNoLineHas) {
