@@ -294,5 +294,35 @@ TEST(RoverFleet, KeepsOutOfPlacesAsLongAsTheyAreKeptFree) {
   EXPECT_LT(std::min(nearest_m[0][1], nearest_m[1][1]), 0.5);
 }
 
+// At full speed a piece of its way is seven centimetres long, and a place that is kept free may lie
+// beside the middle of one.
+TEST(RoverFleet, KeepsOutOfSmallPlacesBetweenTheEndsOfItsPieces) {
+  const models::World world = room_of(3.0, {}).world;
+  constexpr double kNearM = 0.045;
+  std::vector<Eigen::Vector2d> places_m;
+  for (int k = 0; k < 25; ++k) {
+    places_m.emplace_back(-0.5 + 0.5 * (k % 5), 3.5 + 0.5 * (k / 5));
+  }
+  RoverFleet fleet(world, truth_of(1.3, 1.4), {{{0.25, 4.25, 0.0}, 0.1}}, 4);
+  fleet.keep_out(places_m, kNearM);
+  double nearest_m = 1e9;
+  double fastest_mps = 0.0;
+  for (int step = 0; step < 40'000; ++step) {
+    if (step % 10 == 0) {
+      fleet.decide(RoverFleet::kDecisionPeriodS);
+    }
+    fleet.step(kDtS);
+    fastest_mps = std::max(fastest_mps, fleet.state(0).speed_mps);
+    for (const Eigen::Vector2d& place_m : places_m) {
+      const double away_m = (fleet.state(0).world_from_body.position_m() - place_m).norm();
+      nearest_m = std::min(nearest_m, away_m);
+    }
+  }
+  EXPECT_GE(nearest_m, kNearM - 1e-3);
+  EXPECT_LT(nearest_m, kNearM + 0.01) << "it does come near";
+  EXPECT_GT(fastest_mps, 1.0);
+  EXPECT_GT(fleet.way_points_reached(), 20);
+}
+
 }  // namespace
 }  // namespace vantage::sim
