@@ -233,6 +233,21 @@ TEST(Px4Link, ListensToAFirmwareThatWasStartedAnew) {
   EXPECT_EQ(third.hear().time_usec, 16'000U);
 }
 
+// Of several that have come since it last looked the newest counts; and it leaves nothing behind.
+TEST(Px4Link, TakesTheNewestOfSeveralAndGivesItsPortBack) {
+  auto [link, port] = listen_somewhere();
+  FakeFirmware first(FakeFirmware::connected_to(port));
+  FakeFirmware second(FakeFirmware::connected_to(port));
+  FakeFirmware third(FakeFirmware::connected_to(port));
+  ASSERT_TRUE(link->send(sensors_at(Duration{4'000})));
+  EXPECT_EQ(third.hear().time_usec, 4'000U);
+  EXPECT_TRUE(first.is_let_go());
+  EXPECT_TRUE(second.is_let_go());
+  link.reset();
+  EXPECT_TRUE(third.is_let_go());
+  EXPECT_NO_THROW(Px4Link::listening(port - Px4Link::kPort));
+}
+
 TEST(Px4Link, NeverWaitsForAFirmwareThatDoesNotRead) {
   const auto [link, port] = listen_somewhere();
   FakeFirmware firmware(FakeFirmware::connected_to(port));
