@@ -344,9 +344,15 @@ TEST(IsFree, AllowsForWhatATeammatesPieceHidesAndNoMore) {
        20.0 - 0.25 - bulge_m(2.0)},
   };
   for (const Case& each : cases) {
-    EXPECT_NEAR(nearest_let_m(each.segments, each.depth, each.started_s, each.x_m),
-                each.expected_m - kClock_m, 3e-6)
-        << each.what;
+    for (const double side : {1.0, -1.0}) {  // and the same driven backwards, or forwards
+      std::vector<models::PlanSegment> segments = each.segments;
+      for (models::PlanSegment& segment : segments) {
+        segment.control.speed_mps *= side;
+      }
+      EXPECT_NEAR(nearest_let_m(segments, each.depth, each.started_s, side * each.x_m),
+                  each.expected_m - kClock_m, 3e-6)
+          << each.what << ' ' << side;
+    }
   }
   // Around a circle of 1 m about (0, ±1) at 2 rad/s: 0.2 rad a piece, the second from 0.2 rad to
   // 0.4 rad past its nearest to the x axis. Seen from far outside the middle of that piece's chord.

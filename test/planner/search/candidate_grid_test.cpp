@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <random>
+#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -84,6 +86,35 @@ TEST(CandidateGrid, IsAsShortWithAThousandTargetsAsWithAHundred) {
       expect_complete(scattered(rng, 1'000, 64.0 * std::sqrt(10.0), 6), 1.5, 10.0, grid, rng);
   EXPECT_LT(few, 12.0);
   EXPECT_LT(many, 12.0);
+}
+
+// Up to four that matter at a depth are given as they are, wherever it is asked; of five those that
+// may be seen from there.
+TEST(CandidateGrid, GivesFourAsTheyAreAndSortsOutFive) {
+  for (const int count : {1, 4, 5}) {
+    SearchProblem problem;
+    problem.horizon_steps = 2;
+    problem.controls = models::standard_primitives();
+    for (int m = 0; m < count + 1; ++m) {  // the last is out of reach at the first step
+      const double x_m = m == count ? 6.5 : m % 2 == 0 ? 3.5 : -3.5;
+      problem.targets.push_back({{models::TargetKind::kStatic, 2, 0.0},
+                                 {Eigen::Vector2d(x_m, 0.0), Eigen::Matrix2d::Identity()}});
+    }
+    BeliefTable beliefs(8, 2);
+    beliefs.reset(problem);
+    CandidateGrid grid(8, 2);
+    grid.reset(beliefs, {0.0, 0.0}, 2, 2.0, 1.0);  // 3 m from where it is, 2 m a step
+    for (const double side : {1.0, -1.0}) {
+      const std::span<const std::uint16_t> near = grid.near({1.9 * side, 0.0}, 1);
+      std::vector<std::uint16_t> expected;
+      for (int m = 0; m < count; ++m) {
+        if (count <= 4 || (m % 2 == 0) == (side > 0.0)) {
+          expected.push_back(static_cast<std::uint16_t>(m));
+        }
+      }
+      EXPECT_EQ(std::vector<std::uint16_t>(near.begin(), near.end()), expected) << count << side;
+    }
+  }
 }
 
 }  // namespace

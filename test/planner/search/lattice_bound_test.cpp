@@ -129,10 +129,15 @@ SearchTarget beside_the_way(double ahead_m, double speed_mps) {
 
 // Two targets drive one behind the other at half the robot's speed, met at 1 m and at 2 m: from
 // beside the one behind a step leads to beside the one before it, and none leads back. A third is
-// never met.
+// never met. In whatever order they come.
 TEST(LatticeBound, LetsAStepLeadFromBesideOneTargetToBesideAnother) {
-  expect_bound_below_best(
-      {beside_the_way(0.5, 1.0), beside_the_way(1.0, 1.0), beside_the_way(30.0, 1.0)});
+  const std::vector<SearchTarget> targets = {beside_the_way(0.5, 1.0), beside_the_way(1.0, 1.0),
+                                             beside_the_way(30.0, 1.0)};
+  std::vector<std::size_t> order = {0, 1, 2};
+  do {
+    SCOPED_TRACE(testing::Message() << order[0] << order[1] << order[2]);
+    expect_bound_below_best({targets[order[0]], targets[order[1]], targets[order[2]]});
+  } while (std::next_permutation(order.begin(), order.end()));
 }
 
 // Two targets overtake the robot side by side, where it is after one step.

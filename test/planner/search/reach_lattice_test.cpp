@@ -130,6 +130,15 @@ TEST(ReachLattice, FindsTheUnitOfItsTurns) {
   expect({0.0, 0.3, -0.45}, 0.15, {0, 2, -3});
   expect({0.0, -0.3, 0.4}, 0.1, {0, -3, 4});
   expect({0.0, 0.4, 0.5}, 0.1, {0, 4, 5});
+  for (const double side : {1.0, -1.0}) {  // to one side alone, and where that is the least
+    expect({0.0, side * 0.3}, 0.3, {0, static_cast<int>(side)});
+    expect({0.0, side * 0.4, side * 0.6}, 0.2,
+           {0, static_cast<int>(2 * side), static_cast<int>(3 * side)});
+    expect({0.0, -side * 1.5, side * 0.3}, 0.3,
+           {0, static_cast<int>(-5 * side), static_cast<int>(side)});
+    EXPECT_FALSE(lattice.reset(with_turns({0.0, side * 0.5, side * 0.8}, 2))) << side;
+    EXPECT_FALSE(lattice.reset(with_turns({0.0, -side * 0.5, side * 0.9}, 2))) << side;
+  }
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.5, 0.6}, 2))) << "five parts are too many";
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2)));
   EXPECT_FALSE(lattice.reset(with_turns({0.0, 0.3, -0.3 * std::sqrt(2.0)}, 2))) << "asked again";

@@ -142,5 +142,41 @@ TEST_F(Sighting, IsFromTheHeightOfTheRobotAndForWhoGetsThere) {
   EXPECT_NEAR(at(2.9, 2.0, 0), look * 12.0, 1e-9) << "that it cannot turn is not held against it";
 }
 
+// Wherever the ground has its origin: seen from a robot that is shifted with all targets it is
+// worth the same.
+TEST_F(Sighting, KnowsNoOrigin) {
+  problem_.height_m = 0.8;
+  problem_.targets = {{{models::TargetKind::kStatic, 2, 0.0},
+                       {Eigen::Vector2d(1.0, -0.5), 3.0 * Eigen::Matrix2d::Identity()}},
+                      {{models::TargetKind::kStatic, 3, 0.0},
+                       {Eigen::Vector3d(-2.0, 1.5, 0.2), Eigen::Matrix3d::Identity()}},
+                      {{models::TargetKind::kDoubleIntegrator, 2, 0.01},
+                       {Eigen::Vector4d(0.5, 3.0, -0.2, 0.1), Eigen::Matrix4d::Identity()}}};
+  std::vector<double> values;
+  for (const Eigen::Vector2d& shift_m :
+       {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(40.0, 0.0), Eigen::Vector2d(0.0, -30.0)}) {
+    SearchProblem shifted = problem_;
+    for (SearchTarget& target : shifted.targets) {
+      target.prior.mean.head<2>() += shift_m;
+    }
+    std::size_t next = 0;
+    for (std::size_t only = 0; only < shifted.targets.size(); ++only) {
+      SearchProblem one = shifted;
+      one.targets = {shifted.targets[only]};
+      expander_.reset(one);
+      value_.reset(one, expander_);
+      for (const double yaw_rad : {0.0, 2.0}) {
+        const double value = value_.value({shift_m.x() + 4.0, shift_m.y() - 1.0, yaw_rad}, 3);
+        EXPECT_GT(value, 0.0);
+        if (shift_m.isZero(0.0)) {
+          values.push_back(value);
+        } else {
+          EXPECT_NEAR(value, values[next++], 1e-9 * value) << only << " by " << shift_m.transpose();
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::planner
