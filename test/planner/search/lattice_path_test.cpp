@@ -296,12 +296,14 @@ TEST(LatticeBound, HasRoomForItsFinestLattice) {
   for (const int steps : {1, 2, 3}) {
     SearchProblem problem;
     problem.horizon_steps = steps;
-    problem.controls = {{3.0, 0.0}, {0.0, 2.0 * kPi}};  // ahead, or round
+    // Ahead, or to face any side: it gets nearly as far in all directions.
+    problem.controls = {{3.0, 0.0}, {0.0, kPi}, {0.0, -kPi}, {0.0, 2.0 * kPi}, {0.0, 0.0}};
     models::SensorModel sensor;
     sensor.range_max_m = 9.0;
+    sensor.fov_rad = 2.0 * kPi;
     problem.sensors = {sensor};
     for (const double side : {1.0, -1.0}) {
-      problem.targets.push_back(drifting({side * 2.0, 1.0}, {0.1, side * 0.2}));
+      problem.targets.push_back(drifting({side * 2.0, side * 1.0}, {0.1, side * 0.2}));
     }
     BeliefTable beliefs(2, steps);
     beliefs.reset(problem);
