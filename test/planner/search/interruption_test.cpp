@@ -108,5 +108,34 @@ TEST(Interruption, IsBitIdenticalOverAThousandRepetitions) {
   }
 }
 
+// Stopped at any ask while a level is put in order and thinned out, it asks no more: the same
+// budget as it says it took stops it there again.
+TEST(Interruption, IsReplayedFromAnyAskOfALevelsOrder) {
+  SearchProblem problem = tracking_problem(1);
+  problem.horizon_steps = 4;
+  problem.controls.resize(6);
+  ReducedValueIteration search(small_capacity());
+  for (const double delta_m : {0.0, std::numeric_limits<double>::infinity()}) {
+    ReducedOptions options;
+    options.search = ReducedSearch::kSinglePass;
+    options.epsilon = 0.0;
+    options.delta_m = delta_m;
+    constexpr std::int64_t kUpToThird = 6 + 6 * 6 + 6 * 6 * 6;  // more than are sorted at once
+    std::int64_t full_nodes = 0;
+    while (search.plan(problem, options, Deadline::nodes(full_nodes)).nodes_generated <
+           kUpToThird) {
+      full_nodes += 16;
+      ASSERT_LT(full_nodes, 10'000) << delta_m;
+    }
+    for (std::int64_t budget_nodes = full_nodes - 16; budget_nodes < full_nodes + 16;
+         ++budget_nodes) {
+      const SearchResult first = search.plan(problem, options, Deadline::nodes(budget_nodes));
+      ASSERT_EQ(first.stop_reason, StopReason::kDeadline);
+      test::expect_same(
+          first, search.plan(problem, options, Deadline::nodes(first.replay_budget_nodes())));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::planner

@@ -274,5 +274,55 @@ TEST(SequencingBound, IsOfTheNearestThatStayAndCanBeReached) {
   EXPECT_TRUE(sequencing.is_empty());
 }
 
+// A control that ends in a box or behind a wall leads nowhere, whatever is seen from there: the
+// bound is that of the others alone.
+TEST(SequencingBound, LetsNoStepEndInABoxOrBehindAWall) {
+  InformationHeuristic heuristic(4, 8);
+  SequencingBound sequencing(4, 8, 2'000);
+  BeliefTable beliefs(4, 8);
+  models::World world;
+  world.bounds = {{-6.0, -5.0}, {6.0, 5.0}};
+  world.obstacles = {{{{0.7, -0.4}, {1.3, 0.4}}, 10.0}};
+  for (const Pose2& start : {Pose2{0.0, 0.0, 0.0}, Pose2{1.0, -1.0, 0.5 * kPi},
+                             Pose2{5.5, 0.0, 0.0}, Pose2{0.0, -4.5, -0.5 * kPi}}) {
+    SCOPED_TRACE(start.x_m);
+    SearchProblem problem;
+    problem.world = &world;
+    problem.obstacles_block_sight = true;
+    problem.start = start;
+    problem.horizon_steps = 3;
+    problem.step_s = 0.5;
+    models::SensorModel sensor;
+    sensor.kind = models::SensorKind::kPosition;
+    sensor.range_max_m = kSight_m;
+    problem.sensors = {sensor};
+    // Just ahead of where it may not go.
+    const Pose2 there = start * Pose2{1.1, 0.9, 0.0};
+    problem.targets = {
+        {{TargetKind::kStatic, 2, 0.0}, {there.position_m(), Eigen::Matrix2d::Identity()}}};
+    const models::UnicycleControl ahead{2.0, 0.0};
+    const models::UnicycleControl back{1.0, 2.0 * kPi};
+    const models::UnicycleControl aside{0.5, 1.0};
+    const auto bound_of = [&](const std::vector<models::UnicycleControl>& controls) {
+      problem.controls = controls;
+      beliefs.reset(problem);
+      heuristic.reset(problem, beliefs);
+      sequencing.reset(problem, beliefs, heuristic);
+      EXPECT_FALSE(sequencing.is_empty());
+      std::int64_t work_nodes = 0;
+      return sequencing.cost_to_go(start, 0, {}, kInfinity, Deadline::never(), work_nodes).cost;
+    };
+    for (const std::size_t blocked : {0U, 1U, 2U}) {
+      std::vector<models::UnicycleControl> controls = {back, aside};
+      controls.insert(controls.begin() + static_cast<std::ptrdiff_t>(blocked), ahead);
+      bound_of(controls);
+      for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_EQ(std::isinf(sequencing.cost_after(static_cast<int>(c))), c == blocked) << c;
+      }
+    }
+    EXPECT_TRUE(std::isinf(bound_of({ahead})));
+  }
+}
+
 }  // namespace
 }  // namespace vantage::planner
