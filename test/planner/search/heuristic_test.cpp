@@ -110,6 +110,82 @@ TEST(StepsAhead, CountOnLooksFromJustBeyondTheLeastRange) {
   }
 }
 
+// From above as from below: a target in space is seen from as far as the slope leaves of the range,
+// and from nowhere once it is that far up or down.
+TEST(InformationHeuristic, SeesTargetsAboveAsItSeesThoseBelow) {
+  constexpr double kRange_m = 3.0;
+  InformationHeuristic heuristic(4, 8);
+  BeliefTable beliefs(4, 8);
+  for (const double apart_m : {0.0, 0.5, 2.5, kRange_m, 5.0}) {
+    double below = 0.0;
+    for (const double side : {-1.0, 1.0}) {
+      SearchProblem problem;
+      problem.height_m = 8.0;
+      problem.horizon_steps = 3;
+      problem.controls = {{1.0, 0.0}, {1.0, 1.0}};
+      models::SensorModel sensor;
+      sensor.kind = models::SensorKind::kPosition;
+      sensor.range_max_m = kRange_m;
+      problem.sensors = {sensor, sensor};
+      problem.sensors[1].range_max_m = 0.5 * kRange_m;
+      problem.targets = {
+          {{models::TargetKind::kRandomWalk, 3, 0.1},
+           {Eigen::Vector3d(1.0, 0.5, 8.0 + side * apart_m), Eigen::Matrix3d::Identity()}}};
+      beliefs.reset(problem);
+      heuristic.reset(problem, beliefs);
+      const double is_m = heuristic.sight_m(0);
+      if (apart_m < kRange_m) {
+        EXPECT_NEAR(is_m, std::sqrt(kRange_m * kRange_m - apart_m * apart_m), 1e-12);
+      } else {
+        EXPECT_EQ(is_m, -std::numeric_limits<double>::infinity()) << side * apart_m;
+      }
+      const double bound = heuristic.cost_to_go(problem.start, 0, {});
+      double unseen = 0.0;
+      for (int k = 1; k <= 3; ++k) {
+        unseen += beliefs.open_loop_cost(k);
+      }
+      EXPECT_EQ(bound < unseen - 1e-6, apart_m < kRange_m) << side * apart_m;
+      if (side < 0.0) {
+        below = bound;
+      } else {
+        EXPECT_NEAR(bound, below, slack(below)) << apart_m;
+      }
+    }
+  }
+}
+
+// What teammates tell of a target at any one step, the first or the last, counts; what they tell of
+// another does not.
+TEST(InformationHeuristic, KnowsOfWhomTeammatesTellAtWhateverStep) {
+  constexpr int kSteps = 3;
+  InformationHeuristic heuristic(4, 8);
+  BeliefTable beliefs(4, 8);
+  for (int told = 0; told < 3; ++told) {
+    for (int step = 0; step < kSteps; ++step) {
+      for (const double much : {5.0, 0.0}) {
+        SearchProblem problem;
+        problem.horizon_steps = kSteps;
+        problem.controls = {{1.0, 0.0}};
+        for (int m = 0; m < 3; ++m) {
+          problem.targets.push_back({{models::TargetKind::kStatic, 2, 0.0},
+                                     {Eigen::Vector2d(2.0 + m, 0.0), Eigen::Matrix2d::Identity()}});
+          problem.fixed_information.emplace_back(index(kSteps));
+        }
+        models::PositionMatrix M = models::PositionMatrix::Zero(2, 2);
+        M(step % 2, step % 2) = much;
+        problem.fixed_information[index(told)][index(step)] = M;
+        beliefs.reset(problem);
+        heuristic.reset(problem, beliefs);
+        for (int m = 0; m < 3; ++m) {
+          EXPECT_EQ(heuristic.has_fixed(m), m == told && much > 0.0) << told << " at " << step;
+          EXPECT_EQ(heuristic.only_own_looks(m), m != told || much == 0.0)
+              << told << " at " << step;
+        }
+      }
+    }
+  }
+}
+
 std::string name_of_case(const ::testing::TestParamInfo<models::SensorKind>& each) {
   return std::string(each.param.name());
 }

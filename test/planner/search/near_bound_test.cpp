@@ -204,6 +204,40 @@ TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
   EXPECT_GT(tight, 20);
 }
 
+// A robot that creeps about beside one target, whichever that is of several, is near it at every
+// step: as far as its sensor's floor goes a look tells all that one can tell, in every direction,
+// and its plan costs all that the bound lets it save.
+TEST(NearBound, LetsWhoStaysBesideATargetBeBesideItAtEveryStep) {
+  Bounds bounds;
+  std::mt19937_64 rng(71);
+  for (int count = 1; count <= 4; ++count) {
+    for (int visited = 0; visited < count; ++visited) {
+      for (const CostKind cost : {CostKind::kLogDet, CostKind::kTrace}) {
+        SCOPED_TRACE(testing::Message() << visited << " of " << count);
+        SearchProblem problem;
+        problem.horizon_steps = pick(rng, 2, 5);
+        problem.cost = cost;
+        const double speed_mps = uniform(rng, 0.02, 0.1);
+        problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.0}, {speed_mps, -2.0}};
+        models::SensorModel sensor;
+        sensor.kind = models::SensorKind::kPosition;
+        sensor.position_sigma_m = 0.3;
+        sensor.range_max_m = 4.0;
+        sensor.variance_grows_with_range = true;
+        sensor.variance_floor = 0.3 / sensor.range_max_m;  // nearer than 0.3 m tells no more
+        problem.sensors = {sensor};
+        for (int m = 0; m < count; ++m) {
+          const double away_m = m == visited ? 0.0 : 9.0 + 3.0 * m;
+          SearchTarget target{{models::TargetKind::kRandomWalk, 2, 0.05}, {}};
+          target.prior = {Eigen::Vector2d(away_m, 0.02), Eigen::Matrix2d::Identity()};
+          problem.targets.push_back(target);
+        }
+        ASSERT_NO_FATAL_FAILURE(bounds.expect_below_every_plan(problem, 1e-6));
+      }
+    }
+  }
+}
+
 /// A target that a robot passes right over in its first step, and the bound of what its controls
 /// let it do after that.
 class PassedOver : public ::testing::Test {
