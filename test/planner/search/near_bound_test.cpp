@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -225,6 +227,8 @@ TEST(NearBound, LetsWhoStaysBesideATargetBeBesideItAtEveryStep) {
         sensor.range_max_m = 4.0;
         sensor.variance_grows_with_range = true;
         sensor.variance_floor = 0.3 / sensor.range_max_m;  // nearer than 0.3 m tells no more
+        sensor.range_min_m = 0.0;
+        sensor.fov_rad = 2.0 * kPi;
         problem.sensors = {sensor};
         for (int m = 0; m < count; ++m) {
           const double away_m = m == visited ? 0.0 : 9.0 + 3.0 * m;
@@ -236,6 +240,115 @@ TEST(NearBound, LetsWhoStaysBesideATargetBeBesideItAtEveryStep) {
       }
     }
   }
+}
+
+/// What a target costs that is looked at so strongly, in every direction, at the end of each step.
+double cost_of(const SearchProblem& problem, const SearchTarget& target,
+               const std::vector<double>& strengths) {
+  models::Gaussian belief = target.prior;
+  double cost = 0.0;
+  for (const double strength : strengths) {
+    belief = models::predict(belief, target.model, problem.step_s);
+    belief.covariance = models::update_covariance(
+        belief.covariance, models::PositionMatrix(strength * Eigen::Matrix2d::Identity()));
+    cost += problem.cost == CostKind::kLogDet ? models::log_det(belief.covariance)
+                                              : belief.covariance.trace();
+  }
+  return cost;
+}
+
+// A robot on rails, 1.1 m a step, among targets that are far from each other: it can be near one
+// of them at one step at most. All other looks are from no nearer than it can have come by then,
+// nor than the edge of the disc; of three sizes of discs the best counts. As each target is known
+// as well in every direction, that is all there is to the bound.
+TEST(NearBound, IsWhatOneLookFromBesideATargetAndAllOthersFromAfarCost) {
+  std::mt19937_64 rng(72);
+  BeliefTable beliefs(8, 8);
+  InformationHeuristic heuristic(8, 8);
+  NearBound near(8, 8);
+  const models::SensorKind kinds[] = {models::SensorKind::kPosition, models::SensorKind::kRange,
+                                      models::SensorKind::kBearing,
+                                      models::SensorKind::kRangeBearing};
+  int beside = 0;
+  int never = 0;
+  for (int trial = 0; trial < 80; ++trial) {
+    SCOPED_TRACE(trial);
+    SearchProblem problem;
+    problem.horizon_steps = pick(rng, 1, 4);
+    problem.step_s = 0.5;
+    problem.cost = trial % 2 == 0 ? CostKind::kLogDet : CostKind::kTrace;
+    constexpr double kStep_m = 1.1;  // farther than any disc is wide
+    problem.controls = {{kStep_m / problem.step_s, 0.0}};
+    problem.start = {uniform(rng, -9.0, 9.0), uniform(rng, -9.0, 9.0), uniform(rng, -kPi, kPi)};
+    models::SensorModel sensor;
+    sensor.kind = kinds[pick(rng, 0, 3)];
+    sensor.range_max_m = uniform(rng, 2.0, 9.0);
+    sensor.range_min_m = 0.03;
+    sensor.variance_grows_with_range = pick(rng, 0, 1) == 0;
+    sensor.variance_floor = 0.01;
+    problem.sensors = {sensor};
+    const int count = pick(rng, 1, 3);
+    for (int m = 0; m < count; ++m) {
+      // In a ring around the start, and no two of them nearer than it is wide.
+      const double away_m = uniform(rng, 0.5, 8.0) + (m == 0 ? 0.0 : 12.0);
+      const double bearing_rad = problem.start.yaw_rad + 2.5 * m + uniform(rng, -0.3, 0.3);
+      SearchTarget target{{models::TargetKind::kDoubleIntegrator, 2, 0.02}, {}};
+      if (pick(rng, 0, 1) == 0) {
+        target.model.kind = models::TargetKind::kRandomWalk;
+      }
+      const int n = target.model.dim();
+      target.prior.mean = models::StateVector::Zero(n);
+      target.prior.mean.head<2>() =
+          problem.start.position_m() +
+          away_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
+      target.prior.covariance = uniform(rng, 0.1, 2.0) * models::StateMatrix::Identity(n, n);
+      problem.targets.push_back(target);
+    }
+    std::shuffle(problem.targets.begin(), problem.targets.end(), rng);
+    double expected = -std::numeric_limits<double>::infinity();
+    bool is_beside = false;
+    for (const double radius_m : {0.5, 0.2, 0.1}) {
+      double from_afar = 0.0;
+      double saved = 0.0;
+      for (const SearchTarget& target : problem.targets) {
+        const double away_m = (target.prior.mean.head<2>() - problem.start.position_m()).norm();
+        const auto strength_from = [&](double r_m) {
+          // Nearer than the least range nothing is seen, but from there on all is.
+          const double from_m = std::max(r_m, sensor.range_min_m);
+          const models::PositionVector origin = Eigen::Vector2d::Zero();
+          return 0.5 * models::information(sensor, {{-from_m, 0.0, 0.0}, problem.height_m}, origin)
+                           .trace();
+        };
+        std::vector<double> afar;
+        for (int k = 1; k <= problem.horizon_steps; ++k) {
+          afar.push_back(strength_from(std::max(radius_m, away_m - kStep_m * k)));
+        }
+        const double base = cost_of(problem, target, afar);
+        from_afar += base;
+        for (int k = 1; k <= problem.horizon_steps; ++k) {
+          if (away_m - kStep_m * k < radius_m) {
+            std::vector<double> with_one = afar;
+            with_one[index(k - 1)] = strength_from(std::max(0.0, away_m - kStep_m * k));
+            saved = std::max(saved, base - cost_of(problem, target, with_one));
+          }
+        }
+      }
+      is_beside = is_beside || saved > 0.0;
+      expected = std::max(expected, from_afar - saved);
+    }
+    beliefs.reset(problem);
+    heuristic.reset(problem, beliefs);
+    near.reset(problem, beliefs, heuristic);
+    ASSERT_FALSE(near.is_empty());
+    std::int64_t work_nodes = 0;
+    const auto answer = near.cost(Deadline::never(), work_nodes);
+    EXPECT_FALSE(answer.expired);
+    EXPECT_NEAR(answer.cost, expected, 1e-3 * std::max(1.0, std::abs(expected)))
+        << sensor.kind.name();
+    (is_beside ? beside : never) += 1;
+  }
+  EXPECT_GT(beside, 10);
+  EXPECT_GT(never, 15);
 }
 
 /// A target that a robot passes right over in its first step, and the bound of what its controls
