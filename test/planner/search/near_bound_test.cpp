@@ -206,9 +206,9 @@ TEST(NearBound, IsBelowEveryPlanThatIsNearSeveralTargetsAtOnce) {
   EXPECT_GT(tight, 20);
 }
 
-// A robot that creeps about beside one target, whichever that is of several, is near it at every
-// step: as far as its sensor's floor goes a look tells all that one can tell, in every direction,
-// and its plan costs all that the bound lets it save.
+// A robot that circles close around one target, whichever that is of several, is near it at every
+// step: from just beyond its least range, where its range and its bearing tell as much, so that its
+// plan costs all that the bound lets it save.
 TEST(NearBound, LetsWhoStaysBesideATargetBeBesideItAtEveryStep) {
   Bounds bounds;
   std::mt19937_64 rng(71);
@@ -219,21 +219,20 @@ TEST(NearBound, LetsWhoStaysBesideATargetBeBesideItAtEveryStep) {
         SearchProblem problem;
         problem.horizon_steps = pick(rng, 2, 5);
         problem.cost = cost;
-        const double speed_mps = uniform(rng, 0.02, 0.1);
-        problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.0}, {speed_mps, -2.0}};
+        constexpr double kRadius_m = 0.08;  // within the smallest discs
+        const double turn_radps = uniform(rng, 2.0, 5.0);
+        problem.controls = {{kRadius_m * turn_radps, turn_radps}, {0.1, 0.0}};
         models::SensorModel sensor;
-        sensor.kind = models::SensorKind::kPosition;
-        sensor.position_sigma_m = 0.3;
+        sensor.kind = models::SensorKind::kRangeBearing;
+        sensor.bearing_sigma_rad = 0.05;
+        sensor.range_sigma_m = kRadius_m * sensor.bearing_sigma_rad;
+        sensor.range_min_m = 0.999 * kRadius_m;
         sensor.range_max_m = 4.0;
-        sensor.variance_grows_with_range = true;
-        sensor.variance_floor = 0.3 / sensor.range_max_m;  // nearer than 0.3 m tells no more
-        sensor.range_min_m = 0.0;
-        sensor.fov_rad = 2.0 * kPi;
         problem.sensors = {sensor};
         for (int m = 0; m < count; ++m) {
           const double away_m = m == visited ? 0.0 : 9.0 + 3.0 * m;
           SearchTarget target{{models::TargetKind::kRandomWalk, 2, 0.05}, {}};
-          target.prior = {Eigen::Vector2d(away_m, 0.02), Eigen::Matrix2d::Identity()};
+          target.prior = {Eigen::Vector2d(away_m, kRadius_m), Eigen::Matrix2d::Identity()};
           problem.targets.push_back(target);
         }
         ASSERT_NO_FATAL_FAILURE(bounds.expect_below_every_plan(problem, 1e-6));
