@@ -290,6 +290,53 @@ TEST(LatticeBound, LeavesRoomForTheRoundingOfItsFloats) {
   }
 }
 
+// From wherever in its cell a robot ends, a look at a target that is hardly a cell away, in
+// whatever direction, may tell what the bound lets the best place of that cell tell, and no more.
+TEST(LatticeBound, IsBelowALookFromAnywhereInACell) {
+  LatticeBound lattice(2, 2, kStates);
+  BeliefTable beliefs(2, 2);
+  std::mt19937_64 rng(94);
+  constexpr double kLong_m = 1.0;
+  const double cell_m = kLong_m / ReachLattice::kCellsPerStep[0];
+  for (int trial = 0; trial < 600; ++trial) {
+    SearchProblem problem;
+    problem.horizon_steps = 1;
+    problem.step_s = 0.5;
+    const double way_m = 0.5 + cell_m * uniform(rng, -0.5, 0.5);
+    problem.controls = {{kLong_m / problem.step_s, 0.0},
+                        {way_m / problem.step_s, uniform(rng, -0.15, 0.15)}};
+    models::SensorModel sensor;
+    sensor.kind = kKinds[pick(rng, 0, 2)];
+    sensor.range_min_m = 0.02;
+    sensor.range_max_m = 0.3;  // nothing is seen from the end of the long way
+    sensor.range_sigma_m = uniform(rng, 0.01, 0.3);
+    problem.sensors = {sensor};
+    std::vector<Pose2> ends;
+    for (const models::UnicycleControl& control : problem.controls) {
+      ends.push_back(models::step_unicycle(problem.start, control, problem.step_s));
+    }
+    const double bearing_rad = uniform(rng, -kPi, kPi);
+    const double away_m = cell_m * uniform(rng, 1.0, 5.0);
+    SearchTarget target{{models::TargetKind::kStatic, 2, 0.0}, {}};
+    target.prior.mean = ends[1].position_m() +
+                        away_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
+    target.prior.covariance = test::random_spd(rng, 2, 4.0, 3.0);
+    problem.targets = {target};
+    beliefs.reset(problem);
+    lattice.reset(problem, beliefs);
+    ASSERT_FALSE(lattice.is_empty());
+    const double best = std::min(score(problem, {ends[0]}), score(problem, {ends[1]}));
+    std::vector<float> reference(lattice.reference_size());
+    lattice.begin(reference.data());
+    for (int i = 0; i < 8; ++i) {
+      std::int64_t work_nodes = 0;
+      const auto answer = lattice.cost_to_go(problem.start, 0, {}, reference.data(), 2.0 / (2 + i),
+                                             kStates, Deadline::never(), work_nodes);
+      ASSERT_LE(answer.cost, best + 1e-6) << trial << ' ' << i << ' ' << sensor.kind.name();
+    }
+  }
+}
+
 // Made for as many steps and targets as it is asked for, it has the finest lattice there is, and
 // says the same as one that is made for more.
 TEST(LatticeBound, HasRoomForItsFinestLattice) {
