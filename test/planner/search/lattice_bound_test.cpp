@@ -86,14 +86,16 @@ TEST(LatticeBound, IsBelowEveryCompletionOfEveryNode) {
   EXPECT_GT(bounded, 4 * problem_count());
 }
 
-/// A robot that drives a metre a step along x, and the highest bound found for it, which lies below
-/// the best plan of all.
-void expect_bound_below_best(const std::vector<SearchTarget>& targets) {
+/// A robot that drives a metre a step along x, or as it is told, and the highest bound found for
+/// it, which lies below the best plan of all.
+void expect_bound_below_best(const std::vector<SearchTarget>& targets,
+                             const std::vector<models::UnicycleControl>& controls = {
+                                 {2.0, 0.0}, {2.0, 1.0}, {2.0, -1.0}}) {
   OwnedProblem owned;
   SearchProblem& problem = owned.problem;
   problem.start = {40.0, 30.0, 0.0};
   problem.horizon_steps = 3;
-  problem.controls = {{2.0, 0.0}, {2.0, 1.0}, {2.0, -1.0}};
+  problem.controls = controls;
   models::SensorModel sensor;
   sensor.range_min_m = 0.02;
   sensor.range_max_m = 4.0;
@@ -138,6 +140,21 @@ TEST(LatticeBound, LetsAStepLeadFromBesideOneTargetToBesideAnother) {
     SCOPED_TRACE(testing::Message() << order[0] << order[1] << order[2]);
     expect_bound_below_best({targets[order[0]], targets[order[1]], targets[order[2]]});
   } while (std::next_permutation(order.begin(), order.end()));
+}
+
+// Of controls that go a metre or half of that, in whatever order they come, one leads from beside
+// the one target to beside the other, whether the shortest or the longest of them does, in one step
+// or in two.
+TEST(LatticeBound, LetsTheShortestAndTheLongestStepLeadWhereverItIsInTheList) {
+  std::vector<models::UnicycleControl> controls = {{2.0, 0.0}, {1.5, 0.8}, {1.0, 0.0}};
+  for (int turn = 0; turn < 3; ++turn) {
+    std::rotate(controls.begin(), controls.begin() + 1, controls.end());
+    for (const double apart_m : {0.5, 1.0, 1.5, 2.0}) {
+      SCOPED_TRACE(testing::Message() << turn << ' ' << apart_m);
+      expect_bound_below_best({beside_the_way(1.0, 0.0), beside_the_way(1.0 + apart_m, 0.0)},
+                              controls);
+    }
+  }
 }
 
 // Two targets overtake the robot side by side, where it is after one step.
