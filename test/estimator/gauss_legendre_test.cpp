@@ -1,0 +1,22 @@
+#include "estimator/gauss_legendre.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace vantage::estimator {
+namespace {
+
+// Of 12 points: exact of every polynomial up to the 23rd degree, and of no other rule is that true.
+TEST(GaussLegendre, IsExactOfPolynomialsOfUpToTheTwentyThirdDegree) {
+  for (int degree = 0; degree <= 23; ++degree) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < kLegendrePoints; ++i) {
+      sum += kLegendreWeight[i / 2] * std::pow(kLegendreSide[i % 2] * kLegendreNode[i / 2], degree);
+    }
+    EXPECT_NEAR(sum, degree % 2 == 0 ? 2.0 / (degree + 1) : 0.0, 1e-13) << degree;
+  }
+}
+
+}  // namespace
+}  // namespace vantage::estimator
