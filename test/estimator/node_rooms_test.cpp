@@ -1,0 +1,137 @@
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/convert/channels.hpp"
+#include "bus/transport/transport.hpp"
+#include "estimator/app/node.hpp"
+#include "estimator/app/replay_node.hpp"
+#include "test/estimator/filter_support.hpp"
+
+// How much of what they have heard the nodes keep.
+
+namespace vantage::estimator {
+namespace {
+
+using namespace std::chrono_literals;
+using models::InputRef;
+
+const Time kStart = from_utime(1'700'000'000'100'000);  // 0.1 s after a multiple of τ
+const Time kInstant = kStart + 400ms;
+
+scenario::Scenario team_of(int robots) {
+  scenario::Scenario scenario;
+  scenario.world.bounds = {{-6.0, -6.0}, {6.0, 6.0}};
+  for (int i = 0; i < robots; ++i) {
+    scenario::RobotSpec robot;
+    robot.name = "Q" + std::to_string(i + 1);
+    scenario.robots.push_back(robot);
+  }
+  scenario.targets.push_back({"T0", 0, std::nullopt, 0.2});
+  scenario.estimator.target_model = {models::TargetKind::kDoubleIntegrator, 2, 0.01};
+  scenario.planner.step_s = 0.5;
+  scenario.network.communication_range_m = 20.0;
+  return scenario;
+}
+
+models::MocapFrame frame_of(Time time, const std::string& robot, const Pose2& pose) {
+  models::MocapFrame frame;
+  frame.stamp.time = time;
+  frame.arrival = time;
+  frame.bodies.push_back({robot, lift(pose, 1.0), false});
+  return frame;
+}
+
+models::DetectionSet look_of(const std::string& robot, Time time) {
+  models::DetectionSet look;
+  look.stamp.time = time;
+  look.robot = robot;
+  return look;
+}
+
+models::RobotBelief belief_of(const std::string& robot, Time time) {
+  models::RobotBelief belief = test::prior(time, {});
+  belief.robot = robot;
+  return belief;
+}
+
+/// A node's end of a bus, and a world that says what is to be heard.
+struct Ears {
+  template <class Message>
+  InputRef say(const bus::Channel<Message>& channel, const Message& message) {
+    const InputRef name = world.publish(channel, message);
+    bus.handle(0us);
+    return name;
+  }
+
+  bus::VirtualClock clock{kStart};
+  bus::InProcessHub hub;
+  std::unique_ptr<bus::Transport> world_end = hub.connect();
+  std::unique_ptr<bus::Transport> end = hub.connect();
+  bus::Bus world{*world_end, 100};
+  bus::Bus bus{*end, 1, "REPLAY_"};
+};
+
+// A frame that does not show the robot takes no pose's place, however many there are.
+TEST(NodeRooms, OfPosesAreForFramesThatShowTheRobotAlone) {
+  Ears ears;
+  const scenario::Scenario scenario = team_of(2);
+  EstimatorNode node(ears.bus, ears.clock, scenario, "Q1");
+  ears.say(bus::kVicon, frame_of(kInstant - 10ms, "Q1", {1.0, 2.0, 0.5}));
+  for (int i = 0; i < 300; ++i) {
+    models::MocapFrame frame = frame_of(kInstant - 9ms, i % 2 == 0 ? "Q2" : "Q1", {4.0, 4.0, 0.0});
+    frame.bodies[0].occluded = i % 2 == 1;
+    ears.say(bus::kVicon, frame);
+  }
+  ears.clock.set(kInstant + 60ms);
+  node.tick(ears.clock.now());
+  const models::RobotBelief made = node.filter().belief();
+  EXPECT_EQ(made.stamp.time, kInstant);
+  EXPECT_NEAR(made.viewpoint.world_from_body.x_m, 1.0, 1e-9);
+  EXPECT_TRUE(node.counters().empty()) << "it knows where it is";
+}
+
+// What a step was made from is there if not too much has come since: 1024 looks and 64 beliefs of
+// each robot of the team, 2048 frames.
+TEST(NodeRooms, OfAReplayAreForSoManyMessagesOfEachRobot) {
+  for (const int robots : {1, 2, 3}) {
+    const scenario::Scenario scenario = team_of(robots);
+    for (const std::string kind : {"look", "belief", "frame"}) {
+      if (kind == "belief" && robots == 1) {
+        continue;  // of whom?
+      }
+      const int room = kind == "look" ? 1024 * robots : kind == "belief" ? 64 * robots : 2048;
+      for (const bool is_there : {true, false}) {
+        Ears ears;
+        EstimatorReplayNode node(ears.bus, ears.clock, scenario, "Q1");
+        std::vector<InputRef> names;
+        for (int i = 0; i < room + 1; ++i) {
+          const std::string robot = robots == 1 || kind == "frame" ? "Q1" : "Q2";
+          names.push_back(
+              kind == "look" ? ears.say(bus::measurement_channel(robot),
+                                        look_of(robot, kInstant - Duration{i}))
+              : kind == "belief"
+                  ? ears.say(bus::belief_channel(robot), belief_of(robot, kInstant - Duration{i}))
+                  : ears.say(bus::kVicon, frame_of(kInstant - Duration{i}, robot, {})));
+        }
+        models::RobotBelief logged = belief_of("Q1", kInstant);
+        logged.inputs = {names[is_there ? 1 : 0], names.back()};
+        ears.say(bus::belief_channel("Q1"), logged);
+        for (int i = 0; i < 30; ++i) {
+          ears.clock.set(ears.clock.now() + 100ms);
+          node.tick(ears.clock.now());
+        }
+        EXPECT_EQ(node.inputs_missing(), is_there ? 0 : 1) << robots << kind;
+        EXPECT_EQ(node.steps_redone(), is_there ? 1 : 0) << robots << kind;
+        EXPECT_EQ(node.steps_rebased(), is_there ? 0 : 1) << robots << kind;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vantage::estimator
