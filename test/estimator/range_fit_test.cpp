@@ -258,5 +258,27 @@ TEST(FitRanges, TakesAsFewRangesOfABeaconAsItSaysAndNoFewer) {
   EXPECT_THROW(fit_ranges(ranges, 1), UsageError);
 }
 
+// The sensor says 2 m too little of a beacon that is nearer than that: no range is above zero.
+TEST(FitRanges, KnowsABeaconOfWhichNoRangeIsAboveZero) {
+  std::mt19937_64 rng(8);
+  std::normal_distribution<double> noise(0.0, 0.02);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const Eigen::Vector2d beacon_m(0.4, -0.2);
+  std::vector<TakenRange> ranges;
+  while (ranges.size() < 200) {
+    const Eigen::Vector2d robot_m(1.2 * unit(rng), 1.2 * unit(rng));
+    const double range_m = (beacon_m - robot_m).norm() - 2.0 + noise(rng);
+    if (range_m < -0.05) {
+      ranges.push_back({robot_m, range_m, 0});
+    }
+  }
+  const RangeFit fit = fit_ranges(ranges, 1);
+  EXPECT_NEAR(fit.calibration.range_bias_m, -2.0, 0.05);
+  EXPECT_NEAR(fit.calibration.range_scale, 1.0, 0.05);
+  EXPECT_LT((fit.beacons[0].position_m - beacon_m).norm(), 0.03);
+  EXPECT_NEAR(fit.beacons[0].range_sigma_m, 0.02, 0.004);
+  EXPECT_LT(fit.beacons[0].outlier_share, 0.05);
+}
+
 }  // namespace
 }  // namespace vantage::estimator

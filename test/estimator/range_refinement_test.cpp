@@ -271,5 +271,165 @@ TEST(FitAt, IsTheSameInAnotherUnit) {
   }
 }
 
+/// Errors of one beacon's ranges as they come, each where its range was taken.
+double correlation_of(const std::vector<Eigen::Vector2d>& robots_m,
+                      const std::vector<double>& errors_m) {
+  const Eigen::Vector2d beacon_m(250.0, 500.0);
+  std::vector<TakenRange> ranges;
+  for (std::size_t k = 0; k < errors_m.size(); ++k) {
+    ranges.push_back({robots_m[k], (beacon_m - robots_m[k]).norm() + errors_m[k], 0});
+  }
+  return fit_at({ranges, 30.0, {}, {}}, {{1.0, 0.0}, {beacon_m}, {{5.0, 0.0}}}).correlation;
+}
+
+// Of a robot that is now here and now there: what lasts is in time and at no place. Errors of
+// correlation ρ from one to the next: (1 + ρ)/(1 − ρ) say as much as one, and none more than one.
+TEST(FitAt, CountsErrorsThatLastOnceWhereverTheyWereMade) {
+  for (const double of_successive : {-0.5, 0.0, 0.5, 0.7}) {
+    std::mt19937_64 rng(5);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> place(-50.0, 50.0);
+    std::vector<Eigen::Vector2d> robots_m;
+    std::vector<double> errors_m;
+    double error = normal(rng);
+    for (int k = 0; k < 6000; ++k) {
+      error = of_successive * error + std::sqrt(1.0 - of_successive * of_successive) * normal(rng);
+      errors_m.push_back(0.3 * error);
+      robots_m.emplace_back(place(rng), place(rng));
+    }
+    const double right = std::max(1.0, (1.0 + of_successive) / (1.0 - of_successive));
+    EXPECT_NEAR(correlation_of(robots_m, errors_m), right, 0.1 * right) << of_successive;
+  }
+}
+
+/// One error of ±0.3 m a place, 64 in a row, of which so many more neighbours are alike than are
+/// not; others have nothing in common.
+std::vector<double> errors_of_places(int more_alike, std::mt19937_64& rng) {
+  constexpr int kRow = 64;
+  const int changes = (kRow - 1 - more_alike) / 2;
+  std::vector<double> errors_m(kRow);
+  while (true) {
+    std::vector<int> is_change(kRow - 1, 0);
+    std::fill(is_change.begin(), is_change.begin() + changes, 1);
+    std::shuffle(is_change.begin(), is_change.end(), rng);
+    errors_m[0] = 0.3;
+    for (std::size_t k = 1; k < kRow; ++k) {
+      errors_m[k] = is_change[k - 1] == 1 ? -errors_m[k - 1] : errors_m[k - 1];
+    }
+    const auto alike = [&](std::size_t apart, bool is_round) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < kRow; ++k) {
+        sum += is_round || k + apart < kRow ? errors_m[k] * errors_m[(k + apart) % kRow] : 0.0;
+      }
+      return sum;
+    };
+    if (alike(2, false) <= 0.0 && alike(2, true) + alike(3, true) <= 0.0) {
+      return errors_m;
+    }
+  }
+}
+
+// Along the row and again, n times: each error counts once. Of 64 errors that have nothing to do
+// with each other the correlation of neighbours is known to 1/8, however often they are heard; what
+// is less than twice that is chance, and what is more is not.
+TEST(FitAt, TakesForChanceWhatSoManyErrorsLeaveOpenHoweverOftenTheyAreRepeated) {
+  std::mt19937_64 rng(6);
+  for (const int times : {2, 6, 12}) {
+    for (const int more_alike : {-11, 1, 15, 17, 25}) {  // 2/8 of 63 is 15.75
+      const std::vector<double> of_row_m = errors_of_places(more_alike, rng);
+      std::vector<Eigen::Vector2d> robots_m;
+      std::vector<double> errors_m;
+      for (int time = 0; time < times; ++time) {
+        for (std::size_t k = 0; k < of_row_m.size(); ++k) {
+          robots_m.emplace_back(static_cast<double>(k), 0.0);
+          errors_m.push_back(of_row_m[k]);
+        }
+      }
+      const double neighbours = more_alike > 16 ? 2.0 * more_alike / 64.0 : 0.0;
+      EXPECT_NEAR(correlation_of(robots_m, errors_m), times * (1.0 + neighbours), 1e-6)
+          << times << " " << more_alike;
+    }
+  }
+}
+
+// Errors of one size, by turns too much and too little: then C = s (ψ/ψ′)² (Σ J Jᵀ)⁻¹, where of N
+// ranges a beacon by which 2 and its share of the calibration were fitted s = N/(N − 2 −
+// 2/beacons), and N where one or none is left.
+TEST(FitAt, KnowsThatWhatWasFittedHasMadeErrorsSmall) {
+  constexpr double kWidth_m = 0.4;
+  constexpr double kError_m = 0.25;
+  const ResidualVerdict verdict = verdict_of(kError_m, {kWidth_m, 0.0}, 30.0);
+  for (const int beacons : {1, 2}) {
+    for (const int count : {4, 5, 6, 7, 9, 30}) {
+      RangeState state{{1.2, 0.3}, {{9.0, 4.0}, {-6.0, 7.0}}, {{kWidth_m, 0.0}, {kWidth_m, 0.0}}};
+      state.places_m.resize(index(beacons));
+      state.noise.resize(index(beacons));
+      std::vector<TakenRange> ranges;
+      const Eigen::Index size = 2 + 2 * beacons;
+      Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
+      for (int k = 0; k < count; ++k) {
+        for (int b = 0; b < beacons; ++b) {
+          const Eigen::Vector2d robot_m(-5.0 + 17.0 * std::sin(1.0 + k), 13.0 * std::cos(2.5 * k));
+          const Eigen::Vector2d away_m = state.places_m[index(b)] - robot_m;
+          ranges.push_back(
+              {robot_m, 1.2 * away_m.norm() + 0.3 + (k % 2 == 0 ? kError_m : -kError_m), b});
+          Eigen::VectorXd J = Eigen::VectorXd::Zero(size);
+          J.head<2>() << away_m.norm(), 1.0;
+          J.segment<2>(2 + 2 * b) = 1.2 * away_m.normalized();
+          sum += J * J.transpose();
+        }
+      }
+      const RangeFit fit = fit_at({ranges, 30.0, {}, {1e5, 1e5}}, state);
+      ASSERT_EQ(fit.correlation, 1.0) << count;
+      const double left = count - 2.0 - 2.0 / beacons;
+      const double small = left > 1.0 ? count / left : count;
+      const Eigen::MatrixXd C = small * std::pow(verdict.score / verdict.slope, 2) * sum.inverse();
+      for (int b = 0; b < beacons; ++b) {
+        const FittedBeacon& beacon = fit.beacons[index(b)];
+        const Eigen::Matrix2d of_place_m2 = C.block<2, 2>(2 + 2 * b, 2 + 2 * b);
+        EXPECT_LT((beacon.covariance_m2() - of_place_m2).norm(), 1e-4 * of_place_m2.norm())
+            << beacons << " " << count;
+        EXPECT_NEAR(beacon.joint(0, 0), C(0, 0), 1e-4 * C(0, 0)) << beacons << " " << count;
+        EXPECT_NEAR(beacon.joint(3, 1), C(3 + 2 * b, 1), 1e-3 * std::abs(C(3 + 2 * b, 1)));
+        EXPECT_NEAR(beacon.range_sigma_m, kError_m, 1e-9);
+      }
+    }
+  }
+}
+
+// As if twenty ranges of all beacons' were its own.
+TEST(FitAt, LendsABeaconOfFewRangesTheNoiseOfAll) {
+  const RangeState state{{1.0, 0.0}, {{9.0, 4.0}, {-6.0, 7.0}}, {{0.5, 0.0}, {0.5, 0.0}}};
+  std::vector<TakenRange> ranges;
+  const int counts[] = {5, 45};
+  const double errors_m[] = {0.3, 0.1};
+  for (int b = 0; b < 2; ++b) {
+    for (int k = 0; k < counts[b]; ++k) {
+      const Eigen::Vector2d robot_m(-5.0 + 17.0 * std::sin(1.0 + k), 13.0 * std::cos(2.5 * k));
+      const double error_m = k % 2 == 0 ? errors_m[b] : -errors_m[b];
+      ranges.push_back({robot_m, (state.places_m[index(b)] - robot_m).norm() + error_m, b});
+    }
+  }
+  const RangeProblem problem{ranges, 30.0, {}, {}};
+  const double of_all_m2 = (5 * 0.09 + 45 * 0.01) / 50.0;
+  const RangeFit fit = fit_at(problem, state);
+  EXPECT_NEAR(fit.beacons[0].range_sigma_m, std::sqrt((5 * 0.09 + 20 * of_all_m2) / 25.0), 1e-9);
+  EXPECT_NEAR(fit.beacons[1].range_sigma_m, std::sqrt((45 * 0.01 + 20 * of_all_m2) / 65.0), 1e-9);
+  // The width that is likeliest once each error counts by how surely it is of that width.
+  double squares_m2[2];
+  for (int b = 0; b < 2; ++b) {
+    const double e2 = errors_m[b] * errors_m[b];
+    squares_m2[b] = counts[b] * e2 * 6.0 / (5.0 + e2 / 0.25);  // (ν + 1)/(ν + x²), ν = 5
+  }
+  RangeState refined = state;
+  refine(problem, refined, 1);
+  const double widths_m2 = (squares_m2[0] + squares_m2[1]) / 50.0;
+  for (int b = 0; b < 2; ++b) {
+    EXPECT_NEAR(refined.noise[index(b)].width_m,
+                std::sqrt((squares_m2[b] + 20.0 * widths_m2) / (counts[b] + 20.0)), 1e-9);
+    EXPECT_EQ(refined.noise[index(b)].outlier_share, 1e-3) << "a few more may be, always";
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator
