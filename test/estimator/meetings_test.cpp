@@ -377,5 +377,58 @@ TEST(MeetingsOfAFilter, AllocateNothing) {
   }
 }
 
+// Whichever of two has the lower number, and wherever in the table they stand: both turn back, and
+// who is far from both is no sample.
+TEST(Meetings, TurnBothBackWhateverTheirNumbers) {
+  const State from_left(0.0, 0.0, 1.0, 0.0);
+  const State from_right(2.0, 0.0, -1.0, 0.0);
+  const State far(0.0, 9.0, 0.0, -1.0);
+  const std::vector<State> all = {from_left, from_right, far};
+  constexpr double kTime_s = 1.5;
+  for (const std::vector<int>& ids :
+       {std::vector{0, 1, 2}, std::vector{1, 0, 2}, std::vector{0, 2, 1}, std::vector{2, 1, 0}}) {
+    TrackTable tracks(3);
+    for (std::size_t i = 0; i < 3; ++i) {
+      tracks.put({ids[i], {true, *models::to_information(exactly(all[i])), instant(0)}});
+    }
+    Meetings meetings(3, kDistance_m);
+    meetings.let_meet(tracks, kTime_s, 9);
+    const auto then = [&](std::size_t i) {
+      Samples samples = tracks.find(ids[i])->samples;
+      samples.predict(kNoiseless, kTime_s, 0);
+      return samples.moments().mean;
+    };
+    ASSERT_FALSE(tracks.find(ids[0])->samples.empty());
+    ASSERT_FALSE(tracks.find(ids[1])->samples.empty());
+    EXPECT_TRUE(tracks.find(ids[2])->samples.empty());
+    EXPECT_TRUE(is_near(then(0), State(0.8 - 0.7, 0.0, -1.0, 0.0), 1e-3));
+    EXPECT_TRUE(is_near(then(1), State(1.2 + 0.7, 0.0, 1.0, 0.0), 1e-3));
+  }
+}
+
+// As far as they walk in that time, and no nearer than they may come: then they are looked for.
+TEST(Meetings, LookForWhoCanJustComeThere) {
+  constexpr double kTime_s = 1.5;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    for (const double share : {0.0, 0.3, 1.0}) {  // of 6 m/s together, of the first
+      for (const bool is_first : {true, false}) {
+        const auto meet = [&](double apart_m) {
+          const auto t = [&](const State& x) { return turned(x, quarter * 0.5 * kPi, false); };
+          TrackTable tracks(2);
+          const Gaussian one = exactly(t({0.0, 0.0, 6.0 * share, 0.0}));
+          const Gaussian other = exactly(t({apart_m, 0.0, -6.0 * (1.0 - share), 0.0}));
+          tracks.put({is_first ? 3 : 5, {true, *models::to_information(one), instant(0)}});
+          tracks.put({is_first ? 5 : 3, {true, *models::to_information(other), instant(0)}});
+          Meetings meetings(2, kDistance_m);
+          meetings.let_meet(tracks, kTime_s, 9);
+          return !tracks.find(3)->samples.empty() || !tracks.find(5)->samples.empty();
+        };
+        EXPECT_TRUE(meet(9.0 + kDistance_m - 0.01));
+        EXPECT_FALSE(meet(9.0 + kDistance_m + 0.01));
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator

@@ -366,5 +366,23 @@ TEST(SamplesOfAFilter, AllocateNothing) {
   EXPECT_GT(filter.counters().missed_detections, 0);
 }
 
+// What an empty look leaves of the samples is told at once, and counted once; of a look elsewhere
+// there is nothing to tell.
+TEST(SamplesOfAFilter, TellWhatALookHasLeftOfThemAtOnce) {
+  DistributedFilter filter = knows(kNearACorner);
+  const models::Viewpoint from = at(20.0, 24.0, 0.3);
+  take_step(filter, instant(1), from, {look_of("Q1", 1, from)});
+  Samples samples = samples_of(models::predict(kNearACorner, kModel, 0.5));
+  ASSERT_TRUE(samples.miss(field_sensor(), from, kField, 0.99));
+  EXPECT_TRUE(is_near(known(filter, 0).mean, samples.moments().mean, 1e-6));
+  EXPECT_TRUE(is_near(known(filter, 0).covariance, samples.moments().covariance, 1e-6));
+  EXPECT_EQ(filter.counters().missed_detections, 1);
+  const models::Viewpoint away = at(-20.0, -24.0, 0.3);
+  take_step(filter, instant(2), away, {look_of("Q1", 2, away)});
+  EXPECT_EQ(filter.counters().missed_detections, 1);
+  take_step(filter, instant(3), from, {look_of("Q1", 3, from)});
+  EXPECT_EQ(filter.counters().missed_detections, 2);
+}
+
 }  // namespace
 }  // namespace vantage::estimator
