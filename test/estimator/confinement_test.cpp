@@ -363,5 +363,19 @@ TEST(Reflection, KeepsTheFilterHonestAboutATargetLostAtTheWall) {
   EXPECT_GT(mean_nees(false, &worst), 5.0);  // else this would not be a test
 }
 
+// A corridor without width has no inside to turn back to.
+TEST(Reflection, ChangesNothingBetweenWallsThatAreInOnePlace) {
+  Gaussian belief;
+  belief.mean = Eigen::Vector4d(3.9, 2.1, 0.4, -0.3);
+  belief.covariance = 0.25 * Eigen::Matrix4d::Identity();
+  for (const models::Rectangle& none :
+       {models::Rectangle{{-4.0, 2.0}, {4.0, 2.0}}, models::Rectangle{{3.0, -2.0}, {3.0, 2.0}},
+        models::Rectangle{{-4.0, 2.0}, {4.0, 1.0}}}) {
+    const Gaussian after = reflect(belief, none);
+    EXPECT_EQ(after.mean, belief.mean);
+    EXPECT_EQ(after.covariance, belief.covariance);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator

@@ -176,5 +176,38 @@ TEST(MissedDetection, StaysSymmetricAndPositiveDefinite) {
   }
 }
 
+// Of teammates whose sensors reach, and report, unlike far and unlike often; among them itself.
+TEST(DistributedFilter, TakesATeammatesMissForWhatThatOnesSensorMisses) {
+  const Gaussian before = standard();
+  FilterSpec spec = test::open_spec({models::TargetKind::kStatic, 2, 0.0},
+                                    test::far_sighted(models::SensorKind::kRangeBearing), 1);
+  spec.sensor.range_max_m = 1.1;
+  spec.detection.detection_probability = 0.5;
+  spec.estimator.detection_probability = 0.8;
+  spec.communication_range_m = 100.0;
+  spec.team = {{"Q2", disc(1.5), {0.6}}, {"Q1", spec.sensor, {0.1}}, {"Q3", disc(2.0), {0.95}}};
+  const models::Viewpoint from = at(1.0, 0.3);
+  const auto after = [&](const std::string& robot) {
+    DistributedFilter filter(spec);
+    filter.rebase(test::prior(test::instant(0), {before}));
+    models::DetectionSet nothing;
+    nothing.stamp.time = test::instant(1);
+    nothing.robot = robot;
+    nothing.viewpoint = from;
+    test::take_step(filter, test::instant(1), at(0.0, 0.0), {nothing});
+    EXPECT_EQ(filter.counters().missed_detections, 1);
+    return test::known(filter, 0);
+  };
+  const auto expect = [&](const std::string& robot, double reach_m, double probability) {
+    const Gaussian right = missed_detection(before, disc(reach_m), from, spec.world, probability);
+    EXPECT_TRUE(is_near(after(robot).mean, right.mean, 1e-9)) << robot;
+    EXPECT_TRUE(is_near(after(robot).covariance, right.covariance, 1e-9)) << robot;
+  };
+  expect("Q1", 1.1, 0.5);  // of itself it knows best
+  expect("Q2", 1.5, 0.6);
+  expect("Q3", 2.0, 0.8);
+  expect("Q9", 1.1, 0.5);  // who is not of the team has looked for it
+}
+
 }  // namespace
 }  // namespace vantage::estimator
