@@ -454,5 +454,42 @@ TEST(MultiTargetFilter, RefusesEachSpecThatMakesNoSense) {
   EXPECT_TRUE(is_refused([](MultiTargetSpec& spec) { spec.components_max = 0; }));
 }
 
+// A fiftieth of a track and more is worth its quadrature; of what is less a detection is a place
+// and its covariance.
+TEST(MultiTargetLook, IsExactOfPartsFromAFiftiethOn) {
+  const models::Viewpoint from = at(0, 0);
+  const models::Gaussian before = part(1.0, 2.0, 0.0, 0.3).belief;
+  double nearest_below = 0.0;
+  double nearest_above = 1.0;
+  for (double aside_m = 0.85; aside_m < 1.15; aside_m += 0.002) {
+    MultiTargetFilter filter(spec_of(1, {0.9, 0.5}));
+    auto tracks = filter.no_tracks();
+    tracks[0] = track_of(1.0, {{1.0, before}});
+    const std::vector<models::Detection> look = {seen(from, 2.0, 0.0), seen(from, 2.0, aside_m)};
+    filter.look(tracks, lab_sensor(), from, instant(1), look);
+    const Component* there = nullptr;
+    for (const Component& component : tracks[0].mixture) {
+      there = component.belief.mean(1) > 0.5 * aside_m ? &component : there;
+    }
+    ASSERT_NE(there, nullptr);
+    auto exact = *models::to_information(before);
+    ASSERT_EQ(measure(exact, lab_sensor(), from, look[1].measurement, 0.0), Use::kUsed);
+    const models::Gaussian found = *models::to_gaussian(
+        *discover(filter.spec().estimator, lab_sensor(), from, look[1].measurement));
+    const models::Gaussian linear = models::update(before, Eigen::Matrix2d::Identity(),
+                                                   found.covariance, found.mean - before.mean);
+    ASSERT_GT((linear.mean - models::to_gaussian(exact)->mean).norm(), 1e-4);
+    const bool is_exact = is_near(there->belief.mean, models::to_gaussian(exact)->mean, 1e-9);
+    EXPECT_NE(is_exact, is_near(there->belief.mean, linear.mean, 1e-6));
+    if (is_exact) {
+      nearest_above = std::min(nearest_above, there->weight);
+    } else {
+      nearest_below = std::max(nearest_below, there->weight);
+    }
+  }
+  EXPECT_NEAR(nearest_above, 0.02, 0.001);
+  EXPECT_NEAR(nearest_below, 0.02, 0.001);
+}
+
 }  // namespace
 }  // namespace vantage::estimator

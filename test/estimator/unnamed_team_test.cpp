@@ -357,5 +357,37 @@ TEST(UnnamedTeam, AllocatesNothing) {
   EXPECT_EQ(allocations, 0U);
 }
 
+// Told in the middle of a step, a track is brought to its end: by the time that has passed, and by
+// how long its target had not been seen when it was told.
+TEST(UnnamedTeam, BringsWhatItIsToldToItsOwnTime) {
+  const auto variance_m2 = [](const models::TargetModel& model, Time told_at, Time last_seen) {
+    FilterSpec spec = spec_of(0);
+    spec.estimator.target_model = model;
+    DistributedFilter filter(spec);
+    take_step(filter, instant(0), at(0, 0), {});
+    models::RobotBelief told = test::prior(
+        told_at, {{Eigen::Vector2d(1.0, 2.0), 0.04 * models::StateMatrix::Identity(2, 2)}});
+    told.robot = "Q2";
+    told.targets[0].target_id = models::kTrackLabelMin + 7;
+    told.targets[0].last_seen = last_seen;
+    const models::RobotBelief own = take_step(filter, instant(2), at(0, 0), {}, {told});
+    EXPECT_EQ(labels_of(own), std::vector{models::kTrackLabelMin + 7});
+    EXPECT_EQ(own.targets.at(0).last_seen, last_seen);
+    const models::Gaussian belief = *models::to_gaussian(own.targets.at(0).information);
+    EXPECT_TRUE(is_near(belief.mean, Eigen::Vector2d(1.0, 2.0), 1e-9));
+    EXPECT_NEAR(belief.covariance(0, 0), belief.covariance(1, 1), 1e-12);
+    return belief.covariance(0, 0);
+  };
+  const models::TargetModel walk{models::TargetKind::kRandomWalk, 2, 0.02};
+  EXPECT_NEAR(variance_m2(walk, instant(0), instant(-4)), 0.04 + 0.02 * 1.0, 1e-9);
+  EXPECT_NEAR(variance_m2(walk, instant(0) + from_seconds(0.4), instant(-4)), 0.04 + 0.02 * 0.6,
+              1e-9);
+  EXPECT_NEAR(variance_m2(walk, instant(2), instant(-4)), 0.04, 1e-9);
+  const models::TargetModel growing{models::TargetKind::kGrowingUncertainty, 2, 0.01};
+  // One step, as which the one after so many unseen ones begins.
+  EXPECT_NEAR(variance_m2(growing, instant(1), instant(-2)), 0.04 + 0.01 * 3, 1e-9);
+  EXPECT_NEAR(variance_m2(growing, instant(1), instant(1)), 0.04, 1e-9);
+}
+
 }  // namespace
 }  // namespace vantage::estimator
