@@ -384,5 +384,38 @@ TEST(SamplesOfAFilter, TellWhatALookHasLeftOfThemAtOnce) {
   EXPECT_EQ(filter.counters().missed_detections, 2);
 }
 
+// Each sample has its opposite, so that of half of them, on one side of an edge through the middle,
+// all that is not across the edge is as wide as before. Where fewer than half are left they are
+// doubled, and moved apart by 0.3 σ of what they are: 1.09 of the variance.
+TEST(Samples, AreDoubledWhereFewerThanHalfSpeak) {
+  Gaussian belief{Eigen::Vector4d(1.0, -2.0, 0.3, 0.1), Eigen::Matrix4d::Zero()};
+  belief.covariance.diagonal() << 1.0, 4.0, 0.25, 0.09;
+  for (const bool is_half_left : {true, false}) {
+    double sum = 0.0;
+    int cases = 0;
+    for (const double off_sigma : {0.05, 0.1, 0.15, 0.2, 0.25, 0.3}) {
+      for (const Eigen::Index axis : {0, 1}) {
+        for (const double side : {-1.0, 1.0}) {
+          const double sigma_m = std::sqrt(belief.covariance(axis, axis));
+          const double off_m = (is_half_left ? off_sigma : -off_sigma) * side * sigma_m;
+          models::Rectangle beyond{{-90.0, -90.0}, {90.0, 90.0}};
+          (side > 0.0 ? beyond.min_m : beyond.max_m)(axis) = belief.mean(axis) + off_m;
+          Samples samples = samples_of(belief);
+          ASSERT_TRUE(samples.keep_out_of({{beyond, 10.0}}));
+          const Gaussian left = samples.moments();
+          for (Eigen::Index other = 0; other < 4; ++other) {
+            if (other != axis) {
+              sum += left.covariance(other, other) / belief.covariance(other, other);
+              ++cases;
+            }
+          }
+        }
+      }
+    }
+    // But for what moves have to do with places by chance.
+    EXPECT_NEAR(sum / cases, is_half_left ? 1.0 : 1.09, is_half_left ? 0.02 : 0.06);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator
