@@ -2,15 +2,18 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "bus/convert/channels.hpp"
 #include "bus/transport/transport.hpp"
+#include "estimator/app/map_step.hpp"
 #include "estimator/app/node.hpp"
 #include "estimator/app/replay_node.hpp"
 #include "test/estimator/filter_support.hpp"
+#include "test/estimator/mapping_scenario.hpp"
 
 // How much of what they have heard the nodes keep.
 
@@ -130,6 +133,76 @@ TEST(NodeRooms, OfAReplayAreForSoManyMessagesOfEachRobot) {
         EXPECT_EQ(node.steps_rebased(), is_there ? 0 : 1) << robots << kind;
       }
     }
+  }
+}
+
+// 64 beliefs, 256 scans, and 16 maps of each robot, the one that is made again among them.
+TEST(NodeRooms, OfAMapsReplayAreForSoManyMessages) {
+  for (const int robots : {1, 2, 3}) {
+    std::vector<std::string> names;
+    for (int i = 0; i < robots; ++i) {
+      names.push_back("Q" + std::to_string(i + 1));
+    }
+    const scenario::Scenario scenario = vantage::test::mapping_scenario(names);
+    models::RobotMap map;
+    map.stamp.time = kInstant;
+    map.grid = models::map_geometry(scenario.world, scenario.mapping);
+    map.own_looks.assign(static_cast<std::size_t>(map.grid.size()), 0);
+    map.team_looks = map.own_looks;
+    models::RangeScan scan;
+    scan.stamp.time = kInstant;
+    scan.robot = "Q1";
+    scan.field_of_view_rad = scenario.mapping.scanner.field_of_view_rad;
+    scan.range_max_m = scenario.mapping.scanner.range_max_m;
+    scan.ranges_m.assign(static_cast<std::size_t>(scenario.mapping.scanner.beams), 1.5);
+    for (const std::string kind : {"belief", "scan", "map"}) {
+      if (kind == "map" && robots == 1) {
+        continue;  // of whom?
+      }
+      for (const bool is_there : {true, false}) {
+        Ears ears;
+        MapReplayer replayer(ears.bus, scenario, "Q1");
+        std::vector<InputRef> said;
+        const int room = kind == "belief" ? 65 : kind == "scan" ? 257 : 16 * robots;
+        map.robot = "Q2";
+        for (int i = 0; i < room; ++i) {
+          said.push_back(kind == "belief"
+                             ? ears.say(bus::belief_channel("Q1"), belief_of("Q1", kInstant))
+                         : kind == "scan" ? ears.say(bus::scan_channel("Q1"), scan)
+                                          : ears.say(bus::map_channel("Q2"), map));
+        }
+        map.inputs = {said[is_there ? 1 : 0]};
+        if (kind != "belief") {
+          map.inputs.push_back(ears.say(bus::belief_channel("Q1"), belief_of("Q1", kInstant)));
+        }
+        map.robot = "Q1";
+        ears.say(bus::map_channel("Q1"), map);
+        map.inputs.clear();
+        for (int i = 0; i < 30; ++i) {
+          replayer.tick();
+        }
+        EXPECT_EQ(replayer.counters().empty(), is_there) << robots << kind;
+      }
+    }
+  }
+}
+
+// What a silent teammate said last is used as long as it is fresh, is stale once, and then let go.
+TEST(NodeRooms, HoldATeammatesBeliefForAsLongAsItIsFresh) {
+  const scenario::Scenario scenario = team_of(2);
+  for (const auto& [late, uses] : {std::pair(0us, 3), std::pair(1us, 3), std::pair(-1us, 2)}) {
+    Ears ears;
+    EstimatorNode node(ears.bus, ears.clock, scenario, "Q1");
+    ears.say(bus::kVicon, frame_of(kInstant, "Q1", {}));
+    ears.say(bus::belief_channel("Q2"), belief_of("Q2", kInstant - 500ms + late));
+    int used = 0;
+    for (int step = 0; step < 6; ++step) {
+      ears.clock.set(kInstant + step * 500ms + 60ms);
+      node.tick(ears.clock.now());
+      used += node.filter().belief().degree == 1 ? 1 : 0;
+    }
+    EXPECT_EQ(used, uses) << "1.5 s";
+    EXPECT_EQ(node.filter().counters().stale_beliefs, 1);
   }
 }
 
