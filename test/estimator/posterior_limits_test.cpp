@@ -191,5 +191,30 @@ TEST(PosteriorMoments, OfExactLimitsAreTheSameLeftAndRight) {
   }
 }
 
+// Where the target is, across the line of sight, and where view ends are two normal distributions:
+// k σ of their difference inside, it is in view with probability Φ(k). Φ(−3.09) is a thousandth,
+// Φ(4.753) all but a millionth.
+TEST(PosteriorMoments, MindLimitsFromAThousandthInViewToAllButAMillionth) {
+  constexpr double kNoise_rad = 1.0;
+  const double sigma_rad = std::hypot(0.1 / 5.0, kSoftShare * kNoise_rad);
+  const SensorModel open = open_sensor(SensorKind::kBearing);
+  for (const auto& [inside_sigma, is_limited] :
+       {std::pair(-3.12, false), std::pair(-3.06, true), std::pair(0.0, true),
+        std::pair(4.71, true), std::pair(4.80, false)}) {
+    for (const double side : {-1.0, 1.0}) {
+      SensorModel limited = open;
+      limited.fov_rad = 2.0 * (0.5 + inside_sigma * sigma_rad);
+      const Eigen::VectorXd there_m = place_m(5.0, side * 0.5, 2);
+      const PositionPrior prior{there_m, 100.0 * Eigen::MatrixXd::Identity(2, 2)};
+      const models::Measurement z{Eigen::Matrix<double, 1, 1>(side * 0.5),
+                                  Eigen::Matrix<double, 1, 1>(kNoise_rad * kNoise_rad)};
+      const auto right = posterior_moments(prior, open, eye(), z);
+      const auto found = posterior_moments(prior, limited, eye(), z);
+      ASSERT_TRUE(right && found);
+      EXPECT_EQ(found->mean_m == right->mean_m, !is_limited) << inside_sigma;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator
