@@ -280,5 +280,33 @@ TEST(FitRanges, KnowsABeaconOfWhichNoRangeIsAboveZero) {
   EXPECT_LT(fit.beacons[0].outlier_share, 0.05);
 }
 
+// Along a way that hardly bends, a place is likelier than its mirror image, and no more so when
+// each of its ranges is said twice: of 600 as many are looked at, and two say as much as one.
+TEST(FitRanges, IsAsSureOfAPlaceWhenItHearsEachRangeTwice) {
+  int cases = 0;
+  for (const double bend_m : {0.05, 0.1, 0.15}) {
+    std::mt19937_64 rng(4);
+    std::normal_distribution<double> noise(0.0, 0.3);
+    const Eigen::Vector2d beacon_m(12.0, 7.0);
+    std::vector<TakenRange> once;
+    std::vector<TakenRange> twice;
+    for (int k = 0; k < 300; ++k) {
+      const Eigen::Vector2d robot_m(0.1 * k, bend_m * std::sin(0.05 * k));
+      once.push_back({robot_m, (beacon_m - robot_m).norm() + noise(rng), 0});
+      twice.insert(twice.end(), 2, once.back());
+    }
+    const auto nats = [](const std::vector<TakenRange>& ranges) {
+      const double probability = fit_ranges(ranges, 1).beacons.front().probability;
+      return std::log(probability / (1.0 - probability));
+    };
+    const double of_once = nats(once);
+    if (std::abs(of_once) > 0.5 && std::abs(of_once) < 20.0) {
+      EXPECT_NEAR(nats(twice) / of_once, 1.0, 0.25) << bend_m;
+      ++cases;
+    }
+  }
+  EXPECT_GT(cases, 0);
+}
+
 }  // namespace
 }  // namespace vantage::estimator
