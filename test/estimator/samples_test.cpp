@@ -4,6 +4,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -414,6 +415,24 @@ TEST(Samples, AreDoubledWhereFewerThanHalfSpeak) {
     }
     // But for what moves have to do with places by chance.
     EXPECT_NEAR(sum / cases, is_half_left ? 1.0 : 1.09, is_half_left ? 0.02 : 0.06);
+  }
+}
+
+// Of N(0, 1) in the plane a likelihood of variance x lets n (1 − 1/(x + 1)²) of n samples speak:
+// half again as many as are needed, or as many less.
+TEST(Samples, AreMeasuredWhereThirtyTwoSpeak) {
+  const models::SensorModel sensor = test::far_sighted(models::SensorKind::kPosition);
+  Gaussian belief{Eigen::Vector4d(3.0, -4.0, 0.2, -0.1), Eigen::Matrix4d::Identity()};
+  for (const auto& [speak, is_used] : {std::pair(32.0 * 1.4, true), std::pair(32.0 / 1.4, false)}) {
+    const double x_m2 = 1.0 / std::sqrt(1.0 - speak / Samples::kCount) - 1.0;
+    for (int k = 0; k < 8; ++k) {
+      const double angle_rad = 0.25 * kPi * k;
+      const Eigen::Vector2d z_m(3.0 + 0.1 * std::cos(angle_rad), -4.0 + 0.1 * std::sin(angle_rad));
+      Samples samples = samples_of(belief);
+      EXPECT_EQ(samples.measure(sensor, at(0, 0), {z_m, x_m2 * Eigen::Matrix2d::Identity()}, 0.0),
+                is_used)
+          << speak << " " << k;
+    }
   }
 }
 
