@@ -207,7 +207,9 @@ class Rays {
         law_.depth_per_m != nullptr ? depth_share : std::numeric_limits<double>::infinity();
     const auto view_probability = [&](double r_m) {
       if (!is_soft) {
-        return is_in_fov && r_m >= limits.low && r_m < limits.high ? 1.0 : 0.0;
+        const bool is_seen =
+            law_.sees == nullptr || models::in_view(sensor_, from_, eye_m_ + r_m * u);
+        return is_seen && is_in_fov && r_m >= limits.low && r_m < limits.high ? 1.0 : 0.0;
       }
       return estimator::view_probability(sensor_, soft_, r_m, r_m * cos_elevation, bearing_rad,
                                          depth_per_m * r_m);

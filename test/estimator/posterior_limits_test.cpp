@@ -216,5 +216,26 @@ TEST(PosteriorMoments, MindLimitsFromAThousandthInViewToAllButAMillionth) {
   }
 }
 
+// A kind that measures ranges, and sees to its left alone: who was seen is there.
+TEST(PosteriorMoments, OfAKindWithLimitsOfItsOwnAreWithinThem) {
+  models::SensorLaw law = SensorKind(SensorKind::kRange).law();
+  law.sees = [](const SensorModel&, const models::Viewpoint&, const models::SightLine& to) {
+    return to.offset_world_m.y() > 0.0;
+  };
+  const SensorModel sensor = open_sensor(SensorKind(law));
+  const models::Viewpoint from;
+  const Eigen::Matrix2d Omega = 16.0 * Eigen::Matrix2d::Identity();
+  const models::Measurement z{Eigen::Matrix<double, 1, 1>(3.05), Eigen::Matrix<double, 1, 1>(0.04)};
+  for (const double y_m : {-0.1, 0.05, 0.2}) {
+    const Eigen::Vector2d mean_m(3.0, y_m);
+    const auto found = posterior_moments({mean_m, Omega}, sensor, from, z);
+    const auto oracle = test::dense_posterior(mean_m, Omega, sensor, from, z, true, 200);
+    ASSERT_TRUE(found && oracle);
+    const test::Difference d = test::difference(found->mean_m, found->covariance_m2, *oracle);
+    EXPECT_LT(d.mean_sigma, 0.05) << y_m;
+    EXPECT_LT(d.covariance_share, 0.08) << y_m;
+  }
+}
+
 }  // namespace
 }  // namespace vantage::estimator
