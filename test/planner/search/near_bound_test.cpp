@@ -162,8 +162,8 @@ OwnedProblem slow_among_targets(std::uint64_t seed) {
   const double speed_mps = uniform(rng, 0.02, 0.2);
   problem.controls = {{speed_mps, 0.0}, {speed_mps, 2.0}, {speed_mps, -2.0}};
   problem.cost = pick(rng, 0, 2) == 0 ? CostKind::kTrace : CostKind::kLogDet;
-  // As much in every direction, and more from nearer: then the bound, which knows no directions, is
-  // nearly what such a plan costs.
+  // As much in every direction: then the bound, which knows no directions, is nearly what such a
+  // plan costs.
   models::SensorModel sensor;
   sensor.kind = models::SensorKind::kPosition;
   sensor.position_sigma_m = uniform(rng, 0.05, 0.5);
