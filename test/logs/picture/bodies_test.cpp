@@ -104,6 +104,33 @@ TEST(DrawRobot, HasItsNoseAheadAndACoreOfAnotherColour) {
   EXPECT_EQ(elements(svg.str(), "circle").size(), 1U);
 }
 
+// A sensor that sees more than half of what is around it still does not see all of it.
+TEST(DrawView, IsASectorUntilItIsAWholeTurn) {
+  const Example it = three_robots();
+  models::SensorModel sensor;
+  sensor.range_max_m = 1.5;
+  for (const double fov_rad : {0.5, 3.0, 3.3, 4.0, 6.0, 2.0 * kPi - 1e-6, 2.0 * kPi, 7.0}) {
+    sensor.fov_rad = fov_rad;
+    const std::string svg = it.drawn([&](Svg& to, const Layout& on) {
+      draw_view(to, on, sensor, {1.0, 2.0, 0.7}, "#111111");
+    });
+    const bool is_all_around = fov_rad >= 2.0 * kPi;
+    EXPECT_EQ(elements(svg, "circle").size(), is_all_around ? 1U : 0U) << fov_rad;
+    const auto sectors = elements(svg, "polygon");
+    ASSERT_EQ(sectors.size(), is_all_around ? 0U : 1U) << fov_rad;
+    if (!is_all_around) {
+      const Points edge = points_of(sectors[0]);
+      double area_px2 = 0.0;
+      for (std::size_t k = 0; k < edge.size(); ++k) {
+        const Eigen::Vector2d& next = edge[(k + 1) % edge.size()];
+        area_px2 += 0.5 * (next.x() * edge[k].y() - edge[k].x() * next.y());  // y points down
+      }
+      const double range_px = 1.5 * it.layout().px_per_m;
+      EXPECT_NEAR(area_px2 / (0.5 * fov_rad * range_px * range_px), 1.0, 0.01) << fov_rad;
+    }
+  }
+}
+
 TEST(DrawViewsAndPlans, ShowsWhatEachSensorReachesAhead) {
   Example it = three_robots();
   it.scenario.robots[2].sensor.fov_rad = 2.0 * kPi;
@@ -167,6 +194,8 @@ TEST(DrawViewsAndPlans, ShowsThePlanThatIsStillToBeFlown) {
     const auto marks = elements(svg, "circle");
     ASSERT_EQ(marks.size(), 1U);
     expect_near({number(marks[0], "cx"), number(marks[0], "cy")}, way.back());
+    EXPECT_GT(number(marks[0], "r"), 3.0) << "one sees it";
+    EXPECT_LT(number(marks[0], "r"), 8.0) << "smaller than a robot";
     EXPECT_EQ(marks[0].at("stroke"), robot_colour(1));
   }
 }
@@ -213,6 +242,8 @@ TEST(DrawTracks, CutsEachWayWhereItBecomesOld) {
     EXPECT_LT(number(old, "stroke-opacity"), 0.2);
     EXPECT_GT(number(recent, "stroke-opacity"), 0.4);
     EXPECT_LE(number(recent, "stroke-opacity"), 1.0);
+    EXPECT_GE(number(recent, "stroke-width"), 1.0);
+    EXPECT_LE(number(recent, "stroke-width"), 4.0);
   }
   EXPECT_GT(number(lines[3], "stroke-width"), number(lines[1], "stroke-width"));
   EXPECT_GT(number(lines[3], "stroke-opacity"), number(lines[1], "stroke-opacity"));
@@ -282,6 +313,92 @@ std::vector<Shown> labels_of(const std::string& svg) {
     out.push_back({words, {middle_px - half_px, middle_px + half_px}});
   }
   return out;
+}
+
+TEST(DrawBodies, TurnsEachRobotAsItIs) {
+  const Example it = three_robots();
+  const Layout layout = it.layout();
+  const auto noses = elements(
+      it.drawn([&](Svg& to, const Layout& on) { draw_bodies(to, on, it.scenario, it.scene); }),
+      "polygon");
+  ASSERT_EQ(noses.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Pose2& pose = *it.scene.robots.at(it.scenario.robots[i].name).world_from_body;
+    const Eigen::Vector2d ahead_px =
+        points_of(noses[i]).at(0) - layout.page_from_world(pose.position_m());
+    const double yaw_rad = std::atan2(-ahead_px.y(), ahead_px.x());  // y points down
+    EXPECT_NEAR(std::remainder(yaw_rad - pose.yaw_rad, 2.0 * kPi), 0.0, 0.01);
+  }
+}
+
+// Alone, a robot's name has the nearest of its places at 8, 16, 26 and 40 px that is 5 px clear of
+// its body: from the upper right on clockwise, sixteen a turn.
+TEST(DrawBodies, PutsANameAsNearAsItsBodyLetsIt) {
+  for (const double radius_px : {8.0, 10.0, 12.0, 14.0, 18.0}) {
+    SCOPED_TRACE(radius_px);
+    Example it = three_robots();
+    it.scenario.robots.resize(1);
+    const Layout layout = it.layout();
+    it.scene.robots.at("Q1").world_from_body = Pose2{0.0, 2.0, 0.0};
+    it.scenario.robots[0].limits.radius_m = radius_px / layout.px_per_m;
+    const Eigen::Vector2d at_px = layout.page_from_world({0.0, 2.0});
+    const auto texts = elements(
+        it.drawn([&](Svg& to, const Layout& on) { draw_bodies(to, on, it.scenario, it.scene); }),
+        "text");
+    ASSERT_EQ(texts.size(), 1U);
+    EXPECT_EQ(number(texts[0], "font-size"), 16.0);
+    const Eigen::Vector2d size_px(0.68 * 16.0 * 2.0, 1.05 * 16.0);
+    const Eigen::Vector2d middle_px(number(texts[0], "x"), number(texts[0], "y") - 4.88);
+    const Eigen::Vector2d clear_px =
+        (middle_px - at_px).cwiseAbs() - 0.5 * size_px - Eigen::Vector2d::Constant(radius_px + 5.0);
+    EXPECT_GT(clear_px.maxCoeff(), -0.02);
+    const double ring_px = radius_px + 5.0 <= 16.0 ? 16.0 : 26.0;
+    EXPECT_LT(((middle_px - at_px).cwiseAbs() - 0.5 * size_px).maxCoeff(), ring_px + 0.02);
+    EXPECT_GT(middle_px.x(), at_px.x());
+    if (radius_px == 10.0) {
+      // 15 px is 16 px straight to the right alone: the letters, 0.7 of their size high, are there.
+      EXPECT_NEAR(number(texts[0], "y") - 0.35 * 16.0, at_px.y(), 1.0);
+    }
+    if (radius_px == 8.0) {
+      const Eigen::Vector2d away(std::cos(kPi / 8), -std::sin(kPi / 8));
+      expect_near(middle_px - at_px, 16.0 * away + 0.5 * size_px.cwiseProduct(away));
+    }
+  }
+}
+
+// Nothing but a target and the mean that it is believed to have: its name covers neither.
+TEST(DrawBodies, PutsTheNameOfATargetBesideItAndItsEstimate) {
+  Example it = three_robots();
+  it.scenario.robots.clear();
+  it.scenario.targets = {{"R1", 0, {}, 0.2}};
+  const Layout layout = it.layout();
+  const Eigen::Vector2d at_px = layout.page_from_world({0.0, 2.0});
+  const auto name = [&] {
+    const std::string svg =
+        it.drawn([&](Svg& to, const Layout& on) { draw_bodies(to, on, it.scenario, it.scene); });
+    EXPECT_EQ(number(elements(svg, "text").at(0), "font-size"), 13.0);
+    return labels_of(svg).at(0).box_px;
+  };
+  it.scene.targets[0].track = {{kNow, {0.0, 2.0}}};
+  const Eigen::AlignedBox2d alone_px = name();
+  EXPECT_GT(alone_px.exteriorDistance(at_px), 6.0);
+  EXPECT_LT(alone_px.exteriorDistance(at_px), 8.02) << "at the nearest of its places";
+  for (int i = 0; i < 200; ++i) {
+    const double turn_rad = 0.7 * i;
+    const Eigen::Vector2d mean_m =
+        Eigen::Vector2d(0.0, 2.0) + (10.0 + 0.1 * i) / layout.px_per_m *
+                                        Eigen::Vector2d(std::cos(turn_rad), std::sin(turn_rad));
+    it.scene.targets[0].estimate.emplace().mean_m = mean_m;
+    const Eigen::Vector2d half_px = Eigen::Vector2d::Constant(5.95);
+    const Eigen::Vector2d mean_px = layout.page_from_world(mean_m);
+    const Eigen::AlignedBox2d cross_px(mean_px - half_px, mean_px + half_px);
+    EXPECT_TRUE(name().intersection(cross_px).isEmpty()) << i;
+    const Eigen::Vector2d wide_px = Eigen::Vector2d::Constant(6.05);
+    if (alone_px.intersection(Eigen::AlignedBox2d(mean_px - wide_px, mean_px + wide_px))
+            .isEmpty()) {
+      EXPECT_LT((name().center() - alone_px.center()).norm(), 0.01) << "it needs not give way";
+    }
+  }
 }
 
 // Robots in a row so close that a label may cover the next one, a target, its estimate.

@@ -143,6 +143,23 @@ TEST(DrawGround, ShadesEachCellOfAMapByHowLikelyItIsOccupied) {
   EXPECT_EQ(drawn.size() - 1, 9U) << "neighbours in a row that are alike are one";
 }
 
+// Rows that are alike to their ends are as wide as the map: none goes on into the next one.
+TEST(DrawGround, EndsEachRowOfAMapWhereTheMapEnds) {
+  scenario::Scenario scenario = a_scenario();
+  const Layout layout(scenario.world.bounds, 0.0);
+  Scene scene;
+  EXPECT_EQ(ground(scenario, scene).find("explored"), std::string::npos) << "nothing is known";
+  scene.map.emplace();
+  scene.map->grid = {{-3.0, 0.5}, 0.5, 7, 3};
+  scene.map->team_looks.assign(21, 0);
+  const auto drawn = rectangles(ground(scenario, scene), "");
+  ASSERT_EQ(drawn.size(), 1U + 3U);
+  for (std::size_t row = 1; row <= 3; ++row) {
+    EXPECT_NEAR(number(drawn[row], "width"), 7 * 0.5 * layout.px_per_m, 0.02);
+    EXPECT_NEAR(number(drawn[row], "x"), layout.page_from_world({-3.0, 0.0}).x(), 0.01);
+  }
+}
+
 TEST(DrawGround, PutsObstaclesAndRegionsWhereTheyAre) {
   const scenario::Scenario scenario = a_scenario();
   const Layout layout(scenario.world.bounds, 0.0);
@@ -208,7 +225,8 @@ Axes expect_true_axes(const models::World& world) {
       EXPECT_GT(y_px, bottom_px + 19.0 + 13.0) << "below the numbers";
       EXPECT_LT(y_px, layout.page_size_px.y());
     } else if (words == "y (m)") {
-      EXPECT_LT(x_px, left_px - 20.0);
+      EXPECT_LT(x_px + 0.5 * 13.0 * 5.0, left_px) << "beside the map";
+      EXPECT_GT(x_px, 12.0) << "not at the page's edge";
       EXPECT_LT(y_px, top_px - 7.0);
       EXPECT_GT(y_px, top_px - 15.0);
     } else if (each.at("text-anchor") == "end") {
@@ -252,6 +270,7 @@ TEST(DrawAxes, HasRoundNumbersAsFineAsThereIsRoomFor) {
         EXPECT_LT(numbers.front() - spacing_m, world.bounds.min_m(axis)) << "from the beginning";
         EXPECT_GE(numbers.front(), world.bounds.min_m(axis));
         EXPECT_GT(numbers.back() + spacing_m, world.bounds.max_m(axis)) << "to the end";
+        EXPECT_LE(numbers.back(), world.bounds.max_m(axis) + 1e-9) << "and no further";
         for (std::size_t i = 0; i < numbers.size(); ++i) {
           EXPECT_NEAR(numbers[i], numbers[0] + spacing_m * static_cast<double>(i), 1e-9);
           EXPECT_NEAR(std::remainder(numbers[i], spacing_m), 0.0, 1e-9) << "a multiple";

@@ -128,6 +128,19 @@ TEST(DrawPicture, ShowsEverythingOnce) {
   EXPECT_NE(svg.find("12.5 s"), std::string::npos);
 }
 
+TEST(DrawPicture, ShowsNothingOfTheGroundBesideTheMap) {
+  const Example it = example();
+  const std::string svg = draw_picture(it.scenario, it.scene, it.summary);
+  ASSERT_EQ(count(svg, "<clipPath "), 1);
+  const std::string clip = svg.substr(svg.find("<clipPath "));
+  const auto window = elements(clip.substr(0, clip.find("</clipPath>")), "rect").at(0);
+  const Layout layout(it.scenario.world.bounds, panel_height_px(it.scenario));
+  EXPECT_NEAR(number(window, "x"), layout.map_corner_px.x(), 0.01);
+  EXPECT_NEAR(number(window, "y"), layout.map_corner_px.y(), 0.01);
+  EXPECT_NEAR(number(window, "width"), layout.map_size_px.x(), 0.01);
+  EXPECT_NEAR(number(window, "height"), layout.map_size_px.y(), 0.01);
+}
+
 TEST(DrawPicture, DrawsTheEllipseThatHoldsWhatTheLegendSays) {
   const Example it = example();
   const std::string svg = draw_picture(it.scenario, it.scene, it.summary);

@@ -65,6 +65,27 @@ TEST(SceneRecorder, KeepsAPointOfATrackEachTenthOfASecondAndTwoCentimetres) {
   }
 }
 
+// A tenth of a second and two centimetres from the point before, whichever it takes longer.
+TEST(SceneRecorder, KeepsAPointEachTenthOfASecondOrTwoCentimetres) {
+  for (const double speed_mps : {0.04, 0.1, 0.25, 1.0}) {
+    SceneRecorder recorder(a_scenario());
+    for (int i = 0; i <= 500; ++i) {  // to and fro, 50 frames a second
+      const double way_m = speed_mps * 0.02 * i;
+      const double x_m = std::abs(std::remainder(way_m, 0.8));
+      recorder.on_truth(truth(0.02 * i, "Q1", -1, {x_m, 0.0}));
+    }
+    const auto& track = recorder.scene().robots.at("Q1").track;
+    const double apart_s = std::max(0.1, 0.02 / speed_mps);
+    for (std::size_t i = 1; i < track.size(); ++i) {
+      const double passed_s = to_seconds(track[i].time - track[i - 1].time);
+      EXPECT_GE(passed_s, 0.1 - 1e-9) << speed_mps;
+      EXPECT_GE((track[i].position_m - track[i - 1].position_m).norm(), 0.02 - 1e-9);
+      EXPECT_LE(passed_s, 2.0 * apart_s + 0.021) << speed_mps;  // twice where it turns
+    }
+    EXPECT_GT(track.size(), 0.8 * 10.0 / (apart_s + 0.02));
+  }
+}
+
 // A track that is full is thinned alone; the others go on as they were.
 TEST(SceneRecorder, ThinsAFullTrackAndNoOther) {
   SceneRecorder recorder(a_scenario());

@@ -1,0 +1,73 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/write_file.hpp"
+#include "logs/picture/picture.hpp"
+#include "test/support/temporary_folder.hpp"
+
+namespace vantage::logs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Programs are looked for in a folder of the test's own.
+class RenderPngBy : public ::testing::Test {
+ protected:
+  RenderPngBy() { ::setenv("PATH", folder_.path().c_str(), 1); }
+  ~RenderPngBy() override { ::setenv("PATH", before_.c_str(), 1); }
+  RenderPngBy(const RenderPngBy&) = delete;
+  RenderPngBy& operator=(const RenderPngBy&) = delete;
+
+  /// What draws from now on, by the lines of a shell.
+  void draws_by(const std::string& lines) {
+    const std::string path = folder_.file("rsvg-convert");
+    write_file(path, "#!/bin/sh\n" + lines);
+    fs::permissions(path, fs::perms::owner_all);
+  }
+  [[nodiscard]] std::string said() const {
+    try {
+      const Result<std::string> png = render_png(folder_.file("a.svg"), folder_.file("a.png"));
+      return png.ok() ? "drawn: " + png.value() : png.error().message;
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+  }
+
+  test::TemporaryFolder folder_;
+  std::string before_ = std::getenv("PATH");
+};
+
+TEST_F(RenderPngBy, NothingSaysWhatIsToBeInstalled) {
+  EXPECT_EQ(said(), "no PNG: rsvg-convert is not installed (apt install librsvg2-bin)");
+}
+
+TEST_F(RenderPngBy, ItsProgramIsGivenBothNamesAndIsReadWhenItIsThere) {
+  draws_by("[ \"$1\" = --format=png ] && [ \"$3\" = \"" + folder_.file("a.svg") +
+           "\" ] && echo drawn > \"${2#--output=}\"\n");
+  const std::string png_path = folder_.file("a.png");
+  EXPECT_EQ(said(), "drawn: " + png_path);
+  std::ifstream file(png_path);
+  std::string word;
+  EXPECT_TRUE(file >> word);
+  EXPECT_EQ(word, "drawn");
+  EXPECT_FALSE(fs::exists(png_path + ".part")) << "it has its name when it is whole";
+}
+
+TEST_F(RenderPngBy, AProgramThatFailsLeavesNothing) {
+  const std::string png_path = folder_.file("a.png");
+  draws_by("echo half > \"${2#--output=}\"\nexit 3\n");
+  EXPECT_EQ(said(),
+            png_path + ": cannot be written: rsvg-convert failed on " + folder_.file("a.svg"));
+  EXPECT_FALSE(fs::exists(png_path));
+  EXPECT_FALSE(fs::exists(png_path + ".part"));
+  draws_by("exit 0\n");  // and has written nothing
+  EXPECT_EQ(said(), png_path + ": cannot be written: No such file or directory");
+}
+
+}  // namespace
+}  // namespace vantage::logs
