@@ -111,6 +111,35 @@ TEST_F(Observer, HasNoEstimateOfWhatIsNoTarget) {
   }
 }
 
+// Whatever number a target has: the first, which is 0, as well as the last.
+TEST_F(Observer, HasTheTeamsEstimateOfEveryTarget) {
+  const auto mean_of = [](int id) { return Eigen::Vector2d(0.5 * id - 1.0, 0.25 * id); };
+  models::RobotBelief belief;
+  belief.robot = "Q1";
+  for (const scenario::TargetSpec& target : scenario_.targets) {
+    models::TargetBelief& known = belief.targets.emplace_back();
+    known.target_id = target.id;
+    known.information.matrix = 4.0 * Eigen::Matrix2d::Identity();
+    known.information.vector = known.information.matrix * mean_of(target.id);
+    known.last_seen = kStart;
+    say(bus::kTruth, truth_of(target.name, target.id, 0.1, 0.2));
+  }
+  for (const int step : {1, 2, 3}) {
+    belief.step = step;
+    belief.stamp.time = kStart + std::chrono::milliseconds(500 * step);
+    belief.stamp.sequence = step;
+    speaks_.publish(bus::belief_channel("Q1"), belief);
+    while (listens_.handle(std::chrono::microseconds(0)) > 0) {
+    }
+  }
+  const logs::Scene scene = observer_.scene();
+  ASSERT_EQ(scene.targets.size(), scenario_.targets.size());
+  for (const auto& [id, target] : scene.targets) {
+    ASSERT_TRUE(target.estimate) << id;
+    EXPECT_LT((target.estimate->mean_m - mean_of(id)).norm(), 1e-9) << id;
+  }
+}
+
 TEST(TrialObserver, HasTheBeliefOfEachRobotAndTheTeamsEstimateOfEachTarget) {
   const scenario::Scenario scenario = scenario_of("lab", 6.0);
   Trial trial(scenario, trial_recipes(scenario), "");
