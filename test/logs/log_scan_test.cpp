@@ -322,6 +322,35 @@ TEST(LogScan, TakesAHeaderInsideForTheLogsOwnByItsNumber) {
   }
 }
 
+// Who stands between the one before it and the one behind it is whole, whatever is inside: a piece
+// of this very log, too. Out of order it would be taken for damage.
+TEST(LogScan, LeavesWholeWhatIsInOrderWhateverIsInside) {
+  const Bytes data(3, 7);
+  for (const std::int64_t inside : {1, 6, 7, 100}) {
+    const Bytes piece = log_of({{inside, data}, {inside + 1, data}});
+    for (const bool is_first : {false, true}) {
+      std::vector<std::pair<std::int64_t, Bytes>> events{{5, piece}, {6, piece}, {7, data}};
+      if (!is_first) {
+        events.insert(events.begin(), {4, data});
+      }
+      const Bytes bytes = log_of(events);
+      LogScan scan(bytes);
+      const auto found = all_events(scan);
+      ASSERT_EQ(found.size(), events.size()) << inside;
+      for (std::size_t i = 0; i < events.size(); ++i) {
+        EXPECT_EQ(found[i].number, events[i].first) << inside;
+        EXPECT_FALSE(found[i].is_doubtful);
+      }
+      EXPECT_EQ(scan.counts().refused, 0) << inside;
+      EXPECT_EQ(scan.counts().bytes_damaged, 0U) << inside;
+    }
+    const Bytes skipped = log_of({{4, data}, {6, piece}, {7, data}});
+    LogScan scan(skipped);
+    all_events(scan);
+    EXPECT_EQ(scan.counts().refused, 1) << inside;
+  }
+}
+
 // A scan that begins in the midst counts what it passes from there.
 TEST(LogScan, CountsFromWhereItBegins) {
   const Bytes bytes = log_of({{0, Bytes(5, 7)}, {1, Bytes(5, 7)}, {2, Bytes(5, 7)}});

@@ -159,9 +159,16 @@ TEST(LogSpool, WritesOnWhileASyncHangs) {
   for (int i = 1; i < 5; ++i) {
     EXPECT_TRUE(writes(i));
   }
+  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "of the oldest that is not safe";
   disk.hang_sync(false);
-  hear(spool, "a power cut would have lost the last ");
+  const std::string words = "a power cut would have lost the last ";
+  const std::string said = hear(spool, words);
+  const std::int64_t said_ms = std::stoll(said.substr(said.find(words) + words.size()));
+  EXPECT_GE(said_ms, 100);
+  EXPECT_LE(said_ms, spool.report().at_risk_worst_us / 1'000) << "no more than the worst there was";
   EXPECT_GE(spool.report().syncs_late, 1);
+  spool.close();
+  EXPECT_GT(spool.report().at_risk_worst_us, 100'000) << "remembered when all is safe";
 }
 
 TEST(LogSpool, IsWholeAfterTheDiskWasFull) {

@@ -126,6 +126,18 @@ TEST(LogWriter, KeepsSixtyFourKibibytesTogether) {
   EXPECT_EQ(writer.events_lost(), 0);
 }
 
+// 1024 events of 64 bytes are those kibibytes to the byte.
+TEST(LogWriter, WritesWhatItKeepsWhenItIsFullToTheByte) {
+  test::FakeDisk disk;
+  LogWriter writer("a.lcmlog", Existing::kRefuse, disk.opener());
+  const std::vector<std::uint8_t> data(64 - kEventHeaderBytes - 1);
+  for (int i = 1; i <= 1'024; ++i) {
+    EXPECT_TRUE(disk.bytes("a.lcmlog").empty()) << i;
+    EXPECT_TRUE(writer.write(from_utime(1), "X", data));
+  }
+  EXPECT_EQ(disk.bytes("a.lcmlog").size(), 65'536U);
+}
+
 TEST(LogWriter, WritesNothingMoreAfterAnError) {
   test::FakeDisk disk;
   disk.set_room(29);
