@@ -238,6 +238,7 @@ TEST_F(LongLog, IsUsedBeforeItIsRead) {
   while (log.go_on(kMib)) {
     EXPECT_GT(log.surveyed_share(), share);
     share = log.surveyed_share();
+    EXPECT_EQ(log.range(), std::pair(sorted.front().time, sorted.back().time)) << "all the while";
     ASSERT_EQ(offsets_of(log.newest_before(late)), newest(sorted, late)) << share;
   }
   EXPECT_TRUE(log.is_surveyed());
