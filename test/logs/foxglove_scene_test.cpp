@@ -220,6 +220,69 @@ TEST(ViewsScene, IsTheSectorThatTheSensorSeesOfTheGround) {
   EXPECT_LE(line_of(1).at("color").at("a"), 1.0);
 }
 
+// Who sees more than half of what is around it, but not all, has an edge from and to its foot.
+TEST(ViewsScene, IsASectorUntilItIsAWholeTurn) {
+  scenario::Scenario scenario = lab();
+  scenario.robots.resize(1);
+  for (const double fov_rad : {0.5, 2.5, 3.3, 4.0, 6.0, 2.0 * kPi - 1e-4, 2.0 * kPi, 7.0}) {
+    scenario.robots[0].sensor.fov_rad = fov_rad;
+    const Json view = views_scene(scenario, {}, kTime).at("entities").at(0);
+    const auto edge = points_of(view.at("lines").at(0));
+    const Eigen::Vector3d foot(0.0, 0.0, -scenario.robots[0].height_m);
+    const bool is_all_around = fov_rad >= 2.0 * kPi;
+    EXPECT_EQ((edge.front() - foot).norm() < 1e-9, !is_all_around) << fov_rad;
+    EXPECT_EQ((edge.back() - foot).norm() < 1e-9, !is_all_around) << fov_rad;
+  }
+}
+
+// Lines that one sees and that hide nothing; what stands on the ground more than what lies on it.
+TEST(Scenes, AreDrawnSoThatOneSeesThem) {
+  const models::World world = a_world();
+  const Json of_world = world_scene(world, kTime).at("entities");
+  const auto alpha = [](const Json& drawn) { return drawn.at("color").at("a").get<double>(); };
+  EXPECT_GT(alpha(of_world[1].at("cubes").at(0)), 0.7) << "an obstacle";
+  EXPECT_LT(alpha(of_world[3].at("cubes").at(0)), 0.5) << "a region: what is in it is seen";
+  EXPECT_GT(alpha(of_world[3].at("cubes").at(0)), 0.15);
+  const Json views = views_scene(lab(), {"Q1"}, kTime).at("entities");
+  for (const Json& each : views) {
+    EXPECT_GT(alpha(each.at("triangles").at(0)), 0.1);
+    EXPECT_LT(alpha(each.at("triangles").at(0)), 0.4) << "one sees the ground through it";
+    EXPECT_GT(alpha(each.at("lines").at(0)), 0.6) << "and where it ends";
+  }
+  EstimateView estimate{4, "R5", {}, {}, Duration{0}};
+  estimate.estimate.mean_m = Eigen::Vector3d(3.0, -1.0, 0.7);
+  estimate.estimate.covariance_m2 = 0.04 * Eigen::Matrix3d::Identity();
+  const Json known = estimates_scene("estimate", {estimate}, {}, kTime).at("entities");
+  for (const Json& each : known[0].at("lines")) {
+    EXPECT_EQ(each.at("thickness"), known[0].at("lines")[0].at("thickness")) << "loop and cross";
+    for (const Eigen::Vector3d& point : points_of(each)) {
+      EXPECT_NEAR(point.z(), 0.7, 0.03) << "as high as it is believed to be";
+    }
+  }
+  models::RobotPlan plan;
+  plan.trajectory = {kTime, {1.0, -2.0, 0.0}, 1.25, {{{1.0, 0.0}, 1.0, 0.0}}};
+  const Json planned = plan_scene(plan, std::nullopt).at("entities");
+  const double end_m = xyz(planned[0].at("spheres").at(0).at("size")).x();
+  EXPECT_GT(end_m, 0.1);
+  EXPECT_LT(end_m, 0.2) << "smaller than a robot";
+  const Json track =
+      Json::array({track_entity("Q1", {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}}, std::nullopt, kTime)});
+  const Json robots = robots_scene(lab(), {}, kTime).at("entities");
+  for (const Json& entities : {of_world, views, known, planned, track, robots}) {
+    for (const Json& entity : entities) {
+      for (const Json& each : entity.at("lines")) {
+        EXPECT_GE(each.at("thickness").get<double>(), 1.0) << entity.at("id");
+        EXPECT_LT(each.at("thickness").get<double>(), 3.0) << entity.at("id");
+        EXPECT_GT(alpha(each), 0.3) << entity.at("id");
+        EXPECT_LE(alpha(each), 1.0) << entity.at("id");
+      }
+    }
+  }
+  EXPECT_EQ(of_world[0].at("lines")[0].at("thickness"),
+            2.0 * of_world[0].at("lines")[1].at("thickness").get<double>())
+      << "the ground's edge more than the ceiling's";
+}
+
 TEST(TargetsScene, IsADiamondOnTheGroundWithACornerAhead) {
   scenario::Scenario scenario = lab();
   scenario.targets[1].radius_m = 0.35;

@@ -366,6 +366,39 @@ TEST(Stream, NamesTargetsAndTracks) {
   EXPECT_EQ(scene.at("deletions").size(), 4U);
 }
 
+TEST(Stream, TellsNoAgeOfWhatNobodyKnows) {
+  Notebook notebook;
+  Stream stream(notebook);
+  models::DetectionSet look;
+  look.robot = "Q1";
+  look.stamp = {from_utime(1'000'000), 1, 3};
+  stream.on(look, Time{});
+  models::RobotBelief belief = belief_of("Q1", 0, {});
+  belief.stamp.run_id = 2;
+  belief.stamp.sequence = 5;
+  belief.inputs = {{"MEASUREMENT_Q1", 1, 3}};
+  stream.on(belief, Time{});
+  models::RobotPlan plan;
+  plan.robot = "Q1";
+  for (plan.round = 7; plan.round <= 8; ++plan.round) {
+    plan.inputs = {{"BELIEF_Q1", 2, plan.round == 7 ? 5 : 6}};  // 6 was not heard
+    stream.on(plan, Time{});
+  }
+  const auto is_told = [&](const std::string& robot, std::int64_t round) {
+    models::VehicleStatus status;
+    status.robot = robot;
+    status.stamp.time = from_utime(2'000'000);
+    status.plan_round = round;
+    stream.on(status, Time{});
+    return notebook.of("/vehicle/" + robot).back().contains("capture_to_setpoint_s");
+  };
+  EXPECT_FALSE(is_told("Q1", 7)) << "it may have followed that for long";
+  EXPECT_FALSE(is_told("Q1", 8));
+  EXPECT_TRUE(is_told("Q1", 7));
+  EXPECT_FALSE(is_told("Q2", 6));
+  EXPECT_FALSE(is_told("Q2", 7)) << "its plans were not heard";
+}
+
 TEST(Stream, RemembersWhatTheSixteenNewestPlansWereMadeFrom) {
   Notebook notebook;
   Stream stream(notebook);
