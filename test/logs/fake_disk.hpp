@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,11 @@ class FakeDisk {
   Bytes bytes(const std::string& path) {
     const std::lock_guard lock(mutex_);
     return files_[path].bytes;
+  }
+  std::optional<std::uint64_t> free_bytes() {
+    const std::lock_guard lock(mutex_);
+    const bool is_endless = room_bytes_ > std::numeric_limits<std::size_t>::max() / 2;
+    return is_endless ? std::nullopt : std::optional<std::uint64_t>(room_bytes_);
   }
   std::size_t synced_bytes(const std::string& path) {
     const std::lock_guard lock(mutex_);
@@ -76,7 +82,10 @@ class FakeDisk {
       return std::nullopt;
     }
     [[nodiscard]] std::uint64_t size_bytes() const override { return disk_.bytes(path_).size(); }
-    [[nodiscard]] std::optional<std::uint64_t> free_bytes() const override { return std::nullopt; }
+    /// What room it was told to have; none is known before.
+    [[nodiscard]] std::optional<std::uint64_t> free_bytes() const override {
+      return disk_.free_bytes();
+    }
 
    private:
     FakeDisk& disk_;

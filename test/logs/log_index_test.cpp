@@ -8,7 +8,6 @@
 #include <random>
 #include <set>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -299,36 +298,38 @@ TEST(SurveyLog, CountsWhatOneWouldCountByHand) {
 
 // Blocks are where reading can begin: of 256 KiB at least, each ended by the next event.
 TEST(SurveyLog, CutsALogIntoBlocksThatSayWhatIsInThem) {
-  const Bytes log = eventful_log();
-  const LogSurvey survey = survey_log(log);
-  std::vector<PlacedEvent> events;
-  LogScan scan(log, wire_testimony);
-  while (const auto event = scan.next()) {
-    events.push_back(*event);
-  }
-  std::vector<LogBlock> wanted;
-  std::map<std::string, std::set<std::size_t>> blocks_of;
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    if (wanted.empty() || events[i].offset >= wanted.back().offset + 256U * 1024U) {
-      wanted.push_back({events[i].offset, static_cast<std::int64_t>(i), Time::max(), Time::min()});
+  for (const Bytes& log : {eventful_log(), large_log()}) {
+    const LogSurvey survey = survey_log(log);
+    std::vector<PlacedEvent> events;
+    LogScan scan(log, wire_testimony);
+    while (const auto event = scan.next()) {
+      events.push_back(*event);
     }
-    wanted.back().time_min = std::min(wanted.back().time_min, events[i].time);
-    wanted.back().time_max = std::max(wanted.back().time_max, events[i].time);
-    blocks_of[std::string(events[i].channel)].insert(wanted.size() - 1);
-  }
-  ASSERT_GE(wanted.size(), 2U);
-  ASSERT_EQ(survey.blocks.size(), wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    EXPECT_EQ(survey.blocks[i].offset, wanted[i].offset);
-    EXPECT_EQ(survey.blocks[i].first_event, wanted[i].first_event);
-    EXPECT_EQ(survey.blocks[i].time_min, wanted[i].time_min);
-    EXPECT_EQ(survey.blocks[i].time_max, wanted[i].time_max);
-  }
-  for (const auto& [name, channel] : survey.channels) {
-    for (std::size_t i = 0; i < 8 * channel.in_block.size(); ++i) {
-      EXPECT_EQ((channel.in_block[i / 8] >> (i % 8) & 1U) != 0, blocks_of[name].contains(i)) << i;
+    std::vector<LogBlock> wanted;
+    std::map<std::string, std::set<std::size_t>> blocks_of;
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      if (wanted.empty() || events[i].offset >= wanted.back().offset + 256U * 1024U) {
+        wanted.push_back(
+            {events[i].offset, static_cast<std::int64_t>(i), Time::max(), Time::min()});
+      }
+      wanted.back().time_min = std::min(wanted.back().time_min, events[i].time);
+      wanted.back().time_max = std::max(wanted.back().time_max, events[i].time);
+      blocks_of[std::string(events[i].channel)].insert(wanted.size() - 1);
     }
-    EXPECT_EQ(channel.in_block.size(), *blocks_of[name].rbegin() / 8 + 1);
+    ASSERT_GE(wanted.size(), 2U);
+    ASSERT_EQ(survey.blocks.size(), wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      EXPECT_EQ(survey.blocks[i].offset, wanted[i].offset);
+      EXPECT_EQ(survey.blocks[i].first_event, wanted[i].first_event);
+      EXPECT_EQ(survey.blocks[i].time_min, wanted[i].time_min);
+      EXPECT_EQ(survey.blocks[i].time_max, wanted[i].time_max);
+    }
+    for (const auto& [name, channel] : survey.channels) {
+      for (std::size_t i = 0; i < 8 * channel.in_block.size(); ++i) {
+        EXPECT_EQ((channel.in_block[i / 8] >> (i % 8) & 1U) != 0, blocks_of[name].contains(i)) << i;
+      }
+      EXPECT_EQ(channel.in_block.size(), *blocks_of[name].rbegin() / 8 + 1);
+    }
   }
 }
 
@@ -397,64 +398,6 @@ TEST(IndexedLog, ReadsItsWholeSurveyBack) {
     EXPECT_EQ(second.blocks[i].first_event, first.blocks[i].first_event);
     EXPECT_EQ(second.blocks[i].time_min, first.blocks[i].time_min);
     EXPECT_EQ(second.blocks[i].time_max, first.blocks[i].time_max);
-  }
-}
-
-// No two of its numbers are alike here: none stands for another.
-TEST(IndexedLog, ReadsEveryNumberBackUnderItsName) {
-  const TemporaryFolder folder;
-  const std::string path = folder.file("a.lcmlog");
-  const Bytes log = large_log();
-  test::write_file(path, log);
-  std::int64_t next = 1'000;
-  const auto time = [&next] { return from_utime(++next); };
-  LogSurvey made;
-  made.size_bytes = 7;
-  made.scan = {11, 12, 13, 14, 15};
-  made.first = time();
-  made.last = time();
-  made.numbers_missing = 21;
-  made.number_restarts = 22;
-  made.times_backward = 23;
-  made.backward_max = Duration{24};
-  made.stretches = {{31, 32, false}, {33, 34, true}};
-  made.channels["A"] = {"a_t", 41, 42, time(), time(), Duration{45}, time(), 47, 48, {1, 2}};
-  made.channels["B"] = {"b_t", 51, 52, time(), time(), Duration{55}, time(), 57, 58, {3}};
-  made.blocks = {{61, 62, time(), time()}, {63, 64, time(), time()}};
-  ASSERT_TRUE(save_index(path, log, made));
-  const auto read = load_index(path, log);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->size_bytes, made.size_bytes);
-  const auto counts = [](const ScanCounts& scan) {
-    return std::tuple(scan.events, scan.doubtful, scan.refused, scan.stretches, scan.bytes_damaged);
-  };
-  EXPECT_EQ(counts(read->scan), counts(made.scan));
-  EXPECT_EQ(std::pair(read->first, read->last), std::pair(made.first, made.last));
-  const auto order = [](const LogSurvey& of) {
-    return std::tuple(of.numbers_missing, of.number_restarts, of.times_backward, of.backward_max,
-                      of.begins_with_scenario);
-  };
-  EXPECT_EQ(order(*read), order(made));
-  ASSERT_EQ(read->channels.size(), 2U);
-  for (const auto& [name, a] : made.channels) {
-    const ChannelSurvey& b = read->channels.at(name);
-    const auto all = [](const ChannelSurvey& of) {
-      return std::tuple(of.type, of.events, of.data_bytes, of.first, of.last, of.gap_max, of.gap_at,
-                        of.messages_lost, of.other_types, of.in_block);
-    };
-    EXPECT_EQ(all(b), all(a)) << name;
-  }
-  ASSERT_EQ(read->blocks.size(), 2U);
-  ASSERT_EQ(read->stretches.size(), 2U);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto block = [](const LogBlock& of) {
-      return std::tuple(of.offset, of.first_event, of.time_min, of.time_max);
-    };
-    EXPECT_EQ(block(read->blocks[i]), block(made.blocks[i]));
-    const auto stretch = [](const DamagedStretch& of) {
-      return std::tuple(of.offset, of.size_bytes, of.is_tail);
-    };
-    EXPECT_EQ(stretch(read->stretches[i]), stretch(made.stretches[i]));
   }
 }
 

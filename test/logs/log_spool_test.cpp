@@ -288,6 +288,26 @@ TEST(LogSpool, StopsAtItsLimit) {
   EXPECT_EQ(spool.report().events_lost, 2);
 }
 
+// At its beginning, when it is refused, and when what was written is safe.
+TEST(LogSpool, TellsHowMuchRoomIsLeft) {
+  FakeDisk disk;
+  const std::size_t room = 2 * kEventBytes + 77;
+  disk.set_room(room);
+  disk.hang_sync(true);
+  LogSpool spool(quick(), disk.opener());
+  EXPECT_EQ(spool.report().free_bytes, room);
+  for (int i = 0; i < 5; ++i) {
+    write(spool, i);
+  }
+  hear(spool, "LOG NOT WRITTEN");
+  EXPECT_EQ(spool.report().free_bytes, 0U);
+  disk.set_room(10 * kEventBytes);
+  hear(spool, "written again");
+  disk.hang_sync(false);
+  spool.close();
+  EXPECT_EQ(spool.report().free_bytes, room + 10 * kEventBytes - 5 * kEventBytes);
+}
+
 TEST(LogSpool, WritesOverNothing) {
   const test::TemporaryFolder folder;
   const Bytes old = {7, 7, 7};

@@ -137,6 +137,8 @@ TEST_F(Observer, HasTheTeamsEstimateOfEveryTarget) {
   for (const auto& [id, target] : scene.targets) {
     ASSERT_TRUE(target.estimate) << id;
     EXPECT_LT((target.estimate->mean_m - mean_of(id)).norm(), 1e-9) << id;
+    const auto index = static_cast<std::size_t>(id);
+    EXPECT_EQ(observer_.metrics().targets().at(index).name, scenario_.targets.at(index).name);
   }
 }
 
