@@ -1,0 +1,309 @@
+// What flight safety looks at, as plain numbers, of what was said to it: on the ground in closed
+// form, in a first lift against what the bench knows, and in a second flight as in the first.
+
+#include "drivers/safety/inputs.hpp"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "test/drivers/safety/flight_bench.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::FlightState;
+using models::OperatorAction;
+using test::FlightBench;
+using test::Vehicle;
+
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+constexpr double kSeenS = 0.02;  ///< after the beginning; looked at 10 ms later
+constexpr double kNowS = 0.03;
+
+Time at(double t_s) { return kStart + from_seconds(t_s); }
+
+Quaternion turned(double yaw_rad, double roll_rad = 0.0, double pitch_rad = 0.0) {
+  return Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX());
+}
+
+/// Q1 (its start: (-2, -1.3), yaw 0) stands on the ground, seen and heard once.
+class Inputs : public testing::Test {
+ protected:
+  void see(const Eigen::Vector3d& place_m, const Quaternion& rotation, double t_s = kSeenS) {
+    models::MocapFrame frame;
+    frame.stamp = {at(t_s), 3, number};
+    frame.arrival = at(t_s);
+    frame.frame_number = number++;
+    frame.bodies.push_back({"Q1", {place_m, rotation}, false});
+    EXPECT_TRUE(guard->on_mocap(frame, at(t_s)));
+  }
+  void feel(const Eigen::Vector3d& place_m, const Quaternion& rotation, double t_s = kSeenS) {
+    AutopilotReport report;
+    report.estimator_good = report.has_position = report.has_attitude = true;
+    report.position_world_m = place_m;
+    report.world_from_body = rotation;
+    guard->on_autopilot(report, at(t_s));
+  }
+  const SafetyInputs& look(double t_s = kNowS) {
+    (void)guard->tick(at(t_s));
+    return guard->inputs();
+  }
+
+  scenario::Scenario scenario = FlightBench::scenario();
+  SafetyLimits limits = limits_for(scenario, "Q1");
+  std::optional<FlightGuard> guard{std::in_place, scenario, "Q1", limits};
+  std::int64_t number = 0;
+};
+
+// Each component counts, of either sign, and none of them more than another.
+TEST_F(Inputs, SayHowFarTheAutopilotIsFromWhereItIsSeen) {
+  const Eigen::Vector3d here_m(-2.1, -1.2, 0.05);
+  for (const Eigen::Vector3d& off_m :
+       {Eigen::Vector3d(0.4, -1.2, 0.3), Eigen::Vector3d(-1.2, 0.3, 0.4),
+        Eigen::Vector3d(0.3, 0.4, -1.2), Eigen::Vector3d(0.0, 0.0, 0.0)}) {
+    see(here_m, turned(0.0));
+    feel(here_m + off_m, turned(0.0));
+    EXPECT_NEAR(look().estimate_error_m, off_m.norm() > 0.0 ? 1.3 : 0.0, 1e-9);
+  }
+}
+
+// Whichever way the body is turned, either side, and across the half turn.
+TEST_F(Inputs, SayByHowMuchYawAndLevelDifferFromWhatIsSeen) {
+  const Eigen::Vector3d here_m(-2.0, -1.3, 0.0);
+  for (const double yaw_rad : {0.0, 1.0, -2.0, 3.1, -3.1}) {
+    for (const double off_rad : {0.3, -0.3, 1.2, -1.2}) {
+      guard.emplace(scenario, "Q1", limits);
+      see(here_m, turned(yaw_rad));
+      feel(here_m, turned(wrap_to_pi(yaw_rad + off_rad)));
+      EXPECT_NEAR(look().yaw_error_rad, std::abs(off_rad), 1e-9) << yaw_rad;
+      EXPECT_NEAR(guard->inputs().attitude_error_rad, 0.0, 1e-6) << "both stand level";
+      EXPECT_NEAR(guard->inputs().start_turn_rad, std::abs(yaw_rad), 1e-9);
+      for (const bool is_roll : {true, false}) {
+        feel(here_m, turned(yaw_rad, is_roll ? off_rad : 0.0, is_roll ? 0.0 : off_rad));
+        EXPECT_NEAR(look().attitude_error_rad, std::abs(off_rad), 1e-6);
+        EXPECT_NEAR(guard->inputs().yaw_error_rad, 0.0, 1e-9);
+        EXPECT_NEAR(guard->inputs().body_tilt_rad, 0.0, 1e-9);
+      }
+    }
+  }
+}
+
+TEST_F(Inputs, SayHowItStandsAndHowFarFromItsStart) {
+  const Eigen::Vector3d start_m(-2.0, -1.3, 0.0);
+  for (const double off_rad : {0.4, -0.4}) {
+    guard.emplace(scenario, "Q1", limits);
+    see(start_m + Eigen::Vector3d(0.3, -0.4, 1.0), turned(0.7, off_rad, 0.0));
+    EXPECT_NEAR(look().body_tilt_rad, 0.4, 1e-9);
+    EXPECT_NEAR(guard->inputs().start_off_m, 0.5, 1e-9) << "seen from above";
+    guard.emplace(scenario, "Q1", limits);
+    see(start_m + Eigen::Vector3d(-0.4, 0.3, 0.0), turned(-0.7, 0.0, off_rad));
+    EXPECT_NEAR(look().body_tilt_rad, 0.4, 1e-9);
+    EXPECT_NEAR(guard->inputs().start_off_m, 0.5, 1e-9);
+  }
+}
+
+// Nothing is compared with what is too old, or was never said; an attitude that was not said is
+// the worst there is.
+TEST_F(Inputs, AreComparedOnlyWhileBothAreFresh) {
+  const Eigen::Vector3d here_m(-2.0, -1.3, 0.0);
+  const Eigen::Vector3d there_m(-2.0, -1.3, 0.7);
+  const auto errors_of = [&](double seen_s, double felt_s) {
+    guard.emplace(scenario, "Q1", limits);
+    see(here_m, turned(0.0), seen_s);
+    feel(there_m, turned(0.5), felt_s);
+    const SafetyInputs& in = look(10.0);
+    EXPECT_EQ(in.estimate_error_m > 0.0, in.yaw_error_rad > 0.0);
+    return in.estimate_error_m;
+  };
+  constexpr double kMomentS = 1e-3;
+  const double seen_s = 10.0 - limits.pose_age_warn_s;
+  const double felt_s = 10.0 - limits.telemetry_age_hold_s;
+  EXPECT_NEAR(errors_of(seen_s + kMomentS, felt_s + kMomentS), 0.7, 1e-9);
+  EXPECT_EQ(errors_of(seen_s - kMomentS, felt_s + kMomentS), 0.0);
+  EXPECT_EQ(errors_of(seen_s + kMomentS, felt_s - kMomentS), 0.0);
+  for (const bool says_place : {true, false}) {
+    for (const bool is_good : {true, false}) {
+      guard.emplace(scenario, "Q1", limits);
+      see(here_m, turned(0.0));
+      AutopilotReport report;
+      report.estimator_good = is_good;
+      report.has_position = says_place;
+      report.position_world_m = there_m;
+      guard->on_autopilot(report, at(kSeenS));
+      const bool is_compared = says_place && is_good;
+      EXPECT_NEAR(look().estimate_error_m, is_compared ? 0.7 : 0.0, 1e-9);
+      EXPECT_EQ(guard->inputs().yaw_error_rad, is_compared ? kNever : 0.0);
+      EXPECT_EQ(guard->inputs().attitude_error_rad, is_compared ? kNever : 0.0);
+      EXPECT_EQ(guard->inputs().estimator_good, is_good);
+    }
+  }
+}
+
+// Each word has its own age, and what the autopilot says of itself is handed on as it is.
+TEST_F(Inputs, AreAsOldAsTheLastWordOfEach) {
+  const SafetyInputs& never = look(0.0);
+  EXPECT_EQ(never.heartbeat_age_s, kNever);
+  EXPECT_EQ(never.telemetry_age_s, kNever);
+  EXPECT_EQ(never.battery_age_s, kNever);
+  EXPECT_EQ(never.pose_age_s, kNever);
+  for (const double begin_s : {1.0, 5.0}) {  // and once more
+    guard->on_heartbeat(at(begin_s));
+    AutopilotReport report;
+    report.tilt_rad = 0.1 * begin_s;
+    report.thrust_share = 0.15 * begin_s;
+    report.motor_failed = begin_s > 2.0;
+    report.obeys = begin_s < 2.0;
+    guard->on_autopilot(report, at(begin_s + 0.1));
+    guard->on_battery(0.1 * begin_s, at(begin_s + 0.2));
+    see({-2.0, -1.3, 0.0}, turned(0.0), begin_s + 0.3);
+    const SafetyInputs& in = look(begin_s + 1.0);
+    EXPECT_NEAR(in.heartbeat_age_s, 1.0, 1e-9);
+    EXPECT_NEAR(in.telemetry_age_s, 0.9, 1e-9);
+    EXPECT_NEAR(in.battery_age_s, 0.8, 1e-9);
+    EXPECT_NEAR(in.pose_age_s, 0.7, 1e-9);
+    EXPECT_EQ(in.tilt_rad, report.tilt_rad);
+    EXPECT_EQ(in.thrust_share, report.thrust_share);
+    EXPECT_EQ(in.motor_failed, report.motor_failed);
+    EXPECT_EQ(in.autopilot_obeys, report.obeys);
+    EXPECT_EQ(in.battery_share, 0.1 * begin_s);
+    EXPECT_EQ(in.flight_s, 0.0) << "it stands";
+    EXPECT_EQ(in.battery_unchanged_s, 0.0);
+    EXPECT_EQ(in.tracking_error_m, 0.0);
+  }
+}
+
+// What is no number or no share changes nothing, and is counted.
+TEST_F(Inputs, AreNoNumbersThatAreNone) {
+  const double nan = std::nan("");
+  AutopilotReport good;
+  good.has_position = good.has_attitude = true;
+  good.tilt_rad = 0.2;
+  guard->on_autopilot(good, at(0.0));
+  guard->on_battery(0.6, at(0.0));
+  std::vector<AutopilotReport> bad(6, good);
+  bad[0].tilt_rad = nan;
+  bad[1].thrust_share = nan;
+  bad[2].position_world_m.z() = nan;
+  bad[3].velocity_world_mps.y() = nan;
+  bad[4].world_from_body.coeffs()[2] = nan;
+  bad[5].yaw_rate_radps = nan;
+  std::int64_t refused = 0;
+  const auto expect_refused = [&] {
+    EXPECT_NEAR(look(1.0).telemetry_age_s, 1.0, 1e-9) << refused;
+    EXPECT_NEAR(guard->inputs().battery_age_s, 1.0, 1e-9) << refused;
+    EXPECT_EQ(guard->inputs().tilt_rad, 0.2);
+    EXPECT_EQ(guard->inputs().battery_share, 0.6);
+    for (const models::NamedCount& each : guard->counters()) {
+      EXPECT_EQ(each.count, each.name == "autopilot.refused" ? refused : 0) << each.name;
+    }
+  };
+  for (const AutopilotReport& report : bad) {
+    guard->on_autopilot(report, at(0.5));
+    ++refused;
+    expect_refused();
+  }
+  for (const double share : {-1e-9, 1.0 + 1e-9, nan}) {
+    guard->on_battery(share, at(0.5));
+    ++refused;
+    expect_refused();
+  }
+  // What is not claimed is not looked at; and the ends are shares.
+  AutopilotReport little;
+  little.position_world_m.x() = little.velocity_world_mps.x() = little.yaw_rate_radps = nan;
+  little.world_from_body.coeffs()[0] = nan;
+  guard->on_autopilot(little, at(1.5));
+  for (const double share : {0.0, 1.0}) {
+    guard->on_battery(share, at(1.5));
+    EXPECT_NEAR(look(2.0).telemetry_age_s, 0.5, 1e-9);
+    EXPECT_NEAR(guard->inputs().battery_age_s, 0.5, 1e-9);
+    EXPECT_EQ(guard->inputs().battery_share, share);
+  }
+}
+
+// In a first lift a body that climbs or turns unlike what its autopilot feels is not its own:
+// either sign, on both sides of the limit.
+TEST(FirstLiftInputs, AreHowMuchTheBodyClimbsAndTurnsUnlikeItsAutopilot) {
+  struct Lie {
+    double climb_mps, turn_radps;
+    bool is_found;
+  };
+  for (const Lie& lie :
+       {Lie{0.25, 0.0, false}, Lie{-0.25, 0.0, false}, Lie{0.45, 0.0, true}, Lie{-0.45, 0.0, true},
+        Lie{0.0, 0.7, false}, Lie{0.0, -0.7, false}, Lie{0.0, 0.9, true}, Lie{0.0, -0.9, true}}) {
+    FlightBench bench(3);
+    Vehicle& q1 = bench.vehicle("Q1");
+    while (q1.position_m.z() < 0.1 && bench.time_s() < 0.0) {  // it climbs as it is told
+      bench.fly_up(bench.time_s() + FlightBench::kTickS);
+    }
+    ASSERT_TRUE(FlightBench::has_reason(q1, "first lift", bench.now()));
+    EXPECT_LT(q1.guard->inputs().lift_climb_error_mps, 0.1);
+    EXPECT_EQ(q1.guard->inputs().lift_turn_error_radps, 0.0);
+    double climb_error_mps = 0.0;
+    double turn_error_radps = 0.0;
+    for (int tick = 0; tick < 20 && q1.out.state == FlightState::kHold; ++tick) {
+      AutopilotReport report;
+      report.armed = report.estimator_good = report.is_in_our_mode = true;
+      report.has_position = report.has_attitude = true;
+      report.position_world_m = q1.position_m;
+      report.velocity_world_mps = q1.velocity_mps + Eigen::Vector3d(0.0, 0.0, lie.climb_mps);
+      report.world_from_body = turned(q1.yaw_rad);
+      report.yaw_rate_radps = q1.turn_radps + lie.turn_radps;
+      q1.knobs.telemetry_cut = true;  // its own words
+      q1.guard->on_autopilot(report, bench.now());
+      bench.tick();
+      if (q1.out.state == FlightState::kHold && tick < 5) {
+        climb_error_mps = q1.guard->inputs().lift_climb_error_mps;
+        turn_error_radps = q1.guard->inputs().lift_turn_error_radps;
+      }
+    }
+    EXPECT_NEAR(climb_error_mps, std::abs(lie.climb_mps), 0.09);
+    EXPECT_NEAR(turn_error_radps, std::abs(lie.turn_radps), 1e-9);
+    EXPECT_EQ(q1.out.state, lie.is_found ? FlightState::kKilled : FlightState::kHold);
+    EXPECT_EQ(FlightBench::has_reason(q1, "lift disagrees", bench.now()), lie.is_found);
+  }
+}
+
+// What a flight leaves behind must not show in the next: how far it is off its height, how long it
+// is in the air, how long its battery has said the same.
+TEST(SecondFlight, IsLookedAtAsTheFirst) {
+  for (const double push_mps : {1.0, -1.0}) {
+    FlightBench bench(3);
+    Vehicle& q1 = bench.vehicle("Q1");
+    bench.fly_up(3.0);
+    bench.say(OperatorAction::kLand);
+    bench.run(12.0);
+    ASSERT_EQ(q1.out.state, FlightState::kIdle);
+    EXPECT_EQ(q1.guard->inputs().flight_s, 0.0);
+    EXPECT_EQ(q1.guard->inputs().tracking_error_m, 0.0);
+    bench.say(OperatorAction::kArm, "Q1");
+    bench.run(1.5);
+    bench.say(OperatorAction::kTakeOff, "Q1");
+    bench.tick();
+    double left_s = bench.time_s();
+    while (q1.out.state != FlightState::kHold && bench.time_s() < 40.0) {
+      left_s = bench.time_s();
+      bench.tick();
+    }
+    bench.run(10.0);
+    ASSERT_EQ(q1.out.state, FlightState::kHold);
+    EXPECT_NEAR(q1.position_m.z(), 1.0, 0.05);
+    EXPECT_NEAR(q1.guard->inputs().flight_s, bench.time_s() - left_s, 0.03);
+    EXPECT_LE(q1.guard->inputs().battery_unchanged_s, 0.6);
+    EXPECT_FALSE(FlightBench::has_reason(q1, "tracking", bench.now()));
+    bench.run(3.0, [&] { q1.knobs.runaway_mps = {0.0, 0.0, push_mps}; });
+    const double off_m = q1.position_m.z() - 1.0;
+    EXPECT_GT(std::abs(off_m), 0.4);
+    EXPECT_NEAR(q1.guard->inputs().tracking_error_m, std::abs(off_m), 0.03);
+    EXPECT_TRUE(FlightBench::has_reason(q1, "tracking", bench.now()));
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers
