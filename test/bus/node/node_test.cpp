@@ -5,6 +5,8 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
+#include "core/deadline.hpp"
+
 namespace vantage::bus {
 namespace {
 
@@ -149,6 +151,16 @@ TEST_F(RunNode, WaitsNoLongerForADeviceThanUntilTheNodesTime) {
   int asked = 0;
   run_node(bus_, node, clock_, [&] { return ++asked > 3; });
   EXPECT_FALSE(node.has_spoken());
+}
+
+// Nor less long: or it would ask again and again, thousands of times a second.
+TEST_F(RunNode, WaitsForADeviceThatIsSilentUntilTheNodesTime) {
+  TickerWithADevice node(start_ + milliseconds(20), milliseconds(20));
+  node.start();
+  const std::int64_t begin_ns = monotonic_ns();
+  int asked = 0;
+  run_node(bus_, node, clock_, [&] { return ++asked > 1; });
+  EXPECT_GE(monotonic_ns() - begin_ns, 20'000'000);
 }
 
 TEST_F(RunNode, TicksAsSoonAsItsDeviceSpeaks) {

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "core/deadline.hpp"
 
 namespace vantage::bus {
 namespace {
@@ -119,6 +120,15 @@ TEST(LcmTransport, HandlesSoManyMessagesAtATime) {
   EXPECT_EQ(heard, 4'096);
   EXPECT_EQ(transport->handle(kNow), 904);
   EXPECT_EQ(transport->handle(kNow), 0);
+}
+
+TEST(LcmTransport, WaitsForAsLongAsItIsToldWhereNothingComes) {
+  const auto transport = open_transport("memq://");
+  for (const int wait_us : {20'000, 500, 0, -1'000}) {  // a part of a millisecond is a whole one
+    const std::int64_t begin_ns = monotonic_ns();
+    EXPECT_EQ(transport->handle(std::chrono::microseconds(wait_us)), 0);
+    EXPECT_GE(monotonic_ns() - begin_ns, std::int64_t{1'000} * wait_us) << wait_us;
+  }
 }
 
 TEST(LcmTransport, RefusesToHandleInsideAHandler) {
