@@ -151,5 +151,26 @@ TEST(UdpmUnderAttack, MixesNoStrangersFragmentIntoAMessage) {
   }
 }
 
+// What a transport keeps of one sender and of all grows with the largest message that it is told to
+// take: one of that size always comes together, however much that is.
+TEST(UdpmReassembly, HasRoomForAMessageOfTheLargestSizeThatItIsToldToTake) {
+  constexpr std::uint32_t kPieceBytes = 60'000;
+  constexpr std::uint16_t kPieces = 600;
+  constexpr std::uint32_t kMessageBytes = kPieces * kPieceBytes;
+  const auto listener =
+      bus::open_transport(test::kUrl + "&max_message_size=" + std::to_string(kMessageBytes));
+  std::vector<std::pair<std::string, Bytes>> heard;
+  test::collect(*listener, "*", heard);
+  Attacker stranger;
+  for (std::uint16_t i = 0; i < kPieces; ++i) {
+    stranger.send(fragment(1, kMessageBytes, i * kPieceBytes, i, kPieces, kPieceBytes));
+    listener->handle(std::chrono::microseconds{0});
+  }
+  test::handle_until(*listener, [&] { return !heard.empty(); });
+  ASSERT_EQ(heard.size(), 1U);
+  EXPECT_EQ(heard[0].second, Bytes(kMessageBytes, 0xAA));
+  EXPECT_EQ(listener->stats().incomplete_messages, 0);
+}
+
 }  // namespace
 }  // namespace vantage
