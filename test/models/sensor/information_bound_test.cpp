@@ -162,5 +162,59 @@ TEST(InformationBound, OfABearingStopsAtTheLeastRange) {
   EXPECT_EQ(information_bound(sensor, {}, 5.0, Eigen::Vector2d(1.0, 1.0)), INFINITY);
 }
 
+// What lies beyond its range no viewpoint sees: a reach that goes far beyond it adds nothing.
+TEST(InformationBound, StaysWhereTheReachGoesBeyondTheRange) {
+  for (const SensorKind kind : kKinds) {
+    for (const double tilt_rad : {0.3, 1.0, kPi / 2}) {
+      for (const double fov_rad : {1.0, 2.0 * kPi}) {
+        SensorModel sensor;
+        sensor.kind = kind;
+        sensor.range_min_m = 0.1;
+        sensor.range_max_m = 6.0;
+        sensor.camera_tilt_rad = tilt_rad;
+        sensor.fov_rad = fov_rad;
+        const Viewpoint from{{1.0, -2.0, 0.5}, 2.0};
+        for (const PositionVector& target : {PositionVector(Eigen::Vector2d(3.0, 0.0)),
+                                             PositionVector(Eigen::Vector3d(3.0, 0.0, 0.4))}) {
+          const double bound = information_bound(sensor, from, 10.0, target);
+          EXPECT_GT(bound, 0.0);
+          EXPECT_EQ(information_bound(sensor, from, 1'000.0, target), bound)
+              << kind.name() << ' ' << tilt_rad << ' ' << target.rows();
+        }
+      }
+    }
+  }
+}
+
+// On its optical axis, standing still, a camera learns (f / (σ d))² at the depth d, which is all
+// that the bound allows: however it is tilted, and on the ground as in space.
+TEST(InformationBound, OfACameraIsReachedOnItsAxis) {
+  SensorModel sensor;
+  sensor.kind = SensorKind::kCamera;
+  sensor.focal_length_pixels = 400.0;
+  sensor.pixel_sigma = 2.0;
+  for (const double tilt_rad : {0.4, 0.9, kPi / 2}) {
+    sensor.camera_tilt_rad = tilt_rad;
+    // Straight below there is no bearing.
+    sensor.fov_rad = tilt_rad < 1.0 ? 1e-3 : 2.0 * kPi;
+    for (const double height_m : {1.0, 2.5}) {
+      const double depth_m = height_m / std::sin(tilt_rad);
+      const double ahead_m = height_m / std::tan(tilt_rad);
+      const double expected = std::pow(400.0 / (2.0 * depth_m), 2.0);
+      for (const double above_m : {0.0, 1.5}) {  // the ground
+        const Viewpoint from{{0.5, -1.0, 1.2}, height_m + above_m};
+        const Eigen::Vector2d there_m(0.5 + ahead_m * std::cos(1.2),
+                                      -1.0 + ahead_m * std::sin(1.2));
+        const Eigen::Vector3d target_m(there_m.x(), there_m.y(), above_m);
+        EXPECT_NEAR(information_bound(sensor, from, 0.0, target_m) / expected, 1.0, 1e-5);
+        EXPECT_NEAR(largest_eigenvalue(information(sensor, from, target_m)) / expected, 1.0, 1e-5);
+        if (above_m == 0.0) {
+          EXPECT_NEAR(information_bound(sensor, from, 0.0, there_m) / expected, 1.0, 1e-5);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vantage::models

@@ -198,6 +198,20 @@ TEST(ClosestApproach, SeesTwoVehiclesSwapPlaces) {
   EXPECT_EQ(closest_approach_m(left, right, left, right), 0.0);
 }
 
+// Beside each of its four sides, and on each of them.
+TEST(Rectangle, ContainsItsEdgesAndNothingBeyondAnyOfThem) {
+  const Rectangle box{{-1.0, 2.0}, {3.0, 4.5}};
+  for (const double x_m : {-1.1, -1.0, 0.5, 3.0, 3.1}) {
+    for (const double y_m : {1.9, 2.0, 3.0, 4.5, 4.6}) {
+      const bool is_in = std::abs(x_m - 1.0) < 2.05 && std::abs(y_m - 3.25) < 1.3;
+      EXPECT_EQ(box.contains({x_m, y_m}), is_in) << x_m << ' ' << y_m;
+      World world{{{-9, -9}, {9, 9}}, 3.0, {}, {}};
+      world.regions = {{"mud", box, 2.5}};
+      EXPECT_EQ(region_cost(world, {x_m, y_m}), is_in ? 2.5 : 0.0);
+    }
+  }
+}
+
 TEST(RegionCost, SumsOverlappingRegionsWithTheirEdges) {
   World world{{{0, 0}, {10, 10}}, 3.0, {}, {}};
   world.regions = {{"mud", {{0, 0}, {2, 2}}, 3.0}, {"wind", {{1, 1}, {4, 4}}, 0.5}};

@@ -56,6 +56,30 @@ TEST(GridWindow, KnowsWhoseCellsAreOthers) {
   EXPECT_FALSE(whole.place_of(other));
 }
 
+// So many cells away along each axis, to either side; what is farther than can be counted is
+// nowhere.
+TEST(GridWindow, KnowsHowManyCellsItIsFromTheWhole) {
+  const GridGeometry whole = GridGeometry::covering(field().bounds, 0.5);
+  for (const int columns : {-7, 0, 3}) {
+    for (const int rows : {-2, 0, 5}) {
+      GridGeometry other = whole;
+      other.origin_m += 0.5 * Eigen::Vector2d(columns, rows);
+      EXPECT_EQ(whole.place_of(other), Eigen::Vector2i(columns, rows));
+    }
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      GridGeometry other = whole;
+      other.origin_m(axis) += side * 0.5 * 0.99e8;
+      EXPECT_TRUE(whole.place_of(other));
+      other.origin_m(axis) += side * 0.5 * 0.02e8;
+      EXPECT_FALSE(whole.place_of(other));
+      other.origin_m(axis) = side * 1e300;
+      EXPECT_FALSE(whole.place_of(other));
+    }
+  }
+}
+
 TEST(GridWindow, SeesAndMergesAsTheWholeGridDoesThere) {
   const World world = field();
   const GridGeometry whole = GridGeometry::covering(world.bounds, 0.7);
