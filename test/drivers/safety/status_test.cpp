@@ -1,0 +1,141 @@
+// What a vehicle says of itself, and what flight safety hands to its driver, from the ground to the
+// ground: held against one another and against what the bench knows.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "drivers/safety/conditions.hpp"
+#include "test/drivers/safety/flight_bench.hpp"
+
+namespace vantage::test {
+namespace {
+
+using drivers::FlightSetpoint;
+using models::FlightState;
+using models::OperatorAction;
+
+constexpr double kSpeedMaxMps = 1.0;
+
+/// The place that is asked for now moves by at most 4 m/s², so that from where it will be it is
+/// told to within a t² / 2.
+void expect_asked_now(const models::VehicleStatus& status, const FlightSetpoint& soon,
+                      const drivers::SafetyLimits& limits) {
+  const double lead_s = limits.setpoint_lead_s;
+  const double slack_m = 0.5 * 4.0 * lead_s * lead_s + 1e-6;
+  EXPECT_NEAR(status.setpoint.x_m, soon.position_world_m.x() - lead_s * soon.velocity_world_mps.x(),
+              slack_m);
+  EXPECT_NEAR(status.setpoint.y_m, soon.position_world_m.y() - lead_s * soon.velocity_world_mps.y(),
+              slack_m);
+  const double height_m = soon.position_world_m.z() - lead_s * soon.velocity_world_mps.z();
+  EXPECT_NEAR(status.setpoint_height_m, std::max(0.0, height_m), 1e-9);
+  // 12 rad/s² of a turn, smoothed over half a second.
+  EXPECT_NEAR(wrap_to_pi(soon.yaw_rad - lead_s * soon.yaw_rate_radps - status.setpoint.yaw_rad),
+              0.0, 0.5 * 12.0 * lead_s * lead_s + 1e-6);
+}
+
+TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
+  FlightBench bench(3);
+  Vehicle& q1 = bench.vehicle("Q1");
+  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
+  drivers::GuardOutput before = q1.out;
+  double fastest_mps = 0.0;
+  int on_plans = 0;
+  int lifting = 0;
+  int coming_down = 0;
+  const auto look = [&] {
+    const Time now = bench.now() - from_seconds(FlightBench::kTickS);  // of this tick
+    const models::VehicleStatus status = q1.guard->status(now);
+    const FlightSetpoint& soon = q1.out.setpoint;
+    EXPECT_EQ(status.stamp.time, now);
+    EXPECT_EQ(status.robot, "Q1");
+    EXPECT_EQ(status.state, q1.out.state);
+    EXPECT_EQ(status.battery_share, q1.guard->inputs().battery_share);
+    const bool is_airborne = drivers::is_airborne(q1.out.state);
+    EXPECT_EQ(soon.kind == FlightSetpoint::Kind::kTrack, is_airborne);
+    if (is_airborne) {
+      expect_asked_now(status, soon, limits);
+    } else {
+      EXPECT_EQ(status.setpoint.position_m(), q1.guard->world_from_body().translation_m.head<2>());
+    }
+    fastest_mps = std::max(fastest_mps, soon.velocity_world_mps.head<2>().norm());
+    // A plan that begins later is told of as soon as it is taken.
+    const bool flies_plan = q1.out.state == FlightState::kFollow && q1.guard->inputs().has_plan;
+    if (flies_plan) {
+      EXPECT_EQ(status.plan_round, q1.sent.back().round);
+      ++on_plans;
+    } else if (q1.out.state != FlightState::kFollow) {
+      EXPECT_EQ(status.plan_round, -1);
+    }
+    const bool is_lifting = FlightBench::has_reason(q1, "first lift", now);
+    if (is_lifting) {
+      EXPECT_NEAR(q1.out.climb_to_m, limits.lift_height_m, 0.002);
+      ++lifting;
+    } else if (q1.out.state == FlightState::kLand) {
+      EXPECT_EQ(q1.out.climb_to_m < 0.0, q1.out.is_sinking);
+      coming_down += q1.out.is_sinking ? 1 : 0;
+    } else if (is_airborne) {
+      EXPECT_EQ(q1.out.climb_to_m, 1.0);
+    }
+    EXPECT_TRUE(q1.out.state == FlightState::kLand || !q1.out.is_sinking);
+    // In the air no order is open; near the ground it asks for its motors no more.
+    const bool is_other = q1.out.state != before.state || q1.out.reasons != before.reasons;
+    if (is_airborne && drivers::is_airborne(before.state)) {
+      EXPECT_EQ(q1.out.changed, is_other || q1.out.wants_armed != before.wants_armed);
+    }
+    EXPECT_TRUE(q1.out.changed || !is_other);
+    before = q1.out;
+  };
+  while (bench.time_s() < 9.0) {
+    bench.fly_up(bench.time_s() + 0.5 * FlightBench::kTickS);
+    look();
+  }
+  EXPECT_NEAR(fastest_mps, kSpeedMaxMps, 1e-6);
+  EXPECT_GT(on_plans, 300);
+  EXPECT_GT(lifting, 100);
+  bench.say(OperatorAction::kLand);
+  for (int tick = 0; tick < 1'000; ++tick) {
+    bench.tick();
+    look();
+  }
+  EXPECT_GT(coming_down, 100);
+  EXPECT_EQ(q1.out.state, FlightState::kIdle);
+  EXPECT_FALSE(q1.out.wants_armed);
+}
+
+// An order that is taken back says all that was in its way, in the order of the table.
+TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
+  FlightBench bench(3);
+  Vehicle& q1 = bench.vehicle("Q1");
+  const auto lie = [&] {
+    q1.knobs.body_tilt_rad = 0.5;
+    q1.knobs.yaw_offset_rad = 1.0;
+  };
+  bench.run(1.0, lie);
+  EXPECT_FALSE(FlightBench::has_reason(q1, "arm waits", bench.now()));
+  bench.say(OperatorAction::kArm);
+  bench.run(1.0, lie);
+  EXPECT_TRUE(FlightBench::has_reason(q1, "arm waits", bench.now()));
+  std::string refused = "arm refused: ";
+  int names = 0;
+  const auto rows = drivers::conditions();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (q1.out.reasons[i]) {
+      refused += (names++ > 0 ? ", " : "") + std::string(rows[i].name);
+    }
+  }
+  EXPECT_EQ(refused, "arm refused: body tilted, attitude disagrees, yaw disagrees");
+  EXPECT_FALSE(FlightBench::has_reason(q1, refused, bench.now()));
+  const double wait_s = drivers::limits_for(FlightBench::scenario(), "Q1").arm_wait_s;
+  bench.run(wait_s - 1.1, lie);
+  EXPECT_FALSE(FlightBench::has_reason(q1, refused, bench.now()));
+  bench.run(0.2, lie);
+  EXPECT_TRUE(FlightBench::has_reason(q1, refused, bench.now()));
+  EXPECT_FALSE(FlightBench::has_reason(q1, "arm waits", bench.now()));
+}
+
+}  // namespace
+}  // namespace vantage::test
