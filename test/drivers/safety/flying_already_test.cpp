@@ -1,6 +1,8 @@
 // Who flies is what the body does: a driver that begins in the air, and an autopilot that says, or
 // is said to say, that its motors are off.
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "test/drivers/safety/flight_bench.hpp"
@@ -104,6 +106,30 @@ TEST_F(FlyingAlready, UnseenIsNotDisarmedBeforeThreeHeartbeatsSaySo) {
   });
   EXPECT_NE(q1.out.state, FlightState::kLand);
   EXPECT_FALSE(q1.is_armed);
+}
+
+// The third such heartbeat in a row is believed, in the very tick that hears it.
+TEST_F(FlyingAlready, UnseenIsDisarmedByTheThirdHeartbeatThatSaysSo) {
+  bench.fly_up(6.4);
+  int beats = 0;
+  for (int tick = 0; tick < 300; ++tick) {
+    const auto ticks = std::lround(bench.time_s() / FlightBench::kTickS);
+    if (beats == 2) {  // it was seen to fly until then
+      q1.knobs.body = {BodyFault::kOccluded};
+    }
+    q1.knobs.says_disarmed = true;
+    bench.tick();
+    beats += (ticks % 100 + 100) % 100 == 50 ? 1 : 0;
+    if (drivers::is_airborne(q1.out.state)) {
+      EXPECT_LT(beats, 3);
+      EXPECT_TRUE(q1.guard->inputs().autopilot_armed);
+    } else {
+      EXPECT_EQ(beats, 3);
+      EXPECT_EQ(q1.out.state, FlightState::kIdle);
+      return;
+    }
+  }
+  ADD_FAILURE() << "never believed";
 }
 
 // Motors that really are off: it falls, and that is seen at once.

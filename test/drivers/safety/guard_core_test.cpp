@@ -45,5 +45,30 @@ TEST(GuardCore, AnswersTheSafestOfTheOrdersOfATick) {
   } while (std::next_permutation(orders.begin(), orders.end()));
 }
 
+// A heartbeat asks for nothing, and says nothing that is to be answered.
+TEST(GuardCore, ObeysAtOnceWhatNeedsNoLook) {
+  const scenario::Scenario scenario = room();
+  GuardCore core(scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25));
+  models::OperatorCommand command;
+  const auto answer = [&](OperatorAction action, const std::string& robot) {
+    command.action = action;
+    command.robot = robot;
+    return core.obey_at_once(command);
+  };
+  EXPECT_EQ(answer(OperatorAction::kHeartbeat, ""), CommandVerdict::kObeyed);
+  EXPECT_EQ(answer(OperatorAction::kHeartbeat, "Q1"), CommandVerdict::kObeyed);
+  EXPECT_EQ(answer(OperatorAction::kEmergencyStop, "Q2"), CommandVerdict::kNotForUs);
+  EXPECT_FALSE(core.emergency_stop);
+  for (const OperatorAction action :
+       {OperatorAction::kArm, OperatorAction::kTakeOff, OperatorAction::kFollow,
+        OperatorAction::kHold, OperatorAction::kLand}) {
+    EXPECT_EQ(answer(action, ""), std::nullopt) << static_cast<int>(action);
+  }
+  EXPECT_FALSE(core.emergency_stop);
+  EXPECT_EQ(answer(OperatorAction::kEmergencyStop, ""), CommandVerdict::kObeyed);
+  EXPECT_TRUE(core.emergency_stop);
+  EXPECT_FALSE(core.request);
+}
+
 }  // namespace
 }  // namespace vantage::drivers

@@ -146,6 +146,69 @@ TEST_F(Inputs, AreComparedOnlyWhileBothAreFresh) {
   }
 }
 
+// A quaternion that is a little too long or short tilts nothing, on its feet or on its head.
+TEST_F(Inputs, SayANumberForEveryTilt) {
+  for (const double length : {0.995, 1.0, 1.005}) {
+    for (const double roll_rad : {0.0, kPi}) {
+      guard.emplace(scenario, "Q1", limits);
+      Quaternion rotation = turned(0.4, roll_rad);
+      rotation.coeffs() *= length;
+      see({-2.0, -1.3, 0.0}, rotation);
+      EXPECT_NEAR(look().body_tilt_rad, roll_rad, length == 1.0 ? 1e-6 : 0.25) << length;
+    }
+  }
+}
+
+TEST_F(Inputs, SayHowLongAgoTheLastTickWas) {
+  EXPECT_EQ(look(1.0).since_last_tick_s, 0.0);
+  EXPECT_NEAR(look(1.25).since_last_tick_s, 0.25, 1e-9);
+  EXPECT_NEAR(look(1.26).since_last_tick_s, 0.01, 1e-9);
+  const auto stalls = [&] {
+    std::int64_t count = -1;
+    for (const models::NamedCount& each : guard->counters()) {
+      count = each.name == "tick.stalls" ? each.count : count;
+    }
+    return count;
+  };
+  EXPECT_EQ(stalls(), 0) << "a quarter of a second is none yet";
+  for (const std::int64_t time : {1, 2}) {
+    (void)look(2.0 * static_cast<double>(time));
+    EXPECT_EQ(stalls(), time);
+  }
+}
+
+// Told to stand, it measures how far it rises from where it stood: on a table as on the floor.
+TEST_F(Inputs, SayHowFarItRisesUntoldFromWhereItStood) {
+  for (const double table_m : {0.0, 0.4}) {
+    guard.emplace(scenario, "Q1", limits);
+    number = 0;
+    double risen_m = 0.0;
+    GuardOutput out;
+    for (int tick = 0; tick < 500; ++tick) {
+      const double t_s = 0.01 * tick;
+      risen_m = tick < 400 ? 0.0 : 0.02 + 0.002 * (tick / 20 % 2);
+      const Eigen::Vector3d here_m(-2.0, -1.3, table_m + risen_m);
+      see(here_m, turned(0.0), t_s);
+      AutopilotReport report;
+      report.armed = out.wants_armed;
+      report.estimator_good = report.has_position = report.has_attitude = true;
+      report.is_in_our_mode = true;
+      report.position_world_m = here_m;
+      guard->on_autopilot(report, at(t_s));
+      guard->on_heartbeat(at(t_s));
+      guard->on_battery(0.9, at(t_s));
+      models::OperatorCommand command;
+      command.stamp = {at(t_s), 7, tick};
+      command.action = tick == 200 ? OperatorAction::kArm : OperatorAction::kHeartbeat;
+      (void)guard->on_command(command, at(t_s));
+      out = guard->tick(at(t_s));
+      EXPECT_EQ(out.wants_armed, tick >= 200) << tick;
+      EXPECT_NEAR(guard->inputs().risen_untold_m, risen_m, 1e-9) << tick;
+    }
+    EXPECT_EQ(out.state, FlightState::kIdle);
+  }
+}
+
 // Each word has its own age, and what the autopilot says of itself is handed on as it is.
 TEST_F(Inputs, AreAsOldAsTheLastWordOfEach) {
   const SafetyInputs& never = look(0.0);
@@ -268,6 +331,27 @@ TEST(FirstLiftInputs, AreHowMuchTheBodyClimbsAndTurnsUnlikeItsAutopilot) {
     EXPECT_EQ(q1.out.state, lie.is_found ? FlightState::kKilled : FlightState::kHold);
     EXPECT_EQ(FlightBench::has_reason(q1, "lift disagrees", bench.now()), lie.is_found);
   }
+}
+
+// A battery that says the same again and again says it since it last said another share, or since
+// the take-off.
+TEST(FlightInputs, SayHowLongABatteryHasSaidTheSame) {
+  FlightBench bench(3);
+  Vehicle& q1 = bench.vehicle("Q1");
+  bench.fly_up(3.0);
+  bench.run(0.6, [&] { q1.knobs.battery_frozen = true; });
+  const double unchanged_s = q1.guard->inputs().battery_unchanged_s;
+  EXPECT_GE(unchanged_s, 0.05);
+  bench.run(3.0, [&] { q1.knobs.battery_frozen = true; });
+  EXPECT_NEAR(q1.guard->inputs().battery_unchanged_s, unchanged_s + 3.0, 1e-6);
+  FlightBench frozen(3);
+  Vehicle& other = frozen.vehicle("Q1");
+  while (frozen.time_s() < 3.0) {
+    other.knobs.battery_frozen = true;
+    frozen.fly_up(frozen.time_s() + 0.5 * FlightBench::kTickS);
+  }
+  EXPECT_GT(other.guard->inputs().flight_s, 5.0);
+  EXPECT_EQ(other.guard->inputs().battery_unchanged_s, other.guard->inputs().flight_s);
 }
 
 // What a flight leaves behind must not show in the next: how far it is off its height, how long it

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -42,6 +43,7 @@ TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
   Vehicle& q1 = bench.vehicle("Q1");
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
   drivers::GuardOutput before = q1.out;
+  double height_before_m = 0.0;
   double fastest_mps = 0.0;
   int on_plans = 0;
   int lifting = 0;
@@ -55,7 +57,15 @@ TEST(VehicleStatus, SaysWhatIsAskedNowAndByWhichPlan) {
     EXPECT_EQ(status.state, q1.out.state);
     EXPECT_EQ(status.battery_share, q1.guard->inputs().battery_share);
     const bool is_airborne = drivers::is_airborne(q1.out.state);
-    EXPECT_EQ(soon.kind == FlightSetpoint::Kind::kTrack, is_airborne);
+    EXPECT_EQ(soon.kind, is_airborne ? FlightSetpoint::Kind::kTrack : FlightSetpoint::Kind::kNone);
+    // Its height goes up and down no faster than stated, wherever it is to go.
+    if (is_airborne && drivers::is_airborne(before.state)) {
+      const double step_m = status.setpoint_height_m - height_before_m;
+      const bool lands = q1.out.state == FlightState::kLand;
+      const double most_mps = lands ? limits.descent_mps : limits.climb_mps;
+      EXPECT_LE(std::abs(step_m), FlightBench::kTickS * most_mps + 1e-9);
+    }
+    height_before_m = status.setpoint_height_m;
     if (is_airborne) {
       expect_asked_now(status, soon, limits);
     } else {
@@ -117,7 +127,13 @@ TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
   bench.run(1.0, lie);
   EXPECT_FALSE(FlightBench::has_reason(q1, "arm waits", bench.now()));
   bench.say(OperatorAction::kArm);
-  bench.run(1.0, lie);
+  lie();
+  bench.tick();
+  EXPECT_TRUE(q1.out.changed) << "an order is news";
+  lie();
+  bench.tick();
+  EXPECT_FALSE(q1.out.changed);
+  bench.run(0.98, lie);
   EXPECT_TRUE(FlightBench::has_reason(q1, "arm waits", bench.now()));
   std::string refused = "arm refused: ";
   int names = 0;
@@ -135,6 +151,54 @@ TEST(VehicleStatus, NamesEverythingThatIsInTheWay) {
   bench.run(0.2, lie);
   EXPECT_TRUE(FlightBench::has_reason(q1, refused, bench.now()));
   EXPECT_FALSE(FlightBench::has_reason(q1, "arm waits", bench.now()));
+}
+
+// Plans are taken once it has climbed to within 15 cm of its height, and not before, whoever waits.
+TEST(TakeOff, FollowsNoPlanBeforeItsClimbIsOver) {
+  for (const double told_s : {-14.2, -13.9, -13.6}) {
+    FlightBench bench(3);
+    bench.run(0.5);
+    bench.say(OperatorAction::kArm);
+    bench.run(told_s - bench.time_s());
+    bench.say(OperatorAction::kTakeOff);
+    bench.run(0.1);
+    std::vector<bool> has_plan(3, false);
+    for (int tick = 0; tick < 1'800; ++tick) {
+      if (tick % 10 == 0) {
+        bench.say(OperatorAction::kFollow);
+      }
+      bench.tick();
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vehicle& vehicle = bench.vehicles()[i];
+        const bool begins = vehicle.guard->inputs().has_plan && !has_plan[i];
+        EXPECT_TRUE(!begins || vehicle.position_m.z() > 0.84) << vehicle.name;
+        has_plan[i] = has_plan[i] || begins;
+      }
+    }
+    EXPECT_EQ(has_plan, std::vector<bool>(3, true));
+  }
+}
+
+// Nobody sees it, and it says nothing itself: it is believed to sink by two fifths of what it is
+// asked to.
+TEST(BlindDescent, IsBelievedToBeSlowerThanAsked) {
+  FlightBench bench(3);
+  bench.fly_up(3.0);
+  Vehicle& q1 = bench.vehicle("Q1");
+  const auto hide = [&] {
+    q1.knobs.body = {BodyFault::kOccluded};
+    q1.knobs.telemetry_cut = true;
+  };
+  bench.run(0.8, hide);
+  ASSERT_EQ(q1.out.state, FlightState::kLand);
+  const auto asked_m = [&] { return q1.guard->status(bench.now()).setpoint_height_m; };
+  const double begin_m = q1.guard->inputs().height_m;
+  const double asked_begin_m = asked_m();
+  bench.run(0.5, hide);
+  ASSERT_EQ(q1.out.state, FlightState::kLand);
+  const double asked_sunk_m = asked_begin_m - asked_m();
+  EXPECT_GT(asked_sunk_m, 0.1);
+  EXPECT_NEAR(begin_m - q1.guard->inputs().height_m, 0.4 * asked_sunk_m, 0.004);
 }
 
 }  // namespace
