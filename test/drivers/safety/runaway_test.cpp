@@ -96,6 +96,28 @@ TEST(Runaway, OffItsHeightIsOffItsCourse) {
   }
 }
 
+// A climb may take five seconds and twice its time; whoever is still below then is off its course.
+TEST(Runaway, DownwardsInAClimbIsOffItsCourseOnceTheClimbShouldBeOver) {
+  FlightBench bench(3);
+  Vehicle& q1 = bench.vehicle("Q1");
+  bool has_lifted = false;
+  double begin_s = 0.0;
+  double said_s = 9.0;
+  while (bench.time_s() < 5.0 && said_s > 5.0) {
+    if (begin_s < 0.0) {
+      q1.knobs.runaway_mps = {0.0, 0.0, -1.0};  // half a metre below what is asked
+    }
+    bench.fly_up(bench.time_s() + 0.5 * FlightBench::kTickS);
+    const bool lifts = FlightBench::has_reason(q1, "first lift", bench.now());
+    begin_s = has_lifted && !lifts && begin_s == 0.0 ? bench.time_s() : begin_s;
+    has_lifted = has_lifted || lifts;
+    said_s = FlightBench::has_reason(q1, "tracking", bench.now()) ? bench.time_s() : said_s;
+  }
+  ASSERT_LT(begin_s, -5.0);
+  const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
+  EXPECT_NEAR(said_s - begin_s, 5.0 + 2.0 * 1.0 / limits.climb_mps, 0.3);
+}
+
 // Faster than it may: held.
 TEST(Runaway, FasterThanItsLimitIsHeld) {
   for (const double way : {1.0, -1.0}) {
