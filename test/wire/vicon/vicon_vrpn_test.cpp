@@ -1,5 +1,7 @@
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -342,6 +344,24 @@ TEST(IdentifyDatagram, TellsTheStreamsApart) {
   EXPECT_EQ(identify_datagram(from_text("10.0.0.7 4000")), Speaker::kVrpn);
   EXPECT_EQ(identify_datagram(from_hex("0100 2B1A 00000000")), Speaker::kDataStream);
   EXPECT_EQ(identify_datagram(from_hex("00 01 02 03 04 05 06 07")), Speaker::kUnknown);
+}
+
+// Each by a word that no other has.
+TEST(Speakers, AreCalledByTheirOwnNames) {
+  const std::vector<std::pair<Speaker, std::string>> words{
+      {Speaker::kUnknown, "unknown"},
+      {Speaker::kTooFewBytes, "does not speak"},
+      {Speaker::kDataStream, "DataStream"},
+      {Speaker::kVrpn, "VRPN"},
+      {Speaker::kObjectStream, "object stream"},
+      {Speaker::kQualisys, "Qualisys"},
+      {Speaker::kText, "text"}};
+  for (const auto& [speaker, own] : words) {
+    const std::string name = name_of(speaker);
+    for (const auto& [other, word] : words) {
+      EXPECT_EQ(name.find(word) != std::string::npos, speaker == other) << name << ": " << word;
+    }
+  }
 }
 
 }  // namespace
