@@ -144,6 +144,15 @@ TEST_F(Gate, TakesANewPlannersNumbersFromTheBeginningOnceTheOldOneIsSilent) {
   EXPECT_EQ(gate.lease().takeovers(), 2);
 }
 
+// A clock that was never set may be before 1970.
+TEST_F(Gate, TakesAFirstPlanWhateverTheClockSays) {
+  constexpr double kEpochS = -1'700'000'000.0;
+  for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
+    EXPECT_TRUE(accepts_at_first(news(at_s), at_s)) << at_s;
+    EXPECT_EQ(judge(news(at_s - 1e-3), at_s), PlanVerdict::kStale) << "before the last one";
+  }
+}
+
 TEST_F(Gate, TakesPlansOfNowOnly) {
   const double past_s = test::last_accepted(
       0.0, 60.0, 1e-7, [&](double ago_s) { return accepts_at_first(news(-ago_s), 0.0); });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -86,6 +87,26 @@ TEST_F(Poses, PassAGateThatWidensWithTheGap) {
     const BodyContext sinks{true, false, false, 0.3};
     EXPECT_EQ(see(here_m + Eigen::Vector3d(0.0, 0.0, z_m), kFrameS, sinks),
               z_m < 0.0 ? PoseVerdict::kAccepted : PoseVerdict::kJump);
+  }
+}
+
+// Unseen it came down as it was told to, which is no jump: so far below the gate, and not above.
+TEST_F(Poses, MayHaveComeDownAsFarAsItWasTold) {
+  const Eigen::Vector3d here_m(0.5, -0.4, 2.0);
+  const double gap_s = 0.1;
+  const double gate_m = 0.25 + 5.0 * gap_s * gap_s;
+  for (const double sunk_m : {0.0, 0.1, 0.7}) {
+    BodyContext context = kHovers;
+    context.sunk_m = sunk_m;
+    for (const auto& [way, room_m] : {std::pair(Eigen::Vector3d(0.0, 0.0, -1.0), gate_m + sunk_m),
+                                      std::pair(Eigen::Vector3d(0.0, 0.0, 1.0), gate_m),
+                                      std::pair(Eigen::Vector3d(-1.0, 0.0, 0.0), gate_m)}) {
+      const double last_m = test::last_accepted(0.001, 1.9, 1e-9, [&, &way = way](double m) {
+        stand(here_m);
+        return see(here_m + m * way, gap_s, context) == PoseVerdict::kAccepted;
+      });
+      EXPECT_NEAR(last_m, room_m, 1e-8) << sunk_m << " along " << way.transpose();
+    }
   }
 }
 
