@@ -200,16 +200,12 @@ class Rays {
     }
     const double middle_m = 0.5 * (r.low + r.high);
     const double half_m = 0.5 * r.width();
-    const double fov_half_rad = sees_all_around() ? 2.0 * kPi : 0.5 * sensor_.fov_rad;
-    const bool is_in_fov = std::abs(wrap_to_pi(bearing_rad)) < fov_half_rad;
     const bool is_soft = soft_.distance_m > 0.0 || soft_.angle_rad > 0.0;
     const double depth_per_m =
         law_.depth_per_m != nullptr ? depth_share : std::numeric_limits<double>::infinity();
     const auto view_probability = [&](double r_m) {
       if (!is_soft) {
-        const bool is_seen =
-            law_.sees == nullptr || models::in_view(sensor_, from_, eye_m_ + r_m * u);
-        return is_seen && is_in_fov && r_m >= limits.low && r_m < limits.high ? 1.0 : 0.0;
+        return models::in_view(sensor_, from_, eye_m_ + r_m * u) ? 1.0 : 0.0;
       }
       return estimator::view_probability(sensor_, soft_, r_m, r_m * cos_elevation, bearing_rad,
                                          depth_per_m * r_m);

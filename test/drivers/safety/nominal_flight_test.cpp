@@ -48,7 +48,6 @@ TEST(FlightGuard, FollowsForAMinuteWithoutAReasonToStop) {
 // the next plan is there. It keeps up with them as long as poses are younger than 50 ms.
 TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
   FlightBench bench(1);
-  bench.room().heard_before_ms = 8;
   bench.fly_up(5.0);
   Vehicle& q1 = bench.vehicle("Q1");
   const drivers::SafetyLimits limits = drivers::limits_for(FlightBench::scenario(), "Q1");
@@ -62,6 +61,7 @@ TEST(FlightGuard, AsksForTheCourseOfItsPlansUntilTheRoundEnds) {
     if (i / 100 % 5 == 1) {  // so that plans end anywhere in a round
       q1.knobs.plan = PlanFault::kDropped;
     }
+    bench.room().heard_before_ms = 8;
     bench.tick();
     ASSERT_EQ(q1.out.state, FlightState::kFollow) << i;
     drivers::HeldPlan plan;
