@@ -326,7 +326,8 @@ TEST(SurveyLog, CutsALogIntoBlocksThatSayWhatIsInThem) {
     }
     for (const auto& [name, channel] : survey.channels) {
       for (std::size_t i = 0; i < 8 * channel.in_block.size(); ++i) {
-        EXPECT_EQ((channel.in_block[i / 8] >> (i % 8) & 1U) != 0, blocks_of[name].contains(i)) << i;
+        const unsigned bits = channel.in_block[i / 8];
+        EXPECT_EQ((bits >> (i % 8) & 1U) != 0, blocks_of[name].contains(i)) << i;
       }
       EXPECT_EQ(channel.in_block.size(), *blocks_of[name].rbegin() / 8 + 1);
     }
