@@ -174,8 +174,14 @@ TEST(RobotPlanner, StaysSafeWhenProposalsAreLost) {
       round.exchange(lost);
       round.plan();
       expect_safe(round, "seed " + std::to_string(seed));
+      // Who has neither heard nor said anything has no solution.
+      const auto is_as_the_first = [&](const std::optional<models::TeamProposal>& solution) {
+        const auto& first = round.solutions_[0];
+        return solution.has_value() == first.has_value() &&
+               (!solution || solution->history == first->history);
+      };
       for (const auto& solution : round.solutions_) {
-        disagreed += solution->history != round.solutions_[0]->history ? 1 : 0;
+        disagreed += is_as_the_first(solution) ? 0 : 1;
       }
     }
   }
