@@ -111,7 +111,9 @@ await shot(page, "1080p_light");
 await until(page, () => decodeURIComponent(location.hash).includes("position_rad.2")); // it follows within half a second
 const address = await page.evaluate(() => location.href);
 const other = await open(1366, 768, "dark", address.slice(url.length + 1), null, () => window.vantage && Object.keys(vantage.series("/lcm/POWER voltage_v")).length > 0);
-assert.deepEqual((await other.evaluate(() => vantage.charts())).map(({ key }) => key), (await page.evaluate(() => vantage.charts())).map(({ key }) => key));
+const keys = (await page.evaluate(() => vantage.charts())).map(({ key }) => key);
+await until(other, (count) => vantage.charts().length >= count, keys.length); // they come one after another
+assert.deepEqual((await other.evaluate(() => vantage.charts())).map(({ key }) => key), keys);
 await other.waitForTimeout(folder ? 1500 : 0);
 await shot(other, "1366_dark");
 for (const each of [page, other]) {
