@@ -12,6 +12,7 @@
 #include "estimator/track.hpp"
 #include "models/sensor/clutter.hpp"
 #include "test/estimator/filter_support.hpp"
+#include "test/estimator/lab_tracks.hpp"
 #include "test/support/near.hpp"
 
 // What one look makes of tracks without ids, by hand; and tracks that live by counts.
@@ -21,26 +22,14 @@ namespace {
 
 using test::at;
 using test::instant;
+using test::lab_sensor;
 using vantage::test::is_near;
-
-models::SensorModel lab_sensor() {
-  models::SensorModel sensor;
-  sensor.range_min_m = 0.1;
-  sensor.range_max_m = 3.0;
-  sensor.range_sigma_m = 0.1;
-  return sensor;
-}
 
 MultiTargetSpec spec_of(int targets, models::DetectionModel detection,
                         Tracker tracker = Tracker::kLabelled) {
-  MultiTargetSpec spec;
-  spec.detection = detection;
-  spec.estimator.target_model = {models::TargetKind::kRandomWalk, 2, 0.02};
-  spec.estimator.detection_probability = 0.9;
-  spec.world.bounds = {{-4.0, -4.0}, {4.0, 3.0}};
-  spec.targets = targets;
+  MultiTargetSpec spec = test::spec_of(targets, detection, tracker);
+  spec.world.bounds.max_m.y() = 3.0;  // 56 m²
   spec.tracks_max = targets + 2;
-  spec.tracker = tracker;
   return spec;
 }
 

@@ -11,6 +11,7 @@
 #include "estimator/track.hpp"
 #include "models/sensor/clutter.hpp"
 #include "test/estimator/filter_support.hpp"
+#include "test/estimator/lab_tracks.hpp"
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
 
@@ -19,28 +20,9 @@ namespace {
 
 using test::at;
 using test::instant;
+using test::lab_sensor;
+using test::spec_of;
 using vantage::test::is_near;
-
-models::SensorModel lab_sensor() {
-  models::SensorModel sensor;
-  sensor.range_min_m = 0.1;
-  sensor.range_max_m = 3.0;
-  sensor.range_sigma_m = 0.1;
-  return sensor;
-}
-
-MultiTargetSpec spec_of(int targets, models::DetectionModel detection,
-                        Tracker tracker = Tracker::kLabelled) {
-  MultiTargetSpec spec;
-  spec.detection = detection;
-  spec.estimator.target_model = {models::TargetKind::kRandomWalk, 2, 0.02};
-  spec.estimator.detection_probability = 0.9;
-  spec.world.bounds = {{-4.0, -4.0}, {4.0, 4.0}};
-  spec.targets = targets;
-  spec.tracks_max = targets + 5;
-  spec.tracker = tracker;
-  return spec;
-}
 
 LabelledTrack track_at(double x_m, double y_m, double sigma_m, double existence) {
   LabelledTrack track;
