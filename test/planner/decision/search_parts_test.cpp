@@ -19,11 +19,10 @@ namespace {
 
 using test::at;
 using test::changed;
+using test::kMeasures;
 using test::made_team;
 using test::value_of;
 
-constexpr InformationMeasure kMeasures[] = {InformationMeasure::kMutual,
-                                            InformationMeasure::kLogDet};
 constexpr std::uint64_t kInstances = 200;
 
 std::vector<char> drawn_exclusion(const TeamOracle& oracle, std::uint64_t seed) {

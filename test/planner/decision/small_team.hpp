@@ -8,6 +8,9 @@
 
 namespace vantage::test {
 
+inline constexpr planner::InformationMeasure kMeasures[] = {planner::InformationMeasure::kMutual,
+                                                            planner::InformationMeasure::kLogDet};
+
 inline std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// J of `choice`, by a set of its own.

@@ -21,11 +21,10 @@ namespace {
 
 using test::at;
 using test::changed;
+using test::kMeasures;
 using test::made_team;
 using test::value_of;
 
-constexpr InformationMeasure kMeasures[] = {InformationMeasure::kMutual,
-                                            InformationMeasure::kLogDet};
 constexpr std::uint64_t kInstances = 200;
 
 // ---- Searches that can be followed by hand ----
