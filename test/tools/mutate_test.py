@@ -16,7 +16,7 @@ import unittest
 
 SOURCE = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else ".").resolve()
 sys.path.insert(0, str(SOURCE / "tools" / "dev"))
-from mutation import ledger, sites, workshop  # noqa: E402
+from mutation import ledger, sites, sweep, workshop  # noqa: E402
 
 MUTATE = SOURCE / "tools" / "dev" / "mutate"
 ARGUMENTS = ["-std=c++20"]
@@ -229,6 +229,49 @@ class Ledgers(unittest.TestCase):
                              ledger.table(read.rows, "draw").splitlines()[2])
 
 
+class Sweeping(unittest.TestCase):
+    SOURCE = b"void f(int& n) { n = 0; ++n; }\nint g(int n) { return -n; }\n"
+
+    def setUp(self):
+        with tempfile.NamedTemporaryFile(suffix=".cpp") as file:
+            file.write(self.SOURCE)
+            file.flush()
+            self.found = sites.find_sites(file.name, "a.cpp", ARGUMENTS)
+            self.bodies = sites.find_bodies(file.name, "a.cpp", ARGUMENTS)
+        self.text, self.owners = sweep.text_of(self.SOURCE, self.bodies, list(enumerate(self.found)))
+
+    def result(self, chosen):
+        """What the program ends with: f of 5, then g of it and 10 more."""
+        with tempfile.TemporaryDirectory() as folder:
+            source = pathlib.Path(folder) / "a.cpp"
+            source.write_bytes(self.text + b"int main() { int n = 5; f(n); return g(n) + 10; }\n" +
+                               sweep.CHOOSER.encode().replace(b'extern "C" ', b""))
+            subprocess.run(["c++", "-o", f"{folder}/a", str(source)], check=True)
+            return [subprocess.run([f"{folder}/a"], env={sweep.VARIABLE: str(number)}).returncode
+                    for number in chosen]
+
+    def test_one_body_is_run_and_nothing_after_it(self):
+        expected = {"n = 0": 10 - 6, "++n": 10 - 0, "-n": 10 + 1}
+        self.assertEqual(set(expected), {site.before for site in self.found})
+        self.assertEqual([expected[site.before] for site in self.found] + [9],
+                         self.result([*range(len(self.found)), -1]))
+
+    def test_lines_are_those_of_their_mutation(self):
+        lines = self.text.split(b"\n")
+        for number, site in enumerate(self.found):
+            at = [i for i, line in enumerate(lines, 1) if f"== {number})".encode() in line]
+            self.assertEqual({number}, sweep.culprits([at[0], at[0] + 1], self.owners))
+        self.assertEqual(set(), sweep.culprits([1, 2, len(lines)], self.owners))
+
+    def test_what_a_compiler_may_run_is_left_as_it_is(self):
+        with tempfile.NamedTemporaryFile(suffix=".cpp") as file:
+            file.write(b"constexpr int f() { return 3; }\nstruct S { int g() { return 4; } };\n")
+            file.flush()
+            bodies = sites.find_bodies(file.name, "a.cpp", ARGUMENTS)
+        self.assertEqual([False], [body.is_void for body in bodies])
+        self.assertGreater(bodies[0].begin, 32)
+
+
 TOY = {
     "CMakeLists.txt": """cmake_minimum_required(VERSION 3.25)
 project(toy LANGUAGES CXX)
@@ -253,7 +296,7 @@ target_link_libraries(vantage PRIVATE far)
 add_test(NAME guard.table COMMAND sh ${PROJECT_SOURCE_DIR}/test/guard.sh $<TARGET_FILE_DIR:vantage>)
 """,
     ".gitignore": "build/\n",
-    "toy/toy.hpp": "#pragma once\nint clipped(int value, int most);\nbool ends(int count);\n",
+    "toy/toy.hpp": "#pragma once\nint clipped(int value, int most);\nbool ends(int count);\nint one_more(const int& from);\n",
     "toy/toy.cpp": """#include "toy/toy.hpp"
 
 int clipped(int value, int most) {
@@ -269,6 +312,13 @@ bool ends(int count) {
     --left;
   }
   return left == 0;
+}
+
+int sum(int& to, const int& from) { return to + from; }
+
+int one_more(const int& from) {
+  int to = 1;
+  return sum(to, from);
 }
 """,
     "far/far.hpp": "#pragma once\nint halved(int value);\nint doubled(int value);\nint tripled(int value);\n",
@@ -402,6 +452,17 @@ class Project(unittest.TestCase):
         self.mutate("--run", noticed, unnoticed, "--quick")
         self.assertEqual("killed", self.outcome(noticed)[0])
         self.assertIn(self.outcome(unnoticed)[0], ("pending", "same code"))
+
+    def test_all_at_once_come_to_the_same_as_one_at_a_time(self):
+        self.mutate("--run", "--jobs", "2")
+        alone = {r["id"]: r["outcome"] for r in self.rows() if r["file"].endswith(".cpp")}
+        self.assertLessEqual({"killed", "survived", "not built"}, set(alone.values()))
+        self.mutate("--sweep", "toy", "--jobs", "2")
+        together = {r["id"]: r["outcome"]
+                    for r in map(json.loads, (self.root / "build/mutate/sweep.jsonl").read_text().splitlines())}
+        # What compiles to the same bytes is known of those alone that are compiled alone.
+        self.assertEqual({i: "survived" if o == "same code" else o for i, o in alone.items()}, together)
+        self.assert_untouched()
 
     def test_goes_on_where_it_was_and_again_what_survived(self):
         first = self.rows()[0]["id"]

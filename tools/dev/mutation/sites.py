@@ -82,6 +82,14 @@ class Site:
         return source[:self.begin] + self.replacement + source[self.end:]
 
 
+@dataclasses.dataclass(frozen=True)
+class Body:
+    """What stands between the braces of a function, in bytes of its file."""
+    begin: int
+    end: int
+    is_void: bool  # it may end without a return
+
+
 def is_available():
     return cindex is not None
 
@@ -100,6 +108,43 @@ def parse_arguments(command):
 
 def find_sites(path, name, arguments):
     """The sites of the file at `path`, called `name` in the ledger, in the order of their place."""
+    source, unit = _parsed(path, name, arguments)
+    finder = _Finder(str(path), source)
+    for cursor in unit.cursor.get_children():
+        if cursor.location.file is not None and cursor.location.file.name == str(path):
+            if cursor.kind == Kind.MACRO_INSTANTIATION:
+                finder.macros.append((cursor.extent.start.offset, cursor.extent.end.offset))
+    for cursor in unit.cursor.get_children():
+        if cursor.location.file is not None and cursor.location.file.name == str(path):
+            finder.walk(cursor, [])
+    return _named(finder.found, source, name)
+
+
+def find_bodies(path, name, arguments):
+    """The functions that the file defines, but for those that a compiler may run, in the order of their place."""
+    source, unit = _parsed(path, name, arguments)
+    found = []
+
+    def walk(cursor):
+        for child in cursor.get_children():
+            if child.location.file is None or child.location.file.name != str(path):
+                continue
+            if child.kind not in FUNCTIONS:
+                walk(child)
+                continue
+            inner = [c for c in child.get_children() if c.kind == Kind.COMPOUND_STMT]
+            begin = child.extent.start.offset
+            if inner and not re.search(rb"\bconst(expr|eval)\b", source[begin:inner[-1].extent.start.offset]):
+                found.append(Body(inner[-1].extent.start.offset + 1, inner[-1].extent.end.offset - 1,
+                                  child.kind in (Kind.CONSTRUCTOR, Kind.DESTRUCTOR) or
+                                  child.result_type.get_canonical().kind == TypeKind.VOID))
+
+    walk(unit.cursor)
+    return sorted(found, key=lambda body: body.begin)
+
+
+def _parsed(path, name, arguments):
+    """The file's bytes, and libclang's tree of it."""
     with open(path, "rb") as file:
         source = file.read()
     read, unsaved = str(path), []
@@ -113,15 +158,7 @@ def find_sites(path, name, arguments):
     errors = [d for d in unit.diagnostics if d.severity >= cindex.Diagnostic.Error]
     if errors:
         raise CannotParse(f"{name}: libclang: {errors[0].spelling} ({errors[0].location})")
-    finder = _Finder(str(path), source)
-    for cursor in unit.cursor.get_children():
-        if cursor.location.file is not None and cursor.location.file.name == str(path):
-            if cursor.kind == Kind.MACRO_INSTANTIATION:
-                finder.macros.append((cursor.extent.start.offset, cursor.extent.end.offset))
-    for cursor in unit.cursor.get_children():
-        if cursor.location.file is not None and cursor.location.file.name == str(path):
-            finder.walk(cursor, [])
-    return _named(finder.found, source, name)
+    return source, unit
 
 
 def _named(found, source, name):

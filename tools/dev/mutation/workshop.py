@@ -24,7 +24,7 @@ INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.M)
 GENERATED = "vantage_lcm_gen"  # headers that must be there before a file can be parsed
 BUILD_LIMIT_S = 1800.0
 TIERS_S = (0.03, 0.5, 3.0, math.inf)  # the cheapest tests are asked first
-QUICK_TIERS = 2  # of them, with --quick
+QUICK_S = TIERS_S[1]  # the slowest with --quick
 KILLERS = 12  # so many tests that noticed another bug nearby are asked before all others
 UNKNOWN_S = 0.1  # of a test that has not been timed
 SCRIPTED = "vantage"  # the program that scripts start
@@ -122,7 +122,7 @@ def has_every_file_alone(build):
 class Workshop:
     """The sources as they are, a build of them, and what is known of its tests."""
 
-    def __init__(self, root, build=None, exclude_labels="", exclude_tests="", only="", is_quick=False,
+    def __init__(self, root, build=None, exclude_labels="", exclude_tests="", only="", quick_s=None,
                  jobs=1, limit_factor=5.0, limit_slack_s=5.0, scripts="", say=print):
         self.root = pathlib.Path(root)
         self.place = self.root / "build" / "mutate"
@@ -133,7 +133,7 @@ class Workshop:
         self.exclude_labels = exclude_labels
         self.exclude_tests = exclude_tests
         self.only = only
-        self.is_quick = is_quick
+        self.quick_s = quick_s  # what takes longer is not asked, and nothing is settled by that
         self.scripts = scripts
         self.jobs = jobs
         self.limit_factor = limit_factor
@@ -430,7 +430,7 @@ class Workshop:
                 continue
             for wanted in sorted(objects - set(made)):
                 made[wanted] = place / f"{len(made)}.o"
-                output, code = self.compile(wanted, made[wanted], place / "sources", site,
+                output, code = self.compile(wanted, made[wanted], place / "sources", site.file,
                                             site.apply((self.root / site.file).read_bytes()))
                 if code != 0:
                     return ledger.NOT_BUILT, first_error(output)
@@ -447,7 +447,7 @@ class Workshop:
             if len(tried) == 1 and site.file.endswith(".cpp") and all(
                     hash_of(made[o]) == self.unmutated(o, site) for o in objects):
                 return ledger.SAME_CODE, ""
-        if self.is_quick:
+        if self.quick_s is not None:
             return ledger.PENDING, ""
         return self.judge_by_scripts(place, site, made, tried)
 
@@ -466,7 +466,7 @@ class Workshop:
             path.unlink()
             for wanted in sorted(objects - set(made)):
                 made[wanted] = place / f"{len(made)}.o"
-                output, code = self.compile(wanted, made[wanted], place / "sources", site,
+                output, code = self.compile(wanted, made[wanted], place / "sources", site.file,
                                             site.apply((self.root / site.file).read_bytes()))
                 if code != 0:
                     return ledger.NOT_BUILT, first_error(output)
@@ -499,19 +499,19 @@ class Workshop:
                     self.say(f"  unmutated: {test.name} fails, and is left out")
             return self.sound[test.name]
 
-    def compile(self, wanted, made, sources, site, text):
-        """An object from a file of which one, itself or a header, has another text."""
+    def compile(self, wanted, made, sources, name, text, options=()):
+        """An object from a file where the file `name`, itself or a header, has another text."""
         words = list(self.command_of[wanted])
         words[words.index("-o") + 1] = made
-        overlay = sources / site.file
+        overlay = sources / name
         overlay.parent.mkdir(parents=True, exist_ok=True)
         overlay.write_bytes(text)
         source = self.source_of[wanted]
-        if source == site.file:
+        if source == name:
             words[words.index("-c") + 1] = overlay
         beside = [f"-iquote{(sources / source).parent}", f"-iquote{(self.root / source).parent}"]
         # Before all other folders: the header that is mutated is found there.
-        words[1:1] = [*beside, f"-I{sources}", f"-ffile-prefix-map={sources}={self.root}"]
+        words[1:1] = [*beside, f"-I{sources}", f"-ffile-prefix-map={sources}={self.root}", *options]
         return self.command(words, is_checked=False, cwd=self.build)
 
     def unmutated(self, wanted, site):
@@ -520,7 +520,7 @@ class Workshop:
             if wanted not in self.compiled:
                 place = self.place / "work" / "unmutated"
                 made = place / "o"
-                self.compile(wanted, made, place / "sources", site, (self.root / site.file).read_bytes())
+                self.compile(wanted, made, place / "sources", site.file, (self.root / site.file).read_bytes())
                 self.compiled[wanted] = hash_of(made)
                 shutil.rmtree(place)
             return self.compiled[wanted]
@@ -539,12 +539,14 @@ class Workshop:
 
     def killer(self, program, path, known, killers):
         """The test that fails first; those are asked first that noticed other bugs nearby."""
+        if self.quick_s is not None:
+            known = [t for t in known if t.seconds <= self.quick_s]
         old = [t for k in killers for t in known if t.name == k and t.seconds <= TIERS_S[-2]][:KILLERS]
         rest = [t for t in known if t not in old]
         tiers = [old]
         for low, high in zip((-1.0, *TIERS_S), TIERS_S):
             tiers.append([t for t in rest if low < t.seconds <= high])
-        for tests in tiers[:QUICK_TIERS + 1] if self.is_quick else tiers:
+        for tests in tiers:
             for group in by_kind(tests):
                 found = self.failing(program, path, group)
                 if found:
@@ -588,6 +590,10 @@ class Test:
 
     def timed(self, seconds):
         return Test(self.name, self.filter, self.place, seconds, self.before)
+
+    def run_by(self, words):
+        """The same with a command before its program."""
+        return Test(self.name, self.filter, self.place, self.seconds, (*self.before, *words))
 
 
 def place_of(entry):

@@ -1,0 +1,149 @@
+"""Every mutation of a file in one object: each function has its body once more for each of them, and a
+number from the environment says which is run. So files are compiled once and not for each mutation."""
+
+import bisect
+import collections
+import os
+import re
+import shutil
+
+from . import ledger, sites
+from .workshop import Trouble
+
+VARIABLE = "VANTAGE_MUTANT"  # of the environment: the number; whatever else is as the sources are
+CHOICE = "vantage_mutant"  # of the program: the same
+# Before any other constructor of the program: tests are listed, and their inputs made, by those.
+CHOOSER = f"""#include <cstdlib>
+extern "C" int {CHOICE} = -1;
+__attribute__((constructor(101))) static void choose() {{
+  if (const char* number = std::getenv("{VARIABLE}")) {CHOICE} = std::atoi(number);
+}}
+"""
+
+
+def text_of(source, bodies, numbered):
+    """The source with the body of each function once more for each mutation in it, and whose the lines
+    are: (first line, number) in their order, None where they are nobody's. `numbered` is of (number, site)."""
+    pieces = [f'extern "C" int {CHOICE};\n'.encode()]
+    owners = [(1, None)]
+    line = 2
+
+    def write(piece):
+        nonlocal line
+        pieces.append(piece)
+        line += piece.count(b"\n")
+
+    inside = collections.defaultdict(list)
+    for number, site in numbered:
+        inside[body_of(bodies, site)].append((number, site))
+    at = 0
+    for body in bodies:
+        if not inside[body]:
+            continue
+        write(source[at:body.begin])
+        for number, site in inside[body]:
+            write(b"\n")
+            owners.append((line, number))
+            write(f"if ({CHOICE} == {number}) {{\n".encode())
+            write(site.apply(source)[body.begin:body.end + len(site.replacement) - (site.end - site.begin)])
+            write(b"\nreturn;}\n" if body.is_void else b"\n}\n")
+            owners.append((line, None))
+        at = body.begin
+    write(source[at:])
+    return b"".join(pieces), owners
+
+
+def body_of(bodies, site):
+    """The function that a site is within."""
+    return next((body for body in bodies if body.begin <= site.begin and site.end <= body.end), None)
+
+
+def culprits(errors, owners):
+    """Numbers of the mutations that a compiler complained of."""
+    lines = [line for line, _ in owners]
+    found = {owners[bisect.bisect_right(lines, line) - 1][1] for line in errors}
+    return found - {None}
+
+
+class Sweep:
+    """The programs that see some files, each linked with all mutations of these."""
+
+    def __init__(self, shop, sites_of):
+        """`sites_of`: the sites by file."""
+        self.shop = shop
+        self.place = shop.place / "sweep"
+        shutil.rmtree(self.place, ignore_errors=True)
+        self.place.mkdir()
+        self.number_of = {}  # by id, of what is built
+        self.errors = {}  # by id, of what is not
+        self.outside = []  # what stands in no function
+        self.objects = {}  # by object of the build: its like with all mutations
+        self.paths = {}  # by program
+        number = 0
+        for name, found in sites_of.items():
+            bodies = sites.find_bodies(shop.root / name, name, shop.arguments_for(name))
+            numbered = []
+            for site in found:
+                if body_of(bodies, site) is None:
+                    self.outside.append(site)
+                else:
+                    numbered.append((number, site))
+                    number += 1
+            self.compile(name, bodies, numbered)
+        chooser = self.place / "chooser.cpp"
+        chooser.write_text(CHOOSER)
+        self.objects["chooser"] = chooser.with_suffix(".o")
+        shop.command([next(iter(shop.command_of.values()))[0], "-c", chooser, "-o", self.objects["chooser"]])
+
+    def compile(self, name, bodies, numbered):
+        """Each object of a file, without those mutations that no compiler takes."""
+        source = (self.shop.root / name).read_bytes()
+        wanted = sorted({o for _, objects in self.shop.who_sees(name) for o in objects
+                         if self.shop.source_of[o] == name})
+        left = list(numbered)
+        for each in wanted:
+            made = self.place / f"{len(self.objects)}.o"
+            while True:
+                text, owners = text_of(source, bodies, left)
+                output, code = self.shop.compile(each, made, self.place / "sources", name, text, ("-w",))
+                if code == 0:
+                    break
+                where = re.findall(rf"sources/{re.escape(name)}:(\d+):(?:\d+:)?\s+(?:error:|  required)", output)
+                bad = culprits(map(int, where), owners)
+                if not bad:
+                    raise Trouble(f"{name}: {output[-2000:]}")
+                self.errors |= {site.id: "does not compile" for number, site in left if number in bad}
+                left = [(number, site) for number, site in left if number not in bad]
+            self.objects[each] = made
+        self.number_of |= {site.id: number for number, site in left}
+        self.shop.say(f"{name}: {len(left)} of {len(numbered)} in one object")
+
+    def judge(self, site, killers=()):
+        """Outcome, and by what, or which programs did not notice."""
+        if site.id in self.errors:
+            return ledger.NOT_BUILT, self.errors[site.id]
+        chosen = ("env", f"{VARIABLE}={self.number_of[site.id]}")
+        tried = []
+        for program, _ in self.shop.who_sees(site.file):
+            known = self.shop.known(program)
+            if not known:
+                continue
+            path = self.path_of(program)
+            tried.append(path.name)
+            killer = self.shop.killer(program, path, [test.run_by(chosen) for test in known], killers)
+            if killer:
+                return ledger.KILLED, killer
+        return (ledger.PENDING, "") if self.shop.quick_s is not None else (ledger.SURVIVED, " ".join(tried))
+
+    def path_of(self, program):
+        """The program with all mutations, linked when it is asked for first."""
+        with self.shop.is_one_at_a_time:
+            if program not in self.paths:
+                path = self.place / os.path.basename(program)
+                mine = {o: made for o, made in self.objects.items()
+                        if o in self.shop.programs[program] or o == "chooser"}
+                output, code = self.shop.link(program, mine, path)
+                if code != 0:
+                    raise Trouble(f"{program}: {output[-2000:]}")
+                self.paths[program] = path
+            return self.paths[program]
