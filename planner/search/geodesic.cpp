@@ -144,7 +144,7 @@ void GeodesicTable::reset(const models::World* world,
   }
   point_ways_.assign(static_cast<std::size_t>(point_count() * corner_count_), kInfinity);
   for (int p = 0; p < point_count(); ++p) {
-    double* ways = &point_ways_[static_cast<std::size_t>(p * corner_count_)];
+    double* ways = point_ways_.data() + static_cast<std::ptrdiff_t>(p * corner_count_);
     for (int c = 0; c < corner_count_; ++c) {
       const Eigen::Vector2d& point = points_[static_cast<std::size_t>(p)];
       if (!sees(point, corners_[c])) {

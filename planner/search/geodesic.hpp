@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -51,7 +52,7 @@ class GeodesicTable {
     return corner_ways_[static_cast<std::size_t>(i * corner_count_ + j)];
   }
   [[nodiscard]] const double* point_ways(int point) const {
-    return &point_ways_[static_cast<std::size_t>(point * corner_count_)];
+    return point_ways_.data() + static_cast<std::ptrdiff_t>(point * corner_count_);
   }
 
   bool has_walls_ = false;

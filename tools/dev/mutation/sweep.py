@@ -12,6 +12,7 @@ from .workshop import Trouble
 
 VARIABLE = "VANTAGE_MUTANT"  # of the environment: the number; whatever else is as the sources are
 CHOICE = "vantage_mutant"  # of the program: the same
+OPTIONS = ("-w", "-D_GLIBCXX_ASSERTIONS")  # an index that is out of range is noticed
 # Before any other constructor of the program: tests are listed, and their inputs made, by those.
 CHOOSER = f"""#include <cstdlib>
 extern "C" int {CHOICE} = -1;
@@ -105,7 +106,7 @@ class Sweep:
             made = self.place / f"{len(self.objects)}.o"
             while True:
                 text, owners = text_of(source, bodies, left)
-                output, code = self.shop.compile(each, made, self.place / "sources", name, text, ("-w",))
+                output, code = self.shop.compile(each, made, self.place / "sources", name, text, OPTIONS)
                 if code == 0:
                     break
                 where = re.findall(rf"sources/{re.escape(name)}:(\d+):(?:\d+:)?\s+(?:error:|  required)", output)
