@@ -218,8 +218,8 @@ function(vantage_test name)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
-  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
-    math(EXPR ARG_TIMEOUT "5 * ${ARG_TIMEOUT}")  # what ends is not late: sanitizers slow tenfold
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
+    math(EXPR ARG_TIMEOUT "5 * ${ARG_TIMEOUT}")  # what ends is not late: counting slows tenfold
   endif()
   add_executable(${name}_test ${ARG_SOURCES})
   set_target_properties(${name}_test PROPERTIES CXX_EXTENSIONS OFF)
