@@ -71,7 +71,6 @@ OperatorAuthority::Station* OperatorAuthority::learn(const models::OperatorComma
   if (goes_on && !is_of_now(stamp.time, station->ahead, now)) {
     ++clocks_set_;
     station->ahead = stamp.time - now;
-    station->stamp = stamp.time - Duration{1};
   }
   return station;
 }
@@ -105,6 +104,8 @@ bool OperatorAuthority::admit(const models::OperatorCommand& command, Time now, 
     station->sequence = stamp.sequence;
     station->stamp = stamp.time;
     station->heard = now;
+  } else if (is_late) {
+    station->sequence = stamp.sequence;  // late once, and not whenever it is repeated
   }
   return counts || models::makes_safer(action);
 }

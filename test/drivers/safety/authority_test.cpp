@@ -207,6 +207,7 @@ TEST_F(Authority, CountsWhatIsNotOfNowWhoTakesOverAndClocksThatAreSet) {
     EXPECT_TRUE(beat(time + 1, begin_s + 0.2, 3600.0)) << "and goes on";
     expect_counts(time, time + 1, 2 * time + 1);
     EXPECT_TRUE(beat(time + 1, begin_s + 0.4, 0.0)) << "it is set back";
+    expect_counts(time, time + 1, 2 * time + 2);
     EXPECT_TRUE(beat(time + 1, begin_s + 0.6, 0.0));
     expect_counts(time, time + 1, 2 * time + 2);
     EXPECT_TRUE(beat(time + 2, begin_s + 10.0, 0.0));
@@ -251,6 +252,75 @@ TEST_F(Authority, ForgetsTheStationThatWasSilentLongestOnly) {
   for (std::int64_t run = 1; run <= 10; ++run) {
     EXPECT_EQ(is_known(run), run != 4 && run != 5) << run;
   }
+}
+
+TEST(PlannerLease, IsContestedByNobodyAtTheBeginningOfTime) {
+  PlannerLease lease;
+  EXPECT_FALSE(lease.is_contested(Time{} + from_seconds(0.5), 2.0));
+  EXPECT_TRUE(lease.admit(1, Time{}, 2.0));
+  EXPECT_FALSE(lease.is_contested(Time{} + from_seconds(0.5), 2.0));
+}
+
+// A heartbeat that was heard before, of whichever age, sets no clock and keeps nobody in charge.
+TEST_F(Authority, FollowsNoClockOfWhatWasHeardBefore) {
+  for (const std::int64_t number : {5, 9, 10}) {  // 10: the newest itself
+    authority = {};
+    const auto beat = [&](std::int64_t sequence_now, double stamped_s, double at_s) {
+      return authority.admit(command(OperatorAction::kHeartbeat, 1, sequence_now, stamped_s),
+                             kStart + from_seconds(at_s), kSilentS);
+    };
+    for (std::int64_t i = 0; i <= 10; ++i) {
+      EXPECT_TRUE(beat(i, 0.1 * static_cast<double>(i), 0.1 * static_cast<double>(i)));
+    }
+    for (const double at_s : {4.0, 3600.0}) {  // and once more
+      EXPECT_FALSE(beat(number, 0.1 * static_cast<double>(number), at_s)) << number;
+      EXPECT_NEAR(authority.age_s(kStart + from_seconds(at_s)), at_s - 1.0, 1e-9);
+    }
+    EXPECT_TRUE(beat(11, 3600.5, 3600.5)) << "itself, by the clock that it had";
+  }
+}
+
+// Who is silent is followed by whoever beats, not by a heartbeat of before nor by an order.
+TEST_F(Authority, PassesToAStationThatBeatsNow) {
+  for (const std::int64_t first : {0, 1}) {  // an id is any number
+    authority = {};
+    EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, first, 1, 0.0), kStart, 1.0));
+    const auto heard = command(OperatorAction::kHeartbeat, 7, 4, 0.5);
+    EXPECT_FALSE(authority.admit(heard, kStart + from_seconds(0.5), 1.0));
+    EXPECT_FALSE(authority.admit(heard, kStart + from_seconds(1.5), 1.0)) << "a copy";
+    const auto arm = command(OperatorAction::kArm, 7, 5, 1.5);
+    EXPECT_FALSE(authority.admit(arm, kStart + from_seconds(1.5), 1.0)) << "it does not beat";
+    EXPECT_EQ(authority.handovers(), 0);
+    const auto beat = command(OperatorAction::kHeartbeat, 7, 6, 1.6);
+    EXPECT_TRUE(authority.admit(beat, kStart + from_seconds(1.6), 1.0));
+    EXPECT_EQ(authority.handovers(), 1);
+    const auto back = command(OperatorAction::kHeartbeat, 7, 7, 9.0);
+    EXPECT_TRUE(authority.admit(back, kStart + from_seconds(9.0), 1.0));
+    EXPECT_EQ(authority.handovers(), 1) << "it takes over from nobody but itself";
+  }
+}
+
+// A stop that was held up acts, once; it keeps nobody in charge, and an order that was is none.
+TEST_F(Authority, TakesWhatIsSaferLateOnceEach) {
+  const auto at = [](double t_s) { return kStart + from_seconds(t_s); };
+  EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 50, 0.0), at(0.0), 1.0));
+  const auto newest = command(OperatorAction::kHold, 1, 50, 0.1);
+  EXPECT_FALSE(authority.admit(newest, at(3.0), 1.0)) << "its number was heard";
+  for (const std::int64_t number : {51, 52}) {
+    const auto late = command(OperatorAction::kHold, 1, number, 0.2);
+    EXPECT_TRUE(authority.admit(late, at(3.0), 1.0)) << number;
+    EXPECT_FALSE(authority.admit(late, at(4.0), 1.0)) << "said before";
+    EXPECT_NEAR(authority.age_s(at(4.0)), 4.0, 1e-9);
+  }
+  std::vector<models::NamedCount> before;
+  authority.count(before);
+  EXPECT_FALSE(authority.admit(command(OperatorAction::kArm, 1, 60, 0.3), at(4.0), 1.0));
+  std::vector<models::NamedCount> after;
+  authority.count(after);
+  EXPECT_EQ(after[1].count, before[1].count + 1) << "operator.other_time";
+  // And it goes on as it did.
+  EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 53, 4.1), at(4.1), 1.0));
+  EXPECT_TRUE(authority.admit(command(OperatorAction::kFollow, 1, 54, 4.2), at(4.2), 1.0));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "test/drivers/safety/flight_bench.hpp"
+#include "test/drivers/safety/driven_ladder.hpp"
 #include "test/support/allocation_counter.hpp"
 
 namespace vantage::drivers {
@@ -14,41 +14,8 @@ namespace {
 using models::FlightState;
 using models::OperatorAction;
 
-SafetyLimits limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
-
-/// A ladder driven tick by tick with inputs that stay as they are set.
-class Driven {
- public:
-  Driven() { in.autopilot_armed = true; }
-  FlightState step(double seconds = 0.01, std::optional<OperatorAction> request = {}) {
-    in.now += from_seconds(seconds);
-    in.request = request;
-    ladder = step_ladder(ladder, in, lim);
-    return ladder.state;
-  }
-  FlightState wait(double seconds) {
-    for (int i = 0; i < static_cast<int>(seconds * 100.0); ++i) {
-      step();
-    }
-    return ladder.state;
-  }
-  Driven& airborne(bool follows = true) {
-    in.autopilot_armed = false;
-    step(0.01, OperatorAction::kArm);
-    in.autopilot_armed = true;
-    step(0.01, OperatorAction::kTakeOff);
-    in.height_m = 1.0;
-    in.flight_s = 5.0;
-    if (follows) {
-      step(0.01, OperatorAction::kFollow);
-    }
-    return *this;
-  }
-
-  SafetyLimits lim = limits();
-  SafetyInputs in;
-  LadderState ladder;
-};
+using test::Driven;
+using test::limits;
 
 class StepLadder : public ::testing::Test {
  protected:

@@ -77,6 +77,7 @@ TEST_F(Source, KeepsBeingBelievedWhenItsClockIsSet) {
     }
   }
   EXPECT_EQ(hear(1, at_s, -kHourS, 5), Standing::kRefused) << "its own frames of an hour ago";
+  EXPECT_EQ(hear(1, at_s, -3.0, 5), Standing::kBelieved) << "it numbers them anew, by that clock";
   EXPECT_EQ(hear(2, at_s + 1.0, -3.0), Standing::kRefused) << "a new one is held against ours";
   EXPECT_EQ(hear(2, at_s + 1.0), Standing::kCandidate);
 }
