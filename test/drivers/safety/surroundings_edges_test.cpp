@@ -1,0 +1,379 @@
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "drivers/safety/surroundings.hpp"
+#include "models/world/world.hpp"
+#include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/bisect.hpp"
+#include "test/support/random.hpp"
+
+// How near is near: each distance of the surroundings on both sides of its edge, in rooms so plain
+// that the answer can be said beforehand.
+
+namespace vantage::drivers {
+namespace {
+
+SafetyLimits bench_limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
+
+/// The bench's vehicle in a room without obstacles.
+SafetyLimits limits_in(const models::Rectangle& bounds) {
+  SafetyLimits limits = bench_limits();
+  limits.fence.bounds = bounds;
+  limits.fence.obstacles.clear();
+  return limits;
+}
+
+/// The way to rest of who is told to stop at `p_m`.
+BrakeWay stop_from(const Eigen::Vector3d& p_m, const Eigen::Vector3d& v_mps,
+                   const SafetyLimits& limits) {
+  return BrakeWay::straight(p_m, v_mps, 0.0, limits.vehicle.brake_mps2, limits.reaction_s);
+}
+
+// Two as fast as each other that fly past each other: seen from one, the other goes straight.
+TEST(LookAround, FindsHowFarApartTwoPassWhoMeetHeadOn) {
+  const SafetyLimits limits = bench_limits();
+  test::Random random(51);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d here_m = random.vector<3>(-1.0, 1.0);
+    const double heading_rad = random.uniform(-kPi, kPi);
+    const Eigen::Vector3d ahead(std::cos(heading_rad), std::sin(heading_rad), 0.0);
+    const Eigen::Vector3d aside(-ahead.y(), ahead.x(), 0.0);
+    const Eigen::Vector3d v_mps = random.uniform(0.2, 1.0) * ahead;
+    const double between_m = random.uniform(0.0, 1.5);
+    const double beside_m = random.uniform(0.05, 0.4);
+    OtherBody body;
+    body.position_world_m = here_m + between_m * ahead + beside_m * aside;
+    body.age_s = random.uniform(0.0, 1.5);
+    const double closed_m = std::min(between_m, 2.0 * stopping_way_m(limits, v_mps.norm()));
+    const double tube_m = std::clamp(0.5 * (body.age_s - 0.1), 0.0, 0.5);
+    const double least_m = std::hypot(between_m - closed_m, beside_m) - tube_m;
+    // A plan makes things worse, never better.
+    const std::vector<std::pair<double, double>> ways = {
+        {-1.0, -1.0}, {-1.0, 0.0}, {-1.0, 1.0}, {0.0, -1.0}, {1.0, -1.0}};
+    for (const auto& [does, plans] : ways) {
+      body.velocity_world_mps = does * v_mps;
+      body.planned_world_mps = plans * v_mps;
+      const Surroundings seen =
+          look_around(here_m, stop_from(here_m, v_mps, limits), {&body, 1}, limits);
+      EXPECT_NEAR(seen.separation_stop_m, least_m, 1e-9) << does << " " << plans;
+    }
+  }
+}
+
+// Seen from one that brakes, the other flies a curve: its chords over a 16th of the time, less than
+// 45 ms, are half a millimetre off at most.
+TEST(LookAround, FindsTheLeastSeparationToHalfAMillimetre) {
+  const SafetyLimits limits = bench_limits();
+  const auto speed_mps = [](test::Random& random) -> Eigen::Vector3d {
+    const double heading_rad = random.uniform(-kPi, kPi);
+    return random.uniform(0.3, 1.0) *
+           Eigen::Vector3d(std::cos(heading_rad), std::sin(heading_rad), 0.0);
+  };
+  test::Random random(52);
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
+    const BrakeWay ours = stop_from(here_m, speed_mps(random), limits);
+    OtherBody body;
+    body.position_world_m =
+        here_m + Eigen::Vector3d(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 0.0);
+    body.velocity_world_mps = body.planned_world_mps = speed_mps(random);
+    const BrakeWay theirs = stop_from(body.position_world_m, body.velocity_world_mps, limits);
+    constexpr double kStepS = 2.5e-3;
+    double least_m = 1e9;
+    for (double t_s = 0.0; t_s < 0.75; t_s += kStepS) {
+      least_m = std::min(
+          least_m, models::closest_approach_m(
+                       ours.at(t_s).position_world_m, ours.at(t_s + kStepS).position_world_m,
+                       theirs.at(t_s).position_world_m, theirs.at(t_s + kStepS).position_world_m));
+    }
+    EXPECT_NEAR(look_around(here_m, ours, {&body, 1}, limits).separation_stop_m, least_m, 5e-4);
+  }
+}
+
+// Straight from inside a room, nearest to its walls and ceiling where it begins or where it ends;
+// and to a wall across it where it ends, or, if it comes off it, where it begins.
+TEST(LookAround, FindsTheLeastDistanceOfPlainWallsAtAnEndOfTheWay) {
+  SafetyLimits limits = limits_in({{-8.0, 3.0}, {4.5, 9.0}});
+  limits.fence.ceiling_m = 2.6;
+  limits.fence.obstacles.push_back({{{-10.0, -5.0}, {-5.0, 17.0}}, 2.5});
+  test::Random random(55);
+  const auto fence_m = [&](const Eigen::Vector3d& p_m, double radius_m) {
+    return std::min({p_m.x() + 8.0 - radius_m, 4.5 - p_m.x() - radius_m, p_m.y() - 3.0 - radius_m,
+                     9.0 - p_m.y() - radius_m, 2.6 - p_m.z()});
+  };
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d here_m(random.uniform(-2.4, 1.9), random.uniform(3.0, 9.0),
+                                 random.uniform(0.2, 2.6));
+    limits.reaction_s = random.uniform(0.1, 1.0);
+    const Eigen::Vector3d v_mps = random.vector<3>(-1.0, 1.0);
+    const double speed_mps = v_mps.norm();
+    const Eigen::Vector3d end_m = here_m + stopping_way_m(limits, speed_mps) / speed_mps * v_mps;
+    const double radius_m = limits.vehicle.radius_m;
+    const Surroundings seen = look_around(here_m, stop_from(here_m, v_mps, limits), {}, limits);
+    EXPECT_NEAR(seen.fence_centre_m, fence_m(here_m, 0.0), 1e-9);
+    EXPECT_NEAR(seen.fence_now_m, fence_m(here_m, radius_m), 1e-9);
+    EXPECT_NEAR(seen.fence_stop_m, std::min(seen.fence_now_m, fence_m(end_m, radius_m)), 1e-9);
+    EXPECT_NEAR(seen.obstacle_stop_m, std::min(here_m.x(), end_m.x()) + 5.0 - radius_m, 1e-9);
+  }
+}
+
+// A post as thick as a 16th of the way is not missed, wherever it stands beside it.
+TEST(LookAround, FindsAPostBesideTheWay) {
+  SafetyLimits limits = limits_in({{-8.0, -8.0}, {8.0, 8.0}});
+  const Eigen::Vector3d here_m(1.0, -2.0, 1.0);
+  for (const double v_mps : {0.5, -1.0}) {
+    const double way_m = std::copysign(stopping_way_m(limits, std::abs(v_mps)), v_mps);
+    for (double share = 0.0; share <= 1.0; share += 0.05) {
+      const double post_x_m = here_m.x() + share * way_m;
+      limits.fence.obstacles = {{{{post_x_m - 0.06, -1.4}, {post_x_m + 0.06, -1.3}}, 2.5}};
+      const BrakeWay way = stop_from(here_m, {v_mps, 0.0, 0.0}, limits);
+      EXPECT_NEAR(look_around(here_m, way, {}, limits).obstacle_stop_m,
+                  0.6 - limits.vehicle.radius_m, 1e-9);
+    }
+  }
+}
+
+// Each of several passes by when it does; the nearest counts, whichever is named first.
+TEST(NearSoon, CountsTheNearest) {
+  const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
+  std::vector<OtherBody> others(3);
+  others[0].position_world_m = {1.0, 2.0, 0.0};
+  others[1].position_world_m = {4.0, -1.0, 0.0};
+  others[1].velocity_world_mps = {-1.0, 0.0, 0.0};
+  others[2].position_world_m = {-3.0, -0.6, 0.0};
+  others[2].velocity_world_mps = {8.0, 0.0, 0.0};  // past us and away
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(near_soon_m(here_m, others, 0.0), 3.0, 1e-12);
+    EXPECT_NEAR(near_soon_m(here_m, others, 1.0), 0.4, 1e-12);
+    std::rotate(others.begin(), others.begin() + 1, others.end());
+  }
+}
+
+// Outside it comes down just inside, its edge 0.1 m from the wall; where there is no such place,
+// in the middle between the walls.
+TEST(LandingSpot, IsBroughtInsideTheFence) {
+  test::Random random(53);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector2d low_m = random.vector<2>(-5.0, 5.0);
+    const Eigen::Vector2d size_m = random.vector<2>(0.1, 2.0);
+    const SafetyLimits limits = limits_in({low_m, low_m + size_m});
+    const double margin_m = limits.vehicle.radius_m + 0.1;
+    const Eigen::Vector3d hover_m(random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0), 1.0);
+    const Eigen::Vector3d spot_m = landing_spot(hover_m, {}, limits);
+    EXPECT_EQ(spot_m.z(), hover_m.z());
+    for (int axis = 0; axis < 2; ++axis) {
+      const double from_low_m = spot_m(axis) - low_m(axis);
+      const double from_high_m = low_m(axis) + size_m(axis) - spot_m(axis);
+      EXPECT_GE(from_low_m, std::min(margin_m, 0.5 * size_m(axis)) - 1e-9);
+      EXPECT_GE(from_high_m, std::min(margin_m, 0.5 * size_m(axis)) - 1e-9);
+      const double least_m = std::min(from_low_m, from_high_m);
+      EXPECT_TRUE(spot_m(axis) == hover_m(axis) || least_m <= margin_m + 1e-9);
+    }
+  }
+}
+
+/// Somebody lies below the hover, in a corridor so narrow that there are two places to come down
+/// at: 1 m ahead, or 1 m behind.
+class Corridor {
+ public:
+  /// @param is_turned  it goes along y
+  explicit Corridor(bool is_turned = false) : is_turned_(is_turned) {
+    limits_ = limits_in(between(-7.0, 7.0, 0.38));
+    others_.resize(1);
+    others_[0].position_world_m = {hover_m_.x(), hover_m_.y(), 0.0};
+  }
+
+  /// A wall across it, from `from_m` to `to_m` ahead.
+  void build(double from_m, double to_m) {
+    limits_.fence.obstacles.push_back(
+        {between(std::min(from_m, to_m), std::max(from_m, to_m), 1.0), 2.5});
+  }
+  /// Somebody, so far from the hover.
+  void add(OtherBody body, double ahead_m, double beside_m, double above_m) {
+    body.position_world_m = hover_m_ + way(ahead_m, beside_m, above_m);
+    others_.push_back(body);
+  }
+  void ask_clearance(double clearance_m) { limits_.landing_clearance_m = clearance_m; }
+  /// How far ahead of the hover it comes down: 0 if there is no such place.
+  [[nodiscard]] double spot_m() const {
+    const Eigen::Vector3d spot_m = landing_spot(hover_m_, others_, limits_) - hover_m_;
+    EXPECT_NEAR(spot_m(is_turned_ ? 0 : 1), 0.0, 1e-9);
+    EXPECT_EQ(spot_m.z(), 0.0);
+    return spot_m(is_turned_ ? 1 : 0);
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector3d way(double ahead_m, double beside_m, double above_m) const {
+    return is_turned_ ? Eigen::Vector3d(beside_m, ahead_m, above_m)
+                      : Eigen::Vector3d(ahead_m, beside_m, above_m);
+  }
+  [[nodiscard]] models::Rectangle between(double from_m, double to_m, double half_width_m) const {
+    return {(hover_m_ + way(from_m, -half_width_m, 0.0)).head<2>(),
+            (hover_m_ + way(to_m, half_width_m, 0.0)).head<2>()};
+  }
+
+  bool is_turned_;
+  Eigen::Vector3d hover_m_{2.0, -3.0, 1.0};
+  SafetyLimits limits_;
+  std::vector<OtherBody> others_;
+};
+
+TEST(LandingSpot, IsOnTheSideWhereNoObstacleIsInTheWay) {
+  for (const bool is_turned : {false, true}) {
+    EXPECT_NEAR(std::abs(Corridor(is_turned).spot_m()), 1.0, 1e-9);
+    for (const double side : {1.0, -1.0}) {
+      Corridor corridor(is_turned);
+      corridor.build(0.45 * side, 0.55 * side);
+      EXPECT_NEAR(corridor.spot_m(), -side, 1e-9);
+      corridor.build(-1.6 * side, -1.7 * side);  // beyond the place
+      EXPECT_NEAR(corridor.spot_m(), -side, 1e-9);
+      corridor.build(-0.45 * side, -0.55 * side);
+      EXPECT_EQ(corridor.spot_m(), 0.0);
+    }
+  }
+}
+
+// Its edge comes no nearer to an obstacle than 0.05 m.
+TEST(LandingSpot, IsAsFarFromObstaclesAsItStates) {
+  for (const double side : {1.0, -1.0}) {
+    const double end_m = test::last_accepted(3.0, 0.5, 1e-9, [&](double wall_m) {
+      Corridor corridor;
+      corridor.build(-0.45 * side, -0.55 * side);
+      corridor.build(wall_m * side, (wall_m + 0.1) * side);
+      return corridor.spot_m() != 0.0;
+    });
+    EXPECT_NEAR(end_m, 1.0 + bench_limits().vehicle.radius_m + 0.05, 1e-8);
+  }
+}
+
+// The way leads past a robot as far off as a landing stays clear of bodies and 0.1 m, seen from
+// above; past anybody else as far off as a hold allows.
+TEST(LandingSpot, IsReachedAsFarFromOthersAsItStates) {
+  const auto passes_m = [](int robot, double above_m) {
+    return test::last_accepted(3.0, 0.1, 1e-9, [&](double beside_m) {
+      Corridor corridor;
+      OtherBody body;
+      body.goes_first = false;
+      body.robot = robot;
+      corridor.add(body, 0.5, beside_m, above_m);
+      corridor.add(body, -0.5, beside_m, above_m);
+      return corridor.spot_m() != 0.0;
+    });
+  };
+  const SafetyLimits limits = bench_limits();
+  EXPECT_NEAR(passes_m(-1, 0.0), limits.separation_hold_m, 1e-7);
+  for (const int robot : {0, 1}) {
+    for (const double above_m : {0.0, 0.5, 1.5}) {
+      EXPECT_NEAR(passes_m(robot, above_m), limits.landing_clearance_m + 0.1, 1e-7) << robot;
+    }
+  }
+}
+
+// As far from who is below as it must be and 0.1 m: 1 m off is enough for no more than 0.9 m.
+TEST(LandingSpot, IsAsFarFromWhoIsBelowAsItStates) {
+  Corridor corridor;
+  const double asked_m = test::last_accepted(0.8, 1.1, 1e-9, [&](double clearance_m) {
+    corridor.ask_clearance(clearance_m);
+    return std::abs(corridor.spot_m()) < 1.1;
+  });
+  EXPECT_NEAR(asked_m, 0.9, 1e-8);
+}
+
+// In every direction: exactly as far as a hold allows is far enough; and whoever is beside us is no
+// nearer later, however near. The last digits decide neither.
+TEST(WayTaken, NotByWhoIsJustFarEnoughNorByWhoIsLeftBehind) {
+  const SafetyLimits limits = bench_limits();
+  test::Random random(54);
+  for (int i = 0; i < 500; ++i) {
+    const double heading_rad = random.uniform(-kPi, kPi);
+    const Eigen::Vector3d ahead(std::cos(heading_rad), std::sin(heading_rad), 0.0);
+    const Eigen::Vector3d aside(-ahead.y(), ahead.x(), 0.0);
+    const Eigen::Vector3d from_m = random.vector<3>(-3.0, 3.0);
+    OtherBody body;
+    body.robot = random.integer(-1, 2);
+    body.position_world_m = from_m + random.uniform(0.0, 1.0) * ahead +
+                            (random.coin() ? 1.0 : -1.0) * limits.separation_hold_m * aside;
+    EXPECT_FALSE(is_way_taken(from_m, from_m + ahead, {&body, 1}, limits));
+    body.position_world_m = from_m + random.uniform(0.05, 0.5) * aside;
+    EXPECT_FALSE(is_way_taken(from_m, from_m + ahead, {&body, 1}, limits));
+  }
+}
+
+// A robot counts as seen from above, and nobody else does; the first of them, too.
+TEST(WayTaken, ByRobotsAtAnyHeightAndByOthersAtTheirOwn) {
+  const SafetyLimits limits = bench_limits();
+  const Eigen::Vector3d from_m(1.0, -1.0, 1.0);
+  const auto is_taken = [&](int robot, double above_m) {
+    OtherBody body;
+    body.position_world_m = from_m + Eigen::Vector3d(1.0, 0.1, above_m);
+    body.robot = robot;
+    return is_way_taken(from_m, from_m + Eigen::Vector3d(2.0, 0.0, 0.0), {&body, 1}, limits);
+  };
+  for (const double above_m : {-0.9, 0.9}) {
+    EXPECT_FALSE(is_taken(-1, above_m));
+    EXPECT_TRUE(is_taken(0, above_m));
+    EXPECT_TRUE(is_taken(1, above_m));
+  }
+  EXPECT_TRUE(is_taken(-1, 0.1));
+}
+
+// Within two seconds, straight on.
+TEST(ClimbTaken, ByWhoComesWithinTwoSeconds) {
+  const SafetyLimits limits = bench_limits();
+  for (const double speed_mps : {0.0, 0.4, 1.0}) {
+    const double from_m = test::last_accepted(5.0, 0.0, 1e-9, [&](double x_m) {
+      OtherBody body;
+      body.position_world_m = {1.0 - x_m, -1.0, 1.0};
+      body.velocity_world_mps = {speed_mps, 0.0, 0.0};
+      body.robot = 0;
+      return !is_climb_taken({1.0, -1.0, 0.3}, 1.5, {&body, 1}, limits);
+    });
+    EXPECT_NEAR(from_m, limits.separation_hold_m + 0.25 + 2.0 * speed_mps, 1e-8);
+  }
+}
+
+/// How far clear_spot() goes from where one's edge is `edge_m` from the wall at y = −2; 0: nowhere.
+double moves_m(double edge_m, std::span<const OtherBody> others) {
+  const SafetyLimits limits = limits_in({{-8.0, -2.0}, {12.0, 12.0}});
+  const Eigen::Vector3d hover_m(3.0, -2.0 + limits.vehicle.radius_m + edge_m, 1.0);
+  const auto spot_m = clear_spot(hover_m, others, limits);
+  return spot_m ? (*spot_m - hover_m).norm() : 0.0;
+}
+
+// Straight off, by steps of 5 cm, until its edge is 0.15 m away, and no farther than 0.6 m.
+TEST(ClearSpot, IsTheNearestThatIsClear) {
+  ASSERT_EQ(bench_limits().hover_clearance_m, 0.1);
+  EXPECT_EQ(moves_m(0.1001, {}), 0.0);
+  for (double edge_m = 0.0999; edge_m > -0.55; edge_m -= 0.01) {
+    const double steps = std::ceil((0.15 - edge_m) / 0.05);
+    EXPECT_NEAR(moves_m(edge_m, {}), steps <= 12.0 ? 0.05 * steps : 0.0, 1e-9) << edge_m;
+  }
+}
+
+// It comes nearer to another as long as 0.05 m are left to where a hold begins; from who is nearer
+// it goes away.
+TEST(ClearSpot, IsAsFarFromOthersAsItStates) {
+  constexpr double kEdgeM = 0.0501;  // clear is 0.1 m straight off, and nothing else so near
+  const SafetyLimits limits = bench_limits();
+  OtherBody body;
+  const auto with_body_m = [&](double x_m, double y_m) {
+    body.position_world_m = {3.0 + x_m, -2.0 + limits.vehicle.radius_m + kEdgeM + y_m, 1.0};
+    return moves_m(kEdgeM, {&body, 1});
+  };
+  const double before_m = test::last_accepted(
+      2.0, 0.3, 1e-9, [&](double y_m) { return std::abs(with_body_m(0.0, y_m) - 0.1) < 1e-9; });
+  EXPECT_NEAR(before_m - 0.1, limits.separation_hold_m + 0.05, 1e-8);
+  for (const double behind_m : {0.1, 0.4, 0.7, 2.0}) {
+    EXPECT_NEAR(with_body_m(0.0, -behind_m), 0.1, 1e-9);
+    EXPECT_NEAR(with_body_m(behind_m, -0.1), 0.1, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers
