@@ -1,8 +1,10 @@
 #include "drivers/safety/fleet.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,6 +12,7 @@
 #include "drivers/safety/inputs.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/bisect.hpp"
+#include "test/support/random.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -18,15 +21,22 @@ constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 class TeammatesPlans : public testing::Test {
  protected:
-  /// A hover at (x, 0) from `start_s` on, heard at `at_s`.
-  bool hear(std::int64_t run, std::int64_t sequence, double start_s, double at_s,
-            const std::string& robot = "Q2") {
+  /// A hover at the origin from `start_s` on.
+  static models::RobotPlan hover(std::int64_t run, std::int64_t sequence, double start_s,
+                                 const std::string& robot = "Q2") {
     models::RobotPlan plan;
     plan.robot = robot;
     plan.trajectory.start_time = kStart + from_seconds(start_s);
     plan.trajectory.height_m = 1.0;
     plan.stamp = {plan.trajectory.start_time, run, sequence};
+    return plan;
+  }
+  bool hear(const models::RobotPlan& plan, double at_s) {
     return fleet.on_plan(plan, limits, kStart + from_seconds(at_s));
+  }
+  bool hear(std::int64_t run, std::int64_t sequence, double start_s, double at_s,
+            const std::string& robot = "Q2") {
+    return hear(hover(run, sequence, start_s, robot), at_s);
   }
 
   scenario::Scenario scenario = test::FlightBench::scenario();
@@ -66,6 +76,71 @@ TEST_F(TeammatesPlans, BeginNeitherTooLongAgoNorTooFarAhead) {
   };
   EXPECT_NEAR(test::last_accepted(0.0, -60.0, 1e-7, hears), -limits.plan_past_max_s, 2e-6);
   EXPECT_NEAR(test::last_accepted(0.0, 60.0, 1e-7, hears), limits.plan_future_max_s, 2e-6);
+}
+
+TEST_F(TeammatesPlans, MayBeginExactlyAtTheirLimits) {
+  for (const auto& [start_s, is_taken] : {std::pair(-limits.plan_past_max_s, true),
+                                          {-limits.plan_past_max_s - 1e-6, false},
+                                          {limits.plan_future_max_s, true},
+                                          {limits.plan_future_max_s + 1e-6, false}}) {
+    fleet = Fleet(scenario, "Q1");
+    EXPECT_EQ(hear(1, 0, start_s, 0.0), is_taken) << start_s;
+  }
+}
+
+// The first of a run is its number 0, and any number may name a run.
+TEST_F(TeammatesPlans, AreTakenFromAnyRunAndOnceEach) {
+  for (const std::int64_t run :
+       {std::int64_t{0}, std::int64_t{1}, std::int64_t{-1},
+        std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
+    fleet = Fleet(scenario, "Q1");
+    EXPECT_TRUE(hear(run, 0, 1.0, 0.0)) << run;
+    EXPECT_FALSE(hear(run, 0, 1.0, 0.1)) << run;
+    EXPECT_TRUE(hear(run, 1, 1.0, 0.1)) << run;
+  }
+}
+
+TEST_F(TeammatesPlans, OfANewPlannerAreNumberedFromTheBeginning) {
+  double at_s = 0.0;
+  for (std::int64_t run = 1; run <= 3; ++run) {
+    EXPECT_TRUE(hear(run, 1000, at_s, at_s)) << run;
+    at_s += limits.planner_lease_s + 0.1;
+    EXPECT_TRUE(hear(run + 1, 0, at_s, at_s)) << run + 1;
+    EXPECT_FALSE(hear(run + 1, 0, at_s, at_s)) << run + 1;
+  }
+}
+
+// A clock that was never set may be before 1970.
+TEST_F(TeammatesPlans, AreTakenFirstWhateverTheClockSays) {
+  constexpr double kEpochS = -1'700'000'000.0;
+  for (const double at_s : {kEpochS - 5.0, kEpochS + 5.0, 0.0}) {
+    fleet = Fleet(scenario, "Q1");
+    EXPECT_TRUE(hear(1, 0, at_s, at_s)) << at_s;
+    EXPECT_FALSE(hear(1, 1, at_s - 1e-3, at_s)) << "before the last one";
+  }
+}
+
+// What cannot be flown by anybody neither counts as a plan nor takes the lease.
+TEST_F(TeammatesPlans, ThatCannotBeAreAsIfNotHeard) {
+  models::RobotPlan plan = hover(1, 0, 1.0);
+  plan.trajectory.start.x_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(hear(plan, 0.0));
+  plan = hover(1, 1, 1.0);
+  plan.trajectory.segments = {{{1.0, 0.0}, -1.0, 0.0}};
+  EXPECT_FALSE(hear(plan, 0.0));
+  plan = hover(1, 2, 1.0);
+  plan.trajectory.segments.resize(HeldPlan::kSegmentsMax + 1);
+  EXPECT_FALSE(hear(plan, 0.0));
+  EXPECT_TRUE(fleet.courses(kStart, limits).empty());
+  EXPECT_EQ(fleet.plans_refused(), 3);
+  EXPECT_TRUE(hear(2, 0, 1.0, 0.0)) << "another planner, at once";
+  EXPECT_EQ(fleet.courses(kStart, limits).size(), 1u);
+}
+
+TEST_F(TeammatesPlans, AreOfRobotsAndNotOnesOwn) {
+  EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "W1")) << "a target follows no plan";
+  EXPECT_FALSE(hear(1, 0, 1.0, 0.0, "Q1")) << "itself is no teammate";
+  EXPECT_TRUE(fleet.courses(kStart, limits).empty());
 }
 
 /// A fleet as Q2 sees it: Q1, Q3 and the walkers W1 … W9.
@@ -222,6 +297,105 @@ TEST_F(Seen, FlyTheirPlanWhileTheyKeepToIt) {
     for (int i = 1; i <= 60; ++i) {
       show(t_s + 0.6 + 0.005 * i, {{"Q3", hover_m}});
     }
+  }
+}
+
+// Where it is not known which of two is meant, it stays where it was and is seen no more.
+TEST_F(Seen, AreNotBelievedWhileTheirNameIsThereTwice) {
+  const Eigen::Vector3d here_m(1.0, -1.0, 1.0);
+  show(0.0, {{"Q3", here_m}});
+  for (int time = 1; time <= 2; ++time) {
+    models::MocapFrame frame;
+    for (const double off_m : {0.0, 0.05}) {
+      const Pose3 pose{here_m + Eigen::Vector3d(off_m, 0.0, 0.0), Quaternion::Identity()};
+      frame.bodies.push_back({"Q3", pose, false});
+    }
+    fleet.on_mocap(frame, limits, at(0.01 * time));
+    EXPECT_EQ(body(0.01 * time).position_world_m, here_m);
+    EXPECT_NEAR(body(0.01 * time).age_s, 0.01 * time, 1e-9);
+  }
+  show(0.03, {{"Q3", here_m}});
+  EXPECT_EQ(body(0.03).age_s, 0.0) << "and once more when it is alone";
+}
+
+// What it says of itself is looked at where its plan is by now, not where it began.
+TEST_F(Seen, KeepToAPlanThatTheyFly) {
+  const Eigen::Vector3d hover_m(-1.0, -1.0, 1.0);
+  EXPECT_TRUE(plan_of_q3(0.0, 0.0, hover_m));
+  for (int i = 0; i <= 300; ++i) {
+    const double t_s = 0.01 * i;
+    show(t_s, {{"Q3", hover_m + Eigen::Vector3d(0.8 * std::min(t_s, 2.0), 0.0, 0.0)}});
+    EXPECT_NE(course(t_s).plan, nullptr) << t_s;
+  }
+  fleet = Fleet(scenario, "Q2");
+  EXPECT_TRUE(plan_of_q3(0.0, 0.0, hover_m));
+  const double left_behind_s = test::last_accepted(0.0, 2.5, 1e-7, [&](double t_s) {
+    show(t_s, {{"Q3", hover_m}});
+    return course(t_s).plan != nullptr;
+  });
+  EXPECT_NEAR(0.8 * left_behind_s, 2.0 * limits.tracking_hold_m, 3e-6)
+      << "one that did not set off";
+}
+
+TEST_F(Seen, AreAskedWhatTheirPlanSaysAReactionTimeLater) {
+  const Eigen::Vector3d hover_m(-1.0, -1.0, 1.0);
+  models::RobotPlan plan;
+  plan.robot = "Q3";
+  plan.trajectory = {at(0.0), {-1.0, -1.0, 0.0}, 1.0, {}};
+  plan.trajectory.segments = {
+      {{0.3, 0.0}, 1.0, 0.0}, {{0.6, 0.0}, 1.0, 0.0}, {{-0.5, 0.0}, 1.0, 0.0}, {{}, 0.1, 0.0}};
+  plan.stamp = {plan.trajectory.start_time, 5, 0};
+  const auto asked_mps = [&](double t_s) {
+    fleet = Fleet(scenario, "Q2");
+    EXPECT_TRUE(fleet.on_plan(plan, limits, at(0.0)));
+    show(t_s, {{"Q3", hover_m + Eigen::Vector3d(0.2 * t_s, 0.0, 0.0)}});  // near enough
+    return body(t_s).planned_world_mps.x();
+  };
+  const double soon_s = limits.reaction_s;
+  for (const double just_s : {-1e-3, 1e-3}) {
+    const bool is_later = just_s > 0.0;
+    EXPECT_NEAR(asked_mps(0.0), 0.3, 1e-12);
+    EXPECT_NEAR(asked_mps(1.0 - soon_s + just_s), is_later ? 0.6 : 0.3, 1e-12);
+    EXPECT_NEAR(asked_mps(2.0 - soon_s + just_s), is_later ? -0.5 : 0.6, 1e-12);
+    EXPECT_NEAR(asked_mps(3.0 - soon_s + just_s), is_later ? 0.0 : -0.5, 1e-12);
+  }
+}
+
+TEST_F(Seen, AreNotAskedWhatAPlanSaysThatTheyHaveLeft) {
+  const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);
+  for (const double off_m : {0.7, 0.9}) {
+    fleet = Fleet(scenario, "Q2");
+    show(0.0, {{"Q3", hover_m + Eigen::Vector3d(0.0, off_m, 0.0)}});
+    EXPECT_TRUE(plan_of_q3(0.1, 0.0, hover_m));
+    const bool keeps_to_it = off_m < 2.0 * limits.tracking_hold_m;
+    EXPECT_EQ(body(0.0).planned_world_mps.norm(), keeps_to_it ? 0.8 : 0.0) << off_m;
+  }
+}
+
+// One of which no plan was heard is where it is, also near the origin of the world.
+TEST_F(Seen, WithoutAPlanAreWhereTheyAre) {
+  test::Random random(51);
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d here_m = random.vector<3>(0.0, 1.5);
+    fleet = Fleet(scenario, "Q2");
+    show(0.0, {{"Q3", here_m}});
+    EXPECT_EQ(course(0.0).plan, nullptr) << here_m.transpose();
+    EXPECT_EQ(course(0.0).position_world_m, here_m);
+    EXPECT_EQ(body(0.0).planned_world_mps.norm(), 0.0);
+  }
+}
+
+// Half a second on at its velocity, and no farther.
+TEST_F(Seen, AreBelievedToGoOnForHalfASecond) {
+  for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
+    show(t_s, {{"Q3", {0.5 * t_s, -1.0, 1.0}}});
+  }
+  const Eigen::Vector3d last_m = course(0.49).position_world_m;
+  const Eigen::Vector3d velocity_mps = body(0.49).velocity_world_mps;
+  EXPECT_NEAR(velocity_mps.x(), 0.5, 0.01);
+  for (const double gone_s : {0.0, 0.2, 0.4, 0.5, 0.6, 1.0, 5.0}) {
+    const Eigen::Vector3d there_m = last_m + std::min(gone_s, 0.5) * velocity_mps;
+    EXPECT_LT((course(0.49 + gone_s).position_world_m - there_m).norm(), 2e-6) << gone_s;
   }
 }
 

@@ -222,6 +222,21 @@ TEST_F(FromTheScenario, EachAutopilotIsBudgetedWithItsReactionAndItsTimeOut) {
   }
 }
 
+// Half the time from rest to its greatest speed, as hard as it brakes.
+TEST(HalfWindow, IsHalfTheTimeToTheGreatestSpeed) {
+  struct Vehicle {
+    double speed_max_mps, brake_mps2, half_window_s;
+  };
+  for (const Vehicle& is : {Vehicle{1.0, 2.0, 0.25}, Vehicle{1.2, 1.5, 0.4},
+                            Vehicle{3.0, 4.0, 0.375}, Vehicle{0.4, 0.5, 0.4}}) {
+    models::VehicleLimits vehicle;
+    vehicle.speed_max_mps = is.speed_max_mps;
+    vehicle.brake_mps2 = is.brake_mps2;
+    EXPECT_NEAR(half_window_s(vehicle), is.half_window_s, 1e-12) << is.speed_max_mps;
+    EXPECT_NEAR(2.0 * half_window_s(vehicle) * is.brake_mps2, is.speed_max_mps, 1e-12);
+  }
+}
+
 TEST_F(FromTheScenario, AnUnknownRobotIsRefused) { EXPECT_THROW(of("Q9"), UsageError); }
 
 // Each step of each ladder lies below the next: equal is refused, as is what is not a number.

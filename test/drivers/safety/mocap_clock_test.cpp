@@ -95,5 +95,58 @@ TEST(MocapClock, CountsUpToAHundredFramesThatAreDue) {
   }
 }
 
+// The period is known from numbered frames that follow one another. Stamps that stand still or go
+// back, numbers that repeat, begin anew or leap, and pauses tell none: then it is as before.
+TEST(MocapClock, KnowsThePeriodOnlyFromFramesThatFollow) {
+  struct Frame {
+    std::int64_t numbers;  // since the last one
+    double stamps_s;
+    double period_s;  // known by then
+  };
+  for (const Frame& odd :
+       {Frame{1, 0.02, 0.02}, Frame{4, 0.08, 0.02}, Frame{100, 2.0, 0.02}, Frame{1, 0.9, 0.9},
+        Frame{1, 0.0, kPeriodS}, Frame{1, -0.02, kPeriodS}, Frame{3, -0.3, kPeriodS},
+        Frame{1, 1.0, kPeriodS}, Frame{1, 5.0, kPeriodS}, Frame{0, 0.5, kPeriodS},
+        Frame{0, 0.0, kPeriodS}, Frame{-9, 0.5, kPeriodS}, Frame{101, 0.5, kPeriodS},
+        Frame{5000, 0.5, kPeriodS}}) {
+    SCOPED_TRACE(testing::Message() << odd.numbers << " in " << odd.stamps_s << " s");
+    MocapClock clock;
+    for (int i = 0; i < 10; ++i) {
+      EXPECT_TRUE(clock.on_frame(after(kPeriodS * i), after(kPeriodS * i + 0.005), i));
+    }
+    const double stamp_s = 9 * kPeriodS + odd.stamps_s;
+    EXPECT_TRUE(clock.on_frame(after(stamp_s), after(stamp_s + 0.5), 9 + odd.numbers));
+    EXPECT_NEAR(clock.latency_s(), 0.5, 1e-6);
+    // The clock is set before the next frame, which comes 0.2 s later than it is due.
+    const double gap_s = odd.period_s + 0.2;
+    EXPECT_FALSE(
+        clock.on_frame(after(stamp_s + 3600.0), after(stamp_s + 0.5 + gap_s), 9 + odd.numbers + 1));
+    EXPECT_NEAR(clock.latency_s(), 0.7, 1e-6);
+  }
+}
+
+// One frame alone has no period, also where clocks count from when they were switched on: what
+// comes after it is late by all the time that passed.
+TEST(MocapClock, KnowsNoPeriodFromTheFirstFrame) {
+  for (const std::int64_t number : {0, 1, 7, 100, 101}) {
+    MocapClock clock;
+    const Time on{};
+    EXPECT_TRUE(clock.on_frame(on + from_seconds(0.5), on + from_seconds(0.505), number));
+    EXPECT_NEAR(clock.latency_s(), 0.005, 1e-9);
+    EXPECT_FALSE(clock.on_frame(on + from_seconds(900.0), on + from_seconds(0.605), number + 1));
+    EXPECT_NEAR(clock.latency_s(), 0.105, 1e-9) << number;
+  }
+}
+
+// A latency is believed up to a second; beyond it, and before its own stamp, the clock was set.
+TEST(MocapClock, BelievesLatenciesOfNoneToASecond) {
+  for (const auto& [latency_s, is_believed] :
+       {std::pair{0.0, true}, {1e-6, true}, {1.0, true}, {-1e-6, false}, {1.0 + 1e-6, false}}) {
+    MocapClock clock;
+    EXPECT_TRUE(clock.on_frame(after(0.0), after(0.5), 0));
+    EXPECT_EQ(clock.on_frame(after(1.0), after(1.0 + latency_s), 1), is_believed) << latency_s;
+  }
+}
+
 }  // namespace
 }  // namespace vantage::drivers

@@ -1,13 +1,18 @@
 #include "drivers/safety/plan_check.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
 #include "models/plan/plan.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
+#include "test/support/bisect.hpp"
 #include "test/support/random.hpp"
 
 namespace vantage::drivers {
@@ -16,6 +21,14 @@ namespace {
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
 SafetyLimits limits() { return limits_for(test::FlightBench::scenario(), "Q1"); }
+
+/// A room in which nothing is near.
+SafetyLimits open_limits() {
+  SafetyLimits out = limits();
+  out.fence.bounds = {{-100.0, -100.0}, {100.0, 100.0}};
+  out.fence.obstacles.clear();
+  return out;
+}
 
 models::Trajectory random_way(test::Random& random) {
   models::Trajectory way;
@@ -188,6 +201,263 @@ TEST(SpeedMax, IsOfWhatIsFlownMeanwhile) {
                                Window{1.5, 1.6, 0.9}, Window{4.1, 60.0, 0.0}}) {
     EXPECT_EQ(speed_max_mps(plan, window.from_s, window.to_s), window.fastest_mps)
         << window.from_s << " " << window.to_s;
+  }
+}
+
+TEST(PlanVerdict, IsNamedAsReasonsWriteIt) {
+  const std::vector<std::pair<PlanVerdict, std::string>> names = {
+      {PlanVerdict::kAccepted, "accepted"},
+      {PlanVerdict::kWrongVehicle, "wrong vehicle"},
+      {PlanVerdict::kStale, "stale"},
+      {PlanVerdict::kTooFarAhead, "too far ahead"},
+      {PlanVerdict::kNotFinite, "not finite"},
+      {PlanVerdict::kInfeasible, "infeasible"},
+      {PlanVerdict::kNoHover, "no hover"},
+      {PlanVerdict::kNoLease, "no lease"},
+      {PlanVerdict::kNotFollowing, "not following"},
+      {PlanVerdict::kDiscontinuous, "discontinuous"},
+      {PlanVerdict::kOutsideFence, "out of fence"},
+      {PlanVerdict::kObstacle, "obstacle"},
+      {PlanVerdict::kTeammate, "teammate"},
+  };
+  EXPECT_EQ(names.size(), kPlanVerdicts);
+  for (const auto& [verdict, name] : names) {
+    EXPECT_EQ(name_of(verdict), name);
+  }
+}
+
+// Whichever number of a plan is none: refused as such, and before anything else is looked at.
+TEST(CheckShape, RefusesWhateverIsNoNumber) {
+  const SafetyLimits lim = limits();
+  const std::vector<double* (*)(HeldPlan&)> numbers = {
+      [](HeldPlan& p) { return &p.start.x_m; },
+      [](HeldPlan& p) { return &p.start.y_m; },
+      [](HeldPlan& p) { return &p.start.yaw_rad; },
+      [](HeldPlan& p) { return &p.height_m; },
+      [](HeldPlan& p) { return &p.segments[0].control.speed_mps; },
+      [](HeldPlan& p) { return &p.segments[0].control.yaw_rate_radps; },
+      [](HeldPlan& p) { return &p.segments[0].duration_s; },
+      [](HeldPlan& p) { return &p.segments[0].brake_mps2; },
+      [](HeldPlan& p) { return &p.segments[1].control.speed_mps; },
+      [](HeldPlan& p) { return &p.segments[1].control.yaw_rate_radps; },
+      [](HeldPlan& p) { return &p.segments[1].duration_s; },
+      [](HeldPlan& p) { return &p.segments[1].brake_mps2; },
+  };
+  models::Trajectory way;
+  way.start_time = kStart;
+  way.height_m = 1.0;
+  way.segments = {{{1.0, 0.0}, 0.5, 0.0}, models::brake(1.0, 2.0).front()};
+  EXPECT_EQ(check_shape(held(way), lim), PlanVerdict::kAccepted);
+  const double inf = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    for (const double value : {std::numeric_limits<double>::quiet_NaN(), inf, -inf}) {
+      HeldPlan plan = held(way);
+      *numbers[i](plan) = value;
+      EXPECT_EQ(check_shape(plan, lim), PlanVerdict::kNotFinite) << i << " is " << value;
+    }
+  }
+  // The greatest number is one, and nothing flies so fast.
+  HeldPlan plan = held(way);
+  for (double* number :
+       {&plan.segments[0].control.speed_mps, &plan.segments[0].control.yaw_rate_radps}) {
+    for (const double value : {1e308, -1e308}) {
+      *number = value;
+      EXPECT_EQ(check_shape(plan, lim), PlanVerdict::kInfeasible) << value;
+    }
+    *number = 0.0;
+  }
+}
+
+// Numbers went over the wire: each limit is kept to a millionth of it, forwards and backwards, to
+// either side, also by what speeds up or slows down in steps.
+TEST(CheckShape, ForgivesAMillionthOfEachLimitAndNoMore) {
+  SafetyLimits lim = limits();
+  lim.vehicle.speed_max_mps = 0.8;
+  lim.vehicle.yaw_rate_max_radps = 2.5;
+  lim.vehicle.brake_mps2 = 1.6;
+  lim.lateral_max_mps2 = 1.1;
+  const auto accepts = [&](std::vector<models::PlanSegment> segments) {
+    models::Trajectory way;
+    way.start_time = kStart;
+    way.height_m = 1.0;
+    way.segments = std::move(segments);
+    return check_shape(held(way), lim) == PlanVerdict::kAccepted;
+  };
+  const auto forgiven = [](double limit, const auto& accepts_at) {
+    return test::last_accepted(0.99 * limit, 2.0 * limit, 1e-11, accepts_at) / limit - 1.0;
+  };
+  const models::PlanSegment rest{{}, 0.1, 0.0};
+  for (const double sign : {1.0, -1.0}) {
+    SCOPED_TRACE(sign);
+    const models::PlanSegment half{{sign * 0.4, 0.0}, 0.5, 0.0};
+    const double speed = forgiven(0.8, [&](double v) {
+      return accepts({half, {{sign * v, 0.0}, 0.5, 0.0}, half, rest});
+    });
+    EXPECT_NEAR(speed, 1e-6, 1e-9);
+    const double change = forgiven(0.8, [&](double change_mps) {
+      const double before_mps = -0.3 * sign;
+      return accepts(
+          {{{before_mps, 0.0}, 0.5, 0.0}, {{before_mps + sign * change_mps, 0.0}, 0.5, 0.0}, rest});
+    });
+    EXPECT_NEAR(change, 1e-6, 1e-9);
+    const double brake = forgiven(1.6, [&](double a) {
+      return accepts({{{sign * 0.8, 0.0}, 1.0, a}});
+    });
+    EXPECT_NEAR(brake, 1e-6, 1e-9);
+    for (const double side : {1.0, -1.0}) {
+      const double turn = forgiven(2.5, [&](double w) {
+        return accepts({{{sign * 0.2, side * w}, 0.5, 0.0}, rest});
+      });
+      EXPECT_NEAR(turn, 1e-6, 1e-9);
+      const double tight = forgiven(1.1, [&](double lateral_mps2) {
+        return accepts({{{sign * 0.8, side * lateral_mps2 / 0.8}, 0.5, 0.0}, rest});
+      });
+      EXPECT_NEAR(tight, 1e-6, 1e-9);
+    }
+    // A stop may be a millionth of a second too short and a millionth of a metre a second left.
+    const double stop_s = test::last_accepted(1.0, 0.0, 1e-12, [&](double t_s) {
+      return accepts({{{sign * 0.8, 0.0}, t_s, 1.6}});
+    });
+    EXPECT_NEAR(0.8 / 1.6 - stop_s, 1e-6 + 1e-6 / 1.6, 1e-10);
+    // Without a stop it must be at rest already.
+    const double left_mps = test::last_accepted(0.0, 0.1, 1e-12, [&](double v) {
+      return accepts({half, {{sign * v, 0.0}, 0.1, 0.0}});
+    });
+    EXPECT_NEAR(left_mps, 1e-6, 1e-10);
+  }
+}
+
+// Of several obstacles the nearest counts, outside and inside, whichever is told first.
+TEST(Distances, AreToTheNearestOfAllObstacles) {
+  test::Random random(38);
+  for (int i = 0; i < 300; ++i) {
+    models::World world;
+    const Eigen::Vector2d p_m = random.vector<2>(-3.0, 3.0);
+    double least_m = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(obstacle_distance_m(world, p_m), least_m);
+    for (int k = 0; k < 4; ++k) {
+      const Eigen::Vector2d low_m = random.vector<2>(-3.0, 3.0);
+      const models::Obstacle obstacle{{low_m, low_m + random.vector<2>(0.1, 2.0)}, 1.0};
+      models::World alone;
+      alone.obstacles = {obstacle};
+      least_m = std::min(least_m, obstacle_distance_m(alone, p_m));
+      world.obstacles.push_back(obstacle);
+      EXPECT_EQ(obstacle_distance_m(world, p_m), least_m);
+    }
+    std::reverse(world.obstacles.begin(), world.obstacles.end());
+    EXPECT_EQ(obstacle_distance_m(world, p_m), least_m);
+  }
+}
+
+/// From x = 0 along the x axis for 3 s at 1 m/s, and to a stop at x = 3.25 m.
+HeldPlan drive(double start_s, double y_m = 0.0) {
+  models::Trajectory way;
+  way.start_time = kStart + from_seconds(start_s);
+  way.start = {0.0, y_m, 0.0};
+  way.height_m = 1.0;
+  way.segments = {{{1.0, 0.0}, 3.0, 0.0}, models::brake(1.0, 2.0).front()};
+  return held(way);
+}
+
+HeldPlan hover(double start_s, double x_m, double y_m) {
+  models::Trajectory way;
+  way.start_time = kStart + from_seconds(start_s);
+  way.start = {x_m, y_m, 0.0};
+  way.height_m = 1.0;
+  return held(way);
+}
+
+// To the last centimetre of whoever stops last, whenever each began or will begin, and also when
+// somebody else has come to rest long before.
+TEST(CheckWay, LooksAtEveryWayToItsEnd) {
+  SafetyLimits lim = open_limits();
+  lim.plan_separation_m = 0.5;
+  const HeldPlan over = hover(-100.0, 50.0, 0.0);
+  for (const double start_s : {-3.4, -3.0, -1.0, 0.0, 0.5, 2.0, 7.0}) {
+    for (const double apart_m : {0.49, 0.51}) {
+      SCOPED_TRACE(testing::Message() << start_s << " s, " << apart_m << " m");
+      const bool is_apart = apart_m > lim.plan_separation_m;
+      const PlanVerdict expected = is_apart ? PlanVerdict::kAccepted : PlanVerdict::kTeammate;
+      const double end_m = 3.25 + apart_m;
+      const HeldPlan drives = drive(start_s);
+      const HeldPlan stands = hover(-0.5, end_m, 0.0);
+      const OtherCourse body{nullptr, {end_m, 0.0, 1.0}};
+      for (const OtherCourse& other : {body, OtherCourse{&stands, {}}}) {
+        const std::vector<OtherCourse> alone = {other};
+        const std::vector<OtherCourse> first = {other, {&over, {}}};
+        const std::vector<OtherCourse> last = {{&over, {}}, other};
+        for (const auto& others : {alone, first, last}) {
+          EXPECT_EQ(check_way(drives, kStart, lim, others), expected) << others.size();
+        }
+      }
+      const OtherCourse comes{&drives, {}};
+      const std::vector<OtherCourse> alone = {comes};
+      const std::vector<OtherCourse> first = {comes, {&over, {}}};
+      const std::vector<OtherCourse> last = {{&over, {}}, comes};
+      for (const auto& others : {alone, first, last}) {
+        EXPECT_EQ(check_way(stands, kStart, lim, others), expected) << others.size();
+      }
+      // And to the last centimetre before a wall.
+      SafetyLimits walled = open_limits();
+      const double face_m = 3.25 + walled.vehicle.radius_m + (is_apart ? 0.01 : -0.01);
+      walled.fence.obstacles = {{{{face_m, -1.0}, {face_m + 1.0, 1.0}}, 2.0}};
+      EXPECT_EQ(check_way(drives, kStart, walled, std::vector<OtherCourse>{{&over, {}}}),
+                is_apart ? PlanVerdict::kAccepted : PlanVerdict::kObstacle);
+    }
+  }
+}
+
+// A teammate that has begun is where its plan is by now: what it has passed it does not meet.
+TEST(CheckWay, CountsTheWaysOfOthersFromNowOn) {
+  SafetyLimits lim = open_limits();
+  lim.plan_separation_m = 0.5;
+  const HeldPlan passes = drive(0.0, 0.3);  // x = 1 m at 0.3 m; it is 0.5 m away again at 1.4 m
+  const OtherCourse others[] = {{&passes, {}}};
+  const double since_s = test::last_accepted(3.0, 0.0, 1e-7, [&](double t_s) {
+    const HeldPlan stands = hover(t_s - 0.1, 1.0, 0.0);
+    return check_way(stands, kStart + from_seconds(t_s), lim, others) == PlanVerdict::kAccepted;
+  });
+  EXPECT_NEAR(since_s, 1.4, 5e-6);
+  for (const double before_s : {0.0, 0.5, 4.0}) {
+    const HeldPlan stands = hover(-before_s, 1.0, 0.0);
+    EXPECT_EQ(check_way(stands, kStart - from_seconds(before_s), lim, others),
+              PlanVerdict::kTeammate)
+        << "it will come";
+  }
+}
+
+// However fast its vehicle is: a thin wall across its way is found, beside its way it is none.
+TEST(CheckWay, FindsAThinWallAtAnySpeed) {
+  for (const double speed_mps : {0.3, 1.0, 2.0, 3.0, 6.0}) {
+    SafetyLimits lim = open_limits();
+    lim.vehicle.speed_max_mps = speed_mps;
+    models::Trajectory way;
+    way.start_time = kStart;
+    way.height_m = 1.0;
+    way.segments = {{{speed_mps, 0.0}, 12.0 / speed_mps, 0.0}, {{}, 0.1, 0.0}};
+    for (double wall_m = 0.5; wall_m < 12.0; wall_m += 0.37) {
+      lim.fence.obstacles = {{{{wall_m, -0.1}, {wall_m + 0.01, 0.1}}, 2.0}};
+      EXPECT_EQ(check_way(held(way), kStart, lim, {}), PlanVerdict::kObstacle) << wall_m;
+      lim.fence.obstacles[0].footprint.min_m.y() = lim.vehicle.radius_m + 0.01;
+      lim.fence.obstacles[0].footprint.max_m.y() = 1.0;
+      EXPECT_EQ(check_way(held(way), kStart, lim, {}), PlanVerdict::kAccepted) << wall_m;
+    }
+  }
+}
+
+// At 2 m/s nothing is stepped over that is 2 mm thick.
+TEST(CheckWay, FindsTwoMillimetresAtTwoMetresASecond) {
+  test::Random random(39);
+  SafetyLimits lim = open_limits();
+  lim.vehicle.speed_max_mps = 2.0;
+  lim.plan_separation_m = 0.00101;
+  models::Trajectory way;
+  way.start_time = kStart;
+  way.height_m = 1.0;
+  way.segments = {{{2.0, 0.0}, 3.0, 0.0}, {{}, 0.1, 0.0}};
+  for (int i = 0; i < 300; ++i) {
+    const OtherCourse others[] = {{nullptr, {random.uniform(0.1, 5.9), 0.0, 1.0}}};
+    EXPECT_EQ(check_way(held(way), kStart, lim, others), PlanVerdict::kTeammate) << i;
   }
 }
 

@@ -164,6 +164,18 @@ TEST_F(Gate, TakesPlansOfNowOnly) {
   EXPECT_EQ(judge(news(6.0), 0.0), PlanVerdict::kTooFarAhead);
 }
 
+TEST_F(Gate, TakesPlansThatBeginExactlyAtTheirLimits) {
+  const double past_s = -limits.plan_past_max_s;
+  const double future_s = limits.plan_future_max_s;
+  for (const auto& [start_s, verdict] : {std::pair(past_s - 1e-6, PlanVerdict::kStale),
+                                         {past_s, PlanVerdict::kAccepted},
+                                         {future_s, PlanVerdict::kAccepted},
+                                         {future_s + 1e-6, PlanVerdict::kTooFarAhead}}) {
+    gate = PlanGate("Q1");
+    EXPECT_EQ(judge(news(start_s), 0.0), verdict) << start_s;
+  }
+}
+
 TEST_F(Gate, TakesPlansThatBeginWhereTheVehicleWillBe) {
   for (const double side : {1.0, -1.0}) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -205,6 +217,25 @@ TEST_F(Gate, LooksWhereThePlanIsNowOrWillBegin) {
   EXPECT_TRUE(accepts_at_first(plan, 0.9)) << "both have gone on";
   plan.trajectory.start.x_m = 1.0;
   EXPECT_FALSE(accepts_at_first(plan, 0.0));
+}
+
+// One that says of the past half second what was flown goes on from here, however fast; one that
+// would have to be where it began does not.
+TEST_F(Gate, TakesWhatGoesOnFromWhereTheVehicleIsByNow) {
+  limits.plan_start_tolerance_m = 0.01;
+  models::RobotPlan plan = news(0.0);
+  plan.trajectory.segments = {{{1.0, -1.0}, 1.0, 0.0}, {{}, 0.1, 0.0}};
+  HeldPlan flown;
+  ASSERT_TRUE(hold_plan(plan.trajectory, flown));
+  course.follow(flown, kStart);
+  for (double at_s = 0.0; at_s <= limits.plan_past_max_s; at_s += 0.05) {
+    EXPECT_TRUE(accepts_at_first(plan, at_s)) << at_s;
+    if (at_s > 0.02) {
+      models::RobotPlan begins_again = news(at_s);
+      begins_again.trajectory.segments = plan.trajectory.segments;
+      EXPECT_FALSE(accepts_at_first(begins_again, at_s)) << at_s;
+    }
+  }
 }
 
 TEST_F(Gate, KeepsFromTeammates) {
@@ -264,6 +295,49 @@ TEST_F(Gate, CountsEachVerdictByItsName) {
     for (const models::NamedCount& count : counts) {
       EXPECT_EQ(count.count, time) << count.name;
     }
+  }
+}
+
+// Each name has its own number, not its neighbour's.
+TEST_F(Gate, CountsEachVerdictUnderItsOwnName) {
+  const std::map<std::string, int> met = {
+      {"accepted", 5}, {"wrong vehicle", 1}, {"stale", 2}, {"too far ahead", 3}, {"not finite", 4}};
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(judge(news(0.0), 0.0), PlanVerdict::kAccepted);
+  }
+  models::RobotPlan of_another = news(0.0);
+  of_another.robot = "Q2";
+  EXPECT_EQ(judge(of_another, 0.0), PlanVerdict::kWrongVehicle);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(judge(news(-9.0), 0.0), PlanVerdict::kStale);
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(judge(news(9.0), 0.0), PlanVerdict::kTooFarAhead);
+  }
+  for (int i = 0; i < 4; ++i) {
+    models::RobotPlan plan = news(0.0);
+    plan.trajectory.segments.resize(HeldPlan::kSegmentsMax + 1);
+    EXPECT_EQ(judge(plan, 0.0), PlanVerdict::kNotFinite);
+  }
+  std::vector<models::NamedCount> counts;
+  gate.count(counts);
+  EXPECT_EQ(counts.size(), kPlanVerdicts - 1) << "of refusals";
+  for (const models::NamedCount& count : counts) {
+    const auto found = met.find(count.name.substr(std::string("plan.").size()));
+    EXPECT_EQ(count.count, found == met.end() ? 0 : found->second) << count.name;
+  }
+}
+
+// Another planner was heard: told until it has been silent for as long as a lease lasts; and again.
+TEST_F(Gate, TellsOfASecondPlannerForALease) {
+  EXPECT_EQ(judge(news(0.0, 1), 0.0), PlanVerdict::kAccepted);
+  EXPECT_FALSE(report(0.0).second_planner);
+  for (const double at_s : {1.0, 9.0}) {
+    EXPECT_EQ(judge(news(at_s, 1), at_s - 0.1), PlanVerdict::kAccepted);
+    EXPECT_EQ(judge(news(at_s, 2), at_s), PlanVerdict::kNoLease);
+    const double until_s = test::last_accepted(
+        at_s, at_s + 7.0, 1e-7, [&](double t_s) { return report(t_s).second_planner; });
+    EXPECT_NEAR(until_s, at_s + limits.planner_lease_s, 2e-6);
   }
 }
 

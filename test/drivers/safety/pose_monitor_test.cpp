@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/angle.hpp"
+#include "drivers/safety/inputs.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/bisect.hpp"
 
@@ -210,6 +211,124 @@ TEST_F(Poses, AreCountedInARowFromTheFirst) {
   EXPECT_EQ(monitor.accepted_in_row(), 0);
   EXPECT_EQ(see(here_m, 5 * kFrameS), PoseVerdict::kAccepted);
   EXPECT_EQ(monitor.accepted_in_row(), 1);
+}
+
+// Of a rotation's length a hundredth may be missing or too much, whoever wrote it.
+TEST_F(Poses, HaveRotationsOfUnitLength) {
+  const auto accepts = [&](double length) {
+    monitor = {};
+    models::MocapBody body{"Q1", lift({0.5, -0.4, 0.7}, 1.0), false};
+    body.world_from_body.rotation.coeffs() *= length;
+    return monitor.judge(&body, kHovers, limits, kStart) == PoseVerdict::kAccepted;
+  };
+  EXPECT_NEAR(test::last_accepted(1.0, 2.0, 1e-9, accepts), 1.01, 1e-8);
+  EXPECT_NEAR(test::last_accepted(1.0, 0.0, 1e-9, accepts), 0.99, 1e-8);
+}
+
+TEST_F(Poses, AreRotationsAndPlacesOfNumbers) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(), inf, -inf}) {
+    for (int i = 0; i < 7; ++i) {
+      monitor = {};
+      models::MocapBody body{"Q1", lift({0.5, -0.4, 0.7}, 1.0), false};
+      (i < 3 ? body.world_from_body.translation_m(i)
+             : body.world_from_body.rotation.coeffs()(i - 3)) = value;
+      EXPECT_EQ(monitor.judge(&body, kHovers, limits, kStart), PoseVerdict::kMalformed) << i;
+      EXPECT_FALSE(monitor.has_pose());
+    }
+  }
+}
+
+TEST_F(Poses, ArePredictedNowhereBeforeTheFirst) {
+  EXPECT_FALSE(monitor.has_pose());
+  EXPECT_EQ(monitor.age_s(kStart), kNever);
+  for (const double horizon_s : {0.0, 0.5, kNever}) {
+    EXPECT_EQ(monitor.predict_m(kStart, horizon_s), Eigen::Vector3d::Zero()) << horizon_s;
+  }
+}
+
+// Out of the room on a way that goes on: in the air believed wherever it goes, and back; on the
+// ground, or as the first that is seen, never.
+TEST_F(Poses, LeaveTheRoomOnlyInTheAirOnAWayThatGoesOn) {
+  const double beyond_m = 4.0 + limits.volume_margin_m;
+  for (const BodyContext& context : {kFlies, kHovers, kOnGround}) {
+    monitor = {};
+    for (int i = 0; i <= 800; ++i) {
+      const double t_s = kFrameS * i;
+      const double x_m = 3.5 + (t_s < 4.0 ? t_s : 8.0 - t_s);
+      const bool is_believed = context.in_air || x_m < beyond_m;
+      EXPECT_EQ(see({x_m, 0.3, 1.0}, t_s, context),
+                is_believed ? PoseVerdict::kAccepted : PoseVerdict::kOutside)
+          << x_m;
+    }
+    monitor = {};
+    EXPECT_EQ(see({beyond_m + 0.1, 0.3, 1.0}, 0.0, context), PoseVerdict::kOutside);
+    EXPECT_FALSE(monitor.has_pose()) << "no track begins outside";
+  }
+}
+
+// A jump and a flip by their names, outside the room too; the jump when it is both.
+TEST_F(Poses, AreRefusedInTheAirByTheirNames) {
+  const Eigen::Vector3d here_m(0.5, -0.4, 1.0);
+  const Eigen::Vector3d there_m = here_m + Eigen::Vector3d(1.0, 0.0, 0.0);
+  stand(here_m);
+  EXPECT_EQ(see(there_m, kFrameS), PoseVerdict::kJump);
+  EXPECT_EQ(see(here_m, kFrameS, kHovers, 2.0), PoseVerdict::kFlip);
+  EXPECT_EQ(see(there_m, kFrameS, kHovers, 2.0), PoseVerdict::kJump);
+  EXPECT_EQ(see({9.0, 0.0, 1.0}, kFrameS), PoseVerdict::kOutside);
+  EXPECT_EQ(monitor.rejected_in_row(), 4);
+  EXPECT_EQ(see(here_m, kFrameS), PoseVerdict::kAccepted);
+}
+
+// Unseen it goes on as it did, for half a second: around there the next pose is believed.
+TEST_F(Poses, AreExpectedWhereAFlightThatIsNotSeenLeads) {
+  const Eigen::Vector3d begin_m(-2.0, -1.0, 1.0);
+  for (const double gap_s : {0.1, 0.3, 0.5, 0.8}) {
+    const auto accepts_at = [&](double ahead_m) {
+      monitor = {};
+      double t_s = 0.0;
+      for (int i = 0; i <= 100; ++i) {
+        t_s = kFrameS * i;
+        EXPECT_EQ(see(begin_m + Eigen::Vector3d(2.0 * t_s, 0.0, 0.0), t_s, kFlies),
+                  PoseVerdict::kAccepted);
+      }
+      EXPECT_NEAR(monitor.velocity_world_mps().x(), 2.0, 1e-6);
+      return see(begin_m + Eigen::Vector3d(2.0 + ahead_m, 0.0, 0.0), t_s + gap_s, kFlies) ==
+             PoseVerdict::kAccepted;
+    };
+    const double expected_m = 2.0 * std::min(gap_s, limits.pose_age_land_s);
+    const double gate_m = std::min(0.6, 0.25 + 5.0 * gap_s * gap_s);
+    EXPECT_NEAR(test::last_accepted(expected_m, 9.0, 1e-6, accepts_at), expected_m + gate_m, 1e-5);
+    EXPECT_NEAR(test::last_accepted(expected_m, -9.0, 1e-6, accepts_at), expected_m - gate_m, 1e-5);
+  }
+}
+
+// A flight whose pose comes again and again: believed until the limit counts from the first of
+// them, however long it flew before; then it stands, as old as that first one. And once more.
+TEST_F(Poses, AreStuckFromWhenTheyFirstCame) {
+  double t_s = 0.0;
+  Eigen::Vector3d p_m(-3.0, -1.0, 1.0);
+  for (int time = 0; time < 2; ++time) {
+    for (int i = 0; i < 200; ++i) {
+      t_s += kFrameS;
+      p_m.x() += 0.5 * kFrameS;
+      EXPECT_EQ(see(p_m, t_s, kFlies), PoseVerdict::kAccepted) << t_s;
+    }
+    EXPECT_GT(monitor.velocity_world_mps().x(), 0.4);
+    for (int i = 1; i <= 10; ++i) {
+      const double same_s = kFrameS * i;
+      const bool is_stuck = same_s > limits.pose_stuck_moving_s + 1e-6;
+      EXPECT_EQ(see(p_m, t_s + same_s, kFlies),
+                is_stuck ? PoseVerdict::kStuck : PoseVerdict::kAccepted)
+          << i;
+      if (is_stuck) {
+        EXPECT_EQ(monitor.velocity_world_mps(), Eigen::Vector3d::Zero());
+        EXPECT_EQ(monitor.predict_m(kStart + from_seconds(t_s + 1.0), 9.0), p_m);
+        EXPECT_NEAR(monitor.age_s(kStart + from_seconds(t_s + same_s)), same_s, 2e-6);
+      }
+    }
+    t_s += 10 * kFrameS;
+  }
 }
 
 }  // namespace
