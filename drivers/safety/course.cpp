@@ -92,6 +92,7 @@ void Course::stop(const BrakeWay& way, Time now) {
 void Course::shift(const Eigen::Vector3d& to_m, double speed_mps, Time now) {
   from_ = at(now);
   from_.velocity_world_mps.setZero();
+  from_.acceleration_world_mps2.setZero();
   from_.yaw_rate_radps = 0.0;
   mode_ = Mode::kShift;
   begin_ = now;

@@ -22,9 +22,10 @@ namespace vantage::drivers {
 /// Whose turn it is to lift, by what the operator was heard to say to whom, in the order in which
 /// it was said and by name where it was said at once; and by what mocap shows.
 ///
-/// Who is told and does not rise is passed by after lift_wait_s and lift_proof_s: nobody waits for
-/// ever. After somebody's turn each waits a moment longer than the one before it by name, so that
-/// two who have waited for the same do not begin together.
+/// Who is told and does not rise is passed by after lift_wait_s and the time that motors take to
+/// start, who has risen after lift_proof_s more: nobody waits for ever. After somebody's turn each
+/// waits a moment longer than the one before it in the scenario, so that two who have waited for
+/// the same do not begin together.
 class LiftQueue {
  public:
   LiftQueue(const scenario::Scenario& scenario, const std::string& own_name);

@@ -82,9 +82,11 @@ bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const Oth
 
 bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
                   std::span<const OtherBody> others, const SafetyLimits& limits) {
+  // Who hovers nearer to an obstacle than that may go away from it.
+  const double way_spare_m = std::min(kObstacleSpareM, obstacle_edge_m(from_m, limits));
   for (int i = 0; i <= kSamples; ++i) {
     const Eigen::Vector3d p_m = from_m + (to_m - from_m) * (static_cast<double>(i) / kSamples);
-    if (obstacle_edge_m(p_m, limits) < kObstacleSpareM) {
+    if (obstacle_edge_m(p_m, limits) < (i < kSamples ? way_spare_m : kObstacleSpareM)) {
       return false;
     }
   }

@@ -180,6 +180,7 @@ TEST(Course, ShiftsAndStandsWithNothingLeftOfWhatItDidBefore) {
   course.shift({2.0, 2.0, 1.0}, 0.4, after(1.0));
   for (const double t_s : {1.0, 1.1, 60.0}) {
     EXPECT_EQ(course.planned_at(after(t_s)).velocity_world_mps.norm(), 0.0) << t_s;
+    EXPECT_EQ(course.planned_at(after(t_s)).acceleration_world_mps2.norm(), 0.0) << t_s;
     EXPECT_EQ(course.planned_at(after(t_s)).yaw_rate_radps, 0.0) << t_s;
   }
   course.stand({1.0, 1.0, 1.0}, 0.5, after(1.2));

@@ -252,6 +252,22 @@ TEST(LandingSpot, IsAsFarFromObstaclesAsItStates) {
   }
 }
 
+// Who hovers nearer to an obstacle than that still goes away from it when somebody is below.
+TEST(LandingSpot, IsFoundFromBesideAnObstacleAsFromAfar) {
+  const double radius_m = bench_limits().vehicle.radius_m;
+  for (const bool is_turned : {false, true}) {
+    for (const double side : {1.0, -1.0}) {
+      for (const double edge_m : {-0.02, 0.0, 0.02, 0.049, 0.051, 0.2}) {
+        Corridor corridor(is_turned);
+        corridor.build((radius_m + edge_m) * side, (radius_m + edge_m + 0.1) * side);
+        EXPECT_NEAR(corridor.spot_m(), -side, 1e-9) << edge_m;
+        corridor.build(-0.45 * side, -0.55 * side);
+        EXPECT_EQ(corridor.spot_m(), 0.0) << "and through nothing";
+      }
+    }
+  }
+}
+
 // The way leads past a robot as far off as a landing stays clear of bodies and 0.1 m, seen from
 // above; past anybody else as far off as a hold allows.
 TEST(LandingSpot, IsReachedAsFarFromOthersAsItStates) {
