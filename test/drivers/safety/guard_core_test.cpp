@@ -70,5 +70,126 @@ TEST(GuardCore, ObeysAtOnceWhatNeedsNoLook) {
   EXPECT_FALSE(core.request);
 }
 
+/// Q1 is seen at a place, by runs of mocap one after the other.
+class SeenCore : public testing::Test {
+ protected:
+  /// What came of it; `latency_s` after it was stamped it arrives, now.
+  bool see(std::int64_t run_id, const Eigen::Vector3d& place_m, bool is_armed = false,
+           BodyContext context = {}) {
+    models::MocapFrame frame;
+    frame.stamp = {now - from_seconds(latency_s), run_id, number};
+    frame.arrival = now;
+    frame.frame_number = number++;
+    frame.bodies.push_back({"Q1", {place_m, Quaternion::Identity()}, false});
+    return core.on_mocap(frame, context, is_armed, now);
+  }
+  bool is_at(const Eigen::Vector3d& place_m) {
+    return core.pose.world_from_body().translation_m == place_m;
+  }
+  void pass(double seconds) { now += from_seconds(seconds); }
+
+  scenario::Scenario scenario = room();
+  GuardCore core{scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25)};
+  Time now = from_utime(1'700'000'000'000'000);
+  double latency_s = 0.02;
+  std::int64_t number = 1;
+  const Eigen::Vector3d here_m{0.5, -0.5, 0.0};
+  const Eigen::Vector3d far_m{1.5, -0.5, 0.0};
+  static constexpr int kFirst = 3;
+  static constexpr int kOther = 4;
+};
+
+// Once it is armed, who takes over the poses must show it where it is; before, it may have been
+// carried meanwhile. The source that it has may show it elsewhere on the ground, armed or not, and
+// in the air never.
+TEST_F(SeenCore, MustBeSeenWhereItIsByWhoTakesOverOnceItIsArmed) {
+  for (const bool is_armed : {false, true}) {
+    for (const bool in_air : {false, true}) {
+      for (const bool is_other : {false, true}) {
+        for (const bool is_elsewhere : {false, true}) {
+          core.source = {};
+          core.pose = {};
+          ASSERT_TRUE(see(kFirst, here_m));
+          pass(0.4);
+          const Eigen::Vector3d& shown_m = is_elsewhere ? far_m : here_m;
+          const bool is_held = in_air || (is_other && is_armed);
+          const bool is_believed = !is_elsewhere || !is_held;
+          const bool is_heard = see(is_other ? kOther : kFirst, shown_m, is_armed, {in_air});
+          EXPECT_EQ(is_heard, is_believed || !is_other) << "its own source stays its source";
+          EXPECT_TRUE(is_at(is_believed ? shown_m : here_m));
+          // Who did not pass is not the source, and the first comes back at once.
+          EXPECT_EQ(see(kFirst, here_m), !(is_other && is_believed));
+        }
+      }
+    }
+  }
+}
+
+// Of both directions, each once, and of nothing else.
+TEST_F(SeenCore, CountsHowOftenTheClockOfItsPosesWasSet) {
+  const auto frames = [&] {
+    for (int i = 0; i < 20; ++i) {
+      pass(0.01);
+      ASSERT_TRUE(see(kFirst, here_m));
+    }
+  };
+  frames();
+  EXPECT_EQ(core.clocks_set, 0);
+  std::int64_t times = 0;
+  for (const double set_by_s : {-3.0, 3.0, -60.0, 60.0}) {
+    latency_s -= set_by_s;
+    frames();
+    EXPECT_EQ(core.clocks_set, ++times);
+    core.look(now);
+    EXPECT_NEAR(core.in.pose_latency_s, 0.02, 1e-6) << "it is no later for that";
+  }
+  latency_s += 0.1;
+  frames();
+  EXPECT_EQ(core.clocks_set, times);
+  core.look(now);
+  EXPECT_NEAR(core.in.pose_latency_s, 0.12, 1e-6);
+}
+
+// In a row, each of them; and of no frame nothing.
+TEST_F(SeenCore, SaysHowManyPosesItBelievedAndRefused) {
+  core.look(now);
+  EXPECT_EQ(core.in.poses_accepted, 0);
+  EXPECT_EQ(core.in.poses_rejected, 0);
+  for (int round = 0; round < 2; ++round) {  // and once more
+    const int before = core.in.poses_accepted;
+    for (int i = 1; i <= 7; ++i) {
+      pass(0.01);
+      EXPECT_TRUE(see(kFirst, here_m, true, {true}));
+      core.look(now);
+      EXPECT_EQ(core.in.poses_accepted, before + i);
+      EXPECT_EQ(core.in.poses_rejected, 0);
+    }
+    for (int i = 1; i <= 5; ++i) {
+      pass(0.01);
+      EXPECT_TRUE(see(kFirst, far_m, true, {true}));
+      core.look(now);
+      EXPECT_EQ(core.in.poses_accepted, 0);
+      EXPECT_EQ(core.in.poses_rejected, i);
+    }
+  }
+}
+
+// A plan that passes is on the course, and none that does not.
+TEST_F(SeenCore, FollowsThePlansThatPass) {
+  models::RobotPlan plan;
+  plan.robot = "Q1";
+  plan.trajectory.start = {here_m.x(), here_m.y(), 0.0};
+  plan.trajectory.height_m = 1.0;
+  plan.trajectory.segments = {{{0.5, 0.0}, 1.0, 0.0}, models::brake(0.5, 2.0).front()};
+  for (const bool may_take : {false, true}) {
+    core.course.stand({here_m.x(), here_m.y(), 1.0}, 0.0, now);
+    plan.stamp = {now, 100, plan.stamp.sequence + 1};
+    plan.trajectory.start_time = now;
+    EXPECT_EQ(core.on_plan(plan, may_take, 1.0, now),
+              may_take ? PlanVerdict::kAccepted : PlanVerdict::kNotFollowing);
+    EXPECT_EQ(core.course.is_on_plan(), may_take);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::drivers
