@@ -58,7 +58,7 @@ struct GuardOutput {
   bool wants_armed = false;  ///< arm the autopilot when false there, disarm it when false here
   double climb_to_m = 0.0;   ///< height that a climb under way goes to; the first lift's, then more
   bool is_sinking = false;   ///< landing, over its place, and nobody below is waited for
-  bool changed = false;      ///< state or reasons differ from the last tick
+  bool changed = false;      ///< state, reasons or what became of orders differ
   Reasons reasons;           ///< what acts (in the air) or blocks what is ordered (on the ground)
 };
 
