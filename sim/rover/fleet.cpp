@@ -172,8 +172,10 @@ void RoverFleet::choose_way_point(std::size_t i) {
   const double needed_m = map_.clearance_needed_m(rover.radius_m);
   for (int draw = 0; draw < kDrawsMax && rover.path.empty(); ++draw) {
     const models::Rectangle& bounds = world_.bounds;
-    const Eigen::Vector2d goal_m(uniform(rover.rng, bounds.min_m.x(), bounds.max_m.x()),
-                                 uniform(rover.rng, bounds.min_m.y(), bounds.max_m.y()));
+    // One after the other: arguments are drawn in an order that is each compiler's own.
+    const double y_m = uniform(rover.rng, bounds.min_m.y(), bounds.max_m.y());
+    const double x_m = uniform(rover.rng, bounds.min_m.x(), bounds.max_m.x());
+    const Eigen::Vector2d goal_m(x_m, y_m);
     if (models::clearance_m(world_, goal_m) >= needed_m && (goal_m - here_m).norm() > kArrivalM) {
       rover.path = map_.route(here_m, goal_m, rover.radius_m, blocked);
     }
