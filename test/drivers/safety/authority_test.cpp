@@ -275,6 +275,9 @@ TEST_F(Authority, FollowsNoClockOfWhatWasHeardBefore) {
     for (const double at_s : {4.0, 3600.0}) {  // and once more
       EXPECT_FALSE(beat(number, 0.1 * static_cast<double>(number), at_s)) << number;
       EXPECT_NEAR(authority.age_s(kStart + from_seconds(at_s)), at_s - 1.0, 1e-9);
+      const auto stop =
+          command(OperatorAction::kEmergencyStop, 1, number, 0.1 * static_cast<double>(number));
+      EXPECT_FALSE(authority.admit(stop, kStart + from_seconds(at_s), kSilentS)) << "of then";
     }
     EXPECT_TRUE(beat(11, 3600.5, 3600.5)) << "itself, by the clock that it had";
   }
@@ -318,9 +321,11 @@ TEST_F(Authority, TakesWhatIsSaferLateOnceEach) {
   std::vector<models::NamedCount> after;
   authority.count(after);
   EXPECT_EQ(after[1].count, before[1].count + 1) << "operator.other_time";
-  // And it goes on as it did.
+  // And it goes on as it did; what had been overtaken before has been.
   EXPECT_TRUE(authority.admit(command(OperatorAction::kHeartbeat, 1, 53, 4.1), at(4.1), 1.0));
-  EXPECT_TRUE(authority.admit(command(OperatorAction::kFollow, 1, 54, 4.2), at(4.2), 1.0));
+  EXPECT_TRUE(authority.admit(command(OperatorAction::kHold, 1, 54, 1.0), at(4.15), 1.0));
+  EXPECT_FALSE(authority.admit(command(OperatorAction::kFollow, 1, 52, 4.05), at(4.2), 1.0));
+  EXPECT_TRUE(authority.admit(command(OperatorAction::kFollow, 1, 55, 4.2), at(4.2), 1.0));
 }
 
 }  // namespace

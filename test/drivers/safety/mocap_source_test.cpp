@@ -163,5 +163,42 @@ TEST_F(Source, SaysWhoWasRefusedInTheLastTwoSeconds) {
   EXPECT_EQ(complaint(20.0), "");
 }
 
+// Frames of the source itself that are neither of now nor go on: counted and said, each time.
+TEST_F(Source, IsRefusedForFramesOfItsOwnOfAnotherTime) {
+  EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
+  for (std::int64_t time = 1; time <= 2; ++time) {
+    const double at_s = 10.0 * static_cast<double>(time);
+    EXPECT_EQ(hear(1, at_s, 0.0, 100 + time), Standing::kBelieved);
+    EXPECT_EQ(source.complaint(at(at_s)), nullptr);
+    EXPECT_EQ(hear(1, at_s, -kHourS, 50), Standing::kRefused);
+    EXPECT_NE(source.complaint(at(at_s)), nullptr);
+    std::vector<models::NamedCount> counts;
+    source.count(counts);
+    EXPECT_TRUE(std::any_of(counts.begin(), counts.end(), [&](const auto& each) {
+      return each.name == "mocap.other_time" && each.count == time;
+    }));
+    EXPECT_EQ(hear(1, at_s, 0.0, 50), Standing::kBelieved) << "numbered anew, and of now";
+  }
+}
+
+// A clock that was set is believed until it is set back, and is nobody else's.
+TEST_F(Source, FollowsOneClockAtATime) {
+  EXPECT_EQ(hear(1, 0.0, 0.0, 100), Standing::kCandidate);
+  EXPECT_EQ(hear(1, 0.1, kHourS, 101), Standing::kBelieved);
+  EXPECT_EQ(hear(1, 0.2, kHourS, 5), Standing::kBelieved) << "numbered anew, by that clock";
+  EXPECT_EQ(hear(1, 0.3, 0.0, 3), Standing::kBelieved) << "set back, and numbered anew";
+  EXPECT_EQ(hear(1, 0.4, kHourS, 2), Standing::kRefused) << "which it was";
+  EXPECT_EQ(hear(1, 0.5, kHourS, 7), Standing::kBelieved) << "set again";
+  EXPECT_EQ(hear(2, 1.0), Standing::kCandidate);
+  EXPECT_EQ(hear(2, 1.1, kHourS, 0), Standing::kRefused) << "the clock of the one before it";
+}
+
+TEST_F(Source, IsAnybodyAtTheBeginningOfTime) {
+  models::MocapFrame frame;
+  frame.stamp.run_id = 1;
+  frame.stamp.time = Time{} + from_seconds(0.1);
+  EXPECT_EQ(source.judge(frame, Time{} + from_seconds(0.1)), Standing::kCandidate);
+}
+
 }  // namespace
 }  // namespace vantage::drivers

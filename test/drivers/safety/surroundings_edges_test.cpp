@@ -264,6 +264,14 @@ TEST(LandingSpot, IsFoundFromBesideAnObstacleAsFromAfar) {
         corridor.build(-0.45 * side, -0.55 * side);
         EXPECT_EQ(corridor.spot_m(), 0.0) << "and through nothing";
       }
+      // Nor to beside another.
+      for (const double beyond_m : {0.04, 0.06}) {
+        Corridor corridor(is_turned);
+        corridor.build((radius_m + 0.02) * side, (radius_m + 0.1) * side);
+        const double wall_m = 1.0 + radius_m + beyond_m;
+        corridor.build(-wall_m * side, -(wall_m + 0.1) * side);
+        EXPECT_NEAR(corridor.spot_m(), beyond_m < 0.05 ? 0.0 : -side, 1e-9);
+      }
     }
   }
 }
