@@ -1,0 +1,411 @@
+// How a vehicle comes down: where, how fast, and for whom it waits; and once more, by the same
+// guard.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "drivers/safety/surroundings.hpp"
+#include "test/drivers/safety/one_vehicle.hpp"
+
+namespace vantage::test {
+namespace {
+
+using drivers::FlightSetpoint;
+using models::FlightState;
+using models::OperatorAction;
+
+// At 0.6 m/s, and 0.4 m/s below 1 m.
+TEST(ComesDown, AtItsTwoSpeeds) {
+  OneVehicle one;
+  for (int flight = 0; flight < 2; ++flight) {  // and once more
+    one.land_from({0.5, -0.5, 2.0});
+    EXPECT_TRUE(one.out.is_sinking);
+    EXPECT_LT(one.out.climb_to_m, 0.0);
+    EXPECT_GE(one.out.climb_to_m, -1.0);
+    double before_m = one.out.setpoint.position_world_m.z();
+    while (one.position_m.z() > 0.02) {
+      one.tick();
+      const double asked_m = one.out.setpoint.position_world_m.z();
+      const double ref_m = asked_m - 0.1 * one.out.setpoint.velocity_world_mps.z();
+      const double mps = ref_m > 1.02 ? 0.6 : 0.4;
+      if (std::abs(ref_m - 1.0) > 0.03 && ref_m > 0.05) {
+        EXPECT_NEAR(one.out.setpoint.velocity_world_mps.z(), -mps, 1e-6) << ref_m;
+        EXPECT_NEAR(before_m - asked_m, mps * 0.02, 1e-6);
+      }
+      EXPECT_LT((one.asked_m() - Eigen::Vector2d(0.5, -0.5)).norm(), 1e-6);
+      EXPECT_LT(one.in().tracking_error_m, 0.01);
+      before_m = asked_m;
+    }
+    EXPECT_FALSE(one.out.wants_armed);
+    one.come_to_rest();
+  }
+}
+
+// It is asked to go down until it is down, and no farther below where it is than 0.5 m.
+TEST(ComesDown, ToNoFartherThanHalfAMetreBelowWhereItIs) {
+  for (const double held_m : {0.3, 1.8}) {
+    OneVehicle one;
+    one.land_from({0.0, 0.0, 2.0});
+    one.run(held_m < 1.0 ? 3.5 : 0.1);
+    one.hold_at_height(held_m);
+    one.run(3.0);
+    EXPECT_NEAR(one.out.setpoint.position_world_m.z(), held_m - 0.5, 1e-6);
+    EXPECT_NEAR(one.out.setpoint.velocity_world_mps.z(), 0.0, 1e-6);
+  }
+}
+
+// A climb ends where it lands: from what is lower, what it was asked or where it is.
+TEST(ComesDown, FromTheLowerOfWhereItIsAndWasAskedToBe) {
+  for (const double off_m : {-0.3, 0.3}) {
+    OneVehicle one;
+    one.position_m.z() = 1.5;
+    one.run(0.4);
+    one.answers = false;
+    one.drift_mps = Eigen::Vector3d(0.0, 0.0, off_m);
+    one.run(1.0);
+    one.drift_mps = Eigen::Vector3d::Zero();
+    one.run(0.1);
+    one.say(OperatorAction::kLand);
+    one.tick();
+    const double from_m = 1.5 + std::min(0.0, off_m);
+    EXPECT_NEAR(one.out.setpoint.position_world_m.z(), from_m - 0.6 * 0.12, 0.001);
+  }
+}
+
+// Waiting, it stays as high as it was asked to be, though it was pushed up; after a landing that
+// did not wait, too.
+TEST(ComesDown, FromNoHigherThanItWasAskedToBe) {
+  OneVehicle one;
+  one.land_from({0.0, 0.0, 1.5});
+  one.run(0.5);
+  EXPECT_TRUE(one.out.is_sinking);
+  one.come_to_rest();
+  const auto walker = [&] { one.others = {one.body("W1", {0.1, 0.0, 0.2})}; };
+  one.position_m = {0.0, 0.0, 1.5};
+  one.report.armed = true;
+  walker();
+  one.run(0.4, walker);
+  one.drift_mps = Eigen::Vector3d(0.0, 0.0, 0.3);
+  one.run(1.0, walker);
+  one.drift_mps = Eigen::Vector3d::Zero();
+  one.say(OperatorAction::kLand);
+  one.run(0.1, walker);
+  EXPECT_EQ(one.state(), FlightState::kLand);
+  EXPECT_FALSE(one.out.is_sinking);
+  EXPECT_NEAR(one.out.setpoint.position_world_m.z(), 1.5, 1e-3);
+}
+
+// Somebody below: it moves to where nobody is, at 0.6 m/s, before it comes down there; and once
+// more.
+TEST(ComesDown, BesideWhoIsBelow) {
+  OneVehicle one;
+  for (int flight = 0; flight < 2; ++flight) {
+    const Eigen::Vector3d from_m(0.5, -0.5 + flight, 1.5);
+    const Eigen::Vector3d walker_m = from_m - Eigen::Vector3d(0.1, 0.0, 1.2);
+    one.others = {one.body("W1", walker_m)};
+    one.land_from(from_m);
+    EXPECT_FALSE(one.out.is_sinking);
+    double fastest_mps = 0.0;
+    for (int i = 0; i < 400 && one.position_m.z() > 0.02; ++i) {
+      one.others = {one.body("W1", walker_m)};
+      one.tick();
+      fastest_mps = std::max(fastest_mps, one.out.setpoint.velocity_world_mps.head<2>().norm());
+      if (one.out.is_sinking) {
+        EXPECT_GT((one.position_m - walker_m).head<2>().norm(), one.limits.landing_clearance_m);
+        EXPECT_LT((one.position_m.head<2>() - one.asked_m()).norm(), 0.01);
+      } else {
+        EXPECT_NEAR(one.out.setpoint.position_world_m.z(), 1.5, 1e-6);
+      }
+    }
+    EXPECT_LT(one.position_m.z(), 0.03);
+    EXPECT_NEAR(fastest_mps, 0.6, 0.01);
+    one.come_to_rest();
+  }
+}
+
+// Its hover has drifted, and somebody is below where it is or below where it is asked to be: it
+// comes down where there is nobody.
+TEST(ComesDown, WhereNobodyIsBelowItNorBelowItsHover) {
+  for (const double at_m : {-0.5, 0.85}) {  // nearer than 0.7 m to one of the two only
+    OneVehicle one;
+    const Eigen::Vector3d walker_m(at_m, 0.0, 0.2);
+    one.position_m = {0.0, 0.0, 1.5};
+    one.run(0.4);
+    one.answers = false;
+    one.drift_mps = Eigen::Vector3d(0.3, 0.0, 0.0);
+    one.run(1.0);
+    one.drift_mps = Eigen::Vector3d::Zero();
+    one.others = {one.body("W1", walker_m)};
+    one.run(0.1);
+    one.others = {one.body("W1", walker_m)};
+    one.say(OperatorAction::kLand);
+    one.tick();
+    EXPECT_EQ(one.state(), FlightState::kLand);
+    EXPECT_FALSE(one.out.is_sinking) << at_m;
+    one.drift_mps.reset();
+    one.answers = true;
+    for (int i = 0; i < 400 && one.position_m.z() > 0.1; ++i) {
+      one.others = {one.body("W1", walker_m)};
+      one.tick();
+      if (one.out.is_sinking) {
+        EXPECT_GT((one.position_m - walker_m).head<2>().norm(), one.limits.landing_clearance_m);
+      }
+    }
+    EXPECT_LT(one.position_m.z(), 0.11);
+  }
+}
+
+// Who does not get to its place comes down beside it 6 s after it was told where; who is within
+// 0.25 m of it when it should be there, then.
+TEST(ComesDown, BesideItsPlaceWhenItDoesNotGetThere) {
+  OneVehicle one;
+  const Eigen::Vector3d walker_m(-0.1, 0.0, 0.3);
+  for (const double off_m : {0.24, 0.26, 0.24, 0.26}) {
+    one.others = {one.body("W1", walker_m)};
+    one.land_from({0.0, 0.0, 1.5});
+    double waited_s = OneVehicle::kTickS;
+    double moved_s = 0.0;
+    while (!one.out.is_sinking && waited_s < 12.0) {
+      one.others = {one.body("W1", walker_m)};
+      const Eigen::Vector2d away_m = one.asked_m() - walker_m.head<2>();
+      one.beside_m.head<2>() = std::min(off_m, 0.2 * waited_s) * away_m.normalized();
+      one.tick();
+      waited_s += OneVehicle::kTickS;
+      moved_s = one.out.setpoint.velocity_world_mps.head<2>().norm() > 1e-9 ? waited_s : moved_s;
+    }
+    EXPECT_LT(moved_s, 3.0);
+    EXPECT_NEAR(waited_s, off_m < 0.25 ? moved_s + 0.1 : 6.04, 0.06) << off_m;
+    one.beside_m.setZero();
+    one.come_to_rest();
+  }
+}
+
+// As long as somebody is everywhere below, it waits; 20 s, and no longer; and once more.
+TEST(ComesDown, WhoeverIsBelowWhenItHasWaitedForLong) {
+  scenario::Scenario room = OneVehicle::room();
+  room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
+  OneVehicle one({0.0, 0.0, 1.5}, 0.0, room);
+  for (int flight = 0; flight < 2; ++flight) {
+    one.others = {one.body("W1", {0.1, 0.0, 0.2})};
+    one.land_from({0.0, 0.0, 1.5});
+    double waited_s = 0.0;
+    while (!one.out.is_sinking && waited_s < 30.0) {
+      one.others = {one.body("W1", {0.1, 0.0, 0.2})};
+      one.tick();
+      waited_s += OneVehicle::kTickS;
+      if (!one.out.is_sinking) {
+        EXPECT_NEAR(one.out.setpoint.position_world_m.z(), 1.5, 1e-6);
+      }
+    }
+    EXPECT_NEAR(waited_s, 20.0, 0.05);
+    one.run(1.0, [&] {
+      EXPECT_TRUE(one.out.is_sinking);
+      EXPECT_LT(one.out.setpoint.velocity_world_mps.z(), -0.3);
+    });
+    one.come_to_rest();
+  }
+}
+
+// Who begins to land so low looks at nobody; and once more.
+TEST(ComesDown, WithoutALookFromBelow35Centimetres) {
+  OneVehicle one;
+  for (const double from_m : {0.33, 0.37, 0.33, 0.37}) {
+    one.others = {one.body("W1", {0.6, 0.0, 0.05})};
+    one.land_from({0.0, 0.0, from_m});
+    EXPECT_EQ(one.out.is_sinking, from_m < 0.35) << from_m;
+    one.come_to_rest();
+  }
+}
+
+// Somebody walks in while it sinks: it stops where it is, no lower, and goes on when he has left.
+// Below 0.15 m it does not.
+TEST(ComesDown, AndWaitsForWhoWalksInUntilItIsLow) {
+  for (const double at_m : {0.8, 0.2, 0.1}) {
+    scenario::Scenario room = OneVehicle::room();
+    room.world.bounds = {{-0.5, -0.5}, {0.5, 0.5}};
+    OneVehicle one({0.0, 0.0, 1.5}, 0.0, room);
+    one.land_from({0.0, 0.0, 1.5});
+    for (int i = 0; i < 400 && one.position_m.z() > at_m; ++i) {
+      one.tick();
+    }
+    const double here_m = one.position_m.z();
+    one.answers = false;
+    one.drift_mps = Eigen::Vector3d::Zero();
+    one.run(1.0, [&] { one.others = {one.body("W1", {0.1, 0.0, here_m - 0.1})}; });
+    EXPECT_EQ(one.out.is_sinking, at_m < 0.15) << at_m;
+    if (at_m > 0.15) {
+      EXPECT_NEAR(one.out.setpoint.position_world_m.z(), here_m, 1e-6);
+      EXPECT_NEAR(one.in().tracking_error_m, 0.0, 1e-3);
+      one.run(3.0, [&] { one.others = {one.body("W1", {1.2, 0.0, here_m - 0.1})}; });
+      EXPECT_TRUE(one.out.is_sinking) << at_m;
+    }
+  }
+}
+
+// What stops a landing to move aside is a way that is taken: then it stops, and looks again.
+TEST(ComesDown, AndStopsOnItsWayAsideForWhoStepsInToIt) {
+  OneVehicle one;
+  const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
+  one.others = {one.body("W1", below_m)};
+  one.land_from({0.0, 0.0, 1.5});
+  one.run(0.5, [&] { one.others = {one.body("W1", below_m)}; });
+  const Eigen::Vector2d way_m = one.out.setpoint.velocity_world_mps.head<2>();
+  ASSERT_GT(way_m.norm(), 0.3);
+  const Eigen::Vector3d ahead_m =
+      one.position_m + 0.62 * Eigen::Vector3d(way_m.x(), way_m.y(), 0.0).normalized();
+  bool has_stopped = false;
+  one.run(1.0, [&] {
+    one.others = {one.body("W1", below_m), one.body("W2", ahead_m)};
+    has_stopped = has_stopped || one.out.setpoint.velocity_world_mps.head<2>().norm() < 1e-9;
+  });
+  EXPECT_TRUE(has_stopped);
+  EXPECT_GT((one.position_m - ahead_m).norm(), one.limits.separation_land_m);
+  EXPECT_FALSE(one.out.is_sinking &&
+               (one.position_m - ahead_m).head<2>().norm() < one.limits.landing_clearance_m);
+}
+
+// A free way is gone to its end, in one go.
+TEST(ComesDown, AsideWithoutAStopOnAFreeWay) {
+  OneVehicle one;
+  const Eigen::Vector3d below_m(-0.1, 0.0, 0.3);
+  one.others = {one.body("W1", below_m)};
+  one.land_from({0.0, 0.0, 1.5});
+  bool has_moved = false;
+  bool has_stopped = false;
+  while (!one.out.is_sinking && one.ticks < 500) {
+    one.others = {one.body("W1", below_m)};
+    one.tick();
+    const double mps = one.out.setpoint.velocity_world_mps.head<2>().norm();
+    has_stopped = has_stopped || (has_moved && mps < 1e-9);
+    EXPECT_TRUE(!has_stopped || mps < 1e-9) << "it moves off once";
+    has_moved = has_moved || mps > 0.3;
+  }
+  EXPECT_TRUE(has_moved);
+  EXPECT_LT(one.ticks, 200);
+}
+
+// Pushed down while it waits, it has not decided to land.
+TEST(ComesDown, ByItsOwnDecisionOnly) {
+  OneVehicle one;
+  const auto walker = [&] { one.others = {one.body("W1", {0.65, 0.0, 0.1})}; };
+  walker();
+  one.land_from({0.0, 0.0, 0.4});
+  one.answers = false;
+  one.drift_mps = Eigen::Vector3d(0.0, 0.0, -0.5);
+  walker();
+  one.run(0.54, walker);
+  one.drift_mps = Eigen::Vector3d::Zero();
+  EXPECT_LT(one.position_m.z(), 0.14);
+  one.run(0.1, walker);
+  EXPECT_FALSE(one.out.is_sinking);
+}
+
+// It sinks beside its place: whoever comes below it, or below its place alone, stops it, and it
+// goes from where it is to where nobody is.
+TEST(ComesDown, AndWaitsForWhoComesBelowItOrBelowItsPlace) {
+  for (const double at_m : {-0.55, 0.8}) {
+    OneVehicle one;
+    for (int i = 1; i <= 20; ++i) {
+      one.beside_m.x() = 0.01 * i;
+      one.tick();
+    }
+    one.land_from({0.2, 0.0, 1.5});
+    one.run(0.2);
+    EXPECT_TRUE(one.out.is_sinking);
+    EXPECT_NEAR((one.position_m.head<2>() - one.asked_m()).norm(), 0.2, 1e-6);
+    const Eigen::Vector2d before_m = one.asked_m();
+    const Eigen::Vector3d walker_m(before_m.x() + at_m, before_m.y(), 0.2);
+    one.others = {one.body("W1", walker_m)};
+    one.tick();
+    EXPECT_FALSE(one.out.is_sinking) << at_m;
+    drivers::OtherBody walker;
+    walker.position_world_m = walker_m;
+    const Eigen::Vector3d from_m =
+        at_m > 0.0 ? one.position_m
+                   : Eigen::Vector3d(before_m.x(), before_m.y(), one.position_m.z());
+    const Eigen::Vector3d spot_m = drivers::landing_spot(from_m, {&walker, 1}, one.limits);
+    one.answers = false;
+    one.drift_mps = Eigen::Vector3d::Zero();
+    one.run(3.0, [&] { one.others = {one.body("W1", walker_m)}; });
+    EXPECT_LT((one.asked_m() - spot_m.head<2>()).norm(), 1e-3) << at_m;
+  }
+}
+
+// Decided, it comes down over its place, and is not asked to be where it happens to be.
+TEST(ComesDown, OverItsPlaceOnceItHasDecided) {
+  OneVehicle one;
+  for (int i = 1; i <= 20; ++i) {
+    one.beside_m.x() = 0.01 * i;
+    one.tick();
+  }
+  one.land_from({0.2, 0.0, 0.8});
+  const Eigen::Vector2d place_m = one.asked_m();
+  while (one.position_m.z() > 0.03 && one.ticks < 1000) {
+    one.tick();
+    EXPECT_LT((one.asked_m() - place_m).norm(), 1e-6);
+  }
+  EXPECT_LT(one.position_m.z(), 0.04);
+}
+
+// On its way aside its estimator failed, and it came down so far meanwhile that it has decided: it
+// stops there, within its brake, and is not carried on.
+TEST(ComesDown, WithoutGoingAsideOnceItIsLow) {
+  OneVehicle one;
+  const auto walker = [&] { one.others = {one.body("W1", {-0.62, 0.0, 0.1})}; };
+  walker();
+  one.land_from({0.0, 0.0, 0.5});
+  one.run(0.5, walker);
+  ASSERT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.05);
+  one.report.estimator_good = false;
+  one.drift_mps = Eigen::Vector3d(0.1, 0.0, -0.9);
+  one.run(0.42, walker);
+  EXPECT_LT(one.position_m.z(), 0.15);
+  one.report.estimator_good = true;
+  one.drift_mps = Eigen::Vector3d(0.3, 0.0, 0.0);
+  const Eigen::Vector2d here_m = one.position_m.head<2>();
+  one.run(0.6, walker);
+  EXPECT_EQ(one.state(), FlightState::kLand);
+  EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kTrack);
+  EXPECT_LT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 1e-9);
+  EXPECT_LT((one.asked_m() - here_m).norm(), 0.05);
+}
+
+// The 6 s to its place count from when it was told of that place.
+TEST(ComesDown, BesideItsLastPlaceAsLateAsBesideItsFirst) {
+  OneVehicle one;
+  one.land_from({0.0, 0.0, 1.5});
+  one.hold_at_height(1.5);
+  one.run(5.0);
+  EXPECT_TRUE(one.out.is_sinking);
+  const Eigen::Vector3d walker_m(-0.1, 0.0, 0.3);
+  double waited_s = 0.0;
+  do {
+    one.others = {one.body("W1", walker_m)};
+    const Eigen::Vector2d away_m = one.asked_m() - walker_m.head<2>();
+    one.beside_m.head<2>() = std::min(0.26, 0.2 * waited_s) * away_m.normalized();
+    one.tick();
+    waited_s += OneVehicle::kTickS;
+  } while (!one.out.is_sinking && waited_s < 10.0);
+  EXPECT_NEAR(waited_s, 6.04, 0.06);
+}
+
+// Found landing beyond where it should, it is brought inside; and once more.
+TEST(ComesDown, InsideTheFenceWhenItWasFoundLandingAtIt) {
+  OneVehicle one;
+  one.report.is_in_our_mode = false;
+  one.report.is_landing_itself = true;
+  for (int flight = 0; flight < 2; ++flight) {
+    one.position_m = {4.7, 1.0, 1.5};
+    one.report.armed = true;
+    one.run(2.0);
+    EXPECT_EQ(one.state(), FlightState::kLand);
+    EXPECT_NEAR(one.asked_m().x(), 5.0 - 0.25 - 0.1, 1e-6) << flight;
+    one.come_to_rest();
+  }
+}
+
+}  // namespace
+}  // namespace vantage::test

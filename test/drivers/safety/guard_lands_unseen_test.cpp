@@ -1,0 +1,143 @@
+// How a vehicle comes down that is not seen, or whose autopilot does not know where it is.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "test/drivers/safety/one_vehicle.hpp"
+
+namespace vantage::test {
+namespace {
+
+using drivers::FlightSetpoint;
+using models::FlightState;
+using models::OperatorAction;
+
+// Without a position to steer by, at once after a doubt of 0.2 s, the autopilot lands by itself.
+TEST(ComesDownUnseen, BlindlyWhenTheEstimatorFails) {
+  OneVehicle one;
+  one.land_from({0.0, 0.0, 1.5});
+  for (int time = 0; time < 2; ++time) {
+    one.run(0.3);
+    EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kTrack);
+    one.report.estimator_good = false;
+    double doubted_s = 0.0;
+    while (one.out.setpoint.kind == FlightSetpoint::Kind::kTrack && doubted_s < 1.0) {
+      one.tick();
+      doubted_s += OneVehicle::kTickS;
+    }
+    EXPECT_NEAR(doubted_s, 0.22, 0.021);
+    EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kBlindLand);
+    EXPECT_EQ(one.out.setpoint.position_world_m.norm(), 0.0) << "and nothing else is asked";
+    EXPECT_TRUE(one.out.is_sinking);
+    one.report.estimator_good = true;
+  }
+}
+
+// Who sees nothing comes down over its hover for 1.4 s, and blindly after 1.5 s; whoever is below.
+TEST(ComesDownUnseen, BlindlyWhenItIsNotSeenForLong) {
+  OneVehicle one;
+  one.run(0.4);
+  one.others = {one.body("W1", {0.1, 0.0, 0.2})};
+  one.tick();
+  one.has_mocap = false;
+  one.answers = false;
+  one.tells = false;  // nor does its autopilot say how high it is
+  double unseen_s = OneVehicle::kTickS;
+  double blind_at_s = 0.0;
+  for (; unseen_s < 2.0; unseen_s += OneVehicle::kTickS) {
+    one.tick();
+    if (one.out.setpoint.kind == FlightSetpoint::Kind::kBlindLand && blind_at_s == 0.0) {
+      blind_at_s = unseen_s;
+    }
+    if (unseen_s < 1.4) {
+      EXPECT_FALSE(one.out.is_sinking) << unseen_s;
+    }
+  }
+  EXPECT_NEAR(blind_at_s, 1.53, 0.03);
+  EXPECT_TRUE(one.out.is_sinking);
+}
+
+// What nothing measures is believed to sink at 0.4 of what is asked, and not below the floor.
+TEST(ComesDownUnseen, AndIsBelievedToSinkWhileNothingMeasuresIt) {
+  OneVehicle one;
+  one.land_from({0.0, 0.0, 1.5});
+  one.run(0.1);
+  const double seen_m = one.position_m.z();
+  one.has_mocap = false;
+  one.run(0.1);
+  one.tells = false;
+  one.run(0.54);
+  const double from_m = one.in().height_m;
+  EXPECT_NEAR(from_m, seen_m - 0.4 * 0.6 * 0.6, 0.06);
+  const double asked_m = one.out.setpoint.position_world_m.z();
+  one.run(0.5);
+  const double sunk_m = from_m - one.in().height_m;
+  EXPECT_NEAR(sunk_m, 0.4 * 0.5 * (asked_m > 1.1 ? 0.6 : 0.4), 0.03);
+}
+
+TEST(ComesDownUnseen, AndIsNotBelievedToBeBelowTheFloor) {
+  OneVehicle one;
+  one.land_from({0.0, 0.0, 0.2});
+  one.has_mocap = one.tells = false;
+  double before_m = one.in().height_m;
+  one.run(1.44, [&] {
+    EXPECT_LE(one.in().height_m, before_m + 1e-6);
+    before_m = one.in().height_m;
+  });
+  EXPECT_EQ(one.in().height_m, 0.0);
+  EXPECT_EQ(one.state(), FlightState::kLand);
+}
+
+// Over its hover, unseen for a while, it comes down there without looking for a place; and waits
+// there for who was seen below.
+TEST(ComesDownUnseen, OverItsHoverWhileItIsNotSeen) {
+  for (const bool is_free : {true, false}) {
+    OneVehicle one;
+    if (!is_free) {
+      one.others = {one.body("W1", {0.1, 0.0, 0.2})};
+    }
+    one.run(0.4, [&] {
+      if (!is_free) {
+        one.others = {one.body("W1", {0.1, 0.0, 0.2})};
+      }
+    });
+    one.has_mocap = false;
+    one.run(0.2);
+    one.say(OperatorAction::kLand);
+    one.run(0.4);
+    EXPECT_EQ(one.state(), FlightState::kLand);
+    EXPECT_EQ(one.out.is_sinking, is_free);
+    EXPECT_EQ(one.out.setpoint.kind, FlightSetpoint::Kind::kTrack);
+    EXPECT_LT(one.asked_m().norm(), 1e-6);
+  }
+}
+
+// A pose of less than 0.1 s ago is good enough to look for a place by.
+TEST(ComesDownUnseen, ByAPoseThatIsNotNew) {
+  OneVehicle one;
+  const auto walker = [&] { one.others = {one.body("W1", {-0.1, 0.0, 0.2})}; };
+  walker();
+  one.run(0.4, walker);
+  one.has_mocap = false;
+  one.run(0.02);
+  one.say(OperatorAction::kLand);
+  one.run(0.06);
+  EXPECT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.05);
+}
+
+// Found landing by its autopilot's word alone, it comes down from where that says that it is.
+TEST(ComesDownUnseen, FromWhereItsAutopilotSaysThatItIs) {
+  OneVehicle one({0.0, 0.0, 1.5});
+  one.has_mocap = one.report.is_in_our_mode = false;
+  one.report.is_landing_itself = true;
+  one.run(0.5);
+  ASSERT_EQ(one.state(), FlightState::kIdle);
+  one.answers = false;
+  one.run(0.1);
+  EXPECT_EQ(one.state(), FlightState::kLand);
+  EXPECT_NEAR(one.out.setpoint.position_world_m.z(), 1.5 - 0.1 * 0.6, 0.07);
+}
+
+}  // namespace
+}  // namespace vantage::test

@@ -1,0 +1,186 @@
+// The first lift of a vehicle, as it is watched: risen or not, proven or not, astray or not, and
+// compared with what its autopilot feels.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "test/drivers/safety/one_vehicle.hpp"
+
+namespace vantage::test {
+namespace {
+
+using models::FlightState;
+using models::OperatorAction;
+
+constexpr double kLiftM = 0.2;
+
+// While it has not risen, and while it has not gone where it was told.
+TEST(Lifts, AreTimedUntilTheyRiseAndUntilTheyAreProven) {
+  OneVehicle one;
+  one.hold_at_height(0.0);
+  one.begin_lift();
+  one.run(0.98);
+  EXPECT_NEAR(one.in().unrisen_s, 0.98, 1e-6);
+  EXPECT_EQ(one.in().unproven_s, 0.0);
+  one.hold_at_height(0.12);
+  one.run(0.3);
+  EXPECT_EQ(one.in().unrisen_s, 0.0);
+  one.answers = false;
+  one.hold_at_height(kLiftM);
+  one.run(0.2);
+  one.drift_mps = Eigen::Vector3d::Zero();
+  one.run(1.0);
+  EXPECT_GT(one.in().unproven_s, 0.9);
+  EXPECT_LT(one.in().unproven_s, 1.3);
+}
+
+// Armed, it stands; what lifts it up is not its order. What is not seen did not rise.
+TEST(Lifts, AreUntoldWhenItIsOnlyArmed) {
+  OneVehicle one;
+  one.stand();
+  one.run(1.5);
+  one.say(OperatorAction::kArm);
+  for (int i = 0; i < 100 && !one.out.wants_armed; ++i) {
+    one.tick();
+  }
+  one.hold_at_height(0.04);  // its motors do not turn yet
+  one.run(0.2);
+  EXPECT_EQ(one.in().risen_untold_m, 0.0);
+  one.report.armed = one.report.is_in_our_mode = true;
+  one.run(0.1);
+  EXPECT_NEAR(one.in().risen_untold_m, 0.0, 1e-6);
+  one.hold_at_height(0.07);
+  one.run(0.5);
+  EXPECT_NEAR(one.in().risen_untold_m, 0.03, 1e-4);
+  one.has_mocap = false;
+  one.feels_m = Eigen::Vector3d(0.0, 0.0, 0.08);
+  one.run(0.1);
+  EXPECT_NEAR(one.in().risen_untold_m, 0.03, 1e-4);
+  one.tick();
+  EXPECT_EQ(one.in().risen_untold_m, 0.0);
+  OneVehicle carried;
+  carried.arm();
+  carried.position_m.z() = 0.3;
+  carried.tick();
+  EXPECT_NEAR(carried.in().risen_untold_m, 0.3, 1e-6);
+  EXPECT_FALSE(carried.in().is_found_flying) << "it was told to turn its motors";
+  EXPECT_EQ(carried.state(), FlightState::kKilled);
+}
+
+// Another vehicle's body that rises instead of ours; once ours has risen, that is another matter.
+TEST(Lifts, WatchAnotherBodyUntilTheirOwnHasRisen) {
+  for (const bool has_risen : {false, true}) {
+    OneVehicle one;
+    one.others = {one.body("Q2", {2.0, 2.0, 0.0})};
+    one.hold_at_height(0.0);
+    one.begin_lift();
+    one.hold_at_height(has_risen ? 0.15 : 0.0);
+    one.run(0.3, [&] { one.others = {one.body("Q2", {2.0, 2.0, 0.0})}; });
+    EXPECT_EQ(one.in().other_risen_m, 0.0);
+    double z_m = 0.0;
+    one.run(0.24, [&] {
+      z_m += 0.004;
+      one.others = {one.body("Q2", {2.0, 2.0, z_m})};
+    });
+    EXPECT_NEAR(one.in().other_risen_m, has_risen ? 0.0 : z_m - 0.004, 1e-6);
+  }
+}
+
+// Aside of its way, now or where it will be in 0.2 s.
+TEST(Lifts, AreAstrayWhereTheyAreOrWillBe) {
+  OneVehicle one;
+  one.hold_at_height(0.0);
+  one.begin_lift();
+  EXPECT_EQ(one.in().lift_astray_m, 0.0);
+  one.drift_mps = Eigen::Vector3d(-0.2, -0.2, 0.0);
+  one.run(0.4);
+  const double aside_m = one.position_m.head<2>().norm();
+  EXPECT_NEAR(one.in().lift_astray_m, aside_m + 0.2 * 0.2 * std::sqrt(2.0), 0.002);
+  one.drift_mps = Eigen::Vector3d(0.2, 0.2, 0.0);
+  one.run(0.2);
+  EXPECT_NEAR(one.in().lift_astray_m, one.position_m.head<2>().norm(), 0.002);
+  one.drift_mps = Eigen::Vector3d::Zero();
+  one.run(0.3);
+  one.is_seen = false;
+  one.run(0.1);
+  EXPECT_NEAR(one.in().lift_astray_m, one.position_m.head<2>().norm(), 0.002);
+  one.tick();
+  EXPECT_EQ(one.in().lift_astray_m, 0.0);
+}
+
+// Body and autopilot must climb and turn alike, and are compared while both speak.
+TEST(Lifts, AreComparedWithWhatTheAutopilotFeels) {
+  enum class Lacks { kNothing, kPosition, kTelemetry, kPose };
+  for (const Lacks lacks : {Lacks::kNothing, Lacks::kPosition, Lacks::kTelemetry, Lacks::kPose}) {
+    OneVehicle one;
+    one.climb_off_mps = 0.2;
+    one.turn_off_radps = 0.3;
+    one.hold_at_height(0.0);
+    one.arm();
+    EXPECT_EQ(one.in().lift_climb_error_mps, 0.0);
+    one.say(OperatorAction::kTakeOff);
+    one.run(0.6);
+    ASSERT_TRUE(one.lifts());
+    one.drift_mps = Eigen::Vector3d(0.0, 0.0, 0.1);
+    one.rises = true;
+    one.turns_radps = 0.5;
+    one.run(0.4);
+    EXPECT_NEAR(one.in().lift_climb_error_mps, 0.2, 0.01);
+    EXPECT_NEAR(one.in().lift_turn_error_radps, 0.3, 0.01);
+    one.report.has_position = lacks != Lacks::kPosition;
+    one.drift_mps = Eigen::Vector3d::Zero();
+    one.turns_radps = 0.0;
+    one.run(0.02);
+    one.tells = lacks != Lacks::kTelemetry;
+    one.is_seen = lacks != Lacks::kPose;
+    one.run(0.1);
+    EXPECT_EQ(one.in().lift_climb_error_mps > 0.1, lacks != Lacks::kPosition);
+    one.run(lacks == Lacks::kTelemetry ? 0.42 : 0.04);
+    EXPECT_EQ(one.in().lift_climb_error_mps > 0.1, lacks == Lacks::kNothing);
+    EXPECT_EQ(one.in().lift_turn_error_radps > 0.1, lacks == Lacks::kNothing);
+  }
+}
+
+// A pose 0.05 s old proves nothing; and what is seen late is no end of a climb.
+TEST(Lifts, GoOnByPosesOfNow) {
+  for (const double late_s : {0.04, 0.06}) {
+    OneVehicle one;
+    one.hold_at_height(0.0);
+    one.begin_lift();
+    one.hold_at_height(0.1);
+    one.run(0.6);
+    ASSERT_TRUE(one.lifts());
+    one.hold_at_height(0.18);
+    one.position_m.z() = 0.18;
+    one.now += from_seconds(0.02);
+    one.hear();
+    one.now += from_seconds(late_s);
+    one.out = one.guard.tick(one.now);
+    EXPECT_EQ(one.asked_m().norm() > 0.1, late_s < 0.05);
+  }
+  OneVehicle one;
+  one.begin_lift();
+  one.hold_at_height(0.1);
+  one.run(0.6);
+  one.has_mocap = false;
+  one.run(0.08);
+  EXPECT_NEAR(one.in().tracking_error_m, 0.0, 1e-4);
+  one.has_mocap = true;
+  one.run(0.1);
+  EXPECT_NEAR(one.in().tracking_error_m, 0.0, 1e-4);
+}
+
+// A lift near the fence goes where the lift goes, and does not move off.
+TEST(Lifts, DoNotMoveOffFromTheFence) {
+  scenario::Scenario room = OneVehicle::room();
+  room.robots[0].start = {4.7, 0.0, 0.0};
+  OneVehicle one({4.7, 0.0, 0.0}, 0.0, room);
+  one.hold_at_height(0.0);
+  one.begin_lift();
+  ASSERT_EQ(one.state(), FlightState::kHold);
+  one.run(1.0, [&] { EXPECT_NEAR(one.asked_m().x(), 4.7, 1e-6); });
+}
+
+}  // namespace
+}  // namespace vantage::test

@@ -1,0 +1,327 @@
+// How a vehicle stops: along its plan while it keeps to it, straight on when it does not; and what
+// begins when its state changes.
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "drivers/safety/course.hpp"
+#include "test/drivers/safety/one_vehicle.hpp"
+
+namespace vantage::test {
+namespace {
+
+using drivers::PlanVerdict;
+using models::FlightState;
+using models::OperatorAction;
+
+constexpr double kBrakeMps2 = 2.0;
+constexpr double kYawRad = 0.5;
+
+// On a circle of 1 m about (0, 1), at 1 m/s, from the origin eastwards.
+Eigen::Vector2d on_circle(double way_m) { return {std::sin(way_m), 1.0 - std::cos(way_m)}; }
+
+void follow_circle(OneVehicle& one, double seconds) {
+  one.wait_for_plan();
+  ASSERT_EQ(one.follow(1.0, 1.0, 3.0, 1.5), PlanVerdict::kAccepted);
+  one.run(seconds);
+  ASSERT_EQ(one.state(), FlightState::kFollow);
+}
+
+// Straight on at kYawRad, which the numbers of these tests are turned by.
+Eigen::Vector3d turned(double on_m, double aside_m) {
+  return {on_m * std::cos(kYawRad) - aside_m * std::sin(kYawRad),
+          on_m * std::sin(kYawRad) + aside_m * std::cos(kYawRad), 0.0};
+}
+Eigen::Vector2d back(const Eigen::Vector2d& p_m) {
+  return {p_m.x() * std::cos(kYawRad) + p_m.y() * std::sin(kYawRad),
+          -p_m.x() * std::sin(kYawRad) + p_m.y() * std::cos(kYawRad)};
+}
+void follow_straight(OneVehicle& one, double seconds) {
+  one.wait_for_plan();
+  ASSERT_EQ(one.follow(1.0, 0.0, 3.0, 1.5), PlanVerdict::kAccepted);
+  one.run(seconds);
+  ASSERT_EQ(one.state(), FlightState::kFollow);
+}
+
+// Within v²/2a on the circle, where a straight way would end 3 cm beside it; and as far along it
+// as a reaction and a stop go, it looks.
+TEST(Stops, AlongThePlanWhileItKeepsToIt) {
+  for (const double unseen_s : {0.0, 0.04}) {
+    OneVehicle one;
+    follow_circle(one, 1.0);
+    const Eigen::Vector2d stop_m = on_circle(1.0 + 0.2 + 0.25);
+    EXPECT_NEAR(one.in().fence_stop_m, 5.0 - 0.25 - std::max(stop_m.x(), stop_m.y()), 0.01);
+    one.has_mocap = false;
+    one.run(unseen_s);
+    one.has_mocap = unseen_s == 0.0;
+    one.say(OperatorAction::kHold);
+    one.tick();
+    one.has_mocap = true;
+    one.run(1.5);
+    EXPECT_EQ(one.state(), FlightState::kHold);
+    EXPECT_LT((one.asked_m() - on_circle(1.02 + unseen_s + 0.25)).norm(), 0.01);
+    EXPECT_NEAR(one.out.setpoint.yaw_rad, 1.02 + unseen_s + 0.25, 0.02);
+  }
+}
+
+// What is not seen for so long that it lands stops straight on from where it was last believed.
+TEST(Stops, StraightOnWhenItHasNotBeenSeenForLong) {
+  OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
+  follow_straight(one, 1.0);
+  one.drift_mps = turned(1.0, 0.3);
+  one.run(0.3);
+  const Eigen::Vector2d seen_m = back(one.position_m.head<2>());
+  one.has_mocap = false;
+  one.now += from_seconds(0.6);  // its driver did not run
+  one.tick();
+  EXPECT_EQ(one.state(), FlightState::kLand);
+  one.run(0.6);
+  const double on_s = 0.1 + std::hypot(1.0, 0.3) / (2.0 * kBrakeMps2);
+  EXPECT_LT((back(one.asked_m()) - seen_m - on_s * Eigen::Vector2d(1.0, 0.3)).norm(), 0.01);
+}
+
+// Pushed off its velocity by so much, on or back or aside: 0.6 m/s is still steered.
+TEST(Stops, StraightOnWhenItIsPushedOffItsVelocity) {
+  for (const Eigen::Vector2d& push_mps :
+       {Eigen::Vector2d(0.0, 0.5), Eigen::Vector2d(0.0, 0.75), Eigen::Vector2d(0.0, -0.75),
+        Eigen::Vector2d(-0.75, 0.0), Eigen::Vector2d(-0.5, 0.0)}) {
+    OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
+    follow_straight(one, 1.0);
+    const Eigen::Vector2d mps = Eigen::Vector2d(1.0, 0.0) + push_mps;
+    one.drift_mps = turned(mps.x(), mps.y());
+    one.run(0.28);
+    one.say(OperatorAction::kHold);
+    one.tick();
+    const Eigen::Vector2d here_m = back(one.position_m.head<2>());
+    one.drift_mps.reset();
+    one.answers = false;
+    one.run(1.0);
+    const Eigen::Vector2d way_m = push_mps.norm() < 0.6
+                                      ? Eigen::Vector2d(1.0 / (2.0 * kBrakeMps2), 0.0)
+                                      : Eigen::Vector2d(mps * mps.norm() / (2.0 * kBrakeMps2));
+    EXPECT_LT((back(one.asked_m()) - here_m - way_m).norm(), 0.02) << push_mps.transpose();
+    EXPECT_NEAR(one.out.setpoint.yaw_rad, kYawRad, 1e-6);
+  }
+}
+
+// Beside its plan by more than the tracking allows, which stops it by itself.
+TEST(Stops, StraightOnFromFarBesideItsPlan) {
+  for (const bool is_far : {false, true}) {
+    OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
+    follow_straight(one, 0.6);
+    one.drift_mps = turned(1.0, 0.3);
+    one.run(is_far ? 2.0 : 1.1, [&] {
+      if (one.state() == FlightState::kHold) {
+        one.drift_mps = Eigen::Vector3d::Zero();
+      }
+    });
+    EXPECT_EQ(one.state(), is_far ? FlightState::kHold : FlightState::kFollow);
+    if (!is_far) {
+      one.say(OperatorAction::kHold);
+      one.tick();
+      one.drift_mps = Eigen::Vector3d::Zero();
+    }
+    const double aside_m = back(one.position_m.head<2>()).y();
+    EXPECT_GT(aside_m, is_far ? one.limits.tracking_hold_m : 0.3);
+    one.run(1.0);
+    EXPECT_NEAR(back(one.asked_m()).y() - aside_m, is_far ? 0.3 * std::hypot(1.0, 0.3) / 4.0 : 0.0,
+                0.01);
+  }
+}
+
+// A hover that is pushed stops as it moves, not as a plan that is over did.
+TEST(Stops, LooksAheadAsFarAsItDriftsInAHover) {
+  for (const bool has_flown_a_plan : {false, true}) {
+    OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
+    if (has_flown_a_plan) {
+      follow_straight(one, 1.0);
+      one.say(OperatorAction::kHold);
+    }
+    one.run(1.5);
+    one.drift_mps = Eigen::Vector3d(0.4, 0.0, 0.0);
+    one.run(0.4);
+    EXPECT_NEAR(one.in().fence_stop_m,
+                5.0 - 0.25 - (one.position_m.x() + 0.4 * 0.2 + 0.4 * 0.4 / (2.0 * kBrakeMps2)),
+                0.002);
+  }
+}
+
+// Who has only just been told to go does not begin a plan to stop on it: it stands. Asked for more
+// than twice its speed and 0.1 m/s, it has only just been told.
+TEST(Stops, WhereItIsWhenItHasOnlyJustBeenToldToGo) {
+  struct Case {
+    double own_mps, asked_mps;
+    bool goes_on;
+  };
+  for (const Case& c : {Case{0.0, 0.09, true}, Case{0.0, 0.11, false}, Case{0.3, 0.68, true},
+                        Case{0.3, 0.72, false}, Case{0.2, 0.48, true}, Case{0.2, 0.52, false}}) {
+    OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
+    one.wait_for_plan();
+    one.drift_mps = turned(c.own_mps, 0.0);
+    one.run(0.4);
+    // 0.14 s after its start all but 0.11 s of the window of 0.5 s lie on the plan.
+    ASSERT_EQ(one.follow(c.asked_mps * 0.5 / 0.39, 0.0, 2.0, 1.5), PlanVerdict::kAccepted);
+    one.run(0.12);
+    ASSERT_EQ(one.state(), FlightState::kFollow);
+    one.say(OperatorAction::kHold);
+    one.tick();
+    ASSERT_EQ(one.state(), FlightState::kHold);
+    const double here_m = back(one.position_m.head<2>()).x();
+    one.drift_mps.reset();
+    one.answers = false;
+    one.run(1.0);
+    const double off_m = back(one.asked_m()).x() - here_m - c.own_mps * c.own_mps / 4.0;
+    EXPECT_EQ(std::abs(off_m) > 2e-4, c.goes_on) << c.own_mps << " " << c.asked_mps << " " << off_m;
+  }
+}
+
+// It looks along the plan that it is about to fly all the same.
+TEST(Stops, LooksAlongThePlanThatItIsAboutToFly) {
+  OneVehicle one;
+  one.wait_for_plan();
+  one.answers = false;
+  ASSERT_EQ(one.follow(1.0, 0.0, 2.0, 1.5), PlanVerdict::kAccepted);
+  one.run(0.04);
+  ASSERT_EQ(one.state(), FlightState::kFollow);
+  EXPECT_NEAR(one.in().fence_stop_m, 5.0 - 0.25 - 0.2 - 0.25, 0.06);
+}
+
+// What a plan ends in was checked with it: it hovers there, wherever the body is just then. When
+// another plan was to come, it stops from where it is.
+TEST(Stops, InTheHoverThatItsPlanEndedIn) {
+  for (const bool has_next : {false, true}) {
+    OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
+    one.wait_for_plan();
+    ASSERT_EQ(one.follow(0.5, 0.0, 1.0, 1.5), PlanVerdict::kAccepted);
+    one.run(1.6);
+    const Eigen::Vector2d end_m = turned(0.5 + 0.5 * 0.5 / 4.0, 0.0).head<2>();
+    EXPECT_LT((one.asked_m() - end_m).norm(), 1e-6);
+    one.drift_mps = turned(0.0, 0.5);
+    one.run(0.2);
+    one.drift_mps = Eigen::Vector3d::Zero();
+    one.run(0.4);
+    ASSERT_EQ(one.state(), FlightState::kFollow);
+    if (has_next) {
+      ASSERT_EQ(one.follow(0.5, 0.0, 1.0, 1.5, 0.6), PlanVerdict::kAccepted);
+    }
+    one.say(OperatorAction::kHold);
+    one.run(0.6);
+    EXPECT_EQ(one.state(), FlightState::kHold);
+    const Eigen::Vector2d stop_m = has_next ? Eigen::Vector2d(one.position_m.head<2>()) : end_m;
+    EXPECT_LT((one.asked_m() - stop_m).norm(), 1e-3) << has_next;
+    EXPECT_NEAR(one.out.setpoint.yaw_rad, kYawRad, 1e-6);
+  }
+}
+
+// In the middle of one, it stops from where it is, not at a place where it is not.
+TEST(Stops, FromWhereItIsInTheMiddleOfAPlan) {
+  OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
+  follow_straight(one, 1.0);
+  const double here_m = back(one.position_m.head<2>()).x();
+  one.say(OperatorAction::kLand);
+  one.run(0.3);
+  EXPECT_EQ(one.state(), FlightState::kLand);
+  EXPECT_GT(one.out.setpoint.velocity_world_mps.norm(), 0.1) << "it brakes, and is not stopped";
+  one.run(0.7);
+  EXPECT_NEAR(back(one.asked_m()).x() - here_m, 0.02 + 0.25, 0.01);
+  EXPECT_LT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 1e-9);
+}
+
+// A plan that was taken while it held is not flown once it lands, and a hover is not left for a
+// place beside it.
+TEST(Stops, BeforeAPlanThatItHasTakenAndMayNotFly) {
+  OneVehicle one({0.0, 0.0, 1.5}, kYawRad);
+  one.wait_for_plan();
+  ASSERT_EQ(one.follow(1.0, 0.0, 3.0, 1.5), PlanVerdict::kAccepted);
+  ASSERT_EQ(one.state(), FlightState::kHold);
+  one.say(OperatorAction::kLand);
+  one.run(1.5);
+  EXPECT_EQ(one.state(), FlightState::kLand);
+  EXPECT_LT(one.asked_m().norm(), 0.01);
+}
+
+TEST(Stops, InItsHoverWhenItLandsFromIt) {
+  OneVehicle one({0.3, -0.4, 1.5}, kYawRad);
+  one.run(0.2);
+  one.answers = false;
+  one.drift_mps = Eigen::Vector3d(0.3, 0.0, 0.0);
+  one.run(0.4);
+  one.drift_mps = Eigen::Vector3d::Zero();
+  one.run(0.4);
+  one.say(OperatorAction::kLand);
+  one.run(0.5);
+  EXPECT_LT((one.asked_m() - Eigen::Vector2d(0.3, -0.4)).norm(), 1e-6);
+}
+
+// The time of a flight is counted through all of its states, and from nothing in the next.
+TEST(Stops, DoNotBeginAFlightAnew) {
+  OneVehicle one;
+  one.tick();
+  double flown_s = 0.0;
+  const auto goes_on = [&](double seconds, FlightState state) {
+    one.run(seconds);
+    flown_s += seconds;
+    EXPECT_EQ(one.state(), state);
+    EXPECT_NEAR(one.in().flight_s, flown_s, 1e-6);
+  };
+  goes_on(0.4, FlightState::kHold);
+  one.say(OperatorAction::kFollow);
+  goes_on(0.1, FlightState::kHold);
+  ASSERT_EQ(one.follow(0.5, 0.0, 2.0, 1.5), PlanVerdict::kAccepted);
+  goes_on(0.4, FlightState::kFollow);
+  one.say(OperatorAction::kHold);
+  goes_on(0.4, FlightState::kHold);
+  one.say(OperatorAction::kLand);
+  goes_on(0.4, FlightState::kLand);
+}
+
+// A pose of less than 0.05 s ago is good enough to move off by.
+TEST(Stops, AndMovesOffByAPoseThatIsNotNew) {
+  OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});
+  one.report.armed = one.beats = false;
+  one.run(0.1);
+  one.has_mocap = false;
+  one.report.armed = one.beats = true;
+  one.tick();
+  ASSERT_EQ(one.state(), FlightState::kHold);
+  one.has_mocap = true;
+  one.tick();
+  // 0.1 s ahead of 0.02 s, and not of nothing.
+  EXPECT_GT(one.out.setpoint.velocity_world_mps.head<2>().norm(), 0.2 * 0.11 / 0.5);
+}
+
+// A hover nearer to the fence than 0.1 m goes to where it is 0.15 m, at 0.2 m/s; not while it is
+// not seen well, nor while the estimator is in doubt.
+TEST(Stops, AndMovesOffFromTheFence) {
+  enum class Waits { kNot, kForMocap, kForEstimator };
+  for (const Waits waits : {Waits::kNot, Waits::kForMocap, Waits::kForEstimator}) {
+    OneVehicle one({5.0 - 0.25 - 0.05, 1.0, 1.5});
+    const auto is_off = [&] { return 5.0 - 0.25 - one.asked_m().x() > 0.0501; };
+    if (waits == Waits::kForMocap) {
+      one.report.armed = one.beats = false;
+      one.tick();
+      one.has_mocap = false;
+      one.run(0.04);
+      one.report.armed = one.beats = true;
+    }
+    one.report.estimator_good = waits != Waits::kForEstimator;
+    one.run(waits == Waits::kForMocap ? 0.04 : 0.6, [&] {
+      if (waits != Waits::kNot) {
+        EXPECT_FALSE(is_off());
+      }
+    });
+    EXPECT_EQ(one.state(), FlightState::kHold);
+    one.has_mocap = one.report.estimator_good = true;
+    double fastest_mps = 0.0;
+    one.run(waits == Waits::kNot ? 1.0 : 1.6, [&] {
+      fastest_mps = std::max(fastest_mps, one.out.setpoint.velocity_world_mps.head<2>().norm());
+    });
+    EXPECT_NEAR(fastest_mps, 0.2, 0.01);
+    EXPECT_NEAR(5.0 - 0.25 - one.asked_m().x(), 0.15, 0.051);
+    EXPECT_GE(5.0 - 0.25 - one.asked_m().x(), 0.15 - 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace vantage::test

@@ -1,0 +1,250 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+
+#include "core/angle.hpp"
+#include "core/pose.hpp"
+#include "core/time.hpp"
+#include "drivers/safety/guard.hpp"
+#include "models/exchange/messages.hpp"
+#include "scenario/scenario.hpp"
+
+namespace vantage::test {
+
+/// One guard, ticked at 50 Hz, and everything that it hears, as a test sets it: exact where
+/// FlightBench is like a room. A body that answers is exactly where it is asked to be.
+struct OneVehicle {
+  static constexpr double kTickS = 0.02;
+
+  static scenario::Scenario room() {
+    scenario::Scenario out;
+    out.world.bounds = {{-5.0, -5.0}, {5.0, 5.0}};
+    out.world.ceiling_m = 9.0;
+    for (const char* name : {"Q1", "Q2"}) {
+      scenario::RobotSpec robot;
+      robot.name = name;
+      robot.height_m = 1.0;
+      robot.limits = {1.0, 3.0, 2.0, 0.25};
+      out.robots.push_back(robot);
+    }
+    for (const char* name : {"W1", "W2"}) {
+      out.targets.emplace_back().name = name;
+    }
+    return out;
+  }
+
+  explicit OneVehicle(const Eigen::Vector3d& at_m = {0.0, 0.0, 1.5}, double turned_rad = 0.0,
+                      const scenario::Scenario& in = room(), const std::string& name = "Q1")
+      : OneVehicle(at_m, turned_rad, in, name, drivers::limits_for(in, name)) {}
+  OneVehicle(const Eigen::Vector3d& at_m, double turned_rad, const scenario::Scenario& in,
+             const std::string& name, const drivers::SafetyLimits& with)
+      : limits(with), guard(in, name, with), own(name), position_m(at_m), yaw_rad(turned_rad) {
+    report.armed = report.is_in_our_mode = true;
+    report.estimator_good = report.has_position = report.has_attitude = true;
+  }
+
+  /// Stands on the ground, its motors off.
+  void stand() {
+    report.armed = report.is_in_our_mode = false;
+    position_m.z() = 0.0;
+  }
+
+  void say(models::OperatorAction action) {
+    models::OperatorCommand command;
+    command.stamp = {now, 7, ++said};
+    command.action = action;
+    command.robot = action == models::OperatorAction::kHeartbeat ? "" : own;
+    (void)guard.on_command(command, now);
+  }
+
+  void hear() {
+    models::MocapFrame frame;
+    frame.stamp = {now, 3, ++frames};
+    frame.arrival = now;
+    frame.frame_number = frames;
+    frame.bodies = others;
+    if (is_seen) {
+      models::MocapBody& body = frame.bodies.emplace_back();
+      body.name = own;
+      // No measurement is the same twice.
+      body.world_from_body = lift({position_m.x(), position_m.y(), yaw_rad},
+                                  position_m.z() + (frames % 2 == 0 ? 1e-9 : 0.0));
+    }
+    if (has_mocap) {
+      (void)guard.on_mocap(frame, now);
+    }
+    if (is_commanded && ticks % 10 == 0) {
+      say(models::OperatorAction::kHeartbeat);
+    }
+    if (beats) {
+      guard.on_heartbeat(now);
+    }
+    if (tells) {
+      report.position_world_m = feels_m.value_or(position_m);
+      report.velocity_world_mps = velocity_mps;
+      report.velocity_world_mps.z() += climb_off_mps;
+      report.world_from_body = lift({0.0, 0.0, yaw_rad}, 0.0).rotation;
+      guard.on_autopilot(report, now);
+    }
+    if (battery_share) {
+      guard.on_battery(*battery_share, now);
+    }
+  }
+
+  void tick() {
+    now += from_seconds(kTickS);
+    const Eigen::Vector3d from_m = position_m;
+    const double from_rad = yaw_rad;
+    move();
+    velocity_mps = (position_m - from_m) / kTickS;
+    report.yaw_rate_radps = wrap_to_pi(yaw_rad - from_rad) / kTickS + turn_off_radps;
+    hear();
+    out = guard.tick(now);
+    ++ticks;
+  }
+  void run(
+      double seconds, const std::function<void()>& each = [] {}) {
+    for (long i = std::lround(seconds / kTickS); i > 0; --i) {
+      tick();
+      each();
+    }
+  }
+
+  /// Where it is asked to be now.
+  void move() {
+    const double was_m = position_m.z();
+    if (drift_mps) {
+      position_m += kTickS * *drift_mps;
+    } else if (answers && out.setpoint.kind == drivers::FlightSetpoint::Kind::kTrack) {
+      position_m = out.setpoint.position_world_m +
+                   (kTickS - limits.setpoint_lead_s) * out.setpoint.velocity_world_mps;
+      position_m += beside_m;
+      position_m.z() = std::max(0.0, position_m.z());
+      yaw_rad = wrap_to_pi(out.setpoint.yaw_rad +
+                           (kTickS - limits.setpoint_lead_s) * out.setpoint.yaw_rate_radps);
+    }
+    yaw_rad = wrap_to_pi(yaw_rad + kTickS * turns_radps);
+    if (!rises) {
+      position_m.z() = was_m + std::clamp(held_m - was_m, -0.02, 0.02);
+    }
+  }
+  void hold_at_height(double height_m) {
+    rises = false;
+    held_m = height_m;
+  }
+
+  models::MocapBody body(const std::string& name, const Eigen::Vector3d& at_m) const {
+    models::MocapBody out_body;
+    out_body.name = name;
+    out_body.world_from_body.translation_m = at_m;
+    out_body.world_from_body.translation_m.z() += ticks % 2 == 0 ? 1e-9 : 0.0;
+    return out_body;
+  }
+
+  /// Follows a plan that starts at `start`, `speed_mps` for `seconds` and then to rest.
+  drivers::PlanVerdict follow(double speed_mps, double turn_radps, double seconds, double height_m,
+                              double start_in_s = 0.0) {
+    models::RobotPlan plan;
+    plan.robot = own;
+    plan.stamp = {now, 100, ++plans};
+    plan.trajectory.start_time = now + from_seconds(start_in_s);
+    plan.trajectory.start = {position_m.x(), position_m.y(), yaw_rad};
+    plan.trajectory.height_m = height_m;
+    plan.trajectory.segments = {{{speed_mps, turn_radps}, seconds, 0.0},
+                                {{speed_mps, 0.0}, speed_mps / 2.0, 2.0}};
+    return guard.on_plan(plan, now);
+  }
+  /// In the air at a place, seen there and told to land.
+  void land_from(const Eigen::Vector3d& from_m) {
+    position_m = from_m;
+    report.armed = true;
+    run(0.4);
+    say(models::OperatorAction::kLand);
+    tick();
+    EXPECT_EQ(out.state, models::FlightState::kLand);
+  }
+  /// Comes down whatever it is asked, and its motors stop.
+  void come_to_rest() {
+    others.clear();
+    drift_mps = Eigen::Vector3d(0.0, 0.0, -1.0);
+    run(position_m.z());
+    drift_mps = Eigen::Vector3d::Zero();
+    position_m.z() = 0.0;
+    report.armed = false;
+    run(1.0);
+    drift_mps.reset();
+    EXPECT_EQ(out.state, models::FlightState::kIdle);
+  }
+  /// Its motors turn, as it was told; it stands.
+  void arm() {
+    stand();
+    run(1.5);
+    say(models::OperatorAction::kArm);
+    for (int i = 0; i < 100 && !out.wants_armed; ++i) {
+      tick();
+    }
+    report.armed = report.is_in_our_mode = true;
+    run(0.4);
+  }
+  /// Told to, it has just begun its first lift.
+  void begin_lift() {
+    arm();
+    say(models::OperatorAction::kTakeOff);
+    for (int i = 0; i < 100 && out.state == models::FlightState::kIdle; ++i) {
+      tick();
+    }
+  }
+  [[nodiscard]] bool has_reason(const std::string& reason) const {
+    const std::vector<std::string> all = guard.status(now).reasons;
+    return std::find(all.begin(), all.end(), reason) != all.end();
+  }
+  [[nodiscard]] bool lifts() const { return has_reason("first lift"); }
+
+  /// Seen flying, and told to follow: waits for plans.
+  void wait_for_plan() {
+    run(0.1);
+    say(models::OperatorAction::kFollow);
+    run(0.1);
+  }
+
+  const drivers::SafetyInputs& in() const { return guard.inputs(); }
+  models::FlightState state() const { return out.state; }
+  Eigen::Vector2d asked_m() const { return out.setpoint.position_world_m.head<2>(); }
+
+  drivers::SafetyLimits limits;
+  drivers::FlightGuard guard;
+  std::string own;
+  Time now = from_utime(1'700'000'000'000'000);
+  std::int64_t ticks = 0, said = 0, frames = 0, plans = 0;
+
+  // The body.
+  Eigen::Vector3d position_m;
+  double yaw_rad;
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  bool answers = true;
+  Eigen::Vector3d beside_m = Eigen::Vector3d::Zero();  ///< of where it is asked to be
+  std::optional<Eigen::Vector3d> drift_mps;            ///< whatever it is asked
+  double turns_radps = 0.0;
+  bool rises = true;
+  double held_m = 0.0;
+  std::vector<models::MocapBody> others;
+
+  // What is heard.
+  bool is_seen = true, has_mocap = true, is_commanded = true, beats = true, tells = true;
+  drivers::AutopilotReport report;
+  std::optional<Eigen::Vector3d> feels_m;            ///< the autopilot's own estimate, when another
+  double climb_off_mps = 0.0, turn_off_radps = 0.0;  ///< of what the autopilot feels
+  std::optional<double> battery_share = 0.9;
+  drivers::GuardOutput out;
+};
+
+}  // namespace vantage::test
