@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "test/drivers/safety/hand_flown.hpp"
+#include "test/drivers/safety/one_vehicle.hpp"
 
 namespace vantage::test {
 namespace {
@@ -18,14 +18,30 @@ using models::OperatorAction;
 
 const Eigen::Vector3d kHigh(-2.0, -1.3, 1.6);
 
+/// Hovers: every note of its beginning is over.
+void hover(OneVehicle& q1) {
+  q1.report.armed = q1.report.is_in_our_mode = true;
+  q1.run(0.6);
+}
+
+/// Told to follow, and given a plan that begins a moment later; until it does.
+void follow(OneVehicle& q1, double speed_mps, double height_m) {
+  q1.say(OperatorAction::kFollow);
+  q1.tick();
+  models::RobotPlan plan = q1.plan(speed_mps, 0.0, 3.0, height_m, 0.1);
+  plan.round = 41;
+  EXPECT_EQ(q1.guard.on_plan(plan, q1.now), drivers::PlanVerdict::kAccepted);
+  q1.run(0.1 + OneVehicle::kTickS);
+}
+
 /// Comes down as far as it is asked, and is switched off there.
-void land(HandFlown& q1) {
-  (void)q1.say(OperatorAction::kLand);
+void land(OneVehicle& q1) {
+  q1.say(OperatorAction::kLand);
   q1.run(5.0);
   EXPECT_EQ(q1.out.state, FlightState::kLand);
-  EXPECT_LT(q1.body_m.z(), q1.limits.touch_height_m);
+  EXPECT_LT(q1.position_m.z(), q1.limits.touch_height_m);
   EXPECT_FALSE(q1.out.wants_armed);
-  q1.is_armed = false;
+  q1.report.armed = false;
   q1.run(0.1);
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
 }
@@ -33,31 +49,31 @@ void land(HandFlown& q1) {
 struct Phase {
   const char* name;
   bool sinks;
-  void (*begin)(HandFlown& q1);
+  void (*begin)(OneVehicle& q1);
 };
 
 constexpr Phase kPhases[] = {
-    {"holding", false, [](HandFlown& q1) { q1.hover(); }},
+    {"holding", false, [](OneVehicle& q1) { hover(q1); }},
     {"landing, and moves away from who is below first", false,
-     [](HandFlown& q1) {
-       q1.hover();
-       q1.walker_m = Eigen::Vector3d(kHigh.x(), kHigh.y(), 0.0);
-       (void)q1.say(OperatorAction::kLand);
+     [](OneVehicle& q1) {
+       hover(q1);
+       q1.others = {q1.body("W1", {kHigh.x(), kHigh.y(), 0.0})};
+       q1.say(OperatorAction::kLand);
        q1.tick();
      }},
     {"sinking", true,
-     [](HandFlown& q1) {
-       q1.hover();
-       (void)q1.say(OperatorAction::kLand);
+     [](OneVehicle& q1) {
+       hover(q1);
+       q1.say(OperatorAction::kLand);
        q1.tick();
      }},
     {"holding in a second flight", false,
-     [](HandFlown& q1) {
-       q1.hover();
+     [](OneVehicle& q1) {
+       hover(q1);
        land(q1);
        EXPECT_FALSE(q1.out.is_sinking);
-       q1.body_m = kHigh;
-       q1.hover();
+       q1.position_m = kHigh;
+       hover(q1);
      }},
 };
 
@@ -67,18 +83,18 @@ TEST(GuardInTheAir, BelievesThatItSankOnlyWhenItWasToldTo) {
   constexpr double kUnseenS = 0.4;
   for (const Phase& phase : kPhases) {
     for (const double off_m : {-0.01, 0.01}) {
-      HandFlown q1(kHigh);
+      OneVehicle q1(kHigh);
       phase.begin(q1);
       ASSERT_EQ(q1.out.state == FlightState::kHold, std::string(phase.name).starts_with("holding"));
       EXPECT_EQ(q1.out.is_sinking, phase.sinks) << phase.name;
       EXPECT_EQ(q1.out.climb_to_m < 0.0, phase.sinks) << "goes through the floor";
-      const double from_m = q1.body_m.z();
-      q1.pass(kUnseenS);
-      q1.body_m.z() -= q1.limits.pose_gate_max_m + off_m;
-      q1.body_m.z() -= phase.sinks ? kUnseenS * q1.limits.descent_mps : 0.0;
+      const double from_m = q1.position_m.z();
+      q1.now += from_seconds(kUnseenS);
+      q1.position_m.z() -= q1.limits.pose_gate_max_m + off_m;
+      q1.position_m.z() -= phase.sinks ? kUnseenS * q1.limits.descent_mps : 0.0;
       q1.see();
       const double seen_m = q1.guard.world_from_body().translation_m.z();
-      EXPECT_NEAR(seen_m, off_m < 0.0 ? q1.body_m.z() : from_m, 1e-6) << phase.name;
+      EXPECT_NEAR(seen_m, off_m < 0.0 ? q1.position_m.z() : from_m, 1e-6) << phase.name;
     }
   }
 }
@@ -86,11 +102,11 @@ TEST(GuardInTheAir, BelievesThatItSankOnlyWhenItWasToldTo) {
 // The same bits again and again are a mocap that hangs, in the air; near the ground it may stand.
 TEST(GuardInTheAir, BelievesThatItStandsStillOnlyNearTheGround) {
   for (const double off_m : {-0.03, 0.03}) {
-    HandFlown q1({-2.0, -1.3, 0.3});
-    q1.obeys = false;
-    q1.hover();
-    while (q1.body_m.z() > q1.limits.safe_height_m + off_m + 1e-6) {
-      q1.body_m.z() = std::max(q1.body_m.z() - 0.01, q1.limits.safe_height_m + off_m);
+    OneVehicle q1({-2.0, -1.3, 0.3});
+    q1.answers = false;
+    hover(q1);
+    while (q1.position_m.z() > q1.limits.safe_height_m + off_m + 1e-6) {
+      q1.position_m.z() = std::max(q1.position_m.z() - 0.01, q1.limits.safe_height_m + off_m);
       q1.tick();
     }
     q1.run(0.2);
@@ -106,11 +122,12 @@ TEST(GuardInTheAir, BelievesThatItStandsStillOnlyNearTheGround) {
 // A vehicle that is told to move, at more than 0.1 m/s, cannot show the same bits for long.
 TEST(GuardInTheAir, DoesNotBelieveThatItStandsStillWhileItIsToldToMove) {
   for (const double speed_mps : {0.07, 0.15}) {
-    HandFlown q1(kHigh);
-    q1.hover().follow(q1.plan(speed_mps));
+    OneVehicle q1(kHigh);
+    hover(q1);
+    follow(q1, speed_mps, kHigh.z());
     q1.run(0.5);
     ASSERT_EQ(q1.out.state, FlightState::kFollow);
-    q1.obeys = false;
+    q1.answers = false;
     q1.is_frozen = true;
     q1.run(0.3);
     EXPECT_EQ(q1.count("pose.stuck") > 0, speed_mps > 0.1);
@@ -123,24 +140,26 @@ TEST(GuardInTheAir, DoesNotBelieveThatItStandsStillWhileItIsToldToMove) {
 TEST(GuardInTheAir, SlowsItsPlanInProportionAsPosesAge) {
   constexpr double kSpeedMps = 0.5;
   constexpr double kStepS = 0.1;
-  HandFlown q1(kHigh);
-  q1.hover().follow(q1.plan(kSpeedMps));
+  OneVehicle q1(kHigh);
+  hover(q1);
+  follow(q1, kSpeedMps, kHigh.z());
   q1.run(0.5);
-  q1.is_seen = q1.obeys = false;
+  q1.answers = false;
   const double warn_s = q1.limits.pose_age_warn_s;
   const double hold_s = q1.limits.pose_age_hold_s;
   for (const double age_s : {0.0, 0.4 * warn_s, warn_s, 0.06, 0.07, 0.085, 0.099}) {
-    const double before_m = q1.guard.status(q1.now()).setpoint.x_m;
-    q1.pass(kStepS - age_s);
-    q1.body_m.x() = q1.guard.status(q1.now()).setpoint.x_m;
+    const double before_m = q1.guard.status(q1.now).setpoint.x_m;
+    q1.now += from_seconds(kStepS - age_s);
+    q1.position_m.x() = q1.guard.status(q1.now).setpoint.x_m;
     q1.see();
-    q1.pass(age_s);
-    q1.hear(kStepS);
-    const drivers::GuardOutput out = q1.guard.tick(q1.now());
+    q1.now += from_seconds(age_s);
+    q1.say(OperatorAction::kHeartbeat);
+    q1.hear();
+    const drivers::GuardOutput out = q1.guard.tick(q1.now);
     ASSERT_EQ(out.state, FlightState::kFollow);
     EXPECT_NEAR(q1.guard.inputs().pose_age_s, age_s, 1e-6);
     const double share = age_s <= warn_s ? 1.0 : (hold_s - age_s) / (hold_s - warn_s);
-    EXPECT_NEAR(q1.guard.status(q1.now()).setpoint.x_m - before_m, share * kStepS * kSpeedMps, 1e-5)
+    EXPECT_NEAR(q1.guard.status(q1.now).setpoint.x_m - before_m, share * kStepS * kSpeedMps, 1e-5)
         << age_s;
   }
 }
@@ -149,37 +168,39 @@ TEST(GuardInTheAir, SlowsItsPlanInProportionAsPosesAge) {
 // `hold`, and not later either.
 TEST(GuardInTheAir, BeginsNoPlanOnceItIsToldToHold) {
   for (const bool is_told : {false, true}) {
-    HandFlown q1(kHigh);
-    q1.hover();
-    (void)q1.say(OperatorAction::kFollow);
+    OneVehicle q1(kHigh);
+    hover(q1);
+    q1.say(OperatorAction::kFollow);
     q1.tick();
     ASSERT_EQ(q1.out.state, FlightState::kHold) << "no plan yet";
-    EXPECT_EQ(q1.guard.on_plan(q1.plan(0.3), q1.now()), drivers::PlanVerdict::kAccepted);
+    EXPECT_EQ(q1.guard.on_plan(q1.plan(0.3, 0.0, 3.0, kHigh.z(), 0.1), q1.now),
+              drivers::PlanVerdict::kAccepted);
     q1.run(0.05);
     EXPECT_FALSE(q1.guard.inputs().has_plan);
     if (is_told) {
-      (void)q1.say(OperatorAction::kHold);
+      q1.say(OperatorAction::kHold);
     }
     q1.run(0.5);
     EXPECT_EQ(q1.guard.inputs().has_plan, !is_told);
     if (is_told) {
-      (void)q1.say(OperatorAction::kFollow);
+      q1.say(OperatorAction::kFollow);
       q1.run(0.5);
       EXPECT_FALSE(q1.guard.inputs().has_plan);
     }
     EXPECT_EQ(q1.out.state, is_told ? FlightState::kHold : FlightState::kFollow);
-    EXPECT_EQ(q1.body_m.x() > kHigh.x() + 0.01, !is_told);
+    EXPECT_EQ(q1.position_m.x() > kHigh.x() + 0.01, !is_told);
   }
 }
 
 // Too near the fence it moves off while it holds, and stays where it hovers when there is room.
 TEST(GuardInTheAir, MovesOffTheFenceWhileItHolds) {
-  const double fence_m = -2.2;
+  const double fence_m = -5.0;
   for (const double room_m : {0.02, 0.2}) {
-    HandFlown q1({-2.0, fence_m + 0.25 + room_m, 1.0});
-    q1.hover().run(2.0);
+    OneVehicle q1({-2.0, fence_m + 0.25 + room_m, 1.0});
+    hover(q1);
+    q1.run(2.0);
     ASSERT_EQ(q1.out.state, FlightState::kHold);
-    const double edge_m = q1.body_m.y() - fence_m - 0.25;
+    const double edge_m = q1.position_m.y() - fence_m - 0.25;
     EXPECT_GT(edge_m, q1.limits.hover_clearance_m);
     EXPECT_EQ(edge_m > room_m + 0.01, room_m < q1.limits.hover_clearance_m);
   }
@@ -188,61 +209,61 @@ TEST(GuardInTheAir, MovesOffTheFenceWhileItHolds) {
 // Down as fast as is stated, slower near the ground; the speed that is asked for is the one at
 // which the height that is asked for changes.
 TEST(GuardInTheAir, AsksForTheSpeedAtWhichItsHeightChanges) {
-  HandFlown q1(kHigh);
-  q1.hover();
-  (void)q1.say(OperatorAction::kLand);
-  double height_m = q1.guard.status(q1.now()).setpoint_height_m;
+  OneVehicle q1(kHigh);
+  q1.beside_m.z() = 0.01;  // what is asked for does not jump to where its body is
+  hover(q1);
+  q1.say(OperatorAction::kLand);
+  double height_m = q1.guard.status(q1.now).setpoint_height_m;
   int low = 0;
-  for (int tick = 0; tick < 250; ++tick) {
+  for (int tick = 0; tick < 125; ++tick) {
     q1.tick();
     ASSERT_EQ(q1.out.state, FlightState::kLand);
     const bool is_low = height_m < q1.limits.low_height_m;
     const double due_mps = is_low ? q1.limits.low_descent_mps : q1.limits.descent_mps;
     EXPECT_NEAR(q1.out.setpoint.velocity_world_mps.z(), -due_mps, 1e-9) << height_m;
-    const double now_m = q1.guard.status(q1.now()).setpoint_height_m;
-    EXPECT_NEAR(height_m - now_m, HandFlown::kTickS * due_mps, 1e-9);
+    const double now_m = q1.guard.status(q1.now).setpoint_height_m;
+    EXPECT_NEAR(height_m - now_m, OneVehicle::kTickS * due_mps, 1e-9);
     EXPECT_NEAR(q1.out.setpoint.position_world_m.z(), now_m - q1.limits.setpoint_lead_s * due_mps,
                 1e-9);
     low += is_low ? 1 : 0;
     height_m = now_m;
   }
-  EXPECT_GT(low, 100);
+  EXPECT_GT(low, 50);
 }
 
 // Two ticks at one instant are one: no speed comes of no time.
 TEST(GuardInTheAir, AsksForNumbersWhenNoTimeHasPassed) {
-  HandFlown q1(kHigh);
-  q1.hover();
-  (void)q1.say(OperatorAction::kLand);
+  OneVehicle q1(kHigh);
+  hover(q1);
+  q1.say(OperatorAction::kLand);
   q1.run(0.3);
-  const double height_m = q1.guard.status(q1.now()).setpoint_height_m;
-  const FlightSetpoint twice = q1.guard.tick(q1.now()).setpoint;
+  const double height_m = q1.guard.status(q1.now).setpoint_height_m;
+  const FlightSetpoint twice = q1.guard.tick(q1.now).setpoint;
   EXPECT_EQ(twice.velocity_world_mps.z(), 0.0);
   EXPECT_EQ(twice.position_world_m.z(), height_m);
-  EXPECT_LT(q1.tick().setpoint.velocity_world_mps.z(), 0.0);
+  q1.tick();
+  EXPECT_LT(q1.out.setpoint.velocity_world_mps.z(), 0.0);
 }
 
 // Whatever lifts it while it lands, and however fast the numbers that it flies by let its height
 // change: it never asks for more than is stated, up or down.
 TEST(GuardInTheAir, AsksForNoSpeedBeyondWhatIsStated) {
-  HandFlown lifted(kHigh);
-  lifted.hover();
-  lifted.obeys = false;
-  (void)lifted.say(OperatorAction::kLand);
+  OneVehicle lifted(kHigh);
+  hover(lifted);
+  lifted.answers = false;
+  lifted.say(OperatorAction::kLand);
   lifted.run(2.0);
   ASSERT_TRUE(lifted.out.is_sinking);
-  lifted.body_m.z() += 0.1;
+  lifted.position_m.z() += 0.1;
   lifted.tick();
   EXPECT_EQ(lifted.out.setpoint.velocity_world_mps.z(), lifted.limits.climb_mps);
 
   drivers::SafetyLimits limits = lifted.limits;
   limits.climb_mps = 0.9;
   ASSERT_LT(limits.descent_mps, limits.climb_mps);
-  HandFlown q1(kHigh, limits);
-  q1.hover();
-  models::RobotPlan lower = q1.plan(0.2);
-  lower.trajectory.height_m -= 0.3;
-  q1.follow(lower);
+  OneVehicle q1(kHigh, 0.0, OneVehicle::room(), "Q1", limits);
+  hover(q1);
+  follow(q1, 0.2, kHigh.z() - 0.3);
   q1.run(0.1);
   EXPECT_EQ(q1.out.state, FlightState::kFollow);
   EXPECT_EQ(q1.out.setpoint.velocity_world_mps.z(), -limits.descent_mps);
@@ -250,20 +271,21 @@ TEST(GuardInTheAir, AsksForNoSpeedBeyondWhatIsStated) {
 
 // A change is news, once: of the state, of what is in the way, and neither without the other.
 TEST(GuardInTheAir, SaysOnceThatSomethingHasChanged) {
-  HandFlown q1(kHigh);
-  q1.hover().follow(q1.plan(0.2));
+  OneVehicle q1(kHigh);
+  hover(q1);
+  follow(q1, 0.2, kHigh.z());
   q1.run(0.3);
   ASSERT_EQ(q1.out.state, FlightState::kFollow);
   EXPECT_FALSE(q1.out.changed);
   EXPECT_EQ(q1.reasons(), std::vector<std::string>());
-  EXPECT_EQ(q1.guard.status(q1.now()).plan_round, 41);
-  (void)q1.say(OperatorAction::kHold);
+  EXPECT_EQ(q1.guard.status(q1.now).plan_round, 41);
+  q1.say(OperatorAction::kHold);
   q1.tick();
   EXPECT_EQ(q1.out.state, FlightState::kHold);
   EXPECT_TRUE(q1.out.reasons.none());
   EXPECT_TRUE(q1.out.changed) << "the state alone";
   EXPECT_EQ(q1.reasons(), std::vector<std::string>({"operator"}));
-  EXPECT_EQ(q1.guard.status(q1.now()).plan_round, -1);
+  EXPECT_EQ(q1.guard.status(q1.now).plan_round, -1);
   q1.tick();
   EXPECT_EQ(q1.out.state, FlightState::kHold);
   EXPECT_TRUE(q1.out.changed) << "what is in the way alone";
@@ -274,13 +296,13 @@ TEST(GuardInTheAir, SaysOnceThatSomethingHasChanged) {
 
 // Of the place that is asked for while there is one, else of where it is.
 TEST(VehicleStatus, SaysWhereItIsToBeOrElseWhereItIs) {
-  HandFlown q1;
-  q1.yaw_rad = 0.5;
+  OneVehicle q1(kHigh, 0.5);
+  q1.stand();
   q1.battery_share = 0.7;
   q1.run(0.6);
   const auto expect_at = [&](double x_m, double y_m, double yaw_rad) {
-    const models::VehicleStatus status = q1.guard.status(q1.now());
-    EXPECT_EQ(status.stamp.time, q1.now());
+    const models::VehicleStatus status = q1.guard.status(q1.now);
+    EXPECT_EQ(status.stamp.time, q1.now);
     EXPECT_EQ(status.robot, "Q1");
     EXPECT_EQ(status.state, q1.out.state);
     EXPECT_EQ(status.battery_share, 0.7);
@@ -289,21 +311,21 @@ TEST(VehicleStatus, SaysWhereItIsToBeOrElseWhereItIs) {
     EXPECT_NEAR(status.setpoint.y_m, y_m, 1e-9);
     EXPECT_NEAR(status.setpoint.yaw_rad, yaw_rad, 1e-9);
   };
-  q1.obeys = false;
-  q1.body_m += Eigen::Vector3d(0.02, 0.03, 0.0);
+  q1.answers = false;
+  q1.position_m += Eigen::Vector3d(0.02, 0.03, 0.0);
   q1.yaw_rad = 0.6;
   q1.run(0.02);
   EXPECT_EQ(q1.out.state, FlightState::kIdle);
   expect_at(-1.98, -1.27, 0.6);
-  q1.body_m.z() = kHigh.z();
-  q1.hover();
+  q1.position_m.z() = kHigh.z();
+  hover(q1);
   ASSERT_EQ(q1.out.state, FlightState::kHold);
   EXPECT_NEAR(q1.out.climb_to_m, kHigh.z(), 1e-6) << "where it was found";
-  q1.body_m += Eigen::Vector3d(0.04, 0.05, 0.0);
+  q1.position_m += Eigen::Vector3d(0.04, 0.05, 0.0);
   q1.yaw_rad = 0.8;
   q1.run(0.1);
   expect_at(-1.98, -1.27, 0.6);
-  (void)q1.say(OperatorAction::kEmergencyStop);
+  q1.say(OperatorAction::kEmergencyStop);
   q1.tick();
   ASSERT_EQ(q1.out.state, FlightState::kKilled);
   expect_at(-1.94, -1.22, 0.8);
@@ -312,19 +334,24 @@ TEST(VehicleStatus, SaysWhereItIsToBeOrElseWhereItIs) {
 // Unseen, it believes that its motors are off when the third heartbeat in a row says so, however
 // often it was said before in between.
 TEST(GuardInTheAir, BelievesUnseenThatItsMotorsAreOffAtTheThirdWordInARow) {
-  HandFlown q1(kHigh);
-  q1.hover();
-  q1.is_seen = false;
-  q1.run(0.2);
+  OneVehicle q1(kHigh);
+  hover(q1);
+  q1.has_mocap = false;
+  q1.run(0.12);
   ASSERT_EQ(q1.out.state, FlightState::kHold);
+  // What the next heartbeat says.
+  const auto turn = [&](bool are_on) {
+    q1.report.armed = are_on;
+    q1.guard.on_autopilot(q1.report, q1.now);
+  };
   for (const int words : {1, 2, 1, 2, 2, 3}) {
-    q1.is_armed = false;
+    turn(false);
     for (int word = 1; word <= words; ++word) {
       q1.tick();
       EXPECT_EQ(q1.guard.inputs().autopilot_armed, word < 3) << word << " of " << words;
     }
     EXPECT_EQ(q1.out.state, words < 3 ? FlightState::kHold : FlightState::kIdle);
-    q1.is_armed = true;
+    turn(true);
     q1.tick();
   }
 }
@@ -332,9 +359,9 @@ TEST(GuardInTheAir, BelievesUnseenThatItsMotorsAreOffAtTheThirdWordInARow) {
 // Said since it first spoke, though it first said what is taken for granted before.
 TEST(GuardInTheAir, KnowsSinceWhenItsBatterySaysTheSame) {
   for (const double share : {1.0, 0.9}) {
-    HandFlown q1(kHigh);
+    OneVehicle q1(kHigh);
     q1.battery_share = -1.0;  // no word that is believed
-    q1.hover();
+    hover(q1);
     q1.battery_share = share;
     q1.tick();
     q1.run(1.0);

@@ -154,6 +154,7 @@ TEST(Lifts, GoOnByPosesOfNow) {
     one.hold_at_height(0.18);
     one.position_m.z() = 0.18;
     one.now += from_seconds(0.02);
+    one.see();
     one.hear();
     one.now += from_seconds(late_s);
     one.out = one.guard.tick(one.now);

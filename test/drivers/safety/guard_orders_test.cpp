@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "test/drivers/safety/hand_flown.hpp"
+#include "test/drivers/safety/one_vehicle.hpp"
 
 namespace vantage::test {
 namespace {
@@ -24,12 +24,14 @@ constexpr OperatorAction kAll[] = {OperatorAction::kHeartbeat,    OperatorAction
 /// Between ticks, so that no answer depends on what was said before.
 CommandVerdict answer(bool is_airborne, OperatorAction action, const std::string& whom,
                       std::int64_t station) {
-  HandFlown q1(is_airborne ? Eigen::Vector3d(-2.0, -1.3, 1.0) : Eigen::Vector3d(-2.0, -1.3, 0.0));
-  q1.is_armed = is_airborne;
+  OneVehicle q1;
+  if (!is_airborne) {
+    q1.stand();
+  }
   q1.run(0.1);
   EXPECT_EQ(q1.out.state, is_airborne ? FlightState::kHold : FlightState::kIdle);
   const std::int64_t refused = q1.count("command.refused");
-  const CommandVerdict verdict = q1.say(action, whom, station);
+  const CommandVerdict verdict = q1.say_to(whom, action, station);
   // What is for others is no order that was refused, and a heartbeat is no order.
   const bool counts =
       verdict == CommandVerdict::kRefused ||
@@ -71,10 +73,12 @@ TEST(GuardOrders, AreTakenFromTheStationInCharge) {
 // Another station is in charge once the first was silent for the limit: on both sides of it.
 TEST(GuardOrders, AreTakenFromAnotherStationOnceTheFirstIsSilent) {
   for (const double off_s : {-0.01, 0.01}) {
-    HandFlown q1;
+    OneVehicle q1;
+    q1.stand();
     q1.run(0.1);
-    q1.pass(q1.limits.operator_age_hold_s + off_s);
-    const CommandVerdict verdict = q1.say(OperatorAction::kHeartbeat, "", 8);
+    q1.say(OperatorAction::kHeartbeat);
+    q1.now += from_seconds(q1.limits.operator_age_hold_s + off_s);
+    const CommandVerdict verdict = q1.say_to("", OperatorAction::kHeartbeat, 8);
     EXPECT_EQ(verdict, off_s > 0.0 ? CommandVerdict::kObeyed : CommandVerdict::kNotInCharge);
     EXPECT_EQ(q1.count("operator.handovers"), off_s > 0.0 ? 1 : 0);
   }
@@ -82,20 +86,21 @@ TEST(GuardOrders, AreTakenFromAnotherStationOnceTheFirstIsSilent) {
 
 // It waits for its motors, and when they turn for who lifts; and says both.
 TEST(GuardOrders, SayWhatATakeOffWaitsFor) {
-  HandFlown q1;
-  q1.run(0.6);
-  EXPECT_EQ(q1.say(OperatorAction::kArm), CommandVerdict::kObeyed);
+  OneVehicle q1;
+  q1.stand();
+  q1.run(1.2);
+  EXPECT_EQ(q1.say_to("", OperatorAction::kArm), CommandVerdict::kObeyed);
   q1.tick();
   EXPECT_EQ(q1.reasons(), std::vector<std::string>());
-  EXPECT_EQ(q1.say(OperatorAction::kTakeOff, "Q1"), CommandVerdict::kObeyed);
+  EXPECT_EQ(q1.say_to("Q1", OperatorAction::kTakeOff), CommandVerdict::kObeyed);
   q1.tick();
   EXPECT_EQ(q1.reasons(), std::vector<std::string>({"take-off waits: motors"}));
   models::VehicleStatus q2;
   q2.robot = "Q2";
   q2.state = FlightState::kHold;
   q2.reasons = {"first lift"};
-  q1.guard.on_teammate_status(q2, q1.now());
-  q1.is_armed = true;
+  q1.guard.on_teammate_status(q2, q1.now);
+  q1.report.armed = q1.report.is_in_our_mode = true;
   q1.tick();
   EXPECT_TRUE(q1.out.changed);
   const std::vector<std::string> waits = {"another vehicle is lifting", "take-off waits"};
@@ -111,7 +116,8 @@ TEST(GuardOrders, WaitForATeammateThatSaysInTheAirThatItLifts) {
   for (const FlightState state : {FlightState::kIdle, FlightState::kFollow, FlightState::kHold,
                                   FlightState::kLand, FlightState::kKilled}) {
     for (const bool says_so : {true, false}) {
-      HandFlown q1;
+      OneVehicle q1;
+      q1.stand();
       q1.run(0.1);
       models::VehicleStatus q2;
       q2.robot = "Q2";
@@ -120,7 +126,7 @@ TEST(GuardOrders, WaitForATeammateThatSaysInTheAirThatItLifts) {
       if (says_so) {
         q2.reasons.emplace_back("first lift");
       }
-      q1.guard.on_teammate_status(q2, q1.now());
+      q1.guard.on_teammate_status(q2, q1.now);
       q1.tick();
       const bool lifts = says_so && drivers::is_airborne(state);
       EXPECT_EQ(q1.guard.inputs().is_lift_taken, lifts) << models::name_of(state);
@@ -132,29 +138,32 @@ TEST(GuardOrders, WaitForATeammateThatSaysInTheAirThatItLifts) {
 
 // Two are told at once: the first by name lifts, and its turn ends with its lift and not before.
 TEST(GuardOrders, LeaveTheTurnToTheNextOnceItsOwnLiftIsOver) {
-  HandFlown q1;
-  q1.run(0.6);
-  (void)q1.say(OperatorAction::kArm);
+  OneVehicle q1;
+  q1.stand();
+  q1.fastest_mps = 1.0;
+  q1.fastest_radps = 0.4;
+  q1.run(1.2);
+  EXPECT_EQ(q1.say_to("", OperatorAction::kArm), CommandVerdict::kObeyed);
   q1.tick();
-  q1.is_armed = q1.out.wants_armed;
-  ASSERT_TRUE(q1.is_armed);
+  ASSERT_TRUE(q1.out.wants_armed);
+  q1.report.armed = q1.report.is_in_our_mode = true;
   q1.run(0.3);
-  (void)q1.say(OperatorAction::kTakeOff);
+  EXPECT_EQ(q1.say_to("", OperatorAction::kTakeOff), CommandVerdict::kObeyed);
   int lifting = 0;
-  for (q1.tick(); lifting < 500 && q1.has("first lift"); q1.tick()) {
+  for (q1.tick(); lifting < 250 && q1.has_reason("first lift"); q1.tick()) {
     EXPECT_EQ(q1.out.state, FlightState::kHold);
     EXPECT_FALSE(q1.guard.inputs().is_lift_taken) << "it is its own turn";
     EXPECT_NEAR(q1.out.climb_to_m, q1.limits.lift_height_m, 1e-6);
     ++lifting;
   }
-  EXPECT_GT(lifting, 40);
-  EXPECT_LT(lifting, 500);
+  EXPECT_GT(lifting, 20);
+  EXPECT_LT(lifting, 250);
   ASSERT_EQ(q1.out.state, FlightState::kHold);
   q1.run(0.1);
   EXPECT_TRUE(q1.guard.inputs().is_lift_taken) << "Q2 was told, too";
   EXPECT_EQ(q1.out.climb_to_m, q1.limits.take_off_height_m);
   q1.run(3.0);
-  EXPECT_NEAR(q1.body_m.z(), q1.limits.take_off_height_m, 1e-3);
+  EXPECT_NEAR(q1.position_m.z(), q1.limits.take_off_height_m, 1e-3);
   for (const models::NamedCount& each : q1.guard.counters()) {
     EXPECT_EQ(each.count, 0) << each.name << ": nothing was refused or dropped";
   }
@@ -162,8 +171,9 @@ TEST(GuardOrders, LeaveTheTurnToTheNextOnceItsOwnLiftIsOver) {
 
 // A map until the right one is announced again, a version for a while.
 TEST(GuardOnTheGround, SaysThatAnotherMapOrAnotherVersionIsAnnounced) {
-  HandFlown q1;
-  q1.run(0.6);
+  OneVehicle q1;
+  q1.stand();
+  q1.run(1.2);
   for (int time = 0; time < 2; ++time) {  // and once more
     EXPECT_EQ(q1.reasons(), std::vector<std::string>());
     q1.guard.on_map(false);
@@ -180,7 +190,7 @@ TEST(GuardOnTheGround, SaysThatAnotherMapOrAnotherVersionIsAnnounced) {
   }
   EXPECT_EQ(q1.guard.inputs().other_version_age_s, drivers::kNever);
   for (int time = 0; time < 2; ++time) {
-    q1.guard.on_other_version(q1.now());
+    q1.guard.on_other_version(q1.now);
     q1.run(0.3);
     EXPECT_NEAR(q1.guard.inputs().other_version_age_s, 0.3, 1e-9);
     EXPECT_EQ(q1.reasons(), std::vector<std::string>({"another version"}));
@@ -189,13 +199,14 @@ TEST(GuardOnTheGround, SaysThatAnotherMapOrAnotherVersionIsAnnounced) {
 
 // Whatever is a number is taken for one, however large.
 TEST(AutopilotReport, IsHeardHoweverLargeItsNumbersAre) {
-  HandFlown q1;
+  OneVehicle q1;
+  q1.stand();
   drivers::AutopilotReport report;
   report.has_attitude = true;
   report.tilt_rad = report.thrust_share = report.yaw_rate_radps =
       std::numeric_limits<double>::max();
-  q1.guard.on_autopilot(report, q1.now());
-  (void)q1.guard.tick(q1.now());
+  q1.guard.on_autopilot(report, q1.now);
+  (void)q1.guard.tick(q1.now);
   EXPECT_EQ(q1.guard.inputs().tilt_rad, report.tilt_rad);
   EXPECT_EQ(q1.guard.inputs().thrust_share, report.thrust_share);
   EXPECT_EQ(q1.count("autopilot.refused"), 0);

@@ -21,7 +21,8 @@
 namespace vantage::test {
 
 /// One guard, ticked at 50 Hz, and everything that it hears, as a test sets it: exact where
-/// FlightBench is like a room. A body that answers is exactly where it is asked to be.
+/// FlightBench is like a room. A body that answers is exactly where it is asked to be, unless it is
+/// to be slow.
 struct OneVehicle {
   static constexpr double kTickS = 0.02;
 
@@ -59,14 +60,20 @@ struct OneVehicle {
   }
 
   void say(models::OperatorAction action) {
+    (void)say_to(action == models::OperatorAction::kHeartbeat ? "" : own, action);
+  }
+  /// To another, or to everybody, "", by another station.
+  drivers::CommandVerdict say_to(const std::string& whom, models::OperatorAction action,
+                                 std::int64_t station = 7) {
     models::OperatorCommand command;
-    command.stamp = {now, 7, ++said};
+    command.stamp = {now, station, ++said};
     command.action = action;
-    command.robot = action == models::OperatorAction::kHeartbeat ? "" : own;
-    (void)guard.on_command(command, now);
+    command.robot = whom;
+    return guard.on_command(command, now);
   }
 
-  void hear() {
+  /// What mocap shows now.
+  void see() {
     models::MocapFrame frame;
     frame.stamp = {now, 3, ++frames};
     frame.arrival = now;
@@ -76,12 +83,16 @@ struct OneVehicle {
       models::MocapBody& body = frame.bodies.emplace_back();
       body.name = own;
       // No measurement is the same twice.
-      body.world_from_body = lift({position_m.x(), position_m.y(), yaw_rad},
-                                  position_m.z() + (frames % 2 == 0 ? 1e-9 : 0.0));
+      const double twitch_m = frames % 2 == 0 && !is_frozen ? 1e-9 : 0.0;
+      body.world_from_body =
+          lift({position_m.x(), position_m.y(), yaw_rad}, position_m.z() + twitch_m);
     }
     if (has_mocap) {
       (void)guard.on_mocap(frame, now);
     }
+  }
+  /// What everybody else tells it.
+  void hear() {
     if (is_commanded && ticks % 10 == 0) {
       say(models::OperatorAction::kHeartbeat);
     }
@@ -107,6 +118,7 @@ struct OneVehicle {
     move();
     velocity_mps = (position_m - from_m) / kTickS;
     report.yaw_rate_radps = wrap_to_pi(yaw_rad - from_rad) / kTickS + turn_off_radps;
+    see();
     hear();
     out = guard.tick(now);
     ++ticks;
@@ -119,9 +131,10 @@ struct OneVehicle {
     }
   }
 
-  /// Where it is asked to be now.
+  /// To where it is asked to be now.
   void move() {
-    const double was_m = position_m.z();
+    const Eigen::Vector3d from_m = position_m;
+    const double from_rad = yaw_rad;
     if (drift_mps) {
       position_m += kTickS * *drift_mps;
     } else if (answers && out.setpoint.kind == drivers::FlightSetpoint::Kind::kTrack) {
@@ -131,10 +144,18 @@ struct OneVehicle {
       position_m.z() = std::max(0.0, position_m.z());
       yaw_rad = wrap_to_pi(out.setpoint.yaw_rad +
                            (kTickS - limits.setpoint_lead_s) * out.setpoint.yaw_rate_radps);
+      const Eigen::Vector3d way_m = position_m - from_m;
+      if (way_m.norm() > kTickS * fastest_mps) {
+        position_m = from_m + kTickS * fastest_mps * way_m.normalized();
+      }
+      const double turn_rad = wrap_to_pi(yaw_rad - from_rad);
+      if (std::abs(turn_rad) > kTickS * fastest_radps) {
+        yaw_rad = wrap_to_pi(from_rad + std::copysign(kTickS * fastest_radps, turn_rad));
+      }
     }
     yaw_rad = wrap_to_pi(yaw_rad + kTickS * turns_radps);
     if (!rises) {
-      position_m.z() = was_m + std::clamp(held_m - was_m, -0.02, 0.02);
+      position_m.z() = from_m.z() + std::clamp(held_m - from_m.z(), -0.02, 0.02);
     }
   }
   void hold_at_height(double height_m) {
@@ -150,18 +171,23 @@ struct OneVehicle {
     return out_body;
   }
 
-  /// Follows a plan that starts at `start`, `speed_mps` for `seconds` and then to rest.
+  /// From where it is, `speed_mps` for `seconds` and then to rest.
+  models::RobotPlan plan(double speed_mps, double turn_radps, double seconds, double height_m,
+                         double start_in_s = 0.0) {
+    models::RobotPlan made;
+    made.robot = own;
+    made.stamp = {now, 100, ++plans};
+    made.trajectory.start_time = now + from_seconds(start_in_s);
+    made.trajectory.start = {position_m.x(), position_m.y(), yaw_rad};
+    made.trajectory.height_m = height_m;
+    made.trajectory.segments = {{{speed_mps, turn_radps}, seconds, 0.0},
+                                {{speed_mps, 0.0}, speed_mps / 2.0, 2.0}};
+    return made;
+  }
+  /// Is given such a plan to follow.
   drivers::PlanVerdict follow(double speed_mps, double turn_radps, double seconds, double height_m,
                               double start_in_s = 0.0) {
-    models::RobotPlan plan;
-    plan.robot = own;
-    plan.stamp = {now, 100, ++plans};
-    plan.trajectory.start_time = now + from_seconds(start_in_s);
-    plan.trajectory.start = {position_m.x(), position_m.y(), yaw_rad};
-    plan.trajectory.height_m = height_m;
-    plan.trajectory.segments = {{{speed_mps, turn_radps}, seconds, 0.0},
-                                {{speed_mps, 0.0}, speed_mps / 2.0, 2.0}};
-    return guard.on_plan(plan, now);
+    return guard.on_plan(plan(speed_mps, turn_radps, seconds, height_m, start_in_s), now);
   }
   /// In the air at a place, seen there and told to land.
   void land_from(const Eigen::Vector3d& from_m) {
@@ -203,9 +229,19 @@ struct OneVehicle {
       tick();
     }
   }
+  [[nodiscard]] std::vector<std::string> reasons() const { return guard.status(now).reasons; }
   [[nodiscard]] bool has_reason(const std::string& reason) const {
-    const std::vector<std::string> all = guard.status(now).reasons;
+    const std::vector<std::string> all = reasons();
     return std::find(all.begin(), all.end(), reason) != all.end();
+  }
+  /// One of its counters; below 0: there is none of that name.
+  [[nodiscard]] std::int64_t count(const std::string& name) const {
+    for (const models::NamedCount& each : guard.counters()) {
+      if (each.name == name) {
+        return each.count;
+      }
+    }
+    return -1;
   }
   [[nodiscard]] bool lifts() const { return has_reason("first lift"); }
 
@@ -231,6 +267,8 @@ struct OneVehicle {
   double yaw_rad;
   Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
   bool answers = true;
+  /// No faster than so towards where it is asked to be.
+  double fastest_mps = drivers::kNever, fastest_radps = drivers::kNever;
   Eigen::Vector3d beside_m = Eigen::Vector3d::Zero();  ///< of where it is asked to be
   std::optional<Eigen::Vector3d> drift_mps;            ///< whatever it is asked
   double turns_radps = 0.0;
@@ -240,6 +278,7 @@ struct OneVehicle {
 
   // What is heard.
   bool is_seen = true, has_mocap = true, is_commanded = true, beats = true, tells = true;
+  bool is_frozen = false;  ///< mocap shows the same bits again and again
   drivers::AutopilotReport report;
   std::optional<Eigen::Vector3d> feels_m;            ///< the autopilot's own estimate, when another
   double climb_off_mps = 0.0, turn_off_radps = 0.0;  ///< of what the autopilot feels
