@@ -8,6 +8,7 @@
 #include "core/angle.hpp"
 #include "drivers/safety/plan_check.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
+#include "test/drivers/safety/held.hpp"
 #include "test/support/random.hpp"
 
 // What a held plan says of itself: where it is, how fast, for how long. Flight safety brakes, looks
@@ -15,6 +16,8 @@
 
 namespace vantage::drivers {
 namespace {
+
+using test::held;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
@@ -32,12 +35,6 @@ models::Trajectory random_way(test::Random& random) {
         {{random.uniform(-2.0, 2.0), rate_radps}, random.uniform(0.2, 1.5), brake_mps2});
   }
   return way;
-}
-
-HeldPlan held(const models::Trajectory& way) {
-  HeldPlan plan;
-  EXPECT_TRUE(hold_plan(way, plan));
-  return plan;
 }
 
 // Velocity and yaw rate against differences of places and yaws, in every kind of segment.

@@ -12,11 +12,14 @@
 #include "core/angle.hpp"
 #include "models/plan/plan.hpp"
 #include "test/drivers/safety/flight_bench.hpp"
+#include "test/drivers/safety/held.hpp"
 #include "test/support/bisect.hpp"
 #include "test/support/random.hpp"
 
 namespace vantage::drivers {
 namespace {
+
+using test::held;
 
 constexpr Time kStart = from_utime(1'700'000'000'000'000);
 
@@ -41,12 +44,6 @@ models::Trajectory random_way(test::Random& random) {
   }
   way.segments.push_back(models::brake(1.0, 2.0).front());
   return way;
-}
-
-HeldPlan held(const models::Trajectory& way) {
-  HeldPlan plan;
-  EXPECT_TRUE(hold_plan(way, plan));
-  return plan;
 }
 
 // Two independent closed forms of the same motion.
