@@ -4,8 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -21,6 +23,12 @@ constexpr std::size_t kFieldsNeeded = 22;
 
 std::int64_t micros(const timeval& time) {
   return std::int64_t{time.tv_sec} * 1'000'000 + time.tv_usec;
+}
+
+/// Nothing when it cannot be read.
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace
@@ -56,9 +64,38 @@ std::optional<ProcessUsage> usage_from_stat(std::string_view stat, std::int64_t 
 }
 
 std::optional<ProcessUsage> usage_of(int pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  const std::string stat{std::istreambuf_iterator<char>(file), {}};
-  return usage_from_stat(stat, ::sysconf(_SC_CLK_TCK), ::sysconf(_SC_PAGESIZE));
+  return usage_from_stat(text_of("/proc/" + std::to_string(pid) + "/stat"), ::sysconf(_SC_CLK_TCK),
+                         ::sysconf(_SC_PAGESIZE));
+}
+
+// Its three numbers: ran and waited, in nanoseconds, and how often it was given a processor, which
+// a kernel that does not count them calls 0.
+std::optional<std::int64_t> waited_us_from_schedstat(std::string_view schedstat) {
+  std::array<std::int64_t, 3> fields{};
+  for (std::int64_t& field : fields) {
+    schedstat.remove_prefix(std::min(schedstat.find_first_not_of(' '), schedstat.size()));
+    const auto parsed =
+        std::from_chars(schedstat.data(), schedstat.data() + schedstat.size(), field);
+    if (parsed.ec != std::errc()) {
+      return std::nullopt;
+    }
+    schedstat.remove_prefix(static_cast<std::size_t>(parsed.ptr - schedstat.data()));
+  }
+  return fields[2] > 0 ? std::optional(fields[1] / 1'000) : std::nullopt;
+}
+
+std::optional<std::int64_t> waited_us_of(int pid) {
+  std::optional<std::int64_t> sum_us;
+  std::error_code gone;
+  const std::filesystem::path tasks = "/proc/" + std::to_string(pid) + "/task";
+  for (std::filesystem::directory_iterator task(tasks, gone), end; task != end;
+       task.increment(gone)) {
+    const auto waited_us = waited_us_from_schedstat(text_of(task->path() / "schedstat"));
+    if (waited_us) {  // else the thread has ended meanwhile
+      sum_us = sum_us.value_or(0) + *waited_us;
+    }
+  }
+  return sum_us;
 }
 
 std::vector<models::NamedCount> usage_counters() {
@@ -66,9 +103,14 @@ std::vector<models::NamedCount> usage_counters() {
   ::getrusage(RUSAGE_SELF, &own);
   const auto now = usage_of(::getpid()).value_or(ProcessUsage{});
   constexpr std::int64_t kKibibyte = 1024;
-  return {{"process.cpu_us", micros(own.ru_utime) + micros(own.ru_stime)},
-          {"process.memory_bytes", now.memory_bytes},
-          {"process.memory_most_bytes", own.ru_maxrss * kKibibyte}};
+  std::vector<models::NamedCount> out = {
+      {"process.cpu_us", micros(own.ru_utime) + micros(own.ru_stime)},
+      {"process.memory_bytes", now.memory_bytes},
+      {"process.memory_most_bytes", own.ru_maxrss * kKibibyte}};
+  if (const auto waited_us = waited_us_of(::getpid())) {
+    out.push_back({"process.waited_us", *waited_us});
+  }
+  return out;
 }
 
 }  // namespace vantage::bus

@@ -26,8 +26,16 @@ std::optional<ProcessUsage> usage_from_stat(std::string_view stat, std::int64_t 
 /// Processor time in steps of a clock tick (10 ms).
 std::optional<ProcessUsage> usage_of(int pid);
 
+/// How long one thread was ready to run and had no processor, µs, from the text of
+/// /proc/PID/task/TID/schedstat; nullopt when it is none, or of a kernel that does not count it.
+std::optional<std::int64_t> waited_us_from_schedstat(std::string_view schedstat);
+
+/// Of all threads that the process `pid` has now; nullopt when it is gone, or its kernel does not
+/// count it. Reads one file a thread: about 7 µs each.
+std::optional<std::int64_t> waited_us_of(int pid);
+
 /// Of this process, as HEALTH carries it: process.cpu_us, process.memory_bytes,
-/// process.memory_most_bytes.
+/// process.memory_most_bytes and, where the kernel counts it, process.waited_us.
 std::vector<models::NamedCount> usage_counters();
 
 }  // namespace vantage::bus

@@ -1,7 +1,7 @@
 #!/bin/bash
 # external.sh BIN_DIR SCENARIO PYTHON EXAMPLE LCMTYPES: a signed flight of three robots that ask others for
 # their plans. Q1 is answered by EXAMPLE, which is killed (signal 9) on the way; Q2 too late; Q3 what it
-# cannot fly. Every plan must be in time whatever they do, nothing may collide, each answer must be
+# cannot fly. Every plan must be in time whatever they do (where the machine was there), nothing may collide, each answer must be
 # counted for what it is, and the log must give every plan again. To be run in a network of its own.
 . "$(dirname "$0")/up_support.sh"
 python=$3 example=$4 types=$5 here=$(dirname "$0")
@@ -26,6 +26,8 @@ wait "$up" || status=$?
 cat "$dir/up.json" "$dir/up.err"
 [[ $status == 0 ]] || fail "vantage up ended with $status"
 kill -TERM "$witness" "$faults" 2>/dev/null || true
-"$python" "$here/external_check.py" "$dir/flight.lcmlog" "$dir/up.json" || fail "the flight is not as it should be"
+options=()
+"$bin/hil_check" --held-up "$dir/flight.lcmlog" && options+=(--held-up)
+"$python" "$here/external_check.py" "$dir/flight.lcmlog" "$dir/up.json" "${options[@]}" || fail "the flight is not as it should be"
 "$bin/vantage" log replay "$dir/flight.lcmlog" --node planner:Q1 --node planner:Q2 --node planner:Q3 ||
   fail "plans differ"

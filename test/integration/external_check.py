@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""external_check.py LOG REPORT: what became of the answers in a flight of external.sh."""
+"""external_check.py LOG REPORT [--held-up]: what became of the answers in a flight of external.sh.
+
+--held-up: the machine kept processes waiting, so that late plans are not the planners' fault.
+"""
 import json
 import sys
 
@@ -11,8 +14,9 @@ assert report["collisions"] == 0 and report["separation_violations"] == 0, repor
 counts = {}
 for robot in ("Q1", "Q2", "Q3"):
     plans = log[f"PLAN_{robot}"]
-    assert not plans["late"].any(), robot
-    assert (plans["finish_utime"] <= plans["deadline_utime"]).all(), robot
+    if "--held-up" not in sys.argv:
+        assert not plans["late"].any(), robot
+        assert (plans["finish_utime"] <= plans["deadline_utime"]).all(), robot
     health = log[f"HEALTH_PLANNER_{robot}"]
     last = slice(*health.offsets["counters"][-2:])
     counts[robot] = dict(zip(health["counters.name"][last], health["counters.count"][last].tolist()))

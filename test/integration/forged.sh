@@ -8,22 +8,23 @@ types=$3 here=$(dirname "$0")
 lcm-gen --python --ppath "$dir/py" "$types"/*.lcm
 "$bin/vantage" keys new "$dir/keys"
 
-# fly NAME SCENARIO: a flight that is forged at; its log is $dir/NAME.lcmlog.
+# fly NAME SCENARIO: a flight that is forged at, and ends then; its log is $dir/NAME.lcmlog.
 fly() {
-  local status=0 forger
-  "$bin/vantage" up "$2" --fly --duration-s "$seconds" --url "$url" --log "$dir/$1.lcmlog" --json \
+  local status=0
+  "$bin/vantage" up "$2" --fly --url "$url" --log "$dir/$1.lcmlog" --json \
     > "$dir/$1.json" 2> "$dir/$1.err" & up=$!
-  python3 "$here/forge_live.py" "$dir/py" "$dir/$1.span" & forger=$!
-  wait "$forger" || fail "nothing was forged in $1"
+  python3 "$here/forge_live.py" "$dir/py" "$dir/$1.span" || fail "nothing was forged in $1"
+  kill -INT "$up"
   wait "$up" || status=$?
   cat "$dir/$1.json"; echo
   return $status
 }
 
-seconds=60
 { cat "$scenario"; echo "security: {mode: require, keys: $dir/keys}"; } > "$dir/signed.yaml"
 fly signed "$dir/signed.yaml" || fail "the signed flight ended with $?"
-python3 "$here/forged_check.py" "$dir/py" "$dir/signed.lcmlog" "$dir/signed.span" --signed ||
+options=(--signed)
+"$bin/hil_check" --held-up "$dir/signed.lcmlog" && options+=(--held-up)
+python3 "$here/forged_check.py" "$dir/py" "$dir/signed.lcmlog" "$dir/signed.span" "${options[@]}" ||
   fail "the signed flight was changed"
 ! grep -qr "$(od -An -tx1 -v "$dir"/keys/mocap-*.key | tr -d ' \n')" "$dir"/*.json "$dir"/*.err ||
   fail "a key is told"
@@ -35,7 +36,6 @@ PY
 "$bin/vantage" log replay "$dir/signed.lcmlog" --node planner:Q2 --node estimator:Q2
 "$bin/vantage" log metrics "$dir/signed.lcmlog" > /dev/null
 
-seconds=60
 fly open "$scenario" || true
 ! python3 "$here/forged_check.py" "$dir/py" "$dir/open.lcmlog" "$dir/open.span" ||
   fail "forging changes nothing even without signatures: this test tests nothing"

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""forged_check.py TYPES LOG SPAN: did what forge_live.py said change a flight?
+"""forged_check.py TYPES LOG SPAN [--signed] [--held-up]: did what forge_live.py said change a flight?
 
 Reads the log of the flight: what the vehicles did in the span (none may land, be killed or hold for
 more than a second), what touched, and what their drivers refused. Prints it; exit code 0: nothing changed.
+--signed: each kind of forgery must have been refused. --held-up: the machine kept processes waiting, so
+that holding and late plans say nothing.
 """
 
 import collections
@@ -49,7 +51,8 @@ changed = contacts > 0 or not seen
 for robot in sorted(seen):
     states = seen[robot]
     print(robot, dict(states), len(rounds[robot]), "rounds; refused", refused[robot])
-    changed |= states["land"] + states["killed"] > 0 or states["hold"] > 10 or len(rounds[robot]) < 2
+    changed |= states["land"] + states["killed"] > 0
+    changed |= "--held-up" not in sys.argv and (states["hold"] > 10 or len(rounds[robot]) < 2)
 print(contacts, "collisions;", "changed" if changed else "nothing changed")
 for robot in seen if "--signed" in sys.argv else ():
     for channel in ("VICON", "COMMAND", f"PLAN_{robot}"):

@@ -10,7 +10,9 @@ status=0
 "$bin/vantage" up "$scenario" --fly --duration-s "$seconds" --log "$dir/flight.lcmlog" --json \
   > "$dir/up.json" 2> "$dir/up.err" || status=$?
 cat "$dir/up.json" "$dir/up.err"
-"$bin/hil_check" "$dir/flight.lcmlog" "${level[@]}"
+# The emulated autopilots keep what they take for their speed to 1.15 of the limit; flights of lab-hil with
+# seeds 1 to 3, nothing beside them, had 1.14 to 1.173. Their drivers stop them at 1.3.
+"$bin/hil_check" --strict --speed-share 1.25 "$dir/flight.lcmlog" "${level[@]}"
 if [[ $status != 0 ]]; then
   echo "vantage up ended with $status"
   exit 1

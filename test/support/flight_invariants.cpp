@@ -42,18 +42,23 @@ double contact_m(const scenario::Scenario& scenario, const scenario::RobotSpec& 
   return robot.limits.radius_m + radius_m;
 }
 
-void judge(const CourseKept& kept, double contact_m, const FlightBounds& bounds, Judge& judge) {
-  if (!(kept.airborne_s > 0.0)) {
-    judge.say("following", "it never followed a plan");
-    return;
+// What holds whatever the machine does.
+void judge_safety(const CourseKept& kept, double contact_m, const FlightBounds& bounds,
+                  Judge& judge) {
+  judge.at_least("separation", kept.separation_least_m, contact_m, "m from another");
+  judge.at_most("fence", kept.outside_max_m, bounds.outside_max_m, "m outside");
+  if (kept.strangers > 0) {
+    judge.say("believed", fmt::format("{} words in its name of another", kept.strangers));
   }
+}
+
+// What holds where every process ran when it had to.
+void judge_course(const CourseKept& kept, const FlightBounds& bounds, Judge& judge) {
   judge.at_least("following", kept.follow_share, bounds.follow_share_min, "of its time");
   judge.at_most("set-point error", kept.setpoint_error_rms_m, bounds.setpoint_error_rms_max_m,
                 "m rms");
   judge.at_most("speed", kept.speed_max_share, bounds.speed_max_share, "of its limit");
   judge.at_most("turn", kept.turn_max_share, bounds.turn_max_share, "of its limit");
-  judge.at_least("separation", kept.separation_least_m, contact_m, "m from another");
-  judge.at_most("fence", kept.outside_max_m, bounds.outside_max_m, "m outside");
   if (const auto fence = kept.reasons.find("fence"); fence != kept.reasons.end()) {
     judge.say("fence", fmt::format("landed for it, {:.1f} s", fence->second));
   }
@@ -61,9 +66,6 @@ void judge(const CourseKept& kept, double contact_m, const FlightBounds& bounds,
                 "m from one set-point to the next beyond its speed");
   judge.at_most("ages", kept.said_gap_max_s, bounds.gap_max_s, "s without a word");
   judge.at_most("ages", kept.truth_gap_max_s, bounds.gap_max_s, "s without being seen");
-  if (kept.strangers > 0) {
-    judge.say("believed", fmt::format("{} words in its name of another", kept.strangers));
-  }
   if (kept.runs > bounds.runs_max) {
     judge.say("believed", fmt::format("{} drivers one after the other (at most {})", kept.runs,
                                       bounds.runs_max));
@@ -71,6 +73,16 @@ void judge(const CourseKept& kept, double contact_m, const FlightBounds& bounds,
 }
 
 }  // namespace
+
+std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds) {
+  const auto& longest = record.held_up();
+  if (!longest || longest->waited_s <= bounds.held_up_max_s) {
+    return std::nullopt;
+  }
+  return fmt::format("{} waited {:.2f} s for a processor in the second before {} (at most {:g})",
+                     longest->process, longest->waited_s, to_utime(longest->until),
+                     bounds.held_up_max_s);
+}
 
 std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds) {
   std::vector<std::string> out;
@@ -82,6 +94,7 @@ std::vector<std::string> violations(const FlightRecord& record, const FlightBoun
     out.push_back(
         fmt::format("TRUTH believed: {} frames of another simulation", record.truth_strangers()));
   }
+  const bool is_held_up = held_up(record, bounds).has_value();
   for (const auto& [name, kept] : summaries) {
     Judge of_robot(name, out);
     const scenario::RobotSpec* const robot = record.scenario()->find_robot(name);
@@ -89,7 +102,14 @@ std::vector<std::string> violations(const FlightRecord& record, const FlightBoun
       of_robot.say("believed", "the scenario does not know it");
       continue;
     }
-    judge(kept, contact_m(*record.scenario(), *robot), bounds, of_robot);
+    if (!(kept.airborne_s > 0.0)) {
+      of_robot.say("following", "it never followed a plan");
+      continue;
+    }
+    judge_safety(kept, contact_m(*record.scenario(), *robot), bounds, of_robot);
+    if (!is_held_up) {
+      judge_course(kept, bounds, of_robot);
+    }
   }
   return out;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,19 @@ struct FlightBounds {
   double setpoint_jump_max_m = 0.1;
   double gap_max_s = 0.5;  ///< of what is said and of what is seen
   int runs_max = 1;
+  double held_up_max_s = 0.1;  ///< that a process waits for a processor, of any second
 };
+
+/// What the machine did to a flight: which process it kept waiting for longer than allowed, for
+/// people. nullopt: it was there whenever it was wanted, or the log, an old one, does not say.
+std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds = {});
 
 /// What did not hold, a line each: `ROBOT INVARIANT: what was seen (what is allowed)`. The
 /// invariants, by their names: following, set-point error, speed, turn, separation (nobody nearer
 /// than the sum of the two radii), fence (nor landed for it), continuity, ages, believed. Empty:
-/// all held. A record without a scenario, or without vehicles, holds nothing.
+/// all held. A record without a scenario, or without vehicles, holds nothing. Where the flight was
+/// held_up() only what must hold whatever the machine does: that everybody followed at all,
+/// separation, that nobody is outside, and who was believed.
 std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds = {});
 
 }  // namespace vantage::test

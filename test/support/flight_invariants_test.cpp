@@ -265,6 +265,117 @@ TEST(FlightInvariants, SayWhoElseSpokeAndHowOftenADriverBeganAnew) {
   EXPECT_EQ(broken(anew.record(), mishap), Names{});
 }
 
+/// Each second `process` says how long it has waited, of which `waits_us` in the second before
+/// `t_s`.
+struct Waits {
+  std::int64_t run_id = 5;
+  std::int64_t sum_us = 7'000'000;
+
+  void say(FlightRecord& record, double t_s, std::int64_t waits_us,
+           const std::string& process = "PLANNER_Q1") {
+    sum_us += waits_us;
+    models::ProcessHealth health;
+    health.stamp = {MadeUpFlight::at(t_s), run_id, 0};
+    health.process = process;
+    health.counters = {{"process.cpu_us", 123'456'789}, {"process.waited_us", sum_us}};
+    MadeUpFlight::give(record, "HEALTH_" + process, MadeUpFlight::at(t_s), health);
+  }
+};
+
+/// Q1 holds for 2 s on the way, in which a process waits as long as said.
+MadeUpFlight flight_held_up_us(std::int64_t waits_us) {
+  MadeUpFlight flight;
+  flight.says = [](double t_s, models::VehicleStatus& status) {
+    if (status.robot == "Q1" && t_s > 7.0 && t_s < 9.0) {
+      status.state = FlightState::kHold;
+    }
+    return true;
+  };
+  flight.besides = [waits_us, waits = Waits()](double t_s, FlightRecord& record) mutable {
+    if (const double second = std::round(t_s); std::abs(t_s - second) < 0.001) {
+      waits.say(record, t_s, second == 8.0 ? waits_us : 1'000);
+    }
+  };
+  return flight;
+}
+
+TEST(FlightInvariants, WhatTakesTimeIsJudgedWhereTheMachineWasThere) {
+  const FlightRecord there = flight_held_up_us(100'000).record();
+  EXPECT_EQ(held_up(there), std::nullopt);
+  EXPECT_EQ(broken(there), Names{"Q1 following"});
+
+  const FlightRecord away = flight_held_up_us(100'001).record();
+  EXPECT_EQ(held_up(away).value_or(""),
+            "PLANNER_Q1 waited 0.10 s for a processor in the second before 1700000008000000 (at "
+            "most 0.1)");
+  EXPECT_EQ(broken(away), Names{});
+  FlightBounds patient;
+  patient.held_up_max_s = 0.2;
+  EXPECT_EQ(held_up(away, patient), std::nullopt);
+  EXPECT_EQ(broken(away, patient), Names{"Q1 following"});
+}
+
+TEST(FlightInvariants, SafetyIsJudgedWhateverTheMachineDoes) {
+  MadeUpFlight near = flight_held_up_us(900'000);
+  near.is = [](double t_s, models::TruthBody& body) {
+    if (body.name == "Q2" && is_between_words(t_s)) {
+      body.world_from_body.translation_m.x() = -3.0 + 0.5 * std::sin(t_s) + 0.45;
+    }
+    return true;
+  };
+  EXPECT_EQ(broken(near.record()), (Names{"Q1 separation", "Q2 separation"}));
+
+  MadeUpFlight outside = flight_held_up_us(900'000);
+  outside.is = [](double t_s, models::TruthBody& body) {
+    if (body.name == "Q1" && is_between_words(t_s)) {
+      body.world_from_body.translation_m.y() = 2.1;
+    }
+    return true;
+  };
+  EXPECT_EQ(broken(outside.record()), Names{"Q1 fence"});
+
+  MadeUpFlight strange = flight_held_up_us(900'000);
+  strange.besides = [before = strange.besides](double t_s, FlightRecord& record) {
+    before(t_s, record);
+    if (std::abs(t_s - 9.02) < 0.005) {
+      models::VehicleStatus status = MadeUpFlight::state_of("Q1", t_s);
+      status.stamp.run_id = 66;
+      MadeUpFlight::give(record, "VEHICLE_Q1", MadeUpFlight::at(t_s), status);
+    }
+  };
+  EXPECT_EQ(broken(strange.record()), Names{"Q1 believed"});
+
+  MadeUpFlight idle = flight_held_up_us(900'000);
+  idle.says = [](double, models::VehicleStatus& status) {
+    status.state = status.robot == "Q1" ? FlightState::kIdle : status.state;
+    return true;
+  };
+  EXPECT_EQ(broken(idle.record()), Names{"Q1 following"});
+}
+
+// Of whichever process and second it was the longest; not while all start, nor by what a process of
+// another run had waited.
+TEST(FlightInvariants, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
+  MadeUpFlight flight;
+  flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
+    const double second = std::round(t_s);
+    if (std::abs(t_s - second) > 0.001) {
+      return;
+    }
+    planner.say(record, t_s, second <= kFollowS ? 800'000 : second == 6.0 ? 50'000 : 0);
+    if (second == 10.0) {
+      sim = {6, 60'000'000};
+    }
+    sim.say(record, t_s, second == 5.0 ? 60'000 : second == 12.0 ? 70'000 : 0, "SIM");
+  };
+  const FlightRecord record = flight.record();
+  ASSERT_TRUE(record.held_up());
+  EXPECT_EQ(record.held_up()->process, "SIM");
+  EXPECT_NEAR(record.held_up()->waited_s, 0.07, 1e-9);
+  EXPECT_EQ(record.held_up()->until, MadeUpFlight::at(12.0));
+  EXPECT_FALSE(MadeUpFlight().record().held_up()) << "of a log that does not say it";
+}
+
 TEST(FlightInvariants, AVehicleThatNeverFollowedIsNamed) {
   MadeUpFlight flight;
   flight.says = [](double, models::VehicleStatus& status) {

@@ -55,8 +55,31 @@ void FlightRecord::take(const lcm::LogEvent& event) {
     const auto status = decode<models::VehicleStatus, vantage_lcm::quadrotor_t>(event);
     if (status && is_of_now(status->stamp, event) && is_of_flight(status->stamp, status->robot)) {
       robots_[status->robot].said.push_back(*status);
+      has_anybody_followed_ = has_anybody_followed_ || status->state == FlightState::kFollow;
+    }
+  } else if (event.channel.starts_with("HEALTH_") && has_anybody_followed_) {
+    const auto health = decode<models::ProcessHealth, vantage_lcm::health_t>(event);
+    if (health && is_of_now(health->stamp, event)) {
+      take_health(*health);
     }
   }
+}
+
+void FlightRecord::take_health(const models::ProcessHealth& health) {
+  const auto waited = std::ranges::find(health.counters, "process.waited_us",
+                                        [](const models::NamedCount& each) { return each.name; });
+  if (waited == health.counters.end()) {
+    return;
+  }
+  const Waited now{health.stamp.run_id, waited->count};
+  const auto [before, is_first] = waited_.try_emplace(health.process, now);
+  if (!is_first && before->second.run_id == now.run_id) {
+    const double waited_s = static_cast<double>(now.sum_us - before->second.sum_us) / 1e6;
+    if (!held_up_ || waited_s > held_up_->waited_s) {
+      held_up_ = {health.process, waited_s, health.stamp.time};
+    }
+  }
+  before->second = now;
 }
 
 // Nor is a second trial beside it. A process that was started again has another run.

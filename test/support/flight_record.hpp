@@ -64,7 +64,14 @@ struct Aftermath {
   std::vector<Reaction> said;    ///< each change of state within 45 s
 };
 
-/// Reads a log of a flight, event by event: SCENARIO, TRUTH and VEHICLE_*.
+/// A process that was ready to run and had no processor.
+struct HeldUp {
+  std::string process;
+  double waited_s = 0.0;  ///< between two words of its health, which are a second apart
+  Time until{};           ///< the later of the two
+};
+
+/// Reads a log of a flight, event by event: SCENARIO, TRUTH, VEHICLE_* and HEALTH_*.
 class FlightRecord {
  public:
   void take(const lcm::LogEvent& event);
@@ -74,6 +81,9 @@ class FlightRecord {
   [[nodiscard]] const std::optional<scenario::Scenario>& scenario() const { return scenario_; }
   /// Frames of another simulation's truth, while this one's came.
   [[nodiscard]] std::int64_t truth_strangers() const { return truth_strangers_; }
+  /// The process that waited longest, since anybody followed a plan; nullopt where nobody says how
+  /// long it waits.
+  [[nodiscard]] const std::optional<HeldUp>& held_up() const { return held_up_; }
   /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
 
@@ -91,6 +101,7 @@ class FlightRecord {
     std::int64_t strangers = 0;
   };
   bool is_of_flight(const models::Stamp& stamp, const std::string& robot);
+  void take_health(const models::ProcessHealth& health);
   [[nodiscard]] static std::optional<Stop> stop_at(const Robot& robot, std::size_t said);
   [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
   [[nodiscard]] CourseKept summary(const std::string& name, const Robot& robot) const;
@@ -104,6 +115,13 @@ class FlightRecord {
   std::map<std::string, Robot> robots_;
   std::int64_t truth_strangers_ = 0;
   std::map<std::string, models::Stamp> newest_;  ///< of each robot's states; "": of the truth
+  struct Waited {
+    std::int64_t run_id = 0;
+    std::int64_t sum_us = 0;
+  };
+  std::map<std::string, Waited> waited_;  ///< of each process, since anybody followed
+  bool has_anybody_followed_ = false;
+  std::optional<HeldUp> held_up_;
 };
 
 /// One line for people.

@@ -1,8 +1,15 @@
 #include "bus/node/process_usage.hpp"
 
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -45,6 +52,75 @@ TEST(UsageFromStat, NeedsNoMoreThanTheFieldsThatItReads) {
   EXPECT_FALSE(usage_from_stat("77 x" + least, 1, 1)) << "no name";
 }
 
+TEST(WaitedUsFromSchedstat, IsTheSecondNumber) {
+  EXPECT_EQ(waited_us_from_schedstat("5000000 1234567 42\n"), 1'234);
+  EXPECT_EQ(waited_us_from_schedstat("1 999 1"), 0);
+}
+
+TEST(WaitedUsFromSchedstat, RefusesWhatIsNoSuchLineAndAKernelThatDoesNotCount) {
+  EXPECT_FALSE(waited_us_from_schedstat(""));
+  EXPECT_FALSE(waited_us_from_schedstat("5000000"));
+  EXPECT_FALSE(waited_us_from_schedstat("5000000 1234567"));
+  EXPECT_FALSE(waited_us_from_schedstat("5000000 many 42"));
+  EXPECT_FALSE(waited_us_from_schedstat("5000000,1234567 42"));
+  EXPECT_FALSE(waited_us_from_schedstat("99999999999999999999 1234567 42"));
+  EXPECT_FALSE(waited_us_from_schedstat("0 0 0"));
+}
+
+/// Keeps the calling thread to the first processor that it may use.
+void stay_on_one_processor() {
+  cpu_set_t allowed;
+  ASSERT_EQ(sched_getaffinity(0, sizeof(allowed), &allowed), 0);
+  int cpu = 0;
+  while (!CPU_ISSET(cpu, &allowed)) {
+    ++cpu;
+  }
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(cpu, &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof(one), &one), 0);
+}
+
+/// The sum of what the kernel says of each thread of this process.
+std::int64_t waited_us_by_thread() {
+  std::int64_t sum_us = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::ifstream file(task.path() / "schedstat");
+    std::int64_t ran_ns = 0;
+    std::int64_t waited_ns = 0;
+    file >> ran_ns >> waited_ns;
+    sum_us += waited_ns / 1'000;
+  }
+  return sum_us;
+}
+
+// Threads of one processor take turns: while one runs, the others wait.
+TEST(WaitedUsOf, SumsWhatThreadsWaitForEachOther) {
+  if (!waited_us_of(::getpid())) {
+    GTEST_SKIP() << "this kernel does not count it";
+  }
+  std::atomic<bool> is_over = false;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 3; ++i) {
+    threads.emplace_back([&is_over] {
+      stay_on_one_processor();
+      while (!is_over) {
+      }
+    });
+  }
+  for (std::int64_t before_us = 0; before_us < 30'000;) {
+    before_us = waited_us_by_thread();
+    const std::int64_t waited_us = waited_us_of(::getpid()).value_or(-1);
+    EXPECT_GE(waited_us, before_us);
+    EXPECT_LE(waited_us, waited_us_by_thread());
+  }
+  is_over = true;
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  EXPECT_FALSE(waited_us_of(-1));
+}
+
 // What the kernel says before and after holds what is said in between.
 TEST(UsageCounters, AreWhatTheKernelSaysOfThisProcess) {
   const auto asked = [] {
@@ -56,10 +132,11 @@ TEST(UsageCounters, AreWhatTheKernelSaysOfThisProcess) {
     return (own.ru_utime.tv_sec + own.ru_stime.tv_sec) * 1'000'000 + own.ru_utime.tv_usec +
            own.ru_stime.tv_usec;
   };
+  const auto waited_before_us = waited_us_of(::getpid());
   const rusage before = asked();
   const auto counters = usage_counters();
   const rusage after = asked();
-  ASSERT_EQ(counters.size(), 3U);
+  ASSERT_GE(counters.size(), 3U);
   EXPECT_GE(counters[0].count, cpu_us(before));
   EXPECT_LE(counters[0].count, cpu_us(after));
   EXPECT_EQ(counters[1].name, "process.memory_bytes");
@@ -67,6 +144,12 @@ TEST(UsageCounters, AreWhatTheKernelSaysOfThisProcess) {
   EXPECT_EQ(counters[2].name, "process.memory_most_bytes");
   EXPECT_GE(counters[2].count, before.ru_maxrss * 1024);
   EXPECT_LE(counters[2].count, after.ru_maxrss * 1024);
+  ASSERT_EQ(counters.size(), waited_before_us ? 4U : 3U);
+  if (waited_before_us) {
+    EXPECT_EQ(counters[3].name, "process.waited_us");
+    EXPECT_GE(counters[3].count, *waited_before_us);
+    EXPECT_LE(counters[3].count, waited_us_of(::getpid()));
+  }
 }
 
 TEST(UsageOf, KnowsThisProcessAndNoneThatIsGone) {
@@ -75,7 +158,7 @@ TEST(UsageOf, KnowsThisProcessAndNoneThatIsGone) {
   EXPECT_GT(own->memory_bytes, 0);
   EXPECT_FALSE(usage_of(-1));
   const auto counters = usage_counters();
-  ASSERT_EQ(counters.size(), 3U);
+  ASSERT_GE(counters.size(), 3U);
   EXPECT_EQ(counters[0].name, "process.cpu_us");
   EXPECT_GE(counters[2].count, counters[1].count / 2) << "kernels count the two differently";
 }
