@@ -68,8 +68,8 @@ std::optional<ProcessUsage> usage_of(int pid) {
                          ::sysconf(_SC_PAGESIZE));
 }
 
-// Its three numbers: ran and waited, in nanoseconds, and how often it was given a processor, which
-// a kernel that does not count them calls 0.
+// Its three numbers: ran and waited, in nanoseconds, and how often it was given a processor. All
+// are 0 where the kernel does not count them; a thread may wait before it is given one.
 std::optional<std::int64_t> waited_us_from_schedstat(std::string_view schedstat) {
   std::array<std::int64_t, 3> fields{};
   for (std::int64_t& field : fields) {
@@ -81,7 +81,7 @@ std::optional<std::int64_t> waited_us_from_schedstat(std::string_view schedstat)
     }
     schedstat.remove_prefix(static_cast<std::size_t>(parsed.ptr - schedstat.data()));
   }
-  return fields[2] > 0 ? std::optional(fields[1] / 1'000) : std::nullopt;
+  return fields[1] > 0 || fields[2] > 0 ? std::optional(fields[1] / 1'000) : std::nullopt;
 }
 
 std::optional<std::int64_t> waited_us_of(int pid) {

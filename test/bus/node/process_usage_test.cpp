@@ -55,6 +55,8 @@ TEST(UsageFromStat, NeedsNoMoreThanTheFieldsThatItReads) {
 TEST(WaitedUsFromSchedstat, IsTheSecondNumber) {
   EXPECT_EQ(waited_us_from_schedstat("5000000 1234567 42\n"), 1'234);
   EXPECT_EQ(waited_us_from_schedstat("1 999 1"), 0);
+  EXPECT_EQ(waited_us_from_schedstat("0 5000 0"), 5) << "of a thread that has not run yet";
+  EXPECT_EQ(waited_us_from_schedstat("1 0 1"), 0);
 }
 
 TEST(WaitedUsFromSchedstat, RefusesWhatIsNoSuchLineAndAKernelThatDoesNotCount) {
