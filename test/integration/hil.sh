@@ -1,14 +1,21 @@
 #!/bin/bash
-# hil.sh BIN_DIR SCENARIO SECONDS [ROBOT…]: flies SCENARIO with every process and driver on the
-# network, from the ground and back to it, and checks the log; the robots named stay at their
-# heights. To be run in a network of its own: in_network.sh hil.sh …
+# hil.sh BIN_DIR SCENARIO ROUNDS [ROBOT…]: flies SCENARIO with every process and driver on the network,
+# from the ground until each robot has followed plans of ROUNDS rounds and back to it, and checks the
+# log; the robots named stay at their heights. To be run in a network of its own: in_network.sh hil.sh …
 . "$(dirname "$0")/up_support.sh"
-seconds=$3
+rounds=$3
 level=("${@:4}")
 
+"$bin/vantage" up "$scenario" --fly --log "$dir/flight.lcmlog" --json > "$dir/up.json" 2> "$dir/up.err" &
+up=$!
+for ((second = 0; second < 110; ++second)); do
+  kill -0 "$up" 2>/dev/null || break
+  [[ -e $dir/flight.lcmlog ]] && "$bin/hil_check" --flown "$rounds" "$dir/flight.lcmlog" && break
+  sleep 1
+done
+kill -INT "$up" 2>/dev/null || true
 status=0
-"$bin/vantage" up "$scenario" --fly --duration-s "$seconds" --log "$dir/flight.lcmlog" --json \
-  > "$dir/up.json" 2> "$dir/up.err" || status=$?
+wait "$up" || status=$?
 cat "$dir/up.json" "$dir/up.err"
 # The emulated autopilots keep what they take for their speed to 1.15 of the limit; flights of lab-hil with
 # seeds 1 to 3, nothing beside them, had 1.14 to 1.173. Their drivers stop them at 1.3.

@@ -1,5 +1,6 @@
 // hil_check [--strict [--speed-share MOST]] [--events FILE] LOG [ROBOT…]
 // hil_check --held-up LOG
+// hil_check --flown ROUNDS LOG
 //
 // Reads the log of a trial with devices on the wire: did every vehicle take off, follow plans of
 // the team and land; did anything touch; is VICON without a gap once somebody follows a plan. The
@@ -8,8 +9,9 @@
 // code 0 when all is well; with --strict only when no invariant of a flight was broken (BROKEN),
 // too, of which --speed-share is a bound. What the machine held up (HELD UP) is not judged in time:
 // test/support/flight_invariants. FILE is what flight_drill wrote: a line is then printed of what
-// became of each vehicle each time, and a table. --held-up: no more than whether the machine held
-// the flight up, exit code 0 if so.
+// became of each vehicle each time, and a table. --held-up, --flown: no more than whether the
+// machine held the flight up, or whether every robot of the scenario has followed plans of so many
+// rounds (the log may be one that is being written); exit code 0 if so.
 
 #include <algorithm>
 #include <cstdio>
@@ -145,6 +147,14 @@ bool judge(const Seen& seen, const std::set<std::string>& level, bool is_held_up
   return is_good;
 }
 
+bool have_flown(const Seen& seen, const test::FlightRecord& record, std::size_t rounds) {
+  return record.scenario() &&
+         std::ranges::all_of(record.scenario()->robots, [&](const scenario::RobotSpec& robot) {
+           const auto flight = seen.flights.find(robot.name);
+           return flight != seen.flights.end() && flight->second.rounds.size() >= rounds;
+         });
+}
+
 void print_stops(const test::FlightRecord& record) {
   for (const auto& [robot, stops] : record.stops()) {
     double farthest_m = 0.0;
@@ -261,6 +271,7 @@ void judge_events(const std::string& path, const test::FlightRecord& record) {
 struct Options {
   bool is_strict = false;
   bool asks_held_up = false;
+  std::optional<std::size_t> flown_rounds;
   std::string events;
   test::FlightBounds bounds;
   std::vector<std::string> words;
@@ -275,6 +286,8 @@ std::optional<Options> options_of(const std::vector<std::string>& arguments) {
       out.is_strict = true;
     } else if (arguments[i] == "--held-up") {
       out.asks_held_up = true;
+    } else if (arguments[i] == "--flown" && has_value) {
+      out.flown_rounds = std::stoul(arguments[++i]);
     } else if (arguments[i] == "--events" && has_value) {
       out.events = arguments[++i];
     } else if (arguments[i] == "--speed-share" && has_value) {
@@ -295,7 +308,8 @@ int main(int argc, char** argv) {
   if (!options) {
     std::printf(
         "usage: hil_check [--strict [--speed-share MOST]] [--events FILE] LOG [ROBOT...]\n"
-        "       hil_check --held-up LOG\n");
+        "       hil_check --held-up LOG\n"
+        "       hil_check --flown ROUNDS LOG\n");
     return 2;
   }
   const std::string& path = options->words.front();
@@ -309,6 +323,9 @@ int main(int argc, char** argv) {
   while (const lcm::LogEvent* event = log.readNextEvent()) {
     take(*event, seen);
     record.take(*event);
+  }
+  if (options->flown_rounds) {
+    return have_flown(seen, record, *options->flown_rounds) ? 0 : 1;
   }
   const auto held_up = test::held_up(record);
   if (held_up) {

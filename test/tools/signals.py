@@ -89,6 +89,30 @@ def descendants(pid):
     return found
 
 
+def check_folder_of_record(vantage, folder):
+    """What a browser's children write when it is killed does not stay either."""
+    kept = folder / "kept_by_children"
+    kept.mkdir()
+    browser = folder / "browser"
+    browser.write_text("""#!/bin/sh
+main=$$
+(i=0 after=0
+while [ $after -lt 5000 ]; do
+  i=$(((i + 1) % 50))
+  echo > "$TMPDIR/$i" || exit
+  kill -0 $main 2>/dev/null || after=$((after + 1))
+done) &
+echo > "$TMPDIR/begun"
+exec sleep 60
+""")
+    browser.chmod(0o755)
+    words = ["env", f"TMPDIR={kept}", f"CHROMIUM={browser}", vantage, "view", folder / "flight.lcmlog",
+             "--record", folder / "flight.webm"]
+    code, said, warned = interrupted(words, folder, lambda _: list(kept.glob("*/begun")), signal.SIGINT)
+    assert code == 1 and "ended before it was whole" in said, (code, said, warned)
+    assert not list(kept.iterdir()), list(kept.iterdir())
+
+
 def check_record(vantage, folder):
     """A video that is not whole is none, and neither its browser nor what that wrote stays."""
     if not shutil.which(os.environ.get("CHROMIUM", "chromium")):
@@ -104,6 +128,7 @@ def check_record(vantage, folder):
         return
     assert done.returncode == 0 and video.stat().st_size > 0, done
     video.unlink()
+    check_folder_of_record(vantage, folder)
     browser = set()
 
     def is_drawing(process):

@@ -196,7 +196,27 @@ TEST(Broker, CountsRecordsOfATopicThatNobodyHears) {
     put(broker, "/flow", i, false);
   }
   EXPECT_EQ(json::parse(broker.topics_text()),
-            json::parse(R"([{"topic": "/flow", "schema": "vantage.Team", "count": 7}])"));
+            json::parse(R"({"topics": [{"topic": "/flow", "schema": "vantage.Team", "count": 7}],
+                            "jumps": 0, "time_s": null})"));
+}
+
+// Of one instant with the counts, so that no two of different legs make a rate.
+TEST(Broker, SaysWhenInTheLogItCountedAndAfterHowManyJumps) {
+  Broker broker({"test", "s", std::pair(from_utime(0), from_utime(9'000'000))});
+  const auto counted = [&broker] {
+    const json all = json::parse(broker.topics_text());
+    return std::pair(all["jumps"], all["time_s"]);
+  };
+  broker.reached(from_utime(2'500'000));
+  EXPECT_EQ(counted(), std::pair(json(0), json(2.5)));
+  broker.reached(from_utime(2'750'000));
+  EXPECT_EQ(counted(), std::pair(json(0), json(2.75)));
+  for (int jumps = 1; jumps <= 2; ++jumps) {
+    broker.forget();
+    EXPECT_EQ(counted(), std::pair(json(jumps), json())) << "nowhere, on the way";
+    broker.reached(from_utime(1'000'000));
+    EXPECT_EQ(counted(), std::pair(json(jumps), json(1.0)));
+  }
 }
 
 TEST(Broker, KeepsRawMessagesOfALogForWhoSubscribesAlone) {

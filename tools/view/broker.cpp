@@ -150,6 +150,13 @@ void Broker::forget() {
   for (auto& [name, topic] : topics_) {
     topic.newest.reset();
   }
+  time_.reset();
+  ++jumps_;
+}
+
+void Broker::reached(Time time) {
+  const std::lock_guard lock(mutex_);
+  time_ = time;
 }
 
 void Broker::broadcast_time(Time time) {
@@ -311,7 +318,11 @@ std::string Broker::topics_text() const {
     }
     list.push_back(std::move(entry));
   }
-  return list.dump(-1, ' ', false, logs::foxglove::Json::error_handler_t::replace);
+  logs::foxglove::Json out{{"topics", std::move(list)}, {"jumps", jumps_}, {"time_s", nullptr}};
+  if (time_) {
+    out["time_s"] = to_seconds(time_->time_since_epoch());
+  }
+  return out.dump(-1, ' ', false, logs::foxglove::Json::error_handler_t::replace);
 }
 
 std::size_t Broker::clients() const {

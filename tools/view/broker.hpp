@@ -62,6 +62,8 @@ class Broker : public logs::foxglove::Sink {
   /// Forgets what was kept (the log is left for another instant). Channels stay.
   void forget();
 
+  /// All records of the log up to then have been counted.
+  void reached(Time time);
   /// Tells everyone what time it is in the log; only the newest counts. Newcomers are told the last
   /// time and state of playback.
   void broadcast_time(Time time);
@@ -81,8 +83,10 @@ class Broker : public logs::foxglove::Sink {
   /// What viewers asked of the player since the last call, oldest first.
   std::vector<PlaybackControl> take_controls();
 
-  /// JSON list of {topic, schema, count} of all that is known: how many records there were, made or
-  /// not, since the start. Whoever asks twice knows the rates.
+  /// JSON {topics, jumps, time_s}. Topics: a list of {topic, schema, count} of all that is known:
+  /// how many records there were, made or not, since the start. time_s: up to which instant of the
+  /// log they have been counted, in seconds since the Unix epoch; null on the way to another
+  /// instant, and where there is no log. Whoever asks twice after as many jumps knows the rates.
   [[nodiscard]] std::string topics_text() const;
   [[nodiscard]] std::size_t clients() const;
   /// Records that slow viewers did not get, since the start.
@@ -117,6 +121,8 @@ class Broker : public logs::foxglove::Sink {
   std::optional<PlaybackState> playback_;    ///< as last told
   std::map<std::string, std::string> told_;  ///< what is said still, by id
   bool is_holding_ = false;
+  std::optional<Time> time_;  ///< reached since the last jump
+  std::int64_t jumps_ = 0;
   std::int64_t dropped_by_the_gone_ = 0;
   std::int64_t malformed_ = 0;
 };

@@ -241,6 +241,7 @@ void LogView::go_to(Time position) {
   play();
   lead_up_.end();
   shown_ = position;
+  broker_.reached(position);
   broker_.release();
   broker_.broadcast_time(position);
 }
@@ -252,6 +253,7 @@ void LogView::go_on_to(Time position) {
       feed(event);
     }
     shown_ = position;
+    broker_.reached(position);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -29,7 +30,8 @@ namespace fs = std::filesystem;
 constexpr const char* kBrowsers[] = {"chromium", "chromium-browser", "google-chrome",
                                      "google-chrome-stable"};
 
-/// A folder that goes when it does.
+/// A folder that goes when it does. Whoever a killed browser leaves behind writes into it for a
+/// moment yet.
 class PassingFolder {
  public:
   PassingFolder() {
@@ -41,7 +43,13 @@ class PassingFolder {
   }
   ~PassingFolder() {
     std::error_code error;
-    fs::remove_all(path_, error);
+    for (int tries = 0; tries < kTriesToRemove; ++tries) {
+      fs::remove_all(path_, error);
+      if (!fs::exists(path_, error)) {
+        break;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
   }
   PassingFolder(const PassingFolder&) = delete;
   PassingFolder& operator=(const PassingFolder&) = delete;
@@ -51,6 +59,7 @@ class PassingFolder {
   [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
 
  private:
+  static constexpr int kTriesToRemove = 500;
   fs::path path_;
 };
 

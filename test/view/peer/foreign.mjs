@@ -24,7 +24,7 @@ async function chart(page, name, fields) {
 assert(await page.locator("#topics").isVisible());
 assert(await page.locator("#empty").isVisible());
 assert(await page.locator("#views").isHidden());
-const types = await (await fetch(`${url}/api/topics`)).json();
+const { topics: types } = await (await fetch(`${url}/api/topics`)).json();
 const type_of = Object.fromEntries(types.map(({ topic, type }) => [topic, type]));
 assert.equal(type_of["/lcm/ARM_STATE"], "demo_arm.state_t");
 assert.equal(type_of["/lcm/POWER"], "demo_arm.power_t");

@@ -43,10 +43,10 @@ const kTrailLengths_s = [2, 5, 10, 20, 60, 300];
 const state = {
   start: null, // of the log, or of the first record heard; seconds since the epoch
   now: null, // since the start
+  jumps: 0, // of a log's player, so far
   range: null, // of a log
   session: null,
   speed: 1,
-  jumps: 0, // of a log's player, so far
   is_playing: false,
   has_history: false,
   has_scenario: false,
@@ -118,7 +118,7 @@ const topics = new Topics(by_id("topics"), {
     if (is_open && state.range && !state.is_playing) seek(state.now);
   },
   plot: (topic, path) => plot(topic, path),
-  clock: () => (state.range ? { time_s: state.now, jumps: state.jumps } : { time_s: performance.now() / 1e3, jumps: 0 }),
+  is_log: () => state.range !== null,
 });
 const timeline = new Timeline({
   date: (since) => (state.start === null ? "" : new Date(1e3 * (state.start + since)).toISOString().replace("T", " ").replace("Z", " UTC")),

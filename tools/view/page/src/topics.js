@@ -11,8 +11,7 @@ const kElements = 24; // shown of a list
 const kText = 80; // characters shown of a text
 
 export class Topics {
-  /** @param on {open(topic, is_open), plot(topic, path), clock()}: clock tells {time_s, jumps}, the time that records
-      are of and how often it was set: what comes of a jump is no rate */
+  /** @param on {open(topic, is_open), plot(topic, path), is_log()} */
   constructor(box, on) {
     this.on = on;
     this.box = box;
@@ -25,7 +24,7 @@ export class Topics {
     this.box.append(this.filter, this.list);
     this.rows = new Map(); // by topic: {row, rate, body}
     this.counts = new Map(); // by topic: {type, count, hz}
-    this.counted = null; // the clock as they were counted
+    this.counted = null; // {time_s, jumps}: when that was, in the log's own time if it is one; over a jump there is no rate
     this.opened = new Map(); // by topic: newest record, or null
     this.is_shown = false;
     setInterval(() => this.is_shown && !document.hidden && this.poll(), kPoll_ms);
@@ -44,10 +43,11 @@ export class Topics {
     } catch {
       return; // the page says elsewhere that there is no connection
     }
-    const now = this.on.clock();
-    const passed_s = this.counted?.jumps === now.jumps ? now.time_s - this.counted.time_s : 0;
+    const now = { jumps: known.jumps, time_s: this.on.is_log() ? known.time_s : performance.now() / 1e3 };
+    const is_known = now.time_s !== null && this.counted !== null && this.counted.time_s !== null;
+    const passed_s = is_known && this.counted.jumps === now.jumps ? now.time_s - this.counted.time_s : 0;
     this.counted = now;
-    for (const { topic, schema, type, count } of known) {
+    for (const { topic, schema, type, count } of known.topics) {
       const before = this.counts.get(topic);
       const hz = before && passed_s > kCounted_s ? (count - before.count) / passed_s : (before?.hz ?? null);
       this.counts.set(topic, { type: type ?? schema, count, hz });
