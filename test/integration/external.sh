@@ -1,8 +1,9 @@
 #!/bin/bash
 # external.sh BIN_DIR SCENARIO PYTHON EXAMPLE LCMTYPES: a signed flight of three robots that ask others for
 # their plans. Q1 is answered by EXAMPLE, which is killed (signal 9) on the way; Q2 too late; Q3 what it
-# cannot fly. Every plan must be in time whatever they do (where the machine was there), nothing may collide, each answer must be
-# counted for what it is, and the log must give every plan again. To be run in a network of its own.
+# cannot fly. Every plan must be in time whatever they do (unless the machine held the flight up), nothing
+# may collide, each answer must be counted for what it is, and the log must give every plan again. To be run
+# in a network of its own.
 . "$(dirname "$0")/up_support.sh"
 python=$3 example=$4 types=$5 here=$(dirname "$0")
 lcm-gen --python --ppath "$dir/py" "$types"/*.lcm

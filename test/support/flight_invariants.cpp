@@ -94,6 +94,10 @@ std::vector<std::string> violations(const FlightRecord& record, const FlightBoun
     out.push_back(
         fmt::format("TRUTH believed: {} frames of another simulation", record.truth_strangers()));
   }
+  if (record.processors_used() > bounds.processors_max) {
+    out.push_back(fmt::format("TEAM processors: {:.2f} used (at most {:g})",
+                              record.processors_used(), bounds.processors_max));
+  }
   const bool is_held_up = held_up(record, bounds).has_value();
   for (const auto& [name, kept] : summaries) {
     Judge of_robot(name, out);

@@ -19,7 +19,8 @@ struct FlightBounds {
   double setpoint_jump_max_m = 0.1;
   double gap_max_s = 0.5;  ///< of what is said and of what is seen
   int runs_max = 1;
-  double held_up_max_s = 0.1;  ///< that a process waits for a processor, of any second
+  double held_up_max_s = 0.1;   ///< that a process waits for a processor, of any second
+  double processors_max = 1.0;  ///< used by all processes together, lest they hold up themselves
 };
 
 /// What the machine did to a flight: which process it kept waiting for longer than allowed, for
@@ -31,7 +32,8 @@ std::optional<std::string> held_up(const FlightRecord& record, const FlightBound
 /// than the sum of the two radii), fence (nor landed for it), continuity, ages, believed. Empty:
 /// all held. A record without a scenario, or without vehicles, holds nothing. Where the flight was
 /// held_up() only what must hold whatever the machine does: that everybody followed at all,
-/// separation, that nobody is outside, and who was believed.
+/// separation, that nobody is outside, who was believed, and that it was not the processes
+/// themselves which took the machine (TEAM processors).
 std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds = {});
 
 }  // namespace vantage::test

@@ -270,14 +270,16 @@ TEST(FlightInvariants, SayWhoElseSpokeAndHowOftenADriverBeganAnew) {
 struct Waits {
   std::int64_t run_id = 5;
   std::int64_t sum_us = 7'000'000;
+  std::int64_t cpu_us = 9'000'000;
 
   void say(FlightRecord& record, double t_s, std::int64_t waits_us,
-           const std::string& process = "PLANNER_Q1") {
+           const std::string& process = "PLANNER_Q1", std::int64_t runs_us = 100'000) {
     sum_us += waits_us;
+    cpu_us += runs_us;
     models::ProcessHealth health;
     health.stamp = {MadeUpFlight::at(t_s), run_id, 0};
     health.process = process;
-    health.counters = {{"process.cpu_us", 123'456'789}, {"process.waited_us", sum_us}};
+    health.counters = {{"process.cpu_us", cpu_us}, {"process.waited_us", sum_us}};
     MadeUpFlight::give(record, "HEALTH_" + process, MadeUpFlight::at(t_s), health);
   }
 };
@@ -364,7 +366,7 @@ TEST(FlightInvariants, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
     }
     planner.say(record, t_s, second <= kFollowS ? 800'000 : second == 6.0 ? 50'000 : 0);
     if (second == 10.0) {
-      sim = {6, 60'000'000};
+      sim = {6, 60'000'000, 0};
     }
     sim.say(record, t_s, second == 5.0 ? 60'000 : second == 12.0 ? 70'000 : 0, "SIM");
   };
@@ -374,6 +376,31 @@ TEST(FlightInvariants, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
   EXPECT_NEAR(record.held_up()->waited_s, 0.07, 1e-9);
   EXPECT_EQ(record.held_up()->until, MadeUpFlight::at(12.0));
   EXPECT_FALSE(MadeUpFlight().record().held_up()) << "of a log that does not say it";
+}
+
+// Else who spins would be excused by having held up the others.
+TEST(FlightInvariants, ProcessesThatTakeTheMachineThemselvesAreNotExcused) {
+  for (const std::int64_t sim_runs_us : {600'000, 601'000}) {
+    MadeUpFlight flight;
+    flight.besides = [sim_runs_us, planner = Waits(), sim = Waits()](double t_s,
+                                                                     FlightRecord& record) mutable {
+      const double second = std::round(t_s);
+      if (std::abs(t_s - second) > 0.001) {
+        return;
+      }
+      const bool is_after = second > kFollowS;  // before, all start
+      if (second == 10.0) {
+        sim = {6, 0, 0};  // another run: nothing is known of its first second
+      }
+      planner.say(record, t_s, 300'000, "PLANNER_Q1", is_after ? 400'000 : 1'000'000);
+      sim.say(record, t_s, 0, "SIM", second == 11.0 ? 2 * sim_runs_us : sim_runs_us);
+    };
+    const FlightRecord record = flight.record();
+    EXPECT_NEAR(record.processors_used(), 0.4 + 1e-6 * static_cast<double>(sim_runs_us), 1e-9);
+    EXPECT_TRUE(held_up(record));
+    EXPECT_EQ(broken(record), sim_runs_us > 600'000 ? Names{"TEAM processors"} : Names{});
+  }
+  EXPECT_EQ(MadeUpFlight().record().processors_used(), 0.0) << "of a log that does not say it";
 }
 
 TEST(FlightInvariants, AVehicleThatNeverFollowedIsNamed) {

@@ -66,20 +66,30 @@ void FlightRecord::take(const lcm::LogEvent& event) {
 }
 
 void FlightRecord::take_health(const models::ProcessHealth& health) {
-  const auto waited = std::ranges::find(health.counters, "process.waited_us",
-                                        [](const models::NamedCount& each) { return each.name; });
-  if (waited == health.counters.end()) {
+  Usage now{health.stamp.run_id, -1, -1};
+  for (const models::NamedCount& counter : health.counters) {
+    now.cpu_us = counter.name == "process.cpu_us" ? counter.count : now.cpu_us;
+    now.waited_us = counter.name == "process.waited_us" ? counter.count : now.waited_us;
+  }
+  const Time time = health.stamp.time;
+  if (now.cpu_us < 0) {
     return;
   }
-  const Waited now{health.stamp.run_id, waited->count};
-  const auto [before, is_first] = waited_.try_emplace(health.process, now);
+  usage_span_ = {usage_span_ ? usage_span_->first : time, time};
+  const auto [before, is_first] = usage_.try_emplace(health.process, now);
   if (!is_first && before->second.run_id == now.run_id) {
-    const double waited_s = static_cast<double>(now.sum_us - before->second.sum_us) / 1e6;
-    if (!held_up_ || waited_s > held_up_->waited_s) {
-      held_up_ = {health.process, waited_s, health.stamp.time};
+    cpu_us_ += now.cpu_us - before->second.cpu_us;
+    const double waited_s = static_cast<double>(now.waited_us - before->second.waited_us) / 1e6;
+    if (now.waited_us >= 0 && (!held_up_ || waited_s > held_up_->waited_s)) {
+      held_up_ = {health.process, waited_s, time};
     }
   }
   before->second = now;
+}
+
+double FlightRecord::processors_used() const {
+  const double span_s = usage_span_ ? to_seconds(usage_span_->second - usage_span_->first) : 0.0;
+  return span_s > 0.0 ? static_cast<double>(cpu_us_) / 1e6 / span_s : 0.0;
 }
 
 // Nor is a second trial beside it. A process that was started again has another run.

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <lcm/lcm-cpp.hpp>
@@ -84,6 +85,9 @@ class FlightRecord {
   /// The process that waited longest, since anybody followed a plan; nullopt where nobody says how
   /// long it waits.
   [[nodiscard]] const std::optional<HeldUp>& held_up() const { return held_up_; }
+  /// How many processors' worth the processes used together, since anybody followed a plan; 0 where
+  /// nobody says it.
+  [[nodiscard]] double processors_used() const;
   /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
 
@@ -115,13 +119,16 @@ class FlightRecord {
   std::map<std::string, Robot> robots_;
   std::int64_t truth_strangers_ = 0;
   std::map<std::string, models::Stamp> newest_;  ///< of each robot's states; "": of the truth
-  struct Waited {
+  struct Usage {
     std::int64_t run_id = 0;
-    std::int64_t sum_us = 0;
+    std::int64_t cpu_us = 0;
+    std::int64_t waited_us = 0;
   };
-  std::map<std::string, Waited> waited_;  ///< of each process, since anybody followed
+  std::map<std::string, Usage> usage_;  ///< of each process, since anybody followed
   bool has_anybody_followed_ = false;
   std::optional<HeldUp> held_up_;
+  std::int64_t cpu_us_ = 0;  ///< of all of them
+  std::optional<std::pair<Time, Time>> usage_span_;
 };
 
 /// One line for people.
