@@ -252,15 +252,17 @@ void Builder::add_hovers_of_those_who_wait() {
     const scenario::RobotSpec& robot = scenario_.robots[*index];
     // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
     if (const models::MocapBody* body = seen_body(inputs_, name, *index)) {
+      const Pose2 place = flatten(body->world_from_body);
       const double here_m = body->world_from_body.translation_m.z();
       double height_m = robot.height_m;
       if (status.state == models::FlightState::kHold) {  // it may be climbing there
         height_m = nearest_height_m(spec_.height_m, here_m, robot.height_m);
       } else if (status.state == models::FlightState::kLand) {
         height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
+      } else if (here_m < 0.5 * robot.height_m) {  // it stands on the ground, and may take off
+        round_.search.teammates.push_back(hover_at(place, here_m, inputs_.slot.activation));
       }
-      round_.search.teammates.push_back(
-          hover_at(flatten(body->world_from_body), height_m, inputs_.slot.activation));
+      round_.search.teammates.push_back(hover_at(place, height_m, inputs_.slot.activation));
     }
   }
 }

@@ -5,13 +5,14 @@
 // Reads the log of a trial with devices on the wire: did every vehicle take off, follow plans of
 // the team and land; did anything touch; is VICON without a gap once somebody follows a plan. The
 // robots named need not leave their heights (ground robots, `direct` ones): they must follow plans
-// and get about. Prints what it saw, and how late poses and set-points came to the autopilots. Exit
-// code 0 when all is well; with --strict only when no invariant of a flight was broken (BROKEN),
-// too, of which --speed-share is a bound. What the machine held up (HELD UP) is not judged in time:
-// test/support/flight_invariants. FILE is what flight_drill wrote: a line is then printed of what
-// became of each vehicle each time, and a table. --held-up, --flown: no more than whether the
-// machine held the flight up, or whether every robot of the scenario has followed plans of so many
-// rounds (the log may be one that is being written); exit code 0 if so.
+// and get about, whatever share of their time (a ground robot is held while a target stands in its
+// way, of which its planner does not know). Prints what it saw, and how late poses and set-points
+// came to the autopilots. Exit code 0 when all is well; with --strict only when no invariant of a
+// flight was broken (BROKEN), too, of which --speed-share is a bound. What the machine held up
+// (HELD UP) is not judged in time: test/support/flight_invariants. FILE is what flight_drill wrote:
+// a line is then printed of what became of each vehicle each time, and a table. --held-up, --flown:
+// no more than whether the machine held the flight up, or whether every robot of the scenario has
+// followed plans of so many rounds (the log may be one that is being written); exit code 0 if so.
 
 #include <algorithm>
 #include <cstdio>
@@ -334,12 +335,14 @@ int main(int argc, char** argv) {
   if (options->asks_held_up) {
     return held_up ? 0 : 1;
   }
-  const bool keeps_course = judge_course(record, options->bounds);
+  const std::set<std::string> level(options->words.begin() + 1, options->words.end());
+  test::FlightBounds bounds = options->bounds;
+  bounds.may_hold = level;
+  const bool keeps_course = judge_course(record, bounds);
   print_stops(record);
   if (!options->events.empty()) {
     judge_events(options->events, record);
   }
-  const std::set<std::string> level(options->words.begin() + 1, options->words.end());
   const bool is_good = judge(seen, level, held_up.has_value());
   return is_good && (keeps_course || !options->is_strict) ? 0 : 1;
 }

@@ -53,8 +53,10 @@ void judge_safety(const CourseKept& kept, double contact_m, const FlightBounds& 
 }
 
 // What holds where every process ran when it had to.
-void judge_course(const CourseKept& kept, const FlightBounds& bounds, Judge& judge) {
-  judge.at_least("following", kept.follow_share, bounds.follow_share_min, "of its time");
+void judge_course(const CourseKept& kept, bool may_hold, const FlightBounds& bounds, Judge& judge) {
+  if (!may_hold) {
+    judge.at_least("following", kept.follow_share, bounds.follow_share_min, "of its time");
+  }
   judge.at_most("set-point error", kept.setpoint_error_rms_m, bounds.setpoint_error_rms_max_m,
                 "m rms");
   judge.at_most("speed", kept.speed_max_share, bounds.speed_max_share, "of its limit");
@@ -112,7 +114,7 @@ std::vector<std::string> violations(const FlightRecord& record, const FlightBoun
     }
     judge_safety(kept, contact_m(*record.scenario(), *robot), bounds, of_robot);
     if (!is_held_up) {
-      judge_course(kept, bounds, of_robot);
+      judge_course(kept, bounds.may_hold.contains(name), bounds, of_robot);
     }
   }
   return out;

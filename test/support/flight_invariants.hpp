@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace vantage::test {
 /// nothing happens; one whose driver is killed has more than one run, and a longer gap.
 struct FlightBounds {
   double follow_share_min = 0.98;
+  std::set<std::string> may_hold;  ///< robots of which that share is not asked
   double setpoint_error_rms_max_m = 0.10;
   double speed_max_share = 1.15;
   double turn_max_share = 1.7;  ///< a real ArduCopter overshoots to 1.53, a real PX4 to 1.2

@@ -139,6 +139,20 @@ TEST(FlightInvariants, NameTheVehicleWhatWasSeenAndWhatIsAllowed) {
   EXPECT_TRUE(lines[0].ends_with("of its limit (at most 1.15)")) << lines[0];
 }
 
+TEST(FlightInvariants, WhoMayHoldIsNotAskedToFollow) {
+  MadeUpFlight flight;
+  flight.says = [](double t_s, models::VehicleStatus& status) {
+    if (t_s > 7.0 && t_s < 9.0) {
+      status.state = FlightState::kHold;
+    }
+    return true;
+  };
+  FlightBounds bounds;
+  EXPECT_EQ(broken(flight.record(), bounds), (Names{"Q1 following", "Q2 following"}));
+  bounds.may_hold = {"Q1"};
+  EXPECT_EQ(broken(flight.record(), bounds), Names{"Q2 following"});
+}
+
 // Each of them at a moment of the flight, for Q1 alone.
 TEST(FlightInvariants, EachIsBrokenByWhatItIsFor) {
   struct Case {

@@ -253,6 +253,37 @@ TEST(RobotPlanner, KeepsClearOfWhatAClimbOrALandingPasses) {
   EXPECT_DOUBLE_EQ(kept_at_m("Q1", FlightState::kIdle, 0.0), 1.5);
 }
 
+// Driven: a rover planned through the place of a quadrotor that had not taken off yet, which was
+// kept clear of at 1 m only; its driver refused that for 18 s.
+TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundThereAndWhereItWillFly) {
+  const scenario::Scenario scenario = test::lab_scenario();
+  const auto kept_at_m = [&](models::FlightState state, double here_m) {
+    PlanInputs inputs = test::first_inputs(scenario, 0);
+    const std::size_t others = scenario.robots.size() - 1;
+    inputs.team_statuses["Q2"].state = state;
+    for (models::MocapBody& body : inputs.mocap->bodies) {
+      body.world_from_body.translation_m.z() =
+          body.name == "Q2" ? here_m : body.world_from_body.translation_m.z();
+    }
+    RobotPlanner planner(scenario, "Q1");
+    EXPECT_TRUE(planner.plan(inputs, Deadline::nodes(500)));
+    std::vector<double> out;
+    const auto& teammates = planner.problem().teammates;
+    for (std::size_t i = others; i < teammates.size(); ++i) {
+      out.push_back(teammates[i].height_m);
+    }
+    return out;
+  };
+  using Heights = std::vector<double>;
+  for (const auto state : {models::FlightState::kIdle, models::FlightState::kKilled}) {
+    EXPECT_EQ(kept_at_m(state, 0.0), (Heights{0.0, 1.5}));
+    EXPECT_EQ(kept_at_m(state, 0.74), (Heights{0.74, 1.5}));
+    EXPECT_EQ(kept_at_m(state, 0.75), Heights{1.5});  // as a vehicle without take-off is
+    EXPECT_EQ(kept_at_m(state, 1.5), Heights{1.5});
+  }
+  EXPECT_EQ(kept_at_m(models::FlightState::kFollow, 0.0), Heights{});
+}
+
 // Flown: stopped by its operator half a metre from a wall, facing it, one vehicle hovered there for
 // seven minutes, for no primitive turns on the spot.
 TEST(RobotPlanner, TurnsWhereAWallIsTooNearToBeginAnyMotion) {
