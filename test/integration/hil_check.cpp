@@ -278,9 +278,16 @@ struct Options {
   std::vector<std::string> words;
 };
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
+#endif
+
 /// nullopt: not as the usage says.
 std::optional<Options> options_of(const std::vector<std::string>& arguments) {
   Options out;
+  out.bounds.is_slowed = kIsSanitized;  // and what it judges as well
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const bool has_value = i + 1 < arguments.size();
     if (arguments[i] == "--strict") {
@@ -328,7 +335,7 @@ int main(int argc, char** argv) {
   if (options->flown_rounds) {
     return have_flown(seen, record, *options->flown_rounds) ? 0 : 1;
   }
-  const auto held_up = test::held_up(record);
+  const auto held_up = test::held_up(record, options->bounds);
   if (held_up) {
     std::printf("HELD UP, so what takes time is not judged: %s\n", held_up->c_str());
   }

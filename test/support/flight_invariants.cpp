@@ -77,6 +77,9 @@ void judge_course(const CourseKept& kept, bool may_hold, const FlightBounds& bou
 }  // namespace
 
 std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds) {
+  if (bounds.is_slowed) {
+    return "a sanitizer slows all down";
+  }
   const auto& longest = record.held_up();
   if (!longest || longest->waited_s <= bounds.held_up_max_s) {
     return std::nullopt;
@@ -96,7 +99,7 @@ std::vector<std::string> violations(const FlightRecord& record, const FlightBoun
     out.push_back(
         fmt::format("TRUTH believed: {} frames of another simulation", record.truth_strangers()));
   }
-  if (record.processors_used() > bounds.processors_max) {
+  if (!bounds.is_slowed && record.processors_used() > bounds.processors_max) {
     out.push_back(fmt::format("TEAM processors: {:.2f} used (at most {:g})",
                               record.processors_used(), bounds.processors_max));
   }

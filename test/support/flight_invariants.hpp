@@ -22,11 +22,13 @@ struct FlightBounds {
   double gap_max_s = 0.5;  ///< of what is said and of what is seen
   int runs_max = 1;
   double held_up_max_s = 0.1;   ///< that a process waits for a processor, of any second
+  bool is_slowed = false;       ///< all takes longer than in flight: by a sanitizer
   double processors_max = 1.0;  ///< used by all processes together, lest they hold up themselves
 };
 
 /// What the machine did to a flight: which process it kept waiting for longer than allowed, for
-/// people. nullopt: it was there whenever it was wanted, or the log, an old one, does not say.
+/// people; or that all of it was slowed down. nullopt: it was there whenever it was wanted, or the
+/// log, an old one, does not say.
 std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds = {});
 
 /// What did not hold, a line each: `ROBOT INVARIANT: what was seen (what is allowed)`. The

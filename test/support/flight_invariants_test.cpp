@@ -329,6 +329,10 @@ TEST(FlightInvariants, WhatTakesTimeIsJudgedWhereTheMachineWasThere) {
   patient.held_up_max_s = 0.2;
   EXPECT_EQ(held_up(away, patient), std::nullopt);
   EXPECT_EQ(broken(away, patient), Names{"Q1 following"});
+  FlightBounds slowed;
+  slowed.is_slowed = true;
+  EXPECT_EQ(held_up(there, slowed), "a sanitizer slows all down");
+  EXPECT_EQ(broken(there, slowed), Names{});
 }
 
 TEST(FlightInvariants, SafetyIsJudgedWhateverTheMachineDoes) {
@@ -413,6 +417,9 @@ TEST(FlightInvariants, ProcessesThatTakeTheMachineThemselvesAreNotExcused) {
     EXPECT_NEAR(record.processors_used(), 0.4 + 1e-6 * static_cast<double>(sim_runs_us), 1e-9);
     EXPECT_TRUE(held_up(record));
     EXPECT_EQ(broken(record), sim_runs_us > 600'000 ? Names{"TEAM processors"} : Names{});
+    FlightBounds slowed;
+    slowed.is_slowed = true;
+    EXPECT_EQ(broken(record, slowed), Names{});
   }
   EXPECT_EQ(MadeUpFlight().record().processors_used(), 0.0) << "of a log that does not say it";
 }
