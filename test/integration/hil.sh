@@ -8,9 +8,10 @@ level=("${@:4}")
 
 "$bin/vantage" up "$scenario" --fly --log "$dir/flight.lcmlog" --json > "$dir/up.json" 2> "$dir/up.err" &
 up=$!
+have_flown() { [[ -e $dir/flight.lcmlog ]] && "$bin/hil_check" --flown "$rounds" "$dir/flight.lcmlog"; }
 for ((second = 0; second < 110; ++second)); do
   kill -0 "$up" 2>/dev/null || break
-  [[ -e $dir/flight.lcmlog ]] && "$bin/hil_check" --flown "$rounds" "$dir/flight.lcmlog" && break
+  have_flown && break
   sleep 1
 done
 kill -INT "$up" 2>/dev/null || true
@@ -20,6 +21,7 @@ cat "$dir/up.json" "$dir/up.err"
 # The emulated autopilots keep what they take for their speed to 1.15 of the limit; flights of lab-hil with
 # seeds 1 to 3, nothing beside them, had 1.14 to 1.173. Their drivers stop them at 1.3.
 "$bin/hil_check" --strict --speed-share 1.25 "$dir/flight.lcmlog" "${level[@]}"
+have_flown || "$bin/hil_check" --held-up "$dir/flight.lcmlog" || fail "not all have followed $rounds rounds"
 if [[ $status != 0 ]]; then
   echo "vantage up ended with $status"
   exit 1

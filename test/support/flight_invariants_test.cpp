@@ -394,6 +394,18 @@ TEST(FlightInvariants, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
   EXPECT_NEAR(record.held_up()->waited_s, 0.07, 1e-9);
   EXPECT_EQ(record.held_up()->until, MadeUpFlight::at(12.0));
   EXPECT_FALSE(MadeUpFlight().record().held_up()) << "of a log that does not say it";
+
+  MadeUpFlight older;
+  older.besides = [](double t_s, FlightRecord& record) {
+    models::ProcessHealth health;
+    health.stamp = {MadeUpFlight::at(t_s), 5, 0};
+    health.process = "SIM";
+    health.counters = {{"process.cpu_us", static_cast<std::int64_t>(5e5 * t_s)}};
+    MadeUpFlight::give(record, "HEALTH_SIM", MadeUpFlight::at(t_s), health);
+  };
+  const FlightRecord of_older = older.record();
+  EXPECT_FALSE(of_older.held_up()) << "nor of one that says what was used alone";
+  EXPECT_NEAR(of_older.processors_used(), 0.5, 1e-6);
 }
 
 // Else who spins would be excused by having held up the others.

@@ -175,6 +175,14 @@ TEST_F(SampleLog, ShowsOfAnInstantWhatMakingEveryRecordBeforeItWouldHaveLeft) {
   }
 }
 
+/// As a viewer asks that plays.
+void go_to(Time to, Broker& broker, Client& client, LogView& view) {
+  broker.on_request(
+      client, parse_binary(playback_request(1, 1.0F, true,
+                                            static_cast<std::uint64_t>(to_utime(to)) * 1000, "x")));
+  view.tick(0);
+}
+
 TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAgain) {
   const logs::SeekableLog& log = log_of_sample();
   const logs::TypeLibrary types;
@@ -186,10 +194,7 @@ TEST_F(SampleLog, StepsOnWithoutBeginningAnewAndRepeatsAnInstantThatIsAskedForAg
   subscribe(broker, *client, pop_text(*client), "/transforms");
   // {poses that came, whether viewers were told of a jump}
   const auto ask = [&](Time to) {
-    broker.on_request(*client,
-                      parse_binary(playback_request(
-                          1, 1.0F, true, static_cast<std::uint64_t>(to_utime(to)) * 1000, "x")));
-    view.tick(0);
+    go_to(to, broker, *client, view);
     client->push(control("{}"));
     std::pair<int, bool> heard;
     for (auto frame = client->wait_pop(); frame && !frame->is_text; frame = client->wait_pop()) {
@@ -217,10 +222,7 @@ TEST_F(SampleLog, ARateIsOfTheCountsAndTheTimeThatAreToldTogether) {
   LogView view(log, types, broker, begin);
   const auto client = broker.connect(true);
   const auto go = [&](Time to) {
-    broker.on_request(*client,
-                      parse_binary(playback_request(
-                          1, 1.0F, true, static_cast<std::uint64_t>(to_utime(to)) * 1000, "x")));
-    view.tick(0);
+    go_to(to, broker, *client, view);
     const json told = json::parse(broker.topics_text());
     EXPECT_NEAR(told["time_s"].get<double>(), to_seconds(to.time_since_epoch()), 1e-5);
     double poses = 0.0;

@@ -59,7 +59,7 @@ class PassingFolder {
   [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
 
  private:
-  static constexpr int kTriesToRemove = 500;
+  static constexpr int kTriesToRemove = 500;  // 5 s; they are nobody's whose end could be awaited
   fs::path path_;
 };
 
