@@ -1,6 +1,7 @@
 #include "bus/node/process_usage.hpp"
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -73,7 +74,7 @@ TEST(WaitedUsFromSchedstat, RefusesWhatIsNoSuchLineAndAKernelThatDoesNotCount) {
 void stay_on_one_processor() {
   cpu_set_t allowed;
   ASSERT_EQ(sched_getaffinity(0, sizeof(allowed), &allowed), 0);
-  int cpu = 0;
+  std::size_t cpu = 0;
   while (!CPU_ISSET(cpu, &allowed)) {
     ++cpu;
   }
