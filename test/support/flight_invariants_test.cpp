@@ -396,12 +396,12 @@ TEST(FlightInvariants, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
   EXPECT_FALSE(MadeUpFlight().record().held_up()) << "of a log that does not say it";
 
   MadeUpFlight older;
-  older.besides = [](double t_s, FlightRecord& record) {
+  older.besides = [](double t_s, FlightRecord& told) {
     models::ProcessHealth health;
     health.stamp = {MadeUpFlight::at(t_s), 5, 0};
     health.process = "SIM";
     health.counters = {{"process.cpu_us", static_cast<std::int64_t>(5e5 * t_s)}};
-    MadeUpFlight::give(record, "HEALTH_SIM", MadeUpFlight::at(t_s), health);
+    MadeUpFlight::give(told, "HEALTH_SIM", MadeUpFlight::at(t_s), health);
   };
   const FlightRecord of_older = older.record();
   EXPECT_FALSE(of_older.held_up()) << "nor of one that says what was used alone";
