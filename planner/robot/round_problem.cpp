@@ -69,7 +69,7 @@ class Builder {
       add_landmarks(*inputs_.belief);
     }
     add_teammates(unseeing);
-    add_hovers_of_those_who_wait();
+    add_places_of_those_who_wait();
     round_.search.fixed_information = fixed_information(round_.search, round_.teammates);
     return std::move(round_);
   }
@@ -83,7 +83,7 @@ class Builder {
   [[nodiscard]] std::vector<SearchTarget> parts_of(int target_id, const Then& then) const;
   void add_landmarks(const models::RobotBelief& belief);
   void add_teammates(const std::vector<int>& unseeing);
-  void add_hovers_of_those_who_wait();
+  void add_places_of_those_who_wait();
   /// Whether a teammate at `place` can matter.
   [[nodiscard]] bool is_near(const Pose2& place) const;
 
@@ -242,26 +242,33 @@ void Builder::add_teammates(const std::vector<int>& unseeing) {
   }
 }
 
-// Where teammates hover or stand that do not follow plans.
-void Builder::add_hovers_of_those_who_wait() {
-  for (const auto& [name, status] : inputs_.team_statuses) {
-    const std::optional<std::size_t> index = workspace_.index_of(name);
-    if (status.state == models::FlightState::kFollow || name == spec_.name || !index) {
+// Where teammates hover or stand that do not follow plans. Of one whose driver was never heard
+// where it stands on the ground alone: where it will fly, add_teammates() has said.
+void Builder::add_places_of_those_who_wait() {
+  for (std::size_t i = 0; i < scenario_.robots.size(); ++i) {
+    const scenario::RobotSpec& robot = scenario_.robots[i];
+    const auto said = inputs_.team_statuses.find(robot.name);
+    const bool is_heard = said != inputs_.team_statuses.end();
+    const models::FlightState state = is_heard ? said->second.state : models::FlightState::kIdle;
+    const models::MocapBody* const body = seen_body(inputs_, robot.name, i);
+    if (&robot == &spec_ || state == models::FlightState::kFollow || body == nullptr) {
       continue;
     }
-    const scenario::RobotSpec& robot = scenario_.robots[*index];
     // Its plan, if it has one, counts as well: it may begin to follow it at any moment.
-    if (const models::MocapBody* body = seen_body(inputs_, name, *index)) {
-      const Pose2 place = flatten(body->world_from_body);
-      const double here_m = body->world_from_body.translation_m.z();
-      double height_m = robot.height_m;
-      if (status.state == models::FlightState::kHold) {  // it may be climbing there
-        height_m = nearest_height_m(spec_.height_m, here_m, robot.height_m);
-      } else if (status.state == models::FlightState::kLand) {
-        height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
-      } else if (here_m < 0.5 * robot.height_m) {  // it stands on the ground, and may take off
-        round_.search.teammates.push_back(hover_at(place, here_m, inputs_.slot.activation));
-      }
+    const Pose2 place = flatten(body->world_from_body);
+    if (!is_heard && !is_near(place)) {
+      continue;
+    }
+    const double here_m = body->world_from_body.translation_m.z();
+    double height_m = robot.height_m;
+    if (state == models::FlightState::kHold) {  // it may be climbing there
+      height_m = nearest_height_m(spec_.height_m, here_m, robot.height_m);
+    } else if (state == models::FlightState::kLand) {
+      height_m = nearest_height_m(spec_.height_m, 0.0, here_m);
+    } else if (here_m < 0.5 * robot.height_m) {  // it stands on the ground, and may take off
+      round_.search.teammates.push_back(hover_at(place, here_m, inputs_.slot.activation));
+    }
+    if (is_heard) {
       round_.search.teammates.push_back(hover_at(place, height_m, inputs_.slot.activation));
     }
   }

@@ -284,6 +284,49 @@ TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundThereAndWhereItWillFly) {
   EXPECT_EQ(kept_at_m(models::FlightState::kFollow, 0.0), Heights{});
 }
 
+// Nor has anybody heard a driver that is not running: its vehicle stands there all the same.
+TEST(RobotPlanner, KeepsClearOfWhoStandsOnTheGroundAndWasNeverHeard) {
+  const scenario::Scenario scenario = test::lab_scenario();
+  PlanInputs inputs = test::first_inputs(scenario, 0);
+  inputs.mocap->bodies[1].world_from_body.translation_m.z() = 0.1;
+  RobotPlanner planner(scenario, "Q1");
+  ASSERT_TRUE(planner.plan(inputs, Deadline::nodes(500)));
+  const auto& teammates = planner.problem().teammates;
+  ASSERT_EQ(teammates.size(), 3U);  // both where they will fly, and Q2 where it stands
+  EXPECT_DOUBLE_EQ(teammates[0].height_m, 1.5);
+  EXPECT_DOUBLE_EQ(teammates[1].height_m, 2.0);
+  EXPECT_DOUBLE_EQ(teammates[2].height_m, 0.1);
+}
+
+// Before take-off and after landing all of them stand on the ground, and count three times: their
+// plans, where they stand, and where they will fly.
+TEST(RobotPlanner, PlansWhereATeamOfAnySizeStandsOnTheGround) {
+  for (std::size_t team = 1; team <= 9; ++team) {
+    scenario::Scenario scenario = test::lab_scenario();
+    const scenario::RobotSpec model = scenario.robots.front();
+    scenario.robots.clear();
+    for (std::size_t i = 0; i < team; ++i) {
+      scenario::RobotSpec robot = model;
+      robot.name = "Q" + std::to_string(i + 1);
+      robot.start = {-3.5 + 0.8 * static_cast<double>(i), i % 2 == 0 ? -1.5 : 1.5, 0.0};
+      scenario.robots.push_back(robot);
+    }
+    PlanInputs inputs = test::first_inputs(scenario, 0, 1);
+    for (std::size_t i = 0; i < team; ++i) {
+      const std::string& name = scenario.robots[i].name;
+      inputs.mocap->bodies[i].world_from_body.translation_m.z() = 0.0;
+      inputs.team_statuses[name].state = models::FlightState::kIdle;
+      if (i > 0) {
+        inputs.team_plans[name].trajectory =
+            hover_at(scenario.robots[i].start, model.height_m, inputs.slot.activation);
+      }
+    }
+    RobotPlanner planner(scenario, "Q1");
+    EXPECT_TRUE(planner.plan(inputs, Deadline::nodes(500))) << team;
+    EXPECT_EQ(planner.problem().teammates.size(), 3 * (team - 1));
+  }
+}
+
 // Flown: stopped by its operator half a metre from a wall, facing it, one vehicle hovered there for
 // seven minutes, for no primitive turns on the spot.
 TEST(RobotPlanner, TurnsWhereAWallIsTooNearToBeginAnyMotion) {

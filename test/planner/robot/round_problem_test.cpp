@@ -204,7 +204,7 @@ TEST(ProblemOfRound, HasTheTeammatesThatMayMatter) {
         const RoundProblem round = round_of({0});
         const bool is_near = neighbourhood_m == 0.0 || at_m < 2.0;
         ASSERT_EQ(round.teammates.size(), is_near ? 2U : 1U) << neighbourhood_m << ' ' << at_m;
-        ASSERT_EQ(round.search.teammates.size(), round.teammates.size());
+        ASSERT_EQ(round.search.teammates.size(), is_near ? 3U : 1U) << "where Q3 stands, too";
         EXPECT_EQ(round.teammates[0].robot, 1U);
         EXPECT_EQ(round.teammates[0].trajectory.start.x_m, 50.0);
         EXPECT_EQ(round.search.teammates[0].start.x_m, 50.0);
@@ -217,6 +217,7 @@ TEST(ProblemOfRound, HasTheTeammatesThatMayMatter) {
           EXPECT_LT((there.start.position_m() - place.position_m()).norm(), 1e-12);
           EXPECT_EQ(there.height_m, 2.0);
           EXPECT_EQ(there.start_time, inputs.slot.activation);
+          EXPECT_EQ(round.search.teammates[2].height_m, 0.1);
         }
         inputs.attack.reset();
         inputs.mocap->bodies[2].occluded = true;  // its start is 2.66 m away

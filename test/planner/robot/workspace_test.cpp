@@ -34,8 +34,8 @@ TEST(Workspace, HasAFieldAsFineAsItMayBe) {
   EXPECT_NEAR(resolution_m(10.0, 100.0), 0.2, 1e-12);
 }
 
-// A search has room for each target, the places where they may be, the landmarks, a plan and a
-// hover of each robot; and for no more.
+// A search has room for each target, the places where they may be, the landmarks, and of each robot
+// a plan, where it stands and where it will fly; and for no more.
 TEST(Workspace, HasRoomForAllThatARoundMayHave) {
   scenario::Scenario scenario = test::lab_scenario();
   for (const auto& [landmarks_max, has_parts] :
@@ -51,7 +51,7 @@ TEST(Workspace, HasRoomForAllThatARoundMayHave) {
     problem.sensors.emplace_back();
     problem.targets.assign(targets, {{models::TargetKind::kStatic, 2, 0.0},
                                      {Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity()}});
-    problem.teammates.resize(6);
+    problem.teammates.resize(9);
     const Deadline deadline = Deadline::nodes(50);
     const auto plan = [&] {
       workspace.search().plan(problem, deadline);
