@@ -30,8 +30,8 @@ std::optional<ProcessUsage> usage_of(int pid);
 /// /proc/PID/task/TID/schedstat; nullopt when it is none, or of a kernel that does not count it.
 std::optional<std::int64_t> waited_us_from_schedstat(std::string_view schedstat);
 
-/// Of all threads that the process `pid` has now; nullopt when it is gone, or its kernel does not
-/// count it. Reads one file a thread: about 7 µs each.
+/// Of all threads that the process `pid` has now (less, when one has ended); nullopt when it is
+/// gone, or its kernel does not count it. Reads one file a thread: about 7 µs each.
 std::optional<std::int64_t> waited_us_of(int pid);
 
 /// Of this process, as HEALTH carries it: process.cpu_us, process.memory_bytes,

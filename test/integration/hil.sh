@@ -9,7 +9,8 @@ level=("${@:4}")
 "$bin/vantage" up "$scenario" --fly --log "$dir/flight.lcmlog" --json > "$dir/up.json" 2> "$dir/up.err" &
 up=$!
 have_flown() { [[ -e $dir/flight.lcmlog ]] && "$bin/hil_check" --flown "$rounds" "$dir/flight.lcmlog"; }
-for ((second = 0; second < 110; ++second)); do
+give_up=$((SECONDS + 110))
+while ((SECONDS < give_up)); do
   kill -0 "$up" 2>/dev/null || break
   have_flown && break
   sleep 1

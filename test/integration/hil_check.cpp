@@ -5,14 +5,15 @@
 // Reads the log of a trial with devices on the wire: did every vehicle take off, follow plans of
 // the team and land; did anything touch; is VICON without a gap once somebody follows a plan. The
 // robots named need not leave their heights (ground robots, `direct` ones): they must follow plans
-// and get about, whatever share of their time (a ground robot is held while a target stands in its
-// way, of which its planner does not know). Prints what it saw, and how late poses and set-points
-// came to the autopilots. Exit code 0 when all is well; with --strict only when no invariant of a
-// flight was broken (BROKEN), too, of which --speed-share is a bound. What the machine held up
-// (HELD UP) is not judged in time: test/support/flight_invariants. FILE is what flight_drill wrote:
-// a line is then printed of what became of each vehicle each time, and a table. --held-up, --flown:
-// no more than whether the machine held the flight up, or whether every robot of the scenario has
-// followed plans of so many rounds (the log may be one that is being written); exit code 0 if so.
+// and get about. Of a ground robot no share of its time is asked (it is held while a target stands
+// in its way, of which its planner does not know). Prints what it saw, and how late poses and
+// set-points came to the autopilots. Exit code 0 when all is well; with --strict only when no
+// invariant of a flight was broken (BROKEN), too, of which --speed-share is a bound. What the
+// machine held up (HELD UP) is not judged in time: test/support/flight_invariants. FILE is what
+// flight_drill wrote: a line is then printed of what became of each vehicle each time, and a table.
+// --held-up, --flown: no more than whether the machine held the flight up, or whether every robot
+// of the scenario has followed plans of so many rounds (the log may be one that is being written);
+// exit code 0 if so.
 
 #include <algorithm>
 #include <cstdio>
@@ -31,6 +32,7 @@
 #include "test/support/flight_invariants.hpp"
 #include "test/support/flight_record.hpp"
 #include "test/support/log_decode.hpp"
+#include "test/support/sanitizer.hpp"
 
 namespace {
 
@@ -179,6 +181,17 @@ void print_stops(const test::FlightRecord& record) {
   }
 }
 
+void print_machine(const test::FlightRecord& record) {
+  double busiest = 0.0;
+  double longest_s = 0.0;
+  for (const test::MachineShare& share : record.machine_shares()) {
+    busiest = std::max(busiest, test::processors_used(record, share.since, share.until));
+    longest_s = std::max(longest_s, share.waited_s.value_or(0.0));
+  }
+  std::printf("all processes: %.2f processors, %.2f in the busiest second; one waited %.3f s\n",
+              test::processors_used(record), busiest, longest_s);
+}
+
 bool judge_course(const test::FlightRecord& record, const test::FlightBounds& bounds) {
   for (const auto& [robot, kept] : record.summaries()) {
     std::printf("%s\n", test::to_text(robot, kept).c_str());
@@ -278,16 +291,10 @@ struct Options {
   std::vector<std::string> words;
 };
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
-
 /// nullopt: not as the usage says.
 std::optional<Options> options_of(const std::vector<std::string>& arguments) {
   Options out;
-  out.bounds.is_slowed = kIsSanitized;  // and what it judges as well
+  out.bounds.is_slowed = VANTAGE_IS_SANITIZED != 0;  // and what it judges as well
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const bool has_value = i + 1 < arguments.size();
     if (arguments[i] == "--strict") {
@@ -344,7 +351,14 @@ int main(int argc, char** argv) {
   }
   const std::set<std::string> level(options->words.begin() + 1, options->words.end());
   test::FlightBounds bounds = options->bounds;
-  bounds.may_hold = level;
+  if (record.scenario()) {
+    for (const scenario::RobotSpec& robot : record.scenario()->robots) {
+      if (robot.rover) {
+        bounds.may_hold.insert(robot.name);
+      }
+    }
+  }
+  print_machine(record);
   const bool keeps_course = judge_course(record, bounds);
   print_stops(record);
   if (!options->events.empty()) {

@@ -100,10 +100,10 @@ class Recorder:
         until(heard, "sign of hearing")
         return self
 
-    def waited_s(self):
-        """How long its threads have been ready to run and had no processor; 0 where the kernel does not say."""
-        tasks = pathlib.Path(f"/proc/{self.process.pid}/task")
-        return sum(int((task / "schedstat").read_text().split()[1]) for task in tasks.iterdir()) / 1e9
+    def is_waiting(self):
+        """None of its threads runs, or is ready to and has no processor: it has done all it had to so far."""
+        stats = pathlib.Path(f"/proc/{self.process.pid}/task").glob("*/stat")
+        return all(stat.read_text().rpartition(")")[2].split()[0] == "S" for stat in stats)
 
     def said(self):
         self.errors.seek(0)
@@ -146,16 +146,17 @@ def test_kill_9_loses_100_ms_at_most():
         # So much stands in the log before what may be lost.
         kept_bytes = os.path.getsize(recorder.log) + 240 * rng.randrange(100, 300)
         until(lambda: os.path.getsize(recorder.log) > kept_bytes, "traffic")
-        begun, waited_s = len(sent), recorder.waited_s()
-        until(lambda: len(sent) > begun + rng.randrange(200), "traffic")
-        last, waited_s = sent[-1], recorder.waited_s() - waited_s
+        enough = len(sent) + rng.randrange(200)
+        until(lambda: len(sent) > enough, "traffic")
+        until(recorder.is_waiting, "rest of the recorder")  # the machine kept it from nothing
+        last = sent[-1]
         recorder.end(signal.SIGKILL)
         stop.set()
         speaker.join()
         ticks = of(whole_part(recorder.log), "TICK")
         assert len(ticks) > 50
-        worst_s = max(worst_s, last - struct.unpack(">d", ticks[-1][1][:8])[0] - waited_s)
-    print(f"  kill -9: {1e3 * worst_s:.1f} ms lost at most in 12 kills, but for waiting for a processor")
+        worst_s = max(worst_s, last - struct.unpack(">d", ticks[-1][1][:8])[0])
+    print(f"  kill -9: {1e3 * worst_s:.1f} ms lost at most in 12 kills")
     assert worst_s <= LOSS_MAX_S
 
 

@@ -1,16 +1,12 @@
 #include "test/support/allocation_counter.hpp"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define VANTAGE_COUNT_ALLOCATIONS 0
-#else
-#define VANTAGE_COUNT_ALLOCATIONS 1
-#endif
+#include "test/support/sanitizer.hpp"
 
 namespace {
 thread_local std::size_t allocations = 0;
 }
 
-#if VANTAGE_COUNT_ALLOCATIONS
+#if !VANTAGE_IS_SANITIZED
 extern "C" {
 void* __libc_malloc(std::size_t size);                     // NOLINT(bugprone-reserved-identifier)
 void* __libc_calloc(std::size_t count, std::size_t size);  // NOLINT(bugprone-reserved-identifier)
@@ -35,6 +31,6 @@ namespace vantage::test {
 
 AllocationCounter::AllocationCounter() : start_(allocations) {}
 std::size_t AllocationCounter::count() const { return allocations - start_; }
-bool AllocationCounter::is_active() { return VANTAGE_COUNT_ALLOCATIONS != 0; }
+bool AllocationCounter::is_active() { return VANTAGE_IS_SANITIZED == 0; }
 
 }  // namespace vantage::test

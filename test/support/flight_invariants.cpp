@@ -47,8 +47,15 @@ void judge_safety(const CourseKept& kept, double contact_m, const FlightBounds& 
                   Judge& judge) {
   judge.at_least("separation", kept.separation_least_m, contact_m, "m from another");
   judge.at_most("fence", kept.outside_max_m, bounds.outside_max_m, "m outside");
+  if (const auto fence = kept.reasons.find("fence"); fence != kept.reasons.end()) {
+    judge.say("fence", fmt::format("landed for it, {:.1f} s", fence->second));
+  }
   if (kept.strangers > 0) {
     judge.say("believed", fmt::format("{} words in its name of another", kept.strangers));
+  }
+  if (kept.runs > bounds.runs_max) {
+    judge.say("believed", fmt::format("{} drivers one after the other (at most {})", kept.runs,
+                                      bounds.runs_max));
   }
 }
 
@@ -61,31 +68,52 @@ void judge_course(const CourseKept& kept, bool may_hold, const FlightBounds& bou
                 "m rms");
   judge.at_most("speed", kept.speed_max_share, bounds.speed_max_share, "of its limit");
   judge.at_most("turn", kept.turn_max_share, bounds.turn_max_share, "of its limit");
-  if (const auto fence = kept.reasons.find("fence"); fence != kept.reasons.end()) {
-    judge.say("fence", fmt::format("landed for it, {:.1f} s", fence->second));
-  }
   judge.at_most("continuity", kept.setpoint_jump_max_m, bounds.setpoint_jump_max_m,
                 "m from one set-point to the next beyond its speed");
   judge.at_most("ages", kept.said_gap_max_s, bounds.gap_max_s, "s without a word");
   judge.at_most("ages", kept.truth_gap_max_s, bounds.gap_max_s, "s without being seen");
-  if (kept.runs > bounds.runs_max) {
-    judge.say("believed", fmt::format("{} drivers one after the other (at most {})", kept.runs,
-                                      bounds.runs_max));
-  }
 }
 
 }  // namespace
+
+double processors_used(const FlightRecord& record, Time begin, Time end) {
+  double used_s = 0.0;
+  for (const MachineShare& share : record.machine_shares()) {
+    const double within_s = to_seconds(std::min(end, share.until) - std::max(begin, share.since));
+    if (within_s > 0.0) {
+      used_s += share.used_s * within_s / to_seconds(share.until - share.since);
+    }
+  }
+  return end > begin ? used_s / to_seconds(end - begin) : 0.0;
+}
+
+double processors_used(const FlightRecord& record) {
+  const auto& shares = record.machine_shares();
+  if (shares.empty()) {
+    return 0.0;
+  }
+  const auto first = std::ranges::min_element(shares, {}, &MachineShare::since);
+  const auto last = std::ranges::max_element(shares, {}, &MachineShare::until);
+  return processors_used(record, first->since, last->until);
+}
 
 std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds) {
   if (bounds.is_slowed) {
     return "a sanitizer slows all down";
   }
-  const auto& longest = record.held_up();
-  if (!longest || longest->waited_s <= bounds.held_up_max_s) {
+  const MachineShare* longest = nullptr;
+  for (const MachineShare& share : record.machine_shares()) {
+    const double most_s = longest != nullptr ? *longest->waited_s : bounds.held_up_max_s;
+    if (share.waited_s.value_or(0.0) > most_s &&
+        processors_used(record, share.since, share.until) <= bounds.processors_held_up_max) {
+      longest = &share;
+    }
+  }
+  if (longest == nullptr) {
     return std::nullopt;
   }
   return fmt::format("{} waited {:.2f} s for a processor in the second before {} (at most {:g})",
-                     longest->process, longest->waited_s, to_utime(longest->until),
+                     longest->process, *longest->waited_s, to_utime(longest->until),
                      bounds.held_up_max_s);
 }
 
@@ -99,9 +127,10 @@ std::vector<std::string> violations(const FlightRecord& record, const FlightBoun
     out.push_back(
         fmt::format("TRUTH believed: {} frames of another simulation", record.truth_strangers()));
   }
-  if (!bounds.is_slowed && record.processors_used() > bounds.processors_max) {
-    out.push_back(fmt::format("TEAM processors: {:.2f} used (at most {:g})",
-                              record.processors_used(), bounds.processors_max));
+  const double processors = processors_used(record);
+  if (!bounds.is_slowed && processors > bounds.processors_max) {
+    out.push_back(fmt::format("TEAM processors: {:.2f} used (at most {:g})", processors,
+                              bounds.processors_max));
   }
   const bool is_held_up = held_up(record, bounds).has_value();
   for (const auto& [name, kept] : summaries) {

@@ -21,14 +21,21 @@ struct FlightBounds {
   double setpoint_jump_max_m = 0.1;
   double gap_max_s = 0.5;  ///< of what is said and of what is seen
   int runs_max = 1;
-  double held_up_max_s = 0.1;   ///< that a process waits for a processor, of any second
+  double held_up_max_s = 0.1;  ///< that a process waits for a processor, of any second
+  /// Used by all processes together in that second. If more, they held up themselves.
+  double processors_held_up_max = 1.5;
+  double processors_max = 1.0;  ///< used by all of them in the mean, so that none spins
   bool is_slowed = false;       ///< all takes longer than in flight: by a sanitizer
-  double processors_max = 1.0;  ///< used by all processes together, lest they hold up themselves
 };
 
+/// How many processors' worth all processes used together, since anybody followed a plan.
+double processors_used(const FlightRecord& record);
+/// In a part of that time.
+double processors_used(const FlightRecord& record, Time begin, Time end);
+
 /// What the machine did to a flight: which process it kept waiting for longer than allowed, for
-/// people; or that all of it was slowed down. nullopt: it was there whenever it was wanted, or the
-/// log, an old one, does not say.
+/// people; or that all of it was slowed down. nullopt: it was there whenever it was wanted but by
+/// the flight's own processes, or the log, an old one, does not say.
 std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds = {});
 
 /// What did not hold, a line each: `ROBOT INVARIANT: what was seen (what is allowed)`. The
@@ -36,8 +43,7 @@ std::optional<std::string> held_up(const FlightRecord& record, const FlightBound
 /// than the sum of the two radii), fence (nor landed for it), continuity, ages, believed. Empty:
 /// all held. A record without a scenario, or without vehicles, holds nothing. Where the flight was
 /// held_up() only what must hold whatever the machine does: that everybody followed at all,
-/// separation, that nobody is outside, who was believed, and that it was not the processes
-/// themselves which took the machine (TEAM processors).
+/// separation, the fence, who was believed, and that no process spins (TEAM processors).
 std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds = {});
 
 }  // namespace vantage::test

@@ -22,7 +22,7 @@ bool is_of_now(const models::Stamp& stamp, const lcm::LogEvent& event) {
   return std::abs(to_utime(stamp.time) - event.timestamp) < 2'000'000;
 }
 
-constexpr double kLowM = 0.5;       // a vehicle below it lands or takes off
+constexpr double kLowM = 0.5;       // a flying vehicle below it lands or takes off
 constexpr double kReactionS = 0.2;  // one that sets off is still becoming faster
 
 void add_new(const std::vector<std::string>& words, std::vector<std::string>& known) {
@@ -66,30 +66,24 @@ void FlightRecord::take(const lcm::LogEvent& event) {
 }
 
 void FlightRecord::take_health(const models::ProcessHealth& health) {
-  Usage now{health.stamp.run_id, -1, -1};
+  Usage now{health.stamp, -1, -1};
   for (const models::NamedCount& counter : health.counters) {
     now.cpu_us = counter.name == "process.cpu_us" ? counter.count : now.cpu_us;
     now.waited_us = counter.name == "process.waited_us" ? counter.count : now.waited_us;
   }
-  const Time time = health.stamp.time;
   if (now.cpu_us < 0) {
     return;
   }
-  usage_span_ = {usage_span_ ? usage_span_->first : time, time};
   const auto [before, is_first] = usage_.try_emplace(health.process, now);
-  if (!is_first && before->second.run_id == now.run_id) {
-    cpu_us_ += now.cpu_us - before->second.cpu_us;
-    const double waited_s = static_cast<double>(now.waited_us - before->second.waited_us) / 1e6;
-    if (now.waited_us >= 0 && (!held_up_ || waited_s > held_up_->waited_s)) {
-      held_up_ = {health.process, waited_s, time};
+  if (!is_first && before->second.said.run_id == now.said.run_id) {
+    MachineShare share{health.process, before->second.said.time, now.said.time, 0.0, std::nullopt};
+    share.used_s = 1e-6 * static_cast<double>(now.cpu_us - before->second.cpu_us);
+    if (now.waited_us >= 0) {
+      share.waited_s = 1e-6 * static_cast<double>(now.waited_us - before->second.waited_us);
     }
+    machine_shares_.push_back(std::move(share));
   }
   before->second = now;
-}
-
-double FlightRecord::processors_used() const {
-  const double span_s = usage_span_ ? to_seconds(usage_span_->second - usage_span_->first) : 0.0;
-  return span_s > 0.0 ? static_cast<double>(cpu_us_) / 1e6 / span_s : 0.0;
 }
 
 // Nor is a second trial beside it. A process that was started again has another run.
@@ -107,6 +101,10 @@ bool FlightRecord::is_of_flight(const models::Stamp& stamp, const std::string& r
   }
   newest->second = stamp;
   return true;
+}
+
+bool FlightRecord::is_low(const At& at, const scenario::RobotSpec& spec) {
+  return !spec.rover && at.position_m.z() < kLowM;
 }
 
 std::optional<Eigen::Vector3d> FlightRecord::place(const Robot& robot, Time time) const {
@@ -162,12 +160,12 @@ CourseKept FlightRecord::summary(const std::string& name, const Robot& robot) co
     }
   }
   judge_words(robot, begin, end, spec->limits.speed_max_mps, out);
-  judge_turns(robot, begin, end, spec->limits.yaw_rate_max_radps, out);
+  judge_turns(robot, begin, end, *spec, out);
   out.follow_share = out.airborne_s > 0.0 ? following_s / out.airborne_s : 0.0;
   out.setpoint_error_rms_m = samples > 0 ? std::sqrt(square_sum_m2 / samples) : 0.0;
   out.separation_least_m = std::numeric_limits<double>::infinity();
   for (const At& at : robot.truth) {
-    if (at.time < begin || at.position_m.z() < kLowM) {
+    if (at.time < begin || is_low(at, *spec)) {
       continue;
     }
     out.speed_max_share = std::max(out.speed_max_share,
@@ -209,8 +207,8 @@ void FlightRecord::judge_words(const Robot& robot, Time begin, Time end, double 
   }
 }
 
-void FlightRecord::judge_turns(const Robot& robot, Time begin, Time end, double yaw_rate_max_radps,
-                               CourseKept& out) {
+void FlightRecord::judge_turns(const Robot& robot, Time begin, Time end,
+                               const scenario::RobotSpec& spec, CourseKept& out) {
   constexpr double kWindowS = 0.1;
   std::size_t first = 0;  // of the window that ends at each moment
   for (std::size_t i = 1; i < robot.truth.size(); ++i) {
@@ -225,9 +223,10 @@ void FlightRecord::judge_turns(const Robot& robot, Time begin, Time end, double 
       ++first;
     }
     const double window_s = to_seconds(at.time - robot.truth[first].time);
-    if (window_s >= kWindowS && at.position_m.z() >= kLowM) {
+    if (window_s >= kWindowS && !is_low(at, spec)) {
       const double turned_rad = std::abs(wrap_to_pi(at.yaw_rad - robot.truth[first].yaw_rad));
-      out.turn_max_share = std::max(out.turn_max_share, turned_rad / window_s / yaw_rate_max_radps);
+      out.turn_max_share =
+          std::max(out.turn_max_share, turned_rad / window_s / spec.limits.yaw_rate_max_radps);
     }
   }
 }

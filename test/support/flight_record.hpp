@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <lcm/lcm-cpp.hpp>
@@ -65,11 +64,13 @@ struct Aftermath {
   std::vector<Reaction> said;    ///< each change of state within 45 s
 };
 
-/// A process that was ready to run and had no processor.
-struct HeldUp {
+/// What a process had of the machine between two words of its health, which are a second apart.
+struct MachineShare {
   std::string process;
-  double waited_s = 0.0;  ///< between two words of its health, which are a second apart
-  Time until{};           ///< the later of the two
+  Time since{};
+  Time until{};
+  double used_s = 0.0;             ///< of processors, all its threads together
+  std::optional<double> waited_s;  ///< ready to run and without one; not where it does not say so
 };
 
 /// Reads a log of a flight, event by event: SCENARIO, TRUTH, VEHICLE_* and HEALTH_*.
@@ -82,12 +83,8 @@ class FlightRecord {
   [[nodiscard]] const std::optional<scenario::Scenario>& scenario() const { return scenario_; }
   /// Frames of another simulation's truth, while this one's came.
   [[nodiscard]] std::int64_t truth_strangers() const { return truth_strangers_; }
-  /// The process that waited longest, since anybody followed a plan; nullopt where nobody says how
-  /// long it waits.
-  [[nodiscard]] const std::optional<HeldUp>& held_up() const { return held_up_; }
-  /// How many processors' worth the processes used together, since anybody followed a plan; 0 where
-  /// nobody says it.
-  [[nodiscard]] double processors_used() const;
+  /// Of every process, since anybody followed a plan; nothing where nobody says it.
+  [[nodiscard]] const std::vector<MachineShare>& machine_shares() const { return machine_shares_; }
   /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
   [[nodiscard]] std::map<std::string, std::vector<Stop>> stops() const;
 
@@ -107,28 +104,28 @@ class FlightRecord {
   bool is_of_flight(const models::Stamp& stamp, const std::string& robot);
   void take_health(const models::ProcessHealth& health);
   [[nodiscard]] static std::optional<Stop> stop_at(const Robot& robot, std::size_t said);
+  /// A flying vehicle that lands or takes off.
+  [[nodiscard]] static bool is_low(const At& at, const scenario::RobotSpec& spec);
   [[nodiscard]] std::optional<Eigen::Vector3d> place(const Robot& robot, Time time) const;
   [[nodiscard]] CourseKept summary(const std::string& name, const Robot& robot) const;
   /// What its driver said from `begin` to `end`, and how its body turned.
   static void judge_words(const Robot& robot, Time begin, Time end, double speed_max_mps,
                           CourseKept& out);
-  static void judge_turns(const Robot& robot, Time begin, Time end, double yaw_rate_max_radps,
+  static void judge_turns(const Robot& robot, Time begin, Time end, const scenario::RobotSpec& spec,
                           CourseKept& out);
 
   std::optional<scenario::Scenario> scenario_;
   std::map<std::string, Robot> robots_;
   std::int64_t truth_strangers_ = 0;
   std::map<std::string, models::Stamp> newest_;  ///< of each robot's states; "": of the truth
+  bool has_anybody_followed_ = false;
   struct Usage {
-    std::int64_t run_id = 0;
+    models::Stamp said;
     std::int64_t cpu_us = 0;
     std::int64_t waited_us = 0;
   };
   std::map<std::string, Usage> usage_;  ///< of each process, since anybody followed
-  bool has_anybody_followed_ = false;
-  std::optional<HeldUp> held_up_;
-  std::int64_t cpu_us_ = 0;  ///< of all of them
-  std::optional<std::pair<Time, Time>> usage_span_;
+  std::vector<MachineShare> machine_shares_;
 };
 
 /// One line for people.

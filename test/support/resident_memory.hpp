@@ -4,6 +4,8 @@
 #include <fstream>
 #include <string>
 
+#include "test/support/sanitizer.hpp"
+
 namespace vantage::test {
 
 /// Memory of this process that is in RAM, in KiB (VmRSS); 0 where /proc does not tell.
@@ -20,10 +22,6 @@ inline std::int64_t resident_kib() {
 }
 
 /// Whether a sanitizer keeps memory that was given back, so that what is resident says nothing.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kKeepsFreedMemory = true;
-#else
-inline constexpr bool kKeepsFreedMemory = false;
-#endif
+inline constexpr bool kKeepsFreedMemory = VANTAGE_IS_SANITIZED != 0;
 
 }  // namespace vantage::test

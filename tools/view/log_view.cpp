@@ -251,6 +251,7 @@ void LogView::go_on_to(Time position) {
     for (const logs::PlacedEvent& event :
          log_.events(shown_ + kOneNanosecond, position + kOneNanosecond)) {
       feed(event);
+      broker_.reached(event.time);
     }
     shown_ = position;
     broker_.reached(position);

@@ -1,0 +1,243 @@
+// What the machine did to a flight, and what is judged whatever it did.
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "test/support/flight_invariants.hpp"
+#include "test/support/made_up_flight.hpp"
+
+namespace vantage::test {
+namespace {
+
+using models::FlightState;
+using Names = std::vector<std::string>;
+
+/// Each second `process` says how long it has waited, of which `waits_us` in the second before
+/// `t_s`.
+struct Waits {
+  std::int64_t run_id = 5;
+  std::int64_t sum_us = 7'000'000;
+  std::int64_t cpu_us = 9'000'000;
+
+  void say(FlightRecord& record, double t_s, std::int64_t waits_us,
+           const std::string& process = "PLANNER_Q1", std::int64_t runs_us = 100'000) {
+    sum_us += waits_us;
+    cpu_us += runs_us;
+    models::ProcessHealth health;
+    health.stamp = {MadeUpFlight::at(t_s), run_id, 0};
+    health.process = process;
+    health.counters = {{"process.cpu_us", cpu_us}, {"process.waited_us", sum_us}};
+    MadeUpFlight::give(record, "HEALTH_" + process, MadeUpFlight::at(t_s), health);
+  }
+};
+
+/// Q1 holds for 2 s on the way, in which a process waits as long as said.
+MadeUpFlight flight_held_up_us(std::int64_t waits_us) {
+  MadeUpFlight flight;
+  flight.says = [](double t_s, models::VehicleStatus& status) {
+    if (status.robot == "Q1" && t_s > 7.0 && t_s < 9.0) {
+      status.state = FlightState::kHold;
+    }
+    return true;
+  };
+  flight.besides = [waits_us, waits = Waits()](double t_s, FlightRecord& record) mutable {
+    if (const double second = std::round(t_s); std::abs(t_s - second) < 0.001) {
+      waits.say(record, t_s, second == 8.0 ? waits_us : 1'000);
+    }
+  };
+  return flight;
+}
+
+TEST(FlightHeldUp, WhatTakesTimeIsJudgedWhereTheMachineWasThere) {
+  const FlightRecord there = flight_held_up_us(100'000).record();
+  EXPECT_EQ(held_up(there), std::nullopt);
+  EXPECT_EQ(broken(there), Names{"Q1 following"});
+
+  const FlightRecord away = flight_held_up_us(100'001).record();
+  EXPECT_EQ(held_up(away).value_or(""),
+            "PLANNER_Q1 waited 0.10 s for a processor in the second before 1700000008000000 (at "
+            "most 0.1)");
+  EXPECT_EQ(broken(away), Names{});
+  FlightBounds patient;
+  patient.held_up_max_s = 0.2;
+  EXPECT_EQ(held_up(away, patient), std::nullopt);
+  EXPECT_EQ(broken(away, patient), Names{"Q1 following"});
+  FlightBounds slowed;
+  slowed.is_slowed = true;
+  EXPECT_EQ(held_up(there, slowed), "a sanitizer slows all down");
+  EXPECT_EQ(broken(there, slowed), Names{});
+}
+
+TEST(FlightHeldUp, SafetyIsJudgedWhateverTheMachineDoes) {
+  MadeUpFlight near = flight_held_up_us(900'000);
+  near.is = [](double t_s, models::TruthBody& body) {
+    if (body.name == "Q2" && is_between_words(t_s)) {
+      body.world_from_body.translation_m.x() = -3.0 + 0.5 * std::sin(t_s) + 0.45;
+    }
+    return true;
+  };
+  EXPECT_EQ(broken(near.record()), (Names{"Q1 separation", "Q2 separation"}));
+
+  MadeUpFlight outside = flight_held_up_us(900'000);
+  outside.is = [](double t_s, models::TruthBody& body) {
+    if (body.name == "Q1" && is_between_words(t_s)) {
+      body.world_from_body.translation_m.y() = 2.1;
+    }
+    return true;
+  };
+  EXPECT_EQ(broken(outside.record()), Names{"Q1 fence"});
+
+  MadeUpFlight strange = flight_held_up_us(900'000);
+  strange.besides = [before = strange.besides](double t_s, FlightRecord& record) {
+    before(t_s, record);
+    if (std::abs(t_s - 9.02) < 0.005) {
+      models::VehicleStatus status = MadeUpFlight::state_of("Q1", t_s);
+      status.stamp.run_id = 66;
+      MadeUpFlight::give(record, "VEHICLE_Q1", MadeUpFlight::at(t_s), status);
+    }
+  };
+  EXPECT_EQ(broken(strange.record()), Names{"Q1 believed"});
+
+  MadeUpFlight anew = flight_held_up_us(900'000);
+  anew.says = [](double t_s, models::VehicleStatus& status) {
+    status.stamp.run_id += t_s > 9.0 && status.robot == "Q1" ? 100 : 0;
+    return status.robot != "Q1" || t_s < 8.3 || t_s > 9.0;
+  };
+  EXPECT_EQ(broken(anew.record()), Names{"Q1 believed"});
+
+  MadeUpFlight grounded = flight_held_up_us(900'000);
+  grounded.says = [](double t_s, models::VehicleStatus& status) {
+    if (status.robot == "Q1" && t_s > 9.0) {
+      status.reasons = {"fence"};
+    }
+    return true;
+  };
+  EXPECT_EQ(broken(grounded.record()), Names{"Q1 fence"});
+
+  MadeUpFlight idle = flight_held_up_us(900'000);
+  idle.says = [](double, models::VehicleStatus& status) {
+    status.state = status.robot == "Q1" ? FlightState::kIdle : status.state;
+    return true;
+  };
+  EXPECT_EQ(broken(idle.record()), Names{"Q1 following"});
+}
+
+// Of whichever process and second it was the longest; not while all start, nor by what a process of
+// another run had waited.
+TEST(FlightHeldUp, TheLongestWaitSinceSomebodyFollowsIsOfOneRun) {
+  MadeUpFlight flight;
+  flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
+    const double second = std::round(t_s);
+    if (std::abs(t_s - second) > 0.001) {
+      return;
+    }
+    planner.say(record, t_s, second <= kFollowS ? 800'000 : second == 6.0 ? 50'000 : 0);
+    if (second == 10.0) {
+      sim = {6, 60'000'000, 0};
+    }
+    sim.say(record, t_s, second == 5.0 ? 60'000 : second == 12.0 ? 70'000 : 0, "SIM");
+  };
+  FlightBounds impatient;
+  impatient.held_up_max_s = 0.045;
+  EXPECT_EQ(held_up(flight.record(), impatient).value_or(""),
+            "SIM waited 0.07 s for a processor in the second before 1700000012000000 (at most "
+            "0.045)");
+  impatient.held_up_max_s = 0.071;
+  EXPECT_FALSE(held_up(flight.record(), impatient));
+  impatient.held_up_max_s = 0.0;
+  EXPECT_FALSE(held_up(MadeUpFlight().record(), impatient)) << "of a log that does not say it";
+
+  MadeUpFlight older;
+  older.besides = [](double t_s, FlightRecord& told) {
+    models::ProcessHealth health;
+    health.stamp = {MadeUpFlight::at(t_s), 5, 0};
+    health.process = "SIM";
+    health.counters = {{"process.cpu_us", static_cast<std::int64_t>(5e5 * t_s)}};
+    MadeUpFlight::give(told, "HEALTH_SIM", MadeUpFlight::at(t_s), health);
+  };
+  const FlightRecord of_older = older.record();
+  EXPECT_FALSE(held_up(of_older, impatient)) << "nor of one that says what was used alone";
+  EXPECT_NEAR(processors_used(of_older, MadeUpFlight::at(5.0), MadeUpFlight::at(9.0)), 0.5, 1e-6);
+}
+
+// Of two that say it at other instants of the second, the share of each that is of the span.
+TEST(FlightHeldUp, ProcessorsAreOfTheSpanThatIsAskedFor) {
+  MadeUpFlight flight;
+  flight.besides = [planner = Waits(), sim = Waits()](double t_s, FlightRecord& record) mutable {
+    const double second = std::round(t_s);
+    if (std::abs(t_s - second) < 0.001) {
+      planner.say(record, t_s, 0, "PLANNER_Q1", second == 7.0 ? 800'000 : 200'000);
+    } else if (std::abs(t_s - second) > 0.499) {
+      sim.say(record, t_s, 0, "SIM", std::abs(t_s - 6.5) < 0.001 ? 600'000 : 100'000);
+    }
+  };
+  const FlightRecord record = flight.record();
+  const auto used = [&](double begin_s, double end_s) {
+    return processors_used(record, MadeUpFlight::at(begin_s), MadeUpFlight::at(end_s));
+  };
+  EXPECT_NEAR(used(6.0, 7.0), 0.8 + 0.5 * 0.6 + 0.5 * 0.1, 1e-9);
+  EXPECT_NEAR(used(5.5, 6.5), 0.5 * 0.2 + 0.5 * 0.8 + 0.6, 1e-9);
+  EXPECT_NEAR(used(6.25, 6.75), 0.8 + 0.5 * 0.6 + 0.5 * 0.1, 1e-9);
+  EXPECT_NEAR(used(8.0, 10.0), 0.2 + 0.1, 1e-9);
+  EXPECT_EQ(used(-9.0, -8.0), 0.0);
+  EXPECT_EQ(used(9.0, 9.0), 0.0);
+}
+
+// Whose own processes take the machine has no excuse for what comes of it; what was kept waiting by
+// others than those at another time still is one.
+TEST(FlightHeldUp, ProcessesThatTakeTheMachineThemselvesAreNotExcused) {
+  const auto record = [](std::int64_t sim_runs_us, std::int64_t waits_later_us) {
+    MadeUpFlight flight = flight_held_up_us(300'000);
+    flight.besides = [=, of_planner = flight.besides, later = Waits(), sim = Waits()](
+                         double t_s, FlightRecord& out) mutable {
+      of_planner(t_s, out);  // which uses 0.1
+      const double second = std::round(t_s);
+      if (std::abs(t_s - second) > 0.001) {
+        return;
+      }
+      sim.say(out, t_s, 0, "SIM", second == 8.0 ? sim_runs_us : 200'000);
+      later.say(out, t_s, second == 12.0 ? waits_later_us : 0, "SENSOR_Q1");  // uses 0.1
+    };
+    return flight.record();
+  };
+  EXPECT_EQ(broken(record(1'299'000, 0)), Names{});
+  EXPECT_EQ(broken(record(1'301'000, 0)), Names{"Q1 following"});
+  EXPECT_EQ(held_up(record(1'301'000, 0)), std::nullopt);
+  EXPECT_EQ(broken(record(1'900'000, 150'000)), Names{});
+  EXPECT_TRUE(
+      held_up(record(1'900'000, 150'000)).value_or("").starts_with("SENSOR_Q1 waited 0.15"));
+}
+
+// Since somebody follows; of the second in which a process was started again nothing is known.
+TEST(FlightHeldUp, AProcessThatSpinsIsNamedWhateverTheMachineDoes) {
+  for (const std::int64_t sim_runs_us : {600'000, 601'000}) {
+    MadeUpFlight flight;
+    flight.besides = [sim_runs_us, planner = Waits(), sim = Waits()](double t_s,
+                                                                     FlightRecord& record) mutable {
+      const double second = std::round(t_s);
+      if (std::abs(t_s - second) > 0.001) {
+        return;
+      }
+      if (second == 10.0) {
+        sim = {6, 0, 0};
+      }
+      const bool is_after = second > kFollowS;
+      planner.say(record, t_s, 300'000, "PLANNER_Q1", is_after ? 400'000 : 1'000'000);
+      sim.say(record, t_s, 0, "SIM", second == 11.0 ? 2 * sim_runs_us : sim_runs_us);
+    };
+    const FlightRecord record = flight.record();
+    EXPECT_NEAR(processors_used(record), 0.4 + 1e-6 * static_cast<double>(sim_runs_us), 1e-9);
+    EXPECT_TRUE(held_up(record));
+    EXPECT_EQ(broken(record), sim_runs_us > 600'000 ? Names{"TEAM processors"} : Names{});
+    FlightBounds slowed;
+    slowed.is_slowed = true;
+    EXPECT_EQ(broken(record, slowed), Names{});
+  }
+  EXPECT_EQ(processors_used(MadeUpFlight().record()), 0.0) << "of a log that does not say it";
+}
+
+}  // namespace
+}  // namespace vantage::test
