@@ -4,7 +4,7 @@
 Reads the log of the flight: what the vehicles did in the span (none may land, be killed or hold for
 more than a second), what touched, and what their drivers refused. Prints it; exit code 0: nothing changed.
 --signed: each kind of forgery must have been refused. --held-up: the machine kept processes waiting, so
-that holding and late plans say nothing.
+that holding and late plans say nothing, nor a landing for somebody's silence (SILENCES).
 """
 
 import collections
@@ -16,6 +16,8 @@ from vantage_lcm.collision_t import collision_t  # noqa: E402
 from vantage_lcm.health_t import health_t  # noqa: E402
 from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
 
+# For these a driver lands that no longer hears: an order has no reason, and a false pose another one.
+SILENCES = {"pose lost", "operator lost", "autopilot lost"}
 NAMES = {0: "idle", 1: "follow", 2: "hold", 3: "land", 4: "killed"}
 
 
@@ -34,6 +36,7 @@ begin, end = map(int, open(sys.argv[3]).read().split())
 seen = collections.defaultdict(collections.Counter)
 rounds = collections.defaultdict(set)
 refused = collections.defaultdict(dict)
+landed_for = {}  # what each said when it began to
 contacts = 0
 for utime, channel, data in events(sys.argv[2]):
     if channel == "COLLISION":
@@ -42,6 +45,8 @@ for utime, channel, data in events(sys.argv[2]):
         status = quadrotor_t.decode(data)
         seen[status.robot][NAMES[status.state]] += 1
         rounds[status.robot].add(status.plan_round)
+        if NAMES[status.state] == "land" and status.robot not in landed_for:
+            landed_for[status.robot] = {reason.split(";")[0] for reason in status.reasons}
     elif channel.startswith("HEALTH_QUADROTOR_"):
         for counter in health_t.decode(data).counters:
             if counter.name.rsplit(".")[-1] in ("unsigned", "bad_mac", "replayed"):
@@ -50,9 +55,13 @@ for utime, channel, data in events(sys.argv[2]):
 changed = contacts > 0 or not seen
 for robot in sorted(seen):
     states = seen[robot]
-    print(robot, dict(states), len(rounds[robot]), "rounds; refused", refused[robot])
-    changed |= states["land"] + states["killed"] > 0
-    changed |= "--held-up" not in sys.argv and (states["hold"] > 10 or len(rounds[robot]) < 2)
+    why = sorted(landed_for.get(robot, ()))
+    print(robot, dict(states), f"landed for {why};" if robot in landed_for else "", len(rounds[robot]),
+          "rounds; refused", refused[robot])
+    is_held_up = "--held-up" in sys.argv
+    changed |= states["killed"] > 0
+    changed |= robot in landed_for and not (is_held_up and SILENCES.intersection(why))
+    changed |= not is_held_up and (states["hold"] > 10 or len(rounds[robot]) < 2)
 print(contacts, "collisions;", "changed" if changed else "nothing changed")
 for robot in seen if "--signed" in sys.argv else ():
     for channel in ("VICON", "COMMAND", f"PLAN_{robot}"):
