@@ -29,6 +29,14 @@ TEST(ServerInfoText, OffersPlaybackOfALogAlone) {
   EXPECT_EQ(log["dataStartTime"], json({{"sec", 1}, {"nsec", 500'000'000}}));
 }
 
+// LCM takes any bytes but NUL for a name, from whoever is on the network.
+TEST(AdvertiseText, IsUtf8WhateverTheChannelIsCalled) {
+  const std::vector<ChannelInfo> channels = {{3, "/K\xd6RPER", {}}};
+  std::string said;
+  ASSERT_NO_THROW(said = advertise_text(channels));
+  EXPECT_EQ(nlohmann::json::parse(said)["channels"][0]["topic"], "/K\xef\xbf\xbdRPER");
+}
+
 TEST(MessageHead, IsOpcodeSubscriptionAndNanosecondsLittleEndian) {
   const std::string head = message_head(0x01020304, from_utime(1));
   EXPECT_EQ(head, std::string("\x01\x04\x03\x02\x01\xE8\x03\0\0\0\0\0\0", 13));

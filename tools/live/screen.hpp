@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,8 @@ bool has_colour();
 void clear_echo();
 /// `word` as a shell reads it as one: between quotes where it has to be.
 std::string shell_quoted(const std::string& word);
-/// Writes one line to standard output and flushes it.
-void print_line(const std::string& line);
+/// Writes one line and flushes it. Where nobody reads it, it is lost, and nothing is thrown.
+void print_line(const std::string& line, std::FILE* to = stdout);
 /// The same of JSON, on one line; what is no UTF-8 in it (a file's name) is replaced.
 void print_json(const nlohmann::ordered_json& json);
 

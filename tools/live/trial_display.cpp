@@ -1,8 +1,7 @@
 #include "tools/live/trial_display.hpp"
 
 #include <chrono>
-
-#include <fmt/format.h>
+#include <cstdio>
 
 #include "tools/live/status_table.hpp"
 
@@ -24,7 +23,7 @@ void TrialDisplay::say(const std::string& words) {
       }
       break;
     case Form::kQuiet:
-      fmt::print(stderr, "! {}\n", words);
+      print_line("! " + words, stderr);
       break;
     case Form::kLines:
       print_line("! " + words);

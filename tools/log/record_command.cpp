@@ -100,7 +100,7 @@ void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
 
 int run(const RecordArguments& arguments) {
   check_room(arguments);
-  const auto tell = [](const std::string& news) { fmt::print(stderr, "record: {}\n", news); };
+  const auto tell = [](const std::string& news) { print_line("record: " + news, stderr); };
   const auto transport = bus::open_transport(arguments.url);
   logs::LogSpool spool(options_of(arguments));
   const bus::SteadyClock clock;

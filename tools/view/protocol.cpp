@@ -109,7 +109,8 @@ std::string advertise_text(std::span<const ChannelInfo> channels) {
                     {"schemaEncoding", "jsonschema"},
                     {"schema", logs::foxglove::json_schema(channel.schema)}});
   }
-  return Json{{"op", "advertise"}, {"channels", std::move(list)}}.dump();
+  return Json{{"op", "advertise"}, {"channels", std::move(list)}}.dump(
+      -1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string status_text(StatusLevel level, const std::string& message, const std::string& id) {

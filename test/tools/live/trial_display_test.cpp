@@ -1,6 +1,8 @@
 #include "tools/live/trial_display.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "scenario/reader/scenario_yaml.hpp"
 
@@ -24,6 +26,22 @@ TEST(TrialDisplay, SaysALineAndItsWordsEveryFiveSeconds) {
   EXPECT_EQ(shown.find("a row"), std::string::npos);
   EXPECT_FALSE(display.is_due(from_utime(5'999'999)));
   EXPECT_TRUE(display.is_due(from_utime(6'000'000)));
+}
+
+// What it throws ends `vantage up`, and with it every driver in flight: its terminal may be gone.
+TEST(TrialDisplay, GoesOnWhereNobodyReadsWhatItSays) {
+  const int kept = dup(STDERR_FILENO);
+  const int full = open("/dev/full", O_WRONLY);
+  ASSERT_GE(full, 0);
+  dup2(full, STDERR_FILENO);
+  TrialDisplay display(form_of(true, false));
+  EXPECT_NO_THROW(display.say("landing"));
+  dup2(kept, STDERR_FILENO);
+  close(full);
+  close(kept);
+  testing::internal::CaptureStderr();
+  display.say("landed");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "! landed\n");
 }
 
 TEST(TrialDisplay, ShowsRowsAndWhatHappenedBelowATable) {
