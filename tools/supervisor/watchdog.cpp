@@ -1,5 +1,7 @@
 #include "tools/supervisor/watchdog.hpp"
 
+#include <algorithm>
+
 namespace vantage::tools {
 
 void Watchdog::on_sign(const std::string& process, Time now) {
@@ -27,7 +29,23 @@ void Watchdog::on_start(const std::string& process, Time now) {
   }
 }
 
+void Watchdog::leave_out_pause(Time now) {
+  const Duration pause = looked_ ? now - *looked_ - from_seconds(kLookS) : Duration{};
+  looked_ = now;
+  if (pause <= Duration{}) {
+    return;
+  }
+  for (auto& [process, watched] : watched_) {
+    for (std::optional<Time>* const since : {&watched.sign, &watched.start}) {
+      if (*since) {
+        *since = std::min(**since + pause, now);
+      }
+    }
+  }
+}
+
 std::vector<std::string> Watchdog::overdue(Time now) {
+  leave_out_pause(now);
   std::vector<std::string> out;
   for (auto& [process, watched] : watched_) {
     const bool is_silent = watched.sign && to_seconds(now - *watched.sign) > watched.patience_s;

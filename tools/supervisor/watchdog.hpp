@@ -10,9 +10,12 @@
 namespace vantage::tools {
 
 /// Tells which processes run but live no more: those that gave signs of life and have stopped.
-/// Pure; `now` is monotonic.
+/// Pure; `now` is monotonic. Time in which nobody looked, for who looks was held up or put to
+/// sleep, is not their silence.
 class Watchdog {
  public:
+  /// Between two looks, at most: of a longer pause no more counts.
+  static constexpr double kLookS = 0.25;
   /// For the first sign of one that is started again and gave signs before.
   static constexpr double kFirstSignS = 15.0;
 
@@ -36,7 +39,10 @@ class Watchdog {
     std::optional<Time> sign;
     std::optional<Time> start;  ///< since when a first sign is waited for
   };
+  void leave_out_pause(Time now);
+
   std::map<std::string, Watched> watched_;
+  std::optional<Time> looked_;
 };
 
 }  // namespace vantage::tools

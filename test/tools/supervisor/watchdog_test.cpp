@@ -1,5 +1,7 @@
 #include "tools/supervisor/watchdog.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace vantage::tools {
@@ -8,24 +10,35 @@ namespace {
 constexpr Time at(double s) { return from_utime(static_cast<std::int64_t>(s * 1e6)); }
 using Names = std::vector<std::string>;
 
+/// What is overdue until `end_s`, as one that looks each 0.1 s from `begin_s` on finds it.
+Names looked_at(Watchdog& dog, double begin_s, double end_s) {
+  Names out;
+  for (double now_s = begin_s; now_s < end_s + 0.05; now_s += 0.1) {
+    for (const std::string& name : dog.overdue(at(std::min(now_s, end_s)))) {
+      out.push_back(name);
+    }
+  }
+  return out;
+}
+
 TEST(Watchdog, ProcessThatStopsGivingSignsIsOverdueOnce) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.watch("b", 3.0);
   dog.on_sign("a", at(0.0));
   dog.on_sign("b", at(0.0));
-  EXPECT_EQ(dog.overdue(at(1.0)), Names{});
+  EXPECT_EQ(looked_at(dog, 0.0, 1.0), Names{});
   EXPECT_EQ(dog.overdue(at(1.001)), Names{"a"});
-  EXPECT_EQ(dog.overdue(at(2.0)), Names{});
+  EXPECT_EQ(looked_at(dog, 1.1, 3.0), Names{});
   EXPECT_EQ(dog.overdue(at(3.001)), Names{"b"});
 }
 
 TEST(Watchdog, WaitsForTheVeryFirstSignHoweverLong) {
   Watchdog dog;
   dog.watch("a", 1.0);
-  EXPECT_EQ(dog.overdue(at(100.0)), Names{});
+  EXPECT_EQ(looked_at(dog, 0.0, 100.0), Names{});
   dog.on_start("a", at(100.0));  // it may be one that never says anything
-  EXPECT_EQ(dog.overdue(at(1000.0)), Names{});
+  EXPECT_EQ(looked_at(dog, 100.0, 200.0), Names{});
 }
 
 // Flown: a planner that was hung up again before it had said a word was left so for good.
@@ -34,19 +47,21 @@ TEST(Watchdog, OneThatIsStartedAgainHasAWhileForItsFirstSign) {
   dog.watch("a", 1.0);
   for (const double begin_s : {100.0, 200.0}) {  // and once more
     dog.on_sign("a", at(begin_s));
-    EXPECT_EQ(dog.overdue(at(begin_s + 1.5)), Names{"a"});
+    EXPECT_EQ(looked_at(dog, begin_s, begin_s + 1.5), Names{"a"});
     dog.on_end("a");
-    EXPECT_EQ(dog.overdue(at(begin_s + 40.0)), Names{}) << "nothing runs";
+    EXPECT_EQ(looked_at(dog, begin_s + 1.6, begin_s + 40.0), Names{}) << "nothing runs";
     for (const double start_s : {begin_s + 40.0, begin_s + 60.0}) {
       dog.on_start("a", at(start_s));
-      EXPECT_EQ(dog.overdue(at(start_s + Watchdog::kFirstSignS)), Names{});
+      EXPECT_EQ(looked_at(dog, start_s, start_s + Watchdog::kFirstSignS), Names{});
       EXPECT_EQ(dog.overdue(at(start_s + Watchdog::kFirstSignS + 0.001)), Names{"a"});
-      EXPECT_EQ(dog.overdue(at(start_s + Watchdog::kFirstSignS + 1.0)), Names{}) << "named once";
+      EXPECT_EQ(looked_at(dog, start_s + Watchdog::kFirstSignS + 0.1, start_s + 19.9), Names{})
+          << "named once";
     }
     dog.on_start("a", at(begin_s + 80.0));
     dog.on_sign("a", at(begin_s + 81.0));
-    EXPECT_EQ(dog.overdue(at(begin_s + 81.9)), Names{});
-    EXPECT_EQ(dog.overdue(at(begin_s + 82.1)), Names{"a"}) << "its own patience from then on";
+    EXPECT_EQ(looked_at(dog, begin_s + 80.0, begin_s + 81.9), Names{});
+    EXPECT_EQ(looked_at(dog, begin_s + 82.0, begin_s + 82.1), Names{"a"})
+        << "its own patience from then on";
   }
 }
 
@@ -54,15 +69,62 @@ TEST(Watchdog, AStartBeforeItIsOverdueGivesItTime) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("a", at(0.0));
+  EXPECT_EQ(looked_at(dog, 0.0, 0.5), Names{});
   dog.on_start("a", at(0.5));
-  EXPECT_EQ(dog.overdue(at(10.0)), Names{});
+  EXPECT_EQ(looked_at(dog, 0.5, 10.0), Names{});
 }
 
 TEST(Watchdog, SignsOfStrangersAreNobodys) {
   Watchdog dog;
   dog.watch("a", 1.0);
   dog.on_sign("x", at(0.0));
-  EXPECT_EQ(dog.overdue(at(10.0)), Names{});
+  EXPECT_EQ(looked_at(dog, 0.0, 10.0), Names{});
+}
+
+// Ctrl-Z, a machine that is put to sleep, a host that gives no processor: who does not look hears
+// nothing, and that is not the others' silence.
+TEST(Watchdog, TimeInWhichNobodyLookedIsNobodysSilence) {
+  Watchdog dog;
+  dog.watch("a", 1.0);
+  dog.watch("b", 1.0);
+  double now_s = 0.0;
+  for (const double away_s : {0.9, 5.0, 3600.0}) {  // and once more
+    dog.on_sign("a", at(now_s));
+    dog.on_start("b", at(now_s));
+    dog.on_sign("b", at(now_s));
+    EXPECT_EQ(looked_at(dog, now_s, now_s + 0.5), Names{});
+    now_s += 0.5 + away_s;
+    EXPECT_EQ(dog.overdue(at(now_s)), Names{}) << "after " << away_s << " s";
+    // What had come in meanwhile is handled after it; `b` has been silent before and after it.
+    dog.on_sign("a", at(now_s));
+    const double left_s = 1.0 - 0.5 - Watchdog::kLookS;
+    EXPECT_EQ(looked_at(dog, now_s, now_s + left_s - 0.01), Names{});
+    EXPECT_EQ(dog.overdue(at(now_s + left_s + 0.01)), Names{"b"}) << "after " << away_s << " s";
+    now_s += 100.0;
+    EXPECT_EQ(dog.overdue(at(now_s)), Names{});
+  }
+}
+
+// A sign that is handled at the end of the pause, before the look that notices it.
+TEST(Watchdog, ASignIsNeverLaterThanNow) {
+  Watchdog dog;
+  dog.watch("a", 1.0);
+  EXPECT_EQ(dog.overdue(at(0.0)), Names{});
+  dog.on_sign("a", at(5.0));
+  EXPECT_EQ(looked_at(dog, 5.0, 6.0), Names{});
+  EXPECT_EQ(dog.overdue(at(6.01)), Names{"a"});
+}
+
+TEST(Watchdog, AFirstSignIsWaitedForWhileSomebodyLooks) {
+  Watchdog dog;
+  dog.watch("a", 1.0);
+  dog.on_sign("a", at(0.0));
+  dog.on_start("a", at(0.0));
+  EXPECT_EQ(looked_at(dog, 0.0, 1.0), Names{});
+  EXPECT_EQ(dog.overdue(at(101.0)), Names{}) << "a hundred seconds of nobody's";
+  const double left_s = Watchdog::kFirstSignS - 1.0 - Watchdog::kLookS;
+  EXPECT_EQ(looked_at(dog, 101.0, 101.0 + left_s - 0.01), Names{});
+  EXPECT_EQ(dog.overdue(at(101.0 + left_s + 0.01)), Names{"a"});
 }
 
 }  // namespace
