@@ -1,7 +1,7 @@
 #!/bin/bash
 # full_disk.sh BIN_DIR SCENARIO: a disk without room for the log is refused before anything flies; one
-# that fills up in flight is told at once, and the flight goes on. To be run in a network of its own,
-# as its root: the disk is a small one in memory.
+# that fills up in flight, or loses the log, is told at once, and the flight goes on. To be run in a
+# network of its own, as its root: the disk is a small one in memory.
 if [[ $1 != --mounted ]]; then
   unshare -m true 2> /dev/null || { echo "skipped: no mount namespace"; exit 77; }
   exec unshare -m "$0" --mounted "$@"
@@ -22,7 +22,7 @@ grep -q 'are free for .*flight.lcmlog; 360 s take 108.0 MB at most' "$dir/refuse
 [[ -z $(ls "$disk") ]] || fail "something was begun"
 
 start_witness
-"$bin/vantage" up "$scenario" --url "$url" --duration-s 60 --log "$disk/flight.lcmlog" --json > "$dir/up.json" 2> "$dir/up.err" & up=$!
+"$bin/vantage" up "$scenario" --url "$url" --duration-s 90 --log "$disk/flight.lcmlog" --json > "$dir/up.json" 2> "$dir/up.err" & up=$!
 until_true 30 plans_go_on "$dir/witness.lcmlog" "" Q1 Q2 Q3 || fail "nobody plans"
 dd if=/dev/zero of="$disk/else" bs=64k 2> /dev/null || true
 until_true 20 grep -q 'LOG NOT WRITTEN' "$dir/up.err" || fail "nobody says that nothing is written"
@@ -30,9 +30,27 @@ plans=$(plans_in "$dir/witness.lcmlog")
 until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight does not go on"
 rm "$disk/else"
 until_true 30 grep -q 'log: written, with' "$dir/up.err" || fail "it is not written again"
+# Somebody clears up: the log is gone, then the recorder dies, and a folder stands in its place. The
+# vehicles' processes are the same.
+pids=$(pgrep -P "$up" | sort)
+recorder=$(child_of "$up" 'log record')
+mv "$disk/flight.lcmlog" "$disk/elsewhere.lcmlog"
+mkdir "$disk/flight.lcmlog"
+kill -9 "$recorder"
+until_true 20 grep -q 'recorder ended (signal 9)' "$dir/up.err" || fail "the recorder's end is not told"
+plans=$(plans_in "$dir/witness.lcmlog")
+until_true 20 plans_go_on "$dir/witness.lcmlog" "$plans" Q1 Q2 Q3 || fail "the flight ends with its log"
+for pid in $pids; do
+  [[ $pid == "$recorder" ]] || kill -0 "$pid" || fail "process $pid ended with the log"
+done
 kill -INT "$up"
 status=0
 wait "$up" || status=$?
 cat "$dir/up.err" "$dir/up.json"
 [[ $status == 1 ]] || fail "an unrecorded flight ends with $status, not 1"
 grep -q 'could not be written for a while' "$dir/up.err" || fail "the end does not tell"
+python3 - "$dir/up.json" << 'END' || fail "what it says of the log is not so"
+import json, sys
+log = json.load(open(sys.argv[1]))["log"]
+assert not log["is_good"] and not log["is_to_the_end"] and log["was_unwritten"], log
+END

@@ -5,7 +5,6 @@
 
 #include "core/check.hpp"
 #include "core/deadline.hpp"
-#include "tools/up/log_tail.hpp"
 
 namespace vantage::tools {
 namespace {
@@ -54,10 +53,25 @@ LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
   }
 }
 
+// Vehicles fly on whatever becomes of their log.
+TrimmedLog LogKeeper::trim() {
+  TrimmedLog trimmed;
+  try {
+    trimmed = trim_log(path_);
+  } catch (const StartupError&) {
+    trimmed = {};
+  }
+  outcome_.bytes_dropped += trimmed.dropped_bytes;
+  if (trimmed.size_bytes == 0) {  // it never was empty
+    is_spoilt_ = true;
+    last_before_.reset();
+  }
+  return trimmed;
+}
+
 void LogKeeper::prepare_restart() {
   note_first_event();
-  const TrimmedLog trimmed = trim_log(path_);
-  outcome_.bytes_dropped += trimmed.dropped_bytes;
+  const TrimmedLog trimmed = trim();
   // A logger that dies again before it wrote anything leaves the gap open.
   if (!last_before_) {
     last_before_ = trimmed.last;
@@ -88,7 +102,7 @@ std::vector<std::string> LogKeeper::stop(milliseconds patience) {
     outcome_.is_good = killed.empty() && status.last_end == "exit 0";
   }
   if (!killed.empty()) {
-    outcome_.bytes_dropped += trim_log(path_).dropped_bytes;
+    trim();
   }
   note_first_event();
   return killed;
@@ -99,6 +113,7 @@ Child* LogKeeper::recorder() { return supervisor_.find(kRecorderProcess); }
 LogOutcome LogKeeper::outcome() const {
   LogOutcome out = outcome_;
   out.restarts = supervisor_.restarts();
+  out.is_good = out.is_good && !is_spoilt_;
   return out;
 }
 

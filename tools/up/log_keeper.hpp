@@ -9,6 +9,7 @@
 
 #include "bus/node/clock.hpp"
 #include "tools/supervisor/supervisor.hpp"
+#include "tools/up/log_tail.hpp"
 #include "trial/observe/announcer.hpp"
 
 namespace vantage::tools {
@@ -27,7 +28,8 @@ struct LogOutcome {
   double unrecorded_s = 0.0;        ///< from the last event before each death to the first after it
   std::uint64_t bytes_dropped = 0;  ///< of events that a death of the logger cut in two
   bool is_to_the_end = true;        ///< what was published last is in it
-  bool is_good = true;              ///< the last recorder lost nothing and was refused nothing
+  /// The last recorder lost nothing and was refused nothing, and what was there at each restart is.
+  bool is_good = true;
 };
 
 /// Keeps a recorder writing one file. When it dies the event it was writing is cut off and the next
@@ -53,13 +55,14 @@ class LogKeeper {
   /// The recorder while it runs, else null.
   [[nodiscard]] Child* recorder();
   /// Ends the recorder, which first writes what it has heard; what had to be killed. The file is
-  /// whole in either case. @throws StartupError when what a killed one left cannot be cut off.
+  /// whole in either case, unless what a killed one left cannot be cut off: then it is not good.
   std::vector<std::string> stop(std::chrono::milliseconds patience);
 
   [[nodiscard]] const Supervisor& supervisor() const { return supervisor_; }
   [[nodiscard]] LogOutcome outcome() const;
 
  private:
+  TrimmedLog trim();
   void prepare_restart();
   void note_first_event();
 
@@ -68,6 +71,7 @@ class LogKeeper {
   LogOutcome outcome_;
   std::optional<Time> last_before_;  ///< while the first event after a restart is awaited
   std::uint64_t size_before_bytes_ = 0;
+  bool is_spoilt_ = false;  ///< gone or unreadable at a restart, or its torn end not cut off
 };
 
 }  // namespace vantage::tools

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
+#include <vector>
 
 #include "core/check.hpp"
 #include "logs/file/log_scan.hpp"
-#include "logs/file/mapped_file.hpp"
 #include "logs/file/wire_witness.hpp"
 
 namespace vantage::tools {
@@ -16,8 +17,21 @@ namespace {
 constexpr std::size_t kTailBytes = std::size_t{8} << 20U;
 constexpr std::size_t kSearchedBytes = std::size_t{1} << 20U;
 
-std::span<const std::uint8_t> last_of(const logs::MappedFile& file, std::size_t bytes) {
-  return file.bytes().last(std::min(bytes, file.bytes().size()));
+using Bytes = std::vector<std::uint8_t>;
+
+// Read, not mapped: what a disk refuses, or somebody cuts meanwhile, is an end here, not a signal.
+// A log that is gone or unreadable ends no flight: nothing then.
+Bytes read_from(const std::string& path, std::uint64_t offset, std::size_t bytes_max) {
+  std::ifstream file(path, std::ios::binary);
+  Bytes out;
+  if (file.seekg(0, std::ios::end) && file.tellg() > static_cast<std::streamoff>(offset)) {
+    const auto rest = static_cast<std::uint64_t>(file.tellg()) - offset;
+    out.resize(std::min<std::uint64_t>(bytes_max, rest));
+    file.seekg(static_cast<std::streamoff>(offset));
+    file.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(out.size()));
+    out.resize(static_cast<std::size_t>(file.gcount()));
+  }
+  return out;
 }
 
 }  // namespace
@@ -39,13 +53,15 @@ TrimmedLog trim_log(const std::string& path) {
   if (error) {
     return {};
   }
-  {
-    const logs::MappedFile file(path);
-    const auto last_bytes = last_of(file, kTailBytes);
-    const LogTail tail = find_tail(last_bytes);
-    trimmed.last = tail.last;
-    trimmed.dropped_bytes = tail.last ? last_bytes.size() - tail.whole_bytes : 0;
+  const std::uint64_t first =
+      trimmed.size_bytes - std::min<std::uint64_t>(trimmed.size_bytes, kTailBytes);
+  const Bytes last_bytes = read_from(path, first, kTailBytes);
+  if (first + last_bytes.size() != trimmed.size_bytes) {
+    throw StartupError(path + ": its end cannot be read");
   }
+  const LogTail tail = find_tail(last_bytes);
+  trimmed.last = tail.last;
+  trimmed.dropped_bytes = tail.last ? last_bytes.size() - tail.whole_bytes : 0;
   if (trimmed.dropped_bytes > 0) {
     trimmed.size_bytes -= trimmed.dropped_bytes;
     std::filesystem::resize_file(path, trimmed.size_bytes, error);
@@ -57,15 +73,19 @@ TrimmedLog trim_log(const std::string& path) {
 }
 
 std::optional<Time> event_time_at(const std::string& path, std::uint64_t offset) {
-  const logs::MappedFile file(path);
-  const auto event =
-      offset < file.bytes().size() ? logs::event_at(file.bytes(), offset) : std::nullopt;
+  const Bytes bytes = read_from(path, offset, kTailBytes);
+  const auto event = bytes.empty() ? std::nullopt : logs::event_at(bytes, 0);
   return event ? std::optional(event->time) : std::nullopt;
 }
 
 bool ends_with(const std::string& path, std::span<const std::uint8_t> bytes) {
-  const logs::MappedFile file(path);
-  const auto last_bytes = last_of(file, kSearchedBytes);
+  std::error_code error;
+  const std::uint64_t size_bytes = std::filesystem::file_size(path, error);
+  if (error) {
+    return false;
+  }
+  const Bytes last_bytes = read_from(
+      path, size_bytes - std::min<std::uint64_t>(size_bytes, kSearchedBytes), kSearchedBytes);
   return std::search(last_bytes.begin(), last_bytes.end(), bytes.begin(), bytes.end()) !=
          last_bytes.end();
 }

@@ -29,10 +29,10 @@ struct TrimmedLog {
 /// Precondition: nobody writes to it. @throws StartupError when it cannot be read or cut.
 TrimmedLog trim_log(const std::string& path);
 
-/// When the event at `offset` was logged; nullopt while it is not all there.
+/// When the event at `offset` was logged; nullopt while it is not all there, or cannot be read.
 std::optional<Time> event_time_at(const std::string& path, std::uint64_t offset);
 
-/// Whether `bytes` stand somewhere in the last mebibyte of the file.
+/// Whether `bytes` stand somewhere in the last mebibyte of the file; false when it cannot be read.
 bool ends_with(const std::string& path, std::span<const std::uint8_t> bytes);
 
 }  // namespace vantage::tools

@@ -4,11 +4,13 @@
 #include <cctype>
 #include <chrono>
 #include <csignal>
+#include <exception>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -83,6 +85,7 @@ class Up {
   }
   void listen();
   void turn();
+  bool turn_well();
   void take(const std::vector<SupervisorEvent>& events);
   void watch(const std::vector<ProcessSpec>& processes);
   void end_the_hung();
@@ -305,6 +308,21 @@ void Up::turn() {
   }
 }
 
+// An error of this program is no reason to leave vehicles in the air, or a trial without its words.
+bool Up::turn_well() {
+  try {
+    turn();
+    return true;
+  } catch (const std::exception& error) {
+    if (result_.broken.empty()) {
+      result_.broken = error.what();
+      display_.say(std::string("the trial ends, for an error of the program: ") + error.what());
+    }
+    std::this_thread::sleep_for(milliseconds(10));  // so long at least a turn takes
+    return false;
+  }
+}
+
 // Without the simulator there is no vehicle left to land.
 void Up::land() {
   FlightProgram& program = pilot_->program();
@@ -313,7 +331,7 @@ void Up::land() {
   const Time give_up = clock_.now() + kLandingPatience;
   while (!program.is_down() && clock_.now() < give_up && team_.lost_essential() != kSimProcess &&
          options_.stop_requests() <= requests_heeded_) {
-    turn();
+    turn_well();
   }
   requests_heeded_ = std::clamp(options_.stop_requests(), requests_heeded_, 2);
   result_.left_flying = program.not_down();
@@ -375,8 +393,7 @@ void Up::stop_all() {
 
 UpResult Up::run(const std::function<bool()>& stop) {
   const Time end = start_ + from_seconds(scenario_.duration_s);
-  while (!stop() && clock_.now() < end && !team_.lost_essential()) {
-    turn();
+  while (!stop() && clock_.now() < end && !team_.lost_essential() && turn_well()) {
   }
   result_.summary = observer_.metrics().finish(clock_.now());
   if (pilot_) {

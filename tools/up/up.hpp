@@ -35,6 +35,7 @@ struct UpResult {
   bool log_was_unwritten = false;        ///< for a while; the flight went on
   int world_restarts = 0;                ///< of the simulator: the world began anew
   bool has_other_scenario = false;       ///< another host flies another scenario file
+  std::string broken;                    ///< what went wrong in the program itself, if anything
   double stop_s = 0.0;                   ///< from the end (of the landings) until all were gone
   std::vector<std::string> killed;       ///< that did not end in time by themselves
   std::vector<std::string> cut_short;    ///< killed because one more request left them no time

@@ -33,8 +33,8 @@ bool is_good(const UpResult& result) {
   return std::none_of(result.processes.begin(), result.processes.end(), is_given_up) &&
          result.killed.empty() && result.cut_short.empty() && result.ended_badly.empty() &&
          result.never_flown.empty() && result.left_flying.empty() && result.world_restarts == 0 &&
-         !result.has_other_scenario && !result.log_was_unwritten && result.log.is_to_the_end &&
-         result.log.is_good && result.summary.collisions == 0;
+         !result.has_other_scenario && result.broken.empty() && !result.log_was_unwritten &&
+         result.log.is_to_the_end && result.log.is_good && result.summary.collisions == 0;
 }
 
 std::vector<std::string> remarks(const UpResult& result) {
@@ -70,6 +70,9 @@ std::vector<std::string> remarks(const UpResult& result) {
   }
   if (result.has_other_scenario) {
     out.push_back("another host flew another scenario file");
+  }
+  if (!result.broken.empty()) {
+    out.push_back("the trial was ended by an error of the program: " + result.broken);
   }
   for (const std::string& name : result.killed) {
     out.push_back(name + " did not end by itself and was killed");
@@ -120,6 +123,7 @@ Json to_json(const UpResult& result) {
   out["never_flown"] = result.never_flown;
   out["left_flying"] = result.left_flying;
   out["other_scenario"] = result.has_other_scenario;
+  out["broken"] = result.broken;
   out["stop_s"] = result.stop_s;
   return out;
 }

@@ -18,7 +18,7 @@ std::vector<std::string> remarks(const UpResult& result);
 
 /// The summary's keys, then `log`, `processes` (those that ended during the trial), `restarts`,
 /// `given_up`, `world_restarts`, `killed`, `ended_badly`, `never_flown`, `left_flying`,
-/// `other_scenario`, `stop_s`.
+/// `other_scenario`, `broken`, `stop_s`.
 nlohmann::ordered_json to_json(const UpResult& result);
 
 }  // namespace vantage::tools

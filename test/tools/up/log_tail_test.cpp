@@ -92,6 +92,12 @@ TEST_F(LogFile, TellsWhenTheEventAtAnOffsetWasLogged) {
   EXPECT_FALSE(event_time_at(path_, log_of(3).size()));
 }
 
+TEST_F(LogFile, ThatIsGoneEndsNoFlight) {
+  const std::string absent = path_ + ".absent";
+  EXPECT_FALSE(event_time_at(absent, 0));
+  EXPECT_FALSE(ends_with(absent, Bytes{1}));
+}
+
 TEST_F(LogFile, IsSearchedForWhatWasPublishedLast) {
   Bytes bytes = log_of(2);
   logs::append_event({2, from_utime(5), "LAST", Bytes{7, 8, 9, 10}}, bytes);

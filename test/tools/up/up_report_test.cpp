@@ -46,6 +46,15 @@ TEST(UpReport, IsNotGoodWhenTheLogCouldNotBeWritten) {
   EXPECT_EQ(to_json(result)["log"]["was_unwritten"], true);
 }
 
+TEST(UpReport, IsNotGoodWhenTheProgramItselfFailed) {
+  UpResult result;
+  result.broken = "out of memory";
+  EXPECT_FALSE(is_good(result));
+  EXPECT_EQ(remarks(result), std::vector<std::string>{
+                                 "the trial was ended by an error of the program: out of memory"});
+  EXPECT_EQ(to_json(result)["broken"], "out of memory");
+}
+
 TEST(UpReport, SaysWhyAProcessWasKilled) {
   UpResult result;
   result.killed = {"sim"};
