@@ -7,9 +7,8 @@
 namespace vantage::drivers {
 namespace {
 
-constexpr double kSlack = 1e-6;         // of numbers that went over the wire
-constexpr double kStepMinS = 1e-3;      // at 2 m/s: 2 mm
-constexpr double kDurationMaxS = 60.0;  // of a whole plan
+constexpr double kSlack = 1e-6;     // of numbers that went over the wire
+constexpr double kStepMinS = 1e-3;  // at 2 m/s: 2 mm
 constexpr double kFarM = 1e6;
 
 bool is_finite(const HeldPlan& plan) {
@@ -23,7 +22,7 @@ bool is_finite(const HeldPlan& plan) {
              segment.brake_mps2 >= 0.0 && std::isfinite(segment.brake_mps2);
     sum_s += segment.duration_s;
   }
-  return finite && sum_s <= kDurationMaxS;  // false for NaN and infinity, too
+  return finite && sum_s <= models::kFlownDurationMax_s;  // false for NaN and infinity, too
 }
 
 bool is_feasible(const HeldPlan& plan, const SafetyLimits& limits) {
@@ -149,8 +148,9 @@ PlanVerdict check_way(const HeldPlan& plan, Time now, const SafetyLimits& limits
       if (apart_m < -kSlack) {
         return PlanVerdict::kTeammate;
       }
-      const double other_mps =
-          other.plan == nullptr ? 0.0 : speed_max_mps(*other.plan, 0.0, kDurationMaxS);
+      const double other_mps = other.plan == nullptr
+                                   ? 0.0
+                                   : speed_max_mps(*other.plan, 0.0, models::kFlownDurationMax_s);
       step_s = std::min(step_s, apart_m / (own_mps + other_mps));
     }
     if (t_s >= end_s) {

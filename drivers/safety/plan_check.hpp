@@ -35,7 +35,7 @@ const char* name_of(PlanVerdict verdict);
 
 /// A plan in a fixed space, so that holding one never allocates.
 struct HeldPlan {
-  static constexpr std::size_t kSegmentsMax = 64;
+  static constexpr std::size_t kSegmentsMax = models::kFlownSegmentsMax;
   Time start_time{};
   Pose2 start;
   double height_m = 0.0;

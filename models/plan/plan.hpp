@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -33,6 +34,10 @@ struct Trajectory {
   double height_m = 0.0;
   std::vector<PlanSegment> segments;
 };
+
+/// What is flown at most: so many segments, the stop among them, and so long until the hover.
+inline constexpr std::size_t kFlownSegmentsMax = 64;
+inline constexpr double kFlownDurationMax_s = 60.0;
 
 /// A state along a trajectory.
 struct TrajectoryPoint {

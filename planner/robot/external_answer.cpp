@@ -1,5 +1,6 @@
 #include "planner/robot/external_answer.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/angle.hpp"
@@ -43,7 +44,9 @@ std::optional<models::Trajectory> motion_of_answer(const models::RobotPlan& answ
                                                    const scenario::PlannerSpec& planner,
                                                    const models::VehicleLimits& limits) {
   models::Trajectory motion = answer.trajectory;
-  const auto segments_max = static_cast<std::size_t>(4 * planner.horizon_steps);
+  const auto steps = static_cast<std::size_t>(planner.horizon_steps);
+  const std::size_t segments_max =
+      std::clamp(models::kFlownSegmentsMax - 1, steps, 4 * steps);  // and a stop
   if (!begins_as(motion, committed) || motion.segments.size() > segments_max) {
     return std::nullopt;
   }

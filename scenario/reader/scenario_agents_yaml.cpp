@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "models/plan/plan.hpp"
 #include "models/sensor/law.hpp"
 #include "scenario/reader/scenario_detection_yaml.hpp"
 
@@ -248,6 +249,35 @@ void check_separation(Mapping& from, const RobotSpec& robot, const Scenario& sce
   }
 }
 
+/// Refuses plans that no driver flies, where there is one: teammates' plans are kept clear of, too.
+void check_plans(Mapping& top, const Scenario& scenario) {
+  constexpr int kStepsMax = static_cast<int>(models::kFlownSegmentsMax) - 1;
+  constexpr double kRounding_s = 1e-6;
+  const PlannerSpec& planner = scenario.planner;
+  const bool has_driver =
+      std::any_of(scenario.robots.begin(), scenario.robots.end(),
+                  [](const RobotSpec& robot) { return robot.device != DeviceSource::kDirect; });
+  if (!has_driver) {
+    return;
+  }
+  if (planner.horizon_steps > kStepsMax) {
+    top.refuse("planner",
+               fmt::format("horizon_steps must be at most {} where a robot's device is wire or "
+                           "real, whose plans are of so many steps and a stop; is {}",
+                           kStepsMax, planner.horizon_steps));
+  }
+  for (const RobotSpec& robot : scenario.robots) {
+    const double plan_s = planner.horizon_steps * planner.step_s +
+                          robot.limits.speed_max_mps / robot.limits.brake_mps2;
+    if (plan_s > models::kFlownDurationMax_s - kRounding_s) {
+      top.refuse("planner",
+                 fmt::format("horizon_steps · step_s and the longest stop of {}, {:.4g} s, must be "
+                             "below {} s where a robot's device is wire or real",
+                             robot.name, plan_s, models::kFlownDurationMax_s));
+    }
+  }
+}
+
 void read_robot(Mapping& from, const Scenario& scenario, RobotSpec& robot) {
   from.require("name");
   from.require("start");
@@ -376,6 +406,7 @@ void read_robots(Mapping& top, Scenario& scenario) {
     read_mapping(layers, [&](Mapping& from) { read_robot(from, scenario, robot); });
     scenario.robots.push_back(std::move(robot));
   }
+  check_plans(top, scenario);
 }
 
 void read_targets(Mapping& top, Scenario& scenario) {

@@ -27,6 +27,10 @@ namespace {
 
 constexpr double kDurationMaxS = 86'400.0;
 constexpr double kGridCellsMax = 4e6;
+// A belief tells of targets and cells, in a message of 4 MiB at most.
+constexpr double kBeliefBytesMax = 4e6;
+constexpr double kTargetBytes = 200.0;
+constexpr double kCellBytes = 8.0;
 
 void read_rectangle(Mapping& from, models::Rectangle& rectangle) {
   const Range coordinate = from_to(-kLengthMaxM, kLengthMaxM);
@@ -135,19 +139,33 @@ void read_target_model(Mapping& from, const models::World& world, models::Target
   }
 }
 
-void check_grid(Mapping& from, const models::World& world, const EstimatorSpec& estimator) {
-  const Eigen::Vector2d size_m = world.bounds.max_m - world.bounds.min_m;
-  const double cells = (size_m / estimator.grid_resolution_m).array().ceil().prod();
-  if (cells > kGridCellsMax) {
-    from.refuse("grid_resolution_m",
-                fmt::format("must cut world.bounds into at most {} cells, {} makes {:.3g}",
-                            kGridCellsMax, estimator.grid_resolution_m, cells));
+void check_grid(Mapping& from, const Scenario& scenario) {
+  const double resolution_m = scenario.estimator.grid_resolution_m;
+  const auto refuse_above = [&](double cells_max, const Eigen::Vector2d& size_m, const char* what) {
+    const double cells = (size_m / resolution_m).array().ceil().prod();
+    if (cells > cells_max) {
+      from.refuse("grid_resolution_m",
+                  fmt::format("must cut {} into at most {:.0f} cells, {} makes {:.0f}", what,
+                              cells_max, resolution_m, cells));
+    }
+  };
+  const Eigen::Vector2d size_m = scenario.world.bounds.max_m - scenario.world.bounds.min_m;
+  refuse_above(kGridCellsMax, size_m, "world.bounds");
+  const double told_cells_max = std::floor(
+      (kBeliefBytesMax - kTargetBytes * static_cast<double>(scenario.targets.size())) / kCellBytes);
+  if (const double near_m = scenario.network.neighbourhood_m; near_m > 0.0) {
+    refuse_above(told_cells_max, size_m.cwiseMin(2.5 * near_m),
+                 "the 2.5 · network.neighbourhood_m that a belief tells of");
+  } else {
+    refuse_above(told_cells_max, size_m, "world.bounds, which a belief tells of,");
   }
 }
 
-void read_estimator(Mapping& from, const models::World& world, EstimatorSpec& estimator) {
-  from.section("target_model",
-               [&](Mapping& model) { read_target_model(model, world, estimator.target_model); });
+void read_estimator(Mapping& from, Scenario& scenario) {
+  EstimatorSpec& estimator = scenario.estimator;
+  from.section("target_model", [&](Mapping& model) {
+    read_target_model(model, scenario.world, estimator.target_model);
+  });
   from.number("prior_position_sigma_m", estimator.prior_position_sigma_m, above(0.0));
   from.number("prior_velocity_sigma_mps", estimator.prior_velocity_sigma_mps, above(0.0));
   from.number("undiscovered_position_sigma_m", estimator.undiscovered_position_sigma_m, above(0.0));
@@ -158,7 +176,7 @@ void read_estimator(Mapping& from, const models::World& world, EstimatorSpec& es
   from.number("detection_probability", estimator.detection_probability, from_below(0.0, 1.0));
   from.flag("targets_stay_inside", estimator.targets_stay_inside);
   from.flag("samples", estimator.samples);
-  check_grid(from, world, estimator);
+  check_grid(from, scenario);
 }
 
 void read_exploration(Mapping& from, models::ExplorationSpec& exploration) {
@@ -335,14 +353,11 @@ void read_scenario(Mapping& top, Scenario& scenario) {
   read_targets(top, scenario);
   top.section("target_truth",
               [&](Mapping& from) { read_target_truth(from, scenario.target_truth); });
-  const bool has_estimator = top.section("estimator", [&](Mapping& from) {
-    read_estimator(from, scenario.world, scenario.estimator);
-  });
-  if (!has_estimator) {
-    check_grid(top, scenario.world, scenario.estimator);
-  }
   if (!top.section("network", [&](Mapping& from) { read_network(from, scenario); })) {
     check_neighbourhood(top, scenario);
+  }
+  if (!top.section("estimator", [&](Mapping& from) { read_estimator(from, scenario); })) {
+    check_grid(top, scenario);
   }
   top.section("security", [&](Mapping& from) { read_security(from, scenario.security); });
   top.section("mocap", [&](Mapping& from) { read_mocap(from, scenario.mocap); });

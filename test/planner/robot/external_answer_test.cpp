@@ -140,6 +140,10 @@ TEST_F(MotionOfAnswer, LastsForItsHorizonAndAStop) {
   EXPECT_FALSE(motion(driven({stop(1.5), stop(0.5 + 1e-6)})));
   EXPECT_TRUE(motion(driven(std::vector<models::PlanSegment>(16, drive(0.1)))));
   EXPECT_FALSE(motion(driven(std::vector<models::PlanSegment>(17, drive(0.1)))));
+  // A vehicle flies 64, and one is the stop.
+  planner_.horizon_steps = 40;
+  EXPECT_TRUE(motion(driven(std::vector<models::PlanSegment>(63, drive(0.1)))));
+  EXPECT_FALSE(motion(driven(std::vector<models::PlanSegment>(64, drive(0.1)))));
 }
 
 // Whatever speed it is left with is braked away by the vehicle's own brake; what stands stays so.

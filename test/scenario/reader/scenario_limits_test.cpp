@@ -257,9 +257,9 @@ TEST(ScenarioLimits, OfMapsAreTakenAndNothingBeyond) {
   for (const char* key : {"mapping.resolution_m", "estimator.grid_resolution_m"}) {
     const bool is_map = std::string(key) == "mapping.resolution_m";
     const Limit cells{key, "", "", "", ""};
-    // In estimators' grids 2000 by 2000 cells are the four millions that may be, 2001 by 2001 more.
-    EXPECT_EQ(answer_to(cells, is_map ? "0.1794" : "0.02"), "taken");
-    EXPECT_NE(answer_to(cells, is_map ? "0.1788" : "0.01999").find("must cut world.bounds into"),
+    // In estimators' grids 707 by 707 cells are less than the half million that a belief tells of.
+    EXPECT_EQ(answer_to(cells, is_map ? "0.1794" : "0.0566"), "taken");
+    EXPECT_NE(answer_to(cells, is_map ? "0.1788" : "0.0565").find("must cut world.bounds"),
               std::string::npos)
         << key;
   }

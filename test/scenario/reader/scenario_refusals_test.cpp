@@ -295,7 +295,7 @@ TEST(ParseScenario, RefusesWhatOnlySeveralKeysTogetherMakeWrong) {
   EXPECT_EQ(refusal_of("name: x\nworld: {bounds: {min_m: [0, 0], max_m: [9000, 9000]}}\n" + kRobot +
                        kTargets),
             "lab.yaml:1: grid_resolution_m: must cut world.bounds into at most 4000000 cells, "
-            "0.25 makes 1.3e+09");
+            "0.25 makes 1296000000");
   const std::string base = "name: x\n" + kWorld + kRobot;
   EXPECT_EQ(refusal_of(base + "targets:\n  - {id: 1}\n  - {id: 1}\n"),
             "lab.yaml:6: targets[1].id: is taken: a target before has the id 1");

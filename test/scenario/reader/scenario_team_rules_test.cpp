@@ -34,7 +34,7 @@ TEST(ScenarioRules, GridsAndDrawsAreOfTheWorldWhereverItLies) {
               "makes 8e+04");
     EXPECT_EQ(answer_to(world(x_m, y_m, "estimator: {grid_resolution_m: 0.03125}\n")),
               "f:6: estimator.grid_resolution_m: must cut world.bounds into at most 4000000 cells, "
-              "0.03125 makes 5.12e+06");
+              "0.03125 makes 5120000");
     const models::Surroundings drawn =
         parse_scenario(
             world(x_m, y_m, "estimator: {target_model: {kind: damped_oscillator, q: 0.1}}\n"), "f")
@@ -88,6 +88,61 @@ TEST(ScenarioRules, TeamsAgreeInOneWayAtATime) {
             "f:8: planner.attacks_max: must be at least 0 and at most 1000, is '1001'");
   EXPECT_EQ(with("attacks_max: 5"),
             "f:8: planner: attacks_max must be below the number of robots, 2, is 5");
+}
+
+// What was seen when is told with each belief, beside the targets: of the world, or of what is
+// near.
+TEST(ScenarioRules, GridsFitIntoAMessage) {
+  const auto with = [](const std::string& side_m, const std::string& resolution_m,
+                       const std::string& neighbourhood_m, const std::string& targets = "1") {
+    return answer_to("name: x\nworld: {bounds: {min_m: [0, 0], max_m: [" + side_m + ", " + side_m +
+                     "]}}\ntargets: {count: " + targets + "}\n" + kDefaults +
+                     "robots: [{name: A, start: {x_m: 2, y_m: 2}}]\nestimator: "
+                     "{grid_resolution_m: " +
+                     resolution_m + "}\nnetwork: {neighbourhood_m: " + neighbourhood_m + "}\n");
+  };
+  EXPECT_EQ(with("707", "1", "0"), "taken");
+  EXPECT_EQ(
+      with("708", "1", "0"),
+      "f:6: estimator.grid_resolution_m: must cut world.bounds, which a belief tells of, into "
+      "at most 499975 cells, 1 makes 501264");
+  EXPECT_EQ(with("707", "1", "0", "7"),
+            "f:6: estimator.grid_resolution_m: must cut world.bounds, "
+            "which a belief tells of, into at most 499825 cells, 1 "
+            "makes 499849");
+  EXPECT_EQ(with("707", "1", "0", "6"), "taken") << "499850 cells";
+  EXPECT_EQ(with("1000", "0.5", "80"), "taken") << "four millions, and 400 by 400 of them are told";
+  EXPECT_EQ(with("1000", "0.4999", "80"),
+            "f:6: estimator.grid_resolution_m: must cut world.bounds into at most 4000000 cells, "
+            "0.4999 makes 4004001");
+  EXPECT_EQ(with("400", "0.283", "80"), "taken") << "707 by 707";
+  EXPECT_EQ(with("400", "0.28", "80"),
+            "f:6: estimator.grid_resolution_m: must cut the 2.5 · network.neighbourhood_m that a "
+            "belief tells of into at most 499975 cells, 0.28 makes 511225");
+}
+
+// 63 steps and a stop are 64 segments; a stop from 4 m/s at 2 m/s² takes 2 s.
+TEST(ScenarioRules, DriversAreGivenPlansThatTheyFly) {
+  const auto with = [](const std::string& device, const std::string& horizon_steps,
+                       const std::string& step_s) {
+    return answer_to_two(
+        ", start: {x_m: 2, y_m: 2}, device: " + device,
+        ", start: {x_m: -2, y_m: -2}, limits: {speed_max_mps: 4, brake_mps2: 2}",
+        "planner: {horizon_steps: " + horizon_steps + ", step_s: " + step_s + "}\n");
+  };
+  for (const std::string device :
+       {"wire", "real, autopilot: {dialect: px4, url: \"udp://:1\", key_file: k, system_id: 1}"}) {
+    EXPECT_EQ(with(device, "63", "0.5"), "taken");
+    EXPECT_EQ(with(device, "64", "0.5"),
+              "f:8: planner: horizon_steps must be at most 63 where a robot's device is wire or "
+              "real, whose plans are of so many steps and a stop; is 64");
+  }
+  EXPECT_EQ(with("direct", "64", "0.5"), "taken");
+  EXPECT_EQ(with("wire", "39", "1.4871"), "taken") << "57.997 s, and 2 s";
+  EXPECT_EQ(with("direct", "39", "1.4872"), "taken");
+  EXPECT_EQ(with("wire", "39", "1.4872"),
+            "f:8: planner: horizon_steps · step_s and the longest stop of B, 60 s, must be below "
+            "60 s where a robot's device is wire or real");
 }
 
 // Of one robot as it is by default: 2 (3 (6 + 2 · 3) + 9/4) + 0.6 + 2 · 0.2 m.
