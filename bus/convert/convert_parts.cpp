@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include <Eigen/Cholesky>
 
@@ -12,6 +13,21 @@ bool is_utime(std::int64_t utime) { return utime >= -kUtimeMax && utime <= kUtim
 
 bool is_text(const std::string& text, std::size_t bytes_max) {
   return text.size() <= bytes_max && is_utf8(text);
+}
+
+std::string fitting(std::string text) {
+  constexpr std::string_view kMore = "…";
+  if (!is_utf8(text)) {
+    text = readable(text);
+  }
+  if (text.size() > kTextBytesMax) {
+    text.resize(kTextBytesMax - kMore.size());
+    while (!is_utf8(text)) {
+      text.pop_back();  // a character that was cut in two
+    }
+    text += kMore;
+  }
+  return text;
 }
 
 bool is_count(std::int64_t count, std::size_t elements, std::size_t cap) {

@@ -42,6 +42,8 @@ using Rows = std::vector<std::vector<double>>;
 bool is_utime(std::int64_t utime);
 /// At most `bytes_max` bytes of UTF-8 without NUL.
 bool is_text(const std::string& text, std::size_t bytes_max = kTextBytesMax);
+/// `text` as is_text() takes it: readable() unless it is UTF-8, ending in "…" where it was longer.
+std::string fitting(std::string text);
 /// The count on the wire, the elements there are and the cap agree.
 bool is_count(std::int64_t count, std::size_t elements, std::size_t cap = kItemsMax);
 template <class... Doubles>

@@ -34,7 +34,9 @@ vantage_lcm::quadrotor_t to_wire(const models::VehicleStatus& status) {
   wire.setpoint_height_m = status.setpoint_height_m;
   wire.plan_round = status.plan_round;
   wire.num_reasons = count_of(status.reasons.size());
-  wire.reasons = status.reasons;
+  for (const std::string& reason : status.reasons) {
+    wire.reasons.push_back(fitting(reason));
+  }
   return wire;
 }
 
@@ -151,7 +153,7 @@ vantage_lcm::host_t to_wire(const models::HostReport& report) {
     out.down_s = process.down_s;
     out.cpu_share = process.cpu_share;
     out.memory_bytes = process.memory_bytes;
-    out.last_end = process.last_end;
+    out.last_end = fitting(process.last_end);
   }
   return wire;
 }

@@ -25,7 +25,9 @@ NeighbourWatch::NeighbourWatch(const scenario::Scenario& scenario, const std::st
 }
 
 void NeighbourWatch::on_frame(const models::MocapFrame& frame) {
-  if (robots_.empty() || frame.stamp.time < next_) {
+  // A frame of long before the last one looked at: that one's time was wrong, or the clock is set.
+  const Duration since = looked_ ? frame.stamp.time - *looked_ : step_;
+  if (robots_.empty() || (since < step_ && since > -step_)) {
     return;
   }
   was_near_ = is_near_;
@@ -35,7 +37,7 @@ void NeighbourWatch::on_frame(const models::MocapFrame& frame) {
       (is_near_[i] != 0 ? comes_ : goes_)(robots_[i]);
     }
   }
-  next_ = frame.stamp.time + step_;
+  looked_ = frame.stamp.time;
 }
 
 }  // namespace vantage::bus

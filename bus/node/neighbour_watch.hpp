@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ class NeighbourWatch {
   std::vector<std::string> robots_;
   std::vector<std::uint8_t> is_near_;  ///< of robots_, at the last look
   std::vector<std::uint8_t> was_near_;
-  Time next_ = Time::min();
+  std::optional<Time> looked_;  ///< at a frame of then
 };
 
 }  // namespace vantage::bus

@@ -278,5 +278,42 @@ TEST(Limits, OfAMap) {
   EXPECT_EQ(back->team_looks, (std::vector<std::int16_t>{7, 8, 9, 0, 0, 0}));
 }
 
+// An autopilot's words are as long as it likes, and what stands beside them is not lost for that.
+TEST(Limits, ReasonsThatAreTooLongAreCutAndNotRefused) {
+  const auto told = [](const std::string& reason) {
+    models::VehicleStatus status;
+    status.reasons = {reason, "and this"};
+    const auto back = from_wire(to_wire(status));
+    return back ? back->reasons : std::vector<std::string>{"refused"};
+  };
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{255}, std::size_t{256}}) {
+    const std::string whole(bytes, 'r');
+    EXPECT_EQ(told(whole), (std::vector<std::string>{whole, "and this"})) << bytes;
+  }
+  for (const std::size_t bytes : {257U, 258U, 500U, 100'000U}) {
+    EXPECT_EQ(told(std::string(bytes, 'r')),
+              (std::vector<std::string>{std::string(253, 'r') + "…", "and this"}))
+        << bytes;
+  }
+  // No character is cut in two: 253 bytes would end within one of two bytes, of three, of four.
+  for (const std::string& character : {std::string("ü"), std::string("→"), std::string("😀")}) {
+    for (std::size_t before = 0; before < 4; ++before) {
+      std::string text(before, 'r');
+      while (text.size() <= 256) {
+        text += character;
+      }
+      const std::string cut = told(text).front();
+      EXPECT_LE(cut.size(), 256U);
+      EXPECT_GT(cut.size(), 256U - character.size());
+      const std::string kept = cut.substr(0, cut.size() - std::string("…").size());
+      EXPECT_EQ(cut, kept + "…");
+      EXPECT_EQ(text.substr(0, kept.size()), kept);
+      EXPECT_EQ((kept.size() - before) % character.size(), 0U);
+    }
+  }
+  const std::string torn = std::string("a") + '\xe2' + '\0' + "b";
+  EXPECT_EQ(told(torn), (std::vector<std::string>{"a\\xE2\\x00b", "and this"}));
+}
+
 }  // namespace
 }  // namespace vantage::bus

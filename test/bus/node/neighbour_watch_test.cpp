@@ -61,6 +61,22 @@ TEST_F(Listened, ToThoseWhoAreNearAsTheyComeAndGo) {
   EXPECT_EQ(to, (Names{"Q62", "Q63", "Q64", "Q65"}));
 }
 
+// One frame of next year, or a clock that was ahead and is set back.
+TEST_F(Listened, GoesOnAfterAFrameOfTheFuture) {
+  const scenario::Scenario scenario = in_a_row(9, 20.0);
+  NeighbourWatch near = watch(scenario);
+  for (const Duration ahead : {3 * kStep, Duration{365 * 86'400 * INT64_C(1'000'000)}}) {
+    near.on_frame(frame_of(scenario, kStart, 0.0));
+    EXPECT_EQ(to, (Names{"Q2", "Q3"}));
+    near.on_frame(frame_of(scenario, kStart + ahead, 0.0));
+    near.on_frame(frame_of(scenario, kStart + kStep, 80.0));
+    EXPECT_EQ(to, (Names{"Q7", "Q8", "Q9"}));
+    near.on_frame(frame_of(scenario, kStart + kStep - Duration{1}, 0.0));
+    EXPECT_EQ(to, (Names{"Q7", "Q8", "Q9"})) << "one that was overtaken";
+    near.on_frame(frame_of(scenario, kStart + kStep + kStep, 80.0));
+  }
+}
+
 TEST_F(Listened, ToOthersThanItselfWhereverItStandsInTheTeam) {
   const scenario::Scenario alone = in_a_row(4, 0.0);
   NeighbourWatch all = watch(alone, "Q3");
