@@ -4,7 +4,7 @@
 Waits until every vehicle that speaks on VEHICLE_* follows plans. Then, for 8 s, forges what it hears
 with the live streams' own run ids, next sequence numbers and stamps of now: poses that drift away,
 plans that stand still, orders to land, to disarm and to arm; each unsigned, with the trailer of the
-true message behind it, and the true message again. TYPES is a folder of lcm-gen --python; SPAN a file
+true message behind it, and the true message again. Ends with 3 when not all follow. TYPES is a folder of lcm-gen --python; SPAN a file
 that is given the first and the last instant of it, µs since the Unix epoch. To be run in a network of
 its own.
 """
@@ -21,8 +21,9 @@ from vantage_lcm.plan_t import plan_t  # noqa: E402
 from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
 from vantage_lcm.vicon_frame_t import vicon_frame_t  # noqa: E402
 
-FOLLOW, LAND, EMERGENCY_STOP, ARM = 1, 5, 6, 1
+IDLE, FOLLOW, LAND, EMERGENCY_STOP, ARM = 0, 1, 5, 6, 1
 SPAN_S, WAIT_S = 8.0, 100.0
+NOT_ALL_FOLLOW = 3
 
 receiver, sender = receiver_and_sender()
 receiver.settimeout(1.0)
@@ -68,16 +69,24 @@ def kinds(channel):
             command_t if channel == "COMMAND" else plan_t)
 
 
-said = {}
-give_up = time.monotonic() + WAIT_S
+said, changes, lifted = {}, [], set()
+start = time.monotonic()
+give_up = start + WAIT_S
 for channel, payload in heard():
     if channel and channel.startswith("VEHICLE_"):
         status = quadrotor_t.decode(payload)
-        said[status.robot] = (status.state, *status.reasons)
+        words = (status.state, *status.reasons)
+        if said.get(status.robot) != words:
+            changes.append(f"{time.monotonic() - start:7.2f} s {status.robot}: {words}")
+        said[status.robot] = words
+        lifted.update([status.robot] if status.state != IDLE else [])
+        if status.state == IDLE and status.robot in lifted:
+            give_up = 0.0  # one that has landed stays down
     if len(said) > 1 and all(state == FOLLOW for state, *_ in said.values()):
         break
     if time.monotonic() > give_up:
-        sys.exit(f"forge_live: not all follow: {said}")
+        print("forge_live: not all follow:", *changes, sep="\n  ", file=sys.stderr)
+        sys.exit(NOT_ALL_FOLLOW)
 
 begin = time.time()
 kinds_forged = set()
