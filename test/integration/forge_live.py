@@ -9,11 +9,10 @@ that is given the first and the last instant of it, µs since the Unix epoch. To
 its own.
 """
 
-import struct
 import sys
 import time
 
-from lcm_socket import GROUP, MAGIC_SHORT, PORT, receiver_and_sender
+from lcm_socket import receiver_and_sender, say, sent_by
 
 sys.path.insert(0, sys.argv[1])
 from vantage_lcm.command_t import command_t  # noqa: E402
@@ -37,11 +36,9 @@ def heard():
         except TimeoutError:
             yield None, b""
             continue
-        if sender.getsockname()[1] == source[1] or len(packet) < 9:
-            continue
-        if struct.unpack(">I", packet[:4])[0] == MAGIC_SHORT:
-            name, _, payload = packet[8:].partition(b"\0")
-            yield name.decode(), payload
+        channel, payload = sent_by(packet)
+        if channel and sender.getsockname()[1] != source[1]:
+            yield channel, payload
 
 
 sent = 0
@@ -49,8 +46,7 @@ sent = 0
 
 def send(channel, payload):
     global sent
-    packet = struct.pack(">II", MAGIC_SHORT, sent) + channel.encode() + b"\0" + payload
-    sender.sendto(packet, (GROUP, PORT))
+    say(sender, channel, payload, sent)
     sent += 1
 
 

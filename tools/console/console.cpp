@@ -10,6 +10,7 @@
 
 #include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
+#include "tools/console/order_queue.hpp"
 #include "tools/console/terminal.hpp"
 #include "tools/live/screen.hpp"
 
@@ -39,10 +40,8 @@ class ConsoleSession {
   void step() {
     if (desk_.tick(clock_.now())) {
       say(explain(desk_.station().role()));
-      for (const OperatorRequest& request : std::exchange(waiting_, {})) {
-        obey(request);
-      }
     }
+    say(orders_.tick(clock_.now()));
     if (desk_.is_unheard() && !std::exchange(was_unheard_, true)) {
       say(kUnheard);
     }
@@ -53,7 +52,7 @@ class ConsoleSession {
       }
       obey(*input);
     }
-    is_over_ |= terminal_.is_closed() && waiting_.empty();
+    is_over_ |= terminal_.is_closed();
     if (terminal_.is_interactive() && clock_.now() >= next_redraw_) {
       std::vector<std::string> lines = desk_.vehicle_table(clock_.now(), selected_);
       lines.push_back(note_);
@@ -64,13 +63,13 @@ class ConsoleSession {
   /// Says again what is to be repeated.
   void finish() { desk_.tick(clock_.now()); }
   [[nodiscard]] bool is_saying() const { return desk_.is_saying(); }
-  [[nodiscard]] bool is_over() const { return is_over_ && waiting_.empty(); }
-  [[nodiscard]] bool was_refused() const { return was_refused_; }
+  [[nodiscard]] bool is_over() const { return is_over_ && !orders_.is_waiting(); }
+  [[nodiscard]] bool was_refused() const { return was_refused_ || orders_.was_refused(); }
 
  private:
   void obey(const std::string& input) {
     if (terminal_.is_interactive()) {
-      if (const auto request = request_from_key(input[0], desk_.robots(), selected_)) {
+      if (const auto request = request_from_key(input, desk_.robots(), selected_)) {
         obey(*request);
       }
       return;
@@ -78,10 +77,11 @@ class ConsoleSession {
     if (input.find_first_not_of(" \t\r") == std::string::npos) {
       return;
     }
-    const Result<OperatorRequest> request = request_from_line(input, desk_.robots());
+    const Result<OperatorRequest> request = request_from_line(input);
     if (request.ok()) {
       obey(request.value());
     } else {
+      was_refused_ = true;
       say(request.error().message);
     }
   }
@@ -89,17 +89,7 @@ class ConsoleSession {
   void obey(const OperatorRequest& request) {
     switch (request.kind) {
       case OperatorRequest::Kind::kCommand:
-        if (!desk_.send(clock_.now(), request.action, request.robot)) {
-          if (desk_.station().role() == Station::Role::kListening) {
-            waiting_.push_back(request);
-          } else {
-            was_refused_ = true;
-            say(fmt::format("not sent: {}", explain(desk_.station().role())));
-          }
-          break;
-        }
-        say(fmt::format("sent {} to {}", tools::word_for(request.action),
-                        request.robot.empty() ? "all" : request.robot));
+        say(orders_.ask({request.action, request.robot}, clock_.now()));
         break;
       case OperatorRequest::Kind::kSelect:
         selected_ = request.robot;
@@ -114,6 +104,12 @@ class ConsoleSession {
     }
   }
 
+  void say(const std::vector<std::string>& lines) {
+    for (const std::string& words : lines) {
+      say(words);
+    }
+  }
+
   void say(const std::string& words) {
     note_ = words;
     if (!terminal_.is_interactive()) {
@@ -122,13 +118,13 @@ class ConsoleSession {
   }
 
   OperatorDesk desk_;
+  OrderQueue orders_{desk_};
   const bus::Clock& clock_;
   Terminal terminal_;
   Screen screen_;
   std::string selected_;
   std::string note_;
-  std::vector<OperatorRequest> waiting_;  // until the station knows whether it is in charge
-  bool was_refused_ = false;
+  bool was_refused_ = false;  // a line that is no request
   bool was_unheard_ = false;
   Time next_redraw_{};
   bool is_over_ = false;
@@ -176,7 +172,7 @@ bool OperatorDesk::send(Time now, models::OperatorAction action, const std::stri
   if (!station_.may_say(action)) {
     return false;
   }
-  const Order order{action, robot, now, vehicles_ahead(now), 1, now + kSayAgain};
+  Order order{action, robot, now, ahead_of(now), 1, now + kSayAgain};
   say(order);
   if (action != models::OperatorAction::kHeartbeat) {
     std::erase_if(saying_, [&order](const Order& earlier) { return ends(order, earlier); });
@@ -188,8 +184,9 @@ bool OperatorDesk::send(Time now, models::OperatorAction action, const std::stri
 }
 
 void OperatorDesk::say(const Order& order) {
-  publish(order.given + order.ahead, order.action, order.robot);
-  if (order.action == models::OperatorAction::kEmergencyStop && order.ahead != Duration{}) {
+  const Duration ahead = order.ahead.value_or(Duration{});
+  publish(order.given + ahead, order.action, order.robot);
+  if (order.action == models::OperatorAction::kEmergencyStop && ahead != Duration{}) {
     publish(order.given, order.action, order.robot);
   }
 }
@@ -197,6 +194,8 @@ void OperatorDesk::say(const Order& order) {
 void OperatorDesk::say_again(Time now) {
   for (Order& order : saying_) {
     if (now >= order.next) {
+      order.ahead =
+          order.ahead ? order.ahead : ahead_of(now);  // it was given before they were heard
       say(order);
       order.next += kSayAgain * (1 << order.said);
       ++order.said;
@@ -221,7 +220,7 @@ void OperatorDesk::publish(Time stamp, models::OperatorAction action, const std:
   bus_.publish(bus::kCommand, command);
 }
 
-Duration OperatorDesk::vehicles_ahead(Time now) const {
+std::optional<Duration> OperatorDesk::ahead_of(Time now) const {
   std::optional<Duration> least;
   for (const auto& [name, heard] : vehicles_) {
     const Duration ahead = heard.status.stamp.time - heard.at;
@@ -230,8 +229,10 @@ Duration OperatorDesk::vehicles_ahead(Time now) const {
       least = ahead;
     }
   }
-  return least && std::abs(to_seconds(*least)) > kApartMaxS ? *least : Duration{};
+  return least && std::abs(to_seconds(*least)) <= kApartMaxS ? Duration{} : least;
 }
+
+Duration OperatorDesk::vehicles_ahead(Time now) const { return ahead_of(now).value_or(Duration{}); }
 
 bool OperatorDesk::is_log_lost(Time now) const {
   return std::any_of(log_lost_.begin(), log_lost_.end(), [now](const auto& said) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ namespace vantage::tools {
 /// A datagram may get lost, so hold, land and emergency stop are said kSaid times: the second time
 /// after kSayAgain, then after twice as long each time, which outlasts a burst of losses of half a
 /// second. A repetition is the same order with the same stamp; obeying it twice does no harm. What
+/// was said before any vehicle was heard is repeated by their clock. What
 /// is ordered of the same vehicles later ends it, so that `hold`, `follow` ends with following; an
 /// emergency stop of all gives way to no order of one.
 class OperatorDesk {
@@ -65,10 +67,11 @@ class OperatorDesk {
     models::OperatorAction action = models::OperatorAction::kHold;
     std::string robot;
     Time given{};
-    Duration ahead{};  ///< of the vehicles' clock, then
+    std::optional<Duration> ahead;  ///< of the vehicles' clock, once any was heard
     int said = 0;
     Time next{};
   };
+  [[nodiscard]] std::optional<Duration> ahead_of(Time now) const;
   void say(const Order& order);
   void say_again(Time now);
   [[nodiscard]] static bool ends(const Order& later, const Order& earlier);
@@ -87,9 +90,9 @@ class OperatorDesk {
   std::map<std::string, Time> log_lost_;  ///< who said last that it is not written, and when
 };
 
-/// Runs the console on standard input and output until quit, end of input or `stop`. What may not
-/// be said while the station still listens for others waits until it knows; an emergency stop never
-/// waits. False when something that was asked was refused.
+/// Runs the console on standard input and output until quit, end of input or `stop`; orders are
+/// said as an OrderQueue says them. False when something that was asked was refused or not
+/// understood.
 bool run_console(bus::Bus& bus, const bus::Clock& clock, bool is_allowed_second,
                  const std::function<bool()>& stop);
 

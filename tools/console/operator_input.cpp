@@ -42,12 +42,17 @@ std::string word_for(OperatorAction action) {
   return word == kWords.end() ? "heartbeat" : std::string(word->text);
 }
 
-std::optional<OperatorRequest> request_from_key(char key, const std::vector<std::string>& robots,
+std::optional<OperatorRequest> request_from_key(std::string_view key,
+                                                const std::vector<std::string>& robots,
                                                 const std::string& selected) {
   const auto command = [&selected](OperatorAction action) {
     return OperatorRequest{OperatorRequest::Kind::kCommand, action, selected};
   };
-  switch (std::tolower(static_cast<unsigned char>(key))) {
+  if (key.size() != 1) {
+    return std::nullopt;
+  }
+  const char letter = key[0];
+  switch (std::tolower(static_cast<unsigned char>(letter))) {
     case 'a':
       return command(OperatorAction::kArm);
     case 't':
@@ -68,18 +73,17 @@ std::optional<OperatorRequest> request_from_key(char key, const std::vector<std:
     default:
       break;
   }
-  if (key == '0') {
+  if (letter == '0') {
     return OperatorRequest{OperatorRequest::Kind::kSelect, OperatorAction::kHold, ""};
   }
-  if (key >= '1' && key <= '9' && key - '1' < std::ssize(robots)) {
+  if (letter >= '1' && letter <= '9' && letter - '1' < std::ssize(robots)) {
     return OperatorRequest{OperatorRequest::Kind::kSelect, OperatorAction::kHold,
-                           robots[static_cast<std::size_t>(key - '1')]};
+                           robots[static_cast<std::size_t>(letter - '1')]};
   }
   return std::nullopt;
 }
 
-Result<OperatorRequest> request_from_line(const std::string& line,
-                                          const std::vector<std::string>& robots) {
+Result<OperatorRequest> request_from_line(const std::string& line) {
   std::istringstream words(line);
   std::string verb;
   std::string robot;
@@ -102,14 +106,6 @@ Result<OperatorRequest> request_from_line(const std::string& line,
   }
   if (robot == "all") {
     robot.clear();
-  }
-  const bool is_known =
-      robot.empty() || std::find(robots.begin(), robots.end(), robot) != robots.end();
-  // An emergency stop must not fail on a typing error: then it means everyone.
-  if (!is_known && word->action == OperatorAction::kEmergencyStop) {
-    robot.clear();
-  } else if (!is_known && !robots.empty()) {
-    return Error{"there is no robot '" + robot + "'"};
   }
   return OperatorRequest{OperatorRequest::Kind::kCommand, word->action, robot};
 }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/result.hpp"
@@ -17,15 +18,16 @@ struct OperatorRequest {
   std::string robot;  ///< of kCommand and kSelect; empty: all
 };
 
-/// One key of the terminal: a arm, t take off, f follow, h hold, l land, space or e emergency stop,
-/// q quit, 0 all robots, 1–9 one robot; commands go to `selected`. nullopt for any other key.
-std::optional<OperatorRequest> request_from_key(char key, const std::vector<std::string>& robots,
+/// One key of the terminal, as key_bytes() has it: a arm, t take off, f follow, h hold, l land,
+/// space or e emergency stop, q quit, 0 all robots, 1–9 one robot; commands go to `selected`.
+/// nullopt for any other key.
+std::optional<OperatorRequest> request_from_key(std::string_view key,
+                                                const std::vector<std::string>& robots,
                                                 const std::string& selected);
 
 /// One line of text: "hold", "land Q1", "estop", "take-off all", "quit". The Error says what was
-/// expected. An emergency stop is understood in any letter case.
-Result<OperatorRequest> request_from_line(const std::string& line,
-                                          const std::vector<std::string>& robots);
+/// expected. Actions are understood in any letter case; whether there is that robot is not asked.
+Result<OperatorRequest> request_from_line(const std::string& line);
 
 /// The word for an action, as request_from_line reads it.
 std::string word_for(models::OperatorAction action);

@@ -1,11 +1,32 @@
 #include "tools/console/terminal.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <poll.h>
 #include <unistd.h>
 
 namespace vantage::tools {
+
+std::size_t key_bytes(std::string_view typed) {
+  if (typed.empty() || typed[0] != '\x1b') {
+    return std::min(typed.size(), std::size_t{1});
+  }
+  if (typed.size() == 1) {
+    return 0;
+  }
+  if (typed[1] != '[' && typed[1] != 'O') {
+    return 1;  // the key ESC itself
+  }
+  std::size_t at = typed.substr(0, 3) == "\x1b[[" ? 3 : 2;
+  while (at < typed.size() && ((typed[at] >= '0' && typed[at] <= '9') || typed[at] == ';')) {
+    ++at;
+  }
+  if (at == typed.size()) {
+    return 0;
+  }
+  return typed[at] >= '@' && typed[at] <= '~' ? at + 1 : at;
+}
 
 Terminal::Terminal() {
   termios settings{};
@@ -41,8 +62,12 @@ std::optional<std::string> Terminal::read() {
     return std::nullopt;
   }
   if (is_interactive()) {
-    const std::string key = pending_.substr(0, 1);
-    pending_.erase(0, 1);
+    const std::size_t bytes = std::max(key_bytes(pending_), is_closed_ ? std::size_t{1} : 0);
+    if (bytes == 0) {
+      return std::nullopt;
+    }
+    const std::string key = pending_.substr(0, bytes);
+    pending_.erase(0, bytes);
     return key;
   }
   const auto end = pending_.find('\n');

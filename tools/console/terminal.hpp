@@ -1,11 +1,18 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <termios.h>
 
 namespace vantage::tools {
+
+/// How many bytes of `typed` its first key is; 0 when more are to come. Arrows and function keys
+/// are one key each, of several bytes that would mean something alone (ESC [ … X, ESC O X, and
+/// Linux's ESC [ [ X); whatever cannot belong to such a key begins another, so SPACE always is one.
+std::size_t key_bytes(std::string_view typed);
 
 /// Standard input as an operator uses it: key by key from a terminal (put back as it was at the
 /// end), line by line otherwise.
@@ -19,7 +26,8 @@ class Terminal {
   Terminal& operator=(Terminal&&) = delete;
 
   [[nodiscard]] bool is_interactive() const { return saved_.has_value(); }
-  /// A key, or a line without its end; nullopt when there is none yet. Never waits.
+  /// A key, as key_bytes() has it, or a line without its end; nullopt when there is none yet. Never
+  /// waits.
   std::optional<std::string> read();
   /// True once there will be no more input.
   [[nodiscard]] bool is_closed() const { return is_closed_ && pending_.empty(); }

@@ -52,17 +52,6 @@ logs::PlayOptions options_of(const PlayArguments& arguments, const logs::Indexed
   return options;
 }
 
-/// Lines, or keys with the arrows' three characters put together.
-std::optional<std::string> read_wish(Terminal& terminal) {
-  std::optional<std::string> text = terminal.read();
-  if (text == "\x1b" && terminal.is_interactive()) {
-    for (int i = 0; i < 2; ++i) {
-      *text += terminal.read().value_or("");
-    }
-  }
-  return text;
-}
-
 /// A log is not played into a flight, whose vehicles might take it for what happens now.
 void refuse_neighbours(const PlayArguments& arguments) {
   if (arguments.beside_others || !arguments.prefix.empty()) {
@@ -88,7 +77,7 @@ int run(const PlayArguments& arguments) {
       });
   Terminal terminal;
   const auto command = [&]() -> std::optional<logs::PlayCommand> {
-    while (const auto text = read_wish(terminal)) {
+    while (const auto text = terminal.read()) {
       if (auto wish = logs::parse_play_command(*text)) {
         return wish;
       }

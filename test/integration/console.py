@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""console.py BIN_DIR TYPES: what an operator types into `vantage console`, and what vehicles then hear.
+
+At a terminal: arrows, Home, End, F2 and Delete are no orders, though each ends in the letter of one.
+From a pipe: orders of a robot that has not spoken yet are of that robot, in their order; a line that is
+none, or of a robot that there is not, is exit code 1. TYPES is the folder of the .lcm files. To be run
+in a network of its own.
+"""
+
+import os
+import pty
+import select
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+from lcm_socket import receiver_and_sender, sent_by, say
+
+binary, types = sys.argv[1] + "/vantage", sys.argv[2]
+URL = "udpm://239.255.76.67:7667?ttl=0"
+folder = tempfile.mkdtemp()
+subprocess.run(["sh", "-c", f"lcm-gen --python --ppath {folder} {types}/*.lcm"], check=True)
+sys.path.insert(0, folder)
+from vantage_lcm.command_t import command_t  # noqa: E402
+from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
+
+WORDS = ["beat", "arm", "take-off", "follow", "hold", "land", "estop"]
+receiver, sender = receiver_and_sender()
+is_over = False
+
+
+def speak():
+    """What Q1 and Q2 say of themselves."""
+    number = 0
+    while not is_over:
+        for robot in ("Q1", "Q2"):
+            status = quadrotor_t()
+            status.utime, status.sequence, status.run_id = int(time.time() * 1e6), number, 7
+            status.robot, status.battery_share, status.plan_round = robot, 1.0, -1
+            say(sender, "VEHICLE_" + robot, status.encode())
+        number += 1
+        time.sleep(0.1)
+
+
+def heard(until):
+    """The orders heard until `until()`, repetitions left out."""
+    out = []
+    receiver.settimeout(0.05)
+    while True:
+        try:
+            channel, payload = sent_by(receiver.recvfrom(65536)[0])
+            if channel == "COMMAND":
+                order = command_t.decode(payload)
+                words = f"{WORDS[order.action]} {order.robot}".strip()
+                if words not in out:
+                    out.append(words)
+        except TimeoutError:
+            pass
+        if until(out):
+            return out
+
+
+def forget():
+    """Nothing of what has been said so far is heard any more."""
+    receiver.settimeout(0.0)
+    try:
+        while True:
+            receiver.recv(65536)
+    except BlockingIOError:
+        pass
+
+
+def typed(keys):
+    """What is heard while the `keys` are pressed one after the other at a terminal."""
+    forget()
+    pid, terminal = pty.fork()
+    if pid == 0:
+        os.execv(binary, [binary, "console", "--url", URL])
+    heard(lambda out: "beat" in out)
+
+    def press(out):
+        while select.select([terminal], [], [], 0)[0]:
+            os.read(terminal, 65536)
+        if keys:
+            os.write(terminal, keys.pop(0))
+        return "estop" in out
+
+    out = heard(press)
+    os.write(terminal, b"q")
+    while True:
+        try:
+            if not os.read(terminal, 65536):
+                break
+        except OSError:
+            break
+    assert os.waitpid(pid, 0)[1] == 0
+    return [words for words in out if words != "beat"]
+
+
+def piped(text):
+    """What is heard of the console that is given `text`, and its exit code."""
+    forget()
+    console = subprocess.Popen([binary, "console", "--url", URL], stdin=subprocess.PIPE,
+                               stdout=subprocess.DEVNULL, text=True)
+    console.stdin.write(text)
+    console.stdin.close()
+    out = heard(lambda _: console.poll() is not None)
+    return [words for words in out if words != "beat"], console.returncode
+
+
+speaker = threading.Thread(target=speak)
+speaker.start()
+try:
+    for keys in ([b"\x1b[A", b"\x1b[F", b"\x1b[H", b"\x1bOQ", b"\x1b[3~", b"h", b" "],
+                 [b"\x1b", b"[", b"A", b"\x1bOF", b"h", b"\x1b", b" "]):
+        found = typed(keys)
+        assert found == ["hold", "estop"], found
+    for text, orders, code in (("estop Q1\n", ["estop Q1"], 0),
+                               ("arm Q1\ntake-off Q1\nland Q2\n", ["land Q2", "arm Q1", "take-off Q1"], 0),
+                               ("follow\nhold\n", ["hold"], 0),
+                               ("land Q1\nlnad Q2\n", ["land Q1"], 1),
+                               ("arm Q9\n", [], 1),
+                               ("estop Q9\n", ["estop Q9", "estop"], 0)):
+        found = piped(text)
+        assert found == (orders, code), (text, found)
+finally:
+    is_over = True
+    speaker.join()

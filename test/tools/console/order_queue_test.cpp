@@ -1,0 +1,204 @@
+#include "tools/console/order_queue.hpp"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/support/bus_pair.hpp"
+
+namespace vantage::tools {
+namespace {
+
+using models::OperatorAction;
+using Words = std::vector<std::string>;
+constexpr Time kStart = from_utime(1'700'000'000'000'000);
+
+/// A console and vehicles that hear it. What they heard but heartbeats, repetitions left out:
+/// "hold Q1".
+class Asked : public ::testing::Test {
+ protected:
+  Asked() {
+    vehicles_.subscribe<models::OperatorCommand>(
+        bus::kCommand, [this](const models::OperatorCommand& command) {
+          if (command.action == OperatorAction::kHeartbeat) {
+            return;
+          }
+          const std::string word = word_of(command);
+          stamps.push_back(command.stamp.time);
+          if (std::find(heard.begin(), heard.end(), word) == heard.end()) {
+            heard.push_back(word);
+          }
+        });
+  }
+  static std::string word_of(const models::OperatorCommand& command) {
+    constexpr const char* kNames[] = {"beat", "arm", "take-off", "follow", "hold", "land", "estop"};
+    return kNames[static_cast<std::size_t>(command.action)] +
+           (command.robot.empty() ? "" : " " + command.robot);
+  }
+  void speak(const std::string& robot, Time stamp) {
+    models::VehicleStatus status;
+    status.robot = robot;
+    status.stamp.time = stamp;
+    vehicles_.publish(bus::vehicle_channel(robot), status);
+  }
+  /// `seconds` pass, in which `robots` speak.
+  void pass(double seconds, const Words& robots = {"Q1", "Q2"}) {
+    const Time end = now + from_seconds(seconds);
+    while (now < end) {
+      now += std::chrono::milliseconds(20);
+      for (const std::string& robot : robots) {
+        speak(robot, now + ahead);
+      }
+      net_.own.handle(std::chrono::microseconds(0));
+      (void)desk_.tick(now);
+      for (std::string& words : orders.tick(now)) {
+        said.push_back(std::move(words));
+      }
+      vehicles_.handle(std::chrono::microseconds(0));
+    }
+  }
+  void ask(OperatorAction action, const std::string& robot = "") {
+    for (std::string& words : orders.ask({action, robot}, now)) {
+      said.push_back(std::move(words));
+    }
+    vehicles_.handle(std::chrono::microseconds(0));
+  }
+  bool has_said(const std::string& words) const {
+    return std::any_of(said.begin(), said.end(), [&](const std::string& line) {
+      return line.find(words) != std::string::npos;
+    });
+  }
+
+  Time now = kStart;
+  Duration ahead{};
+  Words heard;
+  std::vector<Time> stamps;
+  Words said;
+
+ private:
+  test::BusPair net_{11, 13};
+  bus::Bus& vehicles_ = net_.other;
+  OperatorDesk desk_{net_.own, false, kStart};
+
+ protected:
+  OrderQueue orders{desk_};
+};
+
+TEST_F(Asked, SafeOrdersAreSaidAtOnceAndOthersOnceItIsInCharge) {
+  ask(OperatorAction::kFollow, "Q2");
+  ask(OperatorAction::kHold, "Q1");
+  EXPECT_EQ(heard, Words{"hold Q1"});
+  pass(0.6);
+  EXPECT_EQ(heard, Words{"hold Q1"});
+  EXPECT_TRUE(orders.is_waiting());
+  pass(0.3);
+  EXPECT_EQ(heard, (Words{"hold Q1", "follow Q2"}));
+  EXPECT_FALSE(orders.is_waiting());
+  EXPECT_FALSE(orders.was_refused());
+  ask(OperatorAction::kArm);
+  EXPECT_EQ(heard.back(), "arm");
+}
+
+// Two seconds after `hold` nobody begins to follow since he had asked for that before.
+TEST_F(Asked, ASaferOrderEndsWhatStillWaitsForItsVehicles) {
+  for (const OperatorAction safer :
+       {OperatorAction::kHold, OperatorAction::kLand, OperatorAction::kEmergencyStop}) {
+    for (const std::string whom : {"", "Q1"}) {
+      ask(OperatorAction::kArm, "Q1");
+      ask(OperatorAction::kFollow, "Q1");
+      ask(safer, whom);
+      EXPECT_FALSE(std::count(heard.begin(), heard.end(), "follow Q1"));
+    }
+  }
+  pass(2.0);
+  EXPECT_EQ(heard, (Words{"hold", "hold Q1", "land", "land Q1", "estop", "estop Q1"}));
+}
+
+TEST_F(Asked, ASaferOrderOfOneIsNotUndoneByWhatWaitsForAll) {
+  ask(OperatorAction::kFollow);
+  ask(OperatorAction::kLand, "Q1");
+  ask(OperatorAction::kFollow, "Q2");
+  EXPECT_EQ(heard, Words{"land Q1"});
+  heard.clear();
+  pass(0.75);
+  EXPECT_EQ(heard, (Words{"land Q1", "follow"}));
+  heard.clear();
+  pass(1.0);
+  EXPECT_EQ(heard, (Words{"land Q1", "follow Q2"})) << "said last of all to Q1";
+}
+
+// A vehicle takes up one order in a turn, the most urgent: `arm` and `take-off` in one are the
+// latter.
+TEST_F(Asked, OneEachTenthOfASecond) {
+  pass(1.0);
+  for (int round = 0; round < 2; ++round) {
+    heard.clear();
+    ask(OperatorAction::kArm);
+    ask(OperatorAction::kTakeOff);
+    ask(OperatorAction::kFollow);
+    EXPECT_EQ(heard, Words{"arm"});
+    pass(0.08);
+    EXPECT_EQ(heard, Words{"arm"});
+    pass(0.02);
+    EXPECT_EQ(heard, (Words{"arm", "take-off"}));
+    pass(0.1);
+    EXPECT_EQ(heard, (Words{"arm", "take-off", "follow"}));
+    pass(1.0);
+  }
+}
+
+TEST_F(Asked, OfARobotThatHasNotSpokenYetIsOfThatRobot) {
+  ask(OperatorAction::kEmergencyStop, "Q1");
+  ask(OperatorAction::kHold, "Q2");
+  ask(OperatorAction::kArm, "Q2");
+  EXPECT_TRUE(orders.is_waiting());
+  pass(2.0);
+  EXPECT_EQ(heard, (Words{"estop Q1", "hold Q2", "arm Q2"}));
+  EXPECT_FALSE(orders.is_waiting());
+  EXPECT_FALSE(orders.was_refused());
+}
+
+// Typing errors: an emergency stop must not fail on one.
+TEST_F(Asked, OfARobotThatThereIsNotIsAnErrorAndAnEmergencyStopOfAll) {
+  ask(OperatorAction::kEmergencyStop, "Q9");
+  ask(OperatorAction::kHold, "Q8");
+  ask(OperatorAction::kArm, "Q7");
+  EXPECT_FALSE(orders.was_refused());
+  pass(2.0);
+  EXPECT_EQ(heard, (Words{"estop Q9", "hold Q8", "estop"}));
+  EXPECT_TRUE(has_said("no robot 'Q8' is heard"));
+  EXPECT_TRUE(has_said("there is no robot 'Q7'"));
+  EXPECT_TRUE(orders.was_refused());
+  heard.clear();
+  ask(OperatorAction::kEmergencyStop, "Q6");
+  EXPECT_EQ(heard, Words{"estop"}) << "at once";
+}
+
+TEST_F(Asked, ByOneWhoHearsNobodyIsSaidAllTheSame) {
+  ask(OperatorAction::kLand);
+  pass(1.0, {});
+  ask(OperatorAction::kArm, "Q1");
+  pass(1.0, {});
+  EXPECT_EQ(heard, (Words{"land", "arm Q1"}));
+  EXPECT_FALSE(orders.was_refused());
+  ask(OperatorAction::kLand, "q1");
+  EXPECT_EQ(heard.back(), "land q1");
+  EXPECT_TRUE(orders.was_refused());
+}
+
+// Vehicles obey what is of now by their own clock, which was not known yet.
+TEST_F(Asked, BeforeAnyVehicleWasHeardIsRepeatedByTheirClock) {
+  ahead = std::chrono::hours(2);
+  ask(OperatorAction::kLand);
+  ASSERT_EQ(stamps, std::vector<Time>{kStart});
+  pass(2.0);
+  ASSERT_EQ(stamps.size(), static_cast<std::size_t>(OperatorDesk::kSaid));
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    EXPECT_LE(std::chrono::abs(stamps[i] - (kStart + ahead)), std::chrono::milliseconds(20));
+  }
+}
+
+}  // namespace
+}  // namespace vantage::tools

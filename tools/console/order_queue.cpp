@@ -1,0 +1,90 @@
+#include "tools/console/order_queue.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tools/console/operator_input.hpp"
+
+namespace vantage::tools {
+
+using models::OperatorAction;
+
+bool OrderQueue::is_heard(const std::string& robot) const {
+  const std::vector<std::string> robots = desk_.robots();
+  return robot.empty() || std::find(robots.begin(), robots.end(), robot) != robots.end();
+}
+
+std::string OrderQueue::refuse(std::string words) {
+  was_refused_ = true;
+  return words;
+}
+
+std::string OrderQueue::say(const Order& order, Time now) {
+  if (!desk_.send(now, order.action, order.robot)) {
+    return refuse(std::string("not sent: ") + explain(desk_.station().role()));
+  }
+  return "sent " + word_for(order.action) + " to " + (order.robot.empty() ? "all" : order.robot);
+}
+
+std::string OrderQueue::judge_unheard(const Order& order, Time now) {
+  if (is_heard(order.robot)) {
+    return {};
+  }
+  if (order.action == OperatorAction::kEmergencyStop) {
+    return say({order.action, ""}, now) + ": no robot '" + order.robot + "' is heard";
+  }
+  return refuse("no robot '" + order.robot + "' is heard: it was told to " +
+                word_for(order.action) + " all the same");
+}
+
+std::string OrderQueue::ask_now(const Order& order, Time now) {
+  std::erase_if(waiting_, [&order](const Order& earlier) {
+    return order.robot.empty() || order.robot == earlier.robot;
+  });
+  // What still waits for all would undo it.
+  if (std::any_of(waiting_.begin(), waiting_.end(),
+                  [](const Order& earlier) { return earlier.robot.empty(); })) {
+    waiting_.push_back(order);
+  }
+  if (is_heard(order.robot)) {
+    return say(order, now);
+  }
+  if (is_listening()) {
+    unheard_.push_back(order);
+    return say(order, now);
+  }
+  if (order.action != OperatorAction::kEmergencyStop && desk_.station().may_say(order.action)) {
+    say(order, now);
+  }
+  return judge_unheard(order, now);
+}
+
+std::vector<std::string> OrderQueue::ask(const Order& order, Time now) {
+  if (models::makes_safer(order.action)) {
+    return {ask_now(order, now)};
+  }
+  waiting_.push_back(order);
+  return tick(now);
+}
+
+std::vector<std::string> OrderQueue::tick(Time now) {
+  std::vector<std::string> out;
+  if (is_listening()) {
+    return out;
+  }
+  for (const Order& order : std::exchange(unheard_, {})) {
+    if (std::string words = judge_unheard(order, now); !words.empty()) {
+      out.push_back(std::move(words));
+    }
+  }
+  while (!waiting_.empty() && now >= next_) {
+    const Order order = waiting_.front();
+    waiting_.erase(waiting_.begin());
+    const bool is_known = is_heard(order.robot) || desk_.robots().empty();
+    out.push_back(is_known ? say(order, now) : refuse("there is no robot '" + order.robot + "'"));
+    next_ = now + kPace;
+  }
+  return out;
+}
+
+}  // namespace vantage::tools
