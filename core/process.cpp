@@ -72,6 +72,7 @@ int run_process(const std::string& name, const std::function<int()>& body) {
     handle(signal, handler_of(signal));
   }
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGCHLD, SIG_DFL);  // where the parent ignores it we would not hear how ours ended
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of write()
   try {
     return body();

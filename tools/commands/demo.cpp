@@ -35,7 +35,7 @@ int run(const DemoArguments& arguments) {
   options.directory = arguments.directory;
   options.quiet = arguments.as_json;
   options.live_table = is_terminal() && !options.quiet;
-  options.warn = [](const std::string& words) { fmt::print(stderr, "! {}\n", words); };
+  options.warn = [](const std::string& words) { print_line("! " + words, stderr); };
   if (arguments.is_shown) {
     options.attach = [&](bus::InProcessHub& hub) {
       auto view = std::make_shared<LiveView>(hub.connect(), arguments.web);

@@ -111,7 +111,7 @@ int run(const UpArguments& arguments) {
     }
   }
   for (const std::string& remark : remarks(result)) {
-    fmt::print(stderr, "vantage: {}\n", remark);
+    print_line("vantage: " + remark, stderr);
   }
   return is_good(result) ? 0 : 1;
 }

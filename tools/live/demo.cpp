@@ -87,11 +87,12 @@ DemoResult run_demo(const scenario::Scenario& scenario,
   trial::TrialObserver observer(own_bus, scenario, start);
   announcer.publish(start);
 
+  std::atomic<bool> is_over = false;
   std::deque<NodeThread> nodes;
+  const std::shared_ptr<void> ends_them(nullptr, [&is_over](void*) { is_over = true; });
   for (const trial::NodeRecipe& recipe : recipes) {
     nodes.emplace_back(hub, clock, recipe);
   }
-  std::atomic<bool> is_over = false;
   for (NodeThread& node : nodes) {
     node.start([&is_over] { return is_over.load(); }, [&is_over] { is_over = true; });
   }

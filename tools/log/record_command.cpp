@@ -63,8 +63,9 @@ class RoomWatch {
   void look(const logs::SpoolReport& report) {
     const bool is_little = report.free_bytes && *report.free_bytes < arguments_.free_mib * kMebi;
     if (is_little != std::exchange(was_little_, is_little)) {
-      fmt::print(stderr, "record: {} MiB are left for {}\n", report.free_bytes.value_or(0) / kMebi,
-                 report.path);
+      print_line(fmt::format("record: {} MiB are left for {}",
+                             report.free_bytes.value_or(0) / kMebi, report.path),
+                 stderr);
     }
   }
 
@@ -72,6 +73,11 @@ class RoomWatch {
   const RecordArguments& arguments_;
   bool was_little_ = false;
 };
+
+/// Datagrams that reached this machine and not the log: no time was left to take them.
+std::int64_t lost_before(const bus::TransportStats& heard) {
+  return heard.kernel_drops + heard.queue_overflows;
+}
 
 void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
               const bus::TransportStats& heard) {
@@ -82,6 +88,7 @@ void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
                 {"bytes", report.bytes},
                 {"events_lost", report.events_lost},
                 {"kernel_drops", heard.kernel_drops},
+                {"queue_overflows", heard.queue_overflows},
                 {"incomplete_messages", heard.incomplete_messages},
                 {"malformed_datagrams", heard.malformed_datagrams},
                 {"write_errors", report.write_errors},
@@ -94,7 +101,12 @@ void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
                          static_cast<double>(report.bytes) * 1e-6,
                          report.files > 1 ? fmt::format(" in {} files", report.files) : ""));
   if (report.events_lost > 0) {
-    fmt::print(stderr, "record: {} events were lost\n", report.events_lost);
+    print_line(fmt::format("record: {} events were lost", report.events_lost), stderr);
+  }
+  if (lost_before(heard) > 0) {
+    print_line(fmt::format("record: {} datagrams were lost for want of room before they were heard",
+                           lost_before(heard)),
+               stderr);
   }
 }
 
@@ -145,7 +157,7 @@ int run(const RecordArguments& arguments) {
   if (!arguments.is_quiet) {
     tell_end(arguments, report, transport->stats());
   }
-  return report.is_good() ? 0 : 1;
+  return report.is_good() && lost_before(transport->stats()) == 0 ? 0 : 1;
 }
 
 }  // namespace
