@@ -84,7 +84,7 @@ void each_number(Plan& plan, Wire& wire, const Copy& copy) {
 
 bool are_numbers_possible(const vantage_lcm::plan_t& wire) {
   return is_quality(wire) && are_finite(wire.step_s) && wire.step_s > 0.0 &&
-         wire.horizon_steps >= 0 && wire.passes >= 0 && wire.nodes >= 0 &&
+         wire.horizon_steps >= 0 && wire.round >= -1 && wire.passes >= 0 && wire.nodes >= 0 &&
          is_utime(wire.slot_start_utime) && is_utime(wire.deadline_utime) &&
          is_utime(wire.finish_utime) && is_boolean(wire.late);
 }

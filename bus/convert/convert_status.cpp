@@ -112,7 +112,7 @@ vantage_lcm::health_t to_wire(const models::ProcessHealth& health) {
   wire.num_counters = count_of(health.counters.size());
   wire.counters.resize(health.counters.size());
   for (std::size_t i = 0; i < health.counters.size(); ++i) {
-    wire.counters[i].name = health.counters[i].name;
+    wire.counters[i].name = fitting(health.counters[i].name);  // may be of a channel of others
     wire.counters[i].count = health.counters[i].count;
   }
   wire.loops = health.loops;

@@ -311,6 +311,13 @@ TEST(Limits, ReasonsThatAreTooLongAreCutAndNotRefused) {
       EXPECT_EQ((kept.size() - before) % character.size(), 0U);
     }
   }
+  // Counters are named after channels, and anybody may say anything on any.
+  models::ProcessHealth health;
+  health.counters = {{"VEHICLE_\xff.unsigned", 3}, {std::string(300, 'c'), 4}};
+  const auto counted = from_wire(to_wire(health));
+  ASSERT_TRUE(counted);
+  EXPECT_EQ(counted->counters[0].name, "VEHICLE_\\xFF.unsigned");
+  EXPECT_EQ(counted->counters[1].name, std::string(253, 'c') + "…");
   const std::string torn = std::string("a") + '\xe2' + '\0' + "b";
   EXPECT_EQ(told(torn), (std::vector<std::string>{"a\\xE2\\x00b", "and this"}));
 }

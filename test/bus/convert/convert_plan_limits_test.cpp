@@ -61,6 +61,7 @@ void expect_limits_of_a_plan(const Changed<Message>& message, const Of& of) {
   message.text("robot", at(VANTAGE_FIELD(robot)));
   message.whole("source", 0, at(VANTAGE_FIELD(source)), 2);
   message.whole("horizon", 0, at(VANTAGE_FIELD(horizon_steps)));
+  message.whole("round", -1, at(VANTAGE_FIELD(round)));
   message.whole("passes", 0, at(VANTAGE_FIELD(passes)));
   message.whole("nodes", 0, at(VANTAGE_FIELD(nodes)));
   message.utime("slot", at(VANTAGE_FIELD(slot_start_utime)));
