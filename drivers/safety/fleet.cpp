@@ -27,13 +27,22 @@ Fleet::Fleet(const scenario::Scenario& scenario, const std::string& own_name)
   int index = 0;
   for (const scenario::RobotSpec& robot : scenario.robots) {
     if (robot.name != own_name) {
-      members_.push_back(
-          {robot.name, true, robot.name < own_name, index, {}, false, {}, 0, -1, {}});
+      members_.push_back({robot.name,
+                          true,
+                          robot.name < own_name,
+                          index,
+                          robot.limits.radius_m,
+                          {},
+                          false,
+                          {},
+                          0,
+                          -1,
+                          {}});
     }
     ++index;
   }
   for (const scenario::TargetSpec& target : scenario.targets) {
-    members_.push_back({target.name, false, true, -1, {}, false, {}, 0, -1, {}});
+    members_.push_back({target.name, false, true, -1, target.radius_m, {}, false, {}, 0, -1, {}});
   }
   bodies_.reserve(members_.size());
   courses_.reserve(members_.size());
@@ -101,13 +110,15 @@ std::span<const OtherBody> Fleet::bodies(Time now, const SafetyLimits& limits) {
   for (const Member& member : members_) {
     if (member.pose.has_pose()) {
       const double age_s = member.pose.age_s(now);
-      // What has not been seen for long has stopped by now, as it must without a pose.
+      // A robot that has not been seen for long has stopped by now, as it must without a pose.
       const bool is_fresh = age_s <= limits.pose_age_hold_s;
       OtherBody body;
       body.position_world_m = member.pose.predict_m(now, limits.pose_age_hold_s);
       body.age_s = age_s;
       body.goes_first = member.goes_first;
       body.robot = member.robot;
+      body.larger_m = std::max(0.0, member.radius_m - limits.vehicle.radius_m);
+      body.went_mps = member.is_robot ? 0.0 : member.pose.velocity_world_mps().norm();
       if (is_fresh) {
         body.velocity_world_mps = member.pose.velocity_world_mps();
         body.planned_world_mps = body.velocity_world_mps;

@@ -41,6 +41,7 @@ class Fleet {
     bool is_robot = false;
     bool goes_first = true;
     int robot = -1;  ///< its place among the scenario's robots
+    double radius_m = 0.0;
     PoseMonitor pose;
     bool has_plan = false;
     HeldPlan plan;

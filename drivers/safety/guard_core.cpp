@@ -20,6 +20,7 @@ bool GuardCore::on_mocap(const models::MocapFrame& frame, BodyContext context, b
     verdict = judged.judge(found.body, context, limits, now);
   }
   ++pose_counts[static_cast<std::size_t>(verdict)];
+  pose_verdict = verdict;
   if (is_candidate) {
     if (verdict != PoseVerdict::kAccepted) {
       return false;

@@ -97,6 +97,7 @@ struct GuardCore {
   bool emergency_stop = false;
   std::optional<models::OperatorAction> request;
   std::array<std::int64_t, kPoseVerdicts> pose_counts{};
+  PoseVerdict pose_verdict = PoseVerdict::kAbsent;  ///< of the last frame believed
   std::int64_t clocks_set = 0, commands_refused = 0;
 };
 

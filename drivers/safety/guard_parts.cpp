@@ -259,9 +259,11 @@ void FlightGuard::Parts::move_off(Time now) {
       !in.estimator_good) {
     return;
   }
+  // The course of a climb stands where it began; the vehicle is higher.
   const Eigen::Vector3d hover_m = course.at(now).position_world_m;
-  if (const auto clear_m = clear_spot(hover_m, fleet.bodies(now, limits), limits)) {
-    course.shift(*clear_m, kMoveOffMps, now);
+  const Eigen::Vector3d here_m(hover_m.x(), hover_m.y(), in.height_m);
+  if (const auto clear_m = clear_spot(here_m, fleet.bodies(now, limits), limits)) {
+    course.shift({clear_m->x(), clear_m->y(), hover_m.z()}, kMoveOffMps, now);
   }
 }
 

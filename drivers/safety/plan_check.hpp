@@ -19,8 +19,8 @@ namespace vantage::drivers {
 /// What became of a plan. The first that applies, in this order.
 enum class [[nodiscard]] PlanVerdict{
     kAccepted,      kWrongVehicle,
-    kStale,  ///< not newer than the one accepted, or starts too long ago
-    kTooFarAhead,
+    kStale,         ///< not newer than the one accepted, or starts too long ago
+    kTooFarAhead,   ///< of now, or of one that has been accepted and has not begun
     kNotFinite,     ///< or a count, duration or deceleration that cannot be
     kInfeasible,    ///< faster, tighter or harder braking than the vehicle can
     kNoHover,       ///< does not end at rest

@@ -54,6 +54,10 @@ PlanVerdict PlanGate::look_at(const models::RobotPlan& plan, const PlanSituation
   if (!situation.may_take) {
     return PlanVerdict::kNotFollowing;
   }
+  // One that waits for its start would be lost with its way to where this one begins.
+  if (situation.course.has_next() && newest_start_ > now && out.start_time > newest_start_) {
+    return PlanVerdict::kTooFarAhead;
+  }
   const Time when = std::max(now, out.start_time);
   const PlanPoint planned = point_at(out, to_seconds(when - out.start_time));
   const PlanPoint expected = situation.course.planned_at(when);

@@ -18,9 +18,14 @@ constexpr double kObstacleSpareM = 0.05;
 constexpr double kHoverSpareM = 0.05;  // beyond hover_clearance_m, where one goes to
 constexpr double kBelowSpareM = 0.1;   // beyond landing_clearance_m, the same
 
+// By how much nearer a body may be than one of our size where it was seen. A robot that is lost
+// stops; what else moves may go on as it did for a second.
 double tube_m(const OtherBody& body, const SafetyLimits& limits) {
+  constexpr double kGoesOnS = 1.0;
   const double unseen_s = std::max(0.0, body.age_s - limits.pose_age_hold_s);
-  return std::min(limits.other_pose_growth_max_m, limits.other_pose_growth_mps * unseen_s);
+  const double growth_mps = std::max(limits.other_pose_growth_mps, body.went_mps);
+  const double most_m = std::max(limits.other_pose_growth_max_m, kGoesOnS * body.went_mps);
+  return std::min(most_m, growth_mps * unseen_s) + body.larger_m;
 }
 
 double fence_edge_m(const Eigen::Vector3d& p_m, const SafetyLimits& limits) {
@@ -69,15 +74,17 @@ bool is_standing_robot(const OtherBody& body) {
   return body.robot >= 0 && level(body.velocity_world_mps).norm() < kStandsMps;
 }
 
-// On the straight way the body, where it is, would be nearer than `apart_m` and than it is now; a
-// robot as seen from above, since it may be about to come down as well.
+// On the straight way the body, where it is, would be nearer than `apart_m` and than it is now; as
+// seen from above a robot, since it may be about to come down as well, and what is not below.
 bool meets(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, const OtherBody& body,
            double apart_m) {
-  const auto seen = [&](const Eigen::Vector3d& p_m) { return body.robot >= 0 ? level(p_m) : p_m; };
+  const bool is_below = body.position_world_m.z() < std::min(from_m.z(), to_m.z()) - kLevelM;
+  const bool is_column = body.robot >= 0 || !is_below;
+  const auto seen = [&](const Eigen::Vector3d& p_m) { return is_column ? level(p_m) : p_m; };
   const Eigen::Vector3d q_m = seen(body.position_world_m);
   const double now_m = (seen(from_m) - q_m).norm();
   const double least_m = models::closest_approach_m(seen(from_m), seen(to_m), q_m, q_m);
-  return least_m < std::min(now_m, apart_m) - 1e-9;
+  return least_m < std::min(now_m, apart_m + body.larger_m) - 1e-9;
 }
 
 bool is_way_clear(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m,
@@ -140,7 +147,8 @@ double near_soon_m(const Eigen::Vector3d& position_m, std::span<const OtherBody>
     }
     const Eigen::Vector3d from_m = level(body.position_world_m);
     least_m = std::min(least_m, models::closest_approach_m(here_m, here_m, from_m,
-                                                           from_m + look_s * velocity_mps));
+                                                           from_m + look_s * velocity_mps) -
+                                    body.larger_m);
   }
   return least_m;
 }
@@ -149,7 +157,8 @@ bool is_occupied_below(const Eigen::Vector3d& position_m, std::span<const OtherB
                        const SafetyLimits& limits, double spare_m) {
   return std::any_of(others.begin(), others.end(), [&](const OtherBody& body) {
     const Eigen::Vector3d away_m = position_m - body.position_world_m;
-    const bool is_below = away_m.z() > kLevelM || (away_m.z() > -kLevelM && body.goes_first);
+    const bool is_below =
+        body.robot < 0 || away_m.z() > kLevelM || (away_m.z() > -kLevelM && body.goes_first);
     const double needed_m = limits.landing_clearance_m + tube_m(body, limits) + spare_m;
     return is_below && away_m.head<2>().norm() < needed_m;
   });
@@ -232,7 +241,7 @@ std::optional<Eigen::Vector3d> clear_spot(const Eigen::Vector3d& hover_m,
       const bool is_apart = std::all_of(others.begin(), others.end(), [&](const OtherBody& body) {
         const double now_m = (hover_m - body.position_world_m).norm();
         return (spot_m - body.position_world_m).norm() >=
-               std::min(now_m, limits.separation_hold_m + kHoverSpareM);
+               std::min(now_m, limits.separation_hold_m + kHoverSpareM + body.larger_m);
       });
       if (is_apart && edge_m(spot_m) >= limits.hover_clearance_m + kHoverSpareM) {
         return spot_m;

@@ -140,6 +140,9 @@ TEST(ConditionRow, OfTwoFactsNeedsWhatItSays) {
   in.height_m = l.safe_height_m;
   in.fence_centre_m = -1e-9;
   EXPECT_TRUE(row_of("pose lost low").holds(in, l));
+  in.autopilot_obeys = false;
+  EXPECT_FALSE(row_of("pose lost low").holds(in, l)) << "a pilot has it";
+  in.autopilot_obeys = true;
   in.pose_age_s = l.pose_age_kill_s;
   EXPECT_FALSE(row_of("pose lost low").holds(in, l)) << "not blind";
   for (const bool has_plan : {true, false}) {

@@ -266,6 +266,28 @@ TEST_F(Seen, HaveStoppedWhereTheyWereLastIfNotSeenForLong) {
   EXPECT_EQ(body(5.0).planned_world_mps.norm(), 0.0);
 }
 
+// A person who is occluded does not stop for that, and is as large as the scenario says.
+TEST_F(Seen, GoOnIfTheyAreNoRobotsAndAreAsLargeAsTheyAre) {
+  scenario.targets[0].radius_m = 0.4;
+  scenario.robots[0].limits.radius_m = 0.3;
+  scenario.robots[2].limits.radius_m = 0.1;
+  fleet = Fleet(scenario, "Q2");
+  ASSERT_EQ(limits.vehicle.radius_m, 0.25);
+  for (double t_s = 0.0; t_s < 0.5; t_s += 0.01) {
+    show(t_s, {{"Q1", {1.2 * t_s, 0.0, 1.0}},
+               {"Q3", {1.2 * t_s, 3.0, 1.0}},
+               {"W1", {0.0, -1.2 * t_s, 0.0}}});
+  }
+  for (const double t_s : {0.5, 1.5, 30.0}) {
+    EXPECT_EQ(body(t_s, 0).went_mps, 0.0);
+    EXPECT_EQ(body(t_s, 1).went_mps, 0.0);
+    EXPECT_NEAR(body(t_s, 2).went_mps, 1.2, 0.01);
+    EXPECT_NEAR(body(t_s, 0).larger_m, 0.05, 1e-12);
+    EXPECT_EQ(body(t_s, 1).larger_m, 0.0);
+    EXPECT_NEAR(body(t_s, 2).larger_m, 0.15, 1e-12);
+  }
+}
+
 // While it keeps to its plan it is where the plan says; strayed, where it is seen; and again.
 TEST_F(Seen, FlyTheirPlanWhileTheyKeepToIt) {
   const Eigen::Vector3d hover_m(1.0, -1.0, 1.0);

@@ -206,6 +206,25 @@ TEST(GuardInTheAir, MovesOffTheFenceWhileItHolds) {
   }
 }
 
+// While it waits at its first height its course is still that of the ground, and a teammate that
+// hovers beside it is as near as it is.
+TEST(GuardInTheAir, MovesOffTheFenceAfterItsLiftAndNotAtATeammate) {
+  scenario::Scenario room = OneVehicle::room();
+  room.world.bounds.min_m.y() = -0.27;
+  OneVehicle q1({0.0, 0.0, 0.0}, 0.0, room);
+  q1.begin_lift();
+  const Eigen::Vector3d mate_m(0.31, 0.537, 0.45);
+  q1.run(6.0, [&] {
+    if (q1.position_m.z() > 0.02) {
+      q1.others = {q1.body("Q2", mate_m)};
+    }
+  });
+  EXPECT_EQ(q1.state(), FlightState::kHold);
+  EXPECT_FALSE(q1.lifts());
+  EXPECT_GT(q1.position_m.y() + 0.27 - 0.25, q1.limits.hover_clearance_m) << "it has moved off";
+  EXPECT_GT((q1.position_m - mate_m).norm(), 0.6);
+}
+
 // Down as fast as is stated, slower near the ground; the speed that is asked for is the one at
 // which the height that is asked for changes.
 TEST(GuardInTheAir, AsksForTheSpeedAtWhichItsHeightChanges) {

@@ -164,6 +164,21 @@ TEST_F(Gate, TakesPlansOfNowOnly) {
   EXPECT_EQ(judge(news(6.0), 0.0), PlanVerdict::kTooFarAhead);
 }
 
+// The way from where it hovers to where a third plan begins is the second one's, which waits.
+TEST_F(Gate, TakesNoPlanThatBeginsAfterOneThatWaits) {
+  for (const double at_s : {0.0, 10.0}) {
+    const models::RobotPlan next = news(at_s + 0.5);
+    ASSERT_EQ(judge(next, at_s), PlanVerdict::kAccepted);
+    course.follow(held, after(at_s));
+    EXPECT_EQ(judge(news(at_s + 1.5), at_s + 0.1), PlanVerdict::kTooFarAhead);
+    EXPECT_EQ(judge(news(at_s + 0.500001), at_s + 0.1), PlanVerdict::kTooFarAhead);
+    EXPECT_EQ(judge(news(at_s + 0.5), at_s + 0.2), PlanVerdict::kAccepted) << "in its stead";
+    EXPECT_EQ(judge(news(at_s + 1.5), at_s + 0.5), PlanVerdict::kAccepted) << "it has begun";
+    course.stand({1.0, -1.0, 1.0}, kYawRad, after(at_s + 0.6));
+    EXPECT_EQ(judge(news(at_s + 2.5), at_s + 0.7), PlanVerdict::kAccepted) << "none waits";
+  }
+}
+
 TEST_F(Gate, TakesPlansThatBeginExactlyAtTheirLimits) {
   const double past_s = -limits.plan_past_max_s;
   const double future_s = limits.plan_future_max_s;

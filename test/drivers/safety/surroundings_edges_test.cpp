@@ -329,8 +329,9 @@ TEST(WayTaken, NotByWhoIsJustFarEnoughNorByWhoIsLeftBehind) {
   }
 }
 
-// A robot counts as seen from above, and nobody else does; the first of them, too.
-TEST(WayTaken, ByRobotsAtAnyHeightAndByOthersAtTheirOwn) {
+// As seen from above counts a robot, the first of them, too, and who reaches up to the way or
+// higher.
+TEST(WayTaken, ByRobotsAtAnyHeightAndByOthersUnlessTheyAreBelow) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(1.0, -1.0, 1.0);
   const auto is_taken = [&](int robot, double above_m) {
@@ -340,11 +341,12 @@ TEST(WayTaken, ByRobotsAtAnyHeightAndByOthersAtTheirOwn) {
     return is_way_taken(from_m, from_m + Eigen::Vector3d(2.0, 0.0, 0.0), {&body, 1}, limits);
   };
   for (const double above_m : {-0.9, 0.9}) {
-    EXPECT_FALSE(is_taken(-1, above_m));
+    EXPECT_EQ(is_taken(-1, above_m), above_m > 0.0);
     EXPECT_TRUE(is_taken(0, above_m));
     EXPECT_TRUE(is_taken(1, above_m));
   }
   EXPECT_TRUE(is_taken(-1, 0.1));
+  EXPECT_TRUE(is_taken(-1, -0.29));
 }
 
 // Within two seconds, straight on.

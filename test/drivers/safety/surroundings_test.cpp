@@ -357,6 +357,53 @@ TEST(Surroundings, AreTheSameInAMirrorAndTurnedAndFromAnotherOriginAndWithOthers
   }
 }
 
+// Who walks walks on when he is lost, for a second; who is large is so much nearer.
+TEST(Surroundings, WidenForWhoGoesOnAndForWhoIsLarge) {
+  const SafetyLimits limits = bench_limits();
+  const Eigen::Vector3d here_m(0.0, -1.0, 1.0);
+  OtherBody body;
+  body.position_world_m = {2.5, -1.0, 1.0};
+  const auto now_m = [&](double went_mps, double age_s, double larger_m) {
+    body.went_mps = went_mps;
+    body.age_s = age_s;
+    body.larger_m = larger_m;
+    return look_around(here_m, BrakeWay{}, {&body, 1}, limits).separation_now_m;
+  };
+  for (const double larger_m : {0.0, 0.15}) {
+    for (const double went_mps : {0.0, 0.3, 0.5}) {
+      EXPECT_NEAR(now_m(went_mps, 0.6, larger_m), 2.5 - 0.25 - larger_m, 1e-9);
+      EXPECT_NEAR(now_m(went_mps, 9.0, larger_m), 2.5 - 0.5 - larger_m, 1e-9);
+    }
+    EXPECT_NEAR(now_m(1.2, 0.1, larger_m), 2.5 - larger_m, 1e-9);
+    EXPECT_NEAR(now_m(1.2, 0.6, larger_m), 2.5 - 0.6 - larger_m, 1e-9);
+    EXPECT_NEAR(now_m(1.2, 1.0, larger_m), 2.5 - 1.08 - larger_m, 1e-9);
+    EXPECT_NEAR(now_m(1.2, 9.0, larger_m), 2.5 - 1.2 - larger_m, 1e-9);
+    EXPECT_NEAR(near_soon_m(here_m, {&body, 1}, 1.0), 2.5 - larger_m, 1e-9);
+  }
+  const auto nearest_m = [&](double larger_m, const auto& is_free) {
+    return test::last_accepted(3.0, 0.0, 1e-9, [&](double y_m) {
+      OtherBody other;
+      other.larger_m = larger_m;
+      other.position_world_m = here_m + Eigen::Vector3d(1.0, y_m, 0.0);
+      return is_free(other);
+    });
+  };
+  const Eigen::Vector3d to_m = here_m + Eigen::Vector3d(2.0, 0.0, 0.0);
+  for (const double larger_m : {0.0, 0.15}) {
+    EXPECT_NEAR(nearest_m(larger_m,
+                          [&](const OtherBody& other) {
+                            return !is_way_taken(here_m, to_m, {&other, 1}, limits);
+                          }),
+                limits.separation_hold_m + larger_m, 1e-7);
+    EXPECT_NEAR(nearest_m(larger_m,
+                          [&](const OtherBody& other) {
+                            const Eigen::Vector3d above_m = here_m + Eigen::Vector3d(1.0, 0.0, 0.9);
+                            return !is_occupied_below(above_m, {&other, 1}, limits);
+                          }),
+                limits.landing_clearance_m + larger_m, 1e-7);
+  }
+}
+
 // The edges of what is near, on both sides, by bisection.
 TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
   const SafetyLimits limits = bench_limits();
@@ -384,15 +431,19 @@ TEST(Surroundings, HaveTheMarginsThatTheirLimitsState) {
       EXPECT_NEAR(above_m, limits.separation_hold_m + 0.25 + tube_m, 1e-8) << age_s;
     }
     // Beside is below for who must give way; above is nobody's business in a landing.
-    const auto occupies = [&](double z_m, bool goes_first) {
+    const auto occupies = [&](double z_m, bool goes_first, int robot = 2) {
       OtherBody body = at(0.2, z_m);
       body.goes_first = goes_first;
+      body.robot = robot;
       return is_occupied_below(here_m, {&body, 1}, limits);
     };
     EXPECT_NEAR(test::last_accepted(-0.9, 0.9, 1e-9, [&](double z) { return occupies(z, false); }),
                 -0.3, 1e-8);
     EXPECT_NEAR(test::last_accepted(-0.9, 0.9, 1e-9, [&](double z) { return occupies(z, true); }),
                 0.3, 1e-8);
+    for (const double z_m : {-0.9, -0.2, 0.2, 0.75, 2.0}) {
+      EXPECT_TRUE(occupies(z_m, true, -1)) << "a person, from the helmet down to the ground";
+    }
     // A way is taken by who is nearer to it than a hold allows, and than it is already.
     const Eigen::Vector3d to_m = here_m + Eigen::Vector3d(2.0, 0.0, 0.0);
     const double beside_m = test::last_accepted(2.0, 0.0, 1e-9, [&](double y_m) {
