@@ -82,13 +82,13 @@ void QuadrotorDriver::report_autopilot(Time now) {
   report.obeys = !sequence_.is_mode_lost();
   const auto flags = telemetry.estimator_flags(now);
   const auto position_m = telemetry.position_world_m(now);
-  report.estimator_good =
-      flags && !estimator_fault(dialect_, *flags, !telemetry.is_on_ground()) && position_m;
+  report.estimator_good = flags && !estimator_fault(dialect_, *flags, !telemetry.is_on_ground()) &&
+                          position_m && telemetry.has_attitude(now);
   report.tilt_rad = telemetry.tilt_rad();
   report.has_position = position_m.has_value();
   report.position_world_m = position_m.value_or(Eigen::Vector3d::Zero());
   report.velocity_world_mps = telemetry.velocity_world_mps();
-  report.has_attitude = telemetry.heard(wire::mavlink::Attitude::kMessage.id).has_value();
+  report.has_attitude = telemetry.has_attitude(now);
   report.world_from_body = telemetry.world_from_body();
   report.yaw_rate_radps = telemetry.yaw_rate_radps();
   report.is_in_our_mode = telemetry.mode() == traits_of(dialect_).follow_mode;
@@ -100,6 +100,13 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
   if (!guard_.on_mocap(frame, now)) {
     return;  // counted there
   }
+  // What flight safety does not believe neither steers the vehicle nor teaches its autopilot.
+  const PoseVerdict judged = guard_.pose_verdict();
+  if (judged != PoseVerdict::kAccepted && judged != PoseVerdict::kAbsent &&
+      judged != PoseVerdict::kStuck) {
+    ++poses_refused_;
+    return;
+  }
   const bool is_resting = !is_airborne(orders_.state);
   const BodyVerdict verdict = tracker_.see(frame, now, is_resting);
   if (verdict == BodyVerdict::kUnseen) {
@@ -107,7 +114,7 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
   } else if (verdict != BodyVerdict::kTaken) {
     ++poses_refused_;
   } else {
-    if (!link_.telemetry().is_armed()) {
+    if (is_resting && link_.telemetry().heartbeat_time() && !link_.telemetry().is_armed()) {
       ground_m_ = tracker_.state()->world_from_body.translation_m.z();
     }
     if (now + kPoseSlack >= next_pose_ && link_.telemetry().heartbeat_time()) {
@@ -132,7 +139,12 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
   const bool is_obeyed = guard_.on_command(command, now) == CommandVerdict::kObeyed;
   const bool takes_mode = command.action == models::OperatorAction::kFollow ||
                           command.action == models::OperatorAction::kHold;
-  if (is_obeyed && takes_mode && sequence_.is_mode_lost()) {
+  // A repetition, which has the stamp of the order, was said before a pilot took over.
+  const bool is_new = !mode_ordered_at_ || command.stamp.time != *mode_ordered_at_;
+  if (takes_mode) {
+    mode_ordered_at_ = command.stamp.time;
+  }
+  if (is_obeyed && takes_mode && is_new && sequence_.is_mode_lost()) {
     sequence_.retake_mode();
   }
   if (command.action == models::OperatorAction::kEmergencyStop) {
@@ -148,8 +160,8 @@ void QuadrotorDriver::tick(Time now) {
 }
 
 bool QuadrotorDriver::is_nearly_down() const {
-  return ground_m_ && tracker_.state() &&
-         tracker_.state()->world_from_body.translation_m.z() - *ground_m_ < kHandOverM;
+  return tracker_.state() &&  // where it was never seen standing the floor is taken for the ground
+         tracker_.state()->world_from_body.translation_m.z() - ground_m_.value_or(0.0) < kHandOverM;
 }
 
 FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
@@ -247,6 +259,8 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
     out.reasons.push_back(*fault);
   } else if (!telemetry.position_world_m(now)) {
     out.reasons.emplace_back("the autopilot says nothing of its position");
+  } else if (!telemetry.has_attitude(now)) {
+    out.reasons.emplace_back("the autopilot says nothing of its attitude");
   }
   const bool tells_of_battery = telemetry.heard(wire::mavlink::BatteryStatus::kMessage.id) ||
                                 telemetry.heard(wire::mavlink::SysStatus::kMessage.id);

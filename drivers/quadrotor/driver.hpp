@@ -80,7 +80,8 @@ class QuadrotorDriver {
   FlightSequence sequence_;
   models::VehicleLimits vehicle_;
   GuardOutput orders_;
-  std::optional<double> ground_m_;  ///< height of the body when it was last seen unarmed
+  std::optional<double> ground_m_;  ///< height of the body when it was last seen standing unarmed
+  std::optional<Time> mode_ordered_at_;  ///< stamp of the last order that takes the mode
   Time last_setpoint_{};
   Time next_setpoint_{};
   Time next_pose_{};

@@ -52,7 +52,11 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
   waiting_for_.reset();
   if (!telemetry.is_connected(situation.now) && goal_ != FlightGoal::kKill) {
     // What was said before the silence may not have been heard; flying vehicles still get their
-    // set-points.
+    // set-points, and the order to land: what we do not hear may hear us.
+    if (was_armed_ && goal_ == FlightGoal::kLand) {
+      waiting_for_ = "land mode";
+      link.want(land_command(dialect_), situation.now, kModePause);
+    }
     return was_armed_ && goal_ == FlightGoal::kFly;
   }
   const bool is_armed = telemetry.is_armed() || (was_armed_ && situation.is_flying);
@@ -80,6 +84,9 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
 bool FlightSequence::rest(AutopilotLink& link, Time now) {
   streaming_since_.reset();
   has_climbed_ = false;
+  if (link.commands().is_under_way(arm_command(true).command) && !link.telemetry().is_armed()) {
+    link.want(arm_command(false), now, kArmPause);  // an order to arm that may yet be heard
+  }
   disarm_on_ground(link, now, Duration{0});
   // In the air and in the mode that we fly it in: an earlier run of this driver left it there.
   // Flight safety holds it there when it knows where it is; nobody else is going to bring it down.

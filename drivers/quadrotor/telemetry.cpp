@@ -13,6 +13,7 @@ namespace {
 constexpr Duration kHeartbeatAgeMax = std::chrono::milliseconds(2500);
 constexpr Duration kEstimatorAgeMax = std::chrono::seconds(2);
 constexpr Duration kPositionAgeMax = std::chrono::milliseconds(500);
+constexpr Duration kAttitudeAgeMax = std::chrono::milliseconds(500);
 constexpr std::size_t kTextsMax = 32;
 constexpr std::size_t kTextBytesMax = 500;
 constexpr int kWarning = 4;
@@ -58,9 +59,10 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
   } else if (const auto attitude = wire::mavlink::unpack<wire::mavlink::Attitude>(frame)) {
     const double cosine = std::cos(static_cast<double>(attitude->roll)) *
                           std::cos(static_cast<double>(attitude->pitch));
-    tilt_rad_ = std::isfinite(cosine) ? std::acos(cosine) : 0.0;
     const double yaw_rad = static_cast<double>(attitude->yaw);
     if (std::isfinite(cosine) && std::isfinite(yaw_rad) && std::isfinite(attitude->yawspeed)) {
+      attitude_time_ = now;
+      tilt_rad_ = std::acos(cosine);
       world_from_body_ = turn_axes(
           Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
           Eigen::AngleAxisd(static_cast<double>(attitude->pitch), Eigen::Vector3d::UnitY()) *
@@ -164,6 +166,10 @@ std::optional<std::uint16_t> Telemetry::estimator_flags(Time now) const {
 std::optional<Eigen::Vector3d> Telemetry::position_world_m(Time now) const {
   const auto time = heard(wire::mavlink::LocalPositionNed::kMessage.id);
   return time && now - *time <= kPositionAgeMax ? std::optional(position_world_m_) : std::nullopt;
+}
+
+bool Telemetry::has_attitude(Time now) const {
+  return attitude_time_ && now - *attitude_time_ <= kAttitudeAgeMax;
 }
 
 std::optional<Time> Telemetry::heard(std::uint32_t message_id) const {

@@ -54,6 +54,8 @@ class Telemetry {
   [[nodiscard]] std::optional<std::uint16_t> estimator_flags(Time now) const;
   /// Its own estimate, world frame, if it is of the last half second.
   [[nodiscard]] std::optional<Eigen::Vector3d> position_world_m(Time now) const;
+  /// It has told its attitude, in numbers, in the last half second.
+  [[nodiscard]] bool has_attitude(Time now) const;
   /// Of its z axis from the vertical, by its own attitude.
   [[nodiscard]] double tilt_rad() const { return tilt_rad_; }
   /// Its own estimates, world frame; meaningless before they were heard.
@@ -97,6 +99,7 @@ class Telemetry {
   Quaternion world_from_body_ = Quaternion::Identity();
   double yaw_rate_radps_ = 0.0;
   double tilt_rad_ = 0.0;
+  std::optional<Time> attitude_time_;
   bool has_origin_ = false;
   std::optional<std::int64_t> clock_offset_ns_;
   std::int64_t round_trip_best_ns_ = 0;

@@ -49,7 +49,14 @@ class FlightBench : public SteppedBench {
                                                         drivers::limits_for(scenario, "Q1"));
   }
 
-  void command(models::OperatorAction action) { driver->on_command(next_command(action), now); }
+  void command(models::OperatorAction action) { driver->on_command(order(action), now); }
+  models::OperatorCommand order(models::OperatorAction action) { return next_command(action); }
+  /// The same order, repeated: of the same time, and another message.
+  models::OperatorCommand said_again(const models::OperatorCommand& earlier) {
+    models::OperatorCommand out = next_command(earlier.action);
+    out.stamp.time = earlier.stamp.time;
+    return out;
+  }
 
   /// A plan from where the driver is asked to be, `delay` from now.
   models::RobotPlan plan(const Pose2& start, const std::vector<models::PlanSegment>& segments,
@@ -119,7 +126,12 @@ class FlightBench : public SteppedBench {
   bool has_mocap = true;
   bool has_operator = true;
   bool is_wire_cut = false;
-  std::optional<Eigen::Vector3d> walker_m;  ///< where the scenario's first target is seen
+  bool is_deaf = false;  ///< the driver; the vehicle hears it
+  using Loses = std::function<bool(const std::vector<std::uint8_t>& datagram)>;
+  Loses drops;                                      ///< of what the vehicle says
+  Loses drops_sent;                                 ///< of what the driver says
+  std::function<void(models::MocapFrame&)> alters;  ///< what mocap shows
+  std::optional<Eigen::Vector3d> walker_m;          ///< where the scenario's first target is seen
   std::function<void(Time)> on_step;
   std::vector<std::vector<std::uint8_t>> sent;  ///< by the driver, of the last step
 
@@ -129,7 +141,7 @@ class FlightBench : public SteppedBench {
     ++ticks_;
     vehicle.advance_to(now);
     for (const auto& datagram : vehicle.take_output()) {
-      if (!is_wire_cut) {
+      if (!is_wire_cut && !is_deaf && !(drops && drops(datagram))) {
         driver->receive(datagram, true, now);
       }
     }
@@ -143,7 +155,7 @@ class FlightBench : public SteppedBench {
     driver->tick(now);
     sent = driver->take_output();
     for (const auto& datagram : sent) {
-      if (!is_wire_cut) {
+      if (!is_wire_cut && !(drops_sent && drops_sent(datagram))) {
         vehicle.receive(datagram, now);
       }
     }
@@ -166,6 +178,9 @@ class FlightBench : public SteppedBench {
       body.world_from_body = {};
       body.world_from_body.translation_m = *walker_m;
       frame.bodies.push_back(body);
+    }
+    if (alters) {
+      alters(frame);
     }
     waiting_.push_back(frame);
   }

@@ -1,0 +1,199 @@
+// What goes wrong between a driver and a vehicle in the air: poses that are not its own, a link of
+// one direction, a driver that begins anew, pilots, and orders that are late.
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "test/drivers/quadrotor/flight_bench.hpp"
+#include "wire/mavlink/parser.hpp"
+#include "wire/mavlink/vocabulary.hpp"
+
+namespace vantage::drivers {
+namespace {
+
+using models::AutopilotDialect;
+using models::FlightState;
+using models::OperatorAction;
+using test::FlightBench;
+
+class FlightFaults : public ::testing::TestWithParam<AutopilotDialect> {
+ protected:
+  FlightBench bench{GetParam()};
+  [[nodiscard]] bool is_px4() const { return GetParam() == AutopilotDialect::kPx4; }
+  [[nodiscard]] std::uint32_t landing_mode() const { return traits_of(GetParam()).land_mode; }
+  [[nodiscard]] double height_m() const {
+    return bench.vehicle.world_from_body().translation_m.z() - FlightBench::kFloorM;
+  }
+  void pilot_takes_over() {
+    bench.vehicle.controller().set_mode(is_px4() ? 3U << 16U : 5U, bench.now);
+  }
+};
+
+/// Whether a frame in `datagram` is one that is meant.
+bool has(const std::vector<std::uint8_t>& datagram,
+         const std::function<bool(const wire::mavlink::Frame&)>& is_meant) {
+  bool found = false;
+  wire::mavlink::Parser parser;
+  parser.feed(datagram,
+              [&](const wire::mavlink::Frame& frame) { found = found || is_meant(frame); });
+  return found;
+}
+
+/// Where a message says that the vehicle is or shall be, seen from above in the world.
+Eigen::Vector2d place_of(const auto& message) {
+  return {static_cast<double>(message.x), -static_cast<double>(message.y)};
+}
+
+INSTANTIATE_TEST_SUITE_P(Dialects, FlightFaults,
+                         ::testing::Values(AutopilotDialect::kPx4, AutopilotDialect::kArdupilot),
+                         [](const auto& chosen) { return std::string(name_of(chosen.param)); });
+
+// Occluded for a second, and then somebody else's body bears its name: flight safety does not
+// believe it, so it steers nothing.
+TEST_P(FlightFaults, APoseThatIsNotBelievedSteersNothing) {
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  bench.run(2.0);
+  const Eigen::Vector2d place_m = bench.place_m();
+  bench.has_mocap = false;
+  bench.run(0.7);
+  bench.has_mocap = true;
+  bench.alters = [](models::MocapFrame& frame) {
+    frame.bodies.front().world_from_body.translation_m.x() += 1.0;
+  };
+  bench.run(0.02);  // what was captured before
+  int poses = 0;
+  double told_off_m = 0.0;  // by how much anything told to the autopilot is beside where it hovers
+  bench.on_step = [&](Time) {
+    for (const auto& datagram : bench.sent) {
+      has(datagram, [&](const wire::mavlink::Frame& frame) {
+        const auto see = [&](const auto& message, bool is_pose) {
+          if (message) {
+            const Eigen::Vector2d at_m = place_of(*message);
+            told_off_m = std::max(told_off_m, (at_m - place_m).norm());
+            poses += is_pose ? 1 : 0;
+          }
+        };
+        see(wire::mavlink::unpack<wire::mavlink::Odometry>(frame), true);
+        see(wire::mavlink::unpack<wire::mavlink::VisionPositionEstimate>(frame), true);
+        see(wire::mavlink::unpack<wire::mavlink::SetPositionTargetLocalNed>(frame), false);
+        return false;
+      });
+    }
+  };
+  bench.run(0.7);
+  EXPECT_EQ(poses, 0);
+  EXPECT_LT(told_off_m, 0.3);
+  bench.alters = nullptr;
+  bench.run(0.1);
+  EXPECT_GT(poses, 0) << "its own again";
+  EXPECT_LT(told_off_m, 0.3);
+}
+
+// A radio of which one direction fails: what we do not hear hears us, and must not hover for ever.
+TEST_P(FlightFaults, AVehicleThatIsNoLongerHeardIsLanded) {
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  bench.is_deaf = true;
+  ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 60.0)) << height_m();
+  EXPECT_NEAR(height_m(), 0.0, 1e-6);
+}
+
+// Begun anew in the air it comes down by its set-points, as ever, and not by its autopilot's
+// landing from there: that does not stop for who walks in below.
+TEST_P(FlightFaults, ADriverThatBeginsInTheAirDoesNotTakeThatForTheGround) {
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  bench.run(2.0);
+  bench.restart_driver();
+  ASSERT_TRUE(bench.run_until([&] { return bench.state() == FlightState::kHold; }, 3.0))
+      << bench.reasons();
+  bench.run(1.0);
+  double handed_over_m = 0.0;
+  bench.on_step = [&](Time) {
+    if (bench.vehicle.controller().mode() == landing_mode()) {
+      handed_over_m = std::max(handed_over_m, height_m());
+    }
+  };
+  bench.command(OperatorAction::kLand);
+  ASSERT_TRUE(bench.run_until([&] { return !bench.is_armed(); }, 30.0)) << bench.reasons();
+  EXPECT_LT(handed_over_m, 0.4);
+}
+
+// The order is lost, the operator thinks better of it: it is not sent again.
+TEST_P(FlightFaults, AnOrderToArmThatWasWithdrawnIsNotSaidAgain) {
+  ASSERT_TRUE(bench.run_until(
+      [this] {
+        return bench.now > FlightBench::kStart + from_seconds(1.0) && bench.reasons().empty();
+      },
+      20.0));
+  int lost = 0;
+  bool is_lossy = true;
+  bench.drops_sent = [&](const std::vector<std::uint8_t>& datagram) {
+    const bool is_arm = has(datagram, [](const wire::mavlink::Frame& frame) {
+      const auto command = wire::mavlink::unpack<wire::mavlink::CommandLong>(frame);
+      return command && command->command == wire::mavlink::command::kArmDisarm &&
+             command->param1 == 1.0F;
+    });
+    lost += is_arm && is_lossy ? 1 : 0;
+    return is_arm && is_lossy;
+  };
+  bench.command(OperatorAction::kArm);
+  ASSERT_TRUE(bench.run_until([&] { return lost == 1; }, 10.0)) << bench.reasons();
+  bench.command(OperatorAction::kHold);
+  bench.run(0.1);
+  is_lossy = false;
+  bool has_armed = false;
+  bench.on_step = [&](Time) { has_armed = has_armed || bench.is_armed(); };
+  bench.run(5.0);
+  EXPECT_FALSE(has_armed);
+}
+
+// The console says `hold` again for most of a second. A pilot who takes over in that time keeps it.
+TEST_P(FlightFaults, ARepeatedOrderTakesNothingFromAPilot) {
+  ASSERT_TRUE(bench.take_off()) << bench.reasons();
+  const models::OperatorCommand hold = bench.order(OperatorAction::kHold);
+  bench.driver->on_command(hold, bench.now);
+  pilot_takes_over();
+  const std::uint32_t theirs = bench.vehicle.controller().mode();
+  for (int i = 0; i < 20; ++i) {
+    bench.run(0.1);
+    bench.driver->on_command(bench.said_again(hold), bench.now);
+    EXPECT_EQ(bench.vehicle.controller().mode(), theirs) << i;
+  }
+  bench.command(OperatorAction::kHold);
+  bench.run(1.0);
+  EXPECT_NE(bench.vehicle.controller().mode(), theirs) << "said anew it takes the vehicle back";
+}
+
+// An attitude that is no longer told is not level: it lands.
+TEST_P(FlightFaults, WithoutAnAttitudeItLands) {
+  for (const bool is_told_as_nan : {false, true}) {
+    FlightBench up(GetParam());
+    ASSERT_TRUE(up.take_off()) << up.reasons();
+    up.drops = [](const std::vector<std::uint8_t>& datagram) {
+      return has(datagram, [](const wire::mavlink::Frame& frame) {
+        return frame.message_id == wire::mavlink::Attitude::kMessage.id;
+      });
+    };
+    up.on_step = [&](Time now) {
+      if (is_told_as_nan) {
+        wire::mavlink::Attitude none;
+        none.roll = none.pitch = std::numeric_limits<float>::quiet_NaN();
+        std::vector<std::uint8_t> bytes;
+        wire::mavlink::append_bytes(
+            wire::mavlink::pack(none, {1, wire::mavlink::kComponentAutopilot, 0}), bytes);
+        up.driver->receive(bytes, true, now);
+      }
+    };
+    up.run(0.4);
+    EXPECT_EQ(up.state(), FlightState::kHold);
+    up.run(1.6);
+    EXPECT_EQ(up.state(), FlightState::kLand) << up.reasons();
+    EXPECT_TRUE(up.has_reason("says nothing of its attitude")) << up.reasons();
+  }
+}
+
+}  // namespace
+}  // namespace vantage::drivers
