@@ -42,7 +42,7 @@ std::unique_ptr<Port> open_port(const std::string& url) {
     return open_udp_url(url, *address, true);
   }
   if (const auto device = after("serial:")) {
-    constexpr int kBaud = 57600;
+    constexpr int kBaud = 921'600;
     const std::size_t colon = device->rfind(':');
     if (colon == std::string::npos) {
       return open_serial_port(*device, kBaud);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cerrno>
+#include <deque>
 
 #include <unistd.h>
 
@@ -10,8 +11,11 @@
 namespace vantage::drivers {
 namespace {
 
-// Two thirds of a second at 57600 baud: what waits longer than that is stale.
+// A fifth of a second at the slowest rate: what waits longer than that is stale.
 constexpr std::size_t kWaitingMax = 4096;
+// Signed poses (258 bytes) and set-points (78 bytes), 50 of each a second, take 17 kB/s; a byte is
+// ten bits on the line.
+constexpr int kBaudMin = 230'400;
 constexpr Duration kRetryFirst = std::chrono::milliseconds(250);
 constexpr Duration kRetryMax = std::chrono::seconds(4);
 
@@ -42,17 +46,18 @@ class SerialPort : public Port {
       ++dropped_;
       return;
     }
-    if (waiting_.size() + message.size() > kWaitingMax) {
-      ++dropped_;
-    } else {
+    if (!message.empty()) {
       waiting_.insert(waiting_.end(), message.begin(), message.end());
+      sizes_.push_back(message.size());
     }
-    const ssize_t sent = ::write(fd_, waiting_.data(), waiting_.size());
-    if (sent > 0) {
-      waiting_.erase(waiting_.begin(), waiting_.begin() + sent);
-    } else if (sent < 0 && errno != EAGAIN && errno != EINTR) {
-      lose();
+    // The oldest that has not been begun makes room: the newest counts, a stop among them.
+    while (waiting_.size() > kWaitingMax && sizes_.size() > 2) {
+      const auto second = waiting_.begin() + static_cast<std::ptrdiff_t>(sizes_[0]);
+      waiting_.erase(second, second + static_cast<std::ptrdiff_t>(sizes_[1]));
+      sizes_.erase(sizes_.begin() + 1);
+      ++dropped_;
     }
+    send();
   }
 
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {
@@ -84,6 +89,24 @@ class SerialPort : public Port {
     retry_ = kRetryFirst;
     return true;
   }
+  void send() {
+    const ssize_t sent = ::write(fd_, waiting_.data(), waiting_.size());
+    if (sent < 0 && errno != EAGAIN && errno != EINTR) {
+      lose();
+    }
+    if (sent <= 0) {
+      return;
+    }
+    waiting_.erase(waiting_.begin(), waiting_.begin() + sent);
+    auto gone = static_cast<std::size_t>(sent);
+    while (!sizes_.empty() && gone >= sizes_.front()) {
+      gone -= sizes_.front();
+      sizes_.pop_front();
+    }
+    if (!sizes_.empty()) {
+      sizes_.front() -= gone;
+    }
+  }
   void lose() {
     ++losses_;
     hang_up();
@@ -95,6 +118,7 @@ class SerialPort : public Port {
     }
     fd_ = -1;
     waiting_.clear();
+    sizes_.clear();
   }
 
   std::string device_;
@@ -102,7 +126,8 @@ class SerialPort : public Port {
   int fd_ = -1;
   Time next_try_{};
   Duration retry_ = kRetryFirst;
-  std::vector<std::uint8_t> waiting_;
+  std::vector<std::uint8_t> waiting_;  ///< to be sent, the rest of a begun message first
+  std::deque<std::size_t> sizes_;      ///< how many bytes of waiting_ each message is
   std::int64_t dropped_ = 0;
   std::int64_t losses_ = 0;
 };
@@ -112,6 +137,12 @@ class SerialPort : public Port {
 std::unique_ptr<Port> open_serial_port(const std::string& device, int baud) {
   if (!is_baud_rate(baud)) {
     throw StartupError("serial:" + device + ": " + std::to_string(baud) + " is not a baud rate");
+  }
+  if (baud < kBaudMin) {
+    throw StartupError("serial:" + device + ": " + std::to_string(baud) +
+                       " baud are too few: poses and set-points take 17 kB/s, which needs " +
+                       std::to_string(kBaudMin) +
+                       " or more (over USB any rate will do; a telemetry radio carries no flight)");
   }
   return std::make_unique<SerialPort>(device, baud);
 }

@@ -1,7 +1,9 @@
 #include "drivers/vehicle/port.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -180,7 +182,7 @@ TEST(SerialPort, WaitsForADeviceThatIsNotThere) {
 
 TEST(SerialPort, NoticesThatTheLineWasCutAndForgetsWhatWaited) {
   Line line;
-  const auto port = open_port("serial:" + line.name + ":57600");
+  const auto port = open_port("serial:" + line.name + ":230400");
   EXPECT_TRUE(read_all(*port, kNow).empty());
   line.hang_up();
   for (int i = 0; i < 3; ++i) {
@@ -190,6 +192,51 @@ TEST(SerialPort, NoticesThatTheLineWasCutAndForgetsWhatWaited) {
   const auto counters = port->counters();
   ASSERT_FALSE(counters.empty());
   EXPECT_EQ(counters.back().name, "port.losses");
+}
+
+// A line that is stuck for a while: what is sent then is whole, and the newest of all.
+TEST(SerialPort, DropsTheOldestThatItHasNotBegunAndNoneInPart) {
+  constexpr std::size_t kBytes = 90;
+  constexpr int kMessages = 400;
+  const Line line;
+  const auto port = open_port("serial:" + line.name);
+  for (int i = 0; i < kMessages; ++i) {
+    Bytes message(kBytes, static_cast<std::uint8_t>(i % 256));
+    message[0] = 255;
+    message[1] = static_cast<std::uint8_t>(i / 256);
+    port->write(message, kNow);
+  }
+  const auto counters = port->counters();
+  ASSERT_EQ(counters.size(), 1U);
+  EXPECT_EQ(counters[0].name, "port.messages_dropped");
+  const auto sent = static_cast<std::size_t>(kMessages - counters[0].count);
+  Bytes heard;
+  for (int i = 0; i < 100 && heard.size() < sent * kBytes; ++i) {
+    const Bytes some = line.receive(std::min<std::size_t>(2000, sent * kBytes - heard.size()));
+    heard.insert(heard.end(), some.begin(), some.end());
+    port->write({}, kNow);  // what waits goes on
+  }
+  ASSERT_EQ(heard.size(), sent * kBytes);
+  std::vector<int> numbers;
+  for (std::size_t at = 0; at < heard.size(); at += kBytes) {
+    ASSERT_EQ(heard[at], 255);
+    numbers.push_back(256 * heard[at + 1] + heard[at + 2]);
+    for (std::size_t k = 2; k < kBytes; ++k) {
+      ASSERT_EQ(heard[at + k], heard[at + 2]);
+    }
+  }
+  EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end()));
+  EXPECT_EQ(numbers.back(), kMessages - 1);
+  EXPECT_GT(counters[0].count, 100);
+}
+
+TEST(SerialPort, RefusesALineThatCannotCarryAFlight) {
+  for (const char* const baud : {"9600", "57600", "115200"}) {
+    EXPECT_THROW(static_cast<void>(open_port(std::string("serial:/dev/x:") + baud)), StartupError);
+  }
+  for (const char* const baud : {"230400", "460800", "921600"}) {
+    EXPECT_NO_THROW(static_cast<void>(open_port(std::string("serial:/dev/x:") + baud)));
+  }
 }
 
 TEST(OpenPort, RefusesWhatItDoesNotUnderstand) {
