@@ -14,6 +14,20 @@ PoseGate::Reach PoseGate::reach(const Pose3& from, const Pose3& to, Duration ela
                                                                          : Reach::kWithin;
 }
 
+double PoseGate::margins_between(const Pose3& a, const Pose3& b) const {
+  const double moved = (b.translation_m - a.translation_m).norm() / settings_.jump_margin_m;
+  const double turned = a.rotation.angularDistance(b.rotation) / settings_.turn_margin_rad;
+  return settings_.turn_max_radps > 0.0 ? std::max(moved, turned) : moved;
+}
+
+// Nearness alone would not do: a body that bears another's name comes by where that one was last
+// good, as those do that fly one behind another, and is nearest to that place for one frame.
+bool PoseGate::is_back(Duration now, const Pose3& pose) const {
+  const Duration usual = (now - candidate_time_) / settings_.usual_divisor;
+  return reach(*candidate_, pose, usual) != Reach::kWithin &&
+         margins_between(*last_, pose) < margins_between(*candidate_, pose);
+}
+
 bool PoseGate::is_repeated(const Pose3& pose) {
   const bool is_same = previous_ && previous_->translation_m == pose.translation_m &&
                        previous_->rotation.coeffs() == pose.rotation.coeffs();

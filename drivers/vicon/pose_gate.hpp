@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "core/pose.hpp"
@@ -22,7 +23,9 @@ struct GateSettings {
   double jump_margin_m = 0.15;     ///< allowed on top of the speed: noise, and frames that bunch
   double turn_margin_rad = 0.5;    ///< likewise
   Duration lost_after{1'000'000};  ///< unseen for so long, a body may be anywhere
-  int confirm_frames = 5;          ///< of a lost one, consistent with each other, before it is back
+  /// The limits over what bodies usually do: 2 m/s and 4 rad/s, twice what flies in a laboratory.
+  int usual_divisor = 5;
+  int confirm_frames = 5;  ///< of a lost one, consistent with each other, before it is back
   /// A jump is believed after the poses since were consistent with each other for so long. By then
   /// whoever flies on this body has been without it for long enough to land (design §6).
   Duration believe_jump_after{2'000'000};
@@ -33,9 +36,11 @@ struct GateSettings {
 ///
 /// A good pose is within reach of the last good one. One that is not starts a chain of candidates;
 /// later poses belong to the chain as long as they are within reach of its end, and stay refused
-/// until the chain is believed. A pose outside the chain and within reach of the last good one is
-/// good again at once. A chain that began where another body was (`is_other`) is never believed:
-/// names have been swapped.
+/// until the chain is believed. A pose within reach of the last good one is good again at once if
+/// it is outside the chain, or farther from the chain's end than bodies usually go and nearer to
+/// the good one: the chain's reach grows with every gap, and takes in where the body really is.
+/// A chain that began where another body was (`is_other`) is never believed: names have been
+/// swapped.
 class PoseGate {
  public:
   explicit PoseGate(const GateSettings& settings) : settings_(settings) {}
@@ -52,6 +57,10 @@ class PoseGate {
  private:
   enum class Reach { kWithin, kTooFar, kTurned };
   [[nodiscard]] Reach reach(const Pose3& from, const Pose3& to, Duration elapsed) const;
+  /// How far apart, in margins, by what is more: place or attitude.
+  [[nodiscard]] double margins_between(const Pose3& a, const Pose3& b) const;
+  /// Of a pose in reach of both: whether it belongs to the last good one, not to the chain's end.
+  [[nodiscard]] bool is_back(Duration now, const Pose3& pose) const;
   [[nodiscard]] bool is_repeated(const Pose3& pose);
   Verdict accept(Duration now, const Pose3& pose);
   [[nodiscard]] bool is_believed(Duration now) const;
@@ -81,10 +90,10 @@ Verdict PoseGate::judge(Duration now, const Pose3& pose, const IsOther& is_other
   const bool continues_chain = candidate_ && now - candidate_time_ <= settings_.lost_after &&
                                reach(*candidate_, pose, now - candidate_time_) == Reach::kWithin;
   const Reach from_last = reach(*last_, pose, std::min(now - last_time_, settings_.lost_after));
+  if (from_last == Reach::kWithin && !is_lost && (!continues_chain || is_back(now, pose))) {
+    return accept(now, pose);
+  }
   if (!continues_chain) {
-    if (from_last == Reach::kWithin && !is_lost) {
-      return accept(now, pose);
-    }
     candidate_since_ = now;
     candidate_frames_ = 0;
     candidate_kind_ = is_lost                       ? Verdict::kUnconfirmed

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drivers/vicon/frame_filter.hpp"
+#include "test/drivers/vicon/filter_bench.hpp"
 #include "test/support/allocation_counter.hpp"
 #include "test/support/near.hpp"
 
@@ -13,45 +13,6 @@ namespace vantage::drivers::vicon {
 namespace {
 
 using test::is_near;
-
-constexpr Time kEpoch = from_utime(1'700'000'000'000'000);
-constexpr Duration kPeriod{10'000};
-
-/// Feeds frames at 100 Hz and keeps what comes out.
-struct FilterBench {
-  explicit FilterBench(const GateSettings& gate = {})
-      : filter(gate, Duration{5'000}, [this](const models::MocapFrame& frame) { out = frame; }) {}
-
-  SeenFrame& begin() {
-    elapsed += kPeriod;
-    seen.clear();
-    seen.arrival = {kEpoch + elapsed, elapsed};
-    seen.number = next_number++;
-    seen.latency_s = 0.004;
-    return seen;
-  }
-  void add(const std::string& name, const Pose3& pose, Sight sight = Sight::kSeen) {
-    SeenBody& body = seen.add();
-    body.name = name;
-    body.sight = sight;
-    body.world_from_body = pose;
-  }
-  /// One body in a frame of its own; whether it is taken for seen.
-  bool is_seen(const Pose3& pose) {
-    begin();
-    add("A", pose);
-    filter.accept(seen);
-    return !out.bodies.at(0).occluded;
-  }
-  /// A body on its way along x at 1 m/s.
-  Pose3 moving() const { return {{to_seconds(elapsed), 0.0, 1.0}, Eigen::Quaterniond::Identity()}; }
-
-  models::MocapFrame out;
-  FrameFilter filter;
-  SeenFrame seen;
-  Duration elapsed{};
-  std::uint32_t next_number = 1;
-};
 
 TEST(FrameFilter, TakesLatencyOffTheArrivalAndKeepsBoth) {
   FilterBench bench;
@@ -317,69 +278,6 @@ TEST(FrameFilter, APoseThatIsRepeatedBitByBitIsNotSeenFromTheThirdRepetition) {
   for (int k = 0; k < 100; ++k) {
     EXPECT_TRUE(patient.is_seen(pose));
   }
-}
-
-TEST(FrameFilter, AnOutlierIsRefusedAndTheBodyIsGoodAgainWhereItShouldBe) {
-  FilterBench bench;
-  for (int k = 0; k < 20; ++k) {
-    EXPECT_TRUE(bench.is_seen(bench.moving()));
-  }
-  Pose3 outlier = bench.moving();
-  outlier.translation_m.y() += 1.0;
-  EXPECT_FALSE(bench.is_seen(outlier));
-  EXPECT_TRUE(bench.is_seen(bench.moving()));
-  EXPECT_EQ(bench.filter.counts().poses_outlying, 1);
-}
-
-TEST(FrameFilter, AFlipIsRefusedForAsLongAsAVehicleNeedsToLand) {
-  FilterBench bench;
-  for (int k = 0; k < 20; ++k) {
-    EXPECT_TRUE(bench.is_seen(bench.moving()));
-  }
-  const Eigen::Quaterniond half_turn(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitZ()));
-  int refused = 0;
-  for (int k = 0; k < 300; ++k) {
-    Pose3 flipped = bench.moving();
-    flipped.rotation = half_turn;
-    refused += bench.is_seen(flipped) ? 0 : 1;
-  }
-  EXPECT_EQ(refused, 200) << "2 s at 100 Hz; then the markers must have been moved";
-  EXPECT_EQ(bench.filter.counts().poses_flipped, 200);
-}
-
-TEST(FrameFilter, BodiesThatSwapTheirNamesAreNeitherOfThemFollowed) {
-  FilterBench bench;
-  const Eigen::Vector3d apart(0.0, 2.0, 0.0);
-  for (int k = 0; k < 1000; ++k) {
-    bench.begin();
-    Pose3 a = bench.moving();
-    Pose3 b = bench.moving();
-    (k < 20 ? b : a).translation_m += apart;
-    bench.add("A", a);
-    bench.add("B", b);
-    bench.filter.accept(bench.seen);
-    ASSERT_EQ(bench.out.bodies[0].occluded, k >= 20) << k;
-    ASSERT_EQ(bench.out.bodies[1].occluded, k >= 20) << k;
-  }
-  EXPECT_EQ(bench.filter.counts().poses_swapped, 2 * 980);
-  bench.begin();  // and both are themselves again
-  Pose3 b = bench.moving();
-  b.translation_m += apart;
-  bench.add("A", bench.moving());
-  bench.add("B", b);
-  bench.filter.accept(bench.seen);
-  EXPECT_TRUE(bench.out.bodies[0].occluded) << "it went 10 m unseen: five frames to be sure";
-}
-
-TEST(FrameFilter, ABodyThatWasLongUnseenIsBackAfterFiveFramesThatAgree) {
-  FilterBench bench;
-  EXPECT_TRUE(bench.is_seen(bench.moving()));
-  bench.elapsed += std::chrono::seconds(2);
-  for (int k = 0; k < 4; ++k) {
-    EXPECT_FALSE(bench.is_seen(bench.moving())) << k;
-  }
-  EXPECT_TRUE(bench.is_seen(bench.moving()));
-  EXPECT_EQ(bench.filter.counts().poses_unconfirmed, 4);
 }
 
 TEST(FrameFilter, RefusesNamesThatNoMessageMayCarry) {

@@ -21,6 +21,7 @@ TEST(ViconLimits, AreThoseThatTheDocumentStates) {
       {"jump_margin_m", gate.jump_margin_m, 0.15},
       {"turn_margin_rad", gate.turn_margin_rad, 0.5},
       {"lost_after", to_seconds(gate.lost_after), 1.0},
+      {"usual_divisor", static_cast<double>(gate.usual_divisor), 5.0},
       {"confirm_frames", static_cast<double>(gate.confirm_frames), 5.0},
       {"believe_jump_after", to_seconds(gate.believe_jump_after), 2.0},
       {"stuck_frames", static_cast<double>(gate.stuck_frames), 3.0},

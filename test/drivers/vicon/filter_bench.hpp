@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+
+#include "drivers/vicon/frame_filter.hpp"
+
+namespace vantage::drivers::vicon {
+
+inline constexpr Time kEpoch = from_utime(1'700'000'000'000'000);
+inline constexpr Duration kPeriod{10'000};
+
+/// Feeds frames at 100 Hz and keeps what comes out.
+struct FilterBench {
+  explicit FilterBench(const GateSettings& gate = {})
+      : filter(gate, Duration{5'000}, [this](const models::MocapFrame& frame) { out = frame; }) {}
+
+  SeenFrame& begin() {
+    elapsed += kPeriod;
+    seen.clear();
+    seen.arrival = {kEpoch + elapsed, elapsed};
+    seen.number = next_number++;
+    seen.latency_s = 0.004;
+    return seen;
+  }
+  void add(const std::string& name, const Pose3& pose, Sight sight = Sight::kSeen) {
+    SeenBody& body = seen.add();
+    body.name = name;
+    body.sight = sight;
+    body.world_from_body = pose;
+  }
+  /// One body in a frame of its own; whether it is taken for seen.
+  bool is_seen(const Pose3& pose) {
+    begin();
+    add("A", pose);
+    filter.accept(seen);
+    return !out.bodies.at(0).occluded;
+  }
+  /// A body on its way along x at 1 m/s.
+  Pose3 moving() const { return {{to_seconds(elapsed), 0.0, 1.0}, Eigen::Quaterniond::Identity()}; }
+
+  models::MocapFrame out;
+  FrameFilter filter;
+  SeenFrame seen;
+  Duration elapsed{};
+  std::uint32_t next_number = 1;
+};
+
+}  // namespace vantage::drivers::vicon

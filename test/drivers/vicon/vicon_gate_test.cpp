@@ -1,0 +1,126 @@
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "test/drivers/vicon/filter_bench.hpp"
+
+namespace vantage::drivers::vicon {
+namespace {
+
+TEST(FrameFilter, AnOutlierIsRefusedAndTheBodyIsGoodAgainWhereItShouldBe) {
+  FilterBench bench;
+  for (int k = 0; k < 20; ++k) {
+    EXPECT_TRUE(bench.is_seen(bench.moving()));
+  }
+  Pose3 outlier = bench.moving();
+  outlier.translation_m.y() += 1.0;
+  EXPECT_FALSE(bench.is_seen(outlier));
+  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_EQ(bench.filter.counts().poses_outlying, 1);
+}
+
+TEST(FrameFilter, AFlipIsRefusedForAsLongAsAVehicleNeedsToLand) {
+  FilterBench bench;
+  for (int k = 0; k < 20; ++k) {
+    EXPECT_TRUE(bench.is_seen(bench.moving()));
+  }
+  const Eigen::Quaterniond half_turn(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitZ()));
+  int refused = 0;
+  for (int k = 0; k < 300; ++k) {
+    Pose3 flipped = bench.moving();
+    flipped.rotation = half_turn;
+    refused += bench.is_seen(flipped) ? 0 : 1;
+  }
+  EXPECT_EQ(refused, 200) << "2 s at 100 Hz; then the markers must have been moved";
+  EXPECT_EQ(bench.filter.counts().poses_flipped, 200);
+}
+
+TEST(FrameFilter, BodiesThatSwapTheirNamesAreNeitherOfThemFollowed) {
+  FilterBench bench;
+  const Eigen::Vector3d apart(0.0, 2.0, 0.0);
+  for (int k = 0; k < 1000; ++k) {
+    bench.begin();
+    Pose3 a = bench.moving();
+    Pose3 b = bench.moving();
+    (k < 20 ? b : a).translation_m += apart;
+    bench.add("A", a);
+    bench.add("B", b);
+    bench.filter.accept(bench.seen);
+    ASSERT_EQ(bench.out.bodies[0].occluded, k >= 20) << k;
+    ASSERT_EQ(bench.out.bodies[1].occluded, k >= 20) << k;
+  }
+  EXPECT_EQ(bench.filter.counts().poses_swapped, 2 * 980);
+  bench.begin();  // and both are themselves again
+  Pose3 b = bench.moving();
+  b.translation_m += apart;
+  bench.add("A", bench.moving());
+  bench.add("B", b);
+  bench.filter.accept(bench.seen);
+  EXPECT_TRUE(bench.out.bodies[0].occluded) << "it went 10 m unseen: five frames to be sure";
+}
+
+// One wrong frame and then a gap: within it a body at the gate's limits could have gone from the
+// wrong place to the right one, and the right one was disbelieved with it: a swap for ever.
+TEST(FrameFilter, ABodyThatIsBackWhereItWasIsGoodAtOnceAfterAWrongFrameAndAGap) {
+  const Pose3 of_other{{0.0, 1.0, 0.0}, Eigen::Quaterniond::Identity()};
+  const Pose3 of_nobody{{0.0, -1.0, 0.0}, Eigen::Quaterniond::Identity()};
+  const Pose3 flipped = lift({0.0, 0.0, kPi}, 0.0);
+  for (const Pose3& wrong : {of_other, of_nobody, flipped}) {
+    for (const int gap_frames : {10, 20, 35}) {
+      FilterBench bench;
+      for (int k = 0; k < 100; ++k) {
+        bench.begin();
+        Pose3 pose = bench.moving();
+        pose.rotation = k == 20 ? wrong.rotation : pose.rotation;
+        pose.translation_m += (k == 20 ? 1.0 : 0.0) * wrong.translation_m;
+        bench.add("A", pose, k > 20 && k <= 20 + gap_frames ? Sight::kAbsent : Sight::kSeen);
+        Pose3 other = bench.moving();
+        other.translation_m += of_other.translation_m;
+        bench.add("B", other);
+        bench.filter.accept(bench.seen);
+        ASSERT_EQ(bench.out.bodies[0].occluded, k >= 20 && k <= 20 + gap_frames)
+            << k << " after " << wrong.translation_m.transpose() << " and " << gap_frames;
+        ASSERT_FALSE(bench.out.bodies[1].occluded);
+      }
+    }
+  }
+}
+
+// What returns to where it was may be another body that comes by there under its name: half a metre
+// behind, at 1 m/s, and seen only each `period_frames`.
+TEST(FrameFilter, ABodyThatBearsAnothersNameIsNotBelievedWhereThatOneWasBefore) {
+  for (const double behind_m : {0.3, 0.5, 0.8}) {
+    for (const int period_frames : {1, 3, 10, 20}) {
+      FilterBench bench;
+      for (int k = 0; k < 400; ++k) {
+        bench.begin();
+        Pose3 leader = bench.moving();
+        Pose3 follower = bench.moving();
+        leader.translation_m.x() += behind_m;
+        if (k >= 20) {
+          std::swap(leader, follower);
+        }
+        const Sight sight = k > 20 && k % period_frames != 0 ? Sight::kAbsent : Sight::kSeen;
+        bench.add("A", leader, sight);
+        bench.add("B", follower, sight);
+        bench.filter.accept(bench.seen);
+        ASSERT_EQ(bench.out.bodies[0].occluded, k >= 20)
+            << k << ", " << behind_m << " m behind, each " << period_frames;
+      }
+    }
+  }
+}
+
+TEST(FrameFilter, ABodyThatWasLongUnseenIsBackAfterFiveFramesThatAgree) {
+  FilterBench bench;
+  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  bench.elapsed += std::chrono::seconds(2);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_FALSE(bench.is_seen(bench.moving())) << k;
+  }
+  EXPECT_TRUE(bench.is_seen(bench.moving()));
+  EXPECT_EQ(bench.filter.counts().poses_unconfirmed, 4);
+}
+
+}  // namespace
+}  // namespace vantage::drivers::vicon
