@@ -68,16 +68,18 @@ bool FrameFilter::is_next(std::uint32_t number) {
   return true;
 }
 
+// Too long a latency is not answered by the assumed one, which is short: a frame would be said to
+// be new the older it is, and whoever holds because frames are late would fly on.
 Duration FrameFilter::latency_of(const SeenFrame& seen) {
-  Duration latency = latency_assumed_;
-  if (seen.latency_s) {
-    if (*seen.latency_s >= 0.0 && *seen.latency_s <= kLatencyMax_s) {
-      latency = from_seconds(*seen.latency_s);
-    } else {
-      ++counts_.latencies_refused;
-    }
+  if (!seen.latency_s) {
+    return latency_assumed_;
   }
-  return latency;
+  if (!(*seen.latency_s >= 0.0 && *seen.latency_s <= kLatencyPossible_s)) {
+    ++counts_.latencies_refused;
+    return latency_assumed_;
+  }
+  counts_.latencies_bounded += *seen.latency_s > kLatencyMax_s ? 1 : 0;
+  return from_seconds(std::min(*seen.latency_s, kLatencyMax_s));
 }
 
 Duration FrameFilter::waited(const SeenFrame& seen, Duration latency) {

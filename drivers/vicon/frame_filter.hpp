@@ -22,6 +22,7 @@ struct FrameCounts {
   std::int64_t frames_queued = 0;    ///< dropped: had waited on the way for longer than kQueuedMax
   std::int64_t server_restarts = 0;  ///< numbers that began anew
   std::int64_t latencies_refused = 0;  ///< not finite, negative or beyond belief
+  std::int64_t latencies_bounded = 0;  ///< taken for kLatencyMax_s, being more
   std::int64_t poses_zero = 0;
   std::int64_t poses_refused = 0;  ///< not finite, no rotation, beyond any room
   std::int64_t poses_stuck = 0;
@@ -36,14 +37,17 @@ struct FrameCounts {
 /// Judges frames and turns them into what is published: every body ever seen (of protocols that
 /// list all: every body listed), by name, in a stable order; one without a good pose is occluded.
 ///
-/// Capture time is arrival less latency, the latency bounded to [0, kLatencyMax] and else
-/// `latency_assumed`, and less what the frame has waited on the way (FrameClock); it is later than
-/// that of the frame before whenever that is possible without passing the arrival. A frame that has
-/// waited for longer than kQueuedMax is dropped: newer ones are behind it, and nobody may fly by
-/// it. A frame costs no allocation once all bodies are known.
+/// Capture time is arrival less latency, of which no more than kLatencyMax_s is believed, and
+/// `latency_assumed` where it is not in [0, kLatencyPossible_s], and less what the frame has waited
+/// on the way (FrameClock); it is later than that of the frame before whenever that is possible
+/// without passing the arrival. A frame that has waited for longer than kQueuedMax is dropped:
+/// newer ones are behind it, and nobody may fly by it. A frame costs no allocation once all bodies
+/// are known.
 class FrameFilter {
  public:
   static constexpr double kLatencyMax_s = 0.25;
+  /// A computer that is overloaded holds frames for seconds, and says so; more is no latency.
+  static constexpr double kLatencyPossible_s = 10.0;
   static constexpr Duration kQueuedMax{100'000};
   static constexpr std::size_t kBodiesMax = 512;
 

@@ -98,6 +98,7 @@ void note_troubles(const drivers::vicon::ViconDriver& driver, Observation& obser
                                                 {"poses_outlying", frame.poses_outlying},
                                                 {"poses_flipped", frame.poses_flipped},
                                                 {"latencies_refused", frame.latencies_refused},
+                                                {"latencies_bounded", frame.latencies_bounded},
                                                 {"names_refused", frame.names_refused}};
   for (const auto& [name, count] : all) {
     if (count != 0) {

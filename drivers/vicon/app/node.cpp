@@ -89,6 +89,7 @@ std::vector<models::NamedCount> ViconNode::counters() const {
                        {"vicon.frames_queued", frame.frames_queued},
                        {"vicon.server_restarts", frame.server_restarts},
                        {"vicon.latencies_refused", frame.latencies_refused},
+                       {"vicon.latencies_bounded", frame.latencies_bounded},
                        {"vicon.poses_zero", frame.poses_zero},
                        {"vicon.poses_refused", frame.poses_refused},
                        {"vicon.poses_stuck", frame.poses_stuck},

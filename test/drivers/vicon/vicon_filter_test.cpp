@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -26,7 +27,7 @@ TEST(FrameFilter, TakesLatencyOffTheArrivalAndKeepsBoth) {
 TEST(FrameFilter, BelievesNoLatencyThatCannotBe) {
   FilterBench bench;
   for (const double latency_s :
-       {1.8e35, -0.001, 0.3, std::nan(""), std::numeric_limits<double>::infinity()}) {
+       {1.8e35, -0.001, 10.001, std::nan(""), std::numeric_limits<double>::infinity()}) {
     bench.begin().latency_s = latency_s;
     bench.filter.accept(bench.seen);
     EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{5'000}) << latency_s;
@@ -36,6 +37,39 @@ TEST(FrameFilter, BelievesNoLatencyThatCannotBe) {
   bench.filter.accept(bench.seen);
   EXPECT_EQ(bench.out.arrival - bench.out.stamp.time, Duration{5'000});
   EXPECT_EQ(bench.filter.counts().latencies_refused, 5);
+}
+
+// A computer that cannot keep up says so, and was not believed: frames 0.3 s old were stamped 5 ms
+// old, and "pose late" ended as things got worse.
+TEST(FrameFilter, AFrameIsNoYoungerForALatencyThatIsLongerThanAnyUsualOne) {
+  for (const double latency_s : {0.2, 0.3, 0.34, 0.4, 1.0, 10.0}) {
+    for (const double rise_s : {0.0, 0.4, 20.0}) {
+      FilterBench bench;
+      Duration silent_since = bench.elapsed;
+      double passed_s = 0.0;
+      while ((passed_s = to_seconds(bench.elapsed)) < 30.0) {
+        bench.begin();
+        const double share = rise_s > 0.0 ? std::clamp((passed_s - 3.0) / rise_s, 0.0, 1.0)
+                                          : (passed_s < 3.0 ? 0.0 : 1.0);
+        bench.seen.latency_s = 0.004 + share * (latency_s - 0.004);
+        const Duration arrival = bench.elapsed + from_seconds(*bench.seen.latency_s);
+        bench.seen.arrival = {kEpoch + arrival, arrival};
+        const std::int64_t before = bench.filter.counts().frames;
+        bench.filter.accept(bench.seen);
+        if (bench.filter.counts().frames == before) {
+          continue;
+        }
+        const double age_s = to_seconds(bench.out.arrival - bench.out.stamp.time);
+        ASSERT_GE(age_s, std::min(*bench.seen.latency_s, 0.25) - 1e-6) << passed_s;
+        ASSERT_LE(age_s, *bench.seen.latency_s + 0.022) << passed_s;
+        ASSERT_LE(arrival - silent_since, from_seconds(latency_s) + Duration{200'000});
+        silent_since = arrival;
+      }
+      EXPECT_GT(bench.filter.counts().frames, 2'900) << latency_s << " " << rise_s;
+      EXPECT_EQ(bench.filter.counts().latencies_refused, 0);
+      EXPECT_EQ(bench.filter.counts().latencies_bounded > 0, latency_s > 0.25);
+    }
+  }
 }
 
 TEST(FrameFilter, NeverLetsCaptureTimesStandStillOrRunAhead) {

@@ -30,6 +30,7 @@ TEST(ViconLimits, AreThoseThatTheDocumentStates) {
       {"scenario: stuck_frames", static_cast<double>(mocap.stuck_frames), 3.0},
       {"scenario: latency_s", mocap.latency_s, 0.005},
       {"FrameFilter::kLatencyMax_s", FrameFilter::kLatencyMax_s, 0.25},
+      {"FrameFilter::kLatencyPossible_s", FrameFilter::kLatencyPossible_s, 10.0},
       {"FrameFilter::kQueuedMax", to_seconds(FrameFilter::kQueuedMax), 0.1},
       {"FrameAssembly::kPatience", to_seconds(FrameAssembly::kPatience), 0.004},
       {"VrpnTrackers::kSameFrame_us", static_cast<double>(VrpnTrackers::kSameFrame_us), 400.0},
