@@ -23,6 +23,7 @@ models::InputRef ref_to(const std::string& channel, const models::Stamp& stamp) 
 SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
                        const std::string& robot, Look look)
     : bus_(bus),
+      clock_(clock),
       robot_(robot),
       look_(std::move(look)),
       step_(from_seconds(scenario.planner.step_s)),
@@ -38,8 +39,10 @@ SensorNode::SensorNode(bus::Bus& bus, const bus::Clock& clock, const scenario::S
   }
   bus_.subscribe_shared<models::MocapFrame>(
       bus::kVicon, [this](const auto& /*name*/, const auto& frame) { on_frame(frame); });
-  bus_.subscribe<models::AttackNotice>(
-      bus::kAttack, [this](const models::AttackNotice& attack) { attack_ = attack; });
+  bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const models::AttackNotice& attack) {
+    attack_ = attack;
+    attack_heard_ = clock_.now();
+  });
 }
 
 void SensorNode::tick(Time now) { next_tick_ = now + kIdle; }
@@ -73,9 +76,16 @@ void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& share
   last_ = shared;
 }
 
+bool SensorNode::is_jammed() {
+  if (attack_ && clock_.now() - attack_heard_ > kAttackKept) {
+    attack_.reset();
+  }
+  return attack_ &&
+         std::find(attack_->jammed.begin(), attack_->jammed.end(), robot_) != attack_->jammed.end();
+}
+
 void SensorNode::publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs) {
-  const bool jammed = attack_ && std::find(attack_->jammed.begin(), attack_->jammed.end(),
-                                           robot_) != attack_->jammed.end();
+  const bool jammed = is_jammed();
   std::optional<models::DetectionSet> seen = look_(frame, jammed);
   if (!seen) {
     ++steps_without_own_pose_;

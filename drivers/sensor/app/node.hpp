@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -26,6 +27,10 @@ namespace vantage::drivers {
 /// frame before. A frame captured at kτ itself is used alone.
 class SensorNode : public bus::Node {
  public:
+  /// Three of the simulator's repetitions of ATTACK, one a second (lcmtypes/README.md): one that is
+  /// not heard again for so long has ended, with whoever said it.
+  static constexpr Duration kAttackKept = std::chrono::seconds(3);
+
   /// What is seen in a frame, as PoseSensor::look().
   using Look = std::function<std::optional<models::DetectionSet>(const models::MocapFrame& frame,
                                                                  bool jammed)>;
@@ -43,9 +48,12 @@ class SensorNode : public bus::Node {
 
  private:
   void on_frame(const std::shared_ptr<const models::MocapFrame>& shared);
+  /// Whether this robot is, by the newest notice that still holds.
+  [[nodiscard]] bool is_jammed();
   void publish(const models::MocapFrame& frame, std::vector<models::InputRef> inputs);
 
   bus::Bus& bus_;
+  const bus::Clock& clock_;
   std::string robot_;
   Look look_;
   std::optional<RangeScanner> scanner_;  ///< of a scenario that maps
@@ -53,6 +61,7 @@ class SensorNode : public bus::Node {
   Time next_tick_;
   std::shared_ptr<const models::MocapFrame> last_;
   std::optional<models::AttackNotice> attack_;
+  Time attack_heard_{};
   std::int64_t steps_without_frames_ = 0;
   std::int64_t steps_without_own_pose_ = 0;
   std::int64_t frames_out_of_order_ = 0;

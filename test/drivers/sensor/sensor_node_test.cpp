@@ -162,6 +162,29 @@ TEST(SensorNode, MeasuresNothingWhileItIsJammed) {
   EXPECT_FALSE(bench.measured[2].jammed);
 }
 
+// Who says it says it again each second; whoever ended in the middle left its robots jammed for
+// the rest of the flight.
+TEST(SensorNode, ANoticeOfAnAttackThatIsNotRepeatedIsForgottenAfterThreeSeconds) {
+  Bench bench;
+  const auto measure_at = [&](Duration after_start) {
+    bench.clock.set(kStart + after_start);
+    bench.send_frame(after_start);
+    return bench.measured.back().jammed;
+  };
+  bench.clock.set(kStart + Duration{100'000});
+  bench.send_attack({"Q1"});
+  EXPECT_TRUE(measure_at(Duration{500'000}));
+  EXPECT_TRUE(measure_at(Duration{3'000'000}));
+  bench.send_attack({"Q1"});  // stamped as before: when it is heard counts
+  EXPECT_TRUE(measure_at(Duration{3'500'000}));
+  EXPECT_TRUE(measure_at(Duration{6'000'000}));
+  EXPECT_FALSE(measure_at(Duration{6'500'000}));
+  EXPECT_EQ(bench.measured.back().detections.size(), 1u);
+  EXPECT_EQ(bench.measured.back().inputs.size(), 1u) << "nor is it an input any more";
+  bench.send_attack({"Q1"});
+  EXPECT_TRUE(measure_at(Duration{7'000'000}));
+}
+
 scenario::Scenario mapping_scenario() {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.objective = scenario::PlanObjective::kMapping;
