@@ -51,6 +51,16 @@ bool needs_more(const scenario::Scenario& scenario) {
          scenario.security.mode != scenario::SecurityMode::kRequire;
 }
 
+/// Vehicles beyond those that one command can be said to could not be armed, and would take the
+/// operator for silent. Every robot asks for an echo; those with drivers act on it.
+bool has_too_many_vehicles(const scenario::Scenario& scenario) {
+  return scenario.security.mode == scenario::SecurityMode::kRequire &&
+         scenario.robots.size() > kEchoesMax &&
+         std::any_of(scenario.robots.begin(), scenario.robots.end(), [](const auto& robot) {
+           return robot.device != scenario::DeviceSource::kDirect;
+         });
+}
+
 }  // namespace
 
 Authenticator::Authenticator(std::shared_ptr<const Keyring> keyring, const Rules& rules)
@@ -115,7 +125,7 @@ void Authenticator::hear_nonce(std::string_view robot, const Foot& foot, Time no
   const std::uint32_t destination = destination_of(robot);
   const auto known = asked_.find(destination);
   if (known == asked_.end()) {
-    if (asked_.size() < kEchoesMax) {
+    if (make_room(now)) {
       asked_[destination] = {foot.session, foot.counter, now};
     }
     return;
@@ -127,6 +137,22 @@ void Authenticator::hear_nonce(std::string_view robot, const Foot& foot, Time no
   } else if (foot.counter > asked.counter || now - asked.heard > kNonceLease) {
     asked = {foot.session, foot.counter, now};
   }
+}
+
+// Of one that was silent for longer than its lease any nonce is believed: forgetting it gives
+// nothing away.
+bool Authenticator::make_room(Time now) {
+  if (asked_.size() < kEchoesMax) {
+    return true;
+  }
+  const auto quietest = std::min_element(
+      asked_.begin(), asked_.end(),
+      [](const auto& a, const auto& b) { return a.second.heard < b.second.heard; });
+  if (now - quietest->second.heard <= kNonceLease) {
+    return false;
+  }
+  asked_.erase(quietest);
+  return true;
 }
 
 Refusal Authenticator::judge_nonce(const SignedParts& parts, Time now) const {
@@ -195,6 +221,12 @@ std::vector<std::string> security_faults(const scenario::Scenario& scenario) {
   std::vector<std::string> faults;
   if (scenario.security.mode == scenario::SecurityMode::kOff) {
     return faults;
+  }
+  if (has_too_many_vehicles(scenario)) {
+    faults.push_back(
+        fmt::format("robots: where security is required a command can be said to {} vehicles at "
+                    "most, and there are {}: fly fewer, or without drivers (device: direct)",
+                    kEchoesMax, scenario.robots.size()));
   }
   try {
     const Keyring keyring = load_keyring(scenario.security.keys);

@@ -71,6 +71,8 @@ class Authenticator {
     Time heard{};
   };
   void hear_nonce(std::string_view robot, const Foot& foot, Time now);
+  /// Whether another vehicle can be echoed, if need be in the place of one that is heard no more.
+  [[nodiscard]] bool make_room(Time now);
   [[nodiscard]] Refusal judge_nonce(const SignedParts& parts, Time now) const;
 
   std::shared_ptr<const Keyring> keyring_;
@@ -101,7 +103,8 @@ std::unique_ptr<Authenticator> authenticator_for(const scenario::Scenario& scena
                                                  bool is_replay);
 
 /// What keeps `scenario` from being flown as it says, each a sentence; empty: nothing. Looks at the
-/// key files: every role's must be here.
+/// key files: every role's must be here. Where commands must echo nonces there is room for those of
+/// kEchoesMax robots.
 std::vector<std::string> security_faults(const scenario::Scenario& scenario);
 
 /// @throws StartupError when this host's keys do not let it say commands.

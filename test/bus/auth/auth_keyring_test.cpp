@@ -326,6 +326,30 @@ TEST_F(KeyFolder, IsForcedWhereADeviceIsReal) {
             nullptr);
 }
 
+// A command echoes at most 64 vehicles' nonces: the others could not be armed, and heard no
+// heartbeat. Every robot's status asks for one; where none has a driver nobody judges them.
+TEST_F(KeyFolder, IsForNoMoreVehiclesThanACommandCanBeSaidTo) {
+  using scenario::DeviceSource;
+  using scenario::SecurityMode;
+  const auto faults_of = [&](SecurityMode mode, std::size_t robots, DeviceSource of_one) {
+    auto scenario = scenario_of(mode, folder(), DeviceSource::kWire);
+    scenario.robots.resize(robots);
+    scenario.robots[0].device = of_one;
+    return security_faults(scenario);
+  };
+  EXPECT_TRUE(faults_of(SecurityMode::kRequire, 64, DeviceSource::kWire).empty());
+  for (const DeviceSource device : {DeviceSource::kWire, DeviceSource::kReal}) {
+    EXPECT_EQ(faults_of(SecurityMode::kRequire, 65, device),
+              (std::vector<std::string>{
+                  "robots: where security is required a command can be said to 64 vehicles at "
+                  "most, and there are 65: fly fewer, or without drivers (device: direct)"}));
+  }
+  EXPECT_TRUE(faults_of(SecurityMode::kRequire, 65, DeviceSource::kDirect).empty());
+  EXPECT_TRUE(faults_of(SecurityMode::kWarn, 65, DeviceSource::kWire).empty())
+      << "what is not echoed is taken all the same";
+  EXPECT_TRUE(faults_of(SecurityMode::kOff, 65, DeviceSource::kWire).empty());
+}
+
 TEST_F(KeyFolder, IsMissedByName) {
   using scenario::DeviceSource;
   using scenario::SecurityMode;

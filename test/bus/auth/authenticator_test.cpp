@@ -66,6 +66,33 @@ TEST(Authenticator, EchoesSixtyFourVehiclesAtMost) {
   }
 }
 
+// Of an earlier trial's vehicles, say, whose keys are the same.
+TEST(Authenticator, EchoesNewVehiclesInThePlaceOfThoseThatAreHeardNoMore) {
+  const auto station = process();
+  const auto hear_at = [&](int i, Time now) {
+    const std::string robot = "Q" + std::to_string(i);
+    const auto vehicle = process();
+    hear(*station, robot, said(*vehicle, "VEHICLE_" + robot, now), now);
+  };
+  const auto echoes = [&](int i, Time now) {
+    return parts_of(said(*station, "COMMAND", now))
+        .echo_for(destination_of("Q" + std::to_string(i)))
+        .has_value();
+  };
+  for (int i = 0; i < 64; ++i) {
+    hear_at(i, kNow + milliseconds(i));
+  }
+  const Time later = kNow + Authenticator::kNonceLease;
+  hear_at(64, later);
+  EXPECT_FALSE(echoes(64, later)) << "all of them may still be there";
+  hear_at(64, later + milliseconds(1));
+  EXPECT_TRUE(echoes(64, later + milliseconds(1)));
+  EXPECT_FALSE(echoes(0, later + milliseconds(1))) << "it was heard before all others";
+  for (int i = 1; i < 64; ++i) {
+    EXPECT_TRUE(echoes(i, later + milliseconds(1))) << i;
+  }
+}
+
 TEST(Authenticator, CountsOnByItsClockAndNeverBack) {
   const auto node = process();
   std::uint64_t last = 0;
