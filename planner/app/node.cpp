@@ -5,6 +5,7 @@
 
 #include "bus/convert/external_channels.hpp"
 #include "core/deadline.hpp"
+#include "models/exchange/attack_kept.hpp"
 #include "planner/robot/trajectory_tools.hpp"
 #include "scenario/node_budget.hpp"
 #include "scenario/search_name.hpp"
@@ -73,7 +74,10 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
                                               mocap_ = m;
                                               neighbours_->on_frame(*m);
                                             });
-  bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) { inputs_.attack = m; });
+  bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) {
+    inputs_.attack = m;
+    attack_heard_ = clock_.now();
+  });
   listen_to_status_of(robot);
   neighbours_.emplace(
       workspace_->scenario(), robot, [this](const std::string& name) { listen_to(name); },
@@ -199,6 +203,9 @@ void PlannerNode::tick(Time now) {
   is_asking_ = false;
   if (mocap_) {
     inputs_.mocap = *mocap_;
+  }
+  if (now - attack_heard_ > models::kAttackKept) {
+    inputs_.attack.reset();
   }
   if (slot_.is_proposal && spec_.team_algorithm == scenario::TeamAlgorithm::kLocalSearch) {
     begin_exchange(now);

@@ -81,6 +81,7 @@ class PlannerNode : public bus::Node {
   RoundSchedule schedule_;
   RoundSchedule::Slot slot_;
   PlanInputs inputs_;
+  Time attack_heard_{};
   std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; of inputs_ from the slot on
   std::optional<models::BeliefMixture> mixture_;     ///< newest; its belief comes after it
   std::optional<bus::NeighbourWatch> neighbours_;

@@ -5,6 +5,7 @@
 
 #include "bus/convert/channels.hpp"
 #include "core/check.hpp"
+#include "models/exchange/attack_kept.hpp"
 #include "models/exchange/counts.hpp"
 
 namespace vantage::drivers {
@@ -77,7 +78,7 @@ void SensorNode::on_frame(const std::shared_ptr<const models::MocapFrame>& share
 }
 
 bool SensorNode::is_jammed() {
-  if (attack_ && clock_.now() - attack_heard_ > kAttackKept) {
+  if (attack_ && clock_.now() - attack_heard_ > models::kAttackKept) {
     attack_.reset();
   }
   return attack_ &&

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -27,10 +26,6 @@ namespace vantage::drivers {
 /// frame before. A frame captured at kτ itself is used alone.
 class SensorNode : public bus::Node {
  public:
-  /// Three of the simulator's repetitions of ATTACK, one a second (lcmtypes/README.md): one that is
-  /// not heard again for so long has ended, with whoever said it.
-  static constexpr Duration kAttackKept = std::chrono::seconds(3);
-
   /// What is seen in a frame, as PoseSensor::look().
   using Look = std::function<std::optional<models::DetectionSet>(const models::MocapFrame& frame,
                                                                  bool jammed)>;

@@ -42,6 +42,32 @@ TEST_F(PlannerNodeTest, PlansOnNoMessageOfAnotherRobotThanItsChannels) {
   EXPECT_EQ(count("misaddressed"), 5);
 }
 
+// Who says it says it again each second: a teammate was taken for jammed for the rest of the
+// flight.
+TEST_F(PlannerNodeTest, PlansByNoAttackThatWasNotHeardAgainForThreeSeconds) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.planner.execute_steps = 2;  // a round of a second
+  start(scenario);
+  world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+  deliver();
+  const Time heard = clock_.now();
+  const auto attack = world_.publish(bus::kAttack, models::AttackNotice{{heard, 0, 0}, {"Q2"}});
+  deliver();
+  for (int k = 0; k < 6; ++k) {
+    round();
+    inputs_.slot.activation += 1s;
+  }
+  int by_attack = 0;
+  int without = 0;
+  for (const models::RobotPlan& plan : plans_) {
+    EXPECT_EQ(names(plan, attack), plan.slot_start <= heard + 3s)
+        << to_seconds(plan.slot_start - heard);
+    ++(names(plan, attack) ? by_attack : without);
+  }
+  EXPECT_GE(by_attack, 2);
+  EXPECT_GE(without, 2);
+}
+
 TEST_F(PlannerNodeTest, GoesOnWhateverATeammateCallsAPlan) {
   const auto spoil = [&](int kind) {
     models::RobotPlan plan = plan_of("Q2");
