@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planner/robot/trajectory_tools.hpp"
+#include "planner/robot/way_out.hpp"
 
 namespace vantage::planner {
 
@@ -22,6 +23,17 @@ std::unique_ptr<TeamExchange> CandidatePlanner::round_of(
                                         task.round.search, start, deadline);
 }
 
+std::optional<models::RobotPlan> CandidatePlanner::turned(SlotTask& task,
+                                                          const models::TeamChoice* own) const {
+  const bool stays = rests(task.committed) && (own == nullptr || rests(own->trajectory));
+  if (!stays || has_way_out(task.round.search, 0.0)) {
+    return std::nullopt;
+  }
+  auto turning = turn_to_a_way_out(task.round.search, false,
+                                   scenario_.robots[robot_].limits.yaw_rate_max_radps);
+  return turning ? std::optional(task.ladder.turned(std::move(*turning))) : std::nullopt;
+}
+
 models::RobotPlan WorthPlanner::plan(SlotTask& task, const Deadline& deadline) {
   std::vector<models::TeamChoice> others;
   for (const FixedTeammate& teammate : task.round.teammates) {
@@ -31,6 +43,9 @@ models::RobotPlan WorthPlanner::plan(SlotTask& task, const Deadline& deadline) {
   task.ladder.set_nodes(round->nodes());
   const auto best = round->improve(Deadline::never());
   const models::TeamChoice* own = best ? best->find(scenario().robots[robot()].name) : nullptr;
+  if (auto plan = turned(task, own)) {
+    return *plan;
+  }
   if (auto plan = own != nullptr ? task.ladder.chosen(own->trajectory) : task.ladder.rest()) {
     return *plan;
   }
@@ -43,6 +58,9 @@ models::RobotPlan AgreedPlanner::plan(SlotTask& task, const Deadline& /*deadline
                                 solution->stamp.time == task.inputs.slot.activation;
   const models::TeamChoice* own =
       is_of_this_round ? solution->find(scenario().robots[robot()].name) : nullptr;
+  if (auto plan = turned(task, own)) {
+    return *plan;
+  }
   if (own == nullptr) {
     const auto plan = task.ladder.rest();
     return plan ? *plan : task.ladder.fall_back();

@@ -2,7 +2,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
+#include <vector>
 
+#include "models/exchange/messages.hpp"
 #include "planner/robot/slot_planner.hpp"
 #include "planner/search/arvi.hpp"
 #include "scenario/scenario.hpp"
@@ -22,6 +25,12 @@ class CandidatePlanner : public SlotPlanner {
   std::unique_ptr<TeamExchange> round_of(const SlotTask& task,
                                          std::optional<std::vector<models::TeamChoice>> committed,
                                          const Deadline& deadline);
+
+  /// Of a robot that rests where no motion can begin and is given none: a turn to where one can.
+  /// Where a motion can begin it may rest, for none may be worth its energy. `own`: what it is
+  /// given, if anything.
+  [[nodiscard]] std::optional<models::RobotPlan> turned(SlotTask& task,
+                                                        const models::TeamChoice* own) const;
 
  private:
   const scenario::Scenario& scenario_;

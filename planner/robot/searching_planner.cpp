@@ -1,18 +1,11 @@
 #include "planner/robot/searching_planner.hpp"
 
-#include <algorithm>
+#include <utility>
 
+#include "planner/robot/trajectory_tools.hpp"
 #include "planner/robot/way_out.hpp"
 
 namespace vantage::planner {
-namespace {
-
-bool rests(const models::Trajectory& motion) {
-  return std::all_of(motion.segments.begin(), motion.segments.end(),
-                     [](const auto& each) { return each.control.speed_mps == 0.0; });
-}
-
-}  // namespace
 
 models::RobotPlan SearchingPlanner::plan(SlotTask& task, const Deadline& deadline) {
   if (task.is_bait) {

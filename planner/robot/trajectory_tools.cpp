@@ -41,6 +41,11 @@ models::Trajectory hover_at(const Pose2& pose, double height_m, Time start) {
   return hover;
 }
 
+bool rests(const models::Trajectory& motion) {
+  return std::all_of(motion.segments.begin(), motion.segments.end(),
+                     [](const auto& each) { return each.control.speed_mps == 0.0; });
+}
+
 bool is_of_plan_length(const models::Trajectory& motion, const scenario::PlannerSpec& planner,
                        const std::vector<scenario::RobotSpec>& robots) {
   const int steps_max = 4 * planner.horizon_steps;

@@ -18,6 +18,9 @@ models::Trajectory stop_from(const models::Trajectory& trajectory, Time start, d
 /// Hovering at `pose` from `start` on.
 models::Trajectory hover_at(const Pose2& pose, double height_m, Time start);
 
+/// Whether `motion` stays where it starts: it hovers or turns on the spot.
+bool rests(const models::Trajectory& motion);
+
 /// Whether `motion` can be a plan of one of `robots`: over within four horizons and the longest
 /// stop (a plan is one horizon and a stop), in no more segments than four horizons have steps. Work
 /// on longer ones could take for ever.

@@ -28,7 +28,8 @@ double off_the_way_from_rad(const SearchProblem& problem, const models::Trajecto
   return wrap_to_pi(std::atan2(away_m.y(), away_m.x()) - problem.start.yaw_rad);
 }
 
-// Whether some motion may begin once the robot has turned by so much.
+}  // namespace
+
 bool has_way_out(const SearchProblem& problem, double turned_rad) {
   Pose2 from = problem.start;
   from.yaw_rad = wrap_to_pi(from.yaw_rad + turned_rad);
@@ -44,8 +45,6 @@ bool has_way_out(const SearchProblem& problem, double turned_rad) {
            keeps_apart(problem, step, 0.0);
   });
 }
-
-}  // namespace
 
 std::optional<models::Trajectory> turn_to_a_way_out(const SearchProblem& problem, bool is_boxed_in,
                                                     double yaw_rate_max_radps) {

@@ -7,6 +7,9 @@
 
 namespace vantage::planner {
 
+/// Whether some motion may begin from where the robot rests, once it has turned by so much.
+bool has_way_out(const SearchProblem& problem, double turned_rad);
+
 /// For a robot that rests and that a search leaves where it is: a turn on the spot by an eighth,
 /// after which a motion may begin. Turning moves no disc, so it is safe wherever hovering is.
 ///

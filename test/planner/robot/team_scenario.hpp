@@ -37,6 +37,19 @@ inline scenario::Scenario lab_scenario() {
   return scenario;
 }
 
+/// The same with wind in the middle, for a team that pays for its energy and plans by local search.
+inline scenario::Scenario energy_scenario() {
+  scenario::Scenario scenario = lab_scenario();
+  scenario.world.regions = {{"wind", {{-0.8, -2.0}, {0.8, 2.0}}, 2.0}};
+  scenario.planner.team_algorithm = scenario::TeamAlgorithm::kLocalSearch;
+  scenario.planner.candidates_max = 60;
+  for (scenario::RobotSpec& robot : scenario.robots) {
+    robot.primitives.push_back({0.0, 0.0});
+    robot.energy = {0.05, 0.0, 1.0, 2.0, {"wind"}};
+  }
+  return scenario;
+}
+
 /// What robot `index` hears in its first round: everybody at their starts.
 inline PlanInputs first_inputs(const scenario::Scenario& scenario, std::size_t index) {
   PlanInputs inputs;
