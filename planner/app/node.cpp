@@ -21,8 +21,15 @@ Duration closing_of(const RoundSchedule::Slot& slot) {
   return std::min(kClosing, (slot.end - slot.begin) / 5);
 }
 
-// A planner that was started anew hears first what its vehicle is doing, which is said at 10 Hz.
+// A planner that was started anew hears first what its vehicle is doing, which is said at 10 Hz,
+// and then a plan of every teammate: who was not heard is taken for one that hovers. Everybody else
+// has a slot in the round before its own.
 constexpr Duration kListening{350'000};
+
+Time end_of_listening(const bus::Clock& clock, const RoundSchedule& schedule) {
+  const Time now = clock.now();
+  return clock.is_real_time() ? now + kListening + schedule.round_length() : now;
+}
 
 // A local search looks at what it has heard so often, and works so long in between.
 constexpr Duration kExchangePeriod{5'000};
@@ -51,7 +58,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
       robot_(robot),
       planner_(workspace_, robot),
       schedule_(spec_, planner_.robot_index(), planner_.robot_count()),
-      slot_(schedule_.next_slot(clock.now() + (clock.is_real_time() ? kListening : Duration{0}))) {
+      slot_(schedule_.next_slot(end_of_listening(clock, schedule_))) {
   if (clock.is_real_time()) {
     planner_.prefault();
   }

@@ -1,5 +1,7 @@
 #include <chrono>
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -27,7 +29,8 @@ class RealClock : public bus::Clock {
   Time now_{};
 };
 
-// A planner that was started anew listens for 350 ms, so that it hears what its vehicle does.
+// A planner that was started anew listens for a round and 350 ms, so that it hears what its vehicle
+// does and what its teammates are about to do.
 TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
   const scenario::Scenario scenario = test::lab_scenario();
   const RoundSchedule::Slot slot = test::first_inputs(scenario, 0).slot;
@@ -36,9 +39,9 @@ TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
     return PlannerNode(robot_bus_, clock, workspace, "Q1").next_tick();
   };
   RealClock real;
-  real.set(slot.begin - 350ms - 1us);
+  real.set(slot.begin - 1350ms - 1us);
   EXPECT_EQ(first_tick(real), slot.begin);
-  real.set(slot.begin - 350ms);
+  real.set(slot.begin - 1350ms);
   EXPECT_EQ(first_tick(real), slot.begin + 1s);
   clock_.set(slot.begin - 1us);
   EXPECT_EQ(first_tick(clock_), slot.begin);
@@ -46,12 +49,42 @@ TEST_F(PlannerNodeTest, ListensFirstInRealTimeAlone) {
   EXPECT_EQ(first_tick(clock_), slot.begin + 1s);
 }
 
+// Whenever in a round it was started, everybody else has had a slot to say a plan in before its own
+// first, for a teammate that was not heard is taken for one that hovers.
+TEST_F(PlannerNodeTest, HearsAPlanOfEveryTeammateBeforeItsFirstSlot) {
+  for (const int attacks : {0, 1}) {
+    scenario::Scenario scenario = test::lab_scenario();
+    scenario.planner.attacks_max = attacks;
+    const auto workspace = std::make_shared<Workspace>(scenario);
+    const std::int64_t round = test::first_inputs(scenario, 0).slot.round;
+    const Time begin = RoundSchedule(scenario.planner, 0, 3).slot(round).activation - 1s;
+    for (Duration after = 0ms; after < 1s; after += 10ms) {
+      RealClock clock;
+      clock.set(begin + after);
+      for (int own = 0; own < 3; ++own) {
+        const std::string& name = scenario.robots[static_cast<std::size_t>(own)].name;
+        const Time first = PlannerNode(robot_bus_, clock, workspace, name).next_tick();
+        for (int other = 0; other < 3; ++other) {
+          const RoundSchedule schedule(scenario.planner, other, 3);
+          std::int64_t next = round;
+          while (schedule.slot(next).begin < clock.now()) {
+            ++next;
+          }
+          EXPECT_TRUE(other == own || schedule.slot(next).end <= first)
+              << name << " started after " << after.count() << " us has not heard " << other;
+        }
+        EXPECT_LE(first - clock.now(), 2400ms) << "and no longer than that";
+      }
+    }
+  }
+}
+
 // When the search has ended after the slot, nothing new may be said any more.
 TEST_F(PlannerNodeTest, SaysNothingNewAfterItsSlot) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
   RealClock clock;
-  clock.set(test::first_inputs(scenario, 0).slot.activation - 1s);
+  clock.set(test::first_inputs(scenario, 0).slot.activation - 2s);
   start(scenario, clock);
   std::vector<models::PlanProposal> proposals;
   world_.subscribe<models::PlanProposal>(bus::proposal_channel("Q1"),
@@ -90,7 +123,7 @@ TEST_F(PlannerNodeTest, SaysNothingNewAfterItsSlot) {
 TEST_F(PlannerNodeTest, PlansWithItsBudgetOfNodesInRealTimeToo) {
   scenario::Scenario scenario = test::lab_scenario();
   RealClock clock;
-  clock.set(test::first_inputs(scenario, 0).slot.activation - 1s);
+  clock.set(test::first_inputs(scenario, 0).slot.activation - 2s);
   start(scenario, clock);
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
@@ -109,7 +142,7 @@ TEST_F(PlannerNodeTest, SearchesNoLongerThanItsSlotLets) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.node_budget = 0;
   RealClock clock;
-  clock.set(test::first_inputs(scenario, 0).slot.activation - 1s);
+  clock.set(test::first_inputs(scenario, 0).slot.activation - 2s);
   start(scenario, clock);
   world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
   deliver();
