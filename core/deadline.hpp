@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -31,6 +32,17 @@ class Deadline {
   [[nodiscard]] Deadline unless(bool (*is_cancelled)()) const {
     Deadline out = *this;
     out.is_cancelled_ = is_cancelled;
+    return out;
+  }
+
+  /// The same budget of nodes, and a third of the time that is left now: of a computation that
+  /// others follow. Reads the clock once, unless the budget is of nodes only.
+  [[nodiscard]] Deadline third() const {
+    Deadline out = *this;
+    if (instant_ns_ != kNever) {
+      const std::int64_t now_ns = monotonic_ns();
+      out.instant_ns_ = std::min(instant_ns_, now_ns + (instant_ns_ - now_ns) / 3);
+    }
     return out;
   }
 

@@ -43,6 +43,20 @@ TEST(Deadline, NeverMeansNever) {
   EXPECT_FALSE(Deadline::never().expired(std::numeric_limits<std::int64_t>::max() - 1));
 }
 
+TEST(Deadline, ComesAfterAThirdOfTheTimeThatIsLeftAndOfTheSameNodes) {
+  constexpr std::int64_t kLeft_ns = 3'000'000'000'000;
+  const std::int64_t before_ns = monotonic_ns();
+  const Deadline third = Deadline::either(10, before_ns + kLeft_ns).third();
+  EXPECT_GE(third.instant_ns(), before_ns + kLeft_ns / 3);
+  EXPECT_LE(third.instant_ns(), monotonic_ns() + kLeft_ns / 3);
+  EXPECT_EQ(third.budget_nodes(), 10);
+  EXPECT_EQ(Deadline::at(kLongAgo_ns).third().instant_ns(), kLongAgo_ns) << "it has come already";
+  for (const Deadline& deadline : {Deadline::nodes(7), Deadline::never()}) {
+    EXPECT_EQ(deadline.third().instant_ns(), deadline.instant_ns());
+    EXPECT_EQ(deadline.third().budget_nodes(), deadline.budget_nodes());
+  }
+}
+
 TEST(Deadline, OfTheNodesThatAStoppedLoopDidStopsItAtTheSamePlace) {
   for (const std::int64_t stride : {1, 3, 7, 1000}) {
     const std::int64_t stopped_at =

@@ -302,6 +302,30 @@ TEST(RobotPlanner, WeighsItsEnergyInCoordinateDescentToo) {
   EXPECT_GE(moving, 4);
 }
 
+// The search asks how late it is, what follows it does not, and all of it has to be over in time.
+TEST(RobotPlanner, SearchesForAThirdOfItsTimeWhereItWeighsCandidates) {
+  static std::int64_t asked_ns = 0;
+  constexpr std::int64_t kTime_ns = 200'000'000;
+  const auto note = [] {
+    asked_ns = monotonic_ns();
+    return false;
+  };
+  scenario::Scenario scenario = energy_scenario();
+  scenario.planner.team_algorithm = scenario::TeamAlgorithm::kCoordinateDescent;
+  RobotPlanner planner(scenario, "Q1");
+  planner.prefault();
+  const std::int64_t begin_ns = monotonic_ns();
+  const PlanInputs inputs = first_inputs(scenario, 0, 3);
+  const auto plan = planner.plan(inputs, Deadline::at(begin_ns + kTime_ns).unless(note));
+  ASSERT_TRUE(plan);
+  EXPECT_GT(asked_ns, begin_ns);
+  EXPECT_LT(asked_ns, begin_ns + kTime_ns / 2);
+  EXPECT_EQ(models::at(plan->trajectory, Time::max()).world_from_body,
+            models::at(planner.plan(inputs, Deadline::nodes(plan->nodes))->trajectory, Time::max())
+                .world_from_body)
+      << "as of the same nodes";
+}
+
 TEST(RobotPlanner, RestsWithoutASolutionOfThisRoundOrAPlaceInIt) {
   const scenario::Scenario scenario = energy_scenario();
   int moving = 0;
