@@ -302,7 +302,8 @@ TEST(RobotPlanner, WeighsItsEnergyInCoordinateDescentToo) {
   EXPECT_GE(moving, 4);
 }
 
-// The search asks how late it is, what follows it does not, and all of it has to be over in time.
+// The search asks how late it is, what follows it does not, and all of it has to be over in time. A
+// busy machine may keep it from asking for a while; without the rule it always asks to the end.
 TEST(RobotPlanner, SearchesForAThirdOfItsTimeWhereItWeighsCandidates) {
   static std::int64_t asked_ns = 0;
   constexpr std::int64_t kTime_ns = 200'000'000;
@@ -314,16 +315,21 @@ TEST(RobotPlanner, SearchesForAThirdOfItsTimeWhereItWeighsCandidates) {
   scenario.planner.team_algorithm = scenario::TeamAlgorithm::kCoordinateDescent;
   RobotPlanner planner(scenario, "Q1");
   planner.prefault();
-  const std::int64_t begin_ns = monotonic_ns();
   const PlanInputs inputs = first_inputs(scenario, 0, 3);
-  const auto plan = planner.plan(inputs, Deadline::at(begin_ns + kTime_ns).unless(note));
-  ASSERT_TRUE(plan);
-  EXPECT_GT(asked_ns, begin_ns);
-  EXPECT_LT(asked_ns, begin_ns + kTime_ns / 2);
-  EXPECT_EQ(models::at(plan->trajectory, Time::max()).world_from_body,
-            models::at(planner.plan(inputs, Deadline::nodes(plan->nodes))->trajectory, Time::max())
-                .world_from_body)
-      << "as of the same nodes";
+  bool was_in_time = false;
+  for (int i = 0; i < 20 && !was_in_time; ++i) {
+    const std::int64_t begin_ns = monotonic_ns();
+    const auto plan = planner.plan(inputs, Deadline::at(begin_ns + kTime_ns).unless(note));
+    ASSERT_TRUE(plan);
+    EXPECT_GT(asked_ns, begin_ns);
+    was_in_time = asked_ns < begin_ns + kTime_ns / 2;
+    EXPECT_EQ(
+        models::at(plan->trajectory, Time::max()).world_from_body,
+        models::at(planner.plan(inputs, Deadline::nodes(plan->nodes))->trajectory, Time::max())
+            .world_from_body)
+        << "as of the same nodes";
+  }
+  EXPECT_TRUE(was_in_time);
 }
 
 TEST(RobotPlanner, RestsWithoutASolutionOfThisRoundOrAPlaceInIt) {
