@@ -12,6 +12,7 @@
 
 #include "core/address.hpp"
 #include "core/check.hpp"
+#include "test/support/free_port.hpp"
 
 namespace vantage::sim {
 namespace {
@@ -54,9 +55,6 @@ class Port {
   int fd_;
 };
 
-/// A free port: one that somebody has just had.
-int free_port() { return Port().number; }
-
 std::vector<Bytes> read_all(VehicleSocket& socket) {
   std::vector<Bytes> out;
   socket.read_each([&](auto bytes, Time) { out.emplace_back(bytes.begin(), bytes.end()); });
@@ -65,7 +63,7 @@ std::vector<Bytes> read_all(VehicleSocket& socket) {
 
 TEST(VehicleSocket, WaitsWhereADriverSpeaksFirstAndAnswersWhoSpokeLast) {
   for (const char* host : {"127.0.0.1", "0.0.0.0"}) {
-    const int port = free_port();
+    const int port = test::free_port();
     VehicleSocket vehicle("udpout://" + std::string(host) + ":" + std::to_string(port));
     vehicle.write(Bytes{1});  // to nobody
     EXPECT_EQ(vehicle.send_errors(), 0);
@@ -98,7 +96,7 @@ TEST(VehicleSocket, SpeaksFirstWhereADriverWaits) {
 }
 
 TEST(VehicleSocket, LeavesOutEmptyDatagramsAndTakesAFloodInPieces) {
-  const int port = free_port();
+  const int port = test::free_port();
   VehicleSocket vehicle("udpout://127.0.0.1:" + std::to_string(port));
   Port driver;
   for (std::uint8_t k = 0; k < 100; ++k) {
@@ -120,7 +118,7 @@ TEST(VehicleSocket, TellsWhenADatagramArrived) {
     clock_gettime(CLOCK_REALTIME, &now);
     return now.tv_sec * 1'000'000 + now.tv_nsec / 1'000;
   };
-  const int port = free_port();
+  const int port = test::free_port();
   VehicleSocket vehicle("udpout://127.0.0.1:" + std::to_string(port));
   Port driver;
   const std::int64_t before_us = clock_us();
@@ -135,7 +133,7 @@ TEST(VehicleSocket, TellsWhenADatagramArrived) {
 }
 
 TEST(VehicleSocket, CountsWhatCannotBeSentAndNotADriverThatDoesNotListen) {
-  VehicleSocket vehicle("udp://127.0.0.1:" + std::to_string(free_port()));
+  VehicleSocket vehicle("udp://127.0.0.1:" + std::to_string(test::free_port()));
   for (int k = 0; k < 3; ++k) {
     vehicle.write(Bytes{1});  // is refused, and the next one is told
   }

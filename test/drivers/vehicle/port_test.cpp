@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "core/check.hpp"
+#include "test/support/free_port.hpp"
 
 namespace vantage::drivers {
 namespace {
@@ -67,8 +68,6 @@ class Socket {
   int port_ = 0;
 };
 
-int free_port() { return Socket().port(); }
-
 Bytes read_all(Port& port, Time now) {
   Bytes bytes(2048);
   bytes.resize(port.read(bytes, now));
@@ -76,7 +75,7 @@ Bytes read_all(Port& port, Time now) {
 }
 
 TEST(UdpPort, AnswersWhereTheVehicleSpeaksFrom) {
-  const int number = free_port();
+  const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   EXPECT_TRUE(port->is_datagram());
   port->write(Bytes{1}, kNow);  // to nobody
@@ -89,7 +88,7 @@ TEST(UdpPort, AnswersWhereTheVehicleSpeaksFrom) {
 }
 
 TEST(UdpPort, HearsOneSenderUntilItIsSilent) {
-  const int number = free_port();
+  const int number = test::free_port();
   const auto port = open_port("udp://127.0.0.1:" + std::to_string(number));
   const Socket vehicle;
   const Socket other;

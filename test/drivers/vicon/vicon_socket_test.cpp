@@ -18,6 +18,7 @@
 #include "sim/vicon/socket_server.hpp"
 #include "test/drivers/vicon/vicon_bench.hpp"
 #include "test/sim/lab_scenario.hpp"
+#include "test/support/free_port.hpp"
 #include "wire/vicon/vrpn.hpp"
 
 // The node and the emulated server on real sockets of this host's loopback. Nothing here depends on
@@ -32,25 +33,13 @@ using sim::vicon::SocketServer;
 
 constexpr std::int64_t kPatience_ns = 60'000'000'000;  // until a test is given up
 
-int free_udp_port() {
-  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  bind(fd, reinterpret_cast<sockaddr*>(&address), size);
-  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  close(fd);
-  return ntohs(address.sin_port);
-}
-
 struct SocketBench {
   explicit SocketBench(MocapProtocol protocol, const std::string& host = "127.0.0.1") {
     scenario.mocap.host = host;
     scenario.mocap.device = scenario::DeviceSource::kReal;
     scenario.mocap.protocol = protocol;
     scenario.mocap.rate_hz = 100.0;
-    scenario.mocap.port = free_udp_port();
+    scenario.mocap.port = test::free_port();
     settings = test::ViconBench::settings_for(scenario.mocap);
     start_server();
     listener.subscribe<models::MocapFrame>(

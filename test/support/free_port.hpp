@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace vantage::test {
+
+inline bool is_port_free(int kind, int port) {
+  const int fd = socket(AF_INET, kind, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  const bool is_bound = bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return is_bound;
+}
+
+/// A port of the loopback where nobody listens, by TCP or UDP, and none that the kernel gives to
+/// whoever asks for any (32768 and more), so that it stays free; other processes begin elsewhere,
+/// and each call goes on behind the last.
+inline int free_port() {
+  static int next = 12'000 + getpid() % 20'000;
+  while (!is_port_free(SOCK_STREAM, next) || !is_port_free(SOCK_DGRAM, next)) {
+    ++next;
+  }
+  return next++;
+}
+
+}  // namespace vantage::test
