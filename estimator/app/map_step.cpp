@@ -115,10 +115,7 @@ std::vector<models::NamedCount> MapPublisher::counters() const {
 
 MapReplayer::MapReplayer(bus::Bus& bus, const scenario::Scenario& scenario,
                          const std::string& robot)
-    : bus_(bus),
-      robot_(robot),
-      map_(scenario, robot),
-      maps_(kMapsKeptPerRobot * std::max<std::size_t>(1, scenario.robots.size())) {
+    : bus_(bus), robot_(robot), map_(scenario, robot), maps_(kMapsKeptPerRobot) {
   bus_.subscribe_named<models::RangeScan>(bus::scan_channel(robot),
                                           [this](const std::string& channel, const auto& scan) {
                                             scans_.add(channel, scan);

@@ -56,9 +56,9 @@ EstimatorReplayNode::EstimatorReplayNode(bus::Bus& bus, const bus::Clock& clock,
       spec_(filter_spec(scenario, robot)),
       filter_(spec_),
       robot_(robot),
-      looks_(kLooksKeptPerRobot * std::max<std::size_t>(1, scenario.robots.size())),
+      looks_(kLooksKeptPerRobot),
       frames_(kFramesKept),
-      beliefs_(kBeliefsKeptPerTeammate * std::max<std::size_t>(1, scenario.robots.size())),
+      beliefs_(kBeliefsKeptPerTeammate),
       next_tick_(clock.now() + bus::kReplayTick) {
   for (const scenario::RobotSpec& each : scenario.robots) {
     bus_.subscribe_named<models::DetectionSet>(

@@ -44,12 +44,12 @@ class PlannerReplayNode : public bus::Node {
   bus::InputStore<models::BeliefMixture> mixtures_{64};
   bus::InputStore<models::RobotMap> maps_{64};
   bus::InputStore<models::MocapFrame> frames_{4'000};
-  bus::InputStore<models::RobotPlan> plans_{512};
+  bus::InputStore<models::RobotPlan> plans_{64};
   bus::InputStore<models::RobotPlan> answers_{64};
-  bus::InputStore<models::VehicleStatus> statuses_{4'000};
-  bus::InputStore<models::PlanProposal> proposals_{512};
+  bus::InputStore<models::VehicleStatus> statuses_{400};
+  bus::InputStore<models::PlanProposal> proposals_{64};
   bus::InputStore<models::AttackNotice> attacks_{64};
-  bus::InputStore<models::TeamProposal> team_proposals_{2'000};
+  bus::InputStore<models::TeamProposal> team_proposals_{500};
   /// Proposals come in bursts.
   bus::ReplayQueue<std::variant<models::RobotPlan, models::TeamProposal>> logged_{31};
   std::int64_t same_ = 0;

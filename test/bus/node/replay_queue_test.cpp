@@ -136,6 +136,18 @@ TEST(InputStore, ForgetsTheOldestBeyondItsCapacity) {
   }
 }
 
+// A teammate whose planner died is planned around by its last plan, which each plan names.
+TEST(InputStore, KeepsTheLastOfWhoIsSilentHoweverMuchOthersSay) {
+  InputStore<models::OperatorCommand> store(3);
+  store.add("A", numbered(1, 7, "the last"));
+  for (std::int64_t i = 0; i < 1000; ++i) {
+    store.add(i % 2 == 0 ? "B" : "C", numbered(2, i, ""));
+    ASSERT_NE(store.find({"A", 1, 7}), nullptr) << i;
+  }
+  EXPECT_EQ(store.find({"B", 2, 992}), nullptr);
+  EXPECT_NE(store.find({"B", 2, 994}), nullptr);
+}
+
 TEST(ReplayQueue, GivesUpAfterTwoSecondsOfTicksEachAnew) {
   Player player;
   player.missing = 7;
