@@ -45,8 +45,8 @@ def speak():
 
 
 def heard(until):
-    """The orders heard until `until()`, repetitions left out."""
-    out = []
+    """The orders heard until `until()`, and what has come by then; repetitions left out."""
+    out, is_last = [], False
     receiver.settimeout(0.05)
     while True:
         try:
@@ -56,10 +56,12 @@ def heard(until):
                 words = f"{WORDS[order.action]} {order.robot}".strip()
                 if words not in out:
                     out.append(words)
-        except TimeoutError:
-            pass
-        if until(out):
-            return out
+        except (TimeoutError, BlockingIOError):
+            if is_last:
+                return out
+        if not is_last and until(out):
+            is_last = True
+            receiver.settimeout(0.0)
 
 
 def forget():

@@ -46,14 +46,14 @@ std::string OrderQueue::ask_now(const Order& order, Time now) {
                   [](const Order& earlier) { return earlier.robot.empty(); })) {
     waiting_.push_back(order);
   }
-  if (is_heard(order.robot)) {
+  if (is_heard(order.robot) || !desk_.station().may_say(order.action)) {
     return say(order, now);
   }
   if (is_listening()) {
     unheard_.push_back(order);
     return say(order, now);
   }
-  if (order.action != OperatorAction::kEmergencyStop && desk_.station().may_say(order.action)) {
+  if (order.action != OperatorAction::kEmergencyStop) {
     say(order, now);
   }
   return judge_unheard(order, now);

@@ -51,6 +51,12 @@ class Asked : public ::testing::Test {
       for (const std::string& robot : robots) {
         speak(robot, now + ahead);
       }
+      if (hears_station) {
+        models::OperatorCommand beat;
+        beat.stamp.time = now;
+        beat.action = OperatorAction::kHeartbeat;
+        vehicles_.publish(bus::kCommand, beat);
+      }
       net_.own.handle(std::chrono::microseconds(0));
       (void)desk_.tick(now);
       for (std::string& words : orders.tick(now)) {
@@ -73,6 +79,7 @@ class Asked : public ::testing::Test {
 
   Time now = kStart;
   Duration ahead{};
+  bool hears_station = false;  ///< another one, in charge
   Words heard;
   std::vector<Time> stamps;
   Words said;
@@ -186,6 +193,20 @@ TEST_F(Asked, ByOneWhoHearsNobodyIsSaidAllTheSame) {
   ask(OperatorAction::kLand, "q1");
   EXPECT_EQ(heard.back(), "land q1");
   EXPECT_TRUE(orders.was_refused());
+}
+
+TEST_F(Asked, BesideAStationInChargeIsNotSaidAndSaysSo) {
+  hears_station = true;
+  pass(1.0);
+  ask(OperatorAction::kHold, "Q9");
+  ask(OperatorAction::kHold, "Q1");
+  ask(OperatorAction::kArm, "Q1");
+  EXPECT_EQ(heard, Words{});
+  EXPECT_FALSE(has_said("all the same"));
+  EXPECT_TRUE(has_said("not sent: refused"));
+  EXPECT_TRUE(orders.was_refused());
+  ask(OperatorAction::kEmergencyStop, "Q9");
+  EXPECT_EQ(heard, Words{"estop"});
 }
 
 // Vehicles obey what is of now by their own clock, which was not known yet.
