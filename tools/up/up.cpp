@@ -318,7 +318,8 @@ bool Up::turn_well() {
       result_.broken = error.what();
       display_.say(std::string("the trial ends, for an error of the program: ") + error.what());
     }
-    std::this_thread::sleep_for(milliseconds(10));  // so long at least a turn takes
+    // What fails before it waits for messages would fail thousands of times a second while landing.
+    std::this_thread::sleep_for(milliseconds(10));
     return false;
   }
 }
