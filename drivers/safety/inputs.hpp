@@ -31,7 +31,7 @@ struct SafetyInputs : Surroundings {
 
   // Pose.
   double pose_age_s = 0.0;        ///< since the last plausible one arrived
-  double pose_latency_s = 0.0;    ///< arrival less capture, as far as the clocks can be compared
+  double pose_latency_s = 0.0;    ///< arrival here less capture, as far as clocks can be compared
   int poses_rejected = 0;         ///< implausible ones in a row
   int poses_accepted = 1000;      ///< plausible ones in a row
   double height_m = 0.0;          ///< best known, above the ground

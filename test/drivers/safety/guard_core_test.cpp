@@ -73,12 +73,13 @@ TEST(GuardCore, ObeysAtOnceWhatNeedsNoLook) {
 /// Q1 is seen at a place, by runs of mocap one after the other.
 class SeenCore : public testing::Test {
  protected:
-  /// What came of it; `latency_s` after it was stamped it arrives, now.
+  /// What came of it; `latency_s` after it was stamped it arrives at mocap's driver, and `way_s`
+  /// later here, now.
   bool see(std::int64_t run_id, const Eigen::Vector3d& place_m, bool is_armed = false,
            BodyContext context = {}) {
     models::MocapFrame frame;
-    frame.stamp = {now - from_seconds(latency_s), run_id, number};
-    frame.arrival = now;
+    frame.arrival = now - from_seconds(way_s);
+    frame.stamp = {frame.arrival - from_seconds(latency_s), run_id, number};
     frame.frame_number = number++;
     frame.bodies.push_back({"Q1", {place_m, Quaternion::Identity()}, false});
     return core.on_mocap(frame, context, is_armed, now);
@@ -92,6 +93,7 @@ class SeenCore : public testing::Test {
   GuardCore core{scenario, "Q1", limits_for(scenario, "Q1"), Course(0.25)};
   Time now = from_utime(1'700'000'000'000'000);
   double latency_s = 0.02;
+  double way_s = 0.0;
   std::int64_t number = 1;
   const Eigen::Vector3d here_m{0.5, -0.5, 0.0};
   const Eigen::Vector3d far_m{1.5, -0.5, 0.0};
@@ -148,6 +150,22 @@ TEST_F(SeenCore, CountsHowOftenTheClockOfItsPosesWasSet) {
   EXPECT_EQ(core.clocks_set, times);
   core.look(now);
   EXPECT_NEAR(core.in.pose_latency_s, 0.12, 1e-6);
+}
+
+// Whoever makes it late: the cameras' computer, or the network from mocap's driver to here.
+TEST_F(SeenCore, SeesThatItsPosesAreLateWhereverTheyWaited) {
+  for (int round = 0; round < 2; ++round) {  // and once more
+    for (const double waits_s : {0.0, 0.05, 0.3, 0.9, 0.0}) {
+      way_s = waits_s;
+      for (int i = 0; i < 20; ++i) {
+        pass(0.01);
+        ASSERT_TRUE(see(kFirst, here_m));
+        core.look(now);
+        EXPECT_NEAR(core.in.pose_latency_s, 0.02 + waits_s, 1e-6);
+      }
+    }
+  }
+  EXPECT_EQ(core.clocks_set, 0);
 }
 
 // In a row, each of them; and of no frame nothing.
