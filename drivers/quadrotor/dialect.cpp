@@ -1,5 +1,6 @@
 #include "drivers/quadrotor/dialect.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -124,6 +125,17 @@ std::string mode_name(AutopilotDialect dialect, std::uint32_t custom_mode) {
     return fmt::format("mode {:#x}", custom_mode);
   };
   return dialect == AutopilotDialect::kPx4 ? name_in(kPx4Modes) : name_in(kArdupilotModes);
+}
+
+bool is_flown_by_hand(AutopilotDialect dialect, std::uint32_t custom_mode) {
+  if (dialect == AutopilotDialect::kPx4) {
+    // manual, altitude, position, acro, stabilised, rattitude, altitude cruise
+    static constexpr std::array<std::uint32_t, 7> kByHand{1, 2, 3, 5, 7, 8, 11};
+    return std::find(kByHand.begin(), kByHand.end(), custom_mode >> 16U & 0xFFU) != kByHand.end();
+  }
+  // stabilize, acro, alt-hold, loiter, drift, sport, pos-hold, flow-hold
+  static constexpr std::array<std::uint32_t, 8> kByHand{0, 1, 2, 5, 11, 13, 16, 22};
+  return std::find(kByHand.begin(), kByHand.end(), custom_mode) != kByHand.end();
 }
 
 std::optional<std::string> estimator_fault(AutopilotDialect dialect, std::uint16_t flags,

@@ -45,6 +45,10 @@ wire::mavlink::CommandLong land_command(models::AutopilotDialect dialect);
 /// "offboard", "land", "mode 0x3040000".
 std::string mode_name(models::AutopilotDialect dialect, std::uint32_t custom_mode);
 
+/// Somebody at a radio control flies it in that mode. In the others (landing, return, a hold of its
+/// own) nobody need be there.
+bool is_flown_by_hand(models::AutopilotDialect dialect, std::uint32_t custom_mode);
+
 /// What the estimator lacks for a flight on external poses, in words; nullopt when nothing.
 std::optional<std::string> estimator_fault(models::AutopilotDialect dialect, std::uint16_t flags,
                                            bool is_airborne);

@@ -138,7 +138,8 @@ void QuadrotorDriver::on_plan(const models::RobotPlan& plan, Time now) {
 void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time now) {
   const bool is_obeyed = guard_.on_command(command, now) == CommandVerdict::kObeyed;
   const bool takes_mode = command.action == models::OperatorAction::kFollow ||
-                          command.action == models::OperatorAction::kHold;
+                          command.action == models::OperatorAction::kHold ||
+                          command.action == models::OperatorAction::kLand;
   // A repetition, which has the stamp of the order, was said before a pilot took over.
   const bool is_new = !mode_ordered_at_ || command.stamp.time != *mode_ordered_at_;
   if (takes_mode) {
@@ -278,7 +279,7 @@ models::VehicleStatus QuadrotorDriver::status(Time now) const {
   }
   if (sequence_.is_mode_lost()) {
     out.reasons.push_back("the autopilot is in " + mode_name(dialect_, telemetry.mode()) +
-                          " mode; `hold` or `follow` takes it back");
+                          " mode; `hold`, `follow` or `land` takes it back");
   }
   if (const auto waiting = sequence_.waiting_for()) {
     out.reasons.push_back("waiting for " + *waiting);

@@ -32,6 +32,7 @@ void FlightSequence::set_goal(FlightGoal goal) {
   }
   if (goal_ == FlightGoal::kRest) {
     was_armed_ = false;
+    was_ours_ = false;
     streaming_since_.reset();
   }
   // Armed on the ground and flying are the same mode; a lost one is not taken by going on.
@@ -54,8 +55,11 @@ bool FlightSequence::step(AutopilotLink& link, const Situation& situation) {
     // What was said before the silence may not have been heard; flying vehicles still get their
     // set-points, and the order to land: what we do not hear may hear us.
     if (was_armed_ && goal_ == FlightGoal::kLand) {
-      waiting_for_ = "land mode";
-      link.want(land_command(dialect_), situation.now, kModePause);
+      is_mode_lost_ = is_pilots(telemetry.mode());
+      if (!is_mode_lost_) {
+        waiting_for_ = "land mode";
+        link.want(land_command(dialect_), situation.now, kModePause);
+      }
     }
     return was_armed_ && goal_ == FlightGoal::kFly;
   }
@@ -119,7 +123,7 @@ bool FlightSequence::prepare(AutopilotLink& link, const Situation& situation) {
     link.want(follow_mode_command(dialect_), situation.now, kModePause);
     return traits_.wants_proof_of_life;
   }
-  has_mode_ = true;
+  come_into_mode();
   waiting_for_ = "motors";
   link.want(arm_command(true), situation.now, kArmPause);
   return traits_.wants_proof_of_life;
@@ -128,9 +132,8 @@ bool FlightSequence::prepare(AutopilotLink& link, const Situation& situation) {
 bool FlightSequence::fly(AutopilotLink& link, const Situation& situation) {
   const Telemetry& telemetry = link.telemetry();
   if (telemetry.mode() == traits_.follow_mode) {
-    has_mode_ = true;
-    is_mode_lost_ = false;
-  } else if (has_mode_) {
+    come_into_mode();
+  } else if (has_mode_ || is_pilots(telemetry.mode())) {
     is_mode_lost_ = true;
     return traits_.wants_proof_of_life;  // so that the mode can be taken again
   } else {
@@ -173,12 +176,11 @@ bool FlightSequence::land(AutopilotLink& link, Time now, bool is_armed) {
   }
   disarm_on_ground(link, now, kDisarmAfterLanding);
   if (telemetry.mode() == traits_.land_mode) {
-    has_mode_ = true;
-    is_mode_lost_ = false;
+    come_into_mode();
     waiting_for_ = "touch-down";
     return false;
   }
-  if (has_mode_) {
+  if (has_mode_ || is_pilots(telemetry.mode())) {
     is_mode_lost_ = true;
     return false;
   }
@@ -198,6 +200,15 @@ void FlightSequence::kill(AutopilotLink& link, Time now) {
     waiting_for_ = "motors to stop";
     link.insist(arm_command(false, true), now, kKillPeriod);
   }
+}
+
+void FlightSequence::come_into_mode() {
+  has_mode_ = was_ours_ = true;
+  is_mode_lost_ = false;
+}
+
+bool FlightSequence::is_pilots(std::uint32_t mode) const {
+  return was_ours_ && is_flown_by_hand(dialect_, mode);
 }
 
 void FlightSequence::disarm_on_ground(AutopilotLink& link, Time now, Duration after) {

@@ -21,8 +21,8 @@ enum class FlightGoal {
 /// are. The autopilot's own heartbeat is the truth; acknowledgements only end waiting.
 ///
 /// It takes the mode once for each goal. When the autopilot leaves the mode later (a pilot's
-/// switch, a failsafe), that is reported and not fought. Motors that stop by themselves are not
-/// started again.
+/// switch, a failsafe), that is reported and not fought. From a pilot who flies by hand no goal
+/// takes it, but an operator (retake_mode()). Motors that stop by themselves are not started again.
 class FlightSequence {
  public:
   explicit FlightSequence(models::AutopilotDialect dialect)
@@ -31,7 +31,7 @@ class FlightSequence {
   /// A goal that is set already goes on.
   void set_goal(FlightGoal goal);
   /// Takes the mode once more, because an operator asks for it.
-  void retake_mode() { has_mode_ = is_mode_lost_ = false; }
+  void retake_mode() { has_mode_ = is_mode_lost_ = was_ours_ = false; }
   [[nodiscard]] FlightGoal goal() const { return goal_; }
 
   struct Situation {
@@ -62,6 +62,8 @@ class FlightSequence {
   bool land(AutopilotLink& link, Time now, bool is_armed);
   void kill(AutopilotLink& link, Time now);
   void disarm_on_ground(AutopilotLink& link, Time now, Duration after);
+  void come_into_mode();
+  [[nodiscard]] bool is_pilots(std::uint32_t mode) const;
 
   const DialectTraits& traits_;
   models::AutopilotDialect dialect_;
@@ -72,7 +74,8 @@ class FlightSequence {
   std::optional<Time> kill_since_;
   bool was_armed_ = false;
   bool has_climbed_ = false;
-  bool has_mode_ = false;
+  bool has_mode_ = false;  ///< that of the goal
+  bool was_ours_ = false;  ///< that of some goal since it rested, or an operator asked for it
   bool is_mode_lost_ = false;
   bool is_over_ = false;
   std::optional<std::string> waiting_for_;

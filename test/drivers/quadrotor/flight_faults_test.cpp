@@ -167,6 +167,57 @@ TEST_P(FlightFaults, ARepeatedOrderTakesNothingFromAPilot) {
   EXPECT_NE(bench.vehicle.controller().mode(), theirs) << "said anew it takes the vehicle back";
 }
 
+// A pilot flies it by hand, perhaps because mocap is bad: it is landed when it is seen no more,
+// but not out of his hands, whether the vehicle is still heard or not. In a hold of the autopilot's
+// own nobody need be there. An operator's order takes it, once more after a second pilot.
+TEST_P(FlightFaults, NothingThatGoesWrongTakesTheModeFromAPilot) {
+  for (const bool is_by_hand : {true, false}) {
+    for (const bool is_deaf : {true, false}) {
+      SCOPED_TRACE(testing::Message() << "by hand " << is_by_hand << ", deaf " << is_deaf);
+      FlightBench up(GetParam());
+      ASSERT_TRUE(up.take_off()) << up.reasons();
+      int orders_to_land = 0;
+      up.drops_sent = [&](const std::vector<std::uint8_t>& datagram) {
+        orders_to_land += has(datagram, [&](const wire::mavlink::Frame& frame) {
+          const auto command = wire::mavlink::unpack<wire::mavlink::CommandLong>(frame);
+          const auto land = land_command(GetParam());
+          return command && command->command == land.command && command->param2 == land.param2;
+        });
+        return false;
+      };
+      const auto takes_over = [&] {
+        const std::uint32_t hold = is_px4() ? 3U << 24U | 4U << 16U : 17U;
+        const std::uint32_t by_hand = is_px4() ? 3U << 16U : 5U;
+        up.vehicle.controller().set_mode(is_by_hand ? by_hand : hold, up.now);
+      };
+      takes_over();
+      up.run(2.0);
+      EXPECT_EQ(up.state(), FlightState::kHold);
+      up.has_mocap = false;
+      up.is_deaf = is_deaf;
+      ASSERT_TRUE(up.run_until([&] { return up.state() == FlightState::kLand; }, 3.0));
+      up.run(3.0);
+      if (!is_by_hand) {
+        EXPECT_GT(orders_to_land, 0);
+        continue;
+      }
+      EXPECT_EQ(up.state(), FlightState::kLand) << up.reasons();
+      EXPECT_EQ(orders_to_land, 0);
+      up.is_deaf = false;
+      up.has_mocap = true;
+      for (int round = 0; round < 2; ++round) {  // and once more
+        takes_over();
+        up.run(3.0);
+        EXPECT_EQ(orders_to_land, 0) << round;
+        up.command(OperatorAction::kLand);
+        up.run(1.5);  // heartbeats tell the mode once a second
+        EXPECT_EQ(orders_to_land, 1) << up.reasons();
+        orders_to_land = 0;
+      }
+    }
+  }
+}
+
 // An attitude that is no longer told is not level: it lands.
 TEST_P(FlightFaults, WithoutAnAttitudeItLands) {
   for (const bool is_told_as_nan : {false, true}) {
