@@ -340,7 +340,8 @@ TEST(LeadUp, CountsARecordAndMakesTheLastOfEachTopicAlone) {
   lead_up.end();
   hear_three();
   EXPECT_EQ(made, (std::vector{20, 3, 1, 2, 20, 3})) << "each again";
-  for (const json& topic : json::parse(broker.topics_text())["topics"]) {
+  const json told = json::parse(broker.topics_text());
+  for (const json& topic : told["topics"]) {
     EXPECT_EQ(topic["count"], topic["topic"] == "/often" ? 6 : 2) << "asked of each";
   }
 }
