@@ -127,6 +127,7 @@ std::string mode_name(AutopilotDialect dialect, std::uint32_t custom_mode) {
   return dialect == AutopilotDialect::kPx4 ? name_in(kPx4Modes) : name_in(kArdupilotModes);
 }
 
+// After PX4's px4_custom_mode.h (1.18) and ArduCopter's mode.h (4.6).
 bool is_flown_by_hand(AutopilotDialect dialect, std::uint32_t custom_mode) {
   if (dialect == AutopilotDialect::kPx4) {
     // manual, altitude, position, acro, stabilised, rattitude, altitude cruise

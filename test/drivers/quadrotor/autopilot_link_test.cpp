@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -336,6 +337,21 @@ TEST(AutopilotLink, SurvivesAnythingOnTheWire) {
     EXPECT_LE(bench.link.take_output().size(), 1024U);
     bench.hear_heartbeat(kNow + std::chrono::seconds(60), 3);
     EXPECT_FALSE(bench.link.fault(kNow + std::chrono::seconds(60)).has_value());
+  }
+}
+
+// docs/quadrotor.md: in all others nobody need be there, whatever PX4's sub-mode.
+TEST(Dialect, KnowsTheModesThatAreFlownByHand) {
+  const std::set<std::uint32_t> px4{1, 2, 3, 5, 7, 8, 11};
+  const std::set<std::uint32_t> ardupilot{0, 1, 2, 5, 11, 13, 16, 22};
+  for (std::uint32_t mode = 0; mode < 40; ++mode) {
+    for (const std::uint32_t sub : {0U, 1U, 2U, 6U}) {
+      EXPECT_EQ(is_flown_by_hand(AutopilotDialect::kPx4, mode << 16U | sub << 24U),
+                px4.contains(mode))
+          << mode;
+    }
+    EXPECT_EQ(is_flown_by_hand(AutopilotDialect::kArdupilot, mode), ardupilot.contains(mode))
+        << mode;
   }
 }
 
