@@ -23,7 +23,12 @@ cat "$dir/up.json" "$dir/up.err"
 # seeds 1 to 3, nothing beside them, had 1.14 to 1.173. Their drivers stop them at 1.3.
 "$bin/hil_check" --strict --speed-share 1.25 "$dir/flight.lcmlog" "${level[@]}"
 have_flown || "$bin/hil_check" --held-up "$dir/flight.lcmlog" || fail "not all have followed $rounds rounds"
-if [[ $status != 0 ]]; then
+# A log that was written late, and whole in the end, is the machine's where that was not there.
+is_late() {
+  [[ $(grep '^vantage: ' "$dir/up.err") == 'vantage: log: it could not be written for a while' ]] &&
+    "$bin/hil_check" --held-up "$dir/flight.lcmlog"
+}
+if [[ $status != 0 ]] && ! is_late; then
   echo "vantage up ended with $status"
   exit 1
 fi
