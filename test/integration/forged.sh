@@ -22,7 +22,10 @@ fly() {
     kill -INT "$up"
     wait "$up" || status=$?
     cat "$dir/$1.json"; echo
-    [[ $forged == 0 ]] && return $status
+    if [[ $forged == 0 ]]; then
+      [[ $status == 0 ]] || is_the_machines "$1"
+      return
+    fi
     [[ $forged == 3 ]] && "$bin/hil_check" --held-up "$dir/$1.lcmlog" || break
     echo "forged.sh: $1 did not get under way on a machine that held it up; once more"
   done
@@ -30,7 +33,8 @@ fly() {
 }
 
 { cat "$scenario"; echo "security: {mode: require, keys: $dir/keys}"; } > "$dir/signed.yaml"
-fly signed "$dir/signed.yaml" || fail "the signed flight ended with $?"
+fly signed "$dir/signed.yaml" || fail "the signed flight did not end well"
+"$bin/hil_check" --collisions "$dir/signed.lcmlog" || fail "something collided in the signed flight"
 options=(--signed)
 "$bin/hil_check" --held-up "$dir/signed.lcmlog" && options+=(--held-up)
 python3 "$here/forged_check.py" "$dir/py" "$dir/signed.lcmlog" "$dir/signed.span" "${options[@]}" ||

@@ -2,9 +2,10 @@
 """forged_check.py TYPES LOG SPAN [--signed] [--held-up]: did what forge_live.py said change a flight?
 
 Reads the log of the flight: what the vehicles did in the span (none may land, be killed or hold for
-more than a second), what touched, and what their drivers refused. Prints it; exit code 0: nothing changed.
+more than a second), and what their drivers refused. Prints it; exit code 0: nothing changed. What touched is
+for hil_check.
 --signed: each kind of forgery must have been refused. --held-up: the machine kept processes waiting, so
-that holding and late plans say nothing, nor a landing for somebody's silence (SILENCES).
+that holding and late plans say nothing, nor a landing for somebody's silence (SILENCES), and its end.
 """
 
 import collections
@@ -12,7 +13,6 @@ import struct
 import sys
 
 sys.path.insert(0, sys.argv[1])
-from vantage_lcm.collision_t import collision_t  # noqa: E402
 from vantage_lcm.health_t import health_t  # noqa: E402
 from vantage_lcm.quadrotor_t import quadrotor_t  # noqa: E402
 
@@ -37,11 +37,8 @@ seen = collections.defaultdict(collections.Counter)
 rounds = collections.defaultdict(set)
 refused = collections.defaultdict(dict)
 landed_for = {}  # what each said when it began to
-contacts = 0
 for utime, channel, data in events(sys.argv[2]):
-    if channel == "COLLISION":
-        contacts += collision_t.decode(data).kind == 0
-    elif channel.startswith("VEHICLE_") and begin <= utime <= end:
+    if channel.startswith("VEHICLE_") and begin <= utime <= end:
         status = quadrotor_t.decode(data)
         seen[status.robot][NAMES[status.state]] += 1
         rounds[status.robot].add(status.plan_round)
@@ -52,17 +49,17 @@ for utime, channel, data in events(sys.argv[2]):
             if counter.name.rsplit(".")[-1] in ("unsigned", "bad_mac", "replayed"):
                 refused[channel[17:]][counter.name] = counter.count
 
-changed = contacts > 0 or not seen
+changed = not seen
 for robot in sorted(seen):
     states = seen[robot]
     why = sorted(landed_for.get(robot, ()))
     print(robot, dict(states), f"landed for {why};" if robot in landed_for else "", len(rounds[robot]),
           "rounds; refused", refused[robot])
     is_held_up = "--held-up" in sys.argv
-    changed |= states["killed"] > 0
-    changed |= robot in landed_for and not (is_held_up and SILENCES.intersection(why))
+    ended = robot in landed_for or states["killed"] > 0
+    changed |= ended and not (is_held_up and SILENCES.intersection(why))
     changed |= not is_held_up and (states["hold"] > 10 or len(rounds[robot]) < 2)
-print(contacts, "collisions;", "changed" if changed else "nothing changed")
+print("changed" if changed else "nothing changed")
 for robot in seen if "--signed" in sys.argv else ():
     for channel in ("VICON", "COMMAND", f"PLAN_{robot}"):
         for reason in ("unsigned", "bad_mac", "replayed"):

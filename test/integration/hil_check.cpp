@@ -1,5 +1,6 @@
 // hil_check [--strict [--speed-share MOST]] [--events FILE] LOG [ROBOT…]
 // hil_check --held-up LOG
+// hil_check --collisions LOG
 // hil_check --flown ROUNDS LOG
 //
 // Reads the log of a trial with devices on the wire: did every vehicle take off, follow plans of
@@ -11,9 +12,9 @@
 // invariant of a flight was broken (BROKEN), too, of which --speed-share is a bound. What the
 // machine held up (HELD UP) is not judged in time: test/support/flight_invariants. FILE is what
 // flight_drill wrote: a line is then printed of what became of each vehicle each time, and a table.
-// --held-up, --flown: no more than whether the machine held the flight up, or whether every robot
-// of the scenario has followed plans of so many rounds (the log may be one that is being written);
-// exit code 0 if so.
+// --held-up, --collisions, --flown: no more than whether the machine held the flight up, whether
+// nothing collided but what is not judged then, or whether every robot of the scenario has followed
+// plans of so many rounds (the log may be one that is being written); exit code 0 if so.
 
 #include <algorithm>
 #include <cstdio>
@@ -56,8 +57,6 @@ struct Seen {
   std::int64_t frame_gaps = 0;
   std::int64_t frames_lost_on_lcm = 0;
   std::optional<models::MocapFrame> last_frame;
-  std::int64_t collisions = 0;
-  std::vector<std::string> contacts;
   std::map<std::string, std::int64_t> counters;  // newest of each process
 };
 
@@ -76,13 +75,6 @@ void take(const lcm::LogEvent& event, Seen& seen) {
   if (event.channel == "VICON") {
     if (const auto frame = decode<models::MocapFrame, vantage_lcm::vicon_frame_t>(event)) {
       on_frame(*frame, seen);
-    }
-  } else if (event.channel == "COLLISION") {
-    if (const auto contact = decode<models::ContactReport, vantage_lcm::collision_t>(event)) {
-      if (contact->kind == models::ContactKind::kCollision) {
-        ++seen.collisions;
-        seen.contacts.push_back(contact->body_a + " with " + contact->body_b);
-      }
     }
   } else if (event.channel == "TRUTH") {
     if (const auto truth = decode<models::TruthFrame, vantage_lcm::truth_t>(event)) {
@@ -117,19 +109,32 @@ void take(const lcm::LogEvent& event, Seen& seen) {
   }
 }
 
+bool judge_collisions(const test::FlightRecord& record, const test::FlightBounds& bounds) {
+  for (const test::Collision& each : record.collisions()) {
+    std::printf("collision: %s\n", each.text.c_str());
+  }
+  const auto judged = test::collisions(record, bounds).size();
+  if (judged < record.collisions().size()) {
+    std::printf("%zu of them are not judged: landings without a pose\n",
+                record.collisions().size() - judged);
+  }
+  return judged == 0;
+}
+
 bool judge(const Seen& seen, const std::set<std::string>& level, bool is_held_up) {
   const bool has_gaps = seen.frame_gaps > 0 || seen.frames_lost_on_lcm > 0;
-  bool is_good =
-      seen.collisions == 0 && seen.frames > 0 && (is_held_up || !has_gaps) && !seen.flights.empty();
-  std::printf("%lld collisions; VICON: %lld frames, %lld gaps, %lld lost on LCM\n",
-              static_cast<long long>(seen.collisions), static_cast<long long>(seen.frames),
-              static_cast<long long>(seen.frame_gaps),
+  bool is_good = seen.frames > 0 && (is_held_up || !has_gaps) && !seen.flights.empty();
+  std::printf("VICON: %lld frames, %lld gaps, %lld lost on LCM\n",
+              static_cast<long long>(seen.frames), static_cast<long long>(seen.frame_gaps),
               static_cast<long long>(seen.frames_lost_on_lcm));
-  for (const std::string& contact : seen.contacts) {
-    std::printf("collision: %s\n", contact.c_str());
-  }
   for (const auto& [robot, flight] : seen.flights) {
-    const bool has_landed = flight.state == FlightState::kIdle && flight.last_m < 0.1;
+    // Without a pose the motors stop near the floor.
+    const bool ends_blind = is_held_up && flight.state == FlightState::kKilled &&
+                            std::ranges::any_of(flight.ended_for, [](const std::string& reason) {
+                              return reason.starts_with("pose lost low");
+                            });
+    const bool has_landed =
+        (flight.state == FlightState::kIdle || ends_blind) && flight.last_m < 0.1;
     std::printf("%s: up to %.2f m, %zu rounds followed, %.2f m away, %s at %.2f m\n", robot.c_str(),
                 flight.highest_m, flight.rounds.size(), flight.farthest_m, name_of(flight.state),
                 flight.last_m);
@@ -285,6 +290,7 @@ void judge_events(const std::string& path, const test::FlightRecord& record) {
 struct Options {
   bool is_strict = false;
   bool asks_held_up = false;
+  bool asks_collisions = false;
   std::optional<std::size_t> flown_rounds;
   std::string events;
   test::FlightBounds bounds;
@@ -301,6 +307,8 @@ std::optional<Options> options_of(const std::vector<std::string>& arguments) {
       out.is_strict = true;
     } else if (arguments[i] == "--held-up") {
       out.asks_held_up = true;
+    } else if (arguments[i] == "--collisions") {
+      out.asks_collisions = true;
     } else if (arguments[i] == "--flown" && has_value) {
       out.flown_rounds = std::stoul(arguments[++i]);
     } else if (arguments[i] == "--events" && has_value) {
@@ -324,6 +332,7 @@ int main(int argc, char** argv) {
     std::printf(
         "usage: hil_check [--strict [--speed-share MOST]] [--events FILE] LOG [ROBOT...]\n"
         "       hil_check --held-up LOG\n"
+        "       hil_check --collisions LOG\n"
         "       hil_check --flown ROUNDS LOG\n");
     return 2;
   }
@@ -349,6 +358,10 @@ int main(int argc, char** argv) {
   if (options->asks_held_up) {
     return held_up ? 0 : 1;
   }
+  const bool is_clear = judge_collisions(record, options->bounds);
+  if (options->asks_collisions) {
+    return is_clear ? 0 : 1;
+  }
   const std::set<std::string> level(options->words.begin() + 1, options->words.end());
   test::FlightBounds bounds = options->bounds;
   if (record.scenario()) {
@@ -365,5 +378,5 @@ int main(int argc, char** argv) {
     judge_events(options->events, record);
   }
   const bool is_good = judge(seen, level, held_up.has_value());
-  return is_good && (keeps_course || !options->is_strict) ? 0 : 1;
+  return is_clear && is_good && (keeps_course || !options->is_strict) ? 0 : 1;
 }

@@ -48,6 +48,19 @@ plans_go_on() {
   done
 }
 
+# Whether `vantage up`, of which $dir/$1.json, .err and .lcmlog are, has nothing to say against the flight but
+# what a machine did that was not there: a log that was late and is whole, or collisions that are not judged then.
+is_the_machines() {
+  local remarks
+  remarks=$(grep '^vantage: ' "$dir/$1.err" || true)
+  case $remarks in
+    'vantage: log: it could not be written for a while') ;;
+    '') grep -q '"collisions":[1-9]' "$dir/$1.json" || return 1 ;;
+    *) return 1 ;;
+  esac
+  "$bin/hil_check" --held-up "$dir/$1.lcmlog" && "$bin/hil_check" --collisions "$dir/$1.lcmlog"
+}
+
 # A witness of its own: what a logger that nobody kills hears of the plans.
 start_witness() {
   lcm-logger --quiet --force --channel='PLAN_.*' --lcm-url="$url" "$dir/witness.lcmlog" &

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -69,6 +70,53 @@ TEST(FlightHeldUp, WhatTakesTimeIsJudgedWhereTheMachineWasThere) {
   slowed.is_slowed = true;
   EXPECT_EQ(held_up(there, slowed), "a sanitizer slows all down");
   EXPECT_EQ(broken(there, slowed), Names{});
+}
+
+/// Q1 lands for want of a pose from 10 s on, its autopilot by itself from 11 s on, and touches
+/// `other` at `t_s`.
+MadeUpFlight flight_that_touches(const std::string& other, double touches_s,
+                                 std::int64_t waits_us) {
+  MadeUpFlight flight = flight_held_up_us(waits_us);
+  flight.says = [](double t_s, models::VehicleStatus& status) {
+    if (status.robot == "Q1" && t_s > 9.99) {
+      status.state = FlightState::kLand;
+      status.reasons = {"pose lost; pose_age_s > pose_age_land_s"};
+      if (t_s > 10.99) {
+        status.reasons.emplace_back("waiting for touch-down");
+      }
+    }
+    return true;
+  };
+  flight.besides = [=, before = flight.besides](double t_s, FlightRecord& record) {
+    before(t_s, record);
+    if (std::abs(t_s - touches_s) < 0.001) {
+      models::ContactReport contact;
+      contact.stamp.time = MadeUpFlight::at(t_s);
+      contact.body_a = "Q1";
+      contact.body_b = other;
+      for (const auto kind : {models::ContactKind::kNearMiss, models::ContactKind::kCollision}) {
+        contact.kind = kind;
+        MadeUpFlight::give(record, "COLLISION", contact.stamp.time, contact);
+      }
+    }
+  };
+  return flight;
+}
+
+TEST(FlightHeldUp, ACollisionIsTheMachinesWhereAnAutopilotLandsWithoutAPose) {
+  const FlightRecord blind = flight_that_touches("R2", 12.0, 100'001).record();
+  ASSERT_EQ(blind.collisions().size(), 1U);
+  EXPECT_EQ(blind.collisions()[0].text,
+            "Q1 with R2; Q1 was at 1.00 m, land: pose lost, waiting for touch-down");
+  EXPECT_EQ(collisions(blind), Names{});
+  // Where the machine was there, while the driver steers, or with another robot, it is judged.
+  for (const auto& [other, touches_s, waits_us] :
+       {std::tuple{"R2", 12.0, std::int64_t{100'000}},
+        std::tuple{"R2", 10.5, std::int64_t{100'001}}, std::tuple{"R2", 9.0, std::int64_t{100'001}},
+        std::tuple{"Q2", 12.0, std::int64_t{100'001}}}) {
+    EXPECT_EQ(collisions(flight_that_touches(other, touches_s, waits_us).record()).size(), 1U)
+        << other << " " << touches_s << " " << waits_us;
+  }
 }
 
 TEST(FlightHeldUp, SafetyIsJudgedWhateverTheMachineDoes) {

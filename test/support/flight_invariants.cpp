@@ -117,6 +117,17 @@ std::optional<std::string> held_up(const FlightRecord& record, const FlightBound
                      bounds.held_up_max_s);
 }
 
+std::vector<std::string> collisions(const FlightRecord& record, const FlightBounds& bounds) {
+  const bool is_held_up = held_up(record, bounds).has_value();
+  std::vector<std::string> out;
+  for (const Collision& each : record.collisions()) {
+    if (!(is_held_up && each.is_of_blind_landing)) {
+      out.push_back(each.text);
+    }
+  }
+  return out;
+}
+
 std::vector<std::string> violations(const FlightRecord& record, const FlightBounds& bounds) {
   std::vector<std::string> out;
   const auto summaries = record.summaries();

@@ -38,6 +38,10 @@ double processors_used(const FlightRecord& record, Time begin, Time end);
 /// the flight's own processes, or the log, an old one, does not say.
 std::optional<std::string> held_up(const FlightRecord& record, const FlightBounds& bounds = {});
 
+/// The collisions that are judged, for people: all; where the flight was held_up() those of
+/// landings without a pose are not, which are the autopilot's, straight down (docs/safety.md).
+std::vector<std::string> collisions(const FlightRecord& record, const FlightBounds& bounds = {});
+
 /// What did not hold, a line each: `ROBOT INVARIANT: what was seen (what is allowed)`. The
 /// invariants, by their names: following, set-point error, speed, turn, separation (nobody nearer
 /// than the sum of the two radii), fence (nor landed for it), continuity, ages, believed. Empty:

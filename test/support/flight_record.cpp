@@ -57,6 +57,11 @@ void FlightRecord::take(const lcm::LogEvent& event) {
       robots_[status->robot].said.push_back(*status);
       has_anybody_followed_ = has_anybody_followed_ || status->state == FlightState::kFollow;
     }
+  } else if (event.channel == "COLLISION") {
+    const auto contact = decode<models::ContactReport, vantage_lcm::collision_t>(event);
+    if (contact && contact->kind == models::ContactKind::kCollision) {
+      take_contact(*contact);
+    }
   } else if (event.channel.starts_with("HEALTH_") && has_anybody_followed_) {
     const auto health = decode<models::ProcessHealth, vantage_lcm::health_t>(event);
     if (health && is_of_now(health->stamp, event)) {
@@ -84,6 +89,44 @@ void FlightRecord::take_health(const models::ProcessHealth& health) {
     machine_shares_.push_back(std::move(share));
   }
   before->second = now;
+}
+
+void FlightRecord::take_contact(const models::ContactReport& contact) {
+  const std::string& a = contact.body_a;
+  const std::string& b = contact.body_b;
+  const bool has_two_robots = robots_.count(a) > 0 && robots_.count(b) > 0;
+  collisions_.push_back({a + " with " + b + state_of(a) + state_of(b),
+                         !has_two_robots && (is_landed_blind(a) || is_landed_blind(b))});
+}
+
+std::string FlightRecord::state_of(const std::string& body) const {
+  const auto robot = robots_.find(body);
+  if (robot == robots_.end() || robot->second.said.empty() || robot->second.truth.empty()) {
+    return "";
+  }
+  const models::VehicleStatus& said = robot->second.said.back();
+  std::vector<std::string> reasons;
+  for (const std::string& reason : said.reasons) {
+    reasons.push_back(reason.substr(0, reason.find(';')));
+  }
+  return fmt::format("; {} was at {:.2f} m, {}: {}", body,
+                     robot->second.truth.back().position_m.z(), name_of(said.state),
+                     fmt::join(reasons, ", "));
+}
+
+// Who waits for touch-down has left the landing to the autopilot.
+bool FlightRecord::is_landed_blind(const std::string& body) const {
+  const auto robot = robots_.find(body);
+  if (robot == robots_.end() || robot->second.said.empty()) {
+    return false;
+  }
+  const models::VehicleStatus& said = robot->second.said.back();
+  const auto gives = [&](const char* reason) {
+    return std::ranges::any_of(said.reasons, [&](const std::string& given) {
+      return given.substr(0, given.find(';')) == reason;
+    });
+  };
+  return said.state == FlightState::kLand && gives("pose lost") && gives("waiting for touch-down");
 }
 
 // Nor is a second trial beside it. A process that was started again has another run.

@@ -73,7 +73,14 @@ struct MachineShare {
   std::optional<double> waited_s;  ///< ready to run and without one; not where it does not say so
 };
 
-/// Reads a log of a flight, event by event: SCENARIO, TRUTH, VEHICLE_* and HEALTH_*.
+/// Two bodies, or a body and an obstacle or a wall, that began to touch.
+struct Collision {
+  std::string text;  ///< for people: "Q2 with R2; Q2 was at 0.44 m, land: pose lost"
+  /// A robot without a pose, which its autopilot was landing straight down, with what is no robot.
+  bool is_of_blind_landing = false;
+};
+
+/// Reads a log of a flight, event by event: SCENARIO, TRUTH, COLLISION, VEHICLE_* and HEALTH_*.
 class FlightRecord {
  public:
   void take(const lcm::LogEvent& event);
@@ -83,6 +90,7 @@ class FlightRecord {
   [[nodiscard]] const std::optional<scenario::Scenario>& scenario() const { return scenario_; }
   /// Frames of another simulation's truth, while this one's came.
   [[nodiscard]] std::int64_t truth_strangers() const { return truth_strangers_; }
+  [[nodiscard]] const std::vector<Collision>& collisions() const { return collisions_; }
   /// Of every process, since anybody followed a plan; nothing where nobody says it.
   [[nodiscard]] const std::vector<MachineShare>& machine_shares() const { return machine_shares_; }
   /// Each time that a vehicle left FOLLOW for HOLD and stayed there for a second.
@@ -103,6 +111,10 @@ class FlightRecord {
   };
   bool is_of_flight(const models::Stamp& stamp, const std::string& robot);
   void take_health(const models::ProcessHealth& health);
+  void take_contact(const models::ContactReport& contact);
+  /// Where it was and what its driver said last, if it is a robot.
+  [[nodiscard]] std::string state_of(const std::string& body) const;
+  [[nodiscard]] bool is_landed_blind(const std::string& body) const;
   [[nodiscard]] static std::optional<Stop> stop_at(const Robot& robot, std::size_t said);
   /// A flying vehicle that lands or takes off.
   [[nodiscard]] static bool is_low(const At& at, const scenario::RobotSpec& spec);
@@ -117,6 +129,7 @@ class FlightRecord {
   std::optional<scenario::Scenario> scenario_;
   std::map<std::string, Robot> robots_;
   std::int64_t truth_strangers_ = 0;
+  std::vector<Collision> collisions_;
   std::map<std::string, models::Stamp> newest_;  ///< of each robot's states; "": of the truth
   bool has_anybody_followed_ = false;
   struct Usage {
