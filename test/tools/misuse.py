@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 
-TIMEOUT_S = 60
+TIMEOUT_S = 240  # under a sanitizer, beside others, a huge file takes longer than 60
 HUGE_BYTES = 3 << 30  # sparse: nothing is stored
 FULL_DISK_BYTES = 20_000  # a limit on the size of files stands for it
 
