@@ -110,6 +110,7 @@ void take(const lcm::LogEvent& event, Seen& seen) {
 }
 
 bool judge_collisions(const test::FlightRecord& record, const test::FlightBounds& bounds) {
+  std::printf("%zu collisions\n", record.collisions().size());
   for (const test::Collision& each : record.collisions()) {
     std::printf("collision: %s\n", each.text.c_str());
   }
