@@ -72,15 +72,15 @@ TEST(FlightHeldUp, WhatTakesTimeIsJudgedWhereTheMachineWasThere) {
   EXPECT_EQ(broken(there, slowed), Names{});
 }
 
-/// Q1 lands for want of a pose from 10 s on, its autopilot by itself from 11 s on, and touches
-/// `other` at `t_s`.
-MadeUpFlight flight_that_touches(const std::string& other, double touches_s,
-                                 std::int64_t waits_us) {
+/// Q1 lands for `reason` from 10 s on, its autopilot by itself from 11 s on, and touches `other` at
+/// `touches_s`.
+MadeUpFlight flight_that_touches(const std::string& other, double touches_s, std::int64_t waits_us,
+                                 const std::string& reason = "pose lost") {
   MadeUpFlight flight = flight_held_up_us(waits_us);
-  flight.says = [](double t_s, models::VehicleStatus& status) {
+  flight.says = [reason](double t_s, models::VehicleStatus& status) {
     if (status.robot == "Q1" && t_s > 9.99) {
       status.state = FlightState::kLand;
-      status.reasons = {"pose lost; pose_age_s > pose_age_land_s"};
+      status.reasons = {reason + "; what its rule is"};
       if (t_s > 10.99) {
         status.reasons.emplace_back("waiting for touch-down");
       }
@@ -109,7 +109,8 @@ TEST(FlightHeldUp, ACollisionIsTheMachinesWhereAnAutopilotLandsWithoutAPose) {
   EXPECT_EQ(blind.collisions()[0].text,
             "Q1 with R2; Q1 was at 1.00 m, land: pose lost, waiting for touch-down");
   EXPECT_EQ(collisions(blind), Names{});
-  // Where the machine was there, while the driver steers, or with another robot, it is judged.
+  // Where the machine was there, while the driver steers, with another robot, or where it lands
+  // with a pose, it is judged.
   for (const auto& [other, touches_s, waits_us] :
        {std::tuple{"R2", 12.0, std::int64_t{100'000}},
         std::tuple{"R2", 10.5, std::int64_t{100'001}}, std::tuple{"R2", 9.0, std::int64_t{100'001}},
@@ -117,6 +118,8 @@ TEST(FlightHeldUp, ACollisionIsTheMachinesWhereAnAutopilotLandsWithoutAPose) {
     EXPECT_EQ(collisions(flight_that_touches(other, touches_s, waits_us).record()).size(), 1U)
         << other << " " << touches_s << " " << waits_us;
   }
+  EXPECT_EQ(collisions(flight_that_touches("R2", 12.0, 100'001, "operator lost").record()).size(),
+            1U);
 }
 
 TEST(FlightHeldUp, SafetyIsJudgedWhateverTheMachineDoes) {

@@ -25,6 +25,9 @@ bool is_of_now(const models::Stamp& stamp, const lcm::LogEvent& event) {
 constexpr double kLowM = 0.5;       // a flying vehicle below it lands or takes off
 constexpr double kReactionS = 0.2;  // one that sets off is still becoming faster
 
+/// "pose lost" of "pose lost; pose_age_s > pose_age_land_s".
+std::string name_of_reason(const std::string& reason) { return reason.substr(0, reason.find(';')); }
+
 void add_new(const std::vector<std::string>& words, std::vector<std::string>& known) {
   for (const std::string& word : words) {
     if (std::ranges::find(known, word) == known.end()) {
@@ -107,7 +110,7 @@ std::string FlightRecord::state_of(const std::string& body) const {
   const models::VehicleStatus& said = robot->second.said.back();
   std::vector<std::string> reasons;
   for (const std::string& reason : said.reasons) {
-    reasons.push_back(reason.substr(0, reason.find(';')));
+    reasons.push_back(name_of_reason(reason));
   }
   return fmt::format("; {} was at {:.2f} m, {}: {}", body,
                      robot->second.truth.back().position_m.z(), name_of(said.state),
@@ -122,11 +125,9 @@ bool FlightRecord::is_landed_blind(const std::string& body) const {
   }
   const models::VehicleStatus& said = robot->second.said.back();
   const auto gives = [&](const char* reason) {
-    return std::ranges::any_of(said.reasons, [&](const std::string& given) {
-      return given.substr(0, given.find(';')) == reason;
-    });
+    return std::ranges::find(said.reasons, reason, name_of_reason) != said.reasons.end();
   };
-  return said.state == FlightState::kLand && gives("pose lost") && gives("waiting for touch-down");
+  return gives("pose lost") && gives("waiting for touch-down");
 }
 
 // Nor is a second trial beside it. A process that was started again has another run.
