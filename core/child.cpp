@@ -117,7 +117,8 @@ Child::~Child() { end(); }
 
 void Child::end() {
   if (pid_ > 0 && !exit_) {
-    send(SIGKILL);
+    ::kill(-pid_, SIGKILL);  // its group: what a browser has started goes on writing without it
+    send(SIGKILL);           // should it have left its group
     ::waitpid(pid_, nullptr, 0);
   }
   if (pidfd_ >= 0) {

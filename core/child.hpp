@@ -29,9 +29,9 @@ struct ChildExit {
   [[nodiscard]] std::string describe() const;
 };
 
-/// One process that we started; killed and reaped when the object goes. It is in a process group
-/// of its own, so that a Ctrl-C in the terminal reaches it only through its supervisor, and is
-/// sent a signal by the kernel should the supervisor die.
+/// One process that we started; killed, with what it has started, and reaped when the object goes.
+/// It is in a process group of its own, so that a Ctrl-C in the terminal reaches it only through
+/// its supervisor, and is sent a signal by the kernel should the supervisor die.
 class Child {
  public:
   /// Starts `arguments[0]`, searched in PATH when it has no slash. The Error is that of exec

@@ -89,22 +89,29 @@ def descendants(pid):
     return found
 
 
+BROWSER = f"""#!{sys.executable}
+import os, time
+folder = os.environ["TMPDIR"]
+if os.fork() > 0:
+    open(folder + "/begun", "w").close()
+    time.sleep({PATIENCE_S})
+else:
+    give_up = time.monotonic() + {PATIENCE_S}
+    while time.monotonic() < give_up:
+        try:
+            os.makedirs(folder, exist_ok=True)
+            open(folder + "/profile", "w").close()
+        except OSError:
+            pass  # it is being removed
+"""
+
+
 def check_folder_of_record(vantage, folder):
-    """What a browser's children write when it is killed does not stay either."""
+    """A browser's children write, and make their folder anew, until they are ended as it is: none of it stays."""
     kept = folder / "kept_by_children"
     kept.mkdir()
     browser = folder / "browser"
-    browser.write_text("""#!/bin/sh
-main=$$
-(i=0 after=0
-while [ $after -lt 5000 ]; do
-  i=$(((i + 1) % 50))
-  echo > "$TMPDIR/$i" || exit
-  kill -0 $main 2>/dev/null || after=$((after + 1))
-done) &
-echo > "$TMPDIR/begun"
-exec sleep 60
-""")
+    browser.write_text(BROWSER)
     browser.chmod(0o755)
     words = ["env", f"TMPDIR={kept}", f"CHROMIUM={browser}", vantage, "view", folder / "flight.lcmlog",
              "--record", folder / "flight.webm"]

@@ -30,8 +30,8 @@ namespace fs = std::filesystem;
 constexpr const char* kBrowsers[] = {"chromium", "chromium-browser", "google-chrome",
                                      "google-chrome-stable"};
 
-/// A folder that goes when it does. Whoever a killed browser leaves behind writes into it for a
-/// moment yet.
+/// A folder that goes when it does. Who is killed is at work for a moment yet, and may write into
+/// it meanwhile.
 class PassingFolder {
  public:
   PassingFolder() {
@@ -59,7 +59,7 @@ class PassingFolder {
   [[nodiscard]] std::string file(const std::string& name) const { return path_ / name; }
 
  private:
-  static constexpr int kTriesToRemove = 500;  // 5 s; they are nobody's whose end could be awaited
+  static constexpr int kTriesToRemove = 500;  // 5 s; a browser's children are not ours to wait for
   fs::path path_;
 };
 

@@ -1,12 +1,15 @@
 #include "tools/supervisor/supervisor.hpp"
 
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include "core/check.hpp"
@@ -54,6 +57,24 @@ TEST(Child, IsGoneWithItsOwner) {
     EXPECT_EQ(::kill(pid, 0), 0);
   }
   EXPECT_EQ(::kill(pid, 0), -1);  // reaped, not merely a zombie
+}
+
+TEST(Child, IsGoneWithWhatItHasStarted) {
+  std::array<int, 2> pipe_fds{};
+  ASSERT_EQ(::pipe2(pipe_fds.data(), O_CLOEXEC), 0);
+  ChildPlace place;
+  place.output = pipe_fds[1];
+  std::array<char, 16> text{};
+  {
+    const std::string starts = "(echo begun; exec sleep 1000) & wait";
+    const Child child = std::move(Child::start({"sh", "-c", starts}, place)).value();
+    ::close(pipe_fds[1]);
+    ASSERT_EQ(::read(pipe_fds[0], text.data(), text.size()), 6);
+  }
+  pollfd ended{pipe_fds[0], POLLIN, 0};  // once nobody is left who could write
+  ASSERT_EQ(::poll(&ended, 1, static_cast<int>(kLong.count())), 1) << "it lives on";
+  EXPECT_EQ(::read(pipe_fds[0], text.data(), text.size()), 0);
+  ::close(pipe_fds[0]);
 }
 
 TEST(Child, HasOurEnvironmentButForWhatIsSaid) {
