@@ -37,8 +37,9 @@ class QuadrotorDriver {
                   const SafetyLimits& limits,
                   const std::optional<wire::mavlink::SigningKey>& key = std::nullopt);
 
-  /// Bytes from the autopilot: a datagram, or a piece of a serial stream.
-  void receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
+  /// Takes bytes from the autopilot: a datagram, or a piece of a serial stream. True if a frame of
+  /// this vehicle was complete with them.
+  bool receive(std::span<const std::uint8_t> bytes, bool is_datagram, Time now);
   /// Forwards the pose of this vehicle at once.
   void on_mocap(const models::MocapFrame& frame, Time now);
   /// This vehicle's plan, or a teammate's.
@@ -69,6 +70,7 @@ class QuadrotorDriver {
   void fly(Time now);
   [[nodiscard]] FlightGoal goal(const GuardOutput& out) const;
   [[nodiscard]] bool is_nearly_down() const;
+  [[nodiscard]] bool may_steer_landing() const;
   [[nodiscard]] std::optional<std::string> refusal(Time now) const;
 
   std::string robot_;
@@ -89,6 +91,8 @@ class QuadrotorDriver {
   std::optional<Time> battery_reported_;
   std::optional<Time> telemetry_reported_;
   bool has_news_ = false;
+  bool lands_blind_ = false;  ///< the autopilot's landing under way began without poses
+  double settled_s_ = 0.0;    ///< since poses came without a gap
   std::int64_t poses_refused_ = 0;
   std::int64_t poses_unseen_ = 0;
 };

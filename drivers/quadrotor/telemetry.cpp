@@ -19,6 +19,8 @@ constexpr std::size_t kTextBytesMax = 500;
 constexpr int kWarning = 4;
 constexpr std::uint16_t kNoVoltage = 0xFFFF;
 constexpr double kVoltageSmoothingS = 5.0;
+constexpr Duration kBatteryAgeMax = std::chrono::seconds(10);
+constexpr int kSystemBattery = 256;  // SYS_STATUS; the ids of BATTERY_STATUS are below
 // A better round trip is forgotten slowly, so that drift of the clocks is followed.
 constexpr std::int64_t kRoundTripForgettingNs = 20'000;
 
@@ -31,20 +33,16 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
   } else if (const auto state = wire::mavlink::unpack<wire::mavlink::ExtendedSysState>(frame)) {
     landed_state_ = state->landed_state;
   } else if (const auto battery = wire::mavlink::unpack<wire::mavlink::BatteryStatus>(frame)) {
-    if (battery->id == 0) {
-      // Of its cells, or the whole in the first ones; 0xFFFF where there is none.
-      double voltage_mv = 0.0;
-      for (const std::uint16_t part_mv : battery->voltages) {
-        voltage_mv += part_mv == kNoVoltage ? 0.0 : part_mv;
-      }
-      take_battery(battery->battery_remaining, voltage_mv / 1000.0, now);
+    // Of its cells, or the whole in the first ones; 0xFFFF where there is none.
+    double voltage_mv = 0.0;
+    for (const std::uint16_t part_mv : battery->voltages) {
+      voltage_mv += part_mv == kNoVoltage ? 0.0 : part_mv;
     }
+    take_battery(battery->id, battery->battery_remaining, voltage_mv / 1000.0, now);
   } else if (const auto system = wire::mavlink::unpack<wire::mavlink::SysStatus>(frame)) {
-    if (!heard(wire::mavlink::BatteryStatus::kMessage.id)) {
-      take_battery(system->battery_remaining,
-                   system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
-                   now);
-    }
+    take_battery(kSystemBattery, system->battery_remaining,
+                 system->voltage_battery == kNoVoltage ? 0.0 : system->voltage_battery / 1000.0,
+                 now);
   } else if (const auto px4 = wire::mavlink::unpack<wire::mavlink::EstimatorStatus>(frame)) {
     estimator_flags_ = px4->flags;
   } else if (const auto ardupilot = wire::mavlink::unpack<wire::mavlink::EkfStatusReport>(frame)) {
@@ -53,6 +51,7 @@ void Telemetry::take(const wire::mavlink::Frame& frame, Time now) {
     const Eigen::Vector3d local_m(position->x, position->y, position->z);
     const Eigen::Vector3d local_mps(position->vx, position->vy, position->vz);
     if (local_m.allFinite() && local_mps.allFinite()) {
+      position_time_ = now;
       position_world_m_ = turn_axes(local_m);
       velocity_world_mps_ = turn_axes(local_mps);
     }
@@ -90,7 +89,9 @@ void Telemetry::take_heartbeat(const wire::mavlink::Heartbeat& heartbeat, Time n
   autopilot_ = heartbeat.autopilot;
 }
 
-void Telemetry::take_battery(std::int8_t remaining_percent, double voltage_v, Time now) {
+void Telemetry::take_battery(int source, std::int8_t remaining_percent, double voltage_v,
+                             Time now) {
+  Battery& battery = batteries_[source];
   std::optional<double> share;
   if (remaining_percent >= 0 && remaining_percent <= 100) {
     share = remaining_percent / 100.0;
@@ -99,15 +100,22 @@ void Telemetry::take_battery(std::int8_t remaining_percent, double voltage_v, Ti
     const double cell_v = voltage_v / battery_->cells;
     const double newest =
         std::clamp((cell_v - battery_->empty_v) / (battery_->full_v - battery_->empty_v), 0.0, 1.0);
-    const double elapsed_s = std::max(0.0, to_seconds(now - rest_share_time_));
-    const double weight = rest_share_ ? -std::expm1(-elapsed_s / kVoltageSmoothingS) : 1.0;
-    rest_share_ = rest_share_.value_or(0.0) + weight * (newest - rest_share_.value_or(0.0));
-    rest_share_time_ = now;
-    share = share ? std::min(*share, *rest_share_) : *rest_share_;
+    const double elapsed_s = std::max(0.0, to_seconds(now - battery.time));
+    const double weight = battery.rest_share ? -std::expm1(-elapsed_s / kVoltageSmoothingS) : 1.0;
+    const double before = battery.rest_share.value_or(0.0);
+    battery.rest_share = before + weight * (newest - before);
+    share = share ? std::min(*share, *battery.rest_share) : *battery.rest_share;
   }
-  if (share) {
-    battery_share_ = share;
-    battery_time_ = now;
+  if (!share) {
+    return;
+  }
+  battery.share = share;
+  battery.time = battery_time_.emplace(now);
+  battery_share_ = share;
+  for (const auto& [id, each] : batteries_) {
+    if (each.share && now - each.time <= kBatteryAgeMax) {
+      battery_share_ = std::min(*battery_share_, *each.share);
+    }
   }
 }
 
@@ -164,8 +172,9 @@ std::optional<std::uint16_t> Telemetry::estimator_flags(Time now) const {
 }
 
 std::optional<Eigen::Vector3d> Telemetry::position_world_m(Time now) const {
-  const auto time = heard(wire::mavlink::LocalPositionNed::kMessage.id);
-  return time && now - *time <= kPositionAgeMax ? std::optional(position_world_m_) : std::nullopt;
+  return position_time_ && now - *position_time_ <= kPositionAgeMax
+             ? std::optional(position_world_m_)
+             : std::nullopt;
 }
 
 bool Telemetry::has_attitude(Time now) const {

@@ -99,8 +99,8 @@ CommandVerdict RoverDriver::on_command(const models::OperatorCommand& command, T
   return core_.ask(command.action);
 }
 
-void RoverDriver::receive(std::span<const std::uint8_t> datagram, Time now) {
-  (void)link_.receive(datagram, now);  // it counts what it does not take
+bool RoverDriver::receive(std::span<const std::uint8_t> datagram, Time now) {
+  return link_.receive(datagram, now);  // it counts the others
 }
 
 bool RoverDriver::sees(Time now) const {

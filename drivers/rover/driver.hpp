@@ -43,7 +43,8 @@ class RoverDriver {
   /// second from now on. Judged like a plan, and refused while a planner holds the lease.
   PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);
   /// One datagram from the rover.
-  void receive(std::span<const std::uint8_t> datagram, Time now);
+  /// True if it is of this rover.
+  bool receive(std::span<const std::uint8_t> datagram, Time now);
 
   /// The command to send.
   RoverMessage tick(Time now);

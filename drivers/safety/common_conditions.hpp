@@ -19,6 +19,7 @@ struct RowOptions {
   double after_s = 0.0;
   bool yields = false;
   bool blocks_take_off = false;
+  bool spares_pilot = false;
 };
 using Holds = bool (*)(const SafetyInputs& inputs, const SafetyLimits& limits);
 
@@ -34,7 +35,8 @@ constexpr Condition row_of(Severity severity, Clearing clearing, const char* cle
           .clears = clears,
           .holds = when,
           .yields = options.yields,
-          .blocks_take_off = options.blocks_take_off};
+          .blocks_take_off = options.blocks_take_off,
+          .spares_pilot = options.spares_pilot};
 }
 constexpr Condition kills(const char* name, const char* limit, const RowOptions& options,
                           Holds when) {
@@ -86,12 +88,13 @@ namespace common {
 inline constexpr Condition kEmergencyStop =
     kills("emergency stop", "any station asked", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits&) { return in.emergency_stop; });
-inline constexpr Condition kMotor =
-    kills("motor", "the autopilot reports a failed motor", {.blocks_arming = true},
-          [](const SafetyInputs& in, const SafetyLimits&) { return in.motor_failed; });
+inline constexpr Condition kMotor = kills(
+    "motor", "the autopilot reports a failed motor", {.blocks_arming = true, .spares_pilot = true},
+    [](const SafetyInputs& in, const SafetyLimits&) { return in.motor_failed; });
 inline constexpr Condition kFenceFar =
     kills("fence far", "centre > fence_kill_m outside or above the ceiling",
-          {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {
+          {.blocks_arming = true, .spares_pilot = true},
+          [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.fence_centre_m < -lim.fence_kill_m;
           });
 inline constexpr Condition kPoseLost =

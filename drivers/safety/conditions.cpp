@@ -14,7 +14,8 @@ using In = SafetyInputs;
 using Lim = SafetyLimits;
 
 constexpr Condition kTilt =
-    kills("tilt", "tilt_rad > tilt_kill_rad", {.blocks_arming = true, .after_s = 0.1},
+    kills("tilt", "tilt_rad > tilt_kill_rad",
+          {.blocks_arming = true, .after_s = 0.1, .spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.tilt_rad > lim.tilt_kill_rad; });
 constexpr Condition kPoseLostLow =
     kills("pose lost low",
@@ -24,22 +25,24 @@ constexpr Condition kPoseLostLow =
                    (in.height_m < lim.safe_height_m || in.fence_centre_m < 0.0);
           });
 constexpr Condition kBodyDoesNotLift =
-    kills("body does not lift", "told to take off, and not risen lift_risen_m in lift_wait_s", {},
+    kills("body does not lift", "told to take off, and not risen lift_risen_m in lift_wait_s",
+          {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.unrisen_s > lim.lift_wait_s; });
 constexpr Condition kAnotherBodyLifts =
     kills("another body lifts", "lift_other_m by another robot's body, before this one has risen",
-          {}, [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; });
+          {.spares_pilot = true},
+          [](const In& in, const Lim& lim) { return in.other_risen_m > lim.lift_other_m; });
 constexpr Condition kLiftAstray =
-    kills("lift astray", "> lift_astray_m from its place in the first lift", {},
+    kills("lift astray", "> lift_astray_m from its place in the first lift", {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.lift_astray_m > lim.lift_astray_m; });
 constexpr Condition kLiftDisagrees =
     kills("lift disagrees", "first lift: climb or turn of the body against the autopilot's own",
-          {.after_s = 0.1}, [](const In& in, const Lim& lim) {
+          {.after_s = 0.1, .spares_pilot = true}, [](const In& in, const Lim& lim) {
             return in.lift_climb_error_mps > lim.lift_climb_error_mps ||
                    in.lift_turn_error_radps > lim.lift_turn_error_radps;
           });
 constexpr Condition kRisesUntold =
-    kills("rises untold", "armed, not told, and risen lift_other_m", {},
+    kills("rises untold", "armed, not told, and risen lift_other_m", {.spares_pilot = true},
           [](const In& in, const Lim& lim) { return in.risen_untold_m > lim.lift_other_m; });
 constexpr Condition kLiftUnproven =
     lands("lift unproven", "lift_proof_s in the first hover, and not gone where it was told", {},

@@ -32,6 +32,7 @@ struct AutopilotReport {
   bool has_attitude = false;
   Quaternion world_from_body = Quaternion::Identity();  ///< its own estimate
   double yaw_rate_radps = 0.0;                          ///< by its gyroscopes
+  bool is_flown_by_hand = false;                        ///< in a mode that a pilot flies
   bool is_in_our_mode = false;                          ///< the one that takes our set-points
   bool is_landing_itself = false;                       ///< in its landing mode
 };

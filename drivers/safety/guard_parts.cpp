@@ -148,6 +148,7 @@ void FlightGuard::Parts::look_at_all(Time now) {
 // What the autopilot says, and how far mocap agrees.
 void FlightGuard::Parts::look_at_autopilot(Time now) {
   in.autopilot_obeys = autopilot.obeys;
+  in.is_flown_by_hand = autopilot.is_flown_by_hand;
   in.estimator_good = autopilot.estimator_good;
   estimator_good_at = in.estimator_good ? now : estimator_good_at;
   in.tilt_rad = autopilot.tilt_rad;

@@ -67,7 +67,8 @@ struct SafetyInputs : Surroundings {
 
   // Vehicle.
   bool autopilot_armed = false;
-  bool autopilot_obeys = true;  ///< it is in the mode that takes our set-points, or asked to be
+  bool autopilot_obeys = true;    ///< it is in the mode that takes our set-points, or asked to be
+  bool is_flown_by_hand = false;  ///< the autopilot is in a mode that a pilot flies
   double heartbeat_age_s = 0.0;
   double telemetry_age_s = 0.0;
   bool estimator_good = true;

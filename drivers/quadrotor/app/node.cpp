@@ -41,8 +41,8 @@ void QuadrotorNode::on_command(const models::OperatorCommand& command, Time now)
   act(now);
 }
 
-void QuadrotorNode::receive(std::span<const std::uint8_t> bytes, Time now) {
-  driver().receive(bytes, port().is_datagram(), now);
+bool QuadrotorNode::receive(std::span<const std::uint8_t> bytes, Time now) {
+  return driver().receive(bytes, port().is_datagram(), now);
 }
 
 void QuadrotorNode::act(Time now) {

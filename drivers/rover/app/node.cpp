@@ -25,8 +25,8 @@ void RoverNode::on_command(const models::OperatorCommand& command, Time now) {
   }
 }
 
-void RoverNode::receive(std::span<const std::uint8_t> datagram, Time now) {
-  driver().receive(datagram, now);
+bool RoverNode::receive(std::span<const std::uint8_t> datagram, Time now) {
+  return driver().receive(datagram, now);
 }
 
 void RoverNode::act(Time now) { port().write(driver().tick(now), now); }

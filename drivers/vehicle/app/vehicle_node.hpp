@@ -41,7 +41,9 @@ class VehicleNode : public bus::Node {
       if (got == 0) {
         break;
       }
-      receive({buffer_.data(), got}, now);
+      if (receive({buffer_.data(), got}, now)) {
+        port_->accept(now);
+      }
     }
     if (const std::int64_t count = bus_.undecoded(); count != std::exchange(undecoded_, count)) {
       driver_.on_other_version(now);
@@ -131,8 +133,8 @@ class VehicleNode : public bus::Node {
 
   virtual void on_mocap(const models::MocapFrame& frame, Time now) = 0;
   virtual void on_command(const models::OperatorCommand& command, Time now) = 0;
-  /// What the port has read.
-  virtual void receive(std::span<const std::uint8_t> bytes, Time now) = 0;
+  /// Takes what the port has read. True if it came from the vehicle.
+  virtual bool receive(std::span<const std::uint8_t> bytes, Time now) = 0;
   /// Does and sends what is due.
   virtual void act(Time now) = 0;
 

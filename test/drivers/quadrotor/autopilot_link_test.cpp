@@ -253,6 +253,118 @@ TEST(AutopilotLink, TakesTheFirstAutopilotWhenNoneIsNamed) {
   EXPECT_FALSE(link.telemetry().is_armed()) << "it listened to the second one";
 }
 
+// Companions and stations may speak as component 0 or 1 of the vehicle's system: pymavlink does so
+// by default.
+TEST(AutopilotLink, TakesNothingOfComponent0OrOfAPartOnceItsAutopilotWasReceived) {
+  using wire::mavlink::Heartbeat;
+  struct Row {
+    const char* what;
+    Heartbeat heartbeat;
+    std::uint8_t component;
+  };
+  const Row rows[] = {
+      {"a companion with pymavlink's defaults", {0, 18, 8, 0, 3, 3}, 0},
+      {"a vehicle's type, no autopilot", {0, 2, 8, 0, 3, 3}, 0},
+      {"an autopilot's heartbeat of component 0", {0, 2, 12, 0, 3, 3}, 0},
+      {"a companion as component 1", {0, 18, 8, 0, 3, 3}, 1},
+      {"a station as component 1", {0, 6, 12, 0, 3, 3}, 1},
+      {"a gimbal as component 1", {0, 26, 12, 0, 3, 3}, 1},
+      {"a camera as component 1", {0, 30, 12, 0, 3, 3}, 1},
+      {"no autopilot as component 1", {0, 2, 8, 0, 3, 3}, 1},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.what);
+    Bench bench(AutopilotDialect::kPx4);
+    bench.hear(Heartbeat{6U << 16U, 2, 12, 128, 4, 3}, kNow);
+    ASSERT_TRUE(bench.link.telemetry().is_armed());
+    bench.hear(row.heartbeat, kNow + std::chrono::milliseconds(100), 1, row.component);
+    EXPECT_TRUE(bench.link.telemetry().is_armed());
+    EXPECT_EQ(bench.link.telemetry().mode(), 6U << 16U);
+    EXPECT_EQ(bench.link.telemetry().heartbeat_time(), kNow);
+    EXPECT_EQ(bench.fault(kNow), "none");
+  }
+}
+
+TEST(AutopilotLink, TakesOfComponent0AHeartbeatAloneAndOnlyBeforeComponent1) {
+  Bench bench(AutopilotDialect::kArdupilot);
+  bench.hear(wire::mavlink::Heartbeat{4, 2, 3, 0, 4, 3}, kNow, 1, 0);
+  EXPECT_TRUE(bench.link.telemetry().heartbeat_time().has_value());
+  wire::mavlink::LocalPositionNed position;
+  position.x = 5.0F;
+  wire::mavlink::Attitude attitude;
+  attitude.roll = 1.0F;
+  wire::mavlink::BatteryStatus battery;
+  battery.battery_remaining = 90;
+  bench.hear(position, kNow, 1, 0);
+  bench.hear(attitude, kNow, 1, 0);
+  bench.hear(battery, kNow, 1, 0);
+  EXPECT_FALSE(bench.link.telemetry().position_world_m(kNow).has_value());
+  EXPECT_FALSE(bench.link.telemetry().has_attitude(kNow));
+  EXPECT_FALSE(bench.link.telemetry().battery_share().has_value());
+}
+
+TEST(AutopilotLink, KeepsNoPositionFreshThatIsNoNumber) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  using Position = wire::mavlink::LocalPositionNed;
+  for (const auto field :
+       {&Position::x, &Position::y, &Position::z, &Position::vx, &Position::vy, &Position::vz}) {
+    for (const float value : {kNan, kInfinity, -kInfinity}) {
+      Bench bench(AutopilotDialect::kPx4);
+      bench.hear(Position{}, kNow);
+      ASSERT_TRUE(bench.link.telemetry().position_world_m(kNow).has_value());
+      Position bad;
+      bad.*field = value;
+      const Time later = kNow + std::chrono::milliseconds(501);
+      bench.hear(bad, later);
+      EXPECT_FALSE(bench.link.telemetry().position_world_m(later).has_value());
+    }
+  }
+}
+
+// The vehicle lands by its emptiest battery, whatever the ids of its batteries are.
+TEST(AutopilotLink, KnowsTheLowestChargeOfAllBatteriesThatReport) {
+  struct Report {
+    int id;  ///< negative: SYS_STATUS
+    std::int8_t percent;
+    int at_s;
+  };
+  struct Row {
+    const char* what;
+    std::vector<Report> reports;
+    double share;  ///< negative: unknown
+  };
+  const Row rows[] = {
+      {"two packs", {{0, 90, 0}, {1, 5, 0}}, 0.05},
+      {"two packs, the emptier first", {{1, 5, 0}, {0, 90, 1}}, 0.05},
+      {"the second id alone", {{1, 80, 0}}, 0.8},
+      {"a full pack, and the system's charge lower", {{0, 90, 0}, {-1, 5, 0}}, 0.05},
+      {"the system's charge before the pack's", {{-1, 5, 0}, {0, 90, 0}}, 0.05},
+      {"a pack without a charge", {{0, 90, 0}, {1, -1, 0}}, 0.9},
+      {"no pack has a charge", {{0, -1, 0}, {1, -1, 0}}, -1.0},
+      {"a pack that was last reported 11 s ago", {{1, 5, 0}, {0, 90, 11}}, 0.9},
+      {"a pack that was last reported 9 s ago", {{1, 5, 0}, {0, 90, 9}}, 0.05},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.what);
+    Bench bench(AutopilotDialect::kPx4);
+    for (const Report& report : row.reports) {
+      const Time at = kNow + std::chrono::seconds(report.at_s);
+      if (report.id < 0) {
+        wire::mavlink::SysStatus system;
+        system.battery_remaining = report.percent;
+        bench.hear(system, at);
+      } else {
+        wire::mavlink::BatteryStatus battery;
+        battery.id = static_cast<std::uint8_t>(report.id);
+        battery.battery_remaining = report.percent;
+        bench.hear(battery, at);
+      }
+    }
+    EXPECT_DOUBLE_EQ(bench.link.telemetry().battery_share().value_or(-1.0), row.share);
+  }
+}
+
 TEST(AutopilotLink, NamesVersionOne) {
   Bench bench(AutopilotDialect::kPx4);
   wire::mavlink::Frame frame =

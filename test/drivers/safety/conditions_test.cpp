@@ -96,6 +96,17 @@ TEST(ConditionRow, HoldsBeyondItsLimitAndNotAtIt) {
   }
 }
 
+// Whatever goes wrong, the motors of a vehicle that a pilot flies are stopped by an operator alone.
+TEST(ConditionRow, ThatKillsSparesAPilotUnlessItIsTheEmergencyStop) {
+  for (const Condition& row : conditions()) {
+    // "pose lost low" asks for itself whether the autopilot obeys.
+    const bool asks_itself = std::string(row.name) == "pose lost low";
+    const bool is_order = std::string(row.name) == "emergency stop";
+    EXPECT_EQ(row.spares_pilot, row.severity == Severity::kKill && !is_order && !asks_itself)
+        << row.name;
+  }
+}
+
 // What is looked at before take-off does not come up in the air, where it would be said for ever.
 TEST(ConditionRow, OfTheGroundIsSilentInTheAir) {
   const SafetyLimits l = limits();
