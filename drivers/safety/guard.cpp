@@ -89,6 +89,7 @@ void FlightGuard::on_teammate_plan(const models::RobotPlan& plan, Time now) {
 }
 
 void FlightGuard::on_teammate_status(const models::VehicleStatus& status, Time now) {
+  parts_->fleet.on_status(status.robot, now);
   const bool is_lifting =
       std::find(status.reasons.begin(), status.reasons.end(), kFirstLift) != status.reasons.end();
   if (is_lifting && is_airborne(status.state)) {

@@ -104,6 +104,7 @@ void GuardCore::count(std::vector<models::NamedCount>& out) const {
   out.push_back({"mocap.clock_set", clocks_set});
   source.count(out);
   out.push_back({"mocap.unknown_bodies", fleet.unknown_bodies()});
+  out.push_back({"mocap.bodies_dropped", fleet.bodies_dropped()});
   out.push_back({"mocap.others_refused", fleet.poses_refused()});
   out.push_back({"plan.teammate_refused", fleet.plans_refused()});
   out.push_back({"command.refused", commands_refused});

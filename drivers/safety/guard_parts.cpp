@@ -15,7 +15,6 @@ using models::FlightState;
 namespace {
 
 constexpr double kSwerveMps = 0.6;        // off the course's velocity: it is pushed, not steered
-constexpr double kShiftMps = 0.6;         // to a landing spot
 constexpr double kMoveOffMps = 0.2;       // from what is too near
 constexpr double kShiftPatienceS = 6.0;   // then it comes down beside its spot
 constexpr double kAvoidPatienceS = 20.0;  // then it comes down whoever is below
@@ -341,8 +340,10 @@ void FlightGuard::Parts::move_height(double dt_s) {
     climb_since = in.now;  // whoever flies there goes on first
     return;
   }
-  const double step_m = limits.climb_mps * dt_s;
-  height_ref_m += std::clamp(height_goal_m - height_ref_m, -step_m, step_m);
+  // No faster down than the velocity that is asked for with it.
+  const double up_m = limits.climb_mps * dt_s;
+  const double down_m = std::min(limits.climb_mps, limits.descent_mps) * dt_s;
+  height_ref_m += std::clamp(height_goal_m - height_ref_m, -down_m, up_m);
 }
 
 FlightSetpoint FlightGuard::Parts::setpoint(Time now) const {

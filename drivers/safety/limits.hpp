@@ -59,6 +59,12 @@ struct SafetyLimits {
   double speed_hold_ratio = 1.3;       ///< of the vehicle's greatest speed
   double other_pose_growth_mps = 0.5;  ///< how fast an unseen body's tube widens
   double other_pose_growth_max_m = 0.5;
+  /// Acceleration in the plane by which a body other than a robot may leave its straight path: a
+  /// person who walks at 1.5 m/s turns by 90° within 0.8 s, or stands and begins to walk.
+  double other_turn_mps2 = 3.0;
+  double other_goes_on_s = 3.0;      ///< such a body is carried on straight in the plan check
+  double landing_look_s = 1.5;       ///< and where a landing goes to, or until the vehicle is down
+  double sinking_look_s = 0.5;       ///< and below a vehicle that comes down
   double hover_clearance_m = 0.1;    ///< from the fence and obstacles, or it moves off
   double landing_clearance_m = 0.7;  ///< from bodies below
 

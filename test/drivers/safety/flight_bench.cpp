@@ -256,6 +256,12 @@ void FlightBench::spoil(models::MocapFrame& frame) {
     walker.world_from_body.translation_m = room_.walkers_m[i];
     frame.bodies.push_back(walker);
   }
+  if (room_.stranger_m) {
+    models::MocapBody stranger;
+    stranger.name = "STRANGER";
+    stranger.world_from_body.translation_m = *room_.stranger_m;
+    frame.bodies.push_back(stranger);
+  }
   if (room_.ghost_body) {
     models::MocapBody ghost = honest[0];
     ghost.name = "GHOST";

@@ -98,7 +98,8 @@ struct RoomKnobs {
   double frame_loss = 0.0;  ///< probability
   bool mocap_dead = false;
   bool ghost_body = false;
-  std::vector<Eigen::Vector3d> walkers_m;  ///< where the scenario's first targets are seen
+  std::vector<Eigen::Vector3d> walkers_m;     ///< where the scenario's first targets are seen
+  std::optional<Eigen::Vector3d> stranger_m;  ///< where a body of an unknown name is seen
   bool operator_silent = false;
   std::string says_to;                               ///< whom `says` is meant for; empty: all
   bool second_station = false;                       ///< one that beats and says `follow`
