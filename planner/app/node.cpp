@@ -31,6 +31,9 @@ Time end_of_listening(const bus::Clock& clock, const RoundSchedule& schedule) {
   return clock.is_real_time() ? now + kListening + schedule.round_length() : now;
 }
 
+// The velocity of a body other than a robot is taken over once or twice this time.
+constexpr Duration kVelocityTime{100'000};
+
 // A local search looks at what it has heard so often, and works so long in between.
 constexpr Duration kExchangePeriod{5'000};
 constexpr std::int64_t kExchangeWork_ns = 3'000'000;
@@ -78,7 +81,7 @@ PlannerNode::PlannerNode(bus::Bus& bus, const bus::Clock& clock,
   }
   bus_.subscribe_shared<models::MocapFrame>(bus::kVicon,
                                             [this](const auto& /*name*/, const auto& m) {
-                                              mocap_ = m;
+                                              take_frame(m);
                                               neighbours_->on_frame(*m);
                                             });
   bus_.subscribe<models::AttackNotice>(bus::kAttack, [this](const auto& m) {
@@ -129,6 +132,30 @@ void PlannerNode::subscribe_to(const bus::Channel<Message>& channel, const std::
   });
 }
 
+void PlannerNode::take_frame(const std::shared_ptr<const models::MocapFrame>& frame) {
+  const bool goes_back = mocap_ && frame->stamp.time < mocap_->stamp.time;
+  mocap_ = frame;
+  if (goes_back) {  // another publisher, or its clock was set
+    mocap_before_ = mocap_between_ = nullptr;
+  }
+  if (!mocap_between_ || frame->stamp.time - mocap_between_->stamp.time >= kVelocityTime) {
+    mocap_before_ = mocap_between_;
+    mocap_between_ = frame;
+  }
+}
+
+void PlannerNode::use_frames() {
+  if (!mocap_) {
+    return;
+  }
+  inputs_.mocap = *mocap_;
+  inputs_.mocap_before.reset();
+  const auto robot = static_cast<std::size_t>(planner_.robot_index());
+  if (mocap_before_ && shows_bodies_in_the_way(*workspace_, robot, *mocap_)) {
+    inputs_.mocap_before = *mocap_before_;
+  }
+}
+
 void PlannerNode::take_plan(const models::RobotPlan& plan) {
   const double ahead_s = to_seconds(plan.trajectory.start_time - clock_.now());
   if (is_of_plan_length(plan.trajectory, spec_, robots_) &&
@@ -164,6 +191,9 @@ std::vector<models::InputRef> names_of(const PlanInputs& inputs, const std::stri
   }
   if (inputs.mocap) {
     add(bus::kVicon.name, inputs.mocap->stamp);
+  }
+  if (inputs.mocap_before) {
+    add(bus::kVicon.name, inputs.mocap_before->stamp);
   }
   if (inputs.own_plan) {
     add(bus::plan_channel(robot).name, inputs.own_plan->stamp);
@@ -208,9 +238,7 @@ void PlannerNode::tick(Time now) {
     return;  // until the answer has come or is due
   }
   is_asking_ = false;
-  if (mocap_) {
-    inputs_.mocap = *mocap_;
-  }
+  use_frames();
   if (now - attack_heard_ > models::kAttackKept) {
     inputs_.attack.reset();
   }
@@ -305,9 +333,7 @@ void PlannerNode::exchange(Time now) {
 
 bool PlannerNode::ask(Time now) {
   inputs_.answer.reset();
-  if (mocap_) {
-    inputs_.mocap = *mocap_;
-  }
+  use_frames();
   std::optional<models::RobotPlan> question = planner_.question(inputs_);
   answer_due_ = slot_.end - closing_of(slot_);
   if (!question || now >= answer_due_) {
@@ -382,6 +408,9 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
                                       {"external_late", answers_late_},
                                       {"external_unasked", answers_unasked_},
                                       {"external_refused", counts.answers_refused}};
+  if (counts.bodies_dropped > 0) {
+    all.push_back({"bodies_dropped", counts.bodies_dropped});
+  }
   if (schedule_.is_shared()) {
     all.push_back({"yielded_rounds", counts.yields});
   }

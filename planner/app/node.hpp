@@ -45,7 +45,8 @@ class PlannerNode : public bus::Node {
   /// asked for plans: external_rounds (with an answer in time), external_missing (without),
   /// external_late (answers after it), external_unasked (of no round that was asked for, or one
   /// more), external_refused (no plan of their slot; those that are unsafe are plan_checks_failed).
-  /// Where slots are shared: yielded_rounds.
+  /// Where slots are shared: yielded_rounds. Where there were more bodies in the way than a plan
+  /// can keep from: bodies_dropped.
   [[nodiscard]] std::vector<models::NamedCount> counters() const override;
   [[nodiscard]] std::int64_t deadlines_missed() const override { return late_; }
 
@@ -54,6 +55,9 @@ class PlannerNode : public bus::Node {
   template <class Message>
   void subscribe_to(const bus::Channel<Message>& channel, const std::string& robot,
                     std::function<void(const Message&)> take);
+  void take_frame(const std::shared_ptr<const models::MocapFrame>& frame);
+  /// Makes the newest frame an input, and an earlier one where bodies are in the way.
+  void use_frames();
   void take_plan(const models::RobotPlan& plan);
   [[nodiscard]] Deadline deadline_of(Time now) const;
   void propose(Time now);
@@ -83,7 +87,9 @@ class PlannerNode : public bus::Node {
   PlanInputs inputs_;
   Time attack_heard_{};
   std::shared_ptr<const models::MocapFrame> mocap_;  ///< newest; of inputs_ from the slot on
-  std::optional<models::BeliefMixture> mixture_;     ///< newest; its belief comes after it
+  /// Earlier ones, at least kVelocityTime apart from each other: by them bodies move.
+  std::shared_ptr<const models::MocapFrame> mocap_before_, mocap_between_;
+  std::optional<models::BeliefMixture> mixture_;  ///< newest; its belief comes after it
   std::optional<bus::NeighbourWatch> neighbours_;
   // Of an exchange:
   std::unique_ptr<TeamExchange> exchange_;  ///< the last that was begun

@@ -117,7 +117,7 @@ bool PlannerReplayNode::gather(const RoundSchedule::Slot& slot,
     } else if (const auto* map = maps_.find(name)) {
       inputs.map = *map;
     } else if (const auto* frame = frames_.find(name)) {
-      inputs.mocap = *frame;
+      (inputs.mocap ? inputs.mocap_before : inputs.mocap) = *frame;  // as names_of() orders them
     } else if (const auto* attack = attacks_.find(name)) {
       inputs.attack = *attack;
     } else if (const auto* proposal = proposals_.find(name)) {

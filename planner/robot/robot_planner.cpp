@@ -50,6 +50,7 @@ SlotTask RobotPlanner::task_of(const PlanInputs& inputs, const models::Trajector
   round_ = problem_of_round(*workspace_, robot_, inputs, committed, unseeing);
   counts_.unusable_beliefs += round_.unusable_beliefs;
   counts_.unusable_maps += round_.unusable_maps;
+  counts_.bodies_dropped += round_.bodies_dropped;
   return {inputs, committed, round_,
           PlanLadder(round_.search, committed, blank_plan_of(inputs), counts_), counts_};
 }
