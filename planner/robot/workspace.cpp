@@ -14,7 +14,7 @@ SearchCapacity capacity_for(const scenario::Scenario& scenario) {
                          std::max(0, scenario.planner.exploration.landmarks_max);
   capacity.horizon_max = scenario.planner.horizon_steps;
   // The plan of each, where it stands on the ground, where it hovers or will fly; and bodies.
-  capacity.teammates_max = 3 * static_cast<int>(scenario.robots.size() + kBodiesMax);
+  capacity.teammates_max = static_cast<int>(3 * scenario.robots.size() + kBodiesMax);
   return capacity;
 }
 
