@@ -16,7 +16,7 @@ namespace vantage::planner {
 /// What one robot has to decide in a slot, as a value.
 struct RoundProblem {
   SearchProblem search;  ///< its world is the workspace's
-  /// The first of search.teammates: those whose information counts. After them come places of
+  /// The first of search.teammates: those that contribute information. After them come places of
   /// teammates that wait, and bodies other than robots.
   std::vector<FixedTeammate> teammates;
   models::Looks looks;                ///< of the scenario's map; none where none was heard

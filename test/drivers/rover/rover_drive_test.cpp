@@ -178,8 +178,8 @@ TEST(RoverDriver, RefusesARobotThatIsNoRover) {
   EXPECT_THROW(RoverDriver(scenario, "R1", limits, 1), UsageError);
 }
 
-// A person crosses its way and does not brake. It stands before the person is as near as HOLD
-// promises.
+// A person crosses its path and does not brake. The rover stands before the person comes nearer
+// than HOLD promises.
 TEST(RoverDriver, StandsBeforeAPersonWhoWalksOnIsNear) {
   for (const double speed_mps : {0.5, 1.0, 1.5}) {
     for (const double heading_rad : {-kPi / 2, -kPi / 4, 0.0, kPi, kPi / 4}) {
@@ -194,7 +194,7 @@ TEST(RoverDriver, StandsBeforeAPersonWhoWalksOnIsNear) {
       Eigen::Vector2d person_m = bench.place_m() + Eigen::Vector2d(0.0, 0.75) - 300.0 * step_m;
       const double begins_m = (person_m - bench.place_m()).norm();
       if (begins_m < 1.2) {
-        person_m -= 240.0 * step_m;  // not beside it
+        person_m -= 240.0 * step_m;  // far enough away to begin with
       }
       double least_m = 1e9;
       for (int i = 0; i < 600 && !(i > 0 && bench.stands()); ++i) {

@@ -58,7 +58,7 @@ TEST(LookAround, LetsARobotBrakeAsItsScenarioSays) {
   }
 }
 
-// What is beneath the markers of a helmet is the person; a rover on the floor is below us.
+// The person is beneath the markers of the helmet; a rover on the floor is below us.
 TEST(LookAround, TakesAPersonDownToTheGround) {
   const SafetyLimits limits = bench_limits();
   const double at_rest_m = 0.5 * limits.other_turn_mps2 * limits.reaction_s * limits.reaction_s;
@@ -86,7 +86,7 @@ TEST(LookAround, TakesAnOccludedPersonForOneWhoWalksOnUntilTheVehicleStands) {
   }
 }
 
-// Who will be below until the vehicle is down, for sinking_look_s at most.
+// A person counts who will be below before the vehicle is down, for sinking_look_s at most.
 TEST(OccupiedBelow, CountsWhereAPersonWillBe) {
   const SafetyLimits limits = bench_limits();
   for (const double height_m : {0.2, 0.4, 1.0, 2.0}) {
@@ -122,8 +122,8 @@ TEST(LandingSpot, IsNotWhereAPersonWillBe) {
   EXPECT_EQ(landing_spot(hover_m, {&body, 1}, limits), hover_m);
 }
 
-// Its path crosses ours while we go, or it stands beside it.
-TEST(WayTaken, ByAPersonWhoCrossesItMeanwhile) {
+// The person's path crosses ours while we go, or does not.
+TEST(WayTaken, CountsAPersonThatCrossesItMeanwhile) {
   const SafetyLimits limits = bench_limits();
   const Eigen::Vector3d from_m(0.0, 0.0, 1.0);
   const Eigen::Vector3d to_m(1.2, 0.0, 1.0);  // 2 s

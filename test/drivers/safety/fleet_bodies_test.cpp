@@ -10,8 +10,7 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/support/allocation_counter.hpp"
 
-// What a fleet makes of bodies without plans, of teammates whose driver has died, and of plans that
-// no vehicle can fly.
+// Fleet: bodies without plans, teammates with a dead driver, and plans that cannot be flown.
 
 namespace vantage::drivers {
 namespace {
@@ -28,7 +27,7 @@ class FleetOfQ2 : public testing::Test {
     }
     fleet.on_mocap(frame, limits, at(at_s));
   }
-  /// Of Q3, which hovers at (1, −1, 1) unless `change` says otherwise.
+  /// A plan of Q3, which hovers at (1, −1, 1) unless `change` says otherwise.
   models::RobotPlan plan(const std::function<void(models::Trajectory&)>& change = nullptr) {
     models::RobotPlan out;
     out.robot = "Q3";

@@ -10,7 +10,7 @@
 #include "test/drivers/safety/flight_bench.hpp"
 #include "test/drivers/safety/held.hpp"
 
-// The plan check beside bodies that follow no plan, and what it costs beside many that do.
+// The plan check against bodies without a plan, and its cost against many teammates.
 
 namespace vantage::drivers {
 namespace {

@@ -208,7 +208,7 @@ TEST(FlightGuard, IsNotHeldByRoversThatDriveBelow) {
   }
 }
 
-// Among them it comes down within the time that it avoids bodies for, and touches none.
+// It lands between them before it stops avoiding bodies (20 s), and touches none.
 TEST(FlightGuard, ComesDownAmongRoversThatDriveOn) {
   double slowest_s = 0.0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

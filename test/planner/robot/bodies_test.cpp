@@ -8,8 +8,8 @@
 #include "planner/robot/trajectory_tools.hpp"
 #include "test/planner/robot/team_scenario.hpp"
 
-// What a plan keeps from besides the plans of teammates: bodies other than robots, and teammates
-// of which nothing is known any more.
+// Obstacles of a plan in addition to the plans of teammates: bodies other than robots, and
+// teammates that are silent or off their plan.
 
 namespace vantage::planner {
 namespace {
@@ -114,8 +114,8 @@ TEST_F(KeptFrom, ABodyThatMovesWhereItWillBe) {
   }
 }
 
-// Of two that carried each other's name a while ago, or of one that was not seen then, no velocity
-// is known.
+// The velocity is unknown of two bodies that carried each other's name in the earlier frame, and of
+// a body that was not seen then.
 TEST_F(KeptFrom, ABodyWhoseVelocityIsUnknownWhereItIs) {
   add("SWAPPED", {-1.0, 1.0, 1.0}, {9.0, 0.0, 0.0});
   add("NEW", {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0});
