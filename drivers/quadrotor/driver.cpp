@@ -108,7 +108,7 @@ void QuadrotorDriver::on_mocap(const models::MocapFrame& frame, Time now) {
     return;
   }
   const bool is_resting = !is_airborne(orders_.state);
-  const BodyVerdict verdict = tracker_.see(frame, now, is_resting);
+  const BodyVerdict verdict = tracker_.see(frame, guard_.captured(), now, is_resting);
   if (verdict == BodyVerdict::kUnseen) {
     ++poses_unseen_;
   } else if (verdict != BodyVerdict::kTaken) {

@@ -77,6 +77,8 @@ bool FlightGuard::on_mocap(const models::MocapFrame& frame, Time now) {
   return p.on_mocap(frame, context, p.autopilot.armed, now);
 }
 
+Time FlightGuard::captured() const { return parts_->clock.captured(); }
+
 PoseVerdict FlightGuard::pose_verdict() const { return parts_->pose_verdict; }
 
 PlanVerdict FlightGuard::on_plan(const models::RobotPlan& plan, Time now) {

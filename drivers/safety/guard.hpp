@@ -82,6 +82,8 @@ class FlightGuard {
   /// False for a frame of a publisher that is not believed (MocapSource). Subscribe to VICON as a
   /// shared channel: it is decided here.
   [[nodiscard]] bool on_mocap(const models::MocapFrame& frame, Time now);
+  /// Capture of the last frame of the trusted publisher, by our clock (MocapClock).
+  [[nodiscard]] Time captured() const;
   /// Of this vehicle's own body in the last frame that was believed.
   [[nodiscard]] PoseVerdict pose_verdict() const;
   /// A plan for this vehicle. Subscribe to PLAN_R as a shared channel: the lease decides here.

@@ -28,7 +28,7 @@ bool GuardCore::on_mocap(const models::MocapFrame& frame, BodyContext context, b
     source.confirm(frame, now);
   }
   pose = judged;
-  clocks_set += clock.on_frame(frame.stamp.time, now, frame.frame_number) ? 0 : 1;
+  clocks_set += clock.on_frame(frame, now) ? 0 : 1;
   fleet.on_mocap(frame, limits, now);
   return true;
 }

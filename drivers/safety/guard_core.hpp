@@ -14,11 +14,11 @@
 #include "drivers/safety/inputs.hpp"
 #include "drivers/safety/ladder.hpp"
 #include "drivers/safety/limits.hpp"
-#include "drivers/safety/mocap_clock.hpp"
 #include "drivers/safety/mocap_source.hpp"
 #include "drivers/safety/plan_gate.hpp"
 #include "drivers/safety/pose_monitor.hpp"
 #include "models/exchange/messages.hpp"
+#include "models/exchange/mocap_clock.hpp"
 #include "scenario/scenario.hpp"
 
 namespace vantage::drivers {
@@ -83,7 +83,7 @@ struct GuardCore {
   Fleet fleet;
   PoseMonitor pose;
   MocapSource source;
-  MocapClock clock;
+  models::MocapClock clock;
   PlanGate plans;
   OperatorAuthority authority;
   Course course;
