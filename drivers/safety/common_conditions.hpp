@@ -19,6 +19,7 @@ struct RowOptions {
   double after_s = 0.0;
   bool yields = false;
   bool blocks_take_off = false;
+  bool distrusts_pose = false;
 };
 using Holds = bool (*)(const SafetyInputs& inputs, const SafetyLimits& limits);
 
@@ -34,7 +35,8 @@ constexpr Condition row_of(Severity severity, Clearing clearing, const char* cle
           .clears = clears,
           .holds = when,
           .yields = options.yields,
-          .blocks_take_off = options.blocks_take_off};
+          .blocks_take_off = options.blocks_take_off,
+          .distrusts_pose = options.distrusts_pose};
 }
 constexpr Condition kills(const char* name, const char* limit, const RowOptions& options,
                           Holds when) {

@@ -32,6 +32,7 @@ struct Condition {
   bool (*holds)(const SafetyInputs& inputs, const SafetyLimits& limits);
   bool yields = false;  ///< clears yield_s later for the vehicle that must let the other go first
   bool blocks_take_off = false;  ///< and not arming
+  bool distrusts_pose = false;   ///< poses are not used any more until the vehicle is disarmed
 };
 
 inline constexpr std::size_t kConditionsMax = 64;

@@ -26,6 +26,7 @@ struct FlightGuard::Parts : GuardCore {
   void look_at_all(Time now);
   void look_at_autopilot(Time now);
   void look_at_lift(Time now);
+  void look_at_identity(Time now);
   [[nodiscard]] bool believes_armed(Time now) const;
   [[nodiscard]] double height_error_m() const;
   void lift_off(Time now);
@@ -60,6 +61,8 @@ struct FlightGuard::Parts : GuardCore {
 
   // What was heard.
   AutopilotReport autopilot;
+  bool distrusts_pose = false;                                   ///< by a row that acts
+  Eigen::Vector3d velocity_error_mps = Eigen::Vector3d::Zero();  ///< smoothed
   int disarmed_beats = 0;  ///< heartbeats in a row that say so
   Time heartbeat_at{}, telemetry_at{}, battery_at{}, battery_changed_at{}, airborne_at{},
       estimator_good_at{};

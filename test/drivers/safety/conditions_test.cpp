@@ -56,6 +56,8 @@ std::vector<Edge> edges(const SafetyLimits& l) {
       {"thrust saturated", &In::thrust_share, l.thrust_saturated_share},
       {"autopilot lost", &In::heartbeat_age_s, l.heartbeat_age_land_s},
       {"estimate lost", &In::estimate_error_m, l.estimate_error_land_m},
+      {"pose foreign", &In::velocity_error_mps, l.velocity_error_land_mps},
+      {"velocity disagrees", &In::velocity_error_mps, l.velocity_error_hold_mps},
       {"operator lost", &In::operator_age_s, l.operator_age_land_s},
       {"pose stale", &In::pose_age_s, l.pose_age_hold_s},
       {"pose late", &In::pose_latency_s, l.pose_latency_hold_s},
