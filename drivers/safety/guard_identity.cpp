@@ -10,7 +10,7 @@ void FlightGuard::Parts::look_at_identity(Time now) {
   const bool both_known =
       is_airborne(ladder.state) && autopilot.has_position && autopilot.estimator_good &&
       in.telemetry_age_s <= limits.telemetry_age_hold_s && in.pose_age_s <= limits.pose_age_warn_s;
-  // Of poses that are late the velocity is late as well.
+  // The velocity of late poses is late as well.
   const bool can_compare = both_known && in.pose_latency_s <= limits.pose_latency_hold_s;
   if (!is_airborne(ladder.state)) {
     velocity_error_mps.setZero();

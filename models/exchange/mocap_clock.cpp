@@ -6,7 +6,7 @@
 namespace vantage::models {
 namespace {
 
-/// Of the way from the publisher to us. A longer one is a clock that was set.
+/// Latency from the publisher to us. A longer one is a clock that was set.
 constexpr Duration kLatencyMax = std::chrono::seconds(1);
 /// A frame that states more has no sensible arrival.
 constexpr Duration kStatedMax = std::chrono::seconds(20);

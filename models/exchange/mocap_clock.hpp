@@ -21,7 +21,7 @@ class MocapClock {
   /// Takes the next frame of the trusted publisher. Another run begins anew.
   /// @return false when the clock was set since the last frame, or is ahead of ours
   [[nodiscard]] bool on_frame(const MocapFrame& frame, Time now);
-  /// The same of one run. `stated` is the latency that the frame states; ≥ 0.
+  /// Takes the next frame of one run. `stated` is the latency that the frame states; ≥ 0.
   [[nodiscard]] bool on_frame(Time stamp, Time arrival, std::int64_t number, Duration stated = {});
   /// The same, and the frame with its times by our clock: `frame` itself unless the clock was set.
   [[nodiscard]] std::shared_ptr<const MocapFrame> on_our_clock(
