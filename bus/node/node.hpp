@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ class Node {
   /// messages from the bus are handled when it is readable or next_tick() has come, so it is for
   /// nodes that work on what a device says.
   [[nodiscard]] virtual int wakes_on() const { return -1; }
+  /// Reports how long the node's thread waited for a processor in the last second, s. Called before
+  /// a tick in real time, where the kernel counts it; never in virtual time.
+  virtual void on_processor_wait(double /*wait_s*/) {}
   /// Everything it dropped or missed, by name.
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const { return {}; }
   [[nodiscard]] virtual std::int64_t deadlines_missed() const { return 0; }
@@ -41,6 +45,10 @@ class Node {
 
 /// What a process takes of its machine, by name (bus/node/process_usage).
 using Usage = std::function<std::vector<models::NamedCount>()>;
+
+/// Returns the time that the calling thread has waited for a processor since its start, µs, if it
+/// is counted (ThreadWait).
+using WaitCounter = std::function<std::optional<std::int64_t>()>;
 
 /// Publishes HEALTH_<name> each second and when a counter other than those of plain traffic
 /// changed (at most ten times a second). The caller says how long each loop took. The state is
@@ -71,7 +79,8 @@ class HealthReporter {
 /// Runs `node` on `bus` in real time until stop() or until its log is at its end, then publishes a
 /// last HEALTH. Messages are handled while it waits for next_tick() (see also Node::wakes_on());
 /// stop() is asked at least every 50 ms. What a handler or the node throws comes out here.
+/// @param wait  is read every 50 ms for Node::on_processor_wait(); may be empty
 void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop,
-              const Usage& usage = {});
+              const Usage& usage = {}, const WaitCounter& wait = {});
 
 }  // namespace vantage::bus

@@ -60,7 +60,9 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
     }
     apply(real_time);  // after the network's own threads, before the node prepares its memory
     const std::unique_ptr<Node> node = make_node(bus, clock, scenario, arguments);
-    run_node(bus, *node, clock, stop_requested, usage_counters);
+    const ThreadWait wait;
+    run_node(bus, *node, clock, stop_requested, usage_counters,
+             [&wait] { return wait.waited_us(); });
     return 0;
   });
 }

@@ -51,6 +51,8 @@ class QuadrotorDriver {
   void on_map(bool is_same) { guard_.on_map(is_same); }
   /// Somebody said what is of no type of ours: another version of this program, perhaps.
   void on_other_version(Time now) { guard_.on_other_version(now); }
+  /// Reports how long the driver's thread waited for a processor within the last second, s.
+  void on_processor_wait(double wait_s) { guard_.on_processor_wait(wait_s); }
   /// Does what is due. To be called every 5 ms or so; set-points go out at 50 Hz.
   void tick(Time now);
 

@@ -39,6 +39,8 @@ class RoverDriver {
   CommandVerdict on_command(const models::OperatorCommand& command, Time now);
   void on_map(bool is_same) { core_.map_differs = !is_same; }
   void on_other_version(Time now) { core_.other_version_at = now; }
+  /// Reports how long the driver's thread waited for a processor within the last second, s.
+  void on_processor_wait(double wait_s) { core_.processor_wait_s = wait_s; }
   /// Drives through places instead of along a planner's plan, from where the rover stands, half a
   /// second from now on. Judged like a plan, and refused while a planner holds the lease.
   PlanVerdict drive_through(std::span<const Waypoint> waypoints, Time now);

@@ -48,6 +48,8 @@ constexpr auto kRows = std::to_array<Condition>({
     held_for_operator(common::kBatteryCritical),
     common::kOperatorQuiet,
     common::kOwnStall,
+    held_for_operator(common::kShortOfProcessor),
+    common::kWaitsForProcessor,
     // Said, and no change of state
     common::kPoseUnsettled,
     common::kPlannerSilent,
@@ -55,6 +57,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kAnotherVersion,
     common::kPlansRefused,
     common::kBatteryLow,
+    common::kHostBusy,
 });
 static_assert(kRows.size() <= kConditionsMax);
 

@@ -175,6 +175,21 @@ inline constexpr Condition kOwnStall = holds("own stall", "stall_hold_s between 
                                              [](const SafetyInputs& in, const SafetyLimits& lim) {
                                                return in.since_last_tick_s > lim.stall_hold_s;
                                              });
+inline constexpr Condition kShortOfProcessor =
+    lands("short of processor", "processor_wait_s > processor_wait_hold_s for 3 s",
+          {.after_s = 3.0}, [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.processor_wait_s > lim.processor_wait_hold_s;
+          });
+inline constexpr Condition kWaitsForProcessor =
+    holds("waits for processor", "processor_wait_s > processor_wait_hold_s", {},
+          [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.processor_wait_s > lim.processor_wait_hold_s;
+          });
+inline constexpr Condition kHostBusy =
+    notes("host busy", "processor_wait_s > processor_wait_arm_s", {.blocks_arming = true},
+          [](const SafetyInputs& in, const SafetyLimits& lim) {
+            return in.processor_wait_s > lim.processor_wait_arm_s;
+          });
 inline constexpr Condition kPoseUnsettled =
     notes("pose unsettled", "fewer than pose_frames_to_arm plausible poses",
           {.blocks_arming = true}, [](const SafetyInputs& in, const SafetyLimits& lim) {

@@ -168,6 +168,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kEstimateLost,
     kEstimatorFailed,
     kOperatorLost,
+    common::kShortOfProcessor,
     // HOLD
     common::kPoseStale,
     common::kPoseLate,
@@ -188,6 +189,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kAutopilotDisobeys,
     common::kOperatorQuiet,
     common::kOwnStall,
+    common::kWaitsForProcessor,
     // Said, and slowed or refused on the ground, but no change of state
     kPoseAging,
     common::kPoseUnsettled,
@@ -203,6 +205,7 @@ constexpr auto kRows = std::to_array<Condition>({
     common::kPlansRefused,
     common::kBatteryLow,
     kBatteryForTakeOff,
+    common::kHostBusy,
 });
 static_assert(kRows.size() <= kConditionsMax);
 

@@ -96,6 +96,8 @@ class FlightGuard {
   void on_battery(double share, Time now);
   /// Whether the scenario announced by others is the one flown here.
   void on_map(bool is_same);
+  /// Reports how long our own thread waited for a processor within the last second, s.
+  void on_processor_wait(double wait_s);
   /// Somebody said on a channel of ours what is of no type of ours.
   void on_other_version(Time now);
 

@@ -76,6 +76,7 @@ CommandVerdict GuardCore::ask(OperatorAction action) {
 void GuardCore::look(Time now) {
   in.now = now;
   in.since_last_tick_s = has_ticked ? to_seconds(now - last_tick) : 0.0;
+  in.processor_wait_s = processor_wait_s;
   in.pose_age_s = pose.age_s(now);
   in.pose_latency_s = clock.latency_s();
   in.poses_rejected = pose.rejected_in_row();

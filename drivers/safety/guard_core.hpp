@@ -93,6 +93,7 @@ struct GuardCore {
   Time last_tick{};
   bool has_ticked = false;
   bool map_differs = false;
+  double processor_wait_s = 0.0;  ///< as last reported
   std::optional<Time> other_version_at;
   bool emergency_stop = false;
   std::optional<models::OperatorAction> request;

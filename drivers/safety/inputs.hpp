@@ -28,6 +28,7 @@ struct Surroundings {
 struct SafetyInputs : Surroundings {
   Time now{};  ///< monotonic; only differences matter
   double since_last_tick_s = 0.0;
+  double processor_wait_s = 0.0;  ///< of our own thread, within the last second; 0: not counted
 
   // Pose.
   double pose_age_s = 0.0;        ///< since the last plausible one arrived

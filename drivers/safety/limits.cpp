@@ -127,6 +127,8 @@ void check_limits(const SafetyLimits& l) {
   rises({"operator_age_hold_s", l.operator_age_hold_s},
         {"operator_age_land_s", l.operator_age_land_s});
   rises({"low_descent_mps", l.low_descent_mps}, {"descent_mps", l.descent_mps});
+  rises({"processor_wait_arm_s", l.processor_wait_arm_s},
+        {"processor_wait_hold_s", l.processor_wait_hold_s});
   const std::array<Bound, 16> positive = {{
       {"safe_height_m", l.safe_height_m},
       {"reaction_s", l.reaction_s},

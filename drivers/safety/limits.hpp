@@ -115,8 +115,12 @@ struct SafetyLimits {
   double operator_age_hold_s = 1.0;
   double operator_age_land_s = 3.0;
   double stall_hold_s = 0.25;  ///< between two of our own ticks
-  double clear_s = 0.5;        ///< a condition must be gone this long before it clears itself
-  double yield_s = 2.0;        ///< more, for the vehicle that must let the other go first
+  /// Of our own thread's waiting for a processor within a second, which no delay of a pose or a
+  /// set-point can exceed: as old as a pose may be before the vehicle holds (pose_age_hold_s).
+  double processor_wait_hold_s = 0.10;
+  double processor_wait_arm_s = 0.05;  ///< the same, of a vehicle that is to be armed
+  double clear_s = 0.5;  ///< a condition must be gone this long before it clears itself
+  double yield_s = 2.0;  ///< more, for the vehicle that must let the other go first
 };
 
 /// From where a vehicle is told to stop at `speed_mps` to where it stands: v T + v²/2a.

@@ -25,7 +25,7 @@ namespace vantage::drivers {
 /// The process of one vehicle on the bus, whatever its kind: VICON, PLAN_*, COMMAND and SCENARIO
 /// in, VEHICLE_R out at 10 Hz and on change; its port looked at each tick. A kind says what its
 /// driver does with what arrives, and how it acts. Driver(scenario, robot, limits, own) has
-/// on_plan, on_map, on_other_version, take_news, status and counters.
+/// on_plan, on_map, on_other_version, on_processor_wait, take_news, status and counters.
 ///
 /// `now` is the stack's time, which never goes back (bus::SteadyClock), so that a clock that is set
 /// does not move a vehicle.
@@ -54,6 +54,7 @@ class VehicleNode : public bus::Node {
       bus_.publish(bus::vehicle_channel(robot_), std::move(status));
     }
   }
+  void on_processor_wait(double wait_s) override { driver_.on_processor_wait(wait_s); }
   [[nodiscard]] std::vector<models::NamedCount> counters() const override {
     std::vector<models::NamedCount> out = driver_.counters();
     for (models::NamedCount& counter : port_->counters()) {

@@ -108,6 +108,33 @@ TEST_F(RunNode, TicksExactlyWhenTheNodeAskedFor) {
   }
 }
 
+// A thread that waits 10 ms in every 100 ms from 2 s on.
+TEST_F(RunNode, ReportsTheWaitOfTheLastSecondBeforeTicks) {
+  class Waiter : public Ticker {
+   public:
+    using Ticker::Ticker;
+    void on_processor_wait(double wait_s) override { waits_s.push_back(wait_s); }
+    std::vector<double> waits_s;
+  };
+  Waiter waiter(start_ + milliseconds(5), milliseconds(20));
+  const auto waited_us = [&]() -> std::optional<std::int64_t> {
+    const auto since = std::max<Duration>(clock_.now() - start_ - seconds(2), Duration{0});
+    return 3'000'000 + since.count() / 100'000 * 10'000;
+  };
+  run_node(
+      bus_, waiter, clock_, [&] { return clock_.now() >= start_ + seconds(5); }, {}, waited_us);
+  ASSERT_GT(waiter.waits_s.size(), 75U);
+  EXPECT_LT(waiter.waits_s.size(), 105U) << "not before every tick";
+  EXPECT_EQ(waiter.waits_s[25], 0.0);
+  EXPECT_NEAR(waiter.waits_s.back(), 0.1, 0.011);
+  Waiter uncounted(start_ + seconds(5), milliseconds(20));
+  run_node(
+      bus_, uncounted, clock_, [&] { return clock_.now() >= start_ + seconds(6); }, {},
+      [] { return std::optional<std::int64_t>(); });
+  run_node(bus_, uncounted, clock_, [&] { return clock_.now() >= start_ + seconds(7); });
+  EXPECT_TRUE(uncounted.waits_s.empty()) << "the kernel does not count, or nobody reads";
+}
+
 TEST_F(RunNode, AsksWhetherToStopEvenWhenTheNodeSleepsLong) {
   Ticker sleeper(start_ + seconds(1'000), seconds(1));
   int asked = 0;

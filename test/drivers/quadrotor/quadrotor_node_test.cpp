@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -57,6 +58,24 @@ TEST(QuadrotorNode, FliesAVehicleThatSpeaksToItsPort) {
 TEST(QuadrotorNode, FliesAVehicleThatWaitsForIt) {
   NodeBench bench(AutopilotDialect::kArdupilot, "udpout://127.0.0.1:" + port_of_this_test(1));
   fly(bench);
+}
+
+// As run_node() reports it, in words that an operator sees.
+TEST(QuadrotorNode, ReportsThatItsProcessWaitsForAProcessor) {
+  NodeBench bench(AutopilotDialect::kPx4, "udp://127.0.0.1:" + port_of_this_test(3));
+  const auto says_busy = [&] {
+    const auto& reasons = bench.statuses.back().reasons;
+    return std::find(reasons.begin(), reasons.end(), "host busy") != reasons.end();
+  };
+  bench.run(0.5);
+  ASSERT_FALSE(bench.statuses.empty());
+  EXPECT_FALSE(says_busy());
+  bench.node.on_processor_wait(0.06);
+  bench.run(0.2);
+  EXPECT_TRUE(says_busy());
+  bench.node.on_processor_wait(0.05);
+  bench.run(0.2);
+  EXPECT_FALSE(says_busy());
 }
 
 TEST(QuadrotorNode, TellsHowLongFramesAreOnTheirWay) {

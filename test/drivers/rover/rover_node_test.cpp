@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -63,6 +64,25 @@ TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
   for (const models::NamedCount& counter : bench.node.counters()) {
     EXPECT_EQ(counter.name == "mocap.clock_set" ? 0 : counter.count, 0) << counter.name;
   }
+}
+
+// It holds while its process waits for a processor, and drives on half a second after that.
+TEST(RoverNode, HoldsWhileItsProcessWaitsForAProcessor) {
+  NodeBench bench;
+  ASSERT_TRUE(bench.sets_off());
+  bench.run(1.0);
+  EXPECT_EQ(bench.statuses.back().state, models::FlightState::kFollow);
+  bench.node.on_processor_wait(0.11);
+  bench.run(0.2);
+  EXPECT_EQ(bench.statuses.back().state, models::FlightState::kHold);
+  EXPECT_NE(std::find(bench.statuses.back().reasons.begin(), bench.statuses.back().reasons.end(),
+                      "waits for processor"),
+            bench.statuses.back().reasons.end());
+  bench.run(3.0);
+  bench.node.on_processor_wait(0.0);
+  bench.run(1.0);
+  EXPECT_EQ(bench.statuses.back().state, models::FlightState::kHold)
+      << "after more than 3 s the operator has to say follow";
 }
 
 // An old log beside the drive: its mocap, its stop.

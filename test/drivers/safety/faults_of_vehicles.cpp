@@ -79,6 +79,14 @@ std::vector<Fault> of_vehicles() {
       delaying(0.4, fault(45, "own process stops for 0.4 s", "",
                           lasting(0.4, sets(&VehicleKnobs::is_stalled, true)),
                           ends(kFollow, {{kHold, 0.4 + kTicks}}, "own stall", "tick.stalls"))),
+      fault(45, "own process waits 0.08 s of each second", "for a processor",
+            sets(&VehicleKnobs::processor_wait_s, 0.08), flies_on_saying("host busy")),
+      fault(45, "own process waits 0.2 s of each second for 2 s", "for a processor",
+            lasting(2.0, sets(&VehicleKnobs::processor_wait_s, 0.2)),
+            ends(kFollow, {{kHold, kTicks}}, "waits for processor")),
+      fault(45, "own process waits 0.2 s of each second", "for a processor",
+            sets(&VehicleKnobs::processor_wait_s, 0.2),
+            ends(kIdle, {{kHold, kTicks}, {kLand, 3.0 + kTicks}}, "short of processor")),
   };
 }
 

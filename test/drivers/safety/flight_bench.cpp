@@ -103,6 +103,7 @@ void FlightBench::tick() {
   for (Vehicle& vehicle : vehicles_) {
     if (!vehicle.knobs.is_stalled) {
       vehicle.guard->on_map(!vehicle.knobs.map_differs);
+      vehicle.guard->on_processor_wait(vehicle.knobs.processor_wait_s);
       vehicle.out = vehicle.guard->tick(now());
     }
   }

@@ -84,7 +84,8 @@ struct VehicleKnobs {
   bool link_cut = false;
   bool telemetry_cut = false;
   bool mode_left = false;
-  bool is_stalled = false;  ///< its driver does not run
+  bool is_stalled = false;        ///< its driver does not run
+  double processor_wait_s = 0.0;  ///< of its driver, within the last second
   bool map_differs = false;
   bool mute_teammates = false;  ///< plans of others do not arrive
 };

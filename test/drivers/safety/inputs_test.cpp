@@ -177,6 +177,15 @@ TEST_F(Inputs, SayHowLongAgoTheLastTickWas) {
   }
 }
 
+TEST_F(Inputs, SayHowLongTheThreadWaitedForAProcessor) {
+  EXPECT_EQ(look(1.0).processor_wait_s, 0.0) << "nothing is reported in virtual time";
+  guard->on_processor_wait(0.3);
+  EXPECT_EQ(look(1.1).processor_wait_s, 0.3);
+  EXPECT_EQ(look(9.0).processor_wait_s, 0.3) << "until the next report";
+  guard->on_processor_wait(0.0);
+  EXPECT_EQ(look(9.1).processor_wait_s, 0.0);
+}
+
 // Told to stand, it measures how far it rises from where it stood: on a table as on the floor.
 TEST_F(Inputs, SayHowFarItRisesUntoldFromWhereItStood) {
   for (const double table_m : {0.0, 0.4}) {

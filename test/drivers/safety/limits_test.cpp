@@ -106,6 +106,8 @@ TEST(SafetyLimits, AreThoseThatTheDocumentsState) {
       {"operator_age_hold_s", is.operator_age_hold_s, 1.0},
       {"operator_age_land_s", is.operator_age_land_s, 3.0},
       {"stall_hold_s", is.stall_hold_s, 0.25},
+      {"processor_wait_hold_s", is.processor_wait_hold_s, 0.10},
+      {"processor_wait_arm_s", is.processor_wait_arm_s, 0.05},
       {"clear_s", is.clear_s, 0.5},
       {"yield_s", is.yield_s, 2.0},
   };
@@ -261,6 +263,7 @@ TEST(CheckLimits, RefusesALadderThatDoesNotRise) {
       {&L::heartbeat_age_hold_s, &L::heartbeat_age_land_s},
       {&L::estimate_error_hold_m, &L::estimate_error_land_m},
       {&L::operator_age_hold_s, &L::operator_age_land_s},
+      {&L::processor_wait_arm_s, &L::processor_wait_hold_s},
   };
   const SafetyLimits good = limits_for(test::FlightBench::scenario(), "Q1");
   check_limits(good);
