@@ -17,6 +17,10 @@ namespace {
 // ordinary scheduler hands out (8 ms steps are usual on a virtual machine, 24 ms under load).
 constexpr Duration kClosing{20'000};
 
+// Of waiting for a processor within a second, s: twice what makes a driver hold its vehicle. A
+// search that loses more than this is cut short again and again; what it lacks is given to drivers.
+constexpr double kProcessorWaitMaxS = 0.2;
+
 Duration closing_of(const RoundSchedule::Slot& slot) {
   return std::min(kClosing, (slot.end - slot.begin) / 5);
 }
@@ -336,11 +340,20 @@ void PlannerNode::hear_answer(const models::RobotPlan& answer) {
   }
 }
 
+// A robot without a driver is simulated: a busy machine slows its trial, and endangers nobody.
+bool PlannerNode::is_short_of_processor() const {
+  const scenario::RobotSpec& robot = robots_[static_cast<std::size_t>(planner_.robot_index())];
+  return robot.device != scenario::DeviceSource::kDirect && processor_wait_s_ > kProcessorWaitMaxS;
+}
+
 void PlannerNode::plan(Time now) {
   if (scenario::is_external(spec_) && asked_round_ == slot_.round && !inputs_.answer) {
     ++answers_missing_;
   }
-  std::optional<models::RobotPlan> plan = planner_.plan(inputs_, deadline_of(now));
+  const bool stops = is_short_of_processor();
+  short_of_processor_ += stops ? 1 : 0;
+  std::optional<models::RobotPlan> plan =
+      stops ? planner_.plan_to_stop(inputs_) : planner_.plan(inputs_, deadline_of(now));
   const Time finish = clock_.is_real_time() ? clock_.now() : slot_.end - closing_of(slot_);
   const bool late = finish > slot_.end;
   if (late) {
@@ -350,7 +363,7 @@ void PlannerNode::plan(Time now) {
   }
   if (plan) {
     plan->finish = finish;
-    plan->late = late;
+    plan->late = late || stops;
     plan->inputs = names_of(inputs_, robot_);
     const models::InputRef published = bus_.publish(bus::plan_channel(robot_), *plan);
     plan->stamp.run_id = published.run_id;
@@ -363,6 +376,7 @@ std::vector<models::NamedCount> PlannerNode::counters() const {
   const PlannerCounts& counts = planner_.counts();
   std::vector<models::NamedCount> all{{"plans_late", late_},
                                       {"slots_skipped", slots_skipped_},
+                                      {"rounds_short_of_processor", short_of_processor_},
                                       {"fallbacks_shifted", counts.fallbacks_shifted},
                                       {"fallbacks_braking", counts.fallbacks_braking},
                                       {"off_plan", counts.off_plan},

@@ -149,8 +149,10 @@ PlannerReplayNode::Outcome PlannerReplayNode::replay(const models::RobotPlan& lo
   if (!gather(slot, logged.inputs, inputs)) {
     return Outcome::kIncomplete;
   }
-  auto plan = planner_.plan(inputs, Deadline::nodes(logged.nodes));
-  if (logged.late) {  // after a search whose result came too late
+  const bool is_in_time = logged.finish <= logged.deadline;
+  auto plan = logged.late && is_in_time ? planner_.plan_to_stop(inputs)
+                                        : planner_.plan(inputs, Deadline::nodes(logged.nodes));
+  if (logged.late && !is_in_time) {  // after a search whose result came too late
     plan = planner_.plan_without_search(inputs);
   }
   if (!plan) {

@@ -123,8 +123,20 @@ std::optional<models::RobotPlan> RobotPlanner::plan_without_search(const PlanInp
   if (!committed) {
     return std::nullopt;
   }
-  return task_of(inputs, *committed, resilient_round_of(inputs).unseeing_for(robot_index()))
-      .ladder.fall_back();
+  return task_without_search(inputs, *committed).ladder.fall_back();
+}
+
+std::optional<models::RobotPlan> RobotPlanner::plan_to_stop(const PlanInputs& inputs) {
+  const std::optional<models::Trajectory> committed = committed_motion(inputs);
+  if (!committed) {
+    return std::nullopt;
+  }
+  return task_without_search(inputs, *committed).ladder.stopped();
+}
+
+SlotTask RobotPlanner::task_without_search(const PlanInputs& inputs,
+                                           const models::Trajectory& committed) {
+  return task_of(inputs, committed, resilient_round_of(inputs).unseeing_for(robot_index()));
 }
 
 std::optional<int> RobotPlanner::next_place(const PlanInputs& inputs) const {

@@ -124,6 +124,19 @@ TEST_F(ReplayTest, PlansAgainFromBeliefsMotionsStatesAndAttacks) {
   expect_all_again(3, {"BELIEF_Q1", "PLAN_Q1", "PLAN_Q2", "VEHICLE_Q2", "VICON", "ATTACK"});
 }
 
+TEST_F(ReplayTest, StopsAgainWhereThePlannerHadNoProcessor) {
+  scenario::Scenario scenario = test::lab_scenario();
+  scenario.robots[0].device = scenario::DeviceSource::kWire;
+  start_both(scenario);
+  rounds(4, [&, round = 0]() mutable {
+    world_.publish(bus::belief_channel("Q1"), *inputs_.belief);
+    node_->on_processor_wait(round++ % 2 == 0 ? 0.0 : 0.3);
+  });
+  expect_all_again(4, {"BELIEF_Q1", "PLAN_Q1", "VICON"});
+  EXPECT_FALSE(again_[2].late);
+  EXPECT_TRUE(again_[3].late);
+}
+
 TEST_F(ReplayTest, PlansAgainBesideProposals) {
   scenario::Scenario scenario = test::lab_scenario();
   scenario.planner.attacks_max = 1;
