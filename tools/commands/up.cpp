@@ -33,6 +33,7 @@ struct UpArguments {
   bool no_log = false;
   bool fly = false;
   bool beside_others = false;
+  bool beside_load = false;
   bool has_virtual_targets = false;
   bool as_json = false;
   RestartPolicy restarts;
@@ -91,6 +92,7 @@ int run(const UpArguments& arguments) {
   options.live_table = is_terminal() && !options.quiet;
   options.fly = arguments.fly;
   options.beside_others = arguments.beside_others;
+  options.beside_load = arguments.beside_load;
   options.has_virtual_targets = arguments.has_virtual_targets;
   options.host = arguments.host;
   options.log_path = log_path(scenario, arguments);
@@ -163,6 +165,9 @@ void add_up_command(CLI::App& root, Runner& chosen) {
                     "be the operator: arm, take off, follow, and land at the end");
   command->add_flag("--beside-others", arguments->beside_others,
                     "start though another supervisor, a simulator or vehicles are alive");
+  command->add_flag("--beside-load", arguments->beside_load,
+                    "with --fly: fly though this host is busy and grants drivers no real-time "
+                    "priority");
   command->add_flag("--virtual-targets", arguments->has_virtual_targets,
                     "simulate the targets though every device is real");
   add_restart_options(*command, arguments->restarts);

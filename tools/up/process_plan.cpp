@@ -198,6 +198,12 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
     process.arguments.insert(process.arguments.end(), {"--robot", robot});
     out.push_back(std::move(process));
   };
+  const auto give_priority = [&](ProcessSpec& process) {
+    if (places.driver_priority > 0) {
+      process.arguments.insert(process.arguments.end(),
+                               {"--fifo", std::to_string(places.driver_priority)});
+    }
+  };
   const bool is_simulated =
       places.has_virtual_targets || scenario.mocap.device != DeviceSource::kReal ||
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
@@ -217,6 +223,7 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
   }
   if (scenario.mocap.device != DeviceSource::kDirect && runs(scenario::kMocapPart)) {
     out.push_back({"vicon", command("vantage-vicon"), true});
+    give_priority(out.back());
   }
   const bool has_real_robots =
       std::any_of(scenario.robots.begin(), scenario.robots.end(),
@@ -227,6 +234,7 @@ std::vector<ProcessSpec> process_plan(const scenario::Scenario& scenario,
   for (const std::string& robot : robots_with_driver(scenario)) {
     if (runs(robot)) {
       add_for(scenario.find_robot(robot)->rover ? "rover" : "quadrotor", robot);
+      give_priority(out.back());
     }
   }
   for (const char* const program : trial::kRobotProcesses) {

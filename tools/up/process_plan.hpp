@@ -19,6 +19,7 @@ struct ProcessPlaces {
   std::string host;                  ///< the one to run of scenario.hosts; empty: all there is
   bool has_virtual_targets = false;  ///< simulated, though every device is real
   std::string firmware_folder = {};  ///< under which each firmware works in a folder of its own
+  int driver_priority = 0;  ///< SCHED_FIFO of vehicle drivers and of the mocap driver; 0: none
 };
 
 /// The robots that a driver process flies: those whose device is `wire` or `real`.

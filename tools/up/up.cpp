@@ -22,12 +22,15 @@
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
+#include "core/real_time.hpp"
 #include "logs/record/append_file.hpp"
 #include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
+#include "tools/live/screen.hpp"
 #include "tools/live/trial_display.hpp"
 #include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
+#include "tools/up/host_readiness.hpp"
 #include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
 #include "tools/up/temporary_scenario.hpp"
@@ -156,7 +159,8 @@ Up::Up(const scenario::Scenario& scenario, const UpOptions& options)
   }
   const ProcessPlaces places{options.executables,         file_.path(),
                              scenario.network.url,        options.host,
-                             options.has_virtual_targets, options.firmware_folder};
+                             options.has_virtual_targets, options.firmware_folder,
+                             options.driver_priority};
   const std::vector<ProcessSpec> processes = process_plan(scenario, places);
   watch(processes);
   for (const ProcessSpec& process : processes) {
@@ -409,6 +413,30 @@ UpResult Up::run(const std::function<bool()>& stop) {
   return std::move(result_);
 }
 
+/// The options with a priority for drivers where the system grants it.
+/// @throws StartupError when `fly` is asked for on a host on which drivers would be late.
+UpOptions with_priority(const scenario::Scenario& scenario, UpOptions options,
+                        const LoadMeter& load) {
+  const bool has_drivers = !robots_with_driver(scenario).empty() ||
+                           scenario.mocap.device != scenario::DeviceSource::kDirect;
+  if (!has_drivers) {
+    return options;
+  }
+  const bool is_granted = grants_fifo(kDriverPriority);
+  options.driver_priority = is_granted ? kDriverPriority : 0;
+  if (!is_granted && options.beside_others) {  // else it has listened, and measured, already
+    std::this_thread::sleep_for(trial::kListenToNeighbours);
+  }
+  const auto fault = is_granted ? std::nullopt : host_fault({false, load.free_processors()});
+  if (fault && options.fly && !options.beside_load) {
+    throw StartupError(*fault + ", or fly all the same with --beside-load");
+  }
+  if (fault) {
+    print_line("vantage: warning: " + *fault, stderr);
+  }
+  return options;
+}
+
 }  // namespace
 
 UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
@@ -431,6 +459,7 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
                          "time (--duration-s), or do not record (--no-log)");
     }
   }
+  const LoadMeter load;
   if (!options.beside_others) {
     const auto transport = bus::open_transport(scenario.network.url);
     const auto rivals = trial::rivals_of_up(
@@ -441,7 +470,8 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
                          "--beside-others");
     }
   }
-  return Up(scenario, options).run(stop);
+  const UpOptions granted = with_priority(scenario, options, load);
+  return Up(scenario, granted).run(stop);
 }
 
 }  // namespace vantage::tools

@@ -20,6 +20,8 @@ struct UpOptions {
   bool live_table = false;           ///< redraw a table in place; else a line each 5 s
   bool fly = false;                  ///< arm, take off and follow at the start, land at the end
   bool beside_others = false;        ///< start though others of another trial are alive
+  bool beside_load = false;          ///< fly though the host is busy and grants no priority
+  int driver_priority = 0;           ///< see ProcessPlaces; run_up() sets it where it is granted
   bool has_virtual_targets = false;  ///< simulate the targets though every device is real
   RestartPolicy restarts;
   /// How often it has been asked to end. The second request does not wait for landings: it leaves
@@ -54,6 +56,8 @@ struct UpResult {
 /// just so) waits for the landings, at most 60 s. What happens during these counts as a contact,
 /// not as part of the trial.
 /// Listens for kListenToNeighbours first.
+/// Drivers get SCHED_FIFO where the system grants it. Where it does not and the host is busy, `fly`
+/// is refused unless it is to be beside load; without `fly` that is a warning.
 /// @throws StartupError when others are alive (rivals_of_up) and it is not to be beside them; when
 /// there is no room for the log, the network, the logger or a program cannot be used, the devices
 /// do
