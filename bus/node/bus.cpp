@@ -251,6 +251,7 @@ std::vector<models::NamedCount> Bus::counters() const {
   add_nonzero(counts, "transport.messages_sent", stats.messages_sent);
   add_nonzero(counts, "transport.messages_received", stats.messages_received);
   add_nonzero(counts, "transport.send_errors", stats.send_errors);
+  add_nonzero(counts, "transport.network_losses", stats.network_losses);
   add_nonzero(counts, "transport.malformed_datagrams", stats.malformed_datagrams);
   add_nonzero(counts, "transport.incomplete_messages", stats.incomplete_messages);
   add_nonzero(counts, "transport.queue_overflows", stats.queue_overflows);

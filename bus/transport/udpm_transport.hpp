@@ -18,8 +18,9 @@ namespace vantage::bus::udpm {
 /// keeps the oldest and is seldom granted in full, overflows only while one handler runs for long.
 class UdpmTransport : public Transport {
  public:
+  /// @param report  for an absent network, as open_waiting_transport(); nullptr: that is an error
   /// @throws StartupError as MulticastSocket.
-  explicit UdpmTransport(const UdpmAddress& address);
+  explicit UdpmTransport(const UdpmAddress& address, ReportNetwork report = nullptr);
 
   void subscribe(const std::string& channel, Handler handler) override;
   void unsubscribe(const std::string& channel) override;
@@ -36,6 +37,7 @@ class UdpmTransport : public Transport {
     std::string pattern;  ///< empty: nobody's place
     Handler handler;
   };
+  void keep_network();
   bool send_fragments(const std::string& channel, std::span<const std::uint8_t> bytes,
                       const Cut& cut, std::uint32_t sequence);
   void take_arrived();
@@ -48,6 +50,8 @@ class UdpmTransport : public Transport {
   std::int64_t receive_buffer_asked_bytes_;
   std::size_t arrived_bytes_max_;
   MulticastSocket socket_;
+  ReportNetwork report_;
+  bool is_loss_reported_ = false;
   Reassembler reassembler_;
   std::deque<AssembledMessage> arrived_;
   std::size_t arrived_bytes_ = 0;
