@@ -91,11 +91,25 @@ void HealthReporter::publish(Time now, models::ProcessState state) {
   next_on_change_ = now + kReportOnChangePeriod;
 }
 
-void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop,
-              const Usage& usage) {
+void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<int()>& stop_requests,
+              const Usage& usage, LifeSign* life) {
   HealthReporter health(bus, node, usage);
   health.publish(clock.now(), models::ProcessState::kStarting);
-  while (!stop()) {
+  const auto give_sign = [&](Time now) {
+    if (life != nullptr) {
+      life->on_loop(now, node.in_flight(now));
+    }
+  };
+  int requests_seen = 0;
+  while (true) {
+    const int requests = stop_requests();
+    if (requests > requests_seen) {
+      node.on_stop_request(requests, clock.now());
+      requests_seen = requests;
+    }
+    if (requests_seen > 0 && node.may_end(clock.now())) {
+      break;
+    }
     Duration wait = std::clamp(node.next_tick() - clock.now(), Duration{0}, kStopPollPeriod);
     bool is_woken = false;
     if (node.wakes_on() >= 0) {
@@ -113,7 +127,9 @@ void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool
     }
     const double tick_s = static_cast<double>(monotonic_ns() - tick_start_ns) * 1e-9;
     health.on_loop(now, tick_s + bus.handling_s() - handled_before_s);
+    give_sign(now);
   }
+  give_sign(clock.now());
   health.publish(clock.now(), models::ProcessState::kStopping);
 }
 

@@ -7,6 +7,7 @@
 
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
+#include "core/life_line.hpp"
 #include "core/time.hpp"
 #include "models/exchange/messages.hpp"
 
@@ -37,6 +38,16 @@ class Node {
   /// Everything it dropped or missed, by name.
   [[nodiscard]] virtual std::vector<models::NamedCount> counters() const { return {}; }
   [[nodiscard]] virtual std::int64_t deadlines_missed() const { return 0; }
+
+  // The end. A node of a vehicle needs time for it; most end at once.
+  /// The process was asked to end, `requests` times so far; more than once: in a hurry.
+  virtual void on_stop_request(int /*requests*/, Time /*now*/) {}
+  /// Asked in each loop after a stop request: true once the process may end.
+  virtual bool may_end(Time /*now*/) { return true; }
+  /// Returns, after may_end(), what could not be done before the end, in one sentence; or nothing.
+  [[nodiscard]] virtual std::string end_fault() const { return ""; }
+  /// Whether the node's vehicle may be in the air or move.
+  [[nodiscard]] virtual InFlight in_flight(Time /*now*/) const { return InFlight::kUnknown; }
 };
 
 /// What a process takes of its machine, by name (bus/node/process_usage).
@@ -68,10 +79,12 @@ class HealthReporter {
   double loop_worst_s_ = 0.0;
 };
 
-/// Runs `node` on `bus` in real time until stop() or until its log is at its end, then publishes a
-/// last HEALTH. Messages are handled while it waits for next_tick() (see also Node::wakes_on());
-/// stop() is asked at least every 50 ms. What a handler or the node throws comes out here.
-void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<bool()>& stop,
-              const Usage& usage = {});
+/// Runs `node` on `bus` in real time until its log is at its end, or until stop_requests() is not 0
+/// and the node may end; then publishes a last HEALTH. Messages are handled while it waits for
+/// next_tick() (see also Node::wakes_on()). stop_requests(), the number of requests so far, is
+/// called at least every 50 ms. What a handler or the node throws comes out here.
+/// @param life  written to in each loop; may be null
+void run_node(Bus& bus, Node& node, const Clock& clock, const std::function<int()>& stop_requests,
+              const Usage& usage = {}, LifeSign* life = nullptr);
 
 }  // namespace vantage::bus

@@ -20,6 +20,7 @@ constexpr double kLowM = 0.1;
 constexpr double kSeenS = 0.1;  // feedback on an older pose would push, not steer
 constexpr Duration kRefusalShown = std::chrono::seconds(10);
 constexpr Duration kTextAge = std::chrono::seconds(3);
+constexpr Duration kReportedBefore = std::chrono::milliseconds(500);  // and received later
 constexpr Duration kPoseSlack{2'000};  // a frame this much early is not skipped
 
 const scenario::RobotSpec& robot_of(const scenario::Scenario& scenario, const std::string& robot) {
@@ -153,6 +154,29 @@ void QuadrotorDriver::on_command(const models::OperatorCommand& command, Time no
   }
 }
 
+void QuadrotorDriver::end(bool is_hurried) {
+  guard_.on_end_request();
+  is_hurried_ = is_hurried_ || is_hurried;
+  next_setpoint_ = Time{};  // decided with the next tick, not with the next set-point
+}
+
+EndFacts QuadrotorDriver::end_facts(Time now) const {
+  const Telemetry& telemetry = link_.telemetry();
+  const auto heartbeat = telemetry.heartbeat_time();
+  // An order to arm may have been obeyed since the heartbeat.
+  const bool is_proof = heartbeat && *heartbeat - motors_wanted_at_ > kReportedBefore;
+  EndFacts out;
+  if (is_airborne(orders_.state) || (heartbeat && (telemetry.is_armed() || !is_proof))) {
+    out.in_flight = InFlight::kYes;
+  } else if (telemetry.is_connected(now)) {
+    out.in_flight = InFlight::kNo;
+  }
+  out.is_pilots = telemetry.is_armed() && is_flown_by_hand(dialect_, telemetry.mode());
+  out.lands_itself =
+      telemetry.is_connected(now) && telemetry.mode() == traits_of(dialect_).land_mode;
+  return out;
+}
+
 void QuadrotorDriver::tick(Time now) {
   if (now >= next_setpoint_) {
     fly(now);
@@ -176,7 +200,7 @@ FlightGoal QuadrotorDriver::goal(const GuardOutput& out) const {
       // Once the autopilot lands by itself it goes on doing so.
       const bool is_autopilots = out.setpoint.kind == FlightSetpoint::Kind::kBlindLand ||
                                  !out.wants_armed || (out.is_sinking && is_nearly_down()) ||
-                                 sequence_.goal() == FlightGoal::kLand;
+                                 sequence_.goal() == FlightGoal::kLand || is_hurried_;
       return is_autopilots ? FlightGoal::kLand : FlightGoal::kFly;
     }
     case FlightState::kKilled:
@@ -191,6 +215,9 @@ void QuadrotorDriver::fly(Time now) {
   orders_ = guard_.tick(now);
   has_news_ = has_news_ || orders_.changed;
   sequence_.set_goal(goal(orders_));
+  const bool wants_motors =
+      sequence_.goal() == FlightGoal::kArm || sequence_.goal() == FlightGoal::kFly;
+  motors_wanted_at_ = wants_motors ? now : motors_wanted_at_;
 
   const std::optional<BodyState>& body = tracker_.state();
   const double height_m = body ? body->world_from_body.translation_m.z() : ground_m_.value_or(0.0);

@@ -12,6 +12,7 @@
 #include "drivers/quadrotor/flight_sequence.hpp"
 #include "drivers/quadrotor/steering.hpp"
 #include "drivers/safety/guard.hpp"
+#include "drivers/vehicle/driver_end.hpp"
 #include "models/exchange/messages.hpp"
 #include "scenario/scenario.hpp"
 
@@ -51,6 +52,10 @@ class QuadrotorDriver {
   void on_map(bool is_same) { guard_.on_map(is_same); }
   /// Somebody said what is of no type of ours: another version of this program, perhaps.
   void on_other_version(Time now) { guard_.on_other_version(now); }
+  /// The driver is to end: lands the vehicle, keeps it from being armed. In a hurry the autopilot's
+  /// own landing does that from here on.
+  void end(bool is_hurried);
+  [[nodiscard]] EndFacts end_facts(Time now) const;
   /// Does what is due. To be called every 5 ms or so; set-points go out at 50 Hz.
   void tick(Time now);
 
@@ -89,6 +94,8 @@ class QuadrotorDriver {
   std::optional<Time> battery_reported_;
   std::optional<Time> telemetry_reported_;
   bool has_news_ = false;
+  bool is_hurried_ = false;  ///< to end
+  Time motors_wanted_at_{};  ///< when it was last to run its motors
   std::int64_t poses_refused_ = 0;
   std::int64_t poses_unseen_ = 0;
 };

@@ -154,6 +154,16 @@ RoverFacts RoverDriver::facts(Time now) const {
   return out;
 }
 
+EndFacts RoverDriver::end_facts(Time now) const {
+  EndFacts out;
+  if (is_driving(core_.ladder.state)) {
+    out.in_flight = facts(now).stands ? InFlight::kNo : InFlight::kYes;
+  } else if (link_.has_telemetry()) {
+    out.in_flight = InFlight::kNo;
+  }
+  return out;
+}
+
 void RoverDriver::look(Time now) {
   core_.look(now);
   SafetyInputs& in = core_.in;

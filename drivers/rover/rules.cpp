@@ -47,6 +47,7 @@ constexpr auto kRows = std::to_array<Condition>({
                        [](const In& in, const Lim&) { return !in.autopilot_obeys; }),
     held_for_operator(common::kBatteryCritical),
     common::kOperatorQuiet,
+    cleared(held_for_operator(common::kEnding), "never: the driver ends once the rover stands"),
     common::kOwnStall,
     // Said, and no change of state
     common::kPoseUnsettled,

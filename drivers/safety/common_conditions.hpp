@@ -119,6 +119,9 @@ inline constexpr Condition kBatteryCritical =
           [](const SafetyInputs& in, const SafetyLimits& lim) {
             return in.battery_share < lim.battery_land_share;
           });
+inline constexpr Condition kEnding =
+    lands("ending", "the driver was asked to end", {.blocks_arming = true},
+          [](const SafetyInputs& in, const SafetyLimits&) { return in.is_ending; });
 inline constexpr Condition kPoseStale =
     holds("pose stale", "pose_age_s > pose_age_hold_s", {.blocks_arming = true},
           [](const SafetyInputs& in, const SafetyLimits& lim) {

@@ -168,6 +168,7 @@ constexpr auto kRows = std::to_array<Condition>({
     kEstimateLost,
     kEstimatorFailed,
     kOperatorLost,
+    common::kEnding,
     // HOLD
     common::kPoseStale,
     common::kPoseLate,

@@ -152,6 +152,8 @@ void FlightGuard::on_battery(double share, Time now) {
 
 void FlightGuard::on_map(bool is_same) { parts_->map_differs = !is_same; }
 
+void FlightGuard::on_end_request() { parts_->is_ending = true; }
+
 void FlightGuard::on_other_version(Time now) { parts_->other_version_at = now; }
 
 // long: one tick in its order, which is what is to be read here; the steps are functions.

@@ -96,6 +96,8 @@ class FlightGuard {
   void on_battery(double share, Time now);
   /// Whether the scenario announced by others is the one flown here.
   void on_map(bool is_same);
+  /// The driver was asked to end: from now on the vehicle lands, and is not armed again.
+  void on_end_request();
   /// Somebody said on a channel of ours what is of no type of ours.
   void on_other_version(Time now);
 

@@ -86,6 +86,7 @@ void GuardCore::look(Time now) {
   in.other_version_age_s = other_version_at ? to_seconds(now - *other_version_at) : kNever;
   in.operator_age_s = authority.age_s(now);
   in.emergency_stop = emergency_stop;
+  in.is_ending = is_ending;
   in.request = request;
 }
 

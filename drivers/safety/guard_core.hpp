@@ -95,6 +95,7 @@ struct GuardCore {
   bool map_differs = false;
   std::optional<Time> other_version_at;
   bool emergency_stop = false;
+  bool is_ending = false;  ///< the driver was asked to end
   std::optional<models::OperatorAction> request;
   std::array<std::int64_t, kPoseVerdicts> pose_counts{};
   PoseVerdict pose_verdict = PoseVerdict::kAbsent;  ///< of the last frame believed

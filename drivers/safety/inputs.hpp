@@ -82,6 +82,9 @@ struct SafetyInputs : Surroundings {
   double battery_unchanged_s = 0.0;  ///< in flight
   double flight_s = 0.0;             ///< since take-off
 
+  // The driver's own process.
+  bool is_ending = false;  ///< it was asked to end
+
   // Operator.
   double operator_age_s = 0.0;                    ///< since the heartbeat of the station in charge
   bool emergency_stop = false;                    ///< asked since the last tick, by anyone

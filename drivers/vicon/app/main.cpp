@@ -11,7 +11,10 @@
 int main(int argc, char** argv) {
   using namespace vantage;  // NOLINT(google-build-using-namespace): main alone
   return bus::node_main(
-      {"vantage-vicon", "Publishes what a Vicon or VRPN server sees."}, argc, argv,
+      {.name = "vantage-vicon",
+       .description = "Publishes what a Vicon or VRPN server sees.",
+       .serves_vehicles = true},
+      argc, argv,
       [](bus::Bus& bus, const bus::Clock& clock, const scenario::Scenario& scenario,
          const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {
         return std::make_unique<drivers::ViconNode>(

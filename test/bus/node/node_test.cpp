@@ -174,6 +174,57 @@ TEST_F(RunNode, TicksAsSoonAsItsDeviceSpeaks) {
   EXPECT_EQ(node.ticks, (std::vector<Time>{start_, start_, start_})) << "long before its time";
 }
 
+/// Needs time to end, as the driver of a vehicle that has to land.
+class Lander : public Ticker {
+ public:
+  using Ticker::Ticker;
+  void on_stop_request(int requests, Time now) override { asked.emplace_back(requests, now); }
+  [[nodiscard]] bool may_end(Time now) override { return now >= ends_at; }
+  [[nodiscard]] InFlight in_flight(Time now) const override {
+    return now >= ends_at ? InFlight::kNo : InFlight::kYes;
+  }
+
+  std::vector<std::pair<int, Time>> asked;
+  Time ends_at{};
+};
+
+TEST_F(RunNode, GoesOnUntilTheNodeMayEndAndReportsEachRequestOnce) {
+  Lander node(start_ + milliseconds(20), milliseconds(20));
+  node.ends_at = start_ + seconds(3);
+  run_node(bus_, node, clock_, [&] {
+    return clock_.now() < start_ + seconds(1) ? 0 : clock_.now() < start_ + seconds(2) ? 1 : 2;
+  });
+  using Asked = std::vector<std::pair<int, Time>>;
+  EXPECT_EQ(node.asked, (Asked{{1, start_ + seconds(1)}, {2, start_ + seconds(2)}}));
+  EXPECT_EQ(node.ticks.size(), 150U) << "it flies on until it has landed";
+}
+
+TEST_F(RunNode, GivesSignsOfLifeTheLastOfWhichSaysHowTheVehicleWasLeft) {
+  LifeLine line;
+  ASSERT_TRUE(line.open());
+  LifeSign life(dup(line.child_end()));
+  Lander node(start_ + milliseconds(20), milliseconds(20));
+  node.ends_at = start_ + seconds(1);
+  std::vector<InFlight> signs;
+  const auto take = [&] {
+    if (const LifeLine::Signs come = line.take(); come.any) {
+      signs.push_back(come.in_flight);
+    }
+  };
+  run_node(
+      bus_, node, clock_,
+      [&] {
+        take();
+        return 1;
+      },
+      {}, &life);
+  take();
+  ASSERT_EQ(signs.size(), 11U) << "ten in the second, and the landing";
+  EXPECT_EQ(signs.front(), InFlight::kYes);
+  EXPECT_EQ(signs[9], InFlight::kYes);
+  EXPECT_EQ(signs.back(), InFlight::kNo);
+}
+
 TEST_F(RunNode, ReportsItsHealthEachSecondFromStartingToStopping) {
   run_until(start_ + milliseconds(3'500));
   ASSERT_EQ(health_.size(), 6U) << "starting, at once, three seconds, stopping";

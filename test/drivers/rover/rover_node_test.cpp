@@ -65,6 +65,18 @@ TEST(RoverNode, DrivesAPlanFromTheBusAndStopsOnCommand) {
   }
 }
 
+TEST(RoverNode, StopsBeforeItEndsWhenItIsAskedToEnd) {
+  NodeBench bench;
+  ASSERT_TRUE(bench.sets_off());
+  bench.run(1.5);
+  EXPECT_EQ(bench.node.in_flight(bench.clock.now()), InFlight::kYes);
+  bench.node.on_stop_request(1, bench.clock.now());
+  EXPECT_FALSE(bench.node.may_end(bench.clock.now()));
+  EXPECT_TRUE(bench.run_to_the_end(2.0));
+  EXPECT_NEAR(bench.vehicle.emulator().state().speed_mps, 0.0, 0.02);
+  EXPECT_EQ(bench.node.end_fault(), "");
+}
+
 // An old log beside the drive: its mocap, its stop.
 TEST(RoverNode, DrivesOnBesideAnOldLogAndASecondMocap) {
   NodeBench bench;

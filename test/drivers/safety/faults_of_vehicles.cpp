@@ -74,6 +74,8 @@ std::vector<Fault> of_vehicles() {
       fault(37, "pilot takes over", "the autopilot leaves our mode",
             sets(&VehicleKnobs::mode_left, true),
             ends(kHold, {{kHold, 0.5 + kTicks}}, "autopilot disobeys")),
+      fault(38, "driver asked to end", "SIGTERM", sets(&VehicleKnobs::is_ending, true),
+            ends(kIdle, {{kLand, kTicks}}, "ending")),
       delaying(0.04, fault(45, "own process stalls for 40 ms", "",
                            lasting(0.04, sets(&VehicleKnobs::is_stalled, true)), flies_on())),
       delaying(0.4, fault(45, "own process stops for 0.4 s", "",

@@ -103,6 +103,9 @@ void FlightBench::tick() {
   for (Vehicle& vehicle : vehicles_) {
     if (!vehicle.knobs.is_stalled) {
       vehicle.guard->on_map(!vehicle.knobs.map_differs);
+      if (vehicle.knobs.is_ending) {
+        vehicle.guard->on_end_request();
+      }
       vehicle.out = vehicle.guard->tick(now());
     }
   }

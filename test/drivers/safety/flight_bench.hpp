@@ -85,6 +85,7 @@ struct VehicleKnobs {
   bool telemetry_cut = false;
   bool mode_left = false;
   bool is_stalled = false;  ///< its driver does not run
+  bool is_ending = false;   ///< its driver was asked to end
   bool map_differs = false;
   bool mute_teammates = false;  ///< plans of others do not arrive
 };
