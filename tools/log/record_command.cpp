@@ -10,6 +10,7 @@
 #include "bus/node/process_usage.hpp"
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
+#include "core/life_line.hpp"
 #include "core/process.hpp"
 #include "logs/record/recorder.hpp"
 #include "scenario/reader/scenario_yaml.hpp"
@@ -113,6 +114,7 @@ void tell_end(const RecordArguments& arguments, const logs::SpoolReport& report,
 int run(const RecordArguments& arguments) {
   check_room(arguments);
   const auto tell = [](const std::string& news) { print_line("record: " + news, stderr); };
+  LifeSign life;
   const auto transport = bus::open_transport(arguments.url);
   logs::LogSpool spool(options_of(arguments));
   const bus::SteadyClock clock;
@@ -147,7 +149,7 @@ int run(const RecordArguments& arguments) {
         room.look(report);
         return is_over() || report.is_full;
       },
-      usage);
+      usage, &life);
   const Time give_up = clock.now() + kDrainPatience;
   while (bus.handle(std::chrono::microseconds(0)) > 0 && clock.now() < give_up) {
   }

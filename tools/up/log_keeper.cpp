@@ -16,11 +16,14 @@ constexpr auto kPatience = std::chrono::seconds(5);
 }  // namespace
 
 // How much room it needs is known to those who start it.
-ProcessSpec recorder_process(const std::string& executables, const std::string& scenario_path,
-                             const std::string& url, const std::string& log_path) {
-  return {kRecorderProcess,
-          {executables + "/vantage", "log", "record", log_path, "--append", "--url", url,
-           "--scenario", scenario_path, "--free-mib", "0", "--quiet"}};
+ProcessSpec recorder_process(const ProcessPlaces& places, const std::string& log_path) {
+  ProcessSpec process{
+      kRecorderProcess,
+      {places.executables + "/vantage", "log", "record", log_path, "--append", "--url", places.url,
+       "--scenario", places.scenario_path, "--free-mib", "0", "--quiet"}};
+  process.patience_s = kPatienceS;
+  process.keep_open = places.keep_open;
+  return process;
 }
 
 // The recorder writes what it hears, so it listens once its file is no longer empty.
@@ -107,8 +110,6 @@ std::vector<std::string> LogKeeper::stop(milliseconds patience) {
   note_first_event();
   return killed;
 }
-
-Child* LogKeeper::recorder() { return supervisor_.find(kRecorderProcess); }
 
 LogOutcome LogKeeper::outcome() const {
   LogOutcome out = outcome_;

@@ -65,6 +65,16 @@ scenario::Scenario on_the_wire() {
   return scenario;
 }
 
+// Poses are needed within half a second, and a simulator that is started again is a new world.
+TEST(ProcessPlan, WatchesDriversAndMocapFourTimesAsCloselyAsTheOthersAndNoFirmware) {
+  for (const ProcessSpec& process : process_plan(on_the_wire(), {".", "s.yaml", "", ""})) {
+    const bool is_driver = process.name.starts_with("quadrotor ");
+    const bool is_close = is_driver || process.name == "vicon";
+    EXPECT_EQ(process.patience_s, is_close ? 0.8 : 3.2) << process.name;
+    EXPECT_EQ(process.vehicle, is_driver ? process.name.substr(10) : "") << process.name;
+  }
+}
+
 std::vector<std::string> names_of(const std::vector<ProcessSpec>& plan) {
   std::vector<std::string> out;
   for (const ProcessSpec& process : plan) {
