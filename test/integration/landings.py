@@ -144,16 +144,20 @@ class Trial:
     def fly(self):
         """Until all are in the air, and one of them follows its plan."""
         self.until(lambda: self.all_in({IDLE}), "vehicles")
-        next_order = 0.0
+        # Motors that idle for long stop: `hold`, which is repeated for 0.75 s, begins anew.
+        steps = [(0.0, ("hold",)), (1.5, ("arm", "take-off"))]
+        begin, done = time.monotonic(), 0
 
         def are_up():
-            nonlocal next_order
-            if time.monotonic() >= next_order:
-                next_order = time.monotonic() + 10.0
+            nonlocal begin, done
+            if done < len(steps) and time.monotonic() >= begin + steps[done][0]:
                 for robot, (state, _) in self.witness.states().items():
-                    if state == IDLE:  # a new beginning: motors that idled for long have stopped
-                        for order in ("hold", "arm", "take-off"):
+                    if state == IDLE:
+                        for order in steps[done][1]:
                             self.order(f"{order} {robot}")
+                done += 1
+            if time.monotonic() >= begin + 20.0:
+                begin, done = time.monotonic(), 0
             heights = self.witness.heights_m()
             return self.all_in(AIRBORNE) and all(height > 0.3 for height in heights.values())
 
