@@ -55,7 +55,7 @@ class LifeLine {
   /// Closes the end of the process here, so that it alone has it.
   void close_child_end();
 
-  /// What has come since the last call.
+  /// The signs that have come since the last call.
   struct Signs {
     bool any = false;
     InFlight in_flight = InFlight::kUnknown;  ///< the newest that is known; else kUnknown

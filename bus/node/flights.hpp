@@ -11,10 +11,10 @@
 
 namespace vantage::bus {
 
-/// Which vehicles are in the air or drive, by what they last said (VEHICLE_*).
+/// The vehicles that are in the air or drive, by their last status (VEHICLE_*).
 class Flights {
  public:
-  /// What was said longer ago is not known any more.
+  /// An older status counts as none.
   static constexpr Duration kKnownFor = std::chrono::seconds(1);
 
   explicit Flights(std::set<std::string> robots) : robots_(std::move(robots)) {}

@@ -8,7 +8,7 @@
 
 namespace vantage::drivers {
 
-/// What a driver knows of its vehicle while it is to end.
+/// State of the vehicle, as its driver knows it while it is to end.
 struct EndFacts {
   InFlight in_flight = InFlight::kUnknown;  ///< kNo: at rest, its motors off
   bool is_pilots = false;                   ///< a pilot flies it by hand
@@ -35,7 +35,7 @@ class DriverEnd {
 
   [[nodiscard]] bool is_hurried() const { return hurried_at_.has_value(); }
   [[nodiscard]] bool may_end() const { return may_end_; }
-  /// What could not be done before the end; empty: nothing, or it may not end yet.
+  /// Returns what could not be done before the end; empty: nothing, or it may not end yet.
   [[nodiscard]] const std::string& fault() const { return fault_; }
 
  private:

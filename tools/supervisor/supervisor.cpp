@@ -140,7 +140,7 @@ void Supervisor::kill_hung(Nanoseconds now_ns, std::vector<SupervisorEvent>& eve
 
 SupervisorEvent Supervisor::on_end(Supervised& process, const ChildExit& how, Nanoseconds now_ns) {
   take_signs(process, now_ns);
-  // A failure in flight leaves the vehicle to nobody; in a hurry, to its autopilot's landing.
+  // After a failure in flight the vehicle needs a new driver; in a hurry its autopilot lands it.
   const bool is_left = process.in_flight == InFlight::kYes && driver_requests_ == 1;
   const bool was_asked = !process.spec.vehicle.empty() && driver_requests_ > 0;
   if (was_asked && (how.is_success() || !is_left)) {

@@ -4,7 +4,7 @@
 
 namespace vantage::tools {
 
-/// The end of a trial whose vehicles may be in flight: how long their drivers are waited for. The
+/// The end of a trial with vehicles in flight: decides how long to wait for their drivers. The
 /// drivers were asked to end once when it begins. Pure.
 class Landing {
  public:
