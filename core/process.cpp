@@ -8,6 +8,7 @@
 #include <new>
 
 #include "core/check.hpp"
+#include "core/utf8.hpp"
 
 namespace vantage {
 namespace {
@@ -77,16 +78,16 @@ int run_process(const std::string& name, const std::function<int()>& body) {
   try {
     return body();
   } catch (const StartupError& e) {
-    std::cerr << name << ": " << e.what() << '\n';
+    std::cerr << name << ": " << printable(e.what()) << '\n';
     return 2;
   } catch (const UsageError& e) {
-    std::cerr << name << ": bad configuration: " << e.what() << '\n';
+    std::cerr << name << ": bad configuration: " << printable(e.what()) << '\n';
     return 2;
   } catch (const std::bad_alloc&) {
     std::cerr << name << ": out of memory\n";
     return 1;
   } catch (const std::exception& e) {
-    std::cerr << name << ": " << e.what() << '\n';
+    std::cerr << name << ": " << printable(e.what()) << '\n';
     return 1;
   }
 }

@@ -54,8 +54,10 @@ int node_main(const NodeProgram& program, int argc, char** argv, const MakeNode&
         open_transport(arguments.url.empty() ? scenario.network.url : arguments.url);
     Bus bus(*transport, random_run_id(), arguments.publish_prefix);
     const SteadyClock clock;
-    bus.secure(auth::authenticator_for(scenario, arguments.replay), clock);
-    if (!arguments.replay) {
+    if (arguments.replay) {
+      bus.secure(auth::replay_authenticator_for(scenario), clock);
+    } else {
+      bus.secure(auth::authenticator_for(scenario), clock);
       bus.keep_time(clock);
     }
     apply(real_time);  // after the network's own threads, before the node prepares its memory

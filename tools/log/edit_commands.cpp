@@ -34,7 +34,7 @@ int report(const EditArguments& arguments, const logs::EditCounts& counts, Outpu
                counts.name_too_long);
   }
   if (!failure.empty()) {
-    fmt::print(stderr, "vantage: {}\n", failure);
+    print_line("vantage: " + failure, stderr);
   } else if (counts.is_stopped) {
     fmt::print(stderr, "vantage: interrupted: what is written is whole, but not all\n");
   }

@@ -160,7 +160,7 @@ int plot(const MetricsArguments& arguments) {
   const Result<std::string> drawn =
       draw_plot(plot_script(analysis, scenario, title, arguments.output), script, arguments.output);
   if (!drawn.ok()) {
-    fmt::print(stderr, "vantage: {}\n", drawn.error().message);
+    print_line("vantage: " + drawn.error().message, stderr);
     return 1;
   }
   print_line(drawn.value());

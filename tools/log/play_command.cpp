@@ -82,7 +82,7 @@ int run(const PlayArguments& arguments) {
         return wish;
       }
       if (!terminal.is_interactive()) {
-        fmt::print(stderr, "play: do not understand '{}'\n", *text);
+        print_line("play: do not understand '" + *text + "'", stderr);
       }
     }
     return std::nullopt;

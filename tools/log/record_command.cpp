@@ -121,8 +121,7 @@ int run(const RecordArguments& arguments) {
   bus::Bus bus(*transport, bus::random_run_id());
   bus.keep_time(clock);
   if (!arguments.scenario.empty()) {
-    bus.secure(bus::auth::authenticator_for(scenario::load_scenario(arguments.scenario), false),
-               clock);
+    bus.secure(bus::auth::authenticator_for(scenario::load_scenario(arguments.scenario)), clock);
   }
   const Time start = clock.now();
   const auto is_over = [&] {

@@ -22,15 +22,18 @@
 #include "bus/transport/transport.hpp"
 #include "core/check.hpp"
 #include "core/deadline.hpp"
+#include "core/utf8.hpp"
 #include "logs/record/append_file.hpp"
 #include "logs/record/log_space.hpp"
 #include "logs/record/recorder.hpp"
+#include "tools/live/output.hpp"
 #include "tools/live/trial_display.hpp"
 #include "tools/supervisor/watchdog.hpp"
 #include "tools/up/host_board.hpp"
 #include "tools/up/pilot.hpp"
 #include "tools/up/process_plan.hpp"
 #include "tools/up/temporary_scenario.hpp"
+#include "tools/up/up_report.hpp"
 #include "trial/observe/announcer.hpp"
 #include "trial/observe/neighbours.hpp"
 #include "trial/observe/observer.hpp"
@@ -68,8 +71,19 @@ struct HandedClock : bus::SteadyClock {
 
 /// Signs what `bus` says as `scenario` wants it, from the first message on.
 bus::Bus& secured(bus::Bus& bus, const scenario::Scenario& scenario, const bus::Clock& clock) {
-  bus.secure(bus::auth::authenticator_for(scenario, false), clock);
+  bus.secure(bus::auth::authenticator_for(scenario), clock);
   return bus;
+}
+
+/// Reports claims that nothing proves; they keep no trial from starting.
+void tell_unverified(const std::vector<std::string>& claims) {
+  constexpr std::size_t kShown = 5;
+  for (std::size_t i = 0; i < std::min(claims.size(), kShown); ++i) {
+    print_line("! ignored, since its signature is missing or wrong: " + claims[i], stderr);
+  }
+  if (claims.size() > kShown) {
+    print_line(fmt::format("! … and {} more such messages", claims.size() - kShown), stderr);
+  }
 }
 
 /// The trial while it runs. Members in the order of starting, which no process depends on, except
@@ -212,7 +226,7 @@ void Up::listen() {
   bus_.subscribe<models::ScenarioNotice>(bus::kScenario, [this](const auto& notice) {
     if (notice.yaml != scenario_.source_text && !std::exchange(result_.has_other_scenario, true)) {
       display_.say("another scenario file, or other options, are flown on this network (by " +
-                   notice.process + ", version " + notice.version + ")");
+                   readable(notice.process) + ", version " + readable(notice.version) + ")");
     }
   });
 }
@@ -404,6 +418,7 @@ UpResult Up::run(const std::function<bool()>& stop) {
   const logs::TrialMetrics& heard = observer_.metrics();
   result_.summary.collisions = heard.collisions();
   result_.summary.separation_violations = heard.separation_violations();
+  result_.contacts_unverified = contacts_unverified(bus_.counters());
   result_.summary.messages_lost =
       heard.messages_lost() + bus_.messages_lost() + transport_->stats().queue_overflows;
   return std::move(result_);
@@ -433,14 +448,19 @@ UpResult run_up(const scenario::Scenario& scenario, const UpOptions& options,
   }
   if (!options.beside_others) {
     const auto transport = bus::open_transport(scenario.network.url);
-    const auto rivals = trial::rivals_of_up(
-        scenario, options.host, trial::hear_channels(*transport, trial::kListenToNeighbours, stop));
+    const auto authenticator = bus::auth::authenticator_for(scenario);
+    const bus::SteadyClock clock;
+    const trial::HeardChannels heard = trial::hear_channels(*transport, trial::kListenToNeighbours,
+                                                            stop, authenticator.get(), clock);
+    tell_unverified(trial::rivals_of_up(scenario, options.host, heard.unverified));
+    const auto rivals = trial::rivals_of_up(scenario, options.host, heard.accepted);
     if (!rivals.empty()) {
       throw StartupError(rivals.front() +
                          ": end it, use another network (--url), or start beside it with "
                          "--beside-others");
     }
   }
+  const NonBlockingOutput output;
   return Up(scenario, options).run(stop);
 }
 

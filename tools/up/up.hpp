@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -42,6 +43,7 @@ struct UpResult {
   std::vector<std::string> ended_badly;  ///< asked to end, crashed or failed: "sim (signal 6)"
   std::vector<std::string> never_flown;  ///< vehicles to be flown that followed no plan
   std::vector<std::string> left_flying;  ///< vehicles that were not at rest at the end
+  std::int64_t contacts_unverified = 0;  ///< COLLISION messages refused by their signatures
 };
 
 /// Flies a scenario with one process for each node of this host, over scenario.network.url, until

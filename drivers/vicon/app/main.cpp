@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bus/node/node_main.hpp"
+#include "core/utf8.hpp"
 #include "drivers/vicon/app/node.hpp"
 
 int main(int argc, char** argv) {
@@ -16,7 +17,7 @@ int main(int argc, char** argv) {
          const bus::NodeArguments& /*arguments*/) -> std::unique_ptr<bus::Node> {
         return std::make_unique<drivers::ViconNode>(
             bus, clock, scenario, [](const std::string& status) {
-              std::fprintf(stderr, "vantage-vicon: %s\n", status.c_str());
+              std::fprintf(stderr, "vantage-vicon: %s\n", printable(status).c_str());
             });
       });
 }
