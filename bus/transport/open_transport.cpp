@@ -1,5 +1,3 @@
-#include <cstdlib>
-
 #include "bus/transport/lcm_transport.hpp"
 #include "bus/transport/transport.hpp"
 #include "bus/transport/udpm_transport.hpp"
@@ -9,10 +7,7 @@
 namespace vantage::bus {
 
 std::unique_ptr<Transport> open_transport(const std::string& url) {
-  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
-  const std::string fallback =
-      from_environment != nullptr && *from_environment != '\0' ? from_environment : kDefaultUrl;
-  const std::string& chosen = url.empty() ? fallback : url;
+  const std::string chosen = chosen_url(url);
   const Url parsed = parse_url(chosen);
   if (parsed.scheme == "udpm") {
     return std::make_unique<udpm::UdpmTransport>(parse_udpm(parsed));

@@ -47,7 +47,8 @@ class Handling {
 UdpmTransport::UdpmTransport(const UdpmAddress& address)
     : message_bytes_max_(static_cast<std::size_t>(address.message_bytes_max)),
       receive_buffer_asked_bytes_(address.recv_buf_bytes),
-      arrived_bytes_max_(static_cast<std::size_t>(address.recv_buf_bytes)),
+      arrived_bytes_max_(
+          static_cast<std::size_t>(std::max(address.recv_buf_bytes, address.message_bytes_max))),
       socket_(address),
       reassembler_(limits_for(message_bytes_max_)) {}
 

@@ -14,8 +14,9 @@ namespace vantage::bus::udpm {
 /// inside handle(), on bytes that were checked first.
 ///
 /// What has arrived is taken from the kernel before handlers are called and between them, into a
-/// queue of recv_buf_size bytes whose oldest messages give way: the kernel's own buffer, which
-/// keeps the oldest and is seldom granted in full, overflows only while one handler runs for long.
+/// queue of recv_buf_size bytes (at least max_message_size); the oldest messages give way. The
+/// kernel's own buffer, which keeps the oldest and is seldom granted in full, overflows only while
+/// one handler runs for long.
 class UdpmTransport : public Transport {
  public:
   /// @throws StartupError as MulticastSocket.
@@ -30,6 +31,10 @@ class UdpmTransport : public Transport {
   /// @throws UsageError when called from a handler.
   int handle(std::chrono::microseconds timeout) override;
   [[nodiscard]] TransportStats stats() const override;
+  /// Messages that were refused for their size, by channel.
+  [[nodiscard]] const auto& oversized() const { return reassembler_.oversized(); }
+  /// `max_message_size` of the URL.
+  [[nodiscard]] std::size_t message_bytes_max() const { return message_bytes_max_; }
 
  private:
   struct Subscription {
