@@ -452,5 +452,56 @@ TEST(LogSpool, LosesWhatHasNoFileWhenItEnds) {
   EXPECT_EQ(spool.report().events_lost, 3);
 }
 
+/// Events `first` to `end` as a file has them, without the last `torn` bytes.
+Bytes file_of(int first, int end, std::size_t torn) {
+  Bytes out;
+  for (int i = first; i < end; ++i) {
+    append_event({i - first, from_utime(kStart + i), "TICK", data_of(i)}, out);
+  }
+  out.resize(out.size() - torn);
+  return out;
+}
+
+// What a killed logger left is cut off before more is added.
+TEST(LogSpool, LeavesNoDamageInTheMiddleOfALogThatItGoesOnWith) {
+  const test::TemporaryFolder folder;
+  for (const std::size_t torn :
+       {std::size_t{0}, std::size_t{1}, kEventBytes - 1, kEventBytes - 3}) {
+    const std::string path = folder.file(std::to_string(torn));
+    test::write_file(path, file_of(0, 5, torn));
+    SpoolOptions options = quick(path);
+    options.existing = Existing::kAppend;
+    {
+      LogSpool spool(options);
+      for (int i = 5; i < 8; ++i) {
+        write(spool, i);
+      }
+    }
+    EXPECT_EQ(std::ssize(events_of(test::read_file(path))), torn == 0 ? 8 : 7) << torn;
+  }
+}
+
+// The limit is of all files together, those that were there included.
+TEST(LogSpool, CountsWhatIsThereTowardsTheLimitWhenItGoesOn) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("a.lcmlog");
+  for (const std::size_t there : {1U, 3U, 4U}) {
+    test::write_file(path, file_of(0, 1, 0));
+    test::write_file(folder.file("a-2.lcmlog"), file_of(1, static_cast<int>(there), 0));
+    SpoolOptions options = quick(path);
+    options.existing = Existing::kAppend;
+    options.limit_bytes = 3 * kEventBytes;
+    LogSpool spool(options);
+    for (int i = 5; i < 9; ++i) {
+      write(spool, i);
+    }
+    spool.close();
+    const std::size_t bytes =
+        test::read_file(path).size() + test::read_file(folder.file("a-2.lcmlog")).size();
+    EXPECT_EQ(bytes, std::max<std::size_t>(there, 3) * kEventBytes);
+    EXPECT_TRUE(spool.report().is_full);
+  }
+}
+
 }  // namespace
 }  // namespace vantage::logs

@@ -46,6 +46,12 @@ int report(const logs::IndexedLog& log, const ExportArguments& arguments,
            const logs::ExportCounts& counts) {
   print_line(fmt::format("{}: {} messages", arguments.output, counts.messages));
   tell_left_out(log, counts);
+  if (counts.times_held > 0) {
+    fmt::print(stderr,
+               "{}: {} messages have times before 1970 or after 2262, which MCAP cannot hold: "
+               "written as the nearest time that it can\n",
+               log.path(), counts.times_held);
+  }
   if (!counts.failure.empty()) {
     fmt::print(stderr, "vantage: {}\n", counts.failure);
   } else if (counts.is_stopped) {

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "bus/transport/url.hpp"
 #include "core/check.hpp"
 #include "core/process.hpp"
 #include "core/utf8.hpp"
@@ -23,6 +24,11 @@ std::function<void(double)> progress_line(const std::string& what) {
       fmt::print(stderr, "\r{:{}}\r", "", what.size() + 6);
     }
   };
+}
+
+std::string url_for_log(const std::string& url) {
+  return bus::with_udpm_option(bus::chosen_url(url), "max_message_size",
+                               std::to_string(kLogMessageBytesMax));
 }
 
 logs::IndexedLog open_log(const std::string& path) {

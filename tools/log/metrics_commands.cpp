@@ -59,6 +59,10 @@ void print(const scenario::Scenario& scenario, const logs::LogAnalysis& analysis
                            record.late, record.fallbacks, 1e3 * record.margin.least_s,
                            1e3 * record.margin.mean_s));
   }
+  if (analysis.times_outlying > 0) {
+    print_line(fmt::format("left out: {} events whose times are more than a day from the others",
+                           analysis.times_outlying));
+  }
   for (const auto& [channel, lost] : analysis.lost) {
     print_line(fmt::format("lost on {}: {} messages", readable(channel), lost));
   }

@@ -54,10 +54,10 @@ LogKeeper::LogKeeper(const ProcessSpec& recorder, const std::string& path,
 }
 
 // Vehicles fly on whatever becomes of their log.
-TrimmedLog LogKeeper::trim() {
-  TrimmedLog trimmed;
+logs::TrimmedLog LogKeeper::trim() {
+  logs::TrimmedLog trimmed;
   try {
-    trimmed = trim_log(path_);
+    trimmed = logs::trim_log(path_);
   } catch (const StartupError&) {
     trimmed = {};
   }
@@ -71,7 +71,7 @@ TrimmedLog LogKeeper::trim() {
 
 void LogKeeper::prepare_restart() {
   note_first_event();
-  const TrimmedLog trimmed = trim();
+  const logs::TrimmedLog trimmed = trim();
   // A logger that dies again before it wrote anything leaves the gap open.
   if (!last_before_) {
     last_before_ = trimmed.last;
@@ -83,7 +83,7 @@ void LogKeeper::note_first_event() {
   if (!last_before_) {
     return;
   }
-  if (const auto first = event_time_at(path_, size_before_bytes_)) {
+  if (const auto first = logs::event_time_at(path_, size_before_bytes_)) {
     outcome_.unrecorded_s += to_seconds(*first - *last_before_);
     last_before_.reset();
   }
@@ -94,7 +94,9 @@ std::vector<SupervisorEvent> LogKeeper::poll(Supervisor::Nanoseconds monotonic_n
   return supervisor_.poll(monotonic_ns);
 }
 
-bool LogKeeper::holds(std::span<const std::uint8_t> bytes) const { return ends_with(path_, bytes); }
+bool LogKeeper::holds(std::span<const std::uint8_t> bytes) const {
+  return logs::ends_with(path_, bytes);
+}
 
 std::vector<std::string> LogKeeper::stop(milliseconds patience) {
   auto killed = supervisor_.stop_all(patience);

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "bus/node/clock.hpp"
+#include "logs/record/log_tail.hpp"
 #include "tools/supervisor/supervisor.hpp"
-#include "tools/up/log_tail.hpp"
 #include "trial/observe/announcer.hpp"
 
 namespace vantage::tools {
@@ -62,7 +62,7 @@ class LogKeeper {
   [[nodiscard]] LogOutcome outcome() const;
 
  private:
-  TrimmedLog trim();
+  logs::TrimmedLog trim();
   void prepare_restart();
   void note_first_event();
 

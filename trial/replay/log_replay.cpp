@@ -11,6 +11,7 @@
 #include "bus/node/bus.hpp"
 #include "bus/node/clock.hpp"
 #include "core/check.hpp"
+#include "core/saturated_time.hpp"
 #include "estimator/app/replay_node.hpp"
 #include "planner/app/replay_node.hpp"
 
@@ -63,7 +64,8 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
     outputs.push_back(bus::mixture_channel(target.robot).name);
   }
   ReplayReport report;
-  bus::VirtualClock clock(log.survey().first);
+  const Time end = std::min(log.survey().end, kClockTimeMax);
+  bus::VirtualClock clock(std::min(log.survey().begin, end));
   bus::InProcessHub hub;
   const auto source = hub.connect();
   const auto ear = hub.connect();
@@ -100,7 +102,7 @@ ReplayReport replay_log(const logs::IndexedLog& log, const scenario::Scenario& s
   report.lacks_keys = !judge && scenario.security.mode != scenario::SecurityMode::kOff;
   logs::LogScan scan = log.scan();
   while (const auto event = scan.next()) {
-    clock.set(std::max(clock.now(), event->time));
+    clock.set(std::clamp(event->time, clock.now(), end));
     // The log has what was forged, too; the flight's processes did not heed it.
     if (judge && !judge->judge(event->channel, event->data, event->time, false, false).may_pass) {
       ++report.refused;
